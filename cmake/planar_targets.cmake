@@ -1,0 +1,55 @@
+# How every target of the project is built: C++17 (ViSP 3.5.0's headers are not C++20), warnings as
+# errors, dependencies' headers as system headers.
+
+add_library(planar_options INTERFACE)
+target_compile_features(planar_options INTERFACE cxx_std_17)
+target_compile_options(planar_options INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Wnon-virtual-dtor
+  -Woverloaded-virtual -Wold-style-cast -Werror)
+target_include_directories(planar_options INTERFACE ${PROJECT_SOURCE_DIR}/src)
+
+# ViSP's package publishes plain variables; this target carries its headers as system headers.
+add_library(planar_visp INTERFACE)
+target_include_directories(planar_visp SYSTEM INTERFACE ${VISP_INCLUDE_DIRS})
+target_link_libraries(planar_visp INTERFACE visp_core visp_blob visp_robot visp_vs visp_io)
+
+# planar_room(NAME SOURCES ... LINKS rooms and packages others may see [PRIVATE_LINKS hidden ones])
+# One static library per room. The link list is the dependency rule: see doc/architecture.md.
+function(planar_room name)
+  cmake_parse_arguments(ROOM "" "" "SOURCES;LINKS;PRIVATE_LINKS" ${ARGN})
+  # BEGIN bootstrap: rooms still being written
+  set(present "")
+  foreach(source IN LISTS ROOM_SOURCES)
+    if(EXISTS ${CMAKE_CURRENT_SOURCE_DIR}/${source})
+      list(APPEND present ${source})
+    endif()
+  endforeach()
+  if(NOT present)
+    return()
+  endif()
+  set(ROOM_SOURCES ${present})
+  # END bootstrap
+  add_library(planar_${name} STATIC ${ROOM_SOURCES})
+  set_target_properties(planar_${name} PROPERTIES CXX_STANDARD 17 CXX_EXTENSIONS OFF)
+  target_link_libraries(planar_${name} PUBLIC planar_options ${ROOM_LINKS}
+                                       PRIVATE ${ROOM_PRIVATE_LINKS})
+endfunction()
+
+# planar_program(NAME): the program planar-NAME from tools/planar_NAME.cpp.
+function(planar_program name)
+  string(REPLACE "-" "_" source ${name})
+  add_executable(planar-${name} planar_${source}.cpp)
+  set_target_properties(planar-${name} PROPERTIES CXX_STANDARD 17 CXX_EXTENSIONS OFF
+                        RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
+  target_link_libraries(planar-${name} PRIVATE planar_app CLI11::CLI11)
+  install(TARGETS planar-${name})
+endfunction()
+
+# planar_test(ROOM SOURCES ... LINKS ...): the test program of one room, every case known to ctest.
+function(planar_test room)
+  cmake_parse_arguments(TEST "" "" "SOURCES;LINKS" ${ARGN})
+  add_executable(${room}_test ${TEST_SOURCES})
+  set_target_properties(${room}_test PROPERTIES CXX_STANDARD 17 CXX_EXTENSIONS OFF)
+  target_link_libraries(${room}_test PRIVATE planar_test_main ${TEST_LINKS})
+  catch_discover_tests(${room}_test TEST_PREFIX "${room}: " PROPERTIES TIMEOUT 300)
+endfunction()

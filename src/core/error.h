@@ -1,0 +1,37 @@
+#pragma once
+
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace planar {
+
+/// Wrong usage or input: a file, an option or an argument that breaks a rule. Programs exit with 2.
+/// The message says what, where, the value, the rule and the remedy.
+class InputError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// The input was right but the work failed: not converged, out of reach, device lost. Programs
+/// exit with 1.
+class WorkError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Collects every fault of an input, so that the user learns all of them at once.
+class Faults {
+ public:
+  void add(std::string message) { messages_.push_back(std::move(message)); }
+  bool empty() const { return messages_.empty(); }
+  const std::vector<std::string>& messages() const { return messages_; }
+
+  /// Throws InputError with one line per fault, if there is any.
+  void throw_if_any() const;
+
+ private:
+  std::vector<std::string> messages_;
+};
+
+}  // namespace planar

@@ -1,0 +1,12 @@
+#pragma once
+
+namespace planar {
+
+// SI inside; these convert at the edges, where names carry their unit: x_mm = x / kMillimetre.
+constexpr double kPi = 3.14159265358979323846;
+constexpr double kMillimetre = 1e-3;
+constexpr double kMicrometre = 1e-6;
+constexpr double kMillisecond = 1e-3;
+constexpr double kDegree = kPi / 180.0;
+
+}  // namespace planar

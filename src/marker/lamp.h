@@ -1,0 +1,50 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <optional>
+
+namespace planar {
+
+/// Why a lamp or a pair of lamps has, or has not, a position.
+enum class LampStatus {
+  kOk,
+  kNoLamp,
+  kOneLamp,
+  kWrongDistance,
+  kSaturated,
+  kAtBorder,
+  kAmbiguous,
+  kNotRound,
+  kLowContrast,
+};
+
+/// The status as files have it: "ok", "no_lamp", "one_lamp", "wrong_distance", ...
+const char* name(LampStatus status);
+
+/// The centre of one lamp in pixels of the whole sensor.
+struct LampCenter {
+  LampStatus status{LampStatus::kNoLamp};
+  Eigen::Vector2d uv_px{0.0, 0.0};
+  Eigen::Matrix2d covariance_px2{Eigen::Matrix2d::Zero()};
+  double diameter_px{0.0};
+};
+
+/// Both lamps of a frame. status is kOk or kAmbiguous (both centres valid, but which is lamp 1 is
+/// not known), or says why there is no pair.
+struct LampPair {
+  LampStatus status{LampStatus::kNoLamp};
+  std::array<LampCenter, 2> lamps;
+};
+
+/// What is known of a pair before it is looked for; all in pixels of the whole sensor.
+struct PairExpectation {
+  /// Where lamps 1 and 2 should be: decides which is which and where to look.
+  std::optional<std::array<Eigen::Vector2d, 2>> predicted_px;
+  /// Least and greatest distance between the two centres.
+  std::optional<std::array<double, 2>> separation_px;
+};
+
+enum class CenterMethod { kAuto, kCannyKasa, kVpDot2 };
+
+}  // namespace planar

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace planar {
+
+/// Writes the whole text to a temporary name beside `path` and renames it, so that no reader ever
+/// sees half a file. Throws WorkError when the place cannot be written.
+void write_file(const std::filesystem::path& path, std::string_view text);
+
+/// The whole file. Throws InputError naming `path` when it cannot be read.
+std::string read_file(const std::filesystem::path& path);
+
+/// Throws InputError when `output` is the same file as `input`.
+void require_not_input(const std::filesystem::path& output, const std::filesystem::path& input);
+
+}  // namespace planar

@@ -1,0 +1,82 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace planar {
+
+/// A node of a strictly read YAML file. Every access that breaks a rule adds a fault
+/// `FILE:LINE:COLUMN: what is wrong; what is allowed` to the document and returns a harmless value,
+/// so that one run names all faults:
+///
+///     YamlDocument document = YamlDocument::read(path, "cell");
+///     YamlNode servo = document.root().child("servo");
+///     settings.gain = servo.number("gain");
+///     document.throw_if_faulty();      // also names every key that nobody asked for
+class YamlNode {
+ public:
+  /// A required key. The returned node may be missing; then every access to it is harmless.
+  YamlNode child(const std::string& key) const;
+  /// A key that may be absent.
+  std::optional<YamlNode> optional_child(const std::string& key) const;
+  bool has(const std::string& key) const;
+
+  // Required keys of this map. Numbers must be finite.
+  double number(const std::string& key) const;
+  int whole_number(const std::string& key) const;
+  std::string text(const std::string& key) const;
+  bool boolean(const std::string& key) const;
+  /// One of `allowed`; the first of them when it is none.
+  std::string choice(const std::string& key, const std::vector<std::string>& allowed) const;
+  /// A list of `size` numbers (any number of them when size is 0).
+  std::vector<double> numbers(const std::string& key, std::size_t size) const;
+  /// A list of maps or lists (`size` of them; any number when 0).
+  std::vector<YamlNode> list(const std::string& key, std::size_t size = 0) const;
+
+  /// This node as a list of `size` numbers (any number of them when size is 0).
+  std::vector<double> as_numbers(std::size_t size) const;
+  std::string as_text() const;
+  /// Every key of this map, in the file's order.
+  std::vector<std::string> keys() const;
+
+  /// The number at `key` when it satisfies lower <= v <= upper, else a fault naming the range.
+  double number_in(const std::string& key, double lower, double upper) const;
+
+  void add_fault(const std::string& message) const;
+  /// Asks for a key without reading it, so that it does not count as unknown.
+  void allow(const std::string& key) const;
+
+ private:
+  friend class YamlDocument;
+  struct Impl;
+  explicit YamlNode(std::shared_ptr<Impl> impl) : impl_(std::move(impl)) {}
+  std::shared_ptr<Impl> impl_;
+};
+
+class YamlDocument {
+ public:
+  /// Reads a file that must begin with `format: planar-servo/<kind>/1`. Throws InputError when it
+  /// cannot be read or is not YAML.
+  static YamlDocument read(const std::filesystem::path& path, const std::string& kind);
+  /// Reads a file of another system: any keys, no format line.
+  static YamlDocument read_lenient(const std::filesystem::path& path);
+
+  YamlNode root() const;
+  const std::filesystem::path& path() const;
+  /// Throws InputError with all faults, and (for strict documents) every key that was not asked
+  /// for, with the keys that are allowed there.
+  void throw_if_faulty() const;
+
+ private:
+  struct Impl;
+  explicit YamlDocument(std::shared_ptr<Impl> impl) : impl_(std::move(impl)) {}
+  static YamlDocument parse(const std::filesystem::path& path);
+  friend class YamlNode;
+  std::shared_ptr<Impl> impl_;
+};
+
+}  // namespace planar
