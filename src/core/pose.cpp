@@ -15,7 +15,9 @@ double nearest_branch(double angle, double reference) {
   return reference + std::remainder(angle - reference, 2.0 * kPi);
 }
 
-Eigen::Matrix2d rotation2d(double angle) { return Eigen::Rotation2Dd(angle).toRotationMatrix(); }
+Eigen::Matrix2d rotation2d(double angle) {
+  return Eigen::Rotation2Dd(angle).toRotationMatrix();
+}
 
 Eigen::Matrix3d rotation_from_vector(const Eigen::Vector3d& w) {
   const double angle = w.norm();

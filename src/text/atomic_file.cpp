@@ -20,7 +20,8 @@ void write_file(const fs::path& path, std::string_view text) {
     if (!out) {
       std::error_code ignored;
       fs::remove(temporary, ignored);
-      throw WorkError(path.string() + ": cannot be written; make sure that the folder exists, that "
+      throw WorkError(path.string() +
+                      ": cannot be written; make sure that the folder exists, that "
                       "you may write there and that the disk is not full");
     }
   }

@@ -1,10 +1,8 @@
 #pragma once
 
-#include <string>
-#include <string_view>
-#include <vector>
-
 #include <filesystem>
+#include <string>
+#include <vector>
 
 namespace planar {
 
@@ -28,7 +26,8 @@ class YamlWriter {
   /// A list of lists of numbers, one row a line.
   YamlWriter& add(const std::string& key, const std::vector<std::vector<double>>& rows);
   YamlWriter& add(const std::string& key, const std::vector<std::string>& values);
-  /// `inputs:` with the name and SHA-256 of each file.
+  /// `inputs:` with the name and SHA-256 of each file (of a file of our own: without its `created:`
+  /// line, so that identical runs give identical hashes).
   YamlWriter& add_inputs(const std::vector<std::filesystem::path>& paths);
 
   const std::string& text() const { return text_; }

@@ -3,8 +3,8 @@
 namespace planar::test {
 
 Eigen::MatrixXd numeric_jacobian(
-    const std::function<Eigen::VectorXd(const Eigen::VectorXd&)>& function, const Eigen::VectorXd& x,
-    double step) {
+    const std::function<Eigen::VectorXd(const Eigen::VectorXd&)>& function,
+    const Eigen::VectorXd& x, double step) {
   Eigen::MatrixXd jacobian(function(x).size(), x.size());
   for (Eigen::Index column = 0; column < x.size(); ++column) {
     const auto at = [&](double steps) {
