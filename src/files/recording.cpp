@@ -1,0 +1,102 @@
+#include "files/recording.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/units.h"
+
+namespace planar {
+namespace {
+
+const std::vector<std::string>& frame_columns() {
+  static const std::vector<std::string> columns{"id",
+                                                "image",
+                                                "t_s",
+                                                "plan",
+                                                "theta1_deg",
+                                                "theta2_deg",
+                                                "theta3_deg",
+                                                "m1_pulses",
+                                                "m2_pulses",
+                                                "m3_pulses",
+                                                "region_u0_px",
+                                                "region_v0_px",
+                                                "region_width_px",
+                                                "region_height_px"};
+  return columns;
+}
+
+}  // namespace
+
+const std::vector<std::string>& plan_names() {
+  static const std::vector<std::string> names{"grid",   "plane_grid", "train",   "test",
+                                              "sweep1", "sweep3",     "control", "check"};
+  return names;
+}
+
+std::vector<FrameRow> read_frames(const std::filesystem::path& recording) {
+  if (!std::filesystem::is_directory(recording))
+    throw InputError(recording.string() +
+                     ": is not a folder; a recording made by planar-record is needed");
+  CsvTable table = CsvTable::read(recording / "frames.csv", "frames", frame_columns());
+  std::vector<FrameRow> rows;
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    FrameRow row;
+    row.id = table.text(i, "id");
+    row.image = table.text(i, "image");
+    row.t_s = table.number(i, "t_s");
+    row.plan = table.text(i, "plan");
+    for (int j = 0; j < 3; ++j) {
+      row.theta[j] = table.number(i, fmt::format("theta{}_deg", j + 1)) * kDegree;
+      row.pulses[j] = table.whole_number(i, fmt::format("m{}_pulses", j + 1));
+    }
+    row.region_px = cv::Rect(
+        table.whole_number(i, "region_u0_px"), table.whole_number(i, "region_v0_px"),
+        table.whole_number(i, "region_width_px"), table.whole_number(i, "region_height_px"));
+    if (std::count(plan_names().begin(), plan_names().end(), row.plan) == 0)
+      table.add_fault(
+          i, fmt::format("plan is '{}'; allowed are {}", row.plan, fmt::join(plan_names(), ", ")));
+    rows.push_back(std::move(row));
+  }
+  table.throw_if_faulty();
+  if (rows.empty())
+    throw InputError(table.path().string() + ": has no frames; record some with planar-record");
+  return rows;
+}
+
+std::vector<TrackerRow> read_tracker(const std::filesystem::path& path, const CsvDialect& dialect) {
+  CsvTable table = CsvTable::read(path, "tracker", {"id", "t_s", "x_mm", "y_mm", "z_mm"}, dialect);
+  std::vector<TrackerRow> rows;
+  for (std::size_t i = 0; i < table.size(); ++i)
+    rows.push_back({table.text(i, "id"), table.number(i, "t_s"),
+                    Eigen::Vector3d(table.number(i, "x_mm"), table.number(i, "y_mm"),
+                                    table.number(i, "z_mm")) *
+                        kMillimetre});
+  table.throw_if_faulty();
+  if (rows.empty()) throw InputError(path.string() + ": has no readings; at least one is needed");
+  return rows;
+}
+
+std::string frames_header() {
+  return CsvWriter("frames", frame_columns()).text();
+}
+
+std::string frame_line(const FrameRow& row) {
+  const Joints deg = row.theta / kDegree;
+  const cv::Rect& r = row.region_px;
+  return fmt::format("{},{},{:.6f},{},{:.9f},{:.9f},{:.9f},{},{},{},{},{},{},{}\n", row.id,
+                     row.image, row.t_s, row.plan, deg[0], deg[1], deg[2], row.pulses[0],
+                     row.pulses[1], row.pulses[2], r.x, r.y, r.width, r.height);
+}
+
+std::string tracker_header() {
+  return CsvWriter("tracker", {"id", "t_s", "x_mm", "y_mm", "z_mm"}).text();
+}
+
+std::string tracker_line(const TrackerRow& row) {
+  const Eigen::Vector3d mm = row.p_L / kMillimetre;
+  return fmt::format("{},{:.6f},{:.5f},{:.5f},{:.5f}\n", row.id, row.t_s, mm.x(), mm.y(), mm.z());
+}
+
+}  // namespace planar

@@ -1,0 +1,152 @@
+#include "files/tables.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/units.h"
+#include "files/recording.h"
+#include "text/csv_table.h"
+
+namespace planar {
+namespace {
+
+constexpr int kMicrometreDecimals = 6;  // of a millimetre: a nanometre
+constexpr int kAngleDecimals = 6;       // of a degree
+
+Eigen::Vector2d point_mm(CsvTable& table, std::size_t row, const std::string& x,
+                         const std::string& y) {
+  return Eigen::Vector2d(table.number(row, x), table.number(row, y)) * kMillimetre;
+}
+
+std::optional<double> scaled(std::optional<double> value, double unit) {
+  return value ? std::optional<double>(*value * unit) : std::nullopt;
+}
+
+void add_optional(CsvWriter& writer, std::optional<double> value, double unit, int decimals) {
+  if (value)
+    writer.add(*value / unit, decimals);
+  else
+    writer.add_empty();
+}
+
+void require_rows(const CsvTable& table) {
+  table.throw_if_faulty();
+  if (table.size() == 0)
+    throw InputError(table.path().string() + ": has no rows; at least one is needed");
+}
+
+void require_new_id(CsvTable& table, std::size_t row, std::vector<std::string>& seen) {
+  const std::string& id = table.text(row, "id");
+  if (id.empty()) table.add_fault(row, "id is empty; every row needs one");
+  if (std::find(seen.begin(), seen.end(), id) != seen.end())
+    table.add_fault(row, fmt::format("the id '{}' stands twice; ids must differ", id));
+  seen.push_back(id);
+}
+
+std::variant<std::monostate, TipPose, Joints> plan_place(CsvTable& table, std::size_t row) {
+  const auto given = [&](const char* column) { return !table.text(row, column).empty(); };
+  if (given("x_mm") || given("y_mm")) {
+    if (given("theta1_deg")) table.add_fault(row, "has both x_mm and theta1_deg; give one of them");
+    return TipPose{point_mm(table, row, "x_mm", "y_mm"),
+                   table.optional_number(row, "phi_deg").value_or(0.0) * kDegree};
+  }
+  if (given("theta1_deg"))
+    return Joints(Joints(table.number(row, "theta1_deg"), table.number(row, "theta2_deg"),
+                         table.number(row, "theta3_deg")) *
+                  kDegree);
+  return std::monostate();
+}
+
+}  // namespace
+
+std::vector<PairRow> read_pairs(const std::filesystem::path& path) {
+  CsvTable table = CsvTable::read(
+      path, "pairs", {"id", "x_vision_mm", "y_vision_mm", "x_tracker_mm", "y_tracker_mm"});
+  std::vector<PairRow> rows;
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    PairRow row;
+    row.id = table.text(i, "id");
+    row.p_vision = point_mm(table, i, "x_vision_mm", "y_vision_mm");
+    row.p_tracker = point_mm(table, i, "x_tracker_mm", "y_tracker_mm");
+    row.phi = scaled(table.optional_number(i, "phi_deg"), kDegree);
+    row.sigma_vision = scaled(table.optional_number(i, "sigma_vision_mm"), kMillimetre);
+    row.sigma_tracker = scaled(table.optional_number(i, "sigma_tracker_mm"), kMillimetre);
+    row.plan = table.text(i, "plan");
+    rows.push_back(std::move(row));
+  }
+  require_rows(table);
+  return rows;
+}
+
+std::string pairs_text(const std::vector<PairRow>& rows) {
+  CsvWriter writer("pairs", {"id", "x_vision_mm", "y_vision_mm", "x_tracker_mm", "y_tracker_mm",
+                             "phi_deg", "sigma_vision_mm", "sigma_tracker_mm", "plan"});
+  for (const PairRow& row : rows) {
+    writer.add(row.id);
+    for (const double value :
+         {row.p_vision.x(), row.p_vision.y(), row.p_tracker.x(), row.p_tracker.y()})
+      writer.add(value / kMillimetre, kMicrometreDecimals);
+    add_optional(writer, row.phi, kDegree, kAngleDecimals);
+    add_optional(writer, row.sigma_vision, kMillimetre, kMicrometreDecimals);
+    add_optional(writer, row.sigma_tracker, kMillimetre, kMicrometreDecimals);
+    writer.add(row.plan).end_row();
+  }
+  return writer.text();
+}
+
+std::vector<TargetRow> read_targets(const std::filesystem::path& path) {
+  CsvTable table = CsvTable::read(path, "targets", {"id", "x_mm", "y_mm"});
+  std::vector<TargetRow> rows;
+  std::vector<std::string> seen;
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    require_new_id(table, i, seen);
+    rows.push_back({table.text(i, "id"), point_mm(table, i, "x_mm", "y_mm"),
+                    scaled(table.optional_number(i, "phi_deg"), kDegree)});
+  }
+  require_rows(table);
+  return rows;
+}
+
+std::vector<PlanRow> read_plan(const std::filesystem::path& path) {
+  CsvTable table = CsvTable::read(path, "plan", {"id", "plan"});
+  std::vector<PlanRow> rows;
+  std::vector<std::string> seen;
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    require_new_id(table, i, seen);
+    PlanRow row{table.text(i, "id"), table.text(i, "plan"), plan_place(table, i)};
+    const auto& names = plan_names();
+    if (std::find(names.begin(), names.end(), row.plan) == names.end())
+      table.add_fault(
+          i, fmt::format("plan is '{}'; allowed are {}", row.plan, fmt::join(names, ", ")));
+    const bool board = row.plan == "grid" || row.plan == "plane_grid";
+    if (!board && std::holds_alternative<std::monostate>(row.where))
+      table.add_fault(i, "has no position; x_mm, y_mm or theta1_deg ... theta3_deg are needed");
+    rows.push_back(std::move(row));
+  }
+  require_rows(table);
+  return rows;
+}
+
+std::string plan_text(const std::vector<PlanRow>& rows) {
+  CsvWriter writer(
+      "plan", {"id", "plan", "x_mm", "y_mm", "phi_deg", "theta1_deg", "theta2_deg", "theta3_deg"});
+  for (const PlanRow& row : rows) {
+    writer.add(row.id).add(row.plan);
+    if (const auto* tip = std::get_if<TipPose>(&row.where)) {
+      writer.add(tip->p.x() / kMillimetre, kMicrometreDecimals);
+      writer.add(tip->p.y() / kMillimetre, kMicrometreDecimals);
+      writer.add(tip->phi / kDegree, kAngleDecimals);
+    } else {
+      writer.add_empty().add_empty().add_empty();
+    }
+    const auto* joints = std::get_if<Joints>(&row.where);
+    for (int j = 0; j < 3; ++j)
+      add_optional(writer, joints ? std::optional<double>((*joints)[j]) : std::nullopt, kDegree,
+                   kAngleDecimals);
+    writer.end_row();
+  }
+  return writer.text();
+}
+
+}  // namespace planar

@@ -1,0 +1,48 @@
+#include "files/lamp_table.h"
+
+#include <catch2/catch.hpp>
+
+#include "support/temporary_folder.h"
+
+namespace planar {
+namespace {
+
+TEST_CASE("A row with both lamps comes back with its covariances and position") {
+  LampRow row;
+  row.id = "t1";
+  row.image = "images/t1.pgm";
+  row.t_s = 2.25;
+  row.status = "ok";
+  row.uv_px = {{100.125, 200.5}, {300.0, 400.0}};
+  row.covariance_px2.assign(2, (Eigen::Matrix2d() << 1e-4, 2e-5, 2e-5, 3e-4).finished());
+  row.p_vision = Eigen::Vector2d(0.1, -0.2);
+  row.phi = 0.25;
+  row.sigma = Eigen::Vector2d(1e-6, 2e-6);
+  const test::TemporaryFolder folder;
+  const LampRow back = read_lamps(folder.write("lamps.csv", lamps_text({row}))).at(0);
+  REQUIRE(back.uv_px.size() == 2);
+  CHECK(back.uv_px[0] == row.uv_px[0]);
+  CHECK((back.covariance_px2[1] - row.covariance_px2[1]).norm() < 1e-8);
+  CHECK((*back.p_vision - *row.p_vision).norm() < 1e-9);
+  CHECK(*back.phi == Approx(0.25).margin(1e-8));
+}
+
+TEST_CASE("A failed image keeps its row and its reason, a single disc its one centre") {
+  LampRow failed;
+  failed.id = "t1";
+  failed.status = "no_lamp";
+  LampRow disc;
+  disc.id = "t2";
+  disc.status = "ok";
+  disc.uv_px = {{5.0, 6.0}};
+  disc.covariance_px2.push_back(Eigen::Matrix2d::Identity());
+  const test::TemporaryFolder folder;
+  const auto rows = read_lamps(folder.write("lamps.csv", lamps_text({failed, disc})));
+  CHECK(rows.at(0).status == "no_lamp");
+  CHECK(rows.at(0).uv_px.empty());
+  CHECK(rows.at(1).uv_px.size() == 1);
+  CHECK_FALSE(rows.at(1).p_vision.has_value());
+}
+
+}  // namespace
+}  // namespace planar

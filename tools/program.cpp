@@ -1,0 +1,77 @@
+#include "program.h"
+
+#include <fmt/format.h>
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <filesystem>
+#include <memory>
+
+#include "core/error.h"
+#include "text/atomic_file.h"
+
+namespace planar {
+namespace {
+
+constexpr int kWorkFailed = 1;
+constexpr int kWrongInput = 2;
+
+class HelpFormatter : public CLI::Formatter {
+ public:
+  explicit HelpFormatter(const ProgramText& text) : text_(text) {}
+
+  std::string make_usage(const CLI::App* /*app*/, std::string /*name*/) const override {
+    return fmt::format("\nUsage: {}\n\nSample of the output:\n{}\n", text_.synopsis, text_.sample);
+  }
+
+ private:
+  ProgramText text_;
+};
+
+void start_log(const std::string& name, bool quiet, bool verbose) {
+  auto logger = spdlog::stderr_color_mt(name);
+  logger->set_pattern("%n: %^%v%$");
+  logger->set_level(quiet     ? spdlog::level::err
+                    : verbose ? spdlog::level::debug
+                              : spdlog::level::info);
+  spdlog::set_default_logger(logger);
+}
+
+int failure(int status, const std::exception& e) {
+  spdlog::error("{}", e.what());
+  return status;
+}
+
+}  // namespace
+
+int run_program(const ProgramText& text, int argc, char** argv,
+                const std::function<void(CLI::App&)>& add_options,
+                const std::function<Outcome()>& work) {
+  CLI::App app(text.sentence, text.name);
+  app.formatter(std::make_shared<HelpFormatter>(text));
+  app.set_version_flag("--version", text.name + " " PLANAR_VERSION);
+  std::filesystem::path json_file;
+  bool quiet = false;
+  bool verbose = false;
+  add_options(app);
+  app.add_option("--json", json_file, "write every printed figure to FILE")->type_name("FILE");
+  CLI::Option* quiet_flag = app.add_flag("-q,--quiet", quiet, "errors only");
+  app.add_flag("-v,--verbose", verbose, "more messages")->excludes(quiet_flag);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? 0 : kWrongInput;
+  }
+  start_log(text.name, quiet, verbose);
+  try {
+    const Outcome outcome = work();
+    if (!json_file.empty()) write_file(json_file, outcome.figures.dump(2) + "\n");
+    return outcome.success ? 0 : kWorkFailed;
+  } catch (const InputError& e) {
+    return failure(kWrongInput, e);
+  } catch (const std::exception& e) {
+    return failure(kWorkFailed, e);
+  }
+}
+
+}  // namespace planar

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <string>
+
+namespace planar {
+
+/// What opens a program's --help.
+struct ProgramText {
+  std::string name;      ///< "planar-locate-lamps"
+  std::string sentence;  ///< what it does, one sentence
+  std::string synopsis;  ///< the call, without "Usage:"
+  std::string sample;    ///< a sample of its output
+};
+
+struct Outcome {
+  nlohmann::json figures;  ///< every printed figure, for --json
+  bool success{true};      ///< false: the work was done but failed (exit status 1)
+};
+
+/// Parses the options (those of `add_options` besides --help, --version, --json, -q and -v), does
+/// the work and returns the exit status: 0 done; 1 the work failed; 2 wrong usage or input. The
+/// only place that catches. Results are printed to stdout by `work`, messages go to stderr.
+int run_program(const ProgramText& text, int argc, char** argv,
+                const std::function<void(CLI::App&)>& add_options,
+                const std::function<Outcome()>& work);
+
+}  // namespace planar
