@@ -13,9 +13,9 @@ struct Intrinsics {
   double fx{1.0}, fy{1.0}, cx{0.0}, cy{0.0};
 };
 
-// One class per lens model, each with (x, y) = (X/Z, Y/Z) of a point in the camera frame C:
-//   bool distort(x, y, J*) and bool undistort(x, y, J*) between the ideal and the distorted
-// normalised image plane, false outside the range in which the model is one-to-one.
+// One struct per lens model. Each maps the ideal normalised image plane (x, y) = (X/Z, Y/Z) of
+// points in the camera frame C to the distorted one, in the range about the axis in which the
+// mapping is one-to-one.
 
 /// No distortion.
 struct Pinhole {
@@ -63,7 +63,17 @@ std::optional<Eigen::Vector3d> ray(const CameraModel& camera, const Eigen::Vecto
 
 const Intrinsics& intrinsics(const CameraModel& camera);
 
-/// Distortion coefficients in the model's own order (OpenCV's and ROS's for theirs).
+/// Distortion coefficients in the model's own order (OpenCV's and ROS's for theirs): none; kud,
+/// kdu; k1, k2, p1, p2, k3; the same and k4, k5, k6; k1 ... k4.
 std::vector<double> distortion_coefficients(const CameraModel& camera);
+
+/// "pinhole", "visp", "plumb_bob", "rational_polynomial" or "equidistant".
+std::string lens_model_name(const CameraModel& camera);
+
+/// The camera with that lens model; missing coefficients are zero. Throws InputError for an unknown
+/// model, too many coefficients, a number that is not finite or a focal length that is not
+/// positive.
+CameraModel make_camera_model(const std::string& lens_model, const Intrinsics& k,
+                              const std::vector<double>& coefficients);
 
 }  // namespace planar

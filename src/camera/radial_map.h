@@ -1,0 +1,36 @@
+#pragma once
+
+#include <optional>
+
+#include "camera/mapped.h"
+#include "camera/polynomial.h"
+
+namespace planar::lens {
+
+/// The mapping that all lens models share [Brown 1966, OpenCV]: with s = x^2 + y^2,
+///     x_d = x N(s) / D(s) + 2 p1 x y + p2 (s + 2 x^2)
+///     y_d = y N(s) / D(s) + p1 (s + 2 y^2) + 2 p2 x y.
+/// Its range is where r N(r^2) / D(r^2) still grows from the axis outwards, D has no zero on the
+/// way and the Jacobian's determinant is positive.
+class RadialMap {
+ public:
+  explicit RadialMap(const Polynomial& numerator, const Polynomial& denominator = one(),
+                     double p1 = 0.0, double p2 = 0.0);
+
+  /// Empty outside the range.
+  std::optional<Mapped> distort(const Eigen::Vector2d& xy) const;
+
+  /// The inverse, by damped Newton steps inside the range; empty when no point of it maps to `xy`.
+  std::optional<Mapped> undistort(const Eigen::Vector2d& xy_d) const;
+
+ private:
+  static Polynomial one() { return Polynomial::Ones(1); }
+
+  Polynomial numerator_;
+  Polynomial denominator_;
+  Polynomial growth_;  ///< D^2 times the derivative of r N / D by r, as a polynomial of s
+  double p1_;
+  double p2_;
+};
+
+}  // namespace planar::lens
