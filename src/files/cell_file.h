@@ -1,0 +1,81 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "arm/planar_arm.h"
+#include "arm/transmission.h"
+#include "servo/servo_settings.h"
+
+namespace planar {
+
+struct CameraSettings {
+  std::string source;  ///< "virtual", "files" or "aravis"
+  int width_px{0};
+  int height_px{0};
+  double pixel_pitch_m{0.0};
+  double frame_rate_hz{0.0};
+  double timeout_s{0.0};
+  int follow_region_px{0};
+  double gain_e_per_level{0.0};
+};
+
+struct ArmSettings {
+  ArmGeometry geometry;
+  Elbow elbow{Elbow::kLeft};
+  Joints home{0.0, 0.0, 0.0};
+};
+
+struct Monument {
+  std::string id;
+  Eigen::Vector3d p_B{0.0, 0.0, 0.0};
+};
+
+struct KeepOut {
+  Eigen::Vector2d p_B{0.0, 0.0};
+  double radius_m{0.0};
+};
+
+struct Workspace {
+  double radius_min_m{0.0};
+  double radius_max_m{0.0};
+  std::vector<KeepOut> keep_out;  ///< discs that the end point must not enter
+
+  /// What forbids this end point, in words with the numbers; empty when nothing does.
+  std::optional<std::string> violation(const Eigen::Vector2d& p_B) const;
+};
+
+/// cell.yaml: everything that is known of a cell before it is calibrated, in SI.
+struct CellSettings {
+  std::filesystem::path file;
+  CameraSettings camera;
+  std::filesystem::path camera_model, workplane, tool, error_map;  ///< may not exist yet
+  std::array<double, 2> lamp_diameters_m{0.0, 0.0};
+  double lamp_separation_m{0.0};
+  ArmSettings arm;
+  TransmissionSettings transmission;
+  std::array<std::string, 3> drive_kinds;  ///< "virtual" or "tic"
+  double tool_orientation{0.0};            ///< radians
+  ServoSettings servo;
+  double tracker_sigma_m{0.0};
+  double tracker_sigma_m_per_m{0.0};
+  std::vector<Monument> datum;
+  Workspace workspace;
+  std::optional<std::filesystem::path> truth;  ///< of a virtual cell
+
+  /// Standard deviation per axis of a tracker reading at this range, metres.
+  double tracker_sigma_at(double range_m) const;
+};
+
+/// Reads a cell file strictly: throws InputError naming every fault with FILE:LINE:COLUMN.
+CellSettings read_cell(const std::filesystem::path& path);
+
+/// `path` when it exists, else InputError naming `program`, which makes that file.
+const std::filesystem::path& require_made(const std::filesystem::path& path,
+                                          const std::string& program);
+
+}  // namespace planar
