@@ -1,0 +1,67 @@
+#include "app/cell_devices.h"
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "virtual_cell/truth_file.h"
+#include "virtual_cell/virtual_cell.h"
+
+namespace planar {
+namespace {
+
+VirtualHardware hardware_of(const CellSettings& cell) {
+  const Transmission transmission(cell.transmission);
+  VirtualHardware hardware;
+  hardware.sensor_px = {cell.camera.width_px, cell.camera.height_px};
+  hardware.frame_rate_hz = cell.camera.frame_rate_hz;
+  hardware.sense = cell.arm.geometry.positive_rotation == Rotation::kCounterclockwise ? 1.0 : -1.0;
+  for (std::size_t i = 0; i < 2; ++i)
+    hardware.relative[i] = cell.transmission.coupling[i] == Coupling::kRelative;
+  hardware.pulses_per_rad = transmission.pulses_per_rad();
+  for (int i = 0; i < 3; ++i)
+    hardware.max_speed_rad_s[i] =
+        cell.transmission.drives[static_cast<std::size_t>(i)].max_speed_rad_s;
+  hardware.home_rad = cell.arm.home;
+  for (const Monument& monument : cell.datum)
+    hardware.monuments_B.emplace_back(monument.id, monument.p_B);
+  return hardware;
+}
+
+class VirtualDevices final : public CellDevices {
+ public:
+  VirtualDevices(const Truth& truth, const VirtualHardware& hardware) : cell_(truth, hardware) {}
+
+  Clock& clock() override { return cell_.clock(); }
+  FrameSource& camera() override { return cell_.camera(); }
+  std::array<PulseDrive*, 3> drives() override {
+    return {&cell_.drive(0), &cell_.drive(1), &cell_.drive(2)};
+  }
+  Tracker& tracker() override { return cell_.tracker(); }
+  BoardPresenter& board_presenter() override { return cell_.board_presenter(); }
+  std::function<TipPose()> true_tip() override {
+    return [this] { return cell_.true_tip(); };
+  }
+
+ private:
+  VirtualCell cell_;
+};
+
+}  // namespace
+
+std::unique_ptr<CellDevices> open_cell(const CellSettings& cell) {
+  Faults faults;
+  if (cell.camera.source != "virtual")
+    faults.add(fmt::format("{}: camera.source is {}; this version drives virtual cells only",
+                           cell.file.string(), cell.camera.source));
+  for (const std::string& kind : cell.drive_kinds)
+    if (kind != "virtual")
+      faults.add(fmt::format("{}: drives have the kind {}; this version drives virtual cells only",
+                             cell.file.string(), kind));
+  if (!cell.truth)
+    faults.add(fmt::format("{}: lacks the key 'virtual'; a virtual cell needs its truth file",
+                           cell.file.string()));
+  faults.throw_if_any();
+  return std::make_unique<VirtualDevices>(read_truth(*cell.truth), hardware_of(cell));
+}
+
+}  // namespace planar

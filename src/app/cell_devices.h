@@ -1,0 +1,36 @@
+#pragma once
+
+#include <array>
+#include <functional>
+#include <memory>
+
+#include "core/clock.h"
+#include "devices/board_presenter.h"
+#include "devices/frame_source.h"
+#include "devices/pulse_drive.h"
+#include "devices/tracker.h"
+#include "files/cell_file.h"
+
+namespace planar {
+
+/// The devices of a cell, opened. Whoever holds them cannot tell a virtual cell from a real one,
+/// but for `true_tip`, which only a scorer may ask.
+class CellDevices {
+ public:
+  virtual ~CellDevices() = default;
+  virtual Clock& clock() = 0;
+  virtual FrameSource& camera() = 0;
+  virtual std::array<PulseDrive*, 3> drives() = 0;
+  virtual Tracker& tracker() = 0;
+  virtual BoardPresenter& board_presenter() = 0;
+
+  /// The end point as it really is, in the base frame; empty unless the cell is virtual. For the
+  /// scorer of `_truth` figures only.
+  virtual std::function<TipPose()> true_tip() = 0;
+};
+
+/// Opens the devices that the cell names. Throws InputError for devices that this version does not
+/// drive, and when a virtual cell has no truth file.
+std::unique_ptr<CellDevices> open_cell(const CellSettings& cell);
+
+}  // namespace planar

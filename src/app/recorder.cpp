@@ -1,0 +1,206 @@
+#include "app/recorder.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+#include <map>
+#include <opencv2/imgcodecs.hpp>
+#include <optional>
+#include <set>
+
+#include "app/motion_plan.h"
+#include "app/regions.h"
+#include "calibration/coarse_view.h"
+#include "core/error.h"
+#include "files/recording.h"
+#include "marker/lamp_tracker.h"
+#include "robot/planar_robot.h"
+#include "text/atomic_file.h"
+
+namespace planar {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kMonumentReadings = 5;
+constexpr int kLostFrameRetries = 3;
+
+/// Appends whole lines to a table that grows during a run.
+class GrowingTable {
+ public:
+  GrowingTable(const fs::path& path, const std::string& header) : path_(path) {
+    if (!fs::exists(path)) write_file(path, header);
+  }
+  void append(const std::string& lines) {
+    std::ofstream out(path_, std::ios::app | std::ios::binary);
+    out << lines << std::flush;
+    if (!out) throw WorkError(path_.string() + ": cannot be written; is the disk full?");
+  }
+
+ private:
+  fs::path path_;
+};
+
+std::set<std::string> recorded_ids(const fs::path& recording) {
+  std::set<std::string> ids;
+  if (!fs::exists(recording / "frames.csv")) return ids;
+  try {
+    for (const FrameRow& row : read_frames(recording)) ids.insert(row.id);
+  } catch (const InputError&) {
+    if (read_file(recording / "frames.csv") != frames_header()) throw;
+  }
+  return ids;
+}
+
+class Recorder {
+ public:
+  Recorder(const RecordRequest& request, CellDevices& devices)
+      : cell_(request.cell),
+        devices_(devices),
+        folder_(request.recording),
+        arm_(cell_.arm.geometry),
+        transmission_(cell_.transmission),
+        robot_(arm_, transmission_, devices.drives(), devices.clock()),
+        lamps_(CenterMethod::kCannyKasa),
+        frames_table_(folder_ / "frames.csv", frames_header()),
+        tracker_table_(folder_ / "tracker.csv", tracker_header()) {}
+
+  RecordReport run(const std::vector<PlanRow>& plan, const std::vector<Joints>& joints) {
+    const std::set<std::string> present = recorded_ids(folder_);
+    if (present.empty()) measure_monuments();
+    for (std::size_t i = 0; i < plan.size(); ++i) {
+      if (present.count(plan[i].id) != 0) {
+        ++report_.present;
+        continue;
+      }
+      if (is_board_view(plan[i]))
+        record_board(plan[i]);
+      else
+        record_position(plan[i], joints[i]);
+      ++report_.recorded;
+    }
+    return report_;
+  }
+
+ private:
+  void measure_monuments() {
+    for (const Monument& monument : cell_.datum)
+      for (int i = 0; i < kMonumentReadings; ++i) {
+        const auto reading = devices_.tracker().measure_monument(monument.id);
+        if (!reading)
+          throw WorkError(fmt::format("the tracker does not see the monument '{}'", monument.id));
+        tracker_table_.append(tracker_line({monument.id, reading->t_s, reading->p_L}));
+      }
+  }
+
+  void record_board(const PlanRow& row) {
+    const int view = board_views_[row.plan]++;
+    if (row.plan == "grid")
+      devices_.board_presenter().hold_board(view);
+    else
+      devices_.board_presenter().lay_board(view);
+    devices_.camera().set_region(full_region());
+    const std::string line = save(grab(), row, 0);
+    devices_.board_presenter().remove_board();
+    frames_table_.append(line);
+  }
+
+  void record_position(const PlanRow& row, const Joints& theta) {
+    if (!energized_) robot_.energize();
+    energized_ = true;
+    robot_.move_to(theta);
+    devices_.clock().sleep_for_s(cell_.servo.settle_s);
+    const Eigen::Vector2d p = arm_.forward(robot_.commanded_joints()).p;
+    std::string lines;
+    set_region_for(p);
+    for (int i = 0; i < cell_.servo.frames_per_measurement; ++i) {
+      Frame frame = grab();
+      if (i == 0) frame = with_lamps(std::move(frame), p, row.id);
+      lines += save(frame, row, i);
+    }
+    if (const auto reading = devices_.tracker().measure_tool())
+      tracker_table_.append(tracker_line({row.id, reading->t_s, reading->p_L}));
+    frames_table_.append(lines);
+  }
+
+  void set_region_for(const Eigen::Vector2d& p) {
+    const auto view = fit_coarse_view(sights_);
+    const auto pixel = view ? view->pixel(p) : std::nullopt;
+    devices_.camera().set_region(pixel ? follow_region(cell_.camera, *pixel) : full_region());
+  }
+
+  /// The frame itself when both lamps are in it, else a full frame; then the region follows them.
+  Frame with_lamps(Frame frame, const Eigen::Vector2d& p, const std::string& id) {
+    std::optional<Eigen::Vector2d> middle = middle_of_lamps(frame);
+    if (!middle && frame.region_px != full_region()) {
+      devices_.camera().set_region(full_region());
+      frame = grab();
+      middle = middle_of_lamps(frame);
+    }
+    if (middle) {
+      sights_.push_back({p, *middle});
+      devices_.camera().set_region(follow_region(cell_.camera, *middle));
+    } else {
+      report_.without_lamps.push_back(id);
+    }
+    return frame;
+  }
+
+  std::optional<Eigen::Vector2d> middle_of_lamps(const Frame& frame) {
+    const LampPair pair = lamps_.locate(frame, {});
+    if (pair.status != LampStatus::kOk && pair.status != LampStatus::kAmbiguous)
+      return std::nullopt;
+    return Eigen::Vector2d((pair.lamps[0].uv_px + pair.lamps[1].uv_px) / 2.0);
+  }
+
+  Frame grab() {
+    for (int attempt = 0; attempt < kLostFrameRetries; ++attempt) {
+      FrameResult result = devices_.camera().next_frame();
+      if (result.status == FrameStatus::kOk) return std::move(result.frame);
+    }
+    robot_.halt();
+    throw WorkError(fmt::format("the camera delivered no frame in {} attempts", kLostFrameRetries));
+  }
+
+  std::string save(const Frame& frame, const PlanRow& row, int index) {
+    const std::string image = fmt::format("images/{}_{}.pgm", row.id, index);
+    if (!cv::imwrite((folder_ / image).string(), frame.image))
+      throw WorkError((folder_ / image).string() + ": cannot be written; is the disk full?");
+    ++report_.frames;
+    if (frame.region_px == full_region()) ++report_.full_frames;
+    const Joints theta = energized_ ? robot_.commanded_joints() : cell_.arm.home;
+    return frame_line({row.id, image, frame.t_s, row.plan, theta,
+                       transmission_.pulses_from_joints(theta), frame.region_px});
+  }
+
+  cv::Rect full_region() const { return {0, 0, cell_.camera.width_px, cell_.camera.height_px}; }
+
+  const CellSettings& cell_;
+  CellDevices& devices_;
+  fs::path folder_;
+  PlanarArm arm_;
+  Transmission transmission_;
+  PlanarRobot robot_;
+  LampTracker lamps_;
+  GrowingTable frames_table_;
+  GrowingTable tracker_table_;
+  std::vector<CoarseViewRow> sights_;
+  std::map<std::string, int> board_views_;
+  bool energized_{false};
+  RecordReport report_;
+};
+
+}  // namespace
+
+RecordReport record(const RecordRequest& request, CellDevices& devices) {
+  const std::vector<Joints> joints = joints_of_plan(request.cell, request.plan);
+  std::error_code error;
+  fs::create_directories(request.recording / "images", error);
+  if (error)
+    throw InputError(
+        fmt::format("{}: cannot be made: {}", request.recording.string(), error.message()));
+  return Recorder(request, devices).run(request.plan, joints);
+}
+
+}  // namespace planar

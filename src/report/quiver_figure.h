@@ -1,0 +1,21 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+namespace planar {
+
+/// Errors drawn as arrows from the points where they were found, in the base frame.
+struct QuiverPanel {
+  std::string title;
+  std::vector<Eigen::Vector2d> points;  ///< metres
+  std::vector<Eigen::Vector2d> errors;  ///< metres, as many as points
+};
+
+/// The panels side by side as one SVG element: x to the right, y up, the base in the middle, every
+/// arrow drawn `magnification` times its length and coloured by it. Throws std::invalid_argument
+/// for panels without points or of unequal sizes.
+std::string quiver_svg(const std::vector<QuiverPanel>& panels, double magnification);
+
+}  // namespace planar

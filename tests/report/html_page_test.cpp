@@ -1,0 +1,20 @@
+#include "report/html_page.h"
+
+#include <catch2/catch.hpp>
+
+namespace planar {
+
+TEST_CASE("A page holds its parts in order and refers to no other file") {
+  HtmlPage page("Run of <cell>");
+  page.add_heading("One");
+  page.add_paragraph("two \"quoted\"");
+  page.add_html("<svg></svg>");
+  const std::string text = page.text();
+  CHECK_THAT(text, Catch::Contains("<title>Run of &lt;cell&gt;</title>"));
+  CHECK(text.find("<h2>One</h2>") < text.find("<p>two &quot;quoted&quot;</p>"));
+  CHECK(text.find("quoted") < text.find("<svg></svg>"));
+  CHECK(text.find("src=") == std::string::npos);
+  CHECK(text.find("href=") == std::string::npos);
+}
+
+}  // namespace planar
