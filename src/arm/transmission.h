@@ -18,8 +18,8 @@ using Pulses = Eigen::Vector3i;
 
 struct MotorDrive {
   double pulses_per_motor_turn{10000.0};
-  double gear_ratio{100.0};  ///< motor turns per joint turn
-  int direction{1};          ///< +1 or -1
+  double gear_ratio{100.0};             ///< motor turns per joint turn
+  int direction{1};                     ///< +1 or -1
   double max_speed_rad_s{1.0};          ///< of the joint, that is behind the gear
   double max_acceleration_rad_s2{5.0};  ///< of the joint
 };
