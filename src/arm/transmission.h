@@ -49,6 +49,10 @@ class Transmission {
   /// nothing does.
   std::optional<std::string> limit_violation(const Joints& theta) const;
 
+  /// The same pose of the arm with each motor on that turn within its limits which lies nearest its
+  /// angle at `near`; empty when a motor has none.
+  std::optional<Joints> branch_within_limits(const Joints& theta, const Joints& near) const;
+
   /// C of the equations.
   const Eigen::Matrix3d& coupling_matrix() const { return C_; }
   /// K of the equations, pulses per radian of motor angle behind the gear, signed.

@@ -124,6 +124,23 @@ TEST_CASE("A broken limit is told in words, for every motor that breaks it") {
                        Catch::Contains("; motor 3 would turn to 401.070 deg"));
 }
 
+TEST_CASE("Among the turns of a motor the one within its limits and nearest is taken") {
+  const Transmission transmission = make(Coupling::kRelative, Coupling::kRelative);
+  const Joints pose(0.5, 1.0, 1.5);
+  // Motor 3 may turn to +-6.2: near +6 the angle 0.5 stays, and -5.78 is nearer to -6.
+  for (const double near3 : {6.0, -6.0}) {
+    const auto found = transmission.branch_within_limits(pose, Joints(0.5, 1.0, 1.0 + near3));
+    REQUIRE(found.has_value());
+    CHECK((*found)[2] == Approx(near3 > 0 ? 1.5 : 1.5 - 2.0 * kPi));
+  }
+  // A whole turn of joint 1 is brought back, and the joints behind it with it.
+  const auto found = transmission.branch_within_limits(pose.array() + 2.0 * kPi, pose);
+  REQUIRE(found.has_value());
+  CHECK((*found - pose).norm() < 1e-12);
+  // Motor 1 stops at +-3: there is no turn on which it stands at 3.1.
+  CHECK_FALSE(transmission.branch_within_limits(Joints(3.1, 3.1, 3.1), pose).has_value());
+}
+
 TEST_CASE("The transmission refuses what is not finite or beyond 32 bits") {
   const Transmission transmission = make(Coupling::kRelative, Coupling::kRelative);
   const Joints bad{0.0, kNan, 0.0};
