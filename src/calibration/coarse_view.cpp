@@ -15,16 +15,19 @@ namespace {
 
 using Rows = std::vector<CoarseViewRow>;
 
-constexpr std::size_t kRobustRows = 6;  ///< from here on wrong rows can be told from right ones
-constexpr int kTriples =
-    200;  ///< with a third of the rows wrong, at least one triple is surely clean
+// From here on wrong rows can be told from right ones.
+constexpr std::size_t kRobustRows = 6;
+// With a third of the rows wrong, at least one triple is surely clean.
+constexpr int kTriples = 200;
 constexpr int kRounds = 3;
 constexpr double kOutlierSigmas = 4.0;
-constexpr double kLeastOutlierPx = 3.0;  ///< a homography misses a lens by about this: no outlier
-constexpr double kPerspectiveShare =
-    0.1;                               ///< of the field: an affine map misses this by perspective
-constexpr double kLeastSpread = 1e-3;  ///< width over length below which points are collinear
-constexpr double kLeastSingularRatio = 1e-4;  ///< below it a homography is not determined
+// What a homography misses of a lens, and an affine map of perspective, makes no outlier.
+constexpr double kLeastOutlierPx = 3.0;
+constexpr double kPerspectiveShare = 0.1;  // of the field
+// Width over length below which points are collinear.
+constexpr double kLeastSpread = 1e-3;
+// Ratio of singular values below which a homography is not determined.
+constexpr double kLeastSingularRatio = 1e-4;
 
 bool is_finite(const CoarseViewRow& row) {
   return row.p.allFinite() && row.uv_px.allFinite();

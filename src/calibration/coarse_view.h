@@ -27,6 +27,8 @@ class CoarseView {
   /// at p and the tool points along phi (base frame, radians); empty beyond the horizon.
   std::optional<Eigen::Vector2d> direction(const Eigen::Vector2d& p, double phi) const;
 
+  const Eigen::Matrix3d& H_IB() const { return H_IB_; }
+
  private:
   Eigen::Matrix3d H_IB_;
 };
