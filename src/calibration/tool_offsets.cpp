@@ -55,8 +55,7 @@ SweepOffset fit_sweep_offset(const std::vector<SweepPoint>& points) {
   double square = 0.0;
   for (const SweepPoint& point : points) {
     const Means& m = means.at(point.sweep);
-    const Eigen::Vector2d residual =
-        point.p - m.p - (rotation2d(point.phi) - m.R) * result.offset;
+    const Eigen::Vector2d residual = point.p - m.p - (rotation2d(point.phi) - m.R) * result.offset;
     square += residual.squaredNorm();
     result.residuals.push_back(residual.norm());
   }

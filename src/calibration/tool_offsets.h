@@ -6,8 +6,8 @@
 namespace planar {
 
 /// Where the tool's points lie, metres. The lamps' frame has its origin midway between the lamps
-/// and its x axis from lamp 1 to lamp 2; T is that frame moved to the end point P, with z = 0 in the
-/// base plane:
+/// and its x axis from lamp 1 to lamp 2; T is that frame moved to the end point P, with z = 0 in
+/// the base plane:
 ///
 ///     P = (a + b) / 2 + R(phi) p_TP,   reflector = P + R(phi) p_TS    (theory: t_m and t_s)
 struct ToolOffsets {
@@ -27,7 +27,8 @@ struct SweepPoint {
 struct SweepOffset {
   Eigen::Vector2d offset{0.0, 0.0};  ///< the point in the turning tool, from the axis, metres
   double variance{0.0};              ///< of each coordinate, m^2
-  std::vector<double> residuals;     ///< distances from the fitted places, metres, in the points' order
+  std::vector<double>
+      residuals;  ///< distances from the fitted places, metres, in the points' order
 };
 
 /// Least squares of p_i = P_sweep(i) + R(phi_i) offset with a free place of the axis in each sweep.

@@ -1,0 +1,185 @@
+#include "calibration/pairing.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "core/error.h"
+#include "core/pose.h"
+#include "core/units.h"
+
+namespace planar {
+namespace {
+
+// Far beyond the noise of a lamp's centre and of a tracker: such a difference is motion.
+constexpr double kMotionPx = 1.0;
+constexpr double kMotion = 0.2 * kMillimetre;
+constexpr double kTimeWindow_s = 0.5;
+constexpr double kSameJoint = 1e-9;  // rad
+constexpr char kSweepPlan[] = "sweep3";
+
+/// Everything that was seen at one id.
+struct Place {
+  std::vector<const LampSight*> frames;
+  std::vector<const LampSight*> failed;
+  std::vector<const ToolReading*> readings;
+};
+
+void require_finite(const std::vector<LampSight>& frames,
+                    const std::vector<ToolReading>& readings) {
+  Faults faults;
+  for (const LampSight& frame : frames) {
+    if (!std::isfinite(frame.t_s) || !frame.theta12.allFinite() ||
+        (frame.status == "ok" && !(frame.uv_px[0].allFinite() && frame.uv_px[1].allFinite()))) {
+      faults.add("pairing: a frame of '" + frame.id + "' has a value that is not finite");
+    }
+  }
+  for (const ToolReading& reading : readings) {
+    if (!std::isfinite(reading.t_s) || !reading.p_B.allFinite()) {
+      faults.add("pairing: a reading of '" + reading.id + "' has a value that is not finite");
+    }
+  }
+  faults.throw_if_any();
+}
+
+/// The id whose frames lie nearest in time; empty beyond the window.
+std::string nearest_in_time(const std::vector<LampSight>& frames, double t_s) {
+  double least = kTimeWindow_s;
+  std::string id;
+  for (const LampSight& frame : frames) {
+    const double gap = std::abs(frame.t_s - t_s);
+    if (gap > least) continue;
+    least = gap;
+    id = frame.id;
+  }
+  return id;
+}
+
+template <typename T, typename Value>
+auto mean_of(const std::vector<const T*>& items, const Value& value) {
+  auto sum = value(*items.front());
+  for (std::size_t i = 1; i < items.size(); ++i) sum += value(*items[i]);
+  return decltype(sum)(sum / static_cast<double>(items.size()));
+}
+
+template <typename T, typename Value>
+double farthest_from_mean(const std::vector<const T*>& items, const Value& value) {
+  const auto centre = mean_of(items, value);
+  double farthest = 0.0;
+  for (const T* item : items) farthest = std::max(farthest, (value(*item) - centre).norm());
+  return farthest;
+}
+
+/// Why the place cannot be used; empty when it can.
+std::string fault_of(const Place& place) {
+  if (place.frames.empty()) return "no frame with both lamps: " + place.failed.front()->status;
+  if (place.readings.empty()) return "no tracker reading";
+  for (std::size_t k = 0; k < 2; ++k) {
+    const double far =
+        farthest_from_mean(place.frames, [k](const LampSight& f) { return f.uv_px[k]; });
+    if (far > kMotionPx) {
+      return fmt::format("not at rest: its frames disagree by {:.2f} px on lamp {}", far, k + 1);
+    }
+  }
+  const double far = farthest_from_mean(place.readings, [](const ToolReading& r) { return r.p_B; });
+  if (far > kMotion) {
+    return fmt::format("not at rest: its tracker readings disagree by {:.3f} mm",
+                       far / kMillimetre);
+  }
+  return "";
+}
+
+ToolSight average(const Place& place) {
+  const LampSight& first = *place.frames.front();
+  const auto n = static_cast<double>(place.frames.size());
+  ToolSight sight;
+  sight.id = first.id;
+  sight.plan = first.plan;
+  for (std::size_t k = 0; k < 2; ++k) {
+    sight.lamps_px[k] = mean_of(place.frames, [k](const LampSight& f) { return f.uv_px[k]; });
+    sight.covariances_px2[k] =
+        mean_of(place.frames, [k](const LampSight& f) { return f.covariances_px2[k]; }) / n;
+  }
+  sight.p_reflector_B = mean_of(place.readings, [](const ToolReading& r) { return r.p_B; });
+  // A tracker's stated deviation is in part systematic: repeating a reading does not reduce it.
+  sight.sigma_tracker = mean_of(place.readings, [](const ToolReading& r) { return r.sigma; });
+  return sight;
+}
+
+/// The number of the sweep with these joints, a new one when they are new.
+int sweep_number(const Eigen::Vector2d& theta12, std::vector<Eigen::Vector2d>& sweeps) {
+  const auto same = std::find_if(sweeps.begin(), sweeps.end(), [&](const Eigen::Vector2d& known) {
+    return (known - theta12).cwiseAbs().maxCoeff() < kSameJoint;
+  });
+  const auto number = static_cast<int>(same - sweeps.begin());
+  if (same == sweeps.end()) sweeps.push_back(theta12);
+  return number;
+}
+
+}  // namespace
+
+Pairing pair_sights(const std::vector<LampSight>& frames, const std::vector<ToolReading>& readings,
+                    PairBy by) {
+  require_finite(frames, readings);
+  Pairing pairing;
+  std::vector<std::string> order;
+  std::map<std::string, Place> places;
+  for (const LampSight& frame : frames) {
+    const auto [place, is_new] = places.try_emplace(frame.id);
+    if (is_new) order.push_back(frame.id);
+    (frame.status == "ok" ? place->second.frames : place->second.failed).push_back(&frame);
+  }
+  for (const ToolReading& reading : readings) {
+    const std::string id = by == PairBy::kId ? reading.id : nearest_in_time(frames, reading.t_s);
+    const auto place = places.find(id);
+    if (place != places.end()) {
+      place->second.readings.push_back(&reading);
+    } else {
+      pairing.rejected.push_back(
+          {reading.id, by == PairBy::kId
+                           ? "tracker reading without a frame of this id"
+                           : fmt::format("no frame within {} s of the tracker reading at {:.3f} s",
+                                         kTimeWindow_s, reading.t_s)});
+    }
+  }
+  std::vector<Eigen::Vector2d> sweeps;
+  for (const std::string& id : order) {
+    const Place& place = places.at(id);
+    const std::string fault = fault_of(place);
+    if (!fault.empty()) {
+      pairing.rejected.push_back({id, fault});
+      continue;
+    }
+    pairing.sights.push_back(average(place));
+    if (place.frames.front()->plan == kSweepPlan) {
+      pairing.sights.back().sweep = sweep_number(place.frames.front()->theta12, sweeps);
+    }
+  }
+  return pairing;
+}
+
+std::optional<EndPointPair> end_points(const Workplane& workplane, const ToolOffsets& tool,
+                                       const ToolSight& sight) {
+  std::array<Eigen::Matrix2d, 2> J;
+  const auto a = workplane.plane_from_pixel(sight.lamps_px[0], &J[0]);
+  const auto b = workplane.plane_from_pixel(sight.lamps_px[1], &J[1]);
+  if (!a || !b) return std::nullopt;
+  const Eigen::Vector2d ab = *b - *a;
+  EndPointPair pair;
+  pair.phi = std::atan2(ab.y(), ab.x());
+  const Eigen::Matrix2d R = rotation2d(pair.phi);
+  pair.p_vision = 0.5 * (*a + *b) + R * tool.p_TP;
+  pair.p_tracker = sight.p_reflector_B.head<2>() - R * tool.p_TS.head<2>();
+  double trace = 0.0;
+  for (std::size_t k = 0; k < 2; ++k) {
+    trace += (0.25 * J[k] * sight.covariances_px2[k] * J[k].transpose()).trace();
+  }
+  pair.sigma_vision = std::sqrt(0.5 * trace);
+  pair.sigma_tracker = sight.sigma_tracker;
+  return pair;
+}
+
+}  // namespace planar

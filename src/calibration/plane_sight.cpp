@@ -1,0 +1,50 @@
+#include "calibration/plane_sight.h"
+
+#include <cmath>
+
+namespace planar {
+namespace {
+
+Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
+  Eigen::Matrix3d m;
+  m << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
+  return m;
+}
+
+}  // namespace
+
+std::optional<Eigen::Vector2d> meet_plane(const Pose& X_WC, const Eigen::Vector3d& ray_C,
+                                          PoseJacobian<2>* d_p_d_pose) {
+  const Eigen::Vector3d c = X_WC.translation();
+  const Eigen::Vector3d d = X_WC.linear() * ray_C;
+  if (!(c.z() > 0.0 && d.z() < 0.0)) return std::nullopt;
+  const Eigen::Vector2d slope = d.head<2>() / d.z();
+  if (d_p_d_pose) {
+    Eigen::Matrix<double, 2, 3> along;  // a displacement, followed along the ray into the plane
+    along << Eigen::Matrix2d::Identity(), -slope;
+    *d_p_d_pose << along, c.z() / d.z() * along * cross_matrix(d);
+  }
+  return c.head<2>() - c.z() * slope;
+}
+
+std::optional<LampsInPlane> lamps_in_plane(const Pose& X_WC,
+                                           const std::array<Eigen::Vector3d, 2>& rays_C) {
+  PoseJacobian<2> J_a, J_b;
+  const std::optional<Eigen::Vector2d> a = meet_plane(X_WC, rays_C[0], &J_a);
+  const std::optional<Eigen::Vector2d> b = meet_plane(X_WC, rays_C[1], &J_b);
+  if (!a || !b) return std::nullopt;
+  const Eigen::Vector2d ab = *b - *a;
+  if (!(ab.squaredNorm() > 0.0)) return std::nullopt;
+  const Eigen::Vector2d normal(-ab.y(), ab.x());
+  return LampsInPlane{0.5 * (*a + *b), std::atan2(ab.y(), ab.x()), 0.5 * (J_a + J_b),
+                      normal.transpose() * (J_b - J_a) / ab.squaredNorm()};
+}
+
+Pose moved_pose(const Pose& X_WC, const Eigen::Matrix<double, 6, 1>& change) {
+  Pose moved = X_WC;
+  moved.translation() += change.head<3>();
+  moved.linear() = rotation_from_vector(change.tail<3>()) * X_WC.linear();
+  return moved;
+}
+
+}  // namespace planar

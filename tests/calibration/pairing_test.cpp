@@ -1,0 +1,144 @@
+#include "calibration/pairing.h"
+
+#include <catch2/catch.hpp>
+#include <limits>
+
+#include "calibration/synthetic_cell.h"
+#include "core/error.h"
+
+namespace planar {
+namespace {
+
+using Catch::Matchers::Contains;
+
+LampSight frame(const std::string& id, double t_s, double u_px) {
+  LampSight sight;
+  sight.id = id;
+  sight.t_s = t_s;
+  sight.status = "ok";
+  sight.plan = "train";
+  sight.uv_px = {Eigen::Vector2d(u_px, 100.0), Eigen::Vector2d(u_px + 80.0, 100.0)};
+  sight.covariances_px2.fill(0.04 * Eigen::Matrix2d::Identity());
+  return sight;
+}
+
+ToolReading reading(const std::string& id, double t_s, double x) {
+  return {id, t_s, Eigen::Vector3d(x, 0.2, 0.08), 0.01 * kMillimetre};
+}
+
+std::string reason_of(const Pairing& pairing, const std::string& id) {
+  for (const Rejection& rejection : pairing.rejected) {
+    if (rejection.id == id) return rejection.reason;
+  }
+  return "";
+}
+
+}  // namespace
+
+TEST_CASE("Frames and readings are paired by id whatever their order, and averaged") {
+  const Pairing pairing =
+      pair_sights({frame("b", 5.0, 300.0), frame("a", 1.0, 100.0), frame("a", 1.1, 100.2)},
+                  {reading("a", 9.0, 0.10001), reading("b", 9.1, 0.3), reading("a", 9.2, 0.10003)},
+                  PairBy::kId);
+  REQUIRE(pairing.sights.size() == 2);
+  CHECK(pairing.sights[0].id == "b");
+  const ToolSight& a = pairing.sights[1];
+  CHECK(a.lamps_px[0].x() == Approx(100.1));
+  CHECK(a.covariances_px2[1](0, 0) == Approx(0.02));
+  CHECK(a.p_reflector_B.x() == Approx(0.10002));
+  CHECK(a.sigma_tracker == Approx(0.01 * kMillimetre));
+  CHECK(pairing.rejected.empty());
+}
+
+TEST_CASE("By time each reading goes to the nearest frame, whatever its id says") {
+  const Pairing pairing = pair_sights(
+      {frame("a", 1.0, 100.0), frame("b", 1.6, 300.0)},
+      {reading("2", 1.55, 0.3), reading("1", 1.1, 0.1), reading("3", 7.0, 0.9)}, PairBy::kTime);
+  REQUIRE(pairing.sights.size() == 2);
+  CHECK(pairing.sights[0].p_reflector_B.x() == Approx(0.1));
+  CHECK(pairing.sights[1].p_reflector_B.x() == Approx(0.3));
+  CHECK_THAT(reason_of(pairing, "3"), Contains("7.000 s"));
+}
+
+TEST_CASE("What cannot be paired is named with its reason") {
+  LampSight dark = frame("dark", 1.0, 0.0);
+  dark.status = "one_lamp";
+  const Pairing pairing = pair_sights(
+      {dark, frame("alone", 2.0, 0.0), frame("moving", 3.0, 0.0), frame("moving", 3.1, 5.0),
+       frame("drifting", 4.0, 0.0)},
+      {reading("dark", 1.0, 0.1), reading("moving", 3.0, 0.1), reading("drifting", 4.0, 0.1),
+       reading("drifting", 4.1, 0.101), reading("stray", 5.0, 0.1)},
+      PairBy::kId);
+  CHECK(pairing.sights.empty());
+  CHECK(pairing.rejected.size() == 5);
+  CHECK_THAT(reason_of(pairing, "dark"), Contains("one_lamp"));
+  CHECK_THAT(reason_of(pairing, "alone"), Contains("no tracker reading"));
+  CHECK_THAT(reason_of(pairing, "moving"), Contains("2.50 px on lamp 1"));
+  CHECK_THAT(reason_of(pairing, "drifting"), Contains("0.500 mm"));
+  CHECK_THAT(reason_of(pairing, "stray"), Contains("without a frame"));
+}
+
+TEST_CASE("A failed frame does not spoil the good ones of its place") {
+  LampSight failed = frame("a", 1.1, 0.0);
+  failed.status = "saturated";
+  failed.uv_px[0].x() = std::numeric_limits<double>::quiet_NaN();
+  const Pairing pairing =
+      pair_sights({frame("a", 1.0, 100.0), failed}, {reading("a", 1.0, 0.1)}, PairBy::kId);
+  REQUIRE(pairing.sights.size() == 1);
+  CHECK(pairing.sights[0].lamps_px[0].x() == 100.0);
+}
+
+TEST_CASE("Places of plan sweep3 with the same joints 1 and 2 form a sweep") {
+  std::vector<LampSight> frames;
+  std::vector<ToolReading> readings;
+  for (int i = 0; i < 5; ++i) {
+    frames.push_back(frame(std::to_string(i), i, 100.0 * i));
+    frames.back().theta12 = i < 2 ? Eigen::Vector2d(0.1, 0.2) : Eigen::Vector2d(0.3, 0.2);
+    if (i != 4) frames.back().plan = "sweep3";
+    readings.push_back(reading(std::to_string(i), i, 0.1));
+  }
+  const auto sights = pair_sights(frames, readings, PairBy::kId).sights;
+  REQUIRE(sights.size() == 5);
+  CHECK(sights[0].sweep == sights[1].sweep);
+  CHECK(sights[2].sweep == sights[3].sweep);
+  CHECK(sights[1].sweep != sights[2].sweep);
+  CHECK(sights[4].sweep == ToolSight::kNoSweep);
+}
+
+TEST_CASE("Values that are not finite are refused before anything is averaged") {
+  ToolReading broken = reading("a", 1.0, 0.1);
+  broken.p_B.z() = std::numeric_limits<double>::infinity();
+  CHECK_THROWS_WITH(pair_sights({frame("a", 1.0, 100.0)}, {broken}, PairBy::kId),
+                    Contains("'a' has a value that is not finite"));
+}
+
+TEST_CASE("Both end points are the true one when camera and tool are known") {
+  test::SyntheticCell cell;
+  cell.noise_px = cell.noise_tracker = 0.0;
+  std::mt19937 random(1);
+  const Eigen::Vector2d p_ref(0.31, -0.22);
+  const ToolSight sight = cell.sight("a", p_ref, 2.2, random);
+  const EndPointPair pair = end_points(cell.workplane(), cell.tool_ref, sight).value();
+  CHECK((pair.p_vision - p_ref).norm() < 1e-9);
+  CHECK((pair.p_tracker - p_ref).norm() < 1e-9);
+  CHECK(pair.phi == Approx(2.2).epsilon(1e-9));
+}
+
+TEST_CASE("The stated deviation of the vision is the scatter of noisy lamps") {
+  test::SyntheticCell cell;
+  cell.noise_px = 0.1;
+  std::mt19937 random(4);
+  const Eigen::Vector2d p_ref(0.2, 0.3);
+  double square = 0.0, sigma = 0.0;
+  constexpr int kDraws = 400;
+  for (int i = 0; i < kDraws; ++i) {
+    const ToolSight sight = cell.sight("a", p_ref, 0.5, random);
+    const EndPointPair pair = end_points(cell.workplane(), cell.tool_ref, sight).value();
+    square += (pair.p_vision - p_ref).squaredNorm() / (2.0 * kDraws);
+    sigma = pair.sigma_vision;
+  }
+  // 800 squares: their mean is known to 5 %, its root to 2.5 %.
+  CHECK(std::sqrt(square) == Approx(sigma).epsilon(0.1));
+}
+
+}  // namespace planar

@@ -1,0 +1,51 @@
+#include "calibration/tool_offsets.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <random>
+
+#include "core/pose.h"
+#include "core/units.h"
+
+namespace planar {
+namespace {
+
+const Eigen::Vector2d kOffset_ref(0.012, -0.031);
+
+std::vector<SweepPoint> sweeps(double noise, double range) {
+  std::mt19937 random(2);
+  std::normal_distribution<double> normal(0.0, noise);
+  const std::vector<Eigen::Vector2d> axes{{0.3, 0.1}, {-0.2, 0.4}};
+  std::vector<SweepPoint> points;
+  for (int i = 0; i < 20; ++i) {
+    const int sweep = i % 2;
+    const double phi = range * i / 20.0;
+    const Eigen::Vector2d error(normal(random), normal(random));
+    points.push_back({sweep, phi, axes[sweep] + rotation2d(phi) * kOffset_ref + error});
+  }
+  return points;
+}
+
+}  // namespace
+
+TEST_CASE("Two sweeps in different places give one offset") {
+  const SweepOffset fit = fit_sweep_offset(sweeps(0.0, 1.5 * kPi));
+  CHECK((fit.offset - kOffset_ref).norm() < 1e-15);
+  for (const double residual : fit.residuals) CHECK(residual < 1e-15);
+}
+
+TEST_CASE("A noisy sweep gives the offset within its stated deviation") {
+  constexpr double kNoise = 0.02 * kMillimetre;
+  const SweepOffset fit = fit_sweep_offset(sweeps(kNoise, 2.0 * kPi));
+  // The information of 20 angles round the circle is 20.
+  CHECK(std::sqrt(fit.variance) == Approx(kNoise / std::sqrt(20.0)).epsilon(0.3));
+  CHECK((fit.offset - kOffset_ref).norm() < 4.0 * std::sqrt(fit.variance));
+}
+
+TEST_CASE("Angles that hardly vary determine no offset") {
+  using Catch::Matchers::Contains;
+  CHECK_THROWS_WITH(fit_sweep_offset(sweeps(0.0, 10.0 * kDegree)), Contains("sweep3"));
+  CHECK_THROWS_WITH(fit_sweep_offset({}), Contains("varies too little"));
+}
+
+}  // namespace planar
