@@ -9,6 +9,7 @@
 
 #include "arm/planar_arm.h"
 #include "arm/transmission.h"
+#include "calibration/tracker_registration.h"
 #include "servo/servo_settings.h"
 
 namespace planar {
@@ -28,11 +29,6 @@ struct ArmSettings {
   ArmGeometry geometry;
   Elbow elbow{Elbow::kLeft};
   Joints home{0.0, 0.0, 0.0};
-};
-
-struct Monument {
-  std::string id;
-  Eigen::Vector3d p_B{0.0, 0.0, 0.0};
 };
 
 struct KeepOut {
