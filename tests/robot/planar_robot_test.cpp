@@ -1,0 +1,220 @@
+#include "robot/planar_robot.h"
+
+#include <visp3/robot/vpRobotException.h>
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <limits>
+
+#include "core/error.h"
+#include "core/units.h"
+#include "support/finite_differences.h"
+#include "support/manual_clock.h"
+#include "support/mock_pulse_drive.h"
+
+namespace planar {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kPulse_rad = 2.0 * kPi / 5e5;  // of the coarsest of these drives
+constexpr double kFiniteDifference = 1e-9;      // fourth order with a step of 1e-3
+const Joints kSomewhere{0.3, 1.5, -0.4};
+
+TransmissionSettings transmission_settings() {
+  TransmissionSettings settings;
+  settings.drives[0] = {10000.0, 100.0, 1, 1.0, 5.0};
+  settings.drives[1] = {10000.0, 100.0, -1, 1.0, 5.0};
+  settings.drives[2] = {10000.0, 50.0, 1, 2.0, 10.0};
+  settings.limits_rad = {Eigen::Vector2d(-3.0, 3.0), Eigen::Vector2d(-2.8, 2.8),
+                         Eigen::Vector2d(-6.2, 6.2)};
+  return settings;
+}
+
+/// A robot on three mock drives. Where its tests say "drive 2" the index is 1.
+struct Bench {
+  test::ManualClock clock;
+  std::array<test::MockPulseDrive, 3> drives{
+      test::MockPulseDrive(clock), test::MockPulseDrive(clock), test::MockPulseDrive(clock)};
+  PlanarRobot robot{PlanarArm({{0.3, 0.25}, Rotation::kClockwise}),
+                    Transmission(transmission_settings()),
+                    {&drives[0], &drives[1], &drives[2]},
+                    clock};
+
+  bool nothing_was_sent() const {
+    return drives[0].targets.empty() && drives[1].targets.empty() && drives[2].targets.empty();
+  }
+};
+
+struct ReadyBench : Bench {
+  ReadyBench() { robot.energize(); }
+};
+
+vpColVector column(std::initializer_list<double> values) {
+  vpColVector result(static_cast<unsigned int>(values.size()));
+  std::copy(values.begin(), values.end(), result.data);
+  return result;
+}
+
+}  // namespace
+
+TEST_CASE("A move sends each drive the absolute rounded pulses and waits for all of them") {
+  ReadyBench bench;
+  bench.robot.move_to(kSomewhere);
+  const double pulses_per_rad = 1e6 / (2.0 * kPi);
+  CHECK(bench.drives[0].targets ==
+        std::vector<std::int32_t>{static_cast<int>(std::lround(0.3 * pulses_per_rad))});
+  CHECK(bench.drives[1].targets ==
+        std::vector<std::int32_t>{static_cast<int>(std::lround(-1.2 * pulses_per_rad))});
+  CHECK(bench.drives[2].targets ==
+        std::vector<std::int32_t>{static_cast<int>(std::lround(-1.9 * pulses_per_rad / 2))});
+  for (auto& drive : bench.drives) CHECK_FALSE(drive.status().moving);
+  CHECK(bench.clock.now_s() > 1.195);  // motor 2 turns 1.2 rad at 1 rad/s; polled every 5 ms
+  CHECK((bench.robot.commanded_joints() - kSomewhere).cwiseAbs().maxCoeff() < 2.0 * kPulse_rad);
+}
+
+TEST_CASE("Repeating the commanded joints sends the same pulses: no remainder is carried") {
+  ReadyBench bench;
+  bench.robot.move_to(kSomewhere);
+  const Pulses first = bench.robot.commanded_pulses();
+  for (int i = 0; i < 5; ++i) bench.robot.move_to(bench.robot.commanded_joints());
+  CHECK(bench.robot.commanded_pulses() == first);
+}
+
+TEST_CASE("The drives get their speeds and accelerations in pulses") {
+  ReadyBench bench;
+  CHECK(bench.drives[1].max_speed_pulses_s == Approx(1e6 / (2.0 * kPi)));
+  CHECK(bench.drives[1].max_acceleration_pulses_s2 == Approx(5e6 / (2.0 * kPi)));
+}
+
+TEST_CASE("Nothing moves when one motor would leave its limits") {
+  ReadyBench bench;
+  CHECK_THROWS_WITH(bench.robot.move_to({0.0, 2.9, 2.9}),
+                    Catch::Contains("motor 2 would turn to 166.158 deg"));
+  CHECK(bench.nothing_was_sent());
+}
+
+TEST_CASE("Nothing moves when an angle is not finite") {
+  ReadyBench bench;
+  CHECK_THROWS_AS(bench.robot.move_to({0.0, 0.1, kNan}), std::invalid_argument);
+  CHECK(bench.nothing_was_sent());
+}
+
+TEST_CASE("Nothing moves while a drive is off, faulty or lost") {
+  Bench off;
+  CHECK_THROWS_WITH(off.robot.move_to(kSomewhere), "drive 1 is switched off");
+  CHECK(off.nothing_was_sent());
+  ReadyBench faulty;
+  faulty.drives[2].fault = "low supply voltage";
+  CHECK_THROWS_WITH(faulty.robot.move_to(kSomewhere), "drive 3 reports: low supply voltage");
+  CHECK(faulty.nothing_was_sent());
+  ReadyBench lost;
+  lost.drives[1].knows_position = false;
+  CHECK_THROWS_WITH(lost.robot.move_to(kSomewhere), "drive 2 has lost its position; home the arm");
+  CHECK(lost.nothing_was_sent());
+}
+
+TEST_CASE("A drive that fails on its way halts all and is named") {
+  ReadyBench bench;
+  bench.drives[1].fault_on_the_way = "driver error";
+  CHECK_THROWS_AS(bench.robot.move_to(kSomewhere), WorkError);
+  for (const auto& drive : bench.drives) CHECK(drive.halts == 1);
+  ReadyBench again;
+  again.drives[1].fault_on_the_way = "driver error";
+  CHECK_THROWS_WITH(again.robot.move_to(kSomewhere), "drive 2 failed on its way: driver error");
+}
+
+TEST_CASE("A drive that refuses its target halts those already started") {
+  ReadyBench bench;
+  bench.drives[2].refuses_targets = true;
+  CHECK_THROWS_WITH(bench.robot.move_to(kSomewhere), "the mock drive refuses its target");
+  CHECK(bench.drives[0].halts == 1);
+  CHECK_FALSE(bench.drives[0].status().moving);
+  CHECK(bench.robot.commanded_pulses()[0] == bench.drives[0].status().position_pulses);
+}
+
+TEST_CASE("A drive that never arrives times out and halts all") {
+  ReadyBench bench;
+  bench.drives[0].stalls = true;
+  CHECK_THROWS_WITH(bench.robot.move_to(kSomewhere), Catch::Contains("have not arrived after"));
+  CHECK(bench.drives[2].halts == 1);
+  CHECK(bench.clock.now_s() < 10.0);  // the move itself takes 1.4 s
+}
+
+TEST_CASE("Energizing names the drive that reports a fault") {
+  Bench bench;
+  bench.drives[1].fault = "kill switch";
+  CHECK_THROWS_WITH(bench.robot.energize(), "drive 2 reports: kill switch");
+}
+
+TEST_CASE("Destruction halts the drives that still move, and only those") {
+  test::ManualClock clock;
+  std::array<test::MockPulseDrive, 3> drives{
+      test::MockPulseDrive(clock), test::MockPulseDrive(clock), test::MockPulseDrive(clock)};
+  {
+    PlanarRobot robot(PlanarArm({{0.3, 0.25}, Rotation::kClockwise}),
+                      Transmission(transmission_settings()), {&drives[0], &drives[1], &drives[2]},
+                      clock);
+    robot.energize();
+    drives[1].set_target(100000);
+  }
+  CHECK(drives[0].halts == 0);
+  CHECK(drives[1].halts == 1);
+}
+
+TEST_CASE("As a vpRobot it moves joints and poses, in position control only") {
+  ReadyBench bench;
+  PlanarRobot& robot = bench.robot;
+  CHECK_THROWS_AS(robot.setPosition(vpRobot::JOINT_STATE, column({0.3, 1.5, -0.4})),
+                  vpRobotException);
+  CHECK(bench.nothing_was_sent());
+  robot.setRobotState(vpRobot::STATE_POSITION_CONTROL);
+  robot.setPosition(vpRobot::JOINT_STATE, column({0.3, 1.5, -0.4}));
+  CHECK(robot.getPosition(vpRobot::JOINT_STATE)[1] == Approx(1.5).margin(kPulse_rad));
+
+  const TipPose tip = robot.arm().forward({0.1, 1.6, 0.2});
+  robot.setPosition(vpRobot::REFERENCE_FRAME, column({tip.p.x(), tip.p.y(), 0, 0, 0, tip.phi}));
+  CHECK((robot.commanded_joints() - Joints(0.1, 1.6, 0.2)).norm() < 3.0 * kPulse_rad);
+  const vpColVector pose = robot.getPosition(vpRobot::REFERENCE_FRAME);
+  CHECK(pose[0] == Approx(tip.p.x()).margin(kPulse_rad));
+  CHECK(pose[5] == Approx(tip.phi).margin(3.0 * kPulse_rad));
+
+  CHECK_THROWS_WITH(robot.setPosition(vpRobot::REFERENCE_FRAME, column({0.9, 0, 0, 0, 0, 0})),
+                    Catch::Contains("both links together"));
+  CHECK_THROWS_AS(robot.setPosition(vpRobot::REFERENCE_FRAME, column({0.3, 0, 0.1, 0, 0, 0})),
+                  vpRobotException);
+  CHECK_THROWS_AS(robot.setPosition(vpRobot::END_EFFECTOR_FRAME, pose), vpRobotException);
+  CHECK_THROWS_AS(robot.setVelocity(vpRobot::JOINT_STATE, pose), vpRobotException);
+}
+
+TEST_CASE("As a vpRobot its state stop halts the drives") {
+  ReadyBench bench;
+  bench.robot.setRobotState(vpRobot::STATE_STOP);
+  for (const auto& drive : bench.drives) CHECK(drive.halts == 1);
+}
+
+TEST_CASE("The vpRobot Jacobians are those of the pose, in the base and in the tool's frame") {
+  ReadyBench bench;
+  bench.robot.move_to(kSomewhere);
+  const Joints theta = bench.robot.commanded_joints();
+  const auto pose = [&](const Eigen::VectorXd& angles) -> Eigen::VectorXd {
+    const TipPose tip = bench.robot.arm().forward(Joints(angles));
+    return Eigen::Vector3d(tip.p.x(), tip.p.y(), tip.phi);
+  };
+  const auto planar_rows = [](const vpMatrix& J) {
+    Eigen::Matrix3d rows;
+    for (int i = 0; i < 3; ++i)
+      rows.row(i) << J[i == 2 ? 5 : i][0], J[i == 2 ? 5 : i][1], J[i == 2 ? 5 : i][2];
+    return rows;
+  };
+  vpMatrix fJe;
+  bench.robot.get_fJe(fJe);
+  CHECK(fJe.getRows() == 6);
+  CHECK(test::jacobian_mismatch(planar_rows(fJe), pose, theta, 1e-3) < kFiniteDifference);
+  vpMatrix eJe;
+  bench.robot.get_eJe(eJe);
+  Eigen::Matrix3d base_from_tool = Eigen::Matrix3d::Identity();
+  base_from_tool.topLeftCorner<2, 2>() = rotation2d(bench.robot.arm().forward(theta).phi);
+  CHECK((base_from_tool * planar_rows(eJe)).isApprox(planar_rows(fJe)));
+}
+
+}  // namespace planar

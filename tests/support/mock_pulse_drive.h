@@ -1,0 +1,69 @@
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/clock.h"
+#include "core/error.h"
+#include "devices/pulse_drive.h"
+
+namespace planar::test {
+
+/// A drive that remembers what it was told and turns at constant speed on the given clock.
+class MockPulseDrive final : public PulseDrive {
+ public:
+  explicit MockPulseDrive(const Clock& clock) : clock_(clock) {}
+
+  std::vector<std::int32_t> targets;  ///< every target ever set
+  int halts{0};
+  double max_speed_pulses_s{0.0};
+  double max_acceleration_pulses_s2{0.0};
+  bool refuses_targets{false};
+  bool stalls{false};  ///< moves for ever, without arriving
+  bool knows_position{true};
+  std::string fault;             ///< reported at once, if any
+  std::string fault_on_the_way;  ///< reported while it moves, if any
+
+  void energize() override { energized_ = true; }
+  void set_limits(double speed, double acceleration) override {
+    max_speed_pulses_s = speed;
+    max_acceleration_pulses_s2 = acceleration;
+  }
+  void set_target(std::int32_t target_pulses) override {
+    if (refuses_targets) throw WorkError("the mock drive refuses its target");
+    start_ = position();
+    started_s_ = clock_.now_s();
+    target_ = target_pulses;
+    targets.push_back(target_pulses);
+  }
+  void halt() override {
+    ++halts;
+    target_ = start_ = position();
+    stalls = false;
+  }
+  DriveStatus status() override {
+    const bool moving = stalls || position() != target_;
+    DriveStatus status{position(), target_, energized_, moving, knows_position, {}};
+    if (!fault.empty()) status.faults.push_back(fault);
+    if (moving && !fault_on_the_way.empty()) status.faults.push_back(fault_on_the_way);
+    return status;
+  }
+
+ private:
+  std::int32_t position() const {
+    const double travel = max_speed_pulses_s * (clock_.now_s() - started_s_);
+    const double distance = static_cast<double>(target_) - start_;
+    if (travel >= std::abs(distance)) return target_;
+    return start_ + static_cast<std::int32_t>(std::lround(std::copysign(travel, distance)));
+  }
+
+  const Clock& clock_;
+  bool energized_{false};
+  std::int32_t start_{0};
+  std::int32_t target_{0};
+  double started_s_{0.0};
+};
+
+}  // namespace planar::test
