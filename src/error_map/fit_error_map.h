@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -7,33 +8,46 @@
 
 namespace planar {
 
-enum class MapMethod { kAuto, kRbf, kIdw, kHandWidth };
+enum class MapMethod {
+  kAuto,       ///< the best method this version knows: kRbf
+  kRbf,        ///< Gaussian, width and ridge tuned on the leave-one-out error, outliers left out
+  kIdw,        ///< every sample as it is, as the paper has it
+  kHandWidth,  ///< every sample as it is, Gaussian without ridge and tail, as the paper has it
+};
 
 struct MapProblem {
   std::vector<ErrorSample> samples;
   MapMethod method{MapMethod::kAuto};
-  double hand_width{0.0};  ///< metres; only for kHandWidth: no ridge, no tail, as the paper has it
+  double hand_width{0.0};  ///< metres; only for kHandWidth
 };
 
 struct RejectedSample {
   std::string id;
-  double residual{0.0};  ///< leave-one-out residual, metres
+  double residual{0.0};  ///< distance from what the samples that were kept predict there, metres
   std::string reason;
 };
 
+/// Lengths in metres; rms values are over the distinct positions used.
 struct MapResult {
   ErrorMap map;
-  std::string method;  ///< what was fitted: "rbf", "idw", "hand"
-  std::size_t n_used{0};
+  std::string method;     ///< what was fitted: "rbf", "idw", "hand"
+  std::size_t n_used{0};  ///< samples
   std::vector<RejectedSample> rejected;
-  double raw_rms{0.0};    ///< rms of |E| over the used samples, metres
-  double loo_rms{0.0};    ///< rms of the leave-one-out residuals |r_i| over the used samples, metres
-  double noise_sigma{0.0};  ///< per axis, metres; NaN where the method has none
-  bool worth_using{false};  ///< the leave-one-out error is significantly below the raw one
+  double raw_rms{0.0};      ///< of |E|
+  double loo_rms{0.0};      ///< of the leave-one-out residuals |r_i|
+  double idw_loo_rms{0.0};  ///< the same of inverse distance weighting of the same samples
+  double noise_sigma{0.0};  ///< per axis; NaN where the method has none
+  /// The mean of |E_i|^2 - |r_i|^2 is above zero by more than twice its own uncertainty.
+  bool worth_using{false};
+
+  /// 1 - loo_rms / raw_rms; 0 when there is no error to begin with.
+  double gain() const { return raw_rms > 0.0 ? 1.0 - loo_rms / raw_rms : 0.0; }
 };
 
-/// Fits a map to pairs. Throws InputError for non-finite samples, fewer than 3 distinct positions,
-/// or more outliers than a bounded share. Duplicates are merged.
+/// Fits a map to pairs. Samples at one position are averaged. Throws InputError for samples that
+/// are not finite, fewer than 3 or more than 5,000 distinct positions, a hand width that is not
+/// positive, or outliers beyond a fifth of the samples; WorkError when the equations are too ill
+/// conditioned to be solved.
 MapResult fit_error_map(const MapProblem& problem);
 
 }  // namespace planar

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+
+namespace planar {
+
+/// One calibration point: the end point as vision saw it and the vision error there (vision minus
+/// tracker), both in the base frame, metres.
+struct ErrorSample {
+  std::string id;
+  Eigen::Vector2d p_vision{0.0, 0.0};
+  Eigen::Vector2d error{0.0, 0.0};
+};
+
+struct ErrorPrediction {
+  Eigen::Vector2d error{0.0, 0.0};  ///< metres
+  /// Standard deviation of `error` per axis as an estimate of the noise-free error, metres; NaN
+  /// where the method has none.
+  double sigma{0.0};
+  bool inside{false};  ///< within the region in which the map is valid
+};
+
+}  // namespace planar

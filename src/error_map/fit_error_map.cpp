@@ -1,0 +1,106 @@
+#include "error_map/fit_error_map.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <utility>
+
+#include "core/error.h"
+#include "core/units.h"
+#include "error_map/leave_one_out.h"
+#include "error_map/map_sites.h"
+#include "error_map/outliers.h"
+
+namespace planar {
+namespace {
+
+/// A dense solve of more sites takes more memory and time than it is worth.
+constexpr Eigen::Index kMostSites = 5000;
+
+constexpr double kSignificance = 2.0;
+
+/// Whether the paired gains |E_i|^2 - |r_i|^2 have a mean above zero by kSignificance of its
+/// standard error.
+bool is_significant_gain(const Eigen::Matrix2Xd& errors, const Eigen::Matrix2Xd& residuals) {
+  const Eigen::ArrayXd gains =
+      (errors.colwise().squaredNorm() - residuals.colwise().squaredNorm()).transpose();
+  const auto n = static_cast<double>(gains.size());
+  const double variance = (gains - gains.mean()).square().sum() / (n - 1.0);
+  return gains.mean() > kSignificance * std::sqrt(variance / n);
+}
+
+IdwMap idw_map(const MapSites& sites) {
+  return {sites.positions, sites.errors, region_around(sites.positions)};
+}
+
+MapResult result_of(ErrorMap map, std::string method, const MapSites& used,
+                    const Eigen::Matrix2Xd& residuals) {
+  MapResult result;
+  result.map = std::move(map);
+  result.method = std::move(method);
+  result.n_used = used.sample_count();
+  result.raw_rms = rms_norm(used.errors);
+  result.loo_rms = rms_norm(residuals);
+  result.idw_loo_rms = rms_norm(leave_one_out_residuals(idw_map(used)));
+  result.noise_sigma = noise_sigma(result.map);
+  result.worth_using = is_significant_gain(used.errors, residuals);
+  return result;
+}
+
+std::vector<RejectedSample> rejected_samples(const std::vector<Outlier>& outliers,
+                                             const MapSites& sites,
+                                             const std::vector<ErrorSample>& samples) {
+  std::vector<RejectedSample> rejected;
+  for (const Outlier& outlier : outliers) {
+    const std::string reason =
+        fmt::format("{:.4f} mm from what the other pairs predict there, where {:.4f} mm is allowed",
+                    outlier.residual / kMillimetre, outlier.limit / kMillimetre);
+    for (const std::size_t i : sites.samples[static_cast<std::size_t>(outlier.site)]) {
+      rejected.push_back({samples[i].id, outlier.residual, reason});
+    }
+  }
+  return rejected;
+}
+
+MapResult fit_tuned(const MapSites& sites, const std::vector<ErrorSample>& samples) {
+  RobustFit robust = fit_without_outliers(sites);
+  MapResult result = result_of(std::move(robust.fit.map), "rbf", sites.subset(robust.kept),
+                               robust.fit.left_out.residuals);
+  result.rejected = rejected_samples(robust.outliers, sites, samples);
+  return result;
+}
+
+MapResult fit_hand_width(const MapSites& sites, double width) {
+  if (!(std::isfinite(width) && width > 0.0)) {
+    throw InputError(
+        fmt::format("the map's width is {} mm; it must be a positive number", width / kMillimetre));
+  }
+  TailBasis no_tail;
+  no_tail.degree = -1;
+  GaussianRbfFit fit = fit_gaussian_rbf(sites.positions, sites.errors, no_tail, width, 0.0);
+  return result_of(std::move(fit.map), "hand", sites, fit.left_out.residuals);
+}
+
+}  // namespace
+
+MapResult fit_error_map(const MapProblem& problem) {
+  const MapSites sites = merge_samples(problem.samples);
+  if (sites.size() > kMostSites) {
+    throw InputError(fmt::format("{} distinct positions; a map takes at most {}; leave some out",
+                                 sites.size(), kMostSites));
+  }
+  switch (problem.method) {
+    case MapMethod::kIdw: {
+      const IdwMap map = idw_map(sites);
+      return result_of(map, "idw", sites, leave_one_out_residuals(map));
+    }
+    case MapMethod::kHandWidth:
+      return fit_hand_width(sites, problem.hand_width);
+    case MapMethod::kAuto:
+    case MapMethod::kRbf:
+      break;
+  }
+  return fit_tuned(sites, problem.samples);
+}
+
+}  // namespace planar

@@ -1,0 +1,77 @@
+#include "error_map/map_sites.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "core/error.h"
+#include "core/units.h"
+
+namespace planar {
+namespace {
+
+/// Samples in the same cell of a grid of this pitch are one position: far below what vision
+/// resolves, and two centres any closer would only stiffen the equations.
+constexpr double kSamePosition = 0.1 * kMicrometre;
+
+constexpr Eigen::Index kFewestSites = 3;
+
+void require_finite(const std::vector<ErrorSample>& samples) {
+  Faults faults;
+  for (const ErrorSample& sample : samples) {
+    if (sample.p_vision.allFinite() && sample.error.allFinite()) continue;
+    faults.add(fmt::format("pair {}: position or error is not a finite number; remove the pair",
+                           sample.id));
+  }
+  faults.throw_if_any();
+}
+
+}  // namespace
+
+MapSites MapSites::subset(const std::vector<Eigen::Index>& kept) const {
+  MapSites sites{positions(Eigen::all, kept), errors(Eigen::all, kept), {}};
+  for (const Eigen::Index i : kept) sites.samples.push_back(samples[static_cast<std::size_t>(i)]);
+  return sites;
+}
+
+std::size_t MapSites::sample_count() const {
+  std::size_t count = 0;
+  for (const auto& merged : samples) count += merged.size();
+  return count;
+}
+
+MapSites merge_samples(const std::vector<ErrorSample>& samples) {
+  require_finite(samples);
+  MapSites sites;
+  std::map<std::pair<double, double>, std::size_t> site_of_cell;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const Eigen::Vector2d cell = (samples[i].p_vision / kSamePosition).array().round();
+    const auto [found, is_new] =
+        site_of_cell.try_emplace({cell.x(), cell.y()}, sites.samples.size());
+    if (is_new) sites.samples.emplace_back();
+    sites.samples[found->second].push_back(i);
+  }
+
+  const auto count = static_cast<Eigen::Index>(sites.samples.size());
+  if (count < kFewestSites) {
+    throw InputError(
+        fmt::format("{} pairs at {} distinct positions; a map needs at least {} distinct positions",
+                    samples.size(), count, kFewestSites));
+  }
+  sites.positions.setZero(2, count);
+  sites.errors.setZero(2, count);
+  for (Eigen::Index site = 0; site < count; ++site) {
+    const auto& merged = sites.samples[static_cast<std::size_t>(site)];
+    for (const std::size_t i : merged) {
+      sites.positions.col(site) += samples[i].p_vision;
+      sites.errors.col(site) += samples[i].error;
+    }
+    sites.positions.col(site) /= static_cast<double>(merged.size());
+    sites.errors.col(site) /= static_cast<double>(merged.size());
+  }
+  return sites;
+}
+
+}  // namespace planar

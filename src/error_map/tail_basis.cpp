@@ -1,0 +1,51 @@
+#include "error_map/tail_basis.h"
+
+#include <Eigen/QR>
+#include <cmath>
+
+namespace planar {
+namespace {
+
+/// Positions a thousand times longer than wide count as collinear: a slope across them would be
+/// made of noise.
+constexpr double kThinnest = 1e-3;
+
+/// A position whose leverage reaches 1 cannot be left out: the others do not determine the tail.
+constexpr double kLargestLeverage = 1.0 - kThinnest * kThinnest;
+
+bool determines(const Eigen::MatrixXd& tail) {
+  if (tail.rows() <= tail.cols()) return false;
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr;
+  qr.setThreshold(kThinnest);
+  qr.compute(tail);
+  if (qr.rank() < tail.cols()) return false;
+  const Eigen::MatrixXd thin_q =
+      qr.householderQ() * Eigen::MatrixXd::Identity(tail.rows(), tail.cols());
+  return thin_q.rowwise().squaredNorm().maxCoeff() < kLargestLeverage;
+}
+
+}  // namespace
+
+Eigen::VectorXd TailBasis::at(const Eigen::Vector2d& p) const {
+  Eigen::VectorXd q(terms());
+  if (degree >= 0) q[0] = 1.0;
+  if (degree >= 1) q.tail<2>() = (p - origin) / scale;
+  return q;
+}
+
+Eigen::MatrixXd TailBasis::at_each(const Eigen::Matrix2Xd& positions) const {
+  Eigen::MatrixXd q(positions.cols(), terms());
+  for (Eigen::Index i = 0; i < positions.cols(); ++i) q.row(i) = at(positions.col(i));
+  return q;
+}
+
+TailBasis tail_for(const Eigen::Matrix2Xd& positions) {
+  TailBasis tail;
+  tail.origin = positions.rowwise().mean();
+  const auto count = static_cast<double>(positions.cols());
+  tail.scale = std::sqrt((positions.colwise() - tail.origin).squaredNorm() / count);
+  if (!determines(tail.at_each(positions))) tail.degree = 0;
+  return tail;
+}
+
+}  // namespace planar

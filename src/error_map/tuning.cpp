@@ -1,0 +1,135 @@
+#include "error_map/tuning.h"
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <nlopt.hpp>
+#include <utility>
+#include <vector>
+
+#include "error_map/bordered_system.h"
+#include "error_map/kernel_matrix.h"
+#include "error_map/leave_one_out.h"
+#include "error_map/valid_region.h"
+
+namespace planar {
+namespace {
+
+constexpr Eigen::Index kLargestPart = 1000;
+
+// The search box. Narrower than half the samples' spacing a Gaussian reaches no neighbour; wider
+// than their span it is a polynomial.
+constexpr double kNarrowestInSpacings = 0.5;
+constexpr double kWidestInSpans = 1.0;
+constexpr double kSmallestRidge = 1e-10;
+constexpr double kLargestRidge = 1e3;
+
+constexpr int kGridWidths = 6;
+constexpr std::array<double, 4> kGridRidges{1e-7, 1e-5, 1e-3, 1e-1};
+constexpr int kLocalEvaluations = 30;
+constexpr double kLogTolerance = 0.05;  // of width and ridge: the error is flat about its minimum
+
+/// The leave-one-out error over (log width, log ridge), which remembers the best point it saw.
+class LeaveOneOutCost {
+ public:
+  LeaveOneOutCost(const Eigen::Matrix2Xd& positions, const Eigen::Matrix2Xd& errors,
+                  const TailBasis& tail_basis)
+      : squared_distances_(squared_distances(positions)),
+        tail_(tail_basis.at_each(positions)),
+        errors_(errors.transpose()) {}
+
+  double operator()(double log_width, double log_ridge) {
+    const TunedKernel at{std::exp(log_width), std::exp(log_ridge), 0.0};
+    if (at.width != kernel_width_) {
+      kernel_width_ = at.width;
+      gaussian_kernel(squared_distances_, at.width, kernel_);
+    }
+    const double cost = loo_rms(at.ridge);
+    if (cost < best_.loo_rms) best_ = {at.width, at.ridge, cost};
+    return cost;
+  }
+
+  const TunedKernel& best() const { return best_; }
+
+ private:
+  /// Of the present kernel; huge where it cannot be solved.
+  double loo_rms(double ridge) const {
+    Eigen::MatrixXd ridged = kernel_;
+    ridged.diagonal().array() += ridge;
+    const auto system = BorderedSystem::factorize(std::move(ridged), tail_);
+    if (!system) return std::numeric_limits<double>::max();
+    const Eigen::Matrix2Xd weights = system->solve(errors_).weights.transpose();
+    const double rms = rms_norm(leave_one_out(*system, weights).residuals);
+    return std::isfinite(rms) ? rms : std::numeric_limits<double>::max();
+  }
+
+  Eigen::MatrixXd squared_distances_;
+  Eigen::MatrixXd tail_;
+  Eigen::MatrixXd errors_;
+  Eigen::MatrixXd kernel_;
+  double kernel_width_{0.0};
+  TunedKernel best_{0.0, 0.0, std::numeric_limits<double>::infinity()};
+};
+
+struct SearchBox {
+  double narrowest{0.0};  ///< log width
+  double widest{0.0};
+
+  double width_step() const { return (widest - narrowest) / (kGridWidths - 1); }
+};
+
+SearchBox search_box(const Eigen::Matrix2Xd& positions) {
+  const Eigen::Vector2d span = positions.rowwise().maxCoeff() - positions.rowwise().minCoeff();
+  return {std::log(kNarrowestInSpacings * median_spacing(positions)),
+          std::log(kWidestInSpans * span.norm())};
+}
+
+void search_grid(const SearchBox& box, LeaveOneOutCost& cost) {
+  for (int i = 0; i < kGridWidths; ++i) {
+    for (const double ridge : kGridRidges) {
+      cost(box.narrowest + i * box.width_step(), std::log(ridge));
+    }
+  }
+}
+
+void search_near_best(const SearchBox& box, LeaveOneOutCost& cost) {
+  nlopt::opt search(nlopt::LN_BOBYQA, 2);
+  search.set_lower_bounds({box.narrowest, std::log(kSmallestRidge)});
+  search.set_upper_bounds({box.widest, std::log(kLargestRidge)});
+  search.set_initial_step(
+      {0.5 * box.width_step(), 0.5 * std::log(kGridRidges[1] / kGridRidges[0])});
+  search.set_xtol_abs(kLogTolerance);
+  search.set_maxeval(kLocalEvaluations);
+  search.set_min_objective(
+      [](const std::vector<double>& x, std::vector<double>&, void* data) {
+        return (*static_cast<LeaveOneOutCost*>(data))(x[0], x[1]);
+      },
+      &cost);
+  std::vector<double> at{std::log(cost.best().width), std::log(cost.best().ridge)};
+  double reached = 0.0;
+  try {
+    search.optimize(at, reached);
+  } catch (const nlopt::roundoff_limited&) {
+    // As good as rounding allows: a result like any other.
+  }
+}
+
+/// Every column, or about kLargestPart of them evenly drawn.
+Eigen::Matrix2Xd part_of(const Eigen::Matrix2Xd& columns) {
+  const Eigen::Index stride = (columns.cols() + kLargestPart - 1) / kLargestPart;
+  return columns(Eigen::all, Eigen::seq(0, Eigen::last, stride));
+}
+
+}  // namespace
+
+TunedKernel tune_gaussian(const Eigen::Matrix2Xd& positions, const Eigen::Matrix2Xd& errors,
+                          const TailBasis& tail_basis) {
+  const Eigen::Matrix2Xd part = part_of(positions);
+  const SearchBox box = search_box(part);
+  LeaveOneOutCost cost(part, part_of(errors), tail_basis);
+  search_grid(box, cost);
+  search_near_best(box, cost);
+  return cost.best();
+}
+
+}  // namespace planar

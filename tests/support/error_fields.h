@@ -1,0 +1,39 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "error_map/error_sample.h"
+
+namespace planar::test {
+
+// Made-up vision errors over a disc of 480 mm about the base, metres: the fields by which error
+// maps are compared.
+
+/// Position on the plane -> vision error there, both metres.
+using ErrorField = std::function<Eigen::Vector2d(const Eigen::Vector2d&)>;
+
+constexpr double kFieldRadius = 0.480;
+/// Standard deviation per axis of one measured error: tracker 0.010 mm and vision 0.005 mm.
+constexpr double kFieldNoise = 0.01118e-3;
+
+/// f1: residuals of lens, tilt and focal length, and the parallax of a plane that is not flat.
+Eigen::Vector2d lens_field(const Eigen::Vector2d& p);
+/// f2: f1, the eccentricity of a tilted disc, and a glow with a knee at 11 degrees of view.
+Eigen::Vector2d glow_field(const Eigen::Vector2d& p);
+/// f3: 0.7 f1 and thirty Gaussian bumps of 60 to 100 mm.
+Eigen::Vector2d bumpy_field(const Eigen::Vector2d& p);
+
+/// `count` positions, evenly drawn over the disc.
+std::vector<Eigen::Vector2d> random_positions(int count, std::uint32_t seed);
+/// `count` positions on eight rings of 60 to 480 mm.
+std::vector<Eigen::Vector2d> ring_positions(int count);
+
+/// Samples of the field at the positions with normal noise (metres per axis); ids "0", "1", ...
+std::vector<ErrorSample> measure(const ErrorField& field,
+                                 const std::vector<Eigen::Vector2d>& positions, double noise,
+                                 std::uint32_t seed);
+
+}  // namespace planar::test
