@@ -7,6 +7,7 @@
 #include <limits>
 #include <map>
 
+#include "calibration/vision_tip.h"
 #include "core/error.h"
 #include "core/pose.h"
 #include "core/units.h"
@@ -163,21 +164,13 @@ Pairing pair_sights(const std::vector<LampSight>& frames, const std::vector<Tool
 
 std::optional<EndPointPair> end_points(const Workplane& workplane, const ToolOffsets& tool,
                                        const ToolSight& sight) {
-  std::array<Eigen::Matrix2d, 2> J;
-  const auto a = workplane.plane_from_pixel(sight.lamps_px[0], &J[0]);
-  const auto b = workplane.plane_from_pixel(sight.lamps_px[1], &J[1]);
-  if (!a || !b) return std::nullopt;
-  const Eigen::Vector2d ab = *b - *a;
+  const auto seen = tip_from_lamps(workplane, tool, sight.lamps_px, sight.covariances_px2);
+  if (!seen) return std::nullopt;
   EndPointPair pair;
-  pair.phi = std::atan2(ab.y(), ab.x());
-  const Eigen::Matrix2d R = rotation2d(pair.phi);
-  pair.p_vision = 0.5 * (*a + *b) + R * tool.p_TP;
-  pair.p_tracker = sight.p_reflector_B.head<2>() - R * tool.p_TS.head<2>();
-  double trace = 0.0;
-  for (std::size_t k = 0; k < 2; ++k) {
-    trace += (0.25 * J[k] * sight.covariances_px2[k] * J[k].transpose()).trace();
-  }
-  pair.sigma_vision = std::sqrt(0.5 * trace);
+  pair.phi = seen->tip.phi;
+  pair.p_vision = seen->tip.p;
+  pair.p_tracker = sight.p_reflector_B.head<2>() - rotation2d(pair.phi) * tool.p_TS.head<2>();
+  pair.sigma_vision = std::sqrt(0.5 * seen->covariance.trace());
   pair.sigma_tracker = sight.sigma_tracker;
   return pair;
 }
