@@ -138,25 +138,6 @@ void read_lamps_and_tracker(const YamlNode& root, CellSettings& cell) {
 
 }  // namespace
 
-std::optional<std::string> Workspace::violation(const Eigen::Vector2d& p_B) const {
-  const Eigen::Vector2d mm = p_B / kMillimetre;
-  const double radius = p_B.norm();
-  if (!(radius >= radius_min_m && radius <= radius_max_m))
-    return fmt::format(
-        "({:.3f}, {:.3f}) mm is {:.3f} mm from the base; the workspace reaches from "
-        "{:.3f} to {:.3f} mm",
-        mm.x(), mm.y(), radius / kMillimetre, radius_min_m / kMillimetre,
-        radius_max_m / kMillimetre);
-  for (const KeepOut& disc : keep_out)
-    if ((p_B - disc.p_B).norm() < disc.radius_m)
-      return fmt::format(
-          "({:.3f}, {:.3f}) mm lies in the keep-out disc of {:.3f} mm about "
-          "({:.3f}, {:.3f}) mm",
-          mm.x(), mm.y(), disc.radius_m / kMillimetre, disc.p_B.x() / kMillimetre,
-          disc.p_B.y() / kMillimetre);
-  return std::nullopt;
-}
-
 double CellSettings::tracker_sigma_at(double range_m) const {
   return tracker_sigma_m + tracker_sigma_m_per_m * range_m;
 }

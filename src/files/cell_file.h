@@ -9,6 +9,7 @@
 
 #include "arm/planar_arm.h"
 #include "arm/transmission.h"
+#include "arm/workspace.h"
 #include "calibration/tracker_registration.h"
 #include "servo/servo_settings.h"
 
@@ -29,20 +30,6 @@ struct ArmSettings {
   ArmGeometry geometry;
   Elbow elbow{Elbow::kLeft};
   Joints home{0.0, 0.0, 0.0};
-};
-
-struct KeepOut {
-  Eigen::Vector2d p_B{0.0, 0.0};
-  double radius_m{0.0};
-};
-
-struct Workspace {
-  double radius_min_m{0.0};
-  double radius_max_m{0.0};
-  std::vector<KeepOut> keep_out;  ///< discs that the end point must not enter
-
-  /// What forbids this end point, in words with the numbers; empty when nothing does.
-  std::optional<std::string> violation(const Eigen::Vector2d& p_B) const;
 };
 
 /// cell.yaml: everything that is known of a cell before it is calibrated, in SI.
