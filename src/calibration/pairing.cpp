@@ -19,7 +19,7 @@ namespace {
 constexpr double kMotionPx = 1.0;
 constexpr double kMotion = 0.2 * kMillimetre;
 constexpr double kTimeWindow_s = 0.5;
-constexpr double kSameJoint = 1e-9;  // rad
+constexpr double kSameJoint = 1e-6;  // rad; files round angles
 constexpr char kSweepPlan[] = "sweep3";
 
 /// Everything that was seen at one id.
@@ -113,7 +113,8 @@ ToolSight average(const Place& place) {
 /// The number of the sweep with these joints, a new one when they are new.
 int sweep_number(const Eigen::Vector2d& theta12, std::vector<Eigen::Vector2d>& sweeps) {
   const auto same = std::find_if(sweeps.begin(), sweeps.end(), [&](const Eigen::Vector2d& known) {
-    return (known - theta12).cwiseAbs().maxCoeff() < kSameJoint;
+    const Eigen::Vector2d turn = (known - theta12).unaryExpr(&wrap_angle);
+    return turn.cwiseAbs().maxCoeff() < kSameJoint;
   });
   const auto number = static_cast<int>(same - sweeps.begin());
   if (same == sweeps.end()) sweeps.push_back(theta12);

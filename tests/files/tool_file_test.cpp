@@ -1,0 +1,36 @@
+#include "files/tool_file.h"
+
+#include <catch2/catch.hpp>
+
+#include "core/error.h"
+#include "support/temporary_folder.h"
+
+namespace planar {
+namespace {
+
+constexpr double kRounding = 1e-15;
+
+}  // namespace
+
+TEST_CASE("Tool offsets come back as they were written") {
+  ToolOffsets tool;
+  tool.p_TP = Eigen::Vector2d(0.0004, -0.0007);
+  tool.p_TS = Eigen::Vector3d(0.012, 0.031, 0.085123456789);
+  tool.covariance.diagonal() << 1e-12, 1e-12, 4e-12, 4e-12, 9e-13;
+  const test::TemporaryFolder folder;
+  const ToolOffsets back = read_tool(folder.write("tool.yaml", tool_text(tool, "test", {})));
+  CHECK(back.p_TP.isApprox(tool.p_TP, kRounding));
+  CHECK(back.p_TS.isApprox(tool.p_TS, kRounding));
+  CHECK(back.covariance.isApprox(tool.covariance, kRounding));
+}
+
+TEST_CASE("A tool file with a missing coordinate is refused by its place") {
+  const test::TemporaryFolder folder;
+  const auto path =
+      folder.write("tool.yaml", "format: planar-servo/tool/1\np_TP_mm: [0, 0]\np_TS_mm: [1, 2]\n");
+  CHECK_THROWS_WITH(read_tool(path), Catch::Matchers::Contains("tool.yaml:3:10") &&
+                                         Catch::Matchers::Contains("list of 3 numbers") &&
+                                         Catch::Matchers::Contains("lacks the key 'covariance'"));
+}
+
+}  // namespace planar
