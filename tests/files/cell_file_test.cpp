@@ -1,0 +1,68 @@
+#include "files/cell_file.h"
+
+#include <catch2/catch.hpp>
+
+#include "core/error.h"
+#include "core/units.h"
+#include "support/sample_cells.h"
+#include "support/temporary_folder.h"
+#include "text/atomic_file.h"
+
+namespace planar {
+namespace {
+
+using Catch::Contains;
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const auto at = text.find(from);
+  REQUIRE(at != std::string::npos);
+  return text.replace(at, from.size(), to);
+}
+
+TEST_CASE("The paper's cell is read in SI") {
+  const CellSettings cell = read_cell(test::paper_cell_file());
+  CHECK(cell.camera.width_px == 5120);
+  CHECK(cell.camera.pixel_pitch_m == Approx(2.5e-6));
+  CHECK(cell.arm.geometry.link_lengths_m == Eigen::Vector2d(0.3, 0.3));
+  CHECK(cell.transmission.drives[2].gear_ratio == 50.0);
+  CHECK(cell.transmission.drives[0].max_speed_rad_s == Approx(60.0 * kDegree));
+  CHECK(cell.lamp_separation_m == Approx(0.04));
+  CHECK(cell.servo.tolerance_m == Approx(5e-6));
+  CHECK(cell.servo.settle_s == Approx(0.2));
+  CHECK(cell.datum.size() == 3);
+  CHECK(cell.workspace.radius_max_m == Approx(0.54));
+  REQUIRE(cell.truth.has_value());
+  CHECK(cell.truth->filename() == "truth.yaml");
+}
+
+TEST_CASE("Faults of a cell file are told all at once, each with its place and rule") {
+  const test::TemporaryFolder folder;
+  std::string text = read_file(test::paper_cell_file());
+  text = replaced(text, "gain: 1.0", "gain: 1.5");
+  text = replaced(text, "settle_ms", "setle_ms");
+  text = replaced(text, "positive_rotation: clockwise", "positive_rotation: left");
+  text = replaced(text, "[300.0, 300.0]", "[300.0, -1]");
+  text = replaced(text, "sigma_mm: 0.010", "sigma_mm: .nan");
+  try {
+    read_cell(folder.write("cell.yaml", text));
+    FAIL("no fault was found");
+  } catch (const InputError& e) {
+    CHECK_THAT(e.what(), Contains("servo.gain is 1.5; a number from 1e-09 to 1 is needed"));
+    CHECK_THAT(e.what(), Contains("servo lacks the key 'settle_ms'"));
+    CHECK_THAT(e.what(), Contains("unknown key 'servo.setle_ms'"));
+    CHECK_THAT(
+        e.what(),
+        Contains("arm.positive_rotation is 'left'; allowed are counterclockwise, clockwise"));
+    CHECK_THAT(e.what(), Contains("arm.link_lengths_mm has -1; lengths must be positive"));
+    CHECK_THAT(e.what(), Contains("tracker.sigma_mm is '.nan'; a finite number is needed"));
+  }
+}
+
+TEST_CASE("A file that is not made yet is named with the program that makes it") {
+  CHECK_THROWS_WITH(require_made("/absent/camera.yaml", "planar-calibrate-camera"),
+                    Contains("/absent/camera.yaml: does not exist yet; make it with "
+                             "planar-calibrate-camera"));
+}
+
+}  // namespace
+}  // namespace planar

@@ -1,0 +1,10 @@
+#pragma once
+
+#include <filesystem>
+
+namespace planar::test {
+
+/// calib/paper/cell.yaml of the checkout.
+std::filesystem::path paper_cell_file();
+
+}  // namespace planar::test
