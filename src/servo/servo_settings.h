@@ -1,5 +1,7 @@
 #pragma once
 
+#include "core/units.h"
+
 namespace planar {
 
 enum class ServoLaw { kJacobian, kInverse };
@@ -13,11 +15,14 @@ struct ServoSettings {
   ServoLaw law{ServoLaw::kJacobian};
   double gain{1.0};  ///< in (0, 1]
   double tolerance_m{5e-6};
-  int max_iterations{12};
+  int max_iterations{12};  ///< corrections after the first move; 0 moves open loop and measures
   double max_step_m{5e-3};
   double settle_s{0.2};
   int frames_per_measurement{3};
   Approach approach{Approach::kOneSide};
+  /// How far every motor, behind its gear, first stops short when it approaches from one side. It
+  /// must exceed the play; 0.2 deg is several times that of a gear fit for positioning.
+  double approach_margin_rad{0.2 * kDegree};
 };
 
 }  // namespace planar

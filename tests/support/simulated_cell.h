@@ -1,0 +1,99 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <string>
+
+#include "servo/tip_sensor.h"
+#include "support/manual_clock.h"
+#include "support/mock_pulse_drive.h"
+
+namespace planar::test {
+
+/// A machine that differs from its data sheet: mock drives, gears with play, and an arm whose
+/// kinematics are written here once more, without the project's own.
+class SimulatedCell {
+ public:
+  struct Truth {
+    double L1_m{0.3011};
+    double L2_m{0.2992};
+    double zero1_rad{1.5e-3};
+    double zero2_rad{-2.0e-3};
+    double sense{1.0};
+    bool relative{true};                      ///< motor 2 rides on link 1
+    Eigen::Vector3d pulses_per_rad{1, 1, 1};  ///< signed
+    double play_rad{0.0};                     ///< of each motor, behind its gear
+  };
+
+  explicit SimulatedCell(const Truth& truth) : truth_(truth) {}
+
+  ManualClock& clock() { return clock_; }
+  double now_s() const { return clock_.now_s(); }
+  MockPulseDrive& drive(int i) { return drives_[i]; }
+  std::array<PulseDrive*, 3> drives() { return {&drives_[0], &drives_[1], &drives_[2]}; }
+
+  std::size_t targets_sent() const {
+    return drives_[0].targets.size() + drives_[1].targets.size() + drives_[2].targets.size();
+  }
+
+  TipPose true_tip() const {
+    const double m1 = output_rad(0);
+    const double m2 = output_rad(1);
+    const double a = m1 + truth_.zero1_rad;
+    const double b = (truth_.relative ? m1 + m2 : m2) + truth_.zero2_rad;
+    return {{truth_.L1_m * std::cos(a) + truth_.L2_m * std::cos(b),
+             truth_.sense * (truth_.L1_m * std::sin(a) + truth_.L2_m * std::sin(b))},
+            0.0};
+  }
+
+ private:
+  /// The gear follows its motor once the play is taken up.
+  double output_rad(int i) const {
+    double output = 0.0;
+    for (const std::int32_t target : drives_[i].targets) {
+      const double motor = target / truth_.pulses_per_rad[i];
+      output = std::clamp(output, motor - truth_.play_rad / 2.0, motor + truth_.play_rad / 2.0);
+    }
+    return output;
+  }
+
+  Truth truth_;
+  ManualClock clock_;
+  std::array<MockPulseDrive, 3> drives_{MockPulseDrive(clock_), MockPulseDrive(clock_),
+                                        MockPulseDrive(clock_)};
+};
+
+/// Sees the simulated cell's end point as it is, or with one of these faults.
+class SimulatedSensor final : public TipSensor {
+ public:
+  explicit SimulatedSensor(const SimulatedCell& cell) : cell_(cell) {}
+
+  std::optional<int> lamp_lost_from;              ///< number of the first measurement without
+  std::optional<Eigen::Vector2d> mirrored_about;  ///< shows every error with the wrong sign
+  double sigma_vision_m{1e-7};
+  Eigen::Vector2d offset_m{0.0, 0.0};
+  bool inside_map{true};
+  int measurements{0};
+
+  TipMeasurement measure(const TipPose& /*expected*/, int frames) override {
+    TipMeasurement measurement;
+    if (lamp_lost_from && measurements >= *lamp_lost_from) measurement.status = "one_lamp";
+    ++measurements;
+    measurement.t_s = cell_.now_s();
+    measurement.frames = frames;
+    measurement.tip = cell_.true_tip();
+    measurement.tip.p += offset_m;
+    if (mirrored_about) measurement.tip.p = 2.0 * *mirrored_about - measurement.tip.p;
+    measurement.sigma_vision_m = sigma_vision_m;
+    measurement.inside_map = inside_map;
+    return measurement;
+  }
+
+ private:
+  const SimulatedCell& cell_;
+};
+
+}  // namespace planar::test
