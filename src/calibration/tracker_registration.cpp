@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "core/error.h"
+#include "core/units.h"
 
 namespace planar {
 namespace {
@@ -13,6 +14,9 @@ namespace {
 // Width over length below which points count as collinear: the turn about the line would be a
 // hundred times less certain than the others.
 constexpr double kLeastSpread = 1e-2;
+
+// Share of the monuments' spread beyond which they are not where the cell file has them.
+constexpr double kMaxResidualShare = 1e-2;
 
 template <int N>
 using Points = Eigen::Matrix<double, N, Eigen::Dynamic>;
@@ -76,6 +80,15 @@ std::map<std::string, std::vector<Eigen::Vector3d>> sort_readings(
   return by_id;
 }
 
+void require_fit(const DatumRegistration& datum, const Eigen::Matrix3Xd& p_B) {
+  const double spread =
+      std::sqrt((p_B.colwise() - p_B.rowwise().mean()).colwise().squaredNorm().mean());
+  if (datum.rms <= kMaxResidualShare * spread) return;
+  throw InputError("datum: the readings do not fit the monuments' places, residual " +
+                   std::to_string(datum.rms / kMillimetre) +
+                   " mm rms; check the ids for an exchange and the coordinates in the cell file");
+}
+
 Eigen::Vector3d mean_point(const std::vector<Eigen::Vector3d>& points) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (const Eigen::Vector3d& point : points) sum += point;
@@ -117,6 +130,7 @@ DatumRegistration register_datum(const std::vector<Monument>& monuments,
     result.rms += residual.squaredNorm() / static_cast<double>(n);
   }
   result.rms = std::sqrt(result.rms);
+  require_fit(result, p_B.leftCols(n));
   return result;
 }
 

@@ -42,7 +42,8 @@ struct DatumRegistration {
 
 /// Ties the tracker to the base: the mean of each monument's readings against its known place.
 /// Throws InputError, all faults at once, for readings of unknown monuments, values that are not
-/// finite, a monument named twice, and fewer than 3 monuments read or all of them on one line.
+/// finite, a monument named twice, fewer than 3 monuments read or all of them on one line, and
+/// residuals above a hundredth of the monuments' spread.
 DatumRegistration register_datum(const std::vector<Monument>& monuments,
                                  const std::vector<MonumentReading>& readings);
 

@@ -130,6 +130,12 @@ TEST_CASE("A monument that moved shows in the residuals") {
   CHECK(datum.rms > 0.3 * kMillimetre);
 }
 
+TEST_CASE("Exchanged monuments are refused") {
+  std::vector<MonumentReading> readings = readings_of(square_corner(), 1, 0.0);
+  std::swap(readings[0].id, readings[2].id);
+  CHECK_THROWS_WITH(register_datum(square_corner(), readings), Contains("exchange"));
+}
+
 TEST_CASE("Every fault of a datum is named") {
   std::vector<MonumentReading> readings = readings_of(square_corner(), 1, 0.0);
   readings.push_back({"dutam1", Eigen::Vector3d::Zero()});

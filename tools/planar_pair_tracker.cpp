@@ -1,0 +1,169 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "app/pair_tracker.h"
+#include "core/error.h"
+#include "core/units.h"
+#include "files/camera_file.h"
+#include "files/tool_file.h"
+#include "files/workplane_file.h"
+#include "program.h"
+#include "text/atomic_file.h"
+
+namespace planar {
+namespace {
+
+const ProgramText kText{
+    "planar-pair-tracker",
+    "Pairs what the camera saw with what a laser tracker measured; finds workplane and tool.",
+    "planar-pair-tracker --cell cell.yaml --lamps lamps.csv --recording RECORDING "
+    "[--workplane-from pairs|grid] --workplane-out workplane.yaml --tool-out tool.yaml "
+    "-o pairs.csv",
+    "  datum      3 monuments, rms 0.004 mm\n"
+    "  workplane  6 degrees of freedom fitted to 247 places, rms 0.312 mm\n"
+    "  tool       end point (0.402, -0.698) mm, reflector (12.001, 31.004) mm\n"
+    "  rejected   train_017: vision and tracker differ by 3.214 mm; the limit is 1.820 mm\n"
+    "  raw error  train: 199 pairs, mean 0.301 mm, rms 0.343 mm, max 0.912 mm"};
+
+struct Options {
+  std::filesystem::path cell, lamps, recording, tracker, workplane_out, tool_out, pairs_out;
+  std::string workplane_from{"pairs"}, grid, pair_by{"id"}, columns;
+  char separator{','};
+  bool decimal_comma{false};
+};
+
+void add_options(CLI::App& app, Options& options) {
+  app.add_option("--cell", options.cell, "the cell")->required();
+  app.add_option("--lamps", options.lamps, "lamps.csv made by planar-locate-lamps")->required();
+  app.add_option("--recording", options.recording, "folder made by planar-record")->required();
+  app.add_option("--workplane-from", options.workplane_from,
+                 "what gives the plane's height and tilt")
+      ->check(CLI::IsMember({"pairs", "grid"}))
+      ->capture_default_str();
+  app.add_option("--grid", options.grid, "board on the plane, circles:COLSxROWS:PITCHmm");
+  app.add_option("--pair-by", options.pair_by, "how frames and readings belong together")
+      ->check(CLI::IsMember({"id", "time"}))
+      ->capture_default_str();
+  app.add_option("--tracker", options.tracker, "readings; without it RECORDING/tracker.csv");
+  app.add_option("--tracker-columns", options.columns, "names in that table: x=X,y=Y,z=Z,id=NAME");
+  app.add_option("--separator", options.separator, "between the columns of that table")
+      ->capture_default_str();
+  app.add_flag("--decimal-comma", options.decimal_comma, "numbers of that table are like 1,5");
+  app.add_option("--workplane-out", options.workplane_out, "workplane.yaml to write")->required();
+  app.add_option("--tool-out", options.tool_out, "tool.yaml to write")->required();
+  app.add_option("-o,--out", options.pairs_out, "pairs.csv to write")->required();
+}
+
+/// x=X,y=Y: our column (with its unit, if it has one) -> theirs.
+std::map<std::string, std::string> renamed_columns(const std::string& text) {
+  static const std::map<std::string, std::string> ours{
+      {"id", "id"}, {"t", "t_s"}, {"x", "x_mm"}, {"y", "y_mm"}, {"z", "z_mm"}};
+  std::map<std::string, std::string> renamed;
+  for (const std::string& item : CLI::detail::split(text, ',')) {
+    const std::size_t equals = item.find('=');
+    const auto known = ours.find(item.substr(0, equals));
+    if (item.empty()) continue;
+    if (equals == std::string::npos || known == ours.end()) {
+      throw InputError("--tracker-columns has '" + item +
+                       "'; items like x=X are needed, of id, t, x, y, z");
+    }
+    renamed[known->second] = item.substr(equals + 1);
+  }
+  return renamed;
+}
+
+PairTrackerRequest read_request(const Options& options) {
+  PairTrackerRequest request;
+  request.cell = read_cell(options.cell);
+  request.camera =
+      read_camera(require_made(request.cell.camera_model, "planar-calibrate-camera")).camera;
+  request.lamps = read_lamps(options.lamps);
+  request.frames = read_frames(options.recording);
+  request.tracker =
+      read_tracker(options.tracker.empty() ? options.recording / "tracker.csv" : options.tracker,
+                   {options.separator, options.decimal_comma, renamed_columns(options.columns)});
+  request.by = options.pair_by == "time" ? PairBy::kTime : PairBy::kId;
+  if (options.workplane_from == "grid") {
+    if (options.grid.empty()) {
+      throw InputError("--workplane-from grid needs --grid circles:COLSxROWS:PITCHmm");
+    }
+    request.boards_on_plane = boards_on_plane(options.recording, request.frames, request.camera,
+                                              parse_board(options.grid));
+  }
+  return request;
+}
+
+void write_files(const Options& options, const PairTrackerRequest& request,
+                 const PairTrackerReport& report) {
+  const std::vector<std::filesystem::path> inputs{
+      options.cell, request.cell.camera_model, options.lamps, options.recording / "frames.csv",
+      options.tracker.empty() ? options.recording / "tracker.csv" : options.tracker};
+  for (const auto& output : {options.workplane_out, options.tool_out, options.pairs_out}) {
+    for (const auto& input : inputs) require_not_input(output, input);
+  }
+  const WorkplaneFit& fit = report.workplane;
+  write_file(options.workplane_out,
+             workplane_text({fit.X_WC, fit.covariance, options.workplane_from, fit.absorbed,
+                             static_cast<int>(fit.n_used), fit.rms},
+                            kText.name, inputs));
+  write_file(options.tool_out, tool_text(fit.tool, kText.name, inputs));
+  write_file(options.pairs_out, pairs_text(report.pairs));
+}
+
+void print_raw_errors(const std::vector<PairRow>& pairs) {
+  for (const std::string& plan : plan_names()) {
+    if (std::none_of(pairs.begin(), pairs.end(),
+                     [&](const PairRow& pair) { return pair.plan == plan; })) {
+      continue;
+    }
+    const Summary raw = raw_error(pairs, plan);
+    fmt::print("raw error  {}: {} pairs, mean {:.3f} mm, rms {:.3f} mm, max {:.3f} mm\n", plan,
+               raw.n, raw.mean / kMillimetre, raw.rms / kMillimetre, raw.max / kMillimetre);
+  }
+}
+
+nlohmann::json print(const PairTrackerReport& report) {
+  const WorkplaneFit& fit = report.workplane;
+  const Eigen::Vector2d p_TP = fit.tool.p_TP / kMillimetre;
+  const Eigen::Vector3d p_TS = fit.tool.p_TS / kMillimetre;
+  fmt::print("datum      {} monuments, rms {:.3f} mm\n", report.datum.residuals.size(),
+             report.datum.rms / kMillimetre);
+  fmt::print("workplane  {} degrees of freedom fitted to {} places, rms {:.3f} mm\n", fit.absorbed,
+             fit.n_used, fit.rms / kMillimetre);
+  fmt::print("tool       end point ({:.3f}, {:.3f}) mm, reflector ({:.3f}, {:.3f}) mm\n", p_TP.x(),
+             p_TP.y(), p_TS.x(), p_TS.y());
+  auto rejected = nlohmann::json::array();
+  for (const Rejection& rejection : report.rejected) {
+    fmt::print("rejected   {}: {}\n", rejection.id, rejection.reason);
+    rejected.push_back({{"id", rejection.id}, {"reason", rejection.reason}});
+  }
+  print_raw_errors(report.pairs);
+  const Summary raw = raw_error(report.pairs);
+  return {{"pairs", report.pairs.size()},
+          {"rejected", rejected},
+          {"datum_rms_mm", report.datum.rms / kMillimetre},
+          {"workplane_rms_mm", fit.rms / kMillimetre},
+          {"workplane_absorbed", fit.absorbed},
+          {"p_TP_mm", {p_TP.x(), p_TP.y()}},
+          {"p_TS_mm", {p_TS.x(), p_TS.y(), p_TS.z()}},
+          {"raw_mean_mm", raw.mean / kMillimetre},
+          {"raw_rms_mm", raw.rms / kMillimetre}};
+}
+
+Outcome pair(const Options& options) {
+  const PairTrackerRequest request = read_request(options);
+  const PairTrackerReport report = pair_tracker(request);
+  write_files(options, request, report);
+  return {print(report)};
+}
+
+}  // namespace
+}  // namespace planar
+
+int main(int argc, char** argv) {
+  planar::Options options;
+  return planar::run_program(
+      planar::kText, argc, argv, [&](CLI::App& app) { planar::add_options(app, options); },
+      [&] { return planar::pair(options); });
+}
