@@ -7,6 +7,7 @@
 #include "core/error.h"
 #include "program.h"
 #include "text/atomic_file.h"
+#include "text/growing_file.h"
 #include "virtual_cell/truth.h"
 #include "virtual_cell/truth_file.h"
 
@@ -24,11 +25,7 @@ planar::Outcome draw(std::uint32_t seed, const fs::path& folder) {
   for (const fs::path& path : {cell, truth})
     if (fs::exists(path))
       throw planar::InputError(path.string() + ": is there already; name another folder");
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error)
-    throw planar::InputError(
-        fmt::format("{}: cannot be made: {}", folder.string(), error.message()));
+  planar::make_folder(folder);
   planar::write_truth(truth, planar::draw_truth(seed));
   planar::write_file(cell, planar::paper_cell_text());
   fmt::print("drew cell {}: {} and its truth, {}\n", seed, cell.string(), truth.string());

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
 #include <map>
 #include <opencv2/imgcodecs.hpp>
 #include <optional>
@@ -17,6 +16,7 @@
 #include "marker/lamp_tracker.h"
 #include "robot/planar_robot.h"
 #include "text/atomic_file.h"
+#include "text/growing_file.h"
 
 namespace planar {
 namespace {
@@ -25,22 +25,6 @@ namespace fs = std::filesystem;
 
 constexpr int kMonumentReadings = 5;
 constexpr int kLostFrameRetries = 3;
-
-/// Appends whole lines to a table that grows during a run.
-class GrowingTable {
- public:
-  GrowingTable(const fs::path& path, const std::string& header) : path_(path) {
-    if (!fs::exists(path)) write_file(path, header);
-  }
-  void append(const std::string& lines) {
-    std::ofstream out(path_, std::ios::app | std::ios::binary);
-    out << lines << std::flush;
-    if (!out) throw WorkError(path_.string() + ": cannot be written; is the disk full?");
-  }
-
- private:
-  fs::path path_;
-};
 
 std::set<std::string> recorded_ids(const fs::path& recording) {
   std::set<std::string> ids;
@@ -183,8 +167,8 @@ class Recorder {
   Transmission transmission_;
   PlanarRobot robot_;
   LampTracker lamps_;
-  GrowingTable frames_table_;
-  GrowingTable tracker_table_;
+  GrowingFile frames_table_;
+  GrowingFile tracker_table_;
   std::vector<CoarseViewRow> sights_;
   std::map<std::string, int> board_views_;
   bool energized_{false};
@@ -195,11 +179,7 @@ class Recorder {
 
 RecordReport record(const RecordRequest& request, CellDevices& devices) {
   const std::vector<Joints> joints = joints_of_plan(request.cell, request.plan);
-  std::error_code error;
-  fs::create_directories(request.recording / "images", error);
-  if (error)
-    throw InputError(
-        fmt::format("{}: cannot be made: {}", request.recording.string(), error.message()));
+  make_folder(request.recording / "images");
   return Recorder(request, devices).run(request.plan, joints);
 }
 

@@ -1,0 +1,107 @@
+#include "app/lamp_tip_sensor.h"
+
+#include <cmath>
+
+#include "app/regions.h"
+#include "calibration/vision_tip.h"
+#include "files/camera_file.h"
+#include "files/map_file.h"
+#include "files/tool_file.h"
+#include "files/workplane_file.h"
+
+namespace planar {
+namespace {
+
+// The pair's distance in pixels may differ from the prediction by this share: twice what a lens and
+// a plane that are wrong by a per cent change, and far less than a wrong light would.
+constexpr double kSeparationShare = 0.03;
+
+TipMeasurement failed(const std::string& status, double t_s) {
+  TipMeasurement measurement;
+  measurement.status = status;
+  measurement.t_s = t_s;
+  return measurement;
+}
+
+}  // namespace
+
+VisionCalibration read_vision(const CellSettings& cell, bool with_error_map) {
+  VisionCalibration vision{
+      Workplane(read_camera(require_made(cell.camera_model, "planar-calibrate-camera")).camera,
+                read_workplane(require_made(cell.workplane, "planar-pair-tracker")).X_WC),
+      read_tool(require_made(cell.tool, "planar-pair-tracker")), std::nullopt};
+  if (with_error_map)
+    vision.error_map = read_map(require_made(cell.error_map, "planar-fit-error-map"));
+  return vision;
+}
+
+LampTipSensor::LampTipSensor(const CellSettings& cell, VisionCalibration vision,
+                             CenterMethod method, FrameSource& camera)
+    : camera_settings_(cell.camera),
+      lamp_separation_m_(cell.lamp_separation_m),
+      vision_(std::move(vision)),
+      tracker_(method),
+      camera_(camera) {}
+
+TipMeasurement LampTipSensor::measure(const TipPose& expected, int frames) {
+  const auto predicted =
+      lamps_from_tip(vision_.workplane, vision_.tool, lamp_separation_m_, expected);
+  if (!predicted) return failed("outside_view", 0.0);
+  const double separation = ((*predicted)[1] - (*predicted)[0]).norm();
+  const PairExpectation expectation{
+      *predicted, {{separation * (1.0 - kSeparationShare), separation * (1.0 + kSeparationShare)}}};
+  camera_.set_region(follow_region(camera_settings_, 0.5 * ((*predicted)[0] + (*predicted)[1])));
+  TipMeasurement mean;
+  mean.lamps_px.fill(Eigen::Vector2d::Zero());
+  std::array<Eigen::Matrix2d, 2> covariances{Eigen::Matrix2d::Zero(), Eigen::Matrix2d::Zero()};
+  for (int i = 0; i < frames; ++i) {
+    const Sight sight = look(expectation);
+    if (sight.frame_lost) return failed("no_frame", sight.t_s);
+    if (sight.pair.status != LampStatus::kOk) return failed(name(sight.pair.status), sight.t_s);
+    mean.t_s = sight.t_s;
+    for (std::size_t k = 0; k < 2; ++k) {
+      mean.lamps_px[k] += sight.pair.lamps[k].uv_px / frames;
+      covariances[k] += sight.pair.lamps[k].covariance_px2 / frames;
+    }
+  }
+  mean.frames = frames;
+  return position(std::move(mean), covariances);
+}
+
+LampTipSensor::Sight LampTipSensor::look(const PairExpectation& expectation) {
+  FrameResult result = camera_.next_frame();
+  if (result.status != FrameStatus::kOk) return {{}, result.frame.t_s, true};
+  LampPair pair = tracker_.locate(result.frame, expectation);
+  const cv::Size sensor = camera_.sensor_size_px();
+  if (pair.status != LampStatus::kOk && result.frame.region_px.size() != sensor) {
+    camera_.set_region({0, 0, sensor.width, sensor.height});
+    result = camera_.next_frame();
+    if (result.status != FrameStatus::kOk) return {{}, result.frame.t_s, true};
+    pair = tracker_.locate(result.frame, expectation);
+  }
+  return {pair, result.frame.t_s, false};
+}
+
+TipMeasurement LampTipSensor::position(
+    TipMeasurement measurement, const std::array<Eigen::Matrix2d, 2>& covariances_px2) const {
+  const auto seen =
+      tip_from_lamps(vision_.workplane, vision_.tool, measurement.lamps_px, covariances_px2);
+  if (!seen) return failed("outside_view", measurement.t_s);
+  measurement.p_vision = seen->tip.p;
+  measurement.tip = seen->tip;
+  measurement.sigma_vision_m = std::sqrt(0.5 * seen->covariance.trace());
+  const double vision_variance =
+      measurement.sigma_vision_m * measurement.sigma_vision_m / measurement.frames;
+  double map_variance = 0.0;
+  if (vision_.error_map) {
+    const ErrorPrediction prediction = predict(*vision_.error_map, measurement.p_vision);
+    measurement.correction = prediction.error;
+    measurement.inside_map = prediction.inside;
+    map_variance = prediction.sigma * prediction.sigma;
+  }
+  measurement.tip.p = measurement.p_vision - measurement.correction;
+  measurement.uncertainty_m = std::sqrt(map_variance + vision_variance);
+  return measurement;
+}
+
+}  // namespace planar

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <optional>
+
+#include "calibration/tool_offsets.h"
+#include "camera/workplane.h"
+#include "devices/frame_source.h"
+#include "error_map/error_map.h"
+#include "files/cell_file.h"
+#include "marker/lamp_tracker.h"
+#include "servo/tip_sensor.h"
+
+namespace planar {
+
+/// What a calibrated cell knows of its vision.
+struct VisionCalibration {
+  Workplane workplane;
+  ToolOffsets tool;
+  std::optional<ErrorMap> error_map;  ///< none: the position is not compensated
+};
+
+/// Reads the cell's camera, workplane, tool and, when asked for, error map. Throws InputError
+/// naming the program that makes a missing file.
+VisionCalibration read_vision(const CellSettings& cell, bool with_error_map);
+
+/// The end point by its lamps: frame -> lamps (px) -> workplane (m) -> error map. The region of the
+/// sensor follows the commanded pose; lamps that are not in it are looked for in one full frame.
+class LampTipSensor final : public TipSensor {
+ public:
+  /// The camera must outlive the sensor.
+  LampTipSensor(const CellSettings& cell, VisionCalibration vision, CenterMethod method,
+                FrameSource& camera);
+
+  TipMeasurement measure(const TipPose& expected, int frames) override;
+
+ private:
+  struct Sight {
+    LampPair pair;
+    double t_s{0.0};
+    bool frame_lost{false};
+  };
+
+  Sight look(const PairExpectation& expectation);
+  TipMeasurement position(TipMeasurement measurement,
+                          const std::array<Eigen::Matrix2d, 2>& covariances_px2) const;
+
+  CameraSettings camera_settings_;
+  double lamp_separation_m_;
+  VisionCalibration vision_;
+  LampTracker tracker_;
+  FrameSource& camera_;
+};
+
+}  // namespace planar

@@ -1,0 +1,28 @@
+#include "text/growing_file.h"
+
+#include <fstream>
+#include <system_error>
+
+#include "core/error.h"
+#include "text/atomic_file.h"
+
+namespace planar {
+
+GrowingFile::GrowingFile(std::filesystem::path path, const std::string& header)
+    : path_(std::move(path)) {
+  if (!std::filesystem::exists(path_)) write_file(path_, header);
+}
+
+void GrowingFile::append(const std::string& lines) {
+  std::ofstream out(path_, std::ios::app | std::ios::binary);
+  out << lines << std::flush;
+  if (!out) throw WorkError(path_.string() + ": cannot be written; is the disk full?");
+}
+
+void make_folder(const std::filesystem::path& path) {
+  std::error_code error;
+  std::filesystem::create_directories(path, error);
+  if (error) throw InputError(path.string() + ": cannot be made: " + error.message());
+}
+
+}  // namespace planar
