@@ -300,10 +300,10 @@ TEST_CASE("The servo settles before every measurement") {
     Bench bench;
     bench.settings.settle_s = settle_s;
     const ServoResult result = bench.move_to(kTarget);
-    REQUIRE(result.steps.size() == 2);
+    REQUIRE(result.steps.size() == 3);
     return result.duration_s;
   };
-  CHECK(duration_s(1.5) - duration_s(0.0) == Approx(2 * 1.5));
+  CHECK(duration_s(1.5) - duration_s(0.0) == Approx(3 * 1.5));
 }
 
 TEST_CASE("Settings out of range are refused by name") {
