@@ -1,0 +1,25 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "app/servo_run.h"
+
+namespace planar {
+
+/// The figures under the keys of --json: before, after and improvement with the suffix of who
+/// judged them, in millimetres.
+nlohmann::json servo_json(const ServoFigures& figures);
+
+/// The figures as lines for a terminal; the headline is `_truth` where there is one.
+std::string servo_text(const ServoFigures& figures);
+
+/// run.yaml: cell, targets and their hashes, settings, outcome.
+std::string run_text(const ServoRequest& request, const ServoFigures& figures,
+                     const std::vector<std::filesystem::path>& inputs);
+
+/// report.html of one run.
+std::string servo_page(const ServoRequest& request, const std::vector<TargetResult>& results);
+
+}  // namespace planar
