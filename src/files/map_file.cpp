@@ -1,0 +1,182 @@
+#include "files/map_file.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
+#include <variant>
+#include <vector>
+
+#include "core/error.h"
+#include "core/units.h"
+#include "text/yaml_reader.h"
+#include "text/yaml_writer.h"
+
+namespace planar {
+namespace {
+
+constexpr double kUnbounded = std::numeric_limits<double>::max();
+constexpr double kSmallestLength = 1e-9;  // of what must be positive, metres
+
+std::vector<double> numbers_of(const Eigen::Vector2d& v) {
+  return {v.x(), v.y()};
+}
+
+std::vector<std::vector<double>> rows_of(const Eigen::Matrix2Xd& columns) {
+  std::vector<std::vector<double>> rows;
+  for (Eigen::Index i = 0; i < columns.cols(); ++i) rows.push_back(numbers_of(columns.col(i)));
+  return rows;
+}
+
+Eigen::Vector2d read_point(const YamlNode& node, const std::string& key) {
+  const std::vector<double> xy = node.numbers(key, 2);
+  return {xy[0], xy[1]};
+}
+
+Eigen::Matrix2Xd read_points(const YamlNode& node, const std::string& key) {
+  const std::vector<YamlNode> rows = node.list(key);
+  Eigen::Matrix2Xd points(2, rows.size());
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const std::vector<double> xy = rows[i].as_numbers(2);
+    points.col(static_cast<Eigen::Index>(i)) << xy[0], xy[1];
+  }
+  return points;
+}
+
+Eigen::Matrix2Xd read_points(const YamlNode& node, const std::string& key, Eigen::Index size) {
+  Eigen::Matrix2Xd points = read_points(node, key);
+  if (points.cols() != size) {
+    node.child(key).add_fault(
+        fmt::format("{} has {} points; {} are needed", key, points.cols(), size));
+  }
+  return points;
+}
+
+Eigen::Matrix2Xd read_centers(const YamlNode& node) {
+  Eigen::Matrix2Xd centers = read_points(node, "centers_m");
+  if (centers.cols() == 0) node.child("centers_m").add_fault("centers_m has no points");
+  return centers;
+}
+
+void add_region(YamlWriter& yaml, const ValidRegion& region) {
+  std::vector<std::vector<double>> hull;
+  for (const Eigen::Vector2d& corner : region.hull) hull.push_back(numbers_of(corner));
+  yaml.add("hull_m", hull);
+  yaml.add("hull_margin_m", region.margin);
+}
+
+ValidRegion read_region(const YamlNode& node) {
+  ValidRegion region;
+  const Eigen::Matrix2Xd hull = read_points(node, "hull_m");
+  for (Eigen::Index i = 0; i < hull.cols(); ++i) region.hull.emplace_back(hull.col(i));
+  region.margin = node.number_in("hull_margin_m", 0.0, kUnbounded);
+  return region;
+}
+
+void add_map(YamlWriter& yaml, const IdwMap& map) {
+  yaml.add("method", "idw");
+  add_region(yaml, map.region);
+  yaml.add("centers_m", rows_of(map.centers));
+  yaml.add("errors_m", rows_of(map.errors));
+}
+
+void add_map(YamlWriter& yaml, const GaussianRbfMap& map) {
+  const GaussianRbfParameters& parameters = map.parameters();
+  yaml.add("method", "gaussian_rbf");
+  yaml.add("width_m", parameters.width);
+  yaml.add("ridge", parameters.ridge);
+  yaml.add("signal_sigma_m", parameters.signal_sigma);
+  yaml.add("sigma_limit_m", parameters.sigma_limit);
+  yaml.add("tail_degree", parameters.tail_basis.degree);
+  yaml.add("tail_origin_m", numbers_of(parameters.tail_basis.origin));
+  yaml.add("tail_scale_m", parameters.tail_basis.scale);
+  yaml.add("tail_m", rows_of(parameters.tail));
+  add_region(yaml, parameters.region);
+  yaml.add("centers_m", rows_of(parameters.centers));
+  yaml.add("weights_m", rows_of(parameters.weights));
+}
+
+IdwMap read_idw(const YamlNode& node) {
+  IdwMap map;
+  map.region = read_region(node);
+  map.centers = read_centers(node);
+  map.errors = read_points(node, "errors_m", map.centers.cols());
+  return map;
+}
+
+TailBasis read_tail_basis(const YamlNode& node) {
+  TailBasis basis;
+  basis.degree = node.whole_number("tail_degree");
+  if (basis.degree < -1 || basis.degree > 1) {
+    node.add_fault(fmt::format("tail_degree is {}; allowed are -1, 0, 1", basis.degree));
+    basis.degree = -1;
+  }
+  basis.origin = read_point(node, "tail_origin_m");
+  basis.scale = node.number_in("tail_scale_m", kSmallestLength, kUnbounded);
+  return basis;
+}
+
+GaussianRbfParameters read_gaussian_rbf(const YamlNode& node) {
+  GaussianRbfParameters parameters;
+  parameters.width = node.number_in("width_m", kSmallestLength, kUnbounded);
+  parameters.ridge = node.number_in("ridge", 0.0, kUnbounded);
+  parameters.signal_sigma = node.number_in("signal_sigma_m", 0.0, kUnbounded);
+  parameters.sigma_limit = node.number_in("sigma_limit_m", 0.0, kUnbounded);
+  parameters.tail_basis = read_tail_basis(node);
+  parameters.tail = read_points(node, "tail_m", parameters.tail_basis.terms());
+  parameters.region = read_region(node);
+  parameters.centers = read_centers(node);
+  parameters.weights = read_points(node, "weights_m", parameters.centers.cols());
+  return parameters;
+}
+
+void add_figures(YamlWriter& yaml, const MapResult& result) {
+  yaml.begin_map("fit");
+  yaml.add("n_used", static_cast<int>(result.n_used));
+  yaml.add("raw_rms_mm", result.raw_rms / kMillimetre);
+  yaml.add("loo_rms_mm", result.loo_rms / kMillimetre);
+  if (std::isfinite(result.noise_sigma)) yaml.add("noise_mm", result.noise_sigma / kMillimetre);
+  yaml.add("worth_using", result.worth_using);
+  std::vector<std::string> rejected;
+  for (const RejectedSample& sample : result.rejected) rejected.push_back(sample.id);
+  yaml.add("rejected", rejected);
+  yaml.end_map();
+}
+
+void allow_figures(const YamlNode& root) {
+  const YamlNode fit = root.child("fit");
+  for (const char* key : {"n_used", "raw_rms_mm", "loo_rms_mm", "noise_mm", "worth_using"})
+    fit.allow(key);
+  fit.allow("rejected");
+}
+
+}  // namespace
+
+std::string map_text(const MapResult& result, const std::filesystem::path& pairs,
+                     const std::string& program) {
+  YamlWriter yaml = YamlWriter::with_header("map", program);
+  yaml.add_inputs({pairs});
+  add_figures(yaml, result);
+  std::visit([&](const auto& map) { add_map(yaml, map); }, result.map);
+  return yaml.text();
+}
+
+ErrorMap read_map(const std::filesystem::path& path) {
+  const YamlDocument document = YamlDocument::read(path, "map");
+  const YamlNode root = document.root();
+  allow_figures(root);
+  if (root.choice("method", {"gaussian_rbf", "idw"}) == "idw") {
+    IdwMap map = read_idw(root);
+    document.throw_if_faulty();
+    return map;
+  }
+  GaussianRbfParameters parameters = read_gaussian_rbf(root);
+  document.throw_if_faulty();
+  try {
+    return GaussianRbfMap(std::move(parameters));
+  } catch (const WorkError& e) {
+    throw InputError(path.string() + ": " + e.what());
+  }
+}
+
+}  // namespace planar

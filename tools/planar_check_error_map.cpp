@@ -1,0 +1,84 @@
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "app/check_error_map.h"
+#include "core/units.h"
+#include "files/map_file.h"
+#include "program.h"
+
+namespace planar {
+namespace {
+
+const ProgramText kText{"planar-check-error-map",
+                        "Judges an error map on pairs that it was not fitted to.",
+                        "planar-check-error-map [--plan NAME[,NAME]] map.yaml pairs.csv",
+                        R"(pairs               30 (1 outside the map's valid region)
+                    mean      rms       95 %      max       mm
+vision error        1.1032    1.2310    1.9203    2.0117
+with the map        0.0121    0.0140    0.0251    0.0302
+accuracy            A1 98.9 %, A2 99.2 %
+within 95 %         95.0 %)"};
+
+struct Options {
+  std::vector<std::string> plans;
+  std::filesystem::path map;
+  std::filesystem::path pairs;
+};
+
+void print_row(const char* name, const Summary& summary) {
+  fmt::print("{:<20}{:<10.4f}{:<10.4f}{:<10.4f}{:.4f}\n", name, summary.mean / kMillimetre,
+             summary.rms / kMillimetre, summary.p95 / kMillimetre, summary.max / kMillimetre);
+}
+
+void print(const MapCheck& check, std::size_t n_left_out) {
+  if (n_left_out > 0) fmt::print("left out            {} pairs of other plans\n", n_left_out);
+  fmt::print("pairs               {} ({} outside the map's valid region)\n", check.raw.n,
+             check.n_outside);
+  fmt::print("{:<20}{:<10}{:<10}{:<10}{:<10}mm\n", "", "mean", "rms", "95 %", "max");
+  print_row("vision error", check.raw);
+  print_row("with the map", check.compensated);
+  fmt::print("accuracy            A1 {:.1f} %, A2 {:.1f} %\n", 100.0 * check.a1, 100.0 * check.a2);
+  if (std::isfinite(check.coverage_95))
+    fmt::print("within 95 %         {:.1f} %\n", 100.0 * check.coverage_95);
+}
+
+nlohmann::json figures(const MapCheck& check) {
+  return {{"n", check.raw.n},
+          {"n_outside", check.n_outside},
+          {"raw_mean_mm", check.raw.mean / kMillimetre},
+          {"raw_rms_mm", check.raw.rms / kMillimetre},
+          {"mean_mm", check.compensated.mean / kMillimetre},
+          {"rms_mm", check.compensated.rms / kMillimetre},
+          {"p95_mm", check.compensated.p95 / kMillimetre},
+          {"max_mm", check.compensated.max / kMillimetre},
+          {"a1", check.a1},
+          {"a2", check.a2},
+          {"coverage_95", check.coverage_95}};
+}
+
+Outcome check(const Options& options) {
+  const ErrorMap map = read_map(options.map);
+  const std::vector<PairRow> all = read_pairs(options.pairs);
+  const std::vector<PairRow> pairs = pairs_to_check(all, options.plans);
+  const MapCheck result = check_error_map(map, pairs);
+  print(result, all.size() - pairs.size());
+  return {figures(result)};
+}
+
+}  // namespace
+}  // namespace planar
+
+int main(int argc, char** argv) {
+  planar::Options options;
+  return planar::run_program(
+      planar::kText, argc, argv,
+      [&](CLI::App& app) {
+        app.add_option("--plan", options.plans, "only pairs of these plans (else: all but train)")
+            ->delimiter(',')
+            ->type_name("NAME");
+        app.add_option("map", options.map, "the map")->required()->type_name("map.yaml");
+        app.add_option("pairs", options.pairs, "the pairs")->required()->type_name("pairs.csv");
+      },
+      [&] { return planar::check(options); });
+}
