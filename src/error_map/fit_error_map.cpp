@@ -17,16 +17,22 @@ namespace {
 /// A dense solve of more sites takes more memory and time than it is worth.
 constexpr Eigen::Index kMostSites = 5000;
 
+/// A map is worth using when it takes away at least this share of the rms error, ...
+constexpr double kSmallestGain = 0.05;
+/// ... by the mean squares' difference less this many of its standard errors.
 constexpr double kSignificance = 2.0;
 
-/// Whether the paired gains |E_i|^2 - |r_i|^2 have a mean above zero by kSignificance of its
-/// standard error.
-bool is_significant_gain(const Eigen::Matrix2Xd& errors, const Eigen::Matrix2Xd& residuals) {
+/// The samples of a site stand or fall together: its total of |E|^2 - |r|^2 counts as one draw.
+bool is_worth_using(const MapSites& sites, const Eigen::Matrix2Xd& residuals) {
   const Eigen::ArrayXd gains =
-      (errors.colwise().squaredNorm() - residuals.colwise().squaredNorm()).transpose();
+      (sites.errors.colwise().squaredNorm() - residuals.colwise().squaredNorm())
+          .transpose()
+          .cwiseProduct(sites.counts);
   const auto n = static_cast<double>(gains.size());
-  const double variance = (gains - gains.mean()).square().sum() / (n - 1.0);
-  return gains.mean() > kSignificance * std::sqrt(variance / n);
+  const double uncertainty = std::sqrt((gains - gains.mean()).square().sum() * n / (n - 1.0));
+  const double raw = sites.sample_rms(sites.errors);
+  const double least = raw * raw * sites.counts.sum() * (1.0 - std::pow(1.0 - kSmallestGain, 2));
+  return gains.sum() - kSignificance * uncertainty > least;
 }
 
 IdwMap idw_map(const MapSites& sites) {
@@ -38,12 +44,12 @@ MapResult result_of(ErrorMap map, std::string method, const MapSites& used,
   MapResult result;
   result.map = std::move(map);
   result.method = std::move(method);
-  result.n_used = used.sample_count();
-  result.raw_rms = rms_norm(used.errors);
-  result.loo_rms = rms_norm(residuals);
-  result.idw_loo_rms = rms_norm(leave_one_out_residuals(idw_map(used)));
+  result.n_used = static_cast<std::size_t>(used.counts.sum());
+  result.raw_rms = used.sample_rms(used.errors);
+  result.loo_rms = used.sample_rms(residuals);
+  result.idw_loo_rms = used.sample_rms(leave_one_out_residuals(idw_map(used)));
   result.noise_sigma = noise_sigma(result.map);
-  result.worth_using = is_significant_gain(used.errors, residuals);
+  result.worth_using = is_worth_using(used, residuals);
   return result;
 }
 
@@ -77,7 +83,7 @@ MapResult fit_hand_width(const MapSites& sites, double width) {
   }
   TailBasis no_tail;
   no_tail.degree = -1;
-  GaussianRbfFit fit = fit_gaussian_rbf(sites.positions, sites.errors, no_tail, width, 0.0);
+  GaussianRbfFit fit = fit_gaussian_rbf(sites, no_tail, width, 0.0);
   return result_of(std::move(fit.map), "hand", sites, fit.left_out.residuals);
 }
 

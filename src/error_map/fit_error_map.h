@@ -27,7 +27,8 @@ struct RejectedSample {
   std::string reason;
 };
 
-/// Lengths in metres; rms values are over the distinct positions used.
+/// Lengths in metres; rms values are over the samples used. Samples at one position are left out
+/// together, so that a repeated row cannot vouch for itself.
 struct MapResult {
   ErrorMap map;
   std::string method;     ///< what was fitted: "rbf", "idw", "hand"
@@ -37,7 +38,8 @@ struct MapResult {
   double loo_rms{0.0};      ///< of the leave-one-out residuals |r_i|
   double idw_loo_rms{0.0};  ///< the same of inverse distance weighting of the same samples
   double noise_sigma{0.0};  ///< per axis; NaN where the method has none
-  /// The mean of |E_i|^2 - |r_i|^2 is above zero by more than twice its own uncertainty.
+  /// The map takes away more than 5 % of the rms error, and not by chance: also with the mean of
+  /// |E|^2 - |r|^2 reduced by twice its standard error.
   bool worth_using{false};
 
   /// 1 - loo_rms / raw_rms; 0 when there is no error to begin with.

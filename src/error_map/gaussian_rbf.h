@@ -5,6 +5,7 @@
 #include "error_map/bordered_system.h"
 #include "error_map/error_sample.h"
 #include "error_map/leave_one_out.h"
+#include "error_map/map_sites.h"
 #include "error_map/tail_basis.h"
 #include "error_map/valid_region.h"
 
@@ -13,6 +14,7 @@ namespace planar {
 /// What determines a Gaussian map, bit for bit.
 struct GaussianRbfParameters {
   Eigen::Matrix2Xd centers;  ///< metres
+  Eigen::VectorXd counts;    ///< samples averaged at each centre: its noise is ridge / count
   Eigen::Matrix2Xd weights;  ///< metres
   TailBasis tail_basis;
   Eigen::Matrix2Xd tail;     ///< metres, one column per term of tail_basis
@@ -26,9 +28,9 @@ struct GaussianRbfParameters {
 };
 
 /// Gaussian radial basis functions of one width on the samples, with ridge and tail:
-/// E(p) = sum_j w_j exp(-|p - c_j|^2 / (2 width^2)) + tail q(p), where [[Phi + ridge I, Q],
-/// [Q^T, 0]] [w; tail] = [E; 0]. Its standard deviation is that of kriging with the same kernel:
-/// s_f sqrt(1 - [k; q]^T A^-1 [k; q]).
+/// E(p) = sum_j w_j exp(-|p - c_j|^2 / (2 width^2)) + tail q(p), where
+/// [[Phi + ridge diag(1 / count), Q], [Q^T, 0]] [w; tail] = [E; 0]. Its standard deviation is that
+/// of kriging with the same kernel: s_f sqrt(1 - [k; q]^T A^-1 [k; q]).
 class GaussianRbfMap {
  public:
   /// Throws WorkError when the kernel matrix is too ill conditioned to be solved.
@@ -56,9 +58,9 @@ struct GaussianRbfFit {
   LeaveOneOut left_out;
 };
 
-/// Fits to errors (metres) at distinct positions with given width, ridge and tail. Throws WorkError
-/// when the kernel matrix is too ill conditioned to be solved.
-GaussianRbfFit fit_gaussian_rbf(const Eigen::Matrix2Xd& positions, const Eigen::Matrix2Xd& errors,
-                                const TailBasis& tail_basis, double width, double ridge);
+/// Fits to sites with given width (metres), ridge and tail. Throws WorkError when the kernel matrix
+/// is too ill conditioned to be solved.
+GaussianRbfFit fit_gaussian_rbf(const MapSites& sites, const TailBasis& tail_basis, double width,
+                                double ridge);
 
 }  // namespace planar

@@ -16,7 +16,4 @@ struct LeaveOneOut {
 /// r_i = w_i / (A^-1)_ii for the bordered matrix A and its weights w [Rippa 1999].
 LeaveOneOut leave_one_out(const BorderedSystem& system, const Eigen::Matrix2Xd& weights);
 
-/// Root mean square of the columns' norms.
-double rms_norm(const Eigen::Matrix2Xd& columns);
-
 }  // namespace planar

@@ -28,32 +28,36 @@ void require_finite(const std::vector<ErrorSample>& samples) {
   faults.throw_if_any();
 }
 
+std::vector<std::vector<std::size_t>> group_by_position(const std::vector<ErrorSample>& samples) {
+  std::vector<std::vector<std::size_t>> groups;
+  std::map<std::pair<double, double>, std::size_t> group_of_cell;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const Eigen::Vector2d cell = (samples[i].p_vision / kSamePosition).array().round();
+    const auto [found, is_new] = group_of_cell.try_emplace({cell.x(), cell.y()}, groups.size());
+    if (is_new) groups.emplace_back();
+    groups[found->second].push_back(i);
+  }
+  return groups;
+}
+
 }  // namespace
 
 MapSites MapSites::subset(const std::vector<Eigen::Index>& kept) const {
-  MapSites sites{positions(Eigen::all, kept), errors(Eigen::all, kept), {}};
+  MapSites sites{
+      positions(Eigen::all, kept), errors(Eigen::all, kept), counts(kept), scatter(kept), {}};
   for (const Eigen::Index i : kept) sites.samples.push_back(samples[static_cast<std::size_t>(i)]);
   return sites;
 }
 
-std::size_t MapSites::sample_count() const {
-  std::size_t count = 0;
-  for (const auto& merged : samples) count += merged.size();
-  return count;
+double MapSites::sample_rms(const Eigen::Matrix2Xd& means) const {
+  const double sum = means.colwise().squaredNorm().dot(counts) + scatter.sum();
+  return std::sqrt(sum / counts.sum());
 }
 
 MapSites merge_samples(const std::vector<ErrorSample>& samples) {
   require_finite(samples);
   MapSites sites;
-  std::map<std::pair<double, double>, std::size_t> site_of_cell;
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    const Eigen::Vector2d cell = (samples[i].p_vision / kSamePosition).array().round();
-    const auto [found, is_new] =
-        site_of_cell.try_emplace({cell.x(), cell.y()}, sites.samples.size());
-    if (is_new) sites.samples.emplace_back();
-    sites.samples[found->second].push_back(i);
-  }
-
+  sites.samples = group_by_position(samples);
   const auto count = static_cast<Eigen::Index>(sites.samples.size());
   if (count < kFewestSites) {
     throw InputError(
@@ -62,14 +66,18 @@ MapSites merge_samples(const std::vector<ErrorSample>& samples) {
   }
   sites.positions.setZero(2, count);
   sites.errors.setZero(2, count);
+  sites.counts.setZero(count);
+  sites.scatter.setZero(count);
   for (Eigen::Index site = 0; site < count; ++site) {
     const auto& merged = sites.samples[static_cast<std::size_t>(site)];
+    sites.counts[site] = static_cast<double>(merged.size());
     for (const std::size_t i : merged) {
-      sites.positions.col(site) += samples[i].p_vision;
-      sites.errors.col(site) += samples[i].error;
+      sites.positions.col(site) += samples[i].p_vision / sites.counts[site];
+      sites.errors.col(site) += samples[i].error / sites.counts[site];
     }
-    sites.positions.col(site) /= static_cast<double>(merged.size());
-    sites.errors.col(site) /= static_cast<double>(merged.size());
+    for (const std::size_t i : merged) {
+      sites.scatter[site] += (samples[i].error - sites.errors.col(site)).squaredNorm();
+    }
   }
   return sites;
 }

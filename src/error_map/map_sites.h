@@ -12,11 +12,16 @@ namespace planar {
 struct MapSites {
   Eigen::Matrix2Xd positions;  ///< metres
   Eigen::Matrix2Xd errors;     ///< mean error of the samples at each position, metres
-  std::vector<std::vector<std::size_t>> samples;  ///< which samples were merged into each
+  Eigen::VectorXd counts;      ///< samples merged into each
+  Eigen::VectorXd scatter;     ///< sum over these of |E - mean|^2, square metres
+  std::vector<std::vector<std::size_t>> samples;  ///< which samples these are
 
   Eigen::Index size() const { return positions.cols(); }
   MapSites subset(const std::vector<Eigen::Index>& kept) const;
-  std::size_t sample_count() const;
+
+  /// Root mean square over all samples of deviations whose mean at each site is a column of
+  /// `means`.
+  double sample_rms(const Eigen::Matrix2Xd& means) const;
 };
 
 /// Merges samples closer together than any camera can tell apart. Throws InputError naming each

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <map>
 #include <utility>
 
 #include "core/error.h"
@@ -25,7 +25,9 @@ constexpr double kLargestShare = 0.2;
 /// With fewer sites none can be told from the rest.
 constexpr Eigen::Index kFewestToJudge = 10;
 
-constexpr int kMostRounds = 10;
+/// The first fits are bent by gross outliers and drop good sites, too; later on what is dropped
+/// stays dropped, so that the rounds end.
+constexpr int kRoundsOfTakingBack = 5;
 
 /// Median length of a 2-D normal vector of unit standard deviation per axis.
 const double kMedianLength = std::sqrt(2.0 * std::log(2.0));
@@ -39,8 +41,8 @@ struct Judgement {
 
 GaussianRbfFit tuned_fit(const MapSites& sites) {
   const TailBasis tail = tail_for(sites.positions);
-  const TunedKernel tuned = tune_gaussian(sites.positions, sites.errors, tail);
-  return fit_gaussian_rbf(sites.positions, sites.errors, tail, tuned.width, tuned.ridge);
+  const TunedKernel tuned = tune_gaussian(sites, tail);
+  return fit_gaussian_rbf(sites, tail, tuned.width, tuned.ridge);
 }
 
 Judgement judge(const MapSites& sites, const std::vector<Eigen::Index>& kept,
@@ -48,12 +50,13 @@ Judgement judge(const MapSites& sites, const std::vector<Eigen::Index>& kept,
   Judgement judgement{Eigen::ArrayXd::Zero(sites.size()), Eigen::ArrayXd::Zero(sites.size())};
   judgement.residuals(kept) = fit.left_out.residuals.colwise().norm().transpose().array();
   judgement.unit_sigmas(kept) = fit.left_out.unit_sigmas.array();
+  const double ridge = fit.map.parameters().ridge;
   for (Eigen::Index i = 0; i < sites.size(); ++i) {
     if (std::binary_search(kept.begin(), kept.end(), i)) continue;
     const Eigen::Vector2d p = sites.positions.col(i);
     judgement.residuals[i] = (sites.errors.col(i) - fit.map.predict(p).error).norm();
     judgement.unit_sigmas[i] =
-        std::hypot(fit.map.unit_sigma(p), std::sqrt(fit.map.parameters().ridge));
+        std::hypot(fit.map.unit_sigma(p), std::sqrt(ridge / sites.counts[i]));
   }
   return judgement;
 }
@@ -73,40 +76,41 @@ void require_few(std::size_t dropped, Eigen::Index sites) {
       dropped, sites, 100.0 * kLargestShare));
 }
 
-std::vector<Eigen::Index> agreeing_sites(const Judgement& judgement, const Eigen::ArrayXd& limits) {
-  std::vector<Eigen::Index> agreeing;
-  for (Eigen::Index i = 0; i < limits.size(); ++i) {
-    if (judgement.residuals[i] <= limits[i]) agreeing.push_back(i);
+std::vector<Eigen::Index> sites_without(const std::map<Eigen::Index, Outlier>& dropped,
+                                        Eigen::Index count) {
+  std::vector<Eigen::Index> kept;
+  for (Eigen::Index i = 0; i < count; ++i) {
+    if (dropped.count(i) == 0) kept.push_back(i);
   }
-  return agreeing;
+  return kept;
 }
 
-std::vector<Outlier> all_but(const std::vector<Eigen::Index>& kept, const Judgement& judgement,
-                             const Eigen::ArrayXd& limits) {
+std::vector<Outlier> values_of(const std::map<Eigen::Index, Outlier>& dropped) {
   std::vector<Outlier> outliers;
-  for (Eigen::Index i = 0; i < limits.size(); ++i) {
-    if (std::binary_search(kept.begin(), kept.end(), i)) continue;
-    outliers.push_back({i, judgement.residuals[i], limits[i]});
-  }
+  for (const auto& [site, outlier] : dropped) outliers.push_back(outlier);
   return outliers;
 }
 
 }  // namespace
 
 RobustFit fit_without_outliers(const MapSites& sites) {
-  std::vector<Eigen::Index> kept(static_cast<std::size_t>(sites.size()));
-  std::iota(kept.begin(), kept.end(), 0);
+  std::map<Eigen::Index, Outlier> dropped;
+  std::vector<Eigen::Index> kept = sites_without(dropped, sites.size());
   for (int round = 1;; ++round) {
     GaussianRbfFit fit = tuned_fit(sites.subset(kept));
     if (sites.size() < kFewestToJudge) return {std::move(fit), std::move(kept), {}};
     const Judgement judgement = judge(sites, kept, fit);
     const Eigen::ArrayXd limits = residual_limits(judgement);
-    std::vector<Eigen::Index> agreeing = agreeing_sites(judgement, limits);
-    require_few(static_cast<std::size_t>(sites.size()) - agreeing.size(), sites.size());
-    if (agreeing == kept || round == kMostRounds) {
-      std::vector<Outlier> outliers = all_but(kept, judgement, limits);
-      return {std::move(fit), std::move(kept), std::move(outliers)};
+    for (Eigen::Index i = 0; i < sites.size(); ++i) {
+      if (judgement.residuals[i] > limits[i]) {
+        dropped[i] = {i, judgement.residuals[i], limits[i]};
+      } else if (round <= kRoundsOfTakingBack) {
+        dropped.erase(i);
+      }
     }
+    require_few(dropped.size(), sites.size());
+    std::vector<Eigen::Index> agreeing = sites_without(dropped, sites.size());
+    if (agreeing == kept) return {std::move(fit), std::move(kept), values_of(dropped)};
     kept = std::move(agreeing);
   }
 }

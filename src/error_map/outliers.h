@@ -10,7 +10,7 @@ namespace planar {
 
 struct Outlier {
   Eigen::Index site{0};
-  double residual{0.0};  ///< distance from what the kept sites predict there, metres
+  double residual{0.0};  ///< distance from what the other sites predict there, metres
   double limit{0.0};     ///< the largest residual that would have been kept, metres
 };
 
@@ -21,8 +21,9 @@ struct RobustFit {
 };
 
 /// Fits a tuned map, judges every site by what the OTHER kept sites predict there, drops those that
-/// disagree (and takes back those that no longer do), until the choice is stable. Throws InputError
-/// when more than a fifth of the sites would be dropped. Fewer than ten sites are not judged.
+/// disagree (and at first takes back those that no longer do), until the choice is stable. Throws
+/// InputError when more than a fifth of the sites would be dropped. Fewer than ten sites are not
+/// judged.
 RobustFit fit_without_outliers(const MapSites& sites);
 
 }  // namespace planar

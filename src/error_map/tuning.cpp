@@ -24,19 +24,18 @@ constexpr double kWidestInSpans = 1.0;
 constexpr double kSmallestRidge = 1e-10;
 constexpr double kLargestRidge = 1e3;
 
-constexpr int kGridWidths = 6;
+constexpr int kGridWidths = 5;
 constexpr std::array<double, 4> kGridRidges{1e-7, 1e-5, 1e-3, 1e-1};
 constexpr int kLocalEvaluations = 30;
-constexpr double kLogTolerance = 0.05;  // of width and ridge: the error is flat about its minimum
+constexpr double kLogTolerance = 0.02;  // of width and ridge: the error is flat about its minimum
 
 /// The leave-one-out error over (log width, log ridge), which remembers the best point it saw.
 class LeaveOneOutCost {
  public:
-  LeaveOneOutCost(const Eigen::Matrix2Xd& positions, const Eigen::Matrix2Xd& errors,
-                  const TailBasis& tail_basis)
-      : squared_distances_(squared_distances(positions)),
-        tail_(tail_basis.at_each(positions)),
-        errors_(errors.transpose()) {}
+  LeaveOneOutCost(const MapSites& sites, const TailBasis& tail_basis)
+      : sites_(sites),
+        squared_distances_(squared_distances(sites.positions)),
+        tail_(tail_basis.at_each(sites.positions)) {}
 
   double operator()(double log_width, double log_ridge) {
     const TunedKernel at{std::exp(log_width), std::exp(log_ridge), 0.0};
@@ -55,17 +54,17 @@ class LeaveOneOutCost {
   /// Of the present kernel; huge where it cannot be solved.
   double loo_rms(double ridge) const {
     Eigen::MatrixXd ridged = kernel_;
-    ridged.diagonal().array() += ridge;
+    ridged.diagonal().array() += ridge / sites_.counts.array();
     const auto system = BorderedSystem::factorize(std::move(ridged), tail_);
     if (!system) return std::numeric_limits<double>::max();
-    const Eigen::Matrix2Xd weights = system->solve(errors_).weights.transpose();
-    const double rms = rms_norm(leave_one_out(*system, weights).residuals);
+    const Eigen::Matrix2Xd weights = system->solve(sites_.errors.transpose()).weights.transpose();
+    const double rms = sites_.sample_rms(leave_one_out(*system, weights).residuals);
     return std::isfinite(rms) ? rms : std::numeric_limits<double>::max();
   }
 
+  const MapSites& sites_;
   Eigen::MatrixXd squared_distances_;
   Eigen::MatrixXd tail_;
-  Eigen::MatrixXd errors_;
   Eigen::MatrixXd kernel_;
   double kernel_width_{0.0};
   TunedKernel best_{0.0, 0.0, std::numeric_limits<double>::infinity()};
@@ -114,19 +113,20 @@ void search_near_best(const SearchBox& box, LeaveOneOutCost& cost) {
   }
 }
 
-/// Every column, or about kLargestPart of them evenly drawn.
-Eigen::Matrix2Xd part_of(const Eigen::Matrix2Xd& columns) {
-  const Eigen::Index stride = (columns.cols() + kLargestPart - 1) / kLargestPart;
-  return columns(Eigen::all, Eigen::seq(0, Eigen::last, stride));
+/// Every site, or about kLargestPart of them evenly drawn.
+MapSites part_of(const MapSites& sites) {
+  const Eigen::Index stride = (sites.size() + kLargestPart - 1) / kLargestPart;
+  std::vector<Eigen::Index> kept;
+  for (Eigen::Index i = 0; i < sites.size(); i += stride) kept.push_back(i);
+  return sites.subset(kept);
 }
 
 }  // namespace
 
-TunedKernel tune_gaussian(const Eigen::Matrix2Xd& positions, const Eigen::Matrix2Xd& errors,
-                          const TailBasis& tail_basis) {
-  const Eigen::Matrix2Xd part = part_of(positions);
-  const SearchBox box = search_box(part);
-  LeaveOneOutCost cost(part, part_of(errors), tail_basis);
+TunedKernel tune_gaussian(const MapSites& sites, const TailBasis& tail_basis) {
+  const MapSites part = part_of(sites);
+  const SearchBox box = search_box(part.positions);
+  LeaveOneOutCost cost(part, tail_basis);
   search_grid(box, cost);
   search_near_best(box, cost);
   return cost.best();

@@ -58,6 +58,17 @@ Eigen::Matrix2Xd read_centers(const YamlNode& node) {
   return centers;
 }
 
+Eigen::VectorXd read_counts(const YamlNode& node, Eigen::Index size) {
+  const std::vector<double> counts =
+      node.numbers("pairs_per_center", static_cast<std::size_t>(size));
+  for (const double count : counts) {
+    if (count >= 1.0) continue;
+    node.child("pairs_per_center").add_fault("pairs_per_center has a number below 1");
+    break;
+  }
+  return Eigen::Map<const Eigen::VectorXd>(counts.data(), static_cast<Eigen::Index>(counts.size()));
+}
+
 void add_region(YamlWriter& yaml, const ValidRegion& region) {
   std::vector<std::vector<double>> hull;
   for (const Eigen::Vector2d& corner : region.hull) hull.push_back(numbers_of(corner));
@@ -93,6 +104,8 @@ void add_map(YamlWriter& yaml, const GaussianRbfMap& map) {
   yaml.add("tail_m", rows_of(parameters.tail));
   add_region(yaml, parameters.region);
   yaml.add("centers_m", rows_of(parameters.centers));
+  yaml.add("pairs_per_center",
+           std::vector<double>(parameters.counts.begin(), parameters.counts.end()));
   yaml.add("weights_m", rows_of(parameters.weights));
 }
 
@@ -126,6 +139,7 @@ GaussianRbfParameters read_gaussian_rbf(const YamlNode& node) {
   parameters.tail = read_points(node, "tail_m", parameters.tail_basis.terms());
   parameters.region = read_region(node);
   parameters.centers = read_centers(node);
+  parameters.counts = read_counts(node, parameters.centers.cols());
   parameters.weights = read_points(node, "weights_m", parameters.centers.cols());
   return parameters;
 }
