@@ -24,7 +24,7 @@ constexpr double kWidestInSpans = 1.0;
 constexpr double kSmallestRidge = 1e-10;
 constexpr double kLargestRidge = 1e3;
 
-constexpr int kGridWidths = 5;
+constexpr int kGridWidths = 6;
 constexpr std::array<double, 4> kGridRidges{1e-7, 1e-5, 1e-3, 1e-1};
 constexpr int kLocalEvaluations = 30;
 constexpr double kLogTolerance = 0.02;  // of width and ridge: the error is flat about its minimum
