@@ -34,25 +34,37 @@ struct Options {
 };
 
 void add_options(CLI::App& app, Options& options) {
-  app.add_option("--cell", options.cell, "the cell")->required();
-  app.add_option("--lamps", options.lamps, "lamps.csv made by planar-locate-lamps")->required();
-  app.add_option("--recording", options.recording, "folder made by planar-record")->required();
+  app.add_option("--cell", options.cell, "the cell")->required()->type_name("FILE");
+  app.add_option("--lamps", options.lamps, "lamps.csv made by planar-locate-lamps")
+      ->required()
+      ->type_name("FILE");
+  app.add_option("--recording", options.recording, "folder made by planar-record")
+      ->required()
+      ->type_name("DIR");
   app.add_option("--workplane-from", options.workplane_from,
                  "what gives the plane's height and tilt")
       ->check(CLI::IsMember({"pairs", "grid"}))
       ->capture_default_str();
-  app.add_option("--grid", options.grid, "board on the plane, circles:COLSxROWS:PITCHmm");
+  app.add_option("--grid", options.grid, "board on the plane, circles:COLSxROWS:PITCHmm")
+      ->type_name("BOARD");
   app.add_option("--pair-by", options.pair_by, "how frames and readings belong together")
       ->check(CLI::IsMember({"id", "time"}))
       ->capture_default_str();
-  app.add_option("--tracker", options.tracker, "readings; without it RECORDING/tracker.csv");
+  app.add_option("--tracker", options.tracker, "readings; without it RECORDING/tracker.csv")
+      ->type_name("FILE");
   app.add_option("--tracker-columns", options.columns, "names in that table: x=X,y=Y,z=Z,id=NAME");
   app.add_option("--separator", options.separator, "between the columns of that table")
       ->capture_default_str();
   app.add_flag("--decimal-comma", options.decimal_comma, "numbers of that table are like 1,5");
-  app.add_option("--workplane-out", options.workplane_out, "workplane.yaml to write")->required();
-  app.add_option("--tool-out", options.tool_out, "tool.yaml to write")->required();
-  app.add_option("-o,--out", options.pairs_out, "pairs.csv to write")->required();
+  app.add_option("--workplane-out", options.workplane_out, "workplane.yaml to write")
+      ->required()
+      ->type_name("FILE");
+  app.add_option("--tool-out", options.tool_out, "tool.yaml to write")
+      ->required()
+      ->type_name("FILE");
+  app.add_option("-o,--out", options.pairs_out, "pairs.csv to write")
+      ->required()
+      ->type_name("FILE");
 }
 
 /// x=X,y=Y: our column (with its unit, if it has one) -> theirs.
