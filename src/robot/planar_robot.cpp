@@ -167,10 +167,10 @@ void PlanarRobot::get_eJe(vpMatrix& J) {
   set_jacobian(rotation2d(arm_.forward(theta).phi).transpose() * arm_.jacobian(theta), J);
 }
 
-void PlanarRobot::set_jacobian(const Eigen::Matrix2d& J_xy, vpMatrix& J) const {
+void PlanarRobot::set_jacobian(const Eigen::Matrix2d& tip_jacobian, vpMatrix& J) const {
   J.resize(6, 3);
   for (int row = 0; row < 2; ++row) {
-    for (int column = 0; column < 2; ++column) J[row][column] = J_xy(row, column);
+    for (int column = 0; column < 2; ++column) J[row][column] = tip_jacobian(row, column);
   }
   J[5][2] = arm_.sense();
 }

@@ -68,8 +68,8 @@ class PlanarRobot final : public vpRobot {
   void wait_for_arrival(double timeout_s);
   bool all_have_arrived();
   double longest_move_s(const Pulses& target) const;
-  /// The twist's rows x and y from `J_xy`, its row of rotation about z from joint 3.
-  void set_jacobian(const Eigen::Matrix2d& J_xy, vpMatrix& J) const;
+  /// The twist's rows x and y from `tip_jacobian`, its row of rotation about z from joint 3.
+  void set_jacobian(const Eigen::Matrix2d& tip_jacobian, vpMatrix& J) const;
   Joints joints_from_pose(const vpColVector& pose) const;
   void read_positions();
 

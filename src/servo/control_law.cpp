@@ -23,11 +23,11 @@ vpGenericFeature tip_feature(const Eigen::Vector2d& p) {
 }
 
 vpMatrix twist_jacobian(const Eigen::Matrix2d& J) {
-  vpMatrix eJe(6, 2);
+  vpMatrix twist(6, 2);
   for (int row = 0; row < 2; ++row) {
-    for (int column = 0; column < 2; ++column) eJe[row][column] = J(row, column);
+    for (int column = 0; column < 2; ++column) twist[row][column] = J(row, column);
   }
-  return eJe;
+  return twist;
 }
 
 }  // namespace

@@ -206,15 +206,15 @@ TEST_CASE("The vpRobot Jacobians are those of the pose, in the base and in the t
       rows.row(i) << J[i == 2 ? 5 : i][0], J[i == 2 ? 5 : i][1], J[i == 2 ? 5 : i][2];
     return rows;
   };
-  vpMatrix fJe;
-  bench.robot.get_fJe(fJe);
-  CHECK(fJe.getRows() == 6);
-  CHECK(test::jacobian_mismatch(planar_rows(fJe), pose, theta, 1e-3) < kFiniteDifference);
-  vpMatrix eJe;
-  bench.robot.get_eJe(eJe);
+  vpMatrix base;
+  bench.robot.get_fJe(base);
+  CHECK(base.getRows() == 6);
+  CHECK(test::jacobian_mismatch(planar_rows(base), pose, theta, 1e-3) < kFiniteDifference);
+  vpMatrix tool;
+  bench.robot.get_eJe(tool);
   Eigen::Matrix3d base_from_tool = Eigen::Matrix3d::Identity();
   base_from_tool.topLeftCorner<2, 2>() = rotation2d(bench.robot.arm().forward(theta).phi);
-  CHECK((base_from_tool * planar_rows(eJe)).isApprox(planar_rows(fJe)));
+  CHECK((base_from_tool * planar_rows(tool)).isApprox(planar_rows(base)));
 }
 
 }  // namespace planar

@@ -18,8 +18,8 @@ namespace planar::test {
 class SimulatedCell {
  public:
   struct Truth {
-    double L1_m{0.3011};
-    double L2_m{0.2992};
+    double link1_m{0.3011};
+    double link2_m{0.2992};
     double zero1_rad{1.5e-3};
     double zero2_rad{-2.0e-3};
     double sense{1.0};
@@ -44,8 +44,8 @@ class SimulatedCell {
     const double m2 = output_rad(1);
     const double a = m1 + truth_.zero1_rad;
     const double b = (truth_.relative ? m1 + m2 : m2) + truth_.zero2_rad;
-    return {{truth_.L1_m * std::cos(a) + truth_.L2_m * std::cos(b),
-             truth_.sense * (truth_.L1_m * std::sin(a) + truth_.L2_m * std::sin(b))},
+    return {{truth_.link1_m * std::cos(a) + truth_.link2_m * std::cos(b),
+             truth_.sense * (truth_.link1_m * std::sin(a) + truth_.link2_m * std::sin(b))},
             0.0};
   }
 
