@@ -1,0 +1,205 @@
+#include "calibration/camera_calibration.h"
+
+#include <catch2/catch.hpp>
+#include <limits>
+#include <opencv2/imgcodecs.hpp>
+#include <random>
+
+#include "calibration/board.h"
+#include "calibration/board_image.h"
+#include "calibration/board_pose.h"
+#include "calibration/dot_eccentricity.h"
+#include "core/error.h"
+#include "support/shared_data.h"
+
+namespace planar {
+
+const Board kBoard{Board::Kind::kCircles, 9, 7, 0.03};
+constexpr Intrinsics kIntrinsics{1400.0, 1390.0, 650.0, 500.0};
+constexpr double kNoise_px = 0.05;
+/// Of a fitted parameter; 5 standard deviations happen once in a million.
+constexpr double kDeviations = 5.0;
+
+/// Views of the board by `camera`, with normal noise of kNoise_px on each coordinate.
+CalibrationProblem views_of_board(const CameraModel& camera, int count, const std::string& model,
+                                  double dot_diameter = 0.0) {
+  std::mt19937 random(7);
+  std::normal_distribution<double> noise(0.0, kNoise_px);
+  CalibrationProblem problem;
+  problem.width_px = 1300;
+  problem.height_px = 1000;
+  problem.model = model;
+  for (int i = 0; i < count; ++i) {
+    const Pose X_CG = test::board_before_camera(kBoard, 0.38 + 0.02 * (i % 3),
+                                                0.25 + 0.05 * (i % 5), 1.3 * i, 0.2 * i);
+    CalibrationView view{"view" + std::to_string(i), board_points(kBoard), {}, {}};
+    for (const Eigen::Vector2d& p : view.points_G) {
+      const Eigen::Vector3d p_C = X_CG * Eigen::Vector3d(p.x(), p.y(), 0.0);
+      Eigen::Matrix<double, 2, 3> d_uv_d_p;
+      Eigen::Vector2d uv = project(camera, p_C, &d_uv_d_p).value();
+      if (dot_diameter > 0.0) {
+        uv += eccentricity_px(camera, X_CG, p, dot_diameter).value();
+        const Eigen::Matrix2d J = d_uv_d_p * X_CG.linear().leftCols<2>();
+        const double determinant = J(0, 0) * J(1, 1) - J(0, 1) * J(1, 0);
+        view.dot_areas_px2.push_back(std::abs(determinant) * 3.14159265 * dot_diameter *
+                                     dot_diameter / 4.0);
+      }
+      view.pixels.emplace_back(uv.x() + noise(random), uv.y() + noise(random));
+    }
+    problem.views.push_back(std::move(view));
+  }
+  return problem;
+}
+
+void check_intrinsics(const CameraCalibration& found, const Intrinsics& truth) {
+  const Intrinsics& k = intrinsics(found.camera);
+  const auto& sigma = found.standard_deviations;
+  CHECK(std::abs(k.fx - truth.fx) < kDeviations * sigma[0]);
+  CHECK(std::abs(k.fy - truth.fy) < kDeviations * sigma[1]);
+  CHECK(std::abs(k.cx - truth.cx) < kDeviations * sigma[2]);
+  CHECK(std::abs(k.cy - truth.cy) < kDeviations * sigma[3]);
+  CHECK(sigma[0] < 5.0);
+}
+
+TEST_CASE("Each model's own camera is found within its standard deviations") {
+  const std::vector<std::pair<std::string, CameraModel>> cameras{
+      {"pinhole", Pinhole{kIntrinsics}},
+      {"plumb_bob_k1", PlumbBob{kIntrinsics, -0.15}},
+      {"plumb_bob", PlumbBob{kIntrinsics, -0.2, 0.08, 1e-3, -5e-4, 0.02}},
+      {"equidistant", KannalaBrandt{kIntrinsics, 0.02, -0.01, 0.005, 0.0}}};
+  for (const auto& [model, camera] : cameras) {
+    INFO(model);
+    const CameraCalibration found = calibrate_camera(views_of_board(camera, 10, model));
+    check_intrinsics(found, kIntrinsics);
+    CHECK(found.rms_px == Approx(kNoise_px * std::sqrt(2.0)).epsilon(0.1));
+    CHECK(found.held_out_rms_px.value() == Approx(kNoise_px * std::sqrt(2.0)).epsilon(0.2));
+    CHECK(found.rejected.empty());
+    CHECK(found.views.size() == 10);
+    const auto truth = distortion_coefficients(camera);
+    const auto coefficients = distortion_coefficients(found.camera);
+    for (std::size_t i = 0; i < truth.size(); ++i) {
+      const double sigma = found.standard_deviations[4 + i];
+      CHECK(std::abs(coefficients[i] - truth[i]) <= kDeviations * sigma);
+    }
+  }
+}
+
+TEST_CASE("The rational model follows a lens of its kind, whatever its coefficients trade off") {
+  const CameraModel truth = Rational{kIntrinsics, 0.3, 0.02, -2e-4, 5e-4, 0.001, 0.42, 0.06, 0.002};
+  const auto found = calibrate_camera(views_of_board(truth, 12, "rational_polynomial"));
+  CHECK(found.rms_px == Approx(kNoise_px * std::sqrt(2.0)).epsilon(0.1));
+}
+
+TEST_CASE("Dots' eccentricity is removed and their diameter found") {
+  constexpr double kDiameter = 0.02;
+  const PlumbBob truth{kIntrinsics, -0.15};
+  CalibrationProblem problem = views_of_board(truth, 10, "plumb_bob_k1", kDiameter);
+  const CameraCalibration corrected = calibrate_camera(problem);
+  check_intrinsics(corrected, kIntrinsics);
+  CHECK(corrected.dot_diameter == Approx(kDiameter).epsilon(1e-2));
+  for (CalibrationView& view : problem.views) view.dot_areas_px2.clear();
+  CHECK(calibrate_camera(problem).rms_px > 1.1 * corrected.rms_px);
+}
+
+TEST_CASE("A view with a grossly wrong dot is left out by name") {
+  CalibrationProblem problem = views_of_board(PlumbBob{kIntrinsics, -0.15}, 8, "plumb_bob_k1");
+  problem.views[3].pixels[20] += Eigen::Vector2d(12.0, -9.0);
+  const CameraCalibration found = calibrate_camera(problem);
+  REQUIRE(found.rejected.size() == 1);
+  CHECK(found.rejected[0].name == "view3");
+  CHECK_THAT(found.rejected[0].reason, Catch::Contains("px rms off"));
+  check_intrinsics(found, kIntrinsics);
+}
+
+TEST_CASE("`auto` takes the simplest model that predicts held-out views as well as any") {
+  CHECK(calibrate_camera(views_of_board(Pinhole{kIntrinsics}, 10, "auto")).model == "pinhole");
+  CHECK(calibrate_camera(views_of_board(PlumbBob{kIntrinsics, -0.15}, 10, "auto")).model ==
+        "plumb_bob_k1");
+  const CameraModel rich = PlumbBob{kIntrinsics, -0.2, 0.08, 3e-3, -2e-3, 0.02};
+  CHECK(calibrate_camera(views_of_board(rich, 10, "auto")).model == "plumb_bob");
+}
+
+TEST_CASE("The `visp` model undoes what its projection does to a fraction of a pixel") {
+  const auto found = calibrate_camera(views_of_board(PlumbBob{kIntrinsics, 0.05}, 8, "visp"));
+  const auto& camera = std::get<VispModel>(found.camera);
+  CHECK(camera.kud == Approx(0.05).margin(kDeviations * found.standard_deviations[4]));
+  const Eigen::Vector3d p_C(0.3, 0.2, 1.0);
+  const Eigen::Vector3d back = ray(camera, project(camera, p_C).value()).value();
+  CHECK((back - p_C).norm() * kIntrinsics.fx < 0.3);
+}
+
+TEST_CASE("Too few views, unknown models and numbers that are not finite are refused") {
+  const PlumbBob camera{kIntrinsics, -0.15};
+  CHECK_THROWS_WITH(calibrate_camera(views_of_board(camera, 2, "pinhole")),
+                    Catch::Contains("2 usable views") && Catch::Contains("at least 3"));
+  CHECK_THROWS_WITH(calibrate_camera(views_of_board(camera, 5, "opencv_14")),
+                    Catch::Contains("opencv_14") && Catch::Contains("rational_polynomial"));
+  CalibrationProblem broken = views_of_board(camera, 5, "pinhole");
+  broken.views[2].pixels[0].x() = std::numeric_limits<double>::quiet_NaN();
+  broken.views[4].points_G.pop_back();
+  CHECK_THROWS_WITH(calibrate_camera(broken), Catch::Contains("view2") && Catch::Contains("view4"));
+}
+
+TEST_CASE("A board's pose is found from its pixels through any lens") {
+  const CameraModel camera = PlumbBob{kIntrinsics, -0.2, 0.08, 1e-3, -5e-4, 0.02};
+  const Pose X_CG = test::board_before_camera(kBoard, 0.6, 0.3, 0.7, 1.1);
+  const auto points = board_points(kBoard);
+  std::vector<Eigen::Vector2d> pixels;
+  for (const auto& p : points) {
+    pixels.push_back(*project(camera, X_CG * Eigen::Vector3d(p.x(), p.y(), 0.0)));
+  }
+  const auto found = estimate_board_pose(camera, points, pixels);
+  REQUIRE(found);
+  // The iteration stops at a relative change of 1e-7 or so.
+  CHECK(found->X_CG.isApprox(X_CG, 1e-6));
+  CHECK(found->rms_px < 1e-3);
+  CHECK_FALSE(estimate_board_pose(camera, {{0, 0}, {1, 0}, {0, 1}}, {{0, 0}, {9, 0}, {0, 9}}));
+  pixels[0].x() = std::numeric_limits<double>::quiet_NaN();
+  CHECK_FALSE(estimate_board_pose(camera, points, pixels));
+  CHECK_THROWS_AS(estimate_board_pose(camera, points, {}), std::invalid_argument);
+}
+
+CalibrationProblem problem_from_images(const std::filesystem::path& folder,
+                                       const std::string& extension, const Board& board) {
+  CalibrationProblem problem;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (entry.path().extension() != extension) continue;
+    const cv::Mat image = cv::imread(entry.path(), cv::IMREAD_GRAYSCALE);
+    const BoardSight sight = find_board(image, board);
+    problem.views.push_back(
+        {entry.path().filename(), board_points(board), sight.pixels, sight.dot_areas_px2});
+    problem.width_px = image.cols;
+    problem.height_px = image.rows;
+  }
+  return problem;
+}
+
+TEST_CASE("ViSP's photographs give the camera that ViSP documents") {
+  const auto folder = test::shared_data("circle_grids/visp");
+  if (!folder) return;
+  const Board board{Board::Kind::kCircles, 6, 6, 0.034};
+  const auto found = calibrate_camera(problem_from_images(*folder, ".jpg", board));
+  const Intrinsics& k = intrinsics(found.camera);
+  constexpr double kTolerance_px = 2.0;  // just above one standard deviation of fx
+  CHECK(k.fx == Approx(272.3969).margin(kTolerance_px));
+  CHECK(k.fy == Approx(268.6672).margin(kTolerance_px));
+  CHECK(k.cx == Approx(163.1810).margin(kTolerance_px));
+  CHECK(k.cy == Approx(112.9660).margin(kTolerance_px));
+  CHECK(found.rms_px < 0.30090);
+}
+
+TEST_CASE("The grid36 photographs give the camera that vpCalibration finds") {
+  const auto folder = test::visp_image("calibration");
+  if (!folder) return;
+  const Board board{Board::Kind::kCircles, 6, 6, 0.030};
+  const auto found = calibrate_camera(problem_from_images(*folder, ".pgm", board));
+  const Intrinsics& k = intrinsics(found.camera);
+  constexpr double kTolerance_px = 2.0;
+  CHECK(k.fx == Approx(550.7).margin(kTolerance_px));
+  CHECK(k.fy == Approx(543.0).margin(kTolerance_px));
+  CHECK(k.cx == Approx(309.2).margin(kTolerance_px));
+  CHECK(k.cy == Approx(245.6).margin(kTolerance_px));
+  CHECK(found.rms_px < 0.283);
+}
+
+}  // namespace planar

@@ -1,0 +1,174 @@
+#include <catch2/catch.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "calibration/board.h"
+#include "calibration/board_image.h"
+#include "calibration/dot_eccentricity.h"
+#include "core/error.h"
+#include "support/shared_data.h"
+
+namespace planar {
+
+/// Systematic part of the edge search on an unblurred picture with 36 grey steps at a rim.
+constexpr double kCenterTolerance_px = 0.03;
+/// The same, in OpenCV's anti-aliased drawing.
+constexpr double kDrawnCenterTolerance_px = 0.1;
+
+const Board kBoard{Board::Kind::kCircles, 7, 5, 0.03};
+constexpr double kDotDiameter = 0.018;
+
+/// Largest distance between the centres found and the true centres of the dots' images.
+double largest_center_error_px(const BoardSight& sight, const Pose& X_CG) {
+  const CameraModel camera = test::small_camera();
+  const auto points = board_points(kBoard);
+  double largest = 0.0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Vector3d p_C = X_CG * Eigen::Vector3d(points[i].x(), points[i].y(), 0.0);
+    const Eigen::Vector2d center =
+        *project(camera, p_C) + *eccentricity_px(camera, X_CG, points[i], kDotDiameter);
+    largest = std::max(largest, (sight.pixels[i] - center).norm());
+  }
+  return largest;
+}
+
+TEST_CASE("Every dot of a tilted grid is found where it was drawn, in the board's order") {
+  for (const double axis : {0.0, 0.8, 2.1}) {
+    for (const double turn : {0.0, 0.4, -0.7}) {
+      const Pose X_CG = test::board_before_camera(kBoard, 0.35, 0.5, axis, turn);
+      const cv::Mat image = test::picture_of_dots(test::small_camera(), kBoard, kDotDiameter, X_CG);
+      const BoardSight sight = find_board(image, kBoard);
+      INFO(sight.reason);
+      REQUIRE(sight.found());
+      CHECK(largest_center_error_px(sight, X_CG) < kCenterTolerance_px);
+    }
+  }
+}
+
+TEST_CASE("Bright dots on dark ground are found too") {
+  const Pose X_CG = test::board_before_camera(kBoard, 0.35, 0.3, 1.0, 0.1);
+  const cv::Mat image =
+      test::picture_of_dots(test::small_camera(), kBoard, kDotDiameter, X_CG, {210.0, 25.0});
+  const BoardSight sight = find_board(image, kBoard);
+  REQUIRE(sight.found());
+  CHECK(largest_center_error_px(sight, X_CG) < kCenterTolerance_px);
+}
+
+TEST_CASE("A grid is never taken mirrored and its x axis points most to the right") {
+  const Board square{Board::Kind::kCircles, 5, 5, 0.03};
+  for (const double turn : {0.0, 1.0, 2.0, 3.0, 4.0, 5.0}) {
+    const Pose X_CG = test::board_before_camera(square, 0.35, 0.2, 0.3, turn);
+    const BoardSight sight =
+        find_board(test::picture_of_dots(test::small_camera(), square, 0.016, X_CG), square);
+    REQUIRE(sight.found());
+    const Eigen::Vector2d x = sight.pixels[4] - sight.pixels[0];
+    const Eigen::Vector2d y = sight.pixels[20] - sight.pixels[0];
+    CHECK(x.x() * y.y() - x.y() * y.x() > 0.0);
+    CHECK(x.normalized().x() > 0.6);
+  }
+}
+
+TEST_CASE("Clutter beside the grid does not disturb it") {
+  const Pose X_CG = test::board_before_camera(kBoard, 0.4, 0.4, 0.5, 0.2);
+  cv::Mat image = test::picture_of_dots(test::small_camera(), kBoard, kDotDiameter, X_CG);
+  cv::rectangle(image, {0, 0, 60, 480}, 60, cv::FILLED);
+  for (int i = 0; i < 12; ++i) {
+    cv::circle(image, {80 + 45 * i, 20 + 7 * (i % 3)}, 5 + 2 * (i % 4), 50, cv::FILLED);
+    cv::putText(image, std::to_string(i), {70 + 48 * i, 470}, cv::FONT_HERSHEY_PLAIN, 1.5, 20, 2);
+  }
+  const BoardSight sight = find_board(image, kBoard);
+  REQUIRE(sight.found());
+  CHECK(largest_center_error_px(sight, X_CG) < kCenterTolerance_px);
+}
+
+TEST_CASE(
+    "A grid with a missing dot, one too large and an empty image are not found, with a reason") {
+  const Pose X_CG = test::board_before_camera(kBoard, 0.35, 0.3, 1.0, 0.1);
+  const auto camera = test::small_camera();
+  const BoardSight missing =
+      find_board(test::picture_of_dots(camera, kBoard, kDotDiameter, X_CG, {}, 9), kBoard);
+  CHECK_FALSE(missing.found());
+  CHECK_THAT(missing.reason, Catch::Contains("7 x 5") && Catch::Contains("34 dots"));
+  const cv::Mat whole = test::picture_of_dots(camera, kBoard, kDotDiameter, X_CG);
+  CHECK_FALSE(find_board(whole, {Board::Kind::kCircles, 6, 5, 0.03}).found());
+  CHECK_FALSE(find_board(cv::Mat(480, 640, CV_8UC1, cv::Scalar(128)), kBoard).found());
+}
+
+TEST_CASE("Large dots of a large image are measured in its full resolution") {
+  const Board board{Board::Kind::kCircles, 11, 11, 0.04};
+  cv::Mat image(5120, 5120, CV_8UC1, cv::Scalar(190));
+  const auto center = [](int column, int row) {
+    return Eigen::Vector2d(500.3 + 398.7 * column + 21.2 * row,
+                           620.6 - 20.4 * column + 381.9 * row);
+  };
+  constexpr int kFractionBits = 6;
+  const auto fixed_point = [](double x) {
+    return static_cast<int>(std::lround(x * (1 << kFractionBits)));
+  };
+  for (int row = 0; row < 11; ++row) {
+    for (int column = 0; column < 11; ++column) {
+      const Eigen::Vector2d c = center(column, row);
+      cv::circle(image, {fixed_point(c.x()), fixed_point(c.y())}, fixed_point(40.0), 30, cv::FILLED,
+                 cv::LINE_AA, kFractionBits);
+    }
+  }
+  const BoardSight sight = find_board(image, board);
+  REQUIRE(sight.found());
+  double largest = 0.0;
+  for (int i = 0; i < 121; ++i) {
+    largest = std::max(largest, (sight.pixels[i] - center(i % 11, i / 11)).norm());
+  }
+  CHECK(largest < kDrawnCenterTolerance_px);
+}
+
+TEST_CASE("A chessboard's inner corners are found, not mirrored") {
+  const Board board{Board::Kind::kChessboard, 6, 4, 0.03};
+  cv::Mat image(480, 640, CV_8UC1, cv::Scalar(220));
+  for (int row = 0; row < 5; ++row) {
+    for (int column = 0; column < 7; ++column) {
+      const cv::Rect square(100 + 50 * column, 90 + 50 * row, 50, 50);
+      if ((row + column) % 2 == 0) cv::rectangle(image, square, 30, cv::FILLED);
+    }
+  }
+  const BoardSight sight = find_board(image, board);
+  REQUIRE(sight.found());
+  const Eigen::Vector2d x = sight.pixels[5] - sight.pixels[0];
+  const Eigen::Vector2d y = sight.pixels[18] - sight.pixels[0];
+  CHECK(x.x() * y.y() - x.y() * y.x() == Approx(250.0 * 150.0).epsilon(0.01));
+}
+
+TEST_CASE("A board is described by kind, counts and pitch, and nothing else") {
+  const Board board = parse_board("circles:6x5:34.5mm");
+  CHECK(board.kind == Board::Kind::kCircles);
+  CHECK(board.columns == 6);
+  CHECK(board.rows == 5);
+  CHECK(board.pitch == Approx(0.0345));
+  CHECK(parse_board("chessboard:9x6:25mm").kind == Board::Kind::kChessboard);
+  for (const char* wrong : {"", "circles:6x6", "dots:6x6:34mm", "circles:6x6:-1mm",
+                            "circles:2x6:3mm", "circles:6x6:0mm", "circles:6x6:nanmm"}) {
+    CHECK_THROWS_AS(parse_board(wrong), InputError);
+  }
+}
+
+void check_all_found(const std::filesystem::path& folder, const std::string& extension,
+                     const Board& board, int images_expected) {
+  int images = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (entry.path().extension() != extension) continue;
+    ++images;
+    const BoardSight sight = find_board(cv::imread(entry.path(), cv::IMREAD_GRAYSCALE), board);
+    INFO(entry.path() << ": " << sight.reason);
+    CHECK(sight.pixels.size() == static_cast<std::size_t>(board.columns * board.rows));
+  }
+  CHECK(images == images_expected);
+}
+
+TEST_CASE("All dots of the real photographs are found") {
+  const Board six{Board::Kind::kCircles, 6, 6, 0.034};
+  if (const auto folder = test::shared_data("circle_grids/visp")) {
+    check_all_found(*folder, ".jpg", six, 5);
+  }
+  if (const auto folder = test::visp_image("calibration")) check_all_found(*folder, ".pgm", six, 4);
+}
+
+}  // namespace planar
