@@ -8,8 +8,8 @@
 namespace planar {
 namespace {
 
-constexpr int kIterations = 200;
-constexpr double kRelativeChange = 1e-12;
+constexpr int kIterations = 60;
+constexpr double kRelativeChange = 1e-10;
 constexpr double kCoefficientStep = 1e-5;
 
 /// The views as OpenCV takes them, and what it returns.
@@ -60,6 +60,8 @@ void run_perspective(OpenCvProblem& problem, const std::string& model) {
 void run_fisheye(OpenCvProblem& problem) {
   run_perspective(problem, "pinhole");
   problem.coefficients = cv::Mat::zeros(4, 1, CV_64F);
+  problem.rotations.clear();
+  problem.translations.clear();
   const int flags = cv::fisheye::CALIB_USE_INTRINSIC_GUESS |
                     cv::fisheye::CALIB_RECOMPUTE_EXTRINSIC | cv::fisheye::CALIB_FIX_SKEW;
   cv::fisheye::calibrate(problem.points, problem.pixels, problem.size, problem.camera_matrix,

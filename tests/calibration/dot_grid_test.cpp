@@ -34,7 +34,7 @@ double largest_center_error_px(const BoardSight& sight, const Pose& X_CG) {
 
 TEST_CASE("Every dot of a tilted grid is found where it was drawn, in the board's order") {
   for (const double axis : {0.0, 0.8, 2.1}) {
-    for (const double turn : {0.0, 0.4, -0.7}) {
+    for (const double turn : {0.0, 0.6}) {
       const Pose X_CG = test::board_before_camera(kBoard, 0.35, 0.5, axis, turn);
       const cv::Mat image = test::picture_of_dots(test::small_camera(), kBoard, kDotDiameter, X_CG);
       const BoardSight sight = find_board(image, kBoard);
@@ -56,7 +56,7 @@ TEST_CASE("Bright dots on dark ground are found too") {
 
 TEST_CASE("A grid is never taken mirrored and its x axis points most to the right") {
   const Board square{Board::Kind::kCircles, 5, 5, 0.03};
-  for (const double turn : {0.0, 1.0, 2.0, 3.0, 4.0, 5.0}) {
+  for (const double turn : {0.0, 1.0, 2.5, 4.0}) {
     const Pose X_CG = test::board_before_camera(square, 0.35, 0.2, 0.3, turn);
     const BoardSight sight =
         find_board(test::picture_of_dots(test::small_camera(), square, 0.016, X_CG), square);
