@@ -1,9 +1,7 @@
 #pragma once
 
-#include <Eigen/Core>
-#include <array>
-#include <filesystem>
 #include <memory>
+#include <string>
 
 #include "core/clock.h"
 #include "core/pose.h"
@@ -12,36 +10,32 @@
 #include "devices/pulse_drive.h"
 #include "devices/tracker.h"
 #include "virtual_cell/truth.h"
+#include "virtual_cell/virtual_hardware.h"
 
 namespace planar {
 
-/// What is known of the machine from its data sheets: the part of cell.yaml that is true of the
-/// virtual cell as well.
-struct VirtualHardware {
-  cv::Size sensor_px{5120, 5120};
-  double frame_rate_hz{15.0};
-  double sense{1.0};                           ///< +1 counterclockwise, -1 clockwise
-  std::array<bool, 2> relative{true, true};    ///< motors 2 and 3 ride on the link before
-  Eigen::Vector3d pulses_per_rad{1.0, 1.0, 1.0};  ///< signed, of the motor angle behind its gear
-  Eigen::Vector3d max_speed_rad_s{1.0, 1.0, 2.0};
-  Eigen::Vector3d home_rad{0.0, 0.0, 0.0};     ///< joint angles at power-up
-  std::vector<std::pair<std::string, Eigen::Vector3d>> monuments_B;  ///< metres, base frame
-};
-
 /// A cell that exists only here: arm, camera, lamps and tracker behind the interfaces of real
-/// devices, on a clock of their own. Only its own devices and the scorer see the truth.
+/// devices, on a clock of their own. Only its own devices and the scorer see the truth. The same
+/// truth and the same calls give the same bytes.
 class VirtualCell {
  public:
+  /// Throws std::invalid_argument for hardware that cannot be: an empty sensor, a frame rate, scale
+  /// or limit that is not finite and positive (scales may be negative), a sense other than +-1.
   VirtualCell(const Truth& truth, const VirtualHardware& hardware);
   ~VirtualCell();
 
   Clock& clock();
   FrameSource& camera();
+  /// joint 0, 1 or 2; throws std::out_of_range otherwise.
   PulseDrive& drive(int joint);
   Tracker& tracker();
   BoardPresenter& board_presenter();
 
-  /// For the scorer of `_truth` figures only: the end point P as it really is, in the base frame.
+  /// Makes a drive report this fault, stop and refuse targets; an empty text heals it.
+  void set_drive_fault(int joint, const std::string& fault);
+
+  /// For the scorer of `_truth` figures only: the end point P as it really is, in the base frame,
+  /// and the direction from lamp 1 to lamp 2.
   TipPose true_tip() const;
 
  private:

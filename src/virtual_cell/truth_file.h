@@ -1,0 +1,21 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "virtual_cell/truth.h"
+
+namespace planar {
+
+/// truth.yaml of the contract. Throws InputError with every fault of the file: an unknown or
+/// missing key, a wrong type, a number that is not finite or out of its range.
+Truth read_truth(const std::filesystem::path& path);
+
+/// The whole file's text, written by `program`. read_truth gives the same cell up to the rounding
+/// of units.
+std::string truth_text(const Truth& truth, const std::string& program);
+
+/// Writes truth_text whole. Throws WorkError when the place cannot be written.
+void write_truth(const Truth& truth, const std::string& program, const std::filesystem::path& path);
+
+}  // namespace planar

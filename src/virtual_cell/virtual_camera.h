@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "devices/frame_source.h"
+#include "virtual_cell/sensor_noise.h"
+#include "virtual_cell/virtual_arm.h"
+#include "virtual_cell/virtual_board.h"
+#include "virtual_cell/virtual_clock.h"
+#include "virtual_cell/virtual_hardware.h"
+#include "virtual_cell/virtual_lamps.h"
+
+namespace planar {
+
+/// Frames of the lamps, or of the calibration board while it is in view. Exposures are short and
+/// lie on whole multiples of the frame period; waiting for one lets the clock pass.
+class VirtualCamera final : public FrameSource {
+ public:
+  VirtualCamera(const Truth& truth, const VirtualHardware& hardware, const VirtualLens& lens,
+                VirtualArm& arm, const VirtualBoard& board, VirtualClock& clock);
+
+  cv::Size sensor_size_px() const override { return sensor_px_; }
+  void set_region(const cv::Rect& region_px) override;
+  FrameResult next_frame() override;
+
+ private:
+  std::optional<Light> light(double t_s);
+
+  cv::Size sensor_px_;
+  double frame_rate_hz_;
+  std::uint64_t seed_;
+  const VirtualLens& lens_;
+  VirtualArm& arm_;
+  const VirtualBoard& board_;
+  VirtualClock& clock_;
+  VirtualLamps lamps_;
+  SensorNoise noise_;
+  cv::Rect region_px_;
+  std::uint64_t next_exposure_{0};  ///< in frame periods since the clock's start
+};
+
+}  // namespace planar

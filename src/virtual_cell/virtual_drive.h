@@ -1,0 +1,56 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/clock.h"
+#include "devices/pulse_drive.h"
+#include "virtual_cell/motion_profile.h"
+#include "virtual_cell/reducer.h"
+
+namespace planar {
+
+/// A stepper motor and its reducer: moves in whole pulses with the speed and acceleration of its
+/// limits, on the clock it is given.
+class VirtualDrive final : public PulseDrive {
+ public:
+  struct Settings {
+    double pulses_per_rad{1.0};  ///< signed, of the motor's angle behind its gear
+    MotionLimits rated_pulses;   ///< pulses/s and pulses/s^2; no more can be asked for
+    std::int32_t home_pulses{0};
+  };
+
+  VirtualDrive(const Clock& clock, const Settings& settings, const ReducerTruth& reducer);
+
+  void energize() override;
+  /// What exceeds the rated limits is cut to them. Throws std::invalid_argument unless both are
+  /// finite and positive.
+  void set_limits(double max_speed_pulses_s, double max_acceleration_pulses_s2) override;
+  void set_target(std::int32_t target_pulses) override;
+  void halt() override;
+  DriveStatus status() override;
+
+  /// The drive fails with this message, stops at once and refuses targets; an empty text heals it.
+  void set_fault(const std::string& fault);
+
+  /// The angle that really comes out of the reducer now.
+  double output_rad();
+
+ private:
+  /// Lets the reducer follow the motor up to now.
+  void advance();
+  std::int32_t position_pulses() const;
+
+  const Clock& clock_;
+  Settings settings_;
+  MotionLimits limits_;
+  MotionProfile profile_;
+  Reducer reducer_;
+  double followed_until_s_;
+  std::int32_t target_pulses_;
+  bool energized_{false};
+  bool position_certain_{true};
+  std::vector<std::string> faults_;
+};
+
+}  // namespace planar

@@ -1,0 +1,104 @@
+#include "virtual_cell/truth_file.h"
+
+#include <catch2/catch.hpp>
+#include <string>
+
+#include "core/error.h"
+#include "support/temporary_folder.h"
+#include "virtual_cell/virtual_lens.h"
+
+namespace planar {
+namespace {
+
+constexpr double kUnits = 1e-14;  // relative: the units are multiplied and divided out
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t place = text.find(from);
+  REQUIRE(place != std::string::npos);
+  return text.replace(place, from.size(), to);
+}
+
+/// The line that begins with `key`, from its key on.
+std::string line_of(const std::string& text, const std::string& key) {
+  const std::size_t begin = text.find(key);
+  REQUIRE(begin != std::string::npos);
+  return text.substr(begin, text.find('\n', begin) - begin);
+}
+
+}  // namespace
+
+TEST_CASE("A truth written and read again is the same cell") {
+  const test::TemporaryFolder folder;
+  Truth truth = draw_truth(4294967295U);
+  write_truth(truth, "test", folder / "truth.yaml");
+  const Truth read = read_truth(folder / "truth.yaml");
+  CHECK(read.seed == truth.seed);
+  CHECK(read.arm.sag_m_per_m2 == Approx(truth.arm.sag_m_per_m2).epsilon(kUnits));
+  CHECK(read.arm.link_lengths_m[1] == Approx(truth.arm.link_lengths_m[1]).epsilon(kUnits));
+  for (std::size_t i = 0; i < 3; ++i) {
+    const ReducerTruth &a = read.arm.reducers[i], &b = truth.arm.reducers[i];
+    CHECK(a.zero_offset_rad == Approx(b.zero_offset_rad).epsilon(kUnits));
+    CHECK(a.backlash_rad == Approx(b.backlash_rad).epsilon(kUnits));
+    REQUIRE(a.eccentricity.size() == 2);
+    CHECK(a.eccentricity[1].amplitude == Approx(b.eccentricity[1].amplitude).epsilon(kUnits));
+    CHECK(a.eccentricity[1].phase_rad == Approx(b.eccentricity[1].phase_rad).epsilon(kUnits));
+    CHECK(a.eccentricity[1].order == 2);
+  }
+  CHECK(read.lamps[1].rim.size() == truth.lamps[1].rim.size());
+  CHECK(read.lamps[1].glow.halo_view == truth.lamps[1].glow.halo_view);
+  CHECK(read.lamps[0].glow.gradient_tool == truth.lamps[0].glow.gradient_tool);
+  CHECK(read.tool.reflector_m.isApprox(truth.tool.reflector_m, kUnits));
+  CHECK(read.tool.lamp_height_m == Approx(truth.tool.lamp_height_m).epsilon(kUnits));
+  CHECK(read.tracker.X_LB.isApprox(truth.tracker.X_LB, 1e-12));
+  CHECK(read.tracker.bias_wavelength_m == Approx(truth.tracker.bias_wavelength_m));
+  CHECK(read.board.columns == 11);
+  CHECK(read.noise.gain_e_per_level == truth.noise.gain_e_per_level);
+  CHECK(read.camera.drift_px_per_h == truth.camera.drift_px_per_h);
+
+  const Eigen::Vector3d p_B(0.31, -0.42, 0.005);
+  constexpr double kPixels = 1e-8;  // quaternion and matrix
+  CHECK(
+      (*VirtualLens(read.camera).project(p_B, 60.0) - *VirtualLens(truth.camera).project(p_B, 60.0))
+          .norm() < kPixels);
+}
+
+TEST_CASE("The same seed draws the same text, another seed another") {
+  const auto body = [](std::uint32_t seed) {
+    const std::string text = truth_text(draw_truth(seed), "test");
+    return text.substr(text.find("arm:"));
+  };
+  CHECK(body(1) == body(1));
+  CHECK(body(1) != body(2));
+}
+
+TEST_CASE("A truth file's faults are named all at once, with their lines") {
+  const test::TemporaryFolder folder;
+  const std::string good = truth_text(draw_truth(1), "test");
+  const auto message_of = [&](const std::string& text) -> std::string {
+    try {
+      read_truth(folder.write("truth.yaml", text));
+    } catch (const InputError& e) {
+      return e.what();
+    }
+    return "";
+  };
+  CHECK(message_of(good).empty());
+  CHECK_THAT(message_of(good + "colour: red\n"), Catch::Contains("unknown key 'colour'"));
+  CHECK_THAT(message_of(replaced(good, line_of(good, "sag_mm_per_m2:"), "")),
+             Catch::Contains("lacks the key 'sag_mm_per_m2'"));
+  CHECK_THAT(message_of(replaced(good, line_of(good, "sigma_mm:"), "sigma_mm: .nan")),
+             Catch::Contains("truth.yaml:") && Catch::Contains("a finite number is needed"));
+  CHECK_THAT(message_of(replaced(good, line_of(good, "diameter_mm:"), "diameter_mm: -8")),
+             Catch::Contains("lamp1.diameter_mm is -8"));
+  CHECK_THAT(message_of(replaced(good, line_of(good, "quaternion_wxyz:"),
+                                 "quaternion_wxyz: [1, 1, 0, 0]")),
+             Catch::Contains("length 1"));
+  CHECK_THAT(message_of(replaced(good, line_of(good, "backlash_deg:"), "backlash_deg: [0, -1, 0]")),
+             Catch::Contains("backlash_deg"));
+
+  const std::string twice =
+      replaced(good + "colour: red\n", line_of(good, "focal_px:"), "focal_px: [6400]");
+  CHECK_THAT(message_of(twice), Catch::Contains("focal_px") && Catch::Contains("colour"));
+}
+
+}  // namespace planar

@@ -1,0 +1,71 @@
+#include "virtual_cell/truth.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "virtual_cell/sample_cell.h"
+#include "virtual_cell/virtual_arm.h"
+#include "virtual_cell/virtual_clock.h"
+#include "virtual_cell/virtual_lens.h"
+
+namespace planar {
+namespace {
+
+/// Where the arm of a truth stands when sent to p by the inverse kinematics of a 300 + 300 mm arm.
+Eigen::Vector2d reached(const Truth& truth, const Eigen::Vector2d& p) {
+  VirtualHardware hardware = test::sample_hardware();
+  const double alpha = std::acos(p.norm() / 0.6);
+  const double f = std::atan2(p.y(), p.x());
+  hardware.home_rad << f - alpha, f + alpha, 0.0;
+  VirtualClock clock;
+  return VirtualArm(truth, hardware, clock).tip().p;
+}
+
+}  // namespace
+
+TEST_CASE("A drawn arm misses its targets by about 1 to 2 mm") {
+  double mean_of_all = 0.0;
+  constexpr int kSeeds = 20;
+  for (std::uint32_t seed = 1; seed <= kSeeds; ++seed) {
+    const Truth truth = draw_truth(seed);
+    double mean = 0.0;
+    for (const double x : {-0.2, 0.2})
+      for (const double y : {-0.2, 0.2})
+        for (int i = 0; i < 25; ++i) {
+          const Eigen::Vector2d p =
+              Eigen::Vector2d(x, y) + 0.2 * rotation2d(2.0 * kPi * i / 25).col(0);
+          mean += (reached(truth, p) - p).norm() / 100.0;
+        }
+    CHECK(mean > 0.4e-3);
+    CHECK(mean < 3.0e-3);
+    mean_of_all += mean / kSeeds;
+  }
+  CHECK(mean_of_all > 1.0e-3);
+  CHECK(mean_of_all < 2.0e-3);
+}
+
+TEST_CASE("Every drawn camera sees the lamps on the whole working disc") {
+  for (std::uint32_t seed = 1; seed <= 30; ++seed) {
+    const VirtualLens lens(draw_truth(seed).camera);
+    bool seen = true;
+    for (double angle = 0.0; angle < 2.0 * kPi; angle += 0.1) {
+      const Eigen::Vector2d p = 0.575 * rotation2d(angle).col(0);  // rim of the outermost lamp
+      const auto uv = lens.project({p.x(), p.y(), 0.005}, 0.0);
+      seen = seen && uv && uv->minCoeff() > 20.0 && uv->maxCoeff() < 5099.0;
+    }
+    CHECK(seen);
+  }
+}
+
+TEST_CASE("Drawn cameras look down from about 1536 mm, tilted by 1 to 2 degrees") {
+  for (std::uint32_t seed = 1; seed <= 10; ++seed) {
+    const CameraTruth camera = draw_truth(seed).camera;
+    CHECK(camera.X_CB.inverse().translation().z() == Approx(1.536).margin(0.01));
+    const double tilt = std::acos(-camera.X_CB.linear()(2, 2));
+    CHECK(tilt > 0.99 * kDegree);
+    CHECK(tilt < 2.01 * kDegree);
+    CHECK(camera.focal_px.x() != camera.focal_px.y());
+  }
+}
+
+}  // namespace planar

@@ -1,0 +1,86 @@
+#include "virtual_cell/virtual_tracker.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <stdexcept>
+
+#include "virtual_cell/sample_cell.h"
+#include "virtual_cell/virtual_clock.h"
+
+namespace planar {
+namespace {
+
+constexpr int kReadings = 4000;
+
+struct Bench {
+  explicit Bench(const Truth& truth, const VirtualHardware& hardware = test::sample_hardware())
+      : arm(truth, hardware, clock), tracker(truth, hardware, arm, clock) {}
+  VirtualClock clock;
+  VirtualArm arm;
+  VirtualTracker tracker;
+};
+
+Truth noiseless(std::uint32_t seed) {
+  Truth truth = draw_truth(seed);
+  truth.tracker.sigma_m = 0.0;
+  return truth;
+}
+
+}  // namespace
+
+TEST_CASE("Readings of a resting tool scatter by the stated sigma on every axis") {
+  const Truth truth = draw_truth(1);
+  Bench bench(truth);
+  Bench quiet(noiseless(1));
+  const Eigen::Vector3d middle = quiet.tracker.measure_tool()->p_L;
+  Eigen::Array3d sum(0.0, 0.0, 0.0), squares(0.0, 0.0, 0.0);
+  for (int i = 0; i < kReadings; ++i) {
+    const Eigen::Array3d deviation = bench.tracker.measure_tool()->p_L - middle;
+    sum += deviation;
+    squares += deviation.square();
+  }
+  const double sigma = truth.tracker.sigma_m;
+  CHECK(sigma == Approx(1e-5));
+  CHECK((sum.abs() / kReadings).maxCoeff() < 5.0 * sigma / std::sqrt(kReadings));
+  const Eigen::Array3d measured = (squares / kReadings).sqrt();
+  CHECK((measured / sigma - 1.0).abs().maxCoeff() < 5.0 / std::sqrt(2.0 * kReadings));
+}
+
+TEST_CASE("The reflector is seen where arm, tool offset and tracker pose put it") {
+  Truth truth = noiseless(2);
+  truth.tracker.bias_m = 0.0;
+  Bench bench(truth);
+  const Eigen::Vector3d expected = truth.tracker.X_LB * (bench.arm.X_BT() * truth.tool.reflector_m);
+  CHECK((bench.tracker.measure_tool()->p_L - expected).norm() == 0.0);
+}
+
+TEST_CASE("The bias varies over the field and stays below the stated length") {
+  const Truth truth = noiseless(3);
+  VirtualHardware hardware = test::sample_hardware();
+  hardware.monuments_B.clear();
+  for (int i = -5; i <= 5; ++i)
+    for (int k = -5; k <= 5; ++k)
+      hardware.monuments_B.push_back(
+          {std::to_string(i) + "/" + std::to_string(k), {0.1 * i, 0.1 * k, 0.0}});
+  Bench bench(truth, hardware);
+  double least = 1.0, greatest = 0.0;
+  for (const auto& [id, p_B] : hardware.monuments_B) {
+    const double bias = (bench.tracker.measure_monument(id)->p_L - truth.tracker.X_LB * p_B).norm();
+    least = std::min(least, bias);
+    greatest = std::max(greatest, bias);
+  }
+  CHECK(truth.tracker.bias_m <= 3e-6);
+  CHECK(greatest <= truth.tracker.bias_m * 1.000001);
+  CHECK(greatest > 0.5 * truth.tracker.bias_m);
+  CHECK(least < 0.7 * greatest);
+}
+
+TEST_CASE("Readings carry the clock's time and unknown monuments are refused") {
+  Bench bench(draw_truth(1));
+  bench.clock.sleep_for_s(2.5);
+  CHECK(bench.tracker.measure_tool()->t_s == 2.5);
+  CHECK(bench.tracker.measure_monument("datum1"));
+  CHECK_THROWS_AS(bench.tracker.measure_monument("datum9"), std::invalid_argument);
+}
+
+}  // namespace planar
