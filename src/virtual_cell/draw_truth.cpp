@@ -33,9 +33,9 @@ Harmonic harmonic(Random& random, int order, double lower, double upper) {
 ArmTruth draw_arm(Random& random) {
   ArmTruth arm;
   for (double& length : arm.link_lengths_m)
-    length = 0.3 + either_sign(random, 0.2, 0.8) * kMillimetre;
+    length = 0.3 + either_sign(random, 0.3, 1.0) * kMillimetre;
   for (ReducerTruth& reducer : arm.reducers) {
-    reducer.zero_offset_rad = either_sign(random, 0.05, 0.12) * kDegree;
+    reducer.zero_offset_rad = either_sign(random, 0.06, 0.16) * kDegree;
     reducer.backlash_rad = random.uniform(0.005, 0.010) * kDegree;
     reducer.eccentricity = {harmonic(random, 1, 0.02 * kDegree, 0.04 * kDegree),
                             harmonic(random, 2, 0.005 * kDegree, 0.012 * kDegree)};
@@ -94,8 +94,8 @@ LampTruth draw_lamp(Random& random) {
   lamp.peak_level = random.uniform(145.0, 155.0);
   lamp.glow.gradient_tool = any_direction(random, 0.08, 0.15);
   lamp.glow.gradient_view = random.uniform(0.25, 0.45);
-  lamp.glow.halo_tool = any_direction(random, 0.06, 0.12);
-  lamp.glow.halo_view = random.uniform(0.20, 0.40);
+  lamp.glow.halo_tool = any_direction(random, 0.10, 0.16);
+  lamp.glow.halo_view = random.uniform(0.35, 0.50);
   lamp.glow.halo_decay_m = random.uniform(1.1, 1.3) * kMillimetre;
   for (int order = 2; order <= 9; ++order)
     lamp.rim.push_back(harmonic(random, order, 0.002, 0.008));

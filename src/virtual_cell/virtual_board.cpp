@@ -76,9 +76,9 @@ void VirtualBoard::hold_board(int view) {
   const auto& place = kPlaces[static_cast<std::size_t>(view) % kPlaces.size()];
 
   Pose X_BG = Pose::Identity();
-  const Eigen::Vector3d axis(std::cos(tilt_direction), std::sin(tilt_direction), 0.0);
+  const Eigen::Vector3d hinge(std::cos(tilt_direction), std::sin(tilt_direction), 0.0);
   X_BG.linear() =
-      rotation_from_vector(tilt * axis) * rotation_from_vector(turn * Eigen::Vector3d::UnitZ());
+      rotation_from_vector(tilt * hinge) * rotation_from_vector(turn * Eigen::Vector3d::UnitZ());
   X_BG.translation() << lens_.p_BC().head<2>(), height;
   for (const int axis : {0, 1}) {
     const double middle = lens_.p_BC()[axis];
