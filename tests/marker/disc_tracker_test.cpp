@@ -1,0 +1,77 @@
+#include "marker/disc_tracker.h"
+
+#include <fmt/format.h>
+#include <catch2/catch.hpp>
+#include <map>
+#include <opencv2/imgcodecs.hpp>
+
+#include "support/rendered_lamp.h"
+#include "support/shared_data.h"
+
+namespace planar {
+namespace {
+
+cv::Mat image_with(const std::vector<Eigen::Vector2d>& discs) {
+  std::mt19937 random(40);
+  cv::Mat scene = test::background({400, 300});
+  for (const Eigen::Vector2d& center : discs) test::add_lamp(scene, {center});
+  return test::expose(scene, random);
+}
+
+TEST_CASE("DiscTracker follows the disc it was started on, over small steps and a jump") {
+  DiscTracker tracker(CenterMethod::kAuto, Eigen::Vector2d(300, 200));
+  constexpr double kMeasured_px = 0.12;
+  for (const Eigen::Vector2d& place : {Eigen::Vector2d(301, 199), Eigen::Vector2d(290, 190),
+                                       Eigen::Vector2d(280.5, 180.5), Eigen::Vector2d(240, 120)}) {
+    const LampCenter disc = tracker.locate(image_with({{60, 60}, place}));
+    REQUIRE(disc.status == LampStatus::kOk);
+    CHECK((disc.uv_px - place).norm() < kMeasured_px);
+  }
+}
+
+TEST_CASE("DiscTracker says no_lamp while the disc is away and finds it again") {
+  DiscTracker tracker(CenterMethod::kAuto);
+  CHECK(tracker.locate(image_with({})).status == LampStatus::kNoLamp);
+  CHECK(tracker.locate(image_with({{200, 150}})).status == LampStatus::kOk);
+  CHECK(tracker.locate(image_with({})).status == LampStatus::kNoLamp);
+  CHECK(tracker.locate(image_with({{210, 160}})).status == LampStatus::kOk);
+  CHECK(tracker.locate(cv::Mat()).status == LampStatus::kNoLamp);
+}
+
+TEST_CASE("DiscTracker has a status for every frame of a disc that is partly out of view") {
+  const auto folder = test::visp_image("ellipse-1");
+  if (!folder) return;
+  DiscTracker tracker(CenterMethod::kAuto);
+  int at_border = 0;
+  for (int i = 1; i <= 50; ++i) {
+    const auto file = *folder / fmt::format("image.{:04}.pgm", i);
+    const LampCenter disc = tracker.locate(cv::imread(file.string(), cv::IMREAD_GRAYSCALE));
+    at_border += disc.status == LampStatus::kAtBorder ? 1 : 0;
+  }
+  CHECK(at_border == 50);
+}
+
+TEST_CASE("DiscTracker follows one of five discs through 501 photographs without a swap") {
+  const auto folder = test::visp_image("mire-2");
+  if (!folder) return;
+  DiscTracker tracker(CenterMethod::kAuto, Eigen::Vector2d(216, 168));
+  std::map<std::string, int> statuses;
+  Eigen::Vector2d last(216, 168);
+  double largest_step = 0.0;
+  for (int i = 1; i <= 501; ++i) {
+    const auto file = *folder / fmt::format("image.{:04}.pgm", i);
+    const LampCenter disc = tracker.locate(cv::imread(file.string(), cv::IMREAD_GRAYSCALE));
+    ++statuses[name(disc.status)];
+    if (disc.status == LampStatus::kNoLamp) continue;
+    largest_step = std::max(largest_step, (disc.uv_px - last).norm());
+    last = disc.uv_px;
+  }
+  for (const auto& [status, count] : statuses) UNSCOPED_INFO(status << " " << count);
+  CAPTURE(largest_step);
+  CHECK(statuses["ok"] > 495);
+  constexpr double kDiscDiameter_px = 14.0;
+  CHECK(largest_step < kDiscDiameter_px);
+}
+
+}  // namespace
+}  // namespace planar

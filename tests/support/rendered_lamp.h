@@ -1,0 +1,31 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <opencv2/core.hpp>
+#include <random>
+
+namespace planar::test {
+
+/// A lamp as doc/baselines has it: a uniform ellipse, exact area per pixel, blurred.
+struct RenderedLamp {
+  Eigen::Vector2d center_px{0.0, 0.0};
+  double diameter_px{40.0};  ///< major axis
+  double axis_ratio{1.0};
+  double direction_rad{0.0};  ///< of the major axis, from u to v
+  double amplitude{180.0};    ///< grey levels above the background
+  double blur_px{0.85};       ///< standard deviation
+};
+
+/// A noise-free scene of CV_32F grey levels.
+cv::Mat background(const cv::Size& size, double level = 12.0);
+void add_lamp(cv::Mat& scene, const RenderedLamp& lamp);
+
+struct Sensor {
+  double gain_e_per_level{18.6};
+  double read_noise{0.5};  ///< grey levels
+};
+
+/// The scene with shot and read noise, rounded to 8 bits.
+cv::Mat expose(const cv::Mat& scene, std::mt19937& random, const Sensor& sensor = {});
+
+}  // namespace planar::test
