@@ -48,9 +48,8 @@ cv::Mat sampled_rows(const cv::Mat& image) {
 int learn_threshold(const cv::Mat& image) {
   cv::Mat sample = sampled_rows(image);
   std::array<int, 256> counts{};
-  for (auto level = sample.begin<std::uint8_t>(); level != sample.end<std::uint8_t>(); ++level) {
-    ++counts[*level];
-  }
+  std::for_each(sample.ptr(), sample.ptr() + sample.total(),
+                [&](std::uint8_t level) { ++counts[level]; });
   const int total = static_cast<int>(sample.total());
   int background = 0;
   for (int below = counts[0]; 2 * below < total;) {
