@@ -102,7 +102,7 @@ class TargetScorer {
       result_.after_own = -step.error;
       result_.uncertainty_m = step.measurement.uncertainty_m;
     }
-    if (true_tip_) result_.after_truth = true_tip_().p - result_.p_d;
+    if (true_tip_) compare_to_truth(step.measurement);
     if (step.iteration > 0) return;
     result_.before_own = result_.after_own;
     result_.before_truth = result_.after_truth;
@@ -117,6 +117,14 @@ class TargetScorer {
   }
 
  private:
+  void compare_to_truth(const TipMeasurement& measurement) {
+    const Eigen::Vector2d p_truth = true_tip_().p;
+    result_.after_truth = p_truth - result_.p_d;
+    if (!measurement.ok()) return;
+    result_.vision_raw = measurement.p_vision - p_truth;
+    result_.vision_compensated = measurement.tip.p - p_truth;
+  }
+
   GrowingFile& steps_;
   std::function<TipPose()> true_tip_;
   TargetResult result_;

@@ -35,7 +35,9 @@ struct TargetResult {
   double seconds{0.0};
   std::optional<Eigen::Vector2d> before_own, after_own;      ///< by the compensated vision
   std::optional<Eigen::Vector2d> before_truth, after_truth;  ///< where a truth watches
-  double uncertainty_m{0.0};                                 ///< of the last measurement, per axis
+  /// Vision minus truth at the last measurement, before and after compensation.
+  std::optional<Eigen::Vector2d> vision_raw, vision_compensated;
+  double uncertainty_m{0.0};  ///< of the last measurement, per axis
 };
 
 /// Every target in turn: an open-loop move, then corrections by vision. Targets that fail are

@@ -1,0 +1,169 @@
+#include "app/experiment_report.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "app/servo_report.h"
+#include "core/units.h"
+#include "report/html_page.h"
+#include "report/quiver_figure.h"
+#include "report/text_table.h"
+
+namespace planar {
+namespace {
+
+using TargetError = std::optional<Eigen::Vector2d> TargetResult::*;
+
+constexpr double kArrowMagnification = 40.0;
+constexpr double kPaperBefore_mm[] = {1.504, 1.359, 1.259, 1.181};
+constexpr double kPaperBeforeMean_mm = 1.318;
+constexpr double kPaperAfterMean_mm = 0.178;
+
+std::vector<double> lengths_mm(const std::vector<TargetResult>& results, TargetError error) {
+  std::vector<double> lengths;
+  for (const TargetResult& result : results)
+    if (result.*error) lengths.push_back((result.*error)->norm() / kMillimetre);
+  return lengths;
+}
+
+double mean_mm(const std::vector<TargetResult>& results, TargetError error) {
+  const std::vector<double> lengths = lengths_mm(results, error);
+  return lengths.empty() ? std::nan("") : mean(lengths);
+}
+
+double circle_before_mm(const ExperimentReport& report, std::size_t circle) {
+  std::vector<double> lengths;
+  const std::string prefix = fmt::format("c{}_", circle + 1);
+  for (const TargetResult& result : report.ours)
+    if (result.id.rfind(prefix, 0) == 0 && result.before_truth)
+      lengths.push_back(result.before_truth->norm() / kMillimetre);
+  return lengths.empty() ? std::nan("") : mean(lengths);
+}
+
+TextTable fraction_table(const std::string& title, const std::vector<ComparisonRow>& rows) {
+  TextTable table(title, {"", "ours", "the paper's chain here", "the paper"});
+  for (const ComparisonRow& row : rows)
+    table.add_row({row.label, fmt::format("{:.1f} %", 100.0 * row.ours),
+                   fmt::format("{:.1f} %", 100.0 * row.paper_chain),
+                   fmt::format("{:.1f} %", 100.0 * row.paper)});
+  return table;
+}
+
+TextTable correlation_table(const ExperimentReport& report) {
+  TextTable table("Table 1: correlation of the vision error between three runs",
+                  {"", "ours", "the paper's chain here", "the paper"});
+  for (const ComparisonRow& row : report.table1)
+    table.add_row({row.label, fmt::format("{:.4f}", row.ours),
+                   fmt::format("{:.4f}", row.paper_chain), fmt::format("{:.3f}", row.paper)});
+  return table;
+}
+
+TextTable positioning_table(const ExperimentReport& report) {
+  TextTable table(
+      "Table 7: mean true positioning error in mm, 25 targets on each circle of radius "
+      "200 mm",
+      {"circle about", "before", "paper's chain", "ours", "ours, improved by", "paper: before",
+       "paper: after"});
+  const auto row = [&](const std::string& label, double before, double paper_chain, double ours,
+                       double paper_before, double paper_after) {
+    table.add_row({label, fmt::format("{:.3f}", before), fmt::format("{:.3f}", paper_chain),
+                   fmt::format("{:.4f}", ours),
+                   fmt::format("{:.1f} %", 100.0 * (1.0 - ours / before)),
+                   fmt::format("{:.3f}", paper_before), fmt::format("{:.3f}", paper_after)});
+  };
+  for (std::size_t i = 0; i < report.table7.size(); ++i) {
+    const ComparisonRow& circle = report.table7[i];
+    row(circle.label, circle_before_mm(report, i), circle.paper_chain / kMillimetre,
+        circle.ours / kMillimetre, kPaperBefore_mm[i], circle.paper / kMillimetre);
+  }
+  row("all four", mean_mm(report.ours, &TargetResult::before_truth),
+      mean_mm(report.paper, &TargetResult::after_truth),
+      mean_mm(report.ours, &TargetResult::after_truth), kPaperBeforeMean_mm, kPaperAfterMean_mm);
+  return table;
+}
+
+std::vector<TextTable> tables(const ExperimentReport& report) {
+  return {
+      correlation_table(report),
+      fraction_table("Table 2: accuracy of inverse distance weighting on circles about the base",
+                     report.table2),
+      fraction_table("Table 5: accuracy of the radial basis functions on the same circles",
+                     report.table5),
+      positioning_table(report)};
+}
+
+nlohmann::json rows_json(const std::vector<ComparisonRow>& rows, double unit) {
+  nlohmann::json json = nlohmann::json::array();
+  for (const ComparisonRow& row : rows)
+    json.push_back({{"label", row.label},
+                    {"ours", row.ours / unit},
+                    {"paper_chain", row.paper_chain / unit},
+                    {"paper", row.paper / unit}});
+  return json;
+}
+
+/// What the tables do not say.
+std::string summary_text(const ExperimentReport& report) {
+  return fmt::format(
+      "vision error at the control targets: {:.3f} mm mean by the paper's chain without a map, "
+      "{:.4f} mm by ours\n"
+      "positioning by the paper's chain without a map: {:.3f} mm mean\n"
+      "ours: {}",
+      mean_mm(report.paper_no_map, &TargetResult::vision_raw),
+      mean_mm(report.ours, &TargetResult::vision_compensated),
+      mean_mm(report.paper_no_map, &TargetResult::after_truth),
+      servo_text(figures_of(report.ours)));
+}
+
+QuiverPanel panel(const char* what, const std::vector<TargetResult>& results, TargetError error) {
+  QuiverPanel panel;
+  panel.title = fmt::format("{}: {:.3f} mm", what, mean_mm(results, error));
+  for (const TargetResult& result : results) {
+    if (!(result.*error)) continue;
+    panel.points.push_back(result.p_d);
+    panel.errors.push_back(*(result.*error));
+  }
+  return panel;
+}
+
+}  // namespace
+
+nlohmann::json experiment_json(const ExperimentReport& report) {
+  nlohmann::json json = servo_json(figures_of(report.ours));
+  json["vision_raw_mean_mm"] = mean_mm(report.paper_no_map, &TargetResult::vision_raw);
+  json["vision_after_mean_mm"] = mean_mm(report.ours, &TargetResult::vision_compensated);
+  json["paper_chain"] = servo_json(figures_of(report.paper));
+  json["paper_chain_no_map"] = servo_json(figures_of(report.paper_no_map));
+  json["table1"] = rows_json(report.table1, 1.0);
+  json["table2"] = rows_json(report.table2, 1.0);
+  json["table5"] = rows_json(report.table5, 1.0);
+  json["table7"] = rows_json(report.table7, kMillimetre);
+  return json;
+}
+
+std::string experiment_text(const ExperimentReport& report) {
+  std::string text;
+  for (const TextTable& table : tables(report)) text += table.plain_text() + '\n';
+  return text + summary_text(report);
+}
+
+std::string experiment_figure(const ExperimentReport& report) {
+  return quiver_svg({panel("Open loop", report.ours, &TargetResult::before_truth),
+                     panel("Paper's chain", report.paper, &TargetResult::after_truth),
+                     panel("planar-servo", report.ours, &TargetResult::after_truth)},
+                    kArrowMagnification);
+}
+
+std::string experiment_page(const ExperimentReport& report, const std::string& cell_name) {
+  HtmlPage page("The paper's experiment on " + cell_name);
+  page.add_paragraph(
+      "Mean true error of the end point at 100 control targets, by the scorer of the virtual cell. "
+      "Both chains were calibrated from the same recording and saw nothing else.");
+  page.add_html(experiment_figure(report));
+  for (const TextTable& table : tables(report)) page.add_html(table.html());
+  page.add_paragraph(summary_text(report));
+  return page.text();
+}
+
+}  // namespace planar

@@ -1,0 +1,63 @@
+#include <fmt/format.h>
+
+#include <cstdint>
+#include <filesystem>
+
+#include "app/experiment.h"
+#include "app/experiment_report.h"
+#include "program.h"
+#include "text/atomic_file.h"
+
+namespace planar {
+namespace {
+
+const ProgramText kText{
+    "planar-experiment",
+    "Runs the paper's whole experiment on a cell, our chain and the paper's side by side.",
+    "planar-experiment --cell cell.yaml --out DIR [--grid circles:COLSxROWS:PITCHmm] [--seed N]",
+    "  Table 7: mean true positioning error in mm, 25 targets on each circle of radius 200 mm\n"
+    "  circle about      before  paper's chain    ours  ours, improved by  paper: before ...\n"
+    "  (-200, -200) mm    1.504          0.181  0.0210             98.6 %          1.504 ..."};
+
+struct Options {
+  std::filesystem::path cell, out;
+  std::string grid{"circles:11x11:50mm"};
+  std::uint64_t seed{1};
+};
+
+void add_options(CLI::App& app, Options& options) {
+  app.add_option("--cell", options.cell, "the cell")->required()->type_name("FILE");
+  app.add_option("--out", options.out,
+                 "folder for the recording, each chain's files and the report")
+      ->required()
+      ->type_name("DIR");
+  app.add_option("--grid", options.grid, "the calibration board")
+      ->type_name("BOARD")
+      ->capture_default_str();
+  app.add_option("--seed", options.seed, "of the training and test positions")
+      ->capture_default_str();
+}
+
+Outcome run(const Options& options) {
+  const ExperimentRequest request{read_cell(options.cell), parse_board(options.grid), options.seed,
+                                  options.out};
+  const auto devices = open_cell(request.cell);
+  const ExperimentReport report = run_experiment(request, *devices);
+  const std::filesystem::path page = options.out / "report.html";
+  write_file(page, experiment_page(report, options.cell.string()));
+  write_file(options.out / "errors.svg", experiment_figure(report));
+  const nlohmann::json figures = experiment_json(report);
+  write_file(options.out / "figures.json", figures.dump(2) + "\n");
+  fmt::print("{}report: {}\n", experiment_text(report), page.string());
+  return {figures};
+}
+
+}  // namespace
+}  // namespace planar
+
+int main(int argc, char** argv) {
+  planar::Options options;
+  return planar::run_program(
+      planar::kText, argc, argv, [&](CLI::App& app) { planar::add_options(app, options); },
+      [&] { return planar::run(options); });
+}
