@@ -264,8 +264,8 @@ Truth read_truth(const std::filesystem::path& path) {
   return truth;
 }
 
-std::string truth_text(const Truth& truth, const std::string& program) {
-  YamlWriter yaml = YamlWriter::with_header("truth", program);
+std::string truth_text(const Truth& truth) {
+  YamlWriter yaml = YamlWriter::with_header("truth", "planar-virtual-cell");
   write_arm(yaml, truth.arm);
   write_camera(yaml, truth.camera);
   yaml.begin_map("drift").add("px_per_h", row(truth.camera.drift_px_per_h, 1.0)).end_map();
@@ -280,9 +280,8 @@ std::string truth_text(const Truth& truth, const std::string& program) {
   return yaml.text();
 }
 
-void write_truth(const Truth& truth, const std::string& program,
-                 const std::filesystem::path& path) {
-  write_file(path, truth_text(truth, program));
+void write_truth(const std::filesystem::path& path, const Truth& truth) {
+  write_file(path, truth_text(truth));
 }
 
 }  // namespace planar

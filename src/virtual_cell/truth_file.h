@@ -11,11 +11,10 @@ namespace planar {
 /// missing key, a wrong type, a number that is not finite or out of its range.
 Truth read_truth(const std::filesystem::path& path);
 
-/// The whole file's text, written by `program`. read_truth gives the same cell up to the rounding
-/// of units.
-std::string truth_text(const Truth& truth, const std::string& program);
+/// The whole file's text. read_truth gives the same cell up to the rounding of units.
+std::string truth_text(const Truth& truth);
 
 /// Writes truth_text whole. Throws WorkError when the place cannot be written.
-void write_truth(const Truth& truth, const std::string& program, const std::filesystem::path& path);
+void write_truth(const std::filesystem::path& path, const Truth& truth);
 
 }  // namespace planar
