@@ -1,5 +1,6 @@
 #include "error_map/tuning.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -38,17 +39,22 @@ class LeaveOneOutCost {
         tail_(tail_basis.at_each(sites.positions)) {}
 
   double operator()(double log_width, double log_ridge) {
-    const TunedKernel at{std::exp(log_width), std::exp(log_ridge), 0.0};
-    if (at.width != kernel_width_) {
-      kernel_width_ = at.width;
-      gaussian_kernel(squared_distances_, at.width, kernel_);
+    if (log_width != kernel_log_width_) {
+      kernel_log_width_ = log_width;
+      gaussian_kernel(squared_distances_, std::exp(log_width), kernel_);
     }
-    const double cost = loo_rms(at.ridge);
-    if (cost < best_.loo_rms) best_ = {at.width, at.ridge, cost};
+    const double cost = loo_rms(std::exp(log_ridge));
+    if (cost < best_cost_) {
+      best_cost_ = cost;
+      best_ = {log_width, log_ridge};
+    }
     return cost;
   }
 
-  const TunedKernel& best() const { return best_; }
+  /// Log width, log ridge.
+  const std::vector<double>& best() const { return best_; }
+
+  TunedKernel best_kernel() const { return {std::exp(best_[0]), std::exp(best_[1]), best_cost_}; }
 
  private:
   /// Of the present kernel; huge where it cannot be solved.
@@ -66,8 +72,9 @@ class LeaveOneOutCost {
   Eigen::MatrixXd squared_distances_;
   Eigen::MatrixXd tail_;
   Eigen::MatrixXd kernel_;
-  double kernel_width_{0.0};
-  TunedKernel best_{0.0, 0.0, std::numeric_limits<double>::infinity()};
+  double kernel_log_width_{std::numeric_limits<double>::quiet_NaN()};
+  std::vector<double> best_;
+  double best_cost_{std::numeric_limits<double>::infinity()};
 };
 
 struct SearchBox {
@@ -85,9 +92,8 @@ SearchBox search_box(const Eigen::Matrix2Xd& positions) {
 
 void search_grid(const SearchBox& box, LeaveOneOutCost& cost) {
   for (int i = 0; i < kGridWidths; ++i) {
-    for (const double ridge : kGridRidges) {
-      cost(box.narrowest + i * box.width_step(), std::log(ridge));
-    }
+    const double log_width = std::min(box.widest, box.narrowest + i * box.width_step());
+    for (const double ridge : kGridRidges) cost(log_width, std::log(ridge));
   }
 }
 
@@ -104,7 +110,7 @@ void search_near_best(const SearchBox& box, LeaveOneOutCost& cost) {
         return (*static_cast<LeaveOneOutCost*>(data))(x[0], x[1]);
       },
       &cost);
-  std::vector<double> at{std::log(cost.best().width), std::log(cost.best().ridge)};
+  std::vector<double> at = cost.best();
   double reached = 0.0;
   try {
     search.optimize(at, reached);
@@ -129,7 +135,7 @@ TunedKernel tune_gaussian(const MapSites& sites, const TailBasis& tail_basis) {
   LeaveOneOutCost cost(part, tail_basis);
   search_grid(box, cost);
   search_near_best(box, cost);
-  return cost.best();
+  return cost.best_kernel();
 }
 
 }  // namespace planar
