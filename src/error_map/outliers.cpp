@@ -10,6 +10,7 @@
 #include "core/error.h"
 #include "core/statistics.h"
 #include "core/units.h"
+#include "error_map/gross_outliers.h"
 #include "error_map/tuning.h"
 
 namespace planar {
@@ -94,11 +95,11 @@ std::vector<Outlier> values_of(const std::map<Eigen::Index, Outlier>& dropped) {
 }  // namespace
 
 RobustFit fit_without_outliers(const MapSites& sites) {
+  if (sites.size() < kFewestToJudge) return {tuned_fit(sites), sites_without({}, sites.size()), {}};
+  std::vector<Eigen::Index> kept = sites_like_their_neighbours(sites);
   std::map<Eigen::Index, Outlier> dropped;
-  std::vector<Eigen::Index> kept = sites_without(dropped, sites.size());
   for (int round = 1;; ++round) {
     GaussianRbfFit fit = tuned_fit(sites.subset(kept));
-    if (sites.size() < kFewestToJudge) return {std::move(fit), std::move(kept), {}};
     const Judgement judgement = judge(sites, kept, fit);
     const Eigen::ArrayXd limits = residual_limits(judgement);
     for (Eigen::Index i = 0; i < sites.size(); ++i) {

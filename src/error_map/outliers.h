@@ -20,10 +20,10 @@ struct RobustFit {
   std::vector<Outlier> outliers;
 };
 
-/// Fits a tuned map, judges every site by what the OTHER kept sites predict there, drops those that
-/// disagree (and at first takes back those that no longer do), until the choice is stable. Throws
-/// InputError when more than a fifth of the sites would be dropped. Fewer than ten sites are not
-/// judged.
+/// Starts from the sites that are like their neighbours, fits a tuned map, judges every site by
+/// what the OTHER kept sites predict there, drops those that disagree (and at first takes back
+/// those that no longer do), until the choice is stable. Throws InputError when more than a fifth
+/// of the sites would be dropped. Fewer than ten sites are not judged.
 RobustFit fit_without_outliers(const MapSites& sites);
 
 }  // namespace planar

@@ -1,0 +1,48 @@
+#include "error_map/gross_outliers.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "core/statistics.h"
+
+namespace planar {
+namespace {
+
+constexpr Eigen::Index kNeighbours = 12;
+
+/// Of a difference over the median difference; the field itself differs over this distance, too.
+constexpr double kGross = 10.0;
+
+/// Median, per axis, of the errors of the sites nearest to site i.
+Eigen::Vector2d neighbours_median(const MapSites& sites, Eigen::Index i) {
+  const Eigen::VectorXd distance2 =
+      (sites.positions.colwise() - sites.positions.col(i)).colwise().squaredNorm();
+  std::vector<Eigen::Index> order(static_cast<std::size_t>(sites.size()));
+  std::iota(order.begin(), order.end(), 0);
+  std::swap(order.front(), order[static_cast<std::size_t>(i)]);
+  const auto last = order.begin() + std::min(kNeighbours, sites.size() - 1);
+  std::nth_element(order.begin() + 1, last, order.end(),
+                   [&](Eigen::Index a, Eigen::Index b) { return distance2[a] < distance2[b]; });
+  std::vector<double> x;
+  std::vector<double> y;
+  for (auto neighbour = order.begin() + 1; neighbour <= last; ++neighbour) {
+    x.push_back(sites.errors(0, *neighbour));
+    y.push_back(sites.errors(1, *neighbour));
+  }
+  return {median(x), median(y)};
+}
+
+}  // namespace
+
+std::vector<Eigen::Index> sites_like_their_neighbours(const MapSites& sites) {
+  std::vector<double> differences;
+  for (Eigen::Index i = 0; i < sites.size(); ++i)
+    differences.push_back((sites.errors.col(i) - neighbours_median(sites, i)).norm());
+  const double limit = kGross * median(differences);
+  std::vector<Eigen::Index> alike;
+  for (Eigen::Index i = 0; i < sites.size(); ++i)
+    if (differences[static_cast<std::size_t>(i)] <= limit) alike.push_back(i);
+  return alike;
+}
+
+}  // namespace planar

@@ -1,0 +1,91 @@
+#include "files/map_file.h"
+
+#include <catch2/catch.hpp>
+#include <regex>
+
+#include "core/error.h"
+#include "support/error_fields.h"
+#include "support/temporary_folder.h"
+#include "text/atomic_file.h"
+
+namespace planar {
+namespace {
+
+using Catch::Contains;
+
+MapResult fitted(MapMethod method) {
+  return fit_error_map(
+      {test::measure(test::glow_field, test::ring_positions(60), test::kFieldNoise, 1), method,
+       0.048});
+}
+
+struct Files {
+  test::TemporaryFolder folder;
+  std::filesystem::path pairs{folder.write("pairs.csv", "id\n")};
+
+  std::filesystem::path write_map(const std::string& text) {
+    return folder.write("map.yaml", text);
+  }
+  std::string map_text_of(MapMethod method) {
+    return map_text(fitted(method), pairs, "planar-fit-error-map");
+  }
+};
+
+TEST_CASE("A map read from its file predicts the same, bit for bit") {
+  const auto method = GENERATE(MapMethod::kRbf, MapMethod::kIdw, MapMethod::kHandWidth);
+  Files files;
+  const MapResult result = fitted(method);
+  const ErrorMap back = read_map(files.write_map(map_text(result, files.pairs, "test")));
+  for (const Eigen::Vector2d& p : test::random_positions(200, 2)) {
+    const ErrorPrediction expected = predict(result.map, p);
+    const ErrorPrediction found = predict(back, p);
+    CHECK(found.error == expected.error);
+    CHECK((found.sigma == expected.sigma || std::isnan(expected.sigma)));
+    CHECK(found.inside == expected.inside);
+  }
+}
+
+TEST_CASE("A map's file names its program, its pairs with their hash, and its figures") {
+  Files files;
+  const std::string text = files.map_text_of(MapMethod::kRbf);
+  CHECK_THAT(text, Contains("format: planar-servo/map/1") && Contains("pairs.csv") &&
+                       Contains("method: gaussian_rbf") && Contains("loo_rms_mm") &&
+                       Contains("noise_mm") && Contains("worth_using: true"));
+}
+
+TEST_CASE("Faults of a map's file are named by their place, all at once") {
+  Files files;
+  std::string text = files.map_text_of(MapMethod::kRbf);
+  text = std::regex_replace(text, std::regex("width_m: [^\n]*"), "width_m: -1");
+  text = std::regex_replace(text, std::regex("ridge: [^\n]*"), "ridge: .nan\nrigde: 1");
+  text = std::regex_replace(text, std::regex("pairs_per_center: \\[1"), "pairs_per_center: [0");
+  const auto path = files.write_map(text);
+  CHECK_THROWS_AS(read_map(path), InputError);
+  CHECK_THROWS_WITH(read_map(path), Contains("width_m is -1") && Contains("ridge is '.nan'") &&
+                                        Contains("unknown key 'rigde'") &&
+                                        Contains("pairs_per_center has a number below 1") &&
+                                        Contains("map.yaml:"));
+}
+
+TEST_CASE("A map whose lists do not match is refused, not evaluated") {
+  Files files;
+  std::string text = files.map_text_of(MapMethod::kRbf);
+  SECTION("a weight is missing") {
+    text = std::regex_replace(text, std::regex("(weights_m:\n)[^\n]*\n"), "$1");
+    CHECK_THROWS_WITH(read_map(files.write_map(text)),
+                      Contains("weights_m has 59 points; 60 are needed"));
+  }
+  SECTION("the tail is of another degree") {
+    text = std::regex_replace(text, std::regex("tail_degree: 1"), "tail_degree: -1");
+    CHECK_THROWS_WITH(read_map(files.write_map(text)),
+                      Contains("tail_m has 3 points; 0 are needed"));
+  }
+  SECTION("the kernel cannot be solved") {
+    text = std::regex_replace(text, std::regex("ridge: [^\n]*"), "ridge: 0");
+    text = std::regex_replace(text, std::regex("width_m: [^\n]*"), "width_m: 5");
+    CHECK_THROWS_WITH(read_map(files.write_map(text)), Contains("ill conditioned"));
+  }
+}
+
+}  // namespace
+}  // namespace planar
