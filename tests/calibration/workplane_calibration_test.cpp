@@ -87,6 +87,16 @@ TEST_CASE("Mis-paired and mistaken sights are named and do not move the fit") {
   CHECK_THAT(fit.rejected.front().reason, Contains("mm; the limit is"));
 }
 
+TEST_CASE("The error of a poor lens model grows to the rim, and is not taken for outliers") {
+  const SyntheticCell cell;
+  PlumbBob poor = cell.lens;
+  poor.k1 += 0.01;
+  poor.k2 = 0.0;
+  const WorkplaneFit fit = fit_workplane_to_pairs(poor, cell.recording());
+  CHECK(fit.rms > 5.0 * cell.noise_tracker);
+  CHECK(fit.rejected.empty());
+}
+
 TEST_CASE("The pairs find the lamps' height that a board lies below") {
   constexpr double kBelow = 3.0 * kMillimetre;
   const SyntheticCell cell = noiseless();
