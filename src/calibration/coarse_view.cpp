@@ -74,20 +74,20 @@ std::optional<Eigen::Matrix3d> fit_affine(const Rows& rows) {
 
 std::optional<Eigen::Matrix3d> fit_homography(const Rows& rows) {
   const PointSets sets(rows);
-  const Eigen::Matrix3d N_p = normalisation(sets.p), N_uv = normalisation(sets.uv);
+  const Eigen::Matrix3d normalise_p = normalisation(sets.p), normalise_uv = normalisation(sets.uv);
   Eigen::Matrix<double, Eigen::Dynamic, 9> M(2 * rows.size(), 9);
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    const Eigen::RowVector3d p = (N_p * rows[i].p.homogeneous()).transpose();
-    const Eigen::Vector3d uv = N_uv * rows[i].uv_px.homogeneous();
+    const Eigen::RowVector3d p = (normalise_p * rows[i].p.homogeneous()).transpose();
+    const Eigen::Vector3d uv = normalise_uv * rows[i].uv_px.homogeneous();
     M.row(2 * i) << p, Eigen::RowVector3d::Zero(), -uv.x() * p;
     M.row(2 * i + 1) << Eigen::RowVector3d::Zero(), p, -uv.y() * p;
   }
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(M, Eigen::ComputeFullV);
   if (svd.singularValues()(7) < kLeastSingularRatio * svd.singularValues()(0)) return std::nullopt;
   const Eigen::Matrix<double, 9, 1> h = svd.matrixV().col(8);
-  const Eigen::Matrix3d H_normalised =
+  const Eigen::Matrix3d normalised =
       Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(h.data());
-  Eigen::Matrix3d H = N_uv.inverse() * H_normalised * N_p;
+  Eigen::Matrix3d H = normalise_uv.inverse() * normalised * normalise_p;
   // The sign that puts the points in front of the camera; they must all be.
   const Eigen::RowVectorXd depth = H.row(2) * sets.p.colwise().homogeneous();
   if (depth.minCoeff() < 0.0 && depth.maxCoeff() > 0.0) return std::nullopt;

@@ -27,7 +27,8 @@ class CoarseView {
   /// at p and the tool points along phi (base frame, radians); empty beyond the horizon.
   std::optional<Eigen::Vector2d> direction(const Eigen::Vector2d& p, double phi) const;
 
-  const Eigen::Matrix3d& H_IB() const { return H_IB_; }
+  /// Takes (x, y, 1) to (u, v, 1) up to a positive factor.
+  const Eigen::Matrix3d& homography() const { return H_IB_; }
 
  private:
   Eigen::Matrix3d H_IB_;

@@ -18,7 +18,7 @@ namespace {
 // Far beyond the noise of a lamp's centre and of a tracker: such a difference is motion.
 constexpr double kMotionPx = 1.0;
 constexpr double kMotion = 0.2 * kMillimetre;
-constexpr double kTimeWindow_s = 0.5;
+constexpr double kTimeWindow = 0.5;  // s
 constexpr double kSameJoint = 1e-6;  // rad; files round angles
 constexpr char kSweepPlan[] = "sweep3";
 
@@ -48,7 +48,7 @@ void require_finite(const std::vector<LampSight>& frames,
 
 /// The id whose frames lie nearest in time; empty beyond the window.
 std::string nearest_in_time(const std::vector<LampSight>& frames, double t_s) {
-  double least = kTimeWindow_s;
+  double least = kTimeWindow;
   std::string id;
   for (const LampSight& frame : frames) {
     const double gap = std::abs(frame.t_s - t_s);
@@ -144,7 +144,7 @@ Pairing pair_sights(const std::vector<LampSight>& frames, const std::vector<Tool
           {reading.id, by == PairBy::kId
                            ? "tracker reading without a frame of this id"
                            : fmt::format("no frame within {} s of the tracker reading at {:.3f} s",
-                                         kTimeWindow_s, reading.t_s)});
+                                         kTimeWindow, reading.t_s)});
     }
   }
   std::vector<Eigen::Vector2d> sweeps;

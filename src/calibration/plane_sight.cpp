@@ -29,15 +29,15 @@ std::optional<Eigen::Vector2d> meet_plane(const Pose& X_WC, const Eigen::Vector3
 
 std::optional<LampsInPlane> lamps_in_plane(const Pose& X_WC,
                                            const std::array<Eigen::Vector3d, 2>& rays_C) {
-  PoseJacobian<2> J_a, J_b;
-  const std::optional<Eigen::Vector2d> a = meet_plane(X_WC, rays_C[0], &J_a);
-  const std::optional<Eigen::Vector2d> b = meet_plane(X_WC, rays_C[1], &J_b);
+  PoseJacobian<2> J_A, J_B;
+  const std::optional<Eigen::Vector2d> a = meet_plane(X_WC, rays_C[0], &J_A);
+  const std::optional<Eigen::Vector2d> b = meet_plane(X_WC, rays_C[1], &J_B);
   if (!a || !b) return std::nullopt;
   const Eigen::Vector2d ab = *b - *a;
   if (!(ab.squaredNorm() > 0.0)) return std::nullopt;
   const Eigen::Vector2d normal(-ab.y(), ab.x());
-  return LampsInPlane{0.5 * (*a + *b), std::atan2(ab.y(), ab.x()), 0.5 * (J_a + J_b),
-                      normal.transpose() * (J_b - J_a) / ab.squaredNorm()};
+  return LampsInPlane{0.5 * (*a + *b), std::atan2(ab.y(), ab.x()), 0.5 * (J_A + J_B),
+                      normal.transpose() * (J_B - J_A) / ab.squaredNorm()};
 }
 
 Pose moved_pose(const Pose& X_WC, const Eigen::Matrix<double, 6, 1>& change) {

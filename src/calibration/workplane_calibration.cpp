@@ -66,8 +66,8 @@ std::vector<double> distances(const Seen& seen, const Eigen::Vector2d& p_reflect
 }
 
 struct NormalEquations {
-  Matrix6d JtJ{Matrix6d::Zero()};
-  Vector6d Jtr{Vector6d::Zero()};
+  Matrix6d information{Matrix6d::Zero()};
+  Vector6d gradient{Vector6d::Zero()};
   double square{0.0};
   int n{0};
 };
@@ -79,8 +79,8 @@ NormalEquations linearise(const Seen& seen, const Eigen::Vector2d& p_reflector) 
     const Eigen::Vector2d residual = s.lamps.middle + arm - s.p_reflector();
     const PoseJacobian<2> J =
         s.lamps.d_middle_d_pose + Eigen::Vector2d(-arm.y(), arm.x()) * s.lamps.d_phi_d_pose;
-    sum.JtJ += J.transpose() * J;
-    sum.Jtr += J.transpose() * residual;
+    sum.information += J.transpose() * J;
+    sum.gradient += J.transpose() * residual;
     sum.square += residual.squaredNorm();
     ++sum.n;
   }
@@ -93,7 +93,7 @@ using Step =
 
 Pose step_to_pairs(const Pose& X_WC, const Seen& seen, const Eigen::Vector2d& p_reflector) {
   const NormalEquations sum = linearise(seen, p_reflector);
-  return moved_pose(X_WC, -sum.JtJ.ldlt().solve(sum.Jtr));
+  return moved_pose(X_WC, -sum.information.ldlt().solve(sum.gradient));
 }
 
 Pose step_in_plane(const Pose& X_WC, const Seen& seen, const Eigen::Vector2d& p_reflector) {
@@ -122,7 +122,8 @@ Pose start_from_pairs(const SightSet& sights, const CameraModel& camera) {
     throw InputError(
         "workplane: the positions lie on one line; record some that spread over the field");
   }
-  return pose_from_homography(Eigen::Vector3d(1.0 / f, 1.0 / f, 1.0).asDiagonal() * view->H_IB());
+  return pose_from_homography(Eigen::Vector3d(1.0 / f, 1.0 / f, 1.0).asDiagonal() *
+                              view->homography());
 }
 
 /// Alternates the tool's fit and steps of the pose until the pose settles.
@@ -207,8 +208,8 @@ Settled fit_in_rounds(SightSet& sights, const Pose& start, const Step& step) {
 /// and tilt from the board, whose error the pairs then partly make good.
 Matrix6d board_covariance(const NormalEquations& sum, const Eigen::Matrix3d& board) {
   const std::array<int, 3> inner{0, 1, 5}, outer{2, 3, 4};
-  const Eigen::Matrix3d inverse = Eigen::Matrix3d(sum.JtJ(inner, inner)).inverse();
-  const Eigen::Matrix3d G = inverse * Eigen::Matrix3d(sum.JtJ(inner, outer));
+  const Eigen::Matrix3d inverse = Eigen::Matrix3d(sum.information(inner, inner)).inverse();
+  const Eigen::Matrix3d G = inverse * Eigen::Matrix3d(sum.information(inner, outer));
   Matrix6d covariance;
   covariance(inner, inner) = sum.square / (2.0 * sum.n - 3.0) * inverse + G * board * G.transpose();
   covariance(inner, outer) = -G * board;
@@ -238,7 +239,7 @@ WorkplaneFit fit_workplane_to_pairs(const CameraModel& camera,
   SightSet set(camera, sights);
   auto [fit, sum] = fit_in_rounds(set, start_from_pairs(set, camera), step_to_pairs);
   fit.absorbed = 6;
-  fit.covariance = sum.square / (2.0 * sum.n - 6.0) * sum.JtJ.inverse();
+  fit.covariance = sum.square / (2.0 * sum.n - 6.0) * sum.information.inverse();
   return fit;
 }
 
