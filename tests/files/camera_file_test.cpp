@@ -1,0 +1,116 @@
+#include "files/camera_file.h"
+
+#include <catch2/catch.hpp>
+
+#include "core/error.h"
+#include "support/temporary_folder.h"
+
+namespace planar {
+namespace {
+
+using Catch::Matchers::Contains;
+
+constexpr Intrinsics kIntrinsics{812.345678901234, 809.1, 321.5, 239.25};
+
+CameraCalibration sample(const CameraModel& camera, const std::string& model) {
+  CameraCalibration calibration;
+  calibration.camera = camera;
+  calibration.model = model;
+  calibration.width_px = 640;
+  calibration.height_px = 480;
+  calibration.rms_px = 0.2;
+  calibration.standard_deviations = {1.0, 1.1, 0.5, 0.6};
+  calibration.views = {{"a.png", Pose::Identity(), 0.2}};
+  calibration.rejected = {{"b.png", "no board"}};
+  calibration.region_to_px = {600.0, 400.0};
+  return calibration;
+}
+
+/// A file as ROS' cameracalibrator writes it.
+constexpr char kRosFile[] =
+    "image_width: 640\nimage_height: 480\ncamera_name: head\n"
+    "camera_matrix:\n  rows: 3\n  cols: 3\n  data: [500., 0., 320., 0., 501., 240., 0., 0., 1.]\n"
+    "distortion_model: plumb_bob\n"
+    "distortion_coefficients:\n  rows: 1\n  cols: 5\n  data: [-0.1, 0.01, 0.001, 0.002, 0.0]\n"
+    "rectification_matrix:\n  rows: 3\n  cols: 3\n  data: [1, 0, 0, 0, 1, 0, 0, 0, 1]\n"
+    "some_other_key: 3\n";
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  return text.replace(text.find(from), from.size(), to);
+}
+
+}  // namespace
+
+TEST_CASE("Every model that a camera_info file can hold comes back bit for bit") {
+  const test::TemporaryFolder folder;
+  const std::vector<CameraModel> cameras{
+      PlumbBob{kIntrinsics, -0.1, 0.2, 1e-3, 2e-3, 0.01},
+      Rational{kIntrinsics, 0.3, 0.02, -2e-4, 5e-4, 0.001, 0.42, 0.06, 0.002},
+      KannalaBrandt{kIntrinsics, 0.01, -0.02, 0.03, -0.04}};
+  for (const CameraModel& camera : cameras) {
+    write_camera(folder / "camera.yaml", sample(camera, "auto"), "test", {});
+    const CameraRecord back = read_camera(folder / "camera.yaml");
+    CHECK(back.camera.index() == camera.index());
+    CHECK(distortion_coefficients(back.camera) == distortion_coefficients(camera));
+    CHECK(intrinsics(back.camera).fx == kIntrinsics.fx);
+    CHECK(back.width_px == 640);
+    CHECK(back.height_px == 480);
+  }
+}
+
+TEST_CASE("A pinhole camera is written as a plumb-bob of zeros, which ROS knows") {
+  const test::TemporaryFolder folder;
+  write_camera(folder / "camera.yaml", sample(Pinhole{kIntrinsics}, "pinhole"), "test", {});
+  const CameraRecord back = read_camera(folder / "camera.yaml");
+  REQUIRE(std::holds_alternative<PlumbBob>(back.camera));
+  CHECK(distortion_coefficients(back.camera) == std::vector<double>(5, 0.0));
+}
+
+TEST_CASE("ViSP's camera files come back bit for bit, with and without distortion") {
+  const test::TemporaryFolder folder;
+  const auto path = folder / "camera.xml";
+  write_camera(path, sample(VispModel{kIntrinsics, 0.0312, -0.0301}, "visp"), "test", {});
+  const CameraRecord back = read_camera(path);
+  CHECK(distortion_coefficients(back.camera) == std::vector<double>{0.0312, -0.0301});
+  CHECK(intrinsics(back.camera).fx == kIntrinsics.fx);
+  CHECK(back.width_px == 640);
+  write_camera(path, sample(Pinhole{kIntrinsics}, "pinhole"), "test", {});
+  CHECK(std::holds_alternative<Pinhole>(read_camera(path).camera));
+}
+
+TEST_CASE("A model goes only into a file that can hold it") {
+  const test::TemporaryFolder folder;
+  CHECK_THROWS_WITH(write_camera(folder / "c.yaml",
+                                 sample(VispModel{kIntrinsics, 0.1, -0.1}, "visp"), "test", {}),
+                    Contains("c.yaml") && Contains(".xml"));
+  CHECK_THROWS_WITH(
+      write_camera(folder / "c.xml", sample(PlumbBob{kIntrinsics}, "plumb_bob"), "test", {}),
+      Contains("pinhole and visp") && Contains("plumb_bob"));
+}
+
+TEST_CASE("A ROS file is read, whatever else it holds") {
+  const test::TemporaryFolder folder;
+  const CameraRecord camera = read_camera(folder.write("ros.yaml", kRosFile));
+  CHECK(intrinsics(camera.camera).fy == 501.0);
+  CHECK(distortion_coefficients(camera.camera) ==
+        std::vector<double>{-0.1, 0.01, 0.001, 0.002, 0.0});
+}
+
+TEST_CASE("Faults of a camera file are named with their place and what is allowed") {
+  const test::TemporaryFolder folder;
+  const auto reading = [&](const std::string& from, const std::string& to) {
+    return read_camera(folder.write("ros.yaml", replaced(kRosFile, from, to)));
+  };
+  CHECK_THROWS_WITH(reading("plumb_bob", "pinbob"),
+                    Contains("ros.yaml:8:") && Contains("rational_polynomial, equidistant"));
+  CHECK_THROWS_WITH(reading("500.", ".nan"), Contains("ros.yaml:7:") && Contains("finite"));
+  CHECK_THROWS_WITH(reading("500.", "-500."), Contains("focal length"));
+  CHECK_THROWS_WITH(reading("image_width: 640\n", ""), Contains("lacks the key 'image_width'"));
+  CHECK_THROWS_WITH(reading("0.002, 0.0]", "0.002, 0.0, 1.0]"), Contains("5 coefficients"));
+  CHECK_THROWS_AS(read_camera(folder / "none.yaml"), InputError);
+  CHECK_THROWS_AS(read_camera(folder / "none.xml"), InputError);
+  CHECK_THROWS_WITH(read_camera(folder.write("wrong.xml", "<root/>")),
+                    Contains("wrong.xml") && Contains("ViSP"));
+}
+
+}  // namespace planar
