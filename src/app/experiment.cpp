@@ -10,6 +10,7 @@
 
 #include "app/check_error_map.h"
 #include "app/experiment_plan.h"
+#include "app/fit_error_map.h"
 #include "app/recorder.h"
 #include "core/error.h"
 #include "core/units.h"

@@ -1,8 +1,8 @@
 #include "app/vision_chain.h"
 
 #include <cmath>
-#include <opencv2/imgcodecs.hpp>
 
+#include "app/calibrate_camera.h"
 #include "app/check_error_map.h"
 #include "app/fit_error_map.h"
 #include "app/locate_lamps.h"
@@ -39,10 +39,10 @@ CellSettings with_files_in(CellSettings cell, const fs::path& folder) {
 
 CameraCalibration make_camera(const ChainSettings& settings, const CellSettings& cell,
                               const RecordedCell& recorded) {
-  const CameraCalibration calibration = calibrate_camera(
-      {recorded.views, cell.camera.width_px, cell.camera.height_px, settings.camera_model});
-  write_file(cell.camera_model,
-             camera_text(calibration, kProgram, {recorded.folder / "frames.csv"}));
+  CalibrationProblem problem = recorded.boards.problem;
+  problem.model = settings.camera_model;
+  const CameraCalibration calibration = calibrate_camera(problem);
+  write_camera(cell.camera_model, calibration, kProgram, recorded.boards.inputs);
   return calibration;
 }
 
@@ -120,19 +120,8 @@ ChainSettings paper_chain(const CellSettings& cell) {
 }
 
 RecordedCell read_recorded_cell(const fs::path& recording, const Board& board) {
-  RecordedCell recorded{
-      recording, read_frames(recording), read_tracker(recording / "tracker.csv"), board, {}};
-  const std::vector<Eigen::Vector2d> points = board_points(board);
-  for (const FrameRow& frame : recorded.frames) {
-    if (frame.plan != "grid") continue;
-    const cv::Mat image = cv::imread((recording / frame.image).string(), cv::IMREAD_GRAYSCALE);
-    if (image.empty())
-      throw InputError((recording / frame.image).string() + ": cannot be read as an image");
-    BoardSight sight = find_board(image, board);
-    if (sight.found())
-      recorded.views.push_back({frame.id, points, sight.pixels, sight.dot_areas_px2});
-  }
-  return recorded;
+  return {recording, read_frames(recording), read_tracker(recording / "tracker.csv"), board,
+          find_board_views({recording}, board)};
 }
 
 CalibratedChain calibrate_chain(const ChainSettings& settings, const CellSettings& cell,

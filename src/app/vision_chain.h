@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "app/calibrate_camera.h"
 #include "calibration/board.h"
 #include "calibration/camera_calibration.h"
 #include "error_map/fit_error_map.h"
@@ -37,7 +38,7 @@ struct RecordedCell {
   std::vector<FrameRow> frames;
   std::vector<TrackerRow> tracker;
   Board board;
-  std::vector<CalibrationView> views;  ///< of the board held into the view
+  BoardViews boards;  ///< the board held into the view
 };
 
 /// Throws InputError when the recording lacks a table.
