@@ -57,7 +57,8 @@ void SensorNoise::expose(const cv::Mat1f& levels, cv::Mat image, Random& random)
       bits = column % 4 == 0 ? random.bits() : bits >> 16;
       const float light = level[column] + background;
       const float noise = std::sqrt(light * shot + read) * normals_[bits & 0xffff];
-      pixel[column] = static_cast<std::uint8_t>(std::clamp(light + noise, 0.0F, 255.0F) + 0.5F);
+      const float rounded_up = light + noise + 0.5F;  // the cast below cuts
+      pixel[column] = static_cast<std::uint8_t>(std::clamp(rounded_up, 0.0F, 255.0F));
     }
   }
 }

@@ -72,6 +72,7 @@ std::vector<Harmonic> read_harmonics(const YamlNode& node, const std::string& ke
 std::vector<std::vector<double>> harmonic_rows(const std::vector<Harmonic>& harmonics,
                                                double unit) {
   std::vector<std::vector<double>> rows;
+  rows.reserve(harmonics.size());
   for (const Harmonic& h : harmonics)
     rows.push_back({h.amplitude / unit, h.phase_rad / kDegree, static_cast<double>(h.order)});
   return rows;

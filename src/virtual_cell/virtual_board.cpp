@@ -26,6 +26,7 @@ constexpr std::array<std::array<int, 2>, 9> kPlaces{
 
 std::vector<Eigen::Vector2d> circle(const Eigen::Vector2d& center, double radius) {
   std::vector<Eigen::Vector2d> points;
+  points.reserve(kDotPoints);
   for (int i = 0; i < kDotPoints; ++i)
     points.push_back(center + radius * rotation2d(2.0 * kPi * i / kDotPoints).col(0));
   return points;
