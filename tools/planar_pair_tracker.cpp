@@ -85,11 +85,22 @@ std::map<std::string, std::string> renamed_columns(const std::string& text) {
   return renamed;
 }
 
+/// The cell's camera, when it was calibrated for images of the cell's size.
+CameraModel read_cell_camera(const CellSettings& cell) {
+  const CameraRecord record =
+      read_camera(require_made(cell.camera_model, "planar-calibrate-camera"));
+  if (record.width_px != cell.camera.width_px || record.height_px != cell.camera.height_px) {
+    throw InputError(fmt::format("{}: is of a camera with {} x {} px; the cell's has {} x {} px",
+                                 cell.camera_model.string(), record.width_px, record.height_px,
+                                 cell.camera.width_px, cell.camera.height_px));
+  }
+  return record.camera;
+}
+
 PairTrackerRequest read_request(const Options& options) {
   PairTrackerRequest request;
   request.cell = read_cell(options.cell);
-  request.camera =
-      read_camera(require_made(request.cell.camera_model, "planar-calibrate-camera")).camera;
+  request.camera = read_cell_camera(request.cell);
   request.lamps = read_lamps(options.lamps);
   request.frames = read_frames(options.recording);
   request.tracker =
