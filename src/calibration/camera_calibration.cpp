@@ -58,8 +58,9 @@ void check(const CalibrationProblem& problem) {
 /// The course of one calibration: views as used so far, and the fit to them.
 class Calibrator {
  public:
-  Calibrator(const CalibrationProblem& problem, const std::string& model)
-      : views_(problem.views), problem_(problem), model_(model) {
+  Calibrator(const CalibrationProblem& problem, const std::string& model,
+             const std::vector<RejectedView>& rejected)
+      : views_(problem.views), problem_(problem), model_(model), rejected_(rejected) {
     fit();
     reject_outlying_views();
     correct_eccentricity();
@@ -154,8 +155,8 @@ class Calibrator {
   std::vector<CalibrationView> views_;
   const CalibrationProblem& problem_;
   std::string model_;
-  LensFit lens_;
   std::vector<RejectedView> rejected_;
+  LensFit lens_;
   double dot_diameter_{0.0};
 };
 
@@ -170,10 +171,11 @@ bool clearly_worse(const std::vector<double>& squares, const std::vector<double>
   return mean(excess) > std::sqrt(scatter / (n * (n - 1.0)));
 }
 
-std::string choose_model(const CalibrationProblem& problem) {
+std::string choose_model(const CalibrationProblem& problem,
+                         const std::vector<RejectedView>& without_board) {
   // Views are judged once, by a model that fits most lenses, so that all models see the same ones.
   CalibrationProblem common = problem;
-  common.views = Calibrator(problem, "plumb_bob").views();
+  common.views = Calibrator(problem, "plumb_bob", without_board).views();
   struct Candidate {
     std::string model;
     std::vector<double> squares;
@@ -182,7 +184,7 @@ std::string choose_model(const CalibrationProblem& problem) {
   for (const char* model :
        {"pinhole", "plumb_bob_k1", "plumb_bob", "equidistant", "rational_polynomial"}) {
     try {
-      const Calibrator calibrator(common, model);
+      const Calibrator calibrator(common, model, {});
       auto squares = calibrator.held_out_squares();
       if (squares && squares->size() == common.views.size()) {
         candidates.push_back({model, std::move(*squares)});
@@ -245,7 +247,7 @@ void judge_held_out(const Calibrator& calibrator, CameraCalibration& result) {
   if (!squares) return;
   std::vector<double> distances;
   for (const CalibratedView& view : result.views) distances.push_back(view.X_CG.translation().z());
-  const Intrinsics& k = intrinsics(result.camera);
+  const Intrinsics k = intrinsics(result.camera);
   result.held_out_rms_px = std::sqrt(mean(*squares));
   result.expected_error = *result.held_out_rms_px * median(distances) / std::sqrt(k.fx * k.fy);
 }
@@ -258,12 +260,13 @@ const std::vector<std::string>& calibration_model_names() {
   return names;
 }
 
-CameraCalibration calibrate_camera(const CalibrationProblem& problem) {
+CameraCalibration calibrate_camera(const CalibrationProblem& problem,
+                                   const std::vector<RejectedView>& without_board) {
   check(problem);
   CameraCalibration result;
-  result.model = problem.model == "auto" ? choose_model(problem) : problem.model;
+  result.model = problem.model == "auto" ? choose_model(problem, without_board) : problem.model;
   const std::string fitted = result.model == "visp" ? "plumb_bob_k1" : result.model;
-  const Calibrator calibrator(problem, fitted);
+  const Calibrator calibrator(problem, fitted, without_board);
   result.camera = calibrator.lens().camera;
   result.width_px = problem.width_px;
   result.height_px = problem.height_px;

@@ -69,8 +69,12 @@ const std::vector<std::string>& calibration_model_names();
 /// polynomial fitted over the pixels used. `auto` takes the simplest model whose held-out residuals
 /// are within one standard error of the best one's.
 ///
+/// `without_board` are pictures that gave no view: they join the result's rejected views and, when
+/// too few are left, the message.
+///
 /// Throws InputError for an unknown model, fewer than 3 usable views, points and pixels that are
 /// not as many, or numbers that are not finite; WorkError when the fit does not converge.
-CameraCalibration calibrate_camera(const CalibrationProblem& problem);
+CameraCalibration calibrate_camera(const CalibrationProblem& problem,
+                                   const std::vector<RejectedView>& without_board = {});
 
 }  // namespace planar

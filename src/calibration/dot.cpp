@@ -21,6 +21,7 @@ constexpr double kLargestRoughness = 0.15;
 constexpr double kRayStart = 0.5;
 constexpr double kRayEnd = 1.4;
 constexpr double kRayStep_px = 0.5;
+constexpr int kFewestSamples = 8;
 constexpr double kSmallestContrast = 8.0;
 
 /// The ellipse with the outline's area moments; empty for slivers and ragged outlines.
@@ -92,13 +93,12 @@ std::optional<double> crossing(const std::vector<double>& profile, double expect
 /// Where the ray from the dot's centre crosses its outline, relative to the centre.
 std::optional<Eigen::Vector2d> outline_point(const cv::Mat& image, const Dot& dot, double angle) {
   const Eigen::Vector2d radius = dot.shape * Eigen::Vector2d(std::cos(angle), std::sin(angle));
-  const double step = kRayStep_px / radius.norm();
+  const double step = std::min(kRayStep_px / radius.norm(), (kRayEnd - kRayStart) / kFewestSamples);
   if (!inside(image, dot.center + kRayEnd * radius)) return std::nullopt;
   std::vector<double> profile;
   for (double part = kRayStart; part <= kRayEnd; part += step) {
     profile.push_back(grey_at(image, dot.center + part * radius));
   }
-  if (profile.size() < 6) return std::nullopt;
   const auto at = crossing(profile, (1.0 - kRayStart) / step);
   if (!at) return std::nullopt;
   return (kRayStart + *at * step) * radius;
@@ -137,7 +137,9 @@ std::vector<cv::Point2f> without_outliers(const std::vector<cv::Point2f>& points
 
 }  // namespace
 
-double Dot::area() const { return kPi * std::abs(shape.determinant()); }
+double Dot::area() const {
+  return kPi * std::abs(shape.determinant());
+}
 
 std::vector<Dot> find_dark_dots(const cv::Mat& image) {
   // Darker than the mean of a neighbourhood that holds dots and the gaps between them.

@@ -98,7 +98,7 @@ Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
 /// central differences: all models are nearly linear in them).
 Eigen::Matrix2Xd camera_jacobian(const CameraModel& camera, const Eigen::Vector3d& p_C,
                                  std::size_t free_coefficients) {
-  const Intrinsics& k = intrinsics(camera);
+  const Intrinsics k = intrinsics(camera);
   const Eigen::Vector2d uv = project(camera, p_C).value();
   Eigen::Matrix2Xd J(2, 4 + free_coefficients);
   J.leftCols(4) << (uv.x() - k.cx) / k.fx, 0.0, 1.0, 0.0, 0.0, (uv.y() - k.cy) / k.fy, 0.0, 1.0;

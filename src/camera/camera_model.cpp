@@ -65,7 +65,7 @@ std::optional<Eigen::Vector2d> project(const CameraModel& camera, const Eigen::V
   const auto distorted = std::visit([&](const auto& c) { return lens::distort(c, xy); }, camera);
   if (!distorted) return std::nullopt;
 
-  const Intrinsics& k = intrinsics(camera);
+  const Intrinsics k = intrinsics(camera);
   const Eigen::Vector2d focal(k.fx, k.fy);
   if (d_uv_d_p != nullptr) {
     Eigen::Matrix<double, 2, 3> d_xy_d_p;
@@ -78,7 +78,7 @@ std::optional<Eigen::Vector2d> project(const CameraModel& camera, const Eigen::V
 std::optional<Eigen::Vector3d> ray(const CameraModel& camera, const Eigen::Vector2d& uv_px,
                                    Eigen::Matrix2d* d_xy_d_uv) {
   if (!uv_px.allFinite()) return std::nullopt;
-  const Intrinsics& k = intrinsics(camera);
+  const Intrinsics k = intrinsics(camera);
   const Eigen::Vector2d xy_d((uv_px.x() - k.cx) / k.fx, (uv_px.y() - k.cy) / k.fy);
   const auto ideal = std::visit([&](const auto& c) { return lens::undistort(c, xy_d); }, camera);
   if (!ideal) return std::nullopt;
@@ -88,8 +88,8 @@ std::optional<Eigen::Vector3d> ray(const CameraModel& camera, const Eigen::Vecto
   return Eigen::Vector3d(ideal->xy.x(), ideal->xy.y(), 1.0);
 }
 
-const Intrinsics& intrinsics(const CameraModel& camera) {
-  return std::visit([](const auto& c) -> const Intrinsics& { return c.k; }, camera);
+Intrinsics intrinsics(const CameraModel& camera) {
+  return std::visit([](const auto& c) { return c.k; }, camera);
 }
 
 std::vector<double> distortion_coefficients(const CameraModel& camera) {

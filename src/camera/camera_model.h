@@ -61,7 +61,7 @@ std::optional<Eigen::Vector2d> project(const CameraModel& camera, const Eigen::V
 std::optional<Eigen::Vector3d> ray(const CameraModel& camera, const Eigen::Vector2d& uv_px,
                                    Eigen::Matrix2d* d_xy_d_uv = nullptr);
 
-const Intrinsics& intrinsics(const CameraModel& camera);
+Intrinsics intrinsics(const CameraModel& camera);
 
 /// Distortion coefficients in the model's own order (OpenCV's and ROS's for theirs): none; kud,
 /// kdu; k1, k2, p1, p2, k3; the same and k4, k5, k6; k1 ... k4.

@@ -26,7 +26,7 @@ std::string ros_model(const CameraModel& camera) {
 }
 
 void add_camera(YamlWriter& writer, const CameraModel& camera) {
-  const Intrinsics& k = intrinsics(camera);
+  const Intrinsics k = intrinsics(camera);
   std::vector<double> coefficients = distortion_coefficients(camera);
   if (coefficients.empty()) coefficients.assign(5, 0.0);
   add_matrix(writer, "camera_matrix", 3, {k.fx, 0, k.cx, 0, k.fy, k.cy, 0, 0, 1});
@@ -36,12 +36,16 @@ void add_camera(YamlWriter& writer, const CameraModel& camera) {
   add_matrix(writer, "projection_matrix", 3, {k.fx, 0, k.cx, 0, 0, k.fy, k.cy, 0, 0, 0, 1, 0});
 }
 
+std::string file_name(const std::string& path) {
+  return std::filesystem::path(path).filename().string();
+}
+
 std::string camera_yaml(const CameraCalibration& calibration, const std::string& camera_name,
                         const std::string& program,
                         const std::vector<std::filesystem::path>& inputs) {
   std::vector<std::string> used, rejected;
-  for (const auto& view : calibration.views) used.push_back(view.name);
-  for (const auto& view : calibration.rejected) rejected.push_back(view.name);
+  for (const auto& view : calibration.views) used.push_back(file_name(view.name));
+  for (const auto& view : calibration.rejected) rejected.push_back(file_name(view.name));
   YamlWriter writer = YamlWriter::with_header("camera", program);
   writer.add_inputs(inputs)
       .add("image_width", calibration.width_px)

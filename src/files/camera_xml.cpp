@@ -58,7 +58,7 @@ std::string camera_xml(const CameraRecord& record, const std::string& camera_nam
     throw InputError("a ViSP camera file holds the models pinhole and visp, not " +
                      lens_model_name(record.camera) + "; write a .yaml file");
   }
-  const Intrinsics& k = intrinsics(record.camera);
+  const Intrinsics k = intrinsics(record.camera);
   std::string model = fmt::format(
       "      <type>{}</type>\n      <px>{}</px>\n      <py>{}</py>\n      <u0>{}</u0>\n"
       "      <v0>{}</v0>\n",

@@ -53,7 +53,7 @@ CalibrationProblem views_of_board(const CameraModel& camera, int count, const st
 }
 
 void check_intrinsics(const CameraCalibration& found, const Intrinsics& truth) {
-  const Intrinsics& k = intrinsics(found.camera);
+  const Intrinsics k = intrinsics(found.camera);
   const auto& sigma = found.standard_deviations;
   CHECK(std::abs(k.fx - truth.fx) < kDeviations * sigma[0]);
   CHECK(std::abs(k.fy - truth.fy) < kDeviations * sigma[1]);
@@ -183,7 +183,7 @@ TEST_CASE("ViSP's photographs give the camera that ViSP documents") {
   if (!folder) return;
   const Board board{Board::Kind::kCircles, 6, 6, 0.034};
   const auto found = calibrate_camera(problem_from_images(*folder, ".jpg", board));
-  const Intrinsics& k = intrinsics(found.camera);
+  const Intrinsics k = intrinsics(found.camera);
   constexpr double kTolerance_px = 2.0;  // just above one standard deviation of fx
   CHECK(k.fx == Approx(272.3969).margin(kTolerance_px));
   CHECK(k.fy == Approx(268.6672).margin(kTolerance_px));
@@ -197,7 +197,7 @@ TEST_CASE("The grid36 photographs give the camera that vpCalibration finds") {
   if (!folder) return;
   const Board board{Board::Kind::kCircles, 6, 6, 0.030};
   const auto found = calibrate_camera(problem_from_images(*folder, ".pgm", board));
-  const Intrinsics& k = intrinsics(found.camera);
+  const Intrinsics k = intrinsics(found.camera);
   constexpr double kTolerance_px = 2.0;
   CHECK(k.fx == Approx(550.7).margin(kTolerance_px));
   CHECK(k.fy == Approx(543.0).margin(kTolerance_px));
