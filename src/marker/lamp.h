@@ -22,7 +22,8 @@ enum class LampStatus {
 /// The status as files have it: "ok", "no_lamp", "one_lamp", "wrong_distance", ...
 const char* name(LampStatus status);
 
-/// The centre of one lamp in pixels of the whole sensor.
+/// The centre of one lamp in pixels of the whole sensor. Unless its status is kOk it is coarse and
+/// has no covariance.
 struct LampCenter {
   LampStatus status{LampStatus::kNoLamp};
   Eigen::Vector2d uv_px{0.0, 0.0};
@@ -31,7 +32,8 @@ struct LampCenter {
 };
 
 /// Both lamps of a frame. status is kOk or kAmbiguous (both centres valid, but which is lamp 1 is
-/// not known), or says why there is no pair.
+/// not known), or says why there is no pair. Where several pairs of lights are possible and nothing
+/// decides between them, the lamps are the two most evident lights and kAmbiguous themselves.
 struct LampPair {
   LampStatus status{LampStatus::kNoLamp};
   std::array<LampCenter, 2> lamps;

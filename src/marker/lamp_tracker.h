@@ -11,7 +11,7 @@ namespace planar {
 /// ViSP's vpDot2 in a window round it; without one, or when that fails, by detection in the whole
 /// image. Then measures each centre by the method asked for, checks the distance and decides which
 /// lamp is which. Keeps no state that changes a result: the same frame and expectation always give
-/// the same pair (buffers are kept, to allocate nothing per frame).
+/// the same pair (only large buffers are kept from frame to frame).
 class LampTracker {
  public:
   explicit LampTracker(CenterMethod method);

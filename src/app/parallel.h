@@ -1,0 +1,40 @@
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <cstddef>
+#include <exception>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+namespace planar {
+
+/// Calls work(i, worker) for every i below n, on up to `most_threads` threads, each with a worker
+/// of its own made by make_worker(). The first exception stops its thread and is thrown again at
+/// the end. Results must not depend on which thread does what.
+template <typename MakeWorker, typename Work>
+void parallel_for(std::size_t n, unsigned most_threads, const MakeWorker& make_worker,
+                  const Work& work) {
+  std::atomic<std::size_t> next{0};
+  std::exception_ptr failure;
+  std::mutex failure_mutex;
+  const auto run = [&] {
+    try {
+      auto worker = make_worker();
+      for (std::size_t i = next++; i < n; i = next++) work(i, worker);
+    } catch (...) {
+      const std::lock_guard<std::mutex> lock(failure_mutex);
+      if (!failure) failure = std::current_exception();
+    }
+  };
+  const unsigned cores = std::max(1u, std::thread::hardware_concurrency());
+  const std::size_t wanted = std::min<std::size_t>(std::min(cores, most_threads), n);
+  std::vector<std::thread> threads;
+  for (std::size_t i = 1; i < wanted; ++i) threads.emplace_back(run);
+  run();
+  for (std::thread& thread : threads) thread.join();
+  if (failure) std::rethrow_exception(failure);
+}
+
+}  // namespace planar

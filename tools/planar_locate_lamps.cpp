@@ -1,0 +1,138 @@
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <map>
+
+#include "app/locate_lamps.h"
+#include "app/progress.h"
+#include "core/error.h"
+#include "core/statistics.h"
+#include "program.h"
+#include "text/atomic_file.h"
+
+namespace planar {
+namespace {
+
+namespace fs = std::filesystem;
+
+const ProgramText kText{
+    "planar-locate-lamps",
+    "Finds lamps in images and measures their centres; on the plane, when the cell has one.",
+    "planar-locate-lamps [--cell cell.yaml] [--lamps 1|2] [--centre METHOD] [--start U,V] "
+    "-o lamps.csv RECORDING | IMAGE...",
+    "  732 images: 728 ok, 3 one_lamp, 1 unreadable; 0.61 ms per image"};
+
+struct Options {
+  fs::path cell, out;
+  std::vector<fs::path> inputs;
+  std::string method{"auto"}, start;
+  int lamps{2};
+};
+
+void add_options(CLI::App& app, Options& options) {
+  app.add_option("--cell", options.cell, "the cell; without it pixels only, of images of any size")
+      ->type_name("FILE");
+  app.add_option("--lamps", options.lamps, "lamps in view; 1 follows one disc through the images")
+      ->check(CLI::IsMember({1, 2}))
+      ->capture_default_str();
+  app.add_option("--centre", options.method,
+                 "how a centre is measured; canny-kasa is the paper's way")
+      ->check(CLI::IsMember({"auto", "canny-kasa", "vpdot2"}))
+      ->capture_default_str();
+  app.add_option("--start", options.start, "pixel of the disc in the first image")
+      ->type_name("U,V");
+  app.add_option("-o,--out", options.out, "lamps.csv to write")->required()->type_name("FILE");
+  app.add_option("images", options.inputs, "a recording's folder, or images in their order")
+      ->required()
+      ->check(CLI::ExistingPath)
+      ->type_name("RECORDING | IMAGE...");
+}
+
+CenterMethod center_method(const std::string& text) {
+  if (text == "canny-kasa") return CenterMethod::kCannyKasa;
+  return text == "vpdot2" ? CenterMethod::kVpDot2 : CenterMethod::kAuto;
+}
+
+std::optional<Eigen::Vector2d> start_pixel(const std::string& text) {
+  if (text.empty()) return std::nullopt;
+  Eigen::Vector2d start;
+  const std::vector<std::string> fields = CLI::detail::split(text, ',');
+  if (fields.size() != 2 || !CLI::detail::lexical_cast(fields[0], start.x()) ||
+      !CLI::detail::lexical_cast(fields[1], start.y()) || !start.allFinite()) {
+    throw InputError("--start is '" + text + "'; two numbers U,V are needed");
+  }
+  return start;
+}
+
+/// The folder, when the input is a recording.
+std::optional<fs::path> recording_of(const Options& options) {
+  for (const fs::path& input : options.inputs) {
+    if (!fs::is_directory(input)) continue;
+    if (options.inputs.size() > 1)
+      throw InputError(input.string() + ": is a folder; give one recording, or images");
+    if (options.lamps == 1)
+      throw InputError(input.string() + ": a recording shows two lamps; --lamps 1 takes images");
+    return input;
+  }
+  return std::nullopt;
+}
+
+LocateRequest read_request(const Options& options) {
+  if (!options.start.empty() && options.lamps != 1) {
+    throw InputError("--start picks the disc that --lamps 1 follows; two lamps need no start");
+  }
+  LocateRequest request;
+  request.method = center_method(options.method);
+  std::optional<PlanarArm> arm;
+  if (!options.cell.empty()) {
+    const CellSettings cell = read_cell(options.cell);
+    arm.emplace(cell.arm.geometry);
+    request.scene = lamp_scene(cell);
+  }
+  const std::optional<fs::path> recording = recording_of(options);
+  request.images = recording ? images_of_recording(*recording, read_frames(*recording), arm)
+                             : single_images(options.inputs);
+  for (const LampImage& image : request.images) require_not_input(options.out, image.file);
+  return request;
+}
+
+nlohmann::json print(const LocateReport& report) {
+  std::map<std::string, std::size_t> counts;
+  for (const LampRow& row : report.rows) ++counts[row.status];
+  const std::size_t ok = counts["ok"];
+  counts.erase("ok");
+  fmt::print("{} images: {} ok", report.rows.size(), ok);
+  for (const auto& [status, count] : counts) fmt::print(", {} {}", count, status);
+  nlohmann::json figures{{"images", report.rows.size()},
+                         {"ok", ok},
+                         {"not_ok", report.rows.size() - ok},
+                         {"statuses", counts},
+                         {"ms_per_image_median", nullptr}};
+  if (!report.milliseconds.empty()) {
+    const double time = median(report.milliseconds);
+    fmt::print("; {:.2f} ms per image", time);
+    figures["ms_per_image_median"] = time;
+  }
+  fmt::print("\n");
+  return figures;
+}
+
+Outcome locate(const Options& options) {
+  LocateRequest request = read_request(options);
+  const ProgressBar bar("locating");
+  request.progress = [&](std::size_t done, std::size_t all) { bar.show(done, all); };
+  const LocateReport report =
+      options.lamps == 1 ? follow_disc(request, start_pixel(options.start)) : locate_lamps(request);
+  write_file(options.out, lamps_text(report.rows));
+  return {print(report)};
+}
+
+}  // namespace
+}  // namespace planar
+
+int main(int argc, char** argv) {
+  planar::Options options;
+  return planar::run_program(
+      planar::kText, argc, argv, [&](CLI::App& app) { planar::add_options(app, options); },
+      [&] { return planar::locate(options); });
+}
