@@ -17,18 +17,6 @@ target_link_libraries(planar_visp INTERFACE visp_core visp_blob visp_robot visp_
 # One static library per room. The link list is the dependency rule: see doc/architecture.md.
 function(planar_room name)
   cmake_parse_arguments(ROOM "" "" "SOURCES;LINKS;PRIVATE_LINKS" ${ARGN})
-  # BEGIN bootstrap: rooms still being written
-  set(present "")
-  foreach(source IN LISTS ROOM_SOURCES)
-    if(EXISTS ${CMAKE_CURRENT_SOURCE_DIR}/${source})
-      list(APPEND present ${source})
-    endif()
-  endforeach()
-  if(NOT present)
-    return()
-  endif()
-  set(ROOM_SOURCES ${present})
-  # END bootstrap
   add_library(planar_${name} STATIC ${ROOM_SOURCES})
   set_target_properties(planar_${name} PROPERTIES CXX_STANDARD 17 CXX_EXTENSIONS OFF)
   target_link_libraries(planar_${name} PUBLIC planar_options ${ROOM_LINKS}

@@ -6,41 +6,51 @@
 #include "files/tables.h"
 #include "program.h"
 
+namespace planar {
 namespace {
 
-const planar::ProgramText kText{
+const ProgramText kText{
     "planar-record", "Drives a cell through a plan and records frames and tracker readings.",
     "planar-record --cell cell.yaml --plan plan.csv --out RECORDING",
     "  254 positions recorded (0 were there before): 732 frames, 17 of them full, in RECORDING"};
 
+struct Options {
+  std::filesystem::path cell, plan, recording;
+};
+
+void add_options(CLI::App& app, Options& options) {
+  app.add_option("--cell", options.cell, "the cell")->required()->type_name("FILE");
+  app.add_option("--plan", options.plan, "positions and board views to record")
+      ->required()
+      ->type_name("FILE");
+  app.add_option("--out", options.recording,
+                 "folder of the recording; one that holds a part is gone on with")
+      ->required()
+      ->type_name("DIR");
+}
+
+Outcome run(const Options& options) {
+  const RecordRequest request{read_cell(options.cell), read_plan(options.plan), options.recording};
+  const auto devices = open_cell(request.cell);
+  const RecordReport report = record(request, *devices);
+  for (const std::string& id : report.without_lamps)
+    spdlog::warn("{}: no pair of lamps was seen; its frames are kept", id);
+  fmt::print("{} positions recorded ({} were there before): {} frames, {} of them full, in {}\n",
+             report.recorded, report.present, report.frames, report.full_frames,
+             options.recording.string());
+  return {{{"recorded", report.recorded},
+           {"present", report.present},
+           {"frames", report.frames},
+           {"full_frames", report.full_frames},
+           {"without_lamps", report.without_lamps}}};
+}
+
 }  // namespace
+}  // namespace planar
 
 int main(int argc, char** argv) {
-  std::filesystem::path cell_file, plan_file, recording;
-  const auto options = [&](CLI::App& app) {
-    app.add_option("--cell", cell_file, "the cell")->required()->type_name("FILE");
-    app.add_option("--plan", plan_file, "positions and board views to record")
-        ->required()
-        ->type_name("FILE");
-    app.add_option("--out", recording,
-                   "folder of the recording; one that holds a part is gone on with")
-        ->required()
-        ->type_name("DIR");
-  };
-  return planar::run_program(kText, argc, argv, options, [&] {
-    const planar::RecordRequest request{planar::read_cell(cell_file), planar::read_plan(plan_file),
-                                        recording};
-    const auto devices = planar::open_cell(request.cell);
-    const planar::RecordReport report = planar::record(request, *devices);
-    for (const std::string& id : report.without_lamps)
-      spdlog::warn("{}: no pair of lamps was seen; its frames are kept", id);
-    fmt::print("{} positions recorded ({} were there before): {} frames, {} of them full, in {}\n",
-               report.recorded, report.present, report.frames, report.full_frames,
-               recording.string());
-    return planar::Outcome{{{"recorded", report.recorded},
-                            {"present", report.present},
-                            {"frames", report.frames},
-                            {"full_frames", report.full_frames},
-                            {"without_lamps", report.without_lamps}}};
-  });
+  planar::Options options;
+  return planar::run_program(
+      planar::kText, argc, argv, [&](CLI::App& app) { planar::add_options(app, options); },
+      [&] { return planar::run(options); });
 }

@@ -4,15 +4,17 @@
 #include "app/progress.h"
 #include "app/servo_report.h"
 #include "app/servo_run.h"
+#include "core/error.h"
 #include "core/units.h"
 #include "program.h"
 #include "text/atomic_file.h"
 
+namespace planar {
 namespace {
 
 namespace fs = std::filesystem;
 
-const planar::ProgramText kText{
+const ProgramText kText{
     "planar-servo", "Positions the end point at targets by vision and logs every step.",
     "planar-servo --cell cell.yaml --targets targets.csv --out DIR [--no-error-map] [--resume]\n"
     "       planar-servo --cell cell.yaml --targets targets.csv --dry-run | --check",
@@ -40,18 +42,17 @@ void add_options(CLI::App& app, Options& options) {
       ->excludes(dry);
 }
 
-planar::Outcome print_dry_run(const planar::CellSettings& cell,
-                              const std::vector<planar::TargetRow>& targets) {
+Outcome print_dry_run(const CellSettings& cell, const std::vector<TargetRow>& targets) {
   bool all_possible = true;
   nlohmann::json rows = nlohmann::json::array();
-  for (const planar::DryRunRow& row : planar::dry_run(cell, targets)) {
+  for (const DryRunRow& row : dry_run(cell, targets)) {
     if (row.plan.refusal) {
       all_possible = false;
       fmt::print("{}: refused: {}\n", row.id, *row.plan.refusal);
       rows.push_back({{"target", row.id}, {"refused", *row.plan.refusal}});
       continue;
     }
-    const Eigen::Vector3d deg = row.plan.theta / planar::kDegree;
+    const Eigen::Vector3d deg = row.plan.theta / kDegree;
     fmt::print("{}: joints {:.4f} {:.4f} {:.4f} deg, pulses {} {} {}\n", row.id, deg[0], deg[1],
                deg[2], row.pulses[0], row.pulses[1], row.pulses[2]);
     rows.push_back({{"target", row.id},
@@ -61,50 +62,51 @@ planar::Outcome print_dry_run(const planar::CellSettings& cell,
   return {{{"moves", rows}}, all_possible};
 }
 
-planar::Outcome run(const planar::ServoRequest& request, const Options& options) {
-  const auto devices = planar::open_cell(request.cell);
-  const auto results = planar::run_servo(request, *devices);
-  for (const planar::TargetResult& result : results)
-    if (result.status != planar::ServoStatus::kReached)
-      spdlog::warn("{}: {}: {}", result.id, planar::name(result.status), result.reason);
-  const planar::ServoFigures figures = planar::figures_of(results);
+Outcome run(const ServoRequest& request, const Options& options) {
+  const auto devices = open_cell(request.cell);
+  const auto results = run_servo(request, *devices);
+  for (const TargetResult& result : results)
+    if (result.status != ServoStatus::kReached)
+      spdlog::warn("{}: {}: {}", result.id, name(result.status), result.reason);
+  const ServoFigures figures = figures_of(results);
   std::vector<fs::path> inputs{options.cell, options.targets, request.cell.camera_model,
                                request.cell.workplane, request.cell.tool};
   if (request.use_error_map) inputs.push_back(request.cell.error_map);
-  planar::write_file(request.out / "run.yaml", planar::run_text(request, figures, inputs));
-  planar::write_file(request.out / "report.html", planar::servo_page(request, results));
-  fmt::print("{}log and report: {}\n", planar::servo_text(figures), request.out.string());
-  return {planar::servo_json(figures), figures.reached == figures.targets};
+  write_file(request.out / "run.yaml", run_text(request, figures, inputs));
+  write_file(request.out / "report.html", servo_page(request, results));
+  fmt::print("{}log and report: {}\n", servo_text(figures), request.out.string());
+  return {servo_json(figures), figures.reached == figures.targets};
 }
 
-planar::Outcome work(const Options& options) {
-  const planar::CellSettings cell = planar::read_cell(options.cell);
-  const auto targets = planar::read_targets(options.targets);
+Outcome work(const Options& options) {
+  const CellSettings cell = read_cell(options.cell);
+  const auto targets = read_targets(options.targets);
   if (options.dry_run) return print_dry_run(cell, targets);
   if (options.check) {
-    planar::read_vision(cell, !options.no_error_map);
+    read_vision(cell, !options.no_error_map);
     fmt::print("{} and the files it names are in order; {} targets\n", options.cell.string(),
                targets.size());
     return {{{"targets", targets.size()}}};
   }
   if (options.out.empty())
-    throw planar::InputError("--out is needed to move; --dry-run and --check do without");
-  const planar::ProgressBar bar("targets");
-  planar::ServoRequest request{cell,
-                               targets,
-                               planar::CenterMethod::kAuto,
-                               !options.no_error_map,
-                               options.out,
-                               options.resume,
-                               [&](std::size_t done, std::size_t all) { bar.show(done, all); }};
+    throw InputError("--out is needed to move; --dry-run and --check do without");
+  const ProgressBar bar("targets");
+  ServoRequest request{cell,
+                       targets,
+                       CenterMethod::kAuto,
+                       !options.no_error_map,
+                       options.out,
+                       options.resume,
+                       [&](std::size_t done, std::size_t all) { bar.show(done, all); }};
   return run(request, options);
 }
 
 }  // namespace
+}  // namespace planar
 
 int main(int argc, char** argv) {
-  Options options;
+  planar::Options options;
   return planar::run_program(
-      kText, argc, argv, [&](CLI::App& app) { add_options(app, options); },
-      [&] { return work(options); });
+      planar::kText, argc, argv, [&](CLI::App& app) { planar::add_options(app, options); },
+      [&] { return planar::work(options); });
 }

@@ -18,9 +18,11 @@ VirtualHardware hardware_of(const CellSettings& cell) {
   for (std::size_t i = 0; i < 2; ++i)
     hardware.relative[i] = cell.transmission.coupling[i] == Coupling::kRelative;
   hardware.pulses_per_rad = transmission.pulses_per_rad();
-  for (int i = 0; i < 3; ++i)
-    hardware.max_speed_rad_s[i] =
-        cell.transmission.drives[static_cast<std::size_t>(i)].max_speed_rad_s;
+  for (int i = 0; i < 3; ++i) {
+    const MotorDrive& drive = cell.transmission.drives[static_cast<std::size_t>(i)];
+    hardware.max_speed_rad_s[i] = drive.max_speed_rad_s;
+    hardware.max_acceleration_rad_s2[i] = drive.max_acceleration_rad_s2;
+  }
   hardware.home_rad = cell.arm.home;
   for (const Monument& monument : cell.datum)
     hardware.monuments_B.emplace_back(monument.id, monument.p_B);

@@ -23,7 +23,7 @@ class WorkError : public std::runtime_error {
 /// Collects every fault of an input, so that the user learns all of them at once.
 class Faults {
  public:
-  void add(std::string message) { messages_.push_back(std::move(message)); }
+  void add(const std::string& message) { messages_.push_back(message); }
   bool empty() const { return messages_.empty(); }
   const std::vector<std::string>& messages() const { return messages_; }
 
