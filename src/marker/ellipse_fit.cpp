@@ -64,17 +64,17 @@ struct Solution {
 };
 
 /// Normal equations J^T J and J^T r over the used edges; the sum of squares.
-double assemble(const Problem& problem, const Parameters& x, Eigen::Matrix<double, 5, 5>& JtJ,
-                Parameters& Jtr) {
-  JtJ.setZero();
-  Jtr.setZero();
+double assemble(const Problem& problem, const Parameters& x, Eigen::Matrix<double, 5, 5>& normal,
+                Parameters& gradient) {
+  normal.setZero();
+  gradient.setZero();
   double sum = 0.0;
   Parameters row;
   for (std::size_t i = 0; i < problem.edges.size(); ++i) {
     if (!problem.used[i]) continue;
     const double r = distance(x, problem.edges[i], &row);
-    JtJ += row * row.transpose();
-    Jtr += row * r;
+    normal += row * row.transpose();
+    gradient += row * r;
     sum += r * r;
   }
   return sum;
@@ -94,11 +94,11 @@ std::optional<Solution> state(const Problem& problem, const Parameters& x,
   const double free_edges = n / shared - static_cast<double>(basis.cols());
   if (free_edges < 1.0) return std::nullopt;
 
-  Eigen::Matrix<double, 5, 5> JtJ;
-  Parameters Jtr;
-  const double sum = assemble(problem, x, JtJ, Jtr);
+  Eigen::Matrix<double, 5, 5> normal;
+  Parameters gradient;
+  const double sum = assemble(problem, x, normal, gradient);
   const double variance = sum / shared / free_edges;
-  const Eigen::MatrixXd reduced = basis.transpose() * JtJ * basis;
+  const Eigen::MatrixXd reduced = basis.transpose() * normal * basis;
   const Eigen::MatrixXd inverse =
       reduced.ldlt().solve(Eigen::MatrixXd::Identity(reduced.rows(), reduced.cols()));
   return Solution{x, problem.used, n / shared, variance * shared * inverse.topLeftCorner<2, 2>(),
@@ -108,13 +108,13 @@ std::optional<Solution> state(const Problem& problem, const Parameters& x,
 std::optional<Solution> gauss_newton(const Problem& problem, Parameters x, bool circle) {
   constexpr double kSmallStep_px = 1e-7;
   const Eigen::MatrixXd basis = freedom(circle);
-  Eigen::Matrix<double, 5, 5> JtJ;
-  Parameters Jtr;
+  Eigen::Matrix<double, 5, 5> normal;
+  Parameters gradient;
   bool converged = false;
   for (int i = 0; i < kMostSteps && !converged; ++i) {
-    assemble(problem, x, JtJ, Jtr);
-    const Eigen::LDLT<Eigen::MatrixXd> solver(basis.transpose() * JtJ * basis);
-    const Parameters step = -basis * solver.solve(basis.transpose() * Jtr);
+    assemble(problem, x, normal, gradient);
+    const Eigen::LDLT<Eigen::MatrixXd> solver(basis.transpose() * normal * basis);
+    const Parameters step = -basis * solver.solve(basis.transpose() * gradient);
     if (!step.allFinite() || !solver.isPositive()) return std::nullopt;
     x += step;
     converged = step.head<2>().norm() < kSmallStep_px;

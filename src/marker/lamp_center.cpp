@@ -26,8 +26,8 @@ constexpr double kCannyHigh = 1.2, kCannyLow = 0.6, kLeastStep = 0.3;
 constexpr double kRimInside = 0.6, kRimOutside = 1.4;  // of the blob's ellipse
 
 const GreyMoments& window_for(const Blob& blob) {
-  static const GreyMoments kNarrow(2), kWide(3);
-  return blob.diameter_px() < kWideDiameter_px ? kNarrow : kWide;
+  static const GreyMoments narrow(2), wide(3);
+  return blob.diameter_px() < kWideDiameter_px ? narrow : wide;
 }
 
 /// How far apart along the rim, in edges, two windows still share pixels.

@@ -51,10 +51,8 @@ int learn_threshold(const cv::Mat& image) {
   std::for_each(sample.ptr(), sample.ptr() + sample.total(),
                 [&](std::uint8_t level) { ++counts[level]; });
   const int total = static_cast<int>(sample.total());
-  int background = 0;
-  for (int below = counts[0]; 2 * below < total;) {
-    below += counts[static_cast<std::size_t>(++background)];
-  }
+  int background = 0, below = counts[0];
+  while (2 * below < total) below += counts[static_cast<std::size_t>(++background)];
   const double sigma = kMadToSigma * median_deviation(counts, background, total);
   const double threshold = background + std::max(kNoiseFactor * sigma, kLeastStep);
   if (threshold < 0.5 * (background + 255.0)) return static_cast<int>(std::lround(threshold));
