@@ -1,0 +1,75 @@
+#!/usr/bin/env bash
+# Wrong usage and input: exit status 2, a message that names what is wrong, no output left.
+source "$(dirname "$0")/common.sh"
+
+# expect STATUS PATTERN COMMAND...: the command's exit status and what it says on standard error.
+expect() {
+  local wanted=$1 pattern=$2 status=0
+  shift 2
+  "$@" >out.txt 2>err.txt || status=$?
+  [ "$status" -eq "$wanted" ] || fail "$* ended with $status instead of $wanted: $(cat err.txt)"
+  grep -Eq -- "$pattern" err.txt || fail "$* did not say '$pattern' but: $(cat err.txt)"
+  [ ! -e made ] || fail "$* left output behind"
+}
+
+"$bin/planar-virtual-cell" -q draw --seed 3 -o cell >/dev/null
+printf 'id,x_mm,y_mm\na,200,100\n' >targets.csv
+printf 'id,plan,x_mm,y_mm\nt1,train,200,100\n' >plan.csv
+pairs_header=id,x_vision_mm,y_vision_mm,x_tracker_mm,y_tracker_mm
+
+for program in "$bin"/planar-*; do
+  expect 2 "--help|required|subcommand" "$program"
+  "$program" --help | head -n 8 | grep -q "Usage: $(basename "$program")" || fail "help of $program"
+  "$program" --version | grep -q "$(basename "$program") [0-9]" || fail "version of $program"
+  expect 2 "nonsense" "$program" --nonsense
+done
+
+# Cell files: a key mistyped, a missing file, a number that is none, a range left.
+sed 's/settle_ms/setle_ms/; s/gain: 1.0/gain: 7/' cell/cell.yaml >cell/wrong.yaml
+expect 2 "wrong.yaml:[0-9]+:[0-9]+: unknown key 'servo.setle_ms'; allowed are" \
+  "$bin/planar-servo" --cell cell/wrong.yaml --targets targets.csv --out made
+expect 2 "servo.gain is 7; a number from" \
+  "$bin/planar-servo" --cell cell/wrong.yaml --targets targets.csv --out made
+expect 2 "absent.yaml: cannot be read" \
+  "$bin/planar-record" --cell absent.yaml --plan plan.csv --out made
+expect 2 "camera.yaml: does not exist yet; make it with planar-calibrate-camera" \
+  "$bin/planar-servo" --cell cell/cell.yaml --targets targets.csv --out made
+
+# Tables: empty, without a column, not a number, beyond reach.
+: >empty.csv
+expect 2 "empty.csv: is empty" "$bin/planar-fit-error-map" -o made empty.csv
+echo "$pairs_header" >header.csv
+expect 2 "header.csv: has no rows" "$bin/planar-fit-error-map" -o made header.csv
+printf '%s\na,1,2,NaN,4\n' "$pairs_header" >nan.csv
+expect 2 "nan.csv:2: x_tracker_mm is 'NaN'; a finite number is needed" \
+  "$bin/planar-fit-error-map" -o made nan.csv
+printf '%s\na,1,2,1,2\nb,3,4,3,4\n' "$pairs_header" >few.csv
+expect 2 "at least 3" "$bin/planar-fit-error-map" -o made few.csv
+expect 2 "method" "$bin/planar-fit-error-map" --method magic -o made few.csv
+printf 'id,plan,x_mm,y_mm\nfar,train,900,0\nnear,train,10,0\n' >far.csv
+expect 2 "plan row 'far'" "$bin/planar-record" --cell cell/cell.yaml --plan far.csv --out made
+expect 2 "plan row 'near'" "$bin/planar-record" --cell cell/cell.yaml --plan far.csv --out made
+printf 'id,x_m,y_m\na,0.2,0.1\n' >metres.csv
+expect 2 "lacks the columns x_mm, y_mm" \
+  "$bin/planar-servo" --cell cell/cell.yaml --targets metres.csv --out made
+
+# Images: missing, not an image, without a lamp, of the wrong size, boards that are none.
+expect 2 "absent.png" "$bin/planar-calibrate-camera" --grid circles:6x6:30mm -o made absent.png
+expect 2 "grid" "$bin/planar-calibrate-camera" --grid circles:6x6 -o made absent.png
+head -c 65550 /dev/zero | sed '1s/^/P5 256 256 255\n/' >dark.pgm
+"$bin/planar-locate-lamps" -q -o dark.csv dark.pgm >/dev/null || true
+grep -q "no_lamp" dark.csv || fail "a dark image has no lamp: $(cat dark.csv)"
+expect 2 "256" "$bin/planar-locate-lamps" --cell cell/cell.yaml -o made dark.pgm
+
+# A target beyond reach is refused without motion.
+printf 'id,x_mm,y_mm\nfar,900,0\n' >far_target.csv
+status=0
+"$bin/planar-servo" --cell cell/cell.yaml --targets far_target.csv --dry-run >out.txt || status=$?
+[ "$status" -eq 1 ] || fail "a dry run to an unreachable target ended with $status"
+grep -q "far: refused:" out.txt || fail "$(cat out.txt)"
+
+# An output that is an input stays as it was.
+printf '%s\na,1,2,1,2\nb,3,4,3,4\nc,5,1,5,1\n' "$pairs_header" >same.csv
+cp same.csv before.csv
+expect 2 "same.csv: is an input" "$bin/planar-fit-error-map" -o same.csv same.csv
+cmp -s same.csv before.csv || fail "an input was overwritten"

@@ -1,0 +1,40 @@
+# Sourced by the scripts beside it: a folder of its own, and a small plan that calibrates a cell.
+set -euo pipefail
+bin=$(cd "$1" && pwd)
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+cd "$work"
+
+fail() {
+  echo "FAILED: $*" >&2
+  exit 1
+}
+
+# Six board views, a board on the plane, a sweep of joint 3 and 40 training positions on a spiral.
+small_plan() {
+  echo "id,plan,x_mm,y_mm,phi_deg"
+  for i in 1 2 3 4 5 6; do echo "grid_$i,grid,,,"; done
+  echo "plane_1,plane_grid,,,"
+  awk 'BEGIN {
+    for (i = 0; i < 12; ++i) printf "sweep_%d,sweep3,0,300,%g\n", i, 30 * i - 180
+    for (i = 0; i < 40; ++i) {
+      r = 80 + 10 * i; a = 2.4 * i
+      printf "train_%d,train,%.3f,%.3f,0\n", i, r * cos(a), r * sin(a)
+    }
+  }'
+}
+
+# From a recording to everything that the servo needs: calibrate CELL RECORDING OUT.
+calibrate() {
+  local cell=$1 recording=$2 out=$3
+  "$bin/planar-calibrate-camera" -q --grid circles:11x11:50mm --model plumb_bob \
+    -o "$out/camera.yaml" "$recording" --json "$out/camera.json"
+  "$bin/planar-locate-lamps" -q --cell "$cell" -o "$out/lamps.csv" "$recording" \
+    --json "$out/lamps.json"
+  "$bin/planar-pair-tracker" -q --cell "$cell" --lamps "$out/lamps.csv" --recording "$recording" \
+    --workplane-out "$out/workplane.yaml" --tool-out "$out/tool.yaml" -o "$out/pairs.csv" \
+    --json "$out/pairs.json"
+  "$bin/planar-fit-error-map" -q -o "$out/map.yaml" "$out/pairs.csv" --json "$out/map.json"
+  "$bin/planar-check-error-map" -q --plan train "$out/map.yaml" "$out/pairs.csv" \
+    --json "$out/check.json"
+}

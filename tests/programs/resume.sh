@@ -1,0 +1,23 @@
+#!/usr/bin/env bash
+# An interrupted recording and an interrupted run are gone on with; a finished run is not overwritten.
+source "$(dirname "$0")/common.sh"
+
+"$bin/planar-virtual-cell" -q draw --seed 8 -o cell >/dev/null
+small_plan >plan.csv
+head -n 9 plan.csv >begin.csv
+"$bin/planar-record" -q --cell cell/cell.yaml --plan begin.csv --out recording >/dev/null
+"$bin/planar-record" -q --cell cell/cell.yaml --plan plan.csv --out recording >second.txt
+grep -q "51 positions recorded (8 were there before)" second.txt || fail "$(cat second.txt)"
+ids=$(tail -n +3 recording/frames.csv | cut -d, -f1 | sort -u | wc -l)
+[ "$ids" -eq 59 ] || fail "$ids ids recorded instead of 59"
+
+calibrate cell/cell.yaml recording cell >/dev/null
+printf 'id,x_mm,y_mm\na,200,100\nb,-150,250\n' >one.csv
+printf 'id,x_mm,y_mm\na,200,100\nb,-150,250\nc,-200,-150\n' >all.csv
+servo() { "$bin/planar-servo" -q --cell cell/cell.yaml --targets "$@"; }
+servo one.csv --out run >/dev/null
+if servo all.csv --out run >/dev/null 2>again.err; then fail "a finished run was overwritten"; fi
+grep -q "holds a run already; name another folder or add --resume" again.err || fail "$(cat again.err)"
+servo all.csv --out run --resume >/dev/null
+cut -d, -f1,4 run/results.csv | tail -n +3 >reached.txt
+printf 'a,reached\nb,reached\nc,reached\n' | diff - reached.txt || fail "not all targets were reached"
