@@ -77,6 +77,7 @@ int main(int argc, char** argv) {
       [&](CLI::App& app) {
         app.add_option("--plan", options.plans, "only pairs of these plans (else: all but train)")
             ->delimiter(',')
+            ->allow_extra_args(false)
             ->type_name("NAME");
         app.add_option("map", options.map, "the map")->required()->type_name("map.yaml");
         app.add_option("pairs", options.pairs, "the pairs")->required()->type_name("pairs.csv");

@@ -4,6 +4,7 @@
 
 #include "app/regions.h"
 #include "calibration/vision_tip.h"
+#include "core/error.h"
 #include "files/camera_file.h"
 #include "files/map_file.h"
 #include "files/tool_file.h"
@@ -23,15 +24,31 @@ TipMeasurement failed(const std::string& status, double t_s) {
   return measurement;
 }
 
+/// Names every file that is missing, with the program that makes it.
+void require_files(const CellSettings& cell, bool with_error_map) {
+  Faults faults;
+  const auto require = [&](const std::filesystem::path& path, const std::string& program) {
+    try {
+      require_made(path, program);
+    } catch (const InputError& e) {
+      faults.add(e.what());
+    }
+  };
+  require(cell.camera_model, "planar-calibrate-camera");
+  require(cell.workplane, "planar-pair-tracker");
+  require(cell.tool, "planar-pair-tracker");
+  if (with_error_map) require(cell.error_map, "planar-fit-error-map");
+  faults.throw_if_any();
+}
+
 }  // namespace
 
 VisionCalibration read_vision(const CellSettings& cell, bool with_error_map) {
+  require_files(cell, with_error_map);
   VisionCalibration vision{
-      Workplane(read_camera(require_made(cell.camera_model, "planar-calibrate-camera")).camera,
-                read_workplane(require_made(cell.workplane, "planar-pair-tracker")).X_WC),
-      read_tool(require_made(cell.tool, "planar-pair-tracker")), std::nullopt};
-  if (with_error_map)
-    vision.error_map = read_map(require_made(cell.error_map, "planar-fit-error-map"));
+      Workplane(read_camera(cell.camera_model).camera, read_workplane(cell.workplane).X_WC),
+      read_tool(cell.tool), std::nullopt};
+  if (with_error_map) vision.error_map = read_map(cell.error_map);
   return vision;
 }
 

@@ -9,11 +9,11 @@
 #include "core/error.h"
 #include "core/units.h"
 #include "support/rendered_lamp.h"
+#include "support/temporary_folder.h"
 
 namespace planar {
 namespace {
 
-namespace fs = std::filesystem;
 using Catch::Matchers::Contains;
 
 constexpr double kSeparation_m = 0.1;
@@ -41,12 +41,6 @@ LampScene scene(bool with_workplane) {
 /// A folder of rendered frames of the tool at known poses, removed at the end.
 class Recording {
  public:
-  Recording() : folder_(fs::temp_directory_path() / "planar_locate_lamps_test") {
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  ~Recording() { fs::remove_all(folder_); }
-
   /// Lamps 1 and 2 of the tool at `tip`, those asked for, in a region of the sensor.
   void add(const TipPose& tip, int lamps = 2, const cv::Rect& region = {{0, 0}, kSensor}) {
     const auto lamps_px = *lamps_from_tip(workplane(), {}, kSeparation_m, tip);
@@ -71,7 +65,7 @@ class Recording {
   std::vector<TipPose> tips;
 
  private:
-  fs::path folder_;
+  test::TemporaryFolder folder_;
   std::mt19937 random_{60};
 };
 
@@ -153,7 +147,7 @@ TEST_CASE("locate_lamps keeps the row of an image that it cannot read or that sh
   for (int i = 0; i < 3; ++i) recording.add({{0.1, 0.05}, 0.3});
   std::ofstream(recording.images[0].file) << "no image";
   recording.images[1].shows_board = true;
-  fs::remove(recording.images[2].file);
+  std::filesystem::remove(recording.images[2].file);
   const auto report = locate_lamps({recording.images, scene(true), CenterMethod::kAuto, {}});
   CHECK(report.rows[0].status == "unreadable");
   CHECK(report.rows[1].status == "board_view");

@@ -21,7 +21,7 @@ for program in "$bin"/planar-*; do
   expect 2 "--help|required|subcommand" "$program"
   "$program" --help | head -n 8 | grep -q "Usage: $(basename "$program")" || fail "help of $program"
   "$program" --version | grep -q "$(basename "$program") [0-9]" || fail "version of $program"
-  expect 2 "nonsense" "$program" --nonsense
+  expect 2 "nonsense|required" "$program" --nonsense
 done
 
 # Cell files: a key mistyped, a missing file, a number that is none, a range left.
