@@ -83,7 +83,7 @@ TextTable positioning_table(const ExperimentReport& report) {
   return table;
 }
 
-std::vector<TextTable> tables(const ExperimentReport& report) {
+std::vector<TextTable> accuracy_tables(const ExperimentReport& report) {
   return {
       correlation_table(report),
       fraction_table("Table 2: accuracy of inverse distance weighting on circles about the base",
@@ -144,8 +144,8 @@ nlohmann::json experiment_json(const ExperimentReport& report) {
 
 std::string experiment_text(const ExperimentReport& report) {
   std::string text;
-  for (const TextTable& table : tables(report)) text += table.plain_text() + '\n';
-  return text + summary_text(report);
+  for (const TextTable& table : accuracy_tables(report)) text += table.plain_text() + '\n';
+  return text + positioning_table(report).plain_text() + '\n' + summary_text(report);
 }
 
 std::string experiment_figure(const ExperimentReport& report) {
@@ -161,8 +161,9 @@ std::string experiment_page(const ExperimentReport& report, const std::string& c
       "Mean true error of the end point at 100 control targets, by the scorer of the virtual cell. "
       "Both chains were calibrated from the same recording and saw nothing else.");
   page.add_html(experiment_figure(report));
-  for (const TextTable& table : tables(report)) page.add_html(table.html());
+  page.add_html(positioning_table(report).html());
   page.add_paragraph(summary_text(report));
+  for (const TextTable& table : accuracy_tables(report)) page.add_html(table.html());
   return page.text();
 }
 

@@ -46,7 +46,11 @@ void HtmlPage::add_heading(const std::string& text) {
 }
 
 void HtmlPage::add_paragraph(const std::string& text) {
-  body_ += fmt::format("<p>{}</p>\n", html_escaped(text));
+  std::string html = html_escaped(text);
+  while (!html.empty() && html.back() == '\n') html.pop_back();
+  for (std::size_t at = html.find('\n'); at != std::string::npos; at = html.find('\n', at + 4))
+    html.replace(at, 1, "<br>");
+  body_ += fmt::format("<p>{}</p>\n", html);
 }
 
 std::string HtmlPage::text() const {

@@ -13,6 +13,7 @@ class HtmlPage {
   explicit HtmlPage(const std::string& title);
 
   void add_heading(const std::string& text);
+  /// Line ends in the text stay line ends on the page.
   void add_paragraph(const std::string& text);
   /// A piece that is HTML already: a table or an SVG figure.
   void add_html(const std::string& html) { body_ += html; }

@@ -15,16 +15,21 @@ namespace {
 constexpr double kPanel = 320.0;  // side of a panel in SVG units
 constexpr double kTitle = 44.0;   // height above it
 constexpr double kMargin = 12.0;  // between panels
+constexpr double kBorder = 1.05;  // of the panel beyond what is drawn
 constexpr double kFooter = 30.0;  // scale bar below
 
-double half_width_m(const std::vector<QuiverPanel>& panels) {
+/// Half the side of the square about the base that holds every point and arrow.
+double half_width_m(const std::vector<QuiverPanel>& panels, double magnification) {
   double extent = 0.0;
   for (const QuiverPanel& panel : panels) {
     if (panel.points.empty() || panel.points.size() != panel.errors.size())
       throw std::invalid_argument("a quiver panel needs as many errors as points, at least one");
-    for (const auto& p : panel.points) extent = std::max(extent, p.cwiseAbs().maxCoeff());
+    for (std::size_t i = 0; i < panel.points.size(); ++i)
+      for (const double length : {0.0, magnification})
+        extent =
+            std::max(extent, (panel.points[i] + length * panel.errors[i]).cwiseAbs().maxCoeff());
   }
-  return 1.12 * extent;
+  return kBorder * extent;
 }
 
 /// From blue (small) over orange to red (at `full` and beyond).
@@ -77,7 +82,7 @@ class PanelPainter {
 }  // namespace
 
 std::string quiver_svg(const std::vector<QuiverPanel>& panels, double magnification) {
-  const double half = half_width_m(panels);
+  const double half = half_width_m(panels, magnification);
   double full = 0.0;
   for (const QuiverPanel& panel : panels)
     for (const auto& e : panel.errors) full = std::max(full, e.norm());

@@ -17,4 +17,10 @@ TEST_CASE("A page holds its parts in order and refers to no other file") {
   CHECK(text.find("href=") == std::string::npos);
 }
 
+TEST_CASE("Lines of a paragraph stay lines") {
+  HtmlPage page("t");
+  page.add_paragraph("one\ntwo\n");
+  CHECK_THAT(page.text(), Catch::Contains("<p>one<br>two</p>"));
+}
+
 }  // namespace planar
