@@ -13,14 +13,62 @@ add_library(planar_visp INTERFACE)
 target_include_directories(planar_visp SYSTEM INTERFACE ${VISP_INCLUDE_DIRS})
 target_link_libraries(planar_visp INTERFACE visp_core visp_blob visp_robot visp_vs visp_io)
 
-# planar_room(NAME SOURCES ... LINKS rooms and packages others may see [PRIVATE_LINKS hidden ones])
-# One static library per room. The link list is the dependency rule: see doc/architecture.md.
+# planar_room(NAME [SOURCES ...] LINKS rooms and packages others may see [PRIVATE_LINKS hidden ones])
+# One library per room; without sources it is headers only. The link list is the dependency rule (see
+# doc/architecture.md): it names every room that the room includes, and only rooms above it in
+# src/CMakeLists.txt. The test "house" holds the includes against it.
 function(planar_room name)
   cmake_parse_arguments(ROOM "" "" "SOURCES;LINKS;PRIVATE_LINKS" ${ARGN})
-  add_library(planar_${name} STATIC ${ROOM_SOURCES})
-  set_target_properties(planar_${name} PROPERTIES CXX_STANDARD 17 CXX_EXTENSIONS OFF)
-  target_link_libraries(planar_${name} PUBLIC planar_options ${ROOM_LINKS}
-                                       PRIVATE ${ROOM_PRIVATE_LINKS})
+  foreach(link ${ROOM_LINKS} ${ROOM_PRIVATE_LINKS})
+    if(link MATCHES "^planar_" AND NOT TARGET ${link})
+      message(FATAL_ERROR "the room ${name} links ${link}, which does not stand above it")
+    endif()
+  endforeach()
+  if(ROOM_SOURCES)
+    add_library(planar_${name} STATIC ${ROOM_SOURCES})
+    set_target_properties(planar_${name} PROPERTIES CXX_STANDARD 17 CXX_EXTENSIONS OFF)
+    target_link_libraries(planar_${name} PUBLIC planar_options ${ROOM_LINKS}
+                                         PRIVATE ${ROOM_PRIVATE_LINKS})
+  else()
+    add_library(planar_${name} INTERFACE)
+    target_link_libraries(planar_${name} INTERFACE planar_options ${ROOM_LINKS})
+  endif()
+  set_property(GLOBAL APPEND PROPERTY PLANAR_ROOMS ${name})
+  set_property(GLOBAL PROPERTY PLANAR_LINKS_${name} ${ROOM_LINKS})
+  set_property(GLOBAL PROPERTY PLANAR_PRIVATE_LINKS_${name} ${ROOM_PRIVATE_LINKS})
+endfunction()
+
+# planar_forbid(NAME ROOM...): the room must not link these, not even through others.
+function(planar_forbid name)
+  set(seen ${name})
+  set(open ${name})
+  while(open)
+    list(POP_FRONT open room)
+    get_property(links GLOBAL PROPERTY PLANAR_LINKS_${room})
+    get_property(private_links GLOBAL PROPERTY PLANAR_PRIVATE_LINKS_${room})
+    foreach(link ${links} ${private_links})
+      string(REGEX REPLACE "^planar_" "" linked ${link})
+      if(linked IN_LIST ARGN)
+        message(FATAL_ERROR "the room ${name} must not link ${linked}; it does through ${room}")
+      endif()
+      if(link MATCHES "^planar_" AND NOT linked IN_LIST seen)
+        list(APPEND seen ${linked})
+        list(APPEND open ${linked})
+      endif()
+    endforeach()
+  endwhile()
+endfunction()
+
+# planar_write_house(FILE): the rooms and their links, for cmake/check_house.cmake.
+function(planar_write_house file)
+  get_property(rooms GLOBAL PROPERTY PLANAR_ROOMS)
+  set(text "set(rooms ${rooms})\n")
+  foreach(room ${rooms})
+    get_property(links GLOBAL PROPERTY PLANAR_LINKS_${room})
+    get_property(private_links GLOBAL PROPERTY PLANAR_PRIVATE_LINKS_${room})
+    string(APPEND text "set(links_${room} ${links})\nset(private_links_${room} ${private_links})\n")
+  endforeach()
+  file(WRITE ${file} "${text}")
 endfunction()
 
 # planar_program(NAME): the program planar-NAME from tools/planar_NAME.cpp.

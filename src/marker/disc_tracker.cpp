@@ -21,7 +21,7 @@ bool has_size_of(const Blob& blob, const Blob& last) {
 std::optional<Blob> follow(const cv::Mat& image, const Blob& last) {
   const auto level = static_cast<int>(std::lround(0.5 * (last.level + last.background)));
   const double size = std::max(last.box_px.width, last.box_px.height);
-  const std::optional<Dot> dot =
+  const std::optional<VpDot> dot =
       vp_dot(image, window_round(last.uv_px, 2.0 * size), last.uv_px, level);
   if (!dot || !is_filled(dot->blob) || !has_size_of(dot->blob, last)) return std::nullopt;
   return dot->blob;

@@ -60,7 +60,7 @@ std::vector<Eigen::Vector2d> rim_edges(const cv::Mat& image, const Blob& blob,
 LampCenter by_vp_dot(const cv::Mat& image, const Blob& blob, LampCenter lamp) {
   const auto level = static_cast<int>(std::lround(0.5 * (blob.level + blob.background)));
   const cv::Rect window = window_round(blob.uv_px, std::max(blob.box_px.width, blob.box_px.height));
-  const std::optional<Dot> dot = vp_dot(image, window, blob.uv_px, level);
+  const std::optional<VpDot> dot = vp_dot(image, window, blob.uv_px, level);
   if (!dot) return lamp;
   lamp.status = LampStatus::kOk;
   lamp.uv_px = dot->center_px;

@@ -23,7 +23,7 @@ std::optional<Blob> blob_at(const cv::Mat& image, const Eigen::Vector2d& uv_px, 
   const cv::Rect window = window_round(uv_px, half_side_px) & cv::Rect({0, 0}, image.size());
   if (window.empty()) return std::nullopt;
   const double level = cv::threshold(image(window), buffer, 0, 255, cv::THRESH_OTSU);
-  const std::optional<Dot> dot = vp_dot(image, window, uv_px, static_cast<int>(level) + 1);
+  const std::optional<VpDot> dot = vp_dot(image, window, uv_px, static_cast<int>(level) + 1);
   if (!dot || !is_lamp_like(dot->blob)) return std::nullopt;
   return dot->blob;
 }

@@ -21,8 +21,8 @@ vpImage<unsigned char> visp_image(const cv::Mat& patch) {
 
 }  // namespace
 
-std::optional<Dot> vp_dot(const cv::Mat& image, const cv::Rect& window_px,
-                          const Eigen::Vector2d& seed_px, int least_level) {
+std::optional<VpDot> vp_dot(const cv::Mat& image, const cv::Rect& window_px,
+                            const Eigen::Vector2d& seed_px, int least_level) {
   const cv::Rect window = window_px & cv::Rect({0, 0}, image.size());
   const cv::Point seed(static_cast<int>(std::lround(seed_px.x())),
                        static_cast<int>(std::lround(seed_px.y())));
@@ -43,8 +43,8 @@ std::optional<Dot> vp_dot(const cv::Mat& image, const cv::Rect& window_px,
                      static_cast<int>(bounds.getWidth()), static_cast<int>(bounds.getHeight()));
   const cv::Rect box_in_window = box & window;
   if (std::min(box_in_window.width, box_in_window.height) < kLeastSide_px) return {};
-  return Dot{{window.x + dot.getCog().get_u(), window.y + dot.getCog().get_v()},
-             describe_blob(image, box_in_window, least_level - 1)};
+  return VpDot{{window.x + dot.getCog().get_u(), window.y + dot.getCog().get_v()},
+               describe_blob(image, box_in_window, least_level - 1)};
 }
 
 cv::Rect window_round(const Eigen::Vector2d& uv_px, double half_side_px) {
