@@ -89,8 +89,7 @@ std::vector<TextTable> accuracy_tables(const ExperimentReport& report) {
       fraction_table("Table 2: accuracy of inverse distance weighting on circles about the base",
                      report.table2),
       fraction_table("Table 5: accuracy of the radial basis functions on the same circles",
-                     report.table5),
-      positioning_table(report)};
+                     report.table5)};
 }
 
 nlohmann::json rows_json(const std::vector<ComparisonRow>& rows, double unit) {

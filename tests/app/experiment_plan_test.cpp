@@ -1,0 +1,60 @@
+#include "app/experiment_plan.h"
+
+#include <catch2/catch.hpp>
+#include <map>
+#include <set>
+
+#include "app/motion_plan.h"
+#include "support/sample_cells.h"
+
+namespace planar {
+namespace {
+
+constexpr double kRounding = 1e-12;
+
+TEST_CASE("The experiment records what the paper did, and every position can be reached") {
+  const CellSettings cell = read_cell(test::paper_cell_file());
+  const std::vector<PlanRow> plan = experiment_plan(cell, 1);
+  std::map<std::string, int> counts;
+  std::set<std::string> ids;
+  for (const PlanRow& row : plan) {
+    ++counts[row.plan];
+    CHECK(ids.insert(row.id).second);
+  }
+  CHECK(counts["train"] == 200);
+  CHECK(counts["test"] == 30);
+  CHECK(counts["check"] == 3 * 24 + 3 * 4 * 25);
+  CHECK(counts["plane_grid"] == 1);
+  CHECK_NOTHROW(joints_of_plan(cell, plan));
+}
+
+TEST_CASE("The same seed draws the same training positions, another seed others") {
+  const CellSettings cell = read_cell(test::paper_cell_file());
+  const auto first_training_point = [&](std::uint64_t seed) {
+    for (const PlanRow& row : experiment_plan(cell, seed))
+      if (row.plan == "train") return std::get<TipPose>(row.where).p;
+    throw std::logic_error("no training position");
+  };
+  CHECK(first_training_point(3) == first_training_point(3));
+  CHECK(first_training_point(3) != first_training_point(4));
+}
+
+TEST_CASE("The control targets lie on the paper's four circles") {
+  const std::vector<TargetRow> targets = control_targets();
+  REQUIRE(targets.size() == 100);
+  for (std::size_t i = 0; i < targets.size(); ++i)
+    CHECK((targets[i].p_d - control_centers()[i / 25]).norm() == Approx(0.2).margin(kRounding));
+}
+
+TEST_CASE("A plan beyond reach is refused whole, every bad row by its id") {
+  const CellSettings cell = read_cell(test::paper_cell_file());
+  const std::vector<PlanRow> plan{{"far", "train", TipPose{{0.7, 0.0}, 0.0}},
+                                  {"fine", "train", TipPose{{0.3, 0.0}, 0.0}},
+                                  {"near", "train", TipPose{{0.01, 0.0}, 0.0}}};
+  CHECK_THROWS_WITH(joints_of_plan(cell, plan), Catch::Contains("plan row 'far'") &&
+                                                    Catch::Contains("plan row 'near'") &&
+                                                    !Catch::Contains("'fine'"));
+}
+
+}  // namespace
+}  // namespace planar
