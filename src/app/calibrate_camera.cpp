@@ -30,7 +30,8 @@ std::vector<Picture> pictures_of(const std::vector<std::filesystem::path>& image
     }
     const std::size_t before = pictures.size();
     for (const FrameRow& frame : read_frames(path)) {
-      if (frame.plan == "grid") pictures.push_back({path / frame.image, frame.region_px.tl()});
+      if (frame.plan == kHeldBoardPlan)
+        pictures.push_back({path / frame.image, frame.region_px.tl()});
     }
     if (pictures.size() == before) {
       throw InputError(path.string() + ": has no frame of plan 'grid' in its frames.csv");

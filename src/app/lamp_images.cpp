@@ -17,7 +17,7 @@ std::vector<LampImage> images_of_recording(const std::filesystem::path& folder,
     image.file = folder / frame.image;
     image.t_s = frame.t_s;
     image.region_px = frame.region_px;
-    image.shows_board = frame.plan == "grid" || frame.plan == "plane_grid";
+    image.shows_board = shows_board(frame.plan);
     if (arm && !image.shows_board) image.commanded = arm->forward(frame.theta);
     images.push_back(std::move(image));
   }

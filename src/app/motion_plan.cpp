@@ -2,28 +2,28 @@
 
 #include <fmt/format.h>
 
-#include "arm/joint_planner.h"
 #include "core/error.h"
+#include "files/recording.h"
 
 namespace planar {
 namespace {
 
 JointPlan plan_row(const JointPlanner& planner, const PlanRow& row, const Joints& home,
                    const Joints& near) {
-  if (is_board_view(row)) return {home, {}};
+  if (shows_board(row.plan)) return {home, {}};
   if (const auto* theta = std::get_if<Joints>(&row.where)) return {*theta, planner.refusal(*theta)};
   return planner.plan(std::get<TipPose>(row.where), near);
 }
 
 }  // namespace
 
-bool is_board_view(const PlanRow& row) {
-  return row.plan == "grid" || row.plan == "plane_grid";
+JointPlanner joint_planner(const CellSettings& cell) {
+  return {PlanarArm(cell.arm.geometry), Transmission(cell.transmission), cell.workspace,
+          cell.arm.elbow};
 }
 
 std::vector<Joints> joints_of_plan(const CellSettings& cell, const std::vector<PlanRow>& plan) {
-  const JointPlanner planner(PlanarArm(cell.arm.geometry), Transmission(cell.transmission),
-                             cell.workspace, cell.arm.elbow);
+  const JointPlanner planner = joint_planner(cell);
   Faults faults;
   std::vector<Joints> joints;
   Joints near = cell.arm.home;
@@ -31,7 +31,7 @@ std::vector<Joints> joints_of_plan(const CellSettings& cell, const std::vector<P
     const JointPlan found = plan_row(planner, row, cell.arm.home, near);
     if (found.refusal) {
       faults.add(fmt::format("plan row '{}': {}", row.id, *found.refusal));
-    } else if (!is_board_view(row)) {
+    } else if (!shows_board(row.plan)) {
       near = found.theta;
     }
     joints.push_back(found.theta);

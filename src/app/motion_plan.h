@@ -2,13 +2,14 @@
 
 #include <vector>
 
+#include "arm/joint_planner.h"
 #include "files/cell_file.h"
 #include "files/tables.h"
 
 namespace planar {
 
-/// True for rows that ask for a view of the calibration board.
-bool is_board_view(const PlanRow& row);
+/// Plans the cell's arm within its limits and workspace, with its elbow.
+JointPlanner joint_planner(const CellSettings& cell);
 
 /// The joint angles of every row of a plan (home for board views): the cell's elbow, the branch
 /// within the joint limits that lies nearest to the row before. Throws InputError naming every

@@ -14,14 +14,8 @@
 namespace planar {
 namespace {
 
-constexpr char kBoardOnPlane[] = "plane_grid";
-
 bool serves_fit(const std::string& plan) {
   return plan == "train" || plan == "sweep1" || plan == "sweep3";
-}
-
-bool shows_tool(const std::string& plan) {
-  return plan != "grid" && plan != kBoardOnPlane;
 }
 
 /// The lamps' rows with what the recording knows of their frames; views of boards left out.
@@ -43,7 +37,7 @@ std::vector<LampSight> lamp_sights(const std::vector<LampRow>& lamps,
       continue;
     }
     const FrameRow& frame = *found->second;
-    if (!shows_tool(frame.plan)) continue;
+    if (shows_board(frame.plan)) continue;
     LampSight sight;
     sight.id = row.id;
     sight.t_s = frame.t_s;
@@ -134,7 +128,7 @@ std::vector<Pose> boards_on_plane(const std::filesystem::path& recording,
   Faults faults;
   std::vector<Pose> poses;
   for (const FrameRow& frame : frames) {
-    if (frame.plan != kBoardOnPlane) continue;
+    if (frame.plan != kLaidBoardPlan) continue;
     const std::filesystem::path file = recording / frame.image;
     const cv::Mat image = cv::imread(file.string(), cv::IMREAD_GRAYSCALE);
     if (image.empty()) {

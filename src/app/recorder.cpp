@@ -54,12 +54,14 @@ class Recorder {
     const std::set<std::string> present = recorded_ids(folder_);
     if (present.empty()) measure_monuments();
     for (std::size_t i = 0; i < plan.size(); ++i) {
+      const bool board = shows_board(plan[i].plan);
+      const int view = board ? board_views_[plan[i].plan]++ : 0;
       if (present.count(plan[i].id) != 0) {
         ++report_.present;
         continue;
       }
-      if (is_board_view(plan[i]))
-        record_board(plan[i]);
+      if (board)
+        record_board(plan[i], view);
       else
         record_position(plan[i], joints[i]);
       ++report_.recorded;
@@ -78,9 +80,8 @@ class Recorder {
       }
   }
 
-  void record_board(const PlanRow& row) {
-    const int view = board_views_[row.plan]++;
-    if (row.plan == "grid")
+  void record_board(const PlanRow& row, int view) {
+    if (row.plan == kHeldBoardPlan)
       devices_.board_presenter().hold_board(view);
     else
       devices_.board_presenter().lay_board(view);

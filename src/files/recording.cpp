@@ -30,9 +30,19 @@ const std::vector<std::string>& frame_columns() {
 }  // namespace
 
 const std::vector<std::string>& plan_names() {
-  static const std::vector<std::string> names{"grid",   "plane_grid", "train",   "test",
-                                              "sweep1", "sweep3",     "control", "check"};
+  static const std::vector<std::string> names{kHeldBoardPlan, kLaidBoardPlan, "train",   "test",
+                                              "sweep1",       "sweep3",       "control", "check"};
   return names;
+}
+
+bool shows_board(const std::string& plan) {
+  return plan == kHeldBoardPlan || plan == kLaidBoardPlan;
+}
+
+void check_plan(CsvTable& table, std::size_t row, const std::string& plan) {
+  const auto& names = plan_names();
+  if (std::find(names.begin(), names.end(), plan) != names.end()) return;
+  table.add_fault(row, fmt::format("plan is '{}'; allowed are {}", plan, fmt::join(names, ", ")));
 }
 
 std::vector<FrameRow> read_frames(const std::filesystem::path& recording) {
@@ -54,9 +64,7 @@ std::vector<FrameRow> read_frames(const std::filesystem::path& recording) {
     row.region_px = cv::Rect(
         table.whole_number(i, "region_u0_px"), table.whole_number(i, "region_v0_px"),
         table.whole_number(i, "region_width_px"), table.whole_number(i, "region_height_px"));
-    if (std::count(plan_names().begin(), plan_names().end(), row.plan) == 0)
-      table.add_fault(
-          i, fmt::format("plan is '{}'; allowed are {}", row.plan, fmt::join(plan_names(), ", ")));
+    check_plan(table, i, row.plan);
     rows.push_back(std::move(row));
   }
   table.throw_if_faulty();

@@ -46,4 +46,14 @@ std::string tracker_line(const TrackerRow& row);
 /// The plans that rows of frames.csv and plan.csv may belong to.
 const std::vector<std::string>& plan_names();
 
+// The plans of views of the calibration board: held into the view, and laid on the plane.
+constexpr char kHeldBoardPlan[] = "grid";
+constexpr char kLaidBoardPlan[] = "plane_grid";
+
+/// True of a plan whose rows show the calibration board instead of the lamps.
+bool shows_board(const std::string& plan);
+
+/// Adds a fault to the row unless there is such a plan.
+void check_plan(CsvTable& table, std::size_t row, const std::string& plan);
+
 }  // namespace planar

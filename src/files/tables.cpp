@@ -115,12 +115,8 @@ std::vector<PlanRow> read_plan(const std::filesystem::path& path) {
   for (std::size_t i = 0; i < table.size(); ++i) {
     require_new_id(table, i, seen);
     PlanRow row{table.text(i, "id"), table.text(i, "plan"), plan_place(table, i)};
-    const auto& names = plan_names();
-    if (std::find(names.begin(), names.end(), row.plan) == names.end())
-      table.add_fault(
-          i, fmt::format("plan is '{}'; allowed are {}", row.plan, fmt::join(names, ", ")));
-    const bool board = row.plan == "grid" || row.plan == "plane_grid";
-    if (!board && std::holds_alternative<std::monostate>(row.where))
+    check_plan(table, i, row.plan);
+    if (!shows_board(row.plan) && std::holds_alternative<std::monostate>(row.where))
       table.add_fault(i, "has no position; x_mm, y_mm or theta1_deg ... theta3_deg are needed");
     rows.push_back(std::move(row));
   }
