@@ -5,7 +5,6 @@
 
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <map>
 
 #include "app/check_error_map.h"
@@ -66,16 +65,6 @@ ErrorMap idw_of(const CalibratedChain& chain) {
   return fit_error_map_to_pairs(chain.pairs, {MapMethod::kIdw, 0.0}).result.map;
 }
 
-double circle_mean(const std::vector<TargetResult>& results, int circle,
-                   std::optional<Eigen::Vector2d> TargetResult::*error) {
-  std::vector<double> lengths;
-  const std::string prefix = fmt::format("c{}_", circle);
-  for (const TargetResult& result : results)
-    if (result.id.rfind(prefix, 0) == 0 && result.*error)
-      lengths.push_back((result.*error)->norm());
-  return lengths.empty() ? std::numeric_limits<double>::quiet_NaN() : mean(lengths);
-}
-
 void fill_tables(ExperimentReport& report, const CalibratedChain& ours,
                  const CalibratedChain& paper) {
   for (int i = 0; i < 4; ++i) {
@@ -98,8 +87,8 @@ void fill_tables(ExperimentReport& report, const CalibratedChain& ours,
     ++circle;
     report.table7.push_back(
         {fmt::format("({:.0f}, {:.0f}) mm", center.x() / kMillimetre, center.y() / kMillimetre),
-         circle_mean(report.ours, circle, &TargetResult::after_truth),
-         circle_mean(report.paper, circle, &TargetResult::after_truth),
+         mean_error(report.ours, &TargetResult::after_truth, control_id_prefix(circle)),
+         mean_error(report.paper, &TargetResult::after_truth, control_id_prefix(circle)),
          kPaperAfter_mm[circle - 1] * kMillimetre});
   }
 }

@@ -7,6 +7,7 @@
 #include <random>
 
 #include "core/units.h"
+#include "files/recording.h"
 
 namespace planar {
 namespace {
@@ -98,6 +99,10 @@ std::vector<Eigen::Vector2d> control_centers() {
           {kControlOffset, -kControlOffset}};
 }
 
+std::string control_id_prefix(int circle) {
+  return fmt::format("c{}_", circle);
+}
+
 std::vector<TargetRow> control_targets() {
   std::vector<TargetRow> targets;
   int circle = 0;
@@ -105,7 +110,8 @@ std::vector<TargetRow> control_targets() {
     ++circle;
     const auto points = circle_points(center, kControlRadius, kControlPoints);
     for (std::size_t i = 0; i < points.size(); ++i)
-      targets.push_back({fmt::format("c{}_{:02}", circle, i), points[i], std::nullopt});
+      targets.push_back(
+          {control_id_prefix(circle) + fmt::format("{:02}", i), points[i], std::nullopt});
   }
   return targets;
 }
@@ -113,8 +119,8 @@ std::vector<TargetRow> control_targets() {
 std::vector<PlanRow> experiment_plan(const CellSettings& cell, std::uint64_t seed) {
   std::mt19937_64 rng(seed);
   PlanBuilder plan(cell.tool_orientation);
-  plan.add_board_views("grid", kBoardViews);
-  plan.add_board_views("plane_grid", 1);
+  plan.add_board_views(kHeldBoardPlan, kBoardViews);
+  plan.add_board_views(kLaidBoardPlan, 1);
   plan.add_joint1_sweep(cell, kSweepPoints);
   plan.add_joint3_sweep(kSweepPoints);
   plan.add_disc("train", kTrainingPoints, cell.workspace, rng);

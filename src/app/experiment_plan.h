@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "files/cell_file.h"
@@ -14,6 +15,9 @@ std::vector<Eigen::Vector2d> circle_points(const Eigen::Vector2d& center, double
 /// The paper's 100 control targets: 25 on each of four circles of radius 200 mm; ids c1_00 ...
 /// c4_24.
 std::vector<TargetRow> control_targets();
+
+/// What the ids of the targets on control circle 1, 2, 3 or 4 begin with.
+std::string control_id_prefix(int circle);
 
 /// Centres of the four control circles, in the paper's order.
 std::vector<Eigen::Vector2d> control_centers();

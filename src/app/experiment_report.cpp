@@ -2,8 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-
+#include "app/experiment_plan.h"
 #include "app/servo_report.h"
 #include "core/units.h"
 #include "report/html_page.h"
@@ -13,32 +12,14 @@
 namespace planar {
 namespace {
 
-using TargetError = std::optional<Eigen::Vector2d> TargetResult::*;
-
 constexpr double kArrowMagnification = 40.0;
 constexpr double kPaperBefore_mm[] = {1.504, 1.359, 1.259, 1.181};
 constexpr double kPaperBeforeMean_mm = 1.318;
 constexpr double kPaperAfterMean_mm = 0.178;
 
-std::vector<double> lengths_mm(const std::vector<TargetResult>& results, TargetError error) {
-  std::vector<double> lengths;
-  for (const TargetResult& result : results)
-    if (result.*error) lengths.push_back((result.*error)->norm() / kMillimetre);
-  return lengths;
-}
-
-double mean_mm(const std::vector<TargetResult>& results, TargetError error) {
-  const std::vector<double> lengths = lengths_mm(results, error);
-  return lengths.empty() ? std::nan("") : mean(lengths);
-}
-
-double circle_before_mm(const ExperimentReport& report, std::size_t circle) {
-  std::vector<double> lengths;
-  const std::string prefix = fmt::format("c{}_", circle + 1);
-  for (const TargetResult& result : report.ours)
-    if (result.id.rfind(prefix, 0) == 0 && result.before_truth)
-      lengths.push_back(result.before_truth->norm() / kMillimetre);
-  return lengths.empty() ? std::nan("") : mean(lengths);
+double mean_mm(const std::vector<TargetResult>& results, TargetError error,
+               const std::string& prefix = "") {
+  return mean_error(results, error, prefix) / kMillimetre;
 }
 
 TextTable fraction_table(const std::string& title, const std::vector<ComparisonRow>& rows) {
@@ -74,8 +55,10 @@ TextTable positioning_table(const ExperimentReport& report) {
   };
   for (std::size_t i = 0; i < report.table7.size(); ++i) {
     const ComparisonRow& circle = report.table7[i];
-    row(circle.label, circle_before_mm(report, i), circle.paper_chain / kMillimetre,
-        circle.ours / kMillimetre, kPaperBefore_mm[i], circle.paper / kMillimetre);
+    const std::string prefix = control_id_prefix(static_cast<int>(i) + 1);
+    row(circle.label, mean_mm(report.ours, &TargetResult::before_truth, prefix),
+        circle.paper_chain / kMillimetre, circle.ours / kMillimetre, kPaperBefore_mm[i],
+        circle.paper / kMillimetre);
   }
   row("all four", mean_mm(report.ours, &TargetResult::before_truth),
       mean_mm(report.paper, &TargetResult::after_truth),
@@ -115,17 +98,6 @@ std::string summary_text(const ExperimentReport& report) {
       servo_text(figures_of(report.ours)));
 }
 
-QuiverPanel panel(const char* what, const std::vector<TargetResult>& results, TargetError error) {
-  QuiverPanel panel;
-  panel.title = fmt::format("{}: {:.3f} mm", what, mean_mm(results, error));
-  for (const TargetResult& result : results) {
-    if (!(result.*error)) continue;
-    panel.points.push_back(result.p_d);
-    panel.errors.push_back(*(result.*error));
-  }
-  return panel;
-}
-
 }  // namespace
 
 nlohmann::json experiment_json(const ExperimentReport& report) {
@@ -148,9 +120,9 @@ std::string experiment_text(const ExperimentReport& report) {
 }
 
 std::string experiment_figure(const ExperimentReport& report) {
-  return quiver_svg({panel("Open loop", report.ours, &TargetResult::before_truth),
-                     panel("Paper's chain", report.paper, &TargetResult::after_truth),
-                     panel("planar-servo", report.ours, &TargetResult::after_truth)},
+  return quiver_svg({error_panel("Open loop", report.ours, &TargetResult::before_truth),
+                     error_panel("Paper's chain", report.paper, &TargetResult::after_truth),
+                     error_panel("planar-servo", report.ours, &TargetResult::after_truth)},
                     kArrowMagnification);
 }
 

@@ -10,12 +10,14 @@
 namespace planar {
 namespace {
 
-// Share by which the pair's distance in pixels may differ from the prediction: a calibrated plane
-// is good to a per cent or two, a map without a lens model to several.
-constexpr double kCalibratedShare = 0.03;
-constexpr double kCoarseShare = 0.10;
+constexpr double kCoarseShare = 0.10;  // without a lens model, good to several per cent
 
 }  // namespace
+
+PairExpectation expect_lamps(const std::array<Eigen::Vector2d, 2>& predicted_px, double share) {
+  const double distance = (predicted_px[1] - predicted_px[0]).norm();
+  return {predicted_px, {{distance * (1.0 - share), distance * (1.0 + share)}}};
+}
 
 LampScene lamp_scene(const CellSettings& cell) {
   namespace fs = std::filesystem;
@@ -46,15 +48,10 @@ std::optional<std::array<Eigen::Vector2d, 2>> LampPrediction::lamps_px(const Tip
 }
 
 PairExpectation LampPrediction::of(const LampImage& image) const {
-  PairExpectation expectation;
-  if (!image.commanded) return expectation;
-  expectation.predicted_px = lamps_px(*image.commanded);
-  if (!expectation.predicted_px) return expectation;
-  const auto& [first, second] = *expectation.predicted_px;
-  const double distance = (second - first).norm();
-  const double share = scene_.workplane ? kCalibratedShare : kCoarseShare;
-  expectation.separation_px = {distance * (1.0 - share), distance * (1.0 + share)};
-  return expectation;
+  if (!image.commanded) return {};
+  const auto predicted_px = lamps_px(*image.commanded);
+  if (!predicted_px) return {};
+  return expect_lamps(*predicted_px, scene_.workplane ? kCalibratedShare : kCoarseShare);
 }
 
 }  // namespace planar

@@ -13,6 +13,13 @@
 
 namespace planar {
 
+/// Share by which the pair's distance in pixels may differ from a prediction through a calibrated
+/// plane, which is good to a per cent or two; a wrong light differs by far more.
+constexpr double kCalibratedShare = 0.03;
+
+/// Lamps 1 and 2 expected at these pixels, their distance right to `share`.
+PairExpectation expect_lamps(const std::array<Eigen::Vector2d, 2>& predicted_px, double share);
+
 /// What is known of the place where images were taken.
 struct LampScene {
   cv::Size sensor_px;

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "app/lamp_prediction.h"
 #include "app/regions.h"
 #include "calibration/vision_tip.h"
 #include "core/error.h"
@@ -12,10 +13,6 @@
 
 namespace planar {
 namespace {
-
-// The pair's distance in pixels may differ from the prediction by this share: twice what a lens and
-// a plane that are wrong by a per cent change, and far less than a wrong light would.
-constexpr double kSeparationShare = 0.03;
 
 TipMeasurement failed(const std::string& status, double t_s) {
   TipMeasurement measurement;
@@ -64,9 +61,7 @@ TipMeasurement LampTipSensor::measure(const TipPose& expected, int frames) {
   const auto predicted =
       lamps_from_tip(vision_.workplane, vision_.tool, lamp_separation_m_, expected);
   if (!predicted) return failed("outside_view", 0.0);
-  const double separation = ((*predicted)[1] - (*predicted)[0]).norm();
-  const PairExpectation expectation{
-      *predicted, {{separation * (1.0 - kSeparationShare), separation * (1.0 + kSeparationShare)}}};
+  const PairExpectation expectation = expect_lamps(*predicted, kCalibratedShare);
   camera_.set_region(follow_region(camera_settings_, 0.5 * ((*predicted)[0] + (*predicted)[1])));
   TipMeasurement mean;
   mean.lamps_px.fill(Eigen::Vector2d::Zero());

@@ -4,7 +4,6 @@
 
 #include "core/units.h"
 #include "report/html_page.h"
-#include "report/quiver_figure.h"
 #include "report/text_table.h"
 #include "text/yaml_writer.h"
 
@@ -42,25 +41,23 @@ std::string figures_line(const char* judge, const std::optional<Summary>& before
       100.0 * improvement(*before, *after));
 }
 
-QuiverPanel panel(const char* what, const std::vector<TargetResult>& results,
-                  std::optional<Eigen::Vector2d> TargetResult::*error) {
-  QuiverPanel panel;
-  std::vector<double> lengths;
-  for (const TargetResult& result : results) {
-    if (!(result.*error)) continue;
-    panel.points.push_back(result.p_d);
-    panel.errors.push_back(*(result.*error));
-    lengths.push_back(panel.errors.back().norm());
-  }
-  if (!lengths.empty()) panel.title = fmt::format("{}: {:.3f} mm mean", what, mm(mean(lengths)));
-  return panel;
-}
-
 std::string in_mm(const std::optional<Eigen::Vector2d>& error) {
   return error ? fmt::format("{:.4f}", mm(error->norm())) : "–";
 }
 
 }  // namespace
+
+QuiverPanel error_panel(const std::string& what, const std::vector<TargetResult>& results,
+                        TargetError error) {
+  QuiverPanel panel;
+  panel.title = fmt::format("{}: {:.3f} mm mean", what, mm(mean_error(results, error)));
+  for (const TargetResult& result : results) {
+    if (!(result.*error)) continue;
+    panel.points.push_back(result.p_d);
+    panel.errors.push_back(*(result.*error));
+  }
+  return panel;
+}
 
 nlohmann::json servo_json(const ServoFigures& figures) {
   nlohmann::json json{{"targets", figures.targets},
@@ -99,10 +96,10 @@ std::string servo_page(const ServoRequest& request, const std::vector<TargetResu
   HtmlPage page("planar-servo: " + request.cell.file.filename().string());
   page.add_paragraph(servo_text(figures_of(results)));
   const bool truth = !results.empty() && results.front().before_truth.has_value();
-  const QuiverPanel before =
-      panel("Open loop", results, truth ? &TargetResult::before_truth : &TargetResult::before_own);
-  const QuiverPanel after =
-      panel("By vision", results, truth ? &TargetResult::after_truth : &TargetResult::after_own);
+  const QuiverPanel before = error_panel(
+      "Open loop", results, truth ? &TargetResult::before_truth : &TargetResult::before_own);
+  const QuiverPanel after = error_panel(
+      "By vision", results, truth ? &TargetResult::after_truth : &TargetResult::after_own);
   page.add_heading(truth ? "Errors against the truth" : "Errors by the servo's own view");
   if (!before.points.empty()) page.add_html(quiver_svg({before, after}, kArrowMagnification));
   TextTable table("Targets", {"target", "x mm", "y mm", "status", "corrections", "own view mm",

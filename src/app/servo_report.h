@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "app/servo_run.h"
+#include "report/quiver_figure.h"
 
 namespace planar {
 
@@ -18,6 +19,10 @@ std::string servo_text(const ServoFigures& figures);
 /// run.yaml: cell, targets and their hashes, settings, outcome.
 std::string run_text(const ServoRequest& request, const ServoFigures& figures,
                      const std::vector<std::filesystem::path>& inputs);
+
+/// An error at each target where it is known, under a title with its mean.
+QuiverPanel error_panel(const std::string& what, const std::vector<TargetResult>& results,
+                        TargetError error);
 
 /// report.html of one run.
 std::string servo_page(const ServoRequest& request, const std::vector<TargetResult>& results);

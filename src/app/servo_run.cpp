@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <set>
 
+#include "app/motion_plan.h"
 #include "core/units.h"
 #include "text/csv_table.h"
 #include "text/growing_file.h"
@@ -13,8 +15,6 @@ namespace planar {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr int kMillimetreDecimals = 6;
 
 std::string steps_header() {
   return CsvWriter("steps",
@@ -82,11 +82,6 @@ TipPose target_pose(const CellSettings& cell, const TargetRow& target) {
   return {target.p_d, target.phi_d.value_or(cell.tool_orientation)};
 }
 
-JointPlanner planner_of(const CellSettings& cell) {
-  return {PlanarArm(cell.arm.geometry), Transmission(cell.transmission), cell.workspace,
-          cell.arm.elbow};
-}
-
 /// Follows one target's steps: logs them and keeps the first and last error.
 class TargetScorer {
  public:
@@ -130,11 +125,8 @@ class TargetScorer {
   TargetResult result_;
 };
 
-std::optional<Summary> summary_of(const std::vector<TargetResult>& results,
-                                  std::optional<Eigen::Vector2d> TargetResult::*error) {
-  std::vector<double> lengths;
-  for (const TargetResult& result : results)
-    if (result.*error) lengths.push_back((result.*error)->norm());
+std::optional<Summary> summary_of(const std::vector<TargetResult>& results, TargetError error) {
+  const std::vector<double> lengths = error_lengths(results, error);
   if (lengths.empty()) return std::nullopt;
   return summarize(lengths);
 }
@@ -150,7 +142,7 @@ std::vector<TargetResult> run_servo(const ServoRequest& request, CellDevices& de
   make_folder(request.out);
   GrowingFile steps(request.out / "steps.csv", steps_header());
   GrowingFile table(request.out / "results.csv", results_header());
-  const JointPlanner planner = planner_of(cell);
+  const JointPlanner planner = joint_planner(cell);
   PlanarRobot robot(planner.arm(), planner.transmission(), devices.drives(), devices.clock());
   robot.energize();
   PositionServo servo(cell.servo, planner, robot, sensor, devices.clock());
@@ -169,7 +161,7 @@ std::vector<TargetResult> run_servo(const ServoRequest& request, CellDevices& de
 }
 
 std::vector<DryRunRow> dry_run(const CellSettings& cell, const std::vector<TargetRow>& targets) {
-  const JointPlanner planner = planner_of(cell);
+  const JointPlanner planner = joint_planner(cell);
   std::vector<DryRunRow> rows;
   Joints near = cell.arm.home;
   for (const TargetRow& target : targets) {
@@ -181,6 +173,21 @@ std::vector<DryRunRow> dry_run(const CellSettings& cell, const std::vector<Targe
     rows.push_back(std::move(row));
   }
   return rows;
+}
+
+std::vector<double> error_lengths(const std::vector<TargetResult>& results, TargetError error,
+                                  const std::string& prefix) {
+  std::vector<double> lengths;
+  for (const TargetResult& result : results)
+    if (result.id.rfind(prefix, 0) == 0 && result.*error)
+      lengths.push_back((result.*error)->norm());
+  return lengths;
+}
+
+double mean_error(const std::vector<TargetResult>& results, TargetError error,
+                  const std::string& prefix) {
+  const std::vector<double> lengths = error_lengths(results, error, prefix);
+  return lengths.empty() ? std::numeric_limits<double>::quiet_NaN() : mean(lengths);
 }
 
 ServoFigures figures_of(const std::vector<TargetResult>& results) {

@@ -54,6 +54,17 @@ struct DryRunRow {
 };
 std::vector<DryRunRow> dry_run(const CellSettings& cell, const std::vector<TargetRow>& targets);
 
+/// One of the errors of a TargetResult.
+using TargetError = std::optional<Eigen::Vector2d> TargetResult::*;
+
+/// Lengths of an error where it is known, metres, of the targets whose id begins with `prefix`.
+std::vector<double> error_lengths(const std::vector<TargetResult>& results, TargetError error,
+                                  const std::string& prefix = "");
+
+/// Their mean; NaN when there are none.
+double mean_error(const std::vector<TargetResult>& results, TargetError error,
+                  const std::string& prefix = "");
+
 /// Figures over the targets that were measured; empty when there are none.
 struct ServoFigures {
   std::size_t targets{0}, reached{0};
