@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "calibration/dot_grid.h"
+#include "core/cross.h"
 #include "core/error.h"
 #include "core/units.h"
 
@@ -43,7 +44,7 @@ void make_right_handed(const Board& board, std::vector<Eigen::Vector2d>& pixels)
   const auto at = [&](int column, int row) { return pixels[row * board.columns + column]; };
   const Eigen::Vector2d x = at(board.columns - 1, 0) - at(0, 0);
   const Eigen::Vector2d y = at(0, board.rows - 1) - at(0, 0);
-  if (x.x() * y.y() - x.y() * y.x() > 0.0) return;
+  if (cross2d(x, y) > 0.0) return;
   for (int row = 0; row < board.rows; ++row) {
     const auto begin = pixels.begin() + row * board.columns;
     std::reverse(begin, begin + board.columns);

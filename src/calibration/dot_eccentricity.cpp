@@ -4,16 +4,13 @@
 #include <array>
 #include <cmath>
 
+#include "core/cross.h"
 #include "core/units.h"
 
 namespace planar {
 namespace {
 
 constexpr int kRimPoints = 48;
-
-double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
-  return a.x() * b.y() - a.y() * b.x();
-}
 
 Eigen::Vector3d in_camera(const Pose& X_CG, const Eigen::Vector2d& p_G) {
   return X_CG * Eigen::Vector3d(p_G.x(), p_G.y(), 0.0);
@@ -40,8 +37,8 @@ std::optional<Eigen::Vector2d> eccentricity_px(const CameraModel& camera, const 
   for (int i = 0; i < kRimPoints; ++i) {
     const Eigen::Vector2d& a = rim[i];
     const Eigen::Vector2d& b = rim[(i + 1) % kRimPoints];
-    twice_area += cross(a, b);
-    moment += cross(a, b) * (a + b);
+    twice_area += cross2d(a, b);
+    moment += cross2d(a, b) * (a + b);
   }
   return Eigen::Vector2d(moment / (3.0 * twice_area));
 }

@@ -7,6 +7,8 @@
 #include <optional>
 #include <set>
 
+#include "core/cross.h"
+
 namespace planar {
 namespace {
 
@@ -28,10 +30,6 @@ Cell operator-(const Cell& a, const Cell& b) {
 }
 Cell operator*(int k, const Cell& a) {
   return {k * a[0], k * a[1]};
-}
-
-double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
-  return a.x() * b.y() - a.y() * b.x();
 }
 
 class LatticeSearch {
@@ -177,7 +175,7 @@ class LatticeSearch {
           if (indices.empty()) continue;
           const Eigen::Vector2d x = points_[indices[columns_ - 1]] - points_[indices[0]];
           const Eigen::Vector2d y = points_[indices[columns_ * (rows_ - 1)]] - points_[indices[0]];
-          if (cross(x, y) < 0.0) continue;
+          if (cross2d(x, y) < 0.0) continue;
           if (++places > 1) return {};
           if (x.normalized().x() <= most_right) continue;
           most_right = x.normalized().x();

@@ -4,6 +4,8 @@
 #include <opencv2/calib3d.hpp>
 
 #include "calibration/board_pose.h"
+#include "core/cross.h"
+#include "core/error.h"
 
 namespace planar {
 namespace {
@@ -88,12 +90,6 @@ Eigen::Vector3d vector_from(const cv::Mat& vector) {
   return Eigen::Map<const Eigen::Vector3d>(vector.ptr<double>());
 }
 
-Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
-  Eigen::Matrix3d m;
-  m << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
-  return m;
-}
-
 /// Jacobian of a pixel by fx, fy, cx, cy and the first distortion coefficients (the latter by
 /// central differences: all models are nearly linear in them).
 Eigen::Matrix2Xd camera_jacobian(const CameraModel& camera, const Eigen::Vector3d& p_C,
@@ -146,8 +142,10 @@ std::optional<LensFit> fit_lens(const std::vector<CalibrationView>& views, int w
       run_perspective(problem, model);
     }
     fit.camera = camera_from(problem, model);
-  } catch (const std::exception&) {
-    return std::nullopt;  // OpenCV, or coefficients that are not finite
+  } catch (const cv::Exception&) {
+    return std::nullopt;
+  } catch (const InputError&) {
+    return std::nullopt;  // coefficients that are not finite
   }
   for (std::size_t i = 0; i < views.size(); ++i) {
     Pose X_CG = Pose::Identity();

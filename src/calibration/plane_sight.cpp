@@ -2,17 +2,9 @@
 
 #include <cmath>
 
+#include "core/cross.h"
+
 namespace planar {
-namespace {
-
-Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
-  Eigen::Matrix3d m;
-  m << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
-  return m;
-}
-
-}  // namespace
-
 std::optional<Eigen::Vector2d> meet_plane(const Pose& X_WC, const Eigen::Vector3d& ray_C,
                                           PoseJacobian<2>* d_p_d_pose) {
   const Eigen::Vector3d c = X_WC.translation();

@@ -3,14 +3,11 @@
 #include <algorithm>
 #include <limits>
 
+#include "core/cross.h"
 #include "core/statistics.h"
 
 namespace planar {
 namespace {
-
-double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
-  return a.x() * b.y() - a.y() * b.x();
-}
 
 double distance_to_segment(const Eigen::Vector2d& p, const Eigen::Vector2d& a,
                            const Eigen::Vector2d& b) {
@@ -26,7 +23,7 @@ std::vector<Eigen::Vector2d> monotone_chain(Iterator first, Iterator last) {
   std::vector<Eigen::Vector2d> chain;
   for (; first != last; ++first) {
     while (chain.size() >= 2 &&
-           cross(chain.back() - chain[chain.size() - 2], *first - chain.back()) <= 0.0) {
+           cross2d(chain.back() - chain[chain.size() - 2], *first - chain.back()) <= 0.0) {
       chain.pop_back();
     }
     chain.push_back(*first);
@@ -55,7 +52,7 @@ bool ValidRegion::contains(const Eigen::Vector2d& p) const {
   for (std::size_t i = 0; i < hull.size(); ++i) {
     const Eigen::Vector2d& a = hull[i];
     const Eigen::Vector2d& b = hull[(i + 1) % hull.size()];
-    within = within && cross(b - a, p - a) >= 0.0;
+    within = within && cross2d(b - a, p - a) >= 0.0;
     distance = std::min(distance, distance_to_segment(p, a, b));
   }
   return within || distance <= margin;

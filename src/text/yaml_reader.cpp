@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <set>
 
 #include "core/error.h"
@@ -134,11 +135,6 @@ YamlNode YamlNode::child(const std::string& key) const {
   return impl_->wrap(impl_->require(key), impl_->place_of(key));
 }
 
-std::optional<YamlNode> YamlNode::optional_child(const std::string& key) const {
-  if (!has(key)) return std::nullopt;
-  return child(key);
-}
-
 bool YamlNode::has(const std::string& key) const {
   return impl_->present() && impl_->node.IsMap() && impl_->find(key).IsDefined();
 }
@@ -181,15 +177,6 @@ std::string YamlNode::text(const std::string& key) const {
   impl_->fault_at(value,
                   fmt::format("{} is {}; a text is needed", impl_->place_of(key), shown(value)));
   return "";
-}
-
-bool YamlNode::boolean(const std::string& key) const {
-  const YAML::Node value = impl_->require(key);
-  bool result = false;
-  if (value.IsDefined() && (!value.IsScalar() || !YAML::convert<bool>::decode(value, result)))
-    impl_->fault_at(value, fmt::format("{} is {}; true or false is needed", impl_->place_of(key),
-                                       shown(value)));
-  return result;
 }
 
 std::string YamlNode::choice(const std::string& key,

@@ -3,7 +3,6 @@
 #include <filesystem>
 #include <map>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,15 +20,12 @@ class YamlNode {
  public:
   /// A required key. The returned node may be missing; then every access to it is harmless.
   YamlNode child(const std::string& key) const;
-  /// A key that may be absent.
-  std::optional<YamlNode> optional_child(const std::string& key) const;
   bool has(const std::string& key) const;
 
   // Required keys of this map. Numbers must be finite.
   double number(const std::string& key) const;
   int whole_number(const std::string& key) const;
   std::string text(const std::string& key) const;
-  bool boolean(const std::string& key) const;
   /// One of `allowed`; the first of them when it is none.
   std::string choice(const std::string& key, const std::vector<std::string>& allowed) const;
   /// A list of `size` numbers (any number of them when size is 0).
