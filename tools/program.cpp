@@ -6,6 +6,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <opencv2/core/utils/logger.hpp>
 
 #include "core/error.h"
 #include "text/atomic_file.h"
@@ -63,6 +64,7 @@ int run_program(const ProgramText& text, int argc, char** argv,
     return app.exit(e) == 0 ? 0 : kWrongInput;
   }
   start_log(text.name, quiet, verbose);
+  cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);  // our messages say it all
   try {
     const Outcome outcome = work();
     if (!json_file.empty()) write_file(json_file, outcome.figures.dump(2) + "\n");

@@ -27,6 +27,13 @@ constexpr double kPaperIdw[] = {0.657, 0.796, 0.853};
 constexpr double kPaperRbf[] = {0.905, 0.876, 0.953};
 constexpr double kPaperAfter_mm[] = {0.185, 0.174, 0.180, 0.176};
 
+[[noreturn]] void refuse_empty_circle(int radius_mm) {
+  throw WorkError(
+      fmt::format("no place on the circle of radius {} mm has both lamps and a tracker "
+                  "reading; lamps.csv says why",
+                  radius_mm));
+}
+
 /// The pairs whose ids begin with `prefix`, in the recording's order.
 std::vector<PairRow> pairs_with_prefix(const std::vector<PairRow>& pairs,
                                        const std::string& prefix) {
@@ -51,6 +58,7 @@ double run_correlation(const std::vector<PairRow>& pairs, int radius_mm) {
     for (std::size_t run = 0; run < 3; ++run)
       for (int axis = 0; axis < 2; ++axis) runs[run].push_back(rows[run]->error()[axis]);
   }
+  if (runs[0].empty()) refuse_empty_circle(radius_mm);
   return (correlation(runs[0], runs[1]) + correlation(runs[0], runs[2]) +
           correlation(runs[1], runs[2])) /
          3.0;
@@ -58,7 +66,9 @@ double run_correlation(const std::vector<PairRow>& pairs, int radius_mm) {
 
 /// The paper's accuracy (blind to direction) of a map on one of its check circles.
 double circle_accuracy(const ErrorMap& map, const std::vector<PairRow>& pairs, int radius_mm) {
-  return check_error_map(map, pairs_with_prefix(pairs, fmt::format("r{}_", radius_mm))).a2;
+  const std::vector<PairRow> circle = pairs_with_prefix(pairs, fmt::format("r{}_", radius_mm));
+  if (circle.empty()) refuse_empty_circle(radius_mm);
+  return check_error_map(map, circle).a2;
 }
 
 ErrorMap idw_of(const CalibratedChain& chain) {
@@ -109,6 +119,9 @@ std::vector<TargetResult> close_loop(const CalibratedChain& chain, bool with_map
 }  // namespace
 
 ExperimentReport run_experiment(const ExperimentRequest& request, CellDevices& devices) {
+  if (!devices.true_tip())
+    throw InputError(request.cell.file.string() +
+                     ": is no virtual cell; this experiment is judged by a truth");
   if (fs::exists(request.out / "recording"))
     throw InputError(request.out.string() + ": holds an experiment already; name another folder");
   make_folder(request.out);

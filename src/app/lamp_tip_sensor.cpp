@@ -90,6 +90,9 @@ LampTipSensor::Sight LampTipSensor::look(const PairExpectation& expectation) {
     result = camera_.next_frame();
     if (result.status != FrameStatus::kOk) return {{}, result.frame.t_s, true};
     pair = tracker_.locate(result.frame, expectation);
+    if (pair.status == LampStatus::kOk)
+      camera_.set_region(
+          follow_region(camera_settings_, 0.5 * (pair.lamps[0].uv_px + pair.lamps[1].uv_px)));
   }
   return {pair, result.frame.t_s, false};
 }

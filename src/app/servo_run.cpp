@@ -1,14 +1,11 @@
 #include "app/servo_run.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <limits>
-#include <set>
 
 #include "app/motion_plan.h"
+#include "core/error.h"
 #include "core/units.h"
-#include "text/csv_table.h"
 #include "text/growing_file.h"
 
 namespace planar {
@@ -16,66 +13,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string steps_header() {
-  return CsvWriter("steps",
-                   {"target",         "step",       "t_s",        "status",      "u1_px",
-                    "v1_px",          "u2_px",      "v2_px",      "x_vision_mm", "y_vision_mm",
-                    "phi_deg",        "dx_map_mm",  "dy_map_mm",  "x_mm",        "y_mm",
-                    "uncertainty_mm", "dx_mm",      "dy_mm",      "error_mm",    "stop_below_mm",
-                    "theta1_deg",     "theta2_deg", "theta3_deg", "m1_pulses",   "m2_pulses",
-                    "m3_pulses"})
-      .text();
-}
-
-std::string in_mm(const Eigen::Vector2d& p) {
-  return fmt::format("{:.6f},{:.6f}", p.x() / kMillimetre, p.y() / kMillimetre);
-}
-
-std::string step_line(const std::string& id, const ServoStep& step) {
-  const TipMeasurement& m = step.measurement;
-  std::string seen = ",,,,,,,,,,,,,,";
-  if (m.ok())
-    seen = fmt::format("{:.4f},{:.4f},{:.4f},{:.4f},{},{:.6f},{},{},{:.6f},{},{:.6f}",
-                       m.lamps_px[0].x(), m.lamps_px[0].y(), m.lamps_px[1].x(), m.lamps_px[1].y(),
-                       in_mm(m.p_vision), m.tip.phi / kDegree, in_mm(m.correction), in_mm(m.tip.p),
-                       m.uncertainty_m / kMillimetre, in_mm(step.error),
-                       step.error.norm() / kMillimetre);
-  const Joints deg = step.theta_c / kDegree;
-  return fmt::format("{},{},{:.6f},{},{},{:.6f},{:.9f},{:.9f},{:.9f},{},{},{}\n", id,
-                     step.iteration, m.t_s, m.status, seen, step.stop_below_m / kMillimetre, deg[0],
-                     deg[1], deg[2], step.pulses_c[0], step.pulses_c[1], step.pulses_c[2]);
-}
-
-std::string results_header() {
-  return CsvWriter("results", {"target", "x_mm", "y_mm", "status", "reason", "iterations",
-                               "seconds", "before_own_view_mm", "after_own_view_mm",
-                               "uncertainty_mm", "before_truth_mm", "after_truth_mm"})
-      .text();
-}
-
-std::string length_mm(const std::optional<Eigen::Vector2d>& error) {
-  return error ? fmt::format("{:.6f}", error->norm() / kMillimetre) : "";
-}
-
-std::string result_line(const TargetResult& result) {
-  std::string reason = result.reason;
-  std::replace(reason.begin(), reason.end(), ',', ';');
-  return fmt::format("{},{},{},{},{},{:.3f},{},{},{:.6f},{},{}\n", result.id, in_mm(result.p_d),
-                     name(result.status), reason, result.iterations, result.seconds,
-                     length_mm(result.before_own), length_mm(result.after_own),
-                     result.uncertainty_m / kMillimetre, length_mm(result.before_truth),
-                     length_mm(result.after_truth));
-}
-
-std::set<std::string> finished_targets(const fs::path& results, bool resume) {
-  std::set<std::string> ids;
-  if (!fs::exists(results)) return ids;
+std::vector<TargetResult> results_so_far(const fs::path& results, bool resume) {
+  if (!fs::exists(results)) return {};
   if (!resume)
     throw InputError(results.string() +
                      ": holds a run already; name another folder or add --resume");
-  const CsvTable table = CsvTable::read(results, "results", {"target"});
-  for (std::size_t row = 0; row < table.size(); ++row) ids.insert(table.text(row, "target"));
-  return ids;
+  return read_results(results);
+}
+
+bool is_among(const std::vector<TargetResult>& results, const std::string& id) {
+  return std::any_of(results.begin(), results.end(),
+                     [&](const TargetResult& result) { return result.id == id; });
 }
 
 TipPose target_pose(const CellSettings& cell, const TargetRow& target) {
@@ -135,8 +83,7 @@ std::optional<Summary> summary_of(const std::vector<TargetResult>& results, Targ
 
 std::vector<TargetResult> run_servo(const ServoRequest& request, CellDevices& devices) {
   const CellSettings& cell = request.cell;
-  const std::set<std::string> finished =
-      finished_targets(request.out / "results.csv", request.resume);
+  std::vector<TargetResult> results = results_so_far(request.out / "results.csv", request.resume);
   LampTipSensor sensor(cell, read_vision(cell, request.use_error_map), request.center,
                        devices.camera());
   make_folder(request.out);
@@ -146,10 +93,9 @@ std::vector<TargetResult> run_servo(const ServoRequest& request, CellDevices& de
   PlanarRobot robot(planner.arm(), planner.transmission(), devices.drives(), devices.clock());
   robot.energize();
   PositionServo servo(cell.servo, planner, robot, sensor, devices.clock());
-  std::vector<TargetResult> results;
   for (std::size_t i = 0; i < request.targets.size(); ++i) {
     const TargetRow& target = request.targets[i];
-    if (finished.count(target.id) != 0) continue;
+    if (is_among(results, target.id)) continue;
     TargetScorer scorer(target, steps, devices.true_tip());
     const ServoResult outcome = servo.move_to(target_pose(cell, target),
                                               [&](const ServoStep& step) { scorer.observe(step); });

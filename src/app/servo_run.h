@@ -10,6 +10,7 @@
 #include "app/lamp_tip_sensor.h"
 #include "core/statistics.h"
 #include "files/cell_file.h"
+#include "files/servo_tables.h"
 #include "files/tables.h"
 #include "servo/position_servo.h"
 
@@ -21,28 +22,14 @@ struct ServoRequest {
   CenterMethod center{CenterMethod::kAuto};
   bool use_error_map{true};
   std::filesystem::path out;  ///< steps.csv and results.csv grow here, a line at a time
-  bool resume{false};         ///< leave out targets that results.csv holds
+  bool resume{false};         ///< leave alone the targets whose results the folder holds
   std::function<void(std::size_t done, std::size_t all)> progress;  ///< may be empty
-};
-
-/// One target's outcome. Errors are vectors from the target to the end point, base frame, metres.
-struct TargetResult {
-  std::string id;
-  Eigen::Vector2d p_d{0.0, 0.0};
-  ServoStatus status{ServoStatus::kRefused};
-  std::string reason;
-  int iterations{0};
-  double seconds{0.0};
-  std::optional<Eigen::Vector2d> before_own, after_own;      ///< by the compensated vision
-  std::optional<Eigen::Vector2d> before_truth, after_truth;  ///< where a truth watches
-  /// Vision minus truth at the last measurement, before and after compensation.
-  std::optional<Eigen::Vector2d> vision_raw, vision_compensated;
-  double uncertainty_m{0.0};  ///< of the last measurement, per axis
 };
 
 /// Every target in turn: an open-loop move, then corrections by vision. Targets that fail are
 /// results like the others, unless a device fails: that throws WorkError, with all that was done
-/// in the files. Throws InputError when the folder holds a run already and `resume` is not set.
+/// in the files. A resumed run's results begin with those that the folder holds. Throws InputError
+/// when it holds a run already and `resume` is not set.
 std::vector<TargetResult> run_servo(const ServoRequest& request, CellDevices& devices);
 
 /// The joints and pulses that each target's first, open-loop move would command, without any

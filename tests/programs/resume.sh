@@ -21,3 +21,4 @@ grep -q "holds a run already; name another folder or add --resume" again.err || 
 servo all.csv --out run --resume >/dev/null
 cut -d, -f1,4 run/results.csv | tail -n +3 >reached.txt
 printf 'a,reached\nb,reached\nc,reached\n' | diff - reached.txt || fail "not all targets were reached"
+grep -q "^targets: 3" run/run.yaml || fail "the report of a resumed run leaves targets out"

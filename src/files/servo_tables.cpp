@@ -1,0 +1,133 @@
+#include "files/servo_tables.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "core/units.h"
+#include "text/csv_table.h"
+
+namespace planar {
+namespace {
+
+using TargetVector = std::optional<Eigen::Vector2d> TargetResult::*;
+
+/// Each error has three columns: its length and its components.
+struct ErrorColumns {
+  const char* name;
+  TargetVector error;
+
+  std::array<std::string, 3> columns() const {
+    return {fmt::format("{}_mm", name), fmt::format("{}_dx_mm", name),
+            fmt::format("{}_dy_mm", name)};
+  }
+};
+
+constexpr ErrorColumns kErrors[] = {{"before_own_view", &TargetResult::before_own},
+                                    {"after_own_view", &TargetResult::after_own},
+                                    {"before_truth", &TargetResult::before_truth},
+                                    {"after_truth", &TargetResult::after_truth},
+                                    {"vision_raw", &TargetResult::vision_raw},
+                                    {"vision_compensated", &TargetResult::vision_compensated}};
+
+constexpr ServoStatus kStatuses[] = {ServoStatus::kReached,      ServoStatus::kOutsideMap,
+                                     ServoStatus::kNotConverged, ServoStatus::kDiverged,
+                                     ServoStatus::kLostLamp,     ServoStatus::kRefused};
+
+std::string in_mm(const Eigen::Vector2d& p) {
+  return fmt::format("{:.6f},{:.6f}", p.x() / kMillimetre, p.y() / kMillimetre);
+}
+
+std::string error_fields(const std::optional<Eigen::Vector2d>& error) {
+  if (!error) return ",,";
+  return fmt::format("{:.6f},{}", error->norm() / kMillimetre, in_mm(*error));
+}
+
+ServoStatus status_at(CsvTable& table, std::size_t row) {
+  for (const ServoStatus status : kStatuses)
+    if (table.text(row, "status") == name(status)) return status;
+  table.add_fault(
+      row, fmt::format("status is '{}', which no target can have", table.text(row, "status")));
+  return ServoStatus::kRefused;
+}
+
+std::optional<Eigen::Vector2d> error_at(CsvTable& table, std::size_t row,
+                                        const ErrorColumns& error) {
+  const auto columns = error.columns();
+  if (table.text(row, columns[1]).empty()) return std::nullopt;
+  return Eigen::Vector2d(table.number(row, columns[1]), table.number(row, columns[2])) *
+         kMillimetre;
+}
+
+std::vector<std::string> result_columns() {
+  std::vector<std::string> columns{"target", "x_mm",       "y_mm",    "status",
+                                   "reason", "iterations", "seconds", "uncertainty_mm"};
+  for (const ErrorColumns& error : kErrors)
+    for (const std::string& column : error.columns()) columns.push_back(column);
+  return columns;
+}
+
+}  // namespace
+
+std::string results_header() {
+  return CsvWriter("results", result_columns()).text();
+}
+
+std::string result_line(const TargetResult& result) {
+  std::string reason = result.reason;
+  std::replace(reason.begin(), reason.end(), ',', ';');
+  std::string line =
+      fmt::format("{},{},{},{},{},{:.3f},{:.6f}", result.id, in_mm(result.p_d), name(result.status),
+                  reason, result.iterations, result.seconds, result.uncertainty_m / kMillimetre);
+  for (const ErrorColumns& error : kErrors) line += ',' + error_fields(result.*error.error);
+  return line + '\n';
+}
+
+std::vector<TargetResult> read_results(const std::filesystem::path& path) {
+  CsvTable table = CsvTable::read(path, "results", result_columns());
+  std::vector<TargetResult> results;
+  for (std::size_t row = 0; row < table.size(); ++row) {
+    TargetResult result;
+    result.id = table.text(row, "target");
+    result.p_d =
+        Eigen::Vector2d(table.number(row, "x_mm"), table.number(row, "y_mm")) * kMillimetre;
+    result.status = status_at(table, row);
+    result.reason = table.text(row, "reason");
+    result.iterations = table.whole_number(row, "iterations");
+    result.seconds = table.number(row, "seconds");
+    result.uncertainty_m = table.number(row, "uncertainty_mm") * kMillimetre;
+    for (const ErrorColumns& error : kErrors) result.*error.error = error_at(table, row, error);
+    results.push_back(std::move(result));
+  }
+  table.throw_if_faulty();
+  return results;
+}
+
+std::string steps_header() {
+  return CsvWriter("steps",
+                   {"target",         "step",       "t_s",        "status",      "u1_px",
+                    "v1_px",          "u2_px",      "v2_px",      "x_vision_mm", "y_vision_mm",
+                    "phi_deg",        "dx_map_mm",  "dy_map_mm",  "x_mm",        "y_mm",
+                    "uncertainty_mm", "dx_mm",      "dy_mm",      "error_mm",    "stop_below_mm",
+                    "theta1_deg",     "theta2_deg", "theta3_deg", "m1_pulses",   "m2_pulses",
+                    "m3_pulses"})
+      .text();
+}
+
+std::string step_line(const std::string& id, const ServoStep& step) {
+  const TipMeasurement& m = step.measurement;
+  std::string seen = ",,,,,,,,,,,,,,";
+  if (m.ok())
+    seen = fmt::format("{:.4f},{:.4f},{:.4f},{:.4f},{},{:.6f},{},{},{:.6f},{},{:.6f}",
+                       m.lamps_px[0].x(), m.lamps_px[0].y(), m.lamps_px[1].x(), m.lamps_px[1].y(),
+                       in_mm(m.p_vision), m.tip.phi / kDegree, in_mm(m.correction), in_mm(m.tip.p),
+                       m.uncertainty_m / kMillimetre, in_mm(step.error),
+                       step.error.norm() / kMillimetre);
+  const Joints deg = step.theta_c / kDegree;
+  return fmt::format("{},{},{:.6f},{},{},{:.6f},{:.9f},{:.9f},{:.9f},{},{},{}\n", id,
+                     step.iteration, m.t_s, m.status, seen, step.stop_below_m / kMillimetre, deg[0],
+                     deg[1], deg[2], step.pulses_c[0], step.pulses_c[1], step.pulses_c[2]);
+}
+
+}  // namespace planar

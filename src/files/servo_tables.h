@@ -1,0 +1,41 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "servo/position_servo.h"
+
+namespace planar {
+
+// The growing tables of a servo run: the header first, then a line at a time; SI inside.
+
+/// One target's outcome, a row of results.csv. Errors are vectors from the target to the end point,
+/// base frame, metres.
+struct TargetResult {
+  std::string id;
+  Eigen::Vector2d p_d{0.0, 0.0};
+  ServoStatus status{ServoStatus::kRefused};
+  std::string reason;
+  int iterations{0};
+  double seconds{0.0};
+  std::optional<Eigen::Vector2d> before_own, after_own;      ///< by the compensated vision
+  std::optional<Eigen::Vector2d> before_truth, after_truth;  ///< where a truth watches
+  /// Vision minus truth at the last measurement, before and after compensation.
+  std::optional<Eigen::Vector2d> vision_raw, vision_compensated;
+  double uncertainty_m{0.0};  ///< of the last measurement, per axis
+};
+
+std::string results_header();
+std::string result_line(const TargetResult& result);
+
+/// Throws InputError naming each bad row. A table without rows is an empty run.
+std::vector<TargetResult> read_results(const std::filesystem::path& path);
+
+std::string steps_header();
+/// One step on the way to the target `id`.
+std::string step_line(const std::string& id, const ServoStep& step);
+
+}  // namespace planar

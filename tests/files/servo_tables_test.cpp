@@ -1,0 +1,72 @@
+#include "files/servo_tables.h"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+
+#include "core/error.h"
+#include "support/temporary_folder.h"
+
+namespace planar {
+namespace {
+
+using Catch::Contains;
+
+constexpr double kWrittenNanometre = 1e-9;
+
+TargetResult sample() {
+  TargetResult result;
+  result.id = "a";
+  result.p_d = {0.2, -0.1};
+  result.status = ServoStatus::kNotConverged;
+  result.reason = "the error is 1 mm, too much";
+  result.iterations = 3;
+  result.seconds = 1.25;
+  result.uncertainty_m = 1e-5;
+  result.before_own = Eigen::Vector2d(1e-3, 2e-3);
+  result.after_truth = Eigen::Vector2d(-1e-5, 3e-5);
+  return result;
+}
+
+long commas(const std::string& text) {
+  return std::count(text.begin(), text.end(), ',');
+}
+
+TEST_CASE("A result comes back as it was written, what is not known stays unknown") {
+  const test::TemporaryFolder folder;
+  const TargetResult back =
+      read_results(folder.write("results.csv", results_header() + result_line(sample()))).at(0);
+  CHECK(back.id == "a");
+  CHECK(back.status == ServoStatus::kNotConverged);
+  CHECK(back.reason == "the error is 1 mm; too much");
+  CHECK(back.iterations == 3);
+  CHECK((*back.before_own - Eigen::Vector2d(1e-3, 2e-3)).norm() < kWrittenNanometre);
+  CHECK((*back.after_truth - Eigen::Vector2d(-1e-5, 3e-5)).norm() < kWrittenNanometre);
+  CHECK_FALSE(back.before_truth.has_value());
+  CHECK_FALSE(back.vision_raw.has_value());
+}
+
+TEST_CASE("A run that was interrupted before its first target has no results") {
+  const test::TemporaryFolder folder;
+  CHECK(read_results(folder.write("results.csv", results_header())).empty());
+}
+
+TEST_CASE("A result with a status that does not exist is named") {
+  const test::TemporaryFolder folder;
+  std::string line = result_line(sample());
+  line.replace(line.find("not_converged"), 13, "arrived");
+  CHECK_THROWS_WITH(read_results(folder.write("results.csv", results_header() + line)),
+                    Contains("results.csv:3: status is 'arrived'"));
+}
+
+TEST_CASE("Every step has one field per column, measured or not") {
+  const std::string header = steps_header();
+  const std::string columns = header.substr(header.find('\n') + 1);
+  ServoStep step;
+  step.measurement.lamps_px.fill(Eigen::Vector2d::Zero());
+  CHECK(commas(step_line("a", step)) == commas(columns));
+  step.measurement.status = "one_lamp";
+  CHECK(commas(step_line("a", step)) == commas(columns));
+}
+
+}  // namespace
+}  // namespace planar

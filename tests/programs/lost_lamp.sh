@@ -1,0 +1,17 @@
+#!/usr/bin/env bash
+# A lamp that went out stops the servo with a reason, and nothing moves after it.
+source "$(dirname "$0")/common.sh"
+
+"$bin/planar-virtual-cell" -q draw --seed 11 -o cell >/dev/null
+small_plan >plan.csv
+"$bin/planar-record" -q --cell cell/cell.yaml --plan plan.csv --out recording >/dev/null
+calibrate cell/cell.yaml recording cell >/dev/null
+
+sed -i '0,/peak_level: .*/s//peak_level: 0/' cell/truth.yaml
+printf 'id,x_mm,y_mm\na,200,100\n' >targets.csv
+status=0
+"$bin/planar-servo" --cell cell/cell.yaml --targets targets.csv --out run >/dev/null 2>err.txt ||
+  status=$?
+[ "$status" -eq 1 ] || fail "a servo without a lamp ended with $status"
+grep -q "a: lost_lamp: the tool was not measured: one_lamp" err.txt || fail "$(cat err.txt)"
+[ "$(grep -c '^a,' run/steps.csv)" -eq 1 ] || fail "the arm moved on after a lamp was lost"
