@@ -30,7 +30,9 @@ void add_options(CLI::App& app, Options& options) {
 }
 
 Outcome run(const Options& options) {
-  const RecordRequest request{read_cell(options.cell), read_plan(options.plan), options.recording};
+  const CellSettings cell = read_cell(options.cell);
+  const RecordRequest request{cell, read_plan(options.plan, cell.tool_orientation),
+                              options.recording};
   const auto devices = open_cell(request.cell);
   const RecordReport report = record(request, *devices);
   for (const std::string& id : report.without_lamps)

@@ -44,12 +44,14 @@ void require_new_id(CsvTable& table, std::size_t row, std::vector<std::string>& 
   seen.push_back(id);
 }
 
-std::variant<std::monostate, TipPose, Joints> plan_place(CsvTable& table, std::size_t row) {
+std::variant<std::monostate, TipPose, Joints> plan_place(CsvTable& table, std::size_t row,
+                                                         double tool_orientation) {
   const auto given = [&](const char* column) { return !table.text(row, column).empty(); };
   if (given("x_mm") || given("y_mm")) {
     if (given("theta1_deg")) table.add_fault(row, "has both x_mm and theta1_deg; give one of them");
-    return TipPose{point_mm(table, row, "x_mm", "y_mm"),
-                   table.optional_number(row, "phi_deg").value_or(0.0) * kDegree};
+    return TipPose{
+        point_mm(table, row, "x_mm", "y_mm"),
+        scaled(table.optional_number(row, "phi_deg"), kDegree).value_or(tool_orientation)};
   }
   if (given("theta1_deg"))
     return Joints(Joints(table.number(row, "theta1_deg"), table.number(row, "theta2_deg"),
@@ -108,13 +110,15 @@ std::vector<TargetRow> read_targets(const std::filesystem::path& path) {
   return rows;
 }
 
-std::vector<PlanRow> read_plan(const std::filesystem::path& path) {
+std::vector<PlanRow> read_plan(const std::filesystem::path& path, double tool_orientation) {
   CsvTable table = CsvTable::read(path, "plan", {"id", "plan"});
   std::vector<PlanRow> rows;
   std::vector<std::string> seen;
   for (std::size_t i = 0; i < table.size(); ++i) {
     require_new_id(table, i, seen);
-    PlanRow row{table.text(i, "id"), table.text(i, "plan"), plan_place(table, i)};
+    PlanRow row{table.text(i, "id"), table.text(i, "plan"), plan_place(table, i, tool_orientation)};
+    if (row.id.find('/') != std::string::npos)
+      table.add_fault(i, fmt::format("id is '{}'; it names images, so '/' is not allowed", row.id));
     check_plan(table, i, row.plan);
     if (!shows_board(row.plan) && std::holds_alternative<std::monostate>(row.where))
       table.add_fault(i, "has no position; x_mm, y_mm or theta1_deg ... theta3_deg are needed");

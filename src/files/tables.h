@@ -48,7 +48,8 @@ struct PlanRow {
   std::variant<std::monostate, TipPose, Joints> where;
 };
 
-std::vector<PlanRow> read_plan(const std::filesystem::path& path);
+/// Rows by x and y that name no phi_deg take `tool_orientation` (radians).
+std::vector<PlanRow> read_plan(const std::filesystem::path& path, double tool_orientation);
 std::string plan_text(const std::vector<PlanRow>& rows);
 
 }  // namespace planar

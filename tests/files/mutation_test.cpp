@@ -63,7 +63,7 @@ TEST_CASE("A damaged table is read or refused by name, never worse") {
       "a,1.0,2.0,1.1,2.1\nb,-3.5e1,4,-35.1,4.2\n";
   check_mutations(pairs, [](const auto& path) { read_pairs(path); });
   const std::string plan = "id,plan,x_mm,y_mm\na,train,1,2\ng,grid,,\n";
-  check_mutations(plan, [](const auto& path) { read_plan(path); });
+  check_mutations(plan, [](const auto& path) { read_plan(path, 0.0); });
   const std::string frames =
       frames_header() +
       frame_line(

@@ -47,7 +47,7 @@ TEST_CASE("A plan asks for positions by point or by joints, and for board views 
                                   {"t", "train", TipPose{{0.1, 0.2}, 0.0}},
                                   {"s", "sweep3", Joints(0.1, 0.2, 0.3)}};
   const test::TemporaryFolder folder;
-  const auto back = read_plan(folder.write("plan.csv", plan_text(rows)));
+  const auto back = read_plan(folder.write("plan.csv", plan_text(rows)), 0.0);
   REQUIRE(back.size() == 3);
   CHECK(std::holds_alternative<std::monostate>(back[0].where));
   CHECK((std::get<TipPose>(back[1].where).p - Eigen::Vector2d(0.1, 0.2)).norm() <
@@ -58,9 +58,23 @@ TEST_CASE("A plan asks for positions by point or by joints, and for board views 
 TEST_CASE("Plan rows without a place or with a plan that does not exist are named") {
   const test::TemporaryFolder folder;
   CHECK_THROWS_WITH(
-      read_plan(folder.write("plan.csv", "id,plan,x_mm,y_mm\na,trian,1,2\nb,train,,\n")),
+      read_plan(folder.write("plan.csv", "id,plan,x_mm,y_mm\na,trian,1,2\nb,train,,\n"), 0.0),
       Contains("plan.csv:2: plan is 'trian'; allowed are grid") &&
           Contains("plan.csv:3: has no position"));
+}
+
+TEST_CASE("A plan row without a direction keeps the tool as the cell has it") {
+  const test::TemporaryFolder folder;
+  const auto rows = read_plan(
+      folder.write("plan.csv", "id,plan,x_mm,y_mm,phi_deg\na,train,1,2,\nb,train,1,2,90\n"), 0.5);
+  CHECK(std::get<TipPose>(rows.at(0).where).phi == 0.5);
+  CHECK(std::get<TipPose>(rows.at(1).where).phi == 90.0 * kDegree);
+}
+
+TEST_CASE("A plan row whose id would leave the folder of images is refused") {
+  const test::TemporaryFolder folder;
+  CHECK_THROWS_WITH(read_plan(folder.write("plan.csv", "id,plan,x_mm,y_mm\n../a,train,1,2\n"), 0.0),
+                    Contains("plan.csv:2: id is '../a'"));
 }
 
 }  // namespace
