@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 
@@ -25,6 +26,8 @@ const ProgramText kText{
     "  tool       end point (0.402, -0.698) mm, reflector (12.001, 31.004) mm\n"
     "  rejected   train_017: vision and tracker differ by 3.214 mm; the limit is 1.820 mm\n"
     "  raw error  train: 199 pairs, mean 0.301 mm, rms 0.343 mm, max 0.912 mm"};
+
+constexpr double kDatumSigmas = 5.0;  // of one reading; what noise alone never reaches
 
 struct Options {
   std::filesystem::path cell, lamps, recording, tracker, workplane_out, tool_out, pairs_out;
@@ -174,10 +177,22 @@ nlohmann::json print(const PairTrackerReport& report) {
           {"raw_rms_mm", raw.rms / kMillimetre}};
 }
 
+void warn_of_moved_monuments(const PairTrackerRequest& request, double datum_rms) {
+  double sigma = 0.0;
+  for (const TrackerRow& row : request.tracker)
+    sigma = std::max(sigma, request.cell.tracker_sigma_at(row.p_L.norm()));
+  if (datum_rms > kDatumSigmas * sigma)
+    spdlog::warn(
+        "datum: {:.3f} mm rms is more than the tracker's noise of {:.3f} mm explains; has "
+        "a monument moved?",
+        datum_rms / kMillimetre, sigma / kMillimetre);
+}
+
 Outcome pair(const Options& options) {
   const PairTrackerRequest request = read_request(options);
   const PairTrackerReport report = pair_tracker(request);
   write_files(options, request, report);
+  warn_of_moved_monuments(request, report.datum.rms);
   return {print(report)};
 }
 
