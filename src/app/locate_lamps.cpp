@@ -105,8 +105,8 @@ class Collector {
 
   LocateReport finish() {
     Faults faults;
-    for (std::string& fault : faults_) {
-      if (!fault.empty()) faults.add(std::move(fault));
+    for (const std::string& fault : faults_) {
+      if (!fault.empty()) faults.add(fault);
     }
     faults.throw_if_any();
     LocateReport report;

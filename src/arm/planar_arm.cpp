@@ -89,8 +89,8 @@ InverseResult PlanarArm::inverse(const TipPose& target, Elbow elbow, const Joint
 }
 
 InverseResult PlanarArm::inverse_nearest(const TipPose& target, const Joints& near) const {
-  const InverseResult left = inverse(target, Elbow::kLeft, near);
-  const InverseResult right = inverse(target, Elbow::kRight, near);
+  InverseResult left = inverse(target, Elbow::kLeft, near);
+  InverseResult right = inverse(target, Elbow::kRight, near);
   if (left.status != ReachStatus::kOk) return left;
   return squared_travel(right, near) < squared_travel(left, near) ? right : left;
 }

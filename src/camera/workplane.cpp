@@ -4,8 +4,8 @@
 
 namespace planar {
 
-Workplane::Workplane(CameraModel camera, const Pose& X_WC)
-    : camera_(std::move(camera)), X_WC_(X_WC), X_CW_(X_WC.inverse()) {}
+Workplane::Workplane(const CameraModel& camera, const Pose& X_WC)
+    : camera_(camera), X_WC_(X_WC), X_CW_(X_WC.inverse()) {}
 
 std::optional<Eigen::Vector2d> Workplane::plane_from_pixel(const Eigen::Vector2d& uv_px,
                                                            Eigen::Matrix2d* d_p_d_uv) const {
@@ -30,7 +30,7 @@ std::optional<Eigen::Vector2d> Workplane::pixel_from_plane(const Eigen::Vector2d
                                                            Eigen::Matrix2d* d_uv_d_p) const {
   Eigen::Matrix<double, 2, 3> d_uv_d_p_C;
   const Eigen::Vector3d p_C = X_CW_ * Eigen::Vector3d(p_W.x(), p_W.y(), 0.0);
-  const auto uv_px = project(camera_, p_C, &d_uv_d_p_C);
+  auto uv_px = project(camera_, p_C, &d_uv_d_p_C);
   if (uv_px && d_uv_d_p != nullptr) *d_uv_d_p = d_uv_d_p_C * X_CW_.linear().leftCols<2>();
   return uv_px;
 }

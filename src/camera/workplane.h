@@ -11,7 +11,7 @@ namespace planar {
 /// The plane z_W = 0 in which the lamps move, seen by a calibrated camera.
 class Workplane {
  public:
-  Workplane(CameraModel camera, const Pose& X_WC);
+  Workplane(const CameraModel& camera, const Pose& X_WC);
 
   /// Where the ray of a pixel meets the plane, in W (metres); d_p_d_uv, when asked for, is its
   /// Jacobian in m/px. Empty when the pixel has no ray or the ray does not meet the plane in front
