@@ -1,0 +1,23 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "error_map/error_sample.h"
+
+namespace planar::bench {
+
+/// ALGLIB's multiquadric on a linear tail, width and smoothing by five-fold cross-validation.
+class AlglibMap {
+ public:
+  explicit AlglibMap(const std::vector<ErrorSample>& samples);
+  ~AlglibMap();
+
+  Eigen::Vector2d predict(const Eigen::Vector2d& p);
+
+ private:
+  struct Model;
+  std::unique_ptr<Model> model_;
+};
+
+}  // namespace planar::bench

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "error_map/error_sample.h"
+#include "peer.h"
+
+namespace planar::bench {
+
+/// The scores of SciPy's RBFInterpolator by method, one per draw, by way of scipy_peer.py and files
+/// in `folder`. Throws WorkError when the script fails.
+std::map<std::string, std::vector<Score>> run_scipy(
+    const std::vector<std::vector<ErrorSample>>& draws, const std::vector<ErrorSample>& truth,
+    const std::filesystem::path& folder);
+
+}  // namespace planar::bench
