@@ -125,6 +125,10 @@ void write_files(const Options& options, const PairTrackerRequest& request,
   const std::vector<std::filesystem::path> inputs{
       options.cell, request.cell.camera_model, options.lamps, options.recording / "frames.csv",
       options.tracker.empty() ? options.recording / "tracker.csv" : options.tracker};
+  if (options.workplane_out == options.tool_out || options.workplane_out == options.pairs_out ||
+      options.tool_out == options.pairs_out) {
+    throw InputError("--workplane-out, --tool-out and -o name the same file; give each its own");
+  }
   for (const auto& output : {options.workplane_out, options.tool_out, options.pairs_out}) {
     for (const auto& input : inputs) require_not_input(output, input);
   }

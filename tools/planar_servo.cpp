@@ -62,6 +62,19 @@ Outcome print_dry_run(const CellSettings& cell, const std::vector<TargetRow>& ta
   return {{{"moves", rows}}, all_possible};
 }
 
+Outcome print_check(const fs::path& file, const CellSettings& cell,
+                    const std::vector<TargetRow>& targets) {
+  std::size_t refused = 0;
+  for (const DryRunRow& row : dry_run(cell, targets)) {
+    if (!row.plan.refusal) continue;
+    ++refused;
+    fmt::print("{}: refused: {}\n", row.id, *row.plan.refusal);
+  }
+  fmt::print("{} and the files it names are in order; {} of {} targets can be reached\n",
+             file.string(), targets.size() - refused, targets.size());
+  return {{{"targets", targets.size()}, {"refused", refused}}, refused == 0};
+}
+
 Outcome run(const ServoRequest& request, const Options& options) {
   const auto devices = open_cell(request.cell);
   const auto results = run_servo(request, *devices);
@@ -83,10 +96,9 @@ Outcome work(const Options& options) {
   const auto targets = read_targets(options.targets);
   if (options.dry_run) return print_dry_run(cell, targets);
   if (options.check) {
+    require_devices(cell);
     read_vision(cell, !options.no_error_map);
-    fmt::print("{} and the files it names are in order; {} targets\n", options.cell.string(),
-               targets.size());
-    return {{{"targets", targets.size()}}};
+    return print_check(options.cell, cell, targets);
   }
   if (options.out.empty())
     throw InputError("--out is needed to move; --dry-run and --check do without");

@@ -50,7 +50,7 @@ class VirtualDevices final : public CellDevices {
 
 }  // namespace
 
-std::unique_ptr<CellDevices> open_cell(const CellSettings& cell) {
+void require_devices(const CellSettings& cell) {
   Faults faults;
   if (cell.camera.source != "virtual")
     faults.add(fmt::format("{}: camera.source is {}; this version drives virtual cells only",
@@ -63,6 +63,10 @@ std::unique_ptr<CellDevices> open_cell(const CellSettings& cell) {
     faults.add(fmt::format("{}: lacks the key 'virtual'; a virtual cell needs its truth file",
                            cell.file.string()));
   faults.throw_if_any();
+}
+
+std::unique_ptr<CellDevices> open_cell(const CellSettings& cell) {
+  require_devices(cell);
   return std::make_unique<VirtualDevices>(read_truth(*cell.truth), hardware_of(cell));
 }
 

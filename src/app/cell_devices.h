@@ -29,8 +29,12 @@ class CellDevices {
   virtual std::function<TipPose()> true_tip() = 0;
 };
 
-/// Opens the devices that the cell names. Throws InputError for devices that this version does not
-/// drive, and when a virtual cell has no truth file.
+/// Throws InputError naming every device of the cell that this version does not drive, and when a
+/// virtual cell names no truth file.
+void require_devices(const CellSettings& cell);
+
+/// Opens the devices that the cell names; throws like require_devices(), and InputError for a truth
+/// file that cannot be read.
 std::unique_ptr<CellDevices> open_cell(const CellSettings& cell);
 
 }  // namespace planar

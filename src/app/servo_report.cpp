@@ -108,7 +108,8 @@ std::string servo_page(const ServoRequest& request, const std::vector<TargetResu
     table.add_row({r.id, fmt::format("{:.3f}", mm(r.p_d.x())), fmt::format("{:.3f}", mm(r.p_d.y())),
                    r.reason.empty() ? name(r.status) : name(r.status) + (": " + r.reason),
                    std::to_string(r.iterations), in_mm(r.after_own),
-                   fmt::format("{:.4f}", mm(r.uncertainty_m)), in_mm(r.after_truth)});
+                   r.uncertainty_m ? fmt::format("{:.4f}", mm(*r.uncertainty_m)) : "–",
+                   in_mm(r.after_truth)});
   page.add_html(table.html());
   return page.text();
 }

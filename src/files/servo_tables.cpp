@@ -77,9 +77,9 @@ std::string results_header() {
 std::string result_line(const TargetResult& result) {
   std::string reason = result.reason;
   std::replace(reason.begin(), reason.end(), ',', ';');
-  std::string line =
-      fmt::format("{},{},{},{},{},{:.3f},{:.6f}", result.id, in_mm(result.p_d), name(result.status),
-                  reason, result.iterations, result.seconds, result.uncertainty_m / kMillimetre);
+  std::string line = fmt::format("{},{},{},{},{},{:.3f},", result.id, in_mm(result.p_d),
+                                 name(result.status), reason, result.iterations, result.seconds);
+  if (result.uncertainty_m) line += fmt::format("{:.6f}", *result.uncertainty_m / kMillimetre);
   for (const ErrorColumns& error : kErrors) line += ',' + error_fields(result.*error.error);
   return line + '\n';
 }
@@ -96,7 +96,8 @@ std::vector<TargetResult> read_results(const std::filesystem::path& path) {
     result.reason = table.text(row, "reason");
     result.iterations = table.whole_number(row, "iterations");
     result.seconds = table.number(row, "seconds");
-    result.uncertainty_m = table.number(row, "uncertainty_mm") * kMillimetre;
+    if (const auto uncertainty_mm = table.optional_number(row, "uncertainty_mm"))
+      result.uncertainty_m = *uncertainty_mm * kMillimetre;
     for (const ErrorColumns& error : kErrors) result.*error.error = error_at(table, row, error);
     results.push_back(std::move(result));
   }

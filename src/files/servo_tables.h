@@ -25,7 +25,7 @@ struct TargetResult {
   std::optional<Eigen::Vector2d> before_truth, after_truth;  ///< where a truth watches
   /// Vision minus truth at the last measurement, before and after compensation.
   std::optional<Eigen::Vector2d> vision_raw, vision_compensated;
-  double uncertainty_m{0.0};  ///< of the last measurement, per axis
+  std::optional<double> uncertainty_m;  ///< of the last measurement, per axis
 };
 
 std::string results_header();

@@ -61,6 +61,11 @@ head -c 65550 /dev/zero | sed '1s/^/P5 256 256 255\n/' >dark.pgm
 grep -q "no_lamp" dark.csv || fail "a dark image has no lamp: $(cat dark.csv)"
 expect 2 "256" "$bin/planar-locate-lamps" --cell cell/cell.yaml -o made dark.pgm
 
+# A camera that this version does not drive is told before anything else.
+sed 's/source: virtual/source: aravis/' cell/cell.yaml >cell/aravis.yaml
+expect 2 "camera.source is aravis; this version drives virtual cells only" \
+  "$bin/planar-servo" --cell cell/aravis.yaml --targets targets.csv --check
+
 # A target beyond reach is refused without motion.
 printf 'id,x_mm,y_mm\nfar,900,0\n' >far_target.csv
 status=0
