@@ -9,9 +9,18 @@ namespace {
 /// Columns of L^-1 that are solved for together.
 constexpr Eigen::Index kBlock = 32;
 
+// Eigen's solvers take the address of the first coefficient, so an empty right-hand side (there is
+// no tail) must not reach them.
+
 template <typename Right>
 Eigen::MatrixXd lower_solve(const Eigen::MatrixXd& lower, const Eigen::MatrixBase<Right>& right) {
-  return lower.triangularView<Eigen::Lower>().solve(right);
+  Eigen::MatrixXd solution = right;
+  if (solution.size() > 0) lower.triangularView<Eigen::Lower>().solveInPlace(solution);
+  return solution;
+}
+
+void adjoint_solve_in_place(const Eigen::MatrixXd& lower, Eigen::MatrixXd& right) {
+  if (right.size() > 0) lower.triangularView<Eigen::Lower>().adjoint().solveInPlace(right);
 }
 
 /// Diagonal of (L L^T)^-1: the squared norms of the columns of L^-1, whose column i begins at row
@@ -48,15 +57,15 @@ std::optional<BorderedSystem> BorderedSystem::factorize(Eigen::MatrixXd kernel,
 BorderedSystem::Solution BorderedSystem::solve(const Eigen::MatrixXd& values) const {
   Eigen::MatrixXd whitened = lower_solve(factor_, values);
   Eigen::MatrixXd tail = lower_solve(tail_factor_, tail_.transpose() * whitened);
-  tail_factor_.triangularView<Eigen::Lower>().adjoint().solveInPlace(tail);
-  whitened.noalias() -= tail_ * tail;
-  factor_.triangularView<Eigen::Lower>().adjoint().solveInPlace(whitened);
+  adjoint_solve_in_place(tail_factor_, tail);
+  if (tail.size() > 0) whitened.noalias() -= tail_ * tail;
+  adjoint_solve_in_place(factor_, whitened);
   return {std::move(whitened), std::move(tail)};
 }
 
 Eigen::VectorXd BorderedSystem::inverse_diagonal() const {
   Eigen::MatrixXd kernel_inverse_tail = tail_;
-  factor_.triangularView<Eigen::Lower>().adjoint().solveInPlace(kernel_inverse_tail);
+  adjoint_solve_in_place(factor_, kernel_inverse_tail);
   const Eigen::MatrixXd removed = lower_solve(tail_factor_, kernel_inverse_tail.transpose());
   return inverse_gram_diagonal(factor_) - removed.colwise().squaredNorm().transpose();
 }
