@@ -148,8 +148,5 @@ void add_options(CLI::App& app, Options& options) {
 }  // namespace planar
 
 int main(int argc, char** argv) {
-  planar::Options options;
-  return planar::run_program(
-      planar::kText, argc, argv, [&](CLI::App& app) { planar::add_options(app, options); },
-      [&] { return planar::calibrate(options); });
+  return planar::run_program(planar::kText, argc, argv, planar::add_options, planar::calibrate);
 }

@@ -67,20 +67,18 @@ Outcome check(const Options& options) {
   return {figures(result)};
 }
 
+void add_options(CLI::App& app, Options& options) {
+  app.add_option("--plan", options.plans, "only pairs of these plans (else: all but train)")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->type_name("NAME");
+  app.add_option("map", options.map, "the map")->required()->type_name("map.yaml");
+  app.add_option("pairs", options.pairs, "the pairs")->required()->type_name("pairs.csv");
+}
+
 }  // namespace
 }  // namespace planar
 
 int main(int argc, char** argv) {
-  planar::Options options;
-  return planar::run_program(
-      planar::kText, argc, argv,
-      [&](CLI::App& app) {
-        app.add_option("--plan", options.plans, "only pairs of these plans (else: all but train)")
-            ->delimiter(',')
-            ->allow_extra_args(false)
-            ->type_name("NAME");
-        app.add_option("map", options.map, "the map")->required()->type_name("map.yaml");
-        app.add_option("pairs", options.pairs, "the pairs")->required()->type_name("pairs.csv");
-      },
-      [&] { return planar::check(options); });
+  return planar::run_program(planar::kText, argc, argv, planar::add_options, planar::check);
 }

@@ -81,23 +81,20 @@ Outcome fit(const Options& options) {
   return {figures(report)};
 }
 
+void add_options(CLI::App& app, Options& options) {
+  app.add_option("--method", options.method,
+                 "auto (the best there is), rbf, idw, or hand:WIDTH_MM (the paper's Gaussian)")
+      ->type_name("METHOD")
+      ->capture_default_str();
+  app.add_option("-o,--output", options.output, "the map to write")
+      ->required()
+      ->type_name("map.yaml");
+  app.add_option("pairs", options.pairs, "the pairs")->required()->type_name("pairs.csv");
+}
+
 }  // namespace
 }  // namespace planar
 
 int main(int argc, char** argv) {
-  planar::Options options;
-  return planar::run_program(
-      planar::kText, argc, argv,
-      [&](CLI::App& app) {
-        app.add_option(
-               "--method", options.method,
-               "auto (the best there is), rbf, idw, or hand:WIDTH_MM (the paper's Gaussian)")
-            ->type_name("METHOD")
-            ->capture_default_str();
-        app.add_option("-o,--output", options.output, "the map to write")
-            ->required()
-            ->type_name("map.yaml");
-        app.add_option("pairs", options.pairs, "the pairs")->required()->type_name("pairs.csv");
-      },
-      [&] { return planar::fit(options); });
+  return planar::run_program(planar::kText, argc, argv, planar::add_options, planar::fit);
 }

@@ -204,8 +204,5 @@ Outcome pair(const Options& options) {
 }  // namespace planar
 
 int main(int argc, char** argv) {
-  planar::Options options;
-  return planar::run_program(
-      planar::kText, argc, argv, [&](CLI::App& app) { planar::add_options(app, options); },
-      [&] { return planar::pair(options); });
+  return planar::run_program(planar::kText, argc, argv, planar::add_options, planar::pair);
 }

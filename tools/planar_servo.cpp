@@ -117,8 +117,5 @@ Outcome work(const Options& options) {
 }  // namespace planar
 
 int main(int argc, char** argv) {
-  planar::Options options;
-  return planar::run_program(
-      planar::kText, argc, argv, [&](CLI::App& app) { planar::add_options(app, options); },
-      [&] { return planar::work(options); });
+  return planar::run_program(planar::kText, argc, argv, planar::add_options, planar::work);
 }

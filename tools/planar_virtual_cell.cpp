@@ -20,23 +20,23 @@ const ProgramText kText{"planar-virtual-cell", "Makes virtual cells.",
                         "planar-virtual-cell draw --seed N [--like paper] -o DIR",
                         "  drew cell 7: cells/7/cell.yaml and its truth, cells/7/truth.yaml"};
 
-Outcome draw(std::uint32_t seed, const fs::path& folder) {
-  const fs::path cell = folder / "cell.yaml", truth = folder / "truth.yaml";
-  for (const fs::path& path : {cell, truth})
-    if (fs::exists(path))
-      throw InputError(path.string() + ": is there already; name another folder");
-  make_folder(folder);
-  write_truth(truth, draw_truth(seed));
-  write_file(cell, paper_cell_text());
-  fmt::print("drew cell {}: {} and its truth, {}\n", seed, cell.string(), truth.string());
-  return {{{"seed", seed}, {"cell", cell.string()}, {"truth", truth.string()}}};
-}
-
 struct Options {
   std::uint32_t seed{0};
   std::string like{"paper"};
   fs::path folder;
 };
+
+Outcome draw(const Options& options) {
+  const fs::path cell = options.folder / "cell.yaml", truth = options.folder / "truth.yaml";
+  for (const fs::path& path : {cell, truth})
+    if (fs::exists(path))
+      throw InputError(path.string() + ": is there already; name another folder");
+  make_folder(options.folder);
+  write_truth(truth, draw_truth(options.seed));
+  write_file(cell, paper_cell_text());
+  fmt::print("drew cell {}: {} and its truth, {}\n", options.seed, cell.string(), truth.string());
+  return {{{"seed", options.seed}, {"cell", cell.string()}, {"truth", truth.string()}}};
+}
 
 void add_options(CLI::App& app, Options& options) {
   app.require_subcommand(1);
@@ -54,8 +54,5 @@ void add_options(CLI::App& app, Options& options) {
 }  // namespace planar
 
 int main(int argc, char** argv) {
-  planar::Options options;
-  return planar::run_program(
-      planar::kText, argc, argv, [&](CLI::App& app) { planar::add_options(app, options); },
-      [&] { return planar::draw(options.seed, options.folder); });
+  return planar::run_program(planar::kText, argc, argv, planar::add_options, planar::draw);
 }

@@ -27,4 +27,14 @@ int run_program(const ProgramText& text, int argc, char** argv,
                 const std::function<void(CLI::App&)>& add_options,
                 const std::function<Outcome()>& work);
 
+/// The same for a program that keeps its options in a struct.
+template <typename Options>
+int run_program(const ProgramText& text, int argc, char** argv,
+                void (*add_options)(CLI::App&, Options&), Outcome (*work)(const Options&)) {
+  Options options;
+  return run_program(
+      text, argc, argv, [&](CLI::App& app) { add_options(app, options); },
+      [&] { return work(options); });
+}
+
 }  // namespace planar
