@@ -89,3 +89,21 @@ function(planar_test room)
   target_link_libraries(${room}_test PRIVATE planar_test_main ${TEST_LINKS})
   catch_discover_tests(${room}_test TEST_PREFIX "${room}: " PROPERTIES TIMEOUT 300)
 endfunction()
+
+# planar_wire_test(NAME SOURCES ... LINKS ...): a test program that talks to USB devices emulated
+# below libusb. It runs under umockdev-wrapper; where that is absent ctest counts it as skipped.
+function(planar_wire_test name)
+  cmake_parse_arguments(TEST "" "" "SOURCES;LINKS" ${ARGN})
+  if(NOT TARGET planar_mock_usb)
+    add_test(NAME "${name}: on the wire"
+             COMMAND ${CMAKE_COMMAND} -E echo "skipped: umockdev is not installed")
+    set_tests_properties("${name}: on the wire" PROPERTIES SKIP_REGULAR_EXPRESSION "^skipped")
+    return()
+  endif()
+  add_executable(${name}_test ${TEST_SOURCES} ${PROJECT_SOURCE_DIR}/tests/support/wire_guard.cpp)
+  set_target_properties(${name}_test PROPERTIES CXX_STANDARD 17 CXX_EXTENSIONS OFF
+                        CROSSCOMPILING_EMULATOR ${UMOCKDEV_WRAPPER})
+  target_link_libraries(${name}_test PRIVATE planar_test_main planar_mock_usb ${TEST_LINKS})
+  catch_discover_tests(${name}_test TEST_PREFIX "${name}: "
+                       PROPERTIES TIMEOUT 300 SKIP_RETURN_CODE 77)
+endfunction()
