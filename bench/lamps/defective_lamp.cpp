@@ -1,4 +1,4 @@
-#include "support/defective_lamp.h"
+#include "lamps/defective_lamp.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>

@@ -7,6 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "lamps/cramer_rao.h"
+#include "marker/blob.h"
+
 namespace planar::bench {
 
 struct Measured {
@@ -22,7 +25,20 @@ struct CenterMethodUnderTest {
   std::function<std::optional<Measured>(const cv::Mat&)> measure;
 };
 
+inline void nothing_to_reset(const cv::Mat& /*window*/) {}
+
 /// Ours first, vpDot2's tracking second.
 std::vector<CenterMethodUnderTest> center_methods();
+
+/// What the fit of our method leaves open.
+FurtherUnknowns unknown_to_ours();
+
+// The parts of center_methods().
+std::vector<CenterMethodUnderTest> our_centers();
+std::vector<CenterMethodUnderTest> visp_centers();
+std::vector<CenterMethodUnderTest> opencv_centers();
+
+/// The lamp of a window, for those who are told where it is.
+Blob lamp_of(const cv::Mat& window);
 
 }  // namespace planar::bench
