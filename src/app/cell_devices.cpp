@@ -35,9 +35,7 @@ class VirtualDevices final : public CellDevices {
 
   Clock& clock() override { return cell_.clock(); }
   FrameSource& camera() override { return cell_.camera(); }
-  std::array<PulseDrive*, 3> drives() override {
-    return {&cell_.drive(0), &cell_.drive(1), &cell_.drive(2)};
-  }
+  DriveGroup& drives() override { return cell_.drives(); }
   Tracker& tracker() override { return cell_.tracker(); }
   BoardPresenter& board_presenter() override { return cell_.board_presenter(); }
   std::function<TipPose()> true_tip() override {
@@ -55,10 +53,10 @@ void require_devices(const CellSettings& cell) {
   if (cell.camera.source != "virtual")
     faults.add(fmt::format("{}: camera.source is {}; this version drives virtual cells only",
                            cell.file.string(), cell.camera.source));
-  for (const std::string& kind : cell.drive_kinds)
-    if (kind != "virtual")
+  for (const DriveSettings& drive : cell.drives)
+    if (drive.kind != "virtual")
       faults.add(fmt::format("{}: drives have the kind {}; this version drives virtual cells only",
-                             cell.file.string(), kind));
+                             cell.file.string(), drive.kind));
   if (!cell.truth)
     faults.add(fmt::format("{}: lacks the key 'virtual'; a virtual cell needs its truth file",
                            cell.file.string()));

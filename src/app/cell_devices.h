@@ -1,13 +1,12 @@
 #pragma once
 
-#include <array>
 #include <functional>
 #include <memory>
 
 #include "core/clock.h"
 #include "devices/board_presenter.h"
+#include "devices/drive_group.h"
 #include "devices/frame_source.h"
-#include "devices/pulse_drive.h"
 #include "devices/tracker.h"
 #include "files/cell_file.h"
 
@@ -20,7 +19,7 @@ class CellDevices {
   virtual ~CellDevices() = default;
   virtual Clock& clock() = 0;
   virtual FrameSource& camera() = 0;
-  virtual std::array<PulseDrive*, 3> drives() = 0;
+  virtual DriveGroup& drives() = 0;
   virtual Tracker& tracker() = 0;
   virtual BoardPresenter& board_presenter() = 0;
 

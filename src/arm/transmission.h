@@ -16,12 +16,18 @@ enum class Coupling { kRelative, kAbsolute };
 /// Motor positions in pulses, joints 1 to 3.
 using Pulses = Eigen::Vector3i;
 
+/// What a motor's position is counted from: a mark that a person sets it to, or a switch that it
+/// looks for by itself.
+enum class HomeReference { kTaught, kReverseSwitch, kForwardSwitch };
+
 struct MotorDrive {
   double pulses_per_motor_turn{10000.0};
   double gear_ratio{100.0};             ///< motor turns per joint turn
   int direction{1};                     ///< +1 or -1
   double max_speed_rad_s{1.0};          ///< of the joint, that is behind the gear
   double max_acceleration_rad_s2{5.0};  ///< of the joint
+  HomeReference home{HomeReference::kTaught};
+  double home_rad{0.0};  ///< the motor's angle behind its gear at its mark or switch
 };
 
 struct TransmissionSettings {

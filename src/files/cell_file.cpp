@@ -14,6 +14,10 @@ namespace {
 constexpr double kUnbounded = std::numeric_limits<double>::max();
 constexpr double kTiny = 1e-9;  // the least value of what must be positive
 constexpr int kMaxSensorPixels = 65535;
+/// Below, an ordinary machine's pauses would stop the arm; above, a lost drive runs on for too
+/// long.
+constexpr double kMinCommandTimeout_ms = 100.0;
+constexpr double kMaxCommandTimeout_ms = 2000.0;
 
 CameraSettings read_camera(const YamlNode& node) {
   CameraSettings camera;
@@ -69,6 +73,28 @@ MotorDrive read_drive(const YamlNode& node) {
   return drive;
 }
 
+/// What only a Tic has. Serial numbers tell the drives apart, whatever socket they are plugged
+/// into.
+void read_tic(const YamlNode& node, CellSettings& cell, std::size_t joint) {
+  DriveSettings& drive = cell.drives[joint];
+  drive.serial = node.text("serial");
+  for (std::size_t i = 0; i < joint; ++i)
+    if (cell.drives[i].kind == "tic" && cell.drives[i].serial == drive.serial)
+      node.add_fault(
+          fmt::format("drives[{}] has the serial number '{}' of drives[{}]; each joint "
+                      "has a drive of its own",
+                      joint, drive.serial, i));
+  drive.command_timeout_s =
+      node.number_in("command_timeout_ms", kMinCommandTimeout_ms, kMaxCommandTimeout_ms) *
+      kMillisecond;
+  const YamlNode home = node.child("home");
+  const auto reference = home.choice("reference", {"taught", "reverse_switch", "forward_switch"});
+  MotorDrive& motor = cell.transmission.drives[joint];
+  if (reference == "reverse_switch") motor.home = HomeReference::kReverseSwitch;
+  if (reference == "forward_switch") motor.home = HomeReference::kForwardSwitch;
+  motor.home_rad = home.number("at_deg") * kDegree;
+}
+
 void read_transmission(const YamlNode& root, CellSettings& cell) {
   const YamlNode arm = root.child("arm");
   const auto couplings = arm.list("coupling", 2);
@@ -86,10 +112,9 @@ void read_transmission(const YamlNode& root, CellSettings& cell) {
   }
   const auto drives = root.list("drives", 3);
   for (std::size_t i = 0; i < drives.size(); ++i) {
-    cell.drive_kinds[i] = drives[i].choice("kind", {"virtual", "tic"});
-    if (cell.drive_kinds[i] == "tic")
-      for (const char* key : {"serial", "command_timeout_ms", "home"}) drives[i].allow(key);
     cell.transmission.drives[i] = read_drive(drives[i]);
+    cell.drives[i].kind = drives[i].choice("kind", {"virtual", "tic"});
+    if (cell.drives[i].kind == "tic") read_tic(drives[i], cell, i);
   }
 }
 
@@ -136,6 +161,17 @@ void read_lamps_and_tracker(const YamlNode& root, CellSettings& cell) {
                                                kMillimetre});
 }
 
+/// A virtual drive finds the place where it stood at first.
+void give_virtual_drives_switches(CellSettings& cell) {
+  const Eigen::Vector3d motors = Transmission(cell.transmission).motors_from_joints(cell.arm.home);
+  for (int i = 0; i < 3; ++i) {
+    const auto joint = static_cast<std::size_t>(i);
+    if (cell.drives[joint].kind != "virtual") continue;
+    cell.transmission.drives[joint].home = HomeReference::kReverseSwitch;
+    cell.transmission.drives[joint].home_rad = motors[i];
+  }
+}
+
 }  // namespace
 
 double CellSettings::tracker_sigma_at(double range_m) const {
@@ -161,6 +197,7 @@ CellSettings read_cell(const std::filesystem::path& path) {
   read_lamps_and_tracker(root, cell);
   if (root.has("virtual")) cell.truth = beside("virtual");
   document.throw_if_faulty();
+  give_virtual_drives_switches(cell);
   return cell;
 }
 

@@ -26,6 +26,12 @@ struct CameraSettings {
   double gain_e_per_level{0.0};
 };
 
+struct DriveSettings {
+  std::string kind;               ///< "virtual" or "tic"
+  std::string serial;             ///< of a tic
+  double command_timeout_s{0.0};  ///< of a tic
+};
+
 struct ArmSettings {
   ArmGeometry geometry;
   Elbow elbow{Elbow::kLeft};
@@ -41,8 +47,8 @@ struct CellSettings {
   double lamp_separation_m{0.0};
   ArmSettings arm;
   TransmissionSettings transmission;
-  std::array<std::string, 3> drive_kinds;  ///< "virtual" or "tic"
-  double tool_orientation{0.0};            ///< radians
+  std::array<DriveSettings, 3> drives;
+  double tool_orientation{0.0};  ///< radians
   ServoSettings servo;
   double tracker_sigma_m{0.0};
   double tracker_sigma_m_per_m{0.0};

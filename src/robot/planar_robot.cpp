@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/error.h"
 #include "core/units.h"
 
 namespace planar {
@@ -16,6 +15,11 @@ constexpr double kPollPeriod_s = 5e-3;
 /// A move may take this many times its computed duration, and this much more for the link.
 constexpr double kTimeoutFactor = 2.0;
 constexpr double kTimeoutMargin_s = 1.0;
+/// A search for a home switch runs at a speed that only the drive knows.
+constexpr double kHomingTimeout_s = 180.0;
+/// Between attempts to get a lost drive back; doubled each time.
+constexpr double kFirstPause_s = 0.1;
+constexpr double kLongestPause_s = 2.0;
 
 std::string in_words(const std::vector<std::string>& faults) {
   return fmt::format("{}", fmt::join(faults, ", "));
@@ -41,33 +45,85 @@ void require_size(const vpColVector& position, unsigned int size) {
 
 }  // namespace
 
-PlanarRobot::PlanarRobot(const PlanarArm& arm, const Transmission& transmission,
-                         const std::array<PulseDrive*, 3>& drives, Clock& clock)
+PlanarRobot::PlanarRobot(const PlanarArm& arm, const Transmission& transmission, DriveGroup& drives,
+                         Clock& clock)
     : arm_(arm), transmission_(transmission), drives_(drives), clock_(clock) {
   nDof = 3;
-  read_positions();
+  read_positions(drives_.status());
 }
 
 PlanarRobot::~PlanarRobot() {
-  for (PulseDrive* drive : drives_) {
-    try {
-      if (drive->status().moving) drive->halt();
-    } catch (const std::exception&) {
-      // A drive out of touch stops by its own command time-out.
-    }
+  try {
+    const auto status = drives_.status();
+    if (std::any_of(status.begin(), status.end(), [](const auto& s) { return s.moving; }))
+      drives_.halt();
+  } catch (const std::exception&) {
+    // A drive out of touch stops by its own command time-out.
   }
 }
 
 void PlanarRobot::energize() {
+  std::array<DriveLimits, 3> limits;
   for (int i = 0; i < 3; ++i) {
-    const MotorDrive& motor = transmission_.settings().drives[i];
     const double pulses_per_rad = std::abs(transmission_.pulses_per_rad()[i]);
-    drives_[i]->set_limits(pulses_per_rad * motor.max_speed_rad_s,
-                           pulses_per_rad * motor.max_acceleration_rad_s2);
-    drives_[i]->energize();
+    const MotorDrive& motor = motor_drive(i);
+    limits[static_cast<std::size_t>(i)] = {pulses_per_rad * motor.max_speed_rad_s,
+                                           pulses_per_rad * motor.max_acceleration_rad_s2};
   }
-  require_ready();
-  read_positions();
+  drives_.set_limits(limits);
+  drives_.energize();
+  read_positions(require_well());
+}
+
+std::vector<int> PlanarRobot::unhomed() {
+  std::vector<int> joints;
+  const auto status = drives_.status();
+  for (int i = 0; i < 3; ++i)
+    if (!status[static_cast<std::size_t>(i)].position_certain) joints.push_back(i);
+  return joints;
+}
+
+void PlanarRobot::search_home(int joint) {
+  const MotorDrive& motor = motor_drive(joint);
+  if (motor.home == HomeReference::kTaught)
+    throw DriveError(fmt::format(
+        "drive {} has no home switch: turn it to its mark at {:.3f} deg and teach it that",
+        joint + 1, motor.home_rad / kDegree));
+  require_well();
+  try {
+    drives_.start_homing(joint, motor.home == HomeReference::kForwardSwitch
+                                    ? HomeDirection::kForward
+                                    : HomeDirection::kReverse);
+    wait_for(kHomingTimeout_s, [joint](const auto& status) {
+      return !status[static_cast<std::size_t>(joint)].homing;
+    });
+  } catch (...) {
+    halt();
+    throw;
+  }
+  const DriveStatus found = drives_.status()[static_cast<std::size_t>(joint)];
+  if (!found.position_certain)
+    throw DriveError(fmt::format("drive {} gave up its search for the home switch", joint + 1));
+  drives_.set_position(joint, found.position_pulses + home_pulses(joint));
+  read_positions(drives_.status());
+}
+
+void PlanarRobot::teach_home(int joint) {
+  drives_.set_position(joint, home_pulses(joint));
+  read_positions(drives_.status());
+}
+
+void PlanarRobot::recover(double patience_s) {
+  const double deadline_s = clock_.now_s() + patience_s;
+  for (double pause_s = kFirstPause_s;; pause_s = std::min(2.0 * pause_s, kLongestPause_s)) {
+    drives_.reconnect();
+    try {
+      return energize();
+    } catch (const DriveError&) {
+      if (clock_.now_s() + pause_s > deadline_s) throw;
+    }
+    clock_.sleep_for_s(pause_s);
+  }
 }
 
 void PlanarRobot::move_to(const Joints& theta) {
@@ -75,11 +131,18 @@ void PlanarRobot::move_to(const Joints& theta) {
     throw WorkError("the arm refuses to move: " + *violation);
   }
   const Pulses target = transmission_.pulses_from_joints(theta);
-  require_ready();
+  require_homed(require_well());
   const double timeout_s = kTimeoutFactor * longest_move_s(target) + kTimeoutMargin_s;
   try {
-    start_towards(target);
-    wait_for_arrival(timeout_s);
+    drives_.set_targets({target[0], target[1], target[2]});
+    commanded_pulses_ = target;
+    wait_for(timeout_s, [&target](const auto& status) {
+      for (int i = 0; i < 3; ++i) {
+        const DriveStatus& drive = status[static_cast<std::size_t>(i)];
+        if (drive.moving || drive.position_pulses != target[i]) return false;
+      }
+      return true;
+    });
   } catch (...) {
     halt();
     throw;
@@ -87,65 +150,65 @@ void PlanarRobot::move_to(const Joints& theta) {
 }
 
 void PlanarRobot::halt() {
-  std::string failures;
-  for (int i = 0; i < 3; ++i) {
-    try {
-      drives_[i]->halt();
-      commanded_pulses_[i] = drives_[i]->status().position_pulses;
-    } catch (const std::exception& error) {
-      failures += fmt::format("{}drive {} does not halt: {}", failures.empty() ? "" : "; ", i + 1,
-                              error.what());
-    }
+  std::string failure;
+  try {
+    drives_.halt();
+  } catch (const WorkError& error) {
+    failure = error.what();
   }
-  if (!failures.empty()) throw WorkError(failures);
+  read_positions(drives_.status());
+  if (!failure.empty()) throw DriveError(failure);
 }
 
-void PlanarRobot::require_ready() {
-  for (int i = 0; i < 3; ++i) {
-    const DriveStatus status = drives_[i]->status();
-    if (!status.faults.empty()) {
-      throw WorkError(fmt::format("drive {} reports: {}", i + 1, in_words(status.faults)));
-    }
-    if (!status.energized) throw WorkError(fmt::format("drive {} is switched off", i + 1));
-    if (!status.position_certain) {
-      throw WorkError(fmt::format("drive {} has lost its position; home the arm", i + 1));
-    }
+PlanarRobot::Status PlanarRobot::require_well() {
+  const Status status = drives_.status();
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (!status[i].faults.empty())
+      throw DriveError(fmt::format("drive {} reports: {}", i + 1, in_words(status[i].faults)));
+    if (!status[i].energized) throw DriveError(fmt::format("drive {} is switched off", i + 1));
   }
+  return status;
 }
 
-void PlanarRobot::start_towards(const Pulses& target) {
-  for (int i = 0; i < 3; ++i) drives_[i]->set_target(target[i]);
-  commanded_pulses_ = target;
+void PlanarRobot::require_homed(const Status& status) {
+  for (std::size_t i = 0; i < 3; ++i)
+    if (!status[i].position_certain)
+      throw DriveError(fmt::format("drive {} has lost its position; home the arm", i + 1));
 }
 
-void PlanarRobot::wait_for_arrival(double timeout_s) {
+void PlanarRobot::wait_for(double timeout_s, const std::function<bool(const Status&)>& arrived) {
   const double deadline_s = clock_.now_s() + timeout_s;
-  while (!all_have_arrived()) {
-    if (clock_.now_s() > deadline_s) {
-      throw WorkError(fmt::format("the drives have not arrived after {:.1f} s", timeout_s));
-    }
+  while (!arrived(status_under_way())) {
+    if (clock_.now_s() > deadline_s)
+      throw DriveError(fmt::format("the drives have not arrived after {:.1f} s", timeout_s));
     clock_.sleep_for_s(kPollPeriod_s);
   }
 }
 
-bool PlanarRobot::all_have_arrived() {
-  bool arrived = true;
-  for (int i = 0; i < 3; ++i) {
-    const DriveStatus status = drives_[i]->status();
-    if (!status.faults.empty() || !status.energized) {
-      throw WorkError(fmt::format(
-          "drive {} failed on its way: {}", i + 1,
-          status.faults.empty() ? std::string("it is switched off") : in_words(status.faults)));
-    }
-    arrived = arrived && !status.moving && status.position_pulses == commanded_pulses_[i];
+PlanarRobot::Status PlanarRobot::status_under_way() {
+  const Status status = drives_.status();
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (status[i].faults.empty() && status[i].energized) continue;
+    throw DriveError(
+        fmt::format("drive {} failed on its way: {}", i + 1,
+                    status[i].faults.empty() ? "it is switched off" : in_words(status[i].faults)));
   }
-  return arrived;
+  return status;
+}
+
+const MotorDrive& PlanarRobot::motor_drive(int joint) const {
+  return transmission_.settings().drives.at(static_cast<std::size_t>(joint));
+}
+
+std::int32_t PlanarRobot::home_pulses(int joint) const {
+  return static_cast<std::int32_t>(
+      std::lround(transmission_.pulses_per_rad()[joint] * motor_drive(joint).home_rad));
 }
 
 double PlanarRobot::longest_move_s(const Pulses& target) const {
   double longest_s = 0.0;
   for (int i = 0; i < 3; ++i) {
-    const MotorDrive& motor = transmission_.settings().drives[i];
+    const MotorDrive& motor = motor_drive(i);
     const double distance_rad = std::abs((target[i] - static_cast<double>(commanded_pulses_[i])) /
                                          transmission_.pulses_per_rad()[i]);
     longest_s = std::max(longest_s, move_duration_s(distance_rad, motor.max_speed_rad_s,
@@ -154,8 +217,10 @@ double PlanarRobot::longest_move_s(const Pulses& target) const {
   return longest_s;
 }
 
-void PlanarRobot::read_positions() {
-  for (int i = 0; i < 3; ++i) commanded_pulses_[i] = drives_[i]->status().position_pulses;
+void PlanarRobot::read_positions(const Status& status) {
+  for (int i = 0; i < 3; ++i)
+    if (status[static_cast<std::size_t>(i)].answers)
+      commanded_pulses_[i] = status[static_cast<std::size_t>(i)].position_pulses;
 }
 
 void PlanarRobot::get_fJe(vpMatrix& J) {

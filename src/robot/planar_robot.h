@@ -3,32 +3,56 @@
 #include <visp3/robot/vpRobot.h>
 
 #include <array>
-#include <optional>
-#include <string>
+#include <cstdint>
+#include <functional>
+#include <vector>
 
 #include "arm/planar_arm.h"
 #include "arm/transmission.h"
 #include "core/clock.h"
-#include "devices/pulse_drive.h"
+#include "core/error.h"
+#include "devices/drive_group.h"
 
 namespace planar {
 
+/// A drive failed, refuses, or is not ready. PlanarRobot::recover() is for what can be mended while
+/// the program runs.
+class DriveError : public WorkError {
+ public:
+  using WorkError::WorkError;
+};
+
 /// The arm behind its three pulse drives, in position control: joint angles in, absolute pulse
-/// targets out. Also a vpRobot, so that ViSP's programs can drive it.
+/// targets out. Also a vpRobot, so that ViSP's programs can drive it. Joints count from 0.
 ///
-/// Not for use from several threads. Destruction halts every drive that still moves.
+/// Not for use from several threads. Destruction halts the drives if one still moves.
 class PlanarRobot final : public vpRobot {
  public:
   /// Reads where the drives stand; moves nothing. Drives and clock must outlive the robot.
-  PlanarRobot(const PlanarArm& arm, const Transmission& transmission,
-              const std::array<PulseDrive*, 3>& drives, Clock& clock);
+  PlanarRobot(const PlanarArm& arm, const Transmission& transmission, DriveGroup& drives,
+              Clock& clock);
   ~PlanarRobot() override;
   PlanarRobot(const PlanarRobot&) = delete;
   PlanarRobot& operator=(const PlanarRobot&) = delete;
 
-  /// Gives every drive its speed and acceleration and switches it on. Throws WorkError naming the
-  /// drive that reports a fault or does not switch on.
+  /// Gives every drive its speed and acceleration and switches it on. Throws DriveError naming the
+  /// drive that reports a fault or does not switch on. A drive may still have to be homed.
   void energize();
+
+  /// The joints whose drives do not know where they stand.
+  std::vector<int> unhomed();
+
+  /// Lets a motor look for its home switch, which moves the arm, and counts its position from
+  /// there. Throws DriveError when it has none, does not find it or fails; all halt then.
+  void search_home(int joint);
+
+  /// Declares that a motor stands at its mark now.
+  void teach_home(int joint);
+
+  /// After a drive failed: gets back into touch with lost drives and switches all on again, with
+  /// growing pauses until it works; throws the last DriveError when `patience_s` is over. Nothing
+  /// moves. Drives that lost their position are unhomed() then.
+  void recover(double patience_s);
 
   /// What the pulses sent last stand for: whole pulses, so the angles carry no remainder.
   Joints commanded_joints() const { return transmission_.joints_from_pulses(commanded_pulses_); }
@@ -36,11 +60,12 @@ class PlanarRobot final : public vpRobot {
 
   /// Moves every motor to round(K C theta) and returns when all have arrived. Nothing moves unless
   /// all can: throws std::invalid_argument for angles that are not finite, WorkError when a motor's
-  /// limits forbid the move or a drive is off, faulty or unsure of its position. A drive that fails
-  /// on the way or does not arrive in time: all halt, then WorkError names it.
+  /// limits forbid the move, DriveError when a drive is off, faulty or unsure of its position. A
+  /// drive that fails on the way or does not arrive in time: all halt, then DriveError names it.
   void move_to(const Joints& theta);
 
-  /// Stops every drive at once. A drive that was moving may have lost its position.
+  /// Stops every drive at once; throws DriveError naming those that could not be told. A drive that
+  /// was moving may have lost its position.
   void halt();
 
   const PlanarArm& arm() const { return arm_; }
@@ -63,19 +88,24 @@ class PlanarRobot final : public vpRobot {
   vpRobotStateType setRobotState(const vpRobotStateType state) override;
 
  private:
-  void require_ready();
-  void start_towards(const Pulses& target);
-  void wait_for_arrival(double timeout_s);
-  bool all_have_arrived();
+  using Status = std::array<DriveStatus, 3>;
+
+  Status require_well();
+  static void require_homed(const Status& status);
+  /// Polls until `arrived`; throws DriveError for a drive that fails or when it takes too long.
+  void wait_for(double timeout_s, const std::function<bool(const Status&)>& arrived);
+  Status status_under_way();
+  const MotorDrive& motor_drive(int joint) const;
+  std::int32_t home_pulses(int joint) const;
   double longest_move_s(const Pulses& target) const;
   /// The twist's rows x and y from `tip_jacobian`, its row of rotation about z from joint 3.
   void set_jacobian(const Eigen::Matrix2d& tip_jacobian, vpMatrix& J) const;
   Joints joints_from_pose(const vpColVector& pose) const;
-  void read_positions();
+  void read_positions(const Status& status);
 
   PlanarArm arm_;
   Transmission transmission_;
-  std::array<PulseDrive*, 3> drives_;
+  DriveGroup& drives_;
   Clock& clock_;
   Pulses commanded_pulses_{0, 0, 0};
 };

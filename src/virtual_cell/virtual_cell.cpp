@@ -3,6 +3,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "devices/separate_drives.h"
 #include "virtual_cell/virtual_arm.h"
 #include "virtual_cell/virtual_board.h"
 #include "virtual_cell/virtual_camera.h"
@@ -36,7 +37,8 @@ struct VirtualCell::Impl {
         arm(truth, checked(hardware), clock),
         board(truth, lens, hardware.sensor_px),
         camera(truth, hardware, lens, arm, board, clock),
-        tracker(truth, hardware, arm, clock) {}
+        tracker(truth, hardware, arm, clock),
+        drives({&arm.drive(0), &arm.drive(1), &arm.drive(2)}) {}
 
   VirtualClock clock;
   VirtualLens lens;
@@ -44,6 +46,7 @@ struct VirtualCell::Impl {
   VirtualBoard board;
   VirtualCamera camera;
   VirtualTracker tracker;
+  SeparateDrives drives;
 };
 
 VirtualCell::VirtualCell(const Truth& truth, const VirtualHardware& hardware)
@@ -58,6 +61,9 @@ FrameSource& VirtualCell::camera() {
 }
 PulseDrive& VirtualCell::drive(int joint) {
   return impl_->arm.drive(joint);
+}
+DriveGroup& VirtualCell::drives() {
+  return impl_->drives;
 }
 Tracker& VirtualCell::tracker() {
   return impl_->tracker;

@@ -6,8 +6,8 @@
 #include "core/clock.h"
 #include "core/pose.h"
 #include "devices/board_presenter.h"
+#include "devices/drive_group.h"
 #include "devices/frame_source.h"
-#include "devices/pulse_drive.h"
 #include "devices/tracker.h"
 #include "virtual_cell/truth.h"
 #include "virtual_cell/virtual_hardware.h"
@@ -28,6 +28,7 @@ class VirtualCell {
   FrameSource& camera();
   /// joint 0, 1 or 2; throws std::out_of_range otherwise.
   PulseDrive& drive(int joint);
+  DriveGroup& drives();
   Tracker& tracker();
   BoardPresenter& board_presenter();
 

@@ -22,34 +22,68 @@ void VirtualDrive::energize() {
   energized_ = true;
 }
 
-void VirtualDrive::set_limits(double max_speed_pulses_s, double max_acceleration_pulses_s2) {
+void VirtualDrive::set_limits(const DriveLimits& limits) {
   const auto usable = [](double limit) { return std::isfinite(limit) && limit > 0.0; };
-  if (!usable(max_speed_pulses_s) || !usable(max_acceleration_pulses_s2))
+  if (!usable(limits.speed_pulses_s) || !usable(limits.acceleration_pulses_s2))
     throw std::invalid_argument("a drive's limits must be finite and positive");
-  limits_.speed = std::min(max_speed_pulses_s, settings_.rated_pulses.speed);
-  limits_.acceleration = std::min(max_acceleration_pulses_s2, settings_.rated_pulses.acceleration);
+  limits_.speed = std::min(limits.speed_pulses_s, settings_.rated_pulses.speed);
+  limits_.acceleration =
+      std::min(limits.acceleration_pulses_s2, settings_.rated_pulses.acceleration);
 }
 
 void VirtualDrive::set_target(std::int32_t target_pulses) {
-  if (!faults_.empty())
-    throw WorkError("the virtual drive refuses a target: it reports '" + faults_.front() + "'");
-  if (!energized_) throw WorkError("the virtual drive refuses a target: it is not energized");
-  advance();
-  const double now_s = clock_.now_s();
-  profile_ = MotionProfile(now_s, profile_.state_at(now_s), target_pulses, limits_);
-  target_pulses_ = target_pulses;
+  require_ready();
+  homing_ = false;
+  turn_to(target_pulses - counter_offset_pulses_);
 }
 
 void VirtualDrive::halt() {
   advance();
-  if (profile_.end_s() > clock_.now_s()) position_certain_ = false;
-  target_pulses_ = position_pulses();
+  if (moving()) position_certain_ = homing_ = false;
+  target_pulses_ = shaft_pulses();
   profile_ = MotionProfile(target_pulses_);
 }
 
 DriveStatus VirtualDrive::status() {
-  return {position_pulses(), target_pulses_, energized_, profile_.end_s() > clock_.now_s(),
-          position_certain_, faults_};
+  if (homing_ && !moving()) {
+    homing_ = false;
+    set_position(0);
+  }
+  DriveStatus status;
+  status.position_pulses = shaft_pulses() + counter_offset_pulses_;
+  status.target_pulses = target_pulses_ + counter_offset_pulses_;
+  status.energized = energized_;
+  status.moving = moving();
+  status.position_certain = position_certain_;
+  status.homing = homing_;
+  status.faults = faults_;
+  return status;
+}
+
+void VirtualDrive::start_homing(HomeDirection /*direction*/) {
+  require_ready();
+  position_certain_ = false;
+  homing_ = true;
+  turn_to(settings_.home_pulses);
+}
+
+void VirtualDrive::set_position(std::int32_t position_pulses) {
+  if (moving()) throw WorkError("the virtual drive refuses a position: it moves");
+  counter_offset_pulses_ = position_pulses - shaft_pulses();
+  position_certain_ = true;
+}
+
+void VirtualDrive::require_ready() const {
+  if (!faults_.empty())
+    throw WorkError("the virtual drive refuses to move: it reports '" + faults_.front() + "'");
+  if (!energized_) throw WorkError("the virtual drive refuses to move: it is not energized");
+}
+
+void VirtualDrive::turn_to(std::int32_t shaft_target_pulses) {
+  advance();
+  const double now_s = clock_.now_s();
+  profile_ = MotionProfile(now_s, profile_.state_at(now_s), shaft_target_pulses, limits_);
+  target_pulses_ = shaft_target_pulses;
 }
 
 void VirtualDrive::set_fault(const std::string& fault) {
@@ -68,11 +102,11 @@ void VirtualDrive::advance() {
   const double now_s = clock_.now_s();
   for (const double turning_pulses : profile_.turning_points(followed_until_s_, now_s))
     reducer_.follow(std::round(turning_pulses) / settings_.pulses_per_rad);
-  reducer_.follow(position_pulses() / settings_.pulses_per_rad);
+  reducer_.follow(shaft_pulses() / settings_.pulses_per_rad);
   followed_until_s_ = now_s;
 }
 
-std::int32_t VirtualDrive::position_pulses() const {
+std::int32_t VirtualDrive::shaft_pulses() const {
   return static_cast<std::int32_t>(std::lround(profile_.state_at(clock_.now_s()).position));
 }
 

@@ -25,10 +25,13 @@ class VirtualDrive final : public PulseDrive {
   void energize() override;
   /// What exceeds the rated limits is cut to them. Throws std::invalid_argument unless both are
   /// finite and positive.
-  void set_limits(double max_speed_pulses_s, double max_acceleration_pulses_s2) override;
+  void set_limits(const DriveLimits& limits) override;
   void set_target(std::int32_t target_pulses) override;
   void halt() override;
   DriveStatus status() override;
+  /// Its home switch stands where it stood at first.
+  void start_homing(HomeDirection direction) override;
+  void set_position(std::int32_t position_pulses) override;
 
   /// The drive fails with this message, stops at once and refuses targets; an empty text heals it.
   void set_fault(const std::string& fault);
@@ -37,17 +40,22 @@ class VirtualDrive final : public PulseDrive {
   double output_rad();
 
  private:
+  void require_ready() const;
+  void turn_to(std::int32_t shaft_target_pulses);
   /// Lets the reducer follow the motor up to now.
   void advance();
-  std::int32_t position_pulses() const;
+  std::int32_t shaft_pulses() const;
+  bool moving() const { return profile_.end_s() > clock_.now_s(); }
 
   const Clock& clock_;
   Settings settings_;
   MotionLimits limits_;
-  MotionProfile profile_;
+  MotionProfile profile_;  ///< of the shaft
   Reducer reducer_;
   double followed_until_s_;
-  std::int32_t target_pulses_;
+  std::int32_t target_pulses_;             ///< of the shaft
+  std::int32_t counter_offset_pulses_{0};  ///< what the drive counts is the shaft's plus this
+  bool homing_{false};
   bool energized_{false};
   bool position_certain_{true};
   std::vector<std::string> faults_;

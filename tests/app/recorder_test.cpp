@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "devices/separate_drives.h"
 #include "support/manual_clock.h"
 #include "support/mock_pulse_drive.h"
 #include "support/sample_cells.h"
@@ -20,7 +21,7 @@ class NotingDevices final : public CellDevices,
 
   Clock& clock() override { return clock_; }
   FrameSource& camera() override { return *this; }
-  std::array<PulseDrive*, 3> drives() override { return {&drives_[0], &drives_[1], &drives_[2]}; }
+  DriveGroup& drives() override { return group_; }
   Tracker& tracker() override { return *this; }
   BoardPresenter& board_presenter() override { return *this; }
   std::function<TipPose()> true_tip() override { return {}; }
@@ -44,6 +45,7 @@ class NotingDevices final : public CellDevices,
   test::ManualClock clock_;
   std::array<test::MockPulseDrive, 3> drives_{
       test::MockPulseDrive(clock_), test::MockPulseDrive(clock_), test::MockPulseDrive(clock_)};
+  SeparateDrives group_{{&drives_[0], &drives_[1], &drives_[2]}};
 };
 
 TEST_CASE("A recording that was broken off goes on with the board's next views") {

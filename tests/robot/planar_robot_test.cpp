@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "core/units.h"
+#include "devices/separate_drives.h"
 #include "support/finite_differences.h"
 #include "support/manual_clock.h"
 #include "support/mock_pulse_drive.h"
@@ -32,12 +33,15 @@ TransmissionSettings transmission_settings() {
 
 /// A robot on three mock drives. Where its tests say "drive 2" the index is 1.
 struct Bench {
+  explicit Bench(const TransmissionSettings& its_settings = transmission_settings())
+      : settings(its_settings) {}
+
+  TransmissionSettings settings;
   test::ManualClock clock;
   std::array<test::MockPulseDrive, 3> drives{
       test::MockPulseDrive(clock), test::MockPulseDrive(clock), test::MockPulseDrive(clock)};
-  PlanarRobot robot{PlanarArm({{0.3, 0.25}, Rotation::kClockwise}),
-                    Transmission(transmission_settings()),
-                    {&drives[0], &drives[1], &drives[2]},
+  SeparateDrives group{{&drives[0], &drives[1], &drives[2]}};
+  PlanarRobot robot{PlanarArm({{0.3, 0.25}, Rotation::kClockwise}), Transmission(settings), group,
                     clock};
 
   bool nothing_was_sent() const {
@@ -46,7 +50,10 @@ struct Bench {
 };
 
 struct ReadyBench : Bench {
-  ReadyBench() { robot.energize(); }
+  explicit ReadyBench(const TransmissionSettings& its_settings = transmission_settings())
+      : Bench(its_settings) {
+    robot.energize();
+  }
 };
 
 vpColVector column(std::initializer_list<double> values) {
@@ -146,18 +153,68 @@ TEST_CASE("Energizing names the drive that reports a fault") {
   CHECK_THROWS_WITH(bench.robot.energize(), "drive 2 reports: kill switch");
 }
 
-TEST_CASE("Destruction halts the drives that still move, and only those") {
+TEST_CASE("A motor counts from its home switch once it has found it") {
+  TransmissionSettings settings = transmission_settings();
+  settings.drives[1].home = HomeReference::kForwardSwitch;
+  settings.drives[1].home_rad = -2.0;
+  ReadyBench bench(settings);
+  bench.drives[1].knows_position = false;
+  CHECK(bench.robot.unhomed() == std::vector<int>{1});
+  bench.robot.search_home(1);
+  CHECK(bench.robot.unhomed().empty());
+  CHECK(bench.drives[1].targets == std::vector<std::int32_t>{test::MockPulseDrive::kSwitch_pulses});
+  CHECK(bench.robot.commanded_pulses()[1] == std::lround(2.0 * 1e6 / (2.0 * kPi)));
+  CHECK(bench.drives[0].targets.empty());
+}
+
+TEST_CASE("A motor without a home switch counts from the mark that it is taught") {
+  TransmissionSettings settings = transmission_settings();
+  settings.drives[0].home_rad = 0.5;
+  ReadyBench bench(settings);
+  bench.drives[0].knows_position = false;
+  CHECK_THROWS_WITH(bench.robot.search_home(0), Catch::Contains("its mark at 28.648 deg"));
+  CHECK(bench.nothing_was_sent());
+  bench.robot.teach_home(0);
+  CHECK(bench.robot.unhomed().empty());
+  CHECK(bench.robot.commanded_pulses()[0] == std::lround(0.5 * 1e6 / (2.0 * kPi)));
+}
+
+TEST_CASE("A search that fails on its way halts all and leaves the motor unhomed") {
+  TransmissionSettings settings = transmission_settings();
+  settings.drives[1].home = HomeReference::kReverseSwitch;
+  ReadyBench bench(settings);
+  bench.drives[1].fault_on_the_way = "kill switch";
+  CHECK_THROWS_AS(bench.robot.search_home(1), DriveError);
+  for (const auto& drive : bench.drives) CHECK(drive.halts == 1);
+  CHECK(bench.robot.unhomed() == std::vector<int>{1});
+}
+
+TEST_CASE("Recovery waits until the fault is gone, and gives up after its patience") {
+  ReadyBench bench;
+  bench.drives[2].fault = "low supply voltage";
+  CHECK_THROWS_WITH(bench.robot.recover(3.0), "drive 3 reports: low supply voltage");
+  CHECK(bench.clock.now_s() <= 3.0);
+  bench.drives[2].fault.clear();
+  bench.robot.recover(3.0);
+  CHECK_NOTHROW(bench.robot.move_to(kSomewhere));
+}
+
+TEST_CASE("Destruction halts the drives when one still moves, and leaves resting ones alone") {
   test::ManualClock clock;
   std::array<test::MockPulseDrive, 3> drives{
       test::MockPulseDrive(clock), test::MockPulseDrive(clock), test::MockPulseDrive(clock)};
+  SeparateDrives group({&drives[0], &drives[1], &drives[2]});
   {
     PlanarRobot robot(PlanarArm({{0.3, 0.25}, Rotation::kClockwise}),
-                      Transmission(transmission_settings()), {&drives[0], &drives[1], &drives[2]},
-                      clock);
+                      Transmission(transmission_settings()), group, clock);
     robot.energize();
+  }
+  CHECK(drives[1].halts == 0);
+  {
+    PlanarRobot robot(PlanarArm({{0.3, 0.25}, Rotation::kClockwise}),
+                      Transmission(transmission_settings()), group, clock);
     drives[1].set_target(100000);
   }
-  CHECK(drives[0].halts == 0);
   CHECK(drives[1].halts == 1);
 }
 

@@ -27,9 +27,9 @@ class MockPulseDrive final : public PulseDrive {
   std::string fault_on_the_way;  ///< reported while it moves, if any
 
   void energize() override { energized_ = true; }
-  void set_limits(double speed, double acceleration) override {
-    max_speed_pulses_s = speed;
-    max_acceleration_pulses_s2 = acceleration;
+  void set_limits(const DriveLimits& limits) override {
+    max_speed_pulses_s = limits.speed_pulses_s;
+    max_acceleration_pulses_s2 = limits.acceleration_pulses_s2;
   }
   void set_target(std::int32_t target_pulses) override {
     if (refuses_targets) throw WorkError("the mock drive refuses its target");
@@ -41,15 +41,31 @@ class MockPulseDrive final : public PulseDrive {
   void halt() override {
     ++halts;
     target_ = start_ = position();
-    stalls = false;
+    stalls = homing_ = false;
   }
   DriveStatus status() override {
     const bool moving = stalls || position() != target_;
-    DriveStatus status{position(), target_, energized_, moving, knows_position, {}};
+    if (homing_ && !moving) {
+      homing_ = false;
+      set_position(0);
+    }
+    DriveStatus status{position(), target_, energized_, moving, knows_position, homing_};
     if (!fault.empty()) status.faults.push_back(fault);
     if (moving && !fault_on_the_way.empty()) status.faults.push_back(fault_on_the_way);
     return status;
   }
+
+  void start_homing(HomeDirection direction) override {
+    set_target(direction == HomeDirection::kForward ? kSwitch_pulses : -kSwitch_pulses);
+    knows_position = false;
+    homing_ = true;
+  }
+  void set_position(std::int32_t position_pulses) override {
+    target_ = start_ = position_pulses;
+    knows_position = true;
+  }
+
+  static constexpr std::int32_t kSwitch_pulses = 50000;  ///< either way
 
  private:
   std::int32_t position() const {
@@ -61,6 +77,7 @@ class MockPulseDrive final : public PulseDrive {
 
   const Clock& clock_;
   bool energized_{false};
+  bool homing_{false};
   std::int32_t start_{0};
   std::int32_t target_{0};
   double started_s_{0.0};

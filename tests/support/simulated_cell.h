@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "devices/separate_drives.h"
 #include "servo/tip_sensor.h"
 #include "support/manual_clock.h"
 #include "support/mock_pulse_drive.h"
@@ -33,7 +34,7 @@ class SimulatedCell {
   ManualClock& clock() { return clock_; }
   double now_s() const { return clock_.now_s(); }
   MockPulseDrive& drive(int i) { return drives_[i]; }
-  std::array<PulseDrive*, 3> drives() { return {&drives_[0], &drives_[1], &drives_[2]}; }
+  DriveGroup& drives() { return group_; }
 
   std::size_t targets_sent() const {
     return drives_[0].targets.size() + drives_[1].targets.size() + drives_[2].targets.size();
@@ -64,6 +65,7 @@ class SimulatedCell {
   ManualClock clock_;
   std::array<MockPulseDrive, 3> drives_{MockPulseDrive(clock_), MockPulseDrive(clock_),
                                         MockPulseDrive(clock_)};
+  SeparateDrives group_{{&drives_[0], &drives_[1], &drives_[2]}};
 };
 
 /// Sees the simulated cell's end point as it is, or with one of these faults.

@@ -43,17 +43,17 @@ TEST_CASE("VirtualDrive moves for the time of the trapezoid and reports itself m
 
 TEST_CASE("VirtualDrive keeps to lower limits but not to limits beyond its rating") {
   Bench slow;
-  slow.drive.set_limits(10000.0, 50000.0);
+  slow.drive.set_limits({10000.0, 50000.0});
   slow.drive.set_target(20000);
   slow.clock.sleep_for_s(1.1);  // half of 20000 / 10000 + 10000 / 50000
   CHECK(slow.drive.status().position_pulses == 10000);
   Bench fast;
-  fast.drive.set_limits(1e9, 1e9);
+  fast.drive.set_limits({1e9, 1e9});
   fast.drive.set_target(40000);
   fast.clock.sleep_for_s(1.1);
   CHECK(fast.drive.status().position_pulses == 20000);
-  CHECK_THROWS_AS(slow.drive.set_limits(0.0, 1.0), std::invalid_argument);
-  CHECK_THROWS_AS(slow.drive.set_limits(1.0, std::numeric_limits<double>::quiet_NaN()),
+  CHECK_THROWS_AS(slow.drive.set_limits({0.0, 1.0}), std::invalid_argument);
+  CHECK_THROWS_AS(slow.drive.set_limits({1.0, std::numeric_limits<double>::quiet_NaN()}),
                   std::invalid_argument);
 }
 
@@ -86,6 +86,34 @@ TEST_CASE("VirtualDrive halts where it is and then doubts its position") {
   CHECK(status.target_pulses == 20000);
   CHECK_FALSE(status.moving);
   CHECK_FALSE(status.position_certain);
+}
+
+TEST_CASE("VirtualDrive is sure of its position again once it has found its switch") {
+  Bench bench;
+  bench.drive.set_target(40000);
+  bench.clock.sleep_for_s(1.1);
+  bench.drive.halt();
+  bench.drive.start_homing(HomeDirection::kReverse);
+  CHECK(bench.drive.status().homing);
+  CHECK_FALSE(bench.drive.status().position_certain);
+  bench.clock.sleep_for_s(60.0);
+  CHECK_FALSE(bench.drive.status().homing);
+  CHECK(bench.drive.status().position_certain);
+  CHECK(bench.drive.status().position_pulses == 0);
+  CHECK(bench.drive.output_rad() == Approx(0.0).margin(kRoundOff));
+}
+
+TEST_CASE("VirtualDrive counts from the position that it is told, without turning") {
+  Bench bench;
+  bench.go(1000);
+  const double before = bench.drive.output_rad();
+  bench.drive.set_position(-500);
+  CHECK(bench.drive.status().position_pulses == -500);
+  CHECK(bench.drive.output_rad() == before);
+  bench.go(500);
+  CHECK(bench.drive.output_rad() - before == Approx(0.01));
+  bench.drive.set_target(0);
+  CHECK_THROWS_AS(bench.drive.set_position(0), WorkError);
 }
 
 TEST_CASE("Backlash parts the two directions of approach by its whole width") {
