@@ -1,9 +1,13 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <iostream>
+#include <set>
+
 #include "app/progress.h"
 #include "app/servo_report.h"
 #include "app/servo_run.h"
+#include "app/target_stream.h"
 #include "core/error.h"
 #include "core/units.h"
 #include "program.h"
@@ -17,9 +21,12 @@ namespace fs = std::filesystem;
 const ProgramText kText{
     "planar-servo", "Positions the end point at targets by vision and logs every step.",
     "planar-servo --cell cell.yaml --targets targets.csv --out DIR [--no-error-map] [--resume]\n"
-    "       planar-servo --cell cell.yaml --targets targets.csv --dry-run | --check",
+    "       planar-servo --cell cell.yaml --targets targets.csv --dry-run | --check\n"
+    "       ... | planar-servo --cell cell.yaml --targets - --out DIR",
     "  100 of 100 targets reached, 2 corrections and 2.13 s each\n"
     "  against the truth: before 1.318 mm mean; after 0.0210 mm mean, 0.0240 rms, ..."};
+
+constexpr char kStdin[] = "standard input";
 
 struct Options {
   fs::path cell, targets, out;
@@ -28,7 +35,10 @@ struct Options {
 
 void add_options(CLI::App& app, Options& options) {
   app.add_option("--cell", options.cell, "the cell")->required()->type_name("FILE");
-  app.add_option("--targets", options.targets, "where the end point is wanted")
+  app.add_option(
+         "--targets", options.targets,
+         "where the end point is wanted; with '-', lines id,x_mm,y_mm[,phi_deg] on standard "
+         "input, each answered by one line of JSON")
       ->required()
       ->type_name("FILE");
   auto* out = app.add_option("--out", options.out, "folder for log and report")->type_name("DIR");
@@ -42,30 +52,35 @@ void add_options(CLI::App& app, Options& options) {
       ->excludes(dry);
 }
 
+bool from_stdin(const Options& options) {
+  return options.targets == "-";
+}
+
 Outcome print_dry_run(const CellSettings& cell, const std::vector<TargetRow>& targets) {
+  DryRun dry(cell);
   bool all_possible = true;
-  nlohmann::json rows = nlohmann::json::array();
-  for (const DryRunRow& row : dry_run(cell, targets)) {
+  nlohmann::json moves = nlohmann::json::array();
+  for (const TargetRow& target : targets) {
+    const DryRunRow row = dry.plan(target);
+    moves.push_back(nlohmann::json(plan_answer(row)));
     if (row.plan.refusal) {
       all_possible = false;
       fmt::print("{}: refused: {}\n", row.id, *row.plan.refusal);
-      rows.push_back({{"target", row.id}, {"refused", *row.plan.refusal}});
       continue;
     }
     const Eigen::Vector3d deg = row.plan.theta / kDegree;
     fmt::print("{}: joints {:.4f} {:.4f} {:.4f} deg, pulses {} {} {}\n", row.id, deg[0], deg[1],
                deg[2], row.pulses[0], row.pulses[1], row.pulses[2]);
-    rows.push_back({{"target", row.id},
-                    {"theta_deg", {deg[0], deg[1], deg[2]}},
-                    {"pulses", {row.pulses[0], row.pulses[1], row.pulses[2]}}});
   }
-  return {{{"moves", rows}}, all_possible};
+  return {{{"moves", moves}}, all_possible};
 }
 
 Outcome print_check(const fs::path& file, const CellSettings& cell,
                     const std::vector<TargetRow>& targets) {
+  DryRun dry(cell);
   std::size_t refused = 0;
-  for (const DryRunRow& row : dry_run(cell, targets)) {
+  for (const TargetRow& target : targets) {
+    const DryRunRow row = dry.plan(target);
     if (!row.plan.refusal) continue;
     ++refused;
     fmt::print("{}: refused: {}\n", row.id, *row.plan.refusal);
@@ -75,42 +90,76 @@ Outcome print_check(const fs::path& file, const CellSettings& cell,
   return {{{"targets", targets.size()}, {"refused", refused}}, refused == 0};
 }
 
-Outcome run(const ServoRequest& request, const Options& options) {
-  const auto devices = open_cell(request.cell);
-  const auto results = run_servo(request, *devices);
-  for (const TargetResult& result : results)
+/// Plans the targets that arrive on standard input; nothing moves.
+Outcome plan_stream(const CellSettings& cell) {
+  DryRun dry(cell);
+  TargetLines lines(kStdin);
+  std::size_t targets = 0, refused = 0;
+  const std::size_t bad_lines =
+      answer_targets(std::cin, std::cout, lines, [&](const TargetRow& target) {
+        const DryRunRow row = dry.plan(target);
+        ++targets;
+        if (row.plan.refusal) ++refused;
+        return plan_answer(row);
+      });
+  fmt::print(stderr, "{} of {} targets can be reached; {} bad lines\n", targets - refused, targets,
+             bad_lines);
+  return {{{"targets", targets}, {"refused", refused}, {"bad_lines", bad_lines}},
+          refused + bad_lines == 0};
+}
+
+/// Moves to the targets of a table, or to those that arrive on standard input. Returns the number
+/// of bad lines.
+std::size_t move(ServoRun& run, const Options& options, const std::vector<TargetRow>& targets) {
+  if (!from_stdin(options)) {
+    const ProgressBar bar("targets");
+    run_servo(run, targets, [&](std::size_t done, std::size_t all) { bar.show(done, all); });
+    return 0;
+  }
+  std::set<std::string> taken;
+  for (const TargetResult& result : run.results()) taken.insert(result.id);
+  TargetLines lines(kStdin, std::move(taken));
+  return answer_targets(std::cin, std::cout, lines, [&](const TargetRow& target) {
+    return result_answer(run.move_to(target));
+  });
+}
+
+Outcome report(const ServoRequest& request, const Options& options, const ServoRun& run,
+               std::size_t bad_lines) {
+  for (const TargetResult& result : run.results())
     if (result.status != ServoStatus::kReached)
       spdlog::warn("{}: {}: {}", result.id, name(result.status), result.reason);
-  const ServoFigures figures = figures_of(results);
-  std::vector<fs::path> inputs{options.cell, options.targets, request.cell.camera_model,
-                               request.cell.workplane, request.cell.tool};
+  const ServoFigures figures = figures_of(run.results());
+  std::vector<fs::path> inputs{options.cell, request.cell.camera_model, request.cell.workplane,
+                               request.cell.tool};
+  if (!from_stdin(options)) inputs.push_back(options.targets);
   if (request.use_error_map) inputs.push_back(request.cell.error_map);
   write_file(request.out / "run.yaml", run_text(request, figures, inputs));
-  write_file(request.out / "report.html", servo_page(request, results));
-  fmt::print("{}log and report: {}\n", servo_text(figures), request.out.string());
-  return {servo_json(figures), figures.reached == figures.targets};
+  write_file(request.out / "report.html", servo_page(request, run.results()));
+  fmt::print(from_stdin(options) ? stderr : stdout, "{}log and report: {}\n", servo_text(figures),
+             request.out.string());
+  return {servo_json(figures), figures.reached == figures.targets && bad_lines == 0};
 }
 
 Outcome work(const Options& options) {
   const CellSettings cell = read_cell(options.cell);
-  const auto targets = read_targets(options.targets);
-  if (options.dry_run) return print_dry_run(cell, targets);
+  const std::vector<TargetRow> targets =
+      from_stdin(options) ? std::vector<TargetRow>() : read_targets(options.targets);
   if (options.check) {
     require_devices(cell);
     read_vision(cell, !options.no_error_map);
-    return print_check(options.cell, cell, targets);
   }
+  if ((options.dry_run || options.check) && from_stdin(options)) return plan_stream(cell);
+  if (options.dry_run) return print_dry_run(cell, targets);
+  if (options.check) return print_check(options.cell, cell, targets);
   if (options.out.empty())
     throw InputError("--out is needed to move; --dry-run and --check do without");
-  const ProgressBar bar("targets");
-  ServoRequest request{cell,
-                       targets,
-                       CenterMethod::kAuto,
-                       !options.no_error_map,
-                       options.out,
-                       options.resume,
-                       [&](std::size_t done, std::size_t all) { bar.show(done, all); }};
-  return run(request, options);
+  const ServoRequest request{cell, CenterMethod::kAuto, !options.no_error_map, options.out,
+                             options.resume};
+  const auto devices = open_cell(request.cell);
+  ServoRun run(request, *devices);
+  const std::size_t bad_lines = move(run, options, targets);
+  return report(request, options, run, bad_lines);
 }
 
 }  // namespace

@@ -107,13 +107,14 @@ std::vector<TargetResult> close_loop(const CalibratedChain& chain, bool with_map
                                      const fs::path& out, CellDevices& devices) {
   ServoRequest request;
   request.cell = chain.cell;
-  request.targets = control_targets();
   request.center = chain.settings.center;
   request.use_error_map = with_map;
   request.out = out / chain.settings.name / (with_map ? "run" : "run_without_map");
-  spdlog::info("closing the loop over {} targets: {}, {}", request.targets.size(),
-               chain.settings.name, with_map ? "with its error map" : "without an error map");
-  return run_servo(request, devices);
+  const std::vector<TargetRow> targets = control_targets();
+  spdlog::info("closing the loop over {} targets: {}, {}", targets.size(), chain.settings.name,
+               with_map ? "with its error map" : "without an error map");
+  ServoRun run(request, devices);
+  return run_servo(run, targets);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include "files/cell_file.h"
 #include "files/tables.h"
+#include "files/target_table.h"
 
 namespace planar {
 

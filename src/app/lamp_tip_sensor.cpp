@@ -58,8 +58,7 @@ LampTipSensor::LampTipSensor(const CellSettings& cell, VisionCalibration vision,
       camera_(camera) {}
 
 TipMeasurement LampTipSensor::measure(const TipPose& expected, int frames) {
-  const auto predicted =
-      lamps_from_tip(vision_.workplane, vision_.tool, lamp_separation_m_, expected);
+  const auto predicted = lamps_at(expected);
   if (!predicted) return failed("outside_view", 0.0);
   const PairExpectation expectation = expect_lamps(*predicted, kCalibratedShare);
   camera_.set_region(follow_region(camera_settings_, 0.5 * ((*predicted)[0] + (*predicted)[1])));
@@ -80,21 +79,29 @@ TipMeasurement LampTipSensor::measure(const TipPose& expected, int frames) {
   return position(std::move(mean), covariances);
 }
 
-LampTipSensor::Sight LampTipSensor::look(const PairExpectation& expectation) {
-  FrameResult result = camera_.next_frame();
+std::optional<std::array<Eigen::Vector2d, 2>> LampTipSensor::lamps_at(const TipPose& tip) const {
+  return lamps_from_tip(vision_.workplane, vision_.tool, lamp_separation_m_, tip);
+}
+
+LampTipSensor::Sight LampTipSensor::look_once(const PairExpectation& expectation) {
+  const FrameResult result = camera_.next_frame();
   if (result.status != FrameStatus::kOk) return {{}, result.frame.t_s, true};
-  LampPair pair = tracker_.locate(result.frame, expectation);
+  last_frame_ = result.frame;
+  return {tracker_.locate(last_frame_, expectation), last_frame_.t_s, false};
+}
+
+LampTipSensor::Sight LampTipSensor::look(const PairExpectation& expectation) {
+  Sight sight = look_once(expectation);
   const cv::Size sensor = camera_.sensor_size_px();
-  if (pair.status != LampStatus::kOk && result.frame.region_px.size() != sensor) {
-    camera_.set_region({0, 0, sensor.width, sensor.height});
-    result = camera_.next_frame();
-    if (result.status != FrameStatus::kOk) return {{}, result.frame.t_s, true};
-    pair = tracker_.locate(result.frame, expectation);
-    if (pair.status == LampStatus::kOk)
-      camera_.set_region(
-          follow_region(camera_settings_, 0.5 * (pair.lamps[0].uv_px + pair.lamps[1].uv_px)));
-  }
-  return {pair, result.frame.t_s, false};
+  if (sight.frame_lost || sight.pair.status == LampStatus::kOk ||
+      last_frame_.region_px.size() == sensor)
+    return sight;
+  camera_.set_region({0, 0, sensor.width, sensor.height});
+  sight = look_once(expectation);
+  if (!sight.frame_lost && sight.pair.status == LampStatus::kOk)
+    camera_.set_region(follow_region(
+        camera_settings_, 0.5 * (sight.pair.lamps[0].uv_px + sight.pair.lamps[1].uv_px)));
+  return sight;
 }
 
 TipMeasurement LampTipSensor::position(

@@ -33,6 +33,12 @@ class LampTipSensor final : public TipSensor {
 
   TipMeasurement measure(const TipPose& expected, int frames) override;
 
+  /// The frame looked at last; without an image before the first one.
+  const Frame& last_frame() const { return last_frame_; }
+
+  /// Lamps 1 and 2 with the end point at `tip`; empty where the camera does not see them.
+  std::optional<std::array<Eigen::Vector2d, 2>> lamps_at(const TipPose& tip) const;
+
  private:
   struct Sight {
     LampPair pair;
@@ -40,6 +46,8 @@ class LampTipSensor final : public TipSensor {
     bool frame_lost{false};
   };
 
+  /// The next frame, which is kept; its pair of lamps, if it has one.
+  Sight look_once(const PairExpectation& expectation);
   Sight look(const PairExpectation& expectation);
   TipMeasurement position(TipMeasurement measurement,
                           const std::array<Eigen::Matrix2d, 2>& covariances_px2) const;
@@ -49,6 +57,7 @@ class LampTipSensor final : public TipSensor {
   VisionCalibration vision_;
   LampTracker tracker_;
   FrameSource& camera_;
+  Frame last_frame_;
 };
 
 }  // namespace planar

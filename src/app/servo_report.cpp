@@ -70,9 +70,9 @@ nlohmann::json servo_json(const ServoFigures& figures) {
 }
 
 std::string servo_text(const ServoFigures& figures) {
-  return fmt::format("{} of {} targets reached, {:.0f} corrections and {:.2f} s each\n",
+  return fmt::format("{} of {} targets reached, {:g} correction{} and {:.2f} s each\n",
                      figures.reached, figures.targets, figures.iterations_median,
-                     figures.seconds_per_target) +
+                     figures.iterations_median == 1.0 ? "" : "s", figures.seconds_per_target) +
          figures_line("against the truth", figures.before_truth, figures.after_truth) +
          figures_line("by its own view", figures.before_own, figures.after_own);
 }

@@ -6,7 +6,6 @@
 #include "app/motion_plan.h"
 #include "core/error.h"
 #include "core/units.h"
-#include "text/growing_file.h"
 
 namespace planar {
 namespace {
@@ -21,13 +20,13 @@ std::vector<TargetResult> results_so_far(const fs::path& results, bool resume) {
   return read_results(results);
 }
 
-bool is_among(const std::vector<TargetResult>& results, const std::string& id) {
-  return std::any_of(results.begin(), results.end(),
-                     [&](const TargetResult& result) { return result.id == id; });
+const fs::path& folder_made(const fs::path& path) {
+  make_folder(path);
+  return path;
 }
 
-TipPose target_pose(const CellSettings& cell, const TargetRow& target) {
-  return {target.p_d, target.phi_d.value_or(cell.tool_orientation)};
+TipPose target_pose(const TargetRow& target, double tool_orientation) {
+  return {target.p_d, target.phi_d.value_or(tool_orientation)};
 }
 
 /// Follows one target's steps: logs them and keeps the first and last error.
@@ -81,44 +80,60 @@ std::optional<Summary> summary_of(const std::vector<TargetResult>& results, Targ
 
 }  // namespace
 
-std::vector<TargetResult> run_servo(const ServoRequest& request, CellDevices& devices) {
-  const CellSettings& cell = request.cell;
-  std::vector<TargetResult> results = results_so_far(request.out / "results.csv", request.resume);
-  LampTipSensor sensor(cell, read_vision(cell, request.use_error_map), request.center,
-                       devices.camera());
-  make_folder(request.out);
-  GrowingFile steps(request.out / "steps.csv", steps_header());
-  GrowingFile table(request.out / "results.csv", results_header());
-  const JointPlanner planner = joint_planner(cell);
-  PlanarRobot robot(planner.arm(), planner.transmission(), devices.drives(), devices.clock());
-  robot.energize();
-  PositionServo servo(cell.servo, planner, robot, sensor, devices.clock());
-  for (std::size_t i = 0; i < request.targets.size(); ++i) {
-    const TargetRow& target = request.targets[i];
-    if (is_among(results, target.id)) continue;
-    TargetScorer scorer(target, steps, devices.true_tip());
-    const ServoResult outcome = servo.move_to(target_pose(cell, target),
-                                              [&](const ServoStep& step) { scorer.observe(step); });
-    results.push_back(scorer.finish(outcome));
-    table.append(result_line(results.back()));
-    if (request.progress) request.progress(i + 1, request.targets.size());
-  }
-  return results;
+ServoRun::ServoRun(const ServoRequest& request, CellDevices& devices, Observer observer)
+    : cell_(request.cell),
+      observer_(std::move(observer)),
+      true_tip_(devices.true_tip()),
+      results_(results_so_far(request.out / "results.csv", request.resume)),
+      sensor_(cell_, read_vision(cell_, request.use_error_map), request.center, devices.camera()),
+      steps_(folder_made(request.out) / "steps.csv", steps_header()),
+      table_(request.out / "results.csv", results_header()),
+      robot_(PlanarArm(cell_.arm.geometry), Transmission(cell_.transmission), devices.drives(),
+             devices.clock()),
+      servo_(cell_.servo, joint_planner(cell_), robot_, sensor_, devices.clock()) {
+  robot_.energize();
 }
 
-std::vector<DryRunRow> dry_run(const CellSettings& cell, const std::vector<TargetRow>& targets) {
-  const JointPlanner planner = joint_planner(cell);
-  std::vector<DryRunRow> rows;
-  Joints near = cell.arm.home;
-  for (const TargetRow& target : targets) {
-    DryRunRow row{target.id, planner.plan(target_pose(cell, target), near), Pulses::Zero()};
-    if (!row.plan.refusal) {
-      near = row.plan.theta;
-      row.pulses = planner.transmission().pulses_from_joints(near);
-    }
-    rows.push_back(std::move(row));
+const TargetResult& ServoRun::move_to(const TargetRow& target) {
+  TargetScorer scorer(target, steps_, true_tip_);
+  const ServoResult outcome =
+      servo_.move_to(target_pose(target, cell_.tool_orientation), [&](const ServoStep& step) {
+        scorer.observe(step);
+        if (observer_) observer_({target.id, step, sensor_.last_frame()});
+      });
+  results_.push_back(scorer.finish(outcome));
+  table_.append(result_line(results_.back()));
+  return results_.back();
+}
+
+bool ServoRun::has(const std::string& id) const {
+  return std::any_of(results_.begin(), results_.end(),
+                     [&](const TargetResult& result) { return result.id == id; });
+}
+
+std::vector<TargetResult> run_servo(
+    ServoRun& run, const std::vector<TargetRow>& targets,
+    const std::function<void(std::size_t done, std::size_t all)>& progress) {
+  for (std::size_t i = 0; i < targets.size(); ++i) {
+    if (run.has(targets[i].id)) continue;
+    run.move_to(targets[i]);
+    if (progress) progress(i + 1, targets.size());
   }
-  return rows;
+  return run.results();
+}
+
+DryRun::DryRun(const CellSettings& cell)
+    : tool_orientation_(cell.tool_orientation),
+      planner_(joint_planner(cell)),
+      near_(cell.arm.home) {}
+
+DryRunRow DryRun::plan(const TargetRow& target) {
+  DryRunRow row{target.id, planner_.plan(target_pose(target, tool_orientation_), near_),
+                Pulses::Zero()};
+  if (row.plan.refusal) return row;
+  near_ = row.plan.theta;
+  row.pulses = planner_.transmission().pulses_from_joints(near_);
+  return row;
 }
 
 std::vector<double> error_lengths(const std::vector<TargetResult>& results, TargetError error,

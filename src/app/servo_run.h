@@ -11,35 +11,87 @@
 #include "core/statistics.h"
 #include "files/cell_file.h"
 #include "files/servo_tables.h"
-#include "files/tables.h"
+#include "files/target_table.h"
+#include "robot/planar_robot.h"
 #include "servo/position_servo.h"
+#include "text/growing_file.h"
 
 namespace planar {
 
 struct ServoRequest {
   CellSettings cell;
-  std::vector<TargetRow> targets;
   CenterMethod center{CenterMethod::kAuto};
   bool use_error_map{true};
   std::filesystem::path out;  ///< steps.csv and results.csv grow here, a line at a time
-  bool resume{false};         ///< leave alone the targets whose results the folder holds
-  std::function<void(std::size_t done, std::size_t all)> progress;  ///< may be empty
+  bool resume{false};         ///< go on with the run that the folder holds
 };
 
-/// Every target in turn: an open-loop move, then corrections by vision. Targets that fail are
-/// results like the others, unless a device fails: that throws WorkError, with all that was done
-/// in the files. A resumed run's results begin with those that the folder holds. Throws InputError
-/// when it holds a run already and `resume` is not set.
-std::vector<TargetResult> run_servo(const ServoRequest& request, CellDevices& devices);
+/// A look of the servo at the tool, for whoever shows it.
+struct ServoSight {
+  const std::string& target_id;
+  const ServoStep& step;
+  const Frame& frame;  ///< the last one of the measurement
+};
 
-/// The joints and pulses that each target's first, open-loop move would command, without any
-/// device; a refusal in words where it would not move.
+/// A cell that closes its loop over one target after the other: an open-loop move, then corrections
+/// by vision, every step logged.
+class ServoRun {
+ public:
+  using Observer = std::function<void(const ServoSight&)>;
+
+  /// Switches the drives on. `observer`, which may be empty, is called at every step and must not
+  /// take long. Throws InputError when the folder holds a run already and `resume` is not set.
+  ServoRun(const ServoRequest& request, CellDevices& devices, Observer observer = {});
+
+  /// A target that fails has a result like the others, unless a device fails: that throws
+  /// WorkError, with all that was done in the files.
+  const TargetResult& move_to(const TargetRow& target);
+
+  bool has(const std::string& id) const;
+  /// A resumed run's results begin with those that the folder holds.
+  const std::vector<TargetResult>& results() const { return results_; }
+
+  /// Where the lamps would be seen with the end point at `tip`; empty outside the camera's view.
+  std::optional<std::array<Eigen::Vector2d, 2>> lamps_at(const TipPose& tip) const {
+    return sensor_.lamps_at(tip);
+  }
+
+ private:
+  CellSettings cell_;
+  Observer observer_;
+  std::function<TipPose()> true_tip_;
+  std::vector<TargetResult> results_;
+  LampTipSensor sensor_;
+  GrowingFile steps_;
+  GrowingFile table_;
+  PlanarRobot robot_;
+  PositionServo servo_;
+};
+
+/// Every target in turn, but for those that a resumed run has a result of. `progress` may be empty.
+std::vector<TargetResult> run_servo(
+    ServoRun& run, const std::vector<TargetRow>& targets,
+    const std::function<void(std::size_t done, std::size_t all)>& progress = {});
+
+/// The joints and pulses that a target's first, open-loop move would command, without any device; a
+/// refusal in words where it would not move.
 struct DryRunRow {
   std::string id;
   JointPlan plan;
   Pulses pulses{0, 0, 0};
 };
-std::vector<DryRunRow> dry_run(const CellSettings& cell, const std::vector<TargetRow>& targets);
+
+/// Plans one target after the other, from the home position on.
+class DryRun {
+ public:
+  explicit DryRun(const CellSettings& cell);
+  DryRunRow plan(const TargetRow& target);
+
+ private:
+  double tool_orientation_;
+  JointPlanner planner_;
+  Joints near_;
+};
 
 /// One of the errors of a TargetResult.
 using TargetError = std::optional<Eigen::Vector2d> TargetResult::*;

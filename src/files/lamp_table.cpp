@@ -76,8 +76,7 @@ std::vector<LampRow> read_lamps(const std::filesystem::path& path) {
   CsvTable table = CsvTable::read(path, "lamps", {"id", "status", "u1_px", "v1_px"});
   std::vector<LampRow> rows;
   for (std::size_t i = 0; i < table.size(); ++i) rows.push_back(read_row(table, i));
-  table.throw_if_faulty();
-  if (rows.empty()) throw InputError(path.string() + ": has no rows; at least one is needed");
+  table.throw_if_faulty_or_empty();
   return rows;
 }
 

@@ -67,9 +67,7 @@ std::vector<FrameRow> read_frames(const std::filesystem::path& recording) {
     check_plan(table, i, row.plan);
     rows.push_back(std::move(row));
   }
-  table.throw_if_faulty();
-  if (rows.empty())
-    throw InputError(table.path().string() + ": has no frames; record some with planar-record");
+  table.throw_if_faulty_or_empty("record some with planar-record");
   return rows;
 }
 
@@ -81,8 +79,7 @@ std::vector<TrackerRow> read_tracker(const std::filesystem::path& path, const Cs
                     Eigen::Vector3d(table.number(i, "x_mm"), table.number(i, "y_mm"),
                                     table.number(i, "z_mm")) *
                         kMillimetre});
-  table.throw_if_faulty();
-  if (rows.empty()) throw InputError(path.string() + ": has no readings; at least one is needed");
+  table.throw_if_faulty_or_empty();
   return rows;
 }
 

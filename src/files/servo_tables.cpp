@@ -3,33 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 
 #include "core/units.h"
 #include "text/csv_table.h"
 
 namespace planar {
 namespace {
-
-using TargetVector = std::optional<Eigen::Vector2d> TargetResult::*;
-
-/// Each error has three columns: its length and its components.
-struct ErrorColumns {
-  const char* name;
-  TargetVector error;
-
-  std::array<std::string, 3> columns() const {
-    return {fmt::format("{}_mm", name), fmt::format("{}_dx_mm", name),
-            fmt::format("{}_dy_mm", name)};
-  }
-};
-
-constexpr ErrorColumns kErrors[] = {{"before_own_view", &TargetResult::before_own},
-                                    {"after_own_view", &TargetResult::after_own},
-                                    {"before_truth", &TargetResult::before_truth},
-                                    {"after_truth", &TargetResult::after_truth},
-                                    {"vision_raw", &TargetResult::vision_raw},
-                                    {"vision_compensated", &TargetResult::vision_compensated}};
 
 constexpr ServoStatus kStatuses[] = {ServoStatus::kReached,      ServoStatus::kOutsideMap,
                                      ServoStatus::kNotConverged, ServoStatus::kDiverged,
@@ -53,7 +32,7 @@ ServoStatus status_at(CsvTable& table, std::size_t row) {
 }
 
 std::optional<Eigen::Vector2d> error_at(CsvTable& table, std::size_t row,
-                                        const ErrorColumns& error) {
+                                        const ResultError& error) {
   const auto columns = error.columns();
   if (table.text(row, columns[1]).empty()) return std::nullopt;
   return Eigen::Vector2d(table.number(row, columns[1]), table.number(row, columns[2])) *
@@ -63,12 +42,27 @@ std::optional<Eigen::Vector2d> error_at(CsvTable& table, std::size_t row,
 std::vector<std::string> result_columns() {
   std::vector<std::string> columns{"target", "x_mm",       "y_mm",    "status",
                                    "reason", "iterations", "seconds", "uncertainty_mm"};
-  for (const ErrorColumns& error : kErrors)
+  for (const ResultError& error : result_errors())
     for (const std::string& column : error.columns()) columns.push_back(column);
   return columns;
 }
 
 }  // namespace
+
+std::array<std::string, 3> ResultError::columns() const {
+  return {fmt::format("{}_mm", name), fmt::format("{}_dx_mm", name), fmt::format("{}_dy_mm", name)};
+}
+
+const std::vector<ResultError>& result_errors() {
+  static const std::vector<ResultError> errors{
+      {"before_own_view", &TargetResult::before_own},
+      {"after_own_view", &TargetResult::after_own},
+      {"before_truth", &TargetResult::before_truth},
+      {"after_truth", &TargetResult::after_truth},
+      {"vision_raw", &TargetResult::vision_raw},
+      {"vision_compensated", &TargetResult::vision_compensated}};
+  return errors;
+}
 
 std::string results_header() {
   return CsvWriter("results", result_columns()).text();
@@ -80,7 +74,7 @@ std::string result_line(const TargetResult& result) {
   std::string line = fmt::format("{},{},{},{},{},{:.3f},", result.id, in_mm(result.p_d),
                                  name(result.status), reason, result.iterations, result.seconds);
   if (result.uncertainty_m) line += fmt::format("{:.6f}", *result.uncertainty_m / kMillimetre);
-  for (const ErrorColumns& error : kErrors) line += ',' + error_fields(result.*error.error);
+  for (const ResultError& error : result_errors()) line += ',' + error_fields(result.*error.error);
   return line + '\n';
 }
 
@@ -98,7 +92,8 @@ std::vector<TargetResult> read_results(const std::filesystem::path& path) {
     result.seconds = table.number(row, "seconds");
     if (const auto uncertainty_mm = table.optional_number(row, "uncertainty_mm"))
       result.uncertainty_m = *uncertainty_mm * kMillimetre;
-    for (const ErrorColumns& error : kErrors) result.*error.error = error_at(table, row, error);
+    for (const ResultError& error : result_errors())
+      result.*error.error = error_at(table, row, error);
     results.push_back(std::move(result));
   }
   table.throw_if_faulty();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -27,6 +28,17 @@ struct TargetResult {
   std::optional<Eigen::Vector2d> vision_raw, vision_compensated;
   std::optional<double> uncertainty_m;  ///< of the last measurement, per axis
 };
+
+/// One of the errors of a result; each has three columns, its length and its components.
+struct ResultError {
+  const char* name;
+  std::optional<Eigen::Vector2d> TargetResult::*error;
+
+  std::array<std::string, 3> columns() const;
+};
+
+/// All of them, in the order of the columns.
+const std::vector<ResultError>& result_errors();
 
 std::string results_header();
 std::string result_line(const TargetResult& result);

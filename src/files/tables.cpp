@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "core/units.h"
 #include "files/recording.h"
 #include "text/csv_table.h"
@@ -28,20 +26,6 @@ void add_optional(CsvWriter& writer, std::optional<double> value, double unit, i
     writer.add(*value / unit, decimals);
   else
     writer.add_empty();
-}
-
-void require_rows(const CsvTable& table) {
-  table.throw_if_faulty();
-  if (table.size() == 0)
-    throw InputError(table.path().string() + ": has no rows; at least one is needed");
-}
-
-void require_new_id(CsvTable& table, std::size_t row, std::vector<std::string>& seen) {
-  const std::string& id = table.text(row, "id");
-  if (id.empty()) table.add_fault(row, "id is empty; every row needs one");
-  if (std::find(seen.begin(), seen.end(), id) != seen.end())
-    table.add_fault(row, fmt::format("the id '{}' stands twice; ids must differ", id));
-  seen.push_back(id);
 }
 
 std::variant<std::monostate, TipPose, Joints> plan_place(CsvTable& table, std::size_t row,
@@ -77,7 +61,7 @@ std::vector<PairRow> read_pairs(const std::filesystem::path& path) {
     row.plan = table.text(i, "plan");
     rows.push_back(std::move(row));
   }
-  require_rows(table);
+  table.throw_if_faulty_or_empty();
   return rows;
 }
 
@@ -97,25 +81,10 @@ std::string pairs_text(const std::vector<PairRow>& rows) {
   return writer.text();
 }
 
-std::vector<TargetRow> read_targets(const std::filesystem::path& path) {
-  CsvTable table = CsvTable::read(path, "targets", {"id", "x_mm", "y_mm"});
-  std::vector<TargetRow> rows;
-  std::vector<std::string> seen;
-  for (std::size_t i = 0; i < table.size(); ++i) {
-    require_new_id(table, i, seen);
-    rows.push_back({table.text(i, "id"), point_mm(table, i, "x_mm", "y_mm"),
-                    scaled(table.optional_number(i, "phi_deg"), kDegree)});
-  }
-  require_rows(table);
-  return rows;
-}
-
 std::vector<PlanRow> read_plan(const std::filesystem::path& path, double tool_orientation) {
   CsvTable table = CsvTable::read(path, "plan", {"id", "plan"});
   std::vector<PlanRow> rows;
-  std::vector<std::string> seen;
   for (std::size_t i = 0; i < table.size(); ++i) {
-    require_new_id(table, i, seen);
     PlanRow row{table.text(i, "id"), table.text(i, "plan"), plan_place(table, i, tool_orientation)};
     if (row.id.find('/') != std::string::npos)
       table.add_fault(i, fmt::format("id is '{}'; it names images, so '/' is not allowed", row.id));
@@ -124,7 +93,8 @@ std::vector<PlanRow> read_plan(const std::filesystem::path& path, double tool_or
       table.add_fault(i, "has no position; x_mm, y_mm or theta1_deg ... theta3_deg are needed");
     rows.push_back(std::move(row));
   }
-  require_rows(table);
+  table.require_distinct_ids();
+  table.throw_if_faulty_or_empty();
   return rows;
 }
 

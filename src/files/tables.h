@@ -31,15 +31,6 @@ struct PairRow {
 std::vector<PairRow> read_pairs(const std::filesystem::path& path);
 std::string pairs_text(const std::vector<PairRow>& rows);
 
-/// targets.csv: where the end point is wanted, in the base frame.
-struct TargetRow {
-  std::string id;
-  Eigen::Vector2d p_d{0.0, 0.0};
-  std::optional<double> phi_d;
-};
-
-std::vector<TargetRow> read_targets(const std::filesystem::path& path);
-
 /// plan.csv: one position to be recorded, by tip pose or by joints; rows of the plans "grid" and
 /// "plane_grid" ask for a view of the calibration board and have neither.
 struct PlanRow {

@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <set>
 #include <sstream>
 #include <stdexcept>
 
@@ -24,7 +26,22 @@ std::string trimmed(const std::string& text) {
   return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
 }
 
-std::vector<std::string> split(const std::string& line, char separator) {
+std::string joined(const std::vector<std::string>& names) {
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+}  // namespace
+
+std::optional<double> finite_number(const std::string& text) {
+  const char* begin = text.data() + (!text.empty() && text[0] == '+' ? 1 : 0);
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(begin, text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value))
+    return std::nullopt;
+  return value;
+}
+
+std::vector<std::string> split_fields(const std::string& line, char separator) {
   std::vector<std::string> fields;
   std::size_t begin = 0;
   while (true) {
@@ -35,59 +52,38 @@ std::vector<std::string> split(const std::string& line, char separator) {
   }
 }
 
-std::string joined(const std::vector<std::string>& names) {
-  return fmt::format("{}", fmt::join(names, ", "));
-}
-
-/// The whole text as a finite number, whatever the locale.
-std::optional<double> parse_number(std::string text, bool decimal_comma) {
-  if (decimal_comma)
-    for (char& c : text) c = c == ',' ? '.' : c;
-  const char* begin = text.data() + (!text.empty() && text[0] == '+' ? 1 : 0);
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(begin, text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value))
-    return std::nullopt;
-  return value;
-}
-
-}  // namespace
-
 CsvTable CsvTable::read(const std::filesystem::path& path, const std::string& kind,
                         const std::vector<std::string>& required, const CsvDialect& dialect) {
-  CsvTable table;
-  table.path_ = path;
-  table.decimal_comma_ = dialect.decimal_comma;
+  CsvTable table(path, kind, required, dialect);
   std::istringstream lines(read_file(path));
   std::string line;
-  for (int number = 1; std::getline(lines, line); ++number)
-    table.parse_line(line, number, kind, dialect);
-  if (table.columns_.empty())
+  for (int number = 1; std::getline(lines, line); ++number) table.add_line(line, number);
+  if (!table.has_header())
     throw InputError(fmt::format("{}: is empty; a header line with the columns {} is needed",
                                  path.string(), joined(required)));
-  std::vector<std::string> missing;
-  for (const std::string& column : required)
-    if (!table.has_column(column)) missing.push_back(column);
-  if (!missing.empty())
-    throw InputError(fmt::format("{}: lacks the column{} {}; needed are {}", path.string(),
-                                 missing.size() > 1 ? "s" : "", joined(missing), joined(required)));
   return table;
 }
 
-void CsvTable::parse_line(std::string line, int line_number, const std::string& kind,
-                          const CsvDialect& dialect) {
+CsvTable::CsvTable(std::filesystem::path source, const std::string& kind,
+                   std::vector<std::string> required, CsvDialect dialect)
+    : path_(std::move(source)),
+      format_(format_name(kind)),
+      required_(std::move(required)),
+      dialect_(std::move(dialect)) {}
+
+void CsvTable::add_line(std::string line, int line_number) {
   line = trimmed(line);
   if (line_number == 1 && line.rfind("\xEF\xBB\xBF", 0) == 0) line.erase(0, 3);
-  if (line.rfind(kFormatMark, 0) == 0 && columns_.empty()) {
+  if (line.rfind(kFormatMark, 0) == 0 && !has_header()) {
     const std::string format = trimmed(line.substr(sizeof(kFormatMark) - 1));
-    if (format != format_name(kind))
+    if (format != format_)
       throw InputError(fmt::format("{}:{}: is of format '{}'; '{}' is needed here", path_.string(),
-                                   line_number, format, format_name(kind)));
+                                   line_number, format, format_));
   }
   if (line.empty() || line[0] == '#') return;
-  std::vector<std::string> fields = split(line, dialect.separator);
-  if (columns_.empty()) {
-    read_header(fields, line_number, dialect);
+  std::vector<std::string> fields = split_fields(line, dialect_.separator);
+  if (!has_header()) {
+    read_header(fields, line_number);
   } else if (fields.size() != columns_.size()) {
     faults_.add(fmt::format("{}:{}: has {} fields; the header has {}", path_.string(), line_number,
                             fields.size(), columns_.size()));
@@ -96,10 +92,9 @@ void CsvTable::parse_line(std::string line, int line_number, const std::string& 
   }
 }
 
-void CsvTable::read_header(const std::vector<std::string>& names, int line_number,
-                           const CsvDialect& dialect) {
+void CsvTable::read_header(const std::vector<std::string>& names, int line_number) {
   std::map<std::string, std::string> ours;
-  for (const auto& [our_name, their_name] : dialect.renamed_columns) ours[their_name] = our_name;
+  for (const auto& [our_name, their_name] : dialect_.renamed_columns) ours[their_name] = our_name;
   for (std::size_t i = 0; i < names.size(); ++i) {
     const auto renamed = ours.find(names[i]);
     const std::string& column = renamed == ours.end() ? names[i] : renamed->second;
@@ -107,6 +102,13 @@ void CsvTable::read_header(const std::vector<std::string>& names, int line_numbe
       throw InputError(fmt::format("{}:{}: the column '{}' stands twice in the header",
                                    path_.string(), line_number, column));
   }
+  std::vector<std::string> missing;
+  for (const std::string& column : required_)
+    if (!has_column(column)) missing.push_back(column);
+  if (!missing.empty())
+    throw InputError(fmt::format("{}: lacks the column{} {}; needed are {}", path_.string(),
+                                 missing.size() > 1 ? "s" : "", joined(missing),
+                                 joined(required_)));
 }
 
 const std::string& CsvTable::text(std::size_t row, const std::string& column) const {
@@ -116,7 +118,9 @@ const std::string& CsvTable::text(std::size_t row, const std::string& column) co
 }
 
 double CsvTable::number(std::size_t row, const std::string& column) {
-  const std::optional<double> value = parse_number(text(row, column), decimal_comma_);
+  std::string field = text(row, column);
+  if (dialect_.decimal_comma) std::replace(field.begin(), field.end(), ',', '.');
+  const std::optional<double> value = finite_number(field);
   if (!value)
     add_fault(row, fmt::format("{} is '{}'; a finite number is needed", column, text(row, column)));
   return value.value_or(0.0);
@@ -140,6 +144,22 @@ int CsvTable::whole_number(std::size_t row, const std::string& column) {
 
 void CsvTable::add_fault(std::size_t row, const std::string& message) {
   faults_.add(fmt::format("{}:{}: {}", path_.string(), rows_.at(row).line, message));
+}
+
+void CsvTable::require_distinct_ids() {
+  std::set<std::string> seen;
+  for (std::size_t row = 0; row < size(); ++row) {
+    const std::string& id = text(row, "id");
+    if (id.empty())
+      add_fault(row, "id is empty; every row needs one");
+    else if (!seen.insert(id).second)
+      add_fault(row, fmt::format("the id '{}' stands twice; ids must differ", id));
+  }
+}
+
+void CsvTable::throw_if_faulty_or_empty(const std::string& remedy) const {
+  throw_if_faulty();
+  if (rows_.empty()) throw InputError(path_.string() + ": has no rows; " + remedy);
 }
 
 CsvWriter::CsvWriter(const std::string& kind, const std::vector<std::string>& columns)

@@ -11,6 +11,12 @@
 
 namespace planar {
 
+/// The whole text as a finite number with a decimal point, whatever the locale; empty otherwise.
+std::optional<double> finite_number(const std::string& text);
+
+/// The fields of one line, without the blanks around them.
+std::vector<std::string> split_fields(const std::string& line, char separator = ',');
+
 /// How other programs' tables differ from ours.
 struct CsvDialect {
   char separator{','};
@@ -19,7 +25,7 @@ struct CsvDialect {
   std::map<std::string, std::string> renamed_columns;
 };
 
-/// A CSV file whose columns are found by name in any order. `#` comments and blank lines are
+/// A CSV table whose columns are found by name in any order. `#` comments and blank lines are
 /// skipped, extra columns ignored. Faults are collected with FILE:LINE, all at once:
 ///
 ///     CsvTable table = CsvTable::read(path, "pairs", {"id", "x_vision_mm"});
@@ -33,6 +39,15 @@ class CsvTable {
   static CsvTable read(const std::filesystem::path& path, const std::string& kind,
                        const std::vector<std::string>& required, const CsvDialect& dialect = {});
 
+  /// A table without lines yet. `source` stands for the file in messages.
+  CsvTable(std::filesystem::path source, const std::string& kind, std::vector<std::string> required,
+           CsvDialect dialect = {});
+
+  /// Takes one line more. Throws InputError for a header that lacks a required column and for
+  /// another format; everything else that is wrong is a fault of the row.
+  void add_line(std::string line, int line_number);
+
+  bool has_header() const { return !columns_.empty(); }
   std::size_t size() const { return rows_.size(); }
   bool has_column(const std::string& column) const { return columns_.count(column) != 0; }
   int line(std::size_t row) const { return rows_[row].line; }
@@ -50,7 +65,11 @@ class CsvTable {
 
   /// Adds `FILE:LINE: message`.
   void add_fault(std::size_t row, const std::string& message);
+  /// Adds a fault for every row whose id is empty or stands above it already.
+  void require_distinct_ids();
   void throw_if_faulty() const { faults_.throw_if_any(); }
+  /// Throws as well when there is no row, with `remedy` after the semicolon.
+  void throw_if_faulty_or_empty(const std::string& remedy = "at least one is needed") const;
 
  private:
   struct Row {
@@ -58,13 +77,12 @@ class CsvTable {
     std::vector<std::string> fields;
   };
 
-  void parse_line(std::string line, int line_number, const std::string& kind,
-                  const CsvDialect& dialect);
-  void read_header(const std::vector<std::string>& names, int line_number,
-                   const CsvDialect& dialect);
+  void read_header(const std::vector<std::string>& names, int line_number);
 
   std::filesystem::path path_;
-  bool decimal_comma_{false};
+  std::string format_;
+  std::vector<std::string> required_;
+  CsvDialect dialect_;
   std::map<std::string, std::size_t> columns_;
   std::vector<Row> rows_;
   Faults faults_;

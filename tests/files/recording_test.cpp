@@ -29,7 +29,8 @@ TEST_CASE("A recording that is no folder, empty or of an unknown plan is refused
   const test::TemporaryFolder folder;
   CHECK_THROWS_WITH(read_frames(folder / "absent"), Contains("is not a folder"));
   folder.write("frames.csv", frames_header());
-  CHECK_THROWS_WITH(read_frames(folder.path()), Contains("has no frames"));
+  CHECK_THROWS_WITH(read_frames(folder.path()),
+                    Contains("has no rows; record some with planar-record"));
   folder.write("frames.csv", frames_header() + "a,a.pgm,0,traning,0,0,0,0,0,0,0,0,8,8\n");
   CHECK_THROWS_WITH(read_frames(folder.path()), Contains("frames.csv:3: plan is 'traning'"));
 }

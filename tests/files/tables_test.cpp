@@ -29,19 +29,6 @@ TEST_CASE("Pairs come back as they were written") {
   CHECK(back.plan == "train");
 }
 
-TEST_CASE("Targets in millimetres are read in metres; a repeated id or a word is refused") {
-  const test::TemporaryFolder folder;
-  const auto targets = read_targets(folder.write("t.csv", "x_mm,id,y_mm\n200,a,-100\n"));
-  CHECK((targets.at(0).p_d - Eigen::Vector2d(0.2, -0.1)).norm() < kWrittenNanometre);
-  CHECK_FALSE(targets.at(0).phi_d.has_value());
-  CHECK_THROWS_WITH(
-      read_targets(folder.write("t.csv", "id,x_mm,y_mm\na,1,2\na,3,NaN\n")),
-      Contains("t.csv:3: the id 'a' stands twice") && Contains("t.csv:3: y_mm is 'NaN'"));
-  CHECK_THROWS_WITH(read_targets(folder.write("t.csv", "id,x_m,y_m\n")),
-                    Contains("lacks the columns x_mm, y_mm"));
-  CHECK_THROWS_WITH(read_targets(folder.write("t.csv", "id,x_mm,y_mm\n")), Contains("has no rows"));
-}
-
 TEST_CASE("A plan asks for positions by point or by joints, and for board views by neither") {
   const std::vector<PlanRow> rows{{"g", "grid", {}},
                                   {"t", "train", TipPose{{0.1, 0.2}, 0.0}},

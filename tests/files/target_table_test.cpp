@@ -1,0 +1,75 @@
+#include "files/target_table.h"
+
+#include <catch2/catch.hpp>
+
+#include "core/error.h"
+#include "core/units.h"
+#include "support/temporary_folder.h"
+
+namespace planar {
+namespace {
+
+using Catch::Contains;
+
+constexpr double kWrittenNanometre = 1e-9;
+
+TEST_CASE("Targets are found by column name; ids must differ") {
+  const test::TemporaryFolder folder;
+  const auto targets = read_targets(folder.write("t.csv", "x_mm,id,y_mm\n200,a,-100\n"));
+  CHECK((targets.at(0).p_d - Eigen::Vector2d(0.2, -0.1)).norm() < kWrittenNanometre);
+  CHECK_FALSE(targets[0].phi_d.has_value());
+  CHECK_THROWS_WITH(
+      read_targets(folder.write("t.csv", "id,x_mm,y_mm\na,1,2\na,3,NaN\n")),
+      Contains("t.csv:3: the id 'a' stands twice") && Contains("t.csv:3: y_mm is 'NaN'"));
+  CHECK_THROWS_WITH(read_targets(folder.write("t.csv", "id,x_m,y_m\n")),
+                    Contains("lacks the columns x_mm, y_mm"));
+  CHECK_THROWS_WITH(read_targets(folder.write("t.csv", "id,x_mm,y_mm\n")), Contains("has no rows"));
+}
+
+TEST_CASE("Lines without a header are id, x_mm, y_mm and perhaps phi_deg") {
+  TargetLines lines("stdin");
+  const auto a = lines.next("a,200,100");
+  const auto b = lines.next(" b , -1.5 , 2 , 90 \r");
+  REQUIRE((a && b));
+  CHECK((a->p_d - Eigen::Vector2d(0.2, 0.1)).norm() < kWrittenNanometre);
+  CHECK_FALSE(a->phi_d);
+  CHECK(b->id == "b");
+  CHECK(*b->phi_d == Approx(kPi / 2.0));
+  CHECK_THROWS_WITH(lines.next("c,1,2,3,4"), "stdin:3: has 5 fields; the header has 4");
+}
+
+TEST_CASE("A header orders the columns of the lines after it") {
+  TargetLines lines("stdin");
+  CHECK_FALSE(lines.next("# format: planar-servo/targets/1"));
+  CHECK_FALSE(lines.next("y_mm,x_mm,id"));
+  const auto target = lines.next("1,2,a");
+  REQUIRE(target);
+  CHECK((target->p_d - Eigen::Vector2d(2e-3, 1e-3)).norm() < kWrittenNanometre);
+}
+
+TEST_CASE("After a header that cannot be used no line is a target") {
+  TargetLines lines("stdin");
+  CHECK_THROWS_AS(lines.next("Id,y_mm,x_mm"), InputError);
+  CHECK_FALSE(lines.has_columns());
+}
+
+TEST_CASE("Ids that are taken are refused; a refused line does not take its id") {
+  TargetLines lines("stdin", {"old"});
+  CHECK_THROWS_WITH(lines.next("old,1,2"), Contains("the id 'old' stands twice"));
+  CHECK_THROWS_AS(lines.next("new,1,two"), InputError);
+  CHECK(lines.next("new,1,2"));
+}
+
+TEST_CASE("A written target comes back") {
+  const test::TemporaryFolder folder;
+  const auto back =
+      read_targets(folder.write("t.csv", targets_header() + target_line({"a", {0.2, -0.1}, 1.0}) +
+                                             target_line({"b", {0.3, 0.1}, std::nullopt})));
+  REQUIRE(back.size() == 2);
+  CHECK((back[0].p_d - Eigen::Vector2d(0.2, -0.1)).norm() < kWrittenNanometre);
+  CHECK(*back[0].phi_d == Approx(1.0));
+  CHECK_FALSE(back[1].phi_d);
+}
+
+}  // namespace
+}  // namespace planar

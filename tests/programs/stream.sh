@@ -1,0 +1,52 @@
+#!/usr/bin/env bash
+# Targets as lines on standard input: one line of JSON each, at once; a bad line moves nothing.
+source "$(dirname "$0")/common.sh"
+
+"$bin/planar-virtual-cell" -q draw --seed 8 -o cell >/dev/null
+small_plan >plan.csv
+"$bin/planar-record" -q --cell cell/cell.yaml --plan plan.csv --out recording >/dev/null
+calibrate cell/cell.yaml recording cell >/dev/null
+
+# A dialogue: the next line is sent only when the last one has been answered.
+mkfifo questions
+"$bin/planar-servo" --cell cell/cell.yaml --targets - --out run <questions >answers 2>err.txt &
+servo=$!
+exec 3>questions
+ask() {
+  local before
+  before=$(wc -l <answers)
+  echo "$1" >&3
+  for _ in $(seq 600); do
+    if [ "$(wc -l <answers)" -gt "$before" ]; then break; fi
+    kill -0 "$servo" 2>/dev/null || fail "planar-servo ended early: $(cat err.txt)"
+    sleep 0.1
+  done
+  tail -n 1 answers | grep -q -- "$2" || fail "'$1' was answered: $(tail -n 1 answers)"
+}
+ask "a,200,100" '^{"line":1,"target":"a",.*"status":"reached"'
+steps=$(wc -l <run/steps.csv)
+ask "b,abc,100" "^{\"line\":2,\"error\":\"standard input:2: x_mm is 'abc'; a finite number is needed\"}"
+ask "b,0.2 m,100" "x_mm is '0.2 m'; a finite number is needed"
+ask "a,200,100" "the id 'a' stands twice"
+ask "far,900,0" '"target":"far",.*"status":"refused"'
+[ "$(wc -l <run/steps.csv)" -eq "$steps" ] || fail "a bad line or a refused target moved the arm"
+ask "b,-150,250,10" '"target":"b",.*"status":"reached"'
+exec 3>&-
+status=0
+wait "$servo" || status=$?
+[ "$status" -eq 1 ] || fail "a session with bad lines ended with $status"
+grep -q "2 of 3 targets reached" err.txt || fail "no summary on standard error: $(cat err.txt)"
+grep -q "^targets: 3" run/run.yaml || fail "no report of the session"
+[ -e run/report.html ] || fail "no report.html"
+
+# Planning only, and a header in other units: nothing moves.
+printf 'id,x_mm,y_mm\na,200,100\n' |
+  "$bin/planar-servo" --cell cell/cell.yaml --targets - --dry-run >plans 2>err.txt
+grep -q '^{"line":2,"target":"a","status":"planned","theta_deg":\[' plans || fail "$(cat plans)"
+printf 'a,200,100\n' | "$bin/planar-servo" --cell cell/cell.yaml --targets - --check >plans 2>err.txt
+status=0
+printf 'id,x_m,y_m\na,0.2,0.1\n' |
+  "$bin/planar-servo" --cell cell/cell.yaml --targets - --out metres >answers 2>err.txt || status=$?
+[ "$status" -eq 2 ] || fail "a header in metres ended with $status"
+grep -q "lacks the columns x_mm, y_mm" answers || fail "$(cat answers)"
+[ "$(wc -l <metres/steps.csv)" -eq 2 ] || fail "a header in metres moved the arm"
