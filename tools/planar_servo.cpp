@@ -5,6 +5,7 @@
 #include <set>
 
 #include "app/progress.h"
+#include "app/servo_display.h"
 #include "app/servo_report.h"
 #include "app/servo_run.h"
 #include "app/target_stream.h"
@@ -21,6 +22,7 @@ namespace fs = std::filesystem;
 const ProgramText kText{
     "planar-servo", "Positions the end point at targets by vision and logs every step.",
     "planar-servo --cell cell.yaml --targets targets.csv --out DIR [--no-error-map] [--resume]\n"
+    "                    [--display auto|x|none]\n"
     "       planar-servo --cell cell.yaml --targets targets.csv --dry-run | --check\n"
     "       ... | planar-servo --cell cell.yaml --targets - --out DIR",
     "  100 of 100 targets reached, 2 corrections and 2.13 s each\n"
@@ -30,6 +32,7 @@ constexpr char kStdin[] = "standard input";
 
 struct Options {
   fs::path cell, targets, out;
+  std::string display{"none"};
   bool no_error_map{false}, dry_run{false}, check{false}, resume{false};
 };
 
@@ -44,6 +47,12 @@ void add_options(CLI::App& app, Options& options) {
   auto* out = app.add_option("--out", options.out, "folder for log and report")->type_name("DIR");
   app.add_flag("--no-error-map", options.no_error_map, "use vision as it is");
   app.add_flag("--resume", options.resume, "go on with the run in DIR");
+  app.add_option(
+         "--display", options.display,
+         "auto: draw every step into DIR/view.png and, where an X server answers, a window; "
+         "x: insist on the window; none")
+      ->check(CLI::IsMember({"auto", "x", "none"}))
+      ->capture_default_str();
   auto* dry = app.add_flag("--dry-run", options.dry_run,
                            "print the first move to each target; nothing moves")
                   ->excludes(out);
@@ -157,8 +166,10 @@ Outcome work(const Options& options) {
   const ServoRequest request{cell, CenterMethod::kAuto, !options.no_error_map, options.out,
                              options.resume};
   const auto devices = open_cell(request.cell);
-  ServoRun run(request, *devices);
+  ServoDisplay display(display_policy_named(options.display), options.out / "view.png");
+  ServoRun run(request, *devices, [&](const ServoSight& sight) { display.show(sight); });
   const std::size_t bad_lines = move(run, options, targets);
+  display.close();
   return report(request, options, run, bad_lines);
 }
 

@@ -99,7 +99,10 @@ const TargetResult& ServoRun::move_to(const TargetRow& target) {
   const ServoResult outcome =
       servo_.move_to(target_pose(target, cell_.tool_orientation), [&](const ServoStep& step) {
         scorer.observe(step);
-        if (observer_) observer_({target.id, step, sensor_.last_frame()});
+        if (!observer_) return;
+        const TipPose& wanted = step.target;
+        observer_({target.id, step, sensor_.last_frame(),
+                   sensor_.lamps_at({wanted.p + step.measurement.correction, wanted.phi})});
       });
   results_.push_back(scorer.finish(outcome));
   table_.append(result_line(results_.back()));

@@ -31,6 +31,8 @@ struct ServoSight {
   const std::string& target_id;
   const ServoStep& step;
   const Frame& frame;  ///< the last one of the measurement
+  /// Where the lamps would be with the end point at the target, as vision errs there.
+  std::optional<std::array<Eigen::Vector2d, 2>> wanted_px;
 };
 
 /// A cell that closes its loop over one target after the other: an open-loop move, then corrections
@@ -50,11 +52,6 @@ class ServoRun {
   bool has(const std::string& id) const;
   /// A resumed run's results begin with those that the folder holds.
   const std::vector<TargetResult>& results() const { return results_; }
-
-  /// Where the lamps would be seen with the end point at `tip`; empty outside the camera's view.
-  std::optional<std::array<Eigen::Vector2d, 2>> lamps_at(const TipPose& tip) const {
-    return sensor_.lamps_at(tip);
-  }
 
  private:
   CellSettings cell_;
