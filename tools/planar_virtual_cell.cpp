@@ -1,9 +1,11 @@
 #include <fmt/format.h>
 
+#include <csignal>
 #include <cstdint>
 #include <filesystem>
 
 #include "app/paper_cell.h"
+#include "app/serve_cell.h"
 #include "core/error.h"
 #include "program.h"
 #include "text/atomic_file.h"
@@ -16,15 +18,20 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const ProgramText kText{"planar-virtual-cell", "Makes virtual cells.",
-                        "planar-virtual-cell draw --seed N [--like paper] -o DIR",
+const ProgramText kText{"planar-virtual-cell", "Makes virtual cells, and serves their cameras.",
+                        "planar-virtual-cell draw --seed N [--like paper] -o DIR\n"
+                        "       planar-virtual-cell serve --cell cell.yaml [--address ADDRESS]",
                         "  drew cell 7: cells/7/cell.yaml and its truth, cells/7/truth.yaml"};
 
 struct Options {
   std::uint32_t seed{0};
   std::string like{"paper"};
   fs::path folder;
+  fs::path cell;
+  std::string address{"127.0.0.1"};
 };
+
+volatile std::sig_atomic_t interrupted = 0;
 
 Outcome draw(const Options& options) {
   const fs::path cell = options.folder / "cell.yaml", truth = options.folder / "truth.yaml";
@@ -38,9 +45,29 @@ Outcome draw(const Options& options) {
   return {{{"seed", options.seed}, {"cell", cell.string()}, {"truth", truth.string()}}};
 }
 
+Outcome serve(const Options& options) {
+  const CellSettings cell = read_cell(options.cell);
+  for (const int signal : {SIGINT, SIGTERM})
+    std::signal(signal, [](int /*signal*/) { interrupted = 1; });
+  fmt::print("serving {} as a GigE Vision camera on {} until interrupted\n", options.cell.string(),
+             options.address);
+  std::fflush(stdout);
+  serve_cell(cell, options.address, [] { return interrupted != 0; });
+  return {};
+}
+
+Outcome work(const Options& options) {
+  return options.cell.empty() ? draw(options) : serve(options);
+}
+
 void add_options(CLI::App& app, Options& options) {
   app.require_subcommand(1);
   app.fallthrough();
+  CLI::App* server =
+      app.add_subcommand("serve", "the cell's camera as a GigE Vision camera on this machine");
+  server->add_option("--cell", options.cell, "the virtual cell")->required()->type_name("FILE");
+  server->add_option("--address", options.address, "an address of this machine")
+      ->capture_default_str();
   CLI::App* command =
       app.add_subcommand("draw", "a new random cell of the same kind, with its truth");
   command->add_option("--seed", options.seed, "the same seed draws the same cell")->required();
@@ -54,5 +81,5 @@ void add_options(CLI::App& app, Options& options) {
 }  // namespace planar
 
 int main(int argc, char** argv) {
-  return planar::run_program(planar::kText, argc, argv, planar::add_options, planar::draw);
+  return planar::run_program(planar::kText, argc, argv, planar::add_options, planar::work);
 }

@@ -9,26 +9,6 @@
 namespace planar {
 namespace {
 
-VirtualHardware hardware_of(const CellSettings& cell) {
-  const Transmission transmission(cell.transmission);
-  VirtualHardware hardware;
-  hardware.sensor_px = {cell.camera.width_px, cell.camera.height_px};
-  hardware.frame_rate_hz = cell.camera.frame_rate_hz;
-  hardware.sense = cell.arm.geometry.positive_rotation == Rotation::kCounterclockwise ? 1.0 : -1.0;
-  for (std::size_t i = 0; i < 2; ++i)
-    hardware.relative[i] = cell.transmission.coupling[i] == Coupling::kRelative;
-  hardware.pulses_per_rad = transmission.pulses_per_rad();
-  for (int i = 0; i < 3; ++i) {
-    const MotorDrive& drive = cell.transmission.drives[static_cast<std::size_t>(i)];
-    hardware.max_speed_rad_s[i] = drive.max_speed_rad_s;
-    hardware.max_acceleration_rad_s2[i] = drive.max_acceleration_rad_s2;
-  }
-  hardware.home_rad = cell.arm.home;
-  for (const Monument& monument : cell.datum)
-    hardware.monuments_B.emplace_back(monument.id, monument.p_B);
-  return hardware;
-}
-
 class VirtualDevices final : public CellDevices {
  public:
   VirtualDevices(const Truth& truth, const VirtualHardware& hardware) : cell_(truth, hardware) {}
@@ -48,6 +28,26 @@ class VirtualDevices final : public CellDevices {
 
 }  // namespace
 
+VirtualHardware virtual_hardware(const CellSettings& cell) {
+  const Transmission transmission(cell.transmission);
+  VirtualHardware hardware;
+  hardware.sensor_px = {cell.camera.width_px, cell.camera.height_px};
+  hardware.frame_rate_hz = cell.camera.frame_rate_hz;
+  hardware.sense = cell.arm.geometry.positive_rotation == Rotation::kCounterclockwise ? 1.0 : -1.0;
+  for (std::size_t i = 0; i < 2; ++i)
+    hardware.relative[i] = cell.transmission.coupling[i] == Coupling::kRelative;
+  hardware.pulses_per_rad = transmission.pulses_per_rad();
+  for (int i = 0; i < 3; ++i) {
+    const MotorDrive& drive = cell.transmission.drives[static_cast<std::size_t>(i)];
+    hardware.max_speed_rad_s[i] = drive.max_speed_rad_s;
+    hardware.max_acceleration_rad_s2[i] = drive.max_acceleration_rad_s2;
+  }
+  hardware.home_rad = cell.arm.home;
+  for (const Monument& monument : cell.datum)
+    hardware.monuments_B.emplace_back(monument.id, monument.p_B);
+  return hardware;
+}
+
 void require_devices(const CellSettings& cell) {
   Faults faults;
   if (cell.camera.source != "virtual")
@@ -65,7 +65,7 @@ void require_devices(const CellSettings& cell) {
 
 std::unique_ptr<CellDevices> open_cell(const CellSettings& cell) {
   require_devices(cell);
-  return std::make_unique<VirtualDevices>(read_truth(*cell.truth), hardware_of(cell));
+  return std::make_unique<VirtualDevices>(read_truth(*cell.truth), virtual_hardware(cell));
 }
 
 }  // namespace planar

@@ -9,6 +9,7 @@
 #include "devices/frame_source.h"
 #include "devices/tracker.h"
 #include "files/cell_file.h"
+#include "virtual_cell/virtual_hardware.h"
 
 namespace planar {
 
@@ -27,6 +28,9 @@ class CellDevices {
   /// scorer of `_truth` figures only.
   virtual std::function<TipPose()> true_tip() = 0;
 };
+
+/// What a virtual cell of this cell's kind is made of.
+VirtualHardware virtual_hardware(const CellSettings& cell);
 
 /// Throws InputError naming every device of the cell that this version does not drive, and when a
 /// virtual cell names no truth file.

@@ -1,14 +1,35 @@
 #pragma once
 
+#include <cstdint>
+#include <optional>
+#include <string>
+
 #include "core/frame.h"
 
 namespace planar {
 
-enum class FrameStatus { kOk, kTimeout, kIncomplete, kLost };
+enum class FrameStatus {
+  kOk,
+  kTimeout,     ///< no frame came in time
+  kIncomplete,  ///< frames came in time, but parts of them were missing
+  kFrozen,      ///< frames came, but all of them repeated one picture
+  kLost,        ///< the camera is gone; it is being looked for
+};
+
+/// As logs have it: "ok", "no_frame", "incomplete_frame", "frozen_frame", "camera_lost".
+const char* name(FrameStatus status);
 
 struct FrameResult {
   FrameStatus status{FrameStatus::kTimeout};
   Frame frame;  ///< valid only when status is kOk
+};
+
+/// Frames since the camera was opened, whether anybody asked for them or not.
+struct FrameCounts {
+  std::uint64_t complete{0};
+  std::uint64_t incomplete{0};  ///< never measured
+  std::uint64_t frozen{0};      ///< never measured
+  std::uint64_t reopened{0};    ///< how often the camera came back after it was lost
 };
 
 /// A camera: "the next frame, its time, or why not".
@@ -22,8 +43,17 @@ class FrameSource {
   /// the region is empty or leaves the sensor.
   virtual void set_region(const cv::Rect& region_px) = 0;
 
-  /// Waits for a frame whose exposure begins after this call.
+  /// Waits for a whole frame of the region whose exposure begins after this call.
   virtual FrameResult next_frame() = 0;
+
+  /// What is wrong with the camera now, in words; empty while its frames come as they should.
+  /// Answers at once: it is asked every few milliseconds while the arm moves.
+  virtual std::optional<std::string> fault() const = 0;
+
+  virtual FrameCounts counts() const = 0;
 };
+
+/// Throws std::invalid_argument unless the region lies on the sensor and is not empty.
+void require_region(const cv::Rect& region_px, const cv::Size& sensor_px);
 
 }  // namespace planar

@@ -18,6 +18,22 @@ constexpr int kMaxSensorPixels = 65535;
 /// long.
 constexpr double kMinCommandTimeout_ms = 100.0;
 constexpr double kMaxCommandTimeout_ms = 2000.0;
+constexpr int kMaxPacketSize = 65535;
+
+CameraConnection read_connection(const YamlNode& node) {
+  CameraConnection connection;
+  if (node.has("address")) connection.address = node.text("address");
+  if (node.has("id")) connection.id = node.text("id");
+  connection.exposure_s = node.number_in("exposure_us", 1.0, kUnbounded) * kMicrosecond;
+  connection.gain_db = node.number("gain_db");
+  connection.pixel_format = node.choice(
+      "pixel_format",
+      {"Mono8", "Mono10", "Mono10p", "Mono10Packed", "Mono12", "Mono12p", "Mono12Packed"});
+  connection.trigger = node.choice("trigger", {"free_run", "software", "hardware"});
+  if (node.has("packet_size"))
+    connection.packet_size = static_cast<int>(node.number_in("packet_size", 0, kMaxPacketSize));
+  return connection;
+}
 
 CameraSettings read_camera(const YamlNode& node) {
   CameraSettings camera;
@@ -30,10 +46,7 @@ CameraSettings read_camera(const YamlNode& node) {
   camera.follow_region_px =
       static_cast<int>(node.number_in("follow_region_px", 64, kMaxSensorPixels));
   camera.gain_e_per_level = node.number_in("gain_e_per_level", kTiny, kUnbounded);
-  if (camera.source == "aravis")
-    for (const char* key :
-         {"id", "exposure_us", "gain_db", "pixel_format", "trigger", "packet_size", "address"})
-      node.allow(key);
+  if (camera.source == "aravis") camera.connection = read_connection(node);
   return camera;
 }
 

@@ -15,6 +15,17 @@
 
 namespace planar {
 
+/// What only a camera of source aravis has.
+struct CameraConnection {
+  std::string address;  ///< of a GigE camera; empty: USB
+  std::string id;       ///< serial number; empty: any
+  double exposure_s{0.0};
+  double gain_db{0.0};
+  std::string pixel_format;
+  std::string trigger;  ///< "free_run", "software" or "hardware"
+  int packet_size{0};   ///< bytes; 0: the largest that passes
+};
+
 struct CameraSettings {
   std::string source;  ///< "virtual", "files" or "aravis"
   int width_px{0};
@@ -24,6 +35,7 @@ struct CameraSettings {
   double timeout_s{0.0};
   int follow_region_px{0};
   double gain_e_per_level{0.0};
+  CameraConnection connection;
 };
 
 struct DriveSettings {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 
 namespace planar {
 
@@ -21,8 +20,7 @@ VirtualCamera::VirtualCamera(const Truth& truth, const VirtualHardware& hardware
       region_px_(cv::Point(), hardware.sensor_px) {}
 
 void VirtualCamera::set_region(const cv::Rect& region_px) {
-  if (region_px.empty() || (region_px & cv::Rect(cv::Point(), sensor_px_)) != region_px)
-    throw std::invalid_argument("a camera's region must not be empty or leave the sensor");
+  require_region(region_px, sensor_px_);
   region_px_ = region_px;
 }
 
@@ -33,16 +31,25 @@ FrameResult VirtualCamera::next_frame() {
   const double t_s = static_cast<double>(exposure) / frame_rate_hz_;
   clock_.advance_to(std::max(t_s, clock_.now_s()));
 
-  Frame frame{cv::Mat(region_px_.size(), CV_8UC1), region_px_, t_s, exposure};
+  ++taken_;
+  return {FrameStatus::kOk, {expose(region_px_, 1.0, exposure), region_px_, t_s, exposure}};
+}
+
+cv::Mat VirtualCamera::expose(const cv::Rect& region_px, double brightness,
+                              std::uint64_t exposure) {
+  require_region(region_px, sensor_px_);
+  cv::Mat image(region_px.size(), CV_8UC1);
   Random random(seed_, RandomStream::kFrame, exposure);
-  noise_.fill_dark(frame.image, random);
-  if (const std::optional<Light> seen = light(t_s)) {
-    const cv::Rect lit_px = seen->window_px & region_px_;
-    if (!lit_px.empty())
-      noise_.expose(seen->levels(lit_px - seen->window_px.tl()),
-                    frame.image(lit_px - region_px_.tl()), random);
+  noise_.fill_dark(image, random);
+  if (const std::optional<Light> seen = light(clock_.now_s())) {
+    const cv::Rect lit_px = seen->window_px & region_px;
+    if (!lit_px.empty()) {
+      cv::Mat1f levels;
+      seen->levels(lit_px - seen->window_px.tl()).convertTo(levels, CV_32F, brightness);
+      noise_.expose(levels, image(lit_px - region_px.tl()), random);
+    }
   }
-  return {FrameStatus::kOk, frame};
+  return image;
 }
 
 std::optional<Light> VirtualCamera::light(double t_s) {

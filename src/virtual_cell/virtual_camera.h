@@ -23,6 +23,12 @@ class VirtualCamera final : public FrameSource {
   cv::Size sensor_size_px() const override { return sensor_px_; }
   void set_region(const cv::Rect& region_px) override;
   FrameResult next_frame() override;
+  std::optional<std::string> fault() const override { return std::nullopt; }
+  FrameCounts counts() const override { return {taken_, 0, 0, 0}; }
+
+  /// What the sensor shows of `region_px` now, `brightness` times as bright as a frame of
+  /// next_frame(). Equal numbers of exposure give the same noise.
+  cv::Mat expose(const cv::Rect& region_px, double brightness, std::uint64_t exposure);
 
  private:
   std::optional<Light> light(double t_s);
@@ -37,6 +43,7 @@ class VirtualCamera final : public FrameSource {
   VirtualLamps lamps_;
   SensorNoise noise_;
   cv::Rect region_px_;
+  std::uint64_t taken_{0};
   std::uint64_t next_exposure_{0};  ///< in frame periods since the clock's start
 };
 

@@ -76,6 +76,14 @@ void VirtualCell::set_drive_fault(int joint, const std::string& fault) {
   impl_->arm.drive(joint).set_fault(fault);
 }
 
+cv::Mat VirtualCell::expose(const cv::Rect& region_px, double brightness, std::uint64_t exposure) {
+  return impl_->camera.expose(region_px, brightness, exposure);
+}
+
+void VirtualCell::turn_motor(int joint, std::int32_t pulses) {
+  impl_->arm.drive(joint).turn_shaft(pulses);
+}
+
 TipPose VirtualCell::true_tip() const {
   return impl_->arm.tip();
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string>
 
@@ -34,6 +35,13 @@ class VirtualCell {
 
   /// Makes a drive report this fault, stop and refuse targets; an empty text heals it.
   void set_drive_fault(int joint, const std::string& fault);
+
+  // For servers, which show this cell to others as real devices.
+  /// What the camera's sensor shows now; see VirtualCamera::expose().
+  cv::Mat expose(const cv::Rect& region_px, double brightness, std::uint64_t exposure);
+  /// Turns a motor to a position from outside, by steps so small that it does not turn back on the
+  /// way. Its drive takes no part.
+  void turn_motor(int joint, std::int32_t pulses);
 
   /// For the scorer of `_truth` figures only: the end point P as it really is, in the base frame,
   /// and the direction from lamp 1 to lamp 2.

@@ -93,6 +93,13 @@ void VirtualDrive::set_fault(const std::string& fault) {
   halt();
 }
 
+void VirtualDrive::turn_shaft(std::int32_t pulses) {
+  advance();
+  target_pulses_ = pulses;
+  profile_ = MotionProfile(pulses);
+  advance();
+}
+
 double VirtualDrive::output_rad() {
   advance();
   return reducer_.output_rad();

@@ -36,6 +36,9 @@ class VirtualDrive final : public PulseDrive {
   /// The drive fails with this message, stops at once and refuses targets; an empty text heals it.
   void set_fault(const std::string& fault);
 
+  /// Turns the motor's shaft from outside; the drive takes no part.
+  void turn_shaft(std::int32_t pulses);
+
   /// The angle that really comes out of the reducer now.
   double output_rad();
 

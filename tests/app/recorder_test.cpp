@@ -32,6 +32,9 @@ class NotingDevices final : public CellDevices,
     return {FrameStatus::kOk, {cv::Mat::zeros(64, 64, CV_8UC1), {0, 0, 64, 64}, 0.0, 0}};
   }
 
+  std::optional<std::string> fault() const override { return std::nullopt; }
+  FrameCounts counts() const override { return {}; }
+
   std::optional<TrackerReading> measure_tool() override { return TrackerReading{}; }
   std::optional<TrackerReading> measure_monument(const std::string& /*id*/) override {
     return TrackerReading{};

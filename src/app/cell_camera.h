@@ -1,0 +1,14 @@
+#pragma once
+
+#include <memory>
+
+#include "devices/frame_source.h"
+#include "files/cell_file.h"
+
+namespace planar {
+
+/// Opens the camera of a cell whose source is aravis. Throws WorkError when it does not answer or
+/// refuses a setting, InputError for settings that no camera can have.
+std::unique_ptr<FrameSource> open_camera(const CellSettings& cell);
+
+}  // namespace planar

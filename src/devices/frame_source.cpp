@@ -1,0 +1,28 @@
+#include "devices/frame_source.h"
+
+#include <stdexcept>
+
+namespace planar {
+
+const char* name(FrameStatus status) {
+  switch (status) {
+    case FrameStatus::kOk:
+      return "ok";
+    case FrameStatus::kTimeout:
+      return "no_frame";
+    case FrameStatus::kIncomplete:
+      return "incomplete_frame";
+    case FrameStatus::kFrozen:
+      return "frozen_frame";
+    case FrameStatus::kLost:
+      return "camera_lost";
+  }
+  throw std::invalid_argument("unknown FrameStatus");
+}
+
+void require_region(const cv::Rect& region_px, const cv::Size& sensor_px) {
+  if (region_px.empty() || (region_px & cv::Rect(cv::Point(), sensor_px)) != region_px)
+    throw std::invalid_argument("a camera's region must not be empty or leave the sensor");
+}
+
+}  // namespace planar

@@ -1,0 +1,195 @@
+#include "frame_source/aravis_camera.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <atomic>
+#include <thread>
+
+#include "core/clock.h"
+#include "core/error.h"
+#include "frame_source/aravis_link.h"
+#include "frame_source/frame_mailbox.h"
+
+namespace planar {
+namespace {
+
+// The camera's faults must stop the arm within 3 frame periods or 100 ms, whichever is longer; the
+// rest is for those who ask and for the drives' link.
+constexpr double kAgeLimitPeriods = 2.5;
+constexpr double kAgeLimit_s = 0.080;
+
+constexpr double kStartTime_s = 0.5;  ///< a stream needs as long until its first frame
+constexpr double kSilence_s = 3.0;    ///< without a good frame the camera is opened again
+constexpr double kPollPeriod_s = 0.005;
+constexpr double kFirstPause_s = 0.1;  ///< between two attempts to open a lost camera
+constexpr double kLongestPause_s = 2.0;
+constexpr int kFrameBlocks = 6;  ///< two in the camera's hands, two compared, two to spare
+
+AravisSettings checked(const AravisSettings& settings) {
+  Faults faults;
+  const auto require = [&](bool holds, const std::string& rule) {
+    if (!holds) faults.add("camera settings: " + rule);
+  };
+  require(!settings.sensor_px.empty(), "the sensor needs pixels");
+  require(settings.frame_rate_hz > 0.0, "the frame rate must be positive");
+  require(settings.exposure_s > 0.0, "the exposure time must be positive");
+  require(settings.exposure_s * settings.frame_rate_hz < 1.0,
+          fmt::format("an exposure of {:.0f} us does not fit into a period at {:.3g} Hz",
+                      1e6 * settings.exposure_s, settings.frame_rate_hz));
+  require(settings.timeout_s > 0.0, "the timeout must be positive");
+  faults.throw_if_any();
+  return settings;
+}
+
+}  // namespace
+
+struct AravisCamera::Impl {
+  explicit Impl(const AravisSettings& wanted)
+      : settings(checked(wanted)),
+        format(pixel_format_named(settings.pixel_format)),
+        memory(kFrameBlocks, bytes_of(format, static_cast<std::size_t>(settings.sensor_px.area()))),
+        mailbox({{}, settings.sensor_px},
+                std::max(kAgeLimitPeriods / settings.frame_rate_hz, kAgeLimit_s)) {
+    open();
+    thread = std::thread([this] { run(); });
+  }
+
+  ~Impl() {
+    stop = true;
+    mailbox.wake();
+    thread.join();
+  }
+
+  void open() {
+    link = std::make_unique<AravisLink>(settings, memory);
+    start(mailbox.region());
+  }
+
+  void start(const cv::Rect& region_px) {
+    mailbox.excuse(kStartTime_s);
+    asked_px = region_px;
+    link->start(region_px);
+    mailbox.excuse(kStartTime_s);
+  }
+
+  void run() {
+    double pause_s = kFirstPause_s;
+    while (!stop) {
+      try {
+        if (!link) {
+          open();
+          spdlog::info("the camera is back");
+          mailbox.find();
+          mailbox.excuse(kStartTime_s);
+          pause_s = kFirstPause_s;
+        }
+        grab();
+      } catch (const std::exception& error) {
+        if (!mailbox.fault() || link) spdlog::warn("the camera is lost: {}", error.what());
+        mailbox.lose(fmt::format("the camera is lost: {}", error.what()));
+        link.reset();
+        rest(pause_s);
+        pause_s = std::min(2.0 * pause_s, kLongestPause_s);
+      }
+    }
+    link.reset();
+  }
+
+  void rest(double duration_s) {
+    const double until_s = clock.now_s() + duration_s;
+    while (!stop && clock.now_s() < until_s) clock.sleep_for_s(kPollPeriod_s);
+  }
+
+  /// Grabs until stop or until the connection fails.
+  void grab() {
+    while (!stop) {
+      follow_region();
+      if (settings.trigger == CameraTrigger::kSoftware)
+        grab_by_command();
+      else
+        take(link->receive(kPollPeriod_s), std::nullopt);
+      if (link->lost()) throw WorkError("it does not answer");
+      if (mailbox.age_s() > kSilence_s)
+        throw WorkError(fmt::format("it sent no good frame for {:.0f} s", kSilence_s));
+    }
+  }
+
+  void follow_region() {
+    const cv::Rect region_px = mailbox.region();
+    if (region_px == asked_px) return;
+    if (region_px.size() != asked_px.size()) {
+      start(region_px);
+    } else {
+      link->move(region_px);
+      asked_px = region_px;
+    }
+  }
+
+  void grab_by_command() {
+    mailbox.sleep_until(next_trigger_s, asked_px);
+    if (stop || mailbox.region() != asked_px) return;
+    const double triggered_s = clock.now_s();
+    const double period_s = 1.0 / settings.frame_rate_hz;
+    next_trigger_s = triggered_s + period_s;
+    link->trigger();
+    const double patience_s = settings.exposure_s + 2.0 * period_s + kAgeLimit_s;
+    take(link->receive(patience_s), triggered_s);
+  }
+
+  /// `began_s`: when the exposure began, where that is known.
+  void take(const std::optional<AravisLink::Arrival>& arrival, std::optional<double> began_s) {
+    if (!arrival) return;
+    if (!arrival->complete || arrival->repeated) {
+      mailbox.note_bad(arrival->complete ? FrameStatus::kFrozen : FrameStatus::kIncomplete);
+      return;
+    }
+    const double t_s = began_s.value_or(arrival->t_s - settings.exposure_s);
+    const cv::Rect& region_px = arrival->region_px;
+    if ((region_px & asked_px) != asked_px) {  // from before the region moved
+      mailbox.note_good(t_s, {});
+      return;
+    }
+    if (!mailbox.note_good(t_s, asked_px)) return;
+    mailbox.deliver({unpack(format, arrival->data, region_px.size()), region_px, t_s, arrival->id});
+  }
+
+  AravisSettings settings;
+  PixelFormat format;
+  FrameMemory memory;
+  FrameMailbox mailbox;
+  SteadyClock clock;
+  std::unique_ptr<AravisLink> link;
+  cv::Rect asked_px;  ///< the region as it was asked for when it was last set
+  double next_trigger_s{0.0};
+  std::atomic<bool> stop{false};
+  std::thread thread;
+};
+
+AravisCamera::AravisCamera(const AravisSettings& settings)
+    : impl_(std::make_unique<Impl>(settings)) {}
+AravisCamera::~AravisCamera() = default;
+
+cv::Size AravisCamera::sensor_size_px() const {
+  return impl_->settings.sensor_px;
+}
+
+void AravisCamera::set_region(const cv::Rect& region_px) {
+  require_region(region_px, sensor_size_px());
+  impl_->mailbox.ask_region(region_px);
+}
+
+FrameResult AravisCamera::next_frame() {
+  return impl_->mailbox.next(impl_->settings.timeout_s);
+}
+
+std::optional<std::string> AravisCamera::fault() const {
+  return impl_->mailbox.fault();
+}
+
+FrameCounts AravisCamera::counts() const {
+  return impl_->mailbox.counts();
+}
+
+}  // namespace planar

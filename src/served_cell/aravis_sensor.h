@@ -1,0 +1,24 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <opencv2/core.hpp>
+
+// Aravis' own declaration, so that this header needs none of its.
+typedef struct _ArvFakeCamera ArvFakeCamera;
+
+namespace planar {
+
+/// Takes a picture of a region, `brightness` times as bright as usual.
+using Exposure = std::function<cv::Mat(const cv::Rect& region_px, double brightness)>;
+
+/// The exposure time at which a served camera without gain is as bright as usual.
+constexpr std::uint32_t kUsualExposure_us = 10000;
+
+/// Makes Aravis' fake camera, a set of registers with a source of pictures, show what `exposure`
+/// takes: of its region of interest, by its exposure time and gain (in dB). `exposure` is called by
+/// the camera's own thread and must outlive it.
+void show_on(ArvFakeCamera* camera, const Exposure& exposure, const cv::Size& sensor_px,
+             double frame_rate_hz);
+
+}  // namespace planar
