@@ -107,3 +107,15 @@ function(planar_wire_test name)
   catch_discover_tests(${name}_test TEST_PREFIX "${name}: "
                        PROPERTIES TIMEOUT 300 SKIP_RETURN_CODE 77)
 endfunction()
+
+# planar_gige_test(NAME SOURCES ... LINKS ...): a test program that serves a GigE camera on a loopback
+# of its own; ctest counts it as skipped where that is impossible.
+function(planar_gige_test name)
+  cmake_parse_arguments(TEST "" "" "SOURCES;LINKS" ${ARGN})
+  add_executable(${name}_test ${TEST_SOURCES} ${PROJECT_SOURCE_DIR}/tests/support/gige_guard.cpp)
+  set_target_properties(${name}_test PROPERTIES CXX_STANDARD 17 CXX_EXTENSIONS OFF
+    CROSSCOMPILING_EMULATOR ${PROJECT_SOURCE_DIR}/tests/support/loopback_only.sh)
+  target_link_libraries(${name}_test PRIVATE planar_test_main planar_served_cell ${TEST_LINKS})
+  catch_discover_tests(${name}_test TEST_PREFIX "${name}: "
+                       PROPERTIES TIMEOUT 300 SKIP_RETURN_CODE 77 RESOURCE_LOCK gige_camera)
+endfunction()

@@ -9,9 +9,10 @@
 #include "devices/frame_source.h"
 #include "devices/tracker.h"
 #include "files/cell_file.h"
-#include "virtual_cell/virtual_hardware.h"
 
 namespace planar {
+
+struct VirtualHardware;
 
 /// The devices of a cell, opened. Whoever holds them cannot tell a virtual cell from a real one,
 /// but for `true_tip`, which only a scorer may ask.

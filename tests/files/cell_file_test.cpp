@@ -35,6 +35,53 @@ TEST_CASE("The paper's cell is read in SI") {
   CHECK(cell.truth->filename() == "truth.yaml");
 }
 
+std::string with_aravis_camera(const std::string& keys) {
+  return replaced(read_file(test::paper_cell_file()), "source: virtual,",
+                  "source: aravis, " + keys);
+}
+
+TEST_CASE("A camera of source aravis has an address or a serial number, and settings in SI") {
+  const test::TemporaryFolder folder;
+  const CameraConnection gige =
+      read_cell(folder.write("gige.yaml",
+                             with_aravis_camera("address: 192.168.0.2, exposure_us: 2500, gain_db: "
+                                                "6, pixel_format: Mono10p, trigger: software, "
+                                                "packet_size: 9000,")))
+          .camera.connection;
+  CHECK(gige.address == "192.168.0.2");
+  CHECK(gige.id.empty());
+  CHECK(gige.exposure_s == Approx(2.5e-3));
+  CHECK(gige.gain_db == 6.0);
+  CHECK(gige.pixel_format == "Mono10p");
+  CHECK(gige.trigger == "software");
+  CHECK(gige.packet_size == 9000);
+  const CameraConnection usb =
+      read_cell(folder.write("usb.yaml",
+                             with_aravis_camera("id: FCN24010001, exposure_us: 100, gain_db: 0, "
+                                                "pixel_format: Mono8, trigger: free_run,")))
+          .camera.connection;
+  CHECK(usb.address.empty());
+  CHECK(usb.id == "FCN24010001");
+  CHECK(usb.packet_size == 0);
+}
+
+TEST_CASE("Settings that no camera has are refused in the cell file") {
+  const test::TemporaryFolder folder;
+  const auto file =
+      folder.write("cell.yaml", with_aravis_camera("exposure_us: 0, gain_db: 0, pixel_format: "
+                                                   "RGB8, trigger: often, packet_size: 70000,"));
+  CHECK_THROWS_WITH(read_cell(file),
+                    Contains("camera.exposure_us is 0") &&
+                        Contains("camera.pixel_format is 'RGB8'; allowed are Mono8") &&
+                        Contains("camera.trigger is 'often'; allowed are free_run") &&
+                        Contains("camera.packet_size is 70000"));
+  CHECK_THROWS_WITH(
+      read_cell(folder.write("virtual.yaml",
+                             replaced(read_file(test::paper_cell_file()), "source: virtual,",
+                                      "source: virtual, trigger: software,"))),
+      Contains("unknown key 'camera.trigger'"));
+}
+
 TEST_CASE("Faults of a cell file are told all at once, each with its place and rule") {
   const test::TemporaryFolder folder;
   std::string text = read_file(test::paper_cell_file());

@@ -61,9 +61,9 @@ head -c 65550 /dev/zero | sed '1s/^/P5 256 256 255\n/' >dark.pgm
 grep -q "no_lamp" dark.csv || fail "a dark image has no lamp: $(cat dark.csv)"
 expect 2 "256" "$bin/planar-locate-lamps" --cell cell/cell.yaml -o made dark.pgm
 
-# A camera that this version does not drive is told before anything else.
+# A camera that is not virtual needs its settings.
 sed 's/source: virtual/source: aravis/' cell/cell.yaml >cell/aravis.yaml
-expect 2 "camera.source is aravis; this version drives virtual cells only" \
+expect 2 "camera lacks the key 'exposure_us'" \
   "$bin/planar-servo" --cell cell/aravis.yaml --targets targets.csv --check
 
 # A target beyond reach is refused without motion.

@@ -1,0 +1,215 @@
+#include "frame_source/aravis_camera.h"
+
+#include <catch2/catch.hpp>
+#include <chrono>
+#include <memory>
+
+#include "core/clock.h"
+#include "core/error.h"
+#include "served_cell/aravis_gige_camera.h"
+#include "support/scene_sensor.h"
+
+// Every frame here crosses GigE Vision on loopback, through Aravis on both sides.
+
+namespace planar {
+namespace {
+
+const cv::Size kSensor{320, 240};
+const cv::Rect kWhole{0, 0, 320, 240};
+constexpr double kFrameRate_hz = 100.0;
+// Aravis needs 2.5 s to see that nobody answers, 5 s to close what is dead, and tries again.
+constexpr double kRecovery_s = 60.0;
+
+struct Server {
+  explicit Server(test::SceneSensor& sensor)
+      : camera("127.0.0.1", "T1", kSensor, kFrameRate_hz,
+               [&sensor](const cv::Rect& region_px, double brightness) {
+                 return sensor.expose(region_px, brightness);
+               }) {}
+  GigeCamera camera;
+};
+
+AravisSettings settings_with(CameraTrigger trigger) {
+  AravisSettings settings;
+  settings.address = "127.0.0.1";
+  settings.sensor_px = kSensor;
+  settings.frame_rate_hz = kFrameRate_hz;
+  settings.exposure_s = 0.002;
+  settings.trigger = trigger;
+  settings.packet_size = 9000;
+  settings.timeout_s = 1.0;
+  return settings;
+}
+
+/// Whether `holds` becomes true while the camera may recover.
+template <typename Condition>
+bool in_the_end(const Condition& holds) {
+  SteadyClock clock;
+  const double deadline_s = clock.now_s() + kRecovery_s;
+  while (!holds()) {
+    if (clock.now_s() > deadline_s) return false;
+    clock.sleep_for_s(0.002);
+  }
+  return true;
+}
+
+TEST_CASE("A frame is whole, of the region asked for, and exposed after it was asked for") {
+  for (const CameraTrigger trigger : {CameraTrigger::kFreeRun, CameraTrigger::kSoftware}) {
+    test::SceneSensor sensor;
+    const Server server(sensor);
+    AravisCamera camera(settings_with(trigger));
+    const cv::Rect regions[] = {
+        kWhole, {64, 32, 128, 96}, {65, 33, 128, 96}, {192, 144, 128, 96}, kWhole};
+    for (const cv::Rect& region : regions) {
+      camera.set_region(region);
+      for (int i = 0; i < 3; ++i) {
+        const double asked_s = SteadyClock().now_s();
+        const FrameResult result = camera.next_frame();
+        REQUIRE(result.status == FrameStatus::kOk);
+        CHECK(result.frame.region_px == region);
+        CHECK(test::SceneSensor::shows(result.frame.image, region));
+        CHECK(sensor.exposed_s(result.frame.image, region) >= asked_s);
+        CHECK(result.frame.t_s >= asked_s);
+      }
+    }
+    CHECK_FALSE(camera.fault());
+  }
+}
+
+TEST_CASE("Frames keep coming when the camera's count of 16 bits begins anew") {
+  test::SceneSensor sensor;
+  const Server server(sensor);
+  AravisCamera camera(settings_with(CameraTrigger::kSoftware));
+  camera.set_region({0, 0, 64, 64});
+  bool wrapped = false;
+  std::uint64_t last = 0;
+  for (int i = 0; i < 200; ++i) {
+    const FrameResult result = camera.next_frame();
+    REQUIRE(result.status == FrameStatus::kOk);
+    wrapped = wrapped || result.frame.id < last;
+    last = result.frame.id;
+  }
+  CHECK(wrapped);
+}
+
+TEST_CASE("Exposure time and gain reach the sensor") {
+  test::SceneSensor sensor;
+  const Server server(sensor);
+  AravisSettings settings = settings_with(CameraTrigger::kSoftware);
+  settings.exposure_s = 0.005;  // half the usual
+  settings.gain_db = 6.0;
+  AravisCamera camera(settings);
+  REQUIRE(camera.next_frame().status == FrameStatus::kOk);
+  CHECK(sensor.brightness() == Approx(0.5 * std::pow(10.0, 0.3)));
+}
+
+TEST_CASE("Frames that lost packets are counted and never handed over") {
+  for (const CameraTrigger trigger : {CameraTrigger::kFreeRun, CameraTrigger::kSoftware}) {
+    test::SceneSensor sensor;
+    Server server(sensor);
+    AravisSettings settings = settings_with(trigger);
+    settings.packet_size = 1500;  // 54 packets a frame
+    AravisCamera camera(settings);
+    server.camera.lose_packets(0.02);
+    int good = 0;
+    for (int i = 0; i < 20; ++i) {
+      const FrameResult result = camera.next_frame();
+      if (result.status != FrameStatus::kOk) continue;
+      ++good;
+      CHECK(test::SceneSensor::shows(result.frame.image, kWhole));
+    }
+    CHECK(good > 0);
+    CHECK(camera.counts().incomplete > 0);
+    server.camera.lose_packets(1.0);
+    CHECK(in_the_end([&] { return camera.fault().has_value(); }));
+    CHECK(camera.next_frame().status != FrameStatus::kOk);
+    server.camera.lose_packets(0.0);
+    CHECK(in_the_end([&] { return camera.next_frame().status == FrameStatus::kOk; }));
+  }
+}
+
+TEST_CASE("A camera that repeats one picture is at fault until it shows another") {
+  test::SceneSensor sensor;
+  const Server server(sensor);
+  AravisCamera camera(settings_with(CameraTrigger::kSoftware));
+  REQUIRE(camera.next_frame().status == FrameStatus::kOk);
+  sensor.frozen = true;
+  camera.next_frame();  // the picture may not have been sent before
+  CHECK(camera.next_frame().status == FrameStatus::kFrozen);
+  CHECK_THAT(camera.fault().value_or(""), Catch::Contains("it repeats one picture"));
+  CHECK(camera.counts().frozen > 0);
+  sensor.frozen = false;
+  CHECK(camera.next_frame().status == FrameStatus::kOk);
+  CHECK_FALSE(camera.fault());
+}
+
+TEST_CASE("A camera that died and came back goes on with its settings and its region") {
+  test::SceneSensor sensor;
+  auto server = std::make_unique<Server>(sensor);
+  AravisSettings settings = settings_with(CameraTrigger::kSoftware);
+  settings.exposure_s = 0.005;
+  AravisCamera camera(settings);
+  const cv::Rect region{32, 16, 64, 64};
+  camera.set_region(region);
+  REQUIRE(camera.next_frame().status == FrameStatus::kOk);
+  server.reset();
+  CHECK(in_the_end([&] { return camera.fault().has_value(); }));
+  CHECK(camera.next_frame().status != FrameStatus::kOk);
+  server = std::make_unique<Server>(sensor);
+  REQUIRE(in_the_end([&] { return !camera.fault(); }));
+  const FrameResult result = camera.next_frame();
+  REQUIRE(result.status == FrameStatus::kOk);
+  CHECK(result.frame.region_px == region);
+  CHECK(sensor.brightness() == Approx(0.5));
+  CHECK(camera.counts().reopened == 1);
+}
+
+TEST_CASE("Without its trigger a camera times out and is at fault") {
+  test::SceneSensor sensor;
+  const Server server(sensor);
+  AravisSettings settings = settings_with(CameraTrigger::kHardware);
+  settings.timeout_s = 0.05;
+  AravisCamera camera(settings);  // the served camera's line never rises
+  CHECK(camera.next_frame().status == FrameStatus::kTimeout);
+  CHECK(in_the_end([&] { return camera.fault().has_value(); }));
+}
+
+TEST_CASE("A camera that is not the one asked for is refused by name") {
+  AravisSettings settings = settings_with(CameraTrigger::kSoftware);
+  CHECK_THROWS_WITH(AravisCamera(settings), Catch::Contains("no GigE camera answers at 127.0.0.1"));
+  test::SceneSensor sensor;
+  const Server server(sensor);
+  settings.id = "T2";
+  CHECK_THROWS_WITH(AravisCamera(settings), Catch::Contains("is T1, not T2"));
+  settings.id = "T1";
+  settings.sensor_px = {640, 480};
+  CHECK_THROWS_WITH(AravisCamera(settings),
+                    Catch::Contains("320 x 240 pixels; the cell says 640 x 480"));
+}
+
+TEST_CASE("What a camera cannot do is said when it is opened") {
+  test::SceneSensor sensor;
+  const Server server(sensor);
+  AravisSettings settings = settings_with(CameraTrigger::kSoftware);
+  settings.pixel_format = "Mono12p";
+  CHECK_THROWS_WITH(AravisCamera(settings), Catch::Contains("refuses the pixel format Mono12p"));
+  settings.pixel_format = "Grey";
+  CHECK_THROWS_AS(AravisCamera(settings), InputError);
+  settings = settings_with(CameraTrigger::kSoftware);
+  settings.exposure_s = 0.02;
+  CHECK_THROWS_WITH(AravisCamera(settings), Catch::Contains("does not fit into a period"));
+  settings = settings_with(CameraTrigger::kSoftware);
+  settings.address = "localhost";
+  CHECK_THROWS_WITH(AravisCamera(settings), Catch::Contains("is not one of IPv4"));
+}
+
+TEST_CASE("A region must lie on the sensor") {
+  test::SceneSensor sensor;
+  const Server server(sensor);
+  AravisCamera camera(settings_with(CameraTrigger::kSoftware));
+  CHECK_THROWS_AS(camera.set_region({300, 0, 64, 64}), std::invalid_argument);
+  CHECK_THROWS_AS(camera.set_region({0, 0, 0, 64}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace planar
