@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "core/units.h"
 
 namespace planar {
@@ -23,6 +25,14 @@ std::optional<std::string> Workspace::violation(const Eigen::Vector2d& p_B) cons
           mm.x(), mm.y(), disc.radius_m / kMillimetre, disc.p_B.x() / kMillimetre,
           disc.p_B.y() / kMillimetre);
   return std::nullopt;
+}
+
+double Workspace::excess_m(const Eigen::Vector2d& p_B) const {
+  const double radius = p_B.norm();
+  double excess = std::max({0.0, radius_min_m - radius, radius - radius_max_m});
+  for (const KeepOut& disc : keep_out)
+    excess = std::max(excess, disc.radius_m - (p_B - disc.p_B).norm());
+  return excess;
 }
 
 }  // namespace planar

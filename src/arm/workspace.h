@@ -20,6 +20,9 @@ struct Workspace {
 
   /// What forbids this end point, in words with the numbers; empty when nothing does.
   std::optional<std::string> violation(const Eigen::Vector2d& p_B) const;
+
+  /// How far the end point is beyond what is allowed, metres; 0 inside.
+  double excess_m(const Eigen::Vector2d& p_B) const;
 };
 
 }  // namespace planar

@@ -14,6 +14,10 @@ TEST_CASE("The workspace is a ring without its keep-out discs, and says what for
   CHECK_THAT(*workspace.violation({-0.6, 0.0}), Catch::Contains("600.000 mm from the base"));
   CHECK_THAT(*workspace.violation({0.3, 0.049}), Catch::Contains("keep-out disc of 50.000 mm"));
   CHECK(workspace.violation({std::numeric_limits<double>::quiet_NaN(), 0.3}));
+  CHECK(workspace.excess_m({0.0, 0.3}) == 0.0);
+  CHECK(workspace.excess_m({0.0, 0.05}) == Approx(0.01));
+  CHECK(workspace.excess_m({-0.6, 0.0}) == Approx(0.06));
+  CHECK(workspace.excess_m({0.3, 0.049}) == Approx(0.001));
 }
 
 }  // namespace planar

@@ -1,0 +1,185 @@
+#include "app/jog_console.h"
+
+#include <catch2/catch.hpp>
+
+#include "app/exposure_meter.h"
+#include "app/jog_keys.h"
+#include "core/error.h"
+#include "core/units.h"
+#include "support/sample_cells.h"
+#include "support/temporary_folder.h"
+#include "text/atomic_file.h"
+
+namespace planar {
+namespace {
+
+using Catch::Contains;
+
+constexpr double kOnePulse_mm = 0.02;  // a pulse of the paper's cell moves the end point by 2 um
+
+/// The paper's cell in reach of nothing but its own files: its vision is not calibrated.
+struct Bench {
+  test::TemporaryFolder folder;
+  CellSettings cell;
+  std::unique_ptr<CellDevices> devices;
+  std::filesystem::path table;
+  JogConsole console;
+
+  explicit Bench(const CellSettings& settings = read_cell(test::paper_cell_file()))
+      : cell(settings),
+        devices(open_cell(cell)),
+        table(folder.path() / "targets.csv"),
+        console(cell, *devices, table) {}
+
+  Pulses pulses() {
+    Pulses all;
+    const auto status = devices->drives().status();
+    for (std::size_t i = 0; i < 3; ++i) all[static_cast<int>(i)] = status[i].target_pulses;
+    return all;
+  }
+  std::string done(const std::string& line) {
+    const auto answer = console.execute(line);
+    INFO(line << " -> " << answer.text);
+    CHECK(answer.done);
+    return answer.text;
+  }
+  /// Refused, and nothing has moved.
+  std::string refused(const std::string& line) {
+    const Pulses before = pulses();
+    const auto answer = console.execute(line);
+    INFO(line << " -> " << answer.text);
+    CHECK_FALSE(answer.done);
+    CHECK(pulses() == before);
+    return answer.text;
+  }
+  /// The elbow to a right angle.
+  void bend() {
+    done("enable");
+    for (int i = 0; i < 2; ++i) done("joint 2 15");
+  }
+};
+
+TEST_CASE("A typo, a wrong unit or a missing number moves nothing and says what is needed") {
+  Bench bench;
+  bench.bend();
+  CHECK_THAT(bench.refused("jiont 2 5"), Contains("no command 'jiont'"));
+  CHECK_THAT(bench.refused("joint 2"), Contains("needed is joint JOINT DEG"));
+  CHECK_THAT(bench.refused("joint 2 5 deg"), Contains("needed is joint JOINT DEG"));
+  CHECK_THAT(bench.refused("joint 4 5"), Contains("allowed are 1, 2, 3"));
+  CHECK_THAT(bench.refused("joint 0x1 5"), Contains("allowed are 1, 2, 3"));
+  CHECK_THAT(bench.refused("joint 2 5deg"), Contains("'5deg'; a finite number is needed"));
+  CHECK_THAT(bench.refused("x 1,5"), Contains("'1,5'; a finite number is needed"));
+  CHECK_THAT(bench.refused("x nan"), Contains("a finite number is needed"));
+  CHECK_THAT(bench.refused("y 10mm"), Contains("a finite number is needed"));
+  CHECK(bench.console.execute("").done);
+}
+
+TEST_CASE("Steps are bounded, whichever way they are asked for") {
+  Bench bench;
+  bench.bend();
+  CHECK_THAT(bench.refused("joint 1 15.1"), Contains("at most 15 deg at a time"));
+  CHECK_THAT(bench.refused("joint 3 -90"), Contains("at most 15 deg at a time"));
+  CHECK_THAT(bench.refused("x 51"), Contains("at most 50 mm at a time"));
+  CHECK_THAT(bench.refused("y -1e9"), Contains("at most 50 mm at a time"));
+}
+
+TEST_CASE("Nothing moves before the drives are enabled") {
+  Bench bench;
+  CHECK_THAT(bench.refused("joint 2 5"), Contains("enable them first"));
+}
+
+TEST_CASE("x and y move the end point by what was asked, joints turn their motors") {
+  Bench bench;
+  bench.bend();
+  const PlanarArm arm(bench.cell.arm.geometry);
+  const Transmission transmission(bench.cell.transmission);
+  const auto tip = [&] { return arm.forward(transmission.joints_from_pulses(bench.pulses())); };
+  const TipPose start = tip();
+  bench.done("x 10");
+  bench.done("y -5");
+  const Eigen::Vector2d moved_mm = (tip().p - start.p) / kMillimetre;
+  CHECK((moved_mm - Eigen::Vector2d(10.0, -5.0)).norm() < kOnePulse_mm);
+  CHECK(tip().phi == Approx(start.phi).margin(1e-4));
+  const Pulses before = bench.pulses();
+  bench.done("joint 1 1");
+  CHECK(bench.pulses().tail<2>() == before.tail<2>());
+  const double turned_deg =
+      (bench.pulses()[0] - before[0]) / transmission.pulses_per_rad()[0] / kDegree;
+  CHECK(turned_deg == Approx(1.0).margin(1e-3));
+}
+
+TEST_CASE("From outside the workspace only ways towards it are open, inside none leads out") {
+  CellSettings cell = read_cell(test::paper_cell_file());
+  cell.arm.home = Joints::Zero();
+  Bench bench(cell);
+  bench.done("enable");  // stretched out, 60 mm beyond the workspace
+  bench.done("joint 2 15");
+  CHECK_THAT(bench.refused("joint 2 -5"), Contains("workspace reaches from"));
+  for (int i = 0; i < 3; ++i) bench.done("joint 2 15");
+  CHECK_THAT(bench.refused("joint 2 -15"), Contains("workspace reaches from"));
+}
+
+TEST_CASE("Taught places become a table of targets; an id that is taken or none is refused") {
+  Bench bench;
+  bench.bend();
+  CHECK_THAT(bench.done("teach a"), Contains("as commanded"));
+  bench.done("x -10");
+  bench.done("teach b");
+  const std::string table = read_file(bench.table);
+  CHECK_THAT(bench.refused("teach a"), Contains("'a' is taken"));
+  CHECK_THAT(bench.refused("teach c,1"), Contains("no comma"));
+  CHECK_THAT(bench.refused("teach #c"), Contains("no '#' first"));
+  CHECK(read_file(bench.table) == table);
+  const auto targets = read_targets(bench.table);
+  REQUIRE(targets.size() == 2);
+  CHECK((targets[0].p_d - targets[1].p_d - Eigen::Vector2d(0.01, 0.0)).norm() <
+        kOnePulse_mm * kMillimetre);
+}
+
+TEST_CASE("A table is gone on with only when its ids are known and its last line is whole") {
+  const test::TemporaryFolder folder;
+  const auto file = folder.write("t.csv", "id,x_mm,y_mm,phi_deg\na,1,2,\n");
+  TaughtTargets taught(file);
+  CHECK_THROWS_WITH(taught.append({"a", {0.0, 0.0}, 0.0}), Contains("'a' is taken"));
+  taught.append({"b", {0.1, 0.2}, 0.0});
+  CHECK(read_targets(file).size() == 2);
+  CHECK_THROWS_WITH(TaughtTargets(folder.write("u.csv", "id,x_mm,y_mm\na,1,2\n")),
+                    Contains("u.csv:1") && Contains("id,x_mm,y_mm,phi_deg"));
+  CHECK_THROWS_WITH(TaughtTargets(folder.write("v.csv", "id,x_mm,y_mm,phi_deg\na,1,2,0")),
+                    Contains("its last line has no end"));
+  CHECK_THROWS_WITH(TaughtTargets(folder.write("w.csv", "id,x_mm,y_mm,phi_deg\na,one,2,0\n")),
+                    Contains("w.csv:2: x_mm is 'one'"));
+}
+
+TEST_CASE("Keys stand for commands of one step, which + and - change") {
+  JogKeys keys;
+  CHECK(keys.command("q") == "joint 1 1");
+  CHECK(keys.command("\x1b[D") == "x -1");
+  CHECK_FALSE(keys.command("+"));
+  CHECK(keys.command("\x1b[A") == "y 10");
+  for (int i = 0; i < 5; ++i) keys.command("-");
+  CHECK(keys.command("d") == "joint 3 -0.1");
+  CHECK_FALSE(keys.command("z"));
+}
+
+TEST_CASE("The meter tells dark, good and saturated lamps apart, whatever a few hot pixels say") {
+  const auto picture = [](int level, int white_rows) {
+    cv::Mat image(200, 200, CV_8UC1, cv::Scalar(10));
+    image(cv::Rect(50, 50, 40, 40)).setTo(level);
+    image(cv::Rect(50, 50, 40, white_rows)).setTo(255);
+    image.at<unsigned char>(150, 150) = 255;
+    return image;
+  };
+  const ExposureReading dark = read_exposure(picture(60, 0));
+  CHECK(dark.peak_level == 60);
+  CHECK(dark.too_dark());
+  CHECK_THAT(dark.text(), Contains("expose more"));
+  const ExposureReading good = read_exposure(picture(200, 0));
+  CHECK_FALSE((good.too_dark() || good.too_bright()));
+  const ExposureReading bright = read_exposure(picture(240, 10));
+  CHECK(bright.saturated_share == Approx(0.25).margin(1e-3));
+  CHECK_THAT(bright.text(), Contains("expose less"));
+}
+
+}  // namespace
+}  // namespace planar

@@ -1,0 +1,109 @@
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <iostream>
+
+#include "app/jog_console.h"
+#include "app/jog_keys.h"
+#include "app/raw_terminal.h"
+#include "program.h"
+
+namespace planar {
+namespace {
+
+const ProgramText kText{
+    "planar-jog",
+    "Moves a cell by hand: enables, homes, jogs, shows the exposure and teaches targets.",
+    "planar-jog --cell cell.yaml [--teach targets.csv]\n"
+    "       printf 'enable\\njoint 2 -10\\nteach A\\n' | planar-jog --cell cell.yaml --teach "
+    "targets.csv",
+    "  joints -94.684 41.554 0.000 deg, end point (200.000, 100.000) mm, phi 0.000 deg\n"
+    "  taught A at (200.214, 99.310) mm as seen"};
+
+struct Options {
+  std::filesystem::path cell, teach;
+};
+
+void add_options(CLI::App& app, Options& options) {
+  app.add_option("--cell", options.cell, "the cell")->required()->type_name("FILE");
+  app.add_option("--teach", options.teach, "table of targets to append taught places to")
+      ->type_name("targets.csv");
+  app.footer(
+      std::string("Commands, one a line (on a terminal: keys, and ':' before a command):\n") +
+      JogConsole::help());
+}
+
+/// Executes and tells; counts what was not done.
+class Session {
+ public:
+  explicit Session(JogConsole& console) : console_(console) {}
+
+  void execute(const std::string& line) {
+    const JogConsole::Answer answer = console_.execute(line);
+    ++commands_;
+    if (!answer.done) ++refused_;
+    if (!answer.text.empty()) fmt::print(answer.done ? stdout : stderr, "{}\n", answer.text);
+    std::fflush(stdout);
+  }
+
+  Outcome outcome() const {
+    return {{{"commands", commands_}, {"refused", refused_}}, refused_ == 0};
+  }
+
+ private:
+  JogConsole& console_;
+  std::size_t commands_{0}, refused_{0};
+};
+
+bool ends(const std::string& command) {
+  return command == "quit";
+}
+
+void follow_lines(Session& session) {
+  for (std::string line; std::getline(std::cin, line) && !ends(line);) session.execute(line);
+}
+
+void follow_keys(Session& session) {
+  constexpr const char* kQuitKeys[] = {"Q", "\x03", "\x04"};
+  RawTerminal terminal;
+  JogKeys keys;
+  fmt::print("{}\n", keys.help());
+  while (const auto key = terminal.key()) {
+    for (const char* quit : kQuitKeys)
+      if (*key == quit) return;
+    std::optional<std::string> command;
+    if (*key == ":") {
+      fmt::print(":");
+      std::fflush(stdout);
+      command = terminal.line();
+      if (!command || ends(*command)) return;
+    } else {
+      command = keys.command(*key);
+    }
+    if (command)
+      session.execute(*command);
+    else
+      fmt::print("{}\n", keys.help());
+    terminal.forget_keys();
+  }
+}
+
+Outcome jog(const Options& options) {
+  const CellSettings cell = read_cell(options.cell);
+  const auto devices = open_cell(cell);
+  JogConsole console(cell, *devices, options.teach);
+  Session session(console);
+  if (!RawTerminal::is_there()) {
+    follow_lines(session);
+    return session.outcome();
+  }
+  follow_keys(session);
+  return {session.outcome().figures};
+}
+
+}  // namespace
+}  // namespace planar
+
+int main(int argc, char** argv) {
+  return planar::run_program(planar::kText, argc, argv, planar::add_options, planar::jog);
+}
