@@ -62,6 +62,7 @@ const std::vector<JogConsole::Command>& JogConsole::commands() {
       {"y", 1, 1, &JogConsole::move_y, "MM: move the end point along y"},
       {"where", 0, 0, &JogConsole::where, "joints and end point as commanded"},
       {"look", 0, 0, &JogConsole::look, "brightness of the picture, end point as it is seen"},
+      {"exposure", 1, 2, &JogConsole::expose, "US [GAIN_DB]: set exposure time and gain, and look"},
       {"teach", 1, 1, &JogConsole::teach, "ID: append this place to the targets"}};
   return commands;
 }
@@ -215,6 +216,16 @@ std::string JogConsole::look(const Words& /*words*/) {
   return text + fmt::format("\nend point seen at {} +- {:.4f} mm{}", in_mm(seen.tip.p),
                             seen.uncertainty_m / kMillimetre,
                             compensated_ ? "" : ", without an error map");
+}
+
+std::string JogConsole::expose(const Words& words) {
+  CameraExposure exposure = devices_.camera().exposure();
+  exposure.time_s = number_of(words[0], "the exposure in us") * kMicrosecond;
+  if (words.size() > 1) exposure.gain_db = number_of(words[1], "the gain in dB");
+  devices_.camera().set_exposure(exposure);
+  return fmt::format("exposure {:.0f} us, gain {:.1f} dB\n", exposure.time_s / kMicrosecond,
+                     exposure.gain_db) +
+         look({});
 }
 
 std::string JogConsole::teach(const Words& words) {

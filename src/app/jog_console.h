@@ -16,7 +16,7 @@ namespace planar {
 
 /// What a person may do with a cell by hand, a command at a time:
 ///   enable | home [JOINT] | mark JOINT | joint JOINT DEG | x MM | y MM | where | look |
-///   teach ID
+///   exposure US [GAIN_DB] | teach ID
 /// Joints count from 1; they turn by what their motor turns behind its gear, and carry what rides
 /// on them. A command that is wrong, or a motion that is too long, leaves the workspace or a
 /// motor's limits, changes nothing. From outside the workspace only ways that lead towards it are
@@ -50,6 +50,7 @@ class JogConsole {
   std::string move_y(const Words& words);
   std::string where(const Words& words);
   std::string look(const Words& words);
+  std::string expose(const Words& words);
   std::string teach(const Words& words);
 
   std::string move_by(const Eigen::Vector2d& step);

@@ -1,6 +1,9 @@
 #include "devices/frame_source.h"
 
+#include <cmath>
 #include <stdexcept>
+
+#include "core/error.h"
 
 namespace planar {
 
@@ -18,6 +21,12 @@ const char* name(FrameStatus status) {
       return "camera_lost";
   }
   throw std::invalid_argument("unknown FrameStatus");
+}
+
+void require_exposure(const CameraExposure& exposure) {
+  if (!(exposure.time_s > 0.0) || !std::isfinite(exposure.time_s) ||
+      !std::isfinite(exposure.gain_db))
+    throw InputError("an exposure needs a positive, finite time and a finite gain");
 }
 
 void require_region(const cv::Rect& region_px, const cv::Size& sensor_px) {

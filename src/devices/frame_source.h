@@ -32,6 +32,11 @@ struct FrameCounts {
   std::uint64_t reopened{0};    ///< how often the camera came back after it was lost
 };
 
+struct CameraExposure {
+  double time_s{0.0};
+  double gain_db{0.0};
+};
+
 /// A camera: "the next frame, its time, or why not".
 class FrameSource {
  public:
@@ -51,7 +56,16 @@ class FrameSource {
   virtual std::optional<std::string> fault() const = 0;
 
   virtual FrameCounts counts() const = 0;
+
+  virtual CameraExposure exposure() const = 0;
+
+  /// From the next frame asked for on; may take a while. Throws InputError unless the time is
+  /// finite and positive, WorkError when the camera refuses; the exposure is as before then.
+  virtual void set_exposure(const CameraExposure& exposure) = 0;
 };
+
+/// Throws InputError unless the time is finite and positive and the gain finite.
+void require_exposure(const CameraExposure& exposure);
 
 /// Throws std::invalid_argument unless the region lies on the sensor and is not empty.
 void require_region(const cv::Rect& region_px, const cv::Size& sensor_px);

@@ -5,7 +5,13 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
+#include <exception>
+#include <future>
+#include <mutex>
+#include <optional>
 #include <thread>
+#include <utility>
 
 #include "core/clock.h"
 #include "core/error.h"
@@ -25,7 +31,19 @@ constexpr double kSilence_s = 3.0;    ///< without a good frame the camera is op
 constexpr double kPollPeriod_s = 0.005;
 constexpr double kFirstPause_s = 0.1;  ///< between two attempts to open a lost camera
 constexpr double kLongestPause_s = 2.0;
-constexpr int kFrameBlocks = 6;  ///< two in the camera's hands, two compared, two to spare
+constexpr double kOrderTime_s = 5.0;  ///< for the thread to come round and the camera to answer
+constexpr int kFrameBlocks = 6;       ///< two in the camera's hands, two compared, two to spare
+
+/// What a caller wants the camera's thread to set, and how it learns the outcome.
+struct ExposureOrder {
+  CameraExposure exposure;
+  std::promise<void> done;
+};
+
+std::string too_long(double exposure_s, double frame_rate_hz) {
+  return fmt::format("an exposure of {:.0f} us does not fit into a period at {:.3g} Hz",
+                     1e6 * exposure_s, frame_rate_hz);
+}
 
 AravisSettings checked(const AravisSettings& settings) {
   Faults faults;
@@ -36,8 +54,7 @@ AravisSettings checked(const AravisSettings& settings) {
   require(settings.frame_rate_hz > 0.0, "the frame rate must be positive");
   require(settings.exposure_s > 0.0, "the exposure time must be positive");
   require(settings.exposure_s * settings.frame_rate_hz < 1.0,
-          fmt::format("an exposure of {:.0f} us does not fit into a period at {:.3g} Hz",
-                      1e6 * settings.exposure_s, settings.frame_rate_hz));
+          too_long(settings.exposure_s, settings.frame_rate_hz));
   require(settings.timeout_s > 0.0, "the timeout must be positive");
   faults.throw_if_any();
   return settings;
@@ -105,6 +122,7 @@ struct AravisCamera::Impl {
   /// Grabs until stop or until the connection fails.
   void grab() {
     while (!stop) {
+      follow_exposure();
       follow_region();
       if (settings.trigger == CameraTrigger::kSoftware)
         grab_by_command();
@@ -114,6 +132,33 @@ struct AravisCamera::Impl {
       if (mailbox.age_s() > kSilence_s)
         throw WorkError(fmt::format("it sent no good frame for {:.0f} s", kSilence_s));
     }
+  }
+
+  void follow_exposure() {
+    std::unique_lock<std::mutex> lock(order_mutex);
+    auto order = std::exchange(exposure_order, std::nullopt);
+    lock.unlock();
+    if (!order) return;
+    try {
+      link->expose(order->exposure);
+    } catch (...) {
+      order->done.set_exception(std::current_exception());
+      throw;
+    }
+    settings.exposure_s = order->exposure.time_s;
+    settings.gain_db = order->exposure.gain_db;
+    order->done.set_value();
+  }
+
+  std::future<void> order(const CameraExposure& exposure) {
+    const std::lock_guard<std::mutex> lock(order_mutex);
+    exposure_order.emplace(ExposureOrder{exposure, {}});
+    return exposure_order->done.get_future();
+  }
+
+  void withdraw_order() {
+    const std::lock_guard<std::mutex> lock(order_mutex);
+    exposure_order.reset();
   }
 
   void follow_region() {
@@ -163,12 +208,14 @@ struct AravisCamera::Impl {
   std::unique_ptr<AravisLink> link;
   cv::Rect asked_px;  ///< the region as it was asked for when it was last set
   double next_trigger_s{0.0};
+  std::mutex order_mutex;
+  std::optional<ExposureOrder> exposure_order;
   std::atomic<bool> stop{false};
   std::thread thread;
 };
 
 AravisCamera::AravisCamera(const AravisSettings& settings)
-    : impl_(std::make_unique<Impl>(settings)) {}
+    : exposure_{settings.exposure_s, settings.gain_db}, impl_(std::make_unique<Impl>(settings)) {}
 AravisCamera::~AravisCamera() = default;
 
 cv::Size AravisCamera::sensor_size_px() const {
@@ -190,6 +237,20 @@ std::optional<std::string> AravisCamera::fault() const {
 
 FrameCounts AravisCamera::counts() const {
   return impl_->mailbox.counts();
+}
+
+void AravisCamera::set_exposure(const CameraExposure& exposure) {
+  require_exposure(exposure);
+  const double frame_rate_hz = impl_->settings.frame_rate_hz;
+  if (exposure.time_s * frame_rate_hz >= 1.0)
+    throw InputError(too_long(exposure.time_s, frame_rate_hz));
+  std::future<void> done = impl_->order(exposure);
+  if (done.wait_for(std::chrono::duration<double>(kOrderTime_s)) != std::future_status::ready) {
+    impl_->withdraw_order();
+    throw WorkError("the camera did not take the exposure: it does not answer");
+  }
+  done.get();
+  exposure_ = exposure;
 }
 
 }  // namespace planar

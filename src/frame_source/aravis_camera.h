@@ -26,9 +26,14 @@ class AravisCamera final : public FrameSource {
   FrameResult next_frame() override;
   std::optional<std::string> fault() const override;
   FrameCounts counts() const override;
+  CameraExposure exposure() const override { return exposure_; }
+  /// Waits until the camera has it; throws InputError as well when the time does not fit into the
+  /// period of the frame rate.
+  void set_exposure(const CameraExposure& exposure) override;
 
  private:
   struct Impl;
+  CameraExposure exposure_;
   std::unique_ptr<Impl> impl_;
 };
 

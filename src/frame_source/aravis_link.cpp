@@ -220,10 +220,16 @@ struct AravisLink::Impl {
                   arv_camera_set_exposure_time_auto);
     automatic_off("the camera keeps its gain automatic", arv_camera_is_gain_auto_available,
                   arv_camera_set_gain_auto);
-    ask(fmt::format("the camera refuses an exposure of {:.0f} us", 1e6 * settings.exposure_s),
-        [&](GError** e) { arv_camera_set_exposure_time(c, 1e6 * settings.exposure_s, e); });
-    ask(fmt::format("the camera refuses a gain of {} dB", settings.gain_db),
-        [&](GError** e) { arv_camera_set_gain(c, settings.gain_db, e); });
+    expose({settings.exposure_s, settings.gain_db});
+  }
+
+  void expose(const CameraExposure& exposure) {
+    ArvCamera* const c = camera.get();
+    const double time_us = 1e6 * exposure.time_s;
+    ask(fmt::format("the camera refuses an exposure of {:.0f} us", time_us),
+        [&](GError** e) { arv_camera_set_exposure_time(c, time_us, e); });
+    ask(fmt::format("the camera refuses a gain of {} dB", exposure.gain_db),
+        [&](GError** e) { arv_camera_set_gain(c, exposure.gain_db, e); });
   }
 
   void apply_trigger() {
@@ -363,6 +369,10 @@ cv::Rect AravisLink::move(const cv::Rect& region_px) {
   set("OffsetX", fitted.x);
   set("OffsetY", fitted.y);
   return fitted;
+}
+
+void AravisLink::expose(const CameraExposure& exposure) {
+  impl_->expose(exposure);
 }
 
 void AravisLink::trigger() {

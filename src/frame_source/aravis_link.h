@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "devices/frame_source.h"
 #include "frame_source/aravis_settings.h"
 #include "frame_source/pixel_format.h"
 
@@ -51,6 +52,9 @@ class AravisLink {
 
   /// Moves the region while the stream goes on; its size must be that of start(). Returns as above.
   cv::Rect move(const cv::Rect& region_px);
+
+  /// Sets exposure time and gain while the stream goes on.
+  void expose(const CameraExposure& exposure);
 
   /// Starts one exposure by command.
   void trigger();

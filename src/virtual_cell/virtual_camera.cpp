@@ -24,6 +24,11 @@ void VirtualCamera::set_region(const cv::Rect& region_px) {
   region_px_ = region_px;
 }
 
+void VirtualCamera::set_exposure(const CameraExposure& exposure) {
+  require_exposure(exposure);
+  exposure_ = exposure;
+}
+
 FrameResult VirtualCamera::next_frame() {
   const auto periods = static_cast<std::uint64_t>(std::ceil(clock_.now_s() * frame_rate_hz_));
   const std::uint64_t exposure = std::max(periods, next_exposure_);
@@ -32,7 +37,9 @@ FrameResult VirtualCamera::next_frame() {
   clock_.advance_to(std::max(t_s, clock_.now_s()));
 
   ++taken_;
-  return {FrameStatus::kOk, {expose(region_px_, 1.0, exposure), region_px_, t_s, exposure}};
+  const double brightness =
+      exposure_.time_s / kUsualTime_s * std::pow(10.0, exposure_.gain_db / 20.0);
+  return {FrameStatus::kOk, {expose(region_px_, brightness, exposure), region_px_, t_s, exposure}};
 }
 
 cv::Mat VirtualCamera::expose(const cv::Rect& region_px, double brightness,

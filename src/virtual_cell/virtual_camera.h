@@ -25,12 +25,16 @@ class VirtualCamera final : public FrameSource {
   FrameResult next_frame() override;
   std::optional<std::string> fault() const override { return std::nullopt; }
   FrameCounts counts() const override { return {taken_, 0, 0, 0}; }
+  CameraExposure exposure() const override { return exposure_; }
+  void set_exposure(const CameraExposure& exposure) override;
 
-  /// What the sensor shows of `region_px` now, `brightness` times as bright as a frame of
-  /// next_frame(). Equal numbers of exposure give the same noise.
+  /// What the sensor shows of `region_px` now, `brightness` times as bright as at the usual
+  /// exposure. Equal numbers of exposure give the same noise.
   cv::Mat expose(const cv::Rect& region_px, double brightness, std::uint64_t exposure);
 
  private:
+  static constexpr double kUsualTime_s = 0.010;
+
   std::optional<Light> light(double t_s);
 
   cv::Size sensor_px_;
@@ -43,6 +47,7 @@ class VirtualCamera final : public FrameSource {
   VirtualLamps lamps_;
   SensorNoise noise_;
   cv::Rect region_px_;
+  CameraExposure exposure_{kUsualTime_s, 0.0};
   std::uint64_t taken_{0};
   std::uint64_t next_exposure_{0};  ///< in frame periods since the clock's start
 };

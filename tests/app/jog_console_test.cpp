@@ -119,6 +119,17 @@ TEST_CASE("From outside the workspace only ways towards it are open, inside none
   CHECK_THAT(bench.refused("joint 2 -15"), Contains("workspace reaches from"));
 }
 
+TEST_CASE("The exposure can be set, and the meter follows it") {
+  Bench bench;
+  bench.bend();
+  CHECK_THAT(bench.done("look"), Contains("good"));
+  CHECK_THAT(bench.done("exposure 2000"), Contains("2000 us") && Contains("expose more"));
+  CHECK_THAT(bench.done("exposure 10000 12"), Contains("12.0 dB") && Contains("expose less"));
+  CHECK_THAT(bench.refused("exposure 0"), Contains("positive"));
+  CHECK_THAT(bench.refused("exposure 10ms"), Contains("'10ms'; a finite number is needed"));
+  CHECK(bench.devices->camera().exposure().time_s == Approx(0.01));
+}
+
 TEST_CASE("Taught places become a table of targets; an id that is taken or none is refused") {
   Bench bench;
   bench.bend();

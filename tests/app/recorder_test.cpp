@@ -35,6 +35,9 @@ class NotingDevices final : public CellDevices,
   std::optional<std::string> fault() const override { return std::nullopt; }
   FrameCounts counts() const override { return {}; }
 
+  CameraExposure exposure() const override { return {}; }
+  void set_exposure(const CameraExposure& /*exposure*/) override {}
+
   std::optional<TrackerReading> measure_tool() override { return TrackerReading{}; }
   std::optional<TrackerReading> measure_monument(const std::string& /*id*/) override {
     return TrackerReading{};

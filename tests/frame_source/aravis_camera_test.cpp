@@ -103,6 +103,21 @@ TEST_CASE("Exposure time and gain reach the sensor") {
   CHECK(sensor.brightness() == Approx(0.5 * std::pow(10.0, 0.3)));
 }
 
+TEST_CASE("A new exposure holds for the next frame; one that cannot be leaves the old one") {
+  for (const CameraTrigger trigger : {CameraTrigger::kFreeRun, CameraTrigger::kSoftware}) {
+    test::SceneSensor sensor;
+    const Server server(sensor);
+    AravisCamera camera(settings_with(trigger));
+    camera.set_exposure({0.004, 6.0});
+    REQUIRE(camera.next_frame().status == FrameStatus::kOk);
+    CHECK(sensor.brightness() == Approx(0.4 * std::pow(10.0, 0.3)));
+    CHECK(camera.exposure().time_s == 0.004);
+    CHECK_THROWS_AS(camera.set_exposure({0.1, 0.0}), InputError);  // longer than a period
+    CHECK_THROWS_AS(camera.set_exposure({0.0, 0.0}), InputError);
+    CHECK(camera.exposure().gain_db == 6.0);
+  }
+}
+
 TEST_CASE("Frames that lost packets are counted and never handed over") {
   for (const CameraTrigger trigger : {CameraTrigger::kFreeRun, CameraTrigger::kSoftware}) {
     test::SceneSensor sensor;
