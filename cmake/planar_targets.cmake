@@ -81,13 +81,18 @@ function(planar_program name)
   install(TARGETS planar-${name})
 endfunction()
 
+# CMake splits the name of a test case at a semicolon; what it then asks for does not exist and must
+# not pass for a test.
+set(must_match --warn NoTests)
+
 # planar_test(ROOM SOURCES ... LINKS ...): the test program of one room, every case known to ctest.
 function(planar_test room)
   cmake_parse_arguments(TEST "" "" "SOURCES;LINKS" ${ARGN})
   add_executable(${room}_test ${TEST_SOURCES})
   set_target_properties(${room}_test PROPERTIES CXX_STANDARD 17 CXX_EXTENSIONS OFF)
   target_link_libraries(${room}_test PRIVATE planar_test_main ${TEST_LINKS})
-  catch_discover_tests(${room}_test TEST_PREFIX "${room}: " PROPERTIES TIMEOUT 300)
+  catch_discover_tests(${room}_test TEST_PREFIX "${room}: " EXTRA_ARGS ${must_match}
+                       PROPERTIES TIMEOUT 300)
 endfunction()
 
 # planar_wire_test(NAME SOURCES ... LINKS ...): a test program that talks to USB devices emulated
@@ -104,7 +109,7 @@ function(planar_wire_test name)
   set_target_properties(${name}_test PROPERTIES CXX_STANDARD 17 CXX_EXTENSIONS OFF
                         CROSSCOMPILING_EMULATOR ${UMOCKDEV_WRAPPER})
   target_link_libraries(${name}_test PRIVATE planar_test_main planar_mock_usb ${TEST_LINKS})
-  catch_discover_tests(${name}_test TEST_PREFIX "${name}: "
+  catch_discover_tests(${name}_test TEST_PREFIX "${name}: " EXTRA_ARGS ${must_match}
                        PROPERTIES TIMEOUT 300 SKIP_RETURN_CODE 77)
 endfunction()
 
@@ -116,6 +121,6 @@ function(planar_gige_test name)
   set_target_properties(${name}_test PROPERTIES CXX_STANDARD 17 CXX_EXTENSIONS OFF
     CROSSCOMPILING_EMULATOR ${PROJECT_SOURCE_DIR}/tests/support/loopback_only.sh)
   target_link_libraries(${name}_test PRIVATE planar_test_main planar_served_cell ${TEST_LINKS})
-  catch_discover_tests(${name}_test TEST_PREFIX "${name}: "
+  catch_discover_tests(${name}_test TEST_PREFIX "${name}: " EXTRA_ARGS ${must_match}
                        PROPERTIES TIMEOUT 300 SKIP_RETURN_CODE 77 RESOURCE_LOCK gige_camera)
 endfunction()

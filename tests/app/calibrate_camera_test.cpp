@@ -80,7 +80,7 @@ TEST_CASE("Missing images and recordings without a grid are named") {
   CHECK_THROWS_WITH(find_board_views({folder.path()}, kBoard), Contains("no frame of plan 'grid'"));
 }
 
-TEST_CASE("Points of another program must make whole views; bad lines are named") {
+TEST_CASE("Points of another program must make whole views, bad lines are named") {
   const test::TemporaryFolder folder;
   const Board board{Board::Kind::kChessboard, 3, 3, 0.01};
   std::string nine;

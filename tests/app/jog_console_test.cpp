@@ -130,7 +130,7 @@ TEST_CASE("The exposure can be set, and the meter follows it") {
   CHECK(bench.devices->camera().exposure().time_s == Approx(0.01));
 }
 
-TEST_CASE("Taught places become a table of targets; an id that is taken or none is refused") {
+TEST_CASE("Taught places become a table of targets, an id that is taken or none is refused") {
   Bench bench;
   bench.bend();
   CHECK_THAT(bench.done("teach a"), Contains("as commanded"));

@@ -96,7 +96,7 @@ TEST_CASE("A camera is made again from its name, intrinsics and coefficients") {
   }
 }
 
-TEST_CASE("Missing coefficients are zero; wrong ones are refused by name") {
+TEST_CASE("Missing coefficients are zero, wrong ones are refused by name") {
   const Intrinsics k{500.0, 500.0, 320.0, 240.0};
   CHECK(distortion_coefficients(make_camera_model("plumb_bob", k, {0.1})) ==
         std::vector<double>{0.1, 0.0, 0.0, 0.0, 0.0});

@@ -232,7 +232,7 @@ TEST_CASE("On a real error field 200 pairs predict the rest better than inverse 
   CHECK(rbf_mm < 0.8 * idw_mm);
 }
 
-TEST_CASE("An error that position does not explain is not sold as a gain; one that it does is") {
+TEST_CASE("An error that position does not explain is not sold as a gain, one that it does is") {
   const auto orientations = test::shared_data("tracker_pairs/ur10_grid_orientations_pairs.csv");
   const auto cubes = test::shared_data("tracker_pairs/ur10_iso_cubes_pairs.csv");
   if (!orientations || !cubes) return;

@@ -13,7 +13,7 @@ using Catch::Contains;
 
 constexpr double kWrittenNanometre = 1e-9;
 
-TEST_CASE("Targets are found by column name; ids must differ") {
+TEST_CASE("Targets are found by column name, ids must differ") {
   const test::TemporaryFolder folder;
   const auto targets = read_targets(folder.write("t.csv", "x_mm,id,y_mm\n200,a,-100\n"));
   CHECK((targets.at(0).p_d - Eigen::Vector2d(0.2, -0.1)).norm() < kWrittenNanometre);
@@ -53,7 +53,7 @@ TEST_CASE("After a header that cannot be used no line is a target") {
   CHECK_FALSE(lines.has_columns());
 }
 
-TEST_CASE("Ids that are taken are refused; a refused line does not take its id") {
+TEST_CASE("Ids that are taken are refused, a refused line does not take its id") {
   TargetLines lines("stdin", {"old"});
   CHECK_THROWS_WITH(lines.next("old,1,2"), Contains("the id 'old' stands twice"));
   CHECK_THROWS_AS(lines.next("new,1,two"), InputError);

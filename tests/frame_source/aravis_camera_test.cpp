@@ -103,7 +103,7 @@ TEST_CASE("Exposure time and gain reach the sensor") {
   CHECK(sensor.brightness() == Approx(0.5 * std::pow(10.0, 0.3)));
 }
 
-TEST_CASE("A new exposure holds for the next frame; one that cannot be leaves the old one") {
+TEST_CASE("A new exposure holds for the next frame, one that cannot be leaves the old one") {
   for (const CameraTrigger trigger : {CameraTrigger::kFreeRun, CameraTrigger::kSoftware}) {
     test::SceneSensor sensor;
     const Server server(sensor);
