@@ -67,7 +67,11 @@ TipMeasurement LampTipSensor::measure(const TipPose& expected, int frames) {
   std::array<Eigen::Matrix2d, 2> covariances{Eigen::Matrix2d::Zero(), Eigen::Matrix2d::Zero()};
   for (int i = 0; i < frames; ++i) {
     const Sight sight = look(expectation);
-    if (sight.frame_lost) return failed("no_frame", sight.t_s);
+    if (sight.frame != FrameStatus::kOk) {
+      TipMeasurement blind = failed(name(sight.frame), sight.t_s);
+      blind.blind = true;
+      return blind;
+    }
     if (sight.pair.status != LampStatus::kOk) return failed(name(sight.pair.status), sight.t_s);
     mean.t_s = sight.t_s;
     for (std::size_t k = 0; k < 2; ++k) {
@@ -85,20 +89,20 @@ std::optional<std::array<Eigen::Vector2d, 2>> LampTipSensor::lamps_at(const TipP
 
 LampTipSensor::Sight LampTipSensor::look_once(const PairExpectation& expectation) {
   const FrameResult result = camera_.next_frame();
-  if (result.status != FrameStatus::kOk) return {{}, result.frame.t_s, true};
+  if (result.status != FrameStatus::kOk) return {{}, result.frame.t_s, result.status};
   last_frame_ = result.frame;
-  return {tracker_.locate(last_frame_, expectation), last_frame_.t_s, false};
+  return {tracker_.locate(last_frame_, expectation), last_frame_.t_s, FrameStatus::kOk};
 }
 
 LampTipSensor::Sight LampTipSensor::look(const PairExpectation& expectation) {
   Sight sight = look_once(expectation);
   const cv::Size sensor = camera_.sensor_size_px();
-  if (sight.frame_lost || sight.pair.status == LampStatus::kOk ||
+  if (sight.frame != FrameStatus::kOk || sight.pair.status == LampStatus::kOk ||
       last_frame_.region_px.size() == sensor)
     return sight;
   camera_.set_region({0, 0, sensor.width, sensor.height});
   sight = look_once(expectation);
-  if (!sight.frame_lost && sight.pair.status == LampStatus::kOk)
+  if (sight.frame == FrameStatus::kOk && sight.pair.status == LampStatus::kOk)
     camera_.set_region(follow_region(
         camera_settings_, 0.5 * (sight.pair.lamps[0].uv_px + sight.pair.lamps[1].uv_px)));
   return sight;

@@ -32,6 +32,7 @@ class LampTipSensor final : public TipSensor {
                 FrameSource& camera);
 
   TipMeasurement measure(const TipPose& expected, int frames) override;
+  std::optional<std::string> fault() const override { return camera_.fault(); }
 
   /// The frame looked at last; without an image before the first one.
   const Frame& last_frame() const { return last_frame_; }
@@ -43,7 +44,7 @@ class LampTipSensor final : public TipSensor {
   struct Sight {
     LampPair pair;
     double t_s{0.0};
-    bool frame_lost{false};
+    FrameStatus frame{FrameStatus::kOk};
   };
 
   /// The next frame, which is kept; its pair of lamps, if it has one.

@@ -1,5 +1,7 @@
 #include "app/servo_run.h"
 
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
 #include <limits>
 
@@ -11,6 +13,9 @@ namespace planar {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr double kCameraPatience_s = 60.0;  ///< for a camera that fails, from a target's beginning
+constexpr double kCameraPoll_s = 0.05;
 
 std::vector<TargetResult> results_so_far(const fs::path& results, bool resume) {
   if (!fs::exists(results)) return {};
@@ -45,7 +50,7 @@ class TargetScorer {
       result_.uncertainty_m = step.measurement.uncertainty_m;
     }
     if (true_tip_) compare_to_truth(step.measurement);
-    if (step.iteration > 0) return;
+    if (step.iteration > 0 || result_.before_own) return;
     result_.before_own = result_.after_own;
     result_.before_truth = result_.after_truth;
   }
@@ -82,6 +87,8 @@ std::optional<Summary> summary_of(const std::vector<TargetResult>& results, Targ
 
 ServoRun::ServoRun(const ServoRequest& request, CellDevices& devices, Observer observer)
     : cell_(request.cell),
+      camera_(devices.camera()),
+      clock_(devices.clock()),
       observer_(std::move(observer)),
       true_tip_(devices.true_tip()),
       results_(results_so_far(request.out / "results.csv", request.resume)),
@@ -96,17 +103,37 @@ ServoRun::ServoRun(const ServoRequest& request, CellDevices& devices, Observer o
 
 const TargetResult& ServoRun::move_to(const TargetRow& target) {
   TargetScorer scorer(target, steps_, true_tip_);
-  const ServoResult outcome =
-      servo_.move_to(target_pose(target, cell_.tool_orientation), [&](const ServoStep& step) {
-        scorer.observe(step);
-        if (!observer_) return;
-        const TipPose& wanted = step.target;
-        observer_({target.id, step, sensor_.last_frame(),
-                   sensor_.lamps_at({wanted.p + step.measurement.correction, wanted.phi})});
-      });
+  const auto attempt = [&] {
+    return servo_.move_to(target_pose(target, cell_.tool_orientation), [&](const ServoStep& step) {
+      scorer.observe(step);
+      if (!observer_) return;
+      const TipPose& wanted = step.target;
+      observer_({target.id, step, sensor_.last_frame(),
+                 sensor_.lamps_at({wanted.p + step.measurement.correction, wanted.phi})});
+    });
+  };
+  const double deadline_s = clock_.now_s() + kCameraPatience_s;
+  ServoResult outcome = attempt();
+  while (outcome.status == ServoStatus::kLostCamera &&
+         wait_for_camera(target.id, outcome.reason, deadline_s))
+    outcome = attempt();
   results_.push_back(scorer.finish(outcome));
   table_.append(result_line(results_.back()));
   return results_.back();
+}
+
+bool ServoRun::wait_for_camera(const std::string& id, const std::string& reason,
+                               double deadline_s) {
+  const double lost_s = clock_.now_s();
+  spdlog::warn("{}: {}; the arm stands and waits", id, reason);
+  while (camera_.fault()) {
+    if (clock_.now_s() > deadline_s) return false;
+    clock_.sleep_for_s(kCameraPoll_s);
+  }
+  if (clock_.now_s() > deadline_s) return false;
+  spdlog::info("{}: the camera delivers again after {:.1f} s; going on", id,
+               clock_.now_s() - lost_s);
+  return true;
 }
 
 bool ServoRun::has(const std::string& id) const {

@@ -46,7 +46,8 @@ class ServoRun {
   ServoRun(const ServoRequest& request, CellDevices& devices, Observer observer = {});
 
   /// A target that fails has a result like the others, unless a device fails: that throws
-  /// WorkError, with all that was done in the files.
+  /// WorkError, with all that was done in the files. When the camera fails the arm stops and waits
+  /// up to a minute for it, then goes on with the same target.
   const TargetResult& move_to(const TargetRow& target);
 
   bool has(const std::string& id) const;
@@ -54,7 +55,12 @@ class ServoRun {
   const std::vector<TargetResult>& results() const { return results_; }
 
  private:
+  /// False when the camera is not back in time.
+  bool wait_for_camera(const std::string& id, const std::string& reason, double deadline_s);
+
   CellSettings cell_;
+  FrameSource& camera_;
+  Clock& clock_;
   Observer observer_;
   std::function<TipPose()> true_tip_;
   std::vector<TargetResult> results_;

@@ -12,7 +12,8 @@ namespace {
 
 constexpr ServoStatus kStatuses[] = {ServoStatus::kReached,      ServoStatus::kOutsideMap,
                                      ServoStatus::kNotConverged, ServoStatus::kDiverged,
-                                     ServoStatus::kLostLamp,     ServoStatus::kRefused};
+                                     ServoStatus::kLostLamp,     ServoStatus::kLostCamera,
+                                     ServoStatus::kRefused};
 
 std::string in_mm(const Eigen::Vector2d& p) {
   return fmt::format("{:.6f},{:.6f}", p.x() / kMillimetre, p.y() / kMillimetre);

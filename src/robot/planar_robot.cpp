@@ -126,27 +126,53 @@ void PlanarRobot::recover(double patience_s) {
   }
 }
 
-void PlanarRobot::move_to(const Joints& theta) {
+std::optional<std::string> PlanarRobot::move_to(const Joints& theta, const Guard& guard) {
   if (const auto violation = transmission_.limit_violation(theta)) {
     throw WorkError("the arm refuses to move: " + *violation);
   }
   const Pulses target = transmission_.pulses_from_joints(theta);
-  require_homed(require_well());
+  const Status status = require_well();
+  require_homed(status);
+  note_speeds(status);
+  std::optional<std::string> objection;
+  if (guard && (objection = guard())) return objection;
   const double timeout_s = kTimeoutFactor * longest_move_s(target) + kTimeoutMargin_s;
   try {
     drives_.set_targets({target[0], target[1], target[2]});
     commanded_pulses_ = target;
-    wait_for(timeout_s, [&target](const auto& status) {
+    wait_for(timeout_s, [&](const auto& now) {
+      if (guard && (objection = guard())) return true;
       for (int i = 0; i < 3; ++i) {
-        const DriveStatus& drive = status[static_cast<std::size_t>(i)];
+        const DriveStatus& drive = now[static_cast<std::size_t>(i)];
         if (drive.moving || drive.position_pulses != target[i]) return false;
       }
       return true;
     });
+    if (objection) brake();
   } catch (...) {
     halt();
     throw;
   }
+  return objection;
+}
+
+void PlanarRobot::brake() {
+  std::array<std::int32_t, 3> stop_pulses;
+  double longest_s = 0.0;
+  for (int i = 0; i < 3; ++i) {
+    const double acceleration =
+        std::abs(transmission_.pulses_per_rad()[i]) * motor_drive(i).max_acceleration_rad_s2;
+    const double speed = speed_pulses_s_[i];
+    const double way = speed * std::abs(speed) / (2.0 * acceleration);
+    stop_pulses[static_cast<std::size_t>(i)] =
+        static_cast<std::int32_t>(std::lround(seen_pulses_[i] + way));
+    longest_s = std::max(longest_s, std::abs(speed) / acceleration);
+  }
+  drives_.set_targets(stop_pulses);
+  wait_for(kTimeoutFactor * longest_s + kTimeoutMargin_s, [](const auto& status) {
+    return std::none_of(status.begin(), status.end(), [](const auto& s) { return s.moving; });
+  });
+  read_positions(drives_.status());
 }
 
 void PlanarRobot::halt() {
@@ -193,7 +219,17 @@ PlanarRobot::Status PlanarRobot::status_under_way() {
         fmt::format("drive {} failed on its way: {}", i + 1,
                     status[i].faults.empty() ? "it is switched off" : in_words(status[i].faults)));
   }
+  note_speeds(status);
   return status;
+}
+
+void PlanarRobot::note_speeds(const Status& status) {
+  const double now_s = clock_.now_s(), elapsed_s = now_s - seen_s_;
+  const Eigen::Vector3d position(status[0].position_pulses, status[1].position_pulses,
+                                 status[2].position_pulses);
+  if (elapsed_s > 0.0) speed_pulses_s_ = (position - seen_pulses_) / elapsed_s;
+  seen_pulses_ = position;
+  seen_s_ = now_s;
 }
 
 const MotorDrive& PlanarRobot::motor_drive(int joint) const {

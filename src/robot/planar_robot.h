@@ -5,6 +5,8 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "arm/planar_arm.h"
@@ -58,11 +60,16 @@ class PlanarRobot final : public vpRobot {
   Joints commanded_joints() const { return transmission_.joints_from_pulses(commanded_pulses_); }
   const Pulses& commanded_pulses() const { return commanded_pulses_; }
 
+  /// Asked every few milliseconds while the arm moves; words say why it must stop.
+  using Guard = std::function<std::optional<std::string>()>;
+
   /// Moves every motor to round(K C theta) and returns when all have arrived. Nothing moves unless
   /// all can: throws std::invalid_argument for angles that are not finite, WorkError when a motor's
   /// limits forbid the move, DriveError when a drive is off, faulty or unsure of its position. A
   /// drive that fails on the way or does not arrive in time: all halt, then DriveError names it.
-  void move_to(const Joints& theta);
+  /// When `guard` objects, all slow down to rest, so that no position is lost, and its words come
+  /// back; nothing moves when it objects from the start.
+  std::optional<std::string> move_to(const Joints& theta, const Guard& guard = {});
 
   /// Stops every drive at once; throws DriveError naming those that could not be told. A drive that
   /// was moving may have lost its position.
@@ -95,6 +102,9 @@ class PlanarRobot final : public vpRobot {
   /// Polls until `arrived`; throws DriveError for a drive that fails or when it takes too long.
   void wait_for(double timeout_s, const std::function<bool(const Status&)>& arrived);
   Status status_under_way();
+  void note_speeds(const Status& status);
+  /// Sends every motor that moves to where it can stop, and waits until all rest.
+  void brake();
   const MotorDrive& motor_drive(int joint) const;
   std::int32_t home_pulses(int joint) const;
   double longest_move_s(const Pulses& target) const;
@@ -108,6 +118,9 @@ class PlanarRobot final : public vpRobot {
   DriveGroup& drives_;
   Clock& clock_;
   Pulses commanded_pulses_{0, 0, 0};
+  Eigen::Vector3d seen_pulses_{0.0, 0.0, 0.0};  ///< at the last look, when, and how fast
+  double seen_s_{0.0};
+  Eigen::Vector3d speed_pulses_s_{0.0, 0.0, 0.0};
 };
 
 }  // namespace planar

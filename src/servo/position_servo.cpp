@@ -45,6 +45,8 @@ const char* name(ServoStatus status) {
       return "diverged";
     case ServoStatus::kLostLamp:
       return "lost_lamp";
+    case ServoStatus::kLostCamera:
+      return "lost_camera";
     case ServoStatus::kRefused:
       return "refused";
   }
@@ -69,8 +71,9 @@ ServoResult PositionServo::move_to(const TipPose& target, const Observer& observ
   };
   JointPlan plan = planner_.plan(target, robot_.commanded_joints());
   for (;; ++result.iterations) {
-    if (!plan.refusal) plan.refusal = command(plan.theta);
     if (plan.refusal) return finish(ServoStatus::kRefused, *plan.refusal);
+    if (const auto obstacle = command(plan.theta))
+      return finish(obstacle->status, obstacle->reason);
     const ServoStep& step = result.steps.emplace_back(measure(target, result.iterations));
     if (observer) observer(step);
     if (const auto status = verdict(result.steps)) {
@@ -100,7 +103,8 @@ ServoStep PositionServo::measure(const TipPose& target, int iteration) {
 
 std::optional<ServoStatus> PositionServo::verdict(const std::vector<ServoStep>& steps) const {
   const ServoStep& last = steps.back();
-  if (!last.measurement.ok()) return ServoStatus::kLostLamp;
+  if (!last.measurement.ok())
+    return last.measurement.blind ? ServoStatus::kLostCamera : ServoStatus::kLostLamp;
   if (last.error.norm() < last.stop_below_m) {
     return last.measurement.inside_map ? ServoStatus::kReached : ServoStatus::kOutsideMap;
   }
@@ -117,6 +121,7 @@ std::string PositionServo::reason_for(ServoStatus status, const ServoStep& last)
     case ServoStatus::kOutsideMap:
       return "the error map is not valid here: record training positions around this target";
     case ServoStatus::kLostLamp:
+    case ServoStatus::kLostCamera:
       return fmt::format("the tool was not measured: {}", last.measurement.status);
     case ServoStatus::kDiverged:
       return fmt::format("the error grew twice in a row, to {:.3f} mm", error_mm);
@@ -142,19 +147,26 @@ JointPlan PositionServo::corrected_joints(const ServoStep& step) const {
   return {theta, std::nullopt};
 }
 
-std::optional<std::string> PositionServo::command(const Joints& theta) {
-  if (auto refusal = planner_.refusal(theta)) return refusal;
+std::optional<PositionServo::Obstacle> PositionServo::command(const Joints& theta) {
+  const auto refused = [](const std::string& reason) {
+    return Obstacle{ServoStatus::kRefused, reason};
+  };
+  const auto move = [&](const Joints& to) -> std::optional<Obstacle> {
+    const auto objection = robot_.move_to(to, [&] { return sensor_.fault(); });
+    if (!objection) return std::nullopt;
+    return Obstacle{ServoStatus::kLostCamera, *objection};
+  };
+  if (const auto refusal = planner_.refusal(theta)) return refused(*refusal);
   if (settings_.approach == Approach::kOneSide) {
     const Transmission& transmission = planner_.transmission();
     const Eigen::Vector3d motors = transmission.motors_from_joints(theta);
     const Joints short_of = transmission.joints_from_motors(
         motors - Eigen::Vector3d::Constant(settings_.approach_margin_rad));
-    if (auto violation = transmission.limit_violation(short_of)) {
-      return "on the approach from one side, " + *violation;
-    }
-    robot_.move_to(short_of);
+    if (const auto violation = transmission.limit_violation(short_of))
+      return refused("on the approach from one side, " + *violation);
+    if (const auto obstacle = move(short_of)) return obstacle;
   }
-  robot_.move_to(theta);
+  if (const auto obstacle = move(theta)) return obstacle;
   clock_.sleep_for_s(settings_.settle_s);
   return std::nullopt;
 }

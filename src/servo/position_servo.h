@@ -19,10 +19,12 @@ enum class ServoStatus {
   kNotConverged,  ///< the iterations were used up
   kDiverged,      ///< the error grew twice in a row; the drives were halted
   kLostLamp,      ///< no measurement; nothing moved after it
+  kLostCamera,    ///< the camera failed; the arm stopped where it was
   kRefused,       ///< target or correction beyond reach, workspace, limits, or near a singularity
 };
 
-/// As files have it: "reached", "outside_map", "not_converged", "diverged", "lost_lamp", "refused".
+/// As files have it: "reached", "outside_map", "not_converged", "diverged", "lost_lamp",
+/// "lost_camera", "refused".
 const char* name(ServoStatus status);
 
 /// One measurement at rest: number 0 after the first, open-loop move, then one per correction.
@@ -69,8 +71,12 @@ class PositionServo {
   std::optional<ServoStatus> verdict(const std::vector<ServoStep>& steps) const;
   std::string reason_for(ServoStatus status, const ServoStep& last) const;
   JointPlan corrected_joints(const ServoStep& step) const;
-  /// Moves and settles; what forbids the motion comes back, and nothing has moved then.
-  std::optional<std::string> command(const Joints& theta);
+  struct Obstacle {
+    ServoStatus status;
+    std::string reason;
+  };
+  /// Moves and settles; what forbids or stops the motion comes back.
+  std::optional<Obstacle> command(const Joints& theta);
   double pulse_size_m() const;
 
   ServoSettings settings_;

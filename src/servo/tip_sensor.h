@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <optional>
 #include <string>
 
 #include "core/pose.h"
@@ -21,6 +22,8 @@ struct TipMeasurement {
   double uncertainty_m{0.0};                ///< standard uncertainty per axis of tip.p [theory: U]
   bool inside_map{true};                    ///< true as well where no map is used
 
+  bool blind{false};  ///< no picture came at all: the camera is at fault
+
   bool ok() const { return status == "ok"; }
 };
 
@@ -32,6 +35,9 @@ class TipSensor {
   /// Averages `frames` frames. `expected` is the commanded pose: where to look, and which lamp is
   /// which. A missing lamp is a status, not an exception.
   virtual TipMeasurement measure(const TipPose& expected, int frames) = 0;
+
+  /// What keeps it from seeing now, in words; asked every few milliseconds while the arm moves.
+  virtual std::optional<std::string> fault() const = 0;
 };
 
 }  // namespace planar

@@ -130,6 +130,35 @@ TEST_CASE("A drive that fails on its way halts all and is named") {
   CHECK_THROWS_WITH(again.robot.move_to(kSomewhere), "drive 2 failed on its way: driver error");
 }
 
+TEST_CASE("An arm whose guard objects slows down to rest and keeps its positions") {
+  ReadyBench bench;
+  const auto objection = bench.robot.move_to(kSomewhere, [&]() -> std::optional<std::string> {
+    if (bench.clock.now_s() < 0.1) return std::nullopt;
+    return "the camera is blind";
+  });
+  CHECK(objection == std::string("the camera is blind"));
+  for (int i = 0; i < 3; ++i) {
+    const auto& drive = bench.drives[static_cast<std::size_t>(i)];
+    CAPTURE(i);
+    CHECK(drive.halts == 0);
+    REQUIRE(drive.targets.size() == 2);
+    // It had turned for 0.1 s at its speed v and stops v^2/(2a) further on: 0.1 s more of it. The
+    // poll that notices may be 10 ms late.
+    const double per_s = drive.max_speed_pulses_s;
+    CHECK(std::abs(drive.targets[1]) == Approx(0.2 * per_s).margin(0.01 * per_s));
+    CHECK(drive.targets[0] * static_cast<double>(drive.targets[1]) > 0.0);
+    CHECK(bench.robot.commanded_pulses()[i] == drive.targets[1]);
+  }
+}
+
+TEST_CASE("An arm whose guard objects from the start does not move") {
+  ReadyBench bench;
+  const auto objection =
+      bench.robot.move_to(kSomewhere, [] { return std::optional<std::string>("no"); });
+  CHECK(objection == std::string("no"));
+  CHECK(bench.nothing_was_sent());
+}
+
 TEST_CASE("A drive that refuses its target halts those already started") {
   ReadyBench bench;
   bench.drives[2].refuses_targets = true;

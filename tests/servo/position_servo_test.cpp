@@ -189,6 +189,19 @@ TEST_CASE("Nothing moves after a lamp is lost") {
   }
 }
 
+TEST_CASE("When the camera fails on the way the arm stops short and says so") {
+  Bench bench;
+  bench.sensor.blind_from_s = bench.cell.now_s() + 0.3;
+  const ServoResult result = bench.move_to(kTarget);
+  CHECK(result.status == ServoStatus::kLostCamera);
+  CHECK(result.reason == "the camera is blind");
+  CHECK(bench.sensor.measurements == 0);
+  CHECK(bench.true_distance(kTarget) > 0.05);
+  for (int i = 0; i < 3; ++i) CHECK(bench.cell.drive(i).halts == 0);
+  bench.sensor.blind_from_s.reset();
+  CHECK(bench.move_to(kTarget).status == ServoStatus::kReached);
+}
+
 TEST_CASE("A measurement that is not finite counts as lost") {
   Bench bench;
   bench.sensor.offset_m.x() = std::numeric_limits<double>::quiet_NaN();

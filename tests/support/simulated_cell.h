@@ -79,6 +79,12 @@ class SimulatedSensor final : public TipSensor {
   Eigen::Vector2d offset_m{0.0, 0.0};
   bool inside_map{true};
   int measurements{0};
+  std::optional<double> blind_from_s;  ///< from then on it is at fault
+
+  std::optional<std::string> fault() const override {
+    if (!blind_from_s || cell_.now_s() < *blind_from_s) return std::nullopt;
+    return "the camera is blind";
+  }
 
   TipMeasurement measure(const TipPose& /*expected*/, int frames) override {
     TipMeasurement measurement;

@@ -1,0 +1,124 @@
+#include "support/usb3_camera.h"
+
+#include <catch2/catch.hpp>
+#include <memory>
+
+#include "core/clock.h"
+#include "core/error.h"
+#include "frame_source/aravis_camera.h"
+#include "support/scene_sensor.h"
+
+// Every frame here crosses USB3 Vision, through Aravis and libusb, to a camera emulated below them.
+
+namespace planar {
+namespace {
+
+const cv::Size kSensor{320, 240};
+const cv::Rect kWhole{0, 0, 320, 240};
+constexpr double kFrameRate_hz = 50.0;
+constexpr double kRecovery_s = 60.0;
+
+struct PluggedCamera {
+  test::SceneSensor sensor;
+  test::MockUsbBus bus;
+  test::Usb3Camera function{"U3V1", kSensor, kFrameRate_hz,
+                            [this](const cv::Rect& region_px, double brightness) {
+                              return sensor.expose(region_px, brightness);
+                            }};
+  test::MockUsbDevice device{bus, function.description(), function};
+};
+
+AravisSettings settings_with(CameraTrigger trigger) {
+  AravisSettings settings;
+  settings.sensor_px = kSensor;
+  settings.frame_rate_hz = kFrameRate_hz;
+  settings.exposure_s = 0.002;
+  settings.trigger = trigger;
+  settings.timeout_s = 2.0;
+  return settings;
+}
+
+template <typename Condition>
+bool in_the_end(const Condition& holds) {
+  SteadyClock clock;
+  const double deadline_s = clock.now_s() + kRecovery_s;
+  while (!holds()) {
+    if (clock.now_s() > deadline_s) return false;
+    clock.sleep_for_s(0.002);
+  }
+  return true;
+}
+
+TEST_CASE("A frame over USB is whole, of the region asked for, and exposed after it was asked") {
+  for (const CameraTrigger trigger : {CameraTrigger::kFreeRun, CameraTrigger::kSoftware}) {
+    PluggedCamera plugged;
+    AravisCamera camera(settings_with(trigger));
+    for (const cv::Rect& region : {kWhole, cv::Rect(64, 32, 128, 96), cv::Rect(65, 33, 128, 96)}) {
+      camera.set_region(region);
+      for (int i = 0; i < 3; ++i) {
+        const double asked_s = SteadyClock().now_s();
+        const FrameResult result = camera.next_frame();
+        REQUIRE(result.status == FrameStatus::kOk);
+        CHECK(result.frame.region_px == region);
+        CHECK(test::SceneSensor::shows(result.frame.image, region));
+        CHECK(plugged.sensor.exposed_s(result.frame.image, region) >= asked_s);
+      }
+    }
+  }
+}
+
+TEST_CASE("Frames over USB without their end are counted and never handed over") {
+  PluggedCamera plugged;
+  AravisCamera camera(settings_with(CameraTrigger::kSoftware));
+  REQUIRE(camera.next_frame().status == FrameStatus::kOk);
+  plugged.function.truncate_payloads(3);
+  for (int i = 0; i < 5; ++i) {
+    const FrameResult result = camera.next_frame();
+    REQUIRE(result.status == FrameStatus::kOk);
+    CHECK(test::SceneSensor::shows(result.frame.image, kWhole));
+  }
+  CHECK(camera.counts().incomplete >= 3);
+  const std::uint64_t cut = camera.counts().incomplete;
+  plugged.function.lose_trailers(3);
+  for (int i = 0; i < 8; ++i) {
+    const FrameResult result = camera.next_frame();
+    if (result.status != FrameStatus::kOk) continue;
+    CHECK(test::SceneSensor::shows(result.frame.image, kWhole));
+  }
+  CHECK(camera.counts().incomplete > cut);
+  CHECK(in_the_end([&] { return !camera.fault(); }));
+}
+
+TEST_CASE("A camera that was unplugged and plugged in again goes on with its settings") {
+  PluggedCamera plugged;
+  AravisSettings settings = settings_with(CameraTrigger::kSoftware);
+  settings.id = "U3V1";
+  settings.exposure_s = 0.005;  // half the usual
+  AravisCamera camera(settings);
+  const cv::Rect region{32, 16, 64, 64};
+  camera.set_region(region);
+  REQUIRE(camera.next_frame().status == FrameStatus::kOk);
+  plugged.device.unplug();
+  plugged.function.power_cycle();
+  CHECK(in_the_end([&] { return camera.fault().has_value(); }));
+  CHECK(camera.next_frame().status != FrameStatus::kOk);
+  plugged.device.plug();
+  REQUIRE(in_the_end([&] { return !camera.fault(); }));
+  const FrameResult result = camera.next_frame();
+  REQUIRE(result.status == FrameStatus::kOk);
+  CHECK(result.frame.region_px == region);
+  CHECK(plugged.sensor.brightness() == Approx(0.5));
+  CHECK(camera.counts().reopened >= 1);
+}
+
+TEST_CASE("A USB camera that is not there is missed by its serial number, those there are named") {
+  PluggedCamera plugged;
+  AravisSettings settings = settings_with(CameraTrigger::kSoftware);
+  settings.id = "U3V2";
+  CHECK_THROWS_WITH(AravisCamera(settings),
+                    Catch::Contains("no USB camera with the serial number U3V2") &&
+                        Catch::Contains("there are: U3V1"));
+}
+
+}  // namespace
+}  // namespace planar

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "served_cell/aravis_sensor.h"
+#include "support/mock_usb.h"
+
+namespace planar::test {
+
+/// A USB3 Vision camera for MockUsbDevice: Aravis' fake camera has its features and pictures; this
+/// adds the transport, which is GenCP commands and, on an endpoint of its own, leader, payload and
+/// trailer of each frame [USB3 Vision 1.0, 4 and 5].
+class Usb3Camera final : public UsbFunction {
+ public:
+  Usb3Camera(const std::string& serial, const cv::Size& sensor_px, double frame_rate_hz,
+             Exposure exposure);
+  ~Usb3Camera() override;
+
+  UsbDescription description() const;
+
+  /// The next frames end before their trailer, or in the middle of their payload.
+  void lose_trailers(int frames) { trailers_to_lose_ = frames; }
+  void truncate_payloads(int frames) { payloads_to_cut_ = frames; }
+
+  /// Forgets what it was told, as a camera does without power. Only while it is unplugged.
+  void power_cycle();
+
+  UsbOutcome control(const UsbSetup& setup, std::uint8_t* data) override;
+  UsbOutcome bulk_out(int endpoint, const std::uint8_t* data, std::size_t size) override;
+  std::optional<UsbOutcome> bulk_in(int endpoint, std::uint8_t* data, std::size_t size) override;
+
+ private:
+  using Bytes = std::vector<std::uint8_t>;
+  enum class Next { kLeader, kPayload, kTrailer };
+
+  /// Empty for an address that cannot be read.
+  std::optional<Bytes> read(std::uint64_t address, std::size_t size);
+  bool write(std::uint64_t address, const std::uint8_t* data, std::size_t size);
+  std::optional<UsbOutcome> stream(std::uint8_t* data, std::size_t size);
+  bool frame_is_due();
+  UsbOutcome send_leader(std::uint8_t* data, std::size_t size);
+  UsbOutcome send_payload(std::uint8_t* data, std::size_t size);
+  UsbOutcome send_trailer(std::uint8_t* data, std::size_t size);
+  bool streaming() const;
+
+  struct Handles;
+  std::unique_ptr<Handles> handles_;
+  std::string serial_;
+  Exposure exposure_;
+  std::string xml_;
+  Bytes stream_registers_;
+  std::deque<Bytes> answers_;
+  Next next_{Next::kLeader};
+  std::size_t payload_bytes_{0};
+  std::size_t sent_bytes_{0};
+  std::uint64_t frame_id_{0};
+  std::int64_t next_frame_us_{0};
+  std::atomic<int> trailers_to_lose_{0};
+  std::atomic<int> payloads_to_cut_{0};
+};
+
+}  // namespace planar::test
