@@ -18,14 +18,19 @@ const cv::Rect kWhole{0, 0, 320, 240};
 constexpr double kFrameRate_hz = 50.0;
 constexpr double kRecovery_s = 60.0;
 
+/// Aravis keeps its libusb context, so all tests of a process share one bus.
+test::MockUsbBus& shared_bus() {
+  static test::MockUsbBus bus;
+  return bus;
+}
+
 struct PluggedCamera {
   test::SceneSensor sensor;
-  test::MockUsbBus bus;
   test::Usb3Camera function{"U3V1", kSensor, kFrameRate_hz,
                             [this](const cv::Rect& region_px, double brightness) {
                               return sensor.expose(region_px, brightness);
                             }};
-  test::MockUsbDevice device{bus, function.description(), function};
+  test::MockUsbDevice device{shared_bus(), function.description(), function};
 };
 
 AravisSettings settings_with(CameraTrigger trigger) {
