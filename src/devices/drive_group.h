@@ -3,23 +3,31 @@
 #include <array>
 #include <cstdint>
 
+#include "core/error.h"
 #include "devices/pulse_drive.h"
 
 namespace planar {
+
+/// A drive failed, refuses or is not ready: what may pass while the program runs.
+class DriveError : public WorkError {
+ public:
+  using WorkError::WorkError;
+};
 
 /// The three motors of an arm, spoken to together: what goes to all of them goes at the same time.
 /// Joints count from 0; errors name drives as people count them, from 1.
 class DriveGroup {
  public:
   virtual ~DriveGroup() = default;
+  /// Switches all on, in the order of the joints or at once; none moves.
   virtual void energize() = 0;
   virtual void set_limits(const std::array<DriveLimits, 3>& limits) = 0;
 
-  /// Starts a move to absolute positions. Throws WorkError when a drive refuses; the others may
+  /// Starts a move to absolute positions. Throws DriveError when a drive refuses; the others may
   /// have started then.
   virtual void set_targets(const std::array<std::int32_t, 3>& targets_pulses) = 0;
 
-  /// Stops every motor at once, whatever happens to the others; throws WorkError naming those that
+  /// Stops every motor at once, whatever happens to the others; throws DriveError naming those that
   /// could not be told.
   virtual void halt() = 0;
 

@@ -2,8 +2,6 @@
 
 #include <string>
 
-#include "core/error.h"
-
 namespace planar {
 
 void SeparateDrives::energize() {
@@ -28,7 +26,7 @@ void SeparateDrives::halt() {
                   " does not halt: " + error.what();
     }
   }
-  if (!failures.empty()) throw WorkError(failures);
+  if (!failures.empty()) throw DriveError(failures);
 }
 
 std::array<DriveStatus, 3> SeparateDrives::status() {

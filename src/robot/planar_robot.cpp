@@ -97,8 +97,8 @@ void PlanarRobot::search_home(int joint) {
     wait_for(kHomingTimeout_s, [joint](const auto& status) {
       return !status[static_cast<std::size_t>(joint)].homing;
     });
-  } catch (...) {
-    halt();
+  } catch (const std::exception& error) {
+    halt_after(error);
     throw;
   }
   const DriveStatus found = drives_.status()[static_cast<std::size_t>(joint)];
@@ -149,8 +149,8 @@ std::optional<std::string> PlanarRobot::move_to(const Joints& theta, const Guard
       return true;
     });
     if (objection) brake();
-  } catch (...) {
-    halt();
+  } catch (const std::exception& error) {
+    halt_after(error);
     throw;
   }
   return objection;
@@ -184,6 +184,14 @@ void PlanarRobot::halt() {
   }
   read_positions(drives_.status());
   if (!failure.empty()) throw DriveError(failure);
+}
+
+void PlanarRobot::halt_after(const std::exception& cause) {
+  try {
+    halt();
+  } catch (const DriveError& error) {
+    throw DriveError(fmt::format("{}; {}", cause.what(), error.what()));
+  }
 }
 
 PlanarRobot::Status PlanarRobot::require_well() {

@@ -12,17 +12,9 @@
 #include "arm/planar_arm.h"
 #include "arm/transmission.h"
 #include "core/clock.h"
-#include "core/error.h"
 #include "devices/drive_group.h"
 
 namespace planar {
-
-/// A drive failed, refuses, or is not ready. PlanarRobot::recover() is for what can be mended while
-/// the program runs.
-class DriveError : public WorkError {
- public:
-  using WorkError::WorkError;
-};
 
 /// The arm behind its three pulse drives, in position control: joint angles in, absolute pulse
 /// targets out. Also a vpRobot, so that ViSP's programs can drive it. Joints count from 0.
@@ -97,6 +89,8 @@ class PlanarRobot final : public vpRobot {
  private:
   using Status = std::array<DriveStatus, 3>;
 
+  /// Throws only when a drive cannot be told, with what led to it.
+  void halt_after(const std::exception& cause);
   Status require_well();
   static void require_homed(const Status& status);
   /// Polls until `arrived`; throws DriveError for a drive that fails or when it takes too long.

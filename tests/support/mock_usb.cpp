@@ -10,6 +10,7 @@
 #include <cstring>
 #include <deque>
 #include <functional>
+#include <map>
 #include <mutex>
 #include <stdexcept>
 
@@ -83,6 +84,12 @@ struct PendingUrb {
   }
 };
 
+/// One opening of the device: what was submitted through it is reaped through it.
+struct OpenFile {
+  std::deque<PendingUrb> urbs;
+  bool idle_since_last_reap{false};
+};
+
 GObjectPtr<UMockdevIoctlData> resolve(UMockdevIoctlData* data, std::size_t offset,
                                       std::size_t size) {
   return GObjectPtr<UMockdevIoctlData>(
@@ -116,16 +123,6 @@ void complete_late(UMockdevIoctlClient* client, int error) {
 
 }  // namespace
 
-UsbOutcome UsbFunction::bulk_out(int /*endpoint*/, const std::uint8_t* /*data*/,
-                                 std::size_t /*size*/) {
-  return {-EPIPE, 0};
-}
-
-std::optional<UsbOutcome> UsbFunction::bulk_in(int /*endpoint*/, std::uint8_t* /*data*/,
-                                               std::size_t /*size*/) {
-  return UsbOutcome{-EPIPE, 0};
-}
-
 struct MockUsbBus::Impl {
   GObjectPtr<UMockdevTestbed> testbed{umockdev_testbed_new()};
   int last_address{1};  ///< 1 is the hub's
@@ -141,13 +138,19 @@ bool MockUsbBus::seen_by_this_process() const {
 struct MockUsbDevice::Impl {
   Impl(MockUsbBus::Impl& its_bus, UsbDescription its_description, UsbFunction& its_function)
       : bus(its_bus), description(std::move(its_description)), function(its_function) {
-    g_signal_connect(
-        handler.get(), "handle-ioctl",
-        G_CALLBACK(+[](UMockdevIoctlBase*, UMockdevIoctlClient* client, gpointer self) -> gboolean {
-          static_cast<Impl*>(self)->handle(client);
-          return TRUE;
-        }),
-        this);
+    g_signal_connect(handler.get(), "handle-ioctl", G_CALLBACK(&Impl::on_ioctl), this);
+    g_signal_connect(handler.get(), "client-vanished", G_CALLBACK(&Impl::on_close), this);
+  }
+
+  static gboolean on_ioctl(UMockdevIoctlBase* /*base*/, UMockdevIoctlClient* client,
+                           gpointer self) {
+    static_cast<Impl*>(self)->handle(client);
+    return TRUE;
+  }
+  static void on_close(UMockdevIoctlBase* /*base*/, UMockdevIoctlClient* client, gpointer self) {
+    auto* impl = static_cast<Impl*>(self);
+    const std::lock_guard lock(impl->mutex);
+    impl->open_files.erase(client);
   }
 
   void plug();
@@ -169,9 +172,8 @@ struct MockUsbDevice::Impl {
   GObjectPtr<UMockdevIoctlBase> handler{umockdev_ioctl_base_new()};
   std::mutex mutex;
   bool plugged{false};
-  bool idle_since_last_reap{false};
   std::string node, sys_path;
-  std::deque<PendingUrb> pending_urbs;
+  std::map<UMockdevIoctlClient*, OpenFile> open_files;
   std::optional<UsbFault> fault;
 };
 
@@ -229,7 +231,8 @@ void MockUsbDevice::Impl::unplug() {
     const std::lock_guard lock(mutex);
     if (!plugged) return;
     plugged = false;
-    for (PendingUrb& pending : pending_urbs) pending.finish({-ESHUTDOWN, 0});
+    for (auto& [client, file] : open_files)
+      for (PendingUrb& pending : file.urbs) pending.finish({-ESHUTDOWN, 0});
   }
   umockdev_testbed_uevent(bus.testbed.get(), sys_path.c_str(), "remove");
   umockdev_testbed_remove_device(bus.testbed.get(), sys_path.c_str());
@@ -287,7 +290,7 @@ void MockUsbDevice::Impl::submit(UMockdevIoctlClient* client) {
     pending.in_endpoint = urb->endpoint;
   else
     pending.outcome = function.bulk_out(urb->endpoint, data, pending.size);
-  pending_urbs.push_back(std::move(pending));
+  open_files[client].urbs.push_back(std::move(pending));
   complete(client, 0);
 }
 
@@ -309,18 +312,19 @@ bool MockUsbDevice::Impl::is_ready(PendingUrb& pending, unsigned& waiting_endpoi
 
 void MockUsbDevice::Impl::reap(UMockdevIoctlClient* client) {
   unsigned waiting_endpoints = 0;
-  const auto found =
-      std::find_if(pending_urbs.begin(), pending_urbs.end(),
-                   [&](PendingUrb& pending) { return is_ready(pending, waiting_endpoints); });
-  if (found == pending_urbs.end()) {
+  OpenFile& file = open_files[client];
+  const auto found = std::find_if(file.urbs.begin(), file.urbs.end(), [&](PendingUrb& pending) {
+    return is_ready(pending, waiting_endpoints);
+  });
+  if (found == file.urbs.end()) {
     if (!plugged) return complete(client, -1, ENODEV);
-    if (idle_since_last_reap) return complete_late(client, EAGAIN);
-    idle_since_last_reap = true;
+    if (file.idle_since_last_reap) return complete_late(client, EAGAIN);
+    file.idle_since_last_reap = true;
     return complete(client, -1, EAGAIN);
   }
-  idle_since_last_reap = false;
+  file.idle_since_last_reap = false;
   const PendingUrb done = std::move(*found);
-  pending_urbs.erase(found);
+  file.urbs.erase(found);
   auto* urb = reinterpret_cast<usbdevfs_urb*>(done.urb->data);
   urb->status = done.outcome.status;
   urb->actual_length = static_cast<int>(done.outcome.bytes);
@@ -332,10 +336,11 @@ void MockUsbDevice::Impl::reap(UMockdevIoctlClient* client) {
 void MockUsbDevice::Impl::discard(UMockdevIoctlClient* client) {
   gulong address = 0;
   std::memcpy(&address, umockdev_ioctl_client_get_arg(client)->data, sizeof address);
-  const auto found =
-      std::find_if(pending_urbs.begin(), pending_urbs.end(),
-                   [&](const PendingUrb& pending) { return pending.urb->client_addr == address; });
-  if (found == pending_urbs.end()) return complete(client, -1, EINVAL);
+  std::deque<PendingUrb>& urbs = open_files[client].urbs;
+  const auto found = std::find_if(urbs.begin(), urbs.end(), [&](const PendingUrb& pending) {
+    return pending.urb->client_addr == address;
+  });
+  if (found == urbs.end()) return complete(client, -1, EINVAL);
   found->finish({-ENOENT, 0});
   complete(client, 0);
 }

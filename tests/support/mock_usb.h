@@ -4,42 +4,10 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <string>
-#include <vector>
+
+#include "support/usb_function.h"
 
 namespace planar::test {
-
-/// The eight bytes that open a control transfer.
-struct UsbSetup {
-  std::uint8_t request_type{0};
-  std::uint8_t request{0};
-  std::uint16_t value{0};
-  std::uint16_t index{0};
-  std::uint16_t length{0};
-
-  bool to_host() const { return (request_type & 0x80) != 0; }
-};
-
-/// How a transfer ended: 0 or a negative errno as usbfs reports it (-EPIPE is a stall), and the
-/// bytes moved.
-struct UsbOutcome {
-  int status{0};
-  std::size_t bytes{0};
-};
-
-/// What a device does with what reaches it. Called by the bus' own thread, one transfer at a time.
-class UsbFunction {
- public:
-  virtual ~UsbFunction() = default;
-
-  /// A control transfer that is not about standard descriptors. `data` has setup.length bytes, to
-  /// be filled (to the host) or read.
-  virtual UsbOutcome control(const UsbSetup& setup, std::uint8_t* data) = 0;
-  virtual UsbOutcome bulk_out(int endpoint, const std::uint8_t* data, std::size_t size);
-  /// Empty while there is nothing to send: the transfer stays pending and is asked for again about
-  /// every millisecond.
-  virtual std::optional<UsbOutcome> bulk_in(int endpoint, std::uint8_t* data, std::size_t size);
-};
 
 /// What is wrong with the next control transfers.
 struct UsbFault {
@@ -49,13 +17,6 @@ struct UsbFault {
   std::optional<std::uint8_t> request{};  ///< only this request; any when empty
   double late_s{0.0};    ///< of kLate: the function acts at once, the host hears late
   std::size_t bytes{0};  ///< of kShort: what still arrives
-};
-
-struct UsbDescription {
-  std::vector<std::uint8_t> device_descriptor;         ///< 18 bytes
-  std::vector<std::uint8_t> configuration_descriptor;  ///< with all that belongs to it
-  std::vector<std::string> strings;                    ///< number 1, 2, ...
-  int speed_mbit{12};
 };
 
 /// A USB bus below libusb, made by umockdev: whatever is plugged into it, unmodified programs find,

@@ -144,6 +144,19 @@ TEST_CASE("A late answer is right, and late") {
   CHECK(bench.host.ask() == 4);
 }
 
+TEST_CASE("Each opening of a device reaps its own transfers") {
+  Bench bench;
+  REQUIRE(bench.host.open());
+  libusb_device_handle* again = nullptr;
+  REQUIRE(libusb_open(libusb_get_device(bench.host.handle), &again) == 0);
+  std::array<unsigned char, 4> answer{};
+  for (int i = 0; i < 100; ++i) {
+    CHECK(bench.host.ask() == 4);
+    CHECK(libusb_control_transfer(again, kIn, 1, 0, 0, answer.data(), 4, kPatience_ms) == 4);
+  }
+  libusb_close(again);
+}
+
 TEST_CASE("An unplugged device is gone until it is plugged in again, at another address") {
   Bench bench;
   REQUIRE(bench.host.open());
