@@ -17,13 +17,26 @@ namespace planar {
 /// plane, which is good to a per cent or two; a wrong light differs by far more.
 constexpr double kCalibratedShare = 0.03;
 
+/// The lamps on the tool, as the cell file has them.
+struct LampLayout {
+  double separation_m{0.0};
+  std::array<double, 2> diameters_m{0.0, 0.0};
+
+  std::array<double, 2> diameter_over_separation() const {
+    return {diameters_m[0] / separation_m, diameters_m[1] / separation_m};
+  }
+};
+
+LampLayout lamp_layout(const CellSettings& cell);
+
 /// Lamps 1 and 2 expected at these pixels, their distance right to `share`.
-PairExpectation expect_lamps(const std::array<Eigen::Vector2d, 2>& predicted_px, double share);
+PairExpectation expect_lamps(const LampLayout& layout,
+                             const std::array<Eigen::Vector2d, 2>& predicted_px, double share);
 
 /// What is known of the place where images were taken.
 struct LampScene {
   cv::Size sensor_px;
-  double separation_m{0.0};
+  LampLayout lamps;
   std::optional<Workplane> workplane;
   ToolOffsets tool;  ///< zero, an ideal tool, until it is known
 };
@@ -31,8 +44,8 @@ struct LampScene {
 /// From the cell file and those of its files that exist already.
 LampScene lamp_scene(const CellSettings& cell);
 
-/// Says where an image's lamps should be, as well as it is known: from the commanded pose through
-/// the workplane or else through a coarse view; nothing without either.
+/// Says what is known of an image's lamps: their size, and where they should be, from the commanded
+/// pose through the workplane or else through a coarse view.
 class LampPrediction {
  public:
   /// The scene must outlive the prediction.

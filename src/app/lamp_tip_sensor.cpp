@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "app/lamp_prediction.h"
 #include "app/regions.h"
 #include "calibration/vision_tip.h"
 #include "core/error.h"
@@ -52,7 +51,7 @@ VisionCalibration read_vision(const CellSettings& cell, bool with_error_map) {
 LampTipSensor::LampTipSensor(const CellSettings& cell, VisionCalibration vision,
                              CenterMethod method, FrameSource& camera)
     : camera_settings_(cell.camera),
-      lamp_separation_m_(cell.lamp_separation_m),
+      lamps_(lamp_layout(cell)),
       vision_(std::move(vision)),
       tracker_(method),
       camera_(camera) {}
@@ -60,7 +59,7 @@ LampTipSensor::LampTipSensor(const CellSettings& cell, VisionCalibration vision,
 TipMeasurement LampTipSensor::measure(const TipPose& expected, int frames) {
   const auto predicted = lamps_at(expected);
   if (!predicted) return failed("outside_view", 0.0);
-  const PairExpectation expectation = expect_lamps(*predicted, kCalibratedShare);
+  const PairExpectation expectation = expect_lamps(lamps_, *predicted, kCalibratedShare);
   camera_.set_region(follow_region(camera_settings_, 0.5 * ((*predicted)[0] + (*predicted)[1])));
   TipMeasurement mean;
   mean.lamps_px.fill(Eigen::Vector2d::Zero());
@@ -84,7 +83,7 @@ TipMeasurement LampTipSensor::measure(const TipPose& expected, int frames) {
 }
 
 std::optional<std::array<Eigen::Vector2d, 2>> LampTipSensor::lamps_at(const TipPose& tip) const {
-  return lamps_from_tip(vision_.workplane, vision_.tool, lamp_separation_m_, tip);
+  return lamps_from_tip(vision_.workplane, vision_.tool, lamps_.separation_m, tip);
 }
 
 LampTipSensor::Sight LampTipSensor::look_once(const PairExpectation& expectation) {

@@ -2,6 +2,7 @@
 
 #include <optional>
 
+#include "app/lamp_prediction.h"
 #include "calibration/tool_offsets.h"
 #include "camera/workplane.h"
 #include "devices/frame_source.h"
@@ -54,7 +55,7 @@ class LampTipSensor final : public TipSensor {
                           const std::array<Eigen::Matrix2d, 2>& covariances_px2) const;
 
   CameraSettings camera_settings_;
-  double lamp_separation_m_;
+  LampLayout lamps_;
   VisionCalibration vision_;
   LampTracker tracker_;
   FrameSource& camera_;

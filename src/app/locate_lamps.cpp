@@ -36,7 +36,7 @@ void add_lamp(LampRow& row, const LampCenter& lamp) {
 bool has_right_distance(const LampRow& row, const LampScene& scene) {
   const auto a = scene.workplane->plane_from_pixel(row.uv_px[0]);
   const auto b = scene.workplane->plane_from_pixel(row.uv_px[1]);
-  return a && b && std::abs((*b - *a).norm() / scene.separation_m - 1.0) <= kDistanceShare;
+  return a && b && std::abs((*b - *a).norm() / scene.lamps.separation_m - 1.0) <= kDistanceShare;
 }
 
 /// Position on the plane: with the tool's direction when the lamps are told apart; without it only

@@ -8,8 +8,6 @@
 namespace planar {
 namespace {
 
-constexpr double kNormalPerMad = 1.4826;
-
 void require_values(const std::vector<double>& values) {
   if (values.empty()) throw std::invalid_argument("statistics of an empty set");
 }

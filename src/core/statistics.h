@@ -22,7 +22,10 @@ double median(std::vector<double> values);
 /// Linear interpolation between order statistics; `fraction` in [0, 1].
 double quantile(std::vector<double> values, double fraction);
 
-/// 1.4826 * median |v - median v|: the standard deviation of normal data, deaf to outliers.
+/// Standard deviation of normal data over their median absolute deviation from the median.
+constexpr double kNormalPerMad = 1.4826;
+
+/// kNormalPerMad * median |v - median v|: the standard deviation of normal data, deaf to outliers.
 double robust_sigma(const std::vector<double>& values);
 
 /// Pearson's correlation of two sets of the same size; NaN when one of them does not vary.

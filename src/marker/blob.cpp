@@ -2,60 +2,45 @@
 
 #include <Eigen/LU>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <stdexcept>
+#include <vector>
 
 #include "core/units.h"
+#include "marker/level_histogram.h"
 
 namespace planar {
 namespace {
 
-constexpr double kLeastContrast = 20.0;  // grey levels; dimmer patches are not told from clutter
 constexpr double kLeastAxisRatio = 0.3;  // a disc seen 70 degrees off its axis
 constexpr double kLeastFill = 0.88;      // a square has 0.95, a half moon about 0.8
 
-/// Counts of grey levels.
-class Histogram {
- public:
-  void add(std::uint8_t level) {
-    ++counts_[level];
-    ++total_;
-  }
-  bool empty() const { return total_ == 0; }
-  int median() const {
-    int below = 0;
-    for (int level = 0; level < 256; ++level) {
-      below += counts_[static_cast<std::size_t>(level)];
-      if (2 * below >= total_) return level;
-    }
-    return 0;
-  }
-
- private:
-  std::array<int, 256> counts_{};
-  int total_{0};
-};
-
 /// Levels of the pixels above the threshold, or of the others.
-Histogram levels(const cv::Mat& patch, int threshold, bool above) {
-  Histogram histogram;
-  for (int v = 0; v < patch.rows; ++v) {
-    const auto* row = patch.ptr<std::uint8_t>(v);
-    for (int u = 0; u < patch.cols; ++u) {
+LevelHistogram levels(const cv::Mat& image, const Span* begin, const Span* end, int threshold,
+                      bool above) {
+  LevelHistogram histogram;
+  for (const Span* span = begin; span != end; ++span) {
+    const auto* row = image.ptr<std::uint8_t>(span->v);
+    for (int u = span->begin; u < span->end; ++u) {
       if ((row[u] > threshold) == above) histogram.add(row[u]);
     }
   }
   return histogram;
 }
 
+std::vector<Span> rows_of(const cv::Rect& box) {
+  std::vector<Span> rows;
+  for (int v = box.y; v < box.br().y; ++v) rows.push_back({v, box.x, box.br().x});
+  return rows;
+}
+
 /// Levels along a frame round the box, far enough out to miss the blurred rim, as far as it lies in
 /// the image.
-Histogram surrounding_levels(const cv::Mat& image, const cv::Rect& box) {
+LevelHistogram surrounding_levels(const cv::Mat& image, const cv::Rect& box) {
   const int margin = 3 + std::max(box.width, box.height) / 10;
   const cv::Rect outer(box.x - margin, box.y - margin, box.width + 2 * margin,
                        box.height + 2 * margin);
-  Histogram histogram;
+  LevelHistogram histogram;
   const auto add = [&](int u, int v) {
     if (u >= 0 && v >= 0 && u < image.cols && v < image.rows) {
       histogram.add(image.at<std::uint8_t>(v, u));
@@ -72,13 +57,50 @@ Histogram surrounding_levels(const cv::Mat& image, const cv::Rect& box) {
   return histogram;
 }
 
-/// The box of a lamp that fills the image has no surroundings: then what is dark in the box; 255,
-/// against which nothing stands out, when nothing is.
+/// A lamp that fills the image has no surroundings: then what is dark in the box; 255, against
+/// which nothing stands out, when nothing is.
 int background_level(const cv::Mat& image, const cv::Rect& box, int threshold) {
-  const Histogram surroundings = surrounding_levels(image, box);
+  const LevelHistogram surroundings = surrounding_levels(image, box);
   if (!surroundings.empty()) return surroundings.median();
-  const Histogram dark = levels(image(box), threshold, false);
+  const std::vector<Span> rows = rows_of(box);
+  const LevelHistogram dark =
+      levels(image, rows.data(), rows.data() + rows.size(), threshold, false);
   return dark.empty() ? 255 : dark.median();
+}
+
+/// Area, centroid, moments and saturated share of the pixels of spans that are bright enough.
+void sum_up(const cv::Mat& image, const Span* begin, const Span* end, double least_level,
+            Blob& blob) {
+  const cv::Point origin = blob.box_px.tl();
+  const int least = static_cast<int>(std::ceil(least_level));
+  double n = 0.0, saturated = 0.0;
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  Eigen::Matrix2d squares = Eigen::Matrix2d::Zero();
+  for (const Span* span = begin; span != end; ++span) {
+    const auto* row = image.ptr<std::uint8_t>(span->v) + origin.x;
+    std::int64_t count = 0, clipped = 0, sum_u = 0, sum_uu = 0;
+    for (std::int64_t u = span->begin - origin.x; u < span->end - origin.x; ++u) {
+      const std::int64_t lit = row[u] >= least ? 1 : 0;
+      count += lit;
+      clipped += row[u] == 255 ? 1 : 0;
+      sum_u += lit * u;
+      sum_uu += lit * u * u;
+    }
+    const double v = span->v - origin.y, in_row = static_cast<double>(count),
+                 row_u = static_cast<double>(sum_u), uv = v * row_u;
+    n += in_row;
+    saturated += static_cast<double>(clipped);
+    sum += Eigen::Vector2d(row_u, v * in_row);
+    squares +=
+        (Eigen::Matrix2d() << static_cast<double>(sum_uu), uv, uv, v * v * in_row).finished();
+  }
+  const Eigen::Vector2d mean = sum / n;
+  blob.uv_px = mean + Eigen::Vector2d(origin.x, origin.y);
+  // A pixel is a square of side 1, with second moments of 1/12 of its own.
+  blob.second_moments_px2 =
+      squares / n - mean * mean.transpose() + Eigen::Matrix2d::Identity() / 12.0;
+  blob.area_px2 = n;
+  blob.saturated_share = saturated / n;
 }
 
 }  // namespace
@@ -98,36 +120,19 @@ double Blob::fill() const {
 }
 
 Blob describe_blob(const cv::Mat& image, const cv::Rect& box_px, int threshold) {
-  const cv::Mat patch = image(box_px);
+  const std::vector<Span> rows = rows_of(box_px);
+  return describe_blob(image, box_px, rows.data(), rows.data() + rows.size(), threshold);
+}
+
+Blob describe_blob(const cv::Mat& image, const cv::Rect& box_px, const Span* begin, const Span* end,
+                   int threshold) {
   Blob blob;
   blob.box_px = box_px;
-  blob.level = levels(patch, threshold, true).median();
+  blob.level = levels(image, begin, end, threshold, true).median();
   blob.background = background_level(image, box_px, threshold);
   blob.touches_border =
       box_px.x <= 0 || box_px.y <= 0 || box_px.br().x >= image.cols || box_px.br().y >= image.rows;
-
-  const double half_way = 0.5 * (blob.level + blob.background);
-  double n = 0.0, saturated = 0.0;
-  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
-  Eigen::Matrix2d sum_of_squares = Eigen::Matrix2d::Zero();
-  for (int v = 0; v < patch.rows; ++v) {
-    const auto* row = patch.ptr<std::uint8_t>(v);
-    for (int u = 0; u < patch.cols; ++u) {
-      if (row[u] < half_way) continue;
-      const Eigen::Vector2d p(u, v);
-      n += 1.0;
-      saturated += row[u] == 255 ? 1.0 : 0.0;
-      sum += p;
-      sum_of_squares += p * p.transpose();
-    }
-  }
-  const Eigen::Vector2d mean = sum / n;
-  blob.uv_px = mean + Eigen::Vector2d(box_px.x, box_px.y);
-  // A pixel is a square of side 1, with second moments of 1/12 of its own.
-  blob.second_moments_px2 =
-      sum_of_squares / n - mean * mean.transpose() + Eigen::Matrix2d::Identity() / 12.0;
-  blob.area_px2 = n;
-  blob.saturated_share = saturated / n;
+  sum_up(image, begin, end, 0.5 * (blob.level + blob.background), blob);
   return blob;
 }
 

@@ -3,6 +3,8 @@
 #include <Eigen/Core>
 #include <opencv2/core.hpp>
 
+#include "marker/bright_patch.h"
+
 namespace planar {
 
 /// A bright patch of an image, to the whole pixel: what detection and vpDot2 hand to the
@@ -29,6 +31,13 @@ struct Blob {
 /// The blob inside `box_px`, from the box's pixels above half way between the background and the
 /// level of its pixels above `threshold`. The box must lie in the image and hold such a pixel.
 Blob describe_blob(const cv::Mat& image, const cv::Rect& box_px, int threshold);
+
+/// The same of the pixels of some spans in that box only.
+Blob describe_blob(const cv::Mat& image, const cv::Rect& box_px, const Span* begin, const Span* end,
+                   int threshold);
+
+/// Grey levels by which a lamp stands out; dimmer patches are not told from clutter.
+constexpr double kLeastContrast = 20.0;
 
 /// A filled patch that stands out from what surrounds it. The shape of one that the image's edge
 /// cuts says nothing.

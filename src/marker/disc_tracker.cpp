@@ -10,7 +10,8 @@
 namespace planar {
 namespace {
 
-constexpr double kReach = 3.0;       // diameters that a lost disc may have moved
+constexpr double kReach = 3.0;       // diameters that a disc may have moved
+constexpr double kRowShare = 0.2;    // of its diameter between two rows that are searched
 constexpr double kSizeChange = 1.5;  // most change of its diameter between two images
 
 bool has_size_of(const Blob& blob, const Blob& last) {
@@ -18,13 +19,15 @@ bool has_size_of(const Blob& blob, const Blob& last) {
   return ratio < kSizeChange && ratio > 1.0 / kSizeChange;
 }
 
-std::optional<Blob> follow(const cv::Mat& image, const Blob& last) {
-  const auto level = static_cast<int>(std::lround(0.5 * (last.level + last.background)));
-  const double size = std::max(last.box_px.width, last.box_px.height);
-  const std::optional<VpDot> dot =
-      vp_dot(image, window_round(last.uv_px, 2.0 * size), last.uv_px, level);
-  if (!dot || !is_filled(dot->blob) || !has_size_of(dot->blob, last)) return std::nullopt;
-  return dot->blob;
+template <typename Condition>
+std::optional<Blob> nearest(const std::vector<Blob>& blobs, const Eigen::Vector2d& place,
+                            const Condition& is_possible) {
+  std::optional<Blob> best;
+  for (const Blob& blob : blobs) {
+    if (!is_possible(blob)) continue;
+    if (!best || (blob.uv_px - place).norm() < (best->uv_px - place).norm()) best = blob;
+  }
+  return best;
 }
 
 }  // namespace
@@ -32,33 +35,43 @@ std::optional<Blob> follow(const cv::Mat& image, const Blob& last) {
 DiscTracker::DiscTracker(CenterMethod method, std::optional<Eigen::Vector2d> start_px)
     : method_(method), start_px_(std::move(start_px)) {}
 
-std::optional<Blob> DiscTracker::find(const cv::Mat& image) {
-  if (last_) {
-    const std::optional<Blob> followed = follow(image, *last_);
-    if (followed) return followed;
-  }
-  std::vector<Blob> candidates = detector_.detect(image);
-  const auto is_elsewhere = [&](const Blob& blob) {
-    if (last_) {
-      return !has_size_of(blob, *last_) ||
-             (blob.uv_px - last_->uv_px).norm() > kReach * last_->diameter_px();
+/// The patch above half the last contrast that is nearest to the last place.
+std::optional<Blob> DiscTracker::find_again(const cv::Mat& image) {
+  const double diameter_px = last_->diameter_px();
+  const auto threshold = static_cast<int>(std::lround(0.5 * (last_->level + last_->background)));
+  const auto most_area = static_cast<int>(kSizeChange * kSizeChange * last_->area_px2);
+  const int row_step = std::max(1, static_cast<int>(kRowShare * diameter_px));
+  const cv::Rect window =
+      window_round(last_->uv_px, kReach * diameter_px) & cv::Rect({0, 0}, image.size());
+  patches_.start(image.size());
+  found_.clear();
+  for (int v = window.y; v < window.br().y; v += row_step) {
+    const auto* row = image.ptr<std::uint8_t>(v);
+    for (int u = window.x; u < window.br().x; ++u) {
+      if (row[u] <= threshold) continue;
+      const Span run = run_round(image, v, u, threshold);
+      u = run.end;
+      if (patches_.is_taken(run.begin, v, 0)) continue;
+      const Patch patch = patches_.grow(image, run, threshold, 0, most_area);
+      found_.push_back(describe_blob(image, patch.box_px, patches_.begin(patch),
+                                     patches_.end(patch), threshold));
     }
-    return start_px_ && !blob.box_px.contains(cv::Point(static_cast<int>(start_px_->x()),
-                                                        static_cast<int>(start_px_->y())));
-  };
-  candidates.erase(std::remove_if(candidates.begin(), candidates.end(), is_elsewhere),
-                   candidates.end());
-  if (candidates.empty()) return std::nullopt;
-  if (!last_ && !start_px_) return candidates.front();
-  const Eigen::Vector2d place = last_ ? last_->uv_px : *start_px_;
-  return *std::min_element(candidates.begin(), candidates.end(), [&](const Blob& a, const Blob& b) {
-    return (a.uv_px - place).norm() < (b.uv_px - place).norm();
-  });
+  }
+  return nearest(found_, last_->uv_px,
+                 [&](const Blob& blob) { return is_filled(blob) && has_size_of(blob, *last_); });
+}
+
+/// The disc that was picked, or the most evident one.
+std::optional<Blob> DiscTracker::find_first(const cv::Mat& image) {
+  const std::vector<Blob>& found = detector_.detect(image);
+  if (!start_px_) return found.empty() ? std::nullopt : std::optional<Blob>(found.front());
+  const cv::Point start(static_cast<int>(start_px_->x()), static_cast<int>(start_px_->y()));
+  return nearest(found, *start_px_, [&](const Blob& blob) { return start.inside(blob.box_px); });
 }
 
 LampCenter DiscTracker::locate(const cv::Mat& image) {
   require_8_bit(image);
-  const std::optional<Blob> blob = find(image);
+  const std::optional<Blob> blob = last_ ? find_again(image) : find_first(image);
   if (!blob) return {};
   last_ = blob;
   return measure_lamp(image, *blob, method_);

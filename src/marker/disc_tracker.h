@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "marker/blob.h"
 #include "marker/lamp.h"
@@ -8,8 +9,8 @@
 
 namespace planar {
 
-/// Follows one bright disc through a sequence of images: by vpDot2 from its last place, by
-/// detection near there when that fails.
+/// Follows one bright disc through a sequence of images: the nearest patch of about the same
+/// size that is brighter than half its last contrast.
 class DiscTracker {
  public:
   /// `start_px` picks the disc in the first image that shows one there; without it the most
@@ -21,12 +22,15 @@ class DiscTracker {
   LampCenter locate(const cv::Mat& image);
 
  private:
-  std::optional<Blob> find(const cv::Mat& image);
+  std::optional<Blob> find_again(const cv::Mat& image);
+  std::optional<Blob> find_first(const cv::Mat& image);
 
   CenterMethod method_;
   std::optional<Eigen::Vector2d> start_px_;
   std::optional<Blob> last_;
   LampDetector detector_;
+  PatchGrower patches_;
+  std::vector<Blob> found_;
 };
 
 }  // namespace planar

@@ -45,6 +45,11 @@ struct PairExpectation {
   std::optional<std::array<Eigen::Vector2d, 2>> predicted_px;
   /// Least and greatest distance between the two centres.
   std::optional<std::array<double, 2>> separation_px;
+  /// Diameters of lamps 1 and 2 over the distance of their centres: lights of quite another size
+  /// are no lamps, and lamps that differ are told apart by it.
+  std::optional<std::array<double, 2>> diameter_over_separation;
+  /// Contrast of lamp 2 over that of lamp 1, where they are known to differ.
+  std::optional<double> contrast_ratio;
 };
 
 enum class CenterMethod { kAuto, kCannyKasa, kVpDot2 };

@@ -1,34 +1,45 @@
 #pragma once
 
-#include <cstdint>
 #include <opencv2/core.hpp>
 #include <vector>
 
 #include "marker/blob.h"
+#include "marker/bright_patch.h"
+#include "marker/level_histogram.h"
 
 namespace planar {
 
-/// Finds bright patches that may be lamps, of 12 px diameter and more, in an image of any size.
-/// A lamp must cross sparse rows, so only these are read; the threshold is learned from the image;
-/// each run of bright pixels that is long enough for a lamp is grown to its connected blob.
+/// Finds bright patches that may be lamps, of 12 px diameter and more, in an image of any size or
+/// in a part of it. A lamp must cross sparse rows, so only these are read. The threshold is learned
+/// from the levels round about; where a patch is no lamp it is taken apart, by higher thresholds
+/// and by the discs that fit into it, for a lamp may touch other lights. Keeps its memory from
+/// image to image.
 class LampDetector {
  public:
   /// Candidates by falling evidence (diameter times contrast); those cut by the image's edge are
-  /// among them. None for an image too small to hold a lamp. Throws std::invalid_argument for an
-  /// image that is not CV_8UC1.
-  std::vector<Blob> detect(const cv::Mat& image);
+  /// among them. None for an image too small to hold a lamp. Valid until the next call. Throws
+  /// std::invalid_argument for an image that is not CV_8UC1.
+  const std::vector<Blob>& detect(const cv::Mat& image);
+
+  /// The same of lamps that reach into the window.
+  const std::vector<Blob>& detect(const cv::Mat& image, const cv::Rect& window_px);
 
  private:
-  struct Span {
-    int v, begin, end;
-  };
+  void learn_thresholds(const cv::Mat& image, const cv::Rect& band, int tile_width);
+  void search_band(const cv::Mat& image, const cv::Rect& band);
+  bool search_block(const cv::Mat& image, const Span& block, int threshold, int layer);
+  bool examine(const cv::Mat& image, const Span& run, int threshold, int layer);
+  bool take_apart(const cv::Mat& image, const Patch& patch, int threshold, int layer);
+  bool find_discs(const cv::Mat& image, const Patch& patch, int threshold);
+  bool add_disc(const cv::Mat& image, const Patch& patch, const cv::Point& center, double reach_px,
+                int threshold);
 
-  void scan_row(const cv::Mat& image, int v, int threshold, std::vector<Blob>& found);
-  /// Box of the connected pixels above the threshold round a span; empty when it grows too large.
-  cv::Rect grow(const cv::Mat& image, const Span& seed, int threshold);
-
-  std::vector<std::uint8_t> visited_;  ///< one per pixel; all zero between calls
-  std::vector<Span> spans_;            ///< all spans visited in this call
+  PatchGrower patches_;
+  std::vector<Blob> found_;
+  std::vector<Span> disc_;
+  std::vector<LevelHistogram> tiles_;
+  std::vector<int> thresholds_;
+  cv::Mat mask_, depth_;
 };
 
 }  // namespace planar

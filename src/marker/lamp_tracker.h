@@ -1,29 +1,32 @@
 #pragma once
 
-#include <memory>
+#include <vector>
 
 #include "core/frame.h"
 #include "marker/lamp.h"
+#include "marker/lamp_detector.h"
 
 namespace planar {
 
-/// Finds the two lamps in a frame (whole sensor or region): where a prediction is given, by
-/// ViSP's vpDot2 in a window round it; without one, or when that fails, by detection in the whole
-/// image. Then measures each centre by the method asked for, checks the distance and decides which
-/// lamp is which. Keeps no state that changes a result: the same frame and expectation always give
-/// the same pair (only large buffers are kept from frame to frame).
+/// Finds the two lamps in a frame (whole sensor or region): where a prediction is given, in a
+/// window round each predicted place; without one, or when that fails, in the whole image. Then
+/// measures each centre by the method asked for, checks the distance and decides which lamp is
+/// which. Keeps no state that changes a result: the same frame and expectation always give the same
+/// pair (only memory is kept from frame to frame).
 class LampTracker {
  public:
-  explicit LampTracker(CenterMethod method);
-  ~LampTracker();
-  LampTracker(LampTracker&&) noexcept;
-  LampTracker& operator=(LampTracker&&) noexcept;
+  explicit LampTracker(CenterMethod method) : method_(method) {}
 
   LampPair locate(const Frame& frame, const PairExpectation& expectation);
 
  private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
+  void search_windows(const cv::Mat& image, const PairExpectation& expectation);
+  void search_image(const cv::Mat& image);
+  LampPair measure(const cv::Mat& image, const PairExpectation& expectation) const;
+
+  CenterMethod method_;
+  LampDetector detector_;
+  std::vector<Blob> candidates_;
 };
 
 }  // namespace planar

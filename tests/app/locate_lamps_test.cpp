@@ -17,6 +17,8 @@ namespace {
 using Catch::Matchers::Contains;
 
 constexpr double kSeparation_m = 0.1;
+constexpr double kDiameter_m = 0.024;
+constexpr double kDiameter_px = 20.0;  // of such a lamp from 1.2 m
 const cv::Size kSensor(1000, 800);
 constexpr double kMeasured_px = 0.15;   // several times the error of one centre
 constexpr double kMeasured_m = 0.2e-3;  // the same on the plane, at 833 px/m
@@ -33,7 +35,7 @@ Workplane workplane() {
 LampScene scene(bool with_workplane) {
   LampScene result;
   result.sensor_px = kSensor;
-  result.separation_m = kSeparation_m;
+  result.lamps = {kSeparation_m, {kDiameter_m, kDiameter_m}};
   if (with_workplane) result.workplane = workplane();
   return result;
 }
@@ -41,12 +43,15 @@ LampScene scene(bool with_workplane) {
 /// A folder of rendered frames of the tool at known poses, removed at the end.
 class Recording {
  public:
-  /// Lamps 1 and 2 of the tool at `tip`, those asked for, in a region of the sensor.
-  void add(const TipPose& tip, int lamps = 2, const cv::Rect& region = {{0, 0}, kSensor}) {
+  /// Lamps 1 and 2 of the tool at `tip`, those asked for, in a region of the sensor, the second
+  /// larger than the first.
+  void add(const TipPose& tip, int lamps = 2, const cv::Rect& region = {{0, 0}, kSensor},
+           double second_size = 1.0) {
     const auto lamps_px = *lamps_from_tip(workplane(), {}, kSeparation_m, tip);
     cv::Mat picture = test::background(region.size());
     for (int i = 0; i < lamps; ++i) {
-      test::RenderedLamp lamp{lamps_px[static_cast<std::size_t>(i)], 20.0};
+      test::RenderedLamp lamp{lamps_px[static_cast<std::size_t>(i)], kDiameter_px};
+      if (i == 1) lamp.diameter_px *= second_size;
       lamp.center_px -= Eigen::Vector2d(region.x, region.y);
       test::add_lamp(picture, lamp);
     }
@@ -137,9 +142,25 @@ TEST_CASE("locate_lamps leaves equal lamps ambiguous without a commanded pose") 
   CHECK(aside.uv_px.size() == 2);
   CHECK_FALSE(aside.p_vision);
 
-  with_plane.separation_m = 1.2 * kSeparation_m;
+  with_plane.lamps.separation_m = 1.2 * kSeparation_m;
   const auto wrong = locate_lamps({recording.images, with_plane, CenterMethod::kAuto, {}}).rows[0];
   CHECK(wrong.status == "wrong_distance");
+}
+
+TEST_CASE("locate_lamps tells lamps of different size apart without a commanded pose") {
+  constexpr double kLarger = 1.3;
+  LampScene with_plane = scene(true);
+  with_plane.lamps.diameters_m[1] *= kLarger;
+  Recording recording;
+  for (const double phi : {0.3, 1.9, -2.5})
+    recording.add({{0.1, 0.05}, phi}, 2, {{0, 0}, kSensor}, kLarger);
+  for (LampImage& image : recording.images) image.commanded.reset();
+  const auto report = locate_lamps({recording.images, with_plane, CenterMethod::kAuto, {}});
+  for (std::size_t i = 0; i < report.rows.size(); ++i) {
+    CHECK(report.rows[i].status == "ok");
+    REQUIRE(report.rows[i].phi);
+    CHECK(*report.rows[i].phi == Approx(recording.tips[i].phi).margin(kDirection));
+  }
 }
 
 TEST_CASE("locate_lamps keeps the row of an image that it cannot read or that shows a board") {

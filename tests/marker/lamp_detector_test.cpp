@@ -106,6 +106,80 @@ TEST_CASE("LampDetector ignores hot pixels and streaks, reports a third light as
   for (const RenderedLamp& lamp : {a, b, third}) CHECK(any_near(found, lamp.center_px, kCoarse_px));
 }
 
+TEST_CASE("LampDetector finds lamps that touch other lights") {
+  constexpr double kTouched_px = 2.0;  // the other light moves the coarse centre
+  std::mt19937 random(14);
+  const RenderedLamp lamp{{300.4, 250.2}};
+  const cv::Mat clean = noisy_frame({640, 512}, {lamp}, random);
+  SECTION("a bright streak across it") {
+    for (const double turn : {0.0, 0.4, 0.9, 1.6, 2.4}) {
+      cv::Mat frame = clean.clone();
+      const cv::Point2d along(250.0 * std::cos(turn), 250.0 * std::sin(turn));
+      cv::line(frame, cv::Point2d(310.0, 255.0) - along, cv::Point2d(310.0, 255.0) + along,
+               cv::Scalar(240), 4, cv::LINE_AA);
+      CHECK(any_near(LampDetector().detect(frame), lamp.center_px, kTouched_px));
+    }
+  }
+  SECTION("a dimmer reflection on which it lies") {
+    cv::Mat scene = test::background({640, 512});
+    test::add_lamp(scene, {{330.0, 260.0}, 200.0, 0.2, 0.5, 50.0, 3.0});
+    test::add_lamp(scene, lamp);
+    CHECK(
+        any_near(LampDetector().detect(test::expose(scene, random)), lamp.center_px, kTouched_px));
+  }
+  SECTION("specks all round its rim") {
+    cv::Mat frame = clean.clone();
+    for (int i = 0; i < 6; ++i) {
+      const cv::Point speck(static_cast<int>(300.0 + 21.0 * std::cos(1.05 * i)),
+                            static_cast<int>(250.0 + 21.0 * std::sin(1.05 * i)));
+      cv::circle(frame, speck, 3, cv::Scalar(255), cv::FILLED);
+    }
+    CHECK(any_near(LampDetector().detect(frame), lamp.center_px, kTouched_px));
+  }
+}
+
+TEST_CASE("LampDetector takes neither streaks nor reflections nor a bright bar for lamps") {
+  std::mt19937 random(15);
+  cv::Mat frame = noisy_frame({1024, 768}, {}, random);
+  for (const double turn : {0.1, 0.6, 1.2, 1.9, 2.8}) {
+    const cv::Point2d along(280.0 * std::cos(turn), 280.0 * std::sin(turn));
+    cv::line(frame, cv::Point2d(400, 380) - along, cv::Point2d(400, 380) + along, cv::Scalar(200),
+             5, cv::LINE_AA);
+  }
+  cv::ellipse(frame, {800, 200}, {120, 20}, 30.0, 0.0, 360.0, cv::Scalar(90), cv::FILLED);
+  cv::rectangle(frame, {900, 20}, {1000, 740}, cv::Scalar(120), cv::FILLED);
+  CHECK(LampDetector().detect(frame).empty());
+}
+
+TEST_CASE("LampDetector learns its threshold anew where the background changes") {
+  std::mt19937 random(16);
+  cv::Mat scene = test::background({1536, 1024});
+  for (int v = 0; v < scene.rows; ++v) {
+    for (int u = 0; u < scene.cols; ++u) {
+      scene.at<float>(v, u) += static_cast<float>(60.0 * u / scene.cols + 20.0 * v / scene.rows);
+    }
+  }
+  const RenderedLamp dark{{120.0, 150.0}, 30.0, 1.0, 0.0, 40.0};
+  const RenderedLamp bright{{1400.0, 900.0}, 30.0, 1.0, 0.0, 40.0};
+  test::add_lamp(scene, dark);
+  test::add_lamp(scene, bright);
+  const auto found = LampDetector().detect(test::expose(scene, random));
+  CHECK(found.size() == 2);
+  CHECK(any_near(found, dark.center_px, kCoarse_px));
+  CHECK(any_near(found, bright.center_px, kCoarse_px));
+}
+
+TEST_CASE("LampDetector looks in a window only, and beyond it for a lamp that reaches into it") {
+  std::mt19937 random(17);
+  const RenderedLamp inside{{200, 200}}, reaching{{300, 200}}, outside{{500, 300}};
+  const cv::Mat frame = noisy_frame({640, 512}, {inside, reaching, outside}, random);
+  const auto found = LampDetector().detect(frame, {150, 150, 145, 100});
+  REQUIRE(found.size() == 2);
+  CHECK(any_near(found, inside.center_px, kCoarse_px));
+  CHECK(any_near(found, reaching.center_px, kCoarse_px));
+  CHECK(LampDetector().detect(frame, {630, 500, 200, 200}).empty());
+}
+
 TEST_CASE("LampDetector marks a lamp that the image's edge cuts") {
   std::mt19937 random(11);
   const auto found = LampDetector().detect(noisy_frame({400, 300}, {{{5.0, 150.0}}}, random));
