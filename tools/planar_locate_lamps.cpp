@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <filesystem>
 #include <map>
@@ -124,7 +125,11 @@ Outcome locate(const Options& options) {
   const LocateReport report =
       options.lamps == 1 ? follow_disc(request, start_pixel(options.start)) : locate_lamps(request);
   write_file(options.out, lamps_text(report.rows));
-  return {print(report)};
+  const nlohmann::json figures = print(report);
+  const bool any = figures["ok"] > 0 || figures["statuses"].contains("ambiguous");
+  if (!any)
+    spdlog::error("no image shows what was looked for; {} says why for each", options.out.string());
+  return {figures, any};
 }
 
 }  // namespace

@@ -12,7 +12,6 @@
 namespace planar {
 namespace {
 
-constexpr double kArrowMagnification = 40.0;
 constexpr double kPaperBefore_mm[] = {1.504, 1.359, 1.259, 1.181};
 constexpr double kPaperBeforeMean_mm = 1.318;
 constexpr double kPaperAfterMean_mm = 0.178;
@@ -122,8 +121,7 @@ std::string experiment_text(const ExperimentReport& report) {
 std::string experiment_figure(const ExperimentReport& report) {
   return quiver_svg({error_panel("Open loop", report.ours, &TargetResult::before_truth),
                      error_panel("Paper's chain", report.paper, &TargetResult::after_truth),
-                     error_panel("planar-servo", report.ours, &TargetResult::after_truth)},
-                    kArrowMagnification);
+                     error_panel("planar-servo", report.ours, &TargetResult::after_truth)});
 }
 
 std::string experiment_page(const ExperimentReport& report, const std::string& cell_name) {

@@ -10,8 +10,6 @@
 namespace planar {
 namespace {
 
-constexpr double kArrowMagnification = 60.0;
-
 double mm(double metres) {
   return metres / kMillimetre;
 }
@@ -101,7 +99,7 @@ std::string servo_page(const ServoRequest& request, const std::vector<TargetResu
   const QuiverPanel after = error_panel(
       "By vision", results, truth ? &TargetResult::after_truth : &TargetResult::after_own);
   page.add_heading(truth ? "Errors against the truth" : "Errors by the servo's own view");
-  if (!before.points.empty()) page.add_html(quiver_svg({before, after}, kArrowMagnification));
+  if (!before.points.empty()) page.add_html(quiver_svg({before, after}));
   TextTable table("Targets", {"target", "x mm", "y mm", "status", "corrections", "own view mm",
                               "uncertainty mm", "truth mm"});
   for (const TargetResult& r : results)

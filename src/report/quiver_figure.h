@@ -13,9 +13,10 @@ struct QuiverPanel {
   std::vector<Eigen::Vector2d> errors;  ///< metres, as many as points
 };
 
-/// The panels side by side as one SVG element: x to the right, y up, the base in the middle, every
-/// arrow drawn `magnification` times its length and coloured by it. Throws std::invalid_argument
+/// The panels side by side as one SVG element: x to the right, y up, the base in the middle. Places
+/// and colours, which tell the length of an error, have one scale for all panels; arrows are as
+/// long as suits their panel, and a bar below it tells their scale. Throws std::invalid_argument
 /// for panels without points or of unequal sizes.
-std::string quiver_svg(const std::vector<QuiverPanel>& panels, double magnification);
+std::string quiver_svg(const std::vector<QuiverPanel>& panels);
 
 }  // namespace planar

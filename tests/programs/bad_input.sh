@@ -57,7 +57,8 @@ expect 2 "lacks the columns x_mm, y_mm" \
 expect 2 "absent.png" "$bin/planar-calibrate-camera" --grid circles:6x6:30mm -o made absent.png
 expect 2 "grid" "$bin/planar-calibrate-camera" --grid circles:6x6 -o made absent.png
 head -c 65550 /dev/zero | sed '1s/^/P5 256 256 255\n/' >dark.pgm
-"$bin/planar-locate-lamps" -q -o dark.csv dark.pgm >/dev/null || true
+expect 1 "no image shows what was looked for; dark.csv says why for each" \
+  "$bin/planar-locate-lamps" -q -o dark.csv dark.pgm
 grep -q "no_lamp" dark.csv || fail "a dark image has no lamp: $(cat dark.csv)"
 expect 2 "256" "$bin/planar-locate-lamps" --cell cell/cell.yaml -o made dark.pgm
 
