@@ -5,6 +5,7 @@
 
 #include "app/experiment.h"
 #include "app/experiment_report.h"
+#include "app/experiment_series.h"
 #include "program.h"
 #include "text/atomic_file.h"
 
@@ -14,7 +15,8 @@ namespace {
 const ProgramText kText{
     "planar-experiment",
     "Runs the paper's whole experiment on a cell, our chain and the paper's side by side.",
-    "planar-experiment --cell cell.yaml --out DIR [--grid circles:COLSxROWS:PITCHmm] [--seed N]",
+    "planar-experiment --cell cell.yaml --out DIR [--grid circles:COLSxROWS:PITCHmm] [--seed N]\n"
+    "                         [--seeds N | --predict]",
     "  Table 7: mean true positioning error in mm, 25 targets on each circle of radius 200 mm\n"
     "  circle about      before  paper's chain    ours  ours, improved by  paper: before ...\n"
     "  (-200, -200) mm    1.504          0.181  0.0210             98.6 %          1.504 ..."};
@@ -23,6 +25,8 @@ struct Options {
   std::filesystem::path cell, out;
   std::string grid{"circles:11x11:50mm"};
   std::uint64_t seed{1};
+  int seeds{0};
+  bool predict{false};
 };
 
 void add_options(CLI::App& app, Options& options) {
@@ -36,11 +40,33 @@ void add_options(CLI::App& app, Options& options) {
       ->capture_default_str();
   app.add_option("--seed", options.seed, "of the training and test positions")
       ->capture_default_str();
+  auto* seeds = app.add_option("--seeds", options.seeds,
+                               "on N virtual cells drawn from the seeds --seed, --seed + 1, ...")
+                    ->check(CLI::Range(1, 10000))
+                    ->type_name("N");
+  app.add_flag("--predict", options.predict,
+               "from the recording in DIR alone: the true error to be expected; nothing moves")
+      ->excludes(seeds);
+}
+
+Outcome run_many(const ExperimentRequest& request, const Options& options) {
+  const std::vector<SeriesRow> rows = run_series(request, options.seeds);
+  const nlohmann::json figures = series_json(rows);
+  write_file(options.out / "report.html", series_page(rows, options.cell.string()));
+  write_file(options.out / "figures.json", figures.dump(2) + "\n");
+  fmt::print("{}report: {}\n", series_text(rows), (options.out / "report.html").string());
+  return {figures};
 }
 
 Outcome run(const Options& options) {
   const ExperimentRequest request{read_cell(options.cell), parse_board(options.grid), options.seed,
                                   options.out};
+  if (options.predict) {
+    const PositioningPrediction prediction = predict_experiment(request);
+    fmt::print("{}", prediction_text(prediction));
+    return {prediction_json(prediction)};
+  }
+  if (options.seeds > 0) return run_many(request, options);
   const auto devices = open_cell(request.cell);
   const ExperimentReport report = run_experiment(request, *devices);
   const std::filesystem::path page = options.out / "report.html";

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "app/cell_devices.h"
+#include "app/experiment_prediction.h"
 #include "app/servo_run.h"
 #include "app/vision_chain.h"
 
@@ -25,8 +26,12 @@ struct ExperimentReport {
   std::vector<TargetResult> paper_no_map;  ///< the paper's chain without
   std::vector<ComparisonRow> table1;       ///< correlation of the vision error between runs
   std::vector<ComparisonRow> table2;       ///< accuracy of IDW on three circles, fraction
-  std::vector<ComparisonRow> table5;       ///< accuracy of the RBF on three circles, fraction
-  std::vector<ComparisonRow> table7;       ///< mean true error per control circle, metres
+  std::vector<ComparisonRow> table3;  ///< what the maps were made of and are worth; mixed units
+  std::vector<ComparisonRow> table4;  ///< repeatability of predictions over three runs, metres
+  std::vector<ComparisonRow> table5;  ///< accuracy of the RBF on three circles, fraction
+  std::vector<ComparisonRow> table6;  ///< means of tables 2 and 5
+  std::vector<ComparisonRow> table7;  ///< mean true error per control circle, metres
+  PositioningPrediction prediction;   ///< of ours, from its calibration alone
 };
 
 struct ExperimentRequest {
@@ -40,5 +45,10 @@ struct ExperimentRequest {
 /// closes the loop over the control targets with each. Throws what its parts throw, and InputError
 /// when `out` holds a run already.
 ExperimentReport run_experiment(const ExperimentRequest& request, CellDevices& devices);
+
+/// What the recording in `out` lets expect of positioning at the control targets; opens neither a
+/// device nor a truth. The calibration stands in `out/prediction` then. Throws InputError when
+/// there is no recording.
+PositioningPrediction predict_experiment(const ExperimentRequest& request);
 
 }  // namespace planar

@@ -2,7 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "app/experiment_plan.h"
+#include "app/paper_figures.h"
 #include "app/servo_report.h"
 #include "core/units.h"
 #include "report/html_page.h"
@@ -11,10 +14,6 @@
 
 namespace planar {
 namespace {
-
-constexpr double kPaperBefore_mm[] = {1.504, 1.359, 1.259, 1.181};
-constexpr double kPaperBeforeMean_mm = 1.318;
-constexpr double kPaperAfterMean_mm = 0.178;
 
 double mean_mm(const std::vector<TargetResult>& results, TargetError error,
                const std::string& prefix = "") {
@@ -65,13 +64,30 @@ TextTable positioning_table(const ExperimentReport& report) {
   return table;
 }
 
+/// Four digits of figures in a unit; what the paper does not print is left out.
+TextTable number_table(const std::string& title, const std::vector<ComparisonRow>& rows,
+                       double unit) {
+  TextTable table(title, {"", "ours", "the paper's chain here", "the paper"});
+  const auto cell = [&](double value) {
+    return std::isfinite(value) ? fmt::format("{:.4g}", value / unit) : "–";
+  };
+  for (const ComparisonRow& row : rows)
+    table.add_row({row.label, cell(row.ours), cell(row.paper_chain), cell(row.paper)});
+  return table;
+}
+
 std::vector<TextTable> accuracy_tables(const ExperimentReport& report) {
   return {
       correlation_table(report),
       fraction_table("Table 2: accuracy of inverse distance weighting on circles about the base",
                      report.table2),
+      number_table("Table 3: what the error maps were made of", report.table3, 1.0),
+      number_table("Table 4: standard deviation of three predictions in mm, the largest of 25 "
+                   "points (the paper: less than)",
+                   report.table4, kMillimetre),
       fraction_table("Table 5: accuracy of the radial basis functions on the same circles",
-                     report.table5)};
+                     report.table5),
+      fraction_table("Table 6: accuracy, mean of the three circles", report.table6)};
 }
 
 nlohmann::json rows_json(const std::vector<ComparisonRow>& rows, double unit) {
@@ -94,7 +110,7 @@ std::string summary_text(const ExperimentReport& report) {
       mean_mm(report.paper_no_map, &TargetResult::vision_raw),
       mean_mm(report.ours, &TargetResult::vision_compensated),
       mean_mm(report.paper_no_map, &TargetResult::after_truth),
-      servo_text(figures_of(report.ours)));
+      servo_text(figures_of(report.ours)) + prediction_text(report.prediction));
 }
 
 }  // namespace
@@ -107,9 +123,23 @@ nlohmann::json experiment_json(const ExperimentReport& report) {
   json["paper_chain_no_map"] = servo_json(figures_of(report.paper_no_map));
   json["table1"] = rows_json(report.table1, 1.0);
   json["table2"] = rows_json(report.table2, 1.0);
+  json["table3"] = rows_json(report.table3, 1.0);
+  json["table4"] = rows_json(report.table4, kMillimetre);
   json["table5"] = rows_json(report.table5, 1.0);
+  json["table6"] = rows_json(report.table6, 1.0);
   json["table7"] = rows_json(report.table7, kMillimetre);
+  json.update(prediction_json(report.prediction));
   return json;
+}
+
+nlohmann::json prediction_json(const PositioningPrediction& prediction) {
+  return {{"predicted_mean_mm", prediction.mean / kMillimetre},
+          {"predicted_p95_mm", prediction.p95 / kMillimetre}};
+}
+
+std::string prediction_text(const PositioningPrediction& prediction) {
+  return fmt::format("predicted without a truth: {:.4f} mm mean, {:.4f} at 95 %\n",
+                     prediction.mean / kMillimetre, prediction.p95 / kMillimetre);
 }
 
 std::string experiment_text(const ExperimentReport& report) {

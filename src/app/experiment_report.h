@@ -10,6 +10,10 @@ namespace planar {
 /// Every figure of an experiment under the keys of --json, lengths in millimetres.
 nlohmann::json experiment_json(const ExperimentReport& report);
 
+/// The keys `predicted_mean_mm` and `predicted_p95_mm`.
+nlohmann::json prediction_json(const PositioningPrediction& prediction);
+std::string prediction_text(const PositioningPrediction& prediction);
+
 /// The tables for a terminal.
 std::string experiment_text(const ExperimentReport& report);
 
