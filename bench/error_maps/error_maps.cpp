@@ -35,6 +35,7 @@ struct Options {
   std::vector<std::string> layouts{"rings", "random", "grid"};
   int count{200};
   int draws{10};
+  std::uint32_t first_seed{1};
   std::string json;
 };
 
@@ -91,21 +92,25 @@ struct CaseResult {
   Case c;
   Scores scores;
   double coverage{0.0};  ///< of the automatic choice, mean over draws
+  double rejected{0.0};  ///< by it, pairs, mean over draws
 };
 
-CaseResult run(const Case& c, int draws) {
-  CaseResult result{c, {}, 0.0};
+CaseResult run(const Case& c, int draws, std::uint32_t first_seed) {
+  CaseResult result{c, {}, 0.0, 0.0};
   const std::vector<ErrorSample> test = truth(c);
   std::vector<std::vector<ErrorSample>> samples;
   for (int i = 0; i < draws; ++i) {
-    samples.push_back(draw(c, static_cast<std::uint32_t>(i + 1)));
+    samples.push_back(draw(c, first_seed + static_cast<std::uint32_t>(i)));
     const auto& drawn = samples.back();
     auto& scores = result.scores;
     scores["idw"].push_back(score_ours({drawn, MapMethod::kIdw}, test));
     scores["hand 48 mm"].push_back(score_ours({drawn, MapMethod::kHandWidth, kHandWidth}, test));
+    scores["rbf"].push_back(score_ours({drawn, MapMethod::kRbf}, test));
     scores["auto"].push_back(score_ours({drawn, MapMethod::kAuto}, test));
     scores["alglib multiquadric"].push_back(score_alglib(drawn, test));
-    result.coverage += coverage(fit_error_map({drawn}).map, test) / draws;
+    const MapResult chosen = fit_error_map({drawn});
+    result.coverage += coverage(chosen.map, test) / draws;
+    result.rejected += static_cast<double>(chosen.rejected.size()) / draws;
   }
   result.scores.merge(run_scipy(
       samples, test,
@@ -137,8 +142,10 @@ double best_peer_error(const CaseResult& result) {
 
 void print_case(const CaseResult& result) {
   const double ours = mean_error(result, "auto");
-  fmt::print("\n{} {}: auto over best peer {:.2f}; coverage {:.3f}\n", result.c.field,
-             result.c.layout, ours / best_peer_error(result), result.coverage);
+  fmt::print(
+      "\n{} {}: auto over best peer {:.3f}, over rbf {:.3f}; coverage {:.3f}; rejected {:.1f}\n",
+      result.c.field, result.c.layout, ours / best_peer_error(result),
+      ours / mean_error(result, "rbf"), result.coverage, result.rejected);
   for (const auto& [method, scores] : result.scores)
     fmt::print("  {:24} E/sigma {:6.3f}   fit {:8.1f} ms   predict {:7.2f} us\n", method,
                mean_error(result, method), 1e3 * median(values_of(scores, &Score::fit_s)),
@@ -152,11 +159,9 @@ nlohmann::json figures(const CaseResult& result) {
     methods[method] = {{"error_over_noise", values_of(scores, &Score::error_over_noise)},
                        {"fit_s", median(values_of(scores, &Score::fit_s))},
                        {"predict_s", median(values_of(scores, &Score::predict_s))}};
-  return {{"field", result.c.field},
-          {"layout", result.c.layout},
-          {"count", result.c.count},
-          {"coverage_95", result.coverage},
-          {"methods", std::move(methods)}};
+  return {{"field", result.c.field},     {"layout", result.c.layout},
+          {"count", result.c.count},     {"coverage_95", result.coverage},
+          {"rejected", result.rejected}, {"methods", std::move(methods)}};
 }
 
 /// Medians over every case, as ratios to those of the automatic choice.
@@ -184,7 +189,7 @@ void run_all(const Options& options) {
   nlohmann::json json = nlohmann::json::array();
   for (const std::string& layout : options.layouts) {
     for (const std::string& field : options.fields) {
-      results.push_back(run({field, layout, options.count}, options.draws));
+      results.push_back(run({field, layout, options.count}, options.draws, options.first_seed));
       print_case(results.back());
       json.push_back(figures(results.back()));
     }
@@ -203,6 +208,7 @@ int main(int argc, char** argv) {
   app.add_option("--layouts", options.layouts, "rings, random, grid")->delimiter(',');
   app.add_option("--count", options.count, "pairs")->capture_default_str();
   app.add_option("--draws", options.draws, "noise draws of each case")->capture_default_str();
+  app.add_option("--first-seed", options.first_seed, "of the draws")->capture_default_str();
   app.add_option("--json", options.json, "file for all figures");
   CLI11_PARSE(app, argc, argv);
   try {

@@ -14,7 +14,7 @@ ErrorPrediction predict(const ErrorMap& map, const Eigen::Vector2d& p_vision) {
 }
 
 double noise_sigma(const ErrorMap& map) {
-  const auto* rbf = std::get_if<GaussianRbfMap>(&map);
+  const auto* rbf = std::get_if<RbfMap>(&map);
   return rbf && rbf->parameters().ridge > 0.0 ? rbf->noise_sigma()
                                               : std::numeric_limits<double>::quiet_NaN();
 }

@@ -4,12 +4,12 @@
 #include <variant>
 
 #include "error_map/error_sample.h"
-#include "error_map/gaussian_rbf.h"
 #include "error_map/idw.h"
+#include "error_map/rbf_map.h"
 
 namespace planar {
 
-using ErrorMap = std::variant<IdwMap, GaussianRbfMap>;
+using ErrorMap = std::variant<IdwMap, RbfMap>;
 
 /// The vision error at p_vision (base frame, metres), which must be a position AS VISION SAW IT.
 /// Outside the valid region the map still answers, and says so; what to do then is the caller's

@@ -22,17 +22,22 @@ constexpr double kSmallestGain = 0.05;
 /// ... by the mean squares' difference less this many of its standard errors.
 constexpr double kSignificance = 2.0;
 
+/// One width, the classical choice.
+constexpr RbfFamily kOneWidth{KernelShape::kGaussian, 1};
+/// Features of any scale from the width upwards (a knee, a seam) take the multiquadric; it states
+/// how little it knows more honestly, too, and so comes first.
+constexpr RbfFamily kManyScales{KernelShape::kMultiquadric, 2};
+constexpr RbfFamily kSmooth{KernelShape::kGaussian, 3};
+
 /// The samples of a site stand or fall together: its total of |E|^2 - |r|^2 counts as one draw.
 bool is_worth_using(const MapSites& sites, const Eigen::Matrix2Xd& residuals) {
   const Eigen::ArrayXd gains =
       (sites.errors.colwise().squaredNorm() - residuals.colwise().squaredNorm())
           .transpose()
           .cwiseProduct(sites.counts);
-  const auto n = static_cast<double>(gains.size());
-  const double uncertainty = std::sqrt((gains - gains.mean()).square().sum() * n / (n - 1.0));
   const double raw = sites.sample_rms(sites.errors);
   const double least = raw * raw * sites.counts.sum() * (1.0 - std::pow(1.0 - kSmallestGain, 2));
-  return gains.sum() - kSignificance * uncertainty > least;
+  return gains.sum() - kSignificance * standard_error_of_sum(gains) > least;
 }
 
 IdwMap idw_map(const MapSites& sites) {
@@ -68,10 +73,12 @@ std::vector<RejectedSample> rejected_samples(const std::vector<Outlier>& outlier
   return rejected;
 }
 
-MapResult fit_tuned(const MapSites& sites, const std::vector<ErrorSample>& samples) {
-  RobustFit robust = fit_without_outliers(sites);
-  MapResult result = result_of(std::move(robust.fit.map), "rbf", sites.subset(robust.kept),
-                               robust.fit.left_out.residuals);
+MapResult fit_tuned(const MapSites& sites, const std::vector<RbfFamily>& families,
+                    const std::vector<ErrorSample>& samples) {
+  RobustFit robust = fit_without_outliers(sites, families);
+  const bool gaussian = robust.fit.map.parameters().kernel.shape == KernelShape::kGaussian;
+  MapResult result = result_of(std::move(robust.fit.map), gaussian ? "rbf" : "multiquadric",
+                               sites.subset(robust.kept), robust.fit.left_out.residuals);
   result.rejected = rejected_samples(robust.outliers, sites, samples);
   return result;
 }
@@ -83,7 +90,7 @@ MapResult fit_hand_width(const MapSites& sites, double width) {
   }
   TailBasis no_tail;
   no_tail.degree = -1;
-  GaussianRbfFit fit = fit_gaussian_rbf(sites, no_tail, width, 0.0);
+  RbfFit fit = fit_rbf(sites, no_tail, {KernelShape::kGaussian, width, 0.0}, 0.0);
   return result_of(std::move(fit.map), "hand", sites, fit.left_out.residuals);
 }
 
@@ -102,11 +109,12 @@ MapResult fit_error_map(const MapProblem& problem) {
     }
     case MapMethod::kHandWidth:
       return fit_hand_width(sites, problem.hand_width);
-    case MapMethod::kAuto:
     case MapMethod::kRbf:
+      return fit_tuned(sites, {kOneWidth}, problem.samples);
+    case MapMethod::kAuto:
       break;
   }
-  return fit_tuned(sites, problem.samples);
+  return fit_tuned(sites, {kManyScales, kSmooth}, problem.samples);
 }
 
 }  // namespace planar

@@ -9,8 +9,10 @@
 namespace planar {
 
 enum class MapMethod {
-  kAuto,       ///< the best method this version knows: kRbf
-  kRbf,        ///< Gaussian, width and ridge tuned on the leave-one-out error, outliers left out
+  kAuto,       ///< multiquadric on a quadratic tail, or Gaussian on a cubic one where that is
+               ///< clearly better by the leave-one-out error; otherwise as kRbf
+  kRbf,        ///< Gaussian on a linear tail, width and ridge tuned on the leave-one-out error,
+               ///< outliers left out
   kIdw,        ///< every sample as it is, as the paper has it
   kHandWidth,  ///< every sample as it is, Gaussian without ridge and tail, as the paper has it
 };
@@ -31,7 +33,7 @@ struct RejectedSample {
 /// together, so that a repeated row cannot vouch for itself.
 struct MapResult {
   ErrorMap map;
-  std::string method;     ///< what was fitted: "rbf", "idw", "hand"
+  std::string method;     ///< what was fitted: "rbf", "multiquadric", "idw", "hand"
   std::size_t n_used{0};  ///< samples
   std::vector<RejectedSample> rejected;
   double raw_rms{0.0};      ///< of |E|

@@ -16,4 +16,7 @@ struct LeaveOneOut {
 /// r_i = w_i / (A^-1)_ii for the bordered matrix A and its weights w [Rippa 1999].
 LeaveOneOut leave_one_out(const BorderedSystem& system, const Eigen::Matrix2Xd& weights);
 
+/// Standard error of the sum of independent draws; at least two.
+double standard_error_of_sum(const Eigen::ArrayXd& draws);
+
 }  // namespace planar

@@ -11,13 +11,16 @@
 #include "core/statistics.h"
 #include "core/units.h"
 #include "error_map/gross_outliers.h"
-#include "error_map/tuning.h"
 
 namespace planar {
 namespace {
 
-/// Of a residual's length over its standard deviation per axis: one normal residual in 270,000.
-constexpr double kOutlierSigmas = 5.0;
+/// Of good sites all alike, this many would be called outliers in a fit.
+constexpr double kFalseAlarms = 0.05;
+
+/// The residuals around a site are judged by what this share of them is shorter than: where they
+/// are long the map is not as good as elsewhere (a seam, a step), and one like them is no outlier.
+constexpr double kLocalShare = 0.9;
 
 /// Nothing smaller is called an outlier, however well the rest agrees.
 constexpr double kSmallestOutlier = 1.0 * kMicrometre;
@@ -30,8 +33,10 @@ constexpr Eigen::Index kFewestToJudge = 10;
 /// stays dropped, so that the rounds end.
 constexpr int kRoundsOfTakingBack = 5;
 
-/// Median length of a 2-D normal vector of unit standard deviation per axis.
-const double kMedianLength = std::sqrt(2.0 * std::log(2.0));
+/// What a share of 2-D normal vectors of unit standard deviation per axis is longer than.
+double normal_length(double share) {
+  return std::sqrt(-2.0 * std::log(share));
+}
 
 /// Of each site, judged by the other kept sites: the residual's length and its standard deviation
 /// over s_f.
@@ -40,14 +45,7 @@ struct Judgement {
   Eigen::ArrayXd unit_sigmas;
 };
 
-GaussianRbfFit tuned_fit(const MapSites& sites) {
-  const TailBasis tail = tail_for(sites.positions);
-  const TunedKernel tuned = tune_gaussian(sites, tail);
-  return fit_gaussian_rbf(sites, tail, tuned.width, tuned.ridge);
-}
-
-Judgement judge(const MapSites& sites, const std::vector<Eigen::Index>& kept,
-                const GaussianRbfFit& fit) {
+Judgement judge(const MapSites& sites, const std::vector<Eigen::Index>& kept, const RbfFit& fit) {
   Judgement judgement{Eigen::ArrayXd::Zero(sites.size()), Eigen::ArrayXd::Zero(sites.size())};
   judgement.residuals(kept) = fit.left_out.residuals.colwise().norm().transpose().array();
   judgement.unit_sigmas(kept) = fit.left_out.unit_sigmas.array();
@@ -55,18 +53,34 @@ Judgement judge(const MapSites& sites, const std::vector<Eigen::Index>& kept,
   for (Eigen::Index i = 0; i < sites.size(); ++i) {
     if (std::binary_search(kept.begin(), kept.end(), i)) continue;
     const Eigen::Vector2d p = sites.positions.col(i);
-    judgement.residuals[i] = (sites.errors.col(i) - fit.map.predict(p).error).norm();
+    judgement.residuals[i] = (sites.errors.col(i) - fit.map.predict_error(p)).norm();
     judgement.unit_sigmas[i] =
         std::hypot(fit.map.unit_sigma(p), std::sqrt(ridge / sites.counts[i]));
   }
   return judgement;
 }
 
+/// What kLocalShare of the kept sites around have a smaller scaled residual than.
+double local_quantile(const Eigen::ArrayXd& scaled, const std::vector<Eigen::Index>& kept,
+                      const std::vector<Eigen::Index>& around) {
+  std::vector<double> values;
+  for (const Eigen::Index i : around)
+    if (std::binary_search(kept.begin(), kept.end(), i)) values.push_back(scaled[i]);
+  return values.empty() ? 0.0 : quantile(values, kLocalShare);
+}
+
 /// The largest residual that is kept, per site.
-Eigen::ArrayXd residual_limits(const Judgement& judgement) {
+Eigen::ArrayXd residual_limits(const Judgement& judgement, const std::vector<Eigen::Index>& kept,
+                               const Neighbours& neighbours) {
   const Eigen::ArrayXd scaled = judgement.residuals / judgement.unit_sigmas;
-  const double signal = median({scaled.begin(), scaled.end()}) / kMedianLength;
-  return (kOutlierSigmas * signal * judgement.unit_sigmas).max(kSmallestOutlier);
+  const double sigmas = normal_length(kFalseAlarms / static_cast<double>(scaled.size()));
+  const double usual = median({scaled.begin(), scaled.end()}) / normal_length(0.5);
+  Eigen::ArrayXd scales(scaled.size());
+  for (Eigen::Index i = 0; i < scaled.size(); ++i) {
+    const double local = local_quantile(scaled, kept, neighbours[static_cast<std::size_t>(i)]);
+    scales[i] = std::max(usual, local / normal_length(1.0 - kLocalShare));
+  }
+  return (sigmas * scales * judgement.unit_sigmas).max(kSmallestOutlier);
 }
 
 void require_few(std::size_t dropped, Eigen::Index sites) {
@@ -92,16 +106,29 @@ std::vector<Outlier> values_of(const std::map<Eigen::Index, Outlier>& dropped) {
   return outliers;
 }
 
+/// The choice among the families for the kept sites.
+RobustFit chosen(const MapSites& sites, std::vector<Eigen::Index> kept,
+                 const std::vector<RbfFamily>& families, TunedFamily first,
+                 std::vector<Outlier> outliers) {
+  const MapSites used = sites.subset(kept);
+  const TunedFamily best =
+      best_family(used, std::move(first), {families.begin() + 1, families.end()});
+  return {fit_rbf(used, best), std::move(kept), std::move(outliers)};
+}
+
 }  // namespace
 
-RobustFit fit_without_outliers(const MapSites& sites) {
-  if (sites.size() < kFewestToJudge) return {tuned_fit(sites), sites_without({}, sites.size()), {}};
-  std::vector<Eigen::Index> kept = sites_like_their_neighbours(sites);
+RobustFit fit_without_outliers(const MapSites& sites, const std::vector<RbfFamily>& families) {
+  const RbfFamily& first = families.front();
+  if (sites.size() < kFewestToJudge)
+    return chosen(sites, sites_without({}, sites.size()), families, tune(sites, first), {});
+  const Neighbours neighbours = nearest_sites(sites);
+  std::vector<Eigen::Index> kept = sites_like_their_neighbours(sites, neighbours);
+  TunedFamily tuned = tune(sites.subset(kept), first);
   std::map<Eigen::Index, Outlier> dropped;
   for (int round = 1;; ++round) {
-    GaussianRbfFit fit = tuned_fit(sites.subset(kept));
-    const Judgement judgement = judge(sites, kept, fit);
-    const Eigen::ArrayXd limits = residual_limits(judgement);
+    const Judgement judgement = judge(sites, kept, fit_rbf(sites.subset(kept), tuned));
+    const Eigen::ArrayXd limits = residual_limits(judgement, kept, neighbours);
     for (Eigen::Index i = 0; i < sites.size(); ++i) {
       if (judgement.residuals[i] > limits[i]) {
         dropped[i] = {i, judgement.residuals[i], limits[i]};
@@ -111,8 +138,10 @@ RobustFit fit_without_outliers(const MapSites& sites) {
     }
     require_few(dropped.size(), sites.size());
     std::vector<Eigen::Index> agreeing = sites_without(dropped, sites.size());
-    if (agreeing == kept) return {std::move(fit), std::move(kept), values_of(dropped)};
+    if (agreeing == kept)
+      return chosen(sites, std::move(kept), families, std::move(tuned), values_of(dropped));
     kept = std::move(agreeing);
+    tuned = retune(sites.subset(kept), first, tuned);
   }
 }
 

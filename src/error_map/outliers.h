@@ -3,8 +3,9 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "error_map/gaussian_rbf.h"
+#include "error_map/best_rbf.h"
 #include "error_map/map_sites.h"
+#include "error_map/rbf_map.h"
 
 namespace planar {
 
@@ -15,15 +16,16 @@ struct Outlier {
 };
 
 struct RobustFit {
-  GaussianRbfFit fit;              ///< of the kept sites
+  RbfFit fit;                      ///< of the kept sites
   std::vector<Eigen::Index> kept;  ///< in order
   std::vector<Outlier> outliers;
 };
 
-/// Starts from the sites that are like their neighbours, fits a tuned map, judges every site by
-/// what the OTHER kept sites predict there, drops those that disagree (and at first takes back
-/// those that no longer do), until the choice is stable. Throws InputError when more than a fifth
-/// of the sites would be dropped. Fewer than ten sites are not judged.
-RobustFit fit_without_outliers(const MapSites& sites);
+/// Starts from the sites that are like their neighbours, tunes the first family, judges every site
+/// by what the OTHER kept sites predict there and by how well they do around it, drops those that
+/// disagree (and at first takes back those that no longer do), until the choice is stable; then
+/// fits the best family. Throws InputError when more than a fifth of the sites would be dropped.
+/// Fewer than ten sites are not judged.
+RobustFit fit_without_outliers(const MapSites& sites, const std::vector<RbfFamily>& families);
 
 }  // namespace planar

@@ -13,6 +13,12 @@ constexpr double kThinnest = 1e-3;
 /// A position whose leverage reaches 1 cannot be left out: the others do not determine the tail.
 constexpr double kLargestLeverage = 1.0 - kThinnest * kThinnest;
 
+double power(double base, int exponent) {
+  double value = 1.0;
+  for (int i = 0; i < exponent; ++i) value *= base;
+  return value;
+}
+
 bool determines(const Eigen::MatrixXd& tail) {
   if (tail.rows() <= tail.cols()) return false;
   Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr;
@@ -28,8 +34,11 @@ bool determines(const Eigen::MatrixXd& tail) {
 
 Eigen::VectorXd TailBasis::at(const Eigen::Vector2d& p) const {
   Eigen::VectorXd q(terms());
-  if (degree >= 0) q[0] = 1.0;
-  if (degree >= 1) q.tail<2>() = (p - origin) / scale;
+  const Eigen::Vector2d u = (p - origin) / scale;
+  Eigen::Index term = 0;
+  for (int total = 0; total <= degree; ++total) {
+    for (int y = 0; y <= total; ++y) q[term++] = power(u.x(), total - y) * power(u.y(), y);
+  }
   return q;
 }
 
@@ -39,12 +48,13 @@ Eigen::MatrixXd TailBasis::at_each(const Eigen::Matrix2Xd& positions) const {
   return q;
 }
 
-TailBasis tail_for(const Eigen::Matrix2Xd& positions) {
+TailBasis tail_for(const Eigen::Matrix2Xd& positions, int degree) {
   TailBasis tail;
   tail.origin = positions.rowwise().mean();
   const auto count = static_cast<double>(positions.cols());
   tail.scale = std::sqrt((positions.colwise() - tail.origin).squaredNorm() / count);
-  if (!determines(tail.at_each(positions))) tail.degree = 0;
+  tail.degree = degree;
+  while (tail.degree > 0 && !determines(tail.at_each(positions))) --tail.degree;
   return tail;
 }
 

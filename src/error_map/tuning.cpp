@@ -5,11 +5,11 @@
 #include <cmath>
 #include <limits>
 #include <nlopt.hpp>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "error_map/bordered_system.h"
-#include "error_map/kernel_matrix.h"
 #include "error_map/leave_one_out.h"
 #include "error_map/valid_region.h"
 
@@ -18,7 +18,7 @@ namespace {
 
 constexpr Eigen::Index kLargestPart = 1000;
 
-// The search box. Narrower than half the samples' spacing a Gaussian reaches no neighbour; wider
+// The search box. Narrower than half the samples' spacing a kernel reaches no neighbour; wider
 // than their span it is a polynomial.
 constexpr double kNarrowestInSpacings = 0.5;
 constexpr double kWidestInSpans = 1.0;
@@ -33,20 +33,25 @@ constexpr double kLogTolerance = 0.02;  // of width and ridge: the error is flat
 /// The leave-one-out error over (log width, log ridge), which remembers the best point it saw.
 class LeaveOneOutCost {
  public:
-  LeaveOneOutCost(const MapSites& sites, const TailBasis& tail_basis)
+  LeaveOneOutCost(const MapSites& sites, const TailBasis& tail_basis, KernelShape shape)
       : sites_(sites),
+        shape_(shape),
+        span_(span_of(sites.positions)),
         squared_distances_(squared_distances(sites.positions)),
         tail_(tail_basis.at_each(sites.positions)) {}
 
   double operator()(double log_width, double log_ridge) {
     if (log_width != kernel_log_width_) {
       kernel_log_width_ = log_width;
-      gaussian_kernel(squared_distances_, std::exp(log_width), kernel_);
+      kernel_matrix(kernel_of(log_width), squared_distances_, kernel_);
     }
-    const double cost = loo_rms(std::exp(log_ridge));
+    const auto residuals = left_out_residuals(std::exp(log_ridge));
+    const double cost = residuals ? sites_.sample_rms(*residuals) : kUnsolvable;
+    if (!std::isfinite(cost)) return kUnsolvable;
     if (cost < best_cost_) {
       best_cost_ = cost;
       best_ = {log_width, log_ridge};
+      best_residuals_ = *residuals;
     }
     return cost;
   }
@@ -54,26 +59,35 @@ class LeaveOneOutCost {
   /// Log width, log ridge.
   const std::vector<double>& best() const { return best_; }
 
-  TunedKernel best_kernel() const { return {std::exp(best_[0]), std::exp(best_[1]), best_cost_}; }
+  TunedKernel best_kernel() const {
+    const Eigen::ArrayXd misses2 = best_residuals_.colwise().squaredNorm();
+    return {kernel_of(best_[0]), std::exp(best_[1]), best_cost_, misses2 * sites_.counts.array()};
+  }
 
  private:
-  /// Of the present kernel; huge where it cannot be solved.
-  double loo_rms(double ridge) const {
+  RadialKernel kernel_of(double log_width) const { return {shape_, std::exp(log_width), span_}; }
+
+  /// Of the present kernel; empty where it cannot be solved.
+  std::optional<Eigen::Matrix2Xd> left_out_residuals(double ridge) const {
     Eigen::MatrixXd ridged = kernel_;
     ridged.diagonal().array() += ridge / sites_.counts.array();
     const auto system = BorderedSystem::factorize(std::move(ridged), tail_);
-    if (!system) return std::numeric_limits<double>::max();
+    if (!system) return {};
     const Eigen::Matrix2Xd weights = system->solve(sites_.errors.transpose()).weights.transpose();
-    const double rms = sites_.sample_rms(leave_one_out(*system, weights).residuals);
-    return std::isfinite(rms) ? rms : std::numeric_limits<double>::max();
+    return leave_one_out(*system, weights).residuals;
   }
 
+  static constexpr double kUnsolvable = std::numeric_limits<double>::max();
+
   const MapSites& sites_;
+  KernelShape shape_;
+  double span_;
   Eigen::MatrixXd squared_distances_;
   Eigen::MatrixXd tail_;
   Eigen::MatrixXd kernel_;
   double kernel_log_width_{std::numeric_limits<double>::quiet_NaN()};
   std::vector<double> best_;
+  Eigen::Matrix2Xd best_residuals_;
   double best_cost_{std::numeric_limits<double>::infinity()};
 };
 
@@ -85,9 +99,8 @@ struct SearchBox {
 };
 
 SearchBox search_box(const Eigen::Matrix2Xd& positions) {
-  const Eigen::Vector2d span = positions.rowwise().maxCoeff() - positions.rowwise().minCoeff();
   return {std::log(kNarrowestInSpacings * median_spacing(positions)),
-          std::log(kWidestInSpans * span.norm())};
+          std::log(kWidestInSpans * span_of(positions))};
 }
 
 void search_grid(const SearchBox& box, LeaveOneOutCost& cost) {
@@ -97,7 +110,7 @@ void search_grid(const SearchBox& box, LeaveOneOutCost& cost) {
   }
 }
 
-void search_near_best(const SearchBox& box, LeaveOneOutCost& cost) {
+void search_near(std::vector<double> at, const SearchBox& box, LeaveOneOutCost& cost) {
   nlopt::opt search(nlopt::LN_BOBYQA, 2);
   search.set_lower_bounds({box.narrowest, std::log(kSmallestRidge)});
   search.set_upper_bounds({box.widest, std::log(kLargestRidge)});
@@ -110,7 +123,6 @@ void search_near_best(const SearchBox& box, LeaveOneOutCost& cost) {
         return (*static_cast<LeaveOneOutCost*>(data))(x[0], x[1]);
       },
       &cost);
-  std::vector<double> at = cost.best();
   double reached = 0.0;
   try {
     search.optimize(at, reached);
@@ -129,12 +141,24 @@ MapSites part_of(const MapSites& sites) {
 
 }  // namespace
 
-TunedKernel tune_gaussian(const MapSites& sites, const TailBasis& tail_basis) {
+TunedKernel tune_rbf(const MapSites& sites, const TailBasis& tail_basis, KernelShape shape) {
   const MapSites part = part_of(sites);
   const SearchBox box = search_box(part.positions);
-  LeaveOneOutCost cost(part, tail_basis);
+  LeaveOneOutCost cost(part, tail_basis, shape);
   search_grid(box, cost);
-  search_near_best(box, cost);
+  search_near(cost.best(), box, cost);
+  return cost.best_kernel();
+}
+
+TunedKernel retune_rbf(const MapSites& sites, const TailBasis& tail_basis,
+                       const TunedKernel& before) {
+  const MapSites part = part_of(sites);
+  const SearchBox box = search_box(part.positions);
+  LeaveOneOutCost cost(part, tail_basis, before.kernel.shape);
+  search_near(
+      {std::clamp(std::log(before.kernel.width), box.narrowest, box.widest),
+       std::clamp(std::log(before.ridge), std::log(kSmallestRidge), std::log(kLargestRidge))},
+      box, cost);
   return cost.best_kernel();
 }
 

@@ -1,19 +1,28 @@
 #pragma once
 
+#include <Eigen/Core>
+
 #include "error_map/map_sites.h"
+#include "error_map/radial_kernel.h"
 #include "error_map/tail_basis.h"
 
 namespace planar {
 
 struct TunedKernel {
-  double width{0.0};    ///< metres
+  RadialKernel kernel;
   double ridge{0.0};    ///< in units of the kernel
   double loo_rms{0.0};  ///< rms of what each sample is missed by, its whole site left out, metres
+  /// Per site that decided: what its mean is missed by, squared, times its count; square metres.
+  Eigen::ArrayXd squared_misses;
 };
 
-/// The Gaussian's width and ridge with the smallest leave-one-out error: a coarse grid over the
+/// The kernel's width and ridge with the smallest leave-one-out error: a coarse grid over the
 /// logarithms of both, then BOBYQA [Powell 2009] from its best point. Above a thousand sites an
 /// evenly drawn part of them decides.
-TunedKernel tune_gaussian(const MapSites& sites, const TailBasis& tail_basis);
+TunedKernel tune_rbf(const MapSites& sites, const TailBasis& tail_basis, KernelShape shape);
+
+/// The same from what nearly the same sites were tuned to, without the grid.
+TunedKernel retune_rbf(const MapSites& sites, const TailBasis& tail_basis,
+                       const TunedKernel& before);
 
 }  // namespace planar

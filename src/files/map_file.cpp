@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 #include <limits>
 #include <variant>
@@ -14,6 +15,9 @@
 
 namespace planar {
 namespace {
+
+/// The method of a radial basis function map's file, in the order of KernelShape.
+constexpr std::array<const char*, 2> kRbfMethods{"gaussian_rbf", "multiquadric_rbf"};
 
 constexpr double kUnbounded = std::numeric_limits<double>::max();
 constexpr double kSmallestLength = 1e-9;  // of what must be positive, metres
@@ -91,10 +95,11 @@ void add_map(YamlWriter& yaml, const IdwMap& map) {
   yaml.add("errors_m", rows_of(map.errors));
 }
 
-void add_map(YamlWriter& yaml, const GaussianRbfMap& map) {
-  const GaussianRbfParameters& parameters = map.parameters();
-  yaml.add("method", "gaussian_rbf");
-  yaml.add("width_m", parameters.width);
+void add_map(YamlWriter& yaml, const RbfMap& map) {
+  const RbfParameters& parameters = map.parameters();
+  yaml.add("method", kRbfMethods[static_cast<std::size_t>(parameters.kernel.shape)]);
+  yaml.add("width_m", parameters.kernel.width);
+  yaml.add("span_m", parameters.kernel.span);
   yaml.add("ridge", parameters.ridge);
   yaml.add("signal_sigma_m", parameters.signal_sigma);
   yaml.add("sigma_limit_m", parameters.sigma_limit);
@@ -120,8 +125,8 @@ IdwMap read_idw(const YamlNode& node) {
 TailBasis read_tail_basis(const YamlNode& node) {
   TailBasis basis;
   basis.degree = node.whole_number("tail_degree");
-  if (basis.degree < -1 || basis.degree > 1) {
-    node.add_fault(fmt::format("tail_degree is {}; allowed are -1, 0, 1", basis.degree));
+  if (basis.degree < -1 || basis.degree > 3) {
+    node.add_fault(fmt::format("tail_degree is {}; allowed are -1 to 3", basis.degree));
     basis.degree = -1;
   }
   basis.origin = read_point(node, "tail_origin_m");
@@ -129,9 +134,15 @@ TailBasis read_tail_basis(const YamlNode& node) {
   return basis;
 }
 
-GaussianRbfParameters read_gaussian_rbf(const YamlNode& node) {
-  GaussianRbfParameters parameters;
-  parameters.width = node.number_in("width_m", kSmallestLength, kUnbounded);
+KernelShape shape_of(const std::string& method) {
+  return method == kRbfMethods[0] ? KernelShape::kGaussian : KernelShape::kMultiquadric;
+}
+
+RbfParameters read_rbf(const YamlNode& node, KernelShape shape) {
+  RbfParameters parameters;
+  parameters.kernel.shape = shape;
+  parameters.kernel.width = node.number_in("width_m", kSmallestLength, kUnbounded);
+  parameters.kernel.span = node.number_in("span_m", 0.0, kUnbounded);
   parameters.ridge = node.number_in("ridge", 0.0, kUnbounded);
   parameters.signal_sigma = node.number_in("signal_sigma_m", 0.0, kUnbounded);
   parameters.sigma_limit = node.number_in("sigma_limit_m", 0.0, kUnbounded);
@@ -179,15 +190,16 @@ ErrorMap read_map(const std::filesystem::path& path) {
   const YamlDocument document = YamlDocument::read(path, "map");
   const YamlNode root = document.root();
   allow_figures(root);
-  if (root.choice("method", {"gaussian_rbf", "idw"}) == "idw") {
+  const std::string method = root.choice("method", {kRbfMethods[0], kRbfMethods[1], "idw"});
+  if (method == "idw") {
     IdwMap map = read_idw(root);
     document.throw_if_faulty();
     return map;
   }
-  GaussianRbfParameters parameters = read_gaussian_rbf(root);
+  RbfParameters parameters = read_rbf(root, shape_of(method));
   document.throw_if_faulty();
   try {
-    return GaussianRbfMap(std::move(parameters));
+    return RbfMap(std::move(parameters));
   } catch (const WorkError& e) {
     throw InputError(path.string() + ": " + e.what());
   }

@@ -2,7 +2,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "error_map/kernel_matrix.h"
+#include "error_map/radial_kernel.h"
 #include "error_map/tail_basis.h"
 #include "support/error_fields.h"
 
@@ -24,7 +24,7 @@ Example example(int degree) {
   for (std::size_t i = 0; i < points.size(); ++i)
     positions.col(static_cast<Eigen::Index>(i)) = points[i];
   Eigen::MatrixXd lower;
-  gaussian_kernel(squared_distances(positions), 0.2, lower);
+  kernel_matrix({KernelShape::kGaussian, 0.2, 0.0}, squared_distances(positions), lower);
   lower.diagonal().array() += kRidge;
   return {lower.selfadjointView<Eigen::Lower>(),
           TailBasis{degree, {0.0, 0.0}, 0.3}.at_each(positions)};

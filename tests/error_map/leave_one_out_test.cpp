@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "error_map/gaussian_rbf.h"
+#include "error_map/rbf_map.h"
 #include "support/error_fields.h"
 
 namespace planar {
@@ -27,9 +27,9 @@ TEST_CASE("The closed form equals refits with each sample left out") {
   sites.counts[3] = 4.0;
   TailBasis tail = tail_for(sites.positions);
   tail.degree = degree;
-  const auto fit = fit_gaussian_rbf(sites, tail, 0.12, ridge);
+  const auto fit = fit_rbf(sites, tail, {KernelShape::kGaussian, 0.12, 0.0}, ridge);
   for (Eigen::Index i = 0; i < sites.size(); ++i) {
-    const auto refit = fit_gaussian_rbf(without(sites, i), tail, 0.12, ridge);
+    const auto refit = fit_rbf(without(sites, i), tail, {KernelShape::kGaussian, 0.12, 0.0}, ridge);
     const Eigen::Vector2d p = sites.positions.col(i);
     const Eigen::Vector2d residual = sites.errors.col(i) - refit.map.predict(p).error;
     CHECK((fit.left_out.residuals.col(i) - residual).norm() < kRounding * sites.errors.norm());

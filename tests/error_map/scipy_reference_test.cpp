@@ -3,13 +3,17 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "error_map/gaussian_rbf.h"
+#include "error_map/rbf_map.h"
 #include "support/shared_data.h"
 
 namespace planar {
 namespace {
 
 constexpr double kSameSolution = 1e-9;
+
+// exp(-(eps r)^2) and -sqrt(1 + (eps r)^2) with eps = 5, on the unit square.
+const RadialKernel kGaussian{KernelShape::kGaussian, 1.0 / (5.0 * std::sqrt(2.0)), 0.0};
+const RadialKernel kMultiquadric{KernelShape::kMultiquadric, 1.0 / 5.0, 2.0};
 
 Eigen::Matrix2Xd columns(const nlohmann::json& rows) {
   Eigen::Matrix2Xd result(2, rows.size());
@@ -20,11 +24,12 @@ Eigen::Matrix2Xd columns(const nlohmann::json& rows) {
 
 struct Setting {
   const char* name;
+  RadialKernel kernel;
   double ridge;
   int degree;
 };
 
-TEST_CASE("Gaussian maps agree with SciPy's where kernel and settings are the same") {
+TEST_CASE("Maps agree with SciPy's where kernel and settings are the same") {
   const auto path = test::shared_data("reference/rbf_scipy_franke40.json");
   if (!path) return;
   const auto reference = nlohmann::json::parse(std::ifstream(*path));
@@ -33,14 +38,15 @@ TEST_CASE("Gaussian maps agree with SciPy's where kernel and settings are the sa
   sites.errors = columns(reference["values"]);
   sites.counts.setOnes(sites.positions.cols());
   sites.scatter.setZero(sites.positions.cols());
-  const double width = 1.0 / (5.0 * std::sqrt(2.0));  // exp(-(eps r)^2) with eps = 5
 
-  const Setting setting = GENERATE(Setting{"gaussian|eps=5|smoothing=0|degree=-1", 0.0, -1},
-                                   Setting{"gaussian|eps=5|smoothing=1e-06|degree=-1", 1e-6, -1},
-                                   Setting{"gaussian|eps=5|smoothing=0|degree=0", 0.0, 0});
+  const Setting setting =
+      GENERATE(Setting{"gaussian|eps=5|smoothing=0|degree=-1", kGaussian, 0.0, -1},
+               Setting{"gaussian|eps=5|smoothing=1e-06|degree=-1", kGaussian, 1e-6, -1},
+               Setting{"gaussian|eps=5|smoothing=0|degree=0", kGaussian, 0.0, 0},
+               Setting{"multiquadric|eps=5|smoothing=0|degree=0", kMultiquadric, 0.0, 0});
   TailBasis tail;
   tail.degree = setting.degree;
-  const auto fit = fit_gaussian_rbf(sites, tail, width, setting.ridge);
+  const auto fit = fit_rbf(sites, tail, setting.kernel, setting.ridge);
   const Eigen::Matrix2Xd queries = columns(reference["queries"]);
   const Eigen::Matrix2Xd expected = columns(reference["results"][setting.name]);
   for (Eigen::Index i = 0; i < queries.cols(); ++i) {

@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "error_map/gaussian_rbf.h"
+#include "error_map/rbf_map.h"
 #include "support/error_fields.h"
 
 namespace planar {
@@ -12,8 +12,9 @@ namespace {
 // The tuning stops within 2 % of width and ridge; the error is flat there.
 constexpr double kFlat = 1e-3;
 
-double loo_rms(const MapSites& sites, const TailBasis& tail, double width, double ridge) {
-  return sites.sample_rms(fit_gaussian_rbf(sites, tail, width, ridge).left_out.residuals);
+double loo_rms(const MapSites& sites, const TailBasis& tail, const RadialKernel& kernel,
+               double ridge) {
+  return sites.sample_rms(fit_rbf(sites, tail, kernel, ridge).left_out.residuals);
 }
 
 TEST_CASE("The tuned width and ridge are a minimum of the leave-one-out error") {
@@ -21,11 +22,16 @@ TEST_CASE("The tuned width and ridge are a minimum of the leave-one-out error") 
   const MapSites sites =
       merge_samples(test::measure(test::bumpy_field, positions, test::kFieldNoise, 1));
   const TailBasis tail = tail_for(sites.positions);
-  const TunedKernel tuned = tune_gaussian(sites, tail);
-  CHECK(tuned.loo_rms == Approx(loo_rms(sites, tail, tuned.width, tuned.ridge)));
+  const auto shape = GENERATE(KernelShape::kGaussian, KernelShape::kMultiquadric);
+  const TunedKernel tuned = tune_rbf(sites, tail, shape);
+  const double width = tuned.kernel.width;
+  CHECK(tuned.kernel.shape == shape);
+  CHECK(std::sqrt(tuned.squared_misses.mean()) == Approx(tuned.loo_rms));
+  CHECK(tuned.loo_rms == Approx(loo_rms(sites, tail, tuned.kernel, tuned.ridge)));
   for (const double factor : {0.5, 0.8, 1.25, 2.0}) {
-    CHECK(loo_rms(sites, tail, factor * tuned.width, tuned.ridge) > (1 - kFlat) * tuned.loo_rms);
-    CHECK(loo_rms(sites, tail, tuned.width, factor * tuned.ridge) > (1 - kFlat) * tuned.loo_rms);
+    CHECK(loo_rms(sites, tail, {shape, factor * width, tuned.kernel.span}, tuned.ridge) >
+          (1 - kFlat) * tuned.loo_rms);
+    CHECK(loo_rms(sites, tail, tuned.kernel, factor * tuned.ridge) > (1 - kFlat) * tuned.loo_rms);
   }
 }
 
@@ -33,9 +39,9 @@ TEST_CASE("Tuning survives data without any error and data of a plane") {
   const auto slope = GENERATE(0.0, 1e-3);
   const auto plane = [slope](const Eigen::Vector2d& p) { return Eigen::Vector2d(slope * p); };
   const MapSites sites = merge_samples(test::measure(plane, test::ring_positions(50), 0.0, 1));
-  const TunedKernel tuned = tune_gaussian(sites, tail_for(sites.positions));
+  const TunedKernel tuned = tune_rbf(sites, tail_for(sites.positions), KernelShape::kGaussian);
   CHECK(tuned.loo_rms < 1e-12);
-  CHECK(tuned.width > 0.0);
+  CHECK(tuned.kernel.width > 0.0);
   CHECK(tuned.ridge > 0.0);
 }
 

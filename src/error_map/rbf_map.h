@@ -6,19 +6,20 @@
 #include "error_map/error_sample.h"
 #include "error_map/leave_one_out.h"
 #include "error_map/map_sites.h"
+#include "error_map/radial_kernel.h"
 #include "error_map/tail_basis.h"
 #include "error_map/valid_region.h"
 
 namespace planar {
 
-/// What determines a Gaussian map, bit for bit.
-struct GaussianRbfParameters {
+/// What determines a radial basis function map, bit for bit.
+struct RbfParameters {
   Eigen::Matrix2Xd centers;  ///< metres
   Eigen::VectorXd counts;    ///< samples averaged at each centre: its noise is ridge / count
   Eigen::Matrix2Xd weights;  ///< metres
   TailBasis tail_basis;
-  Eigen::Matrix2Xd tail;     ///< metres, one column per term of tail_basis
-  double width{0.0};         ///< sigma of the Gaussian, metres
+  Eigen::Matrix2Xd tail;  ///< metres, one column per term of tail_basis
+  RadialKernel kernel;
   double ridge{0.0};         ///< lambda, in units of the kernel
   double signal_sigma{0.0};  ///< s_f per axis, metres
   /// Predictions with a larger standard deviation are not valid, metres. A fit sets it to that of
@@ -27,16 +28,19 @@ struct GaussianRbfParameters {
   ValidRegion region;
 };
 
-/// Gaussian radial basis functions of one width on the samples, with ridge and tail:
-/// E(p) = sum_j w_j exp(-|p - c_j|^2 / (2 width^2)) + tail q(p), where
+/// Radial basis functions of one kernel on the samples, with ridge and tail:
+/// E(p) = sum_j w_j phi(|p - c_j|) + tail q(p), where
 /// [[Phi + ridge diag(1 / count), Q], [Q^T, 0]] [w; tail] = [E; 0]. Its standard deviation is that
 /// of kriging with the same kernel: s_f sqrt(1 - [k; q]^T A^-1 [k; q]).
-class GaussianRbfMap {
+class RbfMap {
  public:
   /// Throws WorkError when the kernel matrix is too ill conditioned to be solved.
-  explicit GaussianRbfMap(GaussianRbfParameters parameters);
+  explicit RbfMap(RbfParameters parameters);
 
   ErrorPrediction predict(const Eigen::Vector2d& p) const;
+
+  /// The error alone, several times as fast.
+  Eigen::Vector2d predict_error(const Eigen::Vector2d& p) const;
 
   /// The standard deviation of a prediction over s_f.
   double unit_sigma(const Eigen::Vector2d& p) const;
@@ -44,23 +48,27 @@ class GaussianRbfMap {
   /// Of the samples, per axis: sqrt(ridge) s_f, metres.
   double noise_sigma() const;
 
-  const GaussianRbfParameters& parameters() const { return parameters_; }
+  const RbfParameters& parameters() const { return parameters_; }
 
  private:
+  Eigen::Vector2d error(const Eigen::VectorXd& kernel, const Eigen::VectorXd& q) const;
   double unit_sigma(const Eigen::VectorXd& kernel, const Eigen::VectorXd& q) const;
 
-  GaussianRbfParameters parameters_;
+  RbfParameters parameters_;
+  // The parameters' columns as rows, along which sums over the centres are fast.
+  Eigen::MatrixX2d centers_;
+  Eigen::MatrixX2d weights_;
   BorderedSystem system_;
 };
 
-struct GaussianRbfFit {
-  GaussianRbfMap map;
+struct RbfFit {
+  RbfMap map;
   LeaveOneOut left_out;
 };
 
-/// Fits to sites with given width (metres), ridge and tail. Throws WorkError when the kernel matrix
+/// Fits to sites with given kernel, ridge and tail. Throws WorkError when the kernel matrix
 /// is too ill conditioned to be solved.
-GaussianRbfFit fit_gaussian_rbf(const MapSites& sites, const TailBasis& tail_basis, double width,
-                                double ridge);
+RbfFit fit_rbf(const MapSites& sites, const TailBasis& tail_basis, const RadialKernel& kernel,
+               double ridge);
 
 }  // namespace planar

@@ -1,4 +1,4 @@
-#include "error_map/gaussian_rbf.h"
+#include "error_map/rbf_map.h"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,6 @@
 
 #include "core/error.h"
 #include "core/units.h"
-#include "error_map/kernel_matrix.h"
 
 namespace planar {
 namespace {
@@ -16,26 +15,26 @@ namespace {
 /// Below this a pivot of the kernel matrix is mostly rounding (200 unit terms of 2e-16 each).
 constexpr double kSmallestPivotRatio = 1e-13;
 
-Eigen::MatrixXd kernel_matrix(const GaussianRbfParameters& parameters) {
-  Eigen::MatrixXd kernel;
-  gaussian_kernel(squared_distances(parameters.centers), parameters.width, kernel);
-  kernel.diagonal().array() += parameters.ridge / parameters.counts.array();
-  return kernel;
+Eigen::MatrixXd ridged_kernel_matrix(const RbfParameters& parameters) {
+  Eigen::MatrixXd matrix;
+  kernel_matrix(parameters.kernel, squared_distances(parameters.centers), matrix);
+  matrix.diagonal().array() += parameters.ridge / parameters.counts.array();
+  return matrix;
 }
 
-BorderedSystem solvable_system(const GaussianRbfParameters& parameters) {
-  auto system = BorderedSystem::factorize(kernel_matrix(parameters),
+BorderedSystem solvable_system(const RbfParameters& parameters) {
+  auto system = BorderedSystem::factorize(ridged_kernel_matrix(parameters),
                                           parameters.tail_basis.at_each(parameters.centers));
   if (system && system->pivot_ratio() >= kSmallestPivotRatio) return *std::move(system);
   throw WorkError(fmt::format(
       "the kernel matrix of {} samples with a width of {:.4g} mm and a ridge of {:.3g} is too ill "
       "conditioned to be solved; use a smaller width, or let the map choose width and ridge",
-      parameters.centers.cols(), parameters.width / kMillimetre, parameters.ridge));
+      parameters.centers.cols(), parameters.kernel.width / kMillimetre, parameters.ridge));
 }
 
 /// s_f^2 = E^T w / (N - m) per axis, over all samples: those averaged at a site scatter about it
 /// with variance ridge s_f^2.
-double signal_variance(const MapSites& sites, const GaussianRbfParameters& parameters) {
+double signal_variance(const MapSites& sites, const RbfParameters& parameters) {
   const double freedom = sites.counts.sum() - static_cast<double>(parameters.tail_basis.terms());
   const double scatter = parameters.ridge > 0.0 ? sites.scatter.sum() / parameters.ridge : 0.0;
   const double sum = sites.errors.cwiseProduct(parameters.weights).sum() + scatter;
@@ -44,37 +43,48 @@ double signal_variance(const MapSites& sites, const GaussianRbfParameters& param
 
 }  // namespace
 
-GaussianRbfMap::GaussianRbfMap(GaussianRbfParameters parameters)
-    : parameters_(std::move(parameters)), system_(solvable_system(parameters_)) {}
+RbfMap::RbfMap(RbfParameters parameters)
+    : parameters_(std::move(parameters)),
+      centers_(parameters_.centers.transpose()),
+      weights_(parameters_.weights.transpose()),
+      system_(solvable_system(parameters_)) {}
 
-ErrorPrediction GaussianRbfMap::predict(const Eigen::Vector2d& p) const {
-  const Eigen::VectorXd kernel = gaussian_at(parameters_.centers, parameters_.width, p);
+Eigen::Vector2d RbfMap::error(const Eigen::VectorXd& kernel, const Eigen::VectorXd& q) const {
+  const Eigen::Vector2d sum(weights_.col(0).dot(kernel), weights_.col(1).dot(kernel));
+  return sum + parameters_.tail * q;
+}
+
+Eigen::Vector2d RbfMap::predict_error(const Eigen::Vector2d& p) const {
+  return error(kernel_at(parameters_.kernel, centers_, p), parameters_.tail_basis.at(p));
+}
+
+ErrorPrediction RbfMap::predict(const Eigen::Vector2d& p) const {
+  const Eigen::VectorXd kernel = kernel_at(parameters_.kernel, centers_, p);
   const Eigen::VectorXd q = parameters_.tail_basis.at(p);
   const double sigma = parameters_.signal_sigma * unit_sigma(kernel, q);
-  return {parameters_.weights * kernel + parameters_.tail * q, sigma,
+  return {error(kernel, q), sigma,
           sigma <= parameters_.sigma_limit && parameters_.region.contains(p)};
 }
 
-double GaussianRbfMap::unit_sigma(const Eigen::Vector2d& p) const {
-  return unit_sigma(gaussian_at(parameters_.centers, parameters_.width, p),
-                    parameters_.tail_basis.at(p));
+double RbfMap::unit_sigma(const Eigen::Vector2d& p) const {
+  return unit_sigma(kernel_at(parameters_.kernel, centers_, p), parameters_.tail_basis.at(p));
 }
 
-double GaussianRbfMap::unit_sigma(const Eigen::VectorXd& kernel, const Eigen::VectorXd& q) const {
+double RbfMap::unit_sigma(const Eigen::VectorXd& kernel, const Eigen::VectorXd& q) const {
   return std::sqrt(std::max(0.0, 1.0 - system_.inverse_form(kernel, q)));
 }
 
-double GaussianRbfMap::noise_sigma() const {
+double RbfMap::noise_sigma() const {
   return std::sqrt(parameters_.ridge) * parameters_.signal_sigma;
 }
 
-GaussianRbfFit fit_gaussian_rbf(const MapSites& sites, const TailBasis& tail_basis, double width,
-                                double ridge) {
-  GaussianRbfParameters parameters;
+RbfFit fit_rbf(const MapSites& sites, const TailBasis& tail_basis, const RadialKernel& kernel,
+               double ridge) {
+  RbfParameters parameters;
   parameters.centers = sites.positions;
   parameters.counts = sites.counts;
   parameters.tail_basis = tail_basis;
-  parameters.width = width;
+  parameters.kernel = kernel;
   parameters.ridge = ridge;
   parameters.region = region_around(sites.positions);
   const BorderedSystem system = solvable_system(parameters);
@@ -87,7 +97,7 @@ GaussianRbfFit fit_gaussian_rbf(const MapSites& sites, const TailBasis& tail_bas
   const double loneliest2 = (left_out.unit_sigmas.array().square() - site_noise2).maxCoeff();
   parameters.signal_sigma = std::sqrt(signal_variance(sites, parameters));
   parameters.sigma_limit = parameters.signal_sigma * std::sqrt(std::max(0.0, loneliest2));
-  return {GaussianRbfMap(std::move(parameters)), std::move(left_out)};
+  return {RbfMap(std::move(parameters)), std::move(left_out)};
 }
 
 }  // namespace planar

@@ -1,4 +1,4 @@
-#include "error_map/gaussian_rbf.h"
+#include "error_map/rbf_map.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -31,7 +31,7 @@ TailBasis no_tail() {
 TEST_CASE("Without ridge the map passes through its samples, where it is certain") {
   const MapSites sites = merge_samples(
       test::measure(test::lens_field, test::ring_positions(60), test::kFieldNoise, 1));
-  const auto fit = fit_gaussian_rbf(sites, no_tail(), 0.05, 0.0);
+  const auto fit = fit_rbf(sites, no_tail(), {KernelShape::kGaussian, 0.05, 0.0}, 0.0);
   for (Eigen::Index i = 0; i < sites.size(); ++i) {
     const ErrorPrediction at = fit.map.predict(sites.positions.col(i));
     CHECK((at.error - sites.errors.col(i)).norm() < kRounding * sites.errors.norm());
@@ -43,7 +43,7 @@ TEST_CASE("Two samples, a width and a ridge give the textbook weights and varian
   const double width = 0.1;
   const double ridge = 0.5;
   const MapSites sites = two_sites(0.1);
-  const auto fit = fit_gaussian_rbf(sites, no_tail(), width, ridge);
+  const auto fit = fit_rbf(sites, no_tail(), {KernelShape::kGaussian, width}, ridge);
   const double phi = std::exp(-0.5);
   const double diagonal = 1.0 + ridge;
   const double determinant = diagonal * diagonal - phi * phi;
@@ -60,7 +60,7 @@ TEST_CASE("Two samples, a width and a ridge give the textbook weights and varian
 
 TEST_CASE(
     "Far from every sample the map without a tail says nothing, and says how little it knows") {
-  const auto fit = fit_gaussian_rbf(two_sites(0.1), no_tail(), 0.1, 0.01);
+  const auto fit = fit_rbf(two_sites(0.1), no_tail(), {KernelShape::kGaussian, 0.1, 0.0}, 0.01);
   const ErrorPrediction far = fit.map.predict({50.0, 0.0});
   CHECK(far.error.norm() == 0.0);
   CHECK(far.sigma == fit.map.parameters().signal_sigma);
@@ -73,7 +73,8 @@ TEST_CASE("A linear field is the tail's alone") {
   };
   const MapSites sites =
       merge_samples(test::measure(linear, test::random_positions(50, 2), 0.0, 1));
-  const auto fit = fit_gaussian_rbf(sites, tail_for(sites.positions), 0.1, 1e-3);
+  const auto fit =
+      fit_rbf(sites, tail_for(sites.positions), {KernelShape::kGaussian, 0.1, 0.0}, 1e-3);
   CHECK(fit.map.parameters().weights.norm() < kRounding);
   const Eigen::Vector2d outside(0.9, -0.9);
   CHECK((fit.map.predict(outside).error - linear(outside)).norm() < kRounding);
@@ -82,7 +83,7 @@ TEST_CASE("A linear field is the tail's alone") {
 TEST_CASE("A site of several samples counts like these samples") {
   MapSites merged = two_sites(0.1);
   merged.counts << 4.0, 1.0;
-  const auto fit = fit_gaussian_rbf(merged, no_tail(), 0.1, 0.4);
+  const auto fit = fit_rbf(merged, no_tail(), {KernelShape::kGaussian, 0.1, 0.0}, 0.4);
   const double noise_of_four = 0.4 / 4.0;
   const double phi = std::exp(-0.5);
   const double determinant = (1.0 + noise_of_four) * 1.4 - phi * phi;
@@ -92,8 +93,8 @@ TEST_CASE("A site of several samples counts like these samples") {
 TEST_CASE("A width that joins all samples is refused without a ridge, with figures and a remedy") {
   const MapSites sites =
       merge_samples(test::measure(test::lens_field, test::ring_positions(100), 0.0, 1));
-  CHECK_THROWS_AS(fit_gaussian_rbf(sites, no_tail(), 1.0, 0.0), WorkError);
-  CHECK_THROWS_WITH(fit_gaussian_rbf(sites, no_tail(), 1.0, 0.0),
+  CHECK_THROWS_AS(fit_rbf(sites, no_tail(), {KernelShape::kGaussian, 1.0, 0.0}, 0.0), WorkError);
+  CHECK_THROWS_WITH(fit_rbf(sites, no_tail(), {KernelShape::kGaussian, 1.0, 0.0}, 0.0),
                     Catch::Contains("100 samples with a width of 1000 mm and a ridge of 0") &&
                         Catch::Contains("use a smaller width"));
 }
@@ -101,11 +102,13 @@ TEST_CASE("A width that joins all samples is refused without a ridge, with figur
 TEST_CASE("A map made of a map's parameters predicts the same, bit for bit") {
   const MapSites sites = merge_samples(
       test::measure(test::glow_field, test::random_positions(80, 3), test::kFieldNoise, 1));
-  const auto fit = fit_gaussian_rbf(sites, tail_for(sites.positions), 0.15, 1e-3);
-  const GaussianRbfMap copy(fit.map.parameters());
+  const auto shape = GENERATE(KernelShape::kGaussian, KernelShape::kMultiquadric);
+  const auto fit = fit_rbf(sites, tail_for(sites.positions, 2), {shape, 0.15, 2.0}, 1e-3);
+  const RbfMap copy(fit.map.parameters());
   for (const Eigen::Vector2d& p : test::random_positions(50, 4)) {
     CHECK(copy.predict(p).error == fit.map.predict(p).error);
     CHECK(copy.predict(p).sigma == fit.map.predict(p).sigma);
+    CHECK(copy.predict_error(p) == fit.map.predict(p).error);
   }
 }
 

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <vector>
+
+#include "error_map/map_sites.h"
+#include "error_map/rbf_map.h"
+#include "error_map/tuning.h"
+
+namespace planar {
+
+/// Radial basis function maps that differ in width, ridge and weights only.
+struct RbfFamily {
+  KernelShape shape{KernelShape::kGaussian};
+  int tail_degree{1};
+};
+
+struct TunedFamily {
+  TailBasis tail_basis;
+  TunedKernel tuned;
+};
+
+TunedFamily tune(const MapSites& sites, const RbfFamily& family);
+
+/// The same from what nearly the same sites were tuned to.
+TunedFamily retune(const MapSites& sites, const RbfFamily& family, const TunedFamily& before);
+
+RbfFit fit_rbf(const MapSites& sites, const TunedFamily& family);
+
+/// The family with the smallest leave-one-out error among `first` and the tuned `others`. The first
+/// stands unless another one's sum of squares is smaller by more than the standard error of the
+/// difference, taken site by site.
+TunedFamily best_family(const MapSites& sites, TunedFamily first,
+                        const std::vector<RbfFamily>& others);
+
+}  // namespace planar
