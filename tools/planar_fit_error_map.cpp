@@ -42,7 +42,7 @@ void print(const FitErrorMapReport& report) {
   fmt::print("method              {}\n", result.method);
   fmt::print("vision error        {:.4f} mm rms\n", result.raw_rms / kMillimetre);
   fmt::print("leave-one-out       {:.4f} mm rms", result.loo_rms / kMillimetre);
-  if (result.method != "idw")
+  if (result.method != "idw" && std::isfinite(result.idw_loo_rms))
     fmt::print(" (inverse distance weighting: {:.4f} mm)", result.idw_loo_rms / kMillimetre);
   fmt::print("\n");
   if (std::isfinite(result.noise_sigma))

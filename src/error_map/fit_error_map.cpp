@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "core/error.h"
@@ -10,12 +11,13 @@
 #include "error_map/leave_one_out.h"
 #include "error_map/map_sites.h"
 #include "error_map/outliers.h"
+#include "error_map/sparse_fit.h"
 
 namespace planar {
 namespace {
 
-/// A dense solve of more sites takes more memory and time than it is worth.
-constexpr Eigen::Index kMostSites = 5000;
+/// A dense map of more sites takes more time than it is worth; they go to a sparse one.
+constexpr Eigen::Index kMostDense = 1000;
 
 /// A map is worth using when it takes away at least this share of the rms error, ...
 constexpr double kSmallestGain = 0.05;
@@ -52,7 +54,9 @@ MapResult result_of(ErrorMap map, std::string method, const MapSites& used,
   result.n_used = static_cast<std::size_t>(used.counts.sum());
   result.raw_rms = used.sample_rms(used.errors);
   result.loo_rms = used.sample_rms(residuals);
-  result.idw_loo_rms = used.sample_rms(leave_one_out_residuals(idw_map(used)));
+  result.idw_loo_rms = used.size() <= kMostDense
+                           ? used.sample_rms(leave_one_out_residuals(idw_map(used)))
+                           : std::numeric_limits<double>::quiet_NaN();
   result.noise_sigma = noise_sigma(result.map);
   result.worth_using = is_worth_using(used, residuals);
   return result;
@@ -83,6 +87,20 @@ MapResult fit_tuned(const MapSites& sites, const std::vector<RbfFamily>& familie
   return result;
 }
 
+MapResult fit_many(const MapSites& sites, const std::vector<ErrorSample>& samples) {
+  SparseFit fit = fit_sparse(sites);
+  MapResult result = result_of(std::move(fit.map), "sparse", sites.subset(fit.kept), fit.residuals);
+  result.rejected = rejected_samples(fit.outliers, sites, samples);
+  return result;
+}
+
+void require_dense(const MapSites& sites, const char* method) {
+  if (sites.size() <= kMostDense) return;
+  throw InputError(fmt::format(
+      "{} distinct positions; the method {} takes at most {}; leave some out, or use auto",
+      sites.size(), method, kMostDense));
+}
+
 MapResult fit_hand_width(const MapSites& sites, double width) {
   if (!(std::isfinite(width) && width > 0.0)) {
     throw InputError(
@@ -98,22 +116,22 @@ MapResult fit_hand_width(const MapSites& sites, double width) {
 
 MapResult fit_error_map(const MapProblem& problem) {
   const MapSites sites = merge_samples(problem.samples);
-  if (sites.size() > kMostSites) {
-    throw InputError(fmt::format("{} distinct positions; a map takes at most {}; leave some out",
-                                 sites.size(), kMostSites));
-  }
   switch (problem.method) {
     case MapMethod::kIdw: {
+      require_dense(sites, "idw");
       const IdwMap map = idw_map(sites);
       return result_of(map, "idw", sites, leave_one_out_residuals(map));
     }
     case MapMethod::kHandWidth:
+      require_dense(sites, "hand");
       return fit_hand_width(sites, problem.hand_width);
     case MapMethod::kRbf:
+      require_dense(sites, "rbf");
       return fit_tuned(sites, {kOneWidth}, problem.samples);
     case MapMethod::kAuto:
       break;
   }
+  if (sites.size() > kMostDense) return fit_many(sites, problem.samples);
   return fit_tuned(sites, {kManyScales, kSmooth}, problem.samples);
 }
 

@@ -10,7 +10,8 @@ namespace planar {
 
 enum class MapMethod {
   kAuto,       ///< multiquadric on a quadratic tail, or Gaussian on a cubic one where that is
-               ///< clearly better by the leave-one-out error; otherwise as kRbf
+               ///< clearly better by the leave-one-out error; otherwise as kRbf. Beyond 1,000
+               ///< positions a sparse Gaussian
   kRbf,        ///< Gaussian on a linear tail, width and ridge tuned on the leave-one-out error,
                ///< outliers left out
   kIdw,        ///< every sample as it is, as the paper has it
@@ -33,12 +34,12 @@ struct RejectedSample {
 /// together, so that a repeated row cannot vouch for itself.
 struct MapResult {
   ErrorMap map;
-  std::string method;     ///< what was fitted: "rbf", "multiquadric", "idw", "hand"
+  std::string method;     ///< what was fitted: "rbf", "multiquadric", "sparse", "idw", "hand"
   std::size_t n_used{0};  ///< samples
   std::vector<RejectedSample> rejected;
   double raw_rms{0.0};      ///< of |E|
   double loo_rms{0.0};      ///< of the leave-one-out residuals |r_i|
-  double idw_loo_rms{0.0};  ///< the same of inverse distance weighting of the same samples
+  double idw_loo_rms{0.0};  ///< the same of inverse distance weighting; NaN for a sparse map
   double noise_sigma{0.0};  ///< per axis; NaN where the method has none
   /// The map takes away more than 5 % of the rms error, and not by chance: also with the mean of
   /// |E|^2 - |r|^2 reduced by twice its standard error.

@@ -15,6 +15,7 @@ struct IdwMap {
   ValidRegion region;
 
   ErrorPrediction predict(const Eigen::Vector2d& p) const;
+  Eigen::Vector2d predict_error(const Eigen::Vector2d& p) const { return predict(p).error; }
 };
 
 /// E_i minus what the other samples predict there, one column each, metres.

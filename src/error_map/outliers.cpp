@@ -1,42 +1,17 @@
 #include "error_map/outliers.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <utility>
 
-#include "core/error.h"
 #include "core/statistics.h"
-#include "core/units.h"
 #include "error_map/gross_outliers.h"
 
 namespace planar {
 namespace {
 
-/// Of good sites all alike, this many would be called outliers in a fit.
-constexpr double kFalseAlarms = 0.05;
-
-/// The residuals around a site are judged by what this share of them is shorter than: where they
-/// are long the map is not as good as elsewhere (a seam, a step), and one like them is no outlier.
-constexpr double kLocalShare = 0.9;
-
-/// Nothing smaller is called an outlier, however well the rest agrees.
-constexpr double kSmallestOutlier = 1.0 * kMicrometre;
-
-constexpr double kLargestShare = 0.2;
 /// With fewer sites none can be told from the rest.
 constexpr Eigen::Index kFewestToJudge = 10;
-
-/// The first fits are bent by gross outliers and drop good sites, too; later on what is dropped
-/// stays dropped, so that the rounds end.
-constexpr int kRoundsOfTakingBack = 5;
-
-/// What a share of 2-D normal vectors of unit standard deviation per axis is longer than.
-double normal_length(double share) {
-  return std::sqrt(-2.0 * std::log(share));
-}
 
 /// Of each site, judged by the other kept sites: the residual's length and its standard deviation
 /// over s_f.
@@ -73,7 +48,7 @@ double local_quantile(const Eigen::ArrayXd& scaled, const std::vector<Eigen::Ind
 Eigen::ArrayXd residual_limits(const Judgement& judgement, const std::vector<Eigen::Index>& kept,
                                const Neighbours& neighbours) {
   const Eigen::ArrayXd scaled = judgement.residuals / judgement.unit_sigmas;
-  const double sigmas = normal_length(kFalseAlarms / static_cast<double>(scaled.size()));
+  const double sigmas = outlier_sigmas(scaled.size());
   const double usual = median({scaled.begin(), scaled.end()}) / normal_length(0.5);
   Eigen::ArrayXd scales(scaled.size());
   for (Eigen::Index i = 0; i < scaled.size(); ++i) {
@@ -81,29 +56,6 @@ Eigen::ArrayXd residual_limits(const Judgement& judgement, const std::vector<Eig
     scales[i] = std::max(usual, local / normal_length(1.0 - kLocalShare));
   }
   return (sigmas * scales * judgement.unit_sigmas).max(kSmallestOutlier);
-}
-
-void require_few(std::size_t dropped, Eigen::Index sites) {
-  if (static_cast<double>(dropped) <= kLargestShare * static_cast<double>(sites)) return;
-  throw InputError(fmt::format(
-      "{} of {} pairs disagree with the others, but at most {:.0f} % may; are the positions of "
-      "vision and tracker paired rightly?",
-      dropped, sites, 100.0 * kLargestShare));
-}
-
-std::vector<Eigen::Index> sites_without(const std::map<Eigen::Index, Outlier>& dropped,
-                                        Eigen::Index count) {
-  std::vector<Eigen::Index> kept;
-  for (Eigen::Index i = 0; i < count; ++i) {
-    if (dropped.count(i) == 0) kept.push_back(i);
-  }
-  return kept;
-}
-
-std::vector<Outlier> values_of(const std::map<Eigen::Index, Outlier>& dropped) {
-  std::vector<Outlier> outliers;
-  for (const auto& [site, outlier] : dropped) outliers.push_back(outlier);
-  return outliers;
 }
 
 /// The choice among the families for the kept sites.
@@ -125,7 +77,7 @@ RobustFit fit_without_outliers(const MapSites& sites, const std::vector<RbfFamil
   const Neighbours neighbours = nearest_sites(sites);
   std::vector<Eigen::Index> kept = sites_like_their_neighbours(sites, neighbours);
   TunedFamily tuned = tune(sites.subset(kept), first);
-  std::map<Eigen::Index, Outlier> dropped;
+  Outliers dropped;
   for (int round = 1;; ++round) {
     const Judgement judgement = judge(sites, kept, fit_rbf(sites.subset(kept), tuned));
     const Eigen::ArrayXd limits = residual_limits(judgement, kept, neighbours);
@@ -136,7 +88,7 @@ RobustFit fit_without_outliers(const MapSites& sites, const std::vector<RbfFamil
         dropped.erase(i);
       }
     }
-    require_few(dropped.size(), sites.size());
+    require_few(dropped, sites.size());
     std::vector<Eigen::Index> agreeing = sites_without(dropped, sites.size());
     if (agreeing == kept)
       return chosen(sites, std::move(kept), families, std::move(tuned), values_of(dropped));

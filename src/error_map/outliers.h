@@ -5,15 +5,10 @@
 
 #include "error_map/best_rbf.h"
 #include "error_map/map_sites.h"
+#include "error_map/outlier_rule.h"
 #include "error_map/rbf_map.h"
 
 namespace planar {
-
-struct Outlier {
-  Eigen::Index site{0};
-  double residual{0.0};  ///< distance from what the other sites predict there, metres
-  double limit{0.0};     ///< the largest residual that would have been kept, metres
-};
 
 struct RobustFit {
   RbfFit fit;                      ///< of the kept sites

@@ -16,7 +16,7 @@
 namespace planar {
 namespace {
 
-constexpr Eigen::Index kLargestPart = 1000;
+constexpr Eigen::Index kLargestPart = 500;
 
 // The search box. Narrower than half the samples' spacing a kernel reaches no neighbour; wider
 // than their span it is a polynomial.

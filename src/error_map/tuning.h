@@ -17,7 +17,7 @@ struct TunedKernel {
 };
 
 /// The kernel's width and ridge with the smallest leave-one-out error: a coarse grid over the
-/// logarithms of both, then BOBYQA [Powell 2009] from its best point. Above a thousand sites an
+/// logarithms of both, then BOBYQA [Powell 2009] from its best point. Above five hundred sites an
 /// evenly drawn part of them decides.
 TunedKernel tune_rbf(const MapSites& sites, const TailBasis& tail_basis, KernelShape shape);
 

@@ -69,7 +69,11 @@ double median_spacing(const Eigen::Matrix2Xd& positions) {
 }
 
 ValidRegion region_around(const Eigen::Matrix2Xd& positions) {
-  return {convex_hull(positions), median_spacing(positions)};
+  return region_around(positions, median_spacing(positions));
+}
+
+ValidRegion region_around(const Eigen::Matrix2Xd& positions, double margin) {
+  return {convex_hull(positions), margin};
 }
 
 }  // namespace planar

@@ -18,6 +18,9 @@ struct ValidRegion {
 /// margin: as far beyond the rim as samples are apart.
 ValidRegion region_around(const Eigen::Matrix2Xd& positions);
 
+/// The same with another margin, metres.
+ValidRegion region_around(const Eigen::Matrix2Xd& positions, double margin);
+
 /// Median distance from a position to the nearest other one, metres; at least two positions.
 double median_spacing(const Eigen::Matrix2Xd& positions);
 

@@ -19,6 +19,8 @@ namespace {
 /// The method of a radial basis function map's file, in the order of KernelShape.
 constexpr std::array<const char*, 2> kRbfMethods{"gaussian_rbf", "multiquadric_rbf"};
 
+constexpr char kSparseMethod[] = "sparse_gaussian_rbf";
+
 constexpr double kUnbounded = std::numeric_limits<double>::max();
 constexpr double kSmallestLength = 1e-9;  // of what must be positive, metres
 
@@ -88,6 +90,13 @@ ValidRegion read_region(const YamlNode& node) {
   return region;
 }
 
+void add_tail(YamlWriter& yaml, const TailBasis& basis, const Eigen::Matrix2Xd& tail) {
+  yaml.add("tail_degree", basis.degree);
+  yaml.add("tail_origin_m", numbers_of(basis.origin));
+  yaml.add("tail_scale_m", basis.scale);
+  yaml.add("tail_m", rows_of(tail));
+}
+
 void add_map(YamlWriter& yaml, const IdwMap& map) {
   yaml.add("method", "idw");
   add_region(yaml, map.region);
@@ -103,15 +112,44 @@ void add_map(YamlWriter& yaml, const RbfMap& map) {
   yaml.add("ridge", parameters.ridge);
   yaml.add("signal_sigma_m", parameters.signal_sigma);
   yaml.add("sigma_limit_m", parameters.sigma_limit);
-  yaml.add("tail_degree", parameters.tail_basis.degree);
-  yaml.add("tail_origin_m", numbers_of(parameters.tail_basis.origin));
-  yaml.add("tail_scale_m", parameters.tail_basis.scale);
-  yaml.add("tail_m", rows_of(parameters.tail));
+  add_tail(yaml, parameters.tail_basis, parameters.tail);
   add_region(yaml, parameters.region);
   yaml.add("centers_m", rows_of(parameters.centers));
   yaml.add("pairs_per_center",
            std::vector<double>(parameters.counts.begin(), parameters.counts.end()));
   yaml.add("weights_m", rows_of(parameters.weights));
+}
+
+/// Its lower triangle, row after row.
+std::vector<double> packed(const Eigen::MatrixXd& lower) {
+  std::vector<double> numbers;
+  for (Eigen::Index i = 0; i < lower.rows(); ++i)
+    for (Eigen::Index j = 0; j <= i; ++j) numbers.push_back(lower(i, j));
+  return numbers;
+}
+
+Eigen::MatrixXd read_packed(const YamlNode& node, const std::string& key, Eigen::Index size) {
+  const std::vector<double> numbers =
+      node.numbers(key, static_cast<std::size_t>(size * (size + 1) / 2));
+  Eigen::MatrixXd lower = Eigen::MatrixXd::Zero(size, size);
+  auto number = numbers.begin();
+  for (Eigen::Index i = 0; i < size; ++i)
+    for (Eigen::Index j = 0; j <= i && number != numbers.end(); ++j) lower(i, j) = *number++;
+  return lower;
+}
+
+void add_map(YamlWriter& yaml, const SparseRbfMap& map) {
+  const SparseRbfParameters& parameters = map.parameters();
+  yaml.add("method", kSparseMethod);
+  yaml.add("width_m", parameters.width);
+  yaml.add("ridge", parameters.ridge);
+  yaml.add("signal_sigma_m", parameters.signal_sigma);
+  yaml.add("sigma_limit_m", parameters.sigma_limit);
+  add_tail(yaml, parameters.tail_basis, parameters.tail);
+  add_region(yaml, parameters.region);
+  yaml.add("centers_m", rows_of(parameters.centers));
+  yaml.add("weights_m", rows_of(parameters.weights));
+  yaml.add("factor", packed(parameters.factor));
 }
 
 IdwMap read_idw(const YamlNode& node) {
@@ -155,6 +193,24 @@ RbfParameters read_rbf(const YamlNode& node, KernelShape shape) {
   return parameters;
 }
 
+SparseRbfParameters read_sparse_rbf(const YamlNode& node) {
+  SparseRbfParameters parameters;
+  parameters.width = node.number_in("width_m", kSmallestLength, kUnbounded);
+  parameters.ridge = node.number_in("ridge", 0.0, kUnbounded);
+  parameters.signal_sigma = node.number_in("signal_sigma_m", 0.0, kUnbounded);
+  parameters.sigma_limit = node.number_in("sigma_limit_m", 0.0, kUnbounded);
+  parameters.tail_basis = read_tail_basis(node);
+  parameters.tail = read_points(node, "tail_m", parameters.tail_basis.terms());
+  parameters.region = read_region(node);
+  parameters.centers = read_centers(node);
+  parameters.weights = read_points(node, "weights_m", parameters.centers.cols());
+  parameters.factor =
+      read_packed(node, "factor", parameters.centers.cols() + parameters.tail_basis.terms());
+  if (!(parameters.factor.diagonal().array() > 0.0).all())
+    node.child("factor").add_fault("factor has a diagonal element that is not positive");
+  return parameters;
+}
+
 void add_figures(YamlWriter& yaml, const MapResult& result) {
   yaml.begin_map("fit");
   yaml.add("n_used", static_cast<int>(result.n_used));
@@ -175,6 +231,12 @@ void allow_figures(const YamlNode& root) {
   fit.allow("rejected");
 }
 
+template <typename Value>
+Value checked(const YamlDocument& document, Value value) {
+  document.throw_if_faulty();
+  return value;
+}
+
 }  // namespace
 
 std::string map_text(const MapResult& result, const std::filesystem::path& pairs,
@@ -190,16 +252,16 @@ ErrorMap read_map(const std::filesystem::path& path) {
   const YamlDocument document = YamlDocument::read(path, "map");
   const YamlNode root = document.root();
   allow_figures(root);
-  const std::string method = root.choice("method", {kRbfMethods[0], kRbfMethods[1], "idw"});
-  if (method == "idw") {
-    IdwMap map = read_idw(root);
-    document.throw_if_faulty();
-    return map;
-  }
-  RbfParameters parameters = read_rbf(root, shape_of(method));
-  document.throw_if_faulty();
+  const std::string method =
+      root.choice("method", {kRbfMethods[0], kRbfMethods[1], kSparseMethod, "idw"});
+  const auto read = [&]() -> ErrorMap {
+    if (method == "idw") return checked<IdwMap>(document, read_idw(root));
+    if (method == kSparseMethod)
+      return SparseRbfMap(checked<SparseRbfParameters>(document, read_sparse_rbf(root)));
+    return RbfMap(checked<RbfParameters>(document, read_rbf(root, shape_of(method))));
+  };
   try {
-    return RbfMap(std::move(parameters));
+    return read();
   } catch (const WorkError& e) {
     throw InputError(path.string() + ": " + e.what());
   }

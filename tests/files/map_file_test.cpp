@@ -41,11 +41,16 @@ MapResult multiquadric_on_quadratic_tail() {
   return result;
 }
 
+MapResult sparse() {
+  return fit_error_map(
+      {test::measure(test::glow_field, test::random_positions(1200, 1), test::kFieldNoise, 1)});
+}
+
 TEST_CASE("A map read from its file predicts the same, bit for bit") {
   Files files;
   const MapResult result =
       GENERATE(as<MapResult>(), fitted(MapMethod::kRbf), fitted(MapMethod::kIdw),
-               fitted(MapMethod::kHandWidth), multiquadric_on_quadratic_tail());
+               fitted(MapMethod::kHandWidth), multiquadric_on_quadratic_tail(), sparse());
   const ErrorMap back = read_map(files.write_map(map_text(result, files.pairs, "test")));
   for (const Eigen::Vector2d& p : test::random_positions(200, 2)) {
     const ErrorPrediction expected = predict(result.map, p);

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "error_map/map_sites.h"
+#include "error_map/outlier_rule.h"
+#include "error_map/sparse_rbf_map.h"
+
+namespace planar {
+
+struct SparseFit {
+  SparseRbfMap map;
+  std::vector<Eigen::Index> kept;  ///< sites, in order
+  std::vector<Outlier> outliers;
+  /// Of the kept sites; as if left out, by the mean leverage (there are many more sites than
+  /// centres); metres.
+  Eigen::Matrix2Xd residuals;
+};
+
+/// Fits a sparse map to many sites (thousands to a million): centres spread evenly among them,
+/// width and ridge by generalized cross-validation of an evenly drawn part, outliers left out by
+/// the rule of `fit_without_outliers` with the sites nearest to the same centre as neighbours. Time
+/// grows linearly. Throws like it.
+SparseFit fit_sparse(const MapSites& sites);
+
+}  // namespace planar
