@@ -32,7 +32,11 @@ constexpr double kBetweenCenters = 2.0;
 constexpr char kUnsolvable[] =
     "the equations of the sparse map are too ill conditioned to be solved with any width and ridge";
 
-using Cells = std::vector<std::vector<Eigen::Index>>;  ///< sites nearest to each centre
+/// At least so many on average in a cell, that a few outliers among them do not count.
+constexpr Eigen::Index kSitesPerCell = 25;
+
+/// The sites nearest to each of the first centres, which are spread evenly, too.
+using Cells = std::vector<std::vector<Eigen::Index>>;
 
 /// Each next one the site farthest from those before it [Gonzalez 1985].
 Eigen::Matrix2Xd spread_centers(const Eigen::Matrix2Xd& positions) {
@@ -51,8 +55,9 @@ Eigen::Matrix2Xd spread_centers(const Eigen::Matrix2Xd& positions) {
 }
 
 Cells cells_of(const Eigen::Matrix2Xd& centers, const Eigen::Matrix2Xd& positions) {
-  const Eigen::MatrixX2d by_axis = centers.transpose();
-  Cells cells(static_cast<std::size_t>(centers.cols()));
+  const Eigen::Index count = std::min(centers.cols(), positions.cols() / kSitesPerCell);
+  const Eigen::MatrixX2d by_axis = centers.leftCols(count).transpose();
+  Cells cells(static_cast<std::size_t>(count));
   for (Eigen::Index i = 0; i < positions.cols(); ++i) {
     Eigen::Index nearest = 0;
     ((by_axis.col(0).array() - positions(0, i)).square() +
