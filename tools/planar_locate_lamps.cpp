@@ -8,6 +8,7 @@
 #include "app/progress.h"
 #include "core/error.h"
 #include "core/statistics.h"
+#include "core/units.h"
 #include "program.h"
 #include "text/atomic_file.h"
 
@@ -45,7 +46,6 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("-o,--out", options.out, "lamps.csv to write")->required()->type_name("FILE");
   app.add_option("images", options.inputs, "a recording's folder, or images in their order")
       ->required()
-      ->check(CLI::ExistingPath)
       ->type_name("RECORDING | IMAGE...");
 }
 
@@ -65,6 +65,16 @@ std::optional<Eigen::Vector2d> start_pixel(const std::string& text) {
   return start;
 }
 
+/// Not by the parser, which would take the value of a misspelt option for an image.
+void require_inputs(const std::vector<fs::path>& inputs) {
+  Faults faults;
+  for (const fs::path& input : inputs) {
+    if (!fs::exists(input))
+      faults.add(input.string() + ": does not exist; a recording's folder or images are needed");
+  }
+  faults.throw_if_any();
+}
+
 /// The folder, when the input is a recording.
 std::optional<fs::path> recording_of(const Options& options) {
   for (const fs::path& input : options.inputs) {
@@ -82,6 +92,7 @@ LocateRequest read_request(const Options& options) {
   if (!options.start.empty() && options.lamps != 1) {
     throw InputError("--start picks the disc that --lamps 1 follows; two lamps need no start");
   }
+  require_inputs(options.inputs);
   LocateRequest request;
   request.method = center_method(options.method);
   std::optional<PlanarArm> arm;
@@ -104,15 +115,22 @@ nlohmann::json print(const LocateReport& report) {
   counts.erase("ok");
   fmt::print("{} images: {} ok", report.rows.size(), ok);
   for (const auto& [status, count] : counts) fmt::print(", {} {}", count, status);
-  nlohmann::json figures{{"images", report.rows.size()},
-                         {"ok", ok},
-                         {"not_ok", report.rows.size() - ok},
-                         {"statuses", counts},
-                         {"ms_per_image_median", nullptr}};
+  nlohmann::json figures{{"images", report.rows.size()},      {"ok", ok},
+                         {"not_ok", report.rows.size() - ok}, {"statuses", counts},
+                         {"ms_per_image_median", nullptr},    {"sigma_phi_deg_median", nullptr}};
+  std::vector<double> sigmas_phi;
+  for (const LampRow& row : report.rows) {
+    if (row.sigma_phi) sigmas_phi.push_back(*row.sigma_phi / kDegree);
+  }
   if (!report.milliseconds.empty()) {
     const double time = median(report.milliseconds);
     fmt::print("; {:.2f} ms per image", time);
     figures["ms_per_image_median"] = time;
+  }
+  if (!sigmas_phi.empty()) {
+    const double sigma = median(sigmas_phi);
+    fmt::print("; direction to {:.4f} deg", sigma);
+    figures["sigma_phi_deg_median"] = sigma;
   }
   fmt::print("\n");
   return figures;

@@ -163,6 +163,8 @@ nlohmann::json print(const PairTrackerReport& report) {
              fit.n_used, fit.rms / kMillimetre);
   fmt::print("tool       end point ({:.3f}, {:.3f}) mm, reflector ({:.3f}, {:.3f}) mm\n", p_TP.x(),
              p_TP.y(), p_TS.x(), p_TS.y());
+  fmt::print("lamps      eccentricity of their discs up to {:.4f} px, taken off\n",
+             report.largest_eccentricity_px);
   auto rejected = nlohmann::json::array();
   for (const Rejection& rejection : report.rejected) {
     fmt::print("rejected   {}: {}\n", rejection.id, rejection.reason);
@@ -175,6 +177,7 @@ nlohmann::json print(const PairTrackerReport& report) {
           {"datum_rms_mm", report.datum.rms / kMillimetre},
           {"workplane_rms_mm", fit.rms / kMillimetre},
           {"workplane_absorbed", fit.absorbed},
+          {"eccentricity_px_max", report.largest_eccentricity_px},
           {"p_TP_mm", {p_TP.x(), p_TP.y()}},
           {"p_TS_mm", {p_TS.x(), p_TS.y(), p_TS.z()}},
           {"raw_mean_mm", raw.mean / kMillimetre},

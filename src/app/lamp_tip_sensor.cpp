@@ -109,8 +109,11 @@ LampTipSensor::Sight LampTipSensor::look(const PairExpectation& expectation) {
 
 TipMeasurement LampTipSensor::position(
     TipMeasurement measurement, const std::array<Eigen::Matrix2d, 2>& covariances_px2) const {
+  const auto& discs_px = measurement.lamps_px;
+  const auto shifts_px = lamp_eccentricities_px(vision_.workplane, discs_px, lamps_.diameters_m);
   const auto seen =
-      tip_from_lamps(vision_.workplane, vision_.tool, measurement.lamps_px, covariances_px2);
+      tip_from_lamps(vision_.workplane, vision_.tool,
+                     {discs_px[0] - shifts_px[0], discs_px[1] - shifts_px[1]}, covariances_px2);
   if (!seen) return failed("outside_view", measurement.t_s);
   measurement.p_vision = seen->tip.p;
   measurement.tip = seen->tip;

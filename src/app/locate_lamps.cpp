@@ -47,12 +47,18 @@ void add_position(LampRow& row, const LampScene& scene) {
     return;
   }
   const bool named = row.status == name(LampStatus::kOk);
-  const auto seen = tip_from_lamps(*scene.workplane, scene.tool, {row.uv_px[0], row.uv_px[1]},
+  const std::array<Eigen::Vector2d, 2> discs_px{row.uv_px[0], row.uv_px[1]};
+  const auto shifts_px =
+      lamp_eccentricities_px(*scene.workplane, discs_px, scene.lamps.diameters_m);
+  const auto seen = tip_from_lamps(*scene.workplane, scene.tool,
+                                   {discs_px[0] - shifts_px[0], discs_px[1] - shifts_px[1]},
                                    {row.covariance_px2[0], row.covariance_px2[1]});
   if (!seen || (!named && !scene.tool.p_TP.isZero())) return;
   row.p_vision = seen->tip.p;
   row.sigma = seen->covariance.diagonal().cwiseSqrt();
-  if (named) row.phi = seen->tip.phi;
+  if (!named) return;
+  row.phi = seen->tip.phi;
+  row.sigma_phi = seen->sigma_phi;
 }
 
 LampRow pair_row(const LampImage& image, const LampPair& pair,

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "calibration/board_pose.h"
+#include "calibration/vision_tip.h"
 #include "camera/workplane.h"
 #include "core/error.h"
 
@@ -87,6 +88,21 @@ WorkplaneFit fit_workplane(const PairTrackerRequest& request,
              : fit_workplane_to_board(request.camera, request.boards_on_plane, fitted);
 }
 
+/// Brings the lamps' places from the centres of their images to the images of their centres; the
+/// largest shift.
+double remove_eccentricity(const Workplane& workplane, const std::array<double, 2>& diameters,
+                           std::vector<ToolSight>& sights) {
+  double largest_px = 0.0;
+  for (ToolSight& sight : sights) {
+    const auto shifts_px = lamp_eccentricities_px(workplane, sight.lamps_px, diameters);
+    for (std::size_t k = 0; k < 2; ++k) {
+      sight.lamps_px[k] -= shifts_px[k];
+      largest_px = std::max(largest_px, shifts_px[k].norm());
+    }
+  }
+  return largest_px;
+}
+
 }  // namespace
 
 PairTrackerReport pair_tracker(const PairTrackerRequest& request) {
@@ -101,6 +117,10 @@ PairTrackerReport pair_tracker(const PairTrackerRequest& request) {
   Pairing pairing =
       pair_sights(lamp_sights(request.lamps, request.frames), tool_readings, request.by);
   report.rejected = std::move(pairing.rejected);
+  report.workplane = fit_workplane(request, pairing.sights);
+  report.largest_eccentricity_px =
+      remove_eccentricity(Workplane(request.camera, report.workplane.X_WC),
+                          request.cell.lamp_diameters_m, pairing.sights);
   report.workplane = fit_workplane(request, pairing.sights);
 
   std::set<std::string> outliers;

@@ -31,12 +31,15 @@ struct PairTrackerReport {
   std::vector<Rejection> rejected;
   DatumRegistration datum;
   WorkplaneFit workplane;
+  double largest_eccentricity_px{0.0};  ///< that was taken from a lamp's place
 };
 
 /// From what was recorded to pairs: ties the tracker to the base by the monuments, brings lamps and
 /// readings together, fits workplane and tool to the places of the plans train, sweep1 and sweep3
-/// (never to those kept for judging), and writes every place as a pair of end points. Throws what
-/// the steps throw, and InputError naming lamps of images that the recording lacks.
+/// (never to those kept for judging), once more
+/// without the eccentricity that the lamps' discs have on that plane, and writes every place as a
+/// pair of end points. Throws what the steps throw, and InputError naming lamps of images that the
+/// recording lacks.
 PairTrackerReport pair_tracker(const PairTrackerRequest& request);
 
 /// Poses of the board in the recording's frames of plan plane_grid. Throws InputError naming each

@@ -21,6 +21,7 @@ struct LampRow {
   std::optional<Eigen::Vector2d> p_vision;      ///< end point, metres
   std::optional<double> phi;                    ///< radians
   std::optional<Eigen::Vector2d> sigma;         ///< standard deviation of p_vision, metres
+  std::optional<double> sigma_phi;              ///< of phi, radians; not in the table
 };
 
 std::vector<LampRow> read_lamps(const std::filesystem::path& path);

@@ -1,6 +1,8 @@
 #include "calibration/vision_tip.h"
 
 #include <catch2/catch.hpp>
+#include <cmath>
+#include <random>
 
 #include "core/units.h"
 #include "synthetic_cell.h"
@@ -28,6 +30,53 @@ TEST_CASE("The end point seen through its lamps is the one they were placed from
   const double pixel = kSeparation / ((*lamps)[1] - (*lamps)[0]).norm();
   CHECK(std::sqrt(0.5 * seen->covariance.trace()) ==
         Approx(0.01 / std::sqrt(2.0) * pixel).epsilon(0.05));
+}
+
+TEST_CASE("The end point's and the direction's uncertainty are those of shaken lamps") {
+  constexpr int kRuns = 4000;
+  constexpr double kScatter = 0.1;  // a variance of 4000 runs is good to 2 %, one sigma
+  const test::SyntheticCell cell;
+  ToolOffsets tool;
+  tool.p_TP = {0.03, 0.05};  // so far off that a turn moves the end point
+  const auto lamps = lamps_from_tip(cell.workplane(), tool, kSeparation, {{0.2, -0.1}, 0.7});
+  REQUIRE(lamps.has_value());
+  Eigen::Matrix2d root_first, root_second;
+  root_first << 0.02, 0.0, 0.005, 0.01;
+  root_second << 0.01, 0.0, 0.0, 0.03;
+  const Eigen::Matrix2d first = root_first * root_first.transpose();
+  const Eigen::Matrix2d second = root_second * root_second.transpose();
+  const auto seen = tip_from_lamps(cell.workplane(), tool, *lamps, {first, second});
+  REQUIRE(seen.has_value());
+  std::mt19937 random(8);
+  std::normal_distribution<double> normal;
+  Eigen::Matrix2d scatter = Eigen::Matrix2d::Zero();
+  double scatter_phi = 0.0;
+  for (int i = 0; i < kRuns; ++i) {
+    auto shaken = *lamps;
+    shaken[0] += root_first * Eigen::Vector2d(normal(random), normal(random));
+    shaken[1] += root_second * Eigen::Vector2d(normal(random), normal(random));
+    const auto run = tip_from_lamps(cell.workplane(), tool, shaken, {first, second});
+    const Eigen::Vector2d e = run->tip.p - seen->tip.p;
+    scatter += e * e.transpose() / kRuns;
+    scatter_phi += std::pow(run->tip.phi - seen->tip.phi, 2) / kRuns;
+  }
+  CHECK((scatter - seen->covariance).norm() < kScatter * seen->covariance.norm());
+  CHECK(scatter_phi == Approx(seen->sigma_phi * seen->sigma_phi).epsilon(kScatter));
+}
+
+TEST_CASE("The eccentricity of the lamps' discs is taken off exactly") {
+  const test::SyntheticCell cell;
+  const std::array<double, 2> diameters{0.03, 0.06};
+  const TipPose tip{{0.2, -0.1}, 2.5};
+  const auto lamps = lamps_from_tip(cell.workplane(), {}, kSeparation, tip);
+  REQUIRE(lamps.has_value());
+  const auto shifts = lamp_eccentricities_px(cell.workplane(), *lamps, diameters);
+  CHECK(shifts[1].norm() == Approx(4.0 * shifts[0].norm()).epsilon(0.1));  // radius squared
+  // From the discs' places instead of the lamps', the shift is the same but for its own change.
+  const auto seen_shifts = lamp_eccentricities_px(
+      cell.workplane(), {(*lamps)[0] + shifts[0], (*lamps)[1] + shifts[1]}, diameters);
+  for (const std::size_t k : {0u, 1u}) CHECK((seen_shifts[k] - shifts[k]).norm() < 1e-4);
+  CHECK(lamp_eccentricities_px(cell.workplane(), *lamps, {0.0, 0.0})[0].isZero());
 }
 
 TEST_CASE("Swapped lamps turn the tool by half a turn") {

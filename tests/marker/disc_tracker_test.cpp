@@ -51,6 +51,40 @@ TEST_CASE("DiscTracker has a status for every frame of a disc that is partly out
   CHECK(at_border == 50);
 }
 
+TEST_CASE("DiscTracker moves little, or says at_border, when photographs are cropped by a pixel") {
+  const auto folder = test::visp_image("ellipse-1");
+  if (!folder) return;
+  constexpr double kCropped_px = 0.5;
+  for (int i = 1; i <= 50; i += 7) {
+    const auto file = *folder / fmt::format("image.{:04}.pgm", i);
+    const cv::Mat image = cv::imread(file.string(), cv::IMREAD_GRAYSCALE);
+    const LampCenter whole = DiscTracker(CenterMethod::kAuto).locate(image);
+    for (const cv::Rect& crop :
+         {cv::Rect(1, 0, image.cols - 1, image.rows), cv::Rect(0, 0, image.cols - 1, image.rows),
+          cv::Rect(0, 1, image.cols, image.rows - 1), cv::Rect(0, 0, image.cols, image.rows - 1)}) {
+      const LampCenter cropped = DiscTracker(CenterMethod::kAuto).locate(image(crop));
+      if (cropped.status == LampStatus::kAtBorder) continue;
+      CHECK(cropped.status == whole.status);
+      const Eigen::Vector2d moved = cropped.uv_px + Eigen::Vector2d(crop.x, crop.y) - whole.uv_px;
+      CHECK(moved.norm() < kCropped_px);
+    }
+  }
+}
+
+TEST_CASE("DiscTracker measures a disc with a notch right, or says that it cannot") {
+  const auto path = test::visp_image("circle/circle.pgm");
+  if (!path) return;
+  const cv::Mat image = cv::imread(path->string(), cv::IMREAD_GRAYSCALE);
+  constexpr double kByHand_px = 0.5;
+  const LampCenter disc = DiscTracker(CenterMethod::kAuto).locate(image);
+  CAPTURE(name(disc.status), disc.uv_px.transpose());
+  if (disc.status == LampStatus::kOk) {
+    CHECK((disc.uv_px - Eigen::Vector2d(155.5, 110.5)).norm() < kByHand_px);
+  } else {
+    CHECK(disc.status != LampStatus::kNoLamp);  // seen and refused, not overlooked
+  }
+}
+
 TEST_CASE("DiscTracker follows each of five discs through 501 photographs without a swap") {
   const auto folder = test::visp_image("mire-2");
   if (!folder) return;

@@ -60,6 +60,8 @@ head -c 65550 /dev/zero | sed '1s/^/P5 256 256 255\n/' >dark.pgm
 expect 1 "no image shows what was looked for; dark.csv says why for each" \
   "$bin/planar-locate-lamps" -q -o dark.csv dark.pgm
 grep -q "no_lamp" dark.csv || fail "a dark image has no lamp: $(cat dark.csv)"
+expect 2 "absent.png: does not exist" "$bin/planar-locate-lamps" -o made absent.png
+expect 2 "lmaps" "$bin/planar-locate-lamps" -o made --lmaps 2 dark.pgm
 expect 2 "256" "$bin/planar-locate-lamps" --cell cell/cell.yaml -o made dark.pgm
 
 # A camera that is not virtual needs its settings.
