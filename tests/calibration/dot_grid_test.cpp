@@ -169,6 +169,9 @@ TEST_CASE("All dots of the real photographs are found") {
     check_all_found(*folder, ".jpg", six, 5);
   }
   if (const auto folder = test::visp_image("calibration")) check_all_found(*folder, ".pgm", six, 4);
+  const Board ten{Board::Kind::kCircles, 10, 10, 0.0254};
+  if (const auto folder = test::shared_data("circle_grids/rct"))
+    check_all_found(*folder, ".png", ten, 10);
 }
 
 }  // namespace planar
