@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include <iostream>
 #include <set>
@@ -22,7 +23,7 @@ namespace fs = std::filesystem;
 const ProgramText kText{
     "planar-servo", "Positions the end point at targets by vision and logs every step.",
     "planar-servo --cell cell.yaml --targets targets.csv --out DIR [--no-error-map] [--resume]\n"
-    "                    [--display auto|x|none]\n"
+    "                    [--display auto|x|none] [--home]\n"
     "       planar-servo --cell cell.yaml --targets targets.csv --dry-run | --check\n"
     "       ... | planar-servo --cell cell.yaml --targets - --out DIR",
     "  100 of 100 targets reached, 2 corrections and 2.13 s each\n"
@@ -33,7 +34,7 @@ constexpr char kStdin[] = "standard input";
 struct Options {
   fs::path cell, targets, out;
   std::string display{"none"};
-  bool no_error_map{false}, dry_run{false}, check{false}, resume{false};
+  bool no_error_map{false}, dry_run{false}, check{false}, resume{false}, home{false};
 };
 
 void add_options(CLI::App& app, Options& options) {
@@ -46,6 +47,9 @@ void add_options(CLI::App& app, Options& options) {
       ->type_name("FILE");
   auto* out = app.add_option("--out", options.out, "folder for log and report")->type_name("DIR");
   app.add_flag("--no-error-map", options.no_error_map, "use vision as it is");
+  app.add_flag("--home", options.home,
+               "home drives that lost their position, which moves the arm; without it a terminal "
+               "is asked");
   app.add_flag("--resume", options.resume, "go on with the run in DIR");
   app.add_option(
          "--display", options.display,
@@ -63,6 +67,15 @@ void add_options(CLI::App& app, Options& options) {
 
 bool from_stdin(const Options& options) {
   return options.targets == "-";
+}
+
+bool may_home(const Options& options, const std::string& unhomed) {
+  if (options.home) return true;
+  if (from_stdin(options) || isatty(STDIN_FILENO) == 0) return false;
+  fmt::print(stderr, "{}. Search their home switches now? The arm will move. [y/N] ", unhomed);
+  std::string answer;
+  std::getline(std::cin, answer);
+  return answer == "y" || answer == "Y";
 }
 
 Outcome print_dry_run(const CellSettings& cell, const std::vector<TargetRow>& targets) {
@@ -163,8 +176,13 @@ Outcome work(const Options& options) {
   if (options.check) return print_check(options.cell, cell, targets);
   if (options.out.empty())
     throw InputError("--out is needed to move; --dry-run and --check do without");
-  const ServoRequest request{cell, CenterMethod::kAuto, !options.no_error_map, options.out,
-                             options.resume};
+  const ServoRequest request{
+      cell,
+      CenterMethod::kAuto,
+      !options.no_error_map,
+      options.out,
+      options.resume,
+      [&](const std::string& unhomed) { return may_home(options, unhomed); }};
   const auto devices = open_cell(request.cell);
   ServoDisplay display(display_policy_named(options.display), options.out / "view.png");
   ServoRun run(request, *devices, [&](const ServoSight& sight) { display.show(sight); });

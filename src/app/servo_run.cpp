@@ -1,5 +1,6 @@
 #include "app/servo_run.h"
 
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -16,6 +17,9 @@ namespace fs = std::filesystem;
 
 constexpr double kCameraPatience_s = 60.0;  ///< for a camera that fails, from a target's beginning
 constexpr double kCameraPoll_s = 0.05;
+constexpr double kDrivePatience_s = 60.0;
+constexpr int kMaxDriveRecoveries =
+    3;  ///< of one target; a drive that fails again and again is broken
 
 std::vector<TargetResult> results_so_far(const fs::path& results, bool resume) {
   if (!fs::exists(results)) return {};
@@ -90,6 +94,7 @@ ServoRun::ServoRun(const ServoRequest& request, CellDevices& devices, Observer o
       camera_(devices.camera()),
       clock_(devices.clock()),
       observer_(std::move(observer)),
+      may_home_(request.may_home),
       true_tip_(devices.true_tip()),
       results_(results_so_far(request.out / "results.csv", request.resume)),
       sensor_(cell_, read_vision(cell_, request.use_error_map), request.center, devices.camera()),
@@ -113,13 +118,39 @@ const TargetResult& ServoRun::move_to(const TargetRow& target) {
     });
   };
   const double deadline_s = clock_.now_s() + kCameraPatience_s;
-  ServoResult outcome = attempt();
+  ServoResult outcome = with_drives(target.id, attempt);
   while (outcome.status == ServoStatus::kLostCamera &&
          wait_for_camera(target.id, outcome.reason, deadline_s))
-    outcome = attempt();
+    outcome = with_drives(target.id, attempt);
   results_.push_back(scorer.finish(outcome));
   table_.append(result_line(results_.back()));
   return results_.back();
+}
+
+ServoResult ServoRun::with_drives(const std::string& id,
+                                  const std::function<ServoResult()>& attempt) {
+  for (int recoveries = 0;; ++recoveries) {
+    try {
+      return attempt();
+    } catch (const DriveError& error) {
+      if (recoveries == kMaxDriveRecoveries) throw;
+      recover_drives(id, error.what());
+    }
+  }
+}
+
+void ServoRun::recover_drives(const std::string& id, const std::string& reason) {
+  spdlog::warn("{}: {}; the arm stands and waits", id, reason);
+  robot_.recover(kDrivePatience_s);
+  const std::vector<int> unhomed = robot_.unhomed();
+  if (!unhomed.empty()) {
+    std::string text = "drives that have lost their position:";
+    for (const int joint : unhomed) text += fmt::format(" {}", joint + 1);
+    if (!may_home_ || !may_home_(text))
+      throw DriveError(text + "; home them with planar-jog, then go on with --resume");
+    for (const int joint : unhomed) robot_.search_home(joint);
+  }
+  spdlog::info("{}: the drives are ready again; going on", id);
 }
 
 bool ServoRun::wait_for_camera(const std::string& id, const std::string& reason,

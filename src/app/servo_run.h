@@ -24,6 +24,9 @@ struct ServoRequest {
   bool use_error_map{true};
   std::filesystem::path out;  ///< steps.csv and results.csv grow here, a line at a time
   bool resume{false};         ///< go on with the run that the folder holds
+  /// Whether drives that lost their position, named in words, may be homed now, which moves the
+  /// arm. Empty: never.
+  std::function<bool(const std::string& unhomed)> may_home{};
 };
 
 /// A look of the servo at the tool, for whoever shows it.
@@ -47,7 +50,8 @@ class ServoRun {
 
   /// A target that fails has a result like the others, unless a device fails: that throws
   /// WorkError, with all that was done in the files. When the camera fails the arm stops and waits
-  /// up to a minute for it, then goes on with the same target.
+  /// up to a minute for it, then goes on with the same target. So it does for a drive, which may
+  /// have to be homed then.
   const TargetResult& move_to(const TargetRow& target);
 
   bool has(const std::string& id) const;
@@ -55,6 +59,10 @@ class ServoRun {
   const std::vector<TargetResult>& results() const { return results_; }
 
  private:
+  /// Attempts again after a drive that failed is back.
+  ServoResult with_drives(const std::string& id, const std::function<ServoResult()>& attempt);
+  /// Throws DriveError when they are not back in time or may not be homed.
+  void recover_drives(const std::string& id, const std::string& reason);
   /// False when the camera is not back in time.
   bool wait_for_camera(const std::string& id, const std::string& reason, double deadline_s);
 
@@ -62,6 +70,7 @@ class ServoRun {
   FrameSource& camera_;
   Clock& clock_;
   Observer observer_;
+  std::function<bool(const std::string&)> may_home_;
   std::function<TipPose()> true_tip_;
   std::vector<TargetResult> results_;
   LampTipSensor sensor_;

@@ -63,6 +63,7 @@ PlanarRobot::~PlanarRobot() {
 }
 
 void PlanarRobot::energize() {
+  drives_.reconnect();
   std::array<DriveLimits, 3> limits;
   for (int i = 0; i < 3; ++i) {
     const double pulses_per_rad = std::abs(transmission_.pulses_per_rad()[i]);
@@ -116,7 +117,6 @@ void PlanarRobot::teach_home(int joint) {
 void PlanarRobot::recover(double patience_s) {
   const double deadline_s = clock_.now_s() + patience_s;
   for (double pause_s = kFirstPause_s;; pause_s = std::min(2.0 * pause_s, kLongestPause_s)) {
-    drives_.reconnect();
     try {
       return energize();
     } catch (const DriveError&) {

@@ -29,8 +29,9 @@ class PlanarRobot final : public vpRobot {
   PlanarRobot(const PlanarRobot&) = delete;
   PlanarRobot& operator=(const PlanarRobot&) = delete;
 
-  /// Gives every drive its speed and acceleration and switches it on. Throws DriveError naming the
-  /// drive that reports a fault or does not switch on. A drive may still have to be homed.
+  /// Gives every drive its speed and acceleration and switches it on, a lost one once it is found.
+  /// Throws DriveError naming the drive that reports a fault or does not switch on. A drive may
+  /// still have to be homed.
   void energize();
 
   /// The joints whose drives do not know where they stand.

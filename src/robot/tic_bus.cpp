@@ -164,8 +164,10 @@ std::unique_ptr<TicPort> TicBus::open(const std::string& serial, std::string& wh
     others += (others.empty() ? "" : ", ") +
               (error == 0 ? listing.serial : refusal_words(error, listing.device));
   }
-  why = fmt::format("no Tic with the serial number '{}' can be opened; plugged in: {}", serial,
-                    others.empty() ? "none" : others);
+  why = fmt::format(
+      "no Tic with the serial number '{}' can be opened (plugged in: {}); plug it in and "
+      "give it power, or correct its number in the cell file",
+      serial, others.empty() ? "none" : others);
   return nullptr;
 }
 

@@ -18,7 +18,6 @@ constexpr double kSetupTimeout_s = 1.6;
 /// What a drive takes to switch on, to leave the normal state or to begin a search.
 constexpr std::chrono::milliseconds kStatePatience{400};
 constexpr std::chrono::milliseconds kStatePoll{10};
-constexpr std::size_t kSettingsBytes = 0x61;
 
 constexpr std::size_t at(Setting setting) {
   return static_cast<std::size_t>(setting);
@@ -85,23 +84,11 @@ void TicDrives::open(std::size_t i) {
 }
 
 std::string TicDrives::configure(std::size_t i) {
-  const TicListing& listing = joints_[i].port->listing();
-  if (listing.firmware < tic::kOldestFirmware)
-    return fmt::format(
-        "firmware {} is too old; upgrade it to {} or later with Pololu's Tic "
-        "Control Center",
-        tic::firmware_name(listing.firmware), tic::firmware_name(tic::kOldestFirmware));
-  const Request read_settings{i, Command::kGetSettings, 0, kSettingsBytes};
-  auto settings = perform({read_settings}, kSetupTimeout_s).front();
+  auto settings =
+      perform({{i, Command::kGetSettings, 0, tic::kSettingsBytes}}, kSetupTimeout_s).front();
   if (!settings.error.empty()) return settings.error;
-  if (settings.data[at(Setting::kControlMode)] != tic::kControlModeUsb)
-    return fmt::format(
-        "its control mode is {}, in which it ignores this program; set it to "
-        "'Serial / I2C / USB' in Pololu's Tic Control Center",
-        settings.data[at(Setting::kControlMode)]);
-  if (settings.data[at(Setting::kDisableSafeStart)] != 0)
-    return "its safe start is disabled, so that it could move by surprise; enable it in Pololu's "
-           "Tic Control Center";
+  const std::string unfit = tic::unfitness(joints_[i].port->listing().firmware, settings.data);
+  if (!unfit.empty()) return unfit;
   const std::string fault = set_timeout(i, settings.data);
   if (!fault.empty()) return fault;
   const auto status =
@@ -132,7 +119,7 @@ std::string TicDrives::set_timeout(std::size_t i, std::vector<std::uint8_t>& set
       requests.push_back(
           {i, Command::kSetSetting, byte.value | static_cast<std::uint32_t>(byte.offset) << 16});
   requests.push_back({i, Command::kReinitialize});
-  requests.push_back({i, Command::kGetSettings, 0, kSettingsBytes});
+  requests.push_back({i, Command::kGetSettings, 0, tic::kSettingsBytes});
   const auto done = perform(requests, kSetupTimeout_s);
   for (const TicTransfer& transfer : done)
     if (!transfer.error.empty()) return transfer.error;

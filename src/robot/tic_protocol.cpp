@@ -26,6 +26,9 @@ constexpr std::array<const char*, 9> kErrors{nullptr,
                                              "safe start: it has to be switched on again",
                                              "its ERR line is high"};
 
+/// Driver error, serial error, command timeout, safe start.
+constexpr unsigned kClearedByCommands = 1U << 1 | 1U << 5 | 1U << 6 | 1U << 7;
+
 std::uint32_t in_units(const char* what, double value, double lower, double upper, double units) {
   if (!(value >= lower && value <= upper))
     throw InputError(
@@ -43,6 +46,24 @@ std::uint32_t speed_units(double speed_pulses_s) {
 std::uint32_t acceleration_units(double acceleration_pulses_s2) {
   return in_units("acceleration per second squared", acceleration_pulses_s2,
                   kMinAcceleration_pulses_s2, kMaxAcceleration_pulses_s2, kAccelerationUnits);
+}
+
+std::string unfitness(std::uint16_t firmware, const std::vector<std::uint8_t>& settings) {
+  const auto setting = [&](Setting which) { return settings.at(static_cast<std::size_t>(which)); };
+  if (firmware < kOldestFirmware)
+    return fmt::format(
+        "firmware {} is too old; upgrade it to {} or later with Pololu's Tic "
+        "Control Center",
+        firmware_name(firmware), firmware_name(kOldestFirmware));
+  if (setting(Setting::kControlMode) != kControlModeUsb)
+    return fmt::format(
+        "its control mode is {}, in which it ignores this program; set it to "
+        "'Serial / I2C / USB' in Pololu's Tic Control Center",
+        setting(Setting::kControlMode));
+  if (setting(Setting::kDisableSafeStart) != 0)
+    return "its safe start is disabled, so that it could move by surprise; enable it in Pololu's "
+           "Tic Control Center";
+  return "";
 }
 
 std::string product_name(std::uint16_t product_id) {
@@ -82,11 +103,19 @@ bool StatusBlock::moving() const {
   return velocity != 0 || homing() || (target() != position() && !limit_in_the_way());
 }
 
-std::vector<std::string> StatusBlock::faults() const {
-  std::vector<std::string> faults;
-  const auto errors = read<std::uint16_t>(0x02);
+std::vector<std::string> StatusBlock::errors_among(unsigned bits) const {
+  std::vector<std::string> errors;
   for (std::size_t bit = 1; bit < kErrors.size(); ++bit)
-    if ((errors >> bit & 1) != 0) faults.emplace_back(kErrors[bit]);
+    if ((read<std::uint16_t>(0x02) & bits) >> bit & 1) errors.emplace_back(kErrors[bit]);
+  return errors;
+}
+
+std::vector<std::string> StatusBlock::standing_faults() const {
+  return errors_among(~kClearedByCommands);
+}
+
+std::vector<std::string> StatusBlock::faults() const {
+  std::vector<std::string> faults = errors_among(~0U);
   if (limit_in_the_way() && !homing())
     faults.emplace_back(flag(kForwardLimit) ? "it stands on its forward limit switch"
                                             : "it stands on its reverse limit switch");

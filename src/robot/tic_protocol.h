@@ -53,6 +53,13 @@ constexpr double kMaxSpeed_pulses_s = 50e3;
 std::uint32_t speed_units(double speed_pulses_s);
 std::uint32_t acceleration_units(double acceleration_pulses_s2);
 
+/// The settings from the first to the last one that is looked at.
+constexpr std::size_t kSettingsBytes = 0x61;
+
+/// Why a drive with this firmware and these settings cannot be used, with the remedy; empty when it
+/// can.
+std::string unfitness(std::uint16_t firmware, const std::vector<std::uint8_t>& settings);
+
 /// "Tic 36v4" and the like; empty for products that are not Tics.
 std::string product_name(std::uint16_t product_id);
 /// "1.09" of 0x0109.
@@ -79,6 +86,8 @@ class StatusBlock {
   bool moving() const;
   /// The errors that keep it from moving, and a limit switch that stands in its way.
   std::vector<std::string> faults() const;
+  /// Those that switching on does not clear.
+  std::vector<std::string> standing_faults() const;
   DriveStatus drive_status() const;
 
  private:
@@ -95,6 +104,7 @@ class StatusBlock {
   }
   bool flag(Flag bit) const { return (bytes_[0x01] >> bit & 1) != 0; }
   bool limit_in_the_way() const;
+  std::vector<std::string> errors_among(unsigned bits) const;
 
   Bytes bytes_;
 };

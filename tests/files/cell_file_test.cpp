@@ -105,6 +105,33 @@ TEST_CASE("Faults of a cell file are told all at once, each with its place and r
   }
 }
 
+TEST_CASE("A Tic has a serial number of its own, a command timeout and a home") {
+  const test::TemporaryFolder folder;
+  std::string text = read_file(test::paper_cell_file());
+  const auto tic = [&text](const std::string& keys) {
+    text = replaced(text, "{kind: virtual, pulses", "{kind: tic, " + keys + ", pulses");
+  };
+  tic("serial: '00411111', command_timeout_ms: 250, home: {reference: reverse_switch, at_deg: "
+      "-90}");
+  tic("serial: '00422222', command_timeout_ms: 250, home: {reference: taught, at_deg: 10}");
+  const CellSettings cell = read_cell(folder.write("cell.yaml", text));
+  CHECK(cell.drives[0].kind == "tic");
+  CHECK(cell.drives[0].serial == "00411111");
+  CHECK(cell.drives[1].command_timeout_s == Approx(0.25));
+  CHECK(cell.transmission.drives[0].home == HomeReference::kReverseSwitch);
+  CHECK(cell.transmission.drives[0].home_rad == Approx(-kPi / 2.0));
+  CHECK(cell.transmission.drives[1].home == HomeReference::kTaught);
+  CHECK(cell.drives[2].kind == "virtual");
+
+  tic("serial: '00411111', command_timeout_ms: 0, home: {reference: hall}");
+  CHECK_THROWS_WITH(
+      read_cell(folder.write("cell.yaml", text)),
+      Contains("drives[2] has the serial number '00411111' of drives[0]; each joint has a drive") &&
+          Contains("command_timeout_ms is 0; a number from 100 to 2000 is needed") &&
+          Contains("reference is 'hall'; allowed are taught, reverse_switch, forward_switch") &&
+          Contains("lacks the key 'at_deg'"));
+}
+
 TEST_CASE("A file that is not made yet is named with the program that makes it") {
   CHECK_THROWS_WITH(require_made("/absent/camera.yaml", "planar-calibrate-camera"),
                     Contains("/absent/camera.yaml: does not exist yet; make it with "

@@ -58,8 +58,8 @@ TEST_CASE("Drives that cannot be used are all named, with what mends them") {
   bench.tics[2].store_setting(0x03, 1);
   CHECK_THROWS_WITH(
       TicDrives(bench.settings),
-      Contains("drive 1 (00499999): no Tic with the serial number '00499999' can be opened; "
-               "plugged in: ") &&
+      Contains("drive 1 (00499999): no Tic with the serial number '00499999' can be opened "
+               "(plugged in: ") &&
           Contains("00422222, 00411111") &&
           Contains("drive 2 (00422222): its control mode is 1, in which it ignores this program") &&
           Contains("drive 3 (00433333): its safe start is disabled"));
