@@ -42,11 +42,15 @@ def cross_validated(p, e, setting):
     return total
 
 
+def tuned(p, e, settings):
+    chosen = min(settings, key=lambda setting: cross_validated(p, e, setting))
+    return RBFInterpolator(p, e, **chosen)
+
+
 def run(path, settings, test, truth):
     p, e = read(path)
     begin = time.perf_counter()
-    chosen = min(settings, key=lambda setting: cross_validated(p, e, setting))
-    interpolator = RBFInterpolator(p, e, **chosen)
+    interpolator = tuned(p, e, settings)
     fitted = time.perf_counter()
     for i in range(SINGLE_PREDICTIONS):
         interpolator(test[i:i + 1])
@@ -55,8 +59,9 @@ def run(path, settings, test, truth):
             'fit_s': fitted - begin, 'predict_s': (predicted - fitted) / SINGLE_PREDICTIONS}
 
 
-folder = pathlib.Path(sys.argv[1])
-test, truth = read(folder / 'truth.csv')
-draws = sorted(folder.glob('draw_*.csv'))
-print(json.dumps({kernel: [run(path, settings, test, truth) for path in draws]
-                  for kernel, settings in SETTINGS.items()}))
+if __name__ == '__main__':
+    folder = pathlib.Path(sys.argv[1])
+    test, truth = read(folder / 'truth.csv')
+    draws = sorted(folder.glob('draw_*.csv'))
+    print(json.dumps({kernel: [run(path, settings, test, truth) for path in draws]
+                      for kernel, settings in SETTINGS.items()}))
