@@ -137,7 +137,8 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--image-size", options.image_size,
                  "of the images behind --points; without it they are taken to lie about the middle")
       ->type_name("WIDTHxHEIGHT");
-  app.add_option("-o,--output", options.output, "the camera file to write: .yaml, or .xml for ViSP")
+  app.add_option("-o,--output", options.output,
+                 "the camera file to write: .yaml, .xml for ViSP or .yml for OpenCV")
       ->required()
       ->type_name("camera.yaml");
   app.add_option("images", options.images, "images, or a recording with frames of plan grid")

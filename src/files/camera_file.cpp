@@ -1,6 +1,7 @@
 #include "files/camera_file.h"
 
 #include "core/error.h"
+#include "files/camera_opencv.h"
 #include "files/camera_xml.h"
 #include "text/atomic_file.h"
 #include "text/yaml_reader.h"
@@ -87,17 +88,17 @@ CameraRecord read_camera_yaml(const std::filesystem::path& path) {
 }  // namespace
 
 CameraRecord read_camera(const std::filesystem::path& path) {
-  return path.extension() == ".xml" ? read_camera_xml(path) : read_camera_yaml(path);
+  if (path.extension() == ".xml") return read_camera_xml(path);
+  const std::string text = read_file(path);
+  return is_opencv_storage(text) ? camera_from_opencv(text, path.string()) : read_camera_yaml(path);
 }
 
 void write_camera(const std::filesystem::path& path, const CameraCalibration& calibration,
                   const std::string& program, const std::vector<std::filesystem::path>& inputs) {
   const std::string name = path.stem().string();
-  if (path.extension() == ".xml") {
-    write_file(path,
-               camera_xml({calibration.camera, calibration.width_px, calibration.height_px}, name));
-    return;
-  }
+  const CameraRecord record{calibration.camera, calibration.width_px, calibration.height_px};
+  if (path.extension() == ".xml") return write_file(path, camera_xml(record, name));
+  if (path.extension() == ".yml") return write_file(path, opencv_text(record));
   if (std::holds_alternative<VispModel>(calibration.camera)) {
     throw InputError(path.string() +
                      ": a camera_info file has no model visp; write it to a file named .xml");

@@ -113,4 +113,45 @@ TEST_CASE("Faults of a camera file are named with their place and what is allowe
                     Contains("wrong.xml") && Contains("ViSP"));
 }
 
+TEST_CASE("OpenCV's own files are read, and come back bit for bit") {
+  const test::TemporaryFolder folder;
+  // As OpenCV's calibration sample writes it.
+  constexpr char kOpenCvFile[] =
+      "%YAML:1.0\n---\ncalibration_time: \"Sat\"\nimage_width: 640\nimage_height: 480\n"
+      "camera_matrix: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n"
+      "   data: [ 500., 0., 320., 0., 501., 240., 0., 0., 1. ]\n"
+      "distortion_coefficients: !!opencv-matrix\n   rows: 5\n   cols: 1\n   dt: d\n"
+      "   data: [ -0.1, 0.01, 0.001, 0.002, 0.5 ]\n";
+  const CameraRecord read = read_camera(folder.write("camera.yml", kOpenCvFile));
+  CHECK(lens_model_name(read.camera) == "plumb_bob");
+  CHECK(intrinsics(read.camera).fy == 501.0);
+  CHECK(distortion_coefficients(read.camera) == std::vector<double>{-0.1, 0.01, 0.001, 0.002, 0.5});
+  const std::vector<CameraModel> cameras{
+      PlumbBob{kIntrinsics, -0.1, 0.2, 1e-3, 2e-3, 0.01},
+      Rational{kIntrinsics, 0.3, 0.02, -2e-4, 5e-4, 0.001, 0.42, 0.06, 0.002}};
+  for (const CameraModel& camera : cameras) {
+    write_camera(folder / "back.yml", sample(camera, "auto"), "test", {});
+    const CameraRecord back = read_camera(folder / "back.yml");
+    CHECK(back.camera.index() == camera.index());
+    CHECK(distortion_coefficients(back.camera) == distortion_coefficients(camera));
+    CHECK(intrinsics(back.camera).fx == kIntrinsics.fx);
+    CHECK(back.height_px == 480);
+  }
+}
+
+TEST_CASE("A file of OpenCV's that lacks a part or has another lens is refused by name") {
+  const test::TemporaryFolder folder;
+  const auto read = [&](const std::string& text) {
+    return read_camera(folder.write("camera.yml", "%YAML:1.0\n---\n" + text));
+  };
+  CHECK_THROWS_WITH(read("image_width: 640\n"), Contains("camera.yml: lacks 'image_height'"));
+  CHECK_THROWS_WITH(read("image_width: 640\nimage_height: 480\n"),
+                    Contains("lacks the matrix 'camera_matrix'"));
+  CHECK_THROWS_AS(read("image_width: [640\n"), InputError);
+  CHECK_THROWS_WITH(
+      write_camera(folder / "fisheye.yml",
+                   sample(KannalaBrandt{kIntrinsics, 0.01, 0, 0, 0}, "equidistant"), "test", {}),
+      Contains("has no model equidistant"));
+}
+
 }  // namespace planar
