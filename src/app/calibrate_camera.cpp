@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <opencv2/imgcodecs.hpp>
 #include <optional>
 
+#include "app/board_images.h"
 #include "app/progress.h"
 #include "core/error.h"
 #include "files/board_points_file.h"
@@ -56,12 +56,11 @@ void add_picture(const Picture& picture, const cv::Mat& image, const Board& boar
   }
   problem.width_px = std::max(problem.width_px, corner.x + image.cols);
   problem.height_px = std::max(problem.height_px, corner.y + image.rows);
-  BoardSight sight = find_board(image, board);
+  const BoardSight sight = find_board_on_sensor(image, corner, board);
   if (!sight.found()) {
     views.rejected.push_back({name, sight.reason});
     return;
   }
-  for (Eigen::Vector2d& pixel : sight.pixels) pixel += Eigen::Vector2d(corner.x, corner.y);
   problem.views.push_back({name, board_points(board), sight.pixels, sight.dot_areas_px2});
 }
 
@@ -85,11 +84,8 @@ BoardViews find_board_views(const std::vector<std::filesystem::path>& images, co
   BoardViews views;
   Faults faults;
   for (const Picture& picture : pictures) {
-    const cv::Mat image = cv::imread(picture.path.string(), cv::IMREAD_GRAYSCALE);
-    if (image.empty()) {
-      faults.add(picture.path.string() + ": cannot be read as an image");
-      continue;
-    }
+    const cv::Mat image = read_grey(picture.path, faults);
+    if (image.empty()) continue;
     views.inputs.push_back(picture.path);
     add_picture(picture, image, board, views);
     progress.show(views.inputs.size(), pictures.size());

@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <map>
-#include <opencv2/imgcodecs.hpp>
 #include <set>
 
+#include "app/board_images.h"
 #include "calibration/board_pose.h"
 #include "calibration/vision_tip.h"
 #include "camera/workplane.h"
@@ -150,14 +150,9 @@ std::vector<Pose> boards_on_plane(const std::filesystem::path& recording,
   for (const FrameRow& frame : frames) {
     if (frame.plan != kLaidBoardPlan) continue;
     const std::filesystem::path file = recording / frame.image;
-    const cv::Mat image = cv::imread(file.string(), cv::IMREAD_GRAYSCALE);
-    if (image.empty()) {
-      faults.add(file.string() + ": cannot be read as an image");
-      continue;
-    }
-    BoardSight sight = find_board(image, board);
-    const Eigen::Vector2d corner_px(frame.region_px.x, frame.region_px.y);
-    for (Eigen::Vector2d& pixel : sight.pixels) pixel += corner_px;
+    const cv::Mat image = read_grey(file, faults);
+    if (image.empty()) continue;
+    const BoardSight sight = find_board_on_sensor(image, frame.region_px.tl(), board);
     const auto pose = sight.found() ? estimate_board_pose(camera, board_points(board), sight.pixels)
                                     : std::nullopt;
     if (pose) {
