@@ -61,6 +61,7 @@ PositioningPrediction predict_positioning(const CalibratedChain& chain,
   const double sigma_tracker = median_of(chain.pairs, &PairRow::sigma_tracker);
   const double content = std::max(servo.tolerance_m, 2.0 * sigma_vision);
   std::vector<double> sigmas;
+  sigmas.reserve(targets.size());
   for (const TargetRow& target : targets)
     sigmas.push_back(std::sqrt(square(predict(chain.map.map, target.p_d).sigma) +
                                square(sigma_vision) + square(content) / 4.0 +

@@ -53,6 +53,7 @@ ExperimentReport run_drawn_cell(const ExperimentRequest& request, std::uint32_t 
 
 std::vector<double> values_of(const std::vector<nlohmann::json>& cells, const Column& column) {
   std::vector<double> values;
+  values.reserve(cells.size());
   for (const nlohmann::json& cell : cells)
     values.push_back((column.part ? cell[column.part] : cell)[column.key].get<double>());
   return values;
@@ -72,6 +73,7 @@ TextTable series_table(const std::vector<SeriesRow>& rows) {
   for (const Column& column : kColumns) header.emplace_back(column.title);
   TextTable table("True positioning error in mm, mean of the control targets", header);
   std::vector<std::vector<std::string>> lines;
+  lines.reserve(rows.size());
   for (const SeriesRow& row : rows) lines.push_back({fmt::format("seed {}", row.seed)});
   std::vector<std::string> middle{"median"}, worst{"worst"};
   const std::vector<nlohmann::json> cells = cells_json(rows);
