@@ -28,7 +28,7 @@ RbfFit fit_rbf(const MapSites& sites, const TunedFamily& family) {
   return fit_rbf(sites, family.tail_basis, family.tuned.kernel, family.tuned.ridge);
 }
 
-TunedFamily best_family(const MapSites& sites, TunedFamily first,
+TunedFamily best_family(const MapSites& sites, const TunedFamily& first,
                         const std::vector<RbfFamily>& others) {
   TunedFamily best = first;
   for (const RbfFamily& family : others) {

@@ -29,7 +29,7 @@ RbfFit fit_rbf(const MapSites& sites, const TunedFamily& family);
 /// The family with the smallest leave-one-out error among `first` and the tuned `others`. The first
 /// stands unless another one's sum of squares is smaller by more than the standard error of the
 /// difference, taken site by site.
-TunedFamily best_family(const MapSites& sites, TunedFamily first,
+TunedFamily best_family(const MapSites& sites, const TunedFamily& first,
                         const std::vector<RbfFamily>& others);
 
 }  // namespace planar

@@ -60,11 +60,10 @@ Eigen::ArrayXd residual_limits(const Judgement& judgement, const std::vector<Eig
 
 /// The choice among the families for the kept sites.
 RobustFit chosen(const MapSites& sites, std::vector<Eigen::Index> kept,
-                 const std::vector<RbfFamily>& families, TunedFamily first,
+                 const std::vector<RbfFamily>& families, const TunedFamily& first,
                  std::vector<Outlier> outliers) {
   const MapSites used = sites.subset(kept);
-  const TunedFamily best =
-      best_family(used, std::move(first), {families.begin() + 1, families.end()});
+  const TunedFamily best = best_family(used, first, {families.begin() + 1, families.end()});
   return {fit_rbf(used, best), std::move(kept), std::move(outliers)};
 }
 
@@ -91,7 +90,7 @@ RobustFit fit_without_outliers(const MapSites& sites, const std::vector<RbfFamil
     require_few(dropped, sites.size());
     std::vector<Eigen::Index> agreeing = sites_without(dropped, sites.size());
     if (agreeing == kept)
-      return chosen(sites, std::move(kept), families, std::move(tuned), values_of(dropped));
+      return chosen(sites, std::move(kept), families, tuned, values_of(dropped));
     kept = std::move(agreeing);
     tuned = retune(sites.subset(kept), first, tuned);
   }
