@@ -1,0 +1,69 @@
+#include "device_host/hosted_arm.h"
+
+#include <algorithm>
+
+#include "app/cell_devices.h"
+#include "virtual_cell/truth_file.h"
+#include "virtual_cell/virtual_hardware.h"
+
+namespace planar::test {
+namespace {
+
+constexpr std::uint8_t kVendorOut = 0x40;
+constexpr std::uint8_t kHaltAndSetPosition = 0xec;
+/// A motor that was still within this time may be at rest; a slower one turns less than a pulse.
+constexpr double kRest_s = 0.02;
+
+}  // namespace
+
+const std::array<std::string, 3>& HostedArm::serials() {
+  static const std::array<std::string, 3> serials{"00410001", "00410002", "00410003"};
+  return serials;
+}
+
+HostedArm::HostedArm(const CellSettings& cell, double age_s)
+    : live_(read_truth(cell.truth.value()), virtual_hardware(cell), age_s) {
+  const Pulses home = Transmission(cell.transmission).pulses_from_joints(cell.arm.home);
+  home_pulses_ = {home[0], home[1], home[2]};
+  teach_home();
+  live_.set_mover([this](VirtualCell& virtual_cell) {
+    for (std::size_t i = 0; i < 3; ++i)
+      virtual_cell.turn_motor(static_cast<int>(i), home_pulses_[i] + tics_[i].shaft_pulses());
+  });
+}
+
+/// As somebody did before, with planar-jog.
+void HostedArm::teach_home() {
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto position = static_cast<std::uint32_t>(home_pulses_[i]);
+    tics_[i].control({kVendorOut, kHaltAndSetPosition, static_cast<std::uint16_t>(position),
+                      static_cast<std::uint16_t>(position >> 16), 0},
+                     nullptr);
+  }
+}
+
+cv::Mat HostedArm::expose(const cv::Rect& region_px, double brightness) {
+  const double t_s = clock_.now_s();
+  const TipPose tip = live_.true_tip();
+  {
+    const std::lock_guard lock(mutex_);
+    true_tips_.push_back({t_s, tip});
+  }
+  return live_.expose(region_px, brightness);
+}
+
+bool HostedArm::moving() {
+  live_.true_tip();
+  return last_motion_s() > clock_.now_s() - kRest_s;
+}
+
+double HostedArm::last_motion_s() {
+  return std::max({tics_[0].last_motion_s(), tics_[1].last_motion_s(), tics_[2].last_motion_s()});
+}
+
+std::vector<TrueTip> HostedArm::true_tips() {
+  const std::lock_guard lock(mutex_);
+  return true_tips_;
+}
+
+}  // namespace planar::test

@@ -1,0 +1,51 @@
+#include "device_host/true_errors.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "core/error.h"
+#include "files/target_table.h"
+#include "text/csv_table.h"
+
+namespace planar::test {
+namespace {
+
+/// When each target was looked at last; the exposure that counts is the nearest one.
+std::map<std::string, double> last_looks_s(const std::filesystem::path& steps_file) {
+  CsvTable steps = CsvTable::read(steps_file, "steps", {"target", "t_s"});
+  std::map<std::string, double> looks_s;
+  for (std::size_t row = 0; row < steps.size(); ++row) {
+    const double t_s = steps.number(row, "t_s");
+    double& last_s = looks_s[steps.text(row, "target")];
+    last_s = std::max(last_s, t_s);
+  }
+  steps.throw_if_faulty_or_empty();
+  return looks_s;
+}
+
+const TipPose& tip_at(const std::vector<TrueTip>& tips, double t_s) {
+  if (tips.empty()) throw InputError("the camera never took a picture");
+  return std::min_element(tips.begin(), tips.end(),
+                          [t_s](const TrueTip& a, const TrueTip& b) {
+                            return std::abs(a.t_s - t_s) < std::abs(b.t_s - t_s);
+                          })
+      ->tip;
+}
+
+}  // namespace
+
+std::vector<double> true_errors(const std::filesystem::path& targets,
+                                const std::filesystem::path& run,
+                                const std::vector<TrueTip>& tips) {
+  const auto looks_s = last_looks_s(run / "steps.csv");
+  std::vector<double> errors;
+  for (const TargetRow& target : read_targets(targets)) {
+    const auto look = looks_s.find(target.id);
+    if (look == looks_s.end()) throw InputError("the target " + target.id + " was never looked at");
+    errors.push_back((tip_at(tips, look->second).p - target.p_d).norm());
+  }
+  return errors;
+}
+
+}  // namespace planar::test
