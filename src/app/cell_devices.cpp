@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include "app/cell_camera.h"
 #include "core/error.h"
+#include "robot/tic_drives.h"
 #include "virtual_cell/truth_file.h"
 #include "virtual_cell/virtual_cell.h"
 
@@ -24,6 +26,55 @@ class VirtualDevices final : public CellDevices {
 
  private:
   VirtualCell cell_;
+};
+
+/// A real cell has no tracker that answers by itself.
+class NoTracker final : public Tracker {
+ public:
+  std::optional<TrackerReading> measure_tool() override { return std::nullopt; }
+  std::optional<TrackerReading> measure_monument(const std::string& /*id*/) override {
+    return std::nullopt;
+  }
+};
+
+/// Nor has it hands.
+class NoPresenter final : public BoardPresenter {
+ public:
+  void hold_board(int /*view*/) override { refuse(); }
+  void lay_board(int /*view*/) override { refuse(); }
+  void remove_board() override {}
+
+ private:
+  [[noreturn]] static void refuse() {
+    throw WorkError("nobody presents the calibration board to a real cell; photograph it by hand");
+  }
+};
+
+class RealDevices final : public CellDevices {
+ public:
+  explicit RealDevices(const CellSettings& cell)
+      : camera_(open_camera(cell)), drives_(tic_settings(cell)) {}
+
+  Clock& clock() override { return clock_; }
+  FrameSource& camera() override { return *camera_; }
+  DriveGroup& drives() override { return drives_; }
+  Tracker& tracker() override { return tracker_; }
+  BoardPresenter& board_presenter() override { return presenter_; }
+  std::function<TipPose()> true_tip() override { return {}; }
+
+ private:
+  static std::array<TicSettings, 3> tic_settings(const CellSettings& cell) {
+    std::array<TicSettings, 3> settings;
+    for (std::size_t i = 0; i < 3; ++i)
+      settings[i] = {cell.drives[i].serial, cell.drives[i].command_timeout_s};
+    return settings;
+  }
+
+  SteadyClock clock_;
+  std::unique_ptr<FrameSource> camera_;
+  TicDrives drives_;
+  NoTracker tracker_;
+  NoPresenter presenter_;
 };
 
 }  // namespace
@@ -50,21 +101,25 @@ VirtualHardware virtual_hardware(const CellSettings& cell) {
 
 void require_devices(const CellSettings& cell) {
   Faults faults;
-  if (cell.camera.source != "virtual")
-    faults.add(fmt::format("{}: camera.source is {}; this version drives virtual cells only",
-                           cell.file.string(), cell.camera.source));
+  const std::string file = cell.file.string();
+  if (cell.camera.source == "files")
+    faults.add(fmt::format("{}: camera.source is files, which shows no arm that moves", file));
+  const bool is_virtual = cell.camera.source == "virtual";
   for (const DriveSettings& drive : cell.drives)
-    if (drive.kind != "virtual")
-      faults.add(fmt::format("{}: drives have the kind {}; this version drives virtual cells only",
-                             cell.file.string(), drive.kind));
-  if (!cell.truth)
-    faults.add(fmt::format("{}: lacks the key 'virtual'; a virtual cell needs its truth file",
-                           cell.file.string()));
+    if ((drive.kind == "virtual") != is_virtual)
+      faults.add(
+          fmt::format("{}: camera.source is {}, but drives have the kind {}; a virtual camera "
+                      "sees virtual drives only, a real one sees none of them",
+                      file, cell.camera.source, drive.kind));
+  if (is_virtual && !cell.truth)
+    faults.add(
+        fmt::format("{}: lacks the key 'virtual'; a virtual cell needs its truth file", file));
   faults.throw_if_any();
 }
 
 std::unique_ptr<CellDevices> open_cell(const CellSettings& cell) {
   require_devices(cell);
+  if (cell.camera.source != "virtual") return std::make_unique<RealDevices>(cell);
   return std::make_unique<VirtualDevices>(read_truth(*cell.truth), virtual_hardware(cell));
 }
 

@@ -11,6 +11,7 @@ namespace {
 
 constexpr std::uint8_t kVendorOut = 0x40;
 constexpr std::uint8_t kHaltAndSetPosition = 0xec;
+constexpr std::uint8_t kSoftErrorResponse = 0x53, kHaltAndHold = 1;
 /// A motor that was still within this time may be at rest; a slower one turns less than a pulse.
 constexpr double kRest_s = 0.02;
 
@@ -32,9 +33,11 @@ HostedArm::HostedArm(const CellSettings& cell, double age_s)
   });
 }
 
-/// As somebody did before, with planar-jog.
+/// As somebody did before, with planar-jog; the rest of what the application sets is a Tic's
+/// default.
 void HostedArm::teach_home() {
   for (std::size_t i = 0; i < 3; ++i) {
+    tics_[i].store_setting(kSoftErrorResponse, kHaltAndHold);
     const auto position = static_cast<std::uint32_t>(home_pulses_[i]);
     tics_[i].control({kVendorOut, kHaltAndSetPosition, static_cast<std::uint16_t>(position),
                       static_cast<std::uint16_t>(position >> 16), 0},

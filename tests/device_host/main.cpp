@@ -1,11 +1,12 @@
-// device_host: a virtual cell as real devices, a camera on GigE Vision or USB3 Vision and three Pololu
-// Tics on USB, and a command that runs against them without knowing it.
+// device_host: a virtual cell as real devices, a camera on GigE Vision or USB3 Vision and three
+// Pololu Tics on USB, and a command that runs against them without knowing it.
 
 #include <fmt/format.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -47,8 +48,10 @@ class FaultScript {
   void poll() {
     if (fault_ == HostedCamera::Fault::kNone) return;
     if (!began_s_ && under_way()) {
-      began_s_ = clock_.now_s();
+      const double now_s = clock_.now_s();
       camera_.set_fault(fault_);
+      // What dies slowly may take a last picture.
+      began_s_ = std::max(now_s, arm_.true_tips().back().t_s);
     }
     if (began_s_ && !healed_ && clock_.now_s() > *began_s_ + for_s_) {
       healed_ = true;
@@ -72,8 +75,8 @@ class FaultScript {
  private:
   bool under_way() {
     const std::vector<double> commands_s = arm_.drive(0).commands_s();
-    return commands_s.size() == at_command_ &&
-           clock_.now_s() > commands_s.back() + kUnderWay_s && arm_.moving();
+    return commands_s.size() == at_command_ && clock_.now_s() > commands_s.back() + kUnderWay_s &&
+           arm_.moving();
   }
 
   HostedCamera::Fault fault_;
@@ -88,7 +91,8 @@ class FaultScript {
 
 pid_t start(const std::vector<std::string>& command) {
   std::vector<char*> arguments;
-  for (const std::string& argument : command) arguments.push_back(const_cast<char*>(argument.c_str()));
+  for (const std::string& argument : command)
+    arguments.push_back(const_cast<char*>(argument.c_str()));
   arguments.push_back(nullptr);
   const pid_t child = fork();
   if (child != 0) return child;
@@ -131,9 +135,8 @@ int host(const Options& options) {
     return arm.expose(region_px, brightness);
   };
   const double rate_hz = cell.camera.frame_rate_hz;
-  const auto camera = options.camera == "gige"
-                          ? host_gige_camera(sensor_px, rate_hz, exposure)
-                          : host_usb_camera(bus, sensor_px, rate_hz, exposure);
+  const auto camera = options.camera == "gige" ? host_gige_camera(sensor_px, rate_hz, exposure)
+                                               : host_usb_camera(bus, sensor_px, rate_hz, exposure);
   FaultScript faults(options, arm, *camera);
   const int status = wait_for(start(options.command), faults);
   nlohmann::json figures{{"status", status}, {"fault", faults.report()}};
