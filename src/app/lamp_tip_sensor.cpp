@@ -56,11 +56,19 @@ LampTipSensor::LampTipSensor(const CellSettings& cell, VisionCalibration vision,
       tracker_(method),
       camera_(camera) {}
 
+void LampTipSensor::aim(const TipPose& expected) {
+  if (const auto predicted = lamps_at(expected)) aim_at(*predicted);
+}
+
+void LampTipSensor::aim_at(const std::array<Eigen::Vector2d, 2>& lamps_px) {
+  camera_.set_region(follow_region(camera_settings_, 0.5 * (lamps_px[0] + lamps_px[1])));
+}
+
 TipMeasurement LampTipSensor::measure(const TipPose& expected, int frames) {
   const auto predicted = lamps_at(expected);
   if (!predicted) return failed("outside_view", 0.0);
   const PairExpectation expectation = expect_lamps(lamps_, *predicted, kCalibratedShare);
-  camera_.set_region(follow_region(camera_settings_, 0.5 * ((*predicted)[0] + (*predicted)[1])));
+  aim_at(*predicted);
   TipMeasurement mean;
   mean.lamps_px.fill(Eigen::Vector2d::Zero());
   std::array<Eigen::Matrix2d, 2> covariances{Eigen::Matrix2d::Zero(), Eigen::Matrix2d::Zero()};
@@ -102,8 +110,7 @@ LampTipSensor::Sight LampTipSensor::look(const PairExpectation& expectation) {
   camera_.set_region({0, 0, sensor.width, sensor.height});
   sight = look_once(expectation);
   if (sight.frame == FrameStatus::kOk && sight.pair.status == LampStatus::kOk)
-    camera_.set_region(follow_region(
-        camera_settings_, 0.5 * (sight.pair.lamps[0].uv_px + sight.pair.lamps[1].uv_px)));
+    aim_at({sight.pair.lamps[0].uv_px, sight.pair.lamps[1].uv_px});
   return sight;
 }
 

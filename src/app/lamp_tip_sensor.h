@@ -32,6 +32,10 @@ class LampTipSensor final : public TipSensor {
   LampTipSensor(const CellSettings& cell, VisionCalibration vision, CenterMethod method,
                 FrameSource& camera);
 
+  /// Lets the camera's region go where the lamps should be, so that it need not send whole frames
+  /// until the first measurement.
+  void aim(const TipPose& expected);
+
   TipMeasurement measure(const TipPose& expected, int frames) override;
   std::optional<std::string> fault() const override { return camera_.fault(); }
 
@@ -48,6 +52,7 @@ class LampTipSensor final : public TipSensor {
     FrameStatus frame{FrameStatus::kOk};
   };
 
+  void aim_at(const std::array<Eigen::Vector2d, 2>& lamps_px);
   /// The next frame, which is kept; its pair of lamps, if it has one.
   Sight look_once(const PairExpectation& expectation);
   Sight look(const PairExpectation& expectation);

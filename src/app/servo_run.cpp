@@ -104,6 +104,7 @@ ServoRun::ServoRun(const ServoRequest& request, CellDevices& devices, Observer o
              devices.clock()),
       servo_(cell_.servo, joint_planner(cell_), robot_, sensor_, devices.clock()) {
   robot_.energize();
+  sensor_.aim(robot_.arm().forward(robot_.commanded_joints()));
 }
 
 const TargetResult& ServoRun::move_to(const TargetRow& target) {

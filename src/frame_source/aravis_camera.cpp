@@ -23,8 +23,8 @@ namespace {
 
 // The camera's faults must stop the arm within 3 frame periods or 100 ms, whichever is longer; the
 // rest is for those who ask and for the drives' link.
-constexpr double kAgeLimitPeriods = 2.5;
-constexpr double kAgeLimit_s = 0.080;
+constexpr double kAgeLimitPeriods = 2.25;
+constexpr double kAgeLimit_s = 0.070;
 
 constexpr double kStartTime_s = 0.5;  ///< a stream needs as long until its first frame
 constexpr double kSilence_s = 3.0;    ///< without a good frame the camera is opened again
@@ -224,6 +224,7 @@ cv::Size AravisCamera::sensor_size_px() const {
 
 void AravisCamera::set_region(const cv::Rect& region_px) {
   require_region(region_px, sensor_size_px());
+  if (region_px.size() != impl_->mailbox.region().size()) impl_->mailbox.excuse(kStartTime_s);
   impl_->mailbox.ask_region(region_px);
 }
 

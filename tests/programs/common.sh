@@ -1,6 +1,7 @@
 # Sourced by the scripts beside it: a folder of its own, and a small plan that calibrates a cell.
 set -euo pipefail
 bin=$(cd "$1" && pwd)
+repository=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cd "$work"
