@@ -224,8 +224,9 @@ cv::Size AravisCamera::sensor_size_px() const {
 
 void AravisCamera::set_region(const cv::Rect& region_px) {
   require_region(region_px, sensor_size_px());
-  if (region_px.size() != impl_->mailbox.region().size()) impl_->mailbox.excuse(kStartTime_s);
+  const bool restarts = region_px.size() != impl_->mailbox.region().size();
   impl_->mailbox.ask_region(region_px);
+  if (restarts) next_frame();  // whoever moves next must find the camera watched again
 }
 
 FrameResult AravisCamera::next_frame() {

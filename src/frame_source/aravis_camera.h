@@ -20,7 +20,8 @@ class AravisCamera final : public FrameSource {
   ~AravisCamera() override;
 
   cv::Size sensor_size_px() const override;
-  /// The frames' own region may be larger: cameras place regions on a raster.
+  /// The frames' own region may be larger: cameras place regions on a raster. Moving a region costs
+  /// nothing; another size restarts the stream, and this waits for its first frame.
   void set_region(const cv::Rect& region_px) override;
   /// Without a software trigger an exposure counts from the frame's arrival less the exposure time.
   FrameResult next_frame() override;

@@ -89,6 +89,22 @@ class FaultScript {
   bool healed_{false};
 };
 
+/// From the beginning of an exposure to the first command that follows it, milliseconds: of a loop
+/// that measures single frames, its own latency.
+nlohmann::json exposure_to_command(const std::vector<TrueTip>& tips,
+                                   const std::vector<double>& commands_s) {
+  std::vector<double> delays_ms;
+  for (const double command_s : commands_s) {
+    const auto after =
+        std::upper_bound(tips.begin(), tips.end(), command_s,
+                         [](double t_s, const TrueTip& tip) { return t_s < tip.t_s; });
+    if (after != tips.begin()) delays_ms.push_back(1e3 * (command_s - std::prev(after)->t_s));
+  }
+  if (delays_ms.empty()) return nullptr;
+  return {
+      {"median", median(delays_ms)}, {"p99", quantile(delays_ms, 0.99)}, {"n", delays_ms.size()}};
+}
+
 pid_t start(const std::vector<std::string>& command) {
   std::vector<char*> arguments;
   for (const std::string& argument : command)
@@ -144,6 +160,8 @@ int host(const Options& options) {
     fmt::print("{}: first commands to the drives after {} ms\n", options.fault,
                figures["fault"]["first_command_ms"].dump());
   if (!options.run.empty()) figures.update(score(options, arm.true_tips()));
+  figures["exposure_to_command_ms"] =
+      exposure_to_command(arm.true_tips(), arm.drive(0).commands_s());
   if (!options.json.empty()) write_file(options.json, figures.dump(2) + "\n");
   return status;
 }

@@ -1,0 +1,188 @@
+// What a served camera and the loop's own part cost: frames a second and CPU by frame size, the
+// rate of the free-running loop with a following region, and the time from a frame to a joint step.
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <csignal>
+#include <ctime>
+#include <nlohmann/json.hpp>
+
+#include "app/lamp_tip_sensor.h"
+#include "app/motion_plan.h"
+#include "app/regions.h"
+#include "app/serve_cell.h"
+#include "core/clock.h"
+#include "core/statistics.h"
+#include "frame_source/aravis_camera.h"
+#include "servo/control_law.h"
+#include "text/atomic_file.h"
+
+namespace planar {
+namespace {
+
+constexpr char kAddress[] = "127.0.0.1";
+constexpr double kDuration_s = 5.0;
+constexpr double kOpeningTime_s = 1.0;
+constexpr int kOwnPartRounds = 2000;
+
+double cpu_s() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  const auto seconds = [](const timeval& t) {
+    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+  };
+  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
+/// A process of its own that serves a cell, so that its CPU time is not ours.
+class Server {
+ public:
+  explicit Server(const CellSettings& cell) : child_(fork()) {
+    if (child_ == 0) {
+      serve_cell(cell, kAddress, [] { return false; });
+      _exit(0);
+    }
+    SteadyClock().sleep_for_s(kOpeningTime_s);
+  }
+  ~Server() {
+    kill(child_, SIGKILL);
+    waitpid(child_, nullptr, 0);
+  }
+  Server(const Server&) = delete;
+  Server& operator=(const Server&) = delete;
+
+ private:
+  pid_t child_;
+};
+
+AravisSettings settings_of(const CellSettings& cell, double frame_rate_hz) {
+  AravisSettings settings;
+  settings.address = kAddress;
+  settings.sensor_px = {cell.camera.width_px, cell.camera.height_px};
+  settings.frame_rate_hz = frame_rate_hz;
+  settings.exposure_s = 0.001;
+  settings.gain_db = 20.0;  // as bright as the usual 10 ms
+  settings.packet_size = 9000;
+  settings.timeout_s = 2.0;
+  return settings;
+}
+
+nlohmann::json throughput(const CellSettings& cell, int side_px, double asked_hz) {
+  const Server server(cell);
+  AravisCamera camera(settings_of(cell, asked_hz));
+  camera.set_region({0, 0, side_px, side_px});
+  camera.next_frame();
+  SteadyClock clock;
+  const FrameCounts before = camera.counts();
+  const double start_s = clock.now_s(), start_cpu_s = cpu_s();
+  clock.sleep_for_s(kDuration_s);
+  const double elapsed_s = clock.now_s() - start_s;
+  const FrameCounts after = camera.counts();
+  const double rate_hz = static_cast<double>(after.complete - before.complete) / elapsed_s;
+  const double cpu_percent = 100.0 * (cpu_s() - start_cpu_s) / elapsed_s;
+  fmt::print(
+      "{0:4} x {0:<4} asked {1:5.0f}  got {2:6.1f} frames/s  {3:6.0f} MB/s  CPU {4:3.0f} %  "
+      "{5} incomplete\n",
+      side_px, asked_hz, rate_hz, rate_hz * side_px * side_px / 1e6, cpu_percent,
+      after.incomplete - before.incomplete);
+  return {{"side_px", side_px},
+          {"asked_hz", asked_hz},
+          {"frames_per_s", rate_hz},
+          {"cpu_percent", cpu_percent},
+          {"incomplete", after.incomplete - before.incomplete}};
+}
+
+/// A camera whose one frame is there at once.
+class Replay final : public FrameSource {
+ public:
+  Replay(const Frame& frame, const cv::Size& sensor_px) : frame_(frame), sensor_px_(sensor_px) {}
+  cv::Size sensor_size_px() const override { return sensor_px_; }
+  void set_region(const cv::Rect& /*region_px*/) override {}
+  FrameResult next_frame() override { return {FrameStatus::kOk, frame_}; }
+  std::optional<std::string> fault() const override { return std::nullopt; }
+  FrameCounts counts() const override { return {}; }
+  CameraExposure exposure() const override { return {}; }
+  void set_exposure(const CameraExposure& /*exposure*/) override {}
+
+ private:
+  Frame frame_;
+  cv::Size sensor_px_;
+};
+
+double thread_cpu_s() {
+  timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+/// Lamps, workplane, error map and joint step of one frame, milliseconds of CPU: what others do on
+/// the machine does not count.
+std::vector<double> own_part_ms(const CellSettings& cell, const Frame& frame) {
+  Replay replay(frame, {cell.camera.width_px, cell.camera.height_px});
+  LampTipSensor sensor(cell, read_vision(cell, true), CenterMethod::kAuto, replay);
+  const PlanarArm arm(cell.arm.geometry);
+  const TipPose home = arm.forward(cell.arm.home);
+  std::vector<double> times_ms;
+  for (int i = 0; i < kOwnPartRounds; ++i) {
+    const double start_s = thread_cpu_s();
+    const TipMeasurement seen = sensor.measure(home, 1);
+    jacobian_law(arm, {cell.arm.home, seen.tip.p, home.p}, 1.0);
+    times_ms.push_back(1e3 * (thread_cpu_s() - start_s));
+  }
+  return times_ms;
+}
+
+/// Frame after frame: lamps, workplane, error map, joint step.
+nlohmann::json loop_rate(CellSettings cell, double asked_hz) {
+  const Server server(cell);
+  AravisCamera camera(settings_of(cell, asked_hz));
+  LampTipSensor sensor(cell, read_vision(cell, true), CenterMethod::kAuto, camera);
+  const PlanarArm arm(cell.arm.geometry);
+  const TipPose home = arm.forward(cell.arm.home);
+  sensor.aim(home);
+  sensor.measure(home, 1);
+  SteadyClock clock;
+  int loops = 0, ok = 0;
+  const double start_s = clock.now_s();
+  while (clock.now_s() < start_s + kDuration_s) {
+    const TipMeasurement seen = sensor.measure(home, 1);
+    ++loops;
+    if (!seen.ok()) continue;
+    ++ok;
+    jacobian_law(arm, {cell.arm.home, seen.tip.p, home.p}, 1.0);
+  }
+  const double rate_hz = loops / (clock.now_s() - start_s);
+  const std::vector<double> own_ms = own_part_ms(cell, sensor.last_frame());
+  const double median_ms = median(own_ms), p99_ms = quantile(own_ms, 0.99);
+  fmt::print(
+      "free-running loop, region {} px, asked {:.0f}: {:.1f} loops/s, {} of {} measured; our "
+      "part {:.3f} ms median, {:.3f} ms at 99 %\n",
+      cell.camera.follow_region_px, asked_hz, rate_hz, ok, loops, median_ms, p99_ms);
+  return {{"asked_hz", asked_hz},
+          {"loops_per_s", rate_hz},
+          {"measured_share", static_cast<double>(ok) / loops},
+          {"own_ms_median", median_ms},
+          {"own_ms_p99", p99_ms}};
+}
+
+}  // namespace
+}  // namespace planar
+
+int main(int argc, char** argv) {
+  std::filesystem::path cell_file, json_file;
+  CLI::App app("Measures cameras over GigE Vision on loopback and the loop's own part.");
+  app.add_option("--cell", cell_file, "a virtual cell that is calibrated")->required();
+  app.add_option("--json", json_file);
+  CLI11_PARSE(app, argc, argv);
+  const planar::CellSettings cell = planar::read_cell(cell_file);
+  nlohmann::json sizes = nlohmann::json::array();
+  sizes.push_back(planar::throughput(cell, 512, 200.0));
+  sizes.push_back(planar::throughput(cell, 2048, 60.0));
+  sizes.push_back(planar::throughput(cell, 5120, 15.0));
+  const nlohmann::json figures{{"throughput", sizes}, {"loop", planar::loop_rate(cell, 300.0)}};
+  if (!json_file.empty()) planar::write_file(json_file, figures.dump(2) + "\n");
+}
