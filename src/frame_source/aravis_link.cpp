@@ -126,7 +126,7 @@ std::string hardware_trigger(ArvCamera* camera) {
           [&](GError** e) { return arv_camera_dup_available_trigger_sources(camera, &n, e); }),
       g_free);
   for (guint i = 0; i < n; ++i) {
-    const std::string source = sources.get()[i];
+    std::string source = sources.get()[i];
     if (source.rfind("Line", 0) == 0) return source;
   }
   throw WorkError("the camera has no input line that could trigger it");
