@@ -195,7 +195,7 @@ void PlanarRobot::halt_after(const std::exception& cause) {
 }
 
 PlanarRobot::Status PlanarRobot::require_well() {
-  const Status status = drives_.status();
+  Status status = drives_.status();
   for (std::size_t i = 0; i < 3; ++i) {
     if (!status[i].faults.empty())
       throw DriveError(fmt::format("drive {} reports: {}", i + 1, in_words(status[i].faults)));
@@ -220,7 +220,7 @@ void PlanarRobot::wait_for(double timeout_s, const std::function<bool(const Stat
 }
 
 PlanarRobot::Status PlanarRobot::status_under_way() {
-  const Status status = drives_.status();
+  Status status = drives_.status();
   for (std::size_t i = 0; i < 3; ++i) {
     if (status[i].faults.empty() && status[i].energized) continue;
     throw DriveError(

@@ -87,9 +87,9 @@ std::string TicDrives::configure(std::size_t i) {
   auto settings =
       perform({{i, Command::kGetSettings, 0, tic::kSettingsBytes}}, kSetupTimeout_s).front();
   if (!settings.error.empty()) return settings.error;
-  const std::string unfit = tic::unfitness(joints_[i].port->listing().firmware, settings.data);
+  std::string unfit = tic::unfitness(joints_[i].port->listing().firmware, settings.data);
   if (!unfit.empty()) return unfit;
-  const std::string fault = set_timeout(i, settings.data);
+  std::string fault = set_timeout(i, settings.data);
   if (!fault.empty()) return fault;
   const auto status =
       perform({{i, Command::kGetVariables, 0, tic::StatusBlock::kBytes}}, kSetupTimeout_s);
@@ -105,8 +105,8 @@ std::string TicDrives::set_timeout(std::size_t i, std::vector<std::uint8_t>& set
     std::uint8_t value;
   };
   const std::array<Byte, 3> wanted{
-      Byte{at(Setting::kCommandTimeout_ms), static_cast<std::uint8_t>(timeout_ms & 0xff)},
-      Byte{at(Setting::kCommandTimeout_ms) + 1, static_cast<std::uint8_t>(timeout_ms >> 8)},
+      Byte{at(Setting::kCommandTimeoutMs), static_cast<std::uint8_t>(timeout_ms & 0xff)},
+      Byte{at(Setting::kCommandTimeoutMs) + 1, static_cast<std::uint8_t>(timeout_ms >> 8)},
       Byte{at(Setting::kSoftErrorResponse), tic::kResponseHaltAndHold}};
   const auto all_set = [&] {
     return std::all_of(wanted.begin(), wanted.end(),

@@ -9,11 +9,11 @@
 namespace planar::tic {
 namespace {
 
-constexpr double kSpeedUnits = 1e4;
-constexpr double kAccelerationUnits = 1e2;
-constexpr double kMaxAcceleration_pulses_s2 = 0x7fffffff / kAccelerationUnits;
-constexpr double kMinSpeed_pulses_s = 7 / kSpeedUnits;  // 1 to 6 units act as none
-constexpr double kMinAcceleration_pulses_s2 = 1.0;
+constexpr double kSpeedUnits = 1e4;         // of one pulse/s
+constexpr double kAccelerationUnits = 1e2;  // of one pulse/s^2
+constexpr double kMaxAcceleration = 0x7fffffff / kAccelerationUnits;
+constexpr double kMinSpeed = 7 / kSpeedUnits;  // 1 to 6 units act as none
+constexpr double kMinAcceleration = 1.0;
 
 /// By the bits of the error status; bit 0 means that the motor is switched off, which is no fault.
 constexpr std::array<const char*, 9> kErrors{nullptr,
@@ -39,13 +39,12 @@ std::uint32_t in_units(const char* what, double value, double lower, double uppe
 }  // namespace
 
 std::uint32_t speed_units(double speed_pulses_s) {
-  return in_units("speed per second", speed_pulses_s, kMinSpeed_pulses_s, kMaxSpeed_pulses_s,
-                  kSpeedUnits);
+  return in_units("speed per second", speed_pulses_s, kMinSpeed, kMaxSpeed, kSpeedUnits);
 }
 
 std::uint32_t acceleration_units(double acceleration_pulses_s2) {
-  return in_units("acceleration per second squared", acceleration_pulses_s2,
-                  kMinAcceleration_pulses_s2, kMaxAcceleration_pulses_s2, kAccelerationUnits);
+  return in_units("acceleration per second squared", acceleration_pulses_s2, kMinAcceleration,
+                  kMaxAcceleration, kAccelerationUnits);
 }
 
 std::string unfitness(std::uint16_t firmware, const std::vector<std::uint8_t>& settings) {

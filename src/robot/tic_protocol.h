@@ -37,7 +37,7 @@ enum class Command : std::uint8_t {
 enum class Setting : std::uint8_t {
   kControlMode = 0x01,
   kDisableSafeStart = 0x03,
-  kCommandTimeout_ms = 0x09,  ///< two bytes
+  kCommandTimeoutMs = 0x09,  ///< two bytes
   kSoftErrorResponse = 0x53,
   kForwardLimitPins = 0x5f,
   kReverseLimitPins = 0x60,
@@ -46,7 +46,7 @@ enum class Setting : std::uint8_t {
 constexpr std::uint8_t kControlModeUsb = 0;
 constexpr std::uint8_t kResponseHaltAndHold = 1;
 constexpr std::uint16_t kOldestFirmware = 0x0106;  ///< the first that can search its home switch
-constexpr double kMaxSpeed_pulses_s = 50e3;
+constexpr double kMaxSpeed = 50e3;                 ///< pulses/s
 
 /// As the drive has them: pulses per 10 000 s, pulses/s per 100 s. Throw InputError naming the
 /// bounds for what the drive cannot do; NaN is refused.
