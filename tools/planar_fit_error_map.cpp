@@ -16,21 +16,41 @@ const ProgramText kText{
     "Fits a map of the vision error to pairs of vision and tracker positions.",
     "planar-fit-error-map [--method auto|rbf|idw|hand:WIDTH_MM] -o map.yaml pairs.csv",
     R"(pairs used          196 (4 rejected)
-  r32c56: 0.5229 mm from what the other pairs predict there, where 0.0816 mm is allowed
-  r39c52: 499.9969 mm from what the other pairs predict there, where 0.0693 mm is allowed
-  r46c6: 19.9811 mm from what the other pairs predict there, where 0.0752 mm is allowed
-  r2c30: 3.0025 mm from what the other pairs predict there, where 0.0746 mm is allowed
+  r4c36: 502.1426 mm from what the other pairs predict there, where 12.7453 mm is allowed
+  r61c7: 20.0207 mm from what the other pairs predict there, where 0.0676 mm is allowed
+  r16c23: 3.0087 mm from what the other pairs predict there, where 0.0879 mm is allowed
+  r19c41: 0.5093 mm from what the other pairs predict there, where 0.0661 mm is allowed
 method              multiquadric
-vision error        0.0974 mm rms
-leave-one-out       0.0236 mm rms (inverse distance weighting: 0.0424 mm)
-noise               0.0126 mm per axis
-gain                75.8 %, worth using)"};
+vision error        0.0938 mm rms
+leave-one-out       0.0250 mm rms
+noise               0.0135 mm per axis
+gain                73.3 %, worth using
+
+rms, mm        left out: one   a block of neighbours (95 % interval)
+raw                   0.0938     0.0938  (0.0764 to 0.1151)
+idw                   0.0462     0.0631  (0.0512 to 0.0777)
+hand:48                    -          -  (- to -)
+rbf                   0.0259     0.0455  (0.0347 to 0.0595)
+auto                  0.0250     0.0374  (0.0290 to 0.0481))"};
 
 struct Options {
   std::string method{"auto"};
   std::filesystem::path output;
   std::filesystem::path pairs;
 };
+
+std::string number_mm(double length) {
+  return std::isfinite(length) ? fmt::format("{:.4f}", length / kMillimetre) : "-";
+}
+
+void print(const std::vector<MethodFigures>& comparison) {
+  fmt::print("\nrms, mm        left out: one   a block of neighbours (95 % interval)\n");
+  for (const MethodFigures& method : comparison) {
+    fmt::print("{:<14} {:>13}   {:>8}  ({} to {})\n", method.method, number_mm(method.loo_rms),
+               number_mm(method.blocked.value), number_mm(method.blocked.low),
+               number_mm(method.blocked.high));
+  }
+}
 
 void print(const FitErrorMapReport& report) {
   const MapResult& result = report.result;
@@ -41,14 +61,26 @@ void print(const FitErrorMapReport& report) {
     fmt::print("  {}: {}\n", sample.id, sample.reason);
   fmt::print("method              {}\n", result.method);
   fmt::print("vision error        {:.4f} mm rms\n", result.raw_rms / kMillimetre);
-  fmt::print("leave-one-out       {:.4f} mm rms", result.loo_rms / kMillimetre);
-  if (result.method != "idw" && std::isfinite(result.idw_loo_rms))
-    fmt::print(" (inverse distance weighting: {:.4f} mm)", result.idw_loo_rms / kMillimetre);
-  fmt::print("\n");
+  fmt::print("leave-one-out       {:.4f} mm rms\n", result.loo_rms / kMillimetre);
   if (std::isfinite(result.noise_sigma))
     fmt::print("noise               {:.4f} mm per axis\n", result.noise_sigma / kMillimetre);
   fmt::print("gain                {:.1f} %, {}\n", 100.0 * result.gain(),
              result.worth_using ? "worth using" : "NOT significant: do not use this map");
+}
+
+nlohmann::json interval_mm(const RmsEstimate& estimate) {
+  return {estimate.low / kMillimetre, estimate.high / kMillimetre};
+}
+
+nlohmann::json figures(const std::vector<MethodFigures>& comparison) {
+  nlohmann::json rows = nlohmann::json::array();
+  for (const MethodFigures& method : comparison) {
+    rows.push_back({{"method", method.method},
+                    {"loo_rms_mm", method.loo_rms / kMillimetre},
+                    {"blocked_rms_mm", method.blocked.value / kMillimetre},
+                    {"blocked_rms_95_mm", interval_mm(method.blocked)}});
+  }
+  return rows;
 }
 
 nlohmann::json figures(const FitErrorMapReport& report) {
@@ -65,6 +97,8 @@ nlohmann::json figures(const FitErrorMapReport& report) {
           {"raw_rms_mm", result.raw_rms / kMillimetre},
           {"loo_rms_mm", result.loo_rms / kMillimetre},
           {"idw_loo_rms_mm", result.idw_loo_rms / kMillimetre},
+          {"blocked_rms_mm", result.blocked.value / kMillimetre},
+          {"blocked_rms_95_mm", interval_mm(result.blocked)},
           {"noise_mm", result.noise_sigma / kMillimetre},
           {"gain", result.gain()},
           {"worth_using", result.worth_using},
@@ -74,11 +108,17 @@ nlohmann::json figures(const FitErrorMapReport& report) {
 
 Outcome fit(const Options& options) {
   require_not_input(options.output, options.pairs);
-  const FitErrorMapReport report =
-      fit_error_map_to_pairs(read_pairs(options.pairs), parse_map_method(options.method));
+  const MapMethodChoice choice = parse_map_method(options.method);
+  const std::vector<PairRow> pairs = read_pairs(options.pairs);
+  const FitErrorMapReport report = fit_error_map_to_pairs(pairs, choice);
   write_file(options.output, map_text(report.result, options.pairs, kText.name));
   print(report);
-  return {figures(report)};
+  const std::vector<MethodFigures> comparison =
+      compare_methods_on_pairs(pairs, choice, report.result);
+  print(comparison);
+  nlohmann::json keys = figures(report);
+  keys["comparison"] = figures(comparison);
+  return {keys};
 }
 
 void add_options(CLI::App& app, Options& options) {

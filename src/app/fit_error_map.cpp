@@ -54,4 +54,10 @@ FitErrorMapReport fit_error_map_to_pairs(const std::vector<PairRow>& pairs,
   return report;
 }
 
+std::vector<MethodFigures> compare_methods_on_pairs(const std::vector<PairRow>& pairs,
+                                                    const MapMethodChoice& choice,
+                                                    const MapResult& result) {
+  return compare_methods({training_samples(pairs), choice.method, choice.hand_width}, result);
+}
+
 }  // namespace planar

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "error_map/compare_methods.h"
 #include "error_map/fit_error_map.h"
 #include "files/tables.h"
 
@@ -27,5 +28,10 @@ struct FitErrorMapReport {
 /// Fits a map to the pairs; when they name plans, only to those of plan `train`.
 FitErrorMapReport fit_error_map_to_pairs(const std::vector<PairRow>& pairs,
                                          const MapMethodChoice& choice);
+
+/// `compare_methods` for the same pairs and choice as `result` was fitted with.
+std::vector<MethodFigures> compare_methods_on_pairs(const std::vector<PairRow>& pairs,
+                                                    const MapMethodChoice& choice,
+                                                    const MapResult& result);
 
 }  // namespace planar

@@ -28,6 +28,12 @@ RbfFit fit_rbf(const MapSites& sites, const TunedFamily& family) {
   return fit_rbf(sites, family.tail_basis, family.tuned.kernel, family.tuned.ridge);
 }
 
+RbfFit fit_hand_width(const MapSites& sites, double width) {
+  TailBasis no_tail;
+  no_tail.degree = -1;
+  return fit_rbf(sites, no_tail, {KernelShape::kGaussian, width, 0.0}, 0.0);
+}
+
 TunedFamily best_family(const MapSites& sites, const TunedFamily& first,
                         const std::vector<RbfFamily>& others) {
   TunedFamily best = first;

@@ -19,12 +19,23 @@ struct TunedFamily {
   TunedKernel tuned;
 };
 
+/// One width, the classical choice.
+constexpr RbfFamily kOneWidth{KernelShape::kGaussian, 1};
+/// Features of any scale from the width upwards (a knee, a seam) take the multiquadric; it states
+/// how little it knows more honestly, too, and so comes first.
+constexpr RbfFamily kManyScales{KernelShape::kMultiquadric, 2};
+constexpr RbfFamily kSmooth{KernelShape::kGaussian, 3};
+
 TunedFamily tune(const MapSites& sites, const RbfFamily& family);
 
 /// The same from what nearly the same sites were tuned to.
 TunedFamily retune(const MapSites& sites, const RbfFamily& family, const TunedFamily& before);
 
 RbfFit fit_rbf(const MapSites& sites, const TunedFamily& family);
+
+/// As the paper has it: a Gaussian of the given width (metres) without ridge and tail. Throws like
+/// the other.
+RbfFit fit_hand_width(const MapSites& sites, double width);
 
 /// The family with the smallest leave-one-out error among `first` and the tuned `others`. The first
 /// stands unless another one's sum of squares is smaller by more than the standard error of the

@@ -8,43 +8,13 @@
 
 #include "core/error.h"
 #include "core/units.h"
-#include "error_map/leave_one_out.h"
+#include "error_map/cross_validation.h"
 #include "error_map/map_sites.h"
 #include "error_map/outliers.h"
 #include "error_map/sparse_fit.h"
 
 namespace planar {
 namespace {
-
-/// A dense map of more sites takes more time than it is worth; they go to a sparse one.
-constexpr Eigen::Index kMostDense = 1000;
-
-/// A map is worth using when it takes away at least this share of the rms error, ...
-constexpr double kSmallestGain = 0.05;
-/// ... by the mean squares' difference less this many of its standard errors.
-constexpr double kSignificance = 2.0;
-
-/// One width, the classical choice.
-constexpr RbfFamily kOneWidth{KernelShape::kGaussian, 1};
-/// Features of any scale from the width upwards (a knee, a seam) take the multiquadric; it states
-/// how little it knows more honestly, too, and so comes first.
-constexpr RbfFamily kManyScales{KernelShape::kMultiquadric, 2};
-constexpr RbfFamily kSmooth{KernelShape::kGaussian, 3};
-
-/// The samples of a site stand or fall together: its total of |E|^2 - |r|^2 counts as one draw.
-bool is_worth_using(const MapSites& sites, const Eigen::Matrix2Xd& residuals) {
-  const Eigen::ArrayXd gains =
-      (sites.errors.colwise().squaredNorm() - residuals.colwise().squaredNorm())
-          .transpose()
-          .cwiseProduct(sites.counts);
-  const double raw = sites.sample_rms(sites.errors);
-  const double least = raw * raw * sites.counts.sum() * (1.0 - std::pow(1.0 - kSmallestGain, 2));
-  return gains.sum() - kSignificance * standard_error_of_sum(gains) > least;
-}
-
-IdwMap idw_map(const MapSites& sites) {
-  return {sites.positions, sites.errors, region_around(sites.positions)};
-}
 
 MapResult result_of(ErrorMap map, std::string method, const MapSites& used,
                     const Eigen::Matrix2Xd& residuals) {
@@ -58,7 +28,9 @@ MapResult result_of(ErrorMap map, std::string method, const MapSites& used,
                            ? used.sample_rms(leave_one_out_residuals(idw_map(used)))
                            : std::numeric_limits<double>::quiet_NaN();
   result.noise_sigma = noise_sigma(result.map);
-  result.worth_using = is_worth_using(used, residuals);
+  const CrossValidation validation = cross_validate(result.map, used);
+  result.blocked = validation.rms;
+  result.worth_using = validation.worth_using;
   return result;
 }
 
@@ -71,7 +43,7 @@ std::vector<RejectedSample> rejected_samples(const std::vector<Outlier>& outlier
         fmt::format("{:.4f} mm from what the other pairs predict there, where {:.4f} mm is allowed",
                     outlier.residual / kMillimetre, outlier.limit / kMillimetre);
     for (const std::size_t i : sites.samples[static_cast<std::size_t>(outlier.site)]) {
-      rejected.push_back({samples[i].id, outlier.residual, reason});
+      rejected.push_back({i, samples[i].id, outlier.residual, reason});
     }
   }
   return rejected;
@@ -101,14 +73,12 @@ void require_dense(const MapSites& sites, const char* method) {
       sites.size(), method, kMostDense));
 }
 
-MapResult fit_hand_width(const MapSites& sites, double width) {
+MapResult fit_by_hand(const MapSites& sites, double width) {
   if (!(std::isfinite(width) && width > 0.0)) {
     throw InputError(
         fmt::format("the map's width is {} mm; it must be a positive number", width / kMillimetre));
   }
-  TailBasis no_tail;
-  no_tail.degree = -1;
-  RbfFit fit = fit_rbf(sites, no_tail, {KernelShape::kGaussian, width, 0.0}, 0.0);
+  RbfFit fit = fit_hand_width(sites, width);
   return result_of(std::move(fit.map), "hand", sites, fit.left_out.residuals);
 }
 
@@ -124,7 +94,7 @@ MapResult fit_error_map(const MapProblem& problem) {
     }
     case MapMethod::kHandWidth:
       require_dense(sites, "hand");
-      return fit_hand_width(sites, problem.hand_width);
+      return fit_by_hand(sites, problem.hand_width);
     case MapMethod::kRbf:
       require_dense(sites, "rbf");
       return fit_tuned(sites, {kOneWidth}, problem.samples);

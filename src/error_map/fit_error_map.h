@@ -5,13 +5,14 @@
 #include <vector>
 
 #include "error_map/error_map.h"
+#include "error_map/spatial_blocks.h"
 
 namespace planar {
 
 enum class MapMethod {
   kAuto,       ///< multiquadric on a quadratic tail, or Gaussian on a cubic one where that is
-               ///< clearly better by the leave-one-out error; otherwise as kRbf. Beyond 1,000
-               ///< positions a sparse Gaussian
+               ///< clearly better by the leave-one-out error; otherwise as kRbf. Beyond
+               ///< kMostDense positions a sparse Gaussian
   kRbf,        ///< Gaussian on a linear tail, width and ridge tuned on the leave-one-out error,
                ///< outliers left out
   kIdw,        ///< every sample as it is, as the paper has it
@@ -24,7 +25,11 @@ struct MapProblem {
   double hand_width{0.0};  ///< metres; only for kHandWidth
 };
 
+/// A dense map of more positions takes more time than it is worth; they go to a sparse one.
+constexpr Eigen::Index kMostDense = 1000;
+
 struct RejectedSample {
+  std::size_t index{0};  ///< among the problem's samples
   std::string id;
   double residual{0.0};  ///< distance from what the samples that were kept predict there, metres
   std::string reason;
@@ -41,8 +46,8 @@ struct MapResult {
   double loo_rms{0.0};      ///< of the leave-one-out residuals |r_i|
   double idw_loo_rms{0.0};  ///< the same of inverse distance weighting; NaN for a sparse map
   double noise_sigma{0.0};  ///< per axis; NaN where the method has none
-  /// The map takes away more than 5 % of the rms error, and not by chance: also with the mean of
-  /// |E|^2 - |r|^2 reduced by twice its standard error.
+  RmsEstimate blocked;      ///< the rms with whole blocks of neighbours left out, and its interval
+  /// As `CrossValidation::worth_using`: more than 5 % of the rms error, and not by chance.
   bool worth_using{false};
 
   /// 1 - loo_rms / raw_rms; 0 when there is no error to begin with.
@@ -50,9 +55,9 @@ struct MapResult {
 };
 
 /// Fits a map to pairs. Samples at one position are averaged. Throws InputError for samples that
-/// are not finite, fewer than 3 or more than 5,000 distinct positions, a hand width that is not
-/// positive, or outliers beyond a fifth of the samples; WorkError when the equations are too ill
-/// conditioned to be solved.
+/// are not finite, fewer than 3 distinct positions, more than kMostDense but for kAuto, a hand
+/// width that is not positive, or outliers beyond a fifth of the samples; WorkError when the
+/// equations are too ill conditioned to be solved.
 MapResult fit_error_map(const MapProblem& problem);
 
 }  // namespace planar

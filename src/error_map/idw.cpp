@@ -25,6 +25,14 @@ ErrorPrediction IdwMap::predict(const Eigen::Vector2d& p) const {
           std::numeric_limits<double>::quiet_NaN(), region.contains(p)};
 }
 
+Eigen::Vector2d IdwMap::predict_error(const Eigen::Vector2d& p) const {
+  return weighted_mean(errors, squared_distances(centers, p));
+}
+
+IdwMap idw_map(const MapSites& sites) {
+  return {sites.positions, sites.errors, region_around(sites.positions)};
+}
+
 Eigen::Matrix2Xd leave_one_out_residuals(const IdwMap& map) {
   Eigen::Matrix2Xd residuals(2, map.centers.cols());
   for (Eigen::Index i = 0; i < residuals.cols(); ++i) {

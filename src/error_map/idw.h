@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 
 #include "error_map/error_sample.h"
+#include "error_map/map_sites.h"
 #include "error_map/valid_region.h"
 
 namespace planar {
@@ -15,8 +16,10 @@ struct IdwMap {
   ValidRegion region;
 
   ErrorPrediction predict(const Eigen::Vector2d& p) const;
-  Eigen::Vector2d predict_error(const Eigen::Vector2d& p) const { return predict(p).error; }
+  Eigen::Vector2d predict_error(const Eigen::Vector2d& p) const;
 };
+
+IdwMap idw_map(const MapSites& sites);
 
 /// E_i minus what the other samples predict there, one column each, metres.
 Eigen::Matrix2Xd leave_one_out_residuals(const IdwMap& map);
