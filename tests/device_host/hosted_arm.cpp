@@ -1,8 +1,10 @@
 #include "device_host/hosted_arm.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "app/cell_devices.h"
+#include "core/units.h"
 #include "virtual_cell/truth_file.h"
 #include "virtual_cell/virtual_hardware.h"
 
@@ -14,6 +16,8 @@ constexpr std::uint8_t kHaltAndSetPosition = 0xec;
 constexpr std::uint8_t kSoftErrorResponse = 0x53, kHaltAndHold = 1;
 /// A motor that was still within this time may be at rest; a slower one turns less than a pulse.
 constexpr double kRest_s = 0.02;
+constexpr double kBeyondLimit = 1.0 * kDegree;
+constexpr double kTowardsSwitch_pulses_s = 50000.0, kAwayFromSwitch_pulses_s = 2000.0;
 
 }  // namespace
 
@@ -24,9 +28,11 @@ const std::array<std::string, 3>& HostedArm::serials() {
 
 HostedArm::HostedArm(const CellSettings& cell, double age_s)
     : live_(read_truth(cell.truth.value()), virtual_hardware(cell), age_s) {
-  const Pulses home = Transmission(cell.transmission).pulses_from_joints(cell.arm.home);
+  const Transmission transmission(cell.transmission);
+  const Pulses home = transmission.pulses_from_joints(cell.arm.home);
   home_pulses_ = {home[0], home[1], home[2]};
   teach_home();
+  fit_switches(cell.transmission, transmission.pulses_per_rad());
   live_.set_mover([this](VirtualCell& virtual_cell) {
     for (std::size_t i = 0; i < 3; ++i)
       virtual_cell.turn_motor(static_cast<int>(i), home_pulses_[i] + tics_[i].shaft_pulses());
@@ -42,6 +48,18 @@ void HostedArm::teach_home() {
     tics_[i].control({kVendorOut, kHaltAndSetPosition, static_cast<std::uint16_t>(position),
                       static_cast<std::uint16_t>(position >> 16), 0},
                      nullptr);
+  }
+}
+
+void HostedArm::fit_switches(const TransmissionSettings& transmission,
+                             const Eigen::Vector3d& pulses_per_rad) {
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Eigen::Vector2d ends_pulses =
+        pulses_per_rad[static_cast<int>(i)] *
+        (transmission.limits_rad[i] + Eigen::Vector2d(-kBeyondLimit, kBeyondLimit));
+    const auto reverse_pulses = static_cast<std::int32_t>(std::lround(ends_pulses.minCoeff()));
+    tics_[i].place_switches(reverse_pulses - home_pulses_[i], std::nullopt);
+    tics_[i].set_homing_speeds(kTowardsSwitch_pulses_s, kAwayFromSwitch_pulses_s);
   }
 }
 

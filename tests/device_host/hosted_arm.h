@@ -21,7 +21,8 @@ struct TrueTip {
 /// The arm of a virtual cell, turned by three emulated Tics and seen by a served camera.
 class HostedArm {
  public:
-  /// `age_s` as LiveCell has it. The Tics stand at the cell's home and know it.
+  /// `age_s` as LiveCell has it. The Tics stand at the cell's home and know it; each has a reverse
+  /// switch 1 deg beyond the end of its motor's range.
   HostedArm(const CellSettings& cell, double age_s);
 
   /// Of the drives of joints 1, 2, 3.
@@ -31,6 +32,8 @@ class HostedArm {
   /// Takes a picture and notes where the tool is.
   cv::Mat expose(const cv::Rect& region_px, double brightness);
 
+  void power_cycle(std::size_t joint) { tics_.at(joint).power_cycle(); }
+
   bool moving();
   /// When a motor turned last, on the steady clock.
   double last_motion_s();
@@ -38,6 +41,8 @@ class HostedArm {
 
  private:
   void teach_home();
+  void fit_switches(const TransmissionSettings& transmission,
+                    const Eigen::Vector3d& pulses_per_rad);
 
   SteadyClock clock_;
   std::array<std::int32_t, 3> home_pulses_;

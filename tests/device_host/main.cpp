@@ -14,6 +14,7 @@
 #include "core/error.h"
 #include "core/statistics.h"
 #include "core/units.h"
+#include "device_host/fault_script.h"
 #include "device_host/hosted_arm.h"
 #include "device_host/hosted_camera.h"
 #include "device_host/true_errors.h"
@@ -24,8 +25,8 @@ namespace {
 
 constexpr int kSkipped = 77;
 constexpr double kPoll_s = 0.002;
-/// A move is under way for sure so long after its command.
-constexpr double kUnderWay_s = 0.3;
+constexpr std::size_t kFaultyDrive = 1;  // of joint 2
+constexpr char kDriveUnplugged[] = "drive-unplugged", kDrivePowerCycle[] = "drive-power-cycle";
 
 struct Options {
   std::filesystem::path cell, targets, run, json;
@@ -33,60 +34,6 @@ struct Options {
   double age_s{0.0}, fault_for_s{1.0};
   std::size_t fault_at_command{1};
   std::vector<std::string> command;
-};
-
-/// A fault of the camera in the middle of a move, and what followed on the drives' wires.
-class FaultScript {
- public:
-  FaultScript(const Options& options, HostedArm& arm, HostedCamera& camera)
-      : fault_(HostedCamera::fault_named(options.fault)),
-        at_command_(options.fault_at_command),
-        for_s_(options.fault_for_s),
-        arm_(arm),
-        camera_(camera) {}
-
-  void poll() {
-    if (fault_ == HostedCamera::Fault::kNone) return;
-    if (!began_s_ && under_way()) {
-      const double now_s = clock_.now_s();
-      camera_.set_fault(fault_);
-      // What dies slowly may take a last picture.
-      began_s_ = std::max(now_s, arm_.true_tips().back().t_s);
-    }
-    if (began_s_ && !healed_ && clock_.now_s() > *began_s_ + for_s_) {
-      healed_ = true;
-      camera_.set_fault(HostedCamera::Fault::kNone);
-    }
-  }
-
-  /// From the fault to the first command to each drive, and to the arm's rest.
-  nlohmann::json report() const {
-    if (!began_s_) return nullptr;
-    nlohmann::json stops_ms = nlohmann::json::array();
-    for (std::size_t joint = 0; joint < 3; ++joint)
-      for (const double t_s : arm_.drive(joint).commands_s())
-        if (t_s > *began_s_) {
-          stops_ms.push_back(1e3 * (t_s - *began_s_));
-          break;
-        }
-    return {{"first_command_ms", stops_ms}};
-  }
-
- private:
-  bool under_way() {
-    const std::vector<double> commands_s = arm_.drive(0).commands_s();
-    return commands_s.size() == at_command_ && clock_.now_s() > commands_s.back() + kUnderWay_s &&
-           arm_.moving();
-  }
-
-  HostedCamera::Fault fault_;
-  std::size_t at_command_;
-  double for_s_;
-  HostedArm& arm_;
-  HostedCamera& camera_;
-  SteadyClock clock_;
-  std::optional<double> began_s_;
-  bool healed_{false};
 };
 
 /// From the beginning of an exposure to the first command that follows it, milliseconds: of a loop
@@ -117,12 +64,12 @@ pid_t start(const std::vector<std::string>& command) {
   _exit(127);
 }
 
-/// The command's exit status; `poll` is called until it ends.
-int wait_for(pid_t child, FaultScript& faults) {
+/// The command's exit status; `script`, which may be empty, is played until it ends.
+int wait_for(pid_t child, std::optional<FaultScript>& script) {
   SteadyClock clock;
   int status = 0;
   while (waitpid(child, &status, WNOHANG) == 0) {
-    faults.poll();
+    if (script) script->poll();
     clock.sleep_for_s(kPoll_s);
   }
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
@@ -139,6 +86,25 @@ nlohmann::json score(const Options& options, const std::vector<TrueTip>& tips) {
           {"after_max_mm_truth", errors.max / kMillimetre}};
 }
 
+std::vector<std::string> fault_names() {
+  std::vector<std::string> names = HostedCamera::fault_names();
+  names.insert(names.end(), {kDriveUnplugged, kDrivePowerCycle});
+  return names;
+}
+
+/// Empty when nothing shall fail.
+std::optional<HostedFault> fault_named(const std::string& name, HostedCamera& camera,
+                                       HostedArm& arm, MockUsbDevice& drive) {
+  if (name == kDriveUnplugged)
+    return HostedFault{[&drive] { drive.unplug(); }, [&drive] { drive.plug(); }};
+  if (name == kDrivePowerCycle)
+    return HostedFault{[&arm] { arm.power_cycle(kFaultyDrive); }, [] {}};
+  const HostedCamera::Fault fault = HostedCamera::fault_named(name);
+  if (fault == HostedCamera::Fault::kNone) return std::nullopt;
+  return HostedFault{[&camera, fault] { camera.set_fault(fault); },
+                     [&camera] { camera.set_fault(HostedCamera::Fault::kNone); }};
+}
+
 int host(const Options& options) {
   const CellSettings cell = read_cell(options.cell);
   HostedArm arm(cell, options.age_s);
@@ -153,9 +119,12 @@ int host(const Options& options) {
   const double rate_hz = cell.camera.frame_rate_hz;
   const auto camera = options.camera == "gige" ? host_gige_camera(sensor_px, rate_hz, exposure)
                                                : host_usb_camera(bus, sensor_px, rate_hz, exposure);
-  FaultScript faults(options, arm, *camera);
-  const int status = wait_for(start(options.command), faults);
-  nlohmann::json figures{{"status", status}, {"fault", faults.report()}};
+  std::optional<FaultScript> script;
+  if (auto fault = fault_named(options.fault, *camera, arm, *drives[kFaultyDrive]))
+    script.emplace(std::move(*fault), arm, options.fault_at_command, options.fault_for_s);
+  const int status = wait_for(start(options.command), script);
+  nlohmann::json figures{{"status", status}, {"fault", nullptr}};
+  if (script) figures["fault"] = script->report();
   if (!figures["fault"].is_null())
     fmt::print("{}: first commands to the drives after {} ms\n", options.fault,
                figures["fault"]["first_command_ms"].dump());
@@ -170,15 +139,14 @@ int host(const Options& options) {
 }  // namespace planar::test
 
 int main(int argc, char** argv) {
-  using planar::test::HostedCamera;
   planar::test::Options options;
   CLI::App app("Serves a virtual cell as real devices and runs a command against them.");
   app.add_option("--cell", options.cell, "the virtual cell, with its truth")->required();
   app.add_option("--camera", options.camera)->check(CLI::IsMember({"gige", "usb"}));
   app.add_option("--age", options.age_s, "what the cell's own clock shows at first, seconds");
-  app.add_option("--fault", options.fault)->check(CLI::IsMember(HostedCamera::fault_names()));
+  app.add_option("--fault", options.fault)->check(CLI::IsMember(planar::test::fault_names()));
   app.add_option("--at-command", options.fault_at_command,
-                 "the fault comes during the move that this command to drive 1 began");
+                 "the fault comes during the first long move from this command to drive 1 on");
   app.add_option("--fault-for", options.fault_for_s, "seconds");
   auto* run = app.add_option("--score", options.run, "folder of the run to be scored afterwards");
   app.add_option("--targets", options.targets, "of that run")->needs(run);

@@ -18,3 +18,7 @@ awk -v live="$(value live.json after_mean_mm_truth)" \
     'BEGIN { exit !(live > 0 && own > 0 && live - own < 0.008 && own - live < 0.008) }' ||
   fail "true mean errors: $(cat live.json in_process.json)"
 if grep -q "truth\|virtual" live/run.yaml; then fail "the live run knows of a simulation"; fi
+
+hosted "$camera" -- "$bin/planar-doctor" --cell "cell/$camera.yaml" >doctor.txt ||
+  fail "$(cat doctor.txt)"
+[ "$(grep -c '^well *\(drive [123]\|camera\|frames\):' doctor.txt)" -eq 5 ] || fail "$(cat doctor.txt)"
