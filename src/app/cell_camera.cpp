@@ -16,7 +16,7 @@ CameraTrigger trigger_named(const std::string& name) {
 
 }  // namespace
 
-std::unique_ptr<FrameSource> open_camera(const CellSettings& cell) {
+AravisSettings aravis_settings(const CellSettings& cell) {
   const CameraSettings& camera = cell.camera;
   const CameraConnection& connection = camera.connection;
   AravisSettings settings;
@@ -30,7 +30,11 @@ std::unique_ptr<FrameSource> open_camera(const CellSettings& cell) {
   settings.trigger = trigger_named(connection.trigger);
   settings.packet_size = connection.packet_size;
   settings.timeout_s = camera.timeout_s;
-  return std::make_unique<AravisCamera>(settings);
+  return settings;
+}
+
+std::unique_ptr<FrameSource> open_camera(const CellSettings& cell) {
+  return std::make_unique<AravisCamera>(aravis_settings(cell));
 }
 
 }  // namespace planar

@@ -5,7 +5,10 @@
 #include <fstream>
 #include <sstream>
 
+#include "app/camera_doctor.h"
+#include "app/cell_camera.h"
 #include "core/error.h"
+#include "frame_source/aravis_settings.h"
 #include "robot/tic_inspection.h"
 
 namespace planar {
@@ -64,7 +67,10 @@ std::vector<Finding> examine_cell(const std::filesystem::path& cell_file) {
   }
   findings.push_back({Verdict::kWell, "cell file", cell_file.string() + " is in order"});
   for (Finding& finding : examine_drives(cell)) findings.push_back(std::move(finding));
-  if (cell.camera.source == "aravis") findings.push_back(examine_usb_memory());
+  if (cell.camera.source != "aravis") return findings;
+  for (Finding& finding : examine_camera(cell.camera, aravis_settings(cell)))
+    findings.push_back(std::move(finding));
+  if (cell.camera.connection.address.empty()) findings.push_back(examine_usb_memory());
   return findings;
 }
 

@@ -17,8 +17,8 @@ struct Finding {
   std::string remedy{};  ///< a command or an action; empty when all is well
 };
 
-/// Everything that can be looked at of a cell without moving, switching on or setting anything: its
-/// file, its drives, the memory of USB. A file with faults ends the visit.
+/// Everything that can be looked at of a cell without moving or switching on anything: its file,
+/// its drives, its camera and the memory of USB. A file with faults ends the visit.
 std::vector<Finding> examine_cell(const std::filesystem::path& cell_file);
 
 /// Presence, permission, firmware, settings, supply and errors of every Tic, and whether the speeds

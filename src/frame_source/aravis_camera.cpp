@@ -40,23 +40,8 @@ struct ExposureOrder {
   std::promise<void> done;
 };
 
-std::string too_long(double exposure_s, double frame_rate_hz) {
-  return fmt::format("an exposure of {:.0f} us does not fit into a period at {:.3g} Hz",
-                     1e6 * exposure_s, frame_rate_hz);
-}
-
 AravisSettings checked(const AravisSettings& settings) {
-  Faults faults;
-  const auto require = [&](bool holds, const std::string& rule) {
-    if (!holds) faults.add("camera settings: " + rule);
-  };
-  require(!settings.sensor_px.empty(), "the sensor needs pixels");
-  require(settings.frame_rate_hz > 0.0, "the frame rate must be positive");
-  require(settings.exposure_s > 0.0, "the exposure time must be positive");
-  require(settings.exposure_s * settings.frame_rate_hz < 1.0,
-          too_long(settings.exposure_s, settings.frame_rate_hz));
-  require(settings.timeout_s > 0.0, "the timeout must be positive");
-  faults.throw_if_any();
+  require_settings(settings);
   return settings;
 }
 
@@ -245,7 +230,7 @@ void AravisCamera::set_exposure(const CameraExposure& exposure) {
   require_exposure(exposure);
   const double frame_rate_hz = impl_->settings.frame_rate_hz;
   if (exposure.time_s * frame_rate_hz >= 1.0)
-    throw InputError(too_long(exposure.time_s, frame_rate_hz));
+    throw InputError(exposure_too_long(exposure.time_s, frame_rate_hz));
   std::future<void> done = impl_->order(exposure);
   if (done.wait_for(std::chrono::duration<double>(kOrderTime_s)) != std::future_status::ready) {
     impl_->withdraw_order();

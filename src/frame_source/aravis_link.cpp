@@ -1,11 +1,7 @@
 #include "frame_source/aravis_link.h"
 
-#include <arpa/inet.h>
 #include <arv.h>
 #include <fmt/format.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
 #include <atomic>
 #include <cmath>
@@ -15,12 +11,12 @@
 
 #include "core/clock.h"
 #include "core/error.h"
+#include "frame_source/camera_path.h"
 
 namespace planar {
 namespace {
 
 constexpr std::size_t kPageBytes = 4096;
-constexpr std::uint16_t kGvcpPort = 3956;
 constexpr guint kFrameRetention_us = 50000;  ///< packets later than this count as lost
 
 struct Unref {
@@ -47,25 +43,6 @@ auto ask(const std::string& what, Call call) {
     refuse();
     return answer;
   }
-}
-
-/// The address of ours from which `address` is reached, so that nothing needs to be broadcast.
-std::string local_address_towards(const std::string& address) {
-  sockaddr_in remote{};
-  remote.sin_family = AF_INET;
-  remote.sin_port = htons(kGvcpPort);
-  if (inet_pton(AF_INET, address.c_str(), &remote.sin_addr) != 1)
-    throw InputError("the camera's address '" + address + "' is not one of IPv4, as 192.168.0.2");
-  sockaddr_in local{};
-  socklen_t size = sizeof(local);
-  const int probe = socket(AF_INET, SOCK_DGRAM, 0);  // connecting a datagram socket sends nothing
-  const bool found = probe >= 0 &&
-                     connect(probe, reinterpret_cast<sockaddr*>(&remote), sizeof(remote)) == 0 &&
-                     getsockname(probe, reinterpret_cast<sockaddr*>(&local), &size) == 0;
-  if (probe >= 0) close(probe);
-  if (!found) throw WorkError("no network leads to the camera at " + address);
-  char text[INET_ADDRSTRLEN];
-  return inet_ntop(AF_INET, &local.sin_addr, text, sizeof(text));
 }
 
 GObjectPtr<ArvCamera> open_gige(const std::string& address) {
@@ -284,15 +261,18 @@ struct AravisLink::Impl {
     stream.reset();
   }
 
+  std::size_t frame_bytes() const {
+    return ask("the camera does not tell the size of its frames",
+               [&](GError** e) { return arv_camera_get_payload(camera.get(), e); });
+  }
+
   void create_stream() {
     stream.reset(ask("the camera does not stream", [&](GError** e) {
       return arv_camera_create_stream(camera.get(), nullptr, nullptr, e);
     }));
     if (arv_camera_is_gv_device(camera.get()))
       g_object_set(stream.get(), "frame-retention", kFrameRetention_us, nullptr);
-    const std::size_t payload =
-        ask("the camera does not tell the size of its frames",
-            [&](GError** e) { return arv_camera_get_payload(camera.get(), e); });
+    const std::size_t payload = frame_bytes();
     if (payload > memory.bytes())
       throw WorkError(
           fmt::format("the camera's frames have {} bytes; {} were expected at most; "
@@ -396,6 +376,23 @@ std::optional<AravisLink::Arrival> AravisLink::receive(double timeout_s) {
 
 bool AravisLink::lost() const {
   return impl_->lost;
+}
+
+std::size_t AravisLink::frame_bytes() const {
+  return impl_->frame_bytes();
+}
+
+int AravisLink::packet_size() const {
+  if (!arv_camera_is_gv_device(impl_->camera.get())) return 0;
+  return static_cast<int>(ask("the camera does not tell the size of its packets", [&](GError** e) {
+    return arv_camera_gv_get_packet_size(impl_->camera.get(), e);
+  }));
+}
+
+std::uint64_t AravisLink::underruns() const {
+  guint64 complete = 0, failed = 0, underruns = 0;
+  arv_stream_get_statistics(impl_->stream.get(), &complete, &failed, &underruns);
+  return underruns;
 }
 
 }  // namespace planar

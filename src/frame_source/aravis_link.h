@@ -65,6 +65,13 @@ class AravisLink {
   /// The other side has not answered for some seconds, or the cable is out.
   bool lost() const;
 
+  // Of the stream that start() began.
+  std::size_t frame_bytes() const;
+  /// Bytes of a GigE packet, its headers included; 0 on USB.
+  int packet_size() const;
+  /// Frames for which no memory was free.
+  std::uint64_t underruns() const;
+
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;

@@ -25,4 +25,10 @@ struct AravisSettings {
   double timeout_s{0.5};
 };
 
+/// Throws InputError naming every setting that no camera can have.
+void require_settings(const AravisSettings& settings);
+
+/// In words.
+std::string exposure_too_long(double exposure_s, double frame_rate_hz);
+
 }  // namespace planar

@@ -6,6 +6,7 @@
 
 #include "core/clock.h"
 #include "core/error.h"
+#include "frame_source/camera_inspection.h"
 #include "served_cell/aravis_gige_camera.h"
 #include "support/scene_sensor.h"
 
@@ -224,6 +225,29 @@ TEST_CASE("A region must lie on the sensor") {
   AravisCamera camera(settings_with(CameraTrigger::kSoftware));
   CHECK_THROWS_AS(camera.set_region({300, 0, 64, 64}), std::invalid_argument);
   CHECK_THROWS_AS(camera.set_region({0, 0, 0, 64}), std::invalid_argument);
+}
+
+TEST_CASE("An inspection counts whole and torn frames, and tells why a camera cannot be used") {
+  constexpr double kDuration_s = 0.5;
+  for (const CameraTrigger trigger : {CameraTrigger::kFreeRun, CameraTrigger::kSoftware}) {
+    AravisSettings settings = settings_with(trigger);
+    settings.packet_size = 1500;
+    {
+      test::SceneSensor sensor;
+      Server server(sensor);
+      const CameraInspection good = inspect_camera(settings, kDuration_s);
+      CHECK(good.refusal.empty());
+      CHECK(good.complete > 0);
+      CHECK(good.packet_size == 1500);
+      CHECK(good.frame_bytes == static_cast<std::size_t>(kSensor.area()));
+      server.camera.lose_packets(0.1);
+      CHECK(inspect_camera(settings, kDuration_s).incomplete > 0);
+      settings.id = "T2";
+      CHECK_THAT(inspect_camera(settings, kDuration_s).refusal, Catch::Contains("is T1, not T2"));
+    }
+    CHECK_THAT(inspect_camera(settings, kDuration_s).refusal,
+               Catch::Contains("no GigE camera answers"));
+  }
 }
 
 }  // namespace

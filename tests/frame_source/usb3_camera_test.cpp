@@ -6,6 +6,8 @@
 #include "core/clock.h"
 #include "core/error.h"
 #include "frame_source/aravis_camera.h"
+#include "frame_source/camera_inspection.h"
+#include "frame_source/camera_path.h"
 #include "support/scene_sensor.h"
 
 // Every frame here crosses USB3 Vision, through Aravis and libusb, to a camera emulated below them.
@@ -123,6 +125,17 @@ TEST_CASE("A USB camera that is not there is missed by its serial number, those 
   CHECK_THROWS_WITH(AravisCamera(settings),
                     Catch::Contains("no USB camera with the serial number U3V2") &&
                         Catch::Contains("there are: U3V1"));
+}
+
+TEST_CASE("A USB camera is found in /sys, and an inspection counts its frames") {
+  PluggedCamera plugged;
+  const auto path = find_usb_path("U3V1");
+  REQUIRE(path);
+  CHECK(path->permitted);
+  CHECK(path->speed_bit_s == 5e9);
+  const CameraInspection seen = inspect_camera(settings_with(CameraTrigger::kSoftware), 0.5);
+  CHECK(seen.complete > 0);
+  CHECK(seen.packet_size == 0);
 }
 
 }  // namespace
