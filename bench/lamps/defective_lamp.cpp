@@ -80,25 +80,30 @@ class Scene {
   std::vector<double> outline_;
 };
 
-bool is_crossed(const Scene& scene, const Eigen::Vector2d& pixel) {
-  const bool first = scene.inside(pixel);
+// The optics blur the light before the pixels collect it: the scene is made of cells finer than a
+// pixel, blurred, and only then summed into pixels.
+constexpr int kCellsPerPixel = 3;
+constexpr double kCell_px = 1.0 / kCellsPerPixel;
+
+bool is_crossed(const Scene& scene, const Eigen::Vector2d& cell) {
+  const bool first = scene.inside(cell);
   for (int dv = -1; dv <= 1; ++dv) {
     for (int du = -1; du <= 1; ++du) {
-      if (scene.inside(pixel + 0.5 * Eigen::Vector2d(du, dv)) != first) return true;
+      if (scene.inside(cell + 0.5 * kCell_px * Eigen::Vector2d(du, dv)) != first) return true;
     }
   }
   return false;
 }
 
-double mean_level(const Scene& scene, const Eigen::Vector2d& pixel) {
-  constexpr int kSide = 16;
+/// Over the points of a Fibonacci lattice, which has no lines for an edge to follow.
+double mean_level(const Scene& scene, const Eigen::Vector2d& cell) {
+  constexpr int kPoints = 144, kStep = 89;
   double sum = 0.0;
-  for (int i = 0; i < kSide; ++i) {
-    for (int j = 0; j < kSide; ++j) {
-      sum += scene.level(pixel + Eigen::Vector2d((i + 0.5) / kSide - 0.5, (j + 0.5) / kSide - 0.5));
-    }
+  for (int i = 0; i < kPoints; ++i) {
+    const Eigen::Vector2d point((i + 0.5) / kPoints, (i * kStep % kPoints + 0.5) / kPoints);
+    sum += scene.level(cell + kCell_px * (point - Eigen::Vector2d(0.5, 0.5)));
   }
-  return sum / (kSide * kSide);
+  return sum / kPoints;
 }
 
 }  // namespace
@@ -115,15 +120,19 @@ void draw_rim(DefectiveLamp& lamp, double rms, std::mt19937& random) {
 
 cv::Mat render(const DefectiveLamp& lamp, const cv::Size& size) {
   const Scene scene(lamp);
-  cv::Mat image(size, CV_32F);
-  for (int v = 0; v < size.height; ++v) {
-    for (int u = 0; u < size.width; ++u) {
-      const Eigen::Vector2d pixel(u, v);
-      image.at<float>(v, u) = static_cast<float>(is_crossed(scene, pixel) ? mean_level(scene, pixel)
-                                                                          : scene.level(pixel));
+  cv::Mat cells(size * kCellsPerPixel, CV_32F);
+  for (int v = 0; v < cells.rows; ++v) {
+    for (int u = 0; u < cells.cols; ++u) {
+      const Eigen::Vector2d cell = kCell_px * Eigen::Vector2d(u + 0.5, v + 0.5) -
+                                   Eigen::Vector2d(0.5, 0.5);
+      cells.at<float>(v, u) = static_cast<float>(is_crossed(scene, cell) ? mean_level(scene, cell)
+                                                                         : scene.level(cell));
     }
   }
-  cv::GaussianBlur(image, image, cv::Size(), lamp.blur_px, lamp.blur_px, cv::BORDER_REPLICATE);
+  const double blur = lamp.blur_px * kCellsPerPixel;
+  cv::GaussianBlur(cells, cells, cv::Size(), blur, blur, cv::BORDER_REPLICATE);
+  cv::Mat image;
+  cv::resize(cells, image, size, 0.0, 0.0, cv::INTER_AREA);
   return image;
 }
 

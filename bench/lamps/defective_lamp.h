@@ -41,7 +41,7 @@ struct DefectiveLamp {
 /// Harmonics of equal expected power, scaled to this rms over the rim.
 void draw_rim(DefectiveLamp& lamp, double rms, std::mt19937& random);
 
-/// The noise-free scene, CV_32F: 16 x 16 samples in every pixel that the outline crosses, blurred.
+/// The noise-free image, CV_32F: the scene, blurred, summed into pixels.
 cv::Mat render(const DefectiveLamp& lamp, const cv::Size& size);
 
 }  // namespace planar::bench

@@ -52,6 +52,6 @@ struct PairExpectation {
   std::optional<double> contrast_ratio;
 };
 
-enum class CenterMethod { kAuto, kCannyKasa, kVpDot2 };
+enum class CenterMethod { kAuto, kFast, kCannyKasa, kVpDot2 };
 
 }  // namespace planar

@@ -1,15 +1,17 @@
 #include "marker/lamp_center.h"
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
 #include "core/units.h"
 #include "marker/edge_noise.h"
-#include "marker/ellipse_fit.h"
 #include "marker/grey_moment_edges.h"
 #include "marker/kasa_circle.h"
+#include "marker/light_centroid.h"
+#include "marker/rim_fit.h"
 #include "marker/vp_dot.h"
 
 namespace planar {
@@ -17,7 +19,7 @@ namespace {
 
 constexpr double kMostSaturated = 0.5;     // share of the lamp's pixels
 constexpr double kWideDiameter_px = 24.0;  // from here a rim is straight enough for 7 x 7 pixels
-constexpr double kLargestGap = 90.0 * kDegree;
+constexpr double kLargestGap = 100.0 * kDegree;
 constexpr double kCannySpacing_px = 1.11;  // mean length of a step to a neighbour in 8 directions
 
 // Thresholds of Canny's gradient (Sobel, 4 x a step) and of a step itself, over the lamp's
@@ -91,17 +93,31 @@ LampCenter by_kasa(const std::vector<Eigen::Vector2d>& edges, const GreyMoments&
   return lamp;
 }
 
-LampCenter by_rim(const std::vector<Eigen::Vector2d>& edges, const GreyMoments& moments,
-                  LampCenter lamp) {
-  const std::optional<RimFit> rim = fit_rim(edges, reach(moments));
-  if (!rim || rim->largest_gap > kLargestGap) return lamp;
+LampCenter by_light(const cv::Mat& image, const Blob& blob, LampCenter lamp) {
+  const std::optional<LightCentroid> light = light_centroid(image, blob);
+  if (!light) return lamp;
+  lamp.status = LampStatus::kOk;
+  lamp.uv_px = light->center;
+  lamp.covariance_px2 = light->covariance;
+  return lamp;
+}
+
+LampCenter by_rim(const cv::Mat& image, const Blob& blob, double reach_px, LampCenter lamp) {
+  const std::optional<RimFit> rim = fit_rim(image, blob, reach_px);
+  if (!rim || rim->largest_gap > kLargestGap) {
+    if (blob.saturated_share > kMostSaturated) lamp.status = LampStatus::kSaturated;
+    return lamp;
+  }
   lamp.status = LampStatus::kOk;
   lamp.uv_px = rim->center;
   lamp.covariance_px2 = rim->center_covariance;
-  // Grey moments take the rim for straight, which puts it rho^2 / (6 R) too far inside.
-  const double rho = moments.radius_px();
-  lamp.diameter_px = rim->diameter() + 2.0 * rho * rho / (3.0 * rim->diameter());
+  lamp.diameter_px = rim->diameter;
   return lamp;
+}
+
+/// How many pixels lie beyond a box on the side of the image that is nearest to it.
+int margin_px(const cv::Size& image, const cv::Rect& box) {
+  return std::min({box.x, box.y, image.width - box.br().x, image.height - box.br().y});
 }
 
 }  // namespace
@@ -114,9 +130,8 @@ LampCenter measure_lamp(const cv::Mat& image, const Blob& blob, CenterMethod met
 
   const GreyMoments& moments = window_for(blob);
   const int margin = static_cast<int>(std::ceil(moments.radius_px())) + 1;
-  const cv::Rect window(blob.box_px.x - margin, blob.box_px.y - margin,
-                        blob.box_px.width + 2 * margin, blob.box_px.height + 2 * margin);
-  if ((window & cv::Rect({0, 0}, image.size())) != window) {
+  const int beyond = margin_px(image.size(), blob.box_px);
+  if (beyond < margin) {
     lamp.status = LampStatus::kAtBorder;
     return lamp;
   }
@@ -125,14 +140,19 @@ LampCenter measure_lamp(const cv::Mat& image, const Blob& blob, CenterMethod met
     return lamp;
   }
   lamp.status = LampStatus::kNotRound;
-  if (method == CenterMethod::kVpDot2) return by_vp_dot(image, blob, lamp);
+  switch (method) {
+    case CenterMethod::kAuto: return by_rim(image, blob, beyond, lamp);
+    case CenterMethod::kFast: return by_light(image, blob, lamp);
+    case CenterMethod::kVpDot2: return by_vp_dot(image, blob, lamp);
+    case CenterMethod::kCannyKasa: break;
+  }
   if (blob.saturated_share > kMostSaturated) {
     lamp.status = LampStatus::kSaturated;
     return lamp;
   }
-  const std::vector<Eigen::Vector2d> edges = rim_edges(image, blob, window, moments);
-  return method == CenterMethod::kCannyKasa ? by_kasa(edges, moments, lamp)
-                                            : by_rim(edges, moments, lamp);
+  const cv::Rect window(blob.box_px.x - margin, blob.box_px.y - margin,
+                        blob.box_px.width + 2 * margin, blob.box_px.height + 2 * margin);
+  return by_kasa(rim_edges(image, blob, window, moments), moments, lamp);
 }
 
 }  // namespace planar

@@ -1,0 +1,88 @@
+#include "marker/pixel_noise.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+#include "core/units.h"
+
+namespace planar {
+namespace {
+
+constexpr double kRounding = 1.0 / 12.0;
+
+/// Sums over the pixels of one side of the rim.
+struct Side {
+  int pixels{0}, level{0}, difference{0};
+
+  void add_row(const std::uint8_t* row, int begin, int end) {
+    for (int u = begin; u < end; ++u) {
+      const int left = row[u - 1], here = row[u], right = row[u + 1];
+      if (std::max({left, here, right}) == 255) continue;
+      ++pixels;
+      level += here;
+      difference += std::abs(left - 2 * here + right);
+    }
+  }
+  bool tells() const {
+    constexpr int kLeastPixels = 50;
+    return pixels >= kLeastPixels;
+  }
+  double mean_level() const { return static_cast<double>(level) / pixels; }
+  /// Of normal noise, whose second difference has 6 times the variance.
+  double variance() const {
+    const double mean = static_cast<double>(difference) / pixels;
+    return std::max(kRounding, mean * mean * kPi / 2.0 / 6.0);
+  }
+};
+
+}  // namespace
+
+double PixelNoise::variance(double level) const {
+  return std::max(kRounding, at_zero + per_level * level);
+}
+
+PixelNoise estimate_noise(const cv::Mat& image, const Outline& outline) {
+  constexpr double kMargin_px = 4.0, kMarginInside = 0.3, kReach_px = 5.0;
+  constexpr double kLikelyAtZero = kRounding + 0.25, kLeastContrast = 10.0;
+  const double radius = 0.5 * outline.diameter();
+  const double inner = radius - std::max(kMargin_px, kMarginInside * radius);
+  const Eigen::Matrix2d shape = (outline.axes * outline.axes).inverse();
+  const double tall = 1.0 / std::sqrt(shape(1, 1) - shape(0, 1) * shape(0, 1) / shape(0, 0));
+  const double outer = 1.0 + kMargin_px / radius;
+  const int first = std::max(0, static_cast<int>(outline.center.y() - tall * outer - kReach_px));
+  const int last = std::min(image.rows - 1,
+                            static_cast<int>(outline.center.y() + tall * outer + kReach_px));
+  Side dark, bright;
+  const auto clamped = [&](double u) {
+    return std::clamp(static_cast<int>(std::lround(u)), 1, image.cols - 1);
+  };
+  for (int v = first; v <= last; ++v) {
+    const double y = v - outline.center.y();
+    // Where the row crosses the ellipse scaled by s: |u - middle| = half(s).
+    const double middle = outline.center.x() - shape(0, 1) / shape(0, 0) * y;
+    const auto half = [&](double s) {
+      const double square = s * s - y * y / (tall * tall);
+      return square > 0.0 ? std::sqrt(square / shape(0, 0)) : 0.0;
+    };
+    const double in = half(inner / radius), out = half(outer);
+    const auto* row = image.ptr<std::uint8_t>(v);
+    if (in > 0.0) bright.add_row(row, clamped(middle - in), clamped(middle + in));
+    dark.add_row(row, clamped(middle - out - kReach_px), clamped(middle - out));
+    dark.add_row(row, clamped(middle + out), clamped(middle + out + kReach_px));
+  }
+  if (!dark.tells()) return {kLikelyAtZero, 0.0};
+  const double contrast = bright.tells() ? bright.mean_level() - dark.mean_level() : 0.0;
+  PixelNoise noise;
+  if (contrast > kLeastContrast) {
+    noise.per_level = std::max(0.0, (bright.variance() - dark.variance()) / contrast);
+    noise.at_zero = dark.variance() - noise.per_level * dark.mean_level();
+  } else {
+    noise.at_zero = std::min(kLikelyAtZero, dark.variance());
+    noise.per_level = (dark.variance() - noise.at_zero) / std::max(1.0, dark.mean_level());
+  }
+  return noise;
+}
+
+}  // namespace planar

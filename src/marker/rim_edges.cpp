@@ -1,0 +1,221 @@
+#include "marker/rim_edges.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "core/units.h"
+
+namespace planar {
+namespace {
+
+constexpr int kKinds = RimLevels::kKinds, kHarmonics = Normals::kHarmonics;
+enum Kind { kDark, kBright, kDarkSlope, kBrightSlope };
+using Kinds = Eigen::Matrix<double, kKinds, 1>;
+using KindSquare = Eigen::Matrix<double, kKinds, kKinds>;
+using HarmonicSquare = Eigen::Matrix<double, kHarmonics, kHarmonics>;
+template <class Scalar>
+using Templates = Eigen::Matrix<Scalar, kKinds + 1, RimBand::kPlaces>;
+
+/// The profile that is common to the normals: what all of them are compared with.
+struct CommonProfile {
+  EdgeProfile profile;
+  RimBand::Places weight;  ///< 1 / variance per normal of mean arc; 0 where clipped
+  bool is_clipped{false};
+};
+
+/// The first place that is clipped on none of the normals in use. A few clipped samples beyond the
+/// ones where many are (a hot pixel) do not count.
+int first_unclipped(const RimBand& band, const NormalFlags& use) {
+  constexpr double kMany = 0.3;
+  const auto clipped = [&](int place) {
+    return ((band.level.row(place).transpose().array() == RimBand::kClipped) && use).count();
+  };
+  int first = 0;
+  for (int j = 0; j < RimBand::kPlaces; ++j) {
+    if (static_cast<double>(clipped(j)) > kMany * static_cast<double>(use.count())) first = j + 1;
+  }
+  while (first > 0 && first < RimBand::kPlaces && clipped(first) > 0) ++first;
+  return first;
+}
+
+std::optional<CommonProfile> common_profile(const RimBand& band, const PixelNoise& noise,
+                                            const NormalFlags& use) {
+  constexpr int kLeastPlaces = 6;
+  constexpr double kClippedBright = 300.0;
+  const int first = first_unclipped(band, use);
+  if (RimBand::kPlaces - first < kLeastPlaces) return std::nullopt;
+  CommonProfile common;
+  common.is_clipped = first > 0;
+  const auto used = static_cast<double>(use.count());
+  const RimBand::Places mean =
+      (band.level * use.cast<float>().matrix()).cast<double>() / std::max(1.0, used);
+  const double arc_px = band.normals.arc_px.mean();
+  const double radius_px = arc_px * band.normals.count() / (2.0 * kPi);
+  common.weight.setZero();
+  for (int j = first; j < RimBand::kPlaces; ++j) {
+    const double area_px2 = arc_px * band.step_px() * (1.0 + band.distance_px[j] / radius_px);
+    common.weight[j] = area_px2 / noise.variance(mean[j]);
+  }
+  EdgeProfile start;
+  start.dark = mean[RimBand::kPlaces - 1];
+  start.bright = common.is_clipped ? kClippedBright : mean[0];
+  common.profile = fit_edge_profile(band.distance_px, mean, common.weight * used, start);
+  return common;
+}
+
+/// Products of the templates (one per kind of level, then one of the edge's offset times the
+/// contrast) with one another and with the levels of each normal.
+struct Products {
+  KindSquare kinds;        ///< the offset eliminated
+  Kinds offset_per_level;  ///< what a level beside the rim adds to the offset times the contrast
+  double offset_information;
+  Normals::Columns<kKinds> normal_kinds;                    ///< the offset eliminated
+  Eigen::Matrix<double, 1, Eigen::Dynamic, Eigen::RowMajor, 1, Normals::kMost> normal_offset;
+};
+
+Products products(const RimBand& band, const CommonProfile& common) {
+  const EdgeProfile& profile = common.profile;
+  Templates<double> shapes;
+  Templates<float> blurs;
+  for (int j = 0; j < RimBand::kPlaces; ++j) {
+    const double d = band.distance_px[j];
+    const EdgeShape edge = profile.shape(d);
+    const double slope = edge.density / profile.blur_px;
+    const double inner_slope = common.is_clipped ? 0.0 : d * edge.share;
+    shapes.col(j) << 1.0 - edge.share, edge.share, d * (1.0 - edge.share), inner_slope, slope;
+    const double blurred = 0.5 * (profile.bright - profile.dark) * slope *
+                           (d - profile.offset_px) / (profile.blur_px * profile.blur_px);
+    blurs.col(j) = (common.weight[j] * blurred * shapes.col(j)).cast<float>();
+  }
+  const Templates<double> weighted = shapes * common.weight.asDiagonal();
+  const Eigen::Matrix<double, kKinds + 1, kKinds + 1> square = weighted * shapes.transpose();
+  const Normals::Columns<kKinds + 1> sums =
+      (weighted.cast<float>() * band.level - blurs * band.blur_px2).cast<double>();
+
+  Products p;
+  p.offset_information = square(kKinds, kKinds);
+  const Kinds mixed = square.topRightCorner<kKinds, 1>();
+  p.offset_per_level = -mixed / p.offset_information;
+  p.kinds = square.topLeftCorner<kKinds, kKinds>() + mixed * p.offset_per_level.transpose();
+  p.kinds.diagonal().array() += 1e-9 * p.kinds.trace();  // a kind that the places do not tell
+  p.normal_offset = sums.row(kKinds) / p.offset_information;
+  p.normal_kinds = sums.topRows<kKinds>() - mixed * p.normal_offset;
+  return p;
+}
+
+/// Normal equations of the levels' harmonics: kinds (x) harmonics, when all kinds have all of them.
+struct LevelEquations {
+  KindSquare kinds;
+  HarmonicSquare harmonics;
+  Eigen::Matrix<double, kKinds, kHarmonics> right;
+};
+
+using KindFlags = std::array<bool, kKinds>;
+
+/// With the harmonics above the constant of those kinds only that vary.
+RimLevels solve(const LevelEquations& equations, const KindFlags& varies) {
+  using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor,
+                               RimLevels::kTerms, RimLevels::kTerms>;
+  using Column = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, RimLevels::kTerms, 1>;
+  struct Term {
+    int kind, harmonic;
+  };
+  std::array<Term, RimLevels::kTerms> terms;
+  std::size_t n = 0;
+  for (int kind = 0; kind < kKinds; ++kind) {
+    const int harmonics = varies[static_cast<std::size_t>(kind)] ? kHarmonics : 1;
+    for (int h = 0; h < harmonics; ++h) terms[n++] = {kind, h};
+  }
+  const auto size = static_cast<Eigen::Index>(n);
+  Square normal(size, size);
+  Column right(size);
+  for (std::size_t i = 0; i < n; ++i) {
+    right[static_cast<Eigen::Index>(i)] = equations.right(terms[i].kind, terms[i].harmonic);
+    for (std::size_t j = 0; j < n; ++j) {
+      normal(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) =
+          equations.kinds(terms[i].kind, terms[j].kind) *
+          equations.harmonics(terms[i].harmonic, terms[j].harmonic);
+    }
+  }
+  const Eigen::LLT<Square> solver(normal);
+  const Column x = solver.solve(right);
+  const Square inverse = solver.solve(Square::Identity(size, size));
+  RimLevels levels{decltype(RimLevels::harmonics)::Zero(), decltype(RimLevels::covariance)::Zero()};
+  const auto place = [](const Term& term) { return term.kind * kHarmonics + term.harmonic; };
+  for (std::size_t i = 0; i < n; ++i) {
+    levels.harmonics(terms[i].kind, terms[i].harmonic) = x[static_cast<Eigen::Index>(i)];
+    for (std::size_t j = 0; j < n; ++j) {
+      levels.covariance(place(terms[i]), place(terms[j])) =
+          inverse(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
+    }
+  }
+  return levels;
+}
+
+/// Which kinds vary round the rim by more than their noise explains, when all may. The level and
+/// the slope of one side are nearly exchangeable and therefore tested together first.
+KindFlags significant_kinds(const LevelEquations& equations, bool is_clipped) {
+  constexpr int kWaving = kHarmonics - 1;
+  constexpr double kSigmas = 3.0;
+  const KindSquare kinds = equations.kinds.inverse();
+  const HarmonicSquare harmonics = equations.harmonics.inverse();
+  const Eigen::Matrix<double, kKinds, kWaving> x =
+      (kinds * equations.right * harmonics).rightCols<kWaving>();
+  const Eigen::Matrix<double, kWaving, kWaving> precision =
+      harmonics.bottomRightCorner<kWaving, kWaving>().inverse();
+  const KindSquare scatter = x * precision * x.transpose();
+  const auto limit = [](int freedom) { return freedom + kSigmas * std::sqrt(2.0 * freedom); };
+  KindFlags varies{};
+  for (const auto& [level, slope] : {std::pair{kDark, kDarkSlope}, {kBright, kBrightSlope}}) {
+    if (level == kBright && is_clipped) continue;
+    Eigen::Matrix2d covariance, side;
+    covariance << kinds(level, level), kinds(level, slope), kinds(slope, level), kinds(slope, slope);
+    side << scatter(level, level), scatter(level, slope), scatter(slope, level),
+        scatter(slope, slope);
+    if (covariance.inverse().cwiseProduct(side).sum() < limit(2 * kWaving)) continue;
+    varies[level] = true;
+    varies[slope] = scatter(slope, slope) / kinds(slope, slope) > limit(kWaving);
+  }
+  return varies;
+}
+
+RimLevels fit_levels(const Products& p, const Normals& normals, const PerNormal& weight,
+                     bool is_clipped) {
+  const LevelEquations equations{
+      p.kinds, normals.harmonics * weight.asDiagonal() * normals.harmonics.transpose(),
+      p.normal_kinds * weight.asDiagonal() * normals.harmonics.transpose()};
+  return solve(equations, significant_kinds(equations, is_clipped));
+}
+
+}  // namespace
+
+std::optional<RimEdges> measure_edges(const RimBand& band, const Outline& outline,
+                                      const PixelNoise& noise, const NormalFlags& use) {
+  constexpr double kLeastContrast = 0.1;  // of the mean one
+  const Normals& normals = band.normals;
+  RimEdges edges;
+  std::optional<CommonProfile> common = common_profile(band, noise, use);
+  if (!common) return std::nullopt;
+  const int first = static_cast<int>((common->weight.array() == 0.0).count());
+  edges.readable = (band.level.bottomRows(RimBand::kPlaces - first).array() < RimBand::kClipped)
+                       .colwise().all().transpose();
+  const Products p = products(band, *common);
+  const PerNormal weight = normals.arc_px.cwiseProduct((use && edges.readable).cast<double>().matrix()) /
+                           normals.arc_px.mean();
+  edges.levels = fit_levels(p, normals, weight, common->is_clipped);
+  const Normals::Columns<kKinds> level = edges.levels.harmonics * normals.harmonics;
+  const double least = kLeastContrast * (common->profile.bright - common->profile.dark);
+  const PerNormal contrast = (level.row(kBright) - level.row(kDark)).cwiseMax(least).transpose();
+  edges.moved_by_level = p.offset_per_level * contrast.cwiseInverse().transpose();
+  edges.offset_px = (p.normal_offset + p.offset_per_level.transpose() * level).transpose();
+  edges.offset_px = edges.offset_px.cwiseQuotient(contrast) + normals.waves(outline);
+  edges.offset_px.array() += common->profile.offset_px;
+  edges.information = p.offset_information * weight.cwiseProduct(contrast.cwiseAbs2());
+  return edges;
+}
+
+}  // namespace planar

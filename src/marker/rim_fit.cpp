@@ -1,0 +1,191 @@
+#include "marker/rim_fit.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "core/units.h"
+#include "marker/outline.h"
+#include "marker/outline_fit.h"
+#include "marker/pixel_noise.h"
+#include "marker/rim_band.h"
+#include "marker/rim_edges.h"
+
+namespace planar {
+namespace {
+
+constexpr double kLeastShare = 0.5;  // of the rim that must agree with its outline
+
+struct CoarseEdges {
+  PerNormal offset_px;
+  NormalFlags found;
+};
+
+/// Where the level half way between both ends of a normal is crossed, seen from outside.
+CoarseEdges half_level_edges(const RimBand& band, double contrast) {
+  constexpr double kLeastStep = 0.2;
+  constexpr int kEnd = 3;
+  const Eigen::Index count = band.normals.count(), last = RimBand::kPlaces - 1;
+  CoarseEdges edges{PerNormal::Zero(count), NormalFlags::Constant(count, false)};
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const auto level = band.level.col(k);
+    const double bright = level.head<kEnd>().mean(), dark = level.tail<kEnd>().mean();
+    if (bright - dark < kLeastStep * contrast) continue;
+    const auto half = static_cast<float>(0.5 * (bright + dark));
+    Eigen::Index j = last - 1;
+    while (j > 0 && level[j] < half) --j;
+    if (level[j] < half) continue;
+    const double share = (level[j] - half) / (level[j] - level[j + 1]);
+    edges.offset_px[k] = band.distance_px[j] + share * band.step_px();
+    edges.found[k] = true;
+  }
+  return edges;
+}
+
+/// Standard deviation of one half-level edge of a lamp in ordinary focus. The crossing between two
+/// samples is taken for straight, which it is less where the light is clipped above it.
+double coarse_sigma_px(const PixelNoise& noise, const Blob& blob) {
+  constexpr double kStraight_px = 0.03, kClipped_px = 0.06;
+  constexpr double kEdge_px = 1.8;  // for a blur of 0.9 px
+  const double sigma = std::sqrt(noise.variance(0.5 * (blob.level + blob.background)));
+  const double least = blob.saturated_share > 0.0 ? kClipped_px : kStraight_px;
+  return std::max(least, kEdge_px * sigma / blob.contrast());
+}
+
+PerNormal informations(const NormalFlags& use, double sigma_px) {
+  return use.cast<double>().matrix() / (sigma_px * sigma_px);
+}
+
+struct Start {
+  Outline outline;
+  NormalFlags use;
+};
+
+/// Does the fit leave no more than the edges' noise?
+bool explains(const OutlineFit& fit, const Normals& normals, const CoarseEdges& edges,
+              double sigma_px) {
+  constexpr double kMostVariance = 2.5, kMostSigmas = 5.0;
+  const PerNormal residual = (edges.offset_px - normals.move.transpose() * fit.terms)
+                                 .cwiseProduct(edges.found.cast<double>().matrix());
+  const double variance = residual.squaredNorm() / static_cast<double>(edges.found.count());
+  return variance < kMostVariance * sigma_px * sigma_px &&
+         residual.cwiseAbs().maxCoeff() < kMostSigmas * sigma_px;
+}
+
+/// From the blob's moments to an outline within a few tenths of a pixel: the first that explains
+/// the edges, of an ellipse, of one with waves as large as they come, and of one with ordinary waves
+/// to all but a quarter of the rim and to what agrees with that.
+std::optional<Start> find_outline(const RimBand& band, const Outline& from, const Blob& blob,
+                                  const PixelNoise& noise) {
+  constexpr double kOrdinaryWave = 0.005, kLargeWave = 0.02;  // per harmonic, of the radius
+  const Normals& normals = band.normals;
+  const CoarseEdges edges = half_level_edges(band, blob.contrast());
+  const auto least = kLeastShare * normals.count();
+  if (static_cast<double>(edges.found.count()) < least) return std::nullopt;
+  const double sigma = coarse_sigma_px(noise, blob), radius = 0.5 * from.diameter();
+  const double large = std::pow(kLargeWave * radius, 2), ordinary = std::pow(kOrdinaryWave * radius, 2);
+  Start start{from, edges.found};
+  PerNormal information = informations(start.use, sigma);
+  OutlineFit fit = fit_outline(normals, edges.offset_px, information, 0.0);
+  if (!explains(fit, normals, edges, sigma)) {
+    fit = fit_outline(normals, edges.offset_px, information, large);
+  }
+  if (!explains(fit, normals, edges, sigma)) {
+    const ArcFit arc = fit_without_arc(normals, edges.offset_px, information, ordinary);
+    start.use = agreeing(normals, edges.offset_px, arc.fit, sigma, edges.found, arc.use);
+    if (static_cast<double>(start.use.count()) < least) return std::nullopt;
+    information = informations(start.use, sigma);
+    fit = fit_outline(normals, edges.offset_px, information, ordinary);
+  }
+  start.outline.change(fit.terms);
+  return start;
+}
+
+/// Of the centre: by the edges' noise at given levels, and by the levels'.
+Eigen::Matrix2d center_covariance(const OutlineFit& fit, const Normals& normals,
+                                  const RimEdges& edges) {
+  const Normals::Columns<2> per_offset =
+      fit.covariance.topRows<2>() * normals.move * edges.information.asDiagonal();
+  Eigen::Matrix<double, 2, RimLevels::kTerms> per_level;
+  for (int kind = 0; kind < RimLevels::kKinds; ++kind) {
+    per_level.middleCols<Normals::kHarmonics>(kind * Normals::kHarmonics) =
+        per_offset * edges.moved_by_level.row(kind).asDiagonal() * normals.harmonics.transpose();
+  }
+  return fit.covariance.topLeftCorner<2, 2>() +
+         per_level * edges.levels.covariance * per_level.transpose();
+}
+
+double largest_gap(const NormalFlags& use) {
+  const Eigen::Index n = use.size();
+  Eigen::Index longest = 0, run = 0;
+  for (Eigen::Index k = 0; k < 2 * n && longest < n; ++k) {
+    run = use[k % n] ? 0 : run + 1;
+    longest = std::max(longest, run);
+  }
+  return 2.0 * kPi * static_cast<double>(longest) / static_cast<double>(n);
+}
+
+/// Is this still the lamp that the blob announced?
+bool is_near(const Outline& outline, const Blob& blob) {
+  constexpr double kMostShift = 0.25, kMostGrowth = 1.5;  // of the diameter
+  const double ratio = outline.diameter() / blob.diameter_px();
+  return outline.axes.determinant() > 0.0 && outline.axes.trace() > 0.0 && ratio < kMostGrowth &&
+         ratio > 1.0 / kMostGrowth &&
+         (outline.center - blob.uv_px).norm() < kMostShift * blob.diameter_px();
+}
+
+/// The band of the first look is as wide as a blob's moments may be wrong.
+void sample_coarsely(const cv::Mat& image, const Outline& outline, double reach_px, RimBand& band) {
+  const int count = normals_round(outline.diameter());
+  constexpr double kReach = 0.35, kMostInside = 0.8, kLeast_px = 4.0;  // of the radius
+  const double radius = 0.5 * outline.diameter();
+  const double reach = std::max(kLeast_px, kReach * radius);
+  band.sample(image, outline, count, -std::min(reach, kMostInside * radius),
+              std::min(reach, reach_px));
+}
+
+}  // namespace
+
+std::optional<RimFit> fit_rim(const cv::Mat& image, const Blob& blob, double reach_px) {
+  constexpr double kReach_px = 6.0, kMostInside = 0.75, kNear_px = 0.1;
+  constexpr int kRounds = 3;
+  Outline outline = outline_of(blob);
+  if (!is_near(outline, blob)) return std::nullopt;
+  const PixelNoise noise = estimate_noise(image, outline);
+  RimBand band;
+  sample_coarsely(image, outline, reach_px, band);
+  std::optional<Start> start = find_outline(band, outline, blob, noise);
+  if (!start) return std::nullopt;
+  outline = start->outline;
+  NormalFlags use = start->use;
+
+  RimFit rim;
+  for (int round = 0; round < kRounds; ++round) {
+    if (!is_near(outline, blob)) return std::nullopt;
+    const double inside = std::min(kReach_px, kMostInside * 0.5 * outline.diameter());
+    band.sample(image, outline, static_cast<int>(use.size()), -inside,
+                std::min(kReach_px, reach_px));
+    const std::optional<RimEdges> edges = measure_edges(band, outline, noise, use);
+    if (!edges) return std::nullopt;
+    const OutlineFit fit = fit_outline(band.normals, edges->offset_px, edges->information);
+    if (!fit.terms.allFinite()) return std::nullopt;
+    rim.center_covariance = center_covariance(fit, band.normals, *edges);
+    const NormalFlags next = agreeing(band.normals, edges->offset_px, fit,
+                                      1.0 / std::sqrt(edges->information.maxCoeff()),
+                                      edges->readable, use);
+    const bool is_settled = (next == use).all() && fit.terms.head<2>().norm() < kNear_px;
+    outline.change(fit.terms);
+    use = next;
+    if (static_cast<double>(use.count()) < kLeastShare * static_cast<double>(use.size())) {
+      return std::nullopt;
+    }
+    if (is_settled) break;
+  }
+  if (!is_near(outline, blob)) return std::nullopt;
+  rim.center = outline.center;
+  rim.diameter = outline.diameter();
+  rim.largest_gap = largest_gap(use);
+  return rim;
+}
+
+}  // namespace planar
