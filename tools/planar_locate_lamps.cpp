@@ -37,9 +37,10 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--lamps", options.lamps, "lamps in view; 1 follows one disc through the images")
       ->check(CLI::IsMember({1, 2}))
       ->capture_default_str();
-  app.add_option("--centre", options.method,
-                 "how a centre is measured; canny-kasa is the paper's way")
-      ->check(CLI::IsMember({"auto", "canny-kasa", "vpdot2"}))
+  app.add_option(
+         "--centre", options.method,
+         "how a centre is measured; fast is for even lamps only, canny-kasa the paper's way")
+      ->check(CLI::IsMember({"auto", "fast", "canny-kasa", "vpdot2"}))
       ->capture_default_str();
   app.add_option("--start", options.start, "pixel of the disc in the first image")
       ->type_name("U,V");
@@ -50,6 +51,7 @@ void add_options(CLI::App& app, Options& options) {
 }
 
 CenterMethod center_method(const std::string& text) {
+  if (text == "fast") return CenterMethod::kFast;
   if (text == "canny-kasa") return CenterMethod::kCannyKasa;
   return text == "vpdot2" ? CenterMethod::kVpDot2 : CenterMethod::kAuto;
 }

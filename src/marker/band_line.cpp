@@ -20,10 +20,10 @@ constexpr int kFull = 255;
 void sample_line(const cv::Mat& image, const BandLine& line, float* level, float* blur_px2) {
   for (int j = 0; j < kPoints; ++j) {
     const auto place = static_cast<float>(j);
-    const float u = std::clamp(line.u + place * line.du, 0.0f,
-                               static_cast<float>(image.cols) - 1.001f);
-    const float v = std::clamp(line.v + place * line.dv, 0.0f,
-                               static_cast<float>(image.rows) - 1.001f);
+    const float u =
+        std::clamp(line.u + place * line.du, 0.0f, static_cast<float>(image.cols) - 1.001f);
+    const float v =
+        std::clamp(line.v + place * line.dv, 0.0f, static_cast<float>(image.rows) - 1.001f);
     const int left = static_cast<int>(u), top = static_cast<int>(v);
     const float a = u - static_cast<float>(left), b = v - static_cast<float>(top);
     const std::uint8_t* high = image.ptr<std::uint8_t>(top) + left;
@@ -42,7 +42,9 @@ void sample_line(const cv::Mat& image, const BandLine& line, float* level, float
 
 #if defined(__x86_64__)
 
-bool has_fast_lines() { return __builtin_cpu_supports("avx2") != 0; }
+bool has_fast_lines() {
+  return __builtin_cpu_supports("avx2") != 0;
+}
 
 __attribute__((target("avx2"))) void sample_line_fast(const cv::Mat& image, const BandLine& line,
                                                       float* level, float* blur_px2) {
@@ -53,10 +55,10 @@ __attribute__((target("avx2"))) void sample_line_fast(const cv::Mat& image, cons
   const __m256 one = _mm256_set1_ps(1.0f);
   __m256 place = _mm256_setr_ps(0, 1, 2, 3, 4, 5, 6, 7);
   for (int j = 0; j < kPoints; j += 8, place = _mm256_add_ps(place, _mm256_set1_ps(8.0f))) {
-    const __m256 u = _mm256_add_ps(_mm256_set1_ps(line.u),
-                                   _mm256_mul_ps(place, _mm256_set1_ps(line.du)));
-    const __m256 v = _mm256_add_ps(_mm256_set1_ps(line.v),
-                                   _mm256_mul_ps(place, _mm256_set1_ps(line.dv)));
+    const __m256 u =
+        _mm256_add_ps(_mm256_set1_ps(line.u), _mm256_mul_ps(place, _mm256_set1_ps(line.du)));
+    const __m256 v =
+        _mm256_add_ps(_mm256_set1_ps(line.v), _mm256_mul_ps(place, _mm256_set1_ps(line.dv)));
     const __m256i left = _mm256_cvttps_epi32(u), top = _mm256_cvttps_epi32(v);
     const __m256 a = _mm256_sub_ps(u, _mm256_cvtepi32_ps(left));
     const __m256 b = _mm256_sub_ps(v, _mm256_cvtepi32_ps(top));
@@ -77,18 +79,19 @@ __attribute__((target("avx2"))) void sample_line_fast(const cv::Mat& image, cons
     }
     const __m256 mostly = _mm256_cmp_ps(full, _mm256_set1_ps(kMostly), _CMP_GT_OQ);
     _mm256_storeu_ps(level + j, _mm256_blendv_ps(sum, _mm256_cvtepi32_ps(byte), mostly));
-    const auto spread = [](__m256 x) __attribute__((target("avx2"))) {
-      return _mm256_sub_ps(x, _mm256_mul_ps(x, x));
-    };
-    const __m256 blur = _mm256_add_ps(_mm256_mul_ps(_mm256_set1_ps(line.nu2), spread(a)),
-                                      _mm256_mul_ps(_mm256_set1_ps(line.nv2), spread(b)));
+    const __m256 spread_u = _mm256_sub_ps(a, _mm256_mul_ps(a, a));
+    const __m256 spread_v = _mm256_sub_ps(b, _mm256_mul_ps(b, b));
+    const __m256 blur = _mm256_add_ps(_mm256_mul_ps(_mm256_set1_ps(line.nu2), spread_u),
+                                      _mm256_mul_ps(_mm256_set1_ps(line.nv2), spread_v));
     _mm256_storeu_ps(blur_px2 + j, _mm256_sub_ps(blur, _mm256_set1_ps(kMeanBlur_px2)));
   }
 }
 
 #else
 
-bool has_fast_lines() { return false; }
+bool has_fast_lines() {
+  return false;
+}
 
 void sample_line_fast(const cv::Mat& image, const BandLine& line, float* level, float* blur_px2) {
   sample_line(image, line, level, blur_px2);

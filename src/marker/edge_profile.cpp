@@ -38,8 +38,8 @@ EdgeProfile fit_edge_profile(const RimBand::Places& distance_px, const RimBand::
   // Standard deviations of what is expected before the levels are seen.
   constexpr double kOffset_px = 1.0, kBlur_px = 0.5, kSlope = 0.05;
   const double contrast = start.bright - start.dark;
-  const Unknowns sigma = unknowns(contrast, contrast, kSlope * contrast, kSlope * contrast,
-                                  kOffset_px, kBlur_px);
+  const Unknowns sigma =
+      unknowns(contrast, contrast, kSlope * contrast, kSlope * contrast, kOffset_px, kBlur_px);
   const Unknowns expected = unknowns(start);
   EdgeProfile profile = start;
   for (int i = 0; i < kSteps; ++i) {

@@ -141,10 +141,14 @@ LampCenter measure_lamp(const cv::Mat& image, const Blob& blob, CenterMethod met
   }
   lamp.status = LampStatus::kNotRound;
   switch (method) {
-    case CenterMethod::kAuto: return by_rim(image, blob, beyond, lamp);
-    case CenterMethod::kFast: return by_light(image, blob, lamp);
-    case CenterMethod::kVpDot2: return by_vp_dot(image, blob, lamp);
-    case CenterMethod::kCannyKasa: break;
+    case CenterMethod::kAuto:
+      return by_rim(image, blob, beyond, lamp);
+    case CenterMethod::kFast:
+      return by_light(image, blob, lamp);
+    case CenterMethod::kVpDot2:
+      return by_vp_dot(image, blob, lamp);
+    case CenterMethod::kCannyKasa:
+      break;
   }
   if (blob.saturated_share > kMostSaturated) {
     lamp.status = LampStatus::kSaturated;

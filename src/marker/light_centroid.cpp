@@ -37,9 +37,9 @@ std::optional<LightCentroid> light_centroid(const cv::Mat& image, const Blob& bl
   const int full =
       static_cast<int>(std::lround(blob.background + kHighest * blob.contrast())) - lowest;
   if (full <= 0) return std::nullopt;
-  const cv::Rect box = (blob.box_px + cv::Size(2 * kMargin_px, 2 * kMargin_px) -
-                        cv::Point(kMargin_px, kMargin_px)) &
-                       cv::Rect({0, 0}, image.size());
+  const cv::Rect box =
+      (blob.box_px + cv::Size(2 * kMargin_px, 2 * kMargin_px) - cv::Point(kMargin_px, kMargin_px)) &
+      cv::Rect({0, 0}, image.size());
   double light = 0.0, rim = 0.0;
   Eigen::Vector2d first(0.0, 0.0), rim_first(0.0, 0.0), rim_second(0.0, 0.0);
   for (int v = 0; v < box.height; ++v) {
@@ -55,8 +55,8 @@ std::optional<LightCentroid> light_centroid(const cv::Mat& image, const Blob& bl
   const Eigen::Vector2d center = first / light;
   const PixelNoise noise = estimate_noise(image, outline_of(blob));
   const double variance = noise.variance(0.5 * (blob.level + blob.background));
-  const Eigen::Vector2d lever = rim_second - 2.0 * center.cwiseProduct(rim_first) +
-                                rim * center.cwiseAbs2();
+  const Eigen::Vector2d lever =
+      rim_second - 2.0 * center.cwiseProduct(rim_first) + rim * center.cwiseAbs2();
   LightCentroid centroid;
   centroid.center = center + Eigen::Vector2d(box.x, box.y);
   centroid.covariance = (variance / (light * light) * lever).asDiagonal();

@@ -28,7 +28,9 @@ Outline outline_of(const Blob& blob) {
   return outline;
 }
 
-double Outline::diameter() const { return 2.0 * std::sqrt(axes.determinant()); }
+double Outline::diameter() const {
+  return 2.0 * std::sqrt(axes.determinant());
+}
 
 void Outline::change(const Terms& terms) {
   center += terms.head<2>();

@@ -84,10 +84,9 @@ OutlineFit fit_outline(const Normals& normals, const PerNormal& offset_px,
   if (!(excess > kSigmas * std::sqrt(2.0 * kWaves))) return round;
 
   const OutlineFit first = fit_outline(normals, offset_px, information, excess / known.sum());
-  const double power = first.terms.tail<kWaves>().squaredNorm() +
-                       first.covariance.diagonal().tail<kWaves>().sum();
-  return fit_outline(normals, offset_px, information,
-                     std::max(kLeastVariance_px2, power / kWaves));
+  const double power =
+      first.terms.tail<kWaves>().squaredNorm() + first.covariance.diagonal().tail<kWaves>().sum();
+  return fit_outline(normals, offset_px, information, std::max(kLeastVariance_px2, power / kWaves));
 }
 
 ArcFit fit_without_arc(const Normals& normals, const PerNormal& offset_px,
@@ -128,17 +127,18 @@ ArcFit fit_without_arc(const Normals& normals, const PerNormal& offset_px,
 }
 
 NormalFlags agreeing(const Normals& normals, const PerNormal& offset_px, const OutlineFit& fit,
-                     double least_sigma_px, const NormalFlags& readable, const NormalFlags& use) {
-  constexpr double kSigmas = 4.5, kMostUncertain = 2.0, kBlurReach_px = 2.0;
+                     const Agreement& agreement, const NormalFlags& readable,
+                     const NormalFlags& use) {
+  constexpr double kSigmas = 4.5, kMostUncertain = 2.0, kReachOverBlur = 2.2;
   const Eigen::Index n = normals.count();
   const PerNormal residual = residuals(normals, offset_px, fit);
-  const double sigma = std::max(least_sigma_px, robust_sigma(residual, use));
+  const double sigma = std::max(agreement.least_sigma_px, robust_sigma(residual, use));
   const auto agrees = [&](Eigen::Index k) {
     double variance = sigma * sigma;
     if (!use[k]) {
       const auto move = normals.move.col(k);
-      variance += std::min(kMostUncertain * kMostUncertain * variance,
-                           move.dot(fit.covariance * move));
+      variance +=
+          std::min(kMostUncertain * kMostUncertain * variance, move.dot(fit.covariance * move));
     }
     return readable[k] && residual[k] * residual[k] <= kSigmas * kSigmas * variance;
   };
@@ -153,7 +153,8 @@ NormalFlags agreeing(const Normals& normals, const PerNormal& offset_px, const O
     }
   }
   const double spacing_px = normals.arc_px.mean();
-  const int reach = std::max(1, static_cast<int>(std::lround(kBlurReach_px / spacing_px)));
+  const int reach =
+      std::max(1, static_cast<int>(std::lround(kReachOverBlur * agreement.blur_px / spacing_px)));
   return without_neighbours(next, reach);
 }
 

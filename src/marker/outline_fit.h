@@ -34,11 +34,18 @@ struct ArcFit {
 ArcFit fit_without_arc(const Normals& normals, const PerNormal& offset_px,
                        const PerNormal& information, double wave_variance_px2);
 
-/// The normals that agree with a fit: those within 4.5 standard deviations, taken as the larger of
-/// `least_sigma_px` and what the normals in use show, and not beside one that does not agree, to
-/// whose edge its blur reaches. A run of normals that were not in use is taken back from its ends
-/// only, as far as it agrees, so that a part of it that crosses the outline by chance stays out.
+/// What decides whether a normal agrees with a fit.
+struct Agreement {
+  double least_sigma_px;  ///< of an offset; the normals in use may show more
+  double blur_px;         ///< of the edge, which spreads what is wrong to the neighbours
+};
+
+/// The normals that agree with a fit: those within 4.5 standard deviations and out of reach, by the
+/// blur, of one that does not agree. A run of normals that were not in use is taken back from its
+/// ends only, as far as it agrees, so that a part of it that crosses the outline by chance stays
+/// out.
 NormalFlags agreeing(const Normals& normals, const PerNormal& offset_px, const OutlineFit& fit,
-                     double least_sigma_px, const NormalFlags& readable, const NormalFlags& use);
+                     const Agreement& agreement, const NormalFlags& readable,
+                     const NormalFlags& use);
 
 }  // namespace planar

@@ -45,15 +45,15 @@ double PixelNoise::variance(double level) const {
 
 PixelNoise estimate_noise(const cv::Mat& image, const Outline& outline) {
   constexpr double kMargin_px = 4.0, kMarginInside = 0.3, kReach_px = 5.0;
-  constexpr double kLikelyAtZero = kRounding + 0.25, kLeastContrast = 10.0;
+  constexpr double kLikelyAtZero = kRounding + 0.25, kLeastDifference = 10.0;
   const double radius = 0.5 * outline.diameter();
   const double inner = radius - std::max(kMargin_px, kMarginInside * radius);
   const Eigen::Matrix2d shape = (outline.axes * outline.axes).inverse();
   const double tall = 1.0 / std::sqrt(shape(1, 1) - shape(0, 1) * shape(0, 1) / shape(0, 0));
   const double outer = 1.0 + kMargin_px / radius;
   const int first = std::max(0, static_cast<int>(outline.center.y() - tall * outer - kReach_px));
-  const int last = std::min(image.rows - 1,
-                            static_cast<int>(outline.center.y() + tall * outer + kReach_px));
+  const int last =
+      std::min(image.rows - 1, static_cast<int>(outline.center.y() + tall * outer + kReach_px));
   Side dark, bright;
   const auto clamped = [&](double u) {
     return std::clamp(static_cast<int>(std::lround(u)), 1, image.cols - 1);
@@ -75,7 +75,7 @@ PixelNoise estimate_noise(const cv::Mat& image, const Outline& outline) {
   if (!dark.tells()) return {kLikelyAtZero, 0.0};
   const double contrast = bright.tells() ? bright.mean_level() - dark.mean_level() : 0.0;
   PixelNoise noise;
-  if (contrast > kLeastContrast) {
+  if (contrast > kLeastDifference) {
     noise.per_level = std::max(0.0, (bright.variance() - dark.variance()) / contrast);
     noise.at_zero = dark.variance() - noise.per_level * dark.mean_level();
   } else {

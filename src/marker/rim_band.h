@@ -13,8 +13,8 @@ struct RimBand {
   static constexpr int kPlaces = 16;
   static constexpr float kClipped = 255.0f;  ///< of a sample that is mostly of clipped pixels
   using Places = Eigen::Matrix<double, kPlaces, 1>;
-  using Samples = Eigen::Matrix<float, kPlaces, Eigen::Dynamic, Eigen::ColMajor, kPlaces,
-                                Normals::kMost>;
+  using Samples =
+      Eigen::Matrix<float, kPlaces, Eigen::Dynamic, Eigen::ColMajor, kPlaces, Normals::kMost>;
 
   Normals normals;
   Places distance_px;  ///< from the outline, positive outside

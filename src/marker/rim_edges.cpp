@@ -73,7 +73,7 @@ struct Products {
   KindSquare kinds;        ///< the offset eliminated
   Kinds offset_per_level;  ///< what a level beside the rim adds to the offset times the contrast
   double offset_information;
-  Normals::Columns<kKinds> normal_kinds;                    ///< the offset eliminated
+  Normals::Columns<kKinds> normal_kinds;  ///< the offset eliminated
   Eigen::Matrix<double, 1, Eigen::Dynamic, Eigen::RowMajor, 1, Normals::kMost> normal_offset;
 };
 
@@ -87,8 +87,8 @@ Products products(const RimBand& band, const CommonProfile& common) {
     const double slope = edge.density / profile.blur_px;
     const double inner_slope = common.is_clipped ? 0.0 : d * edge.share;
     shapes.col(j) << 1.0 - edge.share, edge.share, d * (1.0 - edge.share), inner_slope, slope;
-    const double blurred = 0.5 * (profile.bright - profile.dark) * slope *
-                           (d - profile.offset_px) / (profile.blur_px * profile.blur_px);
+    const double blurred = 0.5 * (profile.bright - profile.dark) * slope * (d - profile.offset_px) /
+                           (profile.blur_px * profile.blur_px);
     blurs.col(j) = (common.weight[j] * blurred * shapes.col(j)).cast<float>();
   }
   const Templates<double> weighted = shapes * common.weight.asDiagonal();
@@ -173,7 +173,8 @@ KindFlags significant_kinds(const LevelEquations& equations, bool is_clipped) {
   for (const auto& [level, slope] : {std::pair{kDark, kDarkSlope}, {kBright, kBrightSlope}}) {
     if (level == kBright && is_clipped) continue;
     Eigen::Matrix2d covariance, side;
-    covariance << kinds(level, level), kinds(level, slope), kinds(slope, level), kinds(slope, slope);
+    covariance << kinds(level, level), kinds(level, slope), kinds(slope, level),
+        kinds(slope, slope);
     side << scatter(level, level), scatter(level, slope), scatter(slope, level),
         scatter(slope, slope);
     if (covariance.inverse().cwiseProduct(side).sum() < limit(2 * kWaving)) continue;
@@ -195,20 +196,24 @@ RimLevels fit_levels(const Products& p, const Normals& normals, const PerNormal&
 
 std::optional<RimEdges> measure_edges(const RimBand& band, const Outline& outline,
                                       const PixelNoise& noise, const NormalFlags& use) {
-  constexpr double kLeastContrast = 0.1;  // of the mean one
+  constexpr double kLeastLocalContrast = 0.1;  // of the mean one
   const Normals& normals = band.normals;
-  RimEdges edges;
-  std::optional<CommonProfile> common = common_profile(band, noise, use);
+  const std::optional<CommonProfile> common = common_profile(band, noise, use);
   if (!common) return std::nullopt;
+  RimEdges edges;
+  edges.blur_px = common->profile.blur_px;
   const int first = static_cast<int>((common->weight.array() == 0.0).count());
   edges.readable = (band.level.bottomRows(RimBand::kPlaces - first).array() < RimBand::kClipped)
-                       .colwise().all().transpose();
+                       .colwise()
+                       .all()
+                       .transpose();
   const Products p = products(band, *common);
-  const PerNormal weight = normals.arc_px.cwiseProduct((use && edges.readable).cast<double>().matrix()) /
-                           normals.arc_px.mean();
+  const PerNormal weight =
+      normals.arc_px.cwiseProduct((use && edges.readable).cast<double>().matrix()) /
+      normals.arc_px.mean();
   edges.levels = fit_levels(p, normals, weight, common->is_clipped);
   const Normals::Columns<kKinds> level = edges.levels.harmonics * normals.harmonics;
-  const double least = kLeastContrast * (common->profile.bright - common->profile.dark);
+  const double least = kLeastLocalContrast * (common->profile.bright - common->profile.dark);
   const PerNormal contrast = (level.row(kBright) - level.row(kDark)).cwiseMax(least).transpose();
   edges.moved_by_level = p.offset_per_level * contrast.cwiseInverse().transpose();
   edges.offset_px = (p.normal_offset + p.offset_per_level.transpose() * level).transpose();

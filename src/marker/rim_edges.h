@@ -24,6 +24,7 @@ struct RimEdges {
   PerNormal offset_px;    ///< from the ellipse of the band's outline, positive outside
   PerNormal information;  ///< 1 / variance for given levels, in 1/px^2; 0 where it is not used
   NormalFlags readable;   ///< false where pixels are clipped that are not on the other normals
+  double blur_px;         ///< standard deviation, the interpolation's included
   RimLevels levels;
   /// What a unit of each kind of level, there, moves an offset by.
   Normals::Columns<RimLevels::kKinds> moved_by_level;

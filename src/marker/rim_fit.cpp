@@ -15,6 +15,7 @@ namespace planar {
 namespace {
 
 constexpr double kLeastShare = 0.5;  // of the rim that must agree with its outline
+constexpr double kOrdinaryBlur_px = 0.9;
 
 struct CoarseEdges {
   PerNormal offset_px;
@@ -46,10 +47,9 @@ CoarseEdges half_level_edges(const RimBand& band, double contrast) {
 /// samples is taken for straight, which it is less where the light is clipped above it.
 double coarse_sigma_px(const PixelNoise& noise, const Blob& blob) {
   constexpr double kStraight_px = 0.03, kClipped_px = 0.06;
-  constexpr double kEdge_px = 1.8;  // for a blur of 0.9 px
   const double sigma = std::sqrt(noise.variance(0.5 * (blob.level + blob.background)));
   const double least = blob.saturated_share > 0.0 ? kClipped_px : kStraight_px;
-  return std::max(least, kEdge_px * sigma / blob.contrast());
+  return std::max(least, 2.0 * kOrdinaryBlur_px * sigma / blob.contrast());
 }
 
 PerNormal informations(const NormalFlags& use, double sigma_px) {
@@ -65,16 +65,20 @@ struct Start {
 bool explains(const OutlineFit& fit, const Normals& normals, const CoarseEdges& edges,
               double sigma_px) {
   constexpr double kMostVariance = 2.5, kMostSigmas = 5.0;
-  const PerNormal residual = (edges.offset_px - normals.move.transpose() * fit.terms)
-                                 .cwiseProduct(edges.found.cast<double>().matrix());
-  const double variance = residual.squaredNorm() / static_cast<double>(edges.found.count());
-  return variance < kMostVariance * sigma_px * sigma_px &&
-         residual.cwiseAbs().maxCoeff() < kMostSigmas * sigma_px;
+  const PerNormal residual = edges.offset_px - normals.move.transpose() * fit.terms;
+  double squares = 0.0, most = 0.0;
+  for (Eigen::Index k = 0; k < residual.size(); ++k) {
+    if (!edges.found[k]) continue;
+    squares += residual[k] * residual[k];
+    most = std::max(most, std::abs(residual[k]));
+  }
+  return squares < kMostVariance * sigma_px * sigma_px * static_cast<double>(edges.found.count()) &&
+         most < kMostSigmas * sigma_px;
 }
 
 /// From the blob's moments to an outline within a few tenths of a pixel: the first that explains
-/// the edges, of an ellipse, of one with waves as large as they come, and of one with ordinary waves
-/// to all but a quarter of the rim and to what agrees with that.
+/// the edges, of an ellipse, of one with waves as large as they come, and of one with ordinary
+/// waves to all but a quarter of the rim and to what agrees with that.
 std::optional<Start> find_outline(const RimBand& band, const Outline& from, const Blob& blob,
                                   const PixelNoise& noise) {
   constexpr double kOrdinaryWave = 0.005, kLargeWave = 0.02;  // per harmonic, of the radius
@@ -83,7 +87,8 @@ std::optional<Start> find_outline(const RimBand& band, const Outline& from, cons
   const auto least = kLeastShare * normals.count();
   if (static_cast<double>(edges.found.count()) < least) return std::nullopt;
   const double sigma = coarse_sigma_px(noise, blob), radius = 0.5 * from.diameter();
-  const double large = std::pow(kLargeWave * radius, 2), ordinary = std::pow(kOrdinaryWave * radius, 2);
+  const double large = std::pow(kLargeWave * radius, 2),
+               ordinary = std::pow(kOrdinaryWave * radius, 2);
   Start start{from, edges.found};
   PerNormal information = informations(start.use, sigma);
   OutlineFit fit = fit_outline(normals, edges.offset_px, information, 0.0);
@@ -92,7 +97,8 @@ std::optional<Start> find_outline(const RimBand& band, const Outline& from, cons
   }
   if (!explains(fit, normals, edges, sigma)) {
     const ArcFit arc = fit_without_arc(normals, edges.offset_px, information, ordinary);
-    start.use = agreeing(normals, edges.offset_px, arc.fit, sigma, edges.found, arc.use);
+    start.use = agreeing(normals, edges.offset_px, arc.fit, {sigma, kOrdinaryBlur_px}, edges.found,
+                         arc.use);
     if (static_cast<double>(start.use.count()) < least) return std::nullopt;
     information = informations(start.use, sigma);
     fit = fit_outline(normals, edges.offset_px, information, ordinary);
@@ -134,56 +140,86 @@ bool is_near(const Outline& outline, const Blob& blob) {
          (outline.center - blob.uv_px).norm() < kMostShift * blob.diameter_px();
 }
 
+/// How far inside an outline its normals may be followed: they meet where it is narrow.
+double reach_inside_px(const Outline& outline, double wanted_px) {
+  constexpr double kMost = 0.75;  // of the minor half axis
+  const double half_trace = 0.5 * outline.axes.trace();
+  const double minor =
+      half_trace - std::sqrt(std::max(0.0, half_trace * half_trace - outline.axes.determinant()));
+  return std::min(wanted_px, kMost * minor);
+}
+
 /// The band of the first look is as wide as a blob's moments may be wrong.
 void sample_coarsely(const cv::Mat& image, const Outline& outline, double reach_px, RimBand& band) {
-  const int count = normals_round(outline.diameter());
-  constexpr double kReach = 0.35, kMostInside = 0.8, kLeast_px = 4.0;  // of the radius
-  const double radius = 0.5 * outline.diameter();
-  const double reach = std::max(kLeast_px, kReach * radius);
-  band.sample(image, outline, count, -std::min(reach, kMostInside * radius),
+  constexpr double kReach = 0.35, kLeast_px = 4.0;  // of the radius
+  const double reach = std::max(kLeast_px, 0.5 * kReach * outline.diameter());
+  band.sample(image, outline, normals_round(outline.diameter()), -reach_inside_px(outline, reach),
               std::min(reach, reach_px));
+}
+
+/// One round of the measurement along the normals of an outline.
+struct Round {
+  OutlineFit fit;
+  Eigen::Matrix2d center_covariance;
+  NormalFlags use;
+  double blur_px;
+
+  /// The rim that was measured is the one that the outline follows.
+  bool is_settled(const NormalFlags& used) const {
+    constexpr double kNear_px = 0.1;
+    return (use == used).all() && fit.terms.head<2>().norm() < kNear_px;
+  }
+};
+
+std::optional<Round> measure(const cv::Mat& image, const Outline& outline, const PixelNoise& noise,
+                             double reach_px, const NormalFlags& use, RimBand& band) {
+  constexpr double kReach_px = 6.0;
+  band.sample(image, outline, static_cast<int>(use.size()), -reach_inside_px(outline, kReach_px),
+              std::min(kReach_px, reach_px));
+  const std::optional<RimEdges> edges = measure_edges(band, outline, noise, use);
+  if (!edges) return std::nullopt;
+  const OutlineFit fit = fit_outline(band.normals, edges->offset_px, edges->information);
+  if (!fit.terms.allFinite()) return std::nullopt;
+  const double sigma_px = 1.0 / std::sqrt(edges->information.maxCoeff());
+  return Round{fit, center_covariance(fit, band.normals, *edges),
+               agreeing(band.normals, edges->offset_px, fit, {sigma_px, edges->blur_px},
+                        edges->readable, use),
+               edges->blur_px};
 }
 
 }  // namespace
 
 std::optional<RimFit> fit_rim(const cv::Mat& image, const Blob& blob, double reach_px) {
-  constexpr double kReach_px = 6.0, kMostInside = 0.75, kNear_px = 0.1;
+  constexpr double kMostSigma_px = 0.25;  // more is no measurement
   constexpr int kRounds = 3;
   Outline outline = outline_of(blob);
   if (!is_near(outline, blob)) return std::nullopt;
   const PixelNoise noise = estimate_noise(image, outline);
   RimBand band;
   sample_coarsely(image, outline, reach_px, band);
-  std::optional<Start> start = find_outline(band, outline, blob, noise);
+  const std::optional<Start> start = find_outline(band, outline, blob, noise);
   if (!start) return std::nullopt;
   outline = start->outline;
   NormalFlags use = start->use;
 
   RimFit rim;
-  for (int round = 0; round < kRounds; ++round) {
+  for (int i = 0; i < kRounds; ++i) {
     if (!is_near(outline, blob)) return std::nullopt;
-    const double inside = std::min(kReach_px, kMostInside * 0.5 * outline.diameter());
-    band.sample(image, outline, static_cast<int>(use.size()), -inside,
-                std::min(kReach_px, reach_px));
-    const std::optional<RimEdges> edges = measure_edges(band, outline, noise, use);
-    if (!edges) return std::nullopt;
-    const OutlineFit fit = fit_outline(band.normals, edges->offset_px, edges->information);
-    if (!fit.terms.allFinite()) return std::nullopt;
-    rim.center_covariance = center_covariance(fit, band.normals, *edges);
-    const NormalFlags next = agreeing(band.normals, edges->offset_px, fit,
-                                      1.0 / std::sqrt(edges->information.maxCoeff()),
-                                      edges->readable, use);
-    const bool is_settled = (next == use).all() && fit.terms.head<2>().norm() < kNear_px;
-    outline.change(fit.terms);
-    use = next;
-    if (static_cast<double>(use.count()) < kLeastShare * static_cast<double>(use.size())) {
+    const std::optional<Round> round = measure(image, outline, noise, reach_px, use, band);
+    if (!round || static_cast<double>(round->use.count()) < kLeastShare * band.normals.count()) {
       return std::nullopt;
     }
+    outline.change(round->fit.terms);
+    const bool is_settled = round->is_settled(use);
+    use = round->use;
+    rim.center_covariance = round->center_covariance;
+    // The blur of a bent edge moves it inwards, by half its variance over the radius.
+    rim.diameter = outline.diameter() + 2.0 * round->blur_px * round->blur_px / outline.diameter();
     if (is_settled) break;
   }
   if (!is_near(outline, blob)) return std::nullopt;
+  if (!(rim.center_covariance.trace() < 2.0 * kMostSigma_px * kMostSigma_px)) return std::nullopt;
   rim.center = outline.center;
-  rim.diameter = outline.diameter();
   rim.largest_gap = largest_gap(use);
   return rim;
 }
