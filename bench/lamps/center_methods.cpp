@@ -41,6 +41,7 @@ FurtherUnknowns unknown_to_ours() {
 
 std::vector<CenterMethodUnderTest> our_centers() {
   return {planar_method("ours", CenterMethod::kAuto),
+          planar_method("ours, fast", CenterMethod::kFast),
           planar_method("canny-kasa", CenterMethod::kCannyKasa)};
 }
 
@@ -48,6 +49,7 @@ std::vector<CenterMethodUnderTest> center_methods() {
   std::vector<CenterMethodUnderTest> all{our_centers()[0]};
   append(all, visp_centers());
   all.push_back(our_centers()[1]);
+  all.push_back(our_centers()[2]);
   append(all, opencv_centers());
   return all;
 }

@@ -78,6 +78,14 @@ void Normals::spread(const Outline& outline, int count) {
   }
 }
 
+PerNormal Normals::moved(const Outline::Terms& terms) const {
+  PerNormal moves =
+      move.topRows<Outline::kShapeTerms>().transpose() * terms.head<Outline::kShapeTerms>();
+  const Outline::Waves waves = terms.tail<Outline::kWaveTerms>();
+  if (!waves.isZero(0.0)) moves += move.bottomRows<Outline::kWaveTerms>().transpose() * waves;
+  return moves;
+}
+
 PerNormal Normals::waves(const Outline& outline) const {
   if (outline.waves.isZero(0.0)) return PerNormal::Zero(count());
   return move.bottomRows<Outline::kWaveTerms>().transpose() * outline.waves;

@@ -53,6 +53,8 @@ struct Normals {
   /// Writes `count` normals, at most kMost.
   void spread(const Outline& outline, int count);
 
+  /// How far the outline moves along each normal by a change of its terms.
+  PerNormal moved(const Outline::Terms& terms) const;
   /// How far the outline's waves lie outside its ellipse.
   PerNormal waves(const Outline& outline) const;
 

@@ -37,7 +37,7 @@ OutlineFit fit_terms(const Normals& normals, const PerNormal& offset_px,
 }
 
 PerNormal residuals(const Normals& normals, const PerNormal& offset_px, const OutlineFit& fit) {
-  return offset_px - normals.move.transpose() * fit.terms;
+  return offset_px - normals.moved(fit.terms);
 }
 
 double robust_sigma(const PerNormal& residual, const NormalFlags& use) {

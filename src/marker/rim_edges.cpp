@@ -31,6 +31,7 @@ struct CommonProfile {
 /// ones where many are (a hot pixel) do not count.
 int first_unclipped(const RimBand& band, const NormalFlags& use) {
   constexpr double kMany = 0.3;
+  if (band.level.maxCoeff() < RimBand::kClipped) return 0;
   const auto clipped = [&](int place) {
     return ((band.level.row(place).transpose().array() == RimBand::kClipped) && use).count();
   };
@@ -67,6 +68,18 @@ std::optional<CommonProfile> common_profile(const RimBand& band, const PixelNois
   return common;
 }
 
+/// The normals on which no sample is clipped but those that are clipped on all.
+NormalFlags readable(const RimBand& band, const CommonProfile& common) {
+  NormalFlags flags = NormalFlags::Constant(band.normals.count(), true);
+  if (band.level.maxCoeff() < RimBand::kClipped) return flags;
+  for (Eigen::Index k = 0; k < flags.size(); ++k) {
+    for (int j = 0; j < RimBand::kPlaces; ++j) {
+      if (common.weight[j] > 0.0 && band.level(j, k) == RimBand::kClipped) flags[k] = false;
+    }
+  }
+  return flags;
+}
+
 /// Products of the templates (one per kind of level, then one of the edge's offset times the
 /// contrast) with one another and with the levels of each normal.
 struct Products {
@@ -93,8 +106,11 @@ Products products(const RimBand& band, const CommonProfile& common) {
   }
   const Templates<double> weighted = shapes * common.weight.asDiagonal();
   const Eigen::Matrix<double, kKinds + 1, kKinds + 1> square = weighted * shapes.transpose();
-  const Normals::Columns<kKinds + 1> sums =
-      (weighted.cast<float>() * band.level - blurs * band.blur_px2).cast<double>();
+  const Templates<float> levels = weighted.cast<float>();
+  Normals::Columns<kKinds + 1> sums(kKinds + 1, band.normals.count());
+  for (Eigen::Index k = 0; k < sums.cols(); ++k) {
+    sums.col(k) = (levels * band.level.col(k) - blurs * band.blur_px2.col(k)).cast<double>();
+  }
 
   Products p;
   p.offset_information = square(kKinds, kKinds);
@@ -202,11 +218,7 @@ std::optional<RimEdges> measure_edges(const RimBand& band, const Outline& outlin
   if (!common) return std::nullopt;
   RimEdges edges;
   edges.blur_px = common->profile.blur_px;
-  const int first = static_cast<int>((common->weight.array() == 0.0).count());
-  edges.readable = (band.level.bottomRows(RimBand::kPlaces - first).array() < RimBand::kClipped)
-                       .colwise()
-                       .all()
-                       .transpose();
+  edges.readable = readable(band, *common);
   const Products p = products(band, *common);
   const PerNormal weight =
       normals.arc_px.cwiseProduct((use && edges.readable).cast<double>().matrix()) /

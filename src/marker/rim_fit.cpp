@@ -56,32 +56,40 @@ PerNormal informations(const NormalFlags& use, double sigma_px) {
   return use.cast<double>().matrix() / (sigma_px * sigma_px);
 }
 
+/// An outline through half-level edges.
 struct Start {
   Outline outline;
   NormalFlags use;
+  Eigen::Matrix2d center_covariance;  ///< by the scatter of the edges
 };
+
+double mean_square(const PerNormal& values, const NormalFlags& use) {
+  return values.cwiseProduct(use.cast<double>().matrix()).squaredNorm() /
+         static_cast<double>(std::max<Eigen::Index>(1, use.count()));
+}
 
 /// Does the fit leave no more than the edges' noise?
 bool explains(const OutlineFit& fit, const Normals& normals, const CoarseEdges& edges,
               double sigma_px) {
   constexpr double kMostVariance = 2.5, kMostSigmas = 5.0;
-  const PerNormal residual = edges.offset_px - normals.move.transpose() * fit.terms;
-  double squares = 0.0, most = 0.0;
+  const PerNormal residual = edges.offset_px - normals.moved(fit.terms);
+  double most = 0.0;
   for (Eigen::Index k = 0; k < residual.size(); ++k) {
-    if (!edges.found[k]) continue;
-    squares += residual[k] * residual[k];
-    most = std::max(most, std::abs(residual[k]));
+    if (edges.found[k]) most = std::max(most, std::abs(residual[k]));
   }
-  return squares < kMostVariance * sigma_px * sigma_px * static_cast<double>(edges.found.count()) &&
+  return mean_square(residual, edges.found) < kMostVariance * sigma_px * sigma_px &&
          most < kMostSigmas * sigma_px;
 }
 
 /// From the blob's moments to an outline within a few tenths of a pixel: the first that explains
 /// the edges, of an ellipse, of one with waves as large as they come, and of one with ordinary
-/// waves to all but a quarter of the rim and to what agrees with that.
+/// waves to all but a quarter of the rim and to what agrees with that. The last only if it leaves
+/// clearly less than the one before.
 std::optional<Start> find_outline(const RimBand& band, const Outline& from, const Blob& blob,
                                   const PixelNoise& noise) {
   constexpr double kOrdinaryWave = 0.005, kLargeWave = 0.02;  // per harmonic, of the radius
+  constexpr double kClearlyLess = 0.5;
+  constexpr double kNeighbours = 2.0;  // edges that are wrong together: they share pixels
   const Normals& normals = band.normals;
   const CoarseEdges edges = half_level_edges(band, blob.contrast());
   const auto least = kLeastShare * normals.count();
@@ -89,29 +97,45 @@ std::optional<Start> find_outline(const RimBand& band, const Outline& from, cons
   const double sigma = coarse_sigma_px(noise, blob), radius = 0.5 * from.diameter();
   const double large = std::pow(kLargeWave * radius, 2),
                ordinary = std::pow(kOrdinaryWave * radius, 2);
-  Start start{from, edges.found};
-  PerNormal information = informations(start.use, sigma);
+  const auto scatter = [&](const OutlineFit& fit, const NormalFlags& use) {
+    return mean_square(edges.offset_px - normals.moved(fit.terms), use);
+  };
+  Start start{from, edges.found, Eigen::Matrix2d::Zero()};
+  const PerNormal information = informations(edges.found, sigma);
   OutlineFit fit = fit_outline(normals, edges.offset_px, information, 0.0);
   if (!explains(fit, normals, edges, sigma)) {
     fit = fit_outline(normals, edges.offset_px, information, large);
   }
   if (!explains(fit, normals, edges, sigma)) {
     const ArcFit arc = fit_without_arc(normals, edges.offset_px, information, ordinary);
-    start.use = agreeing(normals, edges.offset_px, arc.fit, {sigma, kOrdinaryBlur_px}, edges.found,
-                         arc.use);
-    if (static_cast<double>(start.use.count()) < least) return std::nullopt;
-    information = informations(start.use, sigma);
-    fit = fit_outline(normals, edges.offset_px, information, ordinary);
+    const NormalFlags use = agreeing(normals, edges.offset_px, arc.fit, {sigma, kOrdinaryBlur_px},
+                                     edges.found, arc.use);
+    const OutlineFit rest =
+        fit_outline(normals, edges.offset_px, informations(use, sigma), ordinary);
+    if (static_cast<double>(use.count()) > least &&
+        scatter(rest, use) < kClearlyLess * scatter(fit, edges.found)) {
+      start.use = use;
+      fit = rest;
+    }
   }
   start.outline.change(fit.terms);
+  const double excess = scatter(fit, start.use) / (sigma * sigma);
+  start.center_covariance =
+      kNeighbours * std::max(1.0, excess) * fit.covariance.topLeftCorner<2, 2>();
   return start;
 }
 
 /// Of the centre: by the edges' noise at given levels, and by the levels'.
 Eigen::Matrix2d center_covariance(const OutlineFit& fit, const Normals& normals,
                                   const RimEdges& edges) {
-  const Normals::Columns<2> per_offset =
-      fit.covariance.topRows<2>() * normals.move * edges.information.asDiagonal();
+  constexpr int kShape = Outline::kShapeTerms;
+  Normals::Columns<2> per_offset =
+      fit.covariance.topLeftCorner<2, kShape>() * normals.move.topRows<kShape>();
+  if (fit.has_waves) {
+    per_offset += fit.covariance.topRightCorner<2, Outline::kWaveTerms>() *
+                  normals.move.bottomRows<Outline::kWaveTerms>();
+  }
+  per_offset *= edges.information.asDiagonal();
   Eigen::Matrix<double, 2, RimLevels::kTerms> per_level;
   for (int kind = 0; kind < RimLevels::kKinds; ++kind) {
     per_level.middleCols<Normals::kHarmonics>(kind * Normals::kHarmonics) =
@@ -187,21 +211,12 @@ std::optional<Round> measure(const cv::Mat& image, const Outline& outline, const
                edges->blur_px};
 }
 
-}  // namespace
-
-std::optional<RimFit> fit_rim(const cv::Mat& image, const Blob& blob, double reach_px) {
-  constexpr double kMostSigma_px = 0.25;  // more is no measurement
+/// From the start in rounds to the rim that is measured by all its pixels.
+std::optional<RimFit> refine(const cv::Mat& image, const Blob& blob, const Start& start,
+                             const PixelNoise& noise, double reach_px, RimBand& band) {
   constexpr int kRounds = 3;
-  Outline outline = outline_of(blob);
-  if (!is_near(outline, blob)) return std::nullopt;
-  const PixelNoise noise = estimate_noise(image, outline);
-  RimBand band;
-  sample_coarsely(image, outline, reach_px, band);
-  const std::optional<Start> start = find_outline(band, outline, blob, noise);
-  if (!start) return std::nullopt;
-  outline = start->outline;
-  NormalFlags use = start->use;
-
+  Outline outline = start.outline;
+  NormalFlags use = start.use;
   RimFit rim;
   for (int i = 0; i < kRounds; ++i) {
     if (!is_near(outline, blob)) return std::nullopt;
@@ -218,9 +233,32 @@ std::optional<RimFit> fit_rim(const cv::Mat& image, const Blob& blob, double rea
     if (is_settled) break;
   }
   if (!is_near(outline, blob)) return std::nullopt;
-  if (!(rim.center_covariance.trace() < 2.0 * kMostSigma_px * kMostSigma_px)) return std::nullopt;
   rim.center = outline.center;
   rim.largest_gap = largest_gap(use);
+  return rim;
+}
+
+bool is_measurement(const RimFit& rim) {
+  constexpr double kMostSigma_px = 0.25;
+  return rim.center_covariance.trace() < 2.0 * kMostSigma_px * kMostSigma_px;
+}
+
+}  // namespace
+
+std::optional<RimFit> fit_rim(const cv::Mat& image, const Blob& blob, double reach_px) {
+  const Outline outline = outline_of(blob);
+  if (!is_near(outline, blob)) return std::nullopt;
+  const PixelNoise noise = estimate_noise(image, outline);
+  static thread_local RimBand band;  // large, and half of it serves the next lamp of this size
+  sample_coarsely(image, outline, reach_px, band);
+  const std::optional<Start> start = find_outline(band, outline, blob, noise);
+  if (!start) return std::nullopt;
+  std::optional<RimFit> rim = refine(image, blob, *start, noise, reach_px, band);
+  if (!rim && is_near(start->outline, blob)) {
+    rim = RimFit{start->outline.center, start->center_covariance, start->outline.diameter(),
+                 largest_gap(start->use)};
+  }
+  if (rim && !is_measurement(*rim)) rim.reset();
   return rim;
 }
 

@@ -20,7 +20,9 @@ struct RimFit {
 /// it (at most 6 px). What a lamp may do besides being a disc is taken only as far as the image
 /// shows it: levels and slopes that change round the rim (measure_edges), a rim with waves
 /// (fit_outline), stretches that do not belong to the outline (agreeing), clipped pixels. The noise
-/// is estimated from the image, and from it the covariance. Empty when there is no rim to fit.
+/// is estimated from the image, and from it the covariance. A rim that its grey levels do not fit
+/// (interlaced or compressed images, lamps of few pixels) is measured by its half-level edges, with
+/// the covariance of their scatter. Empty when there is no rim to fit.
 std::optional<RimFit> fit_rim(const cv::Mat& image, const Blob& blob, double reach_px);
 
 }  // namespace planar
