@@ -36,6 +36,7 @@ Blob lamp_of(const cv::Mat& window) {
 FurtherUnknowns unknown_to_ours() {
   FurtherUnknowns further;
   further.blur = true;
+  further.band_px = 6.0;
   return further;
 }
 
