@@ -8,7 +8,7 @@ namespace planar {
 
 constexpr double kRounding = 1e-14;
 
-TEST_CASE("Wrapped angles lie in (-pi, pi] and differ by whole turns") {
+TEST_CASE("Wrapped angles lie above -pi, at most at pi, and differ by whole turns") {
   CHECK(wrap_angle(kPi) == Approx(kPi));
   CHECK(wrap_angle(-kPi) == Approx(kPi));
   CHECK(wrap_angle(7.0) == Approx(7.0 - 2.0 * kPi));
