@@ -26,6 +26,18 @@ leave-one-out       0.0250 mm rms
 noise               0.0135 mm per axis
 gain                73.3 %, worth using
 
+what the pairs say of the cell                        rms, mm
+shift x               -0.005289 +- 0.0108   mm       0.0053
+shift y                 0.04751 +- 0.0126   mm       0.0475  significant
+scale (plane height)      -1158 +- 416      um/m     0.0575
+rotation                 -502.8 +- 228      urad     0.0249
+x longer than y            1166 +- 470      um/m     0.0289
+x, y not square          -328.6 +- 370      urad     0.0081
+tilt towards x            8.427 +- 7.33     mrad/m   0.0156
+tilt towards y           -8.032 +- 4.48     mrad/m   0.0186
+radial remainder          198.1 +- 109      mm/m^3   0.0388
+left by all of these                                 0.0707
+
 rms, mm        left out: one   a block of neighbours (95 % interval)
 raw                   0.0938     0.0938  (0.0764 to 0.1151)
 idw                   0.0462     0.0631  (0.0512 to 0.0777)
@@ -38,6 +50,18 @@ struct Options {
   std::filesystem::path output;
   std::filesystem::path pairs;
 };
+
+void print(const CellDiagnosis& cell) {
+  if (cell.terms.empty()) return;
+  fmt::print("\nwhat the pairs say of the cell                        rms, mm\n");
+  for (const CellTerm& term : cell.terms) {
+    const CellFaultName& name = name_of(term.fault);
+    fmt::print("{:<20} {:>10.4g} +- {:<8.3g} {:<7} {:>7.4f}{}\n", name.label,
+               term.value / name.unit, term.sigma / name.unit, name.unit_text,
+               term.rms / kMillimetre, term.significant ? "  significant" : "");
+  }
+  fmt::print("left by all of these {:>38.4f}\n", cell.left_rms / kMillimetre);
+}
 
 std::string number_mm(double length) {
   return std::isfinite(length) ? fmt::format("{:.4f}", length / kMillimetre) : "-";
@@ -83,6 +107,18 @@ nlohmann::json figures(const std::vector<MethodFigures>& comparison) {
   return rows;
 }
 
+nlohmann::json figures(const CellDiagnosis& cell) {
+  nlohmann::json terms = nlohmann::json::object();
+  for (const CellTerm& term : cell.terms) {
+    const CellFaultName& name = name_of(term.fault);
+    terms[name.key] = {{"value", term.value / name.unit},
+                       {"sigma", term.sigma / name.unit},
+                       {"rms_mm", term.rms / kMillimetre},
+                       {"significant", term.significant}};
+  }
+  return terms;
+}
+
 nlohmann::json figures(const FitErrorMapReport& report) {
   const MapResult& result = report.result;
   nlohmann::json rejected = nlohmann::json::array();
@@ -99,6 +135,7 @@ nlohmann::json figures(const FitErrorMapReport& report) {
           {"idw_loo_rms_mm", result.idw_loo_rms / kMillimetre},
           {"blocked_rms_mm", result.blocked.value / kMillimetre},
           {"blocked_rms_95_mm", interval_mm(result.blocked)},
+          {"cell", figures(result.cell)},
           {"noise_mm", result.noise_sigma / kMillimetre},
           {"gain", result.gain()},
           {"worth_using", result.worth_using},
@@ -113,6 +150,7 @@ Outcome fit(const Options& options) {
   const FitErrorMapReport report = fit_error_map_to_pairs(pairs, choice);
   write_file(options.output, map_text(report.result, options.pairs, kText.name));
   print(report);
+  print(report.result.cell);
   const std::vector<MethodFigures> comparison =
       compare_methods_on_pairs(pairs, choice, report.result);
   print(comparison);

@@ -10,6 +10,7 @@
 #include "core/units.h"
 #include "error_map/cross_validation.h"
 #include "error_map/map_sites.h"
+#include "error_map/one_unit.h"
 #include "error_map/outliers.h"
 #include "error_map/sparse_fit.h"
 
@@ -31,6 +32,7 @@ MapResult result_of(ErrorMap map, std::string method, const MapSites& used,
   const CrossValidation validation = cross_validate(result.map, used);
   result.blocked = validation.rms;
   result.worth_using = validation.worth_using;
+  result.cell = diagnose_cell(used);
   return result;
 }
 
@@ -86,6 +88,7 @@ MapResult fit_by_hand(const MapSites& sites, double width) {
 
 MapResult fit_error_map(const MapProblem& problem) {
   const MapSites sites = merge_samples(problem.samples);
+  require_one_unit(sites);
   switch (problem.method) {
     case MapMethod::kIdw: {
       require_dense(sites, "idw");

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "error_map/cell_diagnosis.h"
 #include "error_map/error_map.h"
 #include "error_map/spatial_blocks.h"
 
@@ -49,15 +50,16 @@ struct MapResult {
   RmsEstimate blocked;      ///< the rms with whole blocks of neighbours left out, and its interval
   /// As `CrossValidation::worth_using`: more than 5 % of the rms error, and not by chance.
   bool worth_using{false};
+  CellDiagnosis cell;  ///< what the pairs say of the cell; no part of the map
 
   /// 1 - loo_rms / raw_rms; 0 when there is no error to begin with.
   double gain() const { return raw_rms > 0.0 ? 1.0 - loo_rms / raw_rms : 0.0; }
 };
 
 /// Fits a map to pairs. Samples at one position are averaged. Throws InputError for samples that
-/// are not finite, fewer than 3 distinct positions, more than kMostDense but for kAuto, a hand
-/// width that is not positive, or outliers beyond a fifth of the samples; WorkError when the
-/// equations are too ill conditioned to be solved.
+/// are not finite or not in metres (`require_one_unit`), fewer than 3 distinct positions, more than
+/// kMostDense but for kAuto, a hand width that is not positive, or outliers beyond a fifth of the
+/// samples; WorkError when the equations are too ill conditioned to be solved.
 MapResult fit_error_map(const MapProblem& problem);
 
 }  // namespace planar

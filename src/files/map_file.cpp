@@ -211,6 +211,17 @@ SparseRbfParameters read_sparse_rbf(const YamlNode& node) {
   return parameters;
 }
 
+/// Each term with its standard deviation.
+void add_cell(YamlWriter& yaml, const CellDiagnosis& cell) {
+  if (cell.terms.empty()) return;
+  yaml.begin_map("cell");
+  for (const CellTerm& term : cell.terms) {
+    const CellFaultName& name = name_of(term.fault);
+    yaml.add(name.key, std::vector<double>{term.value / name.unit, term.sigma / name.unit});
+  }
+  yaml.end_map();
+}
+
 void add_figures(YamlWriter& yaml, const MapResult& result) {
   yaml.begin_map("fit");
   yaml.add("n_used", static_cast<int>(result.n_used));
@@ -221,14 +232,15 @@ void add_figures(YamlWriter& yaml, const MapResult& result) {
   std::vector<std::string> rejected;
   for (const RejectedSample& sample : result.rejected) rejected.push_back(sample.id);
   yaml.add("rejected", rejected);
+  add_cell(yaml, result.cell);
   yaml.end_map();
 }
 
 void allow_figures(const YamlNode& root) {
   const YamlNode fit = root.child("fit");
-  for (const char* key : {"n_used", "raw_rms_mm", "loo_rms_mm", "noise_mm", "worth_using"})
+  for (const char* key :
+       {"n_used", "raw_rms_mm", "loo_rms_mm", "noise_mm", "worth_using", "rejected", "cell"})
     fit.allow(key);
-  fit.allow("rejected");
 }
 
 template <typename Value>

@@ -66,7 +66,8 @@ TEST_CASE("A map's file names its program, its pairs with their hash, and its fi
   const std::string text = files.map_text_of(MapMethod::kRbf);
   CHECK_THAT(text, Contains("format: planar-servo/map/1") && Contains("pairs.csv") &&
                        Contains("method: gaussian_rbf") && Contains("loo_rms_mm") &&
-                       Contains("noise_mm") && Contains("worth_using: true"));
+                       Contains("noise_mm") && Contains("worth_using: true") &&
+                       Contains("scale_um_per_m: ["));
 }
 
 TEST_CASE("Faults of a map's file are named by their place, all at once") {

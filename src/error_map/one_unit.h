@@ -1,0 +1,12 @@
+#pragma once
+
+#include "error_map/map_sites.h"
+
+namespace planar {
+
+/// Throws InputError when vision's or the tracker's positions are not in metres: the ones more than
+/// twice as wide as the others (a thousand times: another unit), or all within two millimetres.
+/// Wild rows, fewer than half, do not matter.
+void require_one_unit(const MapSites& sites);
+
+}  // namespace planar
