@@ -103,7 +103,11 @@ void require_devices(const CellSettings& cell) {
   Faults faults;
   const std::string file = cell.file.string();
   if (cell.camera.source == "files")
-    faults.add(fmt::format("{}: camera.source is files, which shows no arm that moves", file));
+    faults.add(fmt::format(
+        "{}: camera.source is files, which shows no arm that moves; allowed here are virtual and "
+        "aravis; pictures that are there already are read by planar-locate-lamps IMAGE... and "
+        "planar-calibrate-camera IMAGE...",
+        file));
   const bool is_virtual = cell.camera.source == "virtual";
   for (const DriveSettings& drive : cell.drives)
     if ((drive.kind == "virtual") != is_virtual)

@@ -170,7 +170,11 @@ std::string JogConsole::move_by(const Eigen::Vector2d& step) {
 std::string JogConsole::move_to(const Joints& theta) {
   if (!enabled_) throw InputError("the drives are off; enable them first");
   if (const auto forbidden = refusal(theta)) throw InputError(*forbidden);
-  robot_.move_to(theta);
+  FrameSource& camera = devices_.camera();
+  PlanarRobot::Guard guard;  // jogging goes on without a camera that was lost before
+  if (!camera.fault()) guard = [&camera] { return camera.fault(); };
+  if (const auto objection = robot_.move_to(theta, guard))
+    throw WorkError(*objection + "; the arm has stopped at " + where({}));
   return where({});
 }
 

@@ -94,7 +94,9 @@ class Recorder {
   void record_position(const PlanRow& row, const Joints& theta) {
     if (!energized_) robot_.energize();
     energized_ = true;
-    robot_.move_to(theta);
+    if (const auto objection = robot_.move_to(theta, [this] { return devices_.camera().fault(); }))
+      throw WorkError(
+          fmt::format("{}: {}; the arm stands; mend the camera and record on", row.id, *objection));
     devices_.clock().sleep_for_s(cell_.servo.settle_s);
     const Eigen::Vector2d p = arm_.forward(robot_.commanded_joints()).p;
     std::string lines;

@@ -126,9 +126,10 @@ struct AravisCamera::Impl {
     if (!order) return;
     try {
       link->expose(order->exposure);
-    } catch (...) {
+    } catch (const std::exception&) {
       order->done.set_exception(std::current_exception());
-      throw;
+      link->expose({settings.exposure_s, settings.gain_db});  // refused as well, the camera is lost
+      return;
     }
     settings.exposure_s = order->exposure.time_s;
     settings.gain_db = order->exposure.gain_db;

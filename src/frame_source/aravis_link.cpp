@@ -200,9 +200,22 @@ struct AravisLink::Impl {
     expose({settings.exposure_s, settings.gain_db});
   }
 
+  template <typename GetBounds>
+  void require_within(const char* what, double value, const char* unit, GetBounds get_bounds) {
+    double least = 0.0, most = 0.0;
+    ask(fmt::format("the camera does not tell {}'s bounds", what),
+        [&](GError** e) { get_bounds(camera.get(), &least, &most, e); });
+    if (value < least || value > most)
+      throw WorkError(
+          fmt::format("the camera refuses {} of {:.6g} {}; it can do {:.6g} to {:.6g} {}", what,
+                      value, unit, least, most, unit));
+  }
+
   void expose(const CameraExposure& exposure) {
     ArvCamera* const c = camera.get();
     const double time_us = 1e6 * exposure.time_s;
+    require_within("an exposure", time_us, "us", arv_camera_get_exposure_time_bounds);
+    require_within("a gain", exposure.gain_db, "dB", arv_camera_get_gain_bounds);
     ask(fmt::format("the camera refuses an exposure of {:.0f} us", time_us),
         [&](GError** e) { arv_camera_set_exposure_time(c, time_us, e); });
     ask(fmt::format("the camera refuses a gain of {} dB", exposure.gain_db),

@@ -1,6 +1,7 @@
 #include "app/jog_console.h"
 
 #include <catch2/catch.hpp>
+#include <limits>
 
 #include "app/exposure_meter.h"
 #include "app/jog_keys.h"
@@ -58,6 +59,57 @@ struct Bench {
     for (int i = 0; i < 2; ++i) done("joint 2 15");
   }
 };
+
+/// A cell whose camera fails at a moment of its clock.
+class FailingCamera final : public CellDevices, public FrameSource {
+ public:
+  double dies_s{std::numeric_limits<double>::infinity()};
+
+  explicit FailingCamera(const CellSettings& cell) : whole_(open_cell(cell)) {}
+  Clock& clock() override { return whole_->clock(); }
+  FrameSource& camera() override { return *this; }
+  DriveGroup& drives() override { return whole_->drives(); }
+  Tracker& tracker() override { return whole_->tracker(); }
+  BoardPresenter& board_presenter() override { return whole_->board_presenter(); }
+  std::function<TipPose()> true_tip() override { return whole_->true_tip(); }
+
+  cv::Size sensor_size_px() const override { return whole_->camera().sensor_size_px(); }
+  void set_region(const cv::Rect& region_px) override { whole_->camera().set_region(region_px); }
+  FrameResult next_frame() override { return whole_->camera().next_frame(); }
+  std::optional<std::string> fault() const override {
+    if (whole_->clock().now_s() < dies_s) return std::nullopt;
+    return "the camera is dead";
+  }
+  FrameCounts counts() const override { return whole_->camera().counts(); }
+  CameraExposure exposure() const override { return whole_->camera().exposure(); }
+  void set_exposure(const CameraExposure& /*exposure*/) override {
+    throw WorkError("the camera refuses an exposure of 1 us");
+  }
+
+ private:
+  std::unique_ptr<CellDevices> whole_;
+};
+
+TEST_CASE("A camera that fails stops a jog; without it the arm may still be jogged") {
+  const CellSettings cell = read_cell(test::paper_cell_file());
+  FailingCamera devices(cell);
+  JogConsole console(cell, devices, "");
+  REQUIRE(console.execute("enable").done);
+  devices.dies_s = devices.clock().now_s() + 0.05;  // 15 deg take 0.45 s
+  const auto stopped = console.execute("joint 2 15");
+  CHECK_FALSE(stopped.done);
+  CHECK_THAT(stopped.text, Contains("the camera is dead; the arm has stopped at joints"));
+  CHECK(console.execute("joint 2 15").done);
+}
+
+TEST_CASE("An exposure that the camera refuses is said and changes nothing") {
+  const CellSettings cell = read_cell(test::paper_cell_file());
+  FailingCamera devices(cell);
+  JogConsole console(cell, devices, "");
+  const auto answer = console.execute("exposure 1");
+  CHECK_FALSE(answer.done);
+  CHECK(answer.text == "the camera refuses an exposure of 1 us");
+}
 
 TEST_CASE("A typo, a wrong unit or a missing number moves nothing and says what is needed") {
   Bench bench;

@@ -1,5 +1,6 @@
 #include "app/recorder.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 
 #include "devices/separate_drives.h"
@@ -18,6 +19,12 @@ class NotingDevices final : public CellDevices,
                             public BoardPresenter {
  public:
   std::vector<int> held, laid;
+  std::optional<double> camera_dies_s;  ///< on the clock
+
+  bool moves() {
+    const auto status = group_.status();
+    return std::any_of(status.begin(), status.end(), [](const auto& s) { return s.moving; });
+  }
 
   Clock& clock() override { return clock_; }
   FrameSource& camera() override { return *this; }
@@ -32,7 +39,10 @@ class NotingDevices final : public CellDevices,
     return {FrameStatus::kOk, {cv::Mat::zeros(64, 64, CV_8UC1), {0, 0, 64, 64}, 0.0, 0}};
   }
 
-  std::optional<std::string> fault() const override { return std::nullopt; }
+  std::optional<std::string> fault() const override {
+    if (!camera_dies_s || clock_.now_s() < *camera_dies_s) return std::nullopt;
+    return "the camera is dead";
+  }
   FrameCounts counts() const override { return {}; }
 
   CameraExposure exposure() const override { return {}; }
@@ -71,6 +81,20 @@ TEST_CASE("A recording that was broken off goes on with the board's next views")
   CHECK(report.recorded == 2);
   CHECK(second.held == std::vector<int>{2, 3});
   CHECK(second.laid.empty());
+}
+
+TEST_CASE("A camera that fails stops the arm on its way, and what was recorded stays") {
+  const test::TemporaryFolder folder;
+  RecordRequest request{read_cell(test::paper_cell_file()), {}, folder.path() / "recording"};
+  request.plan.push_back({"g0", "grid", std::monostate()});
+  request.plan.push_back({"t0", "train", TipPose{{-0.2, 0.3}, 0.0}});
+  NotingDevices devices;
+  devices.camera_dies_s = devices.clock().now_s() + 0.5;  // the move takes seconds
+  CHECK_THROWS_WITH(record(request, devices), Catch::Contains("t0: the camera is dead"));
+  CHECK(devices.clock().now_s() < *devices.camera_dies_s + 1.0);
+  CHECK_FALSE(devices.moves());
+  NotingDevices again;
+  CHECK(record(request, again).present == 1);
 }
 
 }  // namespace

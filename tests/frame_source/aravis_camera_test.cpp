@@ -119,6 +119,23 @@ TEST_CASE("A new exposure holds for the next frame, one that cannot be leaves th
   }
 }
 
+TEST_CASE("A camera that refuses an exposure says what it can do, and goes on with the old one") {
+  test::SceneSensor sensor;
+  const Server server(sensor);
+  AravisCamera camera(settings_with(CameraTrigger::kSoftware));
+  REQUIRE(camera.next_frame().status == FrameStatus::kOk);
+  const double brightness = sensor.brightness();
+  CHECK_THROWS_WITH(camera.set_exposure({1e-6, 0.0}),
+                    Catch::Contains("refuses an exposure of 1 us; it can do 10 to"));
+  CHECK_THROWS_WITH(camera.set_exposure({0.004, 1000.0}),
+                    Catch::Contains("refuses a gain of 1000 dB; it can do 0 to"));
+  CHECK_FALSE(camera.fault());
+  CHECK(camera.next_frame().status == FrameStatus::kOk);
+  CHECK(sensor.brightness() == brightness);
+  CHECK(camera.exposure().time_s == settings_with(CameraTrigger::kSoftware).exposure_s);
+  CHECK(camera.counts().reopened == 0);
+}
+
 TEST_CASE("Frames that lost packets are counted and never handed over") {
   for (const CameraTrigger trigger : {CameraTrigger::kFreeRun, CameraTrigger::kSoftware}) {
     test::SceneSensor sensor;
