@@ -27,7 +27,7 @@ struct RecordReport {
 /// board views asks for the board. Regions are placed from the COMMANDED pose by a coarse view
 /// learned from the first full frames; where the lamps are not in the region, a full frame is
 /// taken again. Throws InputError naming every position out of reach, workspace or joint limits
-/// before anything moves.
+/// before anything moves; WorkError when the camera fails: the arm stops, what is recorded stays.
 RecordReport record(const RecordRequest& request, CellDevices& devices);
 
 }  // namespace planar
