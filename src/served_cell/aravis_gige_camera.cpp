@@ -1,9 +1,9 @@
 #include "served_cell/aravis_gige_camera.h"
 
-#include <arv.h>
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "served_cell/aravis_sensor.h"
 
 namespace planar {
 

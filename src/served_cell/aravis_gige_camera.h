@@ -3,7 +3,7 @@
 #include <memory>
 #include <string>
 
-#include "served_cell/aravis_sensor.h"
+#include "served_cell/exposure.h"
 
 namespace planar {
 

@@ -1,7 +1,5 @@
 #include "served_cell/aravis_sensor.h"
 
-#include <arv.h>
-
 #include <cmath>
 #include <cstring>
 

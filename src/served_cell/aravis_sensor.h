@@ -1,16 +1,12 @@
 #pragma once
 
-#include <cstdint>
-#include <functional>
-#include <opencv2/core.hpp>
+#include <arv.h>
 
-// Aravis' own declaration, so that this header needs none of its.
-typedef struct _ArvFakeCamera ArvFakeCamera;
+#include <cstdint>
+
+#include "served_cell/exposure.h"
 
 namespace planar {
-
-/// Takes a picture of a region, `brightness` times as bright as usual.
-using Exposure = std::function<cv::Mat(const cv::Rect& region_px, double brightness)>;
 
 /// The exposure time at which a served camera without gain is as bright as usual.
 constexpr std::uint32_t kUsualExposure_us = 10000;

@@ -8,7 +8,7 @@
 namespace planar {
 namespace {
 
-TEST_CASE("A cell whose frames are files is not opened; it is said what reads pictures") {
+TEST_CASE("A cell whose frames are files is not opened, and it is said what reads pictures") {
   CellSettings cell = read_cell(test::paper_cell_file());
   cell.camera.source = "files";
   CHECK_THROWS_AS(open_cell(cell), InputError);

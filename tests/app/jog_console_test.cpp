@@ -90,7 +90,7 @@ class FailingCamera final : public CellDevices, public FrameSource {
   std::unique_ptr<CellDevices> whole_;
 };
 
-TEST_CASE("A camera that fails stops a jog; without it the arm may still be jogged") {
+TEST_CASE("A camera that fails stops a jog, and the next one goes without it") {
   const CellSettings cell = read_cell(test::paper_cell_file());
   FailingCamera devices(cell);
   JogConsole console(cell, devices, "");

@@ -17,7 +17,7 @@ constexpr std::uint8_t kSoftErrorResponse = 0x53, kHaltAndHold = 1;
 /// A motor that was still within this time may be at rest; a slower one turns less than a pulse.
 constexpr double kRest_s = 0.02;
 constexpr double kBeyondLimit = 1.0 * kDegree;
-constexpr double kTowardsSwitch_pulses_s = 50000.0, kAwayFromSwitch_pulses_s = 2000.0;
+constexpr double kTowardsSwitch_hz = 50000.0, kAwayFromSwitch_hz = 2000.0;  // pulses
 
 }  // namespace
 
@@ -59,7 +59,7 @@ void HostedArm::fit_switches(const TransmissionSettings& transmission,
         (transmission.limits_rad[i] + Eigen::Vector2d(-kBeyondLimit, kBeyondLimit));
     const auto reverse_pulses = static_cast<std::int32_t>(std::lround(ends_pulses.minCoeff()));
     tics_[i].place_switches(reverse_pulses - home_pulses_[i], std::nullopt);
-    tics_[i].set_homing_speeds(kTowardsSwitch_pulses_s, kAwayFromSwitch_pulses_s);
+    tics_[i].set_homing_speeds(kTowardsSwitch_hz, kAwayFromSwitch_hz);
   }
 }
 

@@ -6,7 +6,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
+#include <cstdio>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -47,6 +47,7 @@ nlohmann::json latency(const std::vector<double>& delays_s) {
 
 pid_t start(const std::vector<std::string>& command) {
   std::vector<char*> arguments;
+  arguments.reserve(command.size() + 1);
   for (const std::string& argument : command)
     arguments.push_back(const_cast<char*>(argument.c_str()));
   arguments.push_back(nullptr);
@@ -130,16 +131,13 @@ int host(const Options& options) {
   return status;
 }
 
-}  // namespace
-}  // namespace planar::test
-
-int main(int argc, char** argv) {
-  planar::test::Options options;
+int run(int argc, char** argv) {
+  Options options;
   CLI::App app("Serves a virtual cell as real devices and runs a command against them.");
   app.add_option("--cell", options.cell, "the virtual cell, with its truth")->required();
   app.add_option("--camera", options.camera)->check(CLI::IsMember({"gige", "usb"}));
   app.add_option("--age", options.age_s, "what the cell's own clock shows at first, seconds");
-  app.add_option("--fault", options.fault)->check(CLI::IsMember(planar::test::fault_names()));
+  app.add_option("--fault", options.fault)->check(CLI::IsMember(fault_names()));
   app.add_option("--at-command", options.fault_at_command,
                  "the fault comes during the first long move from this command to drive 1 on");
   app.add_option("--fault-for", options.fault_for_s, "seconds");
@@ -149,10 +147,24 @@ int main(int argc, char** argv) {
   app.add_option("command", options.command)->required();
   app.positionals_at_end();
   CLI11_PARSE(app, argc, argv);
+  return host(options);
+}
+
+}  // namespace
+}  // namespace planar::test
+
+int main(int argc, char** argv) {
+  int status = 1;
   try {
-    return planar::test::host(options);
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "device_host: {}\n", error.what());
-    return planar::test::kSkipped;
+    return planar::test::run(argc, argv);
+  } catch (const planar::InputError& error) {
+    std::fputs(error.what(), stderr);
+  } catch (const planar::WorkError& error) {
+    std::fputs(error.what(), stderr);
+  } catch (const std::exception& error) {  // umockdev cannot work here
+    std::fputs(error.what(), stderr);
+    status = planar::test::kSkipped;
   }
+  std::fputs("\n", stderr);
+  return status;
 }

@@ -1,10 +1,10 @@
 #include "support/usb3_camera.h"
 
-#include <arv.h>
-
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+
+#include "served_cell/aravis_sensor.h"
 
 namespace planar::test {
 namespace {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "served_cell/aravis_sensor.h"
+#include "served_cell/exposure.h"
 #include "support/mock_usb.h"
 
 namespace planar::test {
