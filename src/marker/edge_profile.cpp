@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/units.h"
-
 namespace planar {
 namespace {
 
@@ -27,7 +25,7 @@ Unknowns unknowns(const EdgeProfile& p) {
 }  // namespace
 
 EdgeShape edge_shape(double x) {
-  static const double kRootHalf = std::sqrt(0.5), kPeak = 1.0 / std::sqrt(2.0 * kPi);
+  constexpr double kRootHalf = 0.70710678118654752, kPeak = 0.39894228040143268;
   return {0.5 * std::erfc(kRootHalf * x), kPeak * std::exp(-0.5 * x * x)};
 }
 

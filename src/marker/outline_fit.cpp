@@ -75,13 +75,13 @@ OutlineFit fit_outline(const Normals& normals, const PerNormal& offset_px,
 OutlineFit fit_outline(const Normals& normals, const PerNormal& offset_px,
                        const PerNormal& information) {
   constexpr double kSigmas = 3.0, kLeastVariance_px2 = 1e-6;
-  const OutlineFit round = fit_outline(normals, offset_px, information, 0.0);
+  OutlineFit even = fit_outline(normals, offset_px, information, 0.0);
   // What each wave would explain of the residuals if it were alone.
   const auto waves = normals.move.bottomRows<kWaves>();
-  const PerNormal weighted = information.cwiseProduct(residuals(normals, offset_px, round));
+  const PerNormal weighted = information.cwiseProduct(residuals(normals, offset_px, even));
   const Outline::Waves score = waves * weighted, known = waves.cwiseAbs2() * information;
   const double excess = score.cwiseAbs2().cwiseQuotient(known).sum() - kWaves;
-  if (!(excess > kSigmas * std::sqrt(2.0 * kWaves))) return round;
+  if (!(excess > kSigmas * std::sqrt(2.0 * kWaves))) return even;
 
   const OutlineFit first = fit_outline(normals, offset_px, information, excess / known.sum());
   const double power =

@@ -37,42 +37,31 @@ struct Side {
   }
 };
 
-}  // namespace
+/// How the rows of an image cross an ellipse, or one with its axes scaled.
+class Rows {
+ public:
+  explicit Rows(const Outline& outline)
+      : center_(outline.center), shape_((outline.axes * outline.axes).inverse()) {}
 
-double PixelNoise::variance(double level) const {
-  return std::max(kRounding, at_zero + per_level * level);
-}
-
-PixelNoise estimate_noise(const cv::Mat& image, const Outline& outline) {
-  constexpr double kMargin_px = 4.0, kMarginInside = 0.3, kReach_px = 5.0;
-  constexpr int kRowStep = 2;  // half of the rows tells enough
-  constexpr double kLikelyAtZero = kRounding + 0.25, kLeastDifference = 10.0;
-  const double radius = 0.5 * outline.diameter();
-  const double inner = radius - std::max(kMargin_px, kMarginInside * radius);
-  const Eigen::Matrix2d shape = (outline.axes * outline.axes).inverse();
-  const double tall = 1.0 / std::sqrt(shape(1, 1) - shape(0, 1) * shape(0, 1) / shape(0, 0));
-  const double outer = 1.0 + kMargin_px / radius;
-  const int first = std::max(0, static_cast<int>(outline.center.y() - tall * outer - kReach_px));
-  const int last =
-      std::min(image.rows - 1, static_cast<int>(outline.center.y() + tall * outer + kReach_px));
-  Side dark, bright;
-  const auto clamped = [&](double u) {
-    return std::clamp(static_cast<int>(std::lround(u)), 1, image.cols - 1);
-  };
-  for (int v = first; v <= last; v += kRowStep) {
-    const double y = v - outline.center.y();
-    // Where the row crosses the ellipse scaled by s: |u - middle| = half(s).
-    const double middle = outline.center.x() - shape(0, 1) / shape(0, 0) * y;
-    const auto half = [&](double s) {
-      const double square = s * s - y * y / (tall * tall);
-      return square > 0.0 ? std::sqrt(square / shape(0, 0)) : 0.0;
-    };
-    const double in = half(inner / radius), out = half(outer);
-    const auto* row = image.ptr<std::uint8_t>(v);
-    if (in > 0.0) bright.add_row(row, clamped(middle - in), clamped(middle + in));
-    dark.add_row(row, clamped(middle - out - kReach_px), clamped(middle - out));
-    dark.add_row(row, clamped(middle + out), clamped(middle + out + kReach_px));
+  double half_height() const {
+    return 1.0 / std::sqrt(shape_(1, 1) - shape_(0, 1) * shape_(0, 1) / shape_(0, 0));
   }
+  double middle(double v) const {
+    return center_.x() - shape_(0, 1) / shape_(0, 0) * (v - center_.y());
+  }
+  double half_width(double v, double scale) const {
+    const double height = (v - center_.y()) / half_height();
+    const double square = scale * scale - height * height;
+    return square > 0.0 ? std::sqrt(square / shape_(0, 0)) : 0.0;
+  }
+
+ private:
+  Eigen::Vector2d center_;
+  Eigen::Matrix2d shape_;
+};
+
+PixelNoise line_through(const Side& dark, const Side& bright) {
+  constexpr double kLikelyAtZero = kRounding + 0.25, kLeastDifference = 10.0;
   if (!dark.tells()) return {kLikelyAtZero, 0.0};
   const double contrast = bright.tells() ? bright.mean_level() - dark.mean_level() : 0.0;
   PixelNoise noise;
@@ -84,6 +73,37 @@ PixelNoise estimate_noise(const cv::Mat& image, const Outline& outline) {
     noise.per_level = (dark.variance() - noise.at_zero) / std::max(1.0, dark.mean_level());
   }
   return noise;
+}
+
+}  // namespace
+
+double PixelNoise::variance(double level) const {
+  return std::max(kRounding, at_zero + per_level * level);
+}
+
+PixelNoise estimate_noise(const cv::Mat& image, const Outline& outline) {
+  constexpr int kRowStep = 2;  // half of the rows tells enough
+  constexpr double kMargin_px = 4.0, kMarginInside = 0.3, kReach_px = 5.0;
+  const double radius = 0.5 * outline.diameter();
+  const double inner = 1.0 - std::max(kMargin_px / radius, kMarginInside);
+  const double outer = 1.0 + kMargin_px / radius;
+  const Rows rows(outline);
+  Side dark, bright;
+  const auto clamped = [&](double u) {
+    return std::clamp(static_cast<int>(std::lround(u)), 1, image.cols - 1);
+  };
+  const double reach = rows.half_height() * outer + kReach_px;
+  const int first = std::max(0, static_cast<int>(outline.center.y() - reach));
+  const int last = std::min(image.rows - 1, static_cast<int>(outline.center.y() + reach));
+  for (int v = first; v <= last; v += kRowStep) {
+    const double middle = rows.middle(v), in = rows.half_width(v, inner),
+                 out = rows.half_width(v, outer);
+    const auto* row = image.ptr<std::uint8_t>(v);
+    if (in > 0.0) bright.add_row(row, clamped(middle - in), clamped(middle + in));
+    dark.add_row(row, clamped(middle - out - kReach_px), clamped(middle - out));
+    dark.add_row(row, clamped(middle + out), clamped(middle + out + kReach_px));
+  }
+  return line_through(dark, bright);
 }
 
 }  // namespace planar

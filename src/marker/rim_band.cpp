@@ -34,9 +34,8 @@ void RimBand::sample(const cv::Mat& image, const Outline& outline, int count, do
   level.resize(kPlaces, count);
   blur_px2.resize(kPlaces, count);
   const PerNormal wave = normals.waves(outline);
-  static const bool kHasFastLines = has_fast_lines();
   const bool is_fast =
-      kHasFastLines && lies_inside(image.size(), outline, std::max(-inner_px, outer_px));
+      has_fast_lines() && lies_inside(image.size(), outline, std::max(-inner_px, outer_px));
   const auto sample = is_fast ? sample_line_fast : sample_line;
   for (int k = 0; k < count; ++k) {
     const Eigen::Vector2d direction = normals.direction.col(k);

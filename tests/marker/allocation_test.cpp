@@ -2,6 +2,7 @@
 #include <cstdlib>
 #include <new>
 
+#include "marker/lamp_center.h"
 #include "marker/lamp_detector.h"
 #include "marker/lamp_pair.h"
 #include "support/rendered_lamp.h"
@@ -40,6 +41,21 @@ void operator delete(void* memory, std::size_t, std::align_val_t) noexcept {
 
 namespace planar {
 namespace {
+
+TEST_CASE("measure_lamp allocates nothing") {
+  std::mt19937 random(19);
+  cv::Mat scene = test::background({128, 128});
+  test::add_lamp(scene, {{64.2, 63.9}});
+  const cv::Mat image = test::expose(scene, random);
+  const Blob blob = describe_blob(image, {43, 43, 43, 43}, 100);
+  for (const CenterMethod method : {CenterMethod::kAuto, CenterMethod::kFast}) {
+    const std::size_t before = allocations;
+    const LampStatus status = measure_lamp(image, blob, method).status;
+    const std::size_t during = allocations - before;
+    CHECK(status == LampStatus::kOk);
+    CHECK(during == 0);
+  }
+}
 
 TEST_CASE("LampDetector and choose_pair allocate nothing after the first frame") {
   std::mt19937 random(18);
