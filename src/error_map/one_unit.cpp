@@ -17,6 +17,9 @@ namespace {
 constexpr double kWidestRatio = 2.0;
 constexpr double kMillimetresPerMetre = 1000.0;
 
+/// Nor are its errors so large beside them.
+constexpr double kLargestError = 0.5;
+
 /// An arm's pairs reach farther; metres taken for millimetres do not.
 constexpr double kSmallestSpread = 2.0 * kMillimetre;
 
@@ -50,6 +53,13 @@ void require_one_unit(const MapSites& sites) {
         "half of the vision positions lie within {:.4g} mm of their middle, half of the tracker "
         "positions within {:.4g} mm; {}",
         vision / kMillimetre, tracker / kMillimetre, remedy(wide / narrow)));
+  }
+  const double error = median(values_of(sites.errors.colwise().norm()));
+  if (wide > kSmallestSpread && error > kLargestError * narrow) {
+    throw InputError(fmt::format(
+        "vision and tracker differ by {:.4g} mm in the median, while half of the positions lie "
+        "within {:.4g} mm of their middle; {} (are x and y swapped, or rows paired wrongly?)",
+        error / kMillimetre, narrow / kMillimetre, remedy(1.0)));
   }
   const double span = std::max(span_of(sites.positions), span_of(p_tracker));
   if (span < kSmallestSpread) {

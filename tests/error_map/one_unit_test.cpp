@@ -49,6 +49,16 @@ TEST_CASE("Positions of another scale are refused, metres or not") {
                     Contains("in the same frame and unit"));
 }
 
+TEST_CASE("Swapped axes and another datum are no vision error") {
+  auto swapped = good();
+  for (ErrorSample& sample : swapped)
+    sample.error = sample.p_vision - (sample.p_vision - sample.error).reverse();
+  CHECK_THROWS_WITH(require_one_unit(merge_samples(swapped)), Contains("are x and y swapped"));
+  auto shifted = good();
+  for (ErrorSample& sample : shifted) sample.error += Eigen::Vector2d(0.5, 0.0);
+  CHECK_THROWS_WITH(require_one_unit(merge_samples(shifted)), Contains("in the same frame"));
+}
+
 TEST_CASE("Metres in all columns are named") {
   CHECK_THROWS_WITH(require_one_unit(merge_samples(scaled(1e-3, 1e-3))),
                     Contains("look like metres; write them in millimetres"));
