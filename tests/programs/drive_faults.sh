@@ -5,14 +5,14 @@ source "$(dirname "$0")/common.sh"
 source "$repository/tests/programs/live_cell.sh"
 camera=gige
 
-# servo OUT OPTIONS...: both targets; the fault comes on the way to the second. Drive 1 is commanded to
-# switch on, then at least once a target.
+# servo OUT OPTIONS...: to $targets; the fault comes in the first long move after command 1 to drive 1,
+# which switches it on.
 servo() {
   local out=$1
   shift
-  hosted "$camera" --fault "$fault" --at-command 3 --fault-for 1 --json "$out.json" \
-    ${score:+--score "$out" --targets targets.csv} -- \
-    "$bin/planar-servo" --cell "cell/$camera.yaml" --targets targets.csv --out "$out" "$@" \
+  hosted "$camera" --fault "$fault" --at-command 2 --fault-for 1 --json "$out.json" \
+    ${score:+--score "$out" --targets "$targets"} -- \
+    "$bin/planar-servo" --cell "cell/$camera.yaml" --targets "$targets" --out "$out" "$@" \
     2> >(tee "$out.err" >&2)
 }
 
@@ -25,22 +25,25 @@ calibrated_cell 5
 # Near switches make short searches.
 sed -i 's/joint_limits_deg: .*]],/joint_limits_deg: [[-200, 60], [20, 170], [-90, 270]],/' cell/cell.yaml
 live_cell cell/cell.yaml "$camera" >"cell/$camera.yaml"
-printf 'id,x_mm,y_mm\na,200,100\nb,-150,250\n' >targets.csv
+printf 'id,x_mm,y_mm\na,200,100\n' >one.csv
+printf 'id,x_mm,y_mm\na,200,100\nb,-150,250\n' >both.csv
+targets=both.csv
 for fault in drive-unplugged drive-power-cycle; do
   echo "$fault, homed at once"
   score=yes servo "$fault" --home
   [ "$(grep -c ',reached,' "$fault/results.csv")" -eq 2 ] || fail "$(cat "$fault/results.csv")"
-  grep -q "b: drive [123].*the arm stands and waits" "$fault.err" || fail "$fault: not noticed"
-  grep -q "b: the drives are ready again; going on" "$fault.err" || fail "$fault: did not go on"
+  grep -q "[ab]: drive 2.*the arm stands and waits" "$fault.err" || fail "$fault: not noticed"
+  grep -q "[ab]: the drives are ready again; going on" "$fault.err" || fail "$fault: did not go on"
   awk -v error="$(value "$fault.json" after_max_mm_truth)" 'BEGIN { exit !(error < 0.1) }' ||
     fail "$fault: $(cat "$fault.json")"
 
   echo "$fault, nobody may home"
-  if score= servo "unhomed-$fault" </dev/null; then fail "$fault: an unhomed arm moved on"; fi
+  targets=one.csv fault=none score= servo "unhomed-$fault"
+  logged=$(steps_of "unhomed-$fault" a)
+  if score= servo "unhomed-$fault" --resume </dev/null; then fail "$fault: an unhomed arm moved on"; fi
   grep -q "lost their position:.* 2.*; home them with planar-jog, then go on with --resume" \
     "unhomed-$fault.err" || fail "$fault: homing was not asked for"
   grep -q '^a,.*,reached,' "unhomed-$fault/results.csv" || fail "$fault: the first result is lost"
-  logged=$(steps_of "unhomed-$fault" a)
   fault=none score= servo "unhomed-$fault" --resume
   [ "$(grep -c ',reached,' "unhomed-$fault/results.csv")" -eq 2 ] || fail "$fault: no resumption"
   [ "$(steps_of "unhomed-$fault" a)" -eq "$logged" ] && [ "$logged" -gt 0 ] ||
