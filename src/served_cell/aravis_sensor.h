@@ -2,14 +2,9 @@
 
 #include <arv.h>
 
-#include <cstdint>
-
 #include "served_cell/exposure.h"
 
 namespace planar {
-
-/// The exposure time at which a served camera without gain is as bright as usual.
-constexpr std::uint32_t kUsualExposure_us = 10000;
 
 /// Makes Aravis' fake camera, a set of registers with a source of pictures, show what `exposure`
 /// takes: of its region of interest, by its exposure time and gain (in dB). `exposure` is called by

@@ -5,6 +5,7 @@
 #include "frame_source/aravis_camera.h"
 #include "marker/lamp_tracker.h"
 #include "served_cell/aravis_gige_camera.h"
+#include "served_cell/exposure.h"
 #include "virtual_cell/sample_cell.h"
 
 namespace planar {
