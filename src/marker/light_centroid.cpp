@@ -10,20 +10,17 @@ namespace planar {
 namespace {
 
 struct RowSums {
-  int light{0}, first{0};
-  int rim{0}, rim_first{0}, rim_second{0};  ///< of the pixels whose light is neither 0 nor full
+  int light{0}, first{0};  ///< light, and light times place
+  int rim{0};              ///< pixels whose light is neither 0 nor full
 };
 
 RowSums sum_row(const std::uint8_t* row, int width, int lowest, int full) {
   RowSums sums;
   for (int u = 0; u < width; ++u) {
     const int light = std::clamp(row[u] - lowest, 0, full);
-    const int is_rim = (light > 0) & (light < full);
     sums.light += light;
     sums.first += u * light;
-    sums.rim += is_rim;
-    sums.rim_first += is_rim * u;
-    sums.rim_second += is_rim * u * u;
+    sums.rim += (light > 0) & (light < full);
   }
   return sums;
 }
@@ -41,22 +38,20 @@ std::optional<LightCentroid> light_centroid(const cv::Mat& image, const Blob& bl
       (blob.box_px + cv::Size(2 * kMargin_px, 2 * kMargin_px) - cv::Point(kMargin_px, kMargin_px)) &
       cv::Rect({0, 0}, image.size());
   double light = 0.0, rim = 0.0;
-  Eigen::Vector2d first(0.0, 0.0), rim_first(0.0, 0.0), rim_second(0.0, 0.0);
+  Eigen::Vector2d first(0.0, 0.0);
   for (int v = 0; v < box.height; ++v) {
     const RowSums row =
         sum_row(image.ptr<std::uint8_t>(box.y + v) + box.x, box.width, lowest, full);
     light += row.light;
     first += Eigen::Vector2d(row.first, v * row.light);
     rim += row.rim;
-    rim_first += Eigen::Vector2d(row.rim_first, v * row.rim);
-    rim_second += Eigen::Vector2d(row.rim_second, v * v * row.rim);
   }
   if (light <= 0.0) return std::nullopt;
   const Eigen::Vector2d center = first / light;
   const PixelNoise noise = estimate_noise(image, outline_of(blob));
   const double variance = noise.variance(0.5 * (blob.level + blob.background));
-  const Eigen::Vector2d lever =
-      rim_second - 2.0 * center.cwiseProduct(rim_first) + rim * center.cwiseAbs2();
+  // An ellipse's rim has twice the second moments of its area.
+  const Eigen::Vector2d lever = 2.0 * rim * blob.second_moments_px2.diagonal();
   LightCentroid centroid;
   centroid.center = center + Eigen::Vector2d(box.x, box.y);
   centroid.covariance = (variance / (light * light) * lever).asDiagonal();
