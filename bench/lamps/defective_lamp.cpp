@@ -123,10 +123,10 @@ cv::Mat render(const DefectiveLamp& lamp, const cv::Size& size) {
   cv::Mat cells(size * kCellsPerPixel, CV_32F);
   for (int v = 0; v < cells.rows; ++v) {
     for (int u = 0; u < cells.cols; ++u) {
-      const Eigen::Vector2d cell = kCell_px * Eigen::Vector2d(u + 0.5, v + 0.5) -
-                                   Eigen::Vector2d(0.5, 0.5);
-      cells.at<float>(v, u) = static_cast<float>(is_crossed(scene, cell) ? mean_level(scene, cell)
-                                                                         : scene.level(cell));
+      const Eigen::Vector2d cell =
+          kCell_px * Eigen::Vector2d(u + 0.5, v + 0.5) - Eigen::Vector2d(0.5, 0.5);
+      cells.at<float>(v, u) =
+          static_cast<float>(is_crossed(scene, cell) ? mean_level(scene, cell) : scene.level(cell));
     }
   }
   const double blur = lamp.blur_px * kCellsPerPixel;
