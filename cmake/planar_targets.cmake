@@ -77,7 +77,7 @@ function(planar_program name)
   add_executable(planar-${name} planar_${source}.cpp)
   set_target_properties(planar-${name} PROPERTIES CXX_STANDARD 17 CXX_EXTENSIONS OFF
                         RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
-  target_link_libraries(planar-${name} PRIVATE planar_program planar_app)
+  target_link_libraries(planar-${name} PRIVATE planar_program planar_app planar_experiment)
   install(TARGETS planar-${name})
 endfunction()
 

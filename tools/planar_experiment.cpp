@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <filesystem>
 
-#include "app/experiment.h"
-#include "app/experiment_report.h"
-#include "app/experiment_series.h"
+#include "experiment/experiment.h"
+#include "experiment/experiment_report.h"
+#include "experiment/experiment_series.h"
 #include "program.h"
 #include "text/atomic_file.h"
 

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <filesystem>
 
-#include "app/paper_cell.h"
 #include "app/serve_cell.h"
 #include "core/error.h"
+#include "experiment/paper_cell.h"
 #include "program.h"
 #include "text/atomic_file.h"
 #include "text/growing_file.h"

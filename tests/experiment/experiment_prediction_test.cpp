@@ -1,4 +1,4 @@
-#include "app/experiment_prediction.h"
+#include "experiment/experiment_prediction.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>

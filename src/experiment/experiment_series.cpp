@@ -1,4 +1,4 @@
-#include "app/experiment_series.h"
+#include "experiment/experiment_series.h"
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "app/experiment_report.h"
 #include "core/error.h"
 #include "core/statistics.h"
+#include "experiment/experiment_report.h"
 #include "report/html_page.h"
 #include "report/text_table.h"
 #include "text/growing_file.h"

@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "app/cell_devices.h"
-#include "app/experiment_prediction.h"
 #include "app/servo_run.h"
-#include "app/vision_chain.h"
+#include "experiment/experiment_prediction.h"
+#include "experiment/vision_chain.h"
 
 namespace planar {
 

@@ -1,13 +1,13 @@
-#include "app/experiment_report.h"
+#include "experiment/experiment_report.h"
 
 #include <fmt/format.h>
 
 #include <cmath>
 
-#include "app/experiment_plan.h"
-#include "app/paper_figures.h"
 #include "app/servo_report.h"
 #include "core/units.h"
+#include "experiment/experiment_plan.h"
+#include "experiment/paper_figures.h"
 #include "report/html_page.h"
 #include "report/quiver_figure.h"
 #include "report/text_table.h"

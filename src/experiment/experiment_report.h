@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "app/experiment.h"
+#include "experiment/experiment.h"
 
 namespace planar {
 

@@ -1,4 +1,4 @@
-#include "app/experiment.h"
+#include "experiment/experiment.h"
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
@@ -11,12 +11,12 @@
 #include <map>
 
 #include "app/check_error_map.h"
-#include "app/experiment_plan.h"
 #include "app/fit_error_map.h"
-#include "app/paper_figures.h"
 #include "app/recorder.h"
 #include "core/error.h"
 #include "core/units.h"
+#include "experiment/experiment_plan.h"
+#include "experiment/paper_figures.h"
 #include "text/atomic_file.h"
 #include "text/growing_file.h"
 

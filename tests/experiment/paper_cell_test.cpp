@@ -1,4 +1,4 @@
-#include "app/paper_cell.h"
+#include "experiment/paper_cell.h"
 
 #include <catch2/catch.hpp>
 

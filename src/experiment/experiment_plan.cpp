@@ -1,4 +1,4 @@
-#include "app/experiment_plan.h"
+#include "experiment/experiment_plan.h"
 
 #include <fmt/format.h>
 

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "app/vision_chain.h"
+#include "experiment/vision_chain.h"
 #include "files/target_table.h"
 
 namespace planar {

@@ -1,4 +1,4 @@
-#include "app/vision_chain.h"
+#include "experiment/vision_chain.h"
 
 #include <cmath>
 
