@@ -48,7 +48,7 @@ TEST_CASE("Each block is predicted by the map of the other blocks") {
 }
 
 TEST_CASE("A sparse map's blocks are worth about what a dense one's are") {
-  const MapSites sites = sites_of(test::bumpy_field, 1200);
+  const MapSites sites = sites_of(test::bumpy_field, 700);
   const double dense = cross_validate(fit_rbf(sites, tune(sites, kSmooth)).map, sites).rms.value;
   const double sparse = cross_validate(fit_sparse(sites).map, sites).rms.value;
   CHECK(sparse == Approx(dense).epsilon(0.5));
