@@ -20,6 +20,9 @@ struct WindowLost {};
 
 std::atomic<bool> window_is_broken{false};
 
+/// On a dead connection, which must not be touched again, not even to be freed.
+std::atomic<const vpDisplayX*> abandoned_display{nullptr};
+
 /// Xlib ends the process when this returns; leaving it by an exception only gives up the window.
 int leave_lost_server(::Display* /*display*/) {
   throw WindowLost();
@@ -55,7 +58,6 @@ class Window {
   }
 
  private:
-  /// A connection that is dead must not be touched again, not even to be freed.
   template <typename Work>
   void guarded(const Work& work) {
     if (given_up_) return;
@@ -65,7 +67,7 @@ class Window {
       given_up_ = true;
     }
     given_up_ = given_up_ || window_is_broken;
-    if (given_up_) static_cast<void>(display_.release());
+    if (given_up_) abandoned_display = display_.release();
   }
 
   vpImage<vpRGBa>& picture_;
