@@ -5,7 +5,8 @@
 source "$(dirname "$0")/../../tests/programs/common.sh"
 source "$repository/tests/programs/live_cell.sh"
 
-calibrated_cell 5
+calibrated_cell
+live_twins
 # Many small corrections, each from one frame.
 awk 'BEGIN { print "id,x_mm,y_mm"; for (i = 0; i < 20; ++i)
      printf "t%d,%.3f,%.3f\n", i, 200 + 40 * cos(2.4 * i), 150 + 40 * sin(2.4 * i) }' >targets.csv

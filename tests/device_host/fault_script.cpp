@@ -1,6 +1,7 @@
 #include "device_host/fault_script.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace planar::test {
 namespace {
@@ -10,39 +11,41 @@ constexpr double kUnderWay_s = 0.3;
 
 }  // namespace
 
-FaultScript::FaultScript(HostedFault fault, HostedArm& arm, std::size_t at_command, double for_s)
-    : fault_(std::move(fault)), arm_(arm), at_command_(at_command), for_s_(for_s) {}
+FaultScript::FaultScript(std::vector<HostedFault> faults, HostedArm& arm, double for_s)
+    : faults_(std::move(faults)), arm_(arm), for_s_(for_s) {}
 
 void FaultScript::poll() {
-  if (!began_s_ && under_way()) {
-    const double now_s = clock_.now_s();
-    fault_.begin();
-    // What dies slowly may take a last picture.
-    const std::vector<TrueTip> tips = arm_.true_tips();
-    began_s_ = tips.empty() ? now_s : std::max(now_s, tips.back().t_s);
+  if (present_ && clock_.now_s() > began_s_.back() + for_s_) {
+    present_ = false;
+    faults_[began_s_.size() - 1].end();
   }
-  if (began_s_ && !ended_ && clock_.now_s() > *began_s_ + for_s_) {
-    ended_ = true;
-    fault_.end();
-  }
+  if (present_ || began_s_.size() == faults_.size() || !under_way()) return;
+  const HostedFault& fault = faults_[began_s_.size()];
+  began_s_.push_back(clock_.now_s());
+  present_ = true;
+  fault.begin();
+  const std::vector<TrueTip> tips = arm_.true_tips();
+  if (fault.blinds && !tips.empty()) began_s_.back() = std::max(began_s_.back(), tips.back().t_s);
 }
 
 nlohmann::json FaultScript::report() const {
-  if (!began_s_) return nullptr;
-  nlohmann::json stops_ms = nlohmann::json::array();
-  for (std::size_t joint = 0; joint < 3; ++joint)
-    for (const double t_s : arm_.drive(joint).commands_s())
-      if (t_s > *began_s_) {
-        stops_ms.push_back(1e3 * (t_s - *began_s_));
-        break;
-      }
-  return {{"first_command_ms", stops_ms}};
+  nlohmann::json faults = nlohmann::json::array();
+  for (std::size_t i = 0; i < began_s_.size(); ++i) {
+    nlohmann::json first_ms = nlohmann::json::array();
+    for (std::size_t joint = 0; joint < 3; ++joint)
+      for (const double t_s : arm_.drive(joint).commands_s())
+        if (t_s > began_s_[i]) {
+          first_ms.push_back(1e3 * (t_s - began_s_[i]));
+          break;
+        }
+    faults.push_back({{"fault", faults_[i].name}, {"first_command_ms", first_ms}});
+  }
+  return faults;
 }
 
 bool FaultScript::under_way() {
-  const std::vector<double> commands_s = arm_.drive(0).commands_s();
-  return commands_s.size() >= at_command_ && clock_.now_s() > commands_s.back() + kUnderWay_s &&
-         arm_.moving();
+  const auto sent_s = arm_.drive(0).sent_s();
+  return sent_s && clock_.now_s() > *sent_s + kUnderWay_s && arm_.moving();
 }
 
 }  // namespace planar::test

@@ -1,9 +1,9 @@
 #pragma once
 
-#include <cstddef>
 #include <functional>
 #include <nlohmann/json.hpp>
-#include <optional>
+#include <string>
+#include <vector>
 
 #include "device_host/hosted_arm.h"
 
@@ -11,32 +11,33 @@ namespace planar::test {
 
 /// A fault of a device: how it begins, and how its cause goes away.
 struct HostedFault {
+  std::string name;
   std::function<void()> begin, end;
+  bool blinds{false};  ///< a camera that dies slowly may take a last picture: it begins with that
 };
 
-/// Lets a device fail in the middle of a move, and tells what followed on the drives' wires.
+/// Lets devices fail in the middle of moves, and tells what followed on the drives' wires.
 class FaultScript {
  public:
-  /// The fault comes 0.3 s into the first long move from the `at_command`-th command to drive 1 on,
-  /// and stays for `for_s`.
-  FaultScript(HostedFault fault, HostedArm& arm, std::size_t at_command, double for_s);
+  /// Each fault comes 0.3 s into a long move, after the cause of the one before is gone, and stays
+  /// for `for_s`.
+  FaultScript(std::vector<HostedFault> faults, HostedArm& arm, double for_s);
 
   /// To be called every few milliseconds.
   void poll();
 
-  /// The time from the fault to the first command to each drive after it; null before the fault.
+  /// For each fault that came, the time from it to the first command to each drive after it.
   nlohmann::json report() const;
 
  private:
   bool under_way();
 
-  HostedFault fault_;
+  std::vector<HostedFault> faults_;
   HostedArm& arm_;
-  std::size_t at_command_;
   double for_s_;
   SteadyClock clock_;
-  std::optional<double> began_s_;
-  bool ended_{false};
+  std::vector<double> began_s_;  ///< of those that came
+  bool present_{false};
 };
 
 }  // namespace planar::test

@@ -88,7 +88,7 @@ class HostedUsb final : public HostedCamera {
 }  // namespace
 
 const std::vector<std::string>& HostedCamera::fault_names() {
-  static const std::vector<std::string> names{"none", "packet-loss", "truncated", "dead", "frozen"};
+  static const std::vector<std::string> names{"packet-loss", "truncated", "dead", "frozen"};
   return names;
 }
 

@@ -15,11 +15,11 @@ namespace planar::test {
 class HostedCamera {
  public:
   enum class Fault {
-    kNone,
     kPacketLoss,  ///< GigE: every third packet is lost
     kTruncated,   ///< USB: every payload ends in the middle
     kDead,        ///< no power (GigE), unplugged (USB)
     kFrozen,      ///< the sensor's last picture again and again
+    kNone,
   };
   static Fault fault_named(const std::string& name);
   static const std::vector<std::string>& fault_names();

@@ -31,9 +31,9 @@ constexpr char kDriveUnplugged[] = "drive-unplugged", kDrivePowerCycle[] = "driv
 
 struct Options {
   std::filesystem::path cell, targets, run, json;
-  std::string camera{"gige"}, fault{"none"};
+  std::string camera{"gige"};
+  std::vector<std::string> faults;
   double age_s{0.0}, fault_for_s{1.0};
-  std::size_t fault_at_command{1};
   std::vector<std::string> command;
 };
 
@@ -58,12 +58,12 @@ pid_t start(const std::vector<std::string>& command) {
   _exit(127);
 }
 
-/// The command's exit status; `script`, which may be empty, is played until it ends.
-int wait_for(pid_t child, std::optional<FaultScript>& script) {
+/// The command's exit status; the script is played until it ends.
+int wait_for(pid_t child, FaultScript& script) {
   SteadyClock clock;
   int status = 0;
   while (waitpid(child, &status, WNOHANG) == 0) {
-    if (script) script->poll();
+    script.poll();
     clock.sleep_for_s(kPoll_s);
   }
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
@@ -86,17 +86,14 @@ std::vector<std::string> fault_names() {
   return names;
 }
 
-/// Empty when nothing shall fail.
-std::optional<HostedFault> fault_named(const std::string& name, HostedCamera& camera,
-                                       HostedArm& arm, MockUsbDevice& drive) {
+HostedFault fault_named(const std::string& name, HostedCamera& camera, HostedArm& arm,
+                        MockUsbDevice& drive) {
   if (name == kDriveUnplugged)
-    return HostedFault{[&drive] { drive.unplug(); }, [&drive] { drive.plug(); }};
-  if (name == kDrivePowerCycle)
-    return HostedFault{[&arm] { arm.power_cycle(kFaultyDrive); }, [] {}};
+    return {name, [&drive] { drive.unplug(); }, [&drive] { drive.plug(); }};
+  if (name == kDrivePowerCycle) return {name, [&arm] { arm.power_cycle(kFaultyDrive); }, [] {}};
   const HostedCamera::Fault fault = HostedCamera::fault_named(name);
-  if (fault == HostedCamera::Fault::kNone) return std::nullopt;
-  return HostedFault{[&camera, fault] { camera.set_fault(fault); },
-                     [&camera] { camera.set_fault(HostedCamera::Fault::kNone); }};
+  return {name, [&camera, fault] { camera.set_fault(fault); },
+          [&camera] { camera.set_fault(HostedCamera::Fault::kNone); }, true};
 }
 
 int host(const Options& options) {
@@ -113,15 +110,15 @@ int host(const Options& options) {
   const double rate_hz = cell.camera.frame_rate_hz;
   const auto camera = options.camera == "gige" ? host_gige_camera(sensor_px, rate_hz, exposure)
                                                : host_usb_camera(bus, sensor_px, rate_hz, exposure);
-  std::optional<FaultScript> script;
-  if (auto fault = fault_named(options.fault, *camera, arm, *drives[kFaultyDrive]))
-    script.emplace(std::move(*fault), arm, options.fault_at_command, options.fault_for_s);
+  std::vector<HostedFault> faults;
+  for (const std::string& name : options.faults)
+    faults.push_back(fault_named(name, *camera, arm, *drives[kFaultyDrive]));
+  FaultScript script(std::move(faults), arm, options.fault_for_s);
   const int status = wait_for(start(options.command), script);
-  nlohmann::json figures{{"status", status}, {"fault", nullptr}};
-  if (script) figures["fault"] = script->report();
-  if (!figures["fault"].is_null())
-    fmt::print("{}: first commands to the drives after {} ms\n", options.fault,
-               figures["fault"]["first_command_ms"].dump());
+  nlohmann::json figures{{"status", status}, {"faults", script.report()}};
+  for (const auto& fault : figures["faults"])
+    fmt::print("{}: first commands to the drives after {} ms\n", fault["fault"].get<std::string>(),
+               fault["first_command_ms"].dump());
   if (!options.run.empty()) {
     figures.update(score(options, arm.true_tips()));
     figures["exposure_to_command_ms"] =
@@ -137,9 +134,10 @@ int run(int argc, char** argv) {
   app.add_option("--cell", options.cell, "the virtual cell, with its truth")->required();
   app.add_option("--camera", options.camera)->check(CLI::IsMember({"gige", "usb"}));
   app.add_option("--age", options.age_s, "what the cell's own clock shows at first, seconds");
-  app.add_option("--fault", options.fault)->check(CLI::IsMember(fault_names()));
-  app.add_option("--at-command", options.fault_at_command,
-                 "the fault comes during the first long move from this command to drive 1 on");
+  app.add_option("--fault", options.faults, "one after the other, each in the middle of a move")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->check(CLI::IsMember(fault_names()));
   app.add_option("--fault-for", options.fault_for_s, "seconds");
   auto* run = app.add_option("--score", options.run, "folder of the run to be scored afterwards");
   app.add_option("--targets", options.targets, "of that run")->needs(run);

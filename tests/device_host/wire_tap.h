@@ -1,6 +1,7 @@
 #pragma once
 
 #include <mutex>
+#include <optional>
 #include <vector>
 
 #include "core/clock.h"
@@ -17,6 +18,7 @@ class WireTap final : public UsbFunction {
     if (moves_motor(setup)) {
       const std::lock_guard lock(mutex_);
       commands_s_.push_back(clock_.now_s());
+      sent_somewhere_ = setup.request == kSetTargetPosition;
     }
     return function_.control(setup, data);
   }
@@ -27,17 +29,27 @@ class WireTap final : public UsbFunction {
     return commands_s_;
   }
 
+  /// When it was sent somewhere, unless it was told something else since.
+  std::optional<double> sent_s() {
+    const std::lock_guard lock(mutex_);
+    return sent_somewhere_ ? std::optional(commands_s_.back()) : std::nullopt;
+  }
+
  private:
-  /// Set target position or velocity, halt and hold, halt and set position.
+  static constexpr int kSetTargetPosition = 0xe0, kSetTargetVelocity = 0xe3, kHaltAndHold = 0x89,
+                       kHaltAndSetPosition = 0xec;
+
   static bool moves_motor(const UsbSetup& setup) {
-    return !setup.to_host() && (setup.request == 0xe0 || setup.request == 0xe3 ||
-                                setup.request == 0x89 || setup.request == 0xec);
+    return !setup.to_host() &&
+           (setup.request == kSetTargetPosition || setup.request == kSetTargetVelocity ||
+            setup.request == kHaltAndHold || setup.request == kHaltAndSetPosition);
   }
 
   UsbFunction& function_;
   SteadyClock clock_;
   std::mutex mutex_;
   std::vector<double> commands_s_;
+  bool sent_somewhere_{false};
 };
 
 }  // namespace planar::test

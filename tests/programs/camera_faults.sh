@@ -2,21 +2,35 @@
 # A camera that fails in the middle of a move stops the arm; when it is back the loop goes on.
 source "$(dirname "$0")/common.sh"
 source "$repository/tests/programs/live_cell.sh"
-camera=$2
-shift 2
+camera=$3
 
-calibrated_cell 5
-printf 'id,x_mm,y_mm\na,200,100\nb,150,200\n' >targets.csv
-for fault in "$@"; do
-  echo "$camera: $fault"
-  # Command 1 switches the drives on, command 2 begins the first, long move.
-  hosted "$camera" --fault "$fault" --at-command 2 --fault-for 2 --score "$fault" \
-    --targets targets.csv --json "$fault.json" -- \
-    "$bin/planar-servo" --cell "cell/$camera.yaml" --targets targets.csv --out "$fault" \
-    2> >(tee "$fault.err" >&2)
-  [ "$(grep -c ',reached,' "$fault/results.csv")" -eq 2 ] || fail "$(cat "$fault/results.csv")"
-  grep -q "the arm stands and waits" "$fault.err" || fail "$fault: the arm did not stop"
-  grep -q "the camera delivers again" "$fault.err" || fail "$fault: the loop did not go on"
-  awk -v error="$(value "$fault.json" after_max_mm_truth)" 'BEGIN { exit !(error < 0.1) }' ||
-    fail "$fault: $(cat "$fault.json")"
+# What planar-servo says of a fault.
+complaint() {
+  case $1 in
+    packet-loss | truncated) echo "parts of its frames are missing" ;;
+    frozen) echo "it repeats one picture" ;;
+    dead) echo "the camera has sent no good frame\|the camera is lost" ;;
+  esac
+}
+
+cp -r "$2/cell" .
+live_twins
+faults=packet-loss,frozen,dead
+[ "$camera" = gige ] || faults=truncated,frozen,dead
+printf 'id,x_mm,y_mm\na,200,100\n' >targets.csv
+hosted "$camera" --fault $faults --score run --targets targets.csv --json figures.json -- \
+  "$bin/planar-servo" --cell "cell/$camera.yaml" --targets targets.csv --out run 2>said.txt ||
+  fail "$(cat said.txt)"
+cat said.txt
+
+grep -q '^a,.*,reached,' run/results.csv || fail "$(cat run/results.csv)"
+grep "the arm stands and waits" said.txt >stops.txt || fail "the arm did not stop"
+[ "$(wc -l <stops.txt)" -ge 3 ] || fail "the arm did not stop for each fault"
+[ "$(grep -c "the camera delivers again" said.txt)" -eq "$(wc -l <stops.txt)" ] ||
+  fail "the loop did not go on after each fault"
+for fault in ${faults//,/ }; do
+  grep -q "\"$fault\"" figures.json || fail "$fault did not come: $(cat figures.json)"
+  grep -q "$(complaint "$fault")" stops.txt || fail "$fault: it was not said what is wrong"
 done
+awk -v error="$(value figures.json after_max_mm_truth)" 'BEGIN { exit !(error < 0.1) }' ||
+  fail "$(cat figures.json)"

@@ -1,4 +1,5 @@
-# Sourced by the scripts beside it: a folder of its own, and a small plan that calibrates a cell.
+# Sourced by the scripts beside it, which are called NAME.sh BIN_DIR [CELL_DIR ...]: a folder of its own,
+# and a small plan that calibrates a cell.
 set -euo pipefail
 bin=$(cd "$1" && pwd)
 repository=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
@@ -38,4 +39,12 @@ calibrate() {
   "$bin/planar-fit-error-map" -q -o "$out/map.yaml" "$out/pairs.csv" --json "$out/map.json"
   "$bin/planar-check-error-map" -q --plan train "$out/map.yaml" "$out/pairs.csv" \
     --json "$out/check.json"
+}
+
+# In this folder: a drawn cell, its recording, and cell/ calibrated from it.
+calibrated_cell() {
+  "$bin/planar-virtual-cell" -q draw --seed 5 -o cell >/dev/null
+  small_plan >plan.csv
+  "$bin/planar-record" -q --cell cell/cell.yaml --plan plan.csv --out recording >/dev/null
+  calibrate cell/cell.yaml recording cell >calibrated.txt
 }

@@ -3,49 +3,54 @@
 # with the same target, and nothing is lost from the log.
 source "$(dirname "$0")/common.sh"
 source "$repository/tests/programs/live_cell.sh"
-camera=gige
 
-# servo OUT OPTIONS...: to $targets; the fault comes in the first long move after command 1 to drive 1,
-# which switches it on.
+# servo TARGETS OPTIONS... [-- OPTIONS OF THE HOST...]
 servo() {
-  local out=$1
+  local options=(--targets "$1")
   shift
-  hosted "$camera" --fault "$fault" --at-command 2 --fault-for 1 --json "$out.json" \
-    ${score:+--score "$out" --targets "$targets"} -- \
-    "$bin/planar-servo" --cell "cell/$camera.yaml" --targets "$targets" --out "$out" "$@" \
-    2> >(tee "$out.err" >&2)
+  while [ $# -gt 0 ] && [ "$1" != -- ]; do
+    options+=("$1")
+    shift
+  done
+  hosted gige "${@:2}" -- "$bin/planar-servo" --cell cell/gige.yaml --out run "${options[@]}" \
+    2>said.txt </dev/null
 }
 
-# Rows of a target in the log of a run.
-steps_of() {
-  grep -c "^$2," "$1/steps.csv"
+# How many steps of the target a are in the log.
+steps_of_a() {
+  grep -c "^a," run/steps.csv
 }
 
-calibrated_cell 5
-# Near switches make short searches.
-sed -i 's/joint_limits_deg: .*]],/joint_limits_deg: [[-200, 60], [20, 170], [-90, 270]],/' cell/cell.yaml
-live_cell cell/cell.yaml "$camera" >"cell/$camera.yaml"
+cp -r "$2/cell" .
+# A home and switches that make searches short.
+sed -i -e 's/joint_limits_deg: .*]], home_deg: .*]/joint_limits_deg: [[-105, 60], [90, 170], [-60, 270]], home_deg: [-60, 50, 20]/' \
+  cell/cell.yaml
+live_twins
 printf 'id,x_mm,y_mm\na,200,100\n' >one.csv
-printf 'id,x_mm,y_mm\na,200,100\nb,-150,250\n' >both.csv
-targets=both.csv
-for fault in drive-unplugged drive-power-cycle; do
-  echo "$fault, homed at once"
-  score=yes servo "$fault" --home
-  [ "$(grep -c ',reached,' "$fault/results.csv")" -eq 2 ] || fail "$(cat "$fault/results.csv")"
-  grep -q "[ab]: drive 2.*the arm stands and waits" "$fault.err" || fail "$fault: not noticed"
-  grep -q "[ab]: the drives are ready again; going on" "$fault.err" || fail "$fault: did not go on"
-  awk -v error="$(value "$fault.json" after_max_mm_truth)" 'BEGIN { exit !(error < 0.1) }' ||
-    fail "$fault: $(cat "$fault.json")"
+printf 'id,x_mm,y_mm\na,200,100\nb,200,60\n' >two.csv
 
+echo "homed at once"
+servo one.csv --home -- --fault drive-unplugged,drive-power-cycle --score run --targets one.csv \
+  --json figures.json || fail "$(cat said.txt)"
+cat said.txt
+grep -q '^a,.*,reached,' run/results.csv || fail "$(cat run/results.csv)"
+[ "$(grep -c "a: drive 2.*the arm stands and waits" said.txt)" -eq 2 ] || fail "not noticed"
+[ "$(grep -c "a: the drives are ready again; going on" said.txt)" -eq 2 ] || fail "did not go on"
+[ "$(grep -c '"fault": "drive-' figures.json)" -eq 2 ] || fail "$(cat figures.json)"
+awk -v error="$(value figures.json after_max_mm_truth)" 'BEGIN { exit !(error < 0.1) }' ||
+  fail "$(cat figures.json)"
+
+logged=$(steps_of_a)
+for fault in drive-unplugged drive-power-cycle; do
   echo "$fault, nobody may home"
-  targets=one.csv fault=none score= servo "unhomed-$fault"
-  logged=$(steps_of "unhomed-$fault" a)
-  if score= servo "unhomed-$fault" --resume </dev/null; then fail "$fault: an unhomed arm moved on"; fi
+  if servo two.csv --resume -- --fault $fault; then fail "$fault: an unhomed arm moved on"; fi
+  cat said.txt
+  grep -q "b: drive 2.*the arm stands and waits" said.txt || fail "$fault: not noticed"
   grep -q "lost their position:.* 2.*; home them with planar-jog, then go on with --resume" \
-    "unhomed-$fault.err" || fail "$fault: homing was not asked for"
-  grep -q '^a,.*,reached,' "unhomed-$fault/results.csv" || fail "$fault: the first result is lost"
-  fault=none score= servo "unhomed-$fault" --resume
-  [ "$(grep -c ',reached,' "unhomed-$fault/results.csv")" -eq 2 ] || fail "$fault: no resumption"
-  [ "$(steps_of "unhomed-$fault" a)" -eq "$logged" ] && [ "$logged" -gt 0 ] ||
-    fail "$fault: the log lost the steps of the first target"
+    said.txt || fail "$fault: homing was not asked for"
+  grep -q '^a,.*,reached,' run/results.csv || fail "$fault: the first result is lost"
+  if grep -q '^b,' run/results.csv; then fail "$fault: an unhomed arm has a result"; fi
 done
+servo two.csv --resume || fail "$(cat said.txt)"
+[ "$(grep -c ',reached,' run/results.csv)" -eq 2 ] || fail "no resumption: $(cat run/results.csv)"
+[ "$(steps_of_a)" -eq "$logged" ] && [ "$logged" -gt 0 ] || fail "the log lost the steps of a"

@@ -39,12 +39,8 @@ hosted() {
   "$loopback_only" "$host" --cell cell/cell.yaml --camera "$camera" "$@" 2> >(grep -v uevent_sender >&2)
 }
 
-# calibrated_cell SEED: a drawn cell in cell/, calibrated in process, and its real twins.
-calibrated_cell() {
-  "$bin/planar-virtual-cell" -q draw --seed "$1" -o cell >/dev/null
-  small_plan >plan.csv
-  "$bin/planar-record" -q --cell cell/cell.yaml --plan plan.csv --out recording >/dev/null
-  calibrate cell/cell.yaml recording cell >/dev/null
+# live_twins: the calibrated cell in cell/ as cells with real devices.
+live_twins() {
   live_cell cell/cell.yaml gige >cell/gige.yaml
   live_cell cell/cell.yaml usb >cell/usb.yaml
 }

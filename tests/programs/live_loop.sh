@@ -2,10 +2,11 @@
 # The loop over GigE Vision or USB3 Vision and Pololu Tics ends as near to the targets as in process.
 source "$(dirname "$0")/common.sh"
 source "$repository/tests/programs/live_cell.sh"
-camera=$2
+camera=$3
 
-calibrated_cell 5
-printf 'id,x_mm,y_mm\na,200,150\nb,100,250\nc,-50,300\nd,-150,200\n' >targets.csv
+cp -r "$2/cell" .
+live_twins
+printf 'id,x_mm,y_mm\na,420,100\nb,330,270\nc,270,310\nd,350,200\n' >targets.csv
 "$bin/planar-servo" -q --cell cell/cell.yaml --targets targets.csv --out in_process \
   --json in_process.json >/dev/null
 hosted "$camera" --score live --targets targets.csv --json live.json -- \
@@ -21,4 +22,7 @@ if grep -q "truth\|virtual" live/run.yaml; then fail "the live run knows of a si
 
 hosted "$camera" -- "$bin/planar-doctor" --cell "cell/$camera.yaml" >doctor.txt ||
   fail "$(cat doctor.txt)"
-[ "$(grep -c '^well *\(drive [123]\|camera\|frames\):' doctor.txt)" -eq 5 ] || fail "$(cat doctor.txt)"
+[ "$(grep -c '^well *\(drive [123]\|camera\):' doctor.txt)" -eq 4 ] || fail "$(cat doctor.txt)"
+# How many depends on the machine.
+grep -q "frames: [1-9][0-9]* whole frames in 2 s, 0 with parts missing" doctor.txt ||
+  fail "$(cat doctor.txt)"

@@ -2,10 +2,7 @@
 # A lamp that went out stops the servo with a reason, and nothing moves after it.
 source "$(dirname "$0")/common.sh"
 
-"$bin/planar-virtual-cell" -q draw --seed 11 -o cell >/dev/null
-small_plan >plan.csv
-"$bin/planar-record" -q --cell cell/cell.yaml --plan plan.csv --out recording >/dev/null
-calibrate cell/cell.yaml recording cell >/dev/null
+cp -r "$2/cell" .
 
 sed -i '0,/peak_level: .*/s//peak_level: 0/' cell/truth.yaml
 printf 'id,x_mm,y_mm\na,200,100\n' >targets.csv

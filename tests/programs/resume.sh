@@ -2,8 +2,7 @@
 # An interrupted recording and an interrupted run are gone on with; a finished run is not overwritten.
 source "$(dirname "$0")/common.sh"
 
-"$bin/planar-virtual-cell" -q draw --seed 8 -o cell >/dev/null
-small_plan >plan.csv
+cp -r "$2/cell" "$2/plan.csv" .
 head -n 9 plan.csv >begin.csv
 "$bin/planar-record" -q --cell cell/cell.yaml --plan begin.csv --out recording >/dev/null
 "$bin/planar-record" -q --cell cell/cell.yaml --plan plan.csv --out recording >second.txt

@@ -2,10 +2,7 @@
 # Targets as lines on standard input: one line of JSON each, at once; a bad line moves nothing.
 source "$(dirname "$0")/common.sh"
 
-"$bin/planar-virtual-cell" -q draw --seed 8 -o cell >/dev/null
-small_plan >plan.csv
-"$bin/planar-record" -q --cell cell/cell.yaml --plan plan.csv --out recording >/dev/null
-calibrate cell/cell.yaml recording cell >/dev/null
+cp -r "$2/cell" .
 
 # A dialogue: the next line is sent only when the last one has been answered.
 mkfifo questions
