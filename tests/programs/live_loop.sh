@@ -23,6 +23,6 @@ if grep -q "truth\|virtual" live/run.yaml; then fail "the live run knows of a si
 hosted "$camera" -- "$bin/planar-doctor" --cell "cell/$camera.yaml" >doctor.txt ||
   fail "$(cat doctor.txt)"
 [ "$(grep -c '^well *\(drive [123]\|camera\):' doctor.txt)" -eq 4 ] || fail "$(cat doctor.txt)"
-# How many depends on the machine.
-grep -q "frames: [1-9][0-9]* whole frames in 2 s, 0 with parts missing" doctor.txt ||
+# How many of 26 MB come whole depends on the machine.
+grep -q "frames: [1-9][0-9]* whole frames in 2 s" doctor.txt ||
   fail "$(cat doctor.txt)"
