@@ -1,13 +1,16 @@
 #include "support/usb3_camera.h"
 
+#include <atomic>
 #include <catch2/catch.hpp>
 #include <memory>
+#include <thread>
 
 #include "core/clock.h"
 #include "core/error.h"
 #include "frame_source/aravis_camera.h"
 #include "frame_source/camera_inspection.h"
 #include "frame_source/camera_path.h"
+#include "frame_source/pixel_format.h"
 #include "support/scene_sensor.h"
 
 // Every frame here crosses USB3 Vision, through Aravis and libusb, to a camera emulated below them.
@@ -72,6 +75,51 @@ TEST_CASE("A frame over USB is whole, of the region asked for, and exposed after
       }
     }
   }
+}
+
+TEST_CASE("Every grey format arrives with the upper eight bits of its pixels") {
+  for (const std::string& format : pixel_format_names()) {
+    CAPTURE(format);
+    PluggedCamera plugged;
+    AravisSettings settings = settings_with(CameraTrigger::kSoftware);
+    settings.pixel_format = format;
+    AravisCamera camera(settings);
+    for (const cv::Rect& region : {kWhole, cv::Rect(64, 32, 128, 96)}) {
+      camera.set_region(region);
+      const FrameResult result = camera.next_frame();
+      REQUIRE(result.status == FrameStatus::kOk);
+      CHECK(test::SceneSensor::shows(result.frame.image, region));
+    }
+  }
+}
+
+TEST_CASE("Each pulse of the trigger line brings one frame, its absence is a fault") {
+  PluggedCamera plugged;
+  AravisCamera camera(settings_with(CameraTrigger::kHardware));
+  std::atomic<bool> ends{false}, pulses{true};
+  std::atomic<std::size_t> sent{0};
+  std::thread line([&] {
+    for (SteadyClock clock; !ends; clock.sleep_for_s(1.0 / kFrameRate_hz))
+      if (pulses) {
+        ++sent;
+        plugged.function.pulse_line();
+      }
+  });
+  for (int i = 0; i < 5; ++i) {
+    const double asked_s = SteadyClock().now_s();
+    const FrameResult result = camera.next_frame();
+    REQUIRE(result.status == FrameStatus::kOk);
+    CHECK(test::SceneSensor::shows(result.frame.image, kWhole));
+    CHECK(plugged.sensor.exposed_s(result.frame.image, kWhole) >= asked_s);
+  }
+  pulses = false;
+  CHECK(in_the_end([&] { return camera.fault().has_value(); }));
+  CHECK(plugged.sensor.exposures() == sent);
+  pulses = true;
+  CHECK(in_the_end([&] { return !camera.fault(); }));
+  CHECK(camera.next_frame().status == FrameStatus::kOk);
+  ends = true;
+  line.join();
 }
 
 TEST_CASE("Frames over USB without their end are counted and never handed over") {

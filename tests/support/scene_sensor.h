@@ -54,6 +54,11 @@ class SceneSensor {
     return exposures_s_.at(static_cast<std::size_t>(at));
   }
 
+  std::size_t exposures() {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return exposures_s_.size();
+  }
+
   double brightness() {
     const std::lock_guard<std::mutex> lock(mutex_);
     return brightness_;

@@ -1,5 +1,7 @@
 #include "support/usb3_camera.h"
 
+#include <endian.h>
+
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
@@ -16,6 +18,8 @@ constexpr std::uint64_t kSirm = 0x20000;      // of the streaming interface
 constexpr std::uint64_t kManifest = 0x30000;  // of the XML file
 constexpr std::uint64_t kXml = 0x1000000;
 constexpr std::uint64_t kFeatures = 0x500000;
+// The fake camera takes pictures of 8 bits, whatever is sent of them.
+constexpr std::uint64_t kPixelFormat = kFeatures + ARV_FAKE_CAMERA_REGISTER_PIXEL_FORMAT;
 constexpr std::size_t kAbrmBytes = 0x300, kSbrmBytes = 0x80, kSirmBytes = 0x40;
 constexpr std::size_t kManifestBytes = 0x100;
 constexpr std::size_t kStreamControl = 0x04;  // in the SIRM; bit 0 enables
@@ -49,7 +53,7 @@ void put_text(std::vector<std::uint8_t>& bytes, std::size_t at, const std::strin
   std::copy(text.begin(), text.end(), bytes.begin() + static_cast<std::ptrdiff_t>(at));
 }
 
-/// The fake camera's XML with its registers moved to kFeatures.
+/// The fake camera's XML with its registers moved to kFeatures, and with more pixel formats.
 std::string moved_xml(ArvFakeCamera* camera) {
   std::size_t size = 0;
   const char* text = arv_fake_camera_get_genicam_xml(camera, &size);
@@ -61,6 +65,12 @@ std::string moved_xml(ArvFakeCamera* camera) {
     xml.replace(at + tag.size(), end - digits,
                 "500" + std::string(3 - (end - digits), '0') + xml.substr(digits, end - digits));
   }
+  std::string entries;
+  for (const GreyFormat& format : grey_formats())
+    if (format.bits > 8)
+      entries += "<EnumEntry Name=\"" + format.name + "\" NameSpace=\"Standard\"><Value>" +
+                 std::to_string(format.code) + "</Value></EnumEntry>";
+  xml.insert(xml.find("<pValue>PixelFormatRegister</pValue>"), entries);
   return xml;
 }
 
@@ -91,7 +101,8 @@ Usb3Camera::Usb3Camera(const std::string& serial, const cv::Size& sensor_px, dou
       serial_(serial),
       exposure_(std::move(exposure)),
       xml_(moved_xml(handles_->camera)),
-      stream_registers_(kSirmBytes) {
+      stream_registers_(kSirmBytes),
+      format_(&grey_formats().front()) {
   show_on(handles_->camera, exposure_, sensor_px, frame_rate_hz);
 }
 
@@ -124,6 +135,7 @@ void Usb3Camera::power_cycle() {
   std::fill(stream_registers_.begin(), stream_registers_.end(), std::uint8_t{0});
   answers_.clear();
   next_ = Next::kLeader;
+  format_ = &grey_formats().front();
 }
 
 std::optional<Usb3Camera::Bytes> Usb3Camera::read(std::uint64_t address, std::size_t size) {
@@ -133,6 +145,10 @@ std::optional<Usb3Camera::Bytes> Usb3Camera::read(std::uint64_t address, std::si
     if (from < xml_.size())
       std::memcpy(bytes.data(), xml_.data() + from,
                   std::min<std::size_t>(size, xml_.size() - from));
+    return bytes;
+  }
+  if (address == kPixelFormat) {
+    put(bytes, 0, htobe32(format_->code));
     return bytes;
   }
   if (address >= kFeatures) {
@@ -153,7 +169,7 @@ std::optional<Usb3Camera::Bytes> Usb3Camera::read(std::uint64_t address, std::si
     start = kSirm;
     table = stream_registers_;
     put<std::uint32_t>(table, 0x00, 0x0a000000);  // sizes in steps of 1024 bytes, as Daheng's
-    put<std::uint64_t>(table, 0x08, arv_fake_camera_get_payload(handles_->camera));
+    put<std::uint64_t>(table, 0x08, payload_bytes());
     put<std::uint32_t>(table, 0x10, kLeaderBytes);
     put<std::uint32_t>(table, 0x14, kTrailerBytes);
   } else if (address >= kSbrm) {
@@ -180,6 +196,7 @@ std::optional<Usb3Camera::Bytes> Usb3Camera::read(std::uint64_t address, std::si
 }
 
 bool Usb3Camera::write(std::uint64_t address, const std::uint8_t* data, std::size_t size) {
+  if (address == kPixelFormat) return set_format(be32toh(get<std::uint32_t>(data)));
   if (address >= kFeatures && address < kXml)
     return arv_fake_camera_write_memory(handles_->camera, static_cast<guint32>(address - kFeatures),
                                         static_cast<guint32>(size), data) != 0;
@@ -230,6 +247,36 @@ std::optional<UsbOutcome> Usb3Camera::bulk_in(int endpoint, std::uint8_t* data, 
   return outcome;
 }
 
+bool Usb3Camera::set_format(std::uint32_t code) {
+  for (const GreyFormat& format : grey_formats()) {
+    if (format.code != code) continue;
+    format_ = &format;
+    return true;
+  }
+  return false;
+}
+
+std::size_t Usb3Camera::payload_bytes() const {
+  return format_->bytes(arv_fake_camera_get_payload(handles_->camera));
+}
+
+void Usb3Camera::pack() {
+  std::size_t ignored = 0;
+  const auto* pixels =
+      static_cast<const std::uint8_t*>(arv_buffer_get_data(handles_->buffer, &ignored));
+  sending_ = pixels;
+  sending_bytes_ = pixels_;
+  if (format_->bits == 8) return;
+  std::vector<unsigned> levels(pixels_);
+  const int lower_bits = format_->bits - 8;
+  for (std::size_t i = 0; i < pixels_; ++i)
+    levels[i] = static_cast<unsigned>(pixels[i]) << lower_bits |
+                (static_cast<unsigned>(i) & ((1U << lower_bits) - 1U));
+  packed_ = format_->pack(levels);
+  sending_ = packed_.data();
+  sending_bytes_ = packed_.size();
+}
+
 bool Usb3Camera::streaming() const {
   return (stream_registers_[kStreamControl] & 1) != 0 &&
          arv_fake_camera_get_acquisition_status(handles_->camera) != 0;
@@ -251,9 +298,11 @@ std::optional<UsbOutcome> Usb3Camera::stream(std::uint8_t* data, std::size_t siz
 
 bool Usb3Camera::frame_is_due() {
   ArvFakeCamera* const camera = handles_->camera;
-  if (!arv_fake_camera_is_in_free_running_mode(camera))
-    return arv_fake_camera_is_in_software_trigger_mode(camera) &&
-           arv_fake_camera_check_and_acknowledge_software_trigger(camera);
+  const bool line_pulsed = line_pulses_ > 0;
+  if (line_pulsed) --line_pulses_;
+  if (arv_fake_camera_is_in_software_trigger_mode(camera))
+    return arv_fake_camera_check_and_acknowledge_software_trigger(camera);
+  if (!arv_fake_camera_is_in_free_running_mode(camera)) return line_pulsed;
   const std::int64_t now_us = g_get_monotonic_time();
   if (now_us < next_frame_us_) return false;
   guint32 period_us = 0;
@@ -264,14 +313,15 @@ bool Usb3Camera::frame_is_due() {
 }
 
 UsbOutcome Usb3Camera::send_leader(std::uint8_t* data, std::size_t size) {
-  const std::size_t payload = arv_fake_camera_get_payload(handles_->camera);
-  if (handles_->buffer == nullptr || payload != payload_bytes_) {
+  const std::size_t pixels = arv_fake_camera_get_payload(handles_->camera);  // of 8 bits
+  if (pixels != pixels_) {
     if (handles_->buffer != nullptr) g_object_unref(handles_->buffer);
-    handles_->buffer = arv_buffer_new_allocate(payload);
-    payload_bytes_ = payload;
+    handles_->buffer = arv_buffer_new_allocate(pixels);
+    pixels_ = pixels;
   }
   ArvBuffer* const buffer = handles_->buffer;
   arv_fake_camera_fill_buffer(handles_->camera, buffer, nullptr);
+  pack();
   ++frame_id_;
   sent_bytes_ = 0;
   next_ = Next::kPayload;
@@ -281,7 +331,7 @@ UsbOutcome Usb3Camera::send_leader(std::uint8_t* data, std::size_t size) {
   put(leader, 8, frame_id_);
   put(leader, 18, kImagePayload);
   put(leader, 20, arv_buffer_get_timestamp(buffer));
-  put(leader, 28, arv_buffer_get_image_pixel_format(buffer));
+  put(leader, 28, format_->code);
   gint region[4];
   arv_buffer_get_image_region(buffer, &region[0], &region[1], &region[2], &region[3]);
   put(leader, 32, region[2]);
@@ -292,13 +342,10 @@ UsbOutcome Usb3Camera::send_leader(std::uint8_t* data, std::size_t size) {
 }
 
 UsbOutcome Usb3Camera::send_payload(std::uint8_t* data, std::size_t size) {
-  std::size_t ignored = 0;
-  const auto* pixels =
-      static_cast<const std::uint8_t*>(arv_buffer_get_data(handles_->buffer, &ignored));
-  const std::size_t bytes = std::min(size, payload_bytes_ - sent_bytes_);
-  std::memcpy(data, pixels + sent_bytes_, bytes);
+  const std::size_t bytes = std::min(size, sending_bytes_ - sent_bytes_);
+  std::memcpy(data, sending_ + sent_bytes_, bytes);
   sent_bytes_ += bytes;
-  if (sent_bytes_ == payload_bytes_) {
+  if (sent_bytes_ == sending_bytes_) {
     next_ = Next::kTrailer;
     if (trailers_to_lose_ > 0) {
       --trailers_to_lose_;
@@ -316,7 +363,7 @@ UsbOutcome Usb3Camera::send_trailer(std::uint8_t* data, std::size_t size) {
   put(trailer, 0, kTrailerMagic);
   put(trailer, 6, static_cast<std::uint16_t>(kTrailerBytes));
   put(trailer, 8, frame_id_);
-  put(trailer, 20, static_cast<std::uint64_t>(payload_bytes_));
+  put(trailer, 20, static_cast<std::uint64_t>(sending_bytes_));
   return send(trailer, data, size);
 }
 

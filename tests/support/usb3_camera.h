@@ -9,13 +9,15 @@
 #include <vector>
 
 #include "served_cell/exposure.h"
+#include "support/grey_formats.h"
 #include "support/mock_usb.h"
 
 namespace planar::test {
 
 /// A USB3 Vision camera for MockUsbDevice: Aravis' fake camera has its features and pictures; this
 /// adds the transport, which is GenCP commands and, on an endpoint of its own, leader, payload and
-/// trailer of each frame [USB3 Vision 1.0, 4 and 5].
+/// trailer of each frame [USB3 Vision 1.0, 4 and 5], pixels of 10 and 12 bits, whose lower bits
+/// count the pixels, and an input line that triggers.
 class Usb3Camera final : public UsbFunction {
  public:
   Usb3Camera(const std::string& serial, const cv::Size& sensor_px, double frame_rate_hz,
@@ -27,6 +29,9 @@ class Usb3Camera final : public UsbFunction {
   /// The next frames end before their trailer, or in the middle of their payload.
   void lose_trailers(int frames) { trailers_to_lose_ = frames; }
   void truncate_payloads(int frames) { payloads_to_cut_ = frames; }
+
+  /// An edge on the line "Line0", which starts an exposure where it is the trigger.
+  void pulse_line() { ++line_pulses_; }
 
   /// Forgets what it was told, as a camera does without power. Only while it is unplugged.
   void power_cycle();
@@ -48,6 +53,10 @@ class Usb3Camera final : public UsbFunction {
   UsbOutcome send_payload(std::uint8_t* data, std::size_t size);
   UsbOutcome send_trailer(std::uint8_t* data, std::size_t size);
   bool streaming() const;
+  bool set_format(std::uint32_t code);
+  std::size_t payload_bytes() const;
+  /// Makes the payload of the picture.
+  void pack();
 
   struct Handles;
   std::unique_ptr<Handles> handles_;
@@ -57,12 +66,17 @@ class Usb3Camera final : public UsbFunction {
   Bytes stream_registers_;
   std::deque<Bytes> answers_;
   Next next_{Next::kLeader};
-  std::size_t payload_bytes_{0};
+  const GreyFormat* format_;
+  std::size_t pixels_{0};
+  Bytes packed_;
+  const std::uint8_t* sending_{nullptr};  ///< the payload: the picture or packed_
+  std::size_t sending_bytes_{0};
   std::size_t sent_bytes_{0};
   std::uint64_t frame_id_{0};
   std::int64_t next_frame_us_{0};
   std::atomic<int> trailers_to_lose_{0};
   std::atomic<int> payloads_to_cut_{0};
+  std::atomic<int> line_pulses_{0};
 };
 
 }  // namespace planar::test
