@@ -34,7 +34,7 @@ std::set<std::string> ids_in(const std::filesystem::path& path) {
       faults.add(e.what());
     }
     if (lines.has_columns() && !had_columns &&
-        split_fields(line) != std::vector<std::string>{"id", "x_mm", "y_mm", "phi_deg"})
+        split_fields(line) != std::vector<std::string_view>{"id", "x_mm", "y_mm", "phi_deg"})
       throw InputError(fmt::format(
           "{}:{}: the header is '{}'; only a table with the header id,x_mm,y_mm,phi_deg can be "
           "taught more: name another file",

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -20,18 +21,20 @@ class WorkError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Collects every fault of an input, so that the user learns all of them at once.
+/// Collects every fault of an input, so that the user learns all of them at once; of more than a
+/// hundred, the first hundred and how many more there are.
 class Faults {
  public:
-  void add(const std::string& message) { messages_.push_back(message); }
+  /// Forgets a message that it has already.
+  void add(const std::string& message);
   bool empty() const { return messages_.empty(); }
-  const std::vector<std::string>& messages() const { return messages_; }
 
   /// Throws InputError with one line per fault, if there is any.
   void throw_if_any() const;
 
  private:
   std::vector<std::string> messages_;
+  std::size_t n_more_{0};
 };
 
 }  // namespace planar

@@ -22,35 +22,35 @@ const std::vector<std::string>& columns() {
 }
 
 /// Number of lamps whose pixel columns are filled in.
-int lamps_in_row(const CsvTable& table, std::size_t row) {
-  if (table.text(row, "u1_px").empty()) return 0;
-  return table.text(row, "u2_px").empty() ? 1 : 2;
+int lamps_in_row(const CsvTable& table) {
+  if (table.text("u1_px").empty()) return 0;
+  return table.text("u2_px").empty() ? 1 : 2;
 }
 
-LampRow read_row(CsvTable& table, std::size_t i) {
+LampRow read_row(CsvTable& table) {
   LampRow row;
-  row.id = table.text(i, "id");
-  row.image = table.text(i, "image");
-  row.t_s = table.optional_number(i, "t_s");
-  row.status = table.text(i, "status");
-  for (int lamp = 1; lamp <= lamps_in_row(table, i); ++lamp) {
+  row.id = table.text("id");
+  row.image = table.text("image");
+  row.t_s = table.optional_number("t_s");
+  row.status = table.text("status");
+  for (int lamp = 1; lamp <= lamps_in_row(table); ++lamp) {
     const auto value = [&](const char* pattern) {
-      return table.optional_number(i, fmt::format(fmt::runtime(pattern), lamp)).value_or(0.0);
+      return table.optional_number(fmt::format(fmt::runtime(pattern), lamp)).value_or(0.0);
     };
-    row.uv_px.emplace_back(table.number(i, fmt::format("u{}_px", lamp)),
-                           table.number(i, fmt::format("v{}_px", lamp)));
+    row.uv_px.emplace_back(table.number(fmt::format("u{}_px", lamp)),
+                           table.number(fmt::format("v{}_px", lamp)));
     Eigen::Matrix2d covariance;
     covariance << value("var_u{}_px2"), value("cov_uv{}_px2"), value("cov_uv{}_px2"),
         value("var_v{}_px2");
     row.covariance_px2.push_back(covariance);
   }
   const auto point = [&](const char* x, const char* y) -> std::optional<Eigen::Vector2d> {
-    if (table.text(i, x).empty()) return std::nullopt;
-    return Eigen::Vector2d(table.number(i, x), table.number(i, y)) * kMillimetre;
+    if (table.text(x).empty()) return std::nullopt;
+    return Eigen::Vector2d(table.number(x), table.number(y)) * kMillimetre;
   };
   row.p_vision = point("x_vision_mm", "y_vision_mm");
   row.sigma = point("sigma_x_mm", "sigma_y_mm");
-  if (const auto phi_deg = table.optional_number(i, "phi_deg")) row.phi = *phi_deg * kDegree;
+  if (const auto phi_deg = table.optional_number("phi_deg")) row.phi = *phi_deg * kDegree;
   return row;
 }
 
@@ -73,9 +73,9 @@ void add_optional(CsvWriter& writer, const std::optional<double>& value, int dec
 }  // namespace
 
 std::vector<LampRow> read_lamps(const std::filesystem::path& path) {
-  CsvTable table = CsvTable::read(path, "lamps", {"id", "status", "u1_px", "v1_px"});
+  CsvFile table(path, "lamps", {"id", "status", "u1_px", "v1_px"});
   std::vector<LampRow> rows;
-  for (std::size_t i = 0; i < table.size(); ++i) rows.push_back(read_row(table, i));
+  while (table.next_row()) rows.push_back(read_row(table));
   table.throw_if_faulty_or_empty();
   return rows;
 }

@@ -39,32 +39,32 @@ bool shows_board(const std::string& plan) {
   return plan == kHeldBoardPlan || plan == kLaidBoardPlan;
 }
 
-void check_plan(CsvTable& table, std::size_t row, const std::string& plan) {
+void check_plan(CsvTable& table, const std::string& plan) {
   const auto& names = plan_names();
   if (std::find(names.begin(), names.end(), plan) != names.end()) return;
-  table.add_fault(row, fmt::format("plan is '{}'; allowed are {}", plan, fmt::join(names, ", ")));
+  table.add_fault(fmt::format("plan is '{}'; allowed are {}", plan, fmt::join(names, ", ")));
 }
 
 std::vector<FrameRow> read_frames(const std::filesystem::path& recording) {
   if (!std::filesystem::is_directory(recording))
     throw InputError(recording.string() +
                      ": is not a folder; a recording made by planar-record is needed");
-  CsvTable table = CsvTable::read(recording / "frames.csv", "frames", frame_columns());
+  CsvFile table(recording / "frames.csv", "frames", frame_columns());
   std::vector<FrameRow> rows;
-  for (std::size_t i = 0; i < table.size(); ++i) {
+  while (table.next_row()) {
     FrameRow row;
-    row.id = table.text(i, "id");
-    row.image = table.text(i, "image");
-    row.t_s = table.number(i, "t_s");
-    row.plan = table.text(i, "plan");
+    row.id = table.text("id");
+    row.image = table.text("image");
+    row.t_s = table.number("t_s");
+    row.plan = table.text("plan");
     for (int j = 0; j < 3; ++j) {
-      row.theta[j] = table.number(i, fmt::format("theta{}_deg", j + 1)) * kDegree;
-      row.pulses[j] = table.whole_number(i, fmt::format("m{}_pulses", j + 1));
+      row.theta[j] = table.number(fmt::format("theta{}_deg", j + 1)) * kDegree;
+      row.pulses[j] = table.whole_number(fmt::format("m{}_pulses", j + 1));
     }
-    row.region_px = cv::Rect(
-        table.whole_number(i, "region_u0_px"), table.whole_number(i, "region_v0_px"),
-        table.whole_number(i, "region_width_px"), table.whole_number(i, "region_height_px"));
-    check_plan(table, i, row.plan);
+    row.region_px =
+        cv::Rect(table.whole_number("region_u0_px"), table.whole_number("region_v0_px"),
+                 table.whole_number("region_width_px"), table.whole_number("region_height_px"));
+    check_plan(table, row.plan);
     rows.push_back(std::move(row));
   }
   table.throw_if_faulty_or_empty("record some with planar-record");
@@ -72,13 +72,13 @@ std::vector<FrameRow> read_frames(const std::filesystem::path& recording) {
 }
 
 std::vector<TrackerRow> read_tracker(const std::filesystem::path& path, const CsvDialect& dialect) {
-  CsvTable table = CsvTable::read(path, "tracker", {"id", "t_s", "x_mm", "y_mm", "z_mm"}, dialect);
+  CsvFile table(path, "tracker", {"id", "t_s", "x_mm", "y_mm", "z_mm"}, dialect);
   std::vector<TrackerRow> rows;
-  for (std::size_t i = 0; i < table.size(); ++i)
-    rows.push_back({table.text(i, "id"), table.number(i, "t_s"),
-                    Eigen::Vector3d(table.number(i, "x_mm"), table.number(i, "y_mm"),
-                                    table.number(i, "z_mm")) *
-                        kMillimetre});
+  while (table.next_row())
+    rows.push_back(
+        {std::string(table.text("id")), table.number("t_s"),
+         Eigen::Vector3d(table.number("x_mm"), table.number("y_mm"), table.number("z_mm")) *
+             kMillimetre});
   table.throw_if_faulty_or_empty();
   return rows;
 }

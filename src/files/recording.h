@@ -53,7 +53,7 @@ constexpr char kLaidBoardPlan[] = "plane_grid";
 /// True of a plan whose rows show the calibration board instead of the lamps.
 bool shows_board(const std::string& plan);
 
-/// Adds a fault to the row unless there is such a plan.
-void check_plan(CsvTable& table, std::size_t row, const std::string& plan);
+/// Adds a fault to the current row unless there is such a plan.
+void check_plan(CsvTable& table, const std::string& plan);
 
 }  // namespace planar

@@ -24,20 +24,17 @@ std::string error_fields(const std::optional<Eigen::Vector2d>& error) {
   return fmt::format("{:.6f},{}", error->norm() / kMillimetre, in_mm(*error));
 }
 
-ServoStatus status_at(CsvTable& table, std::size_t row) {
+ServoStatus status_at(CsvTable& table) {
   for (const ServoStatus status : kStatuses)
-    if (table.text(row, "status") == name(status)) return status;
-  table.add_fault(
-      row, fmt::format("status is '{}', which no target can have", table.text(row, "status")));
+    if (table.text("status") == name(status)) return status;
+  table.add_fault(fmt::format("status is '{}', which no target can have", table.text("status")));
   return ServoStatus::kRefused;
 }
 
-std::optional<Eigen::Vector2d> error_at(CsvTable& table, std::size_t row,
-                                        const ResultError& error) {
+std::optional<Eigen::Vector2d> error_at(CsvTable& table, const ResultError& error) {
   const auto columns = error.columns();
-  if (table.text(row, columns[1]).empty()) return std::nullopt;
-  return Eigen::Vector2d(table.number(row, columns[1]), table.number(row, columns[2])) *
-         kMillimetre;
+  if (table.text(columns[1]).empty()) return std::nullopt;
+  return Eigen::Vector2d(table.number(columns[1]), table.number(columns[2])) * kMillimetre;
 }
 
 std::vector<std::string> result_columns() {
@@ -80,21 +77,19 @@ std::string result_line(const TargetResult& result) {
 }
 
 std::vector<TargetResult> read_results(const std::filesystem::path& path) {
-  CsvTable table = CsvTable::read(path, "results", result_columns());
+  CsvFile table(path, "results", result_columns());
   std::vector<TargetResult> results;
-  for (std::size_t row = 0; row < table.size(); ++row) {
+  while (table.next_row()) {
     TargetResult result;
-    result.id = table.text(row, "target");
-    result.p_d =
-        Eigen::Vector2d(table.number(row, "x_mm"), table.number(row, "y_mm")) * kMillimetre;
-    result.status = status_at(table, row);
-    result.reason = table.text(row, "reason");
-    result.iterations = table.whole_number(row, "iterations");
-    result.seconds = table.number(row, "seconds");
-    if (const auto uncertainty_mm = table.optional_number(row, "uncertainty_mm"))
+    result.id = table.text("target");
+    result.p_d = Eigen::Vector2d(table.number("x_mm"), table.number("y_mm")) * kMillimetre;
+    result.status = status_at(table);
+    result.reason = table.text("reason");
+    result.iterations = table.whole_number("iterations");
+    result.seconds = table.number("seconds");
+    if (const auto uncertainty_mm = table.optional_number("uncertainty_mm"))
       result.uncertainty_m = *uncertainty_mm * kMillimetre;
-    for (const ResultError& error : result_errors())
-      result.*error.error = error_at(table, row, error);
+    for (const ResultError& error : result_errors()) result.*error.error = error_at(table, error);
     results.push_back(std::move(result));
   }
   table.throw_if_faulty();

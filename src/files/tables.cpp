@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <set>
+
 #include "core/units.h"
 #include "files/recording.h"
 #include "text/csv_table.h"
@@ -12,9 +14,8 @@ namespace {
 constexpr int kMicrometreDecimals = 6;  // of a millimetre: a nanometre
 constexpr int kAngleDecimals = 6;       // of a degree
 
-Eigen::Vector2d point_mm(CsvTable& table, std::size_t row, const std::string& x,
-                         const std::string& y) {
-  return Eigen::Vector2d(table.number(row, x), table.number(row, y)) * kMillimetre;
+Eigen::Vector2d point_mm(CsvTable& table, const char* x, const char* y) {
+  return Eigen::Vector2d(table.number(x), table.number(y)) * kMillimetre;
 }
 
 std::optional<double> scaled(std::optional<double> value, double unit) {
@@ -28,40 +29,43 @@ void add_optional(CsvWriter& writer, std::optional<double> value, double unit, i
     writer.add_empty();
 }
 
-std::variant<std::monostate, TipPose, Joints> plan_place(CsvTable& table, std::size_t row,
-                                                         double tool_orientation) {
-  const auto given = [&](const char* column) { return !table.text(row, column).empty(); };
+std::variant<std::monostate, TipPose, Joints> plan_place(CsvTable& table, double tool_orientation) {
+  const auto given = [&](const char* column) { return !table.text(column).empty(); };
   if (given("x_mm") || given("y_mm")) {
-    if (given("theta1_deg")) table.add_fault(row, "has both x_mm and theta1_deg; give one of them");
-    return TipPose{
-        point_mm(table, row, "x_mm", "y_mm"),
-        scaled(table.optional_number(row, "phi_deg"), kDegree).value_or(tool_orientation)};
+    if (given("theta1_deg")) table.add_fault("has both x_mm and theta1_deg; give one of them");
+    return TipPose{point_mm(table, "x_mm", "y_mm"),
+                   scaled(table.optional_number("phi_deg"), kDegree).value_or(tool_orientation)};
   }
   if (given("theta1_deg"))
-    return Joints(Joints(table.number(row, "theta1_deg"), table.number(row, "theta2_deg"),
-                         table.number(row, "theta3_deg")) *
-                  kDegree);
+    return Joints(
+        Joints(table.number("theta1_deg"), table.number("theta2_deg"), table.number("theta3_deg")) *
+        kDegree);
   return std::monostate();
 }
 
 }  // namespace
 
-std::vector<PairRow> read_pairs(const std::filesystem::path& path) {
-  CsvTable table = CsvTable::read(
-      path, "pairs", {"id", "x_vision_mm", "y_vision_mm", "x_tracker_mm", "y_tracker_mm"});
-  std::vector<PairRow> rows;
-  for (std::size_t i = 0; i < table.size(); ++i) {
-    PairRow row;
-    row.id = table.text(i, "id");
-    row.p_vision = point_mm(table, i, "x_vision_mm", "y_vision_mm");
-    row.p_tracker = point_mm(table, i, "x_tracker_mm", "y_tracker_mm");
-    row.phi = scaled(table.optional_number(i, "phi_deg"), kDegree);
-    row.sigma_vision = scaled(table.optional_number(i, "sigma_vision_mm"), kMillimetre);
-    row.sigma_tracker = scaled(table.optional_number(i, "sigma_tracker_mm"), kMillimetre);
-    row.plan = table.text(i, "plan");
-    rows.push_back(std::move(row));
+void read_pairs(const std::filesystem::path& path,
+                const std::function<void(const PairRow&)>& take) {
+  CsvFile table(path, "pairs",
+                {"id", "x_vision_mm", "y_vision_mm", "x_tracker_mm", "y_tracker_mm"});
+  PairRow row;
+  while (table.next_row()) {
+    row.id = table.text("id");
+    row.p_vision = point_mm(table, "x_vision_mm", "y_vision_mm");
+    row.p_tracker = point_mm(table, "x_tracker_mm", "y_tracker_mm");
+    row.phi = scaled(table.optional_number("phi_deg"), kDegree);
+    row.sigma_vision = scaled(table.optional_number("sigma_vision_mm"), kMillimetre);
+    row.sigma_tracker = scaled(table.optional_number("sigma_tracker_mm"), kMillimetre);
+    row.plan = table.text("plan");
+    take(row);
   }
   table.throw_if_faulty_or_empty();
+}
+
+std::vector<PairRow> read_pairs(const std::filesystem::path& path) {
+  std::vector<PairRow> rows;
+  read_pairs(path, [&](const PairRow& row) { rows.push_back(row); });
   return rows;
 }
 
@@ -82,18 +86,21 @@ std::string pairs_text(const std::vector<PairRow>& rows) {
 }
 
 std::vector<PlanRow> read_plan(const std::filesystem::path& path, double tool_orientation) {
-  CsvTable table = CsvTable::read(path, "plan", {"id", "plan"});
+  CsvFile table(path, "plan", {"id", "plan"});
   std::vector<PlanRow> rows;
-  for (std::size_t i = 0; i < table.size(); ++i) {
-    PlanRow row{table.text(i, "id"), table.text(i, "plan"), plan_place(table, i, tool_orientation)};
+  std::set<std::string> ids;
+  while (table.next_row()) {
+    PlanRow row{std::string(table.text("id")), std::string(table.text("plan")),
+                plan_place(table, tool_orientation)};
+    table.require_id_not_in(ids);
+    ids.insert(row.id);
     if (row.id.find('/') != std::string::npos)
-      table.add_fault(i, fmt::format("id is '{}'; it names images, so '/' is not allowed", row.id));
-    check_plan(table, i, row.plan);
+      table.add_fault(fmt::format("id is '{}'; it names images, so '/' is not allowed", row.id));
+    check_plan(table, row.plan);
     if (!shows_board(row.plan) && std::holds_alternative<std::monostate>(row.where))
-      table.add_fault(i, "has no position; x_mm, y_mm or theta1_deg ... theta3_deg are needed");
+      table.add_fault("has no position; x_mm, y_mm or theta1_deg ... theta3_deg are needed");
     rows.push_back(std::move(row));
   }
-  table.require_distinct_ids();
   table.throw_if_faulty_or_empty();
   return rows;
 }

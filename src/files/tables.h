@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <variant>
@@ -29,6 +30,8 @@ struct PairRow {
 };
 
 std::vector<PairRow> read_pairs(const std::filesystem::path& path);
+/// Hands each row on as it is read, so that a long table is never held whole; throws at its end.
+void read_pairs(const std::filesystem::path& path, const std::function<void(const PairRow&)>& take);
 std::string pairs_text(const std::vector<PairRow>& rows);
 
 /// plan.csv: one position to be recorded, by tip pose or by joints; rows of the plans "grid" and

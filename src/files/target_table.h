@@ -39,10 +39,10 @@ class TargetLines {
 
   /// Of the line taken last, from 1.
   int line() const { return line_; }
-  bool has_columns() const { return empty_.has_header(); }
+  bool has_columns() const { return table_.has_header(); }
 
  private:
-  CsvTable empty_;  ///< knows the columns, holds no row
+  CsvTable table_;
   std::set<std::string> taken_;
   bool fourth_is_optional_{false};
   int line_{0};

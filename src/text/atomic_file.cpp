@@ -2,7 +2,6 @@
 
 #include <unistd.h>
 
-#include <fstream>
 #include <sstream>
 #include <system_error>
 
@@ -33,14 +32,18 @@ void write_file(const fs::path& path, std::string_view text) {
   throw WorkError(path.string() + ": cannot be put in place: " + reason);
 }
 
-std::string read_file(const fs::path& path) {
+std::ifstream open_file(const fs::path& path) {
   std::error_code error;
   if (fs::is_directory(path, error))
     throw InputError(path.string() + ": is a folder; a file is needed here");
   std::ifstream in(path, std::ios::binary);
   if (!in) throw InputError(path.string() + ": cannot be read; check the name and the permissions");
+  return in;
+}
+
+std::string read_file(const fs::path& path) {
   std::ostringstream text;
-  text << in.rdbuf();
+  text << open_file(path).rdbuf();
   return text.str();
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <fstream>
 #include <string>
 #include <string_view>
 
@@ -9,6 +10,9 @@ namespace planar {
 /// Writes the whole text to a temporary name beside `path` and renames it, so that no reader ever
 /// sees half a file. Throws WorkError when the place cannot be written.
 void write_file(const std::filesystem::path& path, std::string_view text);
+
+/// The file, open for reading. Throws InputError naming `path` when it cannot be read.
+std::ifstream open_file(const std::filesystem::path& path);
 
 /// The whole file. Throws InputError naming `path` when it cannot be read.
 std::string read_file(const std::filesystem::path& path);

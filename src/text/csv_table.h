@@ -2,9 +2,12 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <fstream>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/error.h"
@@ -12,10 +15,10 @@
 namespace planar {
 
 /// The whole text as a finite number with a decimal point, whatever the locale; empty otherwise.
-std::optional<double> finite_number(const std::string& text);
+std::optional<double> finite_number(std::string_view text);
 
-/// The fields of one line, without the blanks around them.
-std::vector<std::string> split_fields(const std::string& line, char separator = ',');
+/// The fields of one line, without the blanks around them; views of `line`.
+std::vector<std::string_view> split_fields(std::string_view line, char separator = ',');
 
 /// How other programs' tables differ from ours.
 struct CsvDialect {
@@ -25,67 +28,84 @@ struct CsvDialect {
   std::map<std::string, std::string> renamed_columns;
 };
 
-/// A CSV table whose columns are found by name in any order. `#` comments and blank lines are
-/// skipped, extra columns ignored. Faults are collected with FILE:LINE, all at once:
-///
-///     CsvTable table = CsvTable::read(path, "pairs", {"id", "x_vision_mm"});
-///     for (std::size_t row = 0; row < table.size(); ++row) x = table.number(row, "x_vision_mm");
-///     table.throw_if_faulty();
+/// A CSV table whose columns are found by name in any order, taken line by line: it holds the
+/// current row only. `#` comments and blank lines are skipped, extra columns ignored. A first line
+/// `# format: planar-servo/<kind>/1` is optional, but another format there is refused. Faults of
+/// rows are collected with FILE:LINE, to be thrown all at once.
 class CsvTable {
  public:
-  /// Reads the whole file. A first line `# format: planar-servo/<kind>/1` is optional, but another
-  /// format there is refused. Throws InputError when the file cannot be read, has no header line or
-  /// lacks a column of `required`.
-  static CsvTable read(const std::filesystem::path& path, const std::string& kind,
-                       const std::vector<std::string>& required, const CsvDialect& dialect = {});
-
-  /// A table without lines yet. `source` stands for the file in messages.
+  /// `source` stands for the file in messages.
   CsvTable(std::filesystem::path source, const std::string& kind, std::vector<std::string> required,
            CsvDialect dialect = {});
+  CsvTable(const CsvTable&) = delete;  // the fields are views of the line
+  CsvTable& operator=(const CsvTable&) = delete;
 
-  /// Takes one line more. Throws InputError for a header that lacks a required column and for
-  /// another format; everything else that is wrong is a fault of the row.
-  void add_line(std::string line, int line_number);
+  /// Takes one line more; true when it is a row, which then is the current one. A row with another
+  /// number of fields than the header is a fault. Throws InputError for another format and for a
+  /// header that lacks a required column or names one twice; such a header is not taken.
+  bool take_line(std::string_view line, int line_number);
 
   bool has_header() const { return !columns_.empty(); }
-  std::size_t size() const { return rows_.size(); }
-  bool has_column(const std::string& column) const { return columns_.count(column) != 0; }
-  int line(std::size_t row) const { return rows_[row].line; }
-  const std::filesystem::path& path() const { return path_; }
 
-  /// The field's text; empty when the column does not exist.
-  const std::string& text(std::size_t row, const std::string& column) const;
+  // Of the current row.
 
+  /// The field's text; empty when the column does not exist. Valid until the next line.
+  std::string_view text(std::string_view column) const;
   /// The field as a finite number; a fault (and 0) when it is not one.
-  double number(std::size_t row, const std::string& column);
+  double number(std::string_view column);
   /// Empty for an empty field or a column that does not exist.
-  std::optional<double> optional_number(std::size_t row, const std::string& column);
+  std::optional<double> optional_number(std::string_view column);
   /// The field as a whole number; a fault (and 0) when it is not one.
-  int whole_number(std::size_t row, const std::string& column);
-
+  int whole_number(std::string_view column);
+  /// A fault when the field `id` is empty or one of `taken`.
+  void require_id_not_in(const std::set<std::string>& taken);
   /// Adds `FILE:LINE: message`.
-  void add_fault(std::size_t row, const std::string& message);
-  /// Adds a fault for every row whose id is empty or stands above it already.
-  void require_distinct_ids();
-  void throw_if_faulty() const { faults_.throw_if_any(); }
-  /// Throws as well when there is no row, with `remedy` after the semicolon.
-  void throw_if_faulty_or_empty(const std::string& remedy = "at least one is needed") const;
+  void add_fault(const std::string& message);
+
+  /// Throws InputError with the faults so far, which are forgotten then.
+  void throw_if_faulty();
+  /// Throws as well when there was no row, with `remedy` after the semicolon.
+  void throw_if_faulty_or_empty(const std::string& remedy = "at least one is needed");
+
+ protected:
+  const std::filesystem::path& source() const { return source_; }
+  std::string required_columns() const;
 
  private:
-  struct Row {
-    int line{0};
-    std::vector<std::string> fields;
-  };
+  void read_header(int line_number);
 
-  void read_header(const std::vector<std::string>& names, int line_number);
-
-  std::filesystem::path path_;
+  std::filesystem::path source_;
   std::string format_;
   std::vector<std::string> required_;
   CsvDialect dialect_;
-  std::map<std::string, std::size_t> columns_;
-  std::vector<Row> rows_;
+  std::vector<std::string> columns_;
+  std::string line_;
+  int line_number_{0};
+  std::vector<std::string_view> fields_;  ///< of line_
+  bool has_rows_{false};
   Faults faults_;
+};
+
+/// A CSV file, read row by row:
+///
+///     CsvFile table(path, "pairs", {"id", "x_vision_mm"});
+///     while (table.next_row()) sum += table.number("x_vision_mm");
+///     table.throw_if_faulty_or_empty();
+class CsvFile : public CsvTable {
+ public:
+  /// Throws InputError when the file cannot be read or has no header line, and as `take_line`.
+  CsvFile(const std::filesystem::path& path, const std::string& kind,
+          const std::vector<std::string>& required, const CsvDialect& dialect = {});
+
+  /// False at the end of the file.
+  bool next_row();
+
+ private:
+  bool next_line();
+
+  std::ifstream in_;
+  std::string buffer_;
+  int lines_{0};
 };
 
 /// Builds the text of a CSV file with its format line and header. Numbers are written with a

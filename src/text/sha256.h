@@ -1,11 +1,26 @@
 #pragma once
 
+#include <memory>
 #include <string>
 #include <string_view>
 
 namespace planar {
 
-/// SHA-256 of the bytes, as 64 lower-case hexadecimal digits [FIPS 180-4].
+/// SHA-256 of bytes that come piece by piece [FIPS 180-4].
+class Sha256 {
+ public:
+  Sha256();
+  ~Sha256();
+  void add(std::string_view bytes);
+  /// Of all pieces, as 64 lower-case hexadecimal digits; nothing can be added afterwards.
+  std::string digits();
+
+ private:
+  struct Context;
+  std::unique_ptr<Context> context_;
+};
+
+/// Of all the bytes.
 std::string sha256(std::string_view bytes);
 
 }  // namespace planar

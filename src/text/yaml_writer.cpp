@@ -20,12 +20,17 @@ std::string row_text(const std::vector<double>& values) {
   return fmt::format("[{}]", fmt::join(texts, ", "));
 }
 
-/// The text without its `created:` line, in which two identical runs differ.
-std::string without_creation_time(const std::string& text) {
-  const std::string mark = "\ncreated:";
-  const std::size_t begin = text.find(mark);
-  if (begin == std::string::npos) return text;
-  return text.substr(0, begin) + text.substr(std::min(text.size(), text.find('\n', begin + 1)));
+/// SHA-256 of the file without its `created:` line, in which two identical runs differ.
+std::string input_hash(const std::filesystem::path& path) {
+  std::ifstream in = open_file(path);
+  Sha256 hash;
+  std::string line;
+  while (std::getline(in, line)) {
+    if (line.rfind("created:", 0) == 0) continue;
+    hash.add(line);
+    if (!in.eof()) hash.add("\n");
+  }
+  return hash.digits();
 }
 
 }  // namespace
@@ -137,8 +142,7 @@ YamlWriter& YamlWriter::add_inputs(const std::vector<std::filesystem::path>& pat
   text_ += '\n';
   for (const auto& path : paths)
     text_ += fmt::format("{:{}}- {{name: {}, sha256: {}}}\n", "", 2 * depth_ + 2,
-                         yaml_text(path.filename().string()),
-                         yaml_text(sha256(without_creation_time(read_file(path)))));
+                         yaml_text(path.filename().string()), yaml_text(input_hash(path)));
   return *this;
 }
 

@@ -13,11 +13,11 @@ namespace {
 
 /// When each target was looked at last; the exposure that counts is the nearest one.
 std::map<std::string, double> last_looks_s(const std::filesystem::path& steps_file) {
-  CsvTable steps = CsvTable::read(steps_file, "steps", {"target", "t_s"});
+  CsvFile steps(steps_file, "steps", {"target", "t_s"});
   std::map<std::string, double> looks_s;
-  for (std::size_t row = 0; row < steps.size(); ++row) {
-    const double t_s = steps.number(row, "t_s");
-    double& last_s = looks_s[steps.text(row, "target")];
+  while (steps.next_row()) {
+    const double t_s = steps.number("t_s");
+    double& last_s = looks_s[std::string(steps.text("target"))];
     last_s = std::max(last_s, t_s);
   }
   steps.throw_if_faulty_or_empty();

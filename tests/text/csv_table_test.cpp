@@ -14,22 +14,24 @@ TEST_CASE("Columns are found by name in any order, comments and blank lines skip
   const test::TemporaryFolder folder;
   const auto path = folder.write(
       "p.csv", "# format: planar-servo/pairs/1\ny,extra,x\n\n# remark\n2.5,z,-1e-3\r\n+4,z,3\n");
-  CsvTable table = CsvTable::read(path, "pairs", {"x", "y"});
-  REQUIRE(table.size() == 2);
-  CHECK(table.number(0, "x") == -1e-3);
-  CHECK(table.number(1, "y") == 4.0);
-  CHECK(table.line(1) == 6);
-  CHECK_FALSE(table.optional_number(0, "absent").has_value());
-  CHECK_NOTHROW(table.throw_if_faulty());
+  CsvFile table(path, "pairs", {"x", "y"});
+  REQUIRE(table.next_row());
+  CHECK(table.number("x") == -1e-3);
+  CHECK_FALSE(table.optional_number("absent").has_value());
+  REQUIRE(table.next_row());
+  CHECK(table.number("y") == 4.0);
+  CHECK_FALSE(table.next_row());
+  CHECK_NOTHROW(table.throw_if_faulty_or_empty());
 }
 
 TEST_CASE("Bad rows are named with file, line and value, all at once") {
   const test::TemporaryFolder folder;
-  const auto path = folder.write("p.csv", "id,x,n\na,nan,1\nb,1.0\nc,1e999,2.5\nd,,7\n");
-  CsvTable table = CsvTable::read(path, "pairs", {"id", "x"});
-  for (std::size_t row = 0; row < table.size(); ++row) {
-    table.number(row, "x");
-    table.whole_number(row, "n");
+  const auto path =
+      folder.write("p.csv", "id,x,n\na,nan,1\nb,1.0\nc,1e999,2.5\n\n#\nd,,7\ne,+-1,7");
+  CsvFile table(path, "pairs", {"id", "x"});
+  while (table.next_row()) {
+    table.number("x");
+    table.whole_number("n");
   }
   try {
     table.throw_if_faulty();
@@ -39,29 +41,62 @@ TEST_CASE("Bad rows are named with file, line and value, all at once") {
     CHECK_THAT(e.what(), Contains("p.csv:3: has 2 fields; the header has 3"));
     CHECK_THAT(e.what(), Contains("p.csv:4: x is '1e999'"));
     CHECK_THAT(e.what(), Contains("p.csv:4: n is '2.5'; a whole number is needed"));
-    CHECK_THAT(e.what(), Contains("p.csv:5: x is ''"));
+    CHECK_THAT(e.what(), Contains("p.csv:7: x is ''"));
+    CHECK_THAT(e.what(), Contains("p.csv:8: x is '+-1'"));
   }
 }
 
 TEST_CASE("A table without its columns, empty or of another kind is refused") {
   const test::TemporaryFolder folder;
   const auto read = [&](const std::string& text) {
-    return CsvTable::read(folder.write("p.csv", text), "pairs", {"id", "x"});
+    CsvFile(folder.write("p.csv", text), "pairs", {"id", "x"}).throw_if_faulty_or_empty("add one");
   };
   CHECK_THROWS_WITH(read(""), Contains("p.csv: is empty") && Contains("id, x"));
-  CHECK_THROWS_WITH(read("id,y\n"), Contains("lacks the column x"));
+  CHECK_THROWS_WITH(read("# only a remark\n"), Contains("p.csv: is empty"));
+  CHECK_THROWS_WITH(read("id,x\n"), Contains("p.csv: has no rows; add one"));
+  CHECK_THROWS_WITH(read("id,y\n"), Contains("lacks the column x; needed are id, x; it has id, y"));
   CHECK_THROWS_WITH(read("# format: planar-servo/lamps/1\nid,x\n"),
                     Contains("'planar-servo/lamps/1'") && Contains("planar-servo/pairs/1"));
   CHECK_THROWS_WITH(read("id,x,x\n"), Contains("the column 'x' stands twice"));
+  CHECK_THROWS_WITH(CsvFile(folder.path(), "pairs", {"id"}), Contains("is a folder"));
+  CHECK_THROWS_WITH(CsvFile(folder.path() / "absent.csv", "pairs", {"id"}),
+                    Contains("absent.csv: cannot be read"));
+}
+
+TEST_CASE("A faulty line given by itself does not spoil the next") {
+  CsvTable table("stdin", "pairs", {"id", "x"});
+  CHECK_THROWS_WITH(table.take_line("id,y", 1), Contains("lacks the column x"));
+  CHECK_FALSE(table.has_header());
+  CHECK_FALSE(table.take_line("id,x", 1));
+  CHECK_FALSE(table.take_line("a,1,2", 2));
+  CHECK_THROWS_WITH(table.throw_if_faulty(), Contains("stdin:2: has 3 fields"));
+  REQUIRE(table.take_line("a,1", 3));
+  CHECK(table.number("x") == 1.0);
+  table.require_id_not_in({"b"});
+  CHECK_NOTHROW(table.throw_if_faulty());
+  table.require_id_not_in({"a"});
+  CHECK_THROWS_WITH(table.throw_if_faulty(), Contains("stdin:3: the id 'a' stands twice"));
+}
+
+TEST_CASE("Of very many faults the first hundred are told, and how many more there are") {
+  constexpr int kRows = 100000;
+  std::string text = "id,x\n";
+  for (int i = 0; i < kRows; ++i) text += "a,nan\n";
+  const test::TemporaryFolder folder;
+  CsvFile table(folder.write("p.csv", text), "pairs", {"id", "x"});
+  while (table.next_row()) table.number("x");
+  CHECK_THROWS_WITH(table.throw_if_faulty(), Contains("p.csv:101: x is 'nan'") &&
+                                                 !Contains("p.csv:102:") &&
+                                                 Contains("... and 99900 more"));
 }
 
 TEST_CASE("Tables of other programs are read with their separator, comma and names") {
   const test::TemporaryFolder folder;
   const auto path = folder.write("t.csv", "Name;X [mm]\na;1,5\n");
-  CsvTable table =
-      CsvTable::read(path, "tracker", {"id", "x"}, {';', true, {{"id", "Name"}, {"x", "X [mm]"}}});
-  CHECK(table.text(0, "id") == "a");
-  CHECK(table.number(0, "x") == 1.5);
+  CsvFile table(path, "tracker", {"id", "x"}, {';', true, {{"id", "Name"}, {"x", "X [mm]"}}});
+  REQUIRE(table.next_row());
+  CHECK(table.text("id") == "a");
+  CHECK(table.number("x") == 1.5);
 }
 
 TEST_CASE("A written table is read back, and a short row is refused") {
