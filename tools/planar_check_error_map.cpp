@@ -1,8 +1,10 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <utility>
 
 #include "app/check_error_map.h"
+#include "app/progress.h"
 #include "core/units.h"
 #include "files/map_file.h"
 #include "program.h"
@@ -57,12 +59,19 @@ nlohmann::json figures(const MapCheck& check) {
           {"coverage_95", check.coverage_95}};
 }
 
-Outcome check(const Options& options) {
+MapCheck check(const ErrorMap& map, const std::vector<PairRow>& pairs) {
+  ProgressBar bar;
+  return check_error_map(map, pairs,
+                         [&](const char* phase, double share) { bar.show(phase, share); });
+}
+
+Outcome check_pairs(const Options& options) {
   const ErrorMap map = read_map(options.map);
-  const std::vector<PairRow> all = read_pairs(options.pairs);
-  const std::vector<PairRow> pairs = pairs_to_check(all, options.plans);
-  const MapCheck result = check_error_map(map, pairs);
-  print(result, all.size() - pairs.size());
+  std::vector<PairRow> all = read_pairs(options.pairs);
+  const std::size_t count = all.size();
+  const std::vector<PairRow> pairs = pairs_to_check(std::move(all), options.plans);
+  const MapCheck result = check(map, pairs);
+  print(result, count - pairs.size());
   return {figures(result)};
 }
 
@@ -79,5 +88,5 @@ void add_options(CLI::App& app, Options& options) {
 }  // namespace planar
 
 int main(int argc, char** argv) {
-  return planar::run_program(planar::kText, argc, argv, planar::add_options, planar::check);
+  return planar::run_program(planar::kText, argc, argv, planar::add_options, planar::check_pairs);
 }

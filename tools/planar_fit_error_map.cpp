@@ -1,9 +1,12 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <utility>
 
 #include "app/fit_error_map.h"
+#include "app/progress.h"
 #include "core/units.h"
+#include "error_map/compare_methods.h"
 #include "files/map_file.h"
 #include "program.h"
 #include "text/atomic_file.h"
@@ -41,7 +44,7 @@ left by all of these                                 0.0707
 rms, mm        left out: one   a block of neighbours (95 % interval)
 raw                   0.0938     0.0938  (0.0764 to 0.1151)
 idw                   0.0462     0.0631  (0.0512 to 0.0777)
-hand:48                    -          -  (- to -)
+hand:48                    -   its equations cannot be solved
 rbf                   0.0259     0.0455  (0.0347 to 0.0595)
 auto                  0.0250     0.0374  (0.0290 to 0.0481))"};
 
@@ -63,16 +66,16 @@ void print(const CellDiagnosis& cell) {
   fmt::print("left by all of these {:>38.4f}\n", cell.left_rms / kMillimetre);
 }
 
-std::string number_mm(double length) {
-  return std::isfinite(length) ? fmt::format("{:.4f}", length / kMillimetre) : "-";
-}
-
 void print(const std::vector<MethodFigures>& comparison) {
   fmt::print("\nrms, mm        left out: one   a block of neighbours (95 % interval)\n");
   for (const MethodFigures& method : comparison) {
-    fmt::print("{:<14} {:>13}   {:>8}  ({} to {})\n", method.method, number_mm(method.loo_rms),
-               number_mm(method.blocked.value), number_mm(method.blocked.low),
-               number_mm(method.blocked.high));
+    if (!std::isfinite(method.loo_rms)) {
+      fmt::print("{:<14}             -   its equations cannot be solved\n", method.method);
+      continue;
+    }
+    fmt::print("{:<14} {:>13.4f}   {:>8.4f}  ({:.4f} to {:.4f})\n", method.method,
+               method.loo_rms / kMillimetre, method.blocked.value / kMillimetre,
+               method.blocked.low / kMillimetre, method.blocked.high / kMillimetre);
   }
 }
 
@@ -143,16 +146,27 @@ nlohmann::json figures(const FitErrorMapReport& report) {
           {"fit_seconds", report.fit_seconds}};
 }
 
+struct Fitted {
+  FitErrorMapReport report;
+  std::vector<MethodFigures> comparison;
+};
+
+Fitted fit_and_compare(const std::filesystem::path& file, const MapMethodChoice& choice) {
+  ProgressBar bar;
+  const Progress progress = [&](const char* phase, double share) { bar.show(phase, share); };
+  const TrainingPairs pairs = read_training_pairs(file, choice);
+  FitErrorMapReport report = fit_error_map_to_pairs(pairs, progress);
+  std::vector<MethodFigures> comparison = compare_methods(pairs.problem, report.result, progress);
+  return {std::move(report), std::move(comparison)};
+}
+
 Outcome fit(const Options& options) {
   require_not_input(options.output, options.pairs);
   const MapMethodChoice choice = parse_map_method(options.method);
-  const std::vector<PairRow> pairs = read_pairs(options.pairs);
-  const FitErrorMapReport report = fit_error_map_to_pairs(pairs, choice);
+  const auto [report, comparison] = fit_and_compare(options.pairs, choice);
   write_file(options.output, map_text(report.result, options.pairs, kText.name));
   print(report);
   print(report.result.cell);
-  const std::vector<MethodFigures> comparison =
-      compare_methods_on_pairs(pairs, choice, report.result);
   print(comparison);
   nlohmann::json keys = figures(report);
   keys["comparison"] = figures(comparison);

@@ -140,7 +140,7 @@ nlohmann::json print(const LocateReport& report) {
 
 Outcome locate(const Options& options) {
   LocateRequest request = read_request(options);
-  const ProgressBar bar("locating");
+  ProgressBar bar("locating");
   request.progress = [&](std::size_t done, std::size_t all) { bar.show(done, all); };
   const LocateReport report =
       options.lamps == 1 ? follow_disc(request, start_pixel(options.start)) : locate_lamps(request);

@@ -134,7 +134,7 @@ Outcome plan_stream(const CellSettings& cell) {
 /// of bad lines.
 std::size_t move(ServoRun& run, const Options& options, const std::vector<TargetRow>& targets) {
   if (!from_stdin(options)) {
-    const ProgressBar bar("targets");
+    ProgressBar bar("targets");
     run_servo(run, targets, [&](std::size_t done, std::size_t all) { bar.show(done, all); });
     return 0;
   }

@@ -80,7 +80,7 @@ cv::Size size_around(const std::vector<Eigen::Vector2d>& pixels) {
 
 BoardViews find_board_views(const std::vector<std::filesystem::path>& images, const Board& board) {
   const std::vector<Picture> pictures = pictures_of(images);
-  const ProgressBar progress("boards");
+  ProgressBar progress("boards");
   BoardViews views;
   Faults faults;
   for (const Picture& picture : pictures) {

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "core/error.h"
+#include "error_map/one_unit.h"
 
 namespace planar {
 namespace {
@@ -24,6 +25,18 @@ int covered_components(const Eigen::Vector2d& miss, double sigma) {
   return static_cast<int>((miss.array().abs() <= kQuantile95 * sigma).count());
 }
 
+void require_one_unit_of(const std::vector<PairRow>& pairs) {
+  constexpr std::size_t kFewestToTell = 3;
+  if (pairs.size() < kFewestToTell) return;
+  Eigen::Matrix2Xd p_vision(2, pairs.size());
+  Eigen::Matrix2Xd p_tracker(2, pairs.size());
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    p_vision.col(static_cast<Eigen::Index>(i)) = pairs[i].p_vision;
+    p_tracker.col(static_cast<Eigen::Index>(i)) = pairs[i].p_tracker;
+  }
+  require_one_unit(p_vision, p_tracker);
+}
+
 bool is_wanted(const PairRow& pair, const std::vector<std::string>& plans) {
   if (plans.empty()) return pair.plan != "train";
   return std::find(plans.begin(), plans.end(), pair.plan) != plans.end();
@@ -31,19 +44,22 @@ bool is_wanted(const PairRow& pair, const std::vector<std::string>& plans) {
 
 }  // namespace
 
-std::vector<PairRow> pairs_to_check(const std::vector<PairRow>& pairs,
+std::vector<PairRow> pairs_to_check(std::vector<PairRow> pairs,
                                     const std::vector<std::string>& plans) {
-  std::vector<PairRow> wanted;
-  for (const PairRow& pair : pairs)
-    if (is_wanted(pair, plans)) wanted.push_back(pair);
-  if (wanted.empty())
+  const std::size_t all = pairs.size();
+  pairs.erase(std::remove_if(pairs.begin(), pairs.end(),
+                             [&](const PairRow& pair) { return !is_wanted(pair, plans); }),
+              pairs.end());
+  if (pairs.empty())
     throw InputError(fmt::format(
-        "none of {} pairs is of plan {}", pairs.size(),
+        "none of {} pairs is of plan {}", all,
         plans.empty() ? "other than train" : fmt::format("{}", fmt::join(plans, ", "))));
-  return wanted;
+  return pairs;
 }
 
-MapCheck check_error_map(const ErrorMap& map, const std::vector<PairRow>& pairs) {
+MapCheck check_error_map(const ErrorMap& map, const std::vector<PairRow>& pairs,
+                         const Progress& progress) {
+  require_one_unit_of(pairs);
   MapCheck check;
   std::vector<double> raw;
   std::vector<double> predicted;
@@ -52,6 +68,7 @@ MapCheck check_error_map(const ErrorMap& map, const std::vector<PairRow>& pairs)
   int covered = 0;
   bool has_sigma = true;
   for (const PairRow& pair : pairs) {
+    tell(progress, "checking pairs", raw.size(), pairs.size());
     const ErrorPrediction prediction = predict(map, pair.p_vision);
     const Eigen::Vector2d miss = pair.error() - prediction.error;
     raw.push_back(pair.error().norm());

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "core/progress.h"
 #include "core/statistics.h"
 #include "error_map/error_map.h"
 #include "files/tables.h"
@@ -25,10 +26,11 @@ struct MapCheck {
 
 /// The pairs of the named plans; without names, those whose plan is not `train` (every pair when
 /// they name no plans). Throws InputError when there are none.
-std::vector<PairRow> pairs_to_check(const std::vector<PairRow>& pairs,
+std::vector<PairRow> pairs_to_check(std::vector<PairRow> pairs,
                                     const std::vector<std::string>& plans);
 
-/// At least one pair.
-MapCheck check_error_map(const ErrorMap& map, const std::vector<PairRow>& pairs);
+/// At least one pair. Throws InputError for three or more that are not in one unit and frame.
+MapCheck check_error_map(const ErrorMap& map, const std::vector<PairRow>& pairs,
+                         const Progress& progress = {});
 
 }  // namespace planar

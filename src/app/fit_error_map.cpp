@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <charconv>
+#include <utility>
 
 #include "core/clock.h"
 #include "core/error.h"
@@ -13,16 +14,17 @@ namespace {
 
 constexpr char kTrainPlan[] = "train";
 
-std::vector<ErrorSample> training_samples(const std::vector<PairRow>& pairs) {
-  std::vector<ErrorSample> samples;
-  for (const PairRow& pair : pairs) {
-    if (pair.plan.empty() || pair.plan == kTrainPlan)
-      samples.push_back({pair.id, pair.p_vision, pair.error()});
-  }
-  if (samples.empty())
+void add(const PairRow& pair, TrainingPairs& training) {
+  if (pair.plan.empty() || pair.plan == kTrainPlan)
+    training.problem.samples.push_back({pair.id, pair.p_vision, pair.error()});
+  else
+    ++training.n_other_plans;
+}
+
+void require_any(const TrainingPairs& training) {
+  if (training.problem.samples.empty())
     throw InputError(fmt::format("none of {} pairs is of plan '{}'; a map is fitted to those",
-                                 pairs.size(), kTrainPlan));
-  return samples;
+                                 training.n_other_plans, kTrainPlan));
 }
 
 }  // namespace
@@ -42,22 +44,27 @@ MapMethodChoice parse_map_method(const std::string& text) {
       "--method is '{}'; allowed are auto, rbf, idw, hand:WIDTH_MM (such as hand:48)", text));
 }
 
-FitErrorMapReport fit_error_map_to_pairs(const std::vector<PairRow>& pairs,
-                                         const MapMethodChoice& choice) {
-  MapProblem problem{training_samples(pairs), choice.method, choice.hand_width};
-  FitErrorMapReport report;
-  const SteadyClock clock;
-  const double begin_s = clock.now_s();
-  report.result = fit_error_map(problem);
-  report.fit_seconds = clock.now_s() - begin_s;
-  report.n_other_plans = pairs.size() - problem.samples.size();
-  return report;
+TrainingPairs read_training_pairs(const std::filesystem::path& path,
+                                  const MapMethodChoice& choice) {
+  TrainingPairs training{{{}, choice.method, choice.hand_width}};
+  read_pairs(path, [&](const PairRow& pair) { add(pair, training); });
+  require_any(training);
+  return training;
 }
 
-std::vector<MethodFigures> compare_methods_on_pairs(const std::vector<PairRow>& pairs,
-                                                    const MapMethodChoice& choice,
-                                                    const MapResult& result) {
-  return compare_methods({training_samples(pairs), choice.method, choice.hand_width}, result);
+FitErrorMapReport fit_error_map_to_pairs(const TrainingPairs& pairs, const Progress& progress) {
+  const SteadyClock clock;
+  const double begin_s = clock.now_s();
+  MapResult result = fit_error_map(pairs.problem, progress);
+  return {std::move(result), pairs.n_other_plans, clock.now_s() - begin_s};
+}
+
+FitErrorMapReport fit_error_map_to_pairs(const std::vector<PairRow>& pairs,
+                                         const MapMethodChoice& choice) {
+  TrainingPairs training{{{}, choice.method, choice.hand_width}};
+  for (const PairRow& pair : pairs) add(pair, training);
+  require_any(training);
+  return fit_error_map_to_pairs(training);
 }
 
 }  // namespace planar

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "error_map/compare_methods.h"
+#include "core/progress.h"
 #include "error_map/fit_error_map.h"
 #include "files/tables.h"
 
@@ -19,19 +19,23 @@ struct MapMethodChoice {
 /// Throws InputError naming the methods there are.
 MapMethodChoice parse_map_method(const std::string& text);
 
+/// What a map is to be fitted to: the pairs of plan `train`, and those without a plan.
+struct TrainingPairs {
+  MapProblem problem;
+  std::size_t n_other_plans{0};  ///< pairs left alone
+};
+
+/// From pairs.csv. Throws InputError as `read_pairs` does, and when no pair is to be fitted to.
+TrainingPairs read_training_pairs(const std::filesystem::path& path, const MapMethodChoice& choice);
+
 struct FitErrorMapReport {
   MapResult result;
-  std::size_t n_other_plans{0};  ///< pairs left alone because their plan is not `train`
+  std::size_t n_other_plans{0};
   double fit_seconds{0.0};
 };
 
-/// Fits a map to the pairs; when they name plans, only to those of plan `train`.
+FitErrorMapReport fit_error_map_to_pairs(const TrainingPairs& pairs, const Progress& progress = {});
 FitErrorMapReport fit_error_map_to_pairs(const std::vector<PairRow>& pairs,
                                          const MapMethodChoice& choice);
-
-/// `compare_methods` for the same pairs and choice as `result` was fitted with.
-std::vector<MethodFigures> compare_methods_on_pairs(const std::vector<PairRow>& pairs,
-                                                    const MapMethodChoice& choice,
-                                                    const MapResult& result);
 
 }  // namespace planar

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <limits>
 #include <utility>
 
@@ -59,12 +60,15 @@ MethodFigures figures_of(MapMethod method, double width, const MapSites& sites) 
 
 }  // namespace
 
-std::vector<MethodFigures> compare_methods(const MapProblem& problem, const MapResult& result) {
+std::vector<MethodFigures> compare_methods(const MapProblem& problem, const MapResult& result,
+                                           const Progress& progress) {
   const MapSites sites = sites_used(problem, result);
   const RmsEstimate raw = estimate_rms(sites, sites.errors, spatial_blocks(sites.positions));
   std::vector<MethodFigures> rows{{"raw", raw.value, raw}};
-  for (const MapMethod method :
-       {MapMethod::kIdw, MapMethod::kHandWidth, MapMethod::kRbf, MapMethod::kAuto}) {
+  constexpr std::array kMethods{MapMethod::kIdw, MapMethod::kHandWidth, MapMethod::kRbf,
+                                MapMethod::kAuto};
+  for (const MapMethod method : kMethods) {
+    tell(progress, "comparing methods", rows.size() - 1, kMethods.size());
     const double width = problem.method == MapMethod::kHandWidth ? problem.hand_width : kPaperWidth;
     if (method == problem.method)
       rows.push_back({name_of(method, width), result.loo_rms, result.blocked});

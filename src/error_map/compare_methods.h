@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "core/progress.h"
 #include "core/units.h"
 #include "error_map/fit_error_map.h"
 #include "error_map/spatial_blocks.h"
@@ -22,6 +23,7 @@ struct MethodFigures {
 /// Every method on the samples that `result`, fitted to `problem`, has used, from none to the most
 /// able: raw, idw, hand (with kPaperWidth where the problem names no width), rbf, auto. Beyond a
 /// thousand positions only raw and the result's own.
-std::vector<MethodFigures> compare_methods(const MapProblem& problem, const MapResult& result);
+std::vector<MethodFigures> compare_methods(const MapProblem& problem, const MapResult& result,
+                                           const Progress& progress = {});
 
 }  // namespace planar

@@ -61,8 +61,10 @@ MapResult fit_tuned(const MapSites& sites, const std::vector<RbfFamily>& familie
   return result;
 }
 
-MapResult fit_many(const MapSites& sites, const std::vector<ErrorSample>& samples) {
-  SparseFit fit = fit_sparse(sites);
+MapResult fit_many(const MapSites& sites, const std::vector<ErrorSample>& samples,
+                   const Progress& progress) {
+  SparseFit fit = fit_sparse(sites, progress);
+  tell(progress, "judging the map", 0, 1);
   MapResult result = result_of(std::move(fit.map), "sparse", sites.subset(fit.kept), fit.residuals);
   result.rejected = rejected_samples(fit.outliers, sites, samples);
   return result;
@@ -86,9 +88,9 @@ MapResult fit_by_hand(const MapSites& sites, double width) {
 
 }  // namespace
 
-MapResult fit_error_map(const MapProblem& problem) {
+MapResult fit_error_map(const MapProblem& problem, const Progress& progress) {
   const MapSites sites = merge_samples(problem.samples);
-  require_one_unit(sites);
+  require_one_unit(sites.positions, sites.positions - sites.errors);
   switch (problem.method) {
     case MapMethod::kIdw: {
       require_dense(sites, "idw");
@@ -104,7 +106,7 @@ MapResult fit_error_map(const MapProblem& problem) {
     case MapMethod::kAuto:
       break;
   }
-  if (sites.size() > kMostDense) return fit_many(sites, problem.samples);
+  if (sites.size() > kMostDense) return fit_many(sites, problem.samples, progress);
   return fit_tuned(sites, {kManyScales, kSmooth}, problem.samples);
 }
 

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "core/progress.h"
 #include "error_map/cell_diagnosis.h"
 #include "error_map/error_map.h"
 #include "error_map/spatial_blocks.h"
@@ -60,6 +61,6 @@ struct MapResult {
 /// are not finite or not in metres (`require_one_unit`), fewer than 3 distinct positions, more than
 /// kMostDense but for kAuto, a hand width that is not positive, or outliers beyond a fifth of the
 /// samples; WorkError when the equations are too ill conditioned to be solved.
-MapResult fit_error_map(const MapProblem& problem);
+MapResult fit_error_map(const MapProblem& problem, const Progress& progress = {});
 
 }  // namespace planar

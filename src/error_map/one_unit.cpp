@@ -42,9 +42,8 @@ std::string remedy(double ratio) {
 
 }  // namespace
 
-void require_one_unit(const MapSites& sites) {
-  const Eigen::Matrix2Xd p_tracker = sites.positions - sites.errors;
-  const double vision = spread_of(sites.positions);
+void require_one_unit(const Eigen::Matrix2Xd& p_vision, const Eigen::Matrix2Xd& p_tracker) {
+  const double vision = spread_of(p_vision);
   const double tracker = spread_of(p_tracker);
   const double wide = std::max(vision, tracker);
   const double narrow = std::min(vision, tracker);
@@ -54,14 +53,14 @@ void require_one_unit(const MapSites& sites) {
         "positions within {:.4g} mm; {}",
         vision / kMillimetre, tracker / kMillimetre, remedy(wide / narrow)));
   }
-  const double error = median(values_of(sites.errors.colwise().norm()));
+  const double error = median(values_of((p_vision - p_tracker).colwise().norm()));
   if (wide > kSmallestSpread && error > kLargestError * narrow) {
     throw InputError(fmt::format(
         "vision and tracker differ by {:.4g} mm in the median, while half of the positions lie "
         "within {:.4g} mm of their middle; {} (are x and y swapped, or rows paired wrongly?)",
         error / kMillimetre, narrow / kMillimetre, remedy(1.0)));
   }
-  const double span = std::max(span_of(sites.positions), span_of(p_tracker));
+  const double span = std::max(span_of(p_vision), span_of(p_tracker));
   if (span < kSmallestSpread) {
     throw InputError(fmt::format(
         "all positions lie within {:.4g} mm; they look like metres; write them in millimetres (a "

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "error_map/map_sites.h"
+#include <Eigen/Core>
 
 namespace planar {
 
@@ -8,6 +8,6 @@ namespace planar {
 /// twice as wide as the others (a thousand times: another unit), or all within two millimetres;
 /// and when they are not in one frame: half of them farther apart than half their spread.
 /// Wild rows, fewer than half, do not matter.
-void require_one_unit(const MapSites& sites);
+void require_one_unit(const Eigen::Matrix2Xd& p_vision, const Eigen::Matrix2Xd& p_tracker);
 
 }  // namespace planar

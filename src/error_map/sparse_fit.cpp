@@ -102,14 +102,16 @@ struct Tuned {
   double ridge{0.0};
 };
 
-Tuned tune(const Eigen::Matrix2Xd& centers, const MapSites& part) {
+Tuned tune(const Eigen::Matrix2Xd& centers, const MapSites& part, const Progress& progress) {
   const double spacing = median_spacing(centers);
   std::vector<Eigen::Index> all(static_cast<std::size_t>(part.size()));
   for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<Eigen::Index>(i);
   const TailBasis tail = tail_for(part.positions, kTailDegree);
   Tuned best;
   double least = std::numeric_limits<double>::infinity();
-  for (const double width : kWidths) {
+  for (std::size_t i = 0; i < kWidths.size(); ++i) {
+    tell(progress, "choosing width and ridge", i, kWidths.size());
+    const double width = kWidths[i];
     const SparseBasis basis{centers, width * spacing, tail,
                             center_factor(centers, width * spacing)};
     const SparseStatistics statistics = statistics_of(basis, part, all);
@@ -127,13 +129,30 @@ Tuned tune(const Eigen::Matrix2Xd& centers, const MapSites& part) {
   throw WorkError(kUnsolvable);
 }
 
+/// Of so many sites at a time, to tell of them.
+constexpr std::size_t kSitesAtATime = 50000;
+
+SparseStatistics statistics_of(const SparseBasis& basis, const MapSites& sites,
+                               const std::vector<Eigen::Index>& which, const Progress& progress) {
+  SparseStatistics sum = statistics_of(basis, sites, {});
+  for (std::size_t first = 0; first < which.size(); first += kSitesAtATime) {
+    tell(progress, "summing over the pairs", first, which.size());
+    const std::size_t last = std::min(first + kSitesAtATime, which.size());
+    sum += statistics_of(basis, sites,
+                         {which.begin() + static_cast<std::ptrdiff_t>(first),
+                          which.begin() + static_cast<std::ptrdiff_t>(last)});
+  }
+  return sum;
+}
+
 /// Of every site, kept or not.
-Eigen::Matrix2Xd residuals_of(const SparseBasis& basis, const RidgeFit& fit,
-                              const MapSites& sites) {
+Eigen::Matrix2Xd residuals_of(const SparseBasis& basis, const RidgeFit& fit, const MapSites& sites,
+                              const Progress& progress) {
   const Eigen::MatrixX2d weights = basis.plain_weights(fit.weights);
   constexpr Eigen::Index kRows = 256;
   Eigen::Matrix2Xd residuals(2, sites.size());
   for (Eigen::Index first = 0; first < sites.size(); first += kRows) {
+    tell(progress, "leaving out outliers", first, sites.size());
     const Eigen::Index n = std::min(kRows, sites.size() - first);
     residuals.middleCols(first, n) =
         sites.errors.middleCols(first, n) -
@@ -187,19 +206,19 @@ SparseRbfMap map_of(const Tuned& tuned, const SparseStatistics& statistics, cons
 
 }  // namespace
 
-SparseFit fit_sparse(const MapSites& sites) {
+SparseFit fit_sparse(const MapSites& sites, const Progress& progress) {
   const Eigen::Matrix2Xd centers =
       spread_centers(sites.positions(Eigen::all, part_of(sites_without({}, sites.size()))));
   const Cells cells = cells_of(centers, sites.positions);
   Outliers dropped = gross_outliers(sites, cells);
   require_few(dropped, sites.size());
   std::vector<Eigen::Index> kept = sites_without(dropped, sites.size());
-  const Tuned tuned = tune(centers, sites.subset(part_of(kept)));
-  SparseStatistics statistics = statistics_of(tuned.basis, sites, kept);
+  const Tuned tuned = tune(centers, sites.subset(part_of(kept)), progress);
+  SparseStatistics statistics = statistics_of(tuned.basis, sites, kept, progress);
   for (int round = 1;; ++round) {
     const auto fit = solve_ridge(statistics, tuned.basis.tail_basis.terms(), tuned.ridge);
     if (!fit) throw WorkError(kUnsolvable);
-    const Eigen::Matrix2Xd residuals = residuals_of(tuned.basis, *fit, sites);
+    const Eigen::Matrix2Xd residuals = residuals_of(tuned.basis, *fit, sites, progress);
     const Eigen::ArrayXd lengths = residuals.colwise().norm().transpose();
     const Eigen::ArrayXd limits = residual_limits(lengths, sites, cells, dropped);
     std::vector<Eigen::Index> leaving;

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "core/progress.h"
 #include "error_map/map_sites.h"
 #include "error_map/outlier_rule.h"
 #include "error_map/sparse_rbf_map.h"
@@ -22,6 +23,6 @@ struct SparseFit {
 /// width and ridge by generalized cross-validation of an evenly drawn part, outliers left out by
 /// the rule of `fit_without_outliers` with the sites nearest to the same centre as neighbours. Time
 /// grows linearly. Throws like it.
-SparseFit fit_sparse(const MapSites& sites);
+SparseFit fit_sparse(const MapSites& sites, const Progress& progress = {});
 
 }  // namespace planar

@@ -79,6 +79,17 @@ TEST_CASE("The check's figures are those of theory") {
   CHECK(std::isnan(check.coverage_95));
 }
 
+TEST_CASE("A map is not judged on pairs in another unit or frame, but on one or two pairs") {
+  const ErrorMap map = fit_error_map_to_pairs(lens_pairs(1, ""), {}).result.map;
+  std::vector<PairRow> pairs = lens_pairs(2, "");
+  CHECK_NOTHROW(check_error_map(map, {pairs.front()}));
+  std::vector<PairRow> swapped = pairs;
+  for (PairRow& pair : swapped) pair.p_tracker = pair.p_tracker.reverse().eval();
+  CHECK_THROWS_WITH(check_error_map(map, swapped), Contains("are x and y swapped"));
+  for (PairRow& pair : pairs) pair.p_tracker *= kMillimetre;
+  CHECK_THROWS_WITH(check_error_map(map, pairs), Contains("look like metres"));
+}
+
 TEST_CASE("About 95 of 100 other pairs lie within the interval of map and noise") {
   const ErrorMap map = fit_error_map_to_pairs(lens_pairs(1, ""), {}).result.map;
   std::vector<PairRow> others = lens_pairs(2, "");
