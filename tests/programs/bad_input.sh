@@ -2,16 +2,6 @@
 # Wrong usage and input: exit status 2, a message that names what is wrong, no output left.
 source "$(dirname "$0")/common.sh"
 
-# expect STATUS PATTERN COMMAND...: the command's exit status and what it says on standard error.
-expect() {
-  local wanted=$1 pattern=$2 status=0
-  shift 2
-  "$@" >out.txt 2>err.txt || status=$?
-  [ "$status" -eq "$wanted" ] || fail "$* ended with $status instead of $wanted: $(cat err.txt)"
-  grep -Eq -- "$pattern" err.txt || fail "$* did not say '$pattern' but: $(cat err.txt)"
-  [ ! -e made ] || fail "$* left output behind"
-}
-
 "$bin/planar-virtual-cell" -q draw --seed 3 -o cell >/dev/null
 printf 'id,x_mm,y_mm\na,200,100\n' >targets.csv
 printf 'id,plan,x_mm,y_mm\nt1,train,200,100\n' >plan.csv

@@ -12,6 +12,16 @@ fail() {
   exit 1
 }
 
+# expect STATUS PATTERN COMMAND...: the command's exit status and what it says on standard error.
+expect() {
+  local wanted=$1 pattern=$2 status=0
+  shift 2
+  "$@" >out.txt 2>err.txt || status=$?
+  [ "$status" -eq "$wanted" ] || fail "$* ended with $status instead of $wanted: $(cat err.txt)"
+  grep -Eq -- "$pattern" err.txt || fail "$* did not say '$pattern' but: $(cat err.txt)"
+  [ ! -e made ] || fail "$* left output behind"
+}
+
 # Six board views, a board on the plane, a sweep of joint 3 and 40 training positions on a spiral.
 small_plan() {
   echo "id,plan,x_mm,y_mm,phi_deg"

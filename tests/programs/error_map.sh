@@ -1,0 +1,101 @@
+#!/usr/bin/env bash
+# Pairs as they come: repeated, in a line, mispaired, in metres, very many. Each gives a map or says why not.
+source "$(dirname "$0")/common.sh"
+
+header=id,x_vision_mm,y_vision_mm,x_tracker_mm,y_tracker_mm
+
+# pairs N: N rows on a spiral with a smooth error and some noise of tracker and vision.
+pairs() {
+  awk -v n="$1" 'BEGIN {
+    srand(7)
+    for (i = 0; i < n; ++i) {
+      r = 60 + 440 * i / n; a = 2.4 * i; x = r * cos(a); y = r * sin(a)
+      ex = 0.3 * sin(x / 150) + 0.2 + 0.04 * (rand() - 0.5)
+      ey = 0.25 * cos(y / 120) + 0.04 * (rand() - 0.5)
+      printf "p%d,%.6f,%.6f,%.6f,%.6f\n", i, x, y, x - ex, y - ey
+    }
+  }'
+}
+pairs 200 >rows.csv
+
+# table NAME: rows on standard input become NAME.csv.
+table() { { echo "$header"; cat; } >"$1.csv"; }
+fit() { "$bin/planar-fit-error-map" -o map.yaml --json map.json "$1.csv" >out.txt 2>err.txt; }
+refused() { expect 2 "$2" "$bin/planar-fit-error-map" -o made "$1.csv"; }
+
+# fitted NAME PATTERN...: there is a map, and the output has every pattern.
+fitted() {
+  local name=$1 pattern
+  fit "$name" || fail "$name: $(cat err.txt)"
+  [ ! -s err.txt ] || fail "$name wrote to standard error: $(cat err.txt)"
+  if grep -Eq 'nan|inf' map.json map.yaml; then fail "$name: a figure is no number"; fi
+  shift
+  for pattern; do grep -Eq -- "$pattern" out.txt || fail "$name did not say '$pattern': $(cat out.txt)"; done
+}
+
+table good <rows.csv
+fitted good "pairs used +200 \(0 rejected\)" "worth using"
+cat rows.csv rows.csv | table duplicates
+fitted duplicates "pairs used +400 \(0 rejected\)"
+awk -F, -v OFS=, '{ print; $1 = "n" $1; $2 += 0.001; $4 += 0.001 + 0.02 * (NR % 3 - 1); print }' rows.csv |
+  table near_duplicates
+fitted near_duplicates "pairs used +400 \(0 rejected\)"
+awk -F, -v OFS=, '{ ex = $2 - $4; ey = $3 - $5; $2 = 3 * NR - 300; $3 = 50; $4 = $2 - ex / 9; $5 = 50 - ey; print }' \
+  rows.csv | table collinear
+fitted collinear "pairs used +200"
+head -n 3 rows.csv | table three
+fitted three "pairs used +3" "NOT significant: do not use this map"
+head -n 2 rows.csv | table two
+refused two "2 pairs at 2 distinct positions; a map needs at least 3"
+awk -F, -v OFS=, '{ $2 = 100; $3 = 100; $4 = 100.1; $5 = 99.9; print }' rows.csv | table one_place
+refused one_place "at 1 distinct positions; a map needs at least 3"
+
+sed '3s/,[^,]*/,nan/; 5s/[^,]*$/inf/; 7s/[^,]*$//; 8s/,[^,]*$//' rows.csv | table not_numbers
+refused not_numbers "not_numbers.csv:4: x_vision_mm is 'nan'; a finite number is needed"
+refused not_numbers "not_numbers.csv:6: y_tracker_mm is 'inf'"
+refused not_numbers "not_numbers.csv:8: y_tracker_mm is ''"
+refused not_numbers "not_numbers.csv:9: has 4 fields; the header has 5"
+
+# mispaired FIRST LAST: the tracker's positions of these rows go round by one.
+mispaired() {
+  awk -F, -v OFS=, -v first="$1" -v last="$2" '
+    { x[NR] = $4; y[NR] = $5; row[NR] = $1 OFS $2 OFS $3 }
+    END {
+      for (i = 1; i <= NR; ++i) {
+        j = i < first || i > last ? i : i == last ? first : i + 1
+        print row[i], x[j], y[j]
+      }
+    }' rows.csv
+}
+mispaired 40 41 | table two_mispaired
+fitted two_mispaired "pairs used +198 \(2 rejected\)" "p39: .* mm from what the other pairs" "p40: "
+mispaired 101 150 | table quarter_mispaired
+refused quarter_mispaired "50 of 200 pairs disagree with the others, but at most 20 % may; are .* paired rightly"
+mispaired 1 200 | table all_mispaired
+refused all_mispaired "are x and y swapped, or rows paired wrongly"
+
+metres='function m(v) { return v / 1000 }'
+awk -F, -v OFS=, "$metres"' { print $1, m($2), m($3), m($4), m($5) }' rows.csv | table metres
+refused metres "all positions lie within .* mm; they look like metres"
+awk -F, -v OFS=, "$metres"' { print $1, $2, $3, m($4), m($5) }' rows.csv | table metres_of_tracker
+refused metres_of_tracker "the narrower ones look like metres; write both in millimetres"
+awk -F, -v OFS=, '{ print $1, $2, $3, $5, $4 }' rows.csv | table swapped
+refused swapped "are x and y swapped"
+fit good
+expect 2 "are x and y swapped" "$bin/planar-check-error-map" map.yaml swapped.csv
+expect 2 "look like metres" "$bin/planar-check-error-map" map.yaml metres.csv
+sed 's/x_tracker_mm/x_traker_mm/' good.csv >typo.csv
+refused typo "lacks the column x_tracker_mm; needed are .*; it has id,.* x_traker_mm"
+tr ',' ';' <good.csv >semicolons.csv
+refused semicolons "it has id;x_vision_mm;"
+
+# A long scan: the bar is for a terminal, and not for a log or a quiet run.
+pairs 100000 | table scan
+fitted scan "pairs used +100000" "method +sparse"
+terminal() { script -qec "$bin/planar-fit-error-map $1 -o map.yaml scan.csv" /dev/null; }
+terminal "" >terminal.txt
+for phase in "summing over the pairs" "leaving out outliers"; do
+  grep -q "$phase \[=*" terminal.txt || fail "no progress of $phase on a terminal"
+done
+terminal -q >terminal.txt
+if grep -q '\[ *\]\|\[=' terminal.txt; then fail "progress of a quiet run"; fi
