@@ -17,6 +17,7 @@
 #include "core/error.h"
 #include "core/statistics.h"
 #include "core/units.h"
+#include "dlib_peer.h"
 #include "error_map/fit_error_map.h"
 #include "peer.h"
 #include "scipy_peer.h"
@@ -69,9 +70,10 @@ Score score_ours(const MapProblem& problem, const std::vector<ErrorSample>& trut
   }
 }
 
-Score score_alglib(const std::vector<ErrorSample>& samples, const std::vector<ErrorSample>& truth) {
+template <typename Peer>
+Score score_peer(const std::vector<ErrorSample>& samples, const std::vector<ErrorSample>& truth) {
   return score(truth, [&] {
-    return [map = std::make_shared<AlglibMap>(samples)](const Eigen::Vector2d& p) {
+    return [map = std::make_shared<Peer>(samples)](const Eigen::Vector2d& p) {
       return map->predict(p);
     };
   });
@@ -107,7 +109,8 @@ CaseResult run(const Case& c, int draws, std::uint32_t first_seed) {
     scores["hand 48 mm"].push_back(score_ours({drawn, MapMethod::kHandWidth, kHandWidth}, test));
     scores["rbf"].push_back(score_ours({drawn, MapMethod::kRbf}, test));
     scores["auto"].push_back(score_ours({drawn, MapMethod::kAuto}, test));
-    scores["alglib multiquadric"].push_back(score_alglib(drawn, test));
+    scores["alglib multiquadric"].push_back(score_peer<AlglibMap>(drawn, test));
+    scores["dlib gaussian"].push_back(score_peer<DlibMap>(drawn, test));
     const MapResult chosen = fit_error_map({drawn});
     result.coverage += coverage(chosen.map, test) / draws;
     result.rejected += static_cast<double>(chosen.rejected.size()) / draws;
@@ -130,7 +133,8 @@ double mean_error(const CaseResult& result, const std::string& method) {
 }
 
 bool is_peer(const std::string& method) {
-  return method.rfind("alglib", 0) == 0 || method.rfind("scipy", 0) == 0;
+  return method.rfind("alglib", 0) == 0 || method.rfind("dlib", 0) == 0 ||
+         method.rfind("scipy", 0) == 0;
 }
 
 double best_peer_error(const CaseResult& result) {
