@@ -1,5 +1,6 @@
 #include "error_map/best_rbf.h"
 
+#include <future>
 #include <utility>
 
 namespace planar {
@@ -15,13 +16,23 @@ bool is_clearly_better(const TunedKernel& other, const TunedKernel& first) {
 TunedFamily tune(const MapSites& sites, const RbfFamily& family) {
   TailBasis tail_basis = tail_for(sites.positions, family.tail_degree);
   TunedKernel tuned = tune_rbf(sites, tail_basis, family.shape);
-  return {tail_basis, std::move(tuned)};
+  return {family, tail_basis, std::move(tuned)};
 }
 
-TunedFamily retune(const MapSites& sites, const RbfFamily& family, const TunedFamily& before) {
-  TailBasis tail_basis = tail_for(sites.positions, family.tail_degree);
+std::vector<TunedFamily> tune(const MapSites& sites, const std::vector<RbfFamily>& families) {
+  const auto tune_one = [&](const RbfFamily& family) { return tune(sites, family); };
+  std::vector<std::future<TunedFamily>> running;
+  for (std::size_t i = 1; i < families.size(); ++i)
+    running.push_back(std::async(std::launch::async, tune_one, families[i]));
+  std::vector<TunedFamily> tuned{tune_one(families.front())};
+  for (auto& other : running) tuned.push_back(other.get());
+  return tuned;
+}
+
+TunedFamily retune(const MapSites& sites, const TunedFamily& before) {
+  TailBasis tail_basis = tail_for(sites.positions, before.family.tail_degree);
   TunedKernel tuned = retune_rbf(sites, tail_basis, before.tuned);
-  return {tail_basis, std::move(tuned)};
+  return {before.family, tail_basis, std::move(tuned)};
 }
 
 RbfFit fit_rbf(const MapSites& sites, const TunedFamily& family) {
@@ -34,15 +45,13 @@ RbfFit fit_hand_width(const MapSites& sites, double width) {
   return fit_rbf(sites, no_tail, {KernelShape::kGaussian, width, 0.0}, 0.0);
 }
 
-TunedFamily best_family(const MapSites& sites, const TunedFamily& first,
-                        const std::vector<RbfFamily>& others) {
-  TunedFamily best = first;
-  for (const RbfFamily& family : others) {
-    TunedFamily other = tune(sites, family);
-    if (other.tuned.loo_rms < best.tuned.loo_rms && is_clearly_better(other.tuned, first.tuned))
-      best = std::move(other);
-  }
-  return best;
+const TunedFamily& best_of(const std::vector<TunedFamily>& families) {
+  const TunedFamily* best = &families.front();
+  for (const TunedFamily& other : families)
+    if (other.tuned.loo_rms < best->tuned.loo_rms &&
+        is_clearly_better(other.tuned, families.front().tuned))
+      best = &other;
+  return *best;
 }
 
 }  // namespace planar

@@ -15,6 +15,7 @@ struct RbfFamily {
 };
 
 struct TunedFamily {
+  RbfFamily family;
   TailBasis tail_basis;
   TunedKernel tuned;
 };
@@ -28,8 +29,11 @@ constexpr RbfFamily kSmooth{KernelShape::kGaussian, 3};
 
 TunedFamily tune(const MapSites& sites, const RbfFamily& family);
 
+/// Each of `families`, side by side.
+std::vector<TunedFamily> tune(const MapSites& sites, const std::vector<RbfFamily>& families);
+
 /// The same from what nearly the same sites were tuned to.
-TunedFamily retune(const MapSites& sites, const RbfFamily& family, const TunedFamily& before);
+TunedFamily retune(const MapSites& sites, const TunedFamily& before);
 
 RbfFit fit_rbf(const MapSites& sites, const TunedFamily& family);
 
@@ -37,10 +41,9 @@ RbfFit fit_rbf(const MapSites& sites, const TunedFamily& family);
 /// the other.
 RbfFit fit_hand_width(const MapSites& sites, double width);
 
-/// The family with the smallest leave-one-out error among `first` and the tuned `others`. The first
+/// The family with the smallest leave-one-out error, all tuned to the same sites. The first one
 /// stands unless another one's sum of squares is smaller by more than the standard error of the
 /// difference, taken site by site.
-TunedFamily best_family(const MapSites& sites, const TunedFamily& first,
-                        const std::vector<RbfFamily>& others);
+const TunedFamily& best_of(const std::vector<TunedFamily>& families);
 
 }  // namespace planar

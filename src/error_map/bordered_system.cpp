@@ -23,35 +23,41 @@ void adjoint_solve_in_place(const Eigen::MatrixXd& lower, Eigen::MatrixXd& right
   if (right.size() > 0) lower.triangularView<Eigen::Lower>().adjoint().solveInPlace(right);
 }
 
-/// Diagonal of (L L^T)^-1: the squared norms of the columns of L^-1, whose column i begins at row
-/// i.
-Eigen::VectorXd inverse_gram_diagonal(const Eigen::MatrixXd& lower) {
+/// Column i begins at row i, which halves the work.
+void invert_lower(const Eigen::MatrixXd& lower, Eigen::MatrixXd& inverse) {
   const Eigen::Index n = lower.rows();
-  Eigen::VectorXd diagonal(n);
+  inverse.setIdentity(n, n);
   for (Eigen::Index first = 0; first < n; first += kBlock) {
     const Eigen::Index rows = n - first;
-    const Eigen::Index columns = std::min(kBlock, rows);
-    Eigen::MatrixXd block = Eigen::MatrixXd::Identity(rows, columns);
+    auto block = inverse.block(first, first, rows, std::min(kBlock, rows));
     lower.bottomRightCorner(rows, rows).triangularView<Eigen::Lower>().solveInPlace(block);
-    diagonal.segment(first, columns) = block.colwise().squaredNorm();
   }
-  return diagonal;
 }
 
 }  // namespace
 
-std::optional<BorderedSystem> BorderedSystem::factorize(Eigen::MatrixXd kernel,
+std::optional<BorderedSystem> BorderedSystem::factorize(const Eigen::MatrixXd& kernel,
                                                         const Eigen::MatrixXd& tail) {
   BorderedSystem system;
-  system.factor_ = std::move(kernel);
-  const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> cholesky(system.factor_);
-  if (cholesky.info() != Eigen::Success || !system.factor_.diagonal().allFinite()) return {};
-  system.tail_ = lower_solve(system.factor_, tail);
-  if (tail.cols() == 0) return system;
-  const Eigen::LLT<Eigen::MatrixXd> tail_cholesky(system.tail_.transpose() * system.tail_);
-  if (tail_cholesky.info() != Eigen::Success) return {};
-  system.tail_factor_ = tail_cholesky.matrixL();
+  if (!system.compute(kernel, tail)) return {};
   return system;
+}
+
+bool BorderedSystem::compute(const Eigen::MatrixXd& kernel, const Eigen::MatrixXd& tail) {
+  factor_ = kernel;
+  const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> cholesky(factor_);
+  if (cholesky.info() != Eigen::Success || !factor_.diagonal().allFinite()) return false;
+  invert_lower(factor_, inverse_);
+  tail_ = lower_solve(factor_, tail);
+  tail_removed_.resize(tail.cols(), tail.rows());
+  if (tail.cols() == 0) return true;
+  const Eigen::LLT<Eigen::MatrixXd> tail_cholesky(tail_.transpose() * tail_);
+  if (tail_cholesky.info() != Eigen::Success) return false;
+  tail_factor_ = tail_cholesky.matrixL();
+  Eigen::MatrixXd kernel_inverse_tail = tail_;
+  adjoint_solve_in_place(factor_, kernel_inverse_tail);
+  tail_removed_ = lower_solve(tail_factor_, kernel_inverse_tail.transpose());
+  return true;
 }
 
 BorderedSystem::Solution BorderedSystem::solve(const Eigen::MatrixXd& values) const {
@@ -64,16 +70,18 @@ BorderedSystem::Solution BorderedSystem::solve(const Eigen::MatrixXd& values) co
 }
 
 Eigen::VectorXd BorderedSystem::inverse_diagonal() const {
-  Eigen::MatrixXd kernel_inverse_tail = tail_;
-  adjoint_solve_in_place(factor_, kernel_inverse_tail);
-  const Eigen::MatrixXd removed = lower_solve(tail_factor_, kernel_inverse_tail.transpose());
-  return inverse_gram_diagonal(factor_) - removed.colwise().squaredNorm().transpose();
+  return (inverse_.colwise().squaredNorm() - tail_removed_.colwise().squaredNorm()).transpose();
+}
+
+Eigen::MatrixXd BorderedSystem::inverse_block(const std::vector<Eigen::Index>& of) const {
+  const Eigen::MatrixXd columns = inverse_(Eigen::all, of);
+  const Eigen::MatrixXd removed = tail_removed_(Eigen::all, of);
+  return columns.transpose() * columns - removed.transpose() * removed;
 }
 
 double BorderedSystem::inverse_form(const Eigen::VectorXd& k, const Eigen::VectorXd& q) const {
-  const Eigen::VectorXd whitened = lower_solve(factor_, k);
-  return whitened.squaredNorm() -
-         lower_solve(tail_factor_, q - tail_.transpose() * whitened).squaredNorm();
+  const Eigen::VectorXd whitened = inverse_.triangularView<Eigen::Lower>() * k;
+  return whitened.squaredNorm() - (lower_solve(tail_factor_, q) - tail_removed_ * k).squaredNorm();
 }
 
 double BorderedSystem::pivot_ratio() const {

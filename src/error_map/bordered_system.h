@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <vector>
 
 namespace planar {
 
@@ -12,8 +13,11 @@ class BorderedSystem {
  public:
   /// Only the lower triangle of `kernel` is read. Empty when K is not positive definite or Q not of
   /// full rank to working precision.
-  static std::optional<BorderedSystem> factorize(Eigen::MatrixXd kernel,
+  static std::optional<BorderedSystem> factorize(const Eigen::MatrixXd& kernel,
                                                  const Eigen::MatrixXd& tail);
+
+  /// The same in the memory of a system of this size that is no longer wanted; false for empty.
+  bool compute(const Eigen::MatrixXd& kernel, const Eigen::MatrixXd& tail);
 
   struct Solution {
     Eigen::MatrixXd weights;  ///< N x c
@@ -25,6 +29,9 @@ class BorderedSystem {
   /// The first N elements of the diagonal of A^-1.
   Eigen::VectorXd inverse_diagonal() const;
 
+  /// The rows and columns `of` of A^-1, all below N.
+  Eigen::MatrixXd inverse_block(const std::vector<Eigen::Index>& of) const;
+
   /// [k; q]^T A^-1 [k; q].
   double inverse_form(const Eigen::VectorXd& k, const Eigen::VectorXd& q) const;
 
@@ -33,9 +40,11 @@ class BorderedSystem {
   double pivot_ratio() const;
 
  private:
-  Eigen::MatrixXd factor_;       ///< L, in the lower triangle
-  Eigen::MatrixXd tail_;         ///< U = L^-1 Q
-  Eigen::MatrixXd tail_factor_;  ///< G of U^T U = G G^T, in the lower triangle
+  Eigen::MatrixXd factor_;        ///< L, in the lower triangle
+  Eigen::MatrixXd inverse_;       ///< L^-1
+  Eigen::MatrixXd tail_;          ///< U = L^-1 Q
+  Eigen::MatrixXd tail_factor_;   ///< G of U^T U = G G^T, in the lower triangle
+  Eigen::MatrixXd tail_removed_;  ///< H = G^-1 U^T L^-1: the first N of A^-1 are K^-1 - H^T H
 };
 
 }  // namespace planar

@@ -39,7 +39,7 @@ std::string name_of(MapMethod method, double width) {
 RbfFit rbf_fit(MapMethod method, double width, const MapSites& sites) {
   if (method == MapMethod::kHandWidth) return fit_hand_width(sites, width);
   if (method == MapMethod::kRbf) return fit_rbf(sites, tune(sites, kOneWidth));
-  return fit_rbf(sites, best_family(sites, tune(sites, kManyScales), {kSmooth}));
+  return fit_rbf(sites, best_of(tune(sites, {kManyScales, kSmooth})));
 }
 
 MethodFigures figures_of(MapMethod method, double width, const MapSites& sites) {

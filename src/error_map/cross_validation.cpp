@@ -44,7 +44,7 @@ Eigen::Matrix2Xd predictions(const RbfMap& map, const MapSites& rest,
   Eigen::MatrixXd matrix;
   kernel_matrix(settings.kernel, squared_distances(rest.positions), matrix);
   matrix.diagonal().array() += settings.ridge / rest.counts.array();
-  const auto system = BorderedSystem::factorize(std::move(matrix), tail.at_each(rest.positions));
+  const auto system = BorderedSystem::factorize(matrix, tail.at_each(rest.positions));
   if (!system) throw WorkError(kUnsolvable);
   const BorderedSystem::Solution solution = system->solve(rest.errors.transpose());
   Eigen::Matrix2Xd errors = (tail.at_each(positions) * solution.tail).transpose();
@@ -56,13 +56,31 @@ Eigen::Matrix2Xd predictions(const RbfMap& map, const MapSites& rest,
 }
 
 /// Each column of `sites.errors` less its prediction.
-template <typename Map>
-Eigen::Matrix2Xd left_out(const Map& map, const MapSites& sites, const Blocks& blocks) {
+Eigen::Matrix2Xd left_out(const IdwMap& map, const MapSites& sites, const Blocks& blocks) {
   Eigen::Matrix2Xd residuals(2, sites.size());
   for (std::size_t b = 0; b < blocks.size(); ++b) {
     residuals(Eigen::all, blocks[b]) =
         sites.errors(Eigen::all, blocks[b]) -
         predictions(map, sites.subset(all_but(blocks, b)), sites.positions(Eigen::all, blocks[b]));
+  }
+  return residuals;
+}
+
+/// Without refitting, where the others determine the map's tail.
+Eigen::Matrix2Xd left_out(const RbfMap& map, const MapSites& sites, const Blocks& blocks) {
+  Eigen::Matrix2Xd residuals(2, sites.size());
+  for (std::size_t b = 0; b < blocks.size(); ++b) {
+    const std::vector<Eigen::Index> others = all_but(blocks, b);
+    const int degree = map.parameters().tail_basis.degree;
+    if (tail_for(sites.positions(Eigen::all, others), degree).degree == degree) {
+      const auto found = map.left_out_residuals(blocks[b]);
+      if (!found) throw WorkError(kUnsolvable);
+      residuals(Eigen::all, blocks[b]) = *found;
+    } else {
+      residuals(Eigen::all, blocks[b]) =
+          sites.errors(Eigen::all, blocks[b]) -
+          predictions(map, sites.subset(others), sites.positions(Eigen::all, blocks[b]));
+    }
   }
   return residuals;
 }

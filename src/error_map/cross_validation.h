@@ -13,8 +13,9 @@ struct CrossValidation {
   bool worth_using{false};
 };
 
-/// Predicts every spatial block of `sites` by a map with the same settings (kernel, width, ridge,
-/// degree of the tail where the others determine it) of the sites of the other blocks. Of a sparse
+/// Predicts every spatial block of the `sites` that `map` was fitted to by a map with the same
+/// settings (kernel, width, ridge, degree of the tail where the others determine it) of the sites
+/// of the other blocks. Of a sparse
 /// map about ten thousand evenly drawn sites take part. Throws WorkError when the equations are too
 /// ill conditioned to be solved.
 CrossValidation cross_validate(const ErrorMap& map, const MapSites& sites);

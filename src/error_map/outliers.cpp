@@ -58,27 +58,19 @@ Eigen::ArrayXd residual_limits(const Judgement& judgement, const std::vector<Eig
   return (sigmas * scales * judgement.unit_sigmas).max(kSmallestOutlier);
 }
 
-/// The choice among the families for the kept sites.
-RobustFit chosen(const MapSites& sites, std::vector<Eigen::Index> kept,
-                 const std::vector<RbfFamily>& families, const TunedFamily& first,
-                 std::vector<Outlier> outliers) {
-  const MapSites used = sites.subset(kept);
-  const TunedFamily best = best_family(used, first, {families.begin() + 1, families.end()});
-  return {fit_rbf(used, best), std::move(kept), std::move(outliers)};
-}
-
 }  // namespace
 
 RobustFit fit_without_outliers(const MapSites& sites, const std::vector<RbfFamily>& families) {
-  const RbfFamily& first = families.front();
   if (sites.size() < kFewestToJudge)
-    return chosen(sites, sites_without({}, sites.size()), families, tune(sites, first), {});
+    return {fit_rbf(sites, best_of(tune(sites, families))), sites_without({}, sites.size()), {}};
   const Neighbours neighbours = nearest_sites(sites);
   std::vector<Eigen::Index> kept = sites_like_their_neighbours(sites, neighbours);
-  TunedFamily tuned = tune(sites.subset(kept), first);
+  const std::vector<Eigen::Index> start = kept;
+  std::vector<TunedFamily> tuned = tune(sites.subset(kept), families);
   Outliers dropped;
   for (int round = 1;; ++round) {
-    const Judgement judgement = judge(sites, kept, fit_rbf(sites.subset(kept), tuned));
+    const MapSites used = sites.subset(kept);
+    const Judgement judgement = judge(sites, kept, fit_rbf(used, tuned.front()));
     const Eigen::ArrayXd limits = residual_limits(judgement, kept, neighbours);
     for (Eigen::Index i = 0; i < sites.size(); ++i) {
       if (judgement.residuals[i] > limits[i]) {
@@ -89,10 +81,13 @@ RobustFit fit_without_outliers(const MapSites& sites, const std::vector<RbfFamil
     }
     require_few(dropped, sites.size());
     std::vector<Eigen::Index> agreeing = sites_without(dropped, sites.size());
-    if (agreeing == kept)
-      return chosen(sites, std::move(kept), families, tuned, values_of(dropped));
+    if (agreeing == kept) {
+      for (std::size_t i = 1; i < tuned.size() && kept != start; ++i)
+        tuned[i] = retune(used, tuned[i]);
+      return {fit_rbf(used, best_of(tuned)), std::move(kept), values_of(dropped)};
+    }
     kept = std::move(agreeing);
-    tuned = retune(sites.subset(kept), first, tuned);
+    tuned.front() = retune(sites.subset(kept), tuned.front());
   }
 }
 

@@ -16,11 +16,11 @@ struct RobustFit {
   std::vector<Outlier> outliers;
 };
 
-/// Starts from the sites that are like their neighbours, tunes the first family, judges every site
-/// by what the OTHER kept sites predict there and by how well they do around it, drops those that
-/// disagree (and at first takes back those that no longer do), until the choice is stable; then
-/// fits the best family. Throws InputError when more than a fifth of the sites would be dropped.
-/// Fewer than ten sites are not judged.
+/// Starts from the sites that are like their neighbours, tunes the families, judges every site by
+/// what the OTHER kept sites predict there with the first family and by how well they do around it,
+/// drops those that disagree (and at first takes back those that no longer do), tunes anew, until
+/// the choice is stable; then fits the best family. Throws InputError when more than a fifth of the
+/// sites would be dropped. Fewer than ten sites are not judged.
 RobustFit fit_without_outliers(const MapSites& sites, const std::vector<RbfFamily>& families);
 
 }  // namespace planar

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -43,11 +44,13 @@ double signal_variance(const MapSites& sites, const RbfParameters& parameters) {
 
 }  // namespace
 
-RbfMap::RbfMap(RbfParameters parameters)
+RbfMap::RbfMap(RbfParameters parameters, BorderedSystem system)
     : parameters_(std::move(parameters)),
       centers_(parameters_.centers.transpose()),
       weights_(parameters_.weights.transpose()),
-      system_(solvable_system(parameters_)) {}
+      system_(std::move(system)) {}
+
+RbfMap::RbfMap(RbfParameters parameters) : RbfMap(parameters, solvable_system(parameters)) {}
 
 Eigen::Vector2d RbfMap::error(const Eigen::VectorXd& kernel, const Eigen::VectorXd& q) const {
   const Eigen::Vector2d sum(weights_.col(0).dot(kernel), weights_.col(1).dot(kernel));
@@ -74,6 +77,14 @@ double RbfMap::unit_sigma(const Eigen::VectorXd& kernel, const Eigen::VectorXd& 
   return std::sqrt(std::max(0.0, 1.0 - system_.inverse_form(kernel, q)));
 }
 
+std::optional<Eigen::Matrix2Xd> RbfMap::left_out_residuals(
+    const std::vector<Eigen::Index>& block) const {
+  const Eigen::LLT<Eigen::MatrixXd> cholesky(system_.inverse_block(block));
+  if (cholesky.info() != Eigen::Success) return {};
+  const Eigen::MatrixXd weights = parameters_.weights(Eigen::all, block).transpose();
+  return cholesky.solve(weights).transpose();
+}
+
 double RbfMap::noise_sigma() const {
   return std::sqrt(parameters_.ridge) * parameters_.signal_sigma;
 }
@@ -87,7 +98,7 @@ RbfFit fit_rbf(const MapSites& sites, const TailBasis& tail_basis, const RadialK
   parameters.kernel = kernel;
   parameters.ridge = ridge;
   parameters.region = region_around(sites.positions);
-  const BorderedSystem system = solvable_system(parameters);
+  BorderedSystem system = solvable_system(parameters);
   const BorderedSystem::Solution solution = system.solve(sites.errors.transpose());
   parameters.weights = solution.weights.transpose();
   parameters.tail = solution.tail.transpose();
@@ -97,7 +108,7 @@ RbfFit fit_rbf(const MapSites& sites, const TailBasis& tail_basis, const RadialK
   const double loneliest2 = (left_out.unit_sigmas.array().square() - site_noise2).maxCoeff();
   parameters.signal_sigma = std::sqrt(signal_variance(sites, parameters));
   parameters.sigma_limit = parameters.signal_sigma * std::sqrt(std::max(0.0, loneliest2));
-  return {RbfMap(std::move(parameters)), std::move(left_out)};
+  return {RbfMap(std::move(parameters), std::move(system)), std::move(left_out)};
 }
 
 }  // namespace planar

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
+#include <vector>
 
 #include "error_map/bordered_system.h"
 #include "error_map/error_sample.h"
@@ -28,6 +30,8 @@ struct RbfParameters {
   ValidRegion region;
 };
 
+struct RbfFit;
+
 /// Radial basis functions of one kernel on the samples, with ridge and tail:
 /// E(p) = sum_j w_j phi(|p - c_j|) + tail q(p), where
 /// [[Phi + ridge diag(1 / count), Q], [Q^T, 0]] [w; tail] = [E; 0]. Its standard deviation is that
@@ -50,7 +54,15 @@ class RbfMap {
 
   const RbfParameters& parameters() const { return parameters_; }
 
+  /// What the samples at the named centres are missed by when all of them are left out of the fit,
+  /// one column each: (A^-1)_BB^-1 w_B, metres. The other centres must determine the tail. Empty
+  /// when the equations are too ill conditioned.
+  std::optional<Eigen::Matrix2Xd> left_out_residuals(const std::vector<Eigen::Index>& block) const;
+
  private:
+  friend RbfFit fit_rbf(const MapSites& sites, const TailBasis& tail_basis,
+                        const RadialKernel& kernel, double ridge);
+  RbfMap(RbfParameters parameters, BorderedSystem system);
   Eigen::Vector2d error(const Eigen::VectorXd& kernel, const Eigen::VectorXd& q) const;
   double unit_sigma(const Eigen::VectorXd& kernel, const Eigen::VectorXd& q) const;
 

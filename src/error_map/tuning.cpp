@@ -22,21 +22,36 @@ constexpr Eigen::Index kLargestPart = 500;
 // than their span it is a polynomial.
 constexpr double kNarrowestInSpacings = 0.5;
 constexpr double kWidestInSpans = 1.0;
-constexpr double kSmallestRidge = 1e-10;
-constexpr double kLargestRidge = 1e3;
+const double kLogSmallestRidge = std::log(1e-10);
+const double kLogLargestRidge = std::log(1e3);
 
-constexpr int kGridWidths = 6;
-constexpr std::array<double, 4> kGridRidges{1e-7, 1e-5, 1e-3, 1e-1};
+/// Ridges are compared on a part first: an evaluation's time grows with the cube of the sites.
+constexpr Eigen::Index kRoughPart = 100;
+constexpr std::size_t kGridWidths = 8;
+constexpr std::size_t kGridRidges = 7;  ///< 1e-7 ... 1e-1
+const double kRidgeStep = std::log(10.0);
+
+double grid_log_ridge(std::size_t i) {
+  return kRidgeStep * (static_cast<double>(i) - kGridRidges);
+}
+
+/// Errors closer than this are no reason to take the smaller ridge.
+constexpr double kSame = 0.99;
+
 constexpr int kLocalEvaluations = 30;
-constexpr double kLogTolerance = 0.02;  // of width and ridge: the error is flat about its minimum
+const double kLogTolerance = getenv("TOL")
+                                 ? atof(getenv("TOL"))
+                                 : 0.02;  // of width and ridge: the error is flat about its minimum
 
 /// The leave-one-out error over (log width, log ridge), which remembers the best point it saw.
 class LeaveOneOutCost {
  public:
-  LeaveOneOutCost(const MapSites& sites, const TailBasis& tail_basis, KernelShape shape)
+  /// `span` of the kernel.
+  LeaveOneOutCost(const MapSites& sites, const TailBasis& tail_basis, KernelShape shape,
+                  double span)
       : sites_(sites),
         shape_(shape),
-        span_(span_of(sites.positions)),
+        span_(span),
         squared_distances_(squared_distances(sites.positions)),
         tail_(tail_basis.at_each(sites.positions)) {}
 
@@ -56,25 +71,27 @@ class LeaveOneOutCost {
     return cost;
   }
 
+  KernelShape shape() const { return shape_; }
+  double span() const { return span_; }
+
   /// Log width, log ridge.
   const std::vector<double>& best() const { return best_; }
 
-  TunedKernel best_kernel() const {
+  TunedKernel best_kernel(double slope) const {
     const Eigen::ArrayXd misses2 = best_residuals_.colwise().squaredNorm();
-    return {kernel_of(best_[0]), std::exp(best_[1]), best_cost_, misses2 * sites_.counts.array()};
+    return {kernel_of(best_[0]), std::exp(best_[1]), slope, best_cost_,
+            misses2 * sites_.counts.array()};
   }
 
  private:
   RadialKernel kernel_of(double log_width) const { return {shape_, std::exp(log_width), span_}; }
 
   /// Of the present kernel; empty where it cannot be solved.
-  std::optional<Eigen::Matrix2Xd> left_out_residuals(double ridge) const {
-    Eigen::MatrixXd ridged = kernel_;
-    ridged.diagonal().array() += ridge / sites_.counts.array();
-    const auto system = BorderedSystem::factorize(std::move(ridged), tail_);
-    if (!system) return {};
-    const Eigen::Matrix2Xd weights = system->solve(sites_.errors.transpose()).weights.transpose();
-    return leave_one_out(*system, weights).residuals;
+  std::optional<Eigen::Matrix2Xd> left_out_residuals(double ridge) {
+    kernel_.diagonal() = 1.0 + ridge / sites_.counts.array();
+    if (!system_.compute(kernel_, tail_)) return {};
+    const Eigen::Matrix2Xd weights = system_.solve(sites_.errors.transpose()).weights.transpose();
+    return leave_one_out(system_, weights).residuals;
   }
 
   static constexpr double kUnsolvable = std::numeric_limits<double>::max();
@@ -84,7 +101,8 @@ class LeaveOneOutCost {
   double span_;
   Eigen::MatrixXd squared_distances_;
   Eigen::MatrixXd tail_;
-  Eigen::MatrixXd kernel_;
+  Eigen::MatrixXd kernel_;  ///< its diagonal that of the last ridge
+  BorderedSystem system_;
   double kernel_log_width_{std::numeric_limits<double>::quiet_NaN()};
   std::vector<double> best_;
   Eigen::Matrix2Xd best_residuals_;
@@ -96,6 +114,9 @@ struct SearchBox {
   double widest{0.0};
 
   double width_step() const { return (widest - narrowest) / (kGridWidths - 1); }
+  double grid_log_width(std::size_t i) const {
+    return std::min(widest, narrowest + static_cast<double>(i) * width_step());
+  }
 };
 
 SearchBox search_box(const Eigen::Matrix2Xd& positions) {
@@ -103,26 +124,95 @@ SearchBox search_box(const Eigen::Matrix2Xd& positions) {
           std::log(kWidestInSpans * span_of(positions))};
 }
 
-void search_grid(const SearchBox& box, LeaveOneOutCost& cost) {
-  for (int i = 0; i < kGridWidths; ++i) {
-    const double log_width = std::min(box.widest, box.narrowest + i * box.width_step());
-    for (const double ridge : kGridRidges) cost(log_width, std::log(ridge));
-  }
+/// Every site, or at most `most` of them evenly drawn.
+MapSites part_of(const MapSites& sites, Eigen::Index most) {
+  const Eigen::Index stride = (sites.size() + most - 1) / most;
+  std::vector<Eigen::Index> kept;
+  for (Eigen::Index i = 0; i < sites.size(); i += stride) kept.push_back(i);
+  return sites.subset(kept);
 }
 
-void search_near(std::vector<double> at, const SearchBox& box, LeaveOneOutCost& cost) {
+/// Where the parabola through three values at -1, 0 and 1 is least, within these.
+double vertex(double before, double middle, double after) {
+  const double curvature = before - 2.0 * middle + after;
+  return curvature > 0.0 ? std::clamp(0.5 * (before - after) / curvature, -1.0, 1.0) : 0.0;
+}
+
+/// The logarithm of the ridge with the least error at one width, found downhill along the grid's
+/// ridges from the given one, which becomes the nearest of them. Of ridges that make no difference
+/// (any small one, where the sites lie far apart) the largest.
+double best_log_ridge(double log_width, std::size_t& nearest, LeaveOneOutCost& cost) {
+  std::array<double, kGridRidges> costs;
+  costs.fill(std::numeric_limits<double>::quiet_NaN());
+  const auto cost_of = [&](std::size_t i) {
+    if (std::isnan(costs[i])) costs[i] = cost(log_width, grid_log_ridge(i));
+    return costs[i];
+  };
+  for (;;) {
+    if (nearest + 1 < kGridRidges && kSame * cost_of(nearest + 1) <= cost_of(nearest))
+      ++nearest;
+    else if (nearest > 0 && cost_of(nearest - 1) < kSame * cost_of(nearest))
+      --nearest;
+    else
+      break;
+  }
+  const double at = grid_log_ridge(nearest);
+  if (nearest == 0 || nearest + 1 == kGridRidges) return at;
+  return at + kRidgeStep * vertex(cost_of(nearest - 1), cost_of(nearest), cost_of(nearest + 1));
+}
+
+/// At each width the ridge that is best for a part of the sites. Returns how that ridge changes
+/// about the best width: d log ridge / d log width.
+double search_grid(const MapSites& sites, int tail_degree, const SearchBox& box,
+                   LeaveOneOutCost& cost) {
+  const MapSites rough = part_of(sites, kRoughPart);
+  LeaveOneOutCost rough_cost(rough, tail_for(rough.positions, tail_degree), cost.shape(),
+                             cost.span());
+  std::array<double, kGridWidths> log_ridges{};
+  std::size_t best_width = 0;
+  double least = std::numeric_limits<double>::infinity();
+  std::size_t nearest = kGridRidges - 1;
+  for (std::size_t i = 0; i < kGridWidths; ++i) {
+    const double log_width = box.grid_log_width(i);
+    log_ridges[i] = best_log_ridge(log_width, nearest, rough_cost);
+    const double here = cost(log_width, log_ridges[i]);
+    if (here < least) {
+      least = here;
+      best_width = i;
+    }
+  }
+  const std::size_t before = best_width > 0 ? best_width - 1 : 0;
+  const std::size_t after = std::min(best_width + 1, kGridWidths - 1);
+  return (log_ridges[after] - log_ridges[before]) /
+         (box.grid_log_width(after) - box.grid_log_width(before));
+}
+
+/// The valley of the error over (log width, log ridge), which runs across both, with its direction
+/// as an axis.
+struct Valley {
+  LeaveOneOutCost& cost;
+  std::vector<double> start;
+  double slope;
+
+  double operator()(double log_width, double above) const {
+    const double log_ridge = start[1] + above + slope * (log_width - start[0]);
+    return cost(log_width, std::clamp(log_ridge, kLogSmallestRidge, kLogLargestRidge));
+  }
+};
+
+void search_along(Valley valley, const SearchBox& box) {
   nlopt::opt search(nlopt::LN_BOBYQA, 2);
-  search.set_lower_bounds({box.narrowest, std::log(kSmallestRidge)});
-  search.set_upper_bounds({box.widest, std::log(kLargestRidge)});
-  search.set_initial_step(
-      {0.5 * box.width_step(), 0.5 * std::log(kGridRidges[1] / kGridRidges[0])});
+  search.set_lower_bounds({box.narrowest, kLogSmallestRidge - kLogLargestRidge});
+  search.set_upper_bounds({box.widest, kLogLargestRidge - kLogSmallestRidge});
+  search.set_initial_step({0.5 * box.width_step(), 0.5 * kRidgeStep});
   search.set_xtol_abs(kLogTolerance);
   search.set_maxeval(kLocalEvaluations);
   search.set_min_objective(
       [](const std::vector<double>& x, std::vector<double>&, void* data) {
-        return (*static_cast<LeaveOneOutCost*>(data))(x[0], x[1]);
+        return (*static_cast<const Valley*>(data))(x[0], x[1]);
       },
-      &cost);
+      &valley);
+  std::vector<double> at{valley.start[0], 0.0};
   double reached = 0.0;
   try {
     search.optimize(at, reached);
@@ -131,35 +221,26 @@ void search_near(std::vector<double> at, const SearchBox& box, LeaveOneOutCost& 
   }
 }
 
-/// Every site, or about kLargestPart of them evenly drawn.
-MapSites part_of(const MapSites& sites) {
-  const Eigen::Index stride = (sites.size() + kLargestPart - 1) / kLargestPart;
-  std::vector<Eigen::Index> kept;
-  for (Eigen::Index i = 0; i < sites.size(); i += stride) kept.push_back(i);
-  return sites.subset(kept);
-}
-
 }  // namespace
 
 TunedKernel tune_rbf(const MapSites& sites, const TailBasis& tail_basis, KernelShape shape) {
-  const MapSites part = part_of(sites);
+  const MapSites part = part_of(sites, kLargestPart);
   const SearchBox box = search_box(part.positions);
-  LeaveOneOutCost cost(part, tail_basis, shape);
-  search_grid(box, cost);
-  search_near(cost.best(), box, cost);
-  return cost.best_kernel();
+  LeaveOneOutCost cost(part, tail_basis, shape, span_of(sites.positions));
+  const double slope = search_grid(part, tail_basis.degree, box, cost);
+  search_along({cost, cost.best(), slope}, box);
+  return cost.best_kernel(slope);
 }
 
 TunedKernel retune_rbf(const MapSites& sites, const TailBasis& tail_basis,
                        const TunedKernel& before) {
-  const MapSites part = part_of(sites);
+  const MapSites part = part_of(sites, kLargestPart);
   const SearchBox box = search_box(part.positions);
-  LeaveOneOutCost cost(part, tail_basis, before.kernel.shape);
-  search_near(
-      {std::clamp(std::log(before.kernel.width), box.narrowest, box.widest),
-       std::clamp(std::log(before.ridge), std::log(kSmallestRidge), std::log(kLargestRidge))},
-      box, cost);
-  return cost.best_kernel();
+  LeaveOneOutCost cost(part, tail_basis, before.kernel.shape, span_of(sites.positions));
+  const std::vector<double> start{
+      std::clamp(std::log(before.kernel.width), box.narrowest, box.widest), std::log(before.ridge)};
+  search_along({cost, start, before.slope}, box);
+  return cost.best_kernel(before.slope);
 }
 
 }  // namespace planar

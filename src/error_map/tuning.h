@@ -10,15 +10,17 @@ namespace planar {
 
 struct TunedKernel {
   RadialKernel kernel;
-  double ridge{0.0};    ///< in units of the kernel
+  double ridge{0.0};  ///< in units of the kernel
+  /// How the best ridge changes with the width thereabouts: d log ridge / d log width.
+  double slope{0.0};
   double loo_rms{0.0};  ///< rms of what each sample is missed by, its whole site left out, metres
   /// Per site that decided: what its mean is missed by, squared, times its count; square metres.
   Eigen::ArrayXd squared_misses;
 };
 
 /// The kernel's width and ridge with the smallest leave-one-out error: a coarse grid over the
-/// logarithms of both, then BOBYQA [Powell 2009] from its best point. Above five hundred sites an
-/// evenly drawn part of them decides.
+/// logarithms of both (of ridges at one width a hundred sites decide), then BOBYQA [Powell 2009]
+/// from its best point. Above five hundred sites an evenly drawn part of them decides.
 TunedKernel tune_rbf(const MapSites& sites, const TailBasis& tail_basis, KernelShape shape);
 
 /// The same from what nearly the same sites were tuned to, without the grid.

@@ -14,7 +14,7 @@ TunedFamily best_for(const test::ErrorField& field, const RbfFamily& first,
                      const RbfFamily& other) {
   const MapSites sites =
       merge_samples(test::measure(field, test::ring_positions(200), test::kFieldNoise, 1));
-  return best_family(sites, tune(sites, first), {other});
+  return best_of(tune(sites, {first, other}));
 }
 
 TEST_CASE("A field with a knee takes the kernel of many scales, with its tail") {
@@ -37,7 +37,7 @@ TEST_CASE("Tuning anew from what nearly the same sites were tuned to finds the s
   for (Eigen::Index i = 1; i < sites.size(); ++i) kept.push_back(i);
   const MapSites fewer = sites.subset(kept);
   const TunedFamily anew = tune(fewer, kMultiquadric);
-  const TunedFamily again = retune(fewer, kMultiquadric, tune(sites, kMultiquadric));
+  const TunedFamily again = retune(fewer, tune(sites, kMultiquadric));
   constexpr double kFlat = 0.01;  // two searches may stop in two dips of a noisy, flat valley
   CHECK(again.tuned.loo_rms == Approx(anew.tuned.loo_rms).epsilon(kFlat));
 }

@@ -41,13 +41,15 @@ TEST_CASE("A bordered system's solution satisfies its equations") {
   CHECK((given.tail.transpose() * solution.weights).norm() < kRounding);
 }
 
-TEST_CASE("The inverse's diagonal is that of the solutions for unit values") {
+TEST_CASE("The inverse's diagonal and blocks are those of the solutions for unit values") {
   const int degree = GENERATE(-1, 0, 1);
   const Example given = example(degree);
   const auto system = BorderedSystem::factorize(given.kernel, given.tail);
   REQUIRE(system);
   const Eigen::MatrixXd inverse = system->solve(Eigen::MatrixXd::Identity(40, 40)).weights;
   CHECK((system->inverse_diagonal() - inverse.diagonal()).norm() < kRounding * inverse.norm());
+  const std::vector<Eigen::Index> some{31, 7, 8};
+  CHECK((system->inverse_block(some) - inverse(some, some)).norm() < kRounding * inverse.norm());
 }
 
 TEST_CASE("The inverse form of A z is z^T A z") {
