@@ -60,10 +60,25 @@ bool ends(const std::string& command) {
 }
 
 void follow_lines(Session& session) {
-  for (std::string line; std::getline(std::cin, line) && !ends(line);) session.execute(line);
+  for (std::string line; !interrupted() && std::getline(std::cin, line) && !ends(line);)
+    session.execute(line);
 }
 
-void follow_keys(Session& session) {
+/// Stops what moves when a key is pressed other than the one that began it.
+class KeyStop {
+ public:
+  void watch(RawTerminal& terminal, const std::string& key) {
+    terminal_ = &terminal;
+    key_ = key;
+  }
+  bool asked() { return terminal_ != nullptr && terminal_->other_key_than(key_); }
+
+ private:
+  RawTerminal* terminal_{nullptr};
+  std::string key_;
+};
+
+void follow_keys(Session& session, KeyStop& stop) {
   constexpr const char* kQuitKeys[] = {"Q", "\x03", "\x04"};
   RawTerminal terminal;
   JogKeys keys;
@@ -80,6 +95,7 @@ void follow_keys(Session& session) {
     } else {
       command = keys.command(*key);
     }
+    stop.watch(terminal, *key);
     if (command)
       session.execute(*command);
     else
@@ -90,14 +106,17 @@ void follow_keys(Session& session) {
 
 Outcome jog(const Options& options) {
   const CellSettings cell = read_cell(options.cell);
+  heed_interrupts();
   const auto devices = open_cell(cell);
-  JogConsole console(cell, *devices, options.teach);
+  KeyStop stop;
+  JogConsole console(cell, *devices, options.teach,
+                     [&stop] { return interrupted() || stop.asked(); });
   Session session(console);
   if (!RawTerminal::is_there()) {
     follow_lines(session);
     return session.outcome();
   }
-  follow_keys(session);
+  follow_keys(session, stop);
   return {session.outcome().figures};
 }
 

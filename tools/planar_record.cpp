@@ -32,7 +32,8 @@ void add_options(CLI::App& app, Options& options) {
 Outcome run(const Options& options) {
   const CellSettings cell = read_cell(options.cell);
   const RecordRequest request{cell, read_plan(options.plan, cell.tool_orientation),
-                              options.recording};
+                              options.recording, interrupted};
+  heed_interrupts();
   const auto devices = open_cell(request.cell);
   const RecordReport report = record(request, *devices);
   for (const std::string& id : report.without_lamps)

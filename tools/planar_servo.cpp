@@ -176,13 +176,14 @@ Outcome work(const Options& options) {
   if (options.check) return print_check(options.cell, cell, targets);
   if (options.out.empty())
     throw InputError("--out is needed to move; --dry-run and --check do without");
-  const ServoRequest request{
-      cell,
-      CenterMethod::kAuto,
-      !options.no_error_map,
-      options.out,
-      options.resume,
-      [&](const std::string& unhomed) { return may_home(options, unhomed); }};
+  const ServoRequest request{cell,
+                             CenterMethod::kAuto,
+                             !options.no_error_map,
+                             options.out,
+                             options.resume,
+                             [&](const std::string& unhomed) { return may_home(options, unhomed); },
+                             interrupted};
+  heed_interrupts();
   const auto devices = open_cell(request.cell);
   ServoDisplay display(display_policy_named(options.display), options.out / "view.png");
   ServoRun run(request, *devices, [&](const ServoSight& sight) { display.show(sight); });

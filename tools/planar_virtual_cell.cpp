@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <csignal>
 #include <cstdint>
 #include <filesystem>
 
@@ -31,8 +30,6 @@ struct Options {
   std::string address{"127.0.0.1"};
 };
 
-volatile std::sig_atomic_t interrupted = 0;
-
 Outcome draw(const Options& options) {
   const fs::path cell = options.folder / "cell.yaml", truth = options.folder / "truth.yaml";
   for (const fs::path& path : {cell, truth})
@@ -47,12 +44,11 @@ Outcome draw(const Options& options) {
 
 Outcome serve(const Options& options) {
   const CellSettings cell = read_cell(options.cell);
-  for (const int signal : {SIGINT, SIGTERM})
-    std::signal(signal, [](int /*signal*/) { interrupted = 1; });
+  heed_interrupts();
   fmt::print("serving {} as a GigE Vision camera on {} until interrupted\n", options.cell.string(),
              options.address);
   std::fflush(stdout);
-  serve_cell(cell, options.address, [] { return interrupted != 0; });
+  serve_cell(cell, options.address, interrupted);
   return {};
 }
 

@@ -4,6 +4,7 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include <csignal>
 #include <filesystem>
 #include <memory>
 #include <opencv2/core/utils/logger.hpp>
@@ -43,7 +44,20 @@ int failure(int status, const std::exception& e) {
   return status;
 }
 
+volatile std::sig_atomic_t interrupts = 0;
+
 }  // namespace
+
+void heed_interrupts() {
+  struct sigaction action {};
+  action.sa_handler = [](int /*signal*/) { interrupts = 1; };
+  action.sa_flags = static_cast<int>(SA_RESETHAND);  // and no SA_RESTART: a read ends
+  for (const int signal : {SIGINT, SIGTERM}) sigaction(signal, &action, nullptr);
+}
+
+bool interrupted() {
+  return interrupts != 0;
+}
 
 int run_program(const ProgramText& text, int argc, char** argv,
                 const std::function<void(CLI::App&)>& add_options,

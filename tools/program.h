@@ -20,6 +20,11 @@ struct Outcome {
   bool success{true};      ///< false: the work was done but failed (exit status 1)
 };
 
+/// The first Ctrl-C or SIGTERM from now on only asks the program to stop, which ends its input as
+/// well; a second one ends it as usual.
+void heed_interrupts();
+bool interrupted();
+
 /// Parses the options (those of `add_options` besides --help, --version, --json, -q and -v), does
 /// the work and returns the exit status: 0 done; 1 the work failed; 2 wrong usage or input. The
 /// only place that catches. Results are printed to stdout by `work`, messages go to stderr.

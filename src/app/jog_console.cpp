@@ -67,11 +67,13 @@ const std::vector<JogConsole::Command>& JogConsole::commands() {
   return commands;
 }
 
-JogConsole::JogConsole(const CellSettings& cell, CellDevices& devices, const fs::path& teach)
+JogConsole::JogConsole(const CellSettings& cell, CellDevices& devices, const fs::path& teach,
+                       const std::function<bool()>& stop)
     : cell_(cell),
       devices_(devices),
       planner_(joint_planner(cell)),
       robot_(planner_.arm(), planner_.transmission(), devices.drives(), devices.clock()) {
+  robot_.stop_when(stop);
   if (has_vision(cell)) {
     compensated_ = fs::exists(cell.error_map);
     sensor_.emplace(cell, read_vision(cell, compensated_), CenterMethod::kAuto, devices.camera());
@@ -96,6 +98,8 @@ JogConsole::Answer JogConsole::execute(const std::string& line) {
                                command->help)};
   try {
     return {true, (this->*command->work)(words)};
+  } catch (const StopRequested& e) {
+    return {false, fmt::format("{}; {}", e.what(), where({}))};
   } catch (const InputError& e) {
     return {false, e.what()};
   } catch (const WorkError& e) {

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -28,10 +29,12 @@ class JogConsole {
     std::string text;  ///< what was done, or why not
   };
 
-  /// The table of `teach` may be empty: then nothing can be taught. Moves nothing. Throws
+  /// The table of `teach` may be empty: then nothing can be taught. `stop` is as
+  /// PlanarRobot::stop_when() has it. Moves nothing. Throws
   /// InputError for a table that cannot be gone on with and for files of the cell that cannot be
   /// read.
-  JogConsole(const CellSettings& cell, CellDevices& devices, const std::filesystem::path& teach);
+  JogConsole(const CellSettings& cell, CellDevices& devices, const std::filesystem::path& teach,
+             const std::function<bool()>& stop = {});
 
   Answer execute(const std::string& line);
 

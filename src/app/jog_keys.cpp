@@ -37,7 +37,8 @@ std::optional<std::string> JogKeys::command(const std::string& key) {
 std::string JogKeys::help() const {
   return fmt::format(
       "arrows: x, y   q a, w s, e d: joints 1, 2, 3   + -: step ({0} mm or {0} deg)\n"
-      "o: enable   h: home   p: where   l: look   ':': a whole command   Q: quit",
+      "o: enable   h: home   p: where   l: look   ':': a whole command   Q: quit\n"
+      "another key while the arm moves stops it",
       kSteps[step_]);
 }
 

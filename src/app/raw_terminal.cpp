@@ -11,9 +11,9 @@ namespace {
 constexpr char kEscape = '\x1b';
 constexpr int kSequence_ms = 20;  // the characters of one key come together
 
-bool more_follows() {
+bool more_follows(int patience_ms) {
   pollfd input{STDIN_FILENO, POLLIN, 0};
-  return poll(&input, 1, kSequence_ms) > 0;
+  return poll(&input, 1, patience_ms) > 0;
 }
 
 }  // namespace
@@ -39,7 +39,7 @@ std::optional<std::string> RawTerminal::key() {
   const auto first = character();
   if (!first) return std::nullopt;
   std::string key(1, *first);
-  while (key[0] == kEscape && key.size() < 3 && more_follows()) {
+  while (key[0] == kEscape && key.size() < 3 && more_follows(kSequence_ms)) {
     const auto next = character();
     if (!next) break;
     key += *next;
@@ -54,6 +54,16 @@ std::optional<std::string> RawTerminal::line() {
   while ((next = character()) && *next != '\n') text += *next;
   tcsetattr(STDIN_FILENO, TCSANOW, &raw_);
   return next ? std::optional<std::string>(text) : std::nullopt;
+}
+
+bool RawTerminal::other_key_than(const std::string& key) {
+  bool other = false;
+  while (more_follows(0)) {
+    const auto pressed = this->key();
+    if (!pressed) return true;  // whoever watched is gone
+    other = other || *pressed != key;
+  }
+  return other;
 }
 
 void RawTerminal::forget_keys() {

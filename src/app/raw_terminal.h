@@ -24,6 +24,10 @@ class RawTerminal {
   /// A line, echoed and edited as usual; empty at the end of input.
   std::optional<std::string> line();
 
+  /// Whether keys other than this one were pressed meanwhile; forgets them and repetitions of it,
+  /// which a key that is held down sends. Does not wait.
+  bool other_key_than(const std::string& key);
+
   /// Forgets keys that were pressed meanwhile, such as those of a key held down during a motion.
   void forget_keys();
 

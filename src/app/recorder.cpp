@@ -48,7 +48,9 @@ class Recorder {
         robot_(arm_, transmission_, devices.drives(), devices.clock()),
         lamps_(CenterMethod::kCannyKasa),
         frames_table_(folder_ / "frames.csv", frames_header()),
-        tracker_table_(folder_ / "tracker.csv", tracker_header()) {}
+        tracker_table_(folder_ / "tracker.csv", tracker_header()) {
+    robot_.stop_when(request.stop);
+  }
 
   RecordReport run(const std::vector<PlanRow>& plan, const std::vector<Joints>& joints) {
     const std::set<std::string> present = recorded_ids(folder_);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <vector>
 
 #include "app/cell_devices.h"
@@ -13,6 +14,7 @@ struct RecordRequest {
   CellSettings cell;
   std::vector<PlanRow> plan;
   std::filesystem::path recording;  ///< made when absent, gone on with when it holds a part
+  std::function<bool()> stop{};     ///< as PlanarRobot::stop_when() has it
 };
 
 struct RecordReport {
@@ -27,7 +29,8 @@ struct RecordReport {
 /// board views asks for the board. Regions are placed from the COMMANDED pose by a coarse view
 /// learned from the first full frames; where the lamps are not in the region, a full frame is
 /// taken again. Throws InputError naming every position out of reach, workspace or joint limits
-/// before anything moves; WorkError when the camera fails: the arm stops, what is recorded stays.
+/// before anything moves; WorkError when the camera fails or somebody stops the arm: it rests, what
+/// is recorded stays.
 RecordReport record(const RecordRequest& request, CellDevices& devices);
 
 }  // namespace planar

@@ -103,6 +103,7 @@ ServoRun::ServoRun(const ServoRequest& request, CellDevices& devices, Observer o
       robot_(PlanarArm(cell_.arm.geometry), Transmission(cell_.transmission), devices.drives(),
              devices.clock()),
       servo_(cell_.servo, joint_planner(cell_), robot_, sensor_, devices.clock()) {
+  robot_.stop_when(request.stop);
   robot_.energize();
   sensor_.aim(robot_.arm().forward(robot_.commanded_joints()));
 }
@@ -160,6 +161,7 @@ bool ServoRun::wait_for_camera(const std::string& id, const std::string& reason,
   spdlog::warn("{}: {}; the arm stands and waits", id, reason);
   while (camera_.fault()) {
     if (clock_.now_s() > deadline_s) return false;
+    robot_.throw_if_stopped();
     clock_.sleep_for_s(kCameraPoll_s);
   }
   if (clock_.now_s() > deadline_s) return false;

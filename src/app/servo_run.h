@@ -27,6 +27,7 @@ struct ServoRequest {
   /// Whether drives that lost their position, named in words, may be homed now, which moves the
   /// arm. Empty: never.
   std::function<bool(const std::string& unhomed)> may_home{};
+  std::function<bool()> stop{};  ///< as PlanarRobot::stop_when() has it
 };
 
 /// A look of the servo at the tool, for whoever shows it.
@@ -48,10 +49,10 @@ class ServoRun {
   /// take long. Throws InputError when the folder holds a run already and `resume` is not set.
   ServoRun(const ServoRequest& request, CellDevices& devices, Observer observer = {});
 
-  /// A target that fails has a result like the others, unless a device fails: that throws
-  /// WorkError, with all that was done in the files. When the camera fails the arm stops and waits
-  /// up to a minute for it, then goes on with the same target. So it does for a drive, which may
-  /// have to be homed then.
+  /// A target that fails has a result like the others, unless a device fails or somebody stops the
+  /// arm: that throws WorkError, with all that was done in the files. When the camera fails the arm
+  /// stops and waits up to a minute for it, then goes on with the same target. So it does for a
+  /// drive, which may have to be homed then.
   const TargetResult& move_to(const TargetRow& target);
 
   bool has(const std::string& id) const;

@@ -37,6 +37,10 @@ double move_duration_s(double distance, double max_speed, double max_acceleratio
                          "PlanarRobot knows JOINT_STATE and REFERENCE_FRAME only");
 }
 
+[[noreturn]] void throw_stopped() {
+  throw StopRequested("the arm was stopped as asked");
+}
+
 void require_size(const vpColVector& position, unsigned int size) {
   if (position.size() == size) return;
   throw vpRobotException(vpRobotException::positionOutOfRangeError,
@@ -76,6 +80,10 @@ void PlanarRobot::energize() {
   read_positions(require_well());
 }
 
+void PlanarRobot::throw_if_stopped() const {
+  if (stopped()) throw_stopped();
+}
+
 std::vector<int> PlanarRobot::unhomed() {
   std::vector<int> joints;
   const auto status = drives_.status();
@@ -90,12 +98,14 @@ void PlanarRobot::search_home(int joint) {
     throw DriveError(fmt::format(
         "drive {} has no home switch: turn it to its mark at {:.3f} deg and teach it that",
         joint + 1, motor.home_rad / kDegree));
+  throw_if_stopped();
   require_well();
   try {
     drives_.start_homing(joint, motor.home == HomeReference::kForwardSwitch
                                     ? HomeDirection::kForward
                                     : HomeDirection::kReverse);
-    wait_for(kHomingTimeout_s, [joint](const auto& status) {
+    wait_for(kHomingTimeout_s, [&](const auto& status) {
+      throw_if_stopped();
       return !status[static_cast<std::size_t>(joint)].homing;
     });
   } catch (const std::exception& error) {
@@ -122,6 +132,7 @@ void PlanarRobot::recover(double patience_s) {
     } catch (const DriveError&) {
       if (clock_.now_s() + pause_s > deadline_s) throw;
     }
+    throw_if_stopped();
     clock_.sleep_for_s(pause_s);
   }
 }
@@ -134,26 +145,37 @@ std::optional<std::string> PlanarRobot::move_to(const Joints& theta, const Guard
   const Status status = require_well();
   require_homed(status);
   note_speeds(status);
+  bool stops = false;
   std::optional<std::string> objection;
-  if (guard && (objection = guard())) return objection;
+  const auto must_rest = [&] {
+    stops = stopped();
+    if (guard) objection = guard();
+    return stops || objection;
+  };
+  if (!must_rest()) travel(target, must_rest);
+  if (stops) throw_stopped();
+  return objection;
+}
+
+void PlanarRobot::travel(const Pulses& target, const std::function<bool()>& must_rest) {
   const double timeout_s = kTimeoutFactor * longest_move_s(target) + kTimeoutMargin_s;
   try {
     drives_.set_targets({target[0], target[1], target[2]});
     commanded_pulses_ = target;
+    bool rests = false;
     wait_for(timeout_s, [&](const auto& now) {
-      if (guard && (objection = guard())) return true;
+      if ((rests = must_rest())) return true;
       for (int i = 0; i < 3; ++i) {
         const DriveStatus& drive = now[static_cast<std::size_t>(i)];
         if (drive.moving || drive.position_pulses != target[i]) return false;
       }
       return true;
     });
-    if (objection) brake();
+    if (rests) brake();
   } catch (const std::exception& error) {
     halt_after(error);
     throw;
   }
-  return objection;
 }
 
 void PlanarRobot::brake() {

@@ -7,14 +7,22 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "arm/planar_arm.h"
 #include "arm/transmission.h"
 #include "core/clock.h"
+#include "core/error.h"
 #include "devices/drive_group.h"
 
 namespace planar {
+
+/// The arm rests because somebody asked for it; no device failed.
+class StopRequested : public WorkError {
+ public:
+  using WorkError::WorkError;
+};
 
 /// The arm behind its three pulse drives, in position control: joint angles in, absolute pulse
 /// targets out. Also a vpRobot, so that ViSP's programs can drive it. Joints count from 0.
@@ -33,6 +41,12 @@ class PlanarRobot final : public vpRobot {
   /// Throws DriveError naming the drive that reports a fault or does not switch on. A drive may
   /// still have to be homed.
   void energize();
+
+  /// `stop` is asked every few milliseconds of every motion, search and wait for a drive. When it
+  /// says so, a move slows down to rest, so that no position is lost, a search halts, and they
+  /// throw StopRequested; nothing moves any more while it says so. Empty: nobody stops the arm.
+  void stop_when(std::function<bool()> stop) { stop_ = std::move(stop); }
+  void throw_if_stopped() const;
 
   /// The joints whose drives do not know where they stand.
   std::vector<int> unhomed();
@@ -94,10 +108,13 @@ class PlanarRobot final : public vpRobot {
   void halt_after(const std::exception& cause);
   Status require_well();
   static void require_homed(const Status& status);
+  bool stopped() const { return stop_ && stop_(); }
   /// Polls until `arrived`; throws DriveError for a drive that fails or when it takes too long.
   void wait_for(double timeout_s, const std::function<bool(const Status&)>& arrived);
   Status status_under_way();
   void note_speeds(const Status& status);
+  /// To the target, or to rest on the way there.
+  void travel(const Pulses& target, const std::function<bool()>& must_rest);
   /// Sends every motor that moves to where it can stop, and waits until all rest.
   void brake();
   const MotorDrive& motor_drive(int joint) const;
@@ -112,6 +129,7 @@ class PlanarRobot final : public vpRobot {
   Transmission transmission_;
   DriveGroup& drives_;
   Clock& clock_;
+  std::function<bool()> stop_;
   Pulses commanded_pulses_{0, 0, 0};
   Eigen::Vector3d seen_pulses_{0.0, 0.0, 0.0};  ///< at the last look, when, and how fast
   double seen_s_{0.0};

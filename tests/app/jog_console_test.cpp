@@ -102,6 +102,24 @@ TEST_CASE("A camera that fails stops a jog, and the next one goes without it") {
   CHECK(console.execute("joint 2 15").done);
 }
 
+TEST_CASE("A jog that is stopped says where the arm is, and the next one goes on from there") {
+  const CellSettings cell = read_cell(test::paper_cell_file());
+  const auto devices = open_cell(cell);
+  const double start_s = devices->clock().now_s();
+  bool stop = false;
+  JogConsole console(cell, *devices, "", [&] {
+    return stop && devices->clock().now_s() > start_s + 0.05;  // 15 deg take 0.45 s
+  });
+  REQUIRE(console.execute("enable").done);
+  stop = true;
+  const auto stopped = console.execute("joint 2 15");
+  CHECK_FALSE(stopped.done);
+  CHECK_THAT(stopped.text, Contains("stopped as asked; joints"));
+  CHECK_FALSE(console.execute("joint 2 15").done);
+  stop = false;
+  CHECK(console.execute("joint 2 15").done);
+}
+
 TEST_CASE("An exposure that the camera refuses is said and changes nothing") {
   const CellSettings cell = read_cell(test::paper_cell_file());
   FailingCamera devices(cell);

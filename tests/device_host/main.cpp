@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
@@ -28,6 +29,7 @@ constexpr int kSkipped = 77;
 constexpr double kPoll_s = 0.002;
 constexpr std::size_t kFaultyDrive = 1;  // of joint 2
 constexpr char kDriveUnplugged[] = "drive-unplugged", kDrivePowerCycle[] = "drive-power-cycle";
+constexpr char kInterrupt[] = "interrupt";  // somebody presses Ctrl-C
 
 struct Options {
   std::filesystem::path cell, targets, run, json;
@@ -82,12 +84,13 @@ nlohmann::json score(const Options& options, const std::vector<TrueTip>& tips) {
 
 std::vector<std::string> fault_names() {
   std::vector<std::string> names = HostedCamera::fault_names();
-  names.insert(names.end(), {kDriveUnplugged, kDrivePowerCycle});
+  names.insert(names.end(), {kDriveUnplugged, kDrivePowerCycle, kInterrupt});
   return names;
 }
 
 HostedFault fault_named(const std::string& name, HostedCamera& camera, HostedArm& arm,
-                        MockUsbDevice& drive) {
+                        MockUsbDevice& drive, pid_t command) {
+  if (name == kInterrupt) return {name, [command] { kill(command, SIGINT); }, [] {}};
   if (name == kDriveUnplugged)
     return {name, [&drive] { drive.unplug(); }, [&drive] { drive.plug(); }};
   if (name == kDrivePowerCycle) return {name, [&arm] { arm.power_cycle(kFaultyDrive); }, [] {}};
@@ -110,11 +113,12 @@ int host(const Options& options) {
   const double rate_hz = cell.camera.frame_rate_hz;
   const auto camera = options.camera == "gige" ? host_gige_camera(sensor_px, rate_hz, exposure)
                                                : host_usb_camera(bus, sensor_px, rate_hz, exposure);
+  const pid_t command = start(options.command);
   std::vector<HostedFault> faults;
   for (const std::string& name : options.faults)
-    faults.push_back(fault_named(name, *camera, arm, *drives[kFaultyDrive]));
+    faults.push_back(fault_named(name, *camera, arm, *drives[kFaultyDrive], command));
   FaultScript script(std::move(faults), arm, options.fault_for_s);
-  const int status = wait_for(start(options.command), script);
+  const int status = wait_for(command, script);
   nlohmann::json figures{{"status", status}, {"faults", script.report()}};
   for (const auto& fault : figures["faults"])
     fmt::print("{}: first commands to the drives after {} ms\n", fault["fault"].get<std::string>(),

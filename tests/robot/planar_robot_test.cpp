@@ -218,6 +218,35 @@ TEST_CASE("A search that fails on its way halts all and leaves the motor unhomed
   CHECK(bench.robot.unhomed() == std::vector<int>{1});
 }
 
+TEST_CASE("An arm that is stopped on its way slows down to rest and keeps its position") {
+  ReadyBench bench;
+  const double begin_s = bench.clock.now_s();
+  bool stop = true;
+  bench.robot.stop_when([&] { return stop && bench.clock.now_s() > begin_s + 0.1; });
+  CHECK_THROWS_AS(bench.robot.move_to({0.5, 0.5, 0.5}), StopRequested);
+  const Pulses rest = bench.robot.commanded_pulses();
+  for (std::size_t i = 0; i < 3; ++i) {
+    CHECK(bench.drives[i].halts == 0);
+    CHECK(bench.drives[i].targets.size() == 2);
+    CHECK(bench.drives[i].status().position_pulses == rest[static_cast<int>(i)]);
+  }
+  CHECK_THROWS_AS(bench.robot.move_to({0.5, 0.5, 0.5}), StopRequested);
+  CHECK(bench.drives[0].targets.size() == 2);
+  stop = false;
+  CHECK_FALSE(bench.robot.move_to({0.5, 0.5, 0.5}));
+}
+
+TEST_CASE("A search that is stopped halts all and leaves the motor unhomed") {
+  TransmissionSettings settings = transmission_settings();
+  settings.drives[1].home = HomeReference::kReverseSwitch;
+  ReadyBench bench(settings);
+  const double begin_s = bench.clock.now_s();
+  bench.robot.stop_when([&] { return bench.clock.now_s() > begin_s + 0.1; });
+  CHECK_THROWS_AS(bench.robot.search_home(1), StopRequested);
+  for (const auto& drive : bench.drives) CHECK(drive.halts == 1);
+  CHECK(bench.robot.unhomed() == std::vector<int>{1});
+}
+
 TEST_CASE("Recovery waits until the fault is gone, and gives up after its patience") {
   ReadyBench bench;
   bench.drives[2].fault = "low supply voltage";

@@ -1,0 +1,59 @@
+#!/usr/bin/env bash
+# Whoever presses a key, or Ctrl-C, stops the arm where it is: it knows its position and goes on from there.
+source "$(dirname "$0")/common.sh"
+source "$repository/tests/programs/live_cell.sh"
+
+cp -r "$2/cell" .
+live_twins
+printf 'id,x_mm,y_mm\na,420,100\n' >targets.csv
+
+servo() {
+  hosted gige --json figures.json "$@" -- "$bin/planar-servo" --cell cell/gige.yaml \
+    --targets targets.csv --out run --resume 2>said.txt </dev/null
+}
+status=0
+servo --fault interrupt || status=$?
+cat said.txt
+[ "$status" -eq 1 ] || fail "an interrupted run ended with $status"
+grep -q "the arm was stopped as asked" said.txt || fail "$(cat said.txt)"
+grep -q '"fault": "interrupt"' figures.json || fail "no interrupt: $(cat figures.json)"
+if grep -q '^a,' run/results.csv; then fail "an interrupted target has a result"; fi
+servo || fail "$(cat said.txt)"
+grep -q '^a,.*,reached,' run/results.csv || fail "$(cat run/results.csv)"
+
+if ! command -v script >/dev/null; then
+  echo "script is not installed: keys were not tried"
+  exit 0
+fi
+# 15 deg take three seconds.
+sed -i 's/max_speed_deg_s: 18/max_speed_deg_s: 5/' cell/gige.yaml
+mkfifo keys
+hosted gige -- script -qec "$bin/planar-jog --cell cell/gige.yaml" /dev/null <keys >screen.txt 2>&1 &
+jog=$!
+exec 3>keys
+
+# seen TEXT: waits until the screen shows it.
+seen() {
+  for _ in $(seq 300); do
+    if grep -q "$1" screen.txt; then return; fi
+    sleep 0.1
+  done
+  fail "no '$1' on the screen: $(cat screen.txt)"
+}
+seen "Q: quit"
+printf o >&3
+seen "know where they stand"
+printf ':joint 1 -15\n' >&3
+sleep 0.7
+printf ' ' >&3
+seen "stopped as asked; joints -[0-9]"
+printf ':joint 1 -1\n' >&3
+seen "^:*joints -[0-9]"
+printf Q >&3
+wait "$jog" || fail "$(cat screen.txt)"
+exec 3>&-
+cat screen.txt
+awk '/stopped as asked/ { sub(/.*joints /, ""); stopped = $1 }
+     /^:*joints/ { after = $2 }
+     END { exit !(stopped < -0.1 && stopped > -14.9 && after < stopped - 0.9 && after > stopped - 1.1) }' \
+  screen.txt || fail "the arm was not stopped on its way, or lost its position"
