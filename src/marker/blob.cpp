@@ -15,15 +15,11 @@ namespace {
 constexpr double kLeastAxisRatio = 0.3;  // a disc seen 70 degrees off its axis
 constexpr double kLeastFill = 0.88;      // a square has 0.95, a half moon about 0.8
 
-/// Levels of the pixels above the threshold, or of the others.
-LevelHistogram levels(const cv::Mat& image, const Span* begin, const Span* end, int threshold,
-                      bool above) {
+LevelHistogram levels_in(const cv::Mat& image, const Span* begin, const Span* end) {
   LevelHistogram histogram;
   for (const Span* span = begin; span != end; ++span) {
     const auto* row = image.ptr<std::uint8_t>(span->v);
-    for (int u = span->begin; u < span->end; ++u) {
-      if ((row[u] > threshold) == above) histogram.add(row[u]);
-    }
+    histogram.add(row + span->begin, row + span->end);
   }
   return histogram;
 }
@@ -63,9 +59,28 @@ int background_level(const cv::Mat& image, const cv::Rect& box, int threshold) {
   const LevelHistogram surroundings = surrounding_levels(image, box);
   if (!surroundings.empty()) return surroundings.median();
   const std::vector<Span> rows = rows_of(box);
-  const LevelHistogram dark =
-      levels(image, rows.data(), rows.data() + rows.size(), threshold, false);
-  return dark.empty() ? 255 : dark.median();
+  const LevelHistogram inside = levels_in(image, rows.data(), rows.data() + rows.size());
+  return inside.count(0, threshold) > 0 ? inside.median(0, threshold) : 255;
+}
+
+/// Sums over the bright pixels of a piece of a row; places are counted from its first pixel.
+struct RowSums {
+  int count{0}, clipped{0}, u{0}, uu{0};
+};
+
+constexpr int kPiece_px = 1024;  // whose sums stay within 32 bits
+
+RowSums sum_row(const std::uint8_t* row, int width, int least) {
+  RowSums sums;
+  for (int u = 0; u < width; ++u) {
+    const bool lit = row[u] >= least;
+    const auto place = static_cast<std::int16_t>(lit ? u : 0);
+    sums.count += lit ? 1 : 0;
+    sums.clipped += row[u] == 255 ? 1 : 0;
+    sums.u += place;
+    sums.uu += place * place;
+  }
+  return sums;
 }
 
 /// Area, centroid, moments and saturated share of the pixels of spans that are bright enough.
@@ -76,23 +91,19 @@ void sum_up(const cv::Mat& image, const Span* begin, const Span* end, double lea
   double n = 0.0, saturated = 0.0;
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
   Eigen::Matrix2d squares = Eigen::Matrix2d::Zero();
+  const auto add = [&](int v, int from, int to) {
+    const RowSums row = sum_row(image.ptr<std::uint8_t>(v) + from, to - from, least);
+    const double count = row.count, first = row.u, left = from - origin.x, down = v - origin.y;
+    const double u = first + left * count, uu = row.uu + left * (2.0 * first + left * count);
+    n += count;
+    saturated += row.clipped;
+    sum += Eigen::Vector2d(u, down * count);
+    squares += (Eigen::Matrix2d() << uu, down * u, down * u, down * down * count).finished();
+  };
   for (const Span* span = begin; span != end; ++span) {
-    const auto* row = image.ptr<std::uint8_t>(span->v) + origin.x;
-    std::int64_t count = 0, clipped = 0, sum_u = 0, sum_uu = 0;
-    for (std::int64_t u = span->begin - origin.x; u < span->end - origin.x; ++u) {
-      const std::int64_t lit = row[u] >= least ? 1 : 0;
-      count += lit;
-      clipped += row[u] == 255 ? 1 : 0;
-      sum_u += lit * u;
-      sum_uu += lit * u * u;
+    for (int u = span->begin; u < span->end; u += kPiece_px) {
+      add(span->v, u, std::min(u + kPiece_px, span->end));
     }
-    const double v = span->v - origin.y, in_row = static_cast<double>(count),
-                 row_u = static_cast<double>(sum_u), uv = v * row_u;
-    n += in_row;
-    saturated += static_cast<double>(clipped);
-    sum += Eigen::Vector2d(row_u, v * in_row);
-    squares +=
-        (Eigen::Matrix2d() << static_cast<double>(sum_uu), uv, uv, v * v * in_row).finished();
   }
   const Eigen::Vector2d mean = sum / n;
   blob.uv_px = mean + Eigen::Vector2d(origin.x, origin.y);
@@ -128,7 +139,7 @@ Blob describe_blob(const cv::Mat& image, const cv::Rect& box_px, const Span* beg
                    int threshold) {
   Blob blob;
   blob.box_px = box_px;
-  blob.level = levels(image, begin, end, threshold, true).median();
+  blob.level = levels_in(image, begin, end).median(threshold + 1, 255);
   blob.background = background_level(image, box_px, threshold);
   blob.touches_border =
       box_px.x <= 0 || box_px.y <= 0 || box_px.br().x >= image.cols || box_px.br().y >= image.rows;

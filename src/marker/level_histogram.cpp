@@ -1,6 +1,7 @@
 #include "marker/level_histogram.h"
 
 #include <cstddef>
+#include <numeric>
 
 namespace planar {
 namespace {
@@ -10,10 +11,19 @@ constexpr int kLevels = 256;
 }  // namespace
 
 int LevelHistogram::median() const {
-  int below = 0;
-  for (int level = 0; level < kLevels; ++level) {
-    below += counts_[static_cast<std::size_t>(level)];
-    if (2 * below >= total_) return level;
+  return median(0, kLevels - 1);
+}
+
+int LevelHistogram::count(int lowest, int highest) const {
+  return std::accumulate(counts_.begin() + lowest, counts_.begin() + highest + 1, 0);
+}
+
+int LevelHistogram::median(int lowest, int highest) const {
+  const int total = count(lowest, highest);
+  int up_to = 0;
+  for (int level = lowest; total > 0; ++level) {
+    up_to += counts_[static_cast<std::size_t>(level)];
+    if (2 * up_to >= total) return level;
   }
   return 0;
 }

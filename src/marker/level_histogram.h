@@ -12,9 +12,16 @@ class LevelHistogram {
     ++counts_[level];
     ++total_;
   }
+  void add(const std::uint8_t* begin, const std::uint8_t* end) {
+    for (const std::uint8_t* level = begin; level != end; ++level) ++counts_[*level];
+    total_ += static_cast<int>(end - begin);
+  }
   bool empty() const { return total_ == 0; }
   /// Zero when empty, as all of these.
   int median() const;
+  /// Of the counts from one level to another, both included.
+  int median(int lowest, int highest) const;
+  int count(int lowest, int highest) const;
   /// Median of the distances from a level.
   int median_deviation(int level) const;
   /// The level up to which the lower of two classes of levels reaches, the classes as far apart as

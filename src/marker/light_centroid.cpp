@@ -14,13 +14,16 @@ struct RowSums {
   int rim{0};              ///< pixels whose light is neither 0 nor full
 };
 
-RowSums sum_row(const std::uint8_t* row, int width, int lowest, int full) {
+RowSums sum_row(const std::uint8_t* row, int width, std::int16_t lowest, std::int16_t full) {
+  constexpr std::int16_t kNone = 0;
   RowSums sums;
   for (int u = 0; u < width; ++u) {
-    const int light = std::clamp(row[u] - lowest, 0, full);
+    const auto above = static_cast<std::int16_t>(row[u] - lowest);
+    const std::int16_t light = std::min(std::max(above, kNone), full);
+    const auto is_rim = static_cast<std::int16_t>((light > kNone) & (light < full));
     sums.light += light;
-    sums.first += u * light;
-    sums.rim += (light > 0) & (light < full);
+    sums.first += static_cast<std::int16_t>(u) * light;
+    sums.rim += is_rim;
   }
   return sums;
 }
@@ -30,9 +33,11 @@ RowSums sum_row(const std::uint8_t* row, int width, int lowest, int full) {
 std::optional<LightCentroid> light_centroid(const cv::Mat& image, const Blob& blob) {
   constexpr double kLowest = 0.2, kHighest = 0.8;
   constexpr int kMargin_px = 2;
-  const int lowest = static_cast<int>(std::lround(blob.background + kLowest * blob.contrast()));
-  const int full =
-      static_cast<int>(std::lround(blob.background + kHighest * blob.contrast())) - lowest;
+  const auto level = [&](double share) {
+    return static_cast<std::int16_t>(std::lround(blob.background + share * blob.contrast()));
+  };
+  const std::int16_t lowest = level(kLowest);
+  const auto full = static_cast<std::int16_t>(level(kHighest) - lowest);
   if (full <= 0) return std::nullopt;
   const cv::Rect box =
       (blob.box_px + cv::Size(2 * kMargin_px, 2 * kMargin_px) - cv::Point(kMargin_px, kMargin_px)) &

@@ -40,24 +40,24 @@ struct Side {
 /// How the rows of an image cross an ellipse, or one with its axes scaled.
 class Rows {
  public:
-  explicit Rows(const Outline& outline)
-      : center_(outline.center), shape_((outline.axes * outline.axes).inverse()) {}
+  explicit Rows(const Outline& outline) : center_(outline.center) {
+    const Eigen::Matrix2d moments = outline.axes * outline.axes;
+    half_height_ = std::sqrt(moments(1, 1));
+    lean_ = moments(0, 1) / moments(1, 1);
+    half_width_ = std::sqrt(moments.determinant()) / half_height_;
+  }
 
-  double half_height() const {
-    return 1.0 / std::sqrt(shape_(1, 1) - shape_(0, 1) * shape_(0, 1) / shape_(0, 0));
-  }
-  double middle(double v) const {
-    return center_.x() - shape_(0, 1) / shape_(0, 0) * (v - center_.y());
-  }
+  double half_height() const { return half_height_; }
+  double middle(double v) const { return center_.x() + lean_ * (v - center_.y()); }
   double half_width(double v, double scale) const {
-    const double height = (v - center_.y()) / half_height();
+    const double height = (v - center_.y()) / half_height_;
     const double square = scale * scale - height * height;
-    return square > 0.0 ? std::sqrt(square / shape_(0, 0)) : 0.0;
+    return square > 0.0 ? half_width_ * std::sqrt(square) : 0.0;
   }
 
  private:
   Eigen::Vector2d center_;
-  Eigen::Matrix2d shape_;
+  double half_height_, half_width_, lean_;
 };
 
 PixelNoise line_through(const Side& dark, const Side& bright) {
@@ -90,7 +90,7 @@ PixelNoise estimate_noise(const cv::Mat& image, const Outline& outline) {
   const Rows rows(outline);
   Side dark, bright;
   const auto clamped = [&](double u) {
-    return std::clamp(static_cast<int>(std::lround(u)), 1, image.cols - 1);
+    return std::clamp(static_cast<int>(u + 0.5), 1, image.cols - 1);
   };
   const double reach = rows.half_height() * outer + kReach_px;
   const int first = std::max(0, static_cast<int>(outline.center.y() - reach));
