@@ -28,12 +28,17 @@ OutlineFit solve(const Eigen::Matrix<double, Terms, Terms>& normal,
 template <int Terms>
 OutlineFit fit_terms(const Normals& normals, const PerNormal& offset_px,
                      const PerNormal& information, double wave_variance_px2) {
-  const Normals::Columns<Terms> scaled =
-      normals.move.topRows<Terms>() * information.cwiseSqrt().asDiagonal();
+  using Column = Eigen::Matrix<double, Terms, 1>;
   Eigen::Matrix<double, Terms, Terms> normal = Eigen::Matrix<double, Terms, Terms>::Zero();
-  normal.template selfadjointView<Eigen::Lower>().rankUpdate(scaled);
+  Column right = Column::Zero();
+  for (int k = 0; k < normals.count(); ++k) {
+    const Column move = normals.move.col(k).head<Terms>();
+    const Column weighted = information[k] * move;
+    normal.noalias() += weighted * move.transpose();
+    right += offset_px[k] * weighted;
+  }
   if (Terms > kShape) normal.diagonal().tail(Terms - kShape).array() += 1.0 / wave_variance_px2;
-  return solve<Terms>(normal, scaled * information.cwiseSqrt().cwiseProduct(offset_px));
+  return solve<Terms>(normal, right);
 }
 
 PerNormal residuals(const Normals& normals, const PerNormal& offset_px, const OutlineFit& fit) {

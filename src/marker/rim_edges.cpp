@@ -17,8 +17,9 @@ enum Kind { kDark, kBright, kDarkSlope, kBrightSlope };
 using Kinds = Eigen::Matrix<double, kKinds, 1>;
 using KindSquare = Eigen::Matrix<double, kKinds, kKinds>;
 using HarmonicSquare = Eigen::Matrix<double, kHarmonics, kHarmonics>;
-template <class Scalar>
-using Templates = Eigen::Matrix<Scalar, kKinds + 1, RimBand::kPlaces>;
+using Templates = Eigen::Matrix<double, kKinds + 1, RimBand::kPlaces>;
+/// For products in single precision: filled up to whole SIMD registers.
+using WideTemplates = Eigen::Matrix<float, 8, RimBand::kPlaces>;
 
 /// The profile that is common to the normals: what all of them are compared with.
 struct CommonProfile {
@@ -87,30 +88,26 @@ struct Products {
   Kinds offset_per_level;  ///< what a level beside the rim adds to the offset times the contrast
   double offset_information;
   Normals::Columns<kKinds> normal_kinds;  ///< the offset eliminated
-  Eigen::Matrix<double, 1, Eigen::Dynamic, Eigen::RowMajor, 1, Normals::kMost> normal_offset;
+  PerNormal normal_offset;                ///< times the contrast
 };
 
 Products products(const RimBand& band, const CommonProfile& common) {
   const EdgeProfile& profile = common.profile;
-  Templates<double> shapes;
-  Templates<float> blurs;
+  Templates shapes;
+  WideTemplates weighted = WideTemplates::Zero();
+  Eigen::Matrix<float, RimBand::kPlaces, 1> bend;  // what a unit of blur adds to a level
   for (int j = 0; j < RimBand::kPlaces; ++j) {
     const double d = band.distance_px[j];
     const EdgeShape edge = profile.shape(d);
     const double slope = edge.density / profile.blur_px;
     const double inner_slope = common.is_clipped ? 0.0 : d * edge.share;
     shapes.col(j) << 1.0 - edge.share, edge.share, d * (1.0 - edge.share), inner_slope, slope;
-    const double blurred = 0.5 * (profile.bright - profile.dark) * slope * (d - profile.offset_px) /
-                           (profile.blur_px * profile.blur_px);
-    blurs.col(j) = (common.weight[j] * blurred * shapes.col(j)).cast<float>();
+    weighted.col(j).head<kKinds + 1>() = (common.weight[j] * shapes.col(j)).cast<float>();
+    bend[j] = static_cast<float>(0.5 * (profile.bright - profile.dark) * slope *
+                                 (d - profile.offset_px) / (profile.blur_px * profile.blur_px));
   }
-  const Templates<double> weighted = shapes * common.weight.asDiagonal();
-  const Eigen::Matrix<double, kKinds + 1, kKinds + 1> square = weighted * shapes.transpose();
-  const Templates<float> levels = weighted.cast<float>();
-  Normals::Columns<kKinds + 1> sums(kKinds + 1, band.normals.count());
-  for (Eigen::Index k = 0; k < sums.cols(); ++k) {
-    sums.col(k) = (levels * band.level.col(k) - blurs * band.blur_px2.col(k)).cast<double>();
-  }
+  const Eigen::Matrix<double, kKinds + 1, kKinds + 1> square =
+      shapes * common.weight.asDiagonal() * shapes.transpose();
 
   Products p;
   p.offset_information = square(kKinds, kKinds);
@@ -118,8 +115,17 @@ Products products(const RimBand& band, const CommonProfile& common) {
   p.offset_per_level = -mixed / p.offset_information;
   p.kinds = square.topLeftCorner<kKinds, kKinds>() + mixed * p.offset_per_level.transpose();
   p.kinds.diagonal().array() += 1e-9 * p.kinds.trace();  // a kind that the places do not tell
-  p.normal_offset = sums.row(kKinds) / p.offset_information;
-  p.normal_kinds = sums.topRows<kKinds>() - mixed * p.normal_offset;
+  const int count = band.normals.count();
+  p.normal_offset.resize(count);
+  p.normal_kinds.resize(kKinds, count);
+  for (int k = 0; k < count; ++k) {
+    const Eigen::Matrix<float, RimBand::kPlaces, 1> level =
+        band.level.col(k) - bend.cwiseProduct(band.blur_px2.col(k));
+    const Eigen::Matrix<float, WideTemplates::RowsAtCompileTime, 1> sums =
+        weighted.lazyProduct(level);
+    p.normal_offset[k] = sums[kKinds] / p.offset_information;
+    p.normal_kinds.col(k) = sums.head<kKinds>().cast<double>() - mixed * p.normal_offset[k];
+  }
   return p;
 }
 
@@ -202,9 +208,14 @@ KindFlags significant_kinds(const LevelEquations& equations, bool is_clipped) {
 
 RimLevels fit_levels(const Products& p, const Normals& normals, const PerNormal& weight,
                      bool is_clipped) {
-  const LevelEquations equations{
-      p.kinds, normals.harmonics * weight.asDiagonal() * normals.harmonics.transpose(),
-      p.normal_kinds * weight.asDiagonal() * normals.harmonics.transpose()};
+  LevelEquations equations{p.kinds, HarmonicSquare::Zero(),
+                           decltype(LevelEquations::right)::Zero()};
+  for (int k = 0; k < normals.count(); ++k) {
+    const Eigen::Matrix<double, 1, kHarmonics> harmonics = normals.harmonics.col(k).transpose();
+    const Eigen::Matrix<double, 1, kHarmonics> weighted = weight[k] * harmonics;
+    equations.harmonics.noalias() += harmonics.transpose() * weighted;
+    equations.right.noalias() += p.normal_kinds.col(k) * weighted;
+  }
   return solve(equations, significant_kinds(equations, is_clipped));
 }
 
@@ -224,14 +235,18 @@ std::optional<RimEdges> measure_edges(const RimBand& band, const Outline& outlin
       normals.arc_px.cwiseProduct((use && edges.readable).cast<double>().matrix()) /
       normals.arc_px.mean();
   edges.levels = fit_levels(p, normals, weight, common->is_clipped);
-  const Normals::Columns<kKinds> level = edges.levels.harmonics * normals.harmonics;
   const double least = kLeastLocalContrast * (common->profile.bright - common->profile.dark);
-  const PerNormal contrast = (level.row(kBright) - level.row(kDark)).cwiseMax(least).transpose();
-  edges.moved_by_level = p.offset_per_level * contrast.cwiseInverse().transpose();
-  edges.offset_px = (p.normal_offset + p.offset_per_level.transpose() * level).transpose();
-  edges.offset_px = edges.offset_px.cwiseQuotient(contrast) + normals.waves(outline);
-  edges.offset_px.array() += common->profile.offset_px;
-  edges.information = p.offset_information * weight.cwiseProduct(contrast.cwiseAbs2());
+  edges.moved_by_level.resize(kKinds, normals.count());
+  edges.offset_px = normals.waves(outline);
+  edges.information = p.offset_information * weight;
+  for (int k = 0; k < normals.count(); ++k) {
+    const Kinds level = edges.levels.harmonics * normals.harmonics.col(k);
+    const double contrast = std::max(least, level[kBright] - level[kDark]);
+    edges.moved_by_level.col(k) = p.offset_per_level / contrast;
+    edges.offset_px[k] +=
+        common->profile.offset_px + (p.normal_offset[k] + p.offset_per_level.dot(level)) / contrast;
+    edges.information[k] *= contrast * contrast;
+  }
   return edges;
 }
 

@@ -18,18 +18,17 @@ namespace {
 /// Of the centre: by the edges' noise at given levels, and by the levels'.
 Eigen::Matrix2d center_covariance(const OutlineFit& fit, const Normals& normals,
                                   const RimEdges& edges) {
-  constexpr int kShape = Outline::kShapeTerms;
-  Normals::Columns<2> per_offset =
-      fit.covariance.topLeftCorner<2, kShape>() * normals.move.topRows<kShape>();
-  if (fit.has_waves) {
-    per_offset += fit.covariance.topRightCorner<2, Outline::kWaveTerms>() *
-                  normals.move.bottomRows<Outline::kWaveTerms>();
-  }
-  per_offset *= edges.information.asDiagonal();
-  Eigen::Matrix<double, 2, RimLevels::kTerms> per_level;
-  for (int kind = 0; kind < RimLevels::kKinds; ++kind) {
-    per_level.middleCols<Normals::kHarmonics>(Eigen::Index{kind} * Normals::kHarmonics) =
-        per_offset * edges.moved_by_level.row(kind).asDiagonal() * normals.harmonics.transpose();
+  const int terms = fit.has_waves ? Outline::kTerms : Outline::kShapeTerms;
+  Eigen::Matrix<double, 2, RimLevels::kTerms> per_level =
+      Eigen::Matrix<double, 2, RimLevels::kTerms>::Zero();
+  for (int k = 0; k < normals.count(); ++k) {
+    const Eigen::Vector2d per_offset =
+        edges.information[k] *
+        fit.covariance.topLeftCorner(2, terms).lazyProduct(normals.move.col(k).head(terms));
+    for (int kind = 0; kind < RimLevels::kKinds; ++kind) {
+      per_level.middleCols<Normals::kHarmonics>(Eigen::Index{kind} * Normals::kHarmonics) +=
+          (edges.moved_by_level(kind, k) * per_offset) * normals.harmonics.col(k).transpose();
+    }
   }
   return fit.covariance.topLeftCorner<2, 2>() +
          per_level * edges.levels.covariance * per_level.transpose();
