@@ -31,7 +31,7 @@ EdgeShape edge_shape(double x) {
 
 EdgeProfile fit_edge_profile(const RimBand::Places& distance_px, const RimBand::Places& level,
                              const RimBand::Places& weight, const EdgeProfile& start) {
-  constexpr int kSteps = 3;
+  constexpr int kSteps = 2;
   constexpr double kLeastBlur_px = 0.4, kMostBlur_px = 4.0;
   // Standard deviations of what is expected before the levels are seen.
   constexpr double kOffset_px = 1.0, kBlur_px = 0.5, kSlope = 0.05;
