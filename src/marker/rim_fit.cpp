@@ -86,9 +86,10 @@ struct Round {
 
 std::optional<Round> measure(const cv::Mat& image, const Outline& outline, const PixelNoise& noise,
                              double reach_px, const NormalFlags& use, RimBand& band) {
-  constexpr double kReach_px = 6.0;
-  band.sample(image, outline, static_cast<int>(use.size()), -reach_inside_px(outline, kReach_px),
-              std::min(kReach_px, reach_px));
+  // Lamps lean inside; outside, other light is soon near.
+  constexpr double kInside_px = 6.0, kOutside_px = 4.5;
+  band.sample(image, outline, static_cast<int>(use.size()), -reach_inside_px(outline, kInside_px),
+              std::min(kOutside_px, reach_px));
   const std::optional<RimEdges> edges = measure_edges(band, outline, noise, use);
   if (!edges) return std::nullopt;
   const OutlineFit fit = fit_outline(band.normals, edges->offset_px, edges->information);
