@@ -86,7 +86,7 @@ struct Round {
 
 std::optional<Round> measure(const cv::Mat& image, const Outline& outline, const PixelNoise& noise,
                              double reach_px, const NormalFlags& use, RimBand& band) {
-  // Lamps lean inside; outside, other light is soon near.
+  // A lamp's light changes slowly; what lies round it may be anything.
   constexpr double kInside_px = 6.0, kOutside_px = 4.5;
   band.sample(image, outline, static_cast<int>(use.size()), -reach_inside_px(outline, kInside_px),
               std::min(kOutside_px, reach_px));

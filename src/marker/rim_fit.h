@@ -17,7 +17,7 @@ struct RimFit {
 };
 
 /// Fits an ellipse with a wavy rim to the grey levels along its normals, up to `reach_px` outside
-/// it (at most 6 px). What a lamp may do besides being a disc is taken only as far as the image
+/// it (at most 4.5 px). What a lamp may do besides being a disc is taken only as far as the image
 /// shows it: levels and slopes that change round the rim (measure_edges), a rim with waves
 /// (fit_outline), stretches that do not belong to the outline (agreeing), clipped pixels. The noise
 /// is estimated from the image, and from it the covariance. A rim that its grey levels do not fit
