@@ -121,6 +121,49 @@ int sweep_number(const Eigen::Vector2d& theta12, std::vector<Eigen::Vector2d>& s
   return number;
 }
 
+using Places = std::map<std::string, Place>;
+
+void add_by_id(const std::vector<ToolReading>& readings, Places& places,
+               std::vector<Rejection>& rejected) {
+  for (const ToolReading& reading : readings) {
+    const auto place = places.find(reading.id);
+    if (place != places.end())
+      place->second.readings.push_back(&reading);
+    else
+      rejected.push_back({reading.id, "tracker reading without a frame of this id"});
+  }
+}
+
+Rejection far_from_frames(const std::vector<const ToolReading*>& stretch) {
+  const ToolReading& first = *stretch.front();
+  if (stretch.size() == 1)
+    return {first.id, fmt::format("no frame within {} s of the tracker reading at {:.3f} s",
+                                  kTimeWindow, first.t_s)};
+  return {first.id,
+          fmt::format("no frame within {} s of the {} tracker readings from {:.3f} s to {:.3f} s",
+                      kTimeWindow, stretch.size(), first.t_s, stretch.back()->t_s)};
+}
+
+/// A tracker that measures all the time leaves long stretches without a frame: each is told once.
+void add_by_time(const std::vector<ToolReading>& readings, const std::vector<LampSight>& frames,
+                 Places& places, std::vector<Rejection>& rejected) {
+  std::vector<const ToolReading*> stretch;
+  const auto end_stretch = [&] {
+    if (!stretch.empty()) rejected.push_back(far_from_frames(stretch));
+    stretch.clear();
+  };
+  for (const ToolReading& reading : readings) {
+    const auto place = places.find(nearest_in_time(frames, reading.t_s));
+    if (place == places.end()) {
+      stretch.push_back(&reading);
+    } else {
+      end_stretch();
+      place->second.readings.push_back(&reading);
+    }
+  }
+  end_stretch();
+}
+
 }  // namespace
 
 Pairing pair_sights(const std::vector<LampSight>& frames, const std::vector<ToolReading>& readings,
@@ -128,25 +171,16 @@ Pairing pair_sights(const std::vector<LampSight>& frames, const std::vector<Tool
   require_finite(frames, readings);
   Pairing pairing;
   std::vector<std::string> order;
-  std::map<std::string, Place> places;
+  Places places;
   for (const LampSight& frame : frames) {
     const auto [place, is_new] = places.try_emplace(frame.id);
     if (is_new) order.push_back(frame.id);
     (frame.status == "ok" ? place->second.frames : place->second.failed).push_back(&frame);
   }
-  for (const ToolReading& reading : readings) {
-    const std::string id = by == PairBy::kId ? reading.id : nearest_in_time(frames, reading.t_s);
-    const auto place = places.find(id);
-    if (place != places.end()) {
-      place->second.readings.push_back(&reading);
-    } else {
-      pairing.rejected.push_back(
-          {reading.id, by == PairBy::kId
-                           ? "tracker reading without a frame of this id"
-                           : fmt::format("no frame within {} s of the tracker reading at {:.3f} s",
-                                         kTimeWindow, reading.t_s)});
-    }
-  }
+  if (by == PairBy::kId)
+    add_by_id(readings, places, pairing.rejected);
+  else
+    add_by_time(readings, frames, places, pairing.rejected);
   std::vector<Eigen::Vector2d> sweeps;
   for (const std::string& id : order) {
     const Place& place = places.at(id);

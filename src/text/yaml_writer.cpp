@@ -67,7 +67,7 @@ YamlWriter YamlWriter::with_header(const std::string& kind, const std::string& p
 }
 
 void YamlWriter::begin_line(const std::string& key) {
-  text_.append(static_cast<std::size_t>(2 * depth_), ' ');
+  text_.append(2 * static_cast<std::size_t>(depth_), ' ');
   text_ += key + ":";
 }
 

@@ -60,6 +60,17 @@ TEST_CASE("By time each reading goes to the nearest frame, whatever its id says"
   CHECK_THAT(reason_of(pairing, "3"), Contains("7.000 s"));
 }
 
+TEST_CASE("By time a stretch of readings without a frame is told once, as of a scan that goes on") {
+  std::vector<ToolReading> scan;
+  for (int i = 0; i < 1000; ++i) scan.push_back(reading("scan", 0.01 * i, 0.1));
+  const Pairing pairing = pair_sights({frame("a", 5.0, 100.0)}, scan, PairBy::kTime);
+  CHECK(pairing.sights.size() == 1);
+  REQUIRE(pairing.rejected.size() == 2);
+  CHECK_THAT(pairing.rejected[0].reason,
+             Contains("the 450 tracker readings from 0.000 s to 4.490 s"));
+  CHECK_THAT(pairing.rejected[1].reason, Contains("to 9.990 s"));
+}
+
 TEST_CASE("What cannot be paired is named with its reason") {
   LampSight dark = frame("dark", 1.0, 0.0);
   dark.status = "one_lamp";

@@ -7,6 +7,7 @@
 #include "files/lamp_table.h"
 #include "files/recording.h"
 #include "files/tables.h"
+#include "files/target_table.h"
 #include "support/sample_cells.h"
 #include "support/temporary_folder.h"
 #include "text/atomic_file.h"
@@ -71,6 +72,12 @@ TEST_CASE("A damaged table is read or refused by name, never worse") {
   check_mutations(frames, [](const auto& path) { read_frames(path.parent_path()); });
   const std::string lamps = "id,status,u1_px,v1_px,u2_px,v2_px\nt1,ok,1,2,3,4\nt2,no_lamp,,,,\n";
   check_mutations(lamps, [](const auto& path) { read_lamps(path); });
+  const std::string targets = targets_header() + target_line({"a", {0.1, 0.2}, 0.3});
+  check_mutations(targets, [](const auto& path) { read_targets(path); });
+  const std::string tracker = "Name;t;X;Y;Z\na;0,5;1,5;2;3\nb;1;-1,5e1;2;3\n";
+  const CsvDialect dialect{
+      ';', true, {{"id", "Name"}, {"t_s", "t"}, {"x_mm", "X"}, {"y_mm", "Y"}, {"z_mm", "Z"}}};
+  check_mutations(tracker, [&](const auto& path) { read_tracker(path, dialect); });
 }
 
 }  // namespace
