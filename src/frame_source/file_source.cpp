@@ -73,7 +73,7 @@ FileSource::FileSource(const fs::path& folder_or_video, double frame_rate_hz)
   impl_->frame_rate_hz = frame_rate_hz;
   if (fs::is_directory(folder_or_video)) {
     impl_->pictures = pictures_in(folder_or_video);
-  } else if (impl_->video.open(folder_or_video.string())) {
+  } else if (impl_->video.open(folder_or_video.string(), cv::CAP_FFMPEG)) {  // not by guessing
     const double own_hz = impl_->video.get(cv::CAP_PROP_FPS);
     if (own_hz > 0.0) impl_->frame_rate_hz = own_hz;
   }

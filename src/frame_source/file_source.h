@@ -8,8 +8,8 @@
 namespace planar {
 
 /// The pictures of a folder in the order of their names, by ViSP's readers, or the frames of a
-/// video, by OpenCV's, as if a camera sent them. Colours become grey. After the last one the camera
-/// is lost.
+/// video, by OpenCV's with FFmpeg, as if a camera sent them. Colours become grey. After the last
+/// one the camera is lost.
 class FileSource final : public FrameSource {
  public:
   /// `frame_rate_hz` dates the pictures of a folder, from 0 on; a video knows its own rate. Throws

@@ -46,7 +46,8 @@ TEST_CASE("The frames of a video come as grey pictures at its rate") {
   const test::TemporaryFolder folder;
   const std::string file = (folder.path() / "video.avi").string();
   {
-    cv::VideoWriter writer(file, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 5.0, kSize, false);
+    cv::VideoWriter writer(file, cv::CAP_FFMPEG, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 5.0,
+                           kSize, false);
     REQUIRE(writer.isOpened());
     for (const int level : {50, 150}) writer.write(picture(level));
   }
