@@ -41,10 +41,15 @@ Outcome run(const Options& options) {
   fmt::print("{} positions recorded ({} were there before): {} frames, {} of them full, in {}\n",
              report.recorded, report.present, report.frames, report.full_frames,
              options.recording.string());
+  const FrameCounts seen = devices->camera().counts();
+  fmt::print("camera: {}\n", describe(seen));
   return {{{"recorded", report.recorded},
            {"present", report.present},
            {"frames", report.frames},
            {"full_frames", report.full_frames},
+           {"frames_incomplete", seen.incomplete},
+           {"frames_frozen", seen.frozen},
+           {"camera_reopened", seen.reopened},
            {"without_lamps", report.without_lamps}}};
 }
 

@@ -147,11 +147,12 @@ std::size_t move(ServoRun& run, const Options& options, const std::vector<Target
 }
 
 Outcome report(const ServoRequest& request, const Options& options, const ServoRun& run,
-               std::size_t bad_lines) {
+               const FrameCounts& frames, std::size_t bad_lines) {
   for (const TargetResult& result : run.results())
     if (result.status != ServoStatus::kReached)
       spdlog::warn("{}: {}: {}", result.id, name(result.status), result.reason);
-  const ServoFigures figures = figures_of(run.results());
+  ServoFigures figures = figures_of(run.results());
+  figures.frames = frames;
   std::vector<fs::path> inputs{options.cell, request.cell.camera_model, request.cell.workplane,
                                request.cell.tool};
   if (!from_stdin(options)) inputs.push_back(options.targets);
@@ -189,7 +190,7 @@ Outcome work(const Options& options) {
   ServoRun run(request, *devices, [&](const ServoSight& sight) { display.show(sight); });
   const std::size_t bad_lines = move(run, options, targets);
   display.close();
-  return report(request, options, run, bad_lines);
+  return report(request, options, run, devices->camera().counts(), bad_lines);
 }
 
 }  // namespace

@@ -64,6 +64,12 @@ nlohmann::json servo_json(const ServoFigures& figures) {
                       {"seconds_per_target", figures.seconds_per_target}};
   add_figures(json, "_own_view", figures.before_own, figures.after_own);
   add_figures(json, "_truth", figures.before_truth, figures.after_truth);
+  if (figures.frames) {
+    json["frames_complete"] = figures.frames->complete;
+    json["frames_incomplete"] = figures.frames->incomplete;
+    json["frames_frozen"] = figures.frames->frozen;
+    json["camera_reopened"] = figures.frames->reopened;
+  }
   return json;
 }
 
@@ -72,7 +78,8 @@ std::string servo_text(const ServoFigures& figures) {
                      figures.reached, figures.targets, figures.iterations_median,
                      figures.iterations_median == 1.0 ? "" : "s", figures.seconds_per_target) +
          figures_line("against the truth", figures.before_truth, figures.after_truth) +
-         figures_line("by its own view", figures.before_own, figures.after_own);
+         figures_line("by its own view", figures.before_own, figures.after_own) +
+         (figures.frames ? "camera: " + describe(*figures.frames) + "\n" : "");
 }
 
 std::string run_text(const ServoRequest& request, const ServoFigures& figures,
@@ -82,6 +89,7 @@ std::string run_text(const ServoRequest& request, const ServoFigures& figures,
   run.add("error_map_used", request.use_error_map);
   run.add("targets", static_cast<int>(figures.targets));
   run.add("reached", static_cast<int>(figures.reached));
+  if (figures.frames) run.add("camera", describe(*figures.frames));
   run.begin_map("figures");
   const nlohmann::json figures_json = servo_json(figures);
   for (const auto& [key, value] : figures_json.items())

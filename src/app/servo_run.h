@@ -117,12 +117,14 @@ std::vector<double> error_lengths(const std::vector<TargetResult>& results, Targ
 double mean_error(const std::vector<TargetResult>& results, TargetError error,
                   const std::string& prefix = "");
 
-/// Figures over the targets that were measured; empty when there are none.
+/// Figures over the targets that were measured; empty when there are none. The camera's are added
+/// by who has it.
 struct ServoFigures {
   std::size_t targets{0}, reached{0};
   double iterations_median{0.0};
   double seconds_per_target{0.0};
   std::optional<Summary> before_own, after_own, before_truth, after_truth;  ///< metres
+  std::optional<FrameCounts> frames;  ///< of the camera while it was open
 };
 
 ServoFigures figures_of(const std::vector<TargetResult>& results);

@@ -1,5 +1,7 @@
 #include "devices/frame_source.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <stdexcept>
 
@@ -21,6 +23,15 @@ const char* name(FrameStatus status) {
       return "camera_lost";
   }
   throw std::invalid_argument("unknown FrameStatus");
+}
+
+std::string describe(const FrameCounts& counts) {
+  return fmt::format(
+      "{} whole frames; left out: {} with parts missing, {} repeated; the camera was lost and "
+      "found "
+      "{} time{}",
+      counts.complete, counts.incomplete, counts.frozen, counts.reopened,
+      counts.reopened == 1 ? "" : "s");
 }
 
 void require_exposure(const CameraExposure& exposure) {

@@ -40,6 +40,21 @@ TEST_CASE("Without a truth no figure claims one") {
   CHECK_THAT(servo_text(figures_of({result})), !Catch::Contains("truth"));
 }
 
+TEST_CASE("A run says how many of the camera's frames it left out") {
+  ServoFigures figures = figures_of({reached("a", 1e-3, 1e-5)});
+  CHECK_THAT(servo_text(figures), !Catch::Contains("camera"));
+  figures.frames = FrameCounts{412, 3, 2, 1};
+  CHECK_THAT(
+      servo_text(figures),
+      Catch::Contains("camera: 412 whole frames; left out: 3 with parts missing, 2 repeated; "
+                      "the camera was lost and found 1 time\n"));
+  const auto json = servo_json(figures);
+  CHECK(json["frames_complete"] == 412);
+  CHECK(json["frames_incomplete"] == 3);
+  CHECK(json["frames_frozen"] == 2);
+  CHECK(json["camera_reopened"] == 1);
+}
+
 TEST_CASE("A refused target counts as a target that was not reached and has no error") {
   TargetResult refused;
   refused.id = "far";
