@@ -47,6 +47,14 @@ std::string read_file(const fs::path& path) {
   return text.str();
 }
 
+void require_folder_for(const fs::path& output) {
+  const fs::path folder = output.has_parent_path() ? output.parent_path() : fs::path(".");
+  std::error_code error;
+  if (!fs::is_directory(folder, error))
+    throw InputError(output.string() + ": the folder " + folder.string() +
+                     " does not exist; make it first");
+}
+
 void require_not_input(const fs::path& output, const fs::path& input) {
   std::error_code error;
   if (fs::exists(output, error) && fs::equivalent(output, input, error))

@@ -17,6 +17,9 @@ std::ifstream open_file(const std::filesystem::path& path);
 /// The whole file. Throws InputError naming `path` when it cannot be read.
 std::string read_file(const std::filesystem::path& path);
 
+/// Throws InputError when there is no folder for `output`: before long work instead of after it.
+void require_folder_for(const std::filesystem::path& output);
+
 /// Throws InputError when `output` is the same file as `input`.
 void require_not_input(const std::filesystem::path& output, const std::filesystem::path& input);
 
