@@ -56,7 +56,11 @@ std::vector<Finding> examine_camera(const CameraSettings& camera, const AravisSe
                "sudo cmake --install build/release && sudo udevadm control --reload && sudo "
                "udevadm trigger"}};
     const CameraInspection seen = inspect_camera(settings, kGrab_s);
-    if (!seen.refusal.empty()) return {absent(settings, seen.refusal)};
+    if (seen.absent) return {absent(settings, seen.refusal)};
+    if (!seen.refusal.empty())
+      return {
+          {Verdict::kFaulty, "camera", seen.refusal,
+           "correct the settings of `camera` in the cell file to what this camera is and can do"}};
     const std::string port = path ? " over " + path->port : "";
     std::vector<Finding> findings{
         {Verdict::kWell, "camera",

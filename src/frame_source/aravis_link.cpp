@@ -50,10 +50,14 @@ GObjectPtr<ArvCamera> open_gige(const std::string& address) {
   const GObjectPtr<GInetAddress> ours(g_inet_address_new_from_string(local.c_str()));
   const GObjectPtr<GInetAddress> theirs(g_inet_address_new_from_string(address.c_str()));
   const std::string what = "no GigE camera answers at " + address;
-  const GObjectPtr<ArvDevice> device(
-      ask(what, [&](GError** e) { return arv_gv_device_new(ours.get(), theirs.get(), e); }));
-  return GObjectPtr<ArvCamera>(
-      ask(what, [&](GError** e) { return arv_camera_new_with_device(device.get(), e); }));
+  try {
+    const GObjectPtr<ArvDevice> device(
+        ask(what, [&](GError** e) { return arv_gv_device_new(ours.get(), theirs.get(), e); }));
+    return GObjectPtr<ArvCamera>(
+        ask(what, [&](GError** e) { return arv_camera_new_with_device(device.get(), e); }));
+  } catch (const WorkError& error) {
+    throw CameraAbsent(error.what());
+  }
 }
 
 GObjectPtr<ArvCamera> open_usb(const std::string& serial) {
@@ -68,7 +72,7 @@ GObjectPtr<ArvCamera> open_usb(const std::string& serial) {
     return GObjectPtr<ArvCamera>(ask("the USB camera " + found + " does not open",
                                      [&](GError** e) { return arv_camera_new(device, e); }));
   }
-  throw WorkError(
+  throw CameraAbsent(
       fmt::format("no USB camera{} is there ({}); check its cable and, with "
                   "planar-doctor, the permission to use it",
                   serial.empty() ? "" : " with the serial number " + serial,

@@ -42,6 +42,10 @@ CameraInspection inspect_camera(const AravisSettings& settings, double duration_
     inspection.frame_bytes = link.frame_bytes();
     inspection.packet_size = link.packet_size();
     inspection.underruns = link.underruns();
+  } catch (const CameraAbsent& error) {
+    inspection = {};
+    inspection.refusal = error.what();
+    inspection.absent = true;
   } catch (const WorkError& error) {
     inspection = {};
     inspection.refusal = error.what();

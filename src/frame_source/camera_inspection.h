@@ -11,6 +11,7 @@ namespace planar {
 /// What a camera did when it was opened and sent full frames for a moment.
 struct CameraInspection {
   std::string refusal;         ///< why it cannot be used; the rest is empty then
+  bool absent{false};          ///< it cannot be used because it does not answer
   std::size_t frame_bytes{0};  ///< of a full frame
   int packet_size{0};          ///< of GigE, bytes; 0 on USB
   double duration_s{0.0};

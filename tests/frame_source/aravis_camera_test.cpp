@@ -260,10 +260,13 @@ TEST_CASE("An inspection counts whole and torn frames, and tells why a camera ca
       server.camera.lose_packets(0.1);
       CHECK(inspect_camera(settings, kDuration_s).incomplete > 0);
       settings.id = "T2";
-      CHECK_THAT(inspect_camera(settings, kDuration_s).refusal, Catch::Contains("is T1, not T2"));
+      const CameraInspection other = inspect_camera(settings, kDuration_s);
+      CHECK_THAT(other.refusal, Catch::Contains("is T1, not T2"));
+      CHECK_FALSE(other.absent);
     }
-    CHECK_THAT(inspect_camera(settings, kDuration_s).refusal,
-               Catch::Contains("no GigE camera answers"));
+    const CameraInspection dead = inspect_camera(settings, kDuration_s);
+    CHECK_THAT(dead.refusal, Catch::Contains("no GigE camera answers"));
+    CHECK(dead.absent);
   }
 }
 
