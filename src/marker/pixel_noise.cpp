@@ -90,7 +90,7 @@ PixelNoise estimate_noise(const cv::Mat& image, const Outline& outline) {
   const Rows rows(outline);
   Side dark, bright;
   const auto clamped = [&](double u) {
-    return std::clamp(static_cast<int>(u + 0.5), 1, image.cols - 1);
+    return std::clamp(cvRound(u), 1, image.cols - 1);
   };
   const double reach = rows.half_height() * outer + kReach_px;
   const int first = std::max(0, static_cast<int>(outline.center.y() - reach));
