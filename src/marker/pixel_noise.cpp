@@ -89,9 +89,7 @@ PixelNoise estimate_noise(const cv::Mat& image, const Outline& outline) {
   const double outer = 1.0 + kMargin_px / radius;
   const Rows rows(outline);
   Side dark, bright;
-  const auto clamped = [&](double u) {
-    return std::clamp(cvRound(u), 1, image.cols - 1);
-  };
+  const auto clamped = [&](double u) { return std::clamp(cvRound(u), 1, image.cols - 1); };
   const double reach = rows.half_height() * outer + kReach_px;
   const int first = std::max(0, static_cast<int>(outline.center.y() - reach));
   const int last = std::min(image.rows - 1, static_cast<int>(outline.center.y() + reach));
