@@ -111,6 +111,7 @@ nlohmann::json figures(const CameraCalibration& found) {
 }
 
 Outcome calibrate(const Options& options) {
+  require_writable(options.output);
   BoardViews views = read_views(options);
   for (const auto& input : views.inputs) require_not_input(options.output, input);
   views.problem.model = options.model;
@@ -130,13 +131,14 @@ void add_options(CLI::App& app, Options& options) {
                  ".xml file) or auto (the simplest that predicts views left out as well as any)")
       ->type_name("MODEL")
       ->capture_default_str();
-  app.add_option("--points", options.points,
-                 "instead of images: pixels `u v` found by another program, view after view, each "
-                 "row by row")
-      ->type_name("FILE");
+  auto* points = app.add_option("--points", options.points,
+                                "instead of images: pixels `u v` found by another program, view "
+                                "after view, each row by row")
+                     ->type_name("FILE");
   app.add_option("--image-size", options.image_size,
                  "of the images behind --points; without it they are taken to lie about the middle")
-      ->type_name("WIDTHxHEIGHT");
+      ->type_name("WIDTHxHEIGHT")
+      ->needs(points);
   app.add_option("-o,--output", options.output,
                  "the camera file to write: .yaml, .xml for ViSP or .yml for OpenCV")
       ->required()

@@ -161,7 +161,7 @@ Fitted fit_and_compare(const std::filesystem::path& file, const MapMethodChoice&
 }
 
 Outcome fit(const Options& options) {
-  require_folder_for(options.output);
+  require_writable(options.output);
   require_not_input(options.output, options.pairs);
   const MapMethodChoice choice = parse_map_method(options.method);
   const auto [report, comparison] = fit_and_compare(options.pairs, choice);

@@ -22,7 +22,7 @@ const ProgramText kText{
     "Finds lamps in images and measures their centres; on the plane, when the cell has one.",
     "planar-locate-lamps [--cell cell.yaml] [--lamps 1|2] [--centre METHOD] [--start U,V] "
     "-o lamps.csv RECORDING | IMAGE...",
-    "  732 images: 728 ok, 3 one_lamp, 1 unreadable; 0.61 ms per image"};
+    "732 images: 728 ok, 3 one_lamp, 1 unreadable; 0.61 ms per image"};
 
 struct Options {
   fs::path cell, out;
@@ -94,18 +94,23 @@ LocateRequest read_request(const Options& options) {
   if (!options.start.empty() && options.lamps != 1) {
     throw InputError("--start picks the disc that --lamps 1 follows; two lamps need no start");
   }
+  require_writable(options.out);
   require_inputs(options.inputs);
   LocateRequest request;
   request.method = center_method(options.method);
+  std::vector<fs::path> tables;
   std::optional<PlanarArm> arm;
   if (!options.cell.empty()) {
     const CellSettings cell = read_cell(options.cell);
+    tables = {options.cell, cell.camera_model, cell.workplane, cell.tool};
     arm.emplace(cell.arm.geometry);
     request.scene = lamp_scene(cell);
   }
   const std::optional<fs::path> recording = recording_of(options);
   request.images = recording ? images_of_recording(*recording, read_frames(*recording), arm)
                              : single_images(options.inputs);
+  if (recording) tables.push_back(*recording / "frames.csv");
+  for (const fs::path& table : tables) require_not_input(options.out, table);
   for (const LampImage& image : request.images) require_not_input(options.out, image.file);
   return request;
 }

@@ -100,9 +100,26 @@ CameraModel read_cell_camera(const CellSettings& cell) {
   return record.camera;
 }
 
+std::vector<std::filesystem::path> inputs_of(const Options& options, const CellSettings& cell) {
+  return {options.cell, cell.camera_model, options.lamps, options.recording / "frames.csv",
+          options.tracker.empty() ? options.recording / "tracker.csv" : options.tracker};
+}
+
+void require_outputs(const Options& options, const CellSettings& cell) {
+  if (options.workplane_out == options.tool_out || options.workplane_out == options.pairs_out ||
+      options.tool_out == options.pairs_out) {
+    throw InputError("--workplane-out, --tool-out and -o name the same file; give each its own");
+  }
+  for (const auto& output : {options.workplane_out, options.tool_out, options.pairs_out}) {
+    require_writable(output);
+    for (const auto& input : inputs_of(options, cell)) require_not_input(output, input);
+  }
+}
+
 PairTrackerRequest read_request(const Options& options) {
   PairTrackerRequest request;
   request.cell = read_cell(options.cell);
+  require_outputs(options, request.cell);
   request.camera = read_cell_camera(request.cell);
   request.lamps = read_lamps(options.lamps);
   request.frames = read_frames(options.recording);
@@ -120,25 +137,15 @@ PairTrackerRequest read_request(const Options& options) {
   return request;
 }
 
-void write_files(const Options& options, const PairTrackerRequest& request,
-                 const PairTrackerReport& report) {
-  const std::vector<std::filesystem::path> inputs{
-      options.cell, request.cell.camera_model, options.lamps, options.recording / "frames.csv",
-      options.tracker.empty() ? options.recording / "tracker.csv" : options.tracker};
-  if (options.workplane_out == options.tool_out || options.workplane_out == options.pairs_out ||
-      options.tool_out == options.pairs_out) {
-    throw InputError("--workplane-out, --tool-out and -o name the same file; give each its own");
-  }
-  for (const auto& output : {options.workplane_out, options.tool_out, options.pairs_out}) {
-    for (const auto& input : inputs) require_not_input(output, input);
-  }
-  const WorkplaneFit& fit = report.workplane;
+void write_files(const Options& options, const CellSettings& cell, const WorkplaneFit& fit,
+                 const std::vector<PairRow>& pairs) {
+  const std::vector<std::filesystem::path> inputs = inputs_of(options, cell);
   write_file(options.workplane_out,
              workplane_text({fit.X_WC, fit.covariance, options.workplane_from, fit.absorbed,
                              static_cast<int>(fit.n_used), fit.rms},
                             kText.name, inputs));
   write_file(options.tool_out, tool_text(fit.tool, kText.name, inputs));
-  write_file(options.pairs_out, pairs_text(report.pairs));
+  write_file(options.pairs_out, pairs_text(pairs));
 }
 
 void print_raw_errors(const std::vector<PairRow>& pairs) {
@@ -198,7 +205,7 @@ void warn_of_moved_monuments(const PairTrackerRequest& request, double datum_rms
 Outcome pair(const Options& options) {
   const PairTrackerRequest request = read_request(options);
   const PairTrackerReport report = pair_tracker(request);
-  write_files(options, request, report);
+  write_files(options, request.cell, report.workplane, report.pairs);
   warn_of_moved_monuments(request, report.datum.rms);
   return {print(report)};
 }

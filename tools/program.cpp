@@ -30,6 +30,26 @@ class HelpFormatter : public CLI::Formatter {
   ProgramText text_;
 };
 
+/// Names also the words that were not understood: a required option is often there, but misspelt.
+std::string usage_fault(const CLI::App* app, const CLI::Error& fault) {
+  std::string text = fmt::format("{}: {}", app->get_name(), fault.what());
+  const std::vector<std::string> strangers = app->remaining(true);
+  if (!strangers.empty() && fault.get_exit_code() != static_cast<int>(CLI::ExitCodes::ExtrasError))
+    text += fmt::format("; not understood: {}", fmt::join(strangers, " "));
+  return text + "; --help lists the options and their values\n";
+}
+
+/// Asked before the work and after it: a table or a cell file that --json names by mistake must
+/// stay, only earlier figures may go.
+void require_figures_file(const std::filesystem::path& file) {
+  if (file.empty()) return;
+  require_writable(file);
+  if (std::filesystem::is_regular_file(file) && std::filesystem::file_size(file) > 0 &&
+      !nlohmann::json::accept(read_file(file)))
+    throw InputError(file.string() +
+                     ": is there already and holds no figures; name another file for --json");
+}
+
 void start_log(const std::string& name, bool quiet, bool verbose) {
   auto logger = spdlog::stderr_color_mt(name);
   logger->set_pattern("%n: %^%v%$");
@@ -64,6 +84,7 @@ int run_program(const ProgramText& text, int argc, char** argv,
                 const std::function<Outcome()>& work) {
   CLI::App app(text.sentence, text.name);
   app.formatter(std::make_shared<HelpFormatter>(text));
+  app.failure_message(usage_fault);
   app.set_version_flag("--version", text.name + " " PLANAR_VERSION);
   std::filesystem::path json_file;
   bool quiet = false;
@@ -80,7 +101,9 @@ int run_program(const ProgramText& text, int argc, char** argv,
   start_log(text.name, quiet, verbose);
   cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);  // our messages say it all
   try {
+    require_figures_file(json_file);
     const Outcome outcome = work();
+    require_figures_file(json_file);
     if (!json_file.empty()) write_file(json_file, outcome.figures.dump(2) + "\n");
     return outcome.success ? 0 : kWorkFailed;
   } catch (const InputError& e) {

@@ -91,6 +91,8 @@ BoardViews find_board_views(const std::vector<std::filesystem::path>& images, co
     progress.show(views.inputs.size(), pictures.size());
   }
   faults.throw_if_any();
+  for (const auto& path : images)
+    if (std::filesystem::is_directory(path)) views.inputs.push_back(path / "frames.csv");
   return views;
 }
 

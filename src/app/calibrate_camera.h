@@ -13,7 +13,7 @@ namespace planar {
 struct BoardViews {
   CalibrationProblem problem;
   std::vector<RejectedView> rejected;         ///< pictures without the whole board
-  std::vector<std::filesystem::path> inputs;  ///< the pictures
+  std::vector<std::filesystem::path> inputs;  ///< the pictures and the tables that list them
 };
 
 /// Finds the board in each image. A recording's folder stands for its frames of plan `grid`, whose

@@ -49,6 +49,9 @@ std::vector<FrameRow> read_frames(const std::filesystem::path& recording) {
   if (!std::filesystem::is_directory(recording))
     throw InputError(recording.string() +
                      ": is not a folder; a recording made by planar-record is needed");
+  if (!std::filesystem::exists(recording / "frames.csv"))
+    throw InputError(recording.string() +
+                     ": holds no frames.csv; a recording made by planar-record is needed");
   CsvFile table(recording / "frames.csv", "frames", frame_columns());
   std::vector<FrameRow> rows;
   while (table.next_row()) {

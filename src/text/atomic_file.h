@@ -8,7 +8,8 @@
 namespace planar {
 
 /// Writes the whole text to a temporary name beside `path` and renames it, so that no reader ever
-/// sees half a file. Throws WorkError when the place cannot be written.
+/// sees half a file. A link stays and the file behind it is replaced; a device or a pipe, such as
+/// /dev/stdout, is written as it stands. Throws WorkError when the place cannot be written.
 void write_file(const std::filesystem::path& path, std::string_view text);
 
 /// The file, open for reading. Throws InputError naming `path` when it cannot be read.
@@ -17,10 +18,11 @@ std::ifstream open_file(const std::filesystem::path& path);
 /// The whole file. Throws InputError naming `path` when it cannot be read.
 std::string read_file(const std::filesystem::path& path);
 
-/// Throws InputError when there is no folder for `output`: before long work instead of after it.
-void require_folder_for(const std::filesystem::path& output);
-
 /// Throws InputError when `output` is the same file as `input`.
 void require_not_input(const std::filesystem::path& output, const std::filesystem::path& input);
+
+/// Asked before the work whose result goes to `output`: throws InputError when write_file() could
+/// not write it, because it is a folder or its folder is missing or closed to this user.
+void require_writable(const std::filesystem::path& output);
 
 }  // namespace planar

@@ -3,6 +3,7 @@
 source "$(dirname "$0")/common.sh"
 
 "$bin/planar-virtual-cell" -q draw --seed 3 -o cell >/dev/null
+cp cell/cell.yaml cell_before.yaml
 printf 'id,x_mm,y_mm\na,200,100\n' >targets.csv
 printf 'id,plan,x_mm,y_mm\nt1,train,200,100\n' >plan.csv
 pairs_header=id,x_vision_mm,y_vision_mm,x_tracker_mm,y_tracker_mm
@@ -74,3 +75,20 @@ printf '%s\na,1,2,1,2\nb,3,4,3,4\nc,5,1,5,1\n' "$pairs_header" >same.csv
 cp same.csv before.csv
 expect 2 "same.csv: is an input" "$bin/planar-fit-error-map" -o same.csv same.csv
 cmp -s same.csv before.csv || fail "an input was overwritten"
+expect 2 "cell.yaml: is an input" "$bin/planar-locate-lamps" --cell cell/cell.yaml \
+  -o cell/cell.yaml dark.pgm
+expect 2 "cell.yaml: is there already and holds no figures" \
+  "$bin/planar-doctor" --cell cell/cell.yaml --json cell/cell.yaml
+cmp -s cell/cell.yaml cell_before.yaml || fail "a cell file was overwritten"
+
+# An output that cannot be written is refused before the work, and none of the others is written.
+expect 2 "there is no folder 'absent'" "$bin/planar-fit-error-map" -o absent/map.yaml same.csv
+expect 2 "cell: is a folder; name the file to write" "$bin/planar-fit-error-map" -o cell same.csv
+expect 2 "there is no folder 'absent'" "$bin/planar-pair-tracker" --cell cell/cell.yaml \
+  --lamps same.csv --recording cell --workplane-out made --tool-out absent/tool.yaml -o pairs.csv
+
+# An option mistyped is named, also where a required one is missing for it; units are not guessed.
+expect 2 "^planar-record: --cell is required; not understood: --cel" \
+  "$bin/planar-record" --cel cell/cell.yaml --plan plan.csv --out made
+expect 2 "'circles:6x6:30' is not circles:COLSxROWS:PITCHmm" \
+  "$bin/planar-calibrate-camera" --grid circles:6x6:30 -o made dark.pgm

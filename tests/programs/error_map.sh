@@ -86,7 +86,7 @@ expect 2 "are x and y swapped" "$bin/planar-check-error-map" map.yaml swapped.cs
 expect 2 "look like metres" "$bin/planar-check-error-map" map.yaml metres.csv
 sed 's/x_tracker_mm/x_traker_mm/' good.csv >typo.csv
 refused typo "lacks the column x_tracker_mm; needed are .*; it has id,.* x_traker_mm"
-expect 2 "absent/map.yaml: the folder absent does not exist; make it first" \
+expect 2 "absent/map.yaml: cannot be written: there is no folder 'absent'" \
   "$bin/planar-fit-error-map" -o absent/map.yaml good.csv
 tr ',' ';' <good.csv >semicolons.csv
 refused semicolons "it has id;x_vision_mm;"

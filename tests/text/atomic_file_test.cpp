@@ -27,6 +27,34 @@ TEST_CASE("A place that cannot be written is named and nothing is left") {
   CHECK(std::filesystem::is_empty(folder.path()));
 }
 
+TEST_CASE("A link stays and the file behind it is replaced") {
+  const test::TemporaryFolder folder;
+  folder.write("real.txt", "first");
+  std::filesystem::create_symlink("real.txt", folder / "link.txt");
+  write_file(folder / "link.txt", "second");
+  CHECK(std::filesystem::is_symlink(folder / "link.txt"));
+  CHECK(read_file(folder / "real.txt") == "second");
+}
+
+TEST_CASE("A device is written as it stands") {
+  const test::TemporaryFolder folder;
+  std::filesystem::create_symlink("/dev/null", folder / "nowhere");
+  write_file(folder / "nowhere", "text");
+  CHECK(std::filesystem::is_character_file("/dev/null"));
+  CHECK_NOTHROW(require_writable(folder / "nowhere"));
+}
+
+TEST_CASE("A place that could not be written is refused before the work") {
+  const test::TemporaryFolder folder;
+  const auto file = folder.write("a.txt", "text");
+  CHECK_NOTHROW(require_writable(file));
+  CHECK_NOTHROW(require_writable(folder / "new.txt"));
+  CHECK_NOTHROW(require_writable("new.txt"));
+  CHECK_THROWS_WITH(require_writable(folder.path()), Contains("is a folder"));
+  CHECK_THROWS_WITH(require_writable(file / "b.txt"), Contains("there is no folder"));
+  CHECK_THROWS_AS(require_writable(folder / "absent/b.txt"), InputError);
+}
+
 TEST_CASE("An output that is an input is refused") {
   const test::TemporaryFolder folder;
   const auto input = folder.write("in.csv", "x");
