@@ -45,10 +45,12 @@ Outcome draw(const Options& options) {
 Outcome serve(const Options& options) {
   const CellSettings cell = read_cell(options.cell);
   heed_interrupts();
-  fmt::print("serving {} as a GigE Vision camera on {} until interrupted\n", options.cell.string(),
-             options.address);
-  std::fflush(stdout);
-  serve_cell(cell, options.address, interrupted);
+  const auto started = [&] {
+    fmt::print("serving {} as a GigE Vision camera on {} until interrupted\n",
+               options.cell.string(), options.address);
+    std::fflush(stdout);
+  };
+  serve_cell(cell, options.address, started, interrupted);
   return {};
 }
 

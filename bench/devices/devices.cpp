@@ -43,7 +43,8 @@ class Server {
  public:
   explicit Server(const CellSettings& cell) : child_(fork()) {
     if (child_ == 0) {
-      serve_cell(cell, kAddress, [] { return false; });
+      serve_cell(
+          cell, kAddress, [] {}, [] { return false; });
       _exit(0);
     }
     SteadyClock().sleep_for_s(kOpeningTime_s);

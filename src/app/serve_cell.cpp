@@ -18,7 +18,7 @@ constexpr double kAskPeriod_s = 0.1;
 }  // namespace
 
 void serve_cell(const CellSettings& cell, const std::string& address,
-                const std::function<bool()>& should_stop) {
+                const std::function<void()>& started, const std::function<bool()>& should_stop) {
   if (!cell.truth)
     throw InputError(
         fmt::format("{}: is no virtual cell: it lacks the key 'virtual'", cell.file.string()));
@@ -28,6 +28,7 @@ void serve_cell(const CellSettings& cell, const std::string& address,
                           [&](const cv::Rect& region_px, double brightness) {
                             return live.expose(region_px, brightness);
                           });
+  started();
   SteadyClock clock;
   while (!should_stop()) clock.sleep_for_s(kAskPeriod_s);
 }
