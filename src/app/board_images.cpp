@@ -6,7 +6,9 @@ namespace planar {
 
 cv::Mat read_grey(const std::filesystem::path& file, Faults& faults) {
   cv::Mat image = cv::imread(file.string(), cv::IMREAD_GRAYSCALE);
-  if (image.empty()) faults.add(file.string() + ": cannot be read as an image");
+  if (image.empty())
+    faults.add(file.string() +
+               ": cannot be read as an image; a picture such as PNG or PGM is needed");
   return image;
 }
 

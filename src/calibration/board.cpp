@@ -54,11 +54,12 @@ void make_right_handed(const Board& board, std::vector<Eigen::Vector2d>& pixels)
 }  // namespace
 
 Board parse_board(const std::string& text) {
-  static const std::regex form(R"((circles|chessboard):(\d{1,3})x(\d{1,3}):(\d+(\.\d+)?)(mm)?)");
+  static const std::regex form(R"((circles|chessboard):(\d{1,3})x(\d{1,3}):(\d+(\.\d+)?)mm)");
   std::smatch match;
   if (!std::regex_match(text, match, form)) {
     throw InputError("grid '" + text +
-                     "' is not circles:COLSxROWS:PITCHmm or chessboard:COLSxROWS:PITCHmm");
+                     "' is not circles:COLSxROWS:PITCHmm or chessboard:COLSxROWS:PITCHmm, such as "
+                     "circles:11x11:50mm");
   }
   Board board;
   board.kind = match[1] == "circles" ? Board::Kind::kCircles : Board::Kind::kChessboard;

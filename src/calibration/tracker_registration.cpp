@@ -1,5 +1,7 @@
 #include "calibration/tracker_registration.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/SVD>
 #include <cmath>
 #include <map>
@@ -84,9 +86,11 @@ void require_fit(const DatumRegistration& datum, const Eigen::Matrix3Xd& p_B) {
   const double spread =
       std::sqrt((p_B.colwise() - p_B.rowwise().mean()).colwise().squaredNorm().mean());
   if (datum.rms <= kMaxResidualShare * spread) return;
-  throw InputError("datum: the readings do not fit the monuments' places, residual " +
-                   std::to_string(datum.rms / kMillimetre) +
-                   " mm rms; check the ids for an exchange and the coordinates in the cell file");
+  throw InputError(
+      fmt::format("datum: the readings do not fit the monuments' places, residual {:.3f} mm rms; "
+                  "check the ids for an exchange, the unit of the readings and the coordinates in "
+                  "the cell file",
+                  datum.rms / kMillimetre));
 }
 
 Eigen::Vector3d mean_point(const std::vector<Eigen::Vector3d>& points) {

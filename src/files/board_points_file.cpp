@@ -31,7 +31,8 @@ std::vector<Eigen::Vector2d> read_board_pixels(const std::filesystem::path& path
           fmt::format("{}:{}: is '{}'; two numbers u v are needed", path.string(), number, line));
     }
   }
-  if (pixels.empty() && faults.empty()) faults.add(path.string() + ": has no points");
+  if (pixels.empty() && faults.empty())
+    faults.add(path.string() + ": has no points; lines of two numbers u v are needed");
   faults.throw_if_any();
   return pixels;
 }
