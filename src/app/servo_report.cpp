@@ -48,7 +48,7 @@ std::string in_mm(const std::optional<Eigen::Vector2d>& error) {
 QuiverPanel error_panel(const std::string& what, const std::vector<TargetResult>& results,
                         TargetError error) {
   QuiverPanel panel;
-  panel.title = fmt::format("{}: {:.3f} mm mean", what, mm(mean_error(results, error)));
+  panel.title = fmt::format("{}: {:#.3g} mm mean", what, mm(mean_error(results, error)));
   for (const TargetResult& result : results) {
     if (!(result.*error)) continue;
     panel.points.push_back(result.p_d);
@@ -107,7 +107,10 @@ std::string servo_page(const ServoRequest& request, const std::vector<TargetResu
   const QuiverPanel after = error_panel(
       "By vision", results, truth ? &TargetResult::after_truth : &TargetResult::after_own);
   page.add_heading(truth ? "Errors against the truth" : "Errors by the servo's own view");
-  if (!before.points.empty()) page.add_html(quiver_svg({before, after}));
+  if (!before.points.empty()) {
+    page.add_html(quiver_svg({before, after}));
+    page.add_paragraph(kQuiverCaption);
+  }
   TextTable table("Targets", {"target", "x mm", "y mm", "status", "corrections", "own view mm",
                               "uncertainty mm", "truth mm"});
   for (const TargetResult& r : results)

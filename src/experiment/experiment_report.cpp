@@ -15,6 +15,8 @@
 namespace planar {
 namespace {
 
+constexpr double kNanometre = 1e-3 * kMicrometre;
+
 double mean_mm(const std::vector<TargetResult>& results, TargetError error,
                const std::string& prefix = "") {
   return mean_error(results, error, prefix) / kMillimetre;
@@ -82,9 +84,9 @@ std::vector<TextTable> accuracy_tables(const ExperimentReport& report) {
       fraction_table("Table 2: accuracy of inverse distance weighting on circles about the base",
                      report.table2),
       number_table("Table 3: what the error maps were made of", report.table3, 1.0),
-      number_table("Table 4: standard deviation of three predictions in mm, the largest of 25 "
+      number_table("Table 4: standard deviation of three predictions in nm, the largest of 25 "
                    "points (the paper: less than)",
-                   report.table4, kMillimetre),
+                   report.table4, kNanometre),
       fraction_table("Table 5: accuracy of the radial basis functions on the same circles",
                      report.table5),
       fraction_table("Table 6: accuracy, mean of the three circles", report.table6)};
@@ -160,6 +162,7 @@ std::string experiment_page(const ExperimentReport& report, const std::string& c
       "Mean true error of the end point at 100 control targets, by the scorer of the virtual cell. "
       "Both chains were calibrated from the same recording and saw nothing else.");
   page.add_html(experiment_figure(report));
+  page.add_paragraph(kQuiverCaption);
   page.add_html(positioning_table(report).html());
   page.add_paragraph(summary_text(report));
   for (const TextTable& table : accuracy_tables(report)) page.add_html(table.html());

@@ -50,6 +50,8 @@ void HtmlPage::add_paragraph(const std::string& text) {
   while (!html.empty() && html.back() == '\n') html.pop_back();
   for (std::size_t at = html.find('\n'); at != std::string::npos; at = html.find('\n', at + 4))
     html.replace(at, 1, "<br>");
+  for (std::size_t at = html.find(" %"); at != std::string::npos; at = html.find(" %", at))
+    html.replace(at, 1, "&nbsp;");
   body_ += fmt::format("<p>{}</p>\n", html);
 }
 

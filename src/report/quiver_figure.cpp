@@ -70,7 +70,7 @@ class PanelPainter {
                        base.y());
     for (std::size_t i = 0; i < panel_.points.size(); ++i)
       svg += arrow(panel_.points[i], panel_.errors[i]);
-    return svg + scale_bar();
+    return svg + scale_bar() + extent();
   }
 
  private:
@@ -88,6 +88,13 @@ class PanelPainter {
         "stroke-width=\"1.6\"/><circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"1.8\" fill=\"{}\"/>\n",
         from.x(), from.y(), from.x() + along.x(), from.y() - along.y(), paint, from.x(), from.y(),
         paint);
+  }
+
+  std::string extent() const {
+    return fmt::format(
+        "<text x=\"{:.1f}\" y=\"{}\" font-size=\"13\" fill=\"#555\" text-anchor=\"end\">{:.0f} mm "
+        "wide</text>\n",
+        left_ + kPanel, kTitle + kPanel + 22.0, kPanel / unit_ / kMillimetre);
   }
 
   std::string scale_bar() const {

@@ -17,6 +17,12 @@ TEST_CASE("A page holds its parts in order and refers to no other file") {
   CHECK(text.find("href=") == std::string::npos);
 }
 
+TEST_CASE("A figure and its per cent sign stay on one line") {
+  HtmlPage page("t");
+  page.add_paragraph("98.9 % and 90 %");
+  CHECK_THAT(page.text(), Catch::Contains("<p>98.9&nbsp;% and 90&nbsp;%</p>"));
+}
+
 TEST_CASE("Lines of a paragraph stay lines") {
   HtmlPage page("t");
   page.add_paragraph("one\ntwo\n");
