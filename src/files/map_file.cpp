@@ -104,17 +104,23 @@ void add_map(YamlWriter& yaml, const IdwMap& map) {
   yaml.add("errors_m", rows_of(map.errors));
 }
 
-void add_map(YamlWriter& yaml, const RbfMap& map) {
-  const RbfParameters& parameters = map.parameters();
-  yaml.add("method", kRbfMethods[static_cast<std::size_t>(parameters.kernel.shape)]);
-  yaml.add("width_m", parameters.kernel.width);
-  yaml.add("span_m", parameters.kernel.span);
+/// What dense and sparse maps have in common, but for their widths and weights.
+template <typename Parameters>
+void add_shared(YamlWriter& yaml, const Parameters& parameters) {
   yaml.add("ridge", parameters.ridge);
   yaml.add("signal_sigma_m", parameters.signal_sigma);
   yaml.add("sigma_limit_m", parameters.sigma_limit);
   add_tail(yaml, parameters.tail_basis, parameters.tail);
   add_region(yaml, parameters.region);
   yaml.add("centers_m", rows_of(parameters.centers));
+}
+
+void add_map(YamlWriter& yaml, const RbfMap& map) {
+  const RbfParameters& parameters = map.parameters();
+  yaml.add("method", kRbfMethods[static_cast<std::size_t>(parameters.kernel.shape)]);
+  yaml.add("width_m", parameters.kernel.width);
+  yaml.add("span_m", parameters.kernel.span);
+  add_shared(yaml, parameters);
   yaml.add("pairs_per_center",
            std::vector<double>(parameters.counts.begin(), parameters.counts.end()));
   yaml.add("weights_m", rows_of(parameters.weights));
@@ -142,12 +148,7 @@ void add_map(YamlWriter& yaml, const SparseRbfMap& map) {
   const SparseRbfParameters& parameters = map.parameters();
   yaml.add("method", kSparseMethod);
   yaml.add("width_m", parameters.width);
-  yaml.add("ridge", parameters.ridge);
-  yaml.add("signal_sigma_m", parameters.signal_sigma);
-  yaml.add("sigma_limit_m", parameters.sigma_limit);
-  add_tail(yaml, parameters.tail_basis, parameters.tail);
-  add_region(yaml, parameters.region);
-  yaml.add("centers_m", rows_of(parameters.centers));
+  add_shared(yaml, parameters);
   yaml.add("weights_m", rows_of(parameters.weights));
   yaml.add("factor", packed(parameters.factor));
 }
@@ -176,11 +177,8 @@ KernelShape shape_of(const std::string& method) {
   return method == kRbfMethods[0] ? KernelShape::kGaussian : KernelShape::kMultiquadric;
 }
 
-RbfParameters read_rbf(const YamlNode& node, KernelShape shape) {
-  RbfParameters parameters;
-  parameters.kernel.shape = shape;
-  parameters.kernel.width = node.number_in("width_m", kSmallestLength, kUnbounded);
-  parameters.kernel.span = node.number_in("span_m", 0.0, kUnbounded);
+template <typename Parameters>
+void read_shared(const YamlNode& node, Parameters& parameters) {
   parameters.ridge = node.number_in("ridge", 0.0, kUnbounded);
   parameters.signal_sigma = node.number_in("signal_sigma_m", 0.0, kUnbounded);
   parameters.sigma_limit = node.number_in("sigma_limit_m", 0.0, kUnbounded);
@@ -188,22 +186,23 @@ RbfParameters read_rbf(const YamlNode& node, KernelShape shape) {
   parameters.tail = read_points(node, "tail_m", parameters.tail_basis.terms());
   parameters.region = read_region(node);
   parameters.centers = read_centers(node);
-  parameters.counts = read_counts(node, parameters.centers.cols());
   parameters.weights = read_points(node, "weights_m", parameters.centers.cols());
+}
+
+RbfParameters read_rbf(const YamlNode& node, KernelShape shape) {
+  RbfParameters parameters;
+  parameters.kernel.shape = shape;
+  parameters.kernel.width = node.number_in("width_m", kSmallestLength, kUnbounded);
+  parameters.kernel.span = node.number_in("span_m", 0.0, kUnbounded);
+  read_shared(node, parameters);
+  parameters.counts = read_counts(node, parameters.centers.cols());
   return parameters;
 }
 
 SparseRbfParameters read_sparse_rbf(const YamlNode& node) {
   SparseRbfParameters parameters;
   parameters.width = node.number_in("width_m", kSmallestLength, kUnbounded);
-  parameters.ridge = node.number_in("ridge", 0.0, kUnbounded);
-  parameters.signal_sigma = node.number_in("signal_sigma_m", 0.0, kUnbounded);
-  parameters.sigma_limit = node.number_in("sigma_limit_m", 0.0, kUnbounded);
-  parameters.tail_basis = read_tail_basis(node);
-  parameters.tail = read_points(node, "tail_m", parameters.tail_basis.terms());
-  parameters.region = read_region(node);
-  parameters.centers = read_centers(node);
-  parameters.weights = read_points(node, "weights_m", parameters.centers.cols());
+  read_shared(node, parameters);
   parameters.factor =
       read_packed(node, "factor", parameters.centers.cols() + parameters.tail_basis.terms());
   if (!(parameters.factor.diagonal().array() > 0.0).all())
