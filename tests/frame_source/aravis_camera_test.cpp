@@ -8,6 +8,7 @@
 #include "core/error.h"
 #include "frame_source/camera_inspection.h"
 #include "served_cell/aravis_gige_camera.h"
+#include "support/in_the_end.h"
 #include "support/scene_sensor.h"
 
 // Every frame here crosses GigE Vision on loopback, through Aravis on both sides.
@@ -18,8 +19,6 @@ namespace {
 const cv::Size kSensor{320, 240};
 const cv::Rect kWhole{0, 0, 320, 240};
 constexpr double kFrameRate_hz = 100.0;
-// Aravis needs 2.5 s to see that nobody answers, 5 s to close what is dead, and tries again.
-constexpr double kRecovery_s = 60.0;
 
 struct Server {
   explicit Server(test::SceneSensor& sensor)
@@ -40,18 +39,6 @@ AravisSettings settings_with(CameraTrigger trigger) {
   settings.packet_size = 9000;
   settings.timeout_s = 1.0;
   return settings;
-}
-
-/// Whether `holds` becomes true while the camera may recover.
-template <typename Condition>
-bool in_the_end(const Condition& holds) {
-  SteadyClock clock;
-  const double deadline_s = clock.now_s() + kRecovery_s;
-  while (!holds()) {
-    if (clock.now_s() > deadline_s) return false;
-    clock.sleep_for_s(0.002);
-  }
-  return true;
 }
 
 TEST_CASE("A frame is whole, of the region asked for, and exposed after it was asked for") {
@@ -154,10 +141,10 @@ TEST_CASE("Frames that lost packets are counted and never handed over") {
     CHECK(good > 0);
     CHECK(camera.counts().incomplete > 0);
     server.camera.lose_packets(1.0);
-    CHECK(in_the_end([&] { return camera.fault().has_value(); }));
+    CHECK(test::in_the_end([&] { return camera.fault().has_value(); }));
     CHECK(camera.next_frame().status != FrameStatus::kOk);
     server.camera.lose_packets(0.0);
-    CHECK(in_the_end([&] { return camera.next_frame().status == FrameStatus::kOk; }));
+    CHECK(test::in_the_end([&] { return camera.next_frame().status == FrameStatus::kOk; }));
   }
 }
 
@@ -186,10 +173,10 @@ TEST_CASE("A camera that died and came back goes on with its settings and its re
   camera.set_region(region);
   REQUIRE(camera.next_frame().status == FrameStatus::kOk);
   server.reset();
-  CHECK(in_the_end([&] { return camera.fault().has_value(); }));
+  CHECK(test::in_the_end([&] { return camera.fault().has_value(); }));
   CHECK(camera.next_frame().status != FrameStatus::kOk);
   server = std::make_unique<Server>(sensor);
-  REQUIRE(in_the_end([&] { return !camera.fault(); }));
+  REQUIRE(test::in_the_end([&] { return !camera.fault(); }));
   const FrameResult result = camera.next_frame();
   REQUIRE(result.status == FrameStatus::kOk);
   CHECK(result.frame.region_px == region);
@@ -204,7 +191,7 @@ TEST_CASE("Without its trigger a camera times out and is at fault") {
   settings.timeout_s = 0.05;
   AravisCamera camera(settings);  // the served camera's line never rises
   CHECK(camera.next_frame().status == FrameStatus::kTimeout);
-  CHECK(in_the_end([&] { return camera.fault().has_value(); }));
+  CHECK(test::in_the_end([&] { return camera.fault().has_value(); }));
 }
 
 TEST_CASE("A camera that is not the one asked for is refused by name") {

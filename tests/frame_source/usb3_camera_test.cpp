@@ -11,6 +11,7 @@
 #include "frame_source/camera_inspection.h"
 #include "frame_source/camera_path.h"
 #include "frame_source/pixel_format.h"
+#include "support/in_the_end.h"
 #include "support/scene_sensor.h"
 
 // Every frame here crosses USB3 Vision, through Aravis and libusb, to a camera emulated below them.
@@ -21,7 +22,6 @@ namespace {
 const cv::Size kSensor{320, 240};
 const cv::Rect kWhole{0, 0, 320, 240};
 constexpr double kFrameRate_hz = 50.0;
-constexpr double kRecovery_s = 60.0;
 
 /// Aravis keeps its libusb context, so all tests of a process share one bus.
 test::MockUsbBus& shared_bus() {
@@ -46,17 +46,6 @@ AravisSettings settings_with(CameraTrigger trigger) {
   settings.trigger = trigger;
   settings.timeout_s = 2.0;
   return settings;
-}
-
-template <typename Condition>
-bool in_the_end(const Condition& holds) {
-  SteadyClock clock;
-  const double deadline_s = clock.now_s() + kRecovery_s;
-  while (!holds()) {
-    if (clock.now_s() > deadline_s) return false;
-    clock.sleep_for_s(0.002);
-  }
-  return true;
 }
 
 TEST_CASE("A frame over USB is whole, of the region asked for, and exposed after it was asked") {
@@ -113,10 +102,10 @@ TEST_CASE("Each pulse of the trigger line brings one frame, its absence is a fau
     CHECK(plugged.sensor.exposed_s(result.frame.image, kWhole) >= asked_s);
   }
   pulses = false;
-  CHECK(in_the_end([&] { return camera.fault().has_value(); }));
+  CHECK(test::in_the_end([&] { return camera.fault().has_value(); }));
   CHECK(plugged.sensor.exposures() == sent);
   pulses = true;
-  CHECK(in_the_end([&] { return !camera.fault(); }));
+  CHECK(test::in_the_end([&] { return !camera.fault(); }));
   CHECK(camera.next_frame().status == FrameStatus::kOk);
   ends = true;
   line.join();
@@ -141,7 +130,7 @@ TEST_CASE("Frames over USB without their end are counted and never handed over")
     CHECK(test::SceneSensor::shows(result.frame.image, kWhole));
   }
   CHECK(camera.counts().incomplete > cut);
-  CHECK(in_the_end([&] { return !camera.fault(); }));
+  CHECK(test::in_the_end([&] { return !camera.fault(); }));
 }
 
 TEST_CASE("A camera that was unplugged and plugged in again goes on with its settings") {
@@ -155,10 +144,10 @@ TEST_CASE("A camera that was unplugged and plugged in again goes on with its set
   REQUIRE(camera.next_frame().status == FrameStatus::kOk);
   plugged.device.unplug();
   plugged.function.power_cycle();
-  CHECK(in_the_end([&] { return camera.fault().has_value(); }));
+  CHECK(test::in_the_end([&] { return camera.fault().has_value(); }));
   CHECK(camera.next_frame().status != FrameStatus::kOk);
   plugged.device.plug();
-  REQUIRE(in_the_end([&] { return !camera.fault(); }));
+  REQUIRE(test::in_the_end([&] { return !camera.fault(); }));
   const FrameResult result = camera.next_frame();
   REQUIRE(result.status == FrameStatus::kOk);
   CHECK(result.frame.region_px == region);
