@@ -22,7 +22,9 @@ void GrowingFile::append(const std::string& lines) {
 void make_folder(const std::filesystem::path& path) {
   std::error_code error;
   std::filesystem::create_directories(path, error);
-  if (error) throw InputError(path.string() + ": cannot be made: " + error.message());
+  if (error)
+    throw InputError(path.string() + ": cannot be made: " + error.message() +
+                     "; name a folder where you may write");
 }
 
 }  // namespace planar
