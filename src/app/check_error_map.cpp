@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 
 #include "core/error.h"
 #include "error_map/one_unit.h"
@@ -46,14 +47,17 @@ bool is_wanted(const PairRow& pair, const std::vector<std::string>& plans) {
 
 std::vector<PairRow> pairs_to_check(std::vector<PairRow> pairs,
                                     const std::vector<std::string>& plans) {
+  std::set<std::string> present;
+  for (const PairRow& pair : pairs) present.insert(pair.plan);
   const std::size_t all = pairs.size();
   pairs.erase(std::remove_if(pairs.begin(), pairs.end(),
                              [&](const PairRow& pair) { return !is_wanted(pair, plans); }),
               pairs.end());
   if (pairs.empty())
     throw InputError(fmt::format(
-        "none of {} pairs is of plan {}", all,
-        plans.empty() ? "other than train" : fmt::format("{}", fmt::join(plans, ", "))));
+        "none of {} pairs is of {}; their plans are: {}", all,
+        plans.empty() ? "a plan other than train" : fmt::format("plan {}", fmt::join(plans, ", ")),
+        fmt::join(present, ", ")));
   return pairs;
 }
 

@@ -97,7 +97,13 @@ bool CsvTable::take_line(std::string_view line, int line_number) {
 
 void CsvTable::read_header(int line_number) {
   std::map<std::string_view, std::string_view> ours;
-  for (const auto& [our_name, their_name] : dialect_.renamed_columns) ours[their_name] = our_name;
+  for (const auto& [our_name, their_name] : dialect_.renamed_columns) {
+    if (std::find(fields_.begin(), fields_.end(), their_name) == fields_.end())
+      throw InputError(fmt::format("{}:{}: there is no column '{}' to be read as {}; there are {}",
+                                   source_.string(), line_number, their_name, our_name,
+                                   fmt::join(fields_, ", ")));
+    ours[their_name] = our_name;
+  }
   std::vector<std::string> columns;
   for (const std::string_view name : fields_) {
     const auto renamed = ours.find(name);

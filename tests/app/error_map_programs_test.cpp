@@ -56,7 +56,8 @@ TEST_CASE("A map is fitted to the pairs of plan train, and judged on the others"
   CHECK(pairs_to_check(lens_pairs(1, ""), {}).size() == 200);
   CHECK_THROWS_WITH(fit_error_map_to_pairs(others, {}),
                     Contains("none of 200 pairs is of plan 'train'"));
-  CHECK_THROWS_WITH(pairs_to_check(others, {"control"}), Contains("is of plan control"));
+  CHECK_THROWS_WITH(pairs_to_check(others, {"control"}),
+                    Contains("is of plan control; their plans are: "));
 }
 
 TEST_CASE("The check's figures are those of theory") {

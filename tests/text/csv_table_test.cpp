@@ -97,6 +97,9 @@ TEST_CASE("Tables of other programs are read with their separator, comma and nam
   REQUIRE(table.next_row());
   CHECK(table.text("id") == "a");
   CHECK(table.number("x") == 1.5);
+  CHECK_THROWS_WITH(CsvFile(path, "tracker", {"id"}, {';', true, {{"id", "Name"}, {"x", "X"}}}),
+                    Contains("t.csv:1: there is no column 'X' to be read as x; there are Name, "
+                             "X [mm]"));
 }
 
 TEST_CASE("A written table is read back, and a short row is refused") {
