@@ -20,6 +20,12 @@ RadialKernel gaussian(double width) {
   return {KernelShape::kGaussian, width, 0.0};
 }
 
+Eigen::MatrixXd inverse_of_lower(const Eigen::MatrixXd& lower) {
+  Eigen::MatrixXd inverse = Eigen::MatrixXd::Identity(lower.rows(), lower.cols());
+  lower.triangularView<Eigen::Lower>().solveInPlace(inverse);
+  return inverse;
+}
+
 }  // namespace
 
 Eigen::MatrixXd center_factor(const Eigen::Matrix2Xd& centers, double width) {
@@ -38,7 +44,8 @@ SparseRbfMap::SparseRbfMap(SparseRbfParameters parameters)
     : parameters_(std::move(parameters)),
       centers_(parameters_.centers.transpose()),
       weights_(parameters_.weights.transpose()),
-      kernel_factor_(center_factor(parameters_.centers, parameters_.width)) {}
+      whitening_(inverse_of_lower(center_factor(parameters_.centers, parameters_.width))),
+      open_(inverse_of_lower(parameters_.factor)) {}
 
 Eigen::Vector2d SparseRbfMap::predict_error(const Eigen::Vector2d& p) const {
   const Eigen::VectorXd kernel = kernel_at(gaussian(parameters_.width), centers_, p);
@@ -49,11 +56,12 @@ Eigen::Vector2d SparseRbfMap::predict_error(const Eigen::Vector2d& p) const {
 ErrorPrediction SparseRbfMap::predict(const Eigen::Vector2d& p) const {
   const Eigen::VectorXd kernel = kernel_at(gaussian(parameters_.width), centers_, p);
   const Eigen::VectorXd q = parameters_.tail_basis.at(p);
+  const Eigen::VectorXd whitened = whitening_.triangularView<Eigen::Lower>() * kernel;
   Eigen::VectorXd basis(kernel.size() + q.size());
-  basis << kernel_factor_.triangularView<Eigen::Lower>().solve(kernel), q;
-  const double represented = basis.head(kernel.size()).squaredNorm();
-  const double open = parameters_.factor.triangularView<Eigen::Lower>().solve(basis).squaredNorm();
-  const double unit_variance = std::max(0.0, 1.0 - represented) + parameters_.ridge * open;
+  basis << whitened, q;
+  const Eigen::VectorXd open = open_.triangularView<Eigen::Lower>() * basis;
+  const double unit_variance =
+      std::max(0.0, 1.0 - whitened.squaredNorm()) + parameters_.ridge * open.squaredNorm();
   const double sigma = parameters_.signal_sigma * std::sqrt(unit_variance);
   const Eigen::Vector2d sum(weights_.col(0).dot(kernel), weights_.col(1).dot(kernel));
   return {sum + parameters_.tail * q, sigma,

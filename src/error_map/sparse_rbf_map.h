@@ -49,7 +49,8 @@ class SparseRbfMap {
   SparseRbfParameters parameters_;
   Eigen::MatrixX2d centers_;
   Eigen::MatrixX2d weights_;
-  Eigen::MatrixXd kernel_factor_;  ///< lower factor of K
+  Eigen::MatrixXd whitening_;  ///< L^-1
+  Eigen::MatrixXd open_;       ///< inverse of the parameters' factor
 };
 
 /// Lower factor of K between centres, which a trace of its own diagonal keeps positive definite.
