@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <charconv>
+#include <cmath>
 #include <utility>
 
 #include "core/clock.h"
@@ -16,7 +17,9 @@ constexpr char kTrainPlan[] = "train";
 
 void add(const PairRow& pair, TrainingPairs& training) {
   if (pair.plan.empty() || pair.plan == kTrainPlan)
-    training.problem.samples.push_back({pair.id, pair.p_vision, pair.error()});
+    training.problem.samples.push_back(
+        {pair.id, pair.p_vision, pair.error(),
+         std::hypot(pair.sigma_vision.value_or(0.0), pair.sigma_tracker.value_or(0.0))});
   else
     ++training.n_other_plans;
 }

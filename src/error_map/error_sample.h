@@ -11,6 +11,7 @@ struct ErrorSample {
   std::string id;
   Eigen::Vector2d p_vision{0.0, 0.0};
   Eigen::Vector2d error{0.0, 0.0};
+  double sigma{0.0};  ///< what the instruments state of `error`, per axis, metres; 0: nothing
 };
 
 struct ErrorPrediction {

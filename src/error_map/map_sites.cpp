@@ -28,6 +28,15 @@ void require_finite(const std::vector<ErrorSample>& samples) {
   faults.throw_if_any();
 }
 
+double stated_sigma_of(const std::vector<ErrorSample>& samples) {
+  double sum = 0.0;
+  for (const ErrorSample& sample : samples) {
+    if (!(sample.sigma > 0.0)) return 0.0;
+    sum += sample.sigma * sample.sigma;
+  }
+  return std::sqrt(sum / static_cast<double>(samples.size()));
+}
+
 std::vector<std::vector<std::size_t>> group_by_position(const std::vector<ErrorSample>& samples) {
   std::vector<std::vector<std::size_t>> groups;
   std::map<std::pair<double, double>, std::size_t> group_of_cell;
@@ -43,8 +52,12 @@ std::vector<std::vector<std::size_t>> group_by_position(const std::vector<ErrorS
 }  // namespace
 
 MapSites MapSites::subset(const std::vector<Eigen::Index>& kept) const {
-  MapSites sites{
-      positions(Eigen::all, kept), errors(Eigen::all, kept), counts(kept), scatter(kept), {}};
+  MapSites sites{positions(Eigen::all, kept),
+                 errors(Eigen::all, kept),
+                 counts(kept),
+                 scatter(kept),
+                 {},
+                 stated_sigma};
   for (const Eigen::Index i : kept) sites.samples.push_back(samples[static_cast<std::size_t>(i)]);
   return sites;
 }
@@ -58,6 +71,7 @@ MapSites merge_samples(const std::vector<ErrorSample>& samples) {
   require_finite(samples);
   MapSites sites;
   sites.samples = group_by_position(samples);
+  sites.stated_sigma = stated_sigma_of(samples);
   const auto count = static_cast<Eigen::Index>(sites.samples.size());
   if (count < kFewestSites) {
     throw InputError(

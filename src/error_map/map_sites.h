@@ -15,6 +15,9 @@ struct MapSites {
   Eigen::VectorXd counts;      ///< samples merged into each
   Eigen::VectorXd scatter;     ///< sum over these of |E - mean|^2, square metres
   std::vector<std::vector<std::size_t>> samples;  ///< which samples these are
+  /// Standard deviation of a sample per axis as the instruments state it, rms over all, metres; 0
+  /// where some are silent. No map can have found less noise.
+  double stated_sigma{0.0};
 
   Eigen::Index size() const { return positions.cols(); }
   MapSites subset(const std::vector<Eigen::Index>& kept) const;

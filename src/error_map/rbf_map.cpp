@@ -33,16 +33,15 @@ BorderedSystem solvable_system(const RbfParameters& parameters) {
       parameters.centers.cols(), parameters.kernel.width / kMillimetre, parameters.ridge));
 }
 
-/// s_f^2 = E^T w / (N - m) per axis, over all samples: those averaged at a site scatter about it
-/// with variance ridge s_f^2.
-double signal_variance(const MapSites& sites, const RbfParameters& parameters) {
-  const double freedom = sites.counts.sum() - static_cast<double>(parameters.tail_basis.terms());
-  const double scatter = parameters.ridge > 0.0 ? sites.scatter.sum() / parameters.ridge : 0.0;
-  const double sum = sites.errors.cwiseProduct(parameters.weights).sum() + scatter;
+}  // namespace
+
+double signal_variance(const MapSites& sites, const Eigen::Matrix2Xd& weights, Eigen::Index terms,
+                       double ridge) {
+  const double freedom = sites.counts.sum() - static_cast<double>(terms);
+  const double scatter = ridge > 0.0 ? sites.scatter.sum() / ridge : 0.0;
+  const double sum = sites.errors.cwiseProduct(weights).sum() + scatter;
   return std::max(0.0, sum / (2.0 * freedom));
 }
-
-}  // namespace
 
 RbfMap::RbfMap(RbfParameters parameters, BorderedSystem system)
     : parameters_(std::move(parameters)),
@@ -106,7 +105,8 @@ RbfFit fit_rbf(const MapSites& sites, const TailBasis& tail_basis, const RadialK
 
   const Eigen::ArrayXd site_noise2 = ridge / sites.counts.array();
   const double loneliest2 = (left_out.unit_sigmas.array().square() - site_noise2).maxCoeff();
-  parameters.signal_sigma = std::sqrt(signal_variance(sites, parameters));
+  parameters.signal_sigma =
+      std::sqrt(signal_variance(sites, parameters.weights, tail_basis.terms(), ridge));
   parameters.sigma_limit = parameters.signal_sigma * std::sqrt(std::max(0.0, loneliest2));
   return {RbfMap(std::move(parameters), std::move(system)), std::move(left_out)};
 }

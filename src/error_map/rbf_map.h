@@ -73,6 +73,11 @@ class RbfMap {
   BorderedSystem system_;
 };
 
+/// s_f^2 = E^T w / (N - m) per axis, over all samples, of the weights of a fit with m terms of a
+/// tail: samples averaged at a site scatter about it with variance ridge s_f^2.
+double signal_variance(const MapSites& sites, const Eigen::Matrix2Xd& weights, Eigen::Index terms,
+                       double ridge);
+
 struct RbfFit {
   RbfMap map;
   LeaveOneOut left_out;

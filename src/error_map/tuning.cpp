@@ -11,6 +11,7 @@
 
 #include "error_map/bordered_system.h"
 #include "error_map/leave_one_out.h"
+#include "error_map/rbf_map.h"
 #include "error_map/valid_region.h"
 
 namespace planar {
@@ -44,6 +45,8 @@ const double kLogTolerance = getenv("TOL")
                                  : 0.02;  // of width and ridge: the error is flat about its minimum
 
 /// The leave-one-out error over (log width, log ridge), which remembers the best point it saw.
+/// Where the fit finds less noise than the instruments state it follows the noise: places far apart
+/// hardly tell a small ridge from none. There the error counts for more, in proportion.
 class LeaveOneOutCost {
  public:
   /// `span` of the kernel.
@@ -60,38 +63,54 @@ class LeaveOneOutCost {
       kernel_log_width_ = log_width;
       kernel_matrix(kernel_of(log_width), squared_distances_, kernel_);
     }
-    const auto residuals = left_out_residuals(std::exp(log_ridge));
-    const double cost = residuals ? sites_.sample_rms(*residuals) : kUnsolvable;
-    if (!std::isfinite(cost)) return kUnsolvable;
+    const auto fit = fit_of(std::exp(log_ridge));
+    const double loo_rms = fit ? sites_.sample_rms(fit->residuals) : kUnsolvable;
+    const double cost = fit ? loo_rms * std::max(1.0, least_noise_ / fit->noise_sigma) : loo_rms;
+    if (!(cost < kUnsolvable)) return kUnsolvable;
     if (cost < best_cost_) {
       best_cost_ = cost;
+      best_loo_rms_ = loo_rms;
       best_ = {log_width, log_ridge};
-      best_residuals_ = *residuals;
+      best_residuals_ = fit->residuals;
     }
     return cost;
+  }
+
+  /// From now on; forgets the best point. What the instruments state, but no more than the samples
+  /// are missed by, which holds the noise: they may state too much.
+  void require_stated_noise(double loo_rms) {
+    least_noise_ = std::min(sites_.stated_sigma, loo_rms * std::sqrt(0.5));
+    best_cost_ = std::numeric_limits<double>::infinity();
   }
 
   KernelShape shape() const { return shape_; }
   double span() const { return span_; }
 
+  double best_loo_rms() const { return best_loo_rms_; }
   /// Log width, log ridge.
   const std::vector<double>& best() const { return best_; }
 
   TunedKernel best_kernel(double slope) const {
     const Eigen::ArrayXd misses2 = best_residuals_.colwise().squaredNorm();
-    return {kernel_of(best_[0]), std::exp(best_[1]), slope, best_cost_,
+    return {kernel_of(best_[0]), std::exp(best_[1]), slope, best_loo_rms_,
             misses2 * sites_.counts.array()};
   }
 
  private:
   RadialKernel kernel_of(double log_width) const { return {shape_, std::exp(log_width), span_}; }
 
-  /// Of the present kernel; empty where it cannot be solved.
-  std::optional<Eigen::Matrix2Xd> left_out_residuals(double ridge) {
+  struct Fit {
+    Eigen::Matrix2Xd residuals;  ///< left out
+    double noise_sigma{0.0};
+  };
+
+  /// With the present kernel; empty where it cannot be solved.
+  std::optional<Fit> fit_of(double ridge) {
     kernel_.diagonal() = 1.0 + ridge / sites_.counts.array();
     if (!system_.compute(kernel_, tail_)) return {};
     const Eigen::Matrix2Xd weights = system_.solve(sites_.errors.transpose()).weights.transpose();
-    return leave_one_out(system_, weights).residuals;
+    const double noise2 = ridge * signal_variance(sites_, weights, tail_.cols(), ridge);
+    return Fit{leave_one_out(system_, weights).residuals, std::sqrt(noise2)};
   }
 
   static constexpr double kUnsolvable = std::numeric_limits<double>::max();
@@ -106,6 +125,8 @@ class LeaveOneOutCost {
   double kernel_log_width_{std::numeric_limits<double>::quiet_NaN()};
   std::vector<double> best_;
   Eigen::Matrix2Xd best_residuals_;
+  double least_noise_{0.0};  ///< per axis, metres
+  double best_loo_rms_{0.0};
   double best_cost_{std::numeric_limits<double>::infinity()};
 };
 
@@ -228,6 +249,7 @@ TunedKernel tune_rbf(const MapSites& sites, const TailBasis& tail_basis, KernelS
   const SearchBox box = search_box(part.positions);
   LeaveOneOutCost cost(part, tail_basis, shape, span_of(sites.positions));
   const double slope = search_grid(part, tail_basis.degree, box, cost);
+  cost.require_stated_noise(cost.best_loo_rms());
   search_along({cost, cost.best(), slope}, box);
   return cost.best_kernel(slope);
 }
@@ -239,6 +261,7 @@ TunedKernel retune_rbf(const MapSites& sites, const TailBasis& tail_basis,
   LeaveOneOutCost cost(part, tail_basis, before.kernel.shape, span_of(sites.positions));
   const std::vector<double> start{
       std::clamp(std::log(before.kernel.width), box.narrowest, box.widest), std::log(before.ridge)};
+  cost.require_stated_noise(before.loo_rms);
   search_along({cost, start, before.slope}, box);
   return cost.best_kernel(before.slope);
 }

@@ -45,5 +45,31 @@ TEST_CASE("Tuning survives data without any error and data of a plane") {
   CHECK(tuned.ridge > 0.0);
 }
 
+MapSites sparse_sites(const test::ErrorField& field, double stated_sigma) {
+  auto samples = test::measure(field, test::ring_positions(100), test::kFieldNoise, 3);
+  for (ErrorSample& sample : samples) sample.sigma = stated_sigma;
+  return merge_samples(samples);
+}
+
+double noise_of_fit(const MapSites& sites) {
+  const TailBasis tail = tail_for(sites.positions, 2);
+  const TunedKernel tuned = tune_rbf(sites, tail, KernelShape::kMultiquadric);
+  return fit_rbf(sites, tail, tuned.kernel, tuned.ridge).map.noise_sigma();
+}
+
+// The penalty's kink is reached as closely as the search goes.
+constexpr double kNearlyAll = 0.95;
+
+TEST_CASE("Noise that the instruments state is found, however far apart the samples lie") {
+  CHECK(noise_of_fit(sparse_sites(test::bumpy_field, 0.0)) < 0.5 * test::kFieldNoise);
+  CHECK(noise_of_fit(sparse_sites(test::bumpy_field, test::kFieldNoise)) >
+        kNearlyAll * test::kFieldNoise);
+}
+
+TEST_CASE("Stating far too much noise does not smooth a field away that the samples resolve") {
+  CHECK(noise_of_fit(sparse_sites(test::lens_field, 10.0 * test::kFieldNoise)) <
+        1.5 * test::kFieldNoise);
+}
+
 }  // namespace
 }  // namespace planar
