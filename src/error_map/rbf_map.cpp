@@ -49,7 +49,7 @@ RbfMap::RbfMap(RbfParameters parameters, BorderedSystem system)
       weights_(parameters_.weights.transpose()),
       system_(std::move(system)) {}
 
-RbfMap::RbfMap(RbfParameters parameters) : RbfMap(parameters, solvable_system(parameters)) {}
+RbfMap::RbfMap(const RbfParameters& parameters) : RbfMap(parameters, solvable_system(parameters)) {}
 
 Eigen::Vector2d RbfMap::error(const Eigen::VectorXd& kernel, const Eigen::VectorXd& q) const {
   const Eigen::Vector2d sum(weights_.col(0).dot(kernel), weights_.col(1).dot(kernel));

@@ -39,7 +39,7 @@ struct RbfFit;
 class RbfMap {
  public:
   /// Throws WorkError when the kernel matrix is too ill conditioned to be solved.
-  explicit RbfMap(RbfParameters parameters);
+  explicit RbfMap(const RbfParameters& parameters);
 
   ErrorPrediction predict(const Eigen::Vector2d& p) const;
 
