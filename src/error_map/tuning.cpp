@@ -40,9 +40,7 @@ double grid_log_ridge(std::size_t i) {
 constexpr double kSame = 0.99;
 
 constexpr int kLocalEvaluations = 30;
-const double kLogTolerance = getenv("TOL")
-                                 ? atof(getenv("TOL"))
-                                 : 0.02;  // of width and ridge: the error is flat about its minimum
+constexpr double kLogTolerance = 0.02;  // of width and ridge: the error is flat about its minimum
 
 /// The leave-one-out error over (log width, log ridge), which remembers the best point it saw.
 /// Where the fit finds less noise than the instruments state it follows the noise: places far apart
