@@ -70,6 +70,7 @@ Outcome check_pairs(const Options& options) {
   std::vector<PairRow> all = read_pairs(options.pairs);
   const std::size_t count = all.size();
   const std::vector<PairRow> pairs = pairs_to_check(std::move(all), options.plans);
+  require_directions(map, pairs, options.pairs);
   const MapCheck result = check(map, pairs);
   print(result, count - pairs.size());
   return {figures(result)};

@@ -91,6 +91,9 @@ void print(const FitErrorMapReport& report) {
   fmt::print("leave-one-out       {:.4f} mm rms\n", result.loo_rms / kMillimetre);
   if (std::isfinite(result.noise_sigma))
     fmt::print("noise               {:.4f} mm per axis\n", result.noise_sigma / kMillimetre);
+  if (const auto bias = tool_bias(result.map))
+    fmt::print("in the tool's frame {:.4f} {:.4f} +- {:.4f} mm, used\n", bias->t.x() / kMillimetre,
+               bias->t.y() / kMillimetre, bias->sigma / kMillimetre);
   fmt::print("gain                {:.1f} %, {}\n", 100.0 * result.gain(),
              result.worth_using ? "worth using" : "NOT significant: do not use this map");
 }
@@ -129,21 +132,26 @@ nlohmann::json figures(const FitErrorMapReport& report) {
     rejected.push_back({{"id", sample.id},
                         {"residual_mm", sample.residual / kMillimetre},
                         {"reason", sample.reason}});
-  return {{"n_used", result.n_used},
-          {"n_rejected", result.rejected.size()},
-          {"rejected", rejected},
-          {"method", result.method},
-          {"raw_rms_mm", result.raw_rms / kMillimetre},
-          {"loo_rms_mm", result.loo_rms / kMillimetre},
-          {"idw_loo_rms_mm", result.idw_loo_rms / kMillimetre},
-          {"blocked_rms_mm", result.blocked.value / kMillimetre},
-          {"blocked_rms_95_mm", interval_mm(result.blocked)},
-          {"cell", figures(result.cell)},
-          {"noise_mm", result.noise_sigma / kMillimetre},
-          {"gain", result.gain()},
-          {"worth_using", result.worth_using},
-          {"n_other_plans", report.n_other_plans},
-          {"fit_seconds", report.fit_seconds}};
+  nlohmann::json keys{{"n_used", result.n_used},
+                      {"n_rejected", result.rejected.size()},
+                      {"rejected", rejected},
+                      {"method", result.method},
+                      {"raw_rms_mm", result.raw_rms / kMillimetre},
+                      {"loo_rms_mm", result.loo_rms / kMillimetre},
+                      {"idw_loo_rms_mm", result.idw_loo_rms / kMillimetre},
+                      {"blocked_rms_mm", result.blocked.value / kMillimetre},
+                      {"blocked_rms_95_mm", interval_mm(result.blocked)},
+                      {"cell", figures(result.cell)},
+                      {"noise_mm", result.noise_sigma / kMillimetre},
+                      {"gain", result.gain()},
+                      {"worth_using", result.worth_using},
+                      {"n_other_plans", report.n_other_plans},
+                      {"fit_seconds", report.fit_seconds}};
+  if (const auto bias = tool_bias(result.map)) {
+    keys["tool_bias_mm"] = {bias->t.x() / kMillimetre, bias->t.y() / kMillimetre};
+    keys["tool_bias_sigma_mm"] = bias->sigma / kMillimetre;
+  }
+  return keys;
 }
 
 struct Fitted {

@@ -61,6 +61,18 @@ std::vector<PairRow> pairs_to_check(std::vector<PairRow> pairs,
   return pairs;
 }
 
+void require_directions(const ErrorMap& map, const std::vector<PairRow>& pairs,
+                        const std::filesystem::path& file) {
+  if (!depends_on_direction(map)) return;
+  for (const PairRow& pair : pairs) {
+    if (pair.phi) continue;
+    throw InputError(fmt::format(
+        "{}: the map depends on the tool's direction; pairs need a column phi_deg, which pair {} "
+        "leaves empty",
+        file.string(), pair.id));
+  }
+}
+
 MapCheck check_error_map(const ErrorMap& map, const std::vector<PairRow>& pairs,
                          const Progress& progress) {
   require_one_unit_of(pairs);
@@ -73,7 +85,7 @@ MapCheck check_error_map(const ErrorMap& map, const std::vector<PairRow>& pairs,
   bool has_sigma = true;
   for (const PairRow& pair : pairs) {
     tell(progress, "checking pairs", raw.size(), pairs.size());
-    const ErrorPrediction prediction = predict(map, pair.p_vision);
+    const ErrorPrediction prediction = predict(map, pair.p_vision, pair.phi);
     const Eigen::Vector2d miss = pair.error() - prediction.error;
     raw.push_back(pair.error().norm());
     predicted.push_back(prediction.error.norm());

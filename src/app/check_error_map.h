@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -29,7 +30,13 @@ struct MapCheck {
 std::vector<PairRow> pairs_to_check(std::vector<PairRow> pairs,
                                     const std::vector<std::string>& plans);
 
-/// At least one pair. Throws InputError for three or more that are not in one unit and frame.
+/// Throws InputError naming the file of the pairs when the map depends on the tool's direction and
+/// a pair names none.
+void require_directions(const ErrorMap& map, const std::vector<PairRow>& pairs,
+                        const std::filesystem::path& file);
+
+/// At least one pair, each as `require_directions` has it. Throws InputError for three or more that
+/// are not in one unit and frame.
 MapCheck check_error_map(const ErrorMap& map, const std::vector<PairRow>& pairs,
                          const Progress& progress = {});
 

@@ -19,7 +19,7 @@ void add(const PairRow& pair, TrainingPairs& training) {
   if (pair.plan.empty() || pair.plan == kTrainPlan)
     training.problem.samples.push_back(
         {pair.id, pair.p_vision, pair.error(),
-         std::hypot(pair.sigma_vision.value_or(0.0), pair.sigma_tracker.value_or(0.0))});
+         std::hypot(pair.sigma_vision.value_or(0.0), pair.sigma_tracker.value_or(0.0)), pair.phi});
   else
     ++training.n_other_plans;
 }

@@ -129,7 +129,8 @@ TipMeasurement LampTipSensor::position(
       measurement.sigma_vision_m * measurement.sigma_vision_m / measurement.frames;
   double map_variance = 0.0;
   if (vision_.error_map) {
-    const ErrorPrediction prediction = predict(*vision_.error_map, measurement.p_vision);
+    const ErrorPrediction prediction =
+        predict(*vision_.error_map, measurement.p_vision, seen->tip.phi);
     measurement.correction = prediction.error;
     measurement.inside_map = prediction.inside;
     map_variance = prediction.sigma * prediction.sigma;

@@ -11,15 +11,12 @@ bool is_clearly_better(const TunedKernel& other, const TunedKernel& first) {
   return gains.sum() > standard_error_of_sum(gains);
 }
 
-}  // namespace
-
-TunedFamily tune(const MapSites& sites, const RbfFamily& family) {
-  TailBasis tail_basis = tail_for(sites.positions, family.tail_degree);
-  TunedKernel tuned = tune_rbf(sites, tail_basis, family.shape);
-  return {family, tail_basis, std::move(tuned)};
+TailBasis tail_of(const MapSites& sites, const RbfFamily& family) {
+  if (!family.with_direction) return tail_for(sites.positions, family.tail_degree);
+  return tail_for(sites.positions, family.tail_degree, sites.directions);
 }
 
-std::vector<TunedFamily> tune(const MapSites& sites, const std::vector<RbfFamily>& families) {
+std::vector<TunedFamily> tune_each(const MapSites& sites, const std::vector<RbfFamily>& families) {
   const auto tune_one = [&](const RbfFamily& family) { return tune(sites, family); };
   std::vector<std::future<TunedFamily>> running;
   for (std::size_t i = 1; i < families.size(); ++i)
@@ -29,8 +26,26 @@ std::vector<TunedFamily> tune(const MapSites& sites, const std::vector<RbfFamily
   return tuned;
 }
 
+}  // namespace
+
+TunedFamily tune(const MapSites& sites, const RbfFamily& family) {
+  TailBasis tail_basis = tail_of(sites, family);
+  TunedKernel tuned = tune_rbf(sites, tail_basis, family.shape);
+  return {family, tail_basis, std::move(tuned)};
+}
+
+std::vector<TunedFamily> tune(const MapSites& sites, const std::vector<RbfFamily>& families) {
+  std::vector<TunedFamily> tuned = tune_each(sites, families);
+  std::vector<RbfFamily> directed = families;
+  for (RbfFamily& family : directed) family.with_direction = true;
+  if (!tail_of(sites, directed.front()).with_direction) return tuned;
+  std::vector<TunedFamily> directed_tuned = tune_each(sites, directed);
+  const bool better = is_clearly_better(directed_tuned.front().tuned, tuned.front().tuned);
+  return better ? directed_tuned : tuned;
+}
+
 TunedFamily retune(const MapSites& sites, const TunedFamily& before) {
-  TailBasis tail_basis = tail_for(sites.positions, before.family.tail_degree);
+  TailBasis tail_basis = tail_of(sites, before.family);
   TunedKernel tuned = retune_rbf(sites, tail_basis, before.tuned);
   return {before.family, tail_basis, std::move(tuned)};
 }

@@ -12,6 +12,7 @@ namespace planar {
 struct RbfFamily {
   KernelShape shape{KernelShape::kGaussian};
   int tail_degree{1};
+  bool with_direction{false};
 };
 
 struct TunedFamily {
@@ -29,7 +30,8 @@ constexpr RbfFamily kSmooth{KernelShape::kGaussian, 3};
 
 TunedFamily tune(const MapSites& sites, const RbfFamily& family);
 
-/// Each of `families`, side by side.
+/// Each of `families`, side by side; all of them with the tool's direction in the tail where the
+/// sites determine those terms and the first family is clearly better with them (as in `best_of`).
 std::vector<TunedFamily> tune(const MapSites& sites, const std::vector<RbfFamily>& families);
 
 /// The same from what nearly the same sites were tuned to.

@@ -84,6 +84,13 @@ double BorderedSystem::inverse_form(const Eigen::VectorXd& k, const Eigen::Vecto
   return whitened.squaredNorm() - (lower_solve(tail_factor_, q) - tail_removed_ * k).squaredNorm();
 }
 
+Eigen::MatrixXd BorderedSystem::tail_covariance() const {
+  const Eigen::Index terms = tail_.cols();
+  const Eigen::MatrixXd inverse =
+      lower_solve(tail_factor_, Eigen::MatrixXd::Identity(terms, terms));
+  return inverse.transpose() * inverse;
+}
+
 double BorderedSystem::pivot_ratio() const {
   const double ratio = factor_.diagonal().minCoeff() / factor_.diagonal().maxCoeff();
   return ratio * ratio;

@@ -35,6 +35,9 @@ class BorderedSystem {
   /// [k; q]^T A^-1 [k; q].
   double inverse_form(const Eigen::VectorXd& k, const Eigen::VectorXd& q) const;
 
+  /// (Q^T K^-1 Q)^-1, m x m: the covariance of the tail where K is that of the values.
+  Eigen::MatrixXd tail_covariance() const;
+
   /// Smallest over largest pivot of K: an upper bound of its reciprocal condition number, and how
   /// much of a sample is new beside those before it.
   double pivot_ratio() const;

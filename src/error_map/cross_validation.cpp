@@ -37,17 +37,19 @@ Eigen::Matrix2Xd predictions(const IdwMap&, const MapSites& rest,
   return errors;
 }
 
-Eigen::Matrix2Xd predictions(const RbfMap& map, const MapSites& rest,
-                             const Eigen::Matrix2Xd& positions) {
+Eigen::Matrix2Xd predictions(const RbfMap& map, const MapSites& rest, const MapSites& left_out) {
   const RbfParameters& settings = map.parameters();
-  const TailBasis tail = tail_for(rest.positions, settings.tail_basis.degree);
+  const TailBasis tail = tail_like(settings.tail_basis, rest.positions, rest.directions);
   Eigen::MatrixXd matrix;
   kernel_matrix(settings.kernel, squared_distances(rest.positions), matrix);
   matrix.diagonal().array() += settings.ridge / rest.counts.array();
-  const auto system = BorderedSystem::factorize(matrix, tail.at_each(rest.positions));
+  const auto system =
+      BorderedSystem::factorize(matrix, tail.at_each(rest.positions, rest.directions));
   if (!system) throw WorkError(kUnsolvable);
   const BorderedSystem::Solution solution = system->solve(rest.errors.transpose());
-  Eigen::Matrix2Xd errors = (tail.at_each(positions) * solution.tail).transpose();
+  const Eigen::Matrix2Xd& positions = left_out.positions;
+  Eigen::Matrix2Xd errors =
+      (tail.at_each(positions, left_out.directions) * solution.tail).transpose();
   const Eigen::MatrixX2d centers = rest.positions.transpose();
   for (Eigen::Index i = 0; i < positions.cols(); ++i)
     errors.col(i) +=
@@ -71,15 +73,15 @@ Eigen::Matrix2Xd left_out(const RbfMap& map, const MapSites& sites, const Blocks
   Eigen::Matrix2Xd residuals(2, sites.size());
   for (std::size_t b = 0; b < blocks.size(); ++b) {
     const std::vector<Eigen::Index> others = all_but(blocks, b);
-    const int degree = map.parameters().tail_basis.degree;
-    if (tail_for(sites.positions(Eigen::all, others), degree).degree == degree) {
+    const MapSites rest = sites.subset(others);
+    const TailBasis& tail = map.parameters().tail_basis;
+    if (tail_like(tail, rest.positions, rest.directions).terms() == tail.terms()) {
       const auto found = map.left_out_residuals(blocks[b]);
       if (!found) throw WorkError(kUnsolvable);
       residuals(Eigen::all, blocks[b]) = *found;
     } else {
       residuals(Eigen::all, blocks[b]) =
-          sites.errors(Eigen::all, blocks[b]) -
-          predictions(map, sites.subset(others), sites.positions(Eigen::all, blocks[b]));
+          sites.errors(Eigen::all, blocks[b]) - predictions(map, rest, sites.subset(blocks[b]));
     }
   }
   return residuals;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 
 namespace planar {
@@ -12,6 +13,7 @@ struct ErrorSample {
   Eigen::Vector2d p_vision{0.0, 0.0};
   Eigen::Vector2d error{0.0, 0.0};
   double sigma{0.0};  ///< what the instruments state of `error`, per axis, metres; 0: nothing
+  std::optional<double> phi{};  ///< tool orientation in the base frame, radians
 };
 
 struct ErrorPrediction {

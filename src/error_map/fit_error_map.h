@@ -57,7 +57,9 @@ struct MapResult {
   double gain() const { return raw_rms > 0.0 ? 1.0 - loo_rms / raw_rms : 0.0; }
 };
 
-/// Fits a map to pairs. Samples at one position are averaged. Throws InputError for samples that
+/// Fits a map to pairs. Samples at one position are averaged. kAuto and kRbf, where they are dense,
+/// take the tool's direction into the tail if every sample names it and the leave-one-out error
+/// says so (as `tune` of families). Throws InputError for samples that
 /// are not finite or not in metres (`require_one_unit`), fewer than 3 distinct positions, more than
 /// kMostDense but for kAuto, a hand width that is not positive, or outliers beyond a fifth of the
 /// samples; WorkError when the equations are too ill conditioned to be solved.

@@ -2,12 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <utility>
 
 #include "core/error.h"
 #include "core/units.h"
+#include "error_map/tail_basis.h"
 
 namespace planar {
 namespace {
@@ -21,9 +23,12 @@ constexpr Eigen::Index kFewestSites = 3;
 void require_finite(const std::vector<ErrorSample>& samples) {
   Faults faults;
   for (const ErrorSample& sample : samples) {
-    if (sample.p_vision.allFinite() && sample.error.allFinite()) continue;
-    faults.add(fmt::format("pair {}: position or error is not a finite number; remove the pair",
-                           sample.id));
+    if (sample.p_vision.allFinite() && sample.error.allFinite() &&
+        std::isfinite(sample.phi.value_or(0.0)))
+      continue;
+    faults.add(
+        fmt::format("pair {}: position, error or direction is not a finite number; remove the pair",
+                    sample.id));
   }
   faults.throw_if_any();
 }
@@ -35,6 +40,21 @@ double stated_sigma_of(const std::vector<ErrorSample>& samples) {
     sum += sample.sigma * sample.sigma;
   }
   return std::sqrt(sum / static_cast<double>(samples.size()));
+}
+
+Eigen::Matrix2Xd mean_directions(const std::vector<ErrorSample>& samples,
+                                 const std::vector<std::vector<std::size_t>>& groups) {
+  const auto names_phi = [](const ErrorSample& sample) { return sample.phi.has_value(); };
+  if (!std::all_of(samples.begin(), samples.end(), names_phi)) return {};
+  Eigen::Matrix2Xd means = Eigen::Matrix2Xd::Zero(2, static_cast<Eigen::Index>(groups.size()));
+  for (std::size_t site = 0; site < groups.size(); ++site) {
+    for (const std::size_t i : groups[site]) {
+      const double phi = *samples[i].phi;
+      means.col(static_cast<Eigen::Index>(site)) +=
+          Eigen::Vector2d(std::cos(phi), std::sin(phi)) / static_cast<double>(groups[site].size());
+    }
+  }
+  return means;
 }
 
 std::vector<std::vector<std::size_t>> group_by_position(const std::vector<ErrorSample>& samples) {
@@ -57,9 +77,15 @@ MapSites MapSites::subset(const std::vector<Eigen::Index>& kept) const {
                  counts(kept),
                  scatter(kept),
                  {},
-                 stated_sigma};
+                 stated_sigma,
+                 {}};
+  if (has_directions()) sites.directions = directions(Eigen::all, kept);
   for (const Eigen::Index i : kept) sites.samples.push_back(samples[static_cast<std::size_t>(i)]);
   return sites;
+}
+
+Eigen::Vector2d MapSites::direction(Eigen::Index site) const {
+  return has_directions() ? Eigen::Vector2d(directions.col(site)) : TailBasis::unknown_direction();
 }
 
 double MapSites::sample_rms(const Eigen::Matrix2Xd& means) const {
@@ -78,6 +104,7 @@ MapSites merge_samples(const std::vector<ErrorSample>& samples) {
         fmt::format("{} pairs at {} distinct positions; a map needs at least {} distinct positions",
                     samples.size(), count, kFewestSites));
   }
+  sites.directions = mean_directions(samples, sites.samples);
   sites.positions.setZero(2, count);
   sites.errors.setZero(2, count);
   sites.counts.setZero(count);

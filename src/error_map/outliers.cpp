@@ -28,9 +28,10 @@ Judgement judge(const MapSites& sites, const std::vector<Eigen::Index>& kept, co
   for (Eigen::Index i = 0; i < sites.size(); ++i) {
     if (std::binary_search(kept.begin(), kept.end(), i)) continue;
     const Eigen::Vector2d p = sites.positions.col(i);
-    judgement.residuals[i] = (sites.errors.col(i) - fit.map.predict_error(p)).norm();
+    judgement.residuals[i] =
+        (sites.errors.col(i) - fit.map.predict_error(p, sites.direction(i))).norm();
     judgement.unit_sigmas[i] =
-        std::hypot(fit.map.unit_sigma(p), std::sqrt(ridge / sites.counts[i]));
+        std::hypot(fit.map.unit_sigma(p, sites.direction(i)), std::sqrt(ridge / sites.counts[i]));
   }
   return judgement;
 }

@@ -24,8 +24,9 @@ Eigen::MatrixXd ridged_kernel_matrix(const RbfParameters& parameters) {
 }
 
 BorderedSystem solvable_system(const RbfParameters& parameters) {
-  auto system = BorderedSystem::factorize(ridged_kernel_matrix(parameters),
-                                          parameters.tail_basis.at_each(parameters.centers));
+  auto system = BorderedSystem::factorize(
+      ridged_kernel_matrix(parameters),
+      parameters.tail_basis.at_each(parameters.centers, parameters.directions));
   if (system && system->pivot_ratio() >= kSmallestPivotRatio) return *std::move(system);
   throw WorkError(fmt::format(
       "the kernel matrix of {} samples with a width of {:.4g} mm and a ridge of {:.3g} is too ill "
@@ -56,24 +57,36 @@ Eigen::Vector2d RbfMap::error(const Eigen::VectorXd& kernel, const Eigen::Vector
   return sum + parameters_.tail * q;
 }
 
-Eigen::Vector2d RbfMap::predict_error(const Eigen::Vector2d& p) const {
-  return error(kernel_at(parameters_.kernel, centers_, p), parameters_.tail_basis.at(p));
+Eigen::Vector2d RbfMap::predict_error(const Eigen::Vector2d& p,
+                                      const Eigen::Vector2d& direction) const {
+  return error(kernel_at(parameters_.kernel, centers_, p), parameters_.tail_basis.at(p, direction));
 }
 
-ErrorPrediction RbfMap::predict(const Eigen::Vector2d& p) const {
+ErrorPrediction RbfMap::predict(const Eigen::Vector2d& p, const Eigen::Vector2d& direction) const {
   const Eigen::VectorXd kernel = kernel_at(parameters_.kernel, centers_, p);
-  const Eigen::VectorXd q = parameters_.tail_basis.at(p);
+  const Eigen::VectorXd q = parameters_.tail_basis.at(p, direction);
   const double sigma = parameters_.signal_sigma * unit_sigma(kernel, q);
   return {error(kernel, q), sigma,
           sigma <= parameters_.sigma_limit && parameters_.region.contains(p)};
 }
 
-double RbfMap::unit_sigma(const Eigen::Vector2d& p) const {
-  return unit_sigma(kernel_at(parameters_.kernel, centers_, p), parameters_.tail_basis.at(p));
+double RbfMap::unit_sigma(const Eigen::Vector2d& p, const Eigen::Vector2d& direction) const {
+  return unit_sigma(kernel_at(parameters_.kernel, centers_, p),
+                    parameters_.tail_basis.at(p, direction));
 }
 
 double RbfMap::unit_sigma(const Eigen::VectorXd& kernel, const Eigen::VectorXd& q) const {
   return std::sqrt(std::max(0.0, 1.0 - system_.inverse_form(kernel, q)));
+}
+
+std::optional<ToolBias> RbfMap::tool_bias() const {
+  if (!parameters_.tail_basis.with_direction) return {};
+  // B = [[a, b], [c, d]] holds R(phi) t = [[t_x, -t_y], [t_y, t_x]] (cos phi, sin phi).
+  const Eigen::Matrix2d B = parameters_.tail.rightCols<TailBasis::kDirectionTerms>();
+  const Eigen::Vector2d t(0.5 * (B(0, 0) + B(1, 1)), 0.5 * (B(1, 0) - B(0, 1)));
+  const double variance =
+      system_.tail_covariance().diagonal().tail<TailBasis::kDirectionTerms>().sum() / 4.0;
+  return ToolBias{t, parameters_.signal_sigma * std::sqrt(variance)};
 }
 
 std::optional<Eigen::Matrix2Xd> RbfMap::left_out_residuals(
@@ -94,6 +107,7 @@ RbfFit fit_rbf(const MapSites& sites, const TailBasis& tail_basis, const RadialK
   parameters.centers = sites.positions;
   parameters.counts = sites.counts;
   parameters.tail_basis = tail_basis;
+  if (tail_basis.with_direction) parameters.directions = sites.directions;
   parameters.kernel = kernel;
   parameters.ridge = ridge;
   parameters.region = region_around(sites.positions);

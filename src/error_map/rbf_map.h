@@ -28,12 +28,19 @@ struct RbfParameters {
   /// its loneliest sample predicted by the others.
   double sigma_limit{0.0};
   ValidRegion region;
+  Eigen::Matrix2Xd directions;  ///< of the tool at each centre; none unless the tail has them
+};
+
+/// An error t that is fixed in the tool's frame, R(phi) t in the base frame.
+struct ToolBias {
+  Eigen::Vector2d t{0.0, 0.0};  ///< metres
+  double sigma{0.0};            ///< standard deviation per axis, metres
 };
 
 struct RbfFit;
 
 /// Radial basis functions of one kernel on the samples, with ridge and tail:
-/// E(p) = sum_j w_j phi(|p - c_j|) + tail q(p), where
+/// E(p) = sum_j w_j phi(|p - c_j|) + tail q(p, d), where
 /// [[Phi + ridge diag(1 / count), Q], [Q^T, 0]] [w; tail] = [E; 0]. Its standard deviation is that
 /// of kriging with the same kernel: s_f sqrt(1 - [k; q]^T A^-1 [k; q]).
 class RbfMap {
@@ -41,13 +48,21 @@ class RbfMap {
   /// Throws WorkError when the kernel matrix is too ill conditioned to be solved.
   explicit RbfMap(const RbfParameters& parameters);
 
-  ErrorPrediction predict(const Eigen::Vector2d& p) const;
+  /// With the tool's direction (cos, sin), which counts only where the tail has it, and must then
+  /// be known.
+  ErrorPrediction predict(const Eigen::Vector2d& p,
+                          const Eigen::Vector2d& direction = TailBasis::unknown_direction()) const;
 
   /// The error alone, several times as fast.
-  Eigen::Vector2d predict_error(const Eigen::Vector2d& p) const;
+  Eigen::Vector2d predict_error(const Eigen::Vector2d& p, const Eigen::Vector2d& direction =
+                                                              TailBasis::unknown_direction()) const;
 
   /// The standard deviation of a prediction over s_f.
-  double unit_sigma(const Eigen::Vector2d& p) const;
+  double unit_sigma(const Eigen::Vector2d& p,
+                    const Eigen::Vector2d& direction = TailBasis::unknown_direction()) const;
+
+  /// The part R(phi) t of what the tail says of the tool's direction; empty where it says nothing.
+  std::optional<ToolBias> tool_bias() const;
 
   /// Of the samples, per axis: sqrt(ridge) s_f, metres.
   double noise_sigma() const;

@@ -54,7 +54,7 @@ class LeaveOneOutCost {
         shape_(shape),
         span_(span),
         squared_distances_(squared_distances(sites.positions)),
-        tail_(tail_basis.at_each(sites.positions)) {}
+        tail_(tail_basis.at_each(sites.positions, sites.directions)) {}
 
   double operator()(double log_width, double log_ridge) {
     if (log_width != kernel_log_width_) {
@@ -182,11 +182,11 @@ double best_log_ridge(double log_width, std::size_t& nearest, LeaveOneOutCost& c
 
 /// At each width the ridge that is best for a part of the sites. Returns how that ridge changes
 /// about the best width: d log ridge / d log width.
-double search_grid(const MapSites& sites, int tail_degree, const SearchBox& box,
+double search_grid(const MapSites& sites, const TailBasis& tail_basis, const SearchBox& box,
                    LeaveOneOutCost& cost) {
   const MapSites rough = part_of(sites, kRoughPart);
-  LeaveOneOutCost rough_cost(rough, tail_for(rough.positions, tail_degree), cost.shape(),
-                             cost.span());
+  LeaveOneOutCost rough_cost(rough, tail_like(tail_basis, rough.positions, rough.directions),
+                             cost.shape(), cost.span());
   std::array<double, kGridWidths> log_ridges{};
   std::size_t best_width = 0;
   double least = std::numeric_limits<double>::infinity();
@@ -246,7 +246,7 @@ TunedKernel tune_rbf(const MapSites& sites, const TailBasis& tail_basis, KernelS
   const MapSites part = part_of(sites, kLargestPart);
   const SearchBox box = search_box(part.positions);
   LeaveOneOutCost cost(part, tail_basis, shape, span_of(sites.positions));
-  const double slope = search_grid(part, tail_basis.degree, box, cost);
+  const double slope = search_grid(part, tail_basis, box, cost);
   cost.require_stated_noise(cost.best_loo_rms());
   search_along({cost, cost.best(), slope}, box);
   return cost.best_kernel(slope);

@@ -77,7 +77,8 @@ double prediction_repeatability(const ErrorMap& map, const std::vector<PairRow>&
   for (const auto& rows : rows_of_runs(pairs, radius_mm)) {
     Eigen::Vector3d lengths;
     for (std::size_t run = 0; run < 3; ++run)
-      lengths[static_cast<int>(run)] = predict(map, rows[run]->p_vision).error.norm();
+      lengths[static_cast<int>(run)] =
+          predict(map, rows[run]->p_vision, rows[run]->phi).error.norm();
     const double sigma = std::sqrt((lengths.array() - lengths.mean()).square().sum() / 2.0);
     largest = std::max(largest, sigma);
   }

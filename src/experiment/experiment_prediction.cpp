@@ -62,11 +62,13 @@ PositioningPrediction predict_positioning(const CalibratedChain& chain,
   const double content = std::max(servo.tolerance_m, 2.0 * sigma_vision);
   std::vector<double> sigmas;
   sigmas.reserve(targets.size());
-  for (const TargetRow& target : targets)
-    sigmas.push_back(std::sqrt(square(predict(chain.map.map, target.p_d).sigma) +
+  for (const TargetRow& target : targets) {
+    const double phi = target.phi_d.value_or(chain.cell.tool_orientation);
+    sigmas.push_back(std::sqrt(square(predict(chain.map.map, target.p_d, phi).sigma) +
                                square(sigma_vision) + square(content) / 4.0 +
                                square(sigma_tracker) +
                                datum_variance(chain.cell.datum, target.p_d, sigma_tracker)));
+  }
   const double mean_sigma = mean(sigmas);
   if (!std::isfinite(mean_sigma)) {
     constexpr double kNone = std::numeric_limits<double>::quiet_NaN();

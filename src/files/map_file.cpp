@@ -21,6 +21,9 @@ constexpr std::array<const char*, 2> kRbfMethods{"gaussian_rbf", "multiquadric_r
 
 constexpr char kSparseMethod[] = "sparse_gaussian_rbf";
 
+/// (cos phi, sin phi) of the tool at each centre: the tail then ends with these two terms.
+constexpr char kDirections[] = "tool_directions";
+
 constexpr double kUnbounded = std::numeric_limits<double>::max();
 constexpr double kSmallestLength = 1e-9;  // of what must be positive, metres
 
@@ -124,6 +127,7 @@ void add_map(YamlWriter& yaml, const RbfMap& map) {
   yaml.add("pairs_per_center",
            std::vector<double>(parameters.counts.begin(), parameters.counts.end()));
   yaml.add("weights_m", rows_of(parameters.weights));
+  if (parameters.tail_basis.with_direction) yaml.add(kDirections, rows_of(parameters.directions));
 }
 
 /// Its lower triangle, row after row.
@@ -161,8 +165,7 @@ IdwMap read_idw(const YamlNode& node) {
   return map;
 }
 
-TailBasis read_tail_basis(const YamlNode& node) {
-  TailBasis basis;
+void read_tail_basis(const YamlNode& node, TailBasis& basis) {
   basis.degree = node.whole_number("tail_degree");
   if (basis.degree < -1 || basis.degree > 3) {
     node.add_fault(fmt::format("tail_degree is {}; allowed are -1 to 3", basis.degree));
@@ -170,7 +173,6 @@ TailBasis read_tail_basis(const YamlNode& node) {
   }
   basis.origin = read_point(node, "tail_origin_m");
   basis.scale = node.number_in("tail_scale_m", kSmallestLength, kUnbounded);
-  return basis;
 }
 
 KernelShape shape_of(const std::string& method) {
@@ -182,7 +184,7 @@ void read_shared(const YamlNode& node, Parameters& parameters) {
   parameters.ridge = node.number_in("ridge", 0.0, kUnbounded);
   parameters.signal_sigma = node.number_in("signal_sigma_m", 0.0, kUnbounded);
   parameters.sigma_limit = node.number_in("sigma_limit_m", 0.0, kUnbounded);
-  parameters.tail_basis = read_tail_basis(node);
+  read_tail_basis(node, parameters.tail_basis);
   parameters.tail = read_points(node, "tail_m", parameters.tail_basis.terms());
   parameters.region = read_region(node);
   parameters.centers = read_centers(node);
@@ -194,7 +196,10 @@ RbfParameters read_rbf(const YamlNode& node, KernelShape shape) {
   parameters.kernel.shape = shape;
   parameters.kernel.width = node.number_in("width_m", kSmallestLength, kUnbounded);
   parameters.kernel.span = node.number_in("span_m", 0.0, kUnbounded);
+  parameters.tail_basis.with_direction = node.has(kDirections);
   read_shared(node, parameters);
+  if (parameters.tail_basis.with_direction)
+    parameters.directions = read_points(node, kDirections, parameters.centers.cols());
   parameters.counts = read_counts(node, parameters.centers.cols());
   return parameters;
 }

@@ -91,6 +91,24 @@ TEST_CASE("A map is not judged on pairs in another unit or frame, but on one or 
   CHECK_THROWS_WITH(check_error_map(map, pairs), Contains("look like metres"));
 }
 
+TEST_CASE("A map that depends on the tool's direction is not judged on pairs without it") {
+  std::vector<PairRow> pairs = lens_pairs(1, "");
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    pairs[i].phi = 2.4 * static_cast<double>(i * i);
+    pairs[i].p_tracker -= 1e-4 * Eigen::Vector2d(std::cos(*pairs[i].phi), std::sin(*pairs[i].phi));
+  }
+  const ErrorMap map = fit_error_map_to_pairs(pairs, {}).result.map;
+  CHECK_NOTHROW(require_directions(map, pairs, "pairs.csv"));
+  CHECK(check_error_map(map, pairs).compensated.rms < 3.0 * test::kFieldNoise);
+  pairs[3].phi.reset();
+  CHECK_THROWS_AS(require_directions(map, pairs, "pairs.csv"), InputError);
+  CHECK_THROWS_WITH(require_directions(map, pairs, "pairs.csv"),
+                    Contains("pairs.csv: the map depends on the tool's direction; pairs need a "
+                             "column phi_deg"));
+  CHECK_NOTHROW(
+      require_directions(fit_error_map_to_pairs(lens_pairs(1, ""), {}).result.map, pairs, ""));
+}
+
 TEST_CASE("About 95 of 100 other pairs lie within the interval of map and noise") {
   const ErrorMap map = fit_error_map_to_pairs(lens_pairs(1, ""), {}).result.map;
   std::vector<PairRow> others = lens_pairs(2, "");

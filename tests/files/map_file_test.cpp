@@ -41,6 +41,17 @@ MapResult multiquadric_on_quadratic_tail() {
   return result;
 }
 
+/// Of an error that turns with the tool.
+MapResult of_directions() {
+  auto samples = test::measure(test::glow_field, test::ring_positions(60), test::kFieldNoise, 1);
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const double phi = 2.4 * static_cast<double>(i * i);
+    samples[i].phi = phi;
+    samples[i].error += 1e-3 * Eigen::Vector2d(std::cos(phi), std::sin(phi));
+  }
+  return fit_error_map({samples});
+}
+
 MapResult sparse() {
   return fit_error_map(
       {test::measure(test::glow_field, test::random_positions(1200, 1), test::kFieldNoise, 1)});
@@ -48,13 +59,14 @@ MapResult sparse() {
 
 TEST_CASE("A map read from its file predicts the same, bit for bit") {
   Files files;
-  const MapResult result =
-      GENERATE(as<MapResult>(), fitted(MapMethod::kRbf), fitted(MapMethod::kIdw),
-               fitted(MapMethod::kHandWidth), multiquadric_on_quadratic_tail(), sparse());
+  const MapResult result = GENERATE(as<MapResult>(), fitted(MapMethod::kRbf),
+                                    fitted(MapMethod::kIdw), fitted(MapMethod::kHandWidth),
+                                    multiquadric_on_quadratic_tail(), of_directions(), sparse());
   const ErrorMap back = read_map(files.write_map(map_text(result, files.pairs, "test")));
   for (const Eigen::Vector2d& p : test::random_positions(200, 2)) {
-    const ErrorPrediction expected = predict(result.map, p);
-    const ErrorPrediction found = predict(back, p);
+    CHECK(depends_on_direction(back) == depends_on_direction(result.map));
+    const ErrorPrediction expected = predict(result.map, p, p.x());
+    const ErrorPrediction found = predict(back, p, p.x());
     CHECK(found.error == expected.error);
     CHECK((found.sigma == expected.sigma || std::isnan(expected.sigma)));
     CHECK(found.inside == expected.inside);
@@ -68,6 +80,19 @@ TEST_CASE("A map's file names its program, its pairs with their hash, and its fi
                        Contains("method: gaussian_rbf") && Contains("loo_rms_mm") &&
                        Contains("noise_mm") && Contains("worth_using: true") &&
                        Contains("scale_um_per_m: ["));
+}
+
+TEST_CASE("Only a map that depends on the tool's direction has directions in its file") {
+  Files files;
+  CHECK_THAT(files.map_text_of(MapMethod::kAuto), !Contains("tool_directions"));
+  std::string text = map_text(of_directions(), files.pairs, "test");
+  CHECK_THAT(text, Contains("tool_directions:"));
+  text = std::regex_replace(text, std::regex("(tool_directions:\n)[^\n]*\n"), "$1");
+  CHECK_THROWS_WITH(read_map(files.write_map(text)),
+                    Contains("tool_directions has 59 points; 60 are needed"));
+  CHECK_THROWS_WITH(read_map(files.write_map(map_text(sparse(), files.pairs, "test") +
+                                             "tool_directions: [[1, 0]]\n")),
+                    Contains("unknown key 'tool_directions'"));
 }
 
 TEST_CASE("Faults of a map's file are named by their place, all at once") {

@@ -84,6 +84,16 @@ refused swapped "are x and y swapped"
 fit good
 expect 2 "are x and y swapped" "$bin/planar-check-error-map" map.yaml swapped.csv
 expect 2 "look like metres" "$bin/planar-check-error-map" map.yaml metres.csv
+
+# An error fixed in the tool's frame, with the tool in any direction.
+{ echo "$header,phi_deg"; awk -F, -v OFS=, '
+  { phi = NR * NR * 137 % 360; a = phi * atan2(0, -1) / 180
+    print $1, $2, $3, $4 - 0.1 * cos(a), $5 - 0.1 * sin(a), phi }' rows.csv; } >turned.csv
+fitted turned "in the tool's frame +0\.(09|10).* -?0\.00.* mm, used"
+"$bin/planar-check-error-map" map.yaml turned.csv >out.txt || fail "turned pairs cannot be checked"
+expect 2 "good.csv: the map depends on the tool's direction; pairs need a column phi_deg" \
+  "$bin/planar-check-error-map" map.yaml good.csv
+
 sed 's/x_tracker_mm/x_traker_mm/' good.csv >typo.csv
 refused typo "lacks the column x_tracker_mm; needed are .*; it has id,.* x_traker_mm"
 expect 2 "absent/map.yaml: cannot be written: there is no folder 'absent'" \
