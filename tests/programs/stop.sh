@@ -25,8 +25,8 @@ if ! command -v script >/dev/null; then
   echo "script is not installed: keys were not tried"
   exit 0
 fi
-# 15 deg take three seconds.
-sed -i 's/max_speed_deg_s: 18/max_speed_deg_s: 5/' cell/gige.yaml
+# 15 deg take three seconds; a slow camera's frames come in time on a busy machine, too.
+sed -i -E 's/max_speed_deg_s: 18/max_speed_deg_s: 5/; s/frame_rate_hz: [0-9.]+/frame_rate_hz: 4/' cell/gige.yaml
 mkfifo keys
 hosted gige -- script -qec "$bin/planar-jog --cell cell/gige.yaml" /dev/null <keys >screen.txt 2>&1 &
 jog=$!
