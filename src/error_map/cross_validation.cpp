@@ -17,8 +17,7 @@ constexpr Eigen::Index kSparsePart = 10000;
 
 constexpr char kUnsolvable[] =
     "the equations of the map without a part of its pairs are too ill conditioned to be solved; "
-    "use "
-    "a smaller width, or let the map choose width and ridge";
+    "use a smaller width, or let the map choose width and ridge";
 
 std::vector<Eigen::Index> all_but(const Blocks& blocks, std::size_t left_out) {
   std::vector<Eigen::Index> rest;
@@ -27,13 +26,12 @@ std::vector<Eigen::Index> all_but(const Blocks& blocks, std::size_t left_out) {
   return rest;
 }
 
-/// The errors that a map like `map` of the sites `rest` predicts at `positions`.
-Eigen::Matrix2Xd predictions(const IdwMap&, const MapSites& rest,
-                             const Eigen::Matrix2Xd& positions) {
+/// The errors that a map like the first of the sites `rest` predicts at the sites `left_out`.
+Eigen::Matrix2Xd predictions(const IdwMap&, const MapSites& rest, const MapSites& left_out) {
   const IdwMap map{rest.positions, rest.errors, {}};
-  Eigen::Matrix2Xd errors(2, positions.cols());
-  for (Eigen::Index i = 0; i < positions.cols(); ++i)
-    errors.col(i) = map.predict_error(positions.col(i));
+  Eigen::Matrix2Xd errors(2, left_out.size());
+  for (Eigen::Index i = 0; i < left_out.size(); ++i)
+    errors.col(i) = map.predict_error(left_out.positions.col(i));
   return errors;
 }
 
@@ -63,7 +61,7 @@ Eigen::Matrix2Xd left_out(const IdwMap& map, const MapSites& sites, const Blocks
   for (std::size_t b = 0; b < blocks.size(); ++b) {
     residuals(Eigen::all, blocks[b]) =
         sites.errors(Eigen::all, blocks[b]) -
-        predictions(map, sites.subset(all_but(blocks, b)), sites.positions(Eigen::all, blocks[b]));
+        predictions(map, sites.subset(all_but(blocks, b)), sites.subset(blocks[b]));
   }
   return residuals;
 }
@@ -72,8 +70,7 @@ Eigen::Matrix2Xd left_out(const IdwMap& map, const MapSites& sites, const Blocks
 Eigen::Matrix2Xd left_out(const RbfMap& map, const MapSites& sites, const Blocks& blocks) {
   Eigen::Matrix2Xd residuals(2, sites.size());
   for (std::size_t b = 0; b < blocks.size(); ++b) {
-    const std::vector<Eigen::Index> others = all_but(blocks, b);
-    const MapSites rest = sites.subset(others);
+    const MapSites rest = sites.subset(all_but(blocks, b));
     const TailBasis& tail = map.parameters().tail_basis;
     if (tail_like(tail, rest.positions, rest.directions).terms() == tail.terms()) {
       const auto found = map.left_out_residuals(blocks[b]);
@@ -111,10 +108,7 @@ Eigen::Matrix2Xd left_out(const SparseRbfMap& map, const MapSites& sites, const 
 
 MapSites part_for(const ErrorMap& map, const MapSites& sites) {
   const bool sparse = std::holds_alternative<SparseRbfMap>(map);
-  const Eigen::Index stride = sparse ? sites.size() / kSparsePart + 1 : 1;
-  std::vector<Eigen::Index> drawn;
-  for (Eigen::Index i = 0; i < sites.size(); i += stride) drawn.push_back(i);
-  return sites.subset(drawn);
+  return sites.every(sparse ? sites.size() / kSparsePart + 1 : 1);
 }
 
 bool is_worth_using(const MapSites& sites, const Eigen::Matrix2Xd& residuals,

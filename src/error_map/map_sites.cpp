@@ -84,6 +84,12 @@ MapSites MapSites::subset(const std::vector<Eigen::Index>& kept) const {
   return sites;
 }
 
+MapSites MapSites::every(Eigen::Index stride) const {
+  std::vector<Eigen::Index> kept;
+  for (Eigen::Index i = 0; i < size(); i += stride) kept.push_back(i);
+  return subset(kept);
+}
+
 Eigen::Vector2d MapSites::direction(Eigen::Index site) const {
   return has_directions() ? Eigen::Vector2d(directions.col(site)) : TailBasis::unknown_direction();
 }

@@ -24,6 +24,8 @@ struct MapSites {
 
   Eigen::Index size() const { return positions.cols(); }
   MapSites subset(const std::vector<Eigen::Index>& kept) const;
+  /// The first site and each `stride` further on.
+  MapSites every(Eigen::Index stride) const;
   bool has_directions() const { return directions.cols() > 0; }
   /// NaN where there are none.
   Eigen::Vector2d direction(Eigen::Index site) const;
@@ -35,8 +37,8 @@ struct MapSites {
 
 /// Merges samples closer together than any camera can tell apart, whatever the tool's direction: a
 /// position is left out as a whole, and a term linear in the direction has the mean error at the
-/// mean direction. Throws InputError naming each
-/// sample that is not finite, or when fewer than three distinct positions remain.
+/// mean direction. Throws InputError naming each sample that is not finite, or when fewer than
+/// three distinct positions remain.
 MapSites merge_samples(const std::vector<ErrorSample>& samples);
 
 }  // namespace planar

@@ -145,10 +145,7 @@ SearchBox search_box(const Eigen::Matrix2Xd& positions) {
 
 /// Every site, or at most `most` of them evenly drawn.
 MapSites part_of(const MapSites& sites, Eigen::Index most) {
-  const Eigen::Index stride = (sites.size() + most - 1) / most;
-  std::vector<Eigen::Index> kept;
-  for (Eigen::Index i = 0; i < sites.size(); i += stride) kept.push_back(i);
-  return sites.subset(kept);
+  return sites.every((sites.size() + most - 1) / most);
 }
 
 /// Where the parabola through three values at -1, 0 and 1 is least, within these.
