@@ -29,6 +29,8 @@ constexpr double kAgeLimit_s = 0.070;
 constexpr double kStartTime_s = 0.5;  ///< a stream needs as long until its first frame
 constexpr double kSilence_s = 3.0;    ///< without a good frame the camera is opened again
 constexpr double kPollPeriod_s = 0.005;
+constexpr double kLateness_s =
+    0.5;  ///< a frame that has not come by then after its trigger is lost
 constexpr double kFirstPause_s = 0.1;  ///< between two attempts to open a lost camera
 constexpr double kLongestPause_s = 2.0;
 constexpr double kOrderTime_s = 5.0;  ///< for the thread to come round and the camera to answer
@@ -81,6 +83,7 @@ struct AravisCamera::Impl {
     while (!stop) {
       try {
         if (!link) {
+          unanswered_s.reset();
           open();
           spdlog::info("the camera is back");
           mailbox.find();
@@ -107,8 +110,10 @@ struct AravisCamera::Impl {
   /// Grabs until stop or until the connection fails.
   void grab() {
     while (!stop) {
-      follow_exposure();
-      follow_region();
+      if (!unanswered_s) {
+        follow_exposure();
+        follow_region();
+      }
       if (settings.trigger == CameraTrigger::kSoftware)
         grab_by_command();
       else
@@ -158,15 +163,26 @@ struct AravisCamera::Impl {
     }
   }
 
+  /// A frame that is late must not pass for the next trigger's: each trigger waits for its own.
   void grab_by_command() {
+    if (!unanswered_s && !trigger()) return;
+    const auto arrival = link->receive(kPollPeriod_s);
+    if (arrival) {
+      take(arrival, std::exchange(unanswered_s, std::nullopt));
+    } else if (clock.now_s() > *unanswered_s + settings.exposure_s + kLateness_s) {
+      unanswered_s.reset();
+      mailbox.note_bad(FrameStatus::kTimeout);
+      link->start(asked_px);  // the frame that is lost cannot come in a new stream
+    }
+  }
+
+  bool trigger() {
     mailbox.sleep_until(next_trigger_s, asked_px);
-    if (stop || mailbox.region() != asked_px) return;
-    const double triggered_s = clock.now_s();
-    const double period_s = 1.0 / settings.frame_rate_hz;
-    next_trigger_s = triggered_s + period_s;
+    if (stop || mailbox.region() != asked_px) return false;
+    unanswered_s = clock.now_s();
+    next_trigger_s = *unanswered_s + 1.0 / settings.frame_rate_hz;
     link->trigger();
-    const double patience_s = settings.exposure_s + 2.0 * period_s + kAgeLimit_s;
-    take(link->receive(patience_s), triggered_s);
+    return true;
   }
 
   /// `began_s`: when the exposure began, where that is known.
@@ -194,6 +210,7 @@ struct AravisCamera::Impl {
   std::unique_ptr<AravisLink> link;
   cv::Rect asked_px;  ///< the region as it was asked for when it was last set
   double next_trigger_s{0.0};
+  std::optional<double> unanswered_s;  ///< when the trigger was sent whose frame has not come
   std::mutex order_mutex;
   std::optional<ExposureOrder> exposure_order;
   std::atomic<bool> stop{false};

@@ -65,6 +65,19 @@ TEST_CASE("A frame is whole, of the region asked for, and exposed after it was a
   }
 }
 
+TEST_CASE("A frame that comes late is dated by its own trigger") {
+  test::SceneSensor sensor;
+  const Server server(sensor);
+  AravisCamera camera(settings_with(CameraTrigger::kSoftware));
+  camera.set_region({0, 0, 64, 64});
+  sensor.delay_s = 0.2;  // longer than any frame takes
+  for (int i = 0; i < 5; ++i) {
+    const FrameResult result = camera.next_frame();
+    REQUIRE(result.status == FrameStatus::kOk);
+    CHECK(result.frame.t_s <= sensor.exposed_s(result.frame.image, result.frame.region_px));
+  }
+}
+
 TEST_CASE("Frames keep coming when the camera's count of 16 bits begins anew") {
   test::SceneSensor sensor;
   const Server server(sensor);

@@ -131,7 +131,7 @@ TEST_CASE("Frames over USB without their end are counted and never handed over")
     if (result.status != FrameStatus::kOk) continue;
     CHECK(test::SceneSensor::shows(result.frame.image, kWhole));
   }
-  CHECK(camera.counts().incomplete > cut);
+  CHECK(camera.counts().incomplete >= cut + 3);
   CHECK(test::in_the_end([&] { return !camera.fault(); }));
 }
 

@@ -12,7 +12,8 @@ namespace planar::test {
 /// A sensor without noise whose every pixel is known, and that remembers its exposures.
 class SceneSensor {
  public:
-  std::atomic<bool> frozen{false};  ///< shows its last picture again and again
+  std::atomic<bool> frozen{false};   ///< shows its last picture again and again
+  std::atomic<double> delay_s{0.0};  ///< its next picture comes as much later, once
 
   cv::Mat expose(const cv::Rect& region_px, double brightness) {
     const std::lock_guard<std::mutex> lock(mutex_);
@@ -25,6 +26,7 @@ class SceneSensor {
     for (int row = 0; row < image.rows; ++row)
       for (int column = 0; column < image.cols; ++column)
         image.at<std::uint8_t>(row, column) = level(region_px.x + column, region_px.y + row, shot);
+    clock_.sleep_for_s(delay_s.exchange(0.0));
     return image;
   }
 
