@@ -5,6 +5,7 @@
 
 #include "app/fit_error_map.h"
 #include "app/progress.h"
+#include "core/fixed.h"
 #include "core/units.h"
 #include "error_map/compare_methods.h"
 #include "files/map_file.h"
@@ -92,9 +93,9 @@ void print(const FitErrorMapReport& report) {
   if (std::isfinite(result.noise_sigma))
     fmt::print("noise               {:.4f} mm per axis\n", result.noise_sigma / kMillimetre);
   if (const auto bias = tool_bias(result.map))
-    fmt::print("in the tool's frame {:.4f} {:.4f} +- {:.4f} mm, used\n", bias->t.x() / kMillimetre,
-               bias->t.y() / kMillimetre, bias->sigma / kMillimetre);
-  fmt::print("gain                {:.1f} %, {}\n", 100.0 * result.gain(),
+    fmt::print("in the tool's frame {} +- {:.4f} mm, used\n", fixed(bias->t / kMillimetre, 4, " "),
+               bias->sigma / kMillimetre);
+  fmt::print("gain                {} %, {}\n", fixed(100.0 * result.gain(), 1),
              result.worth_using ? "worth using" : "NOT significant: do not use this map");
 }
 

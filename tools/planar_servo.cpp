@@ -11,6 +11,7 @@
 #include "app/servo_run.h"
 #include "app/target_stream.h"
 #include "core/error.h"
+#include "core/fixed.h"
 #include "core/units.h"
 #include "program.h"
 #include "text/atomic_file.h"
@@ -50,7 +51,7 @@ void add_options(CLI::App& app, Options& options) {
   app.add_flag("--home", options.home,
                "home drives that lost their position, which moves the arm; without it a terminal "
                "is asked");
-  app.add_flag("--resume", options.resume, "go on with the run in DIR");
+  app.add_flag("--resume", options.resume, "go on with the run in DIR")->needs(out);
   app.add_option(
          "--display", options.display,
          "auto: draw every step into DIR/view.png and, where an X server answers, a window; "
@@ -90,9 +91,9 @@ Outcome print_dry_run(const CellSettings& cell, const std::vector<TargetRow>& ta
       fmt::print("{}: refused: {}\n", row.id, *row.plan.refusal);
       continue;
     }
-    const Eigen::Vector3d deg = row.plan.theta / kDegree;
-    fmt::print("{}: joints {:.4f} {:.4f} {:.4f} deg, pulses {} {} {}\n", row.id, deg[0], deg[1],
-               deg[2], row.pulses[0], row.pulses[1], row.pulses[2]);
+    fmt::print("{}: joints {} deg, pulses {} {} {}\n", row.id,
+               fixed(row.plan.theta / kDegree, 4, " "), row.pulses[0], row.pulses[1],
+               row.pulses[2]);
   }
   return {{{"moves", moves}}, all_possible};
 }

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "core/fixed.h"
 #include "core/units.h"
 #include "report/html_page.h"
 #include "report/text_table.h"
@@ -34,9 +35,9 @@ std::string figures_line(const char* judge, const std::optional<Summary>& before
   if (!before || !after) return "";
   return fmt::format(
       "{}: before {:.3f} mm mean; after {:.4f} mm mean, {:.4f} rms, {:.4f} at 95 %, {:.4f} max; "
-      "improvement {:.1f} %\n",
+      "improvement {} %\n",
       judge, mm(before->mean), mm(after->mean), mm(after->rms), mm(after->p95), mm(after->max),
-      100.0 * improvement(*before, *after));
+      fixed(100.0 * improvement(*before, *after), 1));
 }
 
 std::string in_mm(const std::optional<Eigen::Vector2d>& error) {
@@ -114,7 +115,7 @@ std::string servo_page(const ServoRequest& request, const std::vector<TargetResu
   TextTable table("Targets", {"target", "x mm", "y mm", "status", "corrections", "own view mm",
                               "uncertainty mm", "truth mm"});
   for (const TargetResult& r : results)
-    table.add_row({r.id, fmt::format("{:.3f}", mm(r.p_d.x())), fmt::format("{:.3f}", mm(r.p_d.y())),
+    table.add_row({r.id, fixed(mm(r.p_d.x()), 3), fixed(mm(r.p_d.y()), 3),
                    r.reason.empty() ? name(r.status) : name(r.status) + (": " + r.reason),
                    std::to_string(r.iterations), in_mm(r.after_own),
                    r.uncertainty_m ? fmt::format("{:.4f}", mm(*r.uncertainty_m)) : "–",

@@ -4,26 +4,29 @@
 
 #include <algorithm>
 
+#include "core/fixed.h"
 #include "core/units.h"
 
 namespace planar {
+namespace {
+
+std::string in_mm(const Eigen::Vector2d& p) {
+  return fmt::format("({}) mm", fixed(p / kMillimetre, 3, ", "));
+}
+
+}  // namespace
 
 std::optional<std::string> Workspace::violation(const Eigen::Vector2d& p_B) const {
-  const Eigen::Vector2d mm = p_B / kMillimetre;
   const double radius = p_B.norm();
   if (!(radius >= radius_min_m && radius <= radius_max_m))
     return fmt::format(
-        "({:.3f}, {:.3f}) mm is {:.3f} mm from the base; the workspace reaches from "
+        "{} is {:.3f} mm from the base; the workspace reaches from "
         "{:.3f} to {:.3f} mm",
-        mm.x(), mm.y(), radius / kMillimetre, radius_min_m / kMillimetre,
-        radius_max_m / kMillimetre);
+        in_mm(p_B), radius / kMillimetre, radius_min_m / kMillimetre, radius_max_m / kMillimetre);
   for (const KeepOut& disc : keep_out)
     if ((p_B - disc.p_B).norm() < disc.radius_m)
-      return fmt::format(
-          "({:.3f}, {:.3f}) mm lies in the keep-out disc of {:.3f} mm about "
-          "({:.3f}, {:.3f}) mm",
-          mm.x(), mm.y(), disc.radius_m / kMillimetre, disc.p_B.x() / kMillimetre,
-          disc.p_B.y() / kMillimetre);
+      return fmt::format("{} lies in the keep-out disc of {:.3f} mm about {}", in_mm(p_B),
+                         disc.radius_m / kMillimetre, in_mm(disc.p_B));
   return std::nullopt;
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "app/servo_report.h"
+#include "core/fixed.h"
 #include "core/units.h"
 #include "experiment/experiment_plan.h"
 #include "experiment/paper_figures.h"
@@ -49,8 +50,7 @@ TextTable positioning_table(const ExperimentReport& report) {
   const auto row = [&](const std::string& label, double before, double paper_chain, double ours,
                        double paper_before, double paper_after) {
     table.add_row({label, fmt::format("{:.3f}", before), fmt::format("{:.3f}", paper_chain),
-                   fmt::format("{:.4f}", ours),
-                   fmt::format("{:.1f} %", 100.0 * (1.0 - ours / before)),
+                   fmt::format("{:.4f}", ours), fixed(100.0 * (1.0 - ours / before), 1) + " %",
                    fmt::format("{:.3f}", paper_before), fmt::format("{:.3f}", paper_after)});
   };
   for (std::size_t i = 0; i < report.table7.size(); ++i) {

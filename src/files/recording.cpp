@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "core/fixed.h"
 #include "core/units.h"
 
 namespace planar {
@@ -51,7 +52,8 @@ std::vector<FrameRow> read_frames(const std::filesystem::path& recording) {
                      ": is not a folder; a recording made by planar-record is needed");
   if (!std::filesystem::exists(recording / "frames.csv"))
     throw InputError(recording.string() +
-                     ": holds no frames.csv; a recording made by planar-record is needed");
+                     ": holds no frames.csv; a recording made by planar-record is needed (pictures "
+                     "are named one by one: FOLDER/*)");
   CsvFile table(recording / "frames.csv", "frames", frame_columns());
   std::vector<FrameRow> rows;
   while (table.next_row()) {
@@ -91,11 +93,10 @@ std::string frames_header() {
 }
 
 std::string frame_line(const FrameRow& row) {
-  const Joints deg = row.theta / kDegree;
   const cv::Rect& r = row.region_px;
-  return fmt::format("{},{},{:.6f},{},{:.9f},{:.9f},{:.9f},{},{},{},{},{},{},{}\n", row.id,
-                     row.image, row.t_s, row.plan, deg[0], deg[1], deg[2], row.pulses[0],
-                     row.pulses[1], row.pulses[2], r.x, r.y, r.width, r.height);
+  return fmt::format("{},{},{:.6f},{},{},{},{},{},{},{},{},{}\n", row.id, row.image, row.t_s,
+                     row.plan, fixed(row.theta / kDegree, 9, ","), row.pulses[0], row.pulses[1],
+                     row.pulses[2], r.x, r.y, r.width, r.height);
 }
 
 std::string tracker_header() {
@@ -103,8 +104,7 @@ std::string tracker_header() {
 }
 
 std::string tracker_line(const TrackerRow& row) {
-  const Eigen::Vector3d mm = row.p_L / kMillimetre;
-  return fmt::format("{},{:.6f},{:.5f},{:.5f},{:.5f}\n", row.id, row.t_s, mm.x(), mm.y(), mm.z());
+  return fmt::format("{},{:.6f},{}\n", row.id, row.t_s, fixed(row.p_L / kMillimetre, 5, ","));
 }
 
 }  // namespace planar

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "core/fixed.h"
 #include "core/units.h"
 #include "text/csv_table.h"
 
@@ -16,7 +17,7 @@ constexpr ServoStatus kStatuses[] = {ServoStatus::kReached,      ServoStatus::kO
                                      ServoStatus::kRefused};
 
 std::string in_mm(const Eigen::Vector2d& p) {
-  return fmt::format("{:.6f},{:.6f}", p.x() / kMillimetre, p.y() / kMillimetre);
+  return fixed(p / kMillimetre, 6, ",");
 }
 
 std::string error_fields(const std::optional<Eigen::Vector2d>& error) {
@@ -111,15 +112,14 @@ std::string step_line(const std::string& id, const ServoStep& step) {
   const TipMeasurement& m = step.measurement;
   std::string seen = ",,,,,,,,,,,,,,";
   if (m.ok())
-    seen = fmt::format("{:.4f},{:.4f},{:.4f},{:.4f},{},{:.6f},{},{},{:.6f},{},{:.6f}",
-                       m.lamps_px[0].x(), m.lamps_px[0].y(), m.lamps_px[1].x(), m.lamps_px[1].y(),
-                       in_mm(m.p_vision), m.tip.phi / kDegree, in_mm(m.correction), in_mm(m.tip.p),
-                       m.uncertainty_m / kMillimetre, in_mm(step.error),
-                       step.error.norm() / kMillimetre);
-  const Joints deg = step.theta_c / kDegree;
-  return fmt::format("{},{},{:.6f},{},{},{:.6f},{:.9f},{:.9f},{:.9f},{},{},{}\n", id,
-                     step.iteration, m.t_s, m.status, seen, step.stop_below_m / kMillimetre, deg[0],
-                     deg[1], deg[2], step.pulses_c[0], step.pulses_c[1], step.pulses_c[2]);
+    seen =
+        fmt::format("{},{},{},{},{},{},{:.6f},{},{:.6f}", fixed(m.lamps_px[0], 4, ","),
+                    fixed(m.lamps_px[1], 4, ","), in_mm(m.p_vision), fixed(m.tip.phi / kDegree, 6),
+                    in_mm(m.correction), in_mm(m.tip.p), m.uncertainty_m / kMillimetre,
+                    in_mm(step.error), step.error.norm() / kMillimetre);
+  return fmt::format("{},{},{:.6f},{},{},{:.6f},{},{},{},{}\n", id, step.iteration, m.t_s, m.status,
+                     seen, step.stop_below_m / kMillimetre, fixed(step.theta_c / kDegree, 9, ","),
+                     step.pulses_c[0], step.pulses_c[1], step.pulses_c[2]);
 }
 
 }  // namespace planar

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "core/error.h"
+#include "core/fixed.h"
 #include "core/units.h"
 
 namespace planar {
@@ -52,11 +53,9 @@ std::string targets_header() {
 }
 
 std::string target_line(const TargetRow& row) {
-  const Eigen::Vector2d mm = row.p_d / kMillimetre;
-  const std::string phi =
-      row.phi_d ? fmt::format("{:.{}f}", *row.phi_d / kDegree, kAngleDecimals) : "";
-  return fmt::format("{},{:.{}f},{:.{}f},{}\n", row.id, mm.x(), kMillimetreDecimals, mm.y(),
-                     kMillimetreDecimals, phi);
+  const std::string phi = row.phi_d ? fixed(*row.phi_d / kDegree, kAngleDecimals) : "";
+  return fmt::format("{},{},{}\n", row.id, fixed(row.p_d / kMillimetre, kMillimetreDecimals, ","),
+                     phi);
 }
 
 TargetLines::TargetLines(const std::string& source, std::set<std::string> taken)

@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "core/fixed.h"
 #include "text/atomic_file.h"
 
 namespace planar {
@@ -117,10 +118,14 @@ void CsvTable::read_header(int line_number) {
   for (const std::string& column : required_)
     if (std::find(columns.begin(), columns.end(), column) == columns.end())
       missing.push_back(column);
-  if (!missing.empty())
-    throw InputError(fmt::format("{}: lacks the column{} {}; needed are {}; it has {}",
+  if (!missing.empty()) {
+    const std::string hint =
+        columns.size() > 1 ? ""
+                           : fmt::format(" (what separates columns is '{}')", dialect_.separator);
+    throw InputError(fmt::format("{}: lacks the column{} {}; needed are {}; it has {}{}",
                                  source_.string(), missing.size() > 1 ? "s" : "", joined(missing),
-                                 required_columns(), joined(columns)));
+                                 required_columns(), joined(columns), hint));
+  }
   columns_ = std::move(columns);
 }
 
@@ -218,7 +223,7 @@ CsvWriter& CsvWriter::add(const std::string& text) {
 }
 
 CsvWriter& CsvWriter::add(double value, int decimals) {
-  return add(fmt::format("{:.{}f}", value, decimals));
+  return add(fixed(value, decimals));
 }
 
 CsvWriter& CsvWriter::add_significant(double value, int digits) {

@@ -40,6 +40,9 @@ grep -q "^targets: 3" run/run.yaml || fail "no report of the session"
 printf 'id,x_mm,y_mm\na,200,100\n' |
   "$bin/planar-servo" --cell cell/cell.yaml --targets - --dry-run >plans 2>err.txt
 grep -q '^{"line":2,"target":"a","status":"planned","theta_deg":\[' plans || fail "$(cat plans)"
+printf 'id,x_mm,y_mm\na,0,450\nb,0,300\n' >targets.csv
+"$bin/planar-servo" --cell cell/cell.yaml --targets targets.csv --dry-run >plans 2>err.txt
+if grep -q -- ' -0.0000 ' plans; then fail "a negative zero: $(cat plans)"; fi
 printf 'a,200,100\n' | "$bin/planar-servo" --cell cell/cell.yaml --targets - --check >plans 2>err.txt
 status=0
 printf 'id,x_m,y_m\na,0.2,0.1\n' |

@@ -1,0 +1,23 @@
+#include "core/fixed.h"
+
+#include <fmt/format.h>
+
+namespace planar {
+
+std::string fixed(double value, int places) {
+  std::string text = fmt::format("{:.{}f}", value, places);
+  if (text.find_first_not_of("-0.") == std::string::npos && text[0] == '-') text.erase(0, 1);
+  return text;
+}
+
+std::string fixed(const Eigen::Ref<const Eigen::VectorXd>& values, int places,
+                  std::string_view separator) {
+  std::string text;
+  for (const double value : values) {
+    if (!text.empty()) text += separator;
+    text += fixed(value, places);
+  }
+  return text;
+}
+
+}  // namespace planar

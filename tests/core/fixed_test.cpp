@@ -1,0 +1,23 @@
+#include "core/fixed.h"
+
+#include <catch2/catch.hpp>
+#include <limits>
+
+namespace planar {
+
+TEST_CASE("What rounds to zero has no sign, everything else keeps its own") {
+  CHECK(fixed(-0.0, 3) == "0.000");
+  CHECK(fixed(-0.0004, 3) == "0.000");
+  CHECK(fixed(-0.0006, 3) == "-0.001");
+  CHECK(fixed(-0.4, 0) == "0");
+  CHECK(fixed(-10.0, 0) == "-10");
+  CHECK(fixed(0.0004, 3) == "0.000");
+  CHECK(fixed(-std::numeric_limits<double>::infinity(), 1) == "-inf");
+}
+
+TEST_CASE("Several values stand between their separators") {
+  CHECK(fixed(Eigen::Vector3d(-1.25, -1e-9, 30.0), 2, ", ") == "-1.25, 0.00, 30.00");
+  CHECK(fixed(Eigen::VectorXd(0), 2, ", ").empty());
+}
+
+}  // namespace planar
