@@ -71,13 +71,18 @@ function(planar_write_house file)
   file(WRITE ${file} "${text}")
 endfunction()
 
-# planar_program(NAME): the program planar-NAME from tools/planar_NAME.cpp.
+# planar_program(NAME [ROOM]): the program planar-NAME from tools/planar_NAME.cpp upon a room, app
+# unless another is named.
 function(planar_program name)
+  set(room app)
+  if(ARGN)
+    set(room ${ARGN})
+  endif()
   string(REPLACE "-" "_" source ${name})
   add_executable(planar-${name} planar_${source}.cpp)
   set_target_properties(planar-${name} PROPERTIES CXX_STANDARD 17 CXX_EXTENSIONS OFF
                         RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
-  target_link_libraries(planar-${name} PRIVATE planar_program planar_app planar_experiment)
+  target_link_libraries(planar-${name} PRIVATE planar_program planar_${room})
   install(TARGETS planar-${name})
 endfunction()
 

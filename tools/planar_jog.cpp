@@ -2,10 +2,11 @@
 
 #include <filesystem>
 #include <iostream>
+#include <sstream>
 
-#include "app/jog_console.h"
-#include "app/jog_keys.h"
-#include "app/raw_terminal.h"
+#include "jog/jog_console.h"
+#include "jog/jog_keys.h"
+#include "jog/raw_terminal.h"
 #include "program.h"
 
 namespace planar {
@@ -56,7 +57,9 @@ class Session {
 };
 
 bool ends(const std::string& command) {
-  return command == "quit";
+  std::string verb;
+  std::istringstream(command) >> verb;
+  return verb == "quit";
 }
 
 void follow_lines(Session& session) {

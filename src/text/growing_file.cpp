@@ -10,7 +10,8 @@ namespace planar {
 
 GrowingFile::GrowingFile(std::filesystem::path path, const std::string& header)
     : path_(std::move(path)) {
-  if (!std::filesystem::exists(path_)) write_file(path_, header);
+  if (!std::filesystem::exists(path_) || std::filesystem::is_empty(path_))
+    write_file(path_, header);
 }
 
 void GrowingFile::append(const std::string& lines) {

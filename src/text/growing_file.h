@@ -8,7 +8,7 @@ namespace planar {
 /// A table that grows during a run, whole lines at a time; what was written survives a crash.
 class GrowingFile {
  public:
-  /// Makes the file with its header, or goes on with the one that is there.
+  /// Makes the file with its header, or goes on with the one that is there unless it is empty.
   GrowingFile(std::filesystem::path path, const std::string& header);
 
   /// Throws WorkError when the disk takes no more.

@@ -23,6 +23,13 @@ printf '%s\n' enable where 'joint 2 5,0' 'x 10 mm' 'jonit 2 5' 'x 900' 'teach a'
 [ "$(sort out.txt | uniq -c | awk '$1 == 2' | grep -c 'end point')" -eq 1 ] || fail "$(cat out.txt)"
 cmp -s taught.csv before.csv || fail "a refused place was taught"
 
+# Nothing taught, nothing written; an empty table is one without targets.
+echo enable | jog --teach none.csv || fail "$(cat err.txt)"
+[ ! -e none.csv ] || fail "a session that taught nothing left $(cat none.csv)"
+: >empty.csv
+printf '%s\n' enable 'joint 2 15' 'teach a' ' quit  now' | jog --teach empty.csv || fail "$(cat err.txt)"
+"$bin/planar-servo" -q --cell cell/cell.yaml --targets empty.csv --dry-run >plans.txt || fail "$(cat plans.txt)"
+
 status=0
 echo enable | jog --teach plan.csv || status=$?
 [ "$status" -eq 2 ] || fail "teaching into another table ended with $status"

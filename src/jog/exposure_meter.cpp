@@ -1,4 +1,4 @@
-#include "app/exposure_meter.h"
+#include "jog/exposure_meter.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "app/jog_keys.h"
+#include "jog/jog_keys.h"
 
 #include <fmt/format.h>
 

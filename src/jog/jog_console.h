@@ -9,8 +9,8 @@
 
 #include "app/cell_devices.h"
 #include "app/lamp_tip_sensor.h"
-#include "app/taught_targets.h"
 #include "arm/joint_planner.h"
+#include "jog/taught_targets.h"
 #include "robot/planar_robot.h"
 
 namespace planar {

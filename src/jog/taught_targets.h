@@ -5,23 +5,23 @@
 #include <string>
 
 #include "files/target_table.h"
-#include "text/growing_file.h"
 
 namespace planar {
 
 /// A targets.csv that grows by places shown to it, a whole line at a time.
 class TaughtTargets {
  public:
-  /// Goes on with the file that is there. Throws InputError naming its bad rows, when its columns
-  /// are not id, x_mm, y_mm, phi_deg in this order, or when its last line has no end.
-  explicit TaughtTargets(const std::filesystem::path& path);
+  /// Goes on with the file that is there; one that is empty or missing is begun with the first
+  /// target. Throws InputError naming its bad rows, when its columns are not id, x_mm, y_mm,
+  /// phi_deg in this order, when its last line has no end, or when the file could not be written.
+  explicit TaughtTargets(std::filesystem::path path);
 
   /// Throws InputError for an id that is taken or cannot be one; the file is as before then.
   void append(const TargetRow& target);
 
  private:
+  std::filesystem::path path_;
   std::set<std::string> ids_;
-  GrowingFile file_;
 };
 
 }  // namespace planar

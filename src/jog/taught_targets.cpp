@@ -1,4 +1,4 @@
-#include "app/taught_targets.h"
+#include "jog/taught_targets.h"
 
 #include <fmt/format.h>
 
@@ -7,22 +7,24 @@
 #include "core/error.h"
 #include "text/atomic_file.h"
 #include "text/csv_table.h"
+#include "text/growing_file.h"
 
 namespace planar {
 namespace {
 
-/// The lines of a table that is to grow; the text of an empty one when there is no file.
+/// The lines of a table that is to grow.
 std::string text_of(const std::filesystem::path& path) {
-  if (!std::filesystem::exists(path)) return targets_header();
+  if (!std::filesystem::exists(path)) return "";
   std::string text = read_file(path);
-  if (text.empty() || text.back() != '\n')
+  if (!text.empty() && text.back() != '\n')
     throw InputError(path.string() + ": its last line has no end; mend it or name another file");
   return text;
 }
 
 std::set<std::string> ids_in(const std::filesystem::path& path) {
   TargetLines lines(path.string());
-  std::istringstream text(text_of(path));
+  const std::string whole = text_of(path);
+  std::istringstream text(whole);
   std::set<std::string> ids;
   Faults faults;
   for (std::string line; std::getline(text, line);) {
@@ -41,13 +43,18 @@ std::set<std::string> ids_in(const std::filesystem::path& path) {
           path.string(), lines.line(), line));
   }
   faults.throw_if_any();
+  if (!whole.empty() && !lines.has_columns())
+    throw InputError(path.string() +
+                     ": has no header; write id,x_mm,y_mm,phi_deg there or name another file");
   return ids;
 }
 
 }  // namespace
 
-TaughtTargets::TaughtTargets(const std::filesystem::path& path)
-    : ids_(ids_in(path)), file_(path, targets_header()) {}
+TaughtTargets::TaughtTargets(std::filesystem::path path)
+    : path_(std::move(path)), ids_(ids_in(path_)) {
+  require_writable(path_);
+}
 
 void TaughtTargets::append(const TargetRow& target) {
   if (target.id.empty() || target.id[0] == '#' || target.id.find(',') != std::string::npos)
@@ -55,7 +62,7 @@ void TaughtTargets::append(const TargetRow& target) {
         fmt::format("the id '{}' cannot stand in a table: no comma, no '#' first", target.id));
   if (ids_.count(target.id) != 0)
     throw InputError(fmt::format("the id '{}' is taken; ids must differ", target.id));
-  file_.append(target_line(target));
+  GrowingFile(path_, targets_header()).append(target_line(target));
   ids_.insert(target.id);
 }
 

@@ -1,4 +1,4 @@
-#include "app/raw_terminal.h"
+#include "jog/raw_terminal.h"
 
 #include <poll.h>
 #include <unistd.h>

@@ -1,4 +1,4 @@
-#include "app/jog_console.h"
+#include "jog/jog_console.h"
 
 #include <fmt/format.h>
 
@@ -6,10 +6,11 @@
 #include <cmath>
 #include <sstream>
 
-#include "app/exposure_meter.h"
 #include "app/motion_plan.h"
 #include "core/error.h"
+#include "core/fixed.h"
 #include "core/units.h"
+#include "jog/exposure_meter.h"
 #include "text/csv_table.h"
 
 namespace planar {
@@ -40,7 +41,7 @@ int joint_of(const std::string& word) {
 }
 
 std::string in_mm(const Eigen::Vector2d& p) {
-  return fmt::format("({:.3f}, {:.3f}) mm", p.x() / kMillimetre, p.y() / kMillimetre);
+  return fmt::format("({}) mm", fixed(p / kMillimetre, 3, ", "));
 }
 
 }  // namespace
@@ -206,10 +207,9 @@ std::optional<std::string> JogConsole::refusal(const Joints& theta) const {
 
 std::string JogConsole::where(const Words& /*words*/) {
   const Joints theta = robot_.commanded_joints();
-  const Joints deg = theta / kDegree;
   const TipPose tip = planner_.arm().forward(theta);
-  return fmt::format("joints {:.3f} {:.3f} {:.3f} deg, end point {}, phi {:.3f} deg", deg[0],
-                     deg[1], deg[2], in_mm(tip.p), tip.phi / kDegree);
+  return fmt::format("joints {} deg, end point {}, phi {} deg", fixed(theta / kDegree, 3, " "),
+                     in_mm(tip.p), fixed(tip.phi / kDegree, 3));
 }
 
 std::string JogConsole::look(const Words& /*words*/) {

@@ -1,12 +1,12 @@
-#include "app/jog_console.h"
+#include "jog/jog_console.h"
 
 #include <catch2/catch.hpp>
 #include <limits>
 
-#include "app/exposure_meter.h"
-#include "app/jog_keys.h"
 #include "core/error.h"
 #include "core/units.h"
+#include "jog/exposure_meter.h"
+#include "jog/jog_keys.h"
 #include "support/sample_cells.h"
 #include "support/temporary_folder.h"
 #include "text/atomic_file.h"
@@ -215,6 +215,31 @@ TEST_CASE("Taught places become a table of targets, an id that is taken or none 
   REQUIRE(targets.size() == 2);
   CHECK((targets[0].p_d - targets[1].p_d - Eigen::Vector2d(0.01, 0.0)).norm() <
         kOnePulse_mm * kMillimetre);
+}
+
+TEST_CASE("A table is begun with the first place taught, also where an empty file is") {
+  const test::TemporaryFolder folder;
+  const auto file = folder.path() / "new.csv", empty = folder.write("empty.csv", "");
+  TaughtTargets begun(file), filled(empty);
+  CHECK_FALSE(std::filesystem::exists(file));
+  CHECK(std::filesystem::is_empty(empty));
+  begun.append({"a", {0.1, 0.2}, 0.0});
+  filled.append({"a", {0.1, 0.2}, 0.0});
+  CHECK(read_targets(file).size() == 1);
+  CHECK(read_file(empty) == read_file(file));
+}
+
+TEST_CASE("A table that could not be written or has no header is refused before anything moves") {
+  const test::TemporaryFolder folder;
+  CHECK_THROWS_WITH(TaughtTargets(folder.path() / "absent" / "t.csv"),
+                    Contains("t.csv: cannot be written: there is no folder"));
+  CHECK_THROWS_WITH(TaughtTargets(folder.write("t.csv", "# places\n")),
+                    Contains("t.csv: has no header; write id,x_mm,y_mm,phi_deg there"));
+}
+
+TEST_CASE("Where the arm stands is told without a negative zero") {
+  CHECK_THAT(Bench().done("where"),
+             Contains("phi 0.000 deg"));  // the nearest pulses lie just below 0
 }
 
 TEST_CASE("A table is gone on with only when its ids are known and its last line is whole") {
