@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <fstream>
-#include <sstream>
 
 #include "app/camera_doctor.h"
 #include "app/cell_camera.h"
+#include "app/cell_devices.h"
 #include "core/error.h"
 #include "frame_source/aravis_settings.h"
 #include "robot/tic_inspection.h"
@@ -16,6 +16,8 @@ namespace {
 
 /// Frames of 26 MB in flight do not fit into the kernel's usual 16 MB.
 constexpr int kEnoughUsbMemory_mb = 64;
+
+constexpr char kVirtual[] = "is virtual; there is no device to examine";
 
 using Verdict = Finding::Verdict;
 
@@ -55,19 +57,14 @@ std::string excess_of(const MotorDrive& motor, double pulses_per_rad) {
 }  // namespace
 
 std::vector<Finding> examine_cell(const std::filesystem::path& cell_file) {
-  std::vector<Finding> findings;
-  CellSettings cell;
-  try {
-    cell = read_cell(cell_file);
-  } catch (const InputError& error) {
-    std::istringstream faults(error.what());
-    for (std::string line; std::getline(faults, line);)
-      findings.push_back({Verdict::kFaulty, "cell file", line, "correct the file"});
+  const CellSettings cell = read_cell(cell_file);
+  require_devices(cell);
+  std::vector<Finding> findings{{Verdict::kWell, "cell file", cell_file.string() + " is in order"}};
+  for (Finding& finding : examine_drives(cell)) findings.push_back(std::move(finding));
+  if (cell.camera.source == "virtual") {
+    findings.push_back({Verdict::kWell, "camera", kVirtual});
     return findings;
   }
-  findings.push_back({Verdict::kWell, "cell file", cell_file.string() + " is in order"});
-  for (Finding& finding : examine_drives(cell)) findings.push_back(std::move(finding));
-  if (cell.camera.source != "aravis") return findings;
   for (Finding& finding : examine_camera(cell.camera, aravis_settings(cell)))
     findings.push_back(std::move(finding));
   if (cell.camera.connection.address.empty()) findings.push_back(examine_usb_memory());
@@ -82,7 +79,7 @@ std::vector<Finding> examine_drives(const CellSettings& cell) {
     const auto joint = static_cast<std::size_t>(i);
     const std::string subject = fmt::format("drive {}", i + 1);
     if (cell.drives[joint].kind != "tic") {
-      findings.push_back({Verdict::kWell, subject, "is virtual"});
+      findings.push_back({Verdict::kWell, subject, kVirtual});
       continue;
     }
     findings.push_back(examine_tic(bus, subject, cell.drives[joint].serial));

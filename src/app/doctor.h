@@ -18,7 +18,8 @@ struct Finding {
 };
 
 /// Everything that can be looked at of a cell without moving or switching on anything: its file,
-/// its drives, its camera and the memory of USB. A file with faults ends the visit.
+/// its drives, its camera and the memory of USB. Throws InputError for a file with faults, and for
+/// devices that do not go together.
 std::vector<Finding> examine_cell(const std::filesystem::path& cell_file);
 
 /// Presence, permission, firmware, settings, supply and errors of every Tic, and whether the speeds

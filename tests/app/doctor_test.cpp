@@ -3,10 +3,12 @@
 #include <catch2/catch.hpp>
 
 #include "app/camera_doctor.h"
+#include "core/error.h"
 #include "frame_source/camera_inspection.h"
 #include "frame_source/camera_path.h"
 #include "support/sample_cells.h"
 #include "support/temporary_folder.h"
+#include "text/atomic_file.h"
 
 namespace planar {
 namespace {
@@ -39,19 +41,31 @@ const CameraPath kGigabit{"eth0", 1500, 1e9};
 
 TEST_CASE("A virtual cell in order has nothing to mend") {
   const auto findings = examine_cell(test::paper_cell_file());
-  CHECK(findings.size() == 4);
+  CHECK(findings.size() == 5);
   for (const Finding& finding : findings) {
     CHECK(finding.verdict == Verdict::kWell);
     CHECK(finding.remedy.empty());
   }
+  CHECK(findings.back().subject == "camera");
+  CHECK_THAT(findings.back().what, Contains("virtual") && Contains("no device to examine"));
 }
 
-TEST_CASE("Every fault of a cell file is a finding of its own") {
+TEST_CASE("A cell file with faults is refused with all of them") {
   const test::TemporaryFolder folder;
-  const auto findings =
-      examine_cell(folder.write("cell.yaml", "format: planar-servo/cell/1\ncamera: 3\n"));
-  CHECK(findings.size() > 5);
-  for (const Finding& finding : findings) CHECK(finding.verdict == Verdict::kFaulty);
+  const auto file = folder.write("cell.yaml", "format: planar-servo/cell/1\ncamera: 3\n");
+  CHECK_THROWS_AS(examine_cell(file), InputError);
+  CHECK_THROWS_WITH(examine_cell(file), Contains("camera") && Contains("'drives'"));
+}
+
+TEST_CASE("A virtual camera with real drives is refused, as by the programs that move them") {
+  const test::TemporaryFolder folder;
+  std::string text = read_file(test::paper_cell_file());
+  const std::string kind = "kind: virtual,";
+  text.replace(
+      text.find(kind), kind.size(),
+      "kind: tic, serial: \"1\", command_timeout_ms: 1000, home: {reference: taught, at_deg: 0},");
+  CHECK_THROWS_WITH(examine_cell(folder.write("cell.yaml", text)),
+                    Contains("a virtual camera sees virtual drives only"));
 }
 
 TEST_CASE("Little memory for USB is doubtful, with the command that gives more") {
