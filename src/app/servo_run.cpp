@@ -21,12 +21,17 @@ constexpr double kDrivePatience_s = 60.0;
 constexpr int kMaxDriveRecoveries =
     3;  ///< of one target; a drive that fails again and again is broken
 
-std::vector<TargetResult> results_so_far(const fs::path& results, bool resume) {
-  if (!fs::exists(results)) return {};
-  if (!resume)
+std::vector<TargetResult> results_so_far(const fs::path& folder, bool resume) {
+  const fs::path results = folder / "results.csv";
+  const bool begun = fs::exists(results);
+  if (begun && !resume)
     throw InputError(results.string() +
                      ": holds a run already; name another folder or add --resume");
-  return read_results(results);
+  if (!begun && resume)
+    throw InputError(folder.string() +
+                     ": holds no run to go on with; name the folder of one, or leave out --resume "
+                     "to begin one there");
+  return begun ? read_results(results) : std::vector<TargetResult>();
 }
 
 const fs::path& folder_made(const fs::path& path) {
@@ -96,7 +101,7 @@ ServoRun::ServoRun(const ServoRequest& request, CellDevices& devices, Observer o
       observer_(std::move(observer)),
       may_home_(request.may_home),
       true_tip_(devices.true_tip()),
-      results_(results_so_far(request.out / "results.csv", request.resume)),
+      results_(results_so_far(request.out, request.resume)),
       sensor_(cell_, read_vision(cell_, request.use_error_map), request.center, devices.camera()),
       steps_(folder_made(request.out) / "steps.csv", steps_header()),
       table_(request.out / "results.csv", results_header()),

@@ -46,7 +46,8 @@ class ServoRun {
   using Observer = std::function<void(const ServoSight&)>;
 
   /// Switches the drives on. `observer`, which may be empty, is called at every step and must not
-  /// take long. Throws InputError when the folder holds a run already and `resume` is not set.
+  /// take long. Throws InputError when the folder holds a run and `resume` is not set, or none and
+  /// it is.
   ServoRun(const ServoRequest& request, CellDevices& devices, Observer observer = {});
 
   /// A target that fails has a result like the others, unless a device fails or somebody stops the

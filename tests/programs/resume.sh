@@ -17,6 +17,12 @@ servo() { "$bin/planar-servo" -q --cell cell/cell.yaml --targets "$@"; }
 servo one.csv --out run >/dev/null
 if servo all.csv --out run >/dev/null 2>again.err; then fail "a finished run was overwritten"; fi
 grep -q "holds a run already; name another folder or add --resume" again.err || fail "$(cat again.err)"
+status=0
+servo all.csv --out rnu --resume 2>again.err || status=$?
+[ "$status" -eq 2 ] || fail "a mistyped folder was resumed with $status"
+grep -q "rnu: holds no run to go on with; name the folder of one, or leave out --resume" again.err ||
+  fail "$(cat again.err)"
+[ ! -e rnu ] || fail "a mistyped folder was made"
 servo all.csv --out run --resume >/dev/null
 cut -d, -f1,4 run/results.csv | tail -n +3 >reached.txt
 printf 'a,reached\nb,reached\nc,reached\n' | diff - reached.txt || fail "not all targets were reached"

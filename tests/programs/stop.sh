@@ -7,9 +7,10 @@ cp -r "$2/cell" .
 live_twins
 printf 'id,x_mm,y_mm\na,420,100\n' >targets.csv
 
+resume=()
 servo() {
   hosted gige --json figures.json "$@" -- "$bin/planar-servo" --cell cell/gige.yaml \
-    --targets targets.csv --out run --resume 2>said.txt </dev/null
+    --targets targets.csv --out run "${resume[@]}" 2>said.txt </dev/null
 }
 status=0
 servo --fault interrupt || status=$?
@@ -18,6 +19,7 @@ cat said.txt
 grep -q "the arm was stopped as asked" said.txt || fail "$(cat said.txt)"
 grep -q '"fault": "interrupt"' figures.json || fail "no interrupt: $(cat figures.json)"
 if grep -q '^a,' run/results.csv; then fail "an interrupted target has a result"; fi
+resume=(--resume)
 servo || fail "$(cat said.txt)"
 grep -q '^a,.*,reached,' run/results.csv || fail "$(cat run/results.csv)"
 
