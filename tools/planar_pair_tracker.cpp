@@ -5,6 +5,7 @@
 
 #include "app/pair_tracker.h"
 #include "core/error.h"
+#include "core/fixed.h"
 #include "core/units.h"
 #include "files/camera_file.h"
 #include "files/tool_file.h"
@@ -117,6 +118,8 @@ void require_outputs(const Options& options, const CellSettings& cell) {
 }
 
 PairTrackerRequest read_request(const Options& options) {
+  if (options.decimal_comma && options.separator == ',')
+    throw InputError("--decimal-comma needs another --separator than ',', such as ';'");
   PairTrackerRequest request;
   request.cell = read_cell(options.cell);
   require_outputs(options, request.cell);
@@ -168,8 +171,8 @@ nlohmann::json print(const PairTrackerReport& report) {
              report.datum.rms / kMillimetre);
   fmt::print("workplane  {} degrees of freedom fitted to {} places, rms {:.3f} mm\n", fit.absorbed,
              fit.n_used, fit.rms / kMillimetre);
-  fmt::print("tool       end point ({:.3f}, {:.3f}) mm, reflector ({:.3f}, {:.3f}) mm\n", p_TP.x(),
-             p_TP.y(), p_TS.x(), p_TS.y());
+  fmt::print("tool       end point ({}) mm, reflector ({}) mm\n", fixed(p_TP, 3, ", "),
+             fixed(p_TS.head<2>(), 3, ", "));
   fmt::print("lamps      eccentricity of their discs up to {:.4f} px, taken off\n",
              report.largest_eccentricity_px);
   auto rejected = nlohmann::json::array();

@@ -32,11 +32,14 @@ class HelpFormatter : public CLI::Formatter {
 
 /// Names also the words that were not understood: a required option is often there, but misspelt.
 std::string usage_fault(const CLI::App* app, const CLI::Error& fault) {
-  std::string text = fmt::format("{}: {}", app->get_name(), fault.what());
+  std::vector<std::string> faults;
+  if (fault.get_exit_code() != static_cast<int>(CLI::ExitCodes::ExtrasError))
+    faults.emplace_back(fault.what());
   const std::vector<std::string> strangers = app->remaining(true);
-  if (!strangers.empty() && fault.get_exit_code() != static_cast<int>(CLI::ExitCodes::ExtrasError))
-    text += fmt::format("; not understood: {}", fmt::join(strangers, " "));
-  return text + "; --help lists the options and their values\n";
+  if (!strangers.empty())
+    faults.push_back(fmt::format("not understood: {}", fmt::join(strangers, " ")));
+  return fmt::format("{}: {}; --help lists the options and their values\n", app->get_name(),
+                     fmt::join(faults, "; "));
 }
 
 /// Asked before the work and after it: a table or a cell file that --json names by mistake must

@@ -7,8 +7,8 @@ JointPlanner::JointPlanner(const PlanarArm& arm, const Transmission& transmissio
     : arm_(arm), transmission_(transmission), workspace_(workspace), elbow_(elbow) {}
 
 std::optional<std::string> JointPlanner::refusal(const Joints& theta) const {
-  if (auto broken = transmission_.limit_violation(theta)) return broken;
-  return workspace_.violation(arm_.forward(theta).p);
+  if (auto outside = workspace_.violation(arm_.forward(theta).p)) return outside;
+  return transmission_.limit_violation(theta);
 }
 
 JointPlan JointPlanner::plan(const TipPose& target, const Joints& near) const {

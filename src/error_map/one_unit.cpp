@@ -63,8 +63,8 @@ void require_one_unit(const Eigen::Matrix2Xd& p_vision, const Eigen::Matrix2Xd& 
   const double span = std::max(span_of(p_vision), span_of(p_tracker));
   if (span < kSmallestSpread) {
     throw InputError(fmt::format(
-        "all positions lie within {:.4g} mm; they look like metres; write them in millimetres (a "
-        "map needs pairs over at least {:.0f} mm)",
+        "all positions lie within {:.4g} mm; they look like metres; write them in millimetres "
+        "(or are they all of one place? a map needs pairs over at least {:.0f} mm)",
         span / kMillimetre, kSmallestSpread / kMillimetre));
   }
 }

@@ -47,6 +47,12 @@ printf 'id,x_m,y_m\na,0.2,0.1\n' >metres.csv
 expect 2 "lacks the columns x_mm, y_mm" \
   "$bin/planar-servo" --cell cell/cell.yaml --targets metres.csv --out made
 
+printf 'id;x_mm;y_mm\na;200;100\n' >semicolons.csv
+expect 2 "it has id;x_mm;y_mm \(what separates columns is ','\)" \
+  "$bin/planar-servo" --cell cell/cell.yaml --targets semicolons.csv --out made
+expect 2 "needs another --separator than ','" "$bin/planar-pair-tracker" --cell cell/cell.yaml \
+  --lamps few.csv --recording cell --decimal-comma --workplane-out made --tool-out t.yaml -o p.csv
+
 # Images: missing, not an image, without a lamp, of the wrong size, boards that are none.
 expect 2 "absent.png" "$bin/planar-calibrate-camera" --grid circles:6x6:30mm -o made absent.png
 expect 2 "grid" "$bin/planar-calibrate-camera" --grid circles:6x6 -o made absent.png
@@ -57,6 +63,12 @@ grep -q "no_lamp" dark.csv || fail "a dark image has no lamp: $(cat dark.csv)"
 expect 2 "absent.png: does not exist" "$bin/planar-locate-lamps" -o made absent.png
 expect 2 "lmaps" "$bin/planar-locate-lamps" -o made --lmaps 2 dark.pgm
 expect 2 "256" "$bin/planar-locate-lamps" --cell cell/cell.yaml -o made dark.pgm
+
+# The doctor is no exception: what it cannot read is wrong input, what a cell lacks it says.
+expect 2 "absent.yaml: cannot be read" "$bin/planar-doctor" --cell absent.yaml
+expect 2 "unknown key 'servo.setle_ms'" "$bin/planar-doctor" --cell cell/wrong.yaml
+"$bin/planar-doctor" --cell cell/cell.yaml >out.txt || fail "$(cat out.txt)"
+grep -q "camera: is virtual; there is no device to examine" out.txt || fail "$(cat out.txt)"
 
 # A camera that is not virtual needs its settings.
 sed 's/source: virtual/source: aravis/' cell/cell.yaml >cell/aravis.yaml
@@ -69,6 +81,12 @@ status=0
 "$bin/planar-servo" --cell cell/cell.yaml --targets far_target.csv --dry-run >out.txt || status=$?
 [ "$status" -eq 1 ] || fail "a dry run to an unreachable target ended with $status"
 grep -q "far: refused:" out.txt || fail "$(cat out.txt)"
+printf 'id,x_mm,y_mm\nnear,0.2,0.1\n' >metres.csv
+status=0
+"$bin/planar-servo" --cell cell/cell.yaml --targets metres.csv --dry-run >out.txt || status=$?
+[ "$status" -eq 1 ] || fail "a dry run to a target in metres ended with $status"
+grep -q "near: refused: (0.200, 0.100) mm is 0.224 mm from the base; the workspace" out.txt ||
+  fail "$(cat out.txt)"
 
 # An output that is an input stays as it was.
 printf '%s\na,1,2,1,2\nb,3,4,3,4\nc,5,1,5,1\n' "$pairs_header" >same.csv
@@ -90,5 +108,7 @@ expect 2 "there is no folder 'absent'" "$bin/planar-pair-tracker" --cell cell/ce
 # An option mistyped is named, also where a required one is missing for it; units are not guessed.
 expect 2 "^planar-record: --cell is required; not understood: --cel" \
   "$bin/planar-record" --cel cell/cell.yaml --plan plan.csv --out made
+expect 2 "^planar-record: not understood: --cel cell.yaml;" "$bin/planar-record" \
+  --cell cell/cell.yaml --plan plan.csv --out made --cel cell.yaml
 expect 2 "'circles:6x6:30' is not circles:COLSxROWS:PITCHmm" \
   "$bin/planar-calibrate-camera" --grid circles:6x6:30 -o made dark.pgm
