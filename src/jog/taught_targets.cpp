@@ -53,7 +53,7 @@ std::set<std::string> ids_in(const std::filesystem::path& path) {
 
 TaughtTargets::TaughtTargets(std::filesystem::path path)
     : path_(std::move(path)), ids_(ids_in(path_)) {
-  require_writable(path_);
+  require_growable(path_);
 }
 
 void TaughtTargets::append(const TargetRow& target) {

@@ -8,8 +8,15 @@
 
 namespace planar {
 
+void require_growable(const std::filesystem::path& path) {
+  if (!std::filesystem::exists(path)) return require_writable(path);
+  if (!std::ofstream(path, std::ios::app))
+    throw InputError(path.string() + ": cannot be added to; a file that you may write is needed");
+}
+
 GrowingFile::GrowingFile(std::filesystem::path path, const std::string& header)
     : path_(std::move(path)) {
+  require_growable(path_);
   if (!std::filesystem::exists(path_) || std::filesystem::is_empty(path_))
     write_file(path_, header);
 }
