@@ -139,7 +139,7 @@ void add_options(CLI::App& app, Options& options) {
                  "of the images behind --points; without it they are taken to lie about the middle")
       ->type_name("WIDTHxHEIGHT")
       ->needs(points);
-  app.add_option("-o,--output", options.output,
+  app.add_option("-o,--out", options.output,
                  "the camera file to write: .yaml, .xml for ViSP or .yml for OpenCV")
       ->required()
       ->type_name("camera.yaml");

@@ -189,9 +189,7 @@ void add_options(CLI::App& app, Options& options) {
                  "(the paper's Gaussian)")
       ->type_name("METHOD")
       ->capture_default_str();
-  app.add_option("-o,--output", options.output, "the map to write")
-      ->required()
-      ->type_name("map.yaml");
+  app.add_option("-o,--out", options.output, "the map to write")->required()->type_name("map.yaml");
   app.add_option("pairs", options.pairs, "the pairs")->required()->type_name("pairs.csv");
 }
 

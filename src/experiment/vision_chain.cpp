@@ -41,7 +41,7 @@ CameraCalibration make_camera(const ChainSettings& settings, const CellSettings&
                               const RecordedCell& recorded) {
   CalibrationProblem problem = recorded.boards.problem;
   problem.model = settings.camera_model;
-  CameraCalibration calibration = calibrate_camera(problem);
+  CameraCalibration calibration = calibrate_camera(problem, recorded.boards.rejected);
   write_camera(cell.camera_model, calibration, kProgram, recorded.boards.inputs);
   return calibration;
 }

@@ -35,7 +35,7 @@ printf '%s\na,1,2,NaN,4\n' "$pairs_header" >nan.csv
 expect 2 "nan.csv:2: x_tracker_mm is 'NaN'; a finite number is needed" \
   "$bin/planar-fit-error-map" -o made nan.csv
 printf '%s\na,1,2,1,2\nb,3,4,3,4\n' "$pairs_header" >few.csv
-expect 2 "at least 3" "$bin/planar-fit-error-map" -o made few.csv
+expect 2 "at least 3" "$bin/planar-fit-error-map" --out made few.csv
 printf '%s\na,.1,.2,100,200\nb,.3,.1,300,100\nc,.2,.4,200,400\n' "$pairs_header" >one_unit.csv
 expect 2 "look like metres; write both in millimetres" \
   "$bin/planar-fit-error-map" -o made one_unit.csv

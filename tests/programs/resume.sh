@@ -10,6 +10,10 @@ grep -q "51 positions recorded (8 were there before)" second.txt || fail "$(cat 
 ids=$(tail -n +3 recording/frames.csv | cut -d, -f1 | sort -u | wc -l)
 [ "$ids" -eq 59 ] || fail "$ids ids recorded instead of 59"
 
+# A wrong grid is found out late, and told view by view.
+expect 2 "grid_1_0.pgm: no grid of 5 x 5 dots found" "$bin/planar-experiment" \
+  --cell cell/cell.yaml --out . --grid circles:5x5:50mm --predict
+
 calibrate cell/cell.yaml recording cell >/dev/null
 printf 'id,x_mm,y_mm\na,200,100\nb,-150,250\n' >one.csv
 printf 'id,x_mm,y_mm\na,200,100\nb,-150,250\nc,-200,-150\n' >all.csv
