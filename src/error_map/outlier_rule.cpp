@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/statistics.h"
 
 namespace planar {
 namespace {
@@ -14,12 +15,20 @@ constexpr double kLargestShare = 0.2;
 
 }  // namespace
 
-double normal_length(double share) {
-  return std::sqrt(-2.0 * std::log(share));
+double residual_length(double share, double dof) {
+  if (dof == kNormal) return std::sqrt(-2.0 * std::log(share));
+  return std::sqrt(dof * (std::pow(share, -2.0 / dof) - 1.0));
 }
 
-double outlier_sigmas(Eigen::Index sites) {
-  return normal_length(kFalseAlarms / static_cast<double>(sites));
+double tail_dof(const std::vector<double>& lengths) {
+  // With a = 2^(2 / dof) the squared ratio of both lengths is (a^3 - 1) / (a - 1) = a^2 + a + 1.
+  const double ratio = quantile(lengths, 1.0 - 0.125) / median(lengths);
+  const double a = 0.5 * (std::sqrt(4.0 * ratio * ratio - 3.0) - 1.0);
+  return a > 1.0 ? 2.0 / std::log2(a) : kNormal;
+}
+
+double outlier_sigmas(Eigen::Index sites, double dof) {
+  return residual_length(kFalseAlarms / static_cast<double>(sites), dof);
 }
 
 void require_few(const Outliers& dropped, Eigen::Index sites) {

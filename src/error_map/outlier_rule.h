@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <limits>
 #include <map>
 #include <vector>
 
@@ -28,12 +29,18 @@ constexpr double kSmallestOutlier = 1.0 * kMicrometre;
 /// stays dropped, so that the rounds end.
 constexpr int kRoundsOfTakingBack = 5;
 
-/// What a share of 2-D normal vectors of unit standard deviation per axis is longer than.
-double normal_length(double share);
+/// Degrees of freedom of a normal distribution among those of Student's t.
+constexpr double kNormal = std::numeric_limits<double>::infinity();
 
-/// Of a residual over its standard deviation per axis: good sites, all alike, reach it in one of
-/// twenty fits of so many.
-double outlier_sigmas(Eigen::Index sites);
+/// What a share of 2-D Student's t vectors of unit scale is longer than:
+/// P(|r| > l) = (1 + l^2 / dof)^(-dof / 2), and exp(-l^2 / 2) of normal ones.
+double residual_length(double share, double dof = kNormal);
+
+/// The degrees of freedom by which the longest eighth of these begins at as many medians.
+double tail_dof(const std::vector<double>& lengths);
+
+/// Of a residual over its scale: good sites, all alike, reach it in one of twenty fits of so many.
+double outlier_sigmas(Eigen::Index sites, double dof = kNormal);
 
 /// Throws InputError when more than a fifth would be dropped.
 void require_few(const Outliers& dropped, Eigen::Index sites);

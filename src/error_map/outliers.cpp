@@ -18,6 +18,8 @@ constexpr Eigen::Index kFewestToJudge = 10;
 struct Judgement {
   Eigen::ArrayXd residuals;
   Eigen::ArrayXd unit_sigmas;
+
+  Eigen::ArrayXd scaled() const { return residuals / unit_sigmas; }
 };
 
 Judgement judge(const MapSites& sites, const std::vector<Eigen::Index>& kept, const RbfFit& fit) {
@@ -36,60 +38,108 @@ Judgement judge(const MapSites& sites, const std::vector<Eigen::Index>& kept, co
   return judgement;
 }
 
-/// What kLocalShare of the kept sites around have a smaller scaled residual than.
-double local_quantile(const Eigen::ArrayXd& scaled, const std::vector<Eigen::Index>& kept,
-                      const std::vector<Eigen::Index>& around) {
-  std::vector<double> values;
+std::vector<double> of_kept(const Eigen::ArrayXd& values, const std::vector<Eigen::Index>& kept,
+                            const std::vector<Eigen::Index>& around) {
+  std::vector<double> chosen;
   for (const Eigen::Index i : around)
-    if (std::binary_search(kept.begin(), kept.end(), i)) values.push_back(scaled[i]);
-  return values.empty() ? 0.0 : quantile(values, kLocalShare);
+    if (std::binary_search(kept.begin(), kept.end(), i)) chosen.push_back(values[i]);
+  return chosen;
 }
 
-/// The largest residual that is kept, per site.
-Eigen::ArrayXd residual_limits(const Judgement& judgement, const std::vector<Eigen::Index>& kept,
-                               const Neighbours& neighbours) {
-  const Eigen::ArrayXd scaled = judgement.residuals / judgement.unit_sigmas;
-  const double sigmas = outlier_sigmas(scaled.size());
-  const double usual = median({scaled.begin(), scaled.end()}) / normal_length(0.5);
-  Eigen::ArrayXd scales(scaled.size());
-  for (Eigen::Index i = 0; i < scaled.size(); ++i) {
-    const double local = local_quantile(scaled, kept, neighbours[static_cast<std::size_t>(i)]);
-    scales[i] = std::max(usual, local / normal_length(1.0 - kLocalShare));
+/// The search for the sites that the others contradict, by the first family.
+class OutlierSearch {
+ public:
+  OutlierSearch(const MapSites& sites, TunedFamily tuned, std::vector<Eigen::Index> kept,
+                Neighbours neighbours)
+      : sites_(sites),
+        neighbours_(std::move(neighbours)),
+        kept_(std::move(kept)),
+        tuned_(std::move(tuned)) {
+    rejudge();
   }
-  return (sigmas * scales * judgement.unit_sigmas).max(kSmallestOutlier);
-}
+
+  void drop_those_that_disagree() {
+    for (int round = 1;; ++round) {
+      const Eigen::ArrayXd limits = residual_limits(kNormal);
+      for (Eigen::Index i = 0; i < sites_.size(); ++i) {
+        if (judgement_.residuals[i] > limits[i])
+          dropped_[i] = {i, judgement_.residuals[i], limits[i]};
+        else if (round <= kRoundsOfTakingBack)
+          dropped_.erase(i);
+      }
+      require_few(dropped_, sites_.size());
+      if (!follow_dropped()) return;
+    }
+  }
+
+  /// What remains tells how often residuals are long.
+  void take_back_where_tails_are_long() {
+    do {
+      const double dof = tail_dof(of_kept(judgement_.scaled(), kept_, kept_));
+      const Eigen::ArrayXd limits = residual_limits(dof);
+      for (auto at = dropped_.begin(); at != dropped_.end();) {
+        Outlier& outlier = at->second;
+        outlier = {at->first, judgement_.residuals[at->first], limits[at->first]};
+        at = outlier.residual > outlier.limit ? std::next(at) : dropped_.erase(at);
+      }
+    } while (follow_dropped());
+  }
+
+  const std::vector<Eigen::Index>& kept() const { return kept_; }
+  const TunedFamily& tuned() const { return tuned_; }
+  std::vector<Outlier> outliers() const { return values_of(dropped_); }
+
+ private:
+  void rejudge() { judgement_ = judge(sites_, kept_, fit_rbf(sites_.subset(kept_), tuned_)); }
+
+  /// Whether other sites are kept than before.
+  bool follow_dropped() {
+    std::vector<Eigen::Index> kept = sites_without(dropped_, sites_.size());
+    if (kept == kept_) return false;
+    kept_ = std::move(kept);
+    tuned_ = retune(sites_.subset(kept_), tuned_);
+    rejudge();
+    return true;
+  }
+
+  /// The largest residual that is kept, per site, where residuals fall off as Student's t does.
+  Eigen::ArrayXd residual_limits(double dof) const {
+    const Eigen::ArrayXd scaled = judgement_.scaled();
+    const double usual = median({scaled.begin(), scaled.end()}) / residual_length(0.5, dof);
+    Eigen::ArrayXd scales(scaled.size());
+    for (Eigen::Index i = 0; i < scaled.size(); ++i) {
+      const auto around = of_kept(scaled, kept_, neighbours_[static_cast<std::size_t>(i)]);
+      const double local = around.empty() ? 0.0 : quantile(around, kLocalShare);
+      scales[i] = std::max(usual, local / residual_length(1.0 - kLocalShare, dof));
+    }
+    return (outlier_sigmas(scaled.size(), dof) * scales * judgement_.unit_sigmas)
+        .max(kSmallestOutlier);
+  }
+
+  const MapSites& sites_;
+  Neighbours neighbours_;
+  std::vector<Eigen::Index> kept_;  ///< in order
+  TunedFamily tuned_;
+  Judgement judgement_;
+  Outliers dropped_;
+};
 
 }  // namespace
 
 RobustFit fit_without_outliers(const MapSites& sites, const std::vector<RbfFamily>& families) {
   if (sites.size() < kFewestToJudge)
     return {fit_rbf(sites, best_of(tune(sites, families))), sites_without({}, sites.size()), {}};
-  const Neighbours neighbours = nearest_sites(sites);
-  std::vector<Eigen::Index> kept = sites_like_their_neighbours(sites, neighbours);
-  const std::vector<Eigen::Index> start = kept;
-  std::vector<TunedFamily> tuned = tune(sites.subset(kept), families);
-  Outliers dropped;
-  for (int round = 1;; ++round) {
-    const MapSites used = sites.subset(kept);
-    const Judgement judgement = judge(sites, kept, fit_rbf(used, tuned.front()));
-    const Eigen::ArrayXd limits = residual_limits(judgement, kept, neighbours);
-    for (Eigen::Index i = 0; i < sites.size(); ++i) {
-      if (judgement.residuals[i] > limits[i]) {
-        dropped[i] = {i, judgement.residuals[i], limits[i]};
-      } else if (round <= kRoundsOfTakingBack) {
-        dropped.erase(i);
-      }
-    }
-    require_few(dropped, sites.size());
-    std::vector<Eigen::Index> agreeing = sites_without(dropped, sites.size());
-    if (agreeing == kept) {
-      for (std::size_t i = 1; i < tuned.size() && kept != start; ++i)
-        tuned[i] = retune(used, tuned[i]);
-      return {fit_rbf(used, best_of(tuned)), std::move(kept), values_of(dropped)};
-    }
-    kept = std::move(agreeing);
-    tuned.front() = retune(sites.subset(kept), tuned.front());
-  }
+  Neighbours neighbours = nearest_sites(sites);
+  const std::vector<Eigen::Index> start = sites_like_their_neighbours(sites, neighbours);
+  std::vector<TunedFamily> tuned = tune(sites.subset(start), families);
+  OutlierSearch search(sites, tuned.front(), start, std::move(neighbours));
+  search.drop_those_that_disagree();
+  search.take_back_where_tails_are_long();
+  const MapSites used = sites.subset(search.kept());
+  tuned.front() = search.tuned();
+  for (std::size_t i = 1; i < tuned.size() && search.kept() != start; ++i)
+    tuned[i] = retune(used, tuned[i]);
+  return {fit_rbf(used, best_of(tuned)), search.kept(), search.outliers()};
 }
 
 }  // namespace planar

@@ -165,14 +165,14 @@ Eigen::Matrix2Xd residuals_of(const SparseBasis& basis, const RidgeFit& fit, con
 Eigen::ArrayXd residual_limits(const Eigen::ArrayXd& residuals, const MapSites& sites,
                                const Cells& cells, const Outliers& dropped) {
   const Eigen::ArrayXd scaled = residuals * sites.counts.array().sqrt();
-  const double usual = median({scaled.begin(), scaled.end()}) / normal_length(0.5);
+  const double usual = median({scaled.begin(), scaled.end()}) / residual_length(0.5);
   Eigen::ArrayXd limits = Eigen::ArrayXd::Constant(scaled.size(), usual);
   for (const auto& cell : cells) {
     std::vector<double> kept;
     for (const Eigen::Index i : cell)
       if (dropped.count(i) == 0) kept.push_back(scaled[i]);
     if (kept.empty()) continue;
-    const double local = quantile(kept, kLocalShare) / normal_length(1.0 - kLocalShare);
+    const double local = quantile(kept, kLocalShare) / residual_length(1.0 - kLocalShare);
     for (const Eigen::Index i : cell) limits[i] = std::max(usual, local);
   }
   limits *= outlier_sigmas(sites.size()) * sites.counts.array().rsqrt();
