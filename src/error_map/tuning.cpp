@@ -26,7 +26,7 @@ constexpr double kWidestInSpans = 1.0;
 const double kLogSmallestRidge = std::log(1e-10);
 const double kLogLargestRidge = std::log(1e3);
 
-/// Ridges are compared on a part first: an evaluation's time grows with the cube of the sites.
+/// The grid compares on a part: an evaluation's time grows with the cube of the sites.
 constexpr Eigen::Index kRoughPart = 100;
 constexpr std::size_t kGridWidths = 8;
 constexpr std::size_t kGridRidges = 7;  ///< 1e-7 ... 1e-1
@@ -40,7 +40,7 @@ double grid_log_ridge(std::size_t i) {
 constexpr double kSame = 0.99;
 
 constexpr int kLocalEvaluations = 30;
-constexpr double kLogTolerance = 0.02;  // of width and ridge: the error is flat about its minimum
+constexpr double kLogTolerance = 0.03;  // of width and ridge: the error is flat about its minimum
 
 /// The leave-one-out error over (log width, log ridge), which remembers the best point it saw.
 /// Where the fit finds less noise than the instruments state it follows the noise: places far apart
@@ -81,12 +81,7 @@ class LeaveOneOutCost {
     best_cost_ = std::numeric_limits<double>::infinity();
   }
 
-  KernelShape shape() const { return shape_; }
-  double span() const { return span_; }
-
   double best_loo_rms() const { return best_loo_rms_; }
-  /// Log width, log ridge.
-  const std::vector<double>& best() const { return best_; }
 
   TunedKernel best_kernel(double slope) const {
     const Eigen::ArrayXd misses2 = best_residuals_.colwise().squaredNorm();
@@ -177,30 +172,31 @@ double best_log_ridge(double log_width, std::size_t& nearest, LeaveOneOutCost& c
   return at + kRidgeStep * vertex(cost_of(nearest - 1), cost_of(nearest), cost_of(nearest + 1));
 }
 
-/// At each width the ridge that is best for a part of the sites. Returns how that ridge changes
-/// about the best width: d log ridge / d log width.
-double search_grid(const MapSites& sites, const TailBasis& tail_basis, const SearchBox& box,
-                   LeaveOneOutCost& cost) {
-  const MapSites rough = part_of(sites, kRoughPart);
-  LeaveOneOutCost rough_cost(rough, tail_like(tail_basis, rough.positions, rough.directions),
-                             cost.shape(), cost.span());
+struct GridBest {
+  double log_width{0.0};
+  double log_ridge{0.0};
+  double slope{0.0};  ///< of the best ridge about there: d log ridge / d log width
+};
+
+/// The best of the grid for the cost of a part of the sites.
+GridBest search_grid(const SearchBox& box, LeaveOneOutCost& cost) {
   std::array<double, kGridWidths> log_ridges{};
-  std::size_t best_width = 0;
+  std::size_t best = 0;
   double least = std::numeric_limits<double>::infinity();
   std::size_t nearest = kGridRidges - 1;
   for (std::size_t i = 0; i < kGridWidths; ++i) {
-    const double log_width = box.grid_log_width(i);
-    log_ridges[i] = best_log_ridge(log_width, nearest, rough_cost);
-    const double here = cost(log_width, log_ridges[i]);
+    log_ridges[i] = best_log_ridge(box.grid_log_width(i), nearest, cost);
+    const double here = cost(box.grid_log_width(i), log_ridges[i]);
     if (here < least) {
       least = here;
-      best_width = i;
+      best = i;
     }
   }
-  const std::size_t before = best_width > 0 ? best_width - 1 : 0;
-  const std::size_t after = std::min(best_width + 1, kGridWidths - 1);
-  return (log_ridges[after] - log_ridges[before]) /
-         (box.grid_log_width(after) - box.grid_log_width(before));
+  const std::size_t before = best > 0 ? best - 1 : 0;
+  const std::size_t after = std::min(best + 1, kGridWidths - 1);
+  return {box.grid_log_width(best), log_ridges[best],
+          (log_ridges[after] - log_ridges[before]) /
+              (box.grid_log_width(after) - box.grid_log_width(before))};
 }
 
 /// The valley of the error over (log width, log ridge), which runs across both, with its direction
@@ -242,11 +238,16 @@ void search_along(Valley valley, const SearchBox& box) {
 TunedKernel tune_rbf(const MapSites& sites, const TailBasis& tail_basis, KernelShape shape) {
   const MapSites part = part_of(sites, kLargestPart);
   const SearchBox box = search_box(part.positions);
-  LeaveOneOutCost cost(part, tail_basis, shape, span_of(sites.positions));
-  const double slope = search_grid(part, tail_basis, box, cost);
+  const double span = span_of(sites.positions);
+  const MapSites rough = part_of(part, kRoughPart);
+  LeaveOneOutCost rough_cost(rough, tail_like(tail_basis, rough.positions, rough.directions), shape,
+                             span);
+  const GridBest start = search_grid(box, rough_cost);
+  LeaveOneOutCost cost(part, tail_basis, shape, span);
+  cost(start.log_width, start.log_ridge);
   cost.require_stated_noise(cost.best_loo_rms());
-  search_along({cost, cost.best(), slope}, box);
-  return cost.best_kernel(slope);
+  search_along({cost, {start.log_width, start.log_ridge}, start.slope}, box);
+  return cost.best_kernel(start.slope);
 }
 
 TunedKernel retune_rbf(const MapSites& sites, const TailBasis& tail_basis,

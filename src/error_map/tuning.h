@@ -19,8 +19,8 @@ struct TunedKernel {
 };
 
 /// The kernel's width and ridge with the smallest leave-one-out error: a coarse grid over the
-/// logarithms of both (of ridges at one width a hundred sites decide), then BOBYQA [Powell 2009]
-/// from its best point. Above five hundred sites an evenly drawn part of them decides.
+/// logarithms of both, on which a hundred sites decide, then BOBYQA [Powell 2009] from its best
+/// point. Above five hundred sites an evenly drawn part of them decides.
 TunedKernel tune_rbf(const MapSites& sites, const TailBasis& tail_basis, KernelShape shape);
 
 /// The same from what nearly the same sites were tuned to, without the grid.

@@ -9,7 +9,7 @@
 namespace planar {
 namespace {
 
-// The tuning stops within 2 % of width and ridge; the error is flat there.
+// The tuning stops within 3 % of width and ridge; the error is flat there.
 constexpr double kFlat = 1e-3;
 
 double loo_rms(const MapSites& sites, const TailBasis& tail, const RadialKernel& kernel,
