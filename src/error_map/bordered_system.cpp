@@ -1,13 +1,9 @@
 #include "error_map/bordered_system.h"
 
 #include <Eigen/Cholesky>
-#include <algorithm>
 
 namespace planar {
 namespace {
-
-/// Columns of L^-1 that are solved for together.
-constexpr Eigen::Index kBlock = 32;
 
 // Eigen's solvers take the address of the first coefficient, so an empty right-hand side (there is
 // no tail) must not reach them.
@@ -23,31 +19,19 @@ void adjoint_solve_in_place(const Eigen::MatrixXd& lower, Eigen::MatrixXd& right
   if (right.size() > 0) lower.triangularView<Eigen::Lower>().adjoint().solveInPlace(right);
 }
 
-/// Column i begins at row i, which halves the work.
-void invert_lower(const Eigen::MatrixXd& lower, Eigen::MatrixXd& inverse) {
-  const Eigen::Index n = lower.rows();
-  inverse.setIdentity(n, n);
-  for (Eigen::Index first = 0; first < n; first += kBlock) {
-    const Eigen::Index rows = n - first;
-    auto block = inverse.block(first, first, rows, std::min(kBlock, rows));
-    lower.bottomRightCorner(rows, rows).triangularView<Eigen::Lower>().solveInPlace(block);
-  }
-}
-
 }  // namespace
 
 std::optional<BorderedSystem> BorderedSystem::factorize(const Eigen::MatrixXd& kernel,
                                                         const Eigen::MatrixXd& tail) {
   BorderedSystem system;
   if (!system.compute(kernel, tail)) return {};
+  system.cholesky_ = {};
   return system;
 }
 
 bool BorderedSystem::compute(const Eigen::MatrixXd& kernel, const Eigen::MatrixXd& tail) {
   factor_ = kernel;
-  const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> cholesky(factor_);
-  if (cholesky.info() != Eigen::Success || !factor_.diagonal().allFinite()) return false;
-  invert_lower(factor_, inverse_);
+  if (!cholesky_.compute(factor_, inverse_)) return false;
   tail_ = lower_solve(factor_, tail);
   tail_removed_.resize(tail.cols(), tail.rows());
   if (tail.cols() == 0) return true;

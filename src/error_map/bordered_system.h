@@ -4,6 +4,8 @@
 #include <optional>
 #include <vector>
 
+#include "error_map/tiled_cholesky.h"
+
 namespace planar {
 
 /// The symmetric matrix A = [[K, Q], [Q^T, 0]] of kernel interpolation on a polynomial tail, with K
@@ -43,6 +45,7 @@ class BorderedSystem {
   double pivot_ratio() const;
 
  private:
+  TiledCholesky cholesky_;        ///< kept for `compute` alone
   Eigen::MatrixXd factor_;        ///< L, in the lower triangle
   Eigen::MatrixXd inverse_;       ///< L^-1
   Eigen::MatrixXd tail_;          ///< U = L^-1 Q

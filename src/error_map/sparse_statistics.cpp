@@ -1,12 +1,12 @@
 #include "error_map/sparse_statistics.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <future>
 
 #include "error_map/radial_kernel.h"
+#include "error_map/tiled_cholesky.h"
 
 namespace planar {
 namespace {
@@ -107,20 +107,20 @@ std::optional<RidgeFit> solve_ridge(const SparseStatistics& statistics, Eigen::I
   const Eigen::Index held = size - free;
   Eigen::MatrixXd system = statistics.gram;
   system.diagonal().head(held).array() += ridge;
-  const Eigen::LLT<Eigen::MatrixXd> cholesky(system);
-  if (cholesky.info() != Eigen::Success) return {};
+  Eigen::MatrixXd inverse;
+  if (!TiledCholesky().compute(system, inverse)) return {};
   RidgeFit fit;
-  fit.factor = cholesky.matrixL();
-  fit.weights = cholesky.solve(statistics.projected);
+  fit.factor = system.triangularView<Eigen::Lower>();
+  fit.weights = statistics.projected;
+  fit.factor.triangularView<Eigen::Lower>().solveInPlace(fit.weights);
+  fit.factor.triangularView<Eigen::Lower>().adjoint().solveInPlace(fit.weights);
 
   const Eigen::MatrixX2d& w = fit.weights;
   const Eigen::MatrixX2d gram_w = statistics.gram.selfadjointView<Eigen::Lower>() * w;
   fit.residual_squares =
       std::max(0.0, statistics.squares - 2.0 * statistics.projected.cwiseProduct(w).sum() +
                         gram_w.cwiseProduct(w).sum());
-  Eigen::MatrixXd inverse = Eigen::MatrixXd::Identity(size, held);
-  fit.factor.triangularView<Eigen::Lower>().solveInPlace(inverse);
-  fit.freedom = static_cast<double>(size) - ridge * inverse.squaredNorm();
+  fit.freedom = static_cast<double>(size) - ridge * inverse.leftCols(held).squaredNorm();
   return fit;
 }
 

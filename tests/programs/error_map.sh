@@ -101,6 +101,19 @@ expect 2 "absent/map.yaml: cannot be written: there is no folder 'absent'" \
 tr ',' ';' <good.csv >semicolons.csv
 refused semicolons "it has id;x_vision_mm;"
 
+# same_with_threads NAME: the map does not depend on how many there are.
+same_with_threads() {
+  for threads in 1 2 3; do
+    OMP_NUM_THREADS=$threads "$bin/planar-fit-error-map" -o map.yaml "$1.csv" >out.txt
+    grep -v '^created:' map.yaml >"threads_$threads.yaml"
+  done
+  cmp threads_1.yaml threads_2.yaml || fail "$1: with two threads there is another map"
+  cmp threads_1.yaml threads_3.yaml || fail "$1: with three threads there is another map"
+}
+same_with_threads good
+pairs 2000 | table sparse
+same_with_threads sparse
+
 # A long scan: the bar is for a terminal, and not for a log or a quiet run.
 pairs 100000 | table scan
 fitted scan "pairs used +100000" "method +sparse"
