@@ -126,9 +126,11 @@ void add_options(CLI::App& app, Options& options) {
                  "circles:COLSxROWS:PITCHmm, or chessboard: with its inner corners")
       ->required()
       ->type_name("GRID");
-  app.add_option("--model", options.model,
-                 "pinhole, plumb_bob_k1, plumb_bob, rational_polynomial, equidistant, visp (to a "
-                 ".xml file) or auto (the simplest that predicts views left out as well as any)")
+  app.add_option(
+         "--model", options.model,
+         "pinhole, plumb_bob_k1, plumb_bob, rational_polynomial, opencv_14 (with thin prism "
+         "and tilted sensor), equidistant, visp (to a .xml file) or auto (the simplest, "
+         "opencv_14 aside, that predicts views left out as well as any)")
       ->type_name("MODEL")
       ->capture_default_str();
   auto* points = app.add_option("--points", options.points,

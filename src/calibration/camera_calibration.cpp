@@ -22,13 +22,6 @@ constexpr double kOutlyingView = 3.0;
 constexpr double kDetectorError_px = 0.05;
 constexpr int kEccentricityRounds = 2;
 
-std::size_t free_coefficients(const std::string& model) {
-  if (model == "pinhole") return 0;
-  if (model == "plumb_bob_k1") return 1;
-  if (model == "equidistant") return 4;
-  return model == "plumb_bob" ? 5 : 8;
-}
-
 void check(const CalibrationProblem& problem) {
   const auto& names = calibration_model_names();
   if (std::find(names.begin(), names.end(), problem.model) == names.end()) {
@@ -256,7 +249,8 @@ void judge_held_out(const Calibrator& calibrator, CameraCalibration& result) {
 
 const std::vector<std::string>& calibration_model_names() {
   static const std::vector<std::string> names{
-      "pinhole", "plumb_bob_k1", "plumb_bob", "rational_polynomial", "equidistant", "visp", "auto"};
+      "pinhole",   "plumb_bob_k1", "plumb_bob", "rational_polynomial",
+      "opencv_14", "equidistant",  "visp",      "auto"};
   return names;
 }
 
@@ -270,8 +264,9 @@ CameraCalibration calibrate_camera(const CalibrationProblem& problem,
   result.camera = calibrator.lens().camera;
   result.width_px = problem.width_px;
   result.height_px = problem.height_px;
-  result.standard_deviations =
-      standard_deviations(calibrator.lens(), calibrator.views(), free_coefficients(fitted));
+  result.standard_deviations = standard_deviations(
+      calibrator.lens(), calibrator.views(),
+      fitted == "plumb_bob_k1" ? 1 : distortion_coefficients(result.camera).size());
   result.rejected = calibrator.rejected();
   result.dot_diameter = calibrator.dot_diameter();
   describe_views(calibrator, result);

@@ -60,7 +60,8 @@ struct CameraCalibration {
   double dot_diameter{0.0};  ///< metres, from the dots' areas; 0 without them
 };
 
-/// pinhole, plumb_bob_k1 (k1 alone), plumb_bob, rational_polynomial, equidistant, visp, auto.
+/// pinhole, plumb_bob_k1 (k1 alone), plumb_bob, rational_polynomial, opencv_14, equidistant, visp,
+/// auto.
 const std::vector<std::string>& calibration_model_names();
 
 /// Least squares on the pixel residuals of all views (OpenCV's calibrateCamera and fisheye), after

@@ -49,6 +49,9 @@ int flags_of(const std::string& model) {
   if (model == "pinhole") return radial_one | cv::CALIB_FIX_K1;
   if (model == "plumb_bob_k1") return radial_one;
   if (model == "rational_polynomial") return cv::CALIB_RATIONAL_MODEL;
+  if (model == "opencv_14") {
+    return cv::CALIB_RATIONAL_MODEL | cv::CALIB_THIN_PRISM_MODEL | cv::CALIB_TILTED_MODEL;
+  }
   return 0;
 }
 
@@ -79,10 +82,10 @@ CameraModel camera_from(const OpenCvProblem& problem, const std::string& model) 
   const cv::Mat& K = problem.camera_matrix;
   const Intrinsics k{K.at<double>(0, 0), K.at<double>(1, 1), K.at<double>(0, 2),
                      K.at<double>(1, 2)};
-  if (model == "pinhole") return Pinhole{k};
-  const std::size_t count = model == "rational_polynomial" ? 8 : model == "equidistant" ? 4 : 5;
+  const std::string lens_model = lens_model_of(model);
+  const std::size_t count = distortion_coefficients(make_camera_model(lens_model, k, {})).size();
   const auto* first = problem.coefficients.ptr<double>();
-  return make_camera_model(lens_model_of(model), k, {first, first + count});
+  return make_camera_model(lens_model, k, {first, first + count});
 }
 
 /// `vector` is 3 x 1, 1 x 3 or one 3-channel element, of doubles.

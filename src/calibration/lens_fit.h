@@ -15,8 +15,8 @@ struct LensFit {
   std::vector<double> view_rms_px;  ///< one per view
 };
 
-/// Fits one of pinhole, plumb_bob_k1, plumb_bob, rational_polynomial and equidistant by OpenCV's
-/// calibrateCamera and fisheye. Empty when the views do not determine it.
+/// Fits one of pinhole, plumb_bob_k1, plumb_bob, rational_polynomial, opencv_14 and equidistant by
+/// OpenCV's calibrateCamera and fisheye. Empty when the views do not determine it.
 std::optional<LensFit> fit_lens(const std::vector<CalibrationView>& views, int width_px,
                                 int height_px, const std::string& model);
 

@@ -4,6 +4,7 @@
 
 #include "camera/lens.h"
 #include "core/error.h"
+#include "core/units.h"
 
 namespace planar {
 namespace {
@@ -13,8 +14,19 @@ struct LensModel {
   const char* name;
   std::size_t coefficients;
 };
-constexpr LensModel kLensModels[] = {
-    {"pinhole", 0}, {"visp", 2}, {"plumb_bob", 5}, {"rational_polynomial", 8}, {"equidistant", 4}};
+constexpr LensModel kLensModels[] = {{"pinhole", 0},     {"visp", 2},
+                                     {"plumb_bob", 5},   {"rational_polynomial", 8},
+                                     {"equidistant", 4}, {"opencv_14", 14}};
+
+void require_sensor_in_sight(double tau_x, double tau_y) {
+  if (std::abs(tau_x) < kPi / 2.0 && std::abs(tau_y) < kPi / 2.0) return;
+  throw InputError("camera with a sensor tilted by " + std::to_string(tau_x) + " and " +
+                   std::to_string(tau_y) + " rad; both must be less than a right angle");
+}
+
+Rational rational(const Intrinsics& k, const std::vector<double>& c) {
+  return {k, c[0], c[1], c[2], c[3], c[4], c[5], c[6], c[7]};
+}
 
 CameraModel with_coefficients(std::size_t model, const Intrinsics& k,
                               const std::vector<double>& c) {
@@ -26,9 +38,12 @@ CameraModel with_coefficients(std::size_t model, const Intrinsics& k,
     case 2:
       return PlumbBob{k, c[0], c[1], c[2], c[3], c[4]};
     case 3:
-      return Rational{k, c[0], c[1], c[2], c[3], c[4], c[5], c[6], c[7]};
-    default:
+      return rational(k, c);
+    case 4:
       return KannalaBrandt{k, c[0], c[1], c[2], c[3]};
+    default:
+      require_sensor_in_sight(c[12], c[13]);
+      return OpenCv14{rational(k, c), c[8], c[9], c[10], c[11], c[12], c[13]};
   }
 }
 
@@ -46,6 +61,11 @@ std::vector<double> coefficients_of(const Rational& c) {
 }
 std::vector<double> coefficients_of(const KannalaBrandt& c) {
   return {c.k1, c.k2, c.k3, c.k4};
+}
+std::vector<double> coefficients_of(const OpenCv14& c) {
+  std::vector<double> result = coefficients_of(static_cast<const Rational&>(c));
+  result.insert(result.end(), {c.s1, c.s2, c.s3, c.s4, c.tau_x, c.tau_y});
+  return result;
 }
 
 bool all_finite(const std::vector<double>& values) {

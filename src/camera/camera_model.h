@@ -49,7 +49,14 @@ struct KannalaBrandt {
   double k1{0.0}, k2{0.0}, k3{0.0}, k4{0.0};
 };
 
-using CameraModel = std::variant<Pinhole, VispModel, PlumbBob, Rational, KannalaBrandt>;
+/// OpenCV's model of 14 coefficients: the rational one with the thin prism s1 r^2 + s2 r^4 added
+/// along x and s3 r^2 + s4 r^4 along y, seen on a sensor turned by tau_x about x and then by tau_y
+/// about y (radians, each within a right angle) [Louhichi et al. 2007].
+struct OpenCv14 : Rational {
+  double s1{0.0}, s2{0.0}, s3{0.0}, s4{0.0}, tau_x{0.0}, tau_y{0.0};
+};
+
+using CameraModel = std::variant<Pinhole, VispModel, PlumbBob, Rational, KannalaBrandt, OpenCv14>;
 
 /// Pixel of the point p_C (metres, camera frame); empty when the point is not in front of the
 /// camera, is not finite or lies where the lens model is not one-to-one. d_uv_d_p: 2 x 3, px/m.
@@ -64,15 +71,16 @@ std::optional<Eigen::Vector3d> ray(const CameraModel& camera, const Eigen::Vecto
 Intrinsics intrinsics(const CameraModel& camera);
 
 /// Distortion coefficients in the model's own order (OpenCV's and ROS's for theirs): none; kud,
-/// kdu; k1, k2, p1, p2, k3; the same and k4, k5, k6; k1 ... k4.
+/// kdu; k1, k2, p1, p2, k3; the same and k4, k5, k6; k1 ... k4; those of the rational model and
+/// s1, s2, s3, s4, tau_x, tau_y.
 std::vector<double> distortion_coefficients(const CameraModel& camera);
 
-/// "pinhole", "visp", "plumb_bob", "rational_polynomial" or "equidistant".
+/// "pinhole", "visp", "plumb_bob", "rational_polynomial", "equidistant" or "opencv_14".
 std::string lens_model_name(const CameraModel& camera);
 
 /// The camera with that lens model; missing coefficients are zero. Throws InputError for an unknown
-/// model, too many coefficients, a number that is not finite or a focal length that is not
-/// positive.
+/// model, too many coefficients, a number that is not finite, a focal length that is not positive
+/// or a sensor tilted by a right angle or more.
 CameraModel make_camera_model(const std::string& lens_model, const Intrinsics& k,
                               const std::vector<double>& coefficients);
 

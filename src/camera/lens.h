@@ -14,6 +14,7 @@ std::optional<Mapped> distort(const VispModel& camera, const Eigen::Vector2d& xy
 std::optional<Mapped> distort(const PlumbBob& camera, const Eigen::Vector2d& xy);
 std::optional<Mapped> distort(const Rational& camera, const Eigen::Vector2d& xy);
 std::optional<Mapped> distort(const KannalaBrandt& camera, const Eigen::Vector2d& xy);
+std::optional<Mapped> distort(const OpenCv14& camera, const Eigen::Vector2d& xy);
 
 /// Distorted to ideal: the inverse of `distort`, but for VispModel, which has a polynomial of its
 /// own for this direction. Empty where no point of the one-to-one range maps to `xy`.
@@ -22,5 +23,6 @@ std::optional<Mapped> undistort(const VispModel& camera, const Eigen::Vector2d& 
 std::optional<Mapped> undistort(const PlumbBob& camera, const Eigen::Vector2d& xy);
 std::optional<Mapped> undistort(const Rational& camera, const Eigen::Vector2d& xy);
 std::optional<Mapped> undistort(const KannalaBrandt& camera, const Eigen::Vector2d& xy);
+std::optional<Mapped> undistort(const OpenCv14& camera, const Eigen::Vector2d& xy);
 
 }  // namespace planar::lens

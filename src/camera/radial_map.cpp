@@ -20,15 +20,31 @@ Polynomial growth_of(const Polynomial& N, const Polynomial& D) {
   return growth;
 }
 
+/// Adds the lateral terms of the point `xy`, with s = |xy|^2, to a mapping.
+void add_lateral(const LateralTerms& c, const Eigen::Vector2d& xy, double s, Mapped& mapped) {
+  const double x = xy.x();
+  const double y = xy.y();
+  mapped.xy += Eigen::Vector2d(2.0 * c.p1 * x * y + c.p2 * (s + 2.0 * x * x),
+                               c.p1 * (s + 2.0 * y * y) + 2.0 * c.p2 * x * y);
+  const double mixed = 2.0 * (c.p1 * x + c.p2 * y);
+  Eigen::Matrix2d decentring;
+  decentring << 2.0 * c.p1 * y + 6.0 * c.p2 * x, mixed, mixed, 6.0 * c.p1 * y + 2.0 * c.p2 * x;
+  mapped.J += decentring;
+
+  const Eigen::Vector2d first(c.s1, c.s3);
+  const Eigen::Vector2d second(c.s2, c.s4);
+  mapped.xy += s * first + s * s * second;
+  mapped.J += 2.0 * (first + 2.0 * s * second) * xy.transpose();
+}
+
 }  // namespace
 
-RadialMap::RadialMap(const Polynomial& numerator, const Polynomial& denominator, double p1,
-                     double p2)
+RadialMap::RadialMap(const Polynomial& numerator, const Polynomial& denominator,
+                     const LateralTerms& lateral)
     : numerator_(numerator),
       denominator_(denominator),
       growth_(growth_of(numerator, denominator)),
-      p1_(p1),
-      p2_(p2) {}
+      lateral_(lateral) {}
 
 std::optional<Mapped> RadialMap::distort(const Eigen::Vector2d& xy) const {
   const double s = xy.squaredNorm();
@@ -39,17 +55,10 @@ std::optional<Mapped> RadialMap::distort(const Eigen::Vector2d& xy) const {
   const double scale = N / D;
   const double d_scale_d_s =
       (value(derivative(numerator_), s) - scale * value(derivative(denominator_), s)) / D;
-  const double x = xy.x();
-  const double y = xy.y();
 
-  Mapped mapped;
-  mapped.xy = scale * xy + Eigen::Vector2d(2.0 * p1_ * x * y + p2_ * (s + 2.0 * x * x),
-                                           p1_ * (s + 2.0 * y * y) + 2.0 * p2_ * x * y);
-  const double mixed = 2.0 * (p1_ * x + p2_ * y);
-  Eigen::Matrix2d decentring;
-  decentring << 2.0 * p1_ * y + 6.0 * p2_ * x, mixed, mixed, 6.0 * p1_ * y + 2.0 * p2_ * x;
-  mapped.J =
-      scale * Eigen::Matrix2d::Identity() + 2.0 * d_scale_d_s * xy * xy.transpose() + decentring;
+  Mapped mapped{scale * xy,
+                scale * Eigen::Matrix2d::Identity() + 2.0 * d_scale_d_s * xy * xy.transpose()};
+  add_lateral(lateral_, xy, s, mapped);
   if (!(mapped.J.determinant() > 0.0) || !mapped.xy.allFinite()) return std::nullopt;
   return mapped;
 }

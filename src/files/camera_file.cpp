@@ -65,16 +65,30 @@ std::string camera_yaml(const CameraCalibration& calibration, const std::string&
   return writer.text();
 }
 
+/// Adds a fault for a list of coefficients that is too long or was cut short. Other programs leave
+/// out all of an undistorted lens, k3 of the plumb-bob and the tilt of opencv_14.
+void check_count(const YamlNode& node, std::size_t count, const std::string& model) {
+  const std::size_t all = distortion_coefficients(make_camera_model(model, {}, {})).size();
+  const bool without_k3 = model == "plumb_bob" && count == 4;
+  const bool without_tilt = model == "opencv_14" && count == 12;
+  if (count == 0 || count == all || without_k3 || without_tilt) return;
+  node.add_fault("lens model " + model + " has " + std::to_string(all) + " coefficients, not " +
+                 std::to_string(count));
+}
+
 CameraRecord read_camera_yaml(const std::filesystem::path& path) {
   const YamlDocument document = YamlDocument::read_lenient(path);
   const YamlNode root = document.root();
   CameraRecord record;
   record.width_px = static_cast<int>(root.number_in("image_width", 1, 1e6));
   record.height_px = static_cast<int>(root.number_in("image_height", 1, 1e6));
-  const std::string model =
-      root.choice("distortion_model", {"plumb_bob", "rational_polynomial", "equidistant"});
+  const std::string model = root.choice(
+      "distortion_model", {"plumb_bob", "rational_polynomial", "opencv_14", "equidistant"});
   const std::vector<double> K = root.child("camera_matrix").numbers("data", 9);
-  const std::vector<double> coefficients = root.child("distortion_coefficients").numbers("data", 0);
+  const YamlNode distortion = root.child("distortion_coefficients");
+  const std::vector<double> coefficients = distortion.numbers("data", 0);
+  document.throw_if_faulty();
+  check_count(distortion, coefficients.size(), model);
   document.throw_if_faulty();
   try {
     record.camera = make_camera_model(model, {K[0], K[4], K[2], K[5]}, coefficients);

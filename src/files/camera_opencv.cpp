@@ -36,8 +36,9 @@ int pixels_at(const cv::FileStorage& file, const char* key, const std::string& s
 const char* model_of(std::size_t coefficients, const std::string& source) {
   if (coefficients == 4 || coefficients == 5) return "plumb_bob";
   if (coefficients == 8) return "rational_polynomial";
-  refuse(source,
-         fmt::format("has {} distortion coefficients; 4, 5 or 8 can be used", coefficients));
+  if (coefficients == 12 || coefficients == 14) return "opencv_14";
+  refuse(source, fmt::format("has {} distortion coefficients; 4, 5, 8, 12 or 14 can be used",
+                             coefficients));
 }
 
 CameraRecord read_storage(const std::string& text, const std::string& source) {
@@ -70,7 +71,8 @@ CameraRecord camera_from_opencv(const std::string& text, const std::string& sour
 
 std::string opencv_text(const CameraRecord& record) {
   const std::string model = lens_model_name(record.camera);
-  if (model != "pinhole" && model != "plumb_bob" && model != "rational_polynomial")
+  if (model != "pinhole" && model != "plumb_bob" && model != "rational_polynomial" &&
+      model != "opencv_14")
     throw InputError("OpenCV's file has no model " + model +
                      "; write it to a file named .yaml or .xml");
   const Intrinsics k = intrinsics(record.camera);

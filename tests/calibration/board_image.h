@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Geometry>
 #include <opencv2/core.hpp>
 
 #include "calibration/board.h"
@@ -32,15 +33,14 @@ struct Ink {
 };
 
 /// Picture of a dot board: every pixel the mean over 6 x 6 rays, so exact to a fraction of a grey
-/// level at the dots' rims. Dot `missing` (row by row) is left out.
-inline cv::Mat picture_of_dots(const Pinhole& camera, const Board& board, double dot_diameter,
+/// level at the dots' rims; the lens is linear within a pixel. Dot `missing` (row by row) is left
+/// out.
+inline cv::Mat picture_of_dots(const CameraModel& camera, const Board& board, double dot_diameter,
                                const Pose& X_CG, const Ink& ink = {}, int missing = -1) {
   constexpr int kSubdivision = 6;
   const Pose X_GC = X_CG.inverse();
-  const auto covered = [&](double u, double v) {
-    const Eigen::Vector3d ray_G =
-        X_GC.linear() *
-        Eigen::Vector3d((u - camera.k.cx) / camera.k.fx, (v - camera.k.cy) / camera.k.fy, 1.0);
+  const auto covered = [&](const Eigen::Vector2d& xy) {
+    const Eigen::Vector3d ray_G = X_GC.linear() * xy.homogeneous();
     const Eigen::Vector3d& eye = X_GC.translation();
     const double x = eye.x() - eye.z() * ray_G.x() / ray_G.z();
     const double y = eye.y() - eye.z() * ray_G.y() / ray_G.z();
@@ -53,11 +53,13 @@ inline cv::Mat picture_of_dots(const Pinhole& camera, const Board& board, double
   cv::Mat image(480, 640, CV_8UC1);
   for (int v = 0; v < image.rows; ++v) {
     for (int u = 0; u < image.cols; ++u) {
+      Eigen::Matrix2d d_xy_d_uv;
+      const Eigen::Vector3d middle = ray(camera, {u, v}, &d_xy_d_uv).value();
       int hits = 0;
       for (int a = 0; a < kSubdivision * kSubdivision; ++a) {
         const double du = (a % kSubdivision + 0.5) / kSubdivision - 0.5;
         const double dv = (a / kSubdivision + 0.5) / kSubdivision - 0.5;
-        hits += covered(u + du, v + dv) ? 1 : 0;
+        hits += covered(middle.head<2>() + d_xy_d_uv * Eigen::Vector2d(du, dv)) ? 1 : 0;
       }
       const double part = static_cast<double>(hits) / (kSubdivision * kSubdivision);
       image.at<std::uint8_t>(v, u) =

@@ -103,6 +103,9 @@ TEST_CASE("Missing coefficients are zero, wrong ones are refused by name") {
   CHECK_THROWS_WITH(make_camera_model("brown", k, {}), Catch::Contains("rational_polynomial"));
   CHECK_THROWS_AS(make_camera_model("pinhole", k, {0.1}), InputError);
   CHECK_THROWS_AS(make_camera_model("plumb_bob", k, {kNaN}), InputError);
+  std::vector<double> edge_on(14, 0.0);
+  edge_on[13] = -1.6;
+  CHECK_THROWS_WITH(make_camera_model("opencv_14", k, edge_on), Catch::Contains("right angle"));
   CHECK_THROWS_AS(make_camera_model("pinhole", Intrinsics{0.0, 1.0, 0.0, 0.0}, {}), InputError);
 }
 

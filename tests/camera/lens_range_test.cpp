@@ -40,6 +40,17 @@ TEST_CASE("A rational lens ends before the pole of its denominator") {
   CHECK(ray(pole, {10.0, 0.0}));
 }
 
+TEST_CASE("A tilted sensor ends where its plane runs parallel to the rays") {
+  constexpr double kTilt = 0.5;
+  OpenCv14 tilted{{kUnit}};
+  tilted.tau_y = kTilt;
+  // Rays meet the plane through (0, 0, 1) turned by the tilt from x = -1 / tan(tilt) on.
+  const double limit = 1.0 / std::tan(kTilt);
+  CHECK(project(tilted, {5.0 * limit, 0.3, 1.0}));
+  CHECK(project(tilted, {-0.999 * limit, 0.3, 1.0}));
+  CHECK_FALSE(project(tilted, {-1.001 * limit, 0.3, 1.0}));
+}
+
 TEST_CASE("An equidistant lens sees nothing at a right angle or beyond") {
   const KannalaBrandt fisheye{kUnit};
   CHECK(ray(fisheye, {1.5, 0.0}));

@@ -11,6 +11,13 @@ namespace {
 using Catch::Matchers::Contains;
 
 constexpr Intrinsics kIntrinsics{812.345678901234, 809.1, 321.5, 239.25};
+constexpr OpenCv14 kOpenCv14{{kIntrinsics, 0.3, 0.02, -2e-4, 5e-4, 0.001, 0.42, 0.06, 0.002},
+                             4e-4,
+                             -2e-4,
+                             -3e-4,
+                             1e-4,
+                             0.03,
+                             -0.02};
 
 CameraCalibration sample(const CameraModel& camera, const std::string& model) {
   CameraCalibration calibration;
@@ -46,7 +53,7 @@ TEST_CASE("Every model that a camera_info file can hold comes back bit for bit")
   const std::vector<CameraModel> cameras{
       PlumbBob{kIntrinsics, -0.1, 0.2, 1e-3, 2e-3, 0.01},
       Rational{kIntrinsics, 0.3, 0.02, -2e-4, 5e-4, 0.001, 0.42, 0.06, 0.002},
-      KannalaBrandt{kIntrinsics, 0.01, -0.02, 0.03, -0.04}};
+      KannalaBrandt{kIntrinsics, 0.01, -0.02, 0.03, -0.04}, kOpenCv14};
   for (const CameraModel& camera : cameras) {
     write_camera(folder / "camera.yaml", sample(camera, "auto"), "test", {});
     const CameraRecord back = read_camera(folder / "camera.yaml");
@@ -86,6 +93,8 @@ TEST_CASE("A model goes only into a file that can hold it") {
   CHECK_THROWS_WITH(
       write_camera(folder / "c.xml", sample(PlumbBob{kIntrinsics}, "plumb_bob"), "test", {}),
       Contains("pinhole and visp") && Contains("plumb_bob"));
+  CHECK_THROWS_WITH(write_camera(folder / "c.xml", sample(kOpenCv14, "opencv_14"), "test", {}),
+                    Contains("pinhole and visp") && Contains("not opencv_14"));
 }
 
 TEST_CASE("A ROS file is read, whatever else it holds") {
@@ -101,8 +110,9 @@ TEST_CASE("Faults of a camera file are named with their place and what is allowe
   const auto reading = [&](const std::string& from, const std::string& to) {
     return read_camera(folder.write("ros.yaml", replaced(kRosFile, from, to)));
   };
-  CHECK_THROWS_WITH(reading("plumb_bob", "pinbob"),
-                    Contains("ros.yaml:8:") && Contains("rational_polynomial, equidistant"));
+  CHECK_THROWS_WITH(
+      reading("plumb_bob", "pinbob"),
+      Contains("ros.yaml:8:") && Contains("rational_polynomial, opencv_14, equidistant"));
   CHECK_THROWS_WITH(reading("500.", ".nan"), Contains("ros.yaml:7:") && Contains("finite"));
   CHECK_THROWS_WITH(reading("500.", "-500."), Contains("focal length"));
   CHECK_THROWS_WITH(reading("image_width: 640\n", ""), Contains("lacks the key 'image_width'"));
@@ -111,6 +121,29 @@ TEST_CASE("Faults of a camera file are named with their place and what is allowe
   CHECK_THROWS_AS(read_camera(folder / "none.xml"), InputError);
   CHECK_THROWS_WITH(read_camera(folder.write("wrong.xml", "<root/>")),
                     Contains("wrong.xml") && Contains("ViSP"));
+}
+
+TEST_CASE("A list of coefficients that is too long or cut short is refused by its model") {
+  const test::TemporaryFolder folder;
+  const auto reading = [&](const std::string& model, const std::string& coefficients) {
+    const std::string file = replaced(kRosFile, "plumb_bob", model);
+    return read_camera(
+        folder.write("ros.yaml", replaced(file, "-0.1, 0.01, 0.001, 0.002, 0.0", coefficients)));
+  };
+  const std::string twelve = "0.3, 0.02, 0, 0, 0.001, 0.42, 0.06, 0.002, 4e-4, 0, -3e-4, 0";
+  const auto count = [&](const CameraRecord& record) {
+    return distortion_coefficients(record.camera).size();
+  };
+  CHECK(count(reading("opencv_14", twelve + ", 0.03, -0.02")) == 14);
+  CHECK(count(reading("opencv_14", twelve)) == 14);
+  CHECK(count(reading("plumb_bob", "-0.1, 0.01, 0, 0")) == 5);
+  CHECK(count(reading("plumb_bob", "")) == 5);
+  CHECK_THROWS_WITH(reading("opencv_14", twelve + ", 0.03"),
+                    Contains("ros.yaml:10:") && Contains("opencv_14 has 14 coefficients, not 13"));
+  CHECK_THROWS_WITH(reading("opencv_14", twelve + ", 0.03, -0.02, 0"), Contains("not 15"));
+  CHECK_THROWS_WITH(reading("opencv_14", twelve + ", 0.03, 1.6"), Contains("right angle"));
+  CHECK_THROWS_WITH(reading("rational_polynomial", "0.3, 0.02, 0, 0, 0.001"),
+                    Contains("rational_polynomial has 8 coefficients, not 5"));
 }
 
 TEST_CASE("OpenCV's own files are read, and come back bit for bit") {
@@ -128,7 +161,7 @@ TEST_CASE("OpenCV's own files are read, and come back bit for bit") {
   CHECK(distortion_coefficients(read.camera) == std::vector<double>{-0.1, 0.01, 0.001, 0.002, 0.5});
   const std::vector<CameraModel> cameras{
       PlumbBob{kIntrinsics, -0.1, 0.2, 1e-3, 2e-3, 0.01},
-      Rational{kIntrinsics, 0.3, 0.02, -2e-4, 5e-4, 0.001, 0.42, 0.06, 0.002}};
+      Rational{kIntrinsics, 0.3, 0.02, -2e-4, 5e-4, 0.001, 0.42, 0.06, 0.002}, kOpenCv14};
   for (const CameraModel& camera : cameras) {
     write_camera(folder / "back.yml", sample(camera, "auto"), "test", {});
     const CameraRecord back = read_camera(folder / "back.yml");
@@ -148,6 +181,13 @@ TEST_CASE("A file of OpenCV's that lacks a part or has another lens is refused b
   CHECK_THROWS_WITH(read("image_width: 640\nimage_height: 480\n"),
                     Contains("lacks the matrix 'camera_matrix'"));
   CHECK_THROWS_AS(read("image_width: [640\n"), InputError);
+  const std::string before_coefficients =
+      "image_width: 640\nimage_height: 480\ncamera_matrix: !!opencv-matrix\n   rows: 3\n"
+      "   cols: 3\n   dt: d\n   data: [ 500., 0., 320., 0., 501., 240., 0., 0., 1. ]\n"
+      "distortion_coefficients: !!opencv-matrix\n   rows: 13\n   cols: 1\n   dt: d\n";
+  CHECK_THROWS_WITH(read(before_coefficients +
+                         "   data: [ 0., 0., 0., 0., 0., 0., 0., 0., 0., 0., 0., 0., 0. ]\n"),
+                    Contains("has 13 distortion coefficients; 4, 5, 8, 12 or 14"));
   CHECK_THROWS_WITH(
       write_camera(folder / "fisheye.yml",
                    sample(KannalaBrandt{kIntrinsics, 0.01, 0, 0, 0}, "equidistant"), "test", {}),
