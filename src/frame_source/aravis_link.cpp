@@ -7,111 +7,18 @@
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
-#include <type_traits>
 
 #include "core/clock.h"
 #include "core/error.h"
-#include "frame_source/camera_path.h"
+#include "frame_source/aravis_call.h"
+#include "frame_source/aravis_features.h"
+#include "frame_source/aravis_open.h"
 
 namespace planar {
 namespace {
 
 constexpr std::size_t kPageBytes = 4096;
 constexpr guint kFrameRetention_us = 50000;  ///< packets later than this count as lost
-
-struct Unref {
-  void operator()(gpointer object) const { g_object_unref(object); }
-};
-template <typename T>
-using GObjectPtr = std::unique_ptr<T, Unref>;
-
-/// Makes a call that reports by GError; its failure is a WorkError that begins with `what`.
-template <typename Call>
-auto ask(const std::string& what, Call call) {
-  GError* error = nullptr;
-  const auto refuse = [&] {
-    if (error == nullptr) return;
-    const std::string message = error->message;
-    g_error_free(error);
-    throw WorkError(what + ": " + message);
-  };
-  if constexpr (std::is_void_v<decltype(call(&error))>) {
-    call(&error);
-    refuse();
-  } else {
-    const auto answer = call(&error);
-    refuse();
-    return answer;
-  }
-}
-
-GObjectPtr<ArvCamera> open_gige(const std::string& address) {
-  const std::string local = local_address_towards(address);
-  const GObjectPtr<GInetAddress> ours(g_inet_address_new_from_string(local.c_str()));
-  const GObjectPtr<GInetAddress> theirs(g_inet_address_new_from_string(address.c_str()));
-  const std::string what = "no GigE camera answers at " + address;
-  try {
-    const GObjectPtr<ArvDevice> device(
-        ask(what, [&](GError** e) { return arv_gv_device_new(ours.get(), theirs.get(), e); }));
-    return GObjectPtr<ArvCamera>(
-        ask(what, [&](GError** e) { return arv_camera_new_with_device(device.get(), e); }));
-  } catch (const WorkError& error) {
-    throw CameraAbsent(error.what());
-  }
-}
-
-GObjectPtr<ArvCamera> open_usb(const std::string& serial) {
-  for (const char* other : {"GigEVision", "Fake"}) arv_disable_interface(other);
-  arv_update_device_list();
-  std::string present;
-  for (unsigned int i = 0; i < arv_get_n_devices(); ++i) {
-    const std::string found = arv_get_device_serial_nbr(i);
-    present += (present.empty() ? "" : ", ") + found;
-    if (!serial.empty() && found != serial) continue;
-    const char* device = arv_get_device_id(i);
-    return GObjectPtr<ArvCamera>(ask("the USB camera " + found + " does not open",
-                                     [&](GError** e) { return arv_camera_new(device, e); }));
-  }
-  throw CameraAbsent(
-      fmt::format("no USB camera{} is there ({}); check its cable and, with "
-                  "planar-doctor, the permission to use it",
-                  serial.empty() ? "" : " with the serial number " + serial,
-                  present.empty() ? "none at all" : "there are: " + present));
-}
-
-ArvPixelFormat arv_format(PixelFormat format) {
-  switch (format) {
-    case PixelFormat::kMono8:
-      return ARV_PIXEL_FORMAT_MONO_8;
-    case PixelFormat::kMono10:
-      return ARV_PIXEL_FORMAT_MONO_10;
-    case PixelFormat::kMono10p:
-      return 0x010a0046;  // of the convention; Aravis has no name for it
-    case PixelFormat::kMono10Packed:
-      return ARV_PIXEL_FORMAT_MONO_10_PACKED;
-    case PixelFormat::kMono12:
-      return ARV_PIXEL_FORMAT_MONO_12;
-    case PixelFormat::kMono12p:
-      return 0x010c0047;
-    case PixelFormat::kMono12Packed:
-      return ARV_PIXEL_FORMAT_MONO_12_PACKED;
-  }
-  throw std::invalid_argument("unknown PixelFormat");
-}
-
-/// An input line that can start an exposure.
-std::string hardware_trigger(ArvCamera* camera) {
-  guint n = 0;
-  const std::unique_ptr<const char*, void (*)(gpointer)> sources(
-      ask("the camera does not name its trigger sources",
-          [&](GError** e) { return arv_camera_dup_available_trigger_sources(camera, &n, e); }),
-      g_free);
-  for (guint i = 0; i < n; ++i) {
-    std::string source = sources.get()[i];
-    if (source.rfind("Line", 0) == 0) return source;
-  }
-  throw WorkError("the camera has no input line that could trigger it");
-}
 
 /// The steady clock's time of a moment that Aravis stamped with the time of day.
 double steady_s(guint64 time_of_day_ns) {
@@ -147,10 +54,8 @@ struct AravisLink::Impl {
   Impl(const AravisSettings& wanted, FrameMemory& frames)
       : settings(wanted), format(pixel_format_named(wanted.pixel_format)), memory(frames) {
     camera = settings.address.empty() ? open_usb(settings.id) : open_gige(settings.address);
-    check_identity();
-    apply_features();
-    apply_trigger();
-    if (arv_camera_is_gv_device(camera.get())) apply_packet_size();
+    require_identity(camera.get(), settings);
+    apply_settings(camera.get(), settings);
     read_raster();
     control_lost = g_signal_connect(arv_camera_get_device(camera.get()), "control-lost",
                                     G_CALLBACK(&Impl::on_control_lost), &lost);
@@ -168,83 +73,6 @@ struct AravisLink::Impl {
 
   static void on_control_lost(ArvDevice* /*device*/, gpointer flag) {
     static_cast<std::atomic<bool>*>(flag)->store(true);
-  }
-
-  void check_identity() {
-    ArvCamera* const c = camera.get();
-    if (!settings.id.empty()) {
-      const std::string serial = ask("the camera does not tell its serial number", [&](GError** e) {
-        return arv_camera_get_device_serial_number(c, e);
-      });
-      if (serial != settings.id)
-        throw WorkError(
-            fmt::format("the camera at {} is {}, not {}", settings.address, serial, settings.id));
-    }
-    cv::Size sensor;
-    ask("the camera does not tell its size",
-        [&](GError** e) { arv_camera_get_sensor_size(c, &sensor.width, &sensor.height, e); });
-    if (sensor != settings.sensor_px)
-      throw WorkError(fmt::format("the camera's sensor has {} x {} pixels; the cell says {} x {}",
-                                  sensor.width, sensor.height, settings.sensor_px.width,
-                                  settings.sensor_px.height));
-  }
-
-  void apply_features() {
-    ArvCamera* const c = camera.get();
-    ask("the camera refuses the pixel format " + settings.pixel_format,
-        [&](GError** e) { arv_camera_set_pixel_format(c, arv_format(format), e); });
-    const auto automatic_off = [&](const char* what, auto available, auto set) {
-      if (!ask(what, [&](GError** e) { return available(c, e); })) return;
-      ask(what, [&](GError** e) { set(c, ARV_AUTO_OFF, e); });
-    };
-    automatic_off("the camera keeps its exposure automatic", arv_camera_is_exposure_auto_available,
-                  arv_camera_set_exposure_time_auto);
-    automatic_off("the camera keeps its gain automatic", arv_camera_is_gain_auto_available,
-                  arv_camera_set_gain_auto);
-    expose({settings.exposure_s, settings.gain_db});
-  }
-
-  template <typename GetBounds>
-  void require_within(const char* what, double value, const char* unit, GetBounds get_bounds) {
-    double least = 0.0, most = 0.0;
-    ask(fmt::format("the camera does not tell {}'s bounds", what),
-        [&](GError** e) { get_bounds(camera.get(), &least, &most, e); });
-    if (value < least || value > most)
-      throw WorkError(
-          fmt::format("the camera refuses {} of {:.6g} {}; it can do {:.6g} to {:.6g} {}", what,
-                      value, unit, least, most, unit));
-  }
-
-  void expose(const CameraExposure& exposure) {
-    ArvCamera* const c = camera.get();
-    const double time_us = 1e6 * exposure.time_s;
-    require_within("an exposure", time_us, "us", arv_camera_get_exposure_time_bounds);
-    require_within("a gain", exposure.gain_db, "dB", arv_camera_get_gain_bounds);
-    ask(fmt::format("the camera refuses an exposure of {:.0f} us", time_us),
-        [&](GError** e) { arv_camera_set_exposure_time(c, time_us, e); });
-    ask(fmt::format("the camera refuses a gain of {} dB", exposure.gain_db),
-        [&](GError** e) { arv_camera_set_gain(c, exposure.gain_db, e); });
-  }
-
-  void apply_trigger() {
-    ArvCamera* const c = camera.get();
-    if (settings.trigger == CameraTrigger::kFreeRun) {
-      ask("the camera does not run freely", [&](GError** e) { arv_camera_clear_triggers(c, e); });
-      ask(fmt::format("the camera refuses {:.4g} frames/s", settings.frame_rate_hz),
-          [&](GError** e) { arv_camera_set_frame_rate(c, settings.frame_rate_hz, e); });
-      return;
-    }
-    const std::string source =
-        settings.trigger == CameraTrigger::kSoftware ? "Software" : hardware_trigger(c);
-    ask("the camera refuses the trigger " + source,
-        [&](GError** e) { arv_camera_set_trigger(c, source.c_str(), e); });
-  }
-
-  void apply_packet_size() {
-    if (settings.packet_size == 0) return;  // Aravis finds the largest that passes
-    arv_camera_gv_set_packet_size_adjustment(camera.get(), ARV_GV_PACKET_SIZE_ADJUSTMENT_NEVER);
-    ask(fmt::format("the camera refuses packets of {} bytes", settings.packet_size),
-        [&](GError** e) { arv_camera_gv_set_packet_size(camera.get(), settings.packet_size, e); });
   }
 
   void read_raster() {
@@ -369,7 +197,7 @@ cv::Rect AravisLink::move(const cv::Rect& region_px) {
 }
 
 void AravisLink::expose(const CameraExposure& exposure) {
-  impl_->expose(exposure);
+  apply_exposure(impl_->camera.get(), exposure);
 }
 
 void AravisLink::trigger() {

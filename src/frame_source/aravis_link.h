@@ -5,18 +5,11 @@
 #include <optional>
 #include <vector>
 
-#include "core/error.h"
 #include "devices/frame_source.h"
 #include "frame_source/aravis_settings.h"
 #include "frame_source/pixel_format.h"
 
 namespace planar {
-
-/// No camera answers where one should.
-class CameraAbsent : public WorkError {
- public:
-  using WorkError::WorkError;
-};
 
 /// Memory for the frames that a camera fills, allocated once for its largest frame.
 class FrameMemory {

@@ -3,6 +3,7 @@
 #include "core/clock.h"
 #include "core/error.h"
 #include "frame_source/aravis_link.h"
+#include "frame_source/camera_absent.h"
 
 namespace planar {
 namespace {
