@@ -29,8 +29,7 @@ constexpr double kAgeLimit_s = 0.070;
 constexpr double kStartTime_s = 0.5;  ///< a stream needs as long until its first frame
 constexpr double kSilence_s = 3.0;    ///< without a good frame the camera is opened again
 constexpr double kPollPeriod_s = 0.005;
-constexpr double kLateness_s =
-    0.5;  ///< a frame that has not come by then after its trigger is lost
+constexpr double kLateness_s = 0.5;    ///< a frame as late is lost, and the stream begins anew
 constexpr double kFirstPause_s = 0.1;  ///< between two attempts to open a lost camera
 constexpr double kLongestPause_s = 2.0;
 constexpr double kOrderTime_s = 5.0;  ///< for the thread to come round and the camera to answer
@@ -117,7 +116,7 @@ struct AravisCamera::Impl {
       if (settings.trigger == CameraTrigger::kSoftware)
         grab_by_command();
       else
-        take(link->receive(kPollPeriod_s), std::nullopt);
+        grab_unasked();
       if (link->lost()) throw WorkError("it does not answer");
       if (mailbox.age_s() > kSilence_s)
         throw WorkError(fmt::format("it sent no good frame for {:.0f} s", kSilence_s));
@@ -163,6 +162,13 @@ struct AravisCamera::Impl {
     }
   }
 
+  /// What holds frames back, a queue in the camera say, ends with the stream.
+  void grab_unasked() {
+    const auto arrival = link->receive(kPollPeriod_s);
+    take(arrival, std::nullopt);
+    if (arrival && arrival->late_s > kLateness_s) link->start(asked_px);
+  }
+
   /// A frame that is late must not pass for the next trigger's: each trigger waits for its own.
   void grab_by_command() {
     if (!unanswered_s && !trigger()) return;
@@ -192,7 +198,7 @@ struct AravisCamera::Impl {
       mailbox.note_bad(arrival->complete ? FrameStatus::kFrozen : FrameStatus::kIncomplete);
       return;
     }
-    const double t_s = began_s.value_or(arrival->t_s - settings.exposure_s);
+    const double t_s = began_s.value_or(arrival->due_s - settings.exposure_s);
     const cv::Rect& region_px = arrival->region_px;
     if ((region_px & asked_px) != asked_px) {  // from before the region moved
       mailbox.note_good(t_s, {});

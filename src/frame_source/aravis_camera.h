@@ -23,7 +23,8 @@ class AravisCamera final : public FrameSource {
   /// The frames' own region may be larger: cameras place regions on a raster. Moving a region costs
   /// nothing; another size restarts the stream, and this waits for its first frame.
   void set_region(const cv::Rect& region_px) override;
-  /// Without a software trigger an exposure counts from the frame's arrival less the exposure time.
+  /// Without a software trigger an exposure counts from when the frame's arrival was due by the
+  /// camera's clock, less the exposure time.
   FrameResult next_frame() override;
   std::optional<std::string> fault() const override;
   FrameCounts counts() const override;

@@ -2,6 +2,7 @@
 
 #include <arv.h>
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <atomic>
 #include <cmath>
@@ -13,6 +14,7 @@
 #include "frame_source/aravis_call.h"
 #include "frame_source/aravis_features.h"
 #include "frame_source/aravis_open.h"
+#include "frame_source/camera_clock.h"
 
 namespace planar {
 namespace {
@@ -139,7 +141,6 @@ struct AravisLink::Impl {
 
   Arrival judge(ArvBuffer* buffer) {
     Arrival arrival;
-    arrival.t_s = steady_s(arv_buffer_get_system_timestamp(buffer));
     if (arv_buffer_get_status(buffer) != ARV_BUFFER_STATUS_SUCCESS ||
         arv_buffer_get_payload_type(buffer) != ARV_BUFFER_PAYLOAD_TYPE_IMAGE ||
         arv_buffer_get_image_pixel_format(buffer) != arv_format(format))
@@ -152,12 +153,24 @@ struct AravisLink::Impl {
     arrival.complete =
         region.area() > 0 && size >= bytes_of(format, static_cast<std::size_t>(region.area()));
     arrival.repeated = arrival.complete && repeats_last(buffer, arrival);
+    if (arrival.complete) date(buffer, arrival);
     return arrival;
+  }
+
+  void date(ArvBuffer* buffer, Arrival& arrival) {
+    const bool believed = clock.believed();
+    const double arrival_s = steady_s(arv_buffer_get_system_timestamp(buffer));
+    const double device_s = 1e-9 * static_cast<double>(arv_buffer_get_timestamp(buffer));
+    arrival.due_s = clock.due_s(device_s, arrival_s);
+    arrival.late_s = arrival_s - arrival.due_s;
+    if (believed && !clock.believed())
+      spdlog::warn("the camera's clock runs slow: its frames are dated by their arrival");
   }
 
   AravisSettings settings;
   PixelFormat format;
   FrameMemory& memory;
+  CameraClock clock;
   cv::Rect raster_px;  ///< steps of a region's place and size
   GObjectPtr<ArvCamera> camera;
   GObjectPtr<ArvStream> stream;
@@ -178,6 +191,7 @@ cv::Rect AravisLink::start(const cv::Rect& region_px) {
     arv_camera_set_region(impl_->camera.get(), fitted.x, fitted.y, fitted.width, fitted.height, e);
   });
   impl_->create_stream();
+  impl_->clock.begin_stream(SteadyClock().now_s());
   ask("the camera does not start",
       [&](GError** e) { arv_camera_start_acquisition(impl_->camera.get(), e); });
   impl_->streaming = true;

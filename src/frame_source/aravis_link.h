@@ -37,7 +37,8 @@ class AravisLink {
     bool complete{false};  ///< the rest is valid only then
     bool repeated{false};  ///< it equals the frame before it, byte for byte
     std::uint64_t id{0};
-    double t_s{0.0};  ///< the beginning of its arrival on the steady clock
+    double due_s{0.0};  ///< when its arrival should have begun, by CameraClock, on the steady clock
+    double late_s{0.0};  ///< by how much later it began
     cv::Rect region_px;
     const std::uint8_t* data{nullptr};
   };

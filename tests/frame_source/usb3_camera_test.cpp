@@ -38,6 +38,25 @@ struct PluggedCamera {
   test::MockUsbDevice device{shared_bus(), function.description(), function};
 };
 
+/// Pulses a camera's trigger line at the frame rate.
+struct Pulses {
+  explicit Pulses(test::Usb3Camera& camera)
+      : line([this, &camera] {
+          for (SteadyClock clock; !ends; clock.sleep_for_s(1.0 / kFrameRate_hz))
+            if (on) {
+              ++sent;
+              camera.pulse_line();
+            }
+        }) {}
+  ~Pulses() {
+    ends = true;
+    line.join();
+  }
+  std::atomic<bool> on{true}, ends{false};
+  std::atomic<std::size_t> sent{0};
+  std::thread line;
+};
+
 AravisSettings settings_with(CameraTrigger trigger) {
   AravisSettings settings;
   settings.sensor_px = kSensor;
@@ -48,10 +67,16 @@ AravisSettings settings_with(CameraTrigger trigger) {
   return settings;
 }
 
+/// The camera's clock is known when some frames have come quickly.
+void see_some_frames(AravisCamera& camera) {
+  for (int i = 0; i < 20; ++i) REQUIRE(camera.next_frame().status == FrameStatus::kOk);
+}
+
 TEST_CASE("A frame over USB is whole, of the region asked for, and exposed after it was asked") {
   for (const CameraTrigger trigger : {CameraTrigger::kFreeRun, CameraTrigger::kSoftware}) {
     PluggedCamera plugged;
     AravisCamera camera(settings_with(trigger));
+    see_some_frames(camera);
     for (const cv::Rect& region : {kWhole, cv::Rect(64, 32, 128, 96), cv::Rect(65, 33, 128, 96)}) {
       camera.set_region(region);
       for (int i = 0; i < 3; ++i) {
@@ -61,8 +86,7 @@ TEST_CASE("A frame over USB is whole, of the region asked for, and exposed after
         CHECK(result.frame.region_px == region);
         CHECK(test::SceneSensor::shows(result.frame.image, region));
         CHECK(result.frame.t_s >= asked_s);
-        if (trigger == CameraTrigger::kSoftware)
-          CHECK(plugged.sensor.exposed_s(result.frame.image, region) >= asked_s);
+        CHECK(plugged.sensor.exposed_s(result.frame.image, region) >= asked_s);
       }
     }
   }
@@ -87,15 +111,7 @@ TEST_CASE("Every grey format arrives with the upper eight bits of its pixels") {
 TEST_CASE("Each pulse of the trigger line brings one frame, its absence is a fault") {
   PluggedCamera plugged;
   AravisCamera camera(settings_with(CameraTrigger::kHardware));
-  std::atomic<bool> ends{false}, pulses{true};
-  std::atomic<std::size_t> sent{0};
-  std::thread line([&] {
-    for (SteadyClock clock; !ends; clock.sleep_for_s(1.0 / kFrameRate_hz))
-      if (pulses) {
-        ++sent;
-        plugged.function.pulse_line();
-      }
-  });
+  Pulses pulses(plugged.function);
   for (int i = 0; i < 5; ++i) {
     const double asked_s = SteadyClock().now_s();
     const FrameResult result = camera.next_frame();
@@ -103,14 +119,47 @@ TEST_CASE("Each pulse of the trigger line brings one frame, its absence is a fau
     CHECK(test::SceneSensor::shows(result.frame.image, kWhole));
     CHECK(result.frame.t_s >= asked_s);
   }
-  pulses = false;
+  pulses.on = false;
   CHECK(test::in_the_end([&] { return camera.fault().has_value(); }));
-  CHECK(plugged.sensor.exposures() == sent);
-  pulses = true;
+  CHECK(plugged.sensor.exposures() == pulses.sent);
+  pulses.on = true;
   CHECK(test::in_the_end([&] { return !camera.fault(); }));
   CHECK(camera.next_frame().status == FrameStatus::kOk);
-  ends = true;
-  line.join();
+}
+
+constexpr double kHeldBack_s = 0.2;
+
+TEST_CASE("A frame over USB exposed before it was asked for is not handed over, however late") {
+  for (const CameraTrigger trigger : {CameraTrigger::kFreeRun, CameraTrigger::kHardware}) {
+    PluggedCamera plugged;
+    const Pulses pulses(plugged.function);  // heeded where they are the trigger
+    AravisCamera camera(settings_with(trigger));
+    see_some_frames(camera);
+    for (int i = 0; i < 5; ++i) {
+      plugged.sensor.delay_s = kHeldBack_s;
+      REQUIRE(test::in_the_end([&] { return plugged.sensor.delay_s == 0.0; }));  // on its way
+      SteadyClock().sleep_for_s(kHeldBack_s / 4.0);
+      const double asked_s = SteadyClock().now_s();
+      const FrameResult result = camera.next_frame();
+      REQUIRE(result.status == FrameStatus::kOk);
+      CHECK(plugged.sensor.exposed_s(result.frame.image, kWhole) >= asked_s);
+    }
+  }
+}
+
+TEST_CASE("A camera whose clock is of no use is dated by its frames' arrival") {
+  for (const double rate : {0.0, 0.5, 8.0}) {
+    PluggedCamera plugged;
+    plugged.function.run_clock(rate);
+    AravisCamera camera(settings_with(CameraTrigger::kFreeRun));
+    for (int i = 0; i < 20; ++i) {
+      const double asked_s = SteadyClock().now_s();
+      const FrameResult result = camera.next_frame();
+      REQUIRE(result.status == FrameStatus::kOk);
+      CHECK(result.frame.t_s >= asked_s);
+      CHECK(result.frame.t_s <= SteadyClock().now_s());
+    }
+  }
 }
 
 TEST_CASE("Frames over USB without their end are counted and never handed over") {

@@ -102,7 +102,8 @@ Usb3Camera::Usb3Camera(const std::string& serial, const cv::Size& sensor_px, dou
       exposure_(std::move(exposure)),
       xml_(moved_xml(handles_->camera)),
       stream_registers_(kSirmBytes),
-      format_(&grey_formats().front()) {
+      format_(&grey_formats().front()),
+      switched_on_us_(g_get_monotonic_time()) {
   show_on(handles_->camera, exposure_, sensor_px, frame_rate_hz);
 }
 
@@ -136,6 +137,7 @@ void Usb3Camera::power_cycle() {
   answers_.clear();
   next_ = Next::kLeader;
   format_ = &grey_formats().front();
+  switched_on_us_ = g_get_monotonic_time();
 }
 
 std::optional<Usb3Camera::Bytes> Usb3Camera::read(std::uint64_t address, std::size_t size) {
@@ -277,6 +279,11 @@ void Usb3Camera::pack() {
   sending_bytes_ = packed_.size();
 }
 
+std::uint64_t Usb3Camera::stamp_ns() const {
+  const auto on_us = static_cast<double>(g_get_monotonic_time() - switched_on_us_);
+  return static_cast<std::uint64_t>(1e3 * clock_rate_ * on_us);
+}
+
 bool Usb3Camera::streaming() const {
   return (stream_registers_[kStreamControl] & 1) != 0 &&
          arv_fake_camera_get_acquisition_status(handles_->camera) != 0;
@@ -320,6 +327,7 @@ UsbOutcome Usb3Camera::send_leader(std::uint8_t* data, std::size_t size) {
     pixels_ = pixels;
   }
   ArvBuffer* const buffer = handles_->buffer;
+  const std::uint64_t exposed_ns = stamp_ns();
   arv_fake_camera_fill_buffer(handles_->camera, buffer, nullptr);
   pack();
   ++frame_id_;
@@ -330,7 +338,7 @@ UsbOutcome Usb3Camera::send_leader(std::uint8_t* data, std::size_t size) {
   put(leader, 6, static_cast<std::uint16_t>(kLeaderBytes));
   put(leader, 8, frame_id_);
   put(leader, 18, kImagePayload);
-  put(leader, 20, arv_buffer_get_timestamp(buffer));
+  put(leader, 20, exposed_ns);
   put(leader, 28, format_->code);
   gint region[4];
   arv_buffer_get_image_region(buffer, &region[0], &region[1], &region[2], &region[3]);

@@ -17,7 +17,8 @@ namespace planar::test {
 /// A USB3 Vision camera for MockUsbDevice: Aravis' fake camera has its features and pictures; this
 /// adds the transport, which is GenCP commands and, on an endpoint of its own, leader, payload and
 /// trailer of each frame [USB3 Vision 1.0, 4 and 5], pixels of 10 and 12 bits, whose lower bits
-/// count the pixels, and an input line that triggers.
+/// count the pixels, an input line that triggers, and a clock of its own, which stamps each
+/// exposure.
 class Usb3Camera final : public UsbFunction {
  public:
   Usb3Camera(const std::string& serial, const cv::Size& sensor_px, double frame_rate_hz,
@@ -32,6 +33,9 @@ class Usb3Camera final : public UsbFunction {
 
   /// An edge on the line "Line0", which starts an exposure where it is the trigger.
   void pulse_line() { ++line_pulses_; }
+
+  /// The clock that stamps the frames runs as many times too fast; 0 stands still.
+  void run_clock(double rate) { clock_rate_ = rate; }
 
   /// Forgets what it was told, as a camera does without power. Only while it is unplugged.
   void power_cycle();
@@ -53,6 +57,7 @@ class Usb3Camera final : public UsbFunction {
   UsbOutcome send_payload(std::uint8_t* data, std::size_t size);
   UsbOutcome send_trailer(std::uint8_t* data, std::size_t size);
   bool streaming() const;
+  std::uint64_t stamp_ns() const;
   bool set_format(std::uint32_t code);
   std::size_t payload_bytes() const;
   /// Makes the payload of the picture.
@@ -74,6 +79,8 @@ class Usb3Camera final : public UsbFunction {
   std::size_t sent_bytes_{0};
   std::uint64_t frame_id_{0};
   std::int64_t next_frame_us_{0};
+  std::int64_t switched_on_us_;
+  std::atomic<double> clock_rate_{1.0};
   std::atomic<int> trailers_to_lose_{0};
   std::atomic<int> payloads_to_cut_{0};
   std::atomic<int> line_pulses_{0};
