@@ -121,7 +121,7 @@ TEST_CASE("Each pulse of the trigger line brings one frame, its absence is a fau
   }
   pulses.on = false;
   CHECK(test::in_the_end([&] { return camera.fault().has_value(); }));
-  CHECK(plugged.sensor.exposures() == pulses.sent);
+  CHECK(test::in_the_end([&] { return plugged.sensor.exposures() == pulses.sent; }));
   pulses.on = true;
   CHECK(test::in_the_end([&] { return !camera.fault(); }));
   CHECK(camera.next_frame().status == FrameStatus::kOk);
