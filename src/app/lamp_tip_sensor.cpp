@@ -73,7 +73,8 @@ TipMeasurement LampTipSensor::measure(const TipPose& expected, int frames) {
   mean.lamps_px.fill(Eigen::Vector2d::Zero());
   std::array<Eigen::Matrix2d, 2> covariances{Eigen::Matrix2d::Zero(), Eigen::Matrix2d::Zero()};
   for (int i = 0; i < frames; ++i) {
-    const Sight sight = look(expectation);
+    const Sight sight =
+        look(i == 0 ? camera_.next_frame() : camera_.following_frame(), expectation);
     if (sight.frame != FrameStatus::kOk) {
       TipMeasurement blind = failed(name(sight.frame), sight.t_s);
       blind.blind = true;
@@ -94,21 +95,22 @@ std::optional<std::array<Eigen::Vector2d, 2>> LampTipSensor::lamps_at(const TipP
   return lamps_from_tip(vision_.workplane, vision_.tool, lamps_.separation_m, tip);
 }
 
-LampTipSensor::Sight LampTipSensor::look_once(const PairExpectation& expectation) {
-  const FrameResult result = camera_.next_frame();
+LampTipSensor::Sight LampTipSensor::look_at(const FrameResult& result,
+                                            const PairExpectation& expectation) {
   if (result.status != FrameStatus::kOk) return {{}, result.frame.t_s, result.status};
   last_frame_ = result.frame;
   return {tracker_.locate(last_frame_, expectation), last_frame_.t_s, FrameStatus::kOk};
 }
 
-LampTipSensor::Sight LampTipSensor::look(const PairExpectation& expectation) {
-  Sight sight = look_once(expectation);
+LampTipSensor::Sight LampTipSensor::look(const FrameResult& result,
+                                         const PairExpectation& expectation) {
+  Sight sight = look_at(result, expectation);
   const cv::Size sensor = camera_.sensor_size_px();
   if (sight.frame != FrameStatus::kOk || sight.pair.status == LampStatus::kOk ||
       last_frame_.region_px.size() == sensor)
     return sight;
   camera_.set_region({0, 0, sensor.width, sensor.height});
-  sight = look_once(expectation);
+  sight = look_at(camera_.next_frame(), expectation);
   if (sight.frame == FrameStatus::kOk && sight.pair.status == LampStatus::kOk)
     aim_at({sight.pair.lamps[0].uv_px, sight.pair.lamps[1].uv_px});
   return sight;

@@ -53,9 +53,9 @@ class LampTipSensor final : public TipSensor {
   };
 
   void aim_at(const std::array<Eigen::Vector2d, 2>& lamps_px);
-  /// The next frame, which is kept; its pair of lamps, if it has one.
-  Sight look_once(const PairExpectation& expectation);
-  Sight look(const PairExpectation& expectation);
+  /// The pair of lamps in a frame, which is kept, if it has one.
+  Sight look_at(const FrameResult& result, const PairExpectation& expectation);
+  Sight look(const FrameResult& result, const PairExpectation& expectation);
   TipMeasurement position(TipMeasurement measurement,
                           const std::array<Eigen::Matrix2d, 2>& covariances_px2) const;
 

@@ -55,6 +55,10 @@ class FrameSource {
   /// Waits for a whole frame of the region whose exposure begins after this call.
   virtual FrameResult next_frame() = 0;
 
+  /// The frame after the one that was handed over last, which may be there already: of a scene that
+  /// has stood still since. After set_region() as next_frame().
+  virtual FrameResult following_frame() { return next_frame(); }
+
   /// What is wrong with the camera now, in words; empty while its frames come as they should.
   /// Answers at once: it is asked every few milliseconds while the arm moves.
   virtual std::optional<std::string> fault() const = 0;

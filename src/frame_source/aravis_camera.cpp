@@ -242,6 +242,10 @@ FrameResult AravisCamera::next_frame() {
   return impl_->mailbox.next(impl_->settings.timeout_s);
 }
 
+FrameResult AravisCamera::following_frame() {
+  return impl_->mailbox.following(impl_->settings.timeout_s);
+}
+
 std::optional<std::string> AravisCamera::fault() const {
   return impl_->mailbox.fault();
 }

@@ -26,6 +26,7 @@ class AravisCamera final : public FrameSource {
   /// Without a software trigger an exposure counts from when the frame's arrival was due by the
   /// camera's clock, less the exposure time.
   FrameResult next_frame() override;
+  FrameResult following_frame() override;
   std::optional<std::string> fault() const override;
   FrameCounts counts() const override;
   CameraExposure exposure() const override { return exposure_; }

@@ -27,7 +27,10 @@ FrameMailbox::FrameMailbox(const cv::Rect& region_px, double age_limit_s)
 
 void FrameMailbox::ask_region(const cv::Rect& region_px) {
   const std::lock_guard<std::mutex> lock(mutex_);
+  if (region_px == region_px_) return;
   region_px_ = region_px;
+  frame_.reset();
+  wanted_since_s_.reset();
   changed_.notify_all();
 }
 
@@ -36,16 +39,30 @@ FrameResult FrameMailbox::next(double timeout_s) {
   const double start_s = now_s();
   wanted_since_s_ = start_s;
   frame_.reset();
+  return wait(lock, start_s + timeout_s);
+}
+
+FrameResult FrameMailbox::following(double timeout_s) {
+  std::unique_lock<std::mutex> lock(mutex_);
+  const double start_s = now_s();
+  if (!wanted_since_s_) wanted_since_s_ = start_s;
+  return wait(lock, start_s + timeout_s);
+}
+
+FrameResult FrameMailbox::wait(std::unique_lock<std::mutex>& lock, double deadline_s) {
   last_trouble_ = FrameStatus::kTimeout;
+  waiting_ = true;
   changed_.notify_all();
-  changed_.wait_until(lock, at(start_s + timeout_s), [&] { return frame_ || lost_; });
-  wanted_since_s_.reset();
-  if (frame_) {
-    FrameResult result{FrameStatus::kOk, std::move(*frame_)};
-    frame_.reset();
-    return result;
+  changed_.wait_until(lock, at(deadline_s), [&] { return frame_ || lost_; });
+  waiting_ = false;
+  if (!frame_) {
+    wanted_since_s_.reset();
+    return {lost_ ? FrameStatus::kLost : last_trouble_, {}};
   }
-  return {lost_ ? FrameStatus::kLost : last_trouble_, {}};
+  FrameResult result{FrameStatus::kOk, std::move(*frame_)};
+  frame_.reset();
+  wanted_since_s_ = result.frame.t_s;
+  return result;
 }
 
 std::optional<std::string> FrameMailbox::fault() const {
@@ -72,9 +89,8 @@ cv::Rect FrameMailbox::region() const {
 
 void FrameMailbox::sleep_until(double deadline_s, const cv::Rect& region_px) {
   std::unique_lock<std::mutex> lock(mutex_);
-  changed_.wait_until(lock, at(deadline_s), [&] {
-    return woken_ || (wanted_since_s_ && !frame_) || region_px_ != region_px;
-  });
+  changed_.wait_until(lock, at(deadline_s),
+                      [&] { return woken_ || (waiting_ && !frame_) || region_px_ != region_px; });
 }
 
 void FrameMailbox::wake() {

@@ -18,7 +18,10 @@ class FrameMailbox {
 
   // The servo's side.
   void ask_region(const cv::Rect& region_px);
+  /// Waits for a frame whose exposure begins from now on.
   FrameResult next(double timeout_s);
+  /// The frame after the one handed over last, kept since it came; without one as next().
+  FrameResult following(double timeout_s);
   std::optional<std::string> fault() const;
   FrameCounts counts() const;
 
@@ -30,7 +33,7 @@ class FrameMailbox {
   void sleep_until(double deadline_s, const cv::Rect& region_px);
   void wake();
   /// A good frame whose exposure began at `began_s` in the region that was asked for as `region_px`
-  /// has come. True when the servo waits for it: then deliver() it.
+  /// has come. True when the servo waits for it, or will if it asks on: then deliver() it.
   bool note_good(double began_s, const cv::Rect& region_px);
   /// `frame` must not be shared with the grabbing thread any more.
   void deliver(const Frame& frame);
@@ -44,6 +47,7 @@ class FrameMailbox {
   double age_s() const;
 
  private:
+  FrameResult wait(std::unique_lock<std::mutex>& lock, double deadline_s);
   double age_locked_s() const;
 
   mutable std::mutex mutex_;
@@ -51,6 +55,7 @@ class FrameMailbox {
   double age_limit_s_;
   cv::Rect region_px_;
   std::optional<double> wanted_since_s_;
+  bool waiting_{false};
   std::optional<Frame> frame_;
   FrameStatus last_trouble_{FrameStatus::kTimeout};  ///< since the servo began to wait
   FrameStatus last_status_{FrameStatus::kOk};

@@ -44,15 +44,17 @@ CellSettings cell_with_equal_lamps() {
 class TwoLamps final : public FrameSource {
  public:
   TipPose tip;
+  int asked{0}, asked_on{0};
 
   cv::Size sensor_size_px() const override { return kSensor; }
   void set_region(const cv::Rect& region_px) override { region_px_ = region_px; }
   FrameResult next_frame() override {
-    const auto lamps_px = lamps_from_tip(workplane_below(), {}, kSeparation_m, tip).value();
-    cv::Mat scene = test::background(kSensor);
-    for (const Eigen::Vector2d& center_px : lamps_px)
-      test::add_lamp(scene, {center_px, kDiameter_m * kPixelsPerMetre});
-    return {FrameStatus::kOk, {test::expose(scene, random_)(region_px_).clone(), region_px_, 1.0}};
+    ++asked;
+    return show();
+  }
+  FrameResult following_frame() override {
+    ++asked_on;
+    return show();
   }
   std::optional<std::string> fault() const override { return std::nullopt; }
   FrameCounts counts() const override { return {}; }
@@ -60,6 +62,14 @@ class TwoLamps final : public FrameSource {
   void set_exposure(const CameraExposure& /*exposure*/) override {}
 
  private:
+  FrameResult show() {
+    const auto lamps_px = lamps_from_tip(workplane_below(), {}, kSeparation_m, tip).value();
+    cv::Mat scene = test::background(kSensor);
+    for (const Eigen::Vector2d& center_px : lamps_px)
+      test::add_lamp(scene, {center_px, kDiameter_m * kPixelsPerMetre});
+    return {FrameStatus::kOk, {test::expose(scene, random_)(region_px_).clone(), region_px_, 1.0}};
+  }
+
   cv::Rect region_px_{{}, kSensor};
   std::mt19937 random_{1};
 };
@@ -89,6 +99,16 @@ TEST_CASE("The end point is compensated for the direction in which the lamps sho
   const Eigen::Vector2d bias = rotation2d(stands.phi) * kBias;
   CHECK((seen.correction - bias).norm() < test::kFieldNoise);
   CHECK((seen.tip.p - (stands.p - bias)).norm() < kVision_m + test::kFieldNoise);
+}
+
+TEST_CASE("Only the first frame of a measurement must be exposed after the question") {
+  TwoLamps camera;
+  LampTipSensor sensor(cell_with_equal_lamps(), {workplane_below(), {}, std::nullopt},
+                       CenterMethod::kAuto, camera);
+  const TipMeasurement seen = sensor.measure(camera.tip, 5);
+  CHECK(seen.frames == 5);
+  CHECK(camera.asked == 1);
+  CHECK(camera.asked_on == 4);
 }
 
 }  // namespace

@@ -106,6 +106,23 @@ TEST_CASE("A frame exposed before it was asked for is not handed over, however l
   }
 }
 
+TEST_CASE("The frame that follows may have been exposed before it was asked for") {
+  for (const CameraTrigger trigger : {CameraTrigger::kFreeRun, CameraTrigger::kSoftware}) {
+    test::SceneSensor sensor;
+    const Server server(sensor);
+    AravisCamera camera(settings_with(trigger));
+    const FrameResult first = camera.next_frame();
+    REQUIRE(first.status == FrameStatus::kOk);
+    REQUIRE(test::in_the_end([&] { return camera.counts().complete > 20; }));
+    const double asked_s = SteadyClock().now_s();
+    const FrameResult following = camera.following_frame();
+    REQUIRE(following.status == FrameStatus::kOk);
+    CHECK(following.frame.id > first.frame.id);
+    CHECK(following.frame.t_s < asked_s);
+    CHECK(test::SceneSensor::shows(following.frame.image, kWhole));
+  }
+}
+
 TEST_CASE("Frames keep coming when the camera's count of 16 bits begins anew") {
   test::SceneSensor sensor;
   const Server server(sensor);

@@ -51,6 +51,39 @@ TEST_CASE("A frame is handed over only when its exposure began after it was aske
   CHECK(mailbox.counts().complete == 3);
 }
 
+/// Hands over frame 1 and keeps frame 2, which nobody has asked for yet.
+void hand_over_and_keep(FrameMailbox& mailbox) {
+  auto asked = ask(mailbox, kPatience_s);
+  wait_for_wish(mailbox);
+  mailbox.deliver(frame_at(now_s(), 1));
+  REQUIRE(asked.get().status == FrameStatus::kOk);
+  const double began_s = now_s();
+  REQUIRE(mailbox.note_good(began_s, kRegion));
+  mailbox.deliver(frame_at(began_s, 2));
+}
+
+TEST_CASE("The frame that follows is kept for whoever asks on, and no later one") {
+  FrameMailbox mailbox(kRegion, kNoLimit_s);
+  hand_over_and_keep(mailbox);
+  CHECK_FALSE(mailbox.note_good(now_s(), kRegion));
+  const FrameResult following = mailbox.following(0.0);
+  REQUIRE(following.status == FrameStatus::kOk);
+  CHECK(following.frame.id == 2);
+  CHECK(mailbox.following(0.0).status == FrameStatus::kTimeout);
+}
+
+TEST_CASE("A frame that was kept is neither from now on nor of another region") {
+  FrameMailbox mailbox(kRegion, kNoLimit_s);
+  hand_over_and_keep(mailbox);
+  SECTION("from now on") {
+    CHECK(mailbox.next(0.0).status == FrameStatus::kTimeout);
+  }
+  SECTION("of another region") {
+    mailbox.ask_region(kRegion + cv::Point(8, 0));
+    CHECK(mailbox.following(0.0).status == FrameStatus::kTimeout);
+  }
+}
+
 TEST_CASE("A frame of a region that is no longer asked for is not handed over") {
   FrameMailbox mailbox(kRegion, kNoLimit_s);
   const cv::Rect moved = kRegion + cv::Point(8, 0);
