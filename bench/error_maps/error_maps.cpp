@@ -62,7 +62,7 @@ Score score_ours(const MapProblem& problem, const std::vector<ErrorSample>& trut
   try {
     return score(truth, [&] {
       return [map = fit_error_map(problem).map](const Eigen::Vector2d& p) {
-        return predict(map, p).error;
+        return predict_error(map, p);
       };
     });
   } catch (const WorkError&) {
