@@ -91,7 +91,8 @@ class Calibrator {
       std::string message = std::to_string(views_.size()) +
                             " usable views of the board; at least " + std::to_string(kFewestViews) +
                             " are needed";
-      for (const auto& [name, reason] : rejected_) message += "\n" + name + ": " + reason;
+      for (const auto& [name, reason] : rejected_)
+        message.append("\n").append(name).append(": ").append(reason);
       throw InputError(message);
     }
     auto lens = fit_lens(views_, problem_.width_px, problem_.height_px, model_);

@@ -116,20 +116,19 @@ Eigen::Matrix2Xd camera_jacobian(const CameraModel& camera, const Eigen::Vector3
 Eigen::MatrixXd view_information(const CameraModel& camera, const Pose& X_CG,
                                  const CalibrationView& view, std::size_t free_coefficients) {
   const Eigen::Index rows = 2 * static_cast<Eigen::Index>(view.pixels.size());
-  Eigen::MatrixXd J_camera(rows, 4 + free_coefficients);
-  Eigen::MatrixXd J_pose(rows, 6);
+  Eigen::MatrixXd J_K(rows, 4 + free_coefficients);
+  Eigen::MatrixXd J_CG(rows, 6);
   for (std::size_t i = 0; i < view.pixels.size(); ++i) {
     const Eigen::Vector3d rotated =
         X_CG.linear() * Eigen::Vector3d(view.points_G[i].x(), view.points_G[i].y(), 0.0);
     const Eigen::Vector3d p_C = rotated + X_CG.translation();
     Eigen::Matrix<double, 2, 3> d_uv_d_p;
     project(camera, p_C, &d_uv_d_p);
-    J_camera.middleRows<2>(2 * i) = camera_jacobian(camera, p_C, free_coefficients);
-    J_pose.middleRows<2>(2 * i) << d_uv_d_p, -d_uv_d_p * cross_matrix(rotated);
+    J_K.middleRows<2>(2 * i) = camera_jacobian(camera, p_C, free_coefficients);
+    J_CG.middleRows<2>(2 * i) << d_uv_d_p, -d_uv_d_p * cross_matrix(rotated);
   }
-  const Eigen::MatrixXd mixed = J_pose.transpose() * J_camera;
-  return J_camera.transpose() * J_camera -
-         mixed.transpose() * (J_pose.transpose() * J_pose).ldlt().solve(mixed);
+  const Eigen::MatrixXd mixed = J_CG.transpose() * J_K;
+  return J_K.transpose() * J_K - mixed.transpose() * (J_CG.transpose() * J_CG).ldlt().solve(mixed);
 }
 
 }  // namespace

@@ -28,7 +28,7 @@ CameraSettings camera_settings() {
 /// What such a camera on GigE does in two seconds when all is well.
 CameraInspection good_inspection() {
   CameraInspection seen;
-  seen.frame_bytes = 2048 * 2048;
+  seen.frame_bytes = std::size_t{2048} * 2048;
   seen.packet_size = 1500;
   seen.duration_s = 2.0;
   seen.complete = 30;

@@ -56,10 +56,11 @@ inline cv::Mat picture_of_dots(const CameraModel& camera, const Board& board, do
       Eigen::Matrix2d d_xy_d_uv;
       const Eigen::Vector3d middle = ray(camera, {u, v}, &d_xy_d_uv).value();
       int hits = 0;
-      for (int a = 0; a < kSubdivision * kSubdivision; ++a) {
-        const double du = (a % kSubdivision + 0.5) / kSubdivision - 0.5;
-        const double dv = (a / kSubdivision + 0.5) / kSubdivision - 0.5;
-        hits += covered(middle.head<2>() + d_xy_d_uv * Eigen::Vector2d(du, dv)) ? 1 : 0;
+      for (int a = 0; a < kSubdivision; ++a) {
+        for (int b = 0; b < kSubdivision; ++b) {
+          const Eigen::Vector2d at((a + 0.5) / kSubdivision - 0.5, (b + 0.5) / kSubdivision - 0.5);
+          hits += covered(middle.head<2>() + d_xy_d_uv * at) ? 1 : 0;
+        }
       }
       const double part = static_cast<double>(hits) / (kSubdivision * kSubdivision);
       image.at<std::uint8_t>(v, u) =

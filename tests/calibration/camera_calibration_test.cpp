@@ -206,6 +206,7 @@ TEST_CASE("A board's pose is found from its pixels through any lens") {
   const Pose X_CG = test::board_before_camera(kBoard, 0.6, 0.3, 0.7, 1.1);
   const auto points = board_points(kBoard);
   std::vector<Eigen::Vector2d> pixels;
+  pixels.reserve(points.size());
   for (const auto& p : points) {
     pixels.push_back(*project(camera, X_CG * Eigen::Vector3d(p.x(), p.y(), 0.0)));
   }

@@ -33,6 +33,7 @@ TEST_CASE("Lengths tell the degrees of freedom of their tail") {
   const double dof = GENERATE(1.0, 3.0, 10.0, kNormal);
   constexpr int kCount = 4001;
   std::vector<double> lengths;
+  lengths.reserve(kCount);
   for (int i = 0; i < kCount; ++i)
     lengths.push_back(0.02 * residual_length((i + 0.5) / kCount, dof));
   if (dof == kNormal)
