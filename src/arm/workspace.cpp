@@ -8,13 +8,6 @@
 #include "core/units.h"
 
 namespace planar {
-namespace {
-
-std::string in_mm(const Eigen::Vector2d& p) {
-  return fmt::format("({}) mm", fixed(p / kMillimetre, 3, ", "));
-}
-
-}  // namespace
 
 std::optional<std::string> Workspace::violation(const Eigen::Vector2d& p_B) const {
   const double radius = p_B.norm();
@@ -22,11 +15,12 @@ std::optional<std::string> Workspace::violation(const Eigen::Vector2d& p_B) cons
     return fmt::format(
         "{} is {:.3f} mm from the base; the workspace reaches from "
         "{:.3f} to {:.3f} mm",
-        in_mm(p_B), radius / kMillimetre, radius_min_m / kMillimetre, radius_max_m / kMillimetre);
+        place_mm(p_B), radius / kMillimetre, radius_min_m / kMillimetre,
+        radius_max_m / kMillimetre);
   for (const KeepOut& disc : keep_out)
     if ((p_B - disc.p_B).norm() < disc.radius_m)
-      return fmt::format("{} lies in the keep-out disc of {:.3f} mm about {}", in_mm(p_B),
-                         disc.radius_m / kMillimetre, in_mm(disc.p_B));
+      return fmt::format("{} lies in the keep-out disc of {:.3f} mm about {}", place_mm(p_B),
+                         disc.radius_m / kMillimetre, place_mm(disc.p_B));
   return std::nullopt;
 }
 

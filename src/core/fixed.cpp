@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "core/units.h"
+
 namespace planar {
 
 std::string fixed(double value, int places) {
@@ -18,6 +20,10 @@ std::string fixed(const Eigen::Ref<const Eigen::VectorXd>& values, int places,
     text += fixed(value, places);
   }
   return text;
+}
+
+std::string place_mm(const Eigen::Vector2d& p) {
+  return fmt::format("({}) mm", fixed(p / kMillimetre, 3, ", "));
 }
 
 }  // namespace planar

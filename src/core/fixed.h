@@ -13,4 +13,7 @@ std::string fixed(double value, int places);
 std::string fixed(const Eigen::Ref<const Eigen::VectorXd>& values, int places,
                   std::string_view separator);
 
+/// A place (metres) to the micrometre: "(123.456, -7.000) mm".
+std::string place_mm(const Eigen::Vector2d& p);
+
 }  // namespace planar

@@ -74,7 +74,7 @@ class OutlierSearch {
 
   /// What remains tells how often residuals are long.
   void take_back_where_tails_are_long() {
-    do {
+    while (!dropped_.empty()) {
       const double dof = tail_dof(of_kept(judgement_.scaled(), kept_, kept_));
       const Eigen::ArrayXd limits = residual_limits(dof);
       for (auto at = dropped_.begin(); at != dropped_.end();) {
@@ -82,7 +82,8 @@ class OutlierSearch {
         outlier = {at->first, judgement_.residuals[at->first], limits[at->first]};
         at = outlier.residual > outlier.limit ? std::next(at) : dropped_.erase(at);
       }
-    } while (follow_dropped());
+      if (!follow_dropped()) return;
+    }
   }
 
   const std::vector<Eigen::Index>& kept() const { return kept_; }

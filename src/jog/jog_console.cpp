@@ -40,10 +40,6 @@ int joint_of(const std::string& word) {
   return word[0] - '1';
 }
 
-std::string in_mm(const Eigen::Vector2d& p) {
-  return fmt::format("({}) mm", fixed(p / kMillimetre, 3, ", "));
-}
-
 }  // namespace
 
 struct JogConsole::Command {
@@ -209,7 +205,7 @@ std::string JogConsole::where(const Words& /*words*/) {
   const Joints theta = robot_.commanded_joints();
   const TipPose tip = planner_.arm().forward(theta);
   return fmt::format("joints {} deg, end point {}, phi {} deg", fixed(theta / kDegree, 3, " "),
-                     in_mm(tip.p), fixed(tip.phi / kDegree, 3));
+                     place_mm(tip.p), fixed(tip.phi / kDegree, 3));
 }
 
 std::string JogConsole::look(const Words& /*words*/) {
@@ -221,7 +217,7 @@ std::string JogConsole::look(const Words& /*words*/) {
   if (!sensor_) return text + "\nthe cell's vision is not calibrated yet";
   const TipMeasurement seen = measure();
   if (!seen.ok()) return text + "\nthe tool is not measured: " + seen.status;
-  return text + fmt::format("\nend point seen at {} +- {:.4f} mm{}", in_mm(seen.tip.p),
+  return text + fmt::format("\nend point seen at {} +- {:.4f} mm{}", place_mm(seen.tip.p),
                             seen.uncertainty_m / kMillimetre,
                             compensated_ ? "" : ", without an error map");
 }
@@ -242,12 +238,12 @@ std::string JogConsole::teach(const Words& words) {
   if (!sensor_) {
     taught_->append({words[0], commanded.p, commanded.phi});
     return fmt::format("taught {} at {} as commanded: the cell's vision is not calibrated yet",
-                       words[0], in_mm(commanded.p));
+                       words[0], place_mm(commanded.p));
   }
   const TipMeasurement seen = measure();
   if (!seen.ok()) throw WorkError("nothing taught: the tool is not measured: " + seen.status);
   taught_->append({words[0], seen.tip.p, commanded.phi});
-  return fmt::format("taught {} at {} as seen", words[0], in_mm(seen.tip.p));
+  return fmt::format("taught {} at {} as seen", words[0], place_mm(seen.tip.p));
 }
 
 TipMeasurement JogConsole::measure() {

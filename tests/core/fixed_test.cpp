@@ -20,4 +20,8 @@ TEST_CASE("Several values stand between their separators") {
   CHECK(fixed(Eigen::VectorXd(0), 2, ", ").empty());
 }
 
+TEST_CASE("A place is told in millimetres") {
+  CHECK(place_mm({-1e-9, -0.1234567}) == "(0.000, -123.457) mm");
+}
+
 }  // namespace planar
