@@ -13,19 +13,20 @@ add_library(planar_visp INTERFACE)
 target_include_directories(planar_visp SYSTEM INTERFACE ${VISP_INCLUDE_DIRS})
 target_link_libraries(planar_visp INTERFACE visp_core visp_blob visp_robot visp_vs visp_io)
 
-# planar_room(NAME [SOURCES ...] LINKS rooms and packages others may see [PRIVATE_LINKS hidden ones])
-# One library per room; without sources it is headers only. The link list is the dependency rule (see
-# doc/architecture.md): it names every room that the room includes, and only rooms above it in
-# src/CMakeLists.txt. The test "house" holds the includes against it.
+# planar_room(NAME LINKS rooms and packages others may see [PRIVATE_LINKS hidden ones])
+# One library per room, of every source in its folder; without sources it is headers only. The link
+# list is the dependency rule (see doc/architecture.md): it names every room that the room includes,
+# and only rooms above it in src/CMakeLists.txt. The test "house" holds the includes against it.
 function(planar_room name)
-  cmake_parse_arguments(ROOM "" "" "SOURCES;LINKS;PRIVATE_LINKS" ${ARGN})
+  cmake_parse_arguments(ROOM "" "" "LINKS;PRIVATE_LINKS" ${ARGN})
   foreach(link ${ROOM_LINKS} ${ROOM_PRIVATE_LINKS})
     if(link MATCHES "^planar_" AND NOT TARGET ${link})
       message(FATAL_ERROR "the room ${name} links ${link}, which does not stand above it")
     endif()
   endforeach()
-  if(ROOM_SOURCES)
-    add_library(planar_${name} STATIC ${ROOM_SOURCES})
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS *.cpp)
+  if(sources)
+    add_library(planar_${name} STATIC ${sources})
     set_target_properties(planar_${name} PROPERTIES CXX_STANDARD 17 CXX_EXTENSIONS OFF)
     target_link_libraries(planar_${name} PUBLIC planar_options ${ROOM_LINKS}
                                          PRIVATE ${ROOM_PRIVATE_LINKS})
@@ -71,18 +72,14 @@ function(planar_write_house file)
   file(WRITE ${file} "${text}")
 endfunction()
 
-# planar_program(NAME [ROOM]): the program planar-NAME from tools/planar_NAME.cpp upon a room, app
-# unless another is named.
+# planar_program(NAME ROOM...): the program planar-NAME from tools/planar_NAME.cpp upon these rooms.
 function(planar_program name)
-  set(room app)
-  if(ARGN)
-    set(room ${ARGN})
-  endif()
+  list(TRANSFORM ARGN PREPEND planar_ OUTPUT_VARIABLE rooms)
   string(REPLACE "-" "_" source ${name})
   add_executable(planar-${name} planar_${source}.cpp)
   set_target_properties(planar-${name} PROPERTIES CXX_STANDARD 17 CXX_EXTENSIONS OFF
                         RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
-  target_link_libraries(planar-${name} PRIVATE planar_program planar_${room})
+  target_link_libraries(planar-${name} PRIVATE planar_program ${rooms})
   install(TARGETS planar-${name})
 endfunction()
 

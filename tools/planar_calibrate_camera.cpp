@@ -2,12 +2,12 @@
 
 #include <regex>
 
-#include "app/calibrate_camera.h"
-#include "core/error.h"
-#include "core/units.h"
-#include "files/camera_file.h"
+#include "planar_servo/core/error.h"
+#include "planar_servo/core/units.h"
+#include "planar_servo/files/camera/camera_file.h"
+#include "planar_servo/io/atomic_file.h"
+#include "planar_servo/offline/camera/calibrate_camera.h"
 #include "program.h"
-#include "text/atomic_file.h"
 
 namespace planar {
 namespace {

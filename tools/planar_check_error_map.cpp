@@ -3,10 +3,10 @@
 #include <cmath>
 #include <utility>
 
-#include "app/check_error_map.h"
-#include "app/progress.h"
-#include "core/units.h"
-#include "files/map_file.h"
+#include "planar_servo/core/units.h"
+#include "planar_servo/files/map_file.h"
+#include "planar_servo/offline/map/check_error_map.h"
+#include "planar_servo/report/progress_bar.h"
 #include "program.h"
 
 namespace planar {

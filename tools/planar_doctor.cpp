@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "app/doctor.h"
+#include "planar_servo/doctor/doctor.h"
 #include "program.h"
 
 namespace planar {

@@ -3,11 +3,11 @@
 #include <cstdint>
 #include <filesystem>
 
-#include "experiment/experiment.h"
-#include "experiment/experiment_report.h"
-#include "experiment/experiment_series.h"
+#include "planar_servo/experiment/experiment.h"
+#include "planar_servo/experiment/experiment_report.h"
+#include "planar_servo/experiment/experiment_series.h"
+#include "planar_servo/io/atomic_file.h"
 #include "program.h"
-#include "text/atomic_file.h"
 
 namespace planar {
 namespace {

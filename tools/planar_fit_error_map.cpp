@@ -3,14 +3,14 @@
 #include <cmath>
 #include <utility>
 
-#include "app/fit_error_map.h"
-#include "app/progress.h"
-#include "core/fixed.h"
-#include "core/units.h"
-#include "error_map/compare_methods.h"
-#include "files/map_file.h"
+#include "planar_servo/core/fixed.h"
+#include "planar_servo/core/units.h"
+#include "planar_servo/error_map/judge/compare_methods.h"
+#include "planar_servo/files/map_file.h"
+#include "planar_servo/io/atomic_file.h"
+#include "planar_servo/offline/map/fit_map_to_pairs.h"
+#include "planar_servo/report/progress_bar.h"
 #include "program.h"
-#include "text/atomic_file.h"
 
 namespace planar {
 namespace {

@@ -4,9 +4,9 @@
 #include <iostream>
 #include <sstream>
 
-#include "jog/jog_console.h"
-#include "jog/jog_keys.h"
-#include "jog/raw_terminal.h"
+#include "planar_servo/jog/jog_console.h"
+#include "planar_servo/jog/jog_keys.h"
+#include "planar_servo/jog/raw_terminal.h"
 #include "program.h"
 
 namespace planar {

@@ -4,13 +4,13 @@
 #include <filesystem>
 #include <map>
 
-#include "app/locate_lamps.h"
-#include "app/progress.h"
-#include "core/error.h"
-#include "core/statistics.h"
-#include "core/units.h"
+#include "planar_servo/core/error.h"
+#include "planar_servo/core/statistics.h"
+#include "planar_servo/core/units.h"
+#include "planar_servo/io/atomic_file.h"
+#include "planar_servo/offline/lamps/locate_lamps.h"
+#include "planar_servo/report/progress_bar.h"
 #include "program.h"
-#include "text/atomic_file.h"
 
 namespace planar {
 namespace {

@@ -3,15 +3,15 @@
 
 #include <algorithm>
 
-#include "app/pair_tracker.h"
-#include "core/error.h"
-#include "core/fixed.h"
-#include "core/units.h"
-#include "files/camera_file.h"
-#include "files/tool_file.h"
-#include "files/workplane_file.h"
+#include "planar_servo/core/error.h"
+#include "planar_servo/core/fixed.h"
+#include "planar_servo/core/units.h"
+#include "planar_servo/files/camera/camera_file.h"
+#include "planar_servo/files/tool_file.h"
+#include "planar_servo/files/workplane_file.h"
+#include "planar_servo/io/atomic_file.h"
+#include "planar_servo/offline/pairs/pair_tracker.h"
 #include "program.h"
-#include "text/atomic_file.h"
 
 namespace planar {
 namespace {

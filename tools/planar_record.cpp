@@ -1,9 +1,9 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
-#include "app/recorder.h"
-#include "files/cell_file.h"
-#include "files/tables.h"
+#include "planar_servo/files/cell_file.h"
+#include "planar_servo/files/tables/tables.h"
+#include "planar_servo/offline/record/recorder.h"
 #include "program.h"
 
 namespace planar {

@@ -5,16 +5,16 @@
 #include <iostream>
 #include <set>
 
-#include "app/progress.h"
-#include "app/servo_display.h"
-#include "app/servo_report.h"
-#include "app/servo_run.h"
-#include "app/target_stream.h"
-#include "core/error.h"
-#include "core/fixed.h"
-#include "core/units.h"
+#include "planar_servo/core/error.h"
+#include "planar_servo/core/fixed.h"
+#include "planar_servo/core/units.h"
+#include "planar_servo/io/atomic_file.h"
+#include "planar_servo/report/progress_bar.h"
+#include "planar_servo/run/servo_display.h"
+#include "planar_servo/run/servo_report.h"
+#include "planar_servo/run/servo_run.h"
+#include "planar_servo/run/target_stream.h"
 #include "program.h"
-#include "text/atomic_file.h"
 
 namespace planar {
 namespace {

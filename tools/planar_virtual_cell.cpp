@@ -3,14 +3,14 @@
 #include <cstdint>
 #include <filesystem>
 
-#include "app/serve_cell.h"
-#include "core/error.h"
-#include "experiment/paper_cell.h"
+#include "planar_servo/core/error.h"
+#include "planar_servo/experiment/paper_cell.h"
+#include "planar_servo/io/atomic_file.h"
+#include "planar_servo/io/growing_file.h"
+#include "planar_servo/served_cell/serve_cell.h"
+#include "planar_servo/virtual_cell/truth/truth.h"
+#include "planar_servo/virtual_cell/truth/truth_file.h"
 #include "program.h"
-#include "text/atomic_file.h"
-#include "text/growing_file.h"
-#include "virtual_cell/truth.h"
-#include "virtual_cell/truth_file.h"
 
 namespace planar {
 namespace {

@@ -9,8 +9,8 @@
 #include <memory>
 #include <opencv2/core/utils/logger.hpp>
 
-#include "core/error.h"
-#include "text/atomic_file.h"
+#include "planar_servo/core/error.h"
+#include "planar_servo/io/atomic_file.h"
 
 namespace planar {
 namespace {

@@ -12,15 +12,15 @@
 #include <ctime>
 #include <nlohmann/json.hpp>
 
-#include "app/lamp_tip_sensor.h"
-#include "app/motion_plan.h"
-#include "app/regions.h"
-#include "app/serve_cell.h"
-#include "core/clock.h"
-#include "core/statistics.h"
-#include "frame_source/aravis_camera.h"
-#include "servo/control_law.h"
-#include "text/atomic_file.h"
+#include "planar_servo/cameras/aravis/aravis_camera.h"
+#include "planar_servo/core/clock.h"
+#include "planar_servo/core/statistics.h"
+#include "planar_servo/io/atomic_file.h"
+#include "planar_servo/offline/record/motion_plan.h"
+#include "planar_servo/served_cell/serve_cell.h"
+#include "planar_servo/servo/control_law.h"
+#include "planar_servo/vision/lamp_tip_sensor.h"
+#include "planar_servo/vision/regions.h"
 
 namespace planar {
 namespace {

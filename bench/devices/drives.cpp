@@ -10,9 +10,9 @@
 #include <optional>
 #include <thread>
 
-#include "core/units.h"
-#include "robot/planar_robot.h"
-#include "robot/tic_drives.h"
+#include "planar_servo/core/units.h"
+#include "planar_servo/drives/tic/tic_drives.h"
+#include "planar_servo/robot/planar_robot.h"
 #include "support/tic_bench.h"
 
 namespace planar {

@@ -3,7 +3,7 @@
 #include <memory>
 #include <vector>
 
-#include "error_map/error_sample.h"
+#include "planar_servo/error_map/error_sample.h"
 
 namespace planar::bench {
 

@@ -14,12 +14,12 @@
 
 #include "alglib_peer.h"
 #include "cases.h"
-#include "core/error.h"
-#include "core/statistics.h"
-#include "core/units.h"
 #include "dlib_peer.h"
-#include "error_map/fit_error_map.h"
 #include "peer.h"
+#include "planar_servo/core/error.h"
+#include "planar_servo/core/statistics.h"
+#include "planar_servo/core/units.h"
+#include "planar_servo/error_map/fit_error_map.h"
 #include "scipy_peer.h"
 #include "support/error_fields.h"
 

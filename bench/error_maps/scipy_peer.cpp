@@ -7,8 +7,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "core/error.h"
-#include "core/units.h"
+#include "planar_servo/core/error.h"
+#include "planar_servo/core/units.h"
 #include "support/error_fields.h"
 
 namespace planar::bench {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "error_map/error_sample.h"
 #include "peer.h"
+#include "planar_servo/error_map/error_sample.h"
 
 namespace planar::bench {
 

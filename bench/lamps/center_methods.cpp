@@ -4,7 +4,7 @@
 #include <memory>
 #include <opencv2/imgproc.hpp>
 
-#include "marker/lamp_center.h"
+#include "planar_servo/lamps/lamp_center.h"
 
 namespace planar::bench {
 namespace {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "lamps/cramer_rao.h"
-#include "marker/blob.h"
+#include "planar_servo/lamps/detect/blob.h"
 
 namespace planar::bench {
 

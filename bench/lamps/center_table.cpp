@@ -5,9 +5,9 @@
 #include <chrono>
 #include <cmath>
 
-#include "core/statistics.h"
 #include "lamps/center_methods.h"
 #include "lamps/cramer_rao.h"
+#include "planar_servo/core/statistics.h"
 
 namespace planar::bench {
 namespace {

@@ -6,9 +6,9 @@
 #include <memory>
 #include <opencv2/imgproc.hpp>
 
-#include "core/units.h"
 #include "lamps/full_read.h"
-#include "marker/lamp_detector.h"
+#include "planar_servo/core/units.h"
+#include "planar_servo/lamps/detect/lamp_detector.h"
 
 namespace planar::bench {
 namespace {

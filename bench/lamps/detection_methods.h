@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "marker/blob.h"
+#include "planar_servo/lamps/detect/blob.h"
 
 namespace planar::bench {
 

@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <chrono>
 
-#include "core/statistics.h"
 #include "lamps/cluttered_frame.h"
 #include "lamps/detection_methods.h"
 #include "lamps/full_read.h"
-#include "marker/lamp_pair.h"
+#include "planar_servo/core/statistics.h"
+#include "planar_servo/lamps/lamp_pair.h"
 
 namespace planar::bench {
 namespace {

@@ -1,10 +1,10 @@
-#include "arm/planar_arm.h"
+#include "planar_servo/arm/planar_arm.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
 
-#include "core/units.h"
+#include "planar_servo/core/units.h"
 #include "support/finite_differences.h"
 
 namespace planar {

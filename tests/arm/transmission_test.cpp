@@ -1,10 +1,10 @@
-#include "arm/transmission.h"
+#include "planar_servo/arm/transmission.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
 
-#include "core/units.h"
+#include "planar_servo/core/units.h"
 
 namespace planar {
 namespace {

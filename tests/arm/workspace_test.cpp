@@ -1,4 +1,4 @@
-#include "arm/workspace.h"
+#include "planar_servo/arm/workspace.h"
 
 #include <catch2/catch.hpp>
 #include <limits>

@@ -3,9 +3,9 @@
 #include <Eigen/Geometry>
 #include <opencv2/core.hpp>
 
-#include "calibration/board.h"
-#include "camera/camera_model.h"
-#include "core/pose.h"
+#include "planar_servo/calibration/board/board.h"
+#include "planar_servo/core/pose.h"
+#include "planar_servo/lens/camera_model.h"
 
 namespace planar::test {
 

@@ -1,15 +1,15 @@
-#include "calibration/camera_calibration.h"
+#include "planar_servo/calibration/camera_calibration.h"
 
 #include <catch2/catch.hpp>
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
 #include <random>
 
-#include "calibration/board.h"
 #include "calibration/board_image.h"
-#include "calibration/board_pose.h"
-#include "calibration/dot_eccentricity.h"
-#include "core/error.h"
+#include "planar_servo/calibration/board/board.h"
+#include "planar_servo/calibration/board/board_pose.h"
+#include "planar_servo/calibration/board/dot_eccentricity.h"
+#include "planar_servo/core/error.h"
 #include "support/shared_data.h"
 
 namespace planar {

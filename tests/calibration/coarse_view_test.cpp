@@ -1,11 +1,11 @@
-#include "calibration/coarse_view.h"
+#include "planar_servo/calibration/coarse_view.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
 #include <random>
 
-#include "core/pose.h"
+#include "planar_servo/core/pose.h"
 
 namespace planar {
 namespace {

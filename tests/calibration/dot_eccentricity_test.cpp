@@ -1,11 +1,11 @@
-#include "calibration/dot_eccentricity.h"
+#include "planar_servo/calibration/board/dot_eccentricity.h"
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "core/units.h"
+#include "planar_servo/core/units.h"
 
 namespace planar {
 namespace {

@@ -2,10 +2,10 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "calibration/board.h"
 #include "calibration/board_image.h"
-#include "calibration/dot_eccentricity.h"
-#include "core/error.h"
+#include "planar_servo/calibration/board/board.h"
+#include "planar_servo/calibration/board/dot_eccentricity.h"
+#include "planar_servo/core/error.h"
 #include "support/shared_data.h"
 
 namespace planar {

@@ -1,10 +1,10 @@
-#include "calibration/pairing.h"
+#include "planar_servo/calibration/pairing.h"
 
 #include <catch2/catch.hpp>
 #include <limits>
 
 #include "calibration/synthetic_cell.h"
-#include "core/error.h"
+#include "planar_servo/core/error.h"
 
 namespace planar {
 namespace {

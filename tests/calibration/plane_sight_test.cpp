@@ -1,4 +1,4 @@
-#include "calibration/plane_sight.h"
+#include "planar_servo/calibration/plane/plane_sight.h"
 
 #include <catch2/catch.hpp>
 

@@ -3,11 +3,11 @@
 #include <random>
 #include <vector>
 
-#include "calibration/tool_offsets.h"
-#include "calibration/tool_sight.h"
-#include "camera/workplane.h"
-#include "core/pose.h"
-#include "core/units.h"
+#include "planar_servo/calibration/tool_offsets.h"
+#include "planar_servo/calibration/tool_sight.h"
+#include "planar_servo/core/pose.h"
+#include "planar_servo/core/units.h"
+#include "planar_servo/lens/workplane.h"
 
 namespace planar::test {
 

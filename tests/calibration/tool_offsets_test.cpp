@@ -1,11 +1,11 @@
-#include "calibration/tool_offsets.h"
+#include "planar_servo/calibration/tool_offsets.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <random>
 
-#include "core/pose.h"
-#include "core/units.h"
+#include "planar_servo/core/pose.h"
+#include "planar_servo/core/units.h"
 
 namespace planar {
 namespace {

@@ -1,12 +1,12 @@
-#include "calibration/tracker_registration.h"
+#include "planar_servo/calibration/tracker_registration.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
 #include <random>
 
-#include "core/error.h"
-#include "core/units.h"
+#include "planar_servo/core/error.h"
+#include "planar_servo/core/units.h"
 
 namespace planar {
 namespace {

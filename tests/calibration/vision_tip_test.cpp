@@ -1,10 +1,10 @@
-#include "calibration/vision_tip.h"
+#include "planar_servo/calibration/vision_tip.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <random>
 
-#include "core/units.h"
+#include "planar_servo/core/units.h"
 #include "synthetic_cell.h"
 
 namespace planar {

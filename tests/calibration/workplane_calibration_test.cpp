@@ -1,4 +1,4 @@
-#include "calibration/workplane_calibration.h"
+#include "planar_servo/calibration/workplane_calibration.h"
 
 #include <Eigen/LU>
 #include <catch2/catch.hpp>
@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "calibration/synthetic_cell.h"
-#include "core/error.h"
+#include "planar_servo/core/error.h"
 
 namespace planar {
 namespace {

@@ -1,8 +1,8 @@
-#include "core/pose.h"
+#include "planar_servo/core/pose.h"
 
 #include <catch2/catch.hpp>
 
-#include "core/units.h"
+#include "planar_servo/core/units.h"
 
 namespace planar {
 

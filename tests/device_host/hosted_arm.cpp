@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/cell_devices.h"
-#include "core/units.h"
-#include "virtual_cell/truth_file.h"
-#include "virtual_cell/virtual_hardware.h"
+#include "planar_servo/core/units.h"
+#include "planar_servo/machine/cell_devices.h"
+#include "planar_servo/virtual_cell/truth/truth_file.h"
+#include "planar_servo/virtual_cell/virtual_hardware.h"
 
 namespace planar::test {
 namespace {

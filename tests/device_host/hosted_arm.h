@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "device_host/wire_tap.h"
-#include "files/cell_file.h"
-#include "served_cell/live_cell.h"
+#include "planar_servo/files/cell_file.h"
+#include "planar_servo/served_cell/live_cell.h"
 #include "support/emulated_tic.h"
 
 namespace planar::test {

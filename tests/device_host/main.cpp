@@ -12,15 +12,15 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "core/error.h"
-#include "core/statistics.h"
-#include "core/units.h"
 #include "device_host/fault_script.h"
 #include "device_host/hosted_arm.h"
 #include "device_host/hosted_camera.h"
 #include "device_host/latency.h"
 #include "device_host/true_errors.h"
-#include "text/atomic_file.h"
+#include "planar_servo/core/error.h"
+#include "planar_servo/core/statistics.h"
+#include "planar_servo/core/units.h"
+#include "planar_servo/io/atomic_file.h"
 
 namespace planar::test {
 namespace {

@@ -3,8 +3,8 @@
 #include <filesystem>
 #include <vector>
 
-#include "core/statistics.h"
 #include "device_host/hosted_arm.h"
+#include "planar_servo/core/statistics.h"
 
 namespace planar::test {
 

@@ -1,9 +1,9 @@
-#include "error_map/bordered_system.h"
+#include "planar_servo/error_map/numerics/bordered_system.h"
 
 #include <catch2/catch.hpp>
 
-#include "error_map/radial_kernel.h"
-#include "error_map/tail_basis.h"
+#include "planar_servo/error_map/maps/radial_kernel.h"
+#include "planar_servo/error_map/maps/tail_basis.h"
 #include "support/error_fields.h"
 
 namespace planar {

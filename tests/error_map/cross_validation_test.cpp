@@ -1,12 +1,12 @@
-#include "error_map/cross_validation.h"
+#include "planar_servo/error_map/judge/cross_validation.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "error_map/best_rbf.h"
-#include "error_map/fit_error_map.h"
-#include "error_map/sparse_fit.h"
+#include "planar_servo/error_map/fit/rbf_families.h"
+#include "planar_servo/error_map/fit/sparse_fit.h"
+#include "planar_servo/error_map/fit_error_map.h"
 #include "support/error_fields.h"
 
 namespace planar {

@@ -1,9 +1,9 @@
-#include "error_map/outliers.h"
+#include "planar_servo/error_map/judge/outliers.h"
 
 #include <catch2/catch.hpp>
 #include <set>
 
-#include "core/error.h"
+#include "planar_servo/core/error.h"
 #include "support/error_fields.h"
 
 namespace planar {

@@ -1,9 +1,9 @@
-#include "error_map/rbf_map.h"
+#include "planar_servo/error_map/maps/rbf_map.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "core/error.h"
+#include "planar_servo/core/error.h"
 #include "support/error_fields.h"
 
 namespace planar {

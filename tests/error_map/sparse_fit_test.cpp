@@ -1,12 +1,12 @@
-#include "error_map/sparse_fit.h"
+#include "planar_servo/error_map/fit/sparse_fit.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <set>
 
-#include "core/error.h"
-#include "error_map/sparse_statistics.h"
+#include "planar_servo/core/error.h"
+#include "planar_servo/error_map/fit/sparse_statistics.h"
 #include "support/error_fields.h"
 
 namespace planar {

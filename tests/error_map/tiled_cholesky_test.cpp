@@ -1,10 +1,10 @@
-#include "error_map/tiled_cholesky.h"
+#include "planar_servo/error_map/numerics/tiled_cholesky.h"
 
 #include <Eigen/Cholesky>
 #include <catch2/catch.hpp>
 #include <limits>
 
-#include "error_map/radial_kernel.h"
+#include "planar_servo/error_map/maps/radial_kernel.h"
 #include "support/error_fields.h"
 
 namespace planar {

@@ -1,9 +1,9 @@
-#include "error_map/tuning.h"
+#include "planar_servo/error_map/fit/tuning.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "error_map/rbf_map.h"
+#include "planar_servo/error_map/maps/rbf_map.h"
 #include "support/error_fields.h"
 
 namespace planar {

@@ -1,4 +1,4 @@
-#include "error_map/valid_region.h"
+#include "planar_servo/error_map/maps/valid_region.h"
 
 #include <catch2/catch.hpp>
 

@@ -1,10 +1,10 @@
-#include "experiment/experiment_plan.h"
+#include "planar_servo/experiment/experiment_plan.h"
 
 #include <catch2/catch.hpp>
 #include <map>
 #include <set>
 
-#include "app/motion_plan.h"
+#include "planar_servo/offline/record/motion_plan.h"
 #include "support/sample_cells.h"
 
 namespace planar {

@@ -1,10 +1,10 @@
-#include "experiment/experiment_prediction.h"
+#include "planar_servo/experiment/experiment_prediction.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "app/fit_error_map.h"
-#include "core/units.h"
+#include "planar_servo/core/units.h"
+#include "planar_servo/offline/map/fit_map_to_pairs.h"
 #include "support/sample_cells.h"
 
 namespace planar {

@@ -1,10 +1,10 @@
-#include "experiment/paper_cell.h"
+#include "planar_servo/experiment/paper_cell.h"
 
 #include <catch2/catch.hpp>
 
+#include "planar_servo/io/atomic_file.h"
+#include "planar_servo/io/sha256.h"
 #include "support/sample_cells.h"
-#include "text/atomic_file.h"
-#include "text/sha256.h"
 
 namespace planar {
 namespace {

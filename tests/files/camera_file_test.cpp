@@ -1,8 +1,8 @@
-#include "files/camera_file.h"
+#include "planar_servo/files/camera/camera_file.h"
 
 #include <catch2/catch.hpp>
 
-#include "core/error.h"
+#include "planar_servo/core/error.h"
 #include "support/temporary_folder.h"
 
 namespace planar {

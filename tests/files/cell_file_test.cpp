@@ -1,12 +1,12 @@
-#include "files/cell_file.h"
+#include "planar_servo/files/cell_file.h"
 
 #include <catch2/catch.hpp>
 
-#include "core/error.h"
-#include "core/units.h"
+#include "planar_servo/core/error.h"
+#include "planar_servo/core/units.h"
+#include "planar_servo/io/atomic_file.h"
 #include "support/sample_cells.h"
 #include "support/temporary_folder.h"
-#include "text/atomic_file.h"
 
 namespace planar {
 namespace {

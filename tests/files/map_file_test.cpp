@@ -1,13 +1,13 @@
-#include "files/map_file.h"
+#include "planar_servo/files/map_file.h"
 
 #include <catch2/catch.hpp>
 #include <regex>
 
-#include "core/error.h"
-#include "error_map/best_rbf.h"
+#include "planar_servo/core/error.h"
+#include "planar_servo/error_map/fit/rbf_families.h"
+#include "planar_servo/io/atomic_file.h"
 #include "support/error_fields.h"
 #include "support/temporary_folder.h"
-#include "text/atomic_file.h"
 
 namespace planar {
 namespace {

@@ -2,15 +2,15 @@
 #include <functional>
 #include <random>
 
-#include "core/error.h"
-#include "files/cell_file.h"
-#include "files/lamp_table.h"
-#include "files/recording.h"
-#include "files/tables.h"
-#include "files/target_table.h"
+#include "planar_servo/core/error.h"
+#include "planar_servo/files/cell_file.h"
+#include "planar_servo/files/tables/lamp_table.h"
+#include "planar_servo/files/tables/recording.h"
+#include "planar_servo/files/tables/tables.h"
+#include "planar_servo/files/tables/target_table.h"
+#include "planar_servo/io/atomic_file.h"
 #include "support/sample_cells.h"
 #include "support/temporary_folder.h"
-#include "text/atomic_file.h"
 
 namespace planar {
 namespace {

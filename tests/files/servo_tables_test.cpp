@@ -1,9 +1,9 @@
-#include "files/servo_tables.h"
+#include "planar_servo/files/tables/servo_tables.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
 
-#include "core/error.h"
+#include "planar_servo/core/error.h"
 #include "support/temporary_folder.h"
 
 namespace planar {

@@ -1,9 +1,9 @@
-#include "files/tables.h"
+#include "planar_servo/files/tables/tables.h"
 
 #include <catch2/catch.hpp>
 
-#include "core/error.h"
-#include "core/units.h"
+#include "planar_servo/core/error.h"
+#include "planar_servo/core/units.h"
 #include "support/temporary_folder.h"
 
 namespace planar {

@@ -1,9 +1,9 @@
-#include "files/target_table.h"
+#include "planar_servo/files/tables/target_table.h"
 
 #include <catch2/catch.hpp>
 
-#include "core/error.h"
-#include "core/units.h"
+#include "planar_servo/core/error.h"
+#include "planar_servo/core/units.h"
 #include "support/temporary_folder.h"
 
 namespace planar {

@@ -1,15 +1,15 @@
-#include "jog/jog_console.h"
+#include "planar_servo/jog/jog_console.h"
 
 #include <catch2/catch.hpp>
 #include <limits>
 
-#include "core/error.h"
-#include "core/units.h"
-#include "jog/exposure_meter.h"
-#include "jog/jog_keys.h"
+#include "planar_servo/core/error.h"
+#include "planar_servo/core/units.h"
+#include "planar_servo/io/atomic_file.h"
+#include "planar_servo/jog/exposure_meter.h"
+#include "planar_servo/jog/jog_keys.h"
 #include "support/sample_cells.h"
 #include "support/temporary_folder.h"
-#include "text/atomic_file.h"
 
 namespace planar {
 namespace {

@@ -1,4 +1,4 @@
-#include "report/html_page.h"
+#include "planar_servo/report/html_page.h"
 
 #include <catch2/catch.hpp>
 

@@ -1,10 +1,10 @@
-#include "report/live_view.h"
+#include "planar_servo/report/live_view.h"
 
 #include <visp3/io/vpImageIo.h>
 
 #include <catch2/catch.hpp>
 
-#include "report/view_picture.h"
+#include "planar_servo/report/view_picture.h"
 #include "support/temporary_folder.h"
 
 namespace planar {

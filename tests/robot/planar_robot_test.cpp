@@ -1,4 +1,4 @@
-#include "robot/planar_robot.h"
+#include "planar_servo/robot/planar_robot.h"
 
 #include <visp3/robot/vpRobotException.h>
 
@@ -6,9 +6,9 @@
 #include <cmath>
 #include <limits>
 
-#include "core/error.h"
-#include "core/units.h"
-#include "devices/separate_drives.h"
+#include "planar_servo/core/error.h"
+#include "planar_servo/core/units.h"
+#include "planar_servo/devices/separate_drives.h"
 #include "support/finite_differences.h"
 #include "support/manual_clock.h"
 #include "support/mock_pulse_drive.h"

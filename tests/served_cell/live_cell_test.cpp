@@ -1,11 +1,11 @@
-#include "served_cell/live_cell.h"
+#include "planar_servo/served_cell/live_cell.h"
 
 #include <catch2/catch.hpp>
 
-#include "frame_source/aravis_camera.h"
-#include "marker/lamp_tracker.h"
-#include "served_cell/aravis_gige_camera.h"
-#include "served_cell/exposure.h"
+#include "planar_servo/cameras/aravis/aravis_camera.h"
+#include "planar_servo/lamps/lamp_tracker.h"
+#include "planar_servo/served_cell/aravis_gige_camera.h"
+#include "planar_servo/served_cell/exposure.h"
 #include "virtual_cell/sample_cell.h"
 
 namespace planar {

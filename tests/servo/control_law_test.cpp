@@ -1,9 +1,9 @@
-#include "servo/control_law.h"
+#include "planar_servo/servo/control_law.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "core/units.h"
+#include "planar_servo/core/units.h"
 #include "support/finite_differences.h"
 
 namespace planar {

@@ -1,11 +1,11 @@
-#include "servo/position_servo.h"
+#include "planar_servo/servo/position_servo.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
 
-#include "core/error.h"
-#include "core/units.h"
+#include "planar_servo/core/error.h"
+#include "planar_servo/core/units.h"
 #include "support/simulated_cell.h"
 
 namespace planar {

@@ -5,7 +5,7 @@
 #include <functional>
 #include <vector>
 
-#include "error_map/error_sample.h"
+#include "planar_servo/error_map/error_sample.h"
 
 namespace planar::test {
 

@@ -3,8 +3,8 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "core/error.h"
-#include "served_cell/aravis_gige_camera.h"
+#include "planar_servo/core/error.h"
+#include "planar_servo/served_cell/aravis_gige_camera.h"
 
 namespace {
 

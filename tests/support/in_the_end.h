@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/clock.h"
+#include "planar_servo/core/clock.h"
 
 namespace planar::test {
 

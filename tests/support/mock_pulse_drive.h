@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "core/clock.h"
-#include "core/error.h"
-#include "devices/pulse_drive.h"
+#include "planar_servo/core/clock.h"
+#include "planar_servo/core/error.h"
+#include "planar_servo/devices/pulse_drive.h"
 
 namespace planar::test {
 

@@ -5,7 +5,7 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
-#include "core/clock.h"
+#include "planar_servo/core/clock.h"
 
 namespace planar::test {
 

@@ -7,8 +7,8 @@
 #include <optional>
 #include <string>
 
-#include "devices/separate_drives.h"
-#include "servo/tip_sensor.h"
+#include "planar_servo/devices/separate_drives.h"
+#include "planar_servo/servo/tip_sensor.h"
 #include "support/manual_clock.h"
 #include "support/mock_pulse_drive.h"
 

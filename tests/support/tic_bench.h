@@ -3,8 +3,8 @@
 #include <array>
 #include <string>
 
-#include "core/clock.h"
-#include "robot/tic_drives.h"
+#include "planar_servo/core/clock.h"
+#include "planar_servo/drives/tic/tic_drives.h"
 #include "support/emulated_tic.h"
 #include "support/mock_usb.h"
 

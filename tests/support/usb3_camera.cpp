@@ -6,7 +6,7 @@
 #include <cerrno>
 #include <cstring>
 
-#include "served_cell/aravis_sensor.h"
+#include "planar_servo/served_cell/aravis_sensor.h"
 
 namespace planar::test {
 namespace {

@@ -1,10 +1,10 @@
-#include "virtual_cell/polygon_coverage.h"
+#include "planar_servo/virtual_cell/image/polygon_coverage.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "core/units.h"
+#include "planar_servo/core/units.h"
 
 namespace planar {
 namespace {

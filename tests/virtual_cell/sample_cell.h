@@ -1,8 +1,8 @@
 #pragma once
 
-#include "core/units.h"
-#include "virtual_cell/truth.h"
-#include "virtual_cell/virtual_hardware.h"
+#include "planar_servo/core/units.h"
+#include "planar_servo/virtual_cell/truth/truth.h"
+#include "planar_servo/virtual_cell/virtual_hardware.h"
 
 namespace planar::test {
 

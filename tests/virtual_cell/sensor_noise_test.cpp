@@ -1,4 +1,4 @@
-#include "virtual_cell/sensor_noise.h"
+#include "planar_servo/virtual_cell/image/sensor_noise.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>

@@ -1,11 +1,11 @@
-#include "virtual_cell/truth_file.h"
+#include "planar_servo/virtual_cell/truth/truth_file.h"
 
 #include <catch2/catch.hpp>
 #include <string>
 
-#include "core/error.h"
+#include "planar_servo/core/error.h"
+#include "planar_servo/virtual_cell/image/virtual_lens.h"
 #include "support/temporary_folder.h"
-#include "virtual_cell/virtual_lens.h"
 
 namespace planar {
 namespace {

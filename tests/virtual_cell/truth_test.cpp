@@ -1,12 +1,12 @@
-#include "virtual_cell/truth.h"
+#include "planar_servo/virtual_cell/truth/truth.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "planar_servo/virtual_cell/image/virtual_lens.h"
+#include "planar_servo/virtual_cell/motion/virtual_arm.h"
+#include "planar_servo/virtual_cell/virtual_clock.h"
 #include "virtual_cell/sample_cell.h"
-#include "virtual_cell/virtual_arm.h"
-#include "virtual_cell/virtual_clock.h"
-#include "virtual_cell/virtual_lens.h"
 
 namespace planar {
 namespace {

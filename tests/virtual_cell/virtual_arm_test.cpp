@@ -1,11 +1,11 @@
-#include "virtual_cell/virtual_arm.h"
+#include "planar_servo/virtual_cell/motion/virtual_arm.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <stdexcept>
 
+#include "planar_servo/virtual_cell/virtual_clock.h"
 #include "virtual_cell/sample_cell.h"
-#include "virtual_cell/virtual_clock.h"
 
 namespace planar {
 namespace {

@@ -1,11 +1,11 @@
-#include "virtual_cell/virtual_cell.h"
+#include "planar_servo/virtual_cell/virtual_cell.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
 
-#include "core/error.h"
+#include "planar_servo/core/error.h"
 #include "virtual_cell/sample_cell.h"
 
 namespace planar {

@@ -1,12 +1,12 @@
-#include "virtual_cell/virtual_drive.h"
+#include "planar_servo/virtual_cell/motion/virtual_drive.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
 
-#include "core/error.h"
-#include "virtual_cell/virtual_clock.h"
+#include "planar_servo/core/error.h"
+#include "planar_servo/virtual_cell/virtual_clock.h"
 
 namespace planar {
 namespace {

@@ -1,0 +1,118 @@
+#include "planar_servo/arm/planar_arm.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+namespace planar {
+namespace {
+
+/// What rounding may add to the distance of a point on the rim, relative to the reach.
+constexpr double kRimRounding = 1e-12;
+
+template <typename Vector>
+void require_finite(const Vector& values, const char* what) {
+  if (!values.allFinite()) throw std::invalid_argument(std::string(what) + " must be finite");
+}
+
+ReachStatus reach_status(double r, double L1, double L2) {
+  const double rounding = kRimRounding * (L1 + L2);
+  if (r > L1 + L2 + rounding) return ReachStatus::kTooFar;
+  if (r < std::abs(L1 - L2) - rounding) return ReachStatus::kTooClose;
+  if (r <= rounding) return ReachStatus::kUndetermined;
+  return ReachStatus::kOk;
+}
+
+/// Four times the area of the triangle with these sides [Heron]; 0 where rounding opens it.
+double four_areas(double a, double b, double c) {
+  const double product = (a + b + c) * (a + b - c) * (a - b + c) * (b + c - a);
+  return std::sqrt(std::max(product, 0.0));
+}
+
+double squared_travel(const InverseResult& solution, const Joints& near) {
+  return (solution.theta - near).head<2>().squaredNorm();
+}
+
+}  // namespace
+
+const char* describe(ReachStatus status) {
+  switch (status) {
+    case ReachStatus::kOk:
+      return "within reach";
+    case ReachStatus::kTooFar:
+      return "out of reach: farther from the base than both links together";
+    case ReachStatus::kTooClose:
+      return "out of reach: nearer to the base than the difference of the links' lengths";
+    case ReachStatus::kUndetermined:
+      return "on the base's axis, where joint 1 is not determined";
+  }
+  throw std::invalid_argument("unknown ReachStatus");
+}
+
+PlanarArm::PlanarArm(const ArmGeometry& geometry)
+    : geometry_(geometry),
+      sense_(geometry.positive_rotation == Rotation::kCounterclockwise ? 1.0 : -1.0) {
+  require_finite(geometry.link_lengths_m, "link lengths");
+  if (geometry.link_lengths_m.minCoeff() <= 0.0) {
+    throw std::invalid_argument("link lengths must be positive");
+  }
+}
+
+TipPose PlanarArm::forward(const Joints& theta) const {
+  require_finite(theta, "joint angles");
+  const Eigen::Vector2d& L = geometry_.link_lengths_m;
+  return {{L[0] * std::cos(theta[0]) + L[1] * std::cos(theta[1]),
+           sense_ * (L[0] * std::sin(theta[0]) + L[1] * std::sin(theta[1]))},
+          sense_ * theta[2]};
+}
+
+InverseResult PlanarArm::inverse(const TipPose& target, Elbow elbow, const Joints& near) const {
+  require_finite(target.p, "target position");
+  require_finite(Eigen::Matrix<double, 1, 1>(target.phi), "target direction");
+  require_finite(near, "present joint angles");
+  const double L1 = geometry_.link_lengths_m[0];
+  const double L2 = geometry_.link_lengths_m[1];
+  const double r = target.p.norm();
+  const ReachStatus status = reach_status(r, L1, L2);
+  if (status != ReachStatus::kOk) return {status, {}};
+
+  const double f = std::atan2(sense_ * target.p.y(), target.p.x());
+  // The theory's cosines, with their common sine beside them: acos alone is blunt near the rims.
+  const double sine = four_areas(r, L1, L2);
+  const double alpha = std::atan2(sine, r * r + L1 * L1 - L2 * L2);
+  const double gamma = std::atan2(sine, r * r + L2 * L2 - L1 * L1);
+  const double e = elbow == Elbow::kRight ? sense_ : -sense_;
+  return {ReachStatus::kOk,
+          {nearest_branch(f - e * alpha, near[0]), nearest_branch(f + e * gamma, near[1]),
+           nearest_branch(sense_ * target.phi, near[2])}};
+}
+
+InverseResult PlanarArm::inverse_nearest(const TipPose& target, const Joints& near) const {
+  InverseResult left = inverse(target, Elbow::kLeft, near);
+  InverseResult right = inverse(target, Elbow::kRight, near);
+  if (left.status != ReachStatus::kOk) return left;
+  return squared_travel(right, near) < squared_travel(left, near) ? right : left;
+}
+
+Elbow PlanarArm::elbow(const Joints& theta) const {
+  require_finite(theta, "joint angles");
+  return sense_ * std::sin(theta[1] - theta[0]) > 0.0 ? Elbow::kRight : Elbow::kLeft;
+}
+
+Eigen::Matrix2d PlanarArm::jacobian(const Joints& theta) const {
+  require_finite(theta, "joint angles");
+  const double L1 = geometry_.link_lengths_m[0];
+  const double L2 = geometry_.link_lengths_m[1];
+  Eigen::Matrix2d J;
+  J << -L1 * std::sin(theta[0]), -L2 * std::sin(theta[1]),  //
+      sense_ * L1 * std::cos(theta[0]), sense_ * L2 * std::cos(theta[1]);
+  return J;
+}
+
+double PlanarArm::manipulability(const Joints& theta) {
+  require_finite(theta, "joint angles");
+  return std::abs(std::sin(theta[1] - theta[0]));
+}
+
+}  // namespace planar

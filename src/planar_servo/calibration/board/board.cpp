@@ -1,0 +1,94 @@
+#include "planar_servo/calibration/board/board.h"
+
+#include <cmath>
+#include <opencv2/calib3d.hpp>
+#include <opencv2/imgproc.hpp>
+#include <regex>
+#include <stdexcept>
+
+#include "planar_servo/calibration/board/dot_grid.h"
+#include "planar_servo/core/cross.h"
+#include "planar_servo/core/error.h"
+#include "planar_servo/core/units.h"
+
+namespace planar {
+namespace {
+
+/// Longest side of the image in which a chessboard is looked for.
+constexpr int kSearchSize_px = 1280;
+
+BoardSight find_chessboard(const cv::Mat& image, const Board& board) {
+  const cv::Size pattern(board.columns, board.rows);
+  const double scale =
+      std::min(1.0, kSearchSize_px / static_cast<double>(std::max(image.cols, image.rows)));
+  cv::Mat small;
+  cv::resize(image, small, {}, scale, scale, cv::INTER_AREA);
+  std::vector<cv::Point2f> corners;
+  if (!cv::findChessboardCorners(small, pattern, corners)) {
+    return {{}, {}, "no chessboard of that size found"};
+  }
+  for (cv::Point2f& corner : corners) {
+    corner = (corner + cv::Point2f(0.5F, 0.5F)) / scale - cv::Point2f(0.5F, 0.5F);
+  }
+  const double square_px = cv::norm(corners[1] - corners[0]);
+  const int half_window = std::max(2, static_cast<int>(square_px / 4.0));
+  cv::cornerSubPix(image, corners, {half_window, half_window}, {-1, -1},
+                   {cv::TermCriteria::EPS + cv::TermCriteria::COUNT, 50, 1e-4});
+  BoardSight sight;
+  for (const cv::Point2f& corner : corners) sight.pixels.emplace_back(corner.x, corner.y);
+  return sight;
+}
+
+/// Turns a chessboard's rows end for end when its corners came out mirrored.
+void make_right_handed(const Board& board, std::vector<Eigen::Vector2d>& pixels) {
+  const auto at = [&](int column, int row) { return pixels[row * board.columns + column]; };
+  const Eigen::Vector2d x = at(board.columns - 1, 0) - at(0, 0);
+  const Eigen::Vector2d y = at(0, board.rows - 1) - at(0, 0);
+  if (cross2d(x, y) > 0.0) return;
+  for (int row = 0; row < board.rows; ++row) {
+    const auto begin = pixels.begin() + row * board.columns;
+    std::reverse(begin, begin + board.columns);
+  }
+}
+
+}  // namespace
+
+Board parse_board(const std::string& text) {
+  static const std::regex form(R"((circles|chessboard):(\d{1,3})x(\d{1,3}):(\d+(\.\d+)?)mm)");
+  std::smatch match;
+  if (!std::regex_match(text, match, form)) {
+    throw InputError("grid '" + text +
+                     "' is not circles:COLSxROWS:PITCHmm or chessboard:COLSxROWS:PITCHmm, such as "
+                     "circles:11x11:50mm");
+  }
+  Board board;
+  board.kind = match[1] == "circles" ? Board::Kind::kCircles : Board::Kind::kChessboard;
+  board.columns = std::stoi(match[2]);
+  board.rows = std::stoi(match[3]);
+  board.pitch = std::stod(match[4]) * kMillimetre;
+  if (board.columns < 3 || board.rows < 3 || board.pitch <= 0.0) {
+    throw InputError("grid '" + text +
+                     "': at least 3 x 3 points and a pitch above 0 mm are needed");
+  }
+  return board;
+}
+
+std::vector<Eigen::Vector2d> board_points(const Board& board) {
+  std::vector<Eigen::Vector2d> points;
+  for (int row = 0; row < board.rows; ++row) {
+    for (int column = 0; column < board.columns; ++column) {
+      points.emplace_back(column * board.pitch, row * board.pitch);
+    }
+  }
+  return points;
+}
+
+BoardSight find_board(const cv::Mat& image, const Board& board) {
+  if (image.type() != CV_8UC1) throw std::invalid_argument("find_board: not an 8-bit grey image");
+  if (board.kind == Board::Kind::kCircles) return find_dot_grid(image, board.columns, board.rows);
+  BoardSight sight = find_chessboard(image, board);
+  if (sight.found()) make_right_handed(board, sight.pixels);
+  return sight;
+}
+
+}  // namespace planar

@@ -1,0 +1,174 @@
+#include "planar_servo/calibration/board/dot.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "planar_servo/core/statistics.h"
+#include "planar_servo/core/units.h"
+
+namespace planar {
+namespace {
+
+constexpr double kSmallestArea_px2 = 12.0;
+constexpr double kLongestAxesRatio = 4.0;
+/// Rms distance of a blob's outline from its ellipse of equal moments, relative to the radius.
+constexpr double kLargestRoughness = 0.15;
+/// Rays are sampled between these parts of the radius: inside the dot, and short of its neighbours.
+constexpr double kRayStart = 0.5;
+constexpr double kRayEnd = 1.4;
+constexpr double kRayStep_px = 0.5;
+constexpr int kFewestSamples = 8;
+constexpr double kSmallestContrast = 8.0;
+
+/// The ellipse with the outline's area moments; empty for slivers and ragged outlines.
+std::optional<Dot> dot_from_outline(const std::vector<cv::Point>& outline) {
+  const cv::Moments m = cv::moments(outline);
+  if (m.m00 < kSmallestArea_px2) return std::nullopt;
+  Eigen::Matrix2d covariance;
+  covariance << m.mu20, m.mu11, m.mu11, m.mu02;
+  covariance /= m.m00;
+  const double trace = covariance.trace();
+  const double determinant = covariance.determinant();
+  if (!(determinant * std::pow(kLongestAxesRatio + 1.0 / kLongestAxesRatio, 2) > trace * trace)) {
+    return std::nullopt;
+  }
+  const Dot dot{{m.m10 / m.m00, m.m01 / m.m00}, (4.0 * covariance).llt().matrixL()};
+  const Eigen::Matrix2d to_circle = dot.shape.inverse();
+  double squares = 0.0;
+  for (const cv::Point& point : outline) {
+    const double radius = (to_circle * (Eigen::Vector2d(point.x, point.y) - dot.center)).norm();
+    squares += (radius - 1.0) * (radius - 1.0);
+  }
+  const double roughness = std::sqrt(squares / static_cast<double>(outline.size()));
+  if (roughness > kLargestRoughness) return std::nullopt;
+  return dot;
+}
+
+/// Grey value between pixels; the caller keeps `p` inside.
+double grey_at(const cv::Mat& image, const Eigen::Vector2d& p) {
+  const int u = static_cast<int>(p.x());
+  const int v = static_cast<int>(p.y());
+  const double a = p.x() - u;
+  const double b = p.y() - v;
+  const auto* top = image.ptr<std::uint8_t>(v) + u;
+  const auto* bottom = image.ptr<std::uint8_t>(v + 1) + u;
+  return (1.0 - b) * ((1.0 - a) * top[0] + a * top[1]) +
+         b * ((1.0 - a) * bottom[0] + a * bottom[1]);
+}
+
+bool inside(const cv::Mat& image, const Eigen::Vector2d& p) {
+  return p.x() >= 0.0 && p.y() >= 0.0 && p.x() < image.cols - 1 && p.y() < image.rows - 1;
+}
+
+double mean_of(const std::vector<double>& values, std::size_t begin, std::size_t end) {
+  double sum = 0.0;
+  for (std::size_t i = begin; i < end; ++i) sum += values[i];
+  return sum / static_cast<double>(end - begin);
+}
+
+/// The index, with its fraction, at which the profile crosses the middle of its two ends' levels,
+/// nearest to `expected`.
+std::optional<double> crossing(const std::vector<double>& profile, double expected) {
+  const std::size_t n = profile.size();
+  const std::size_t quarter = std::max<std::size_t>(2, n / 5);
+  const double first = mean_of(profile, 0, quarter);
+  const double last = mean_of(profile, n - quarter, n);
+  if (std::abs(last - first) < kSmallestContrast) return std::nullopt;
+  const double middle = 0.5 * (first + last);
+  std::optional<double> nearest;
+  for (std::size_t i = 0; i + 1 < n; ++i) {
+    const double before = profile[i] - middle;
+    const double after = profile[i + 1] - middle;
+    if ((before < 0.0) == (after < 0.0)) continue;
+    const double at = static_cast<double>(i) + before / (before - after);
+    if (!nearest || std::abs(at - expected) < std::abs(*nearest - expected)) nearest = at;
+  }
+  return nearest;
+}
+
+/// Where the ray from the dot's centre crosses its outline, relative to the centre.
+std::optional<Eigen::Vector2d> outline_point(const cv::Mat& image, const Dot& dot, double angle) {
+  const Eigen::Vector2d radius = dot.shape * Eigen::Vector2d(std::cos(angle), std::sin(angle));
+  const double step = std::min(kRayStep_px / radius.norm(), (kRayEnd - kRayStart) / kFewestSamples);
+  if (!inside(image, dot.center + kRayEnd * radius)) return std::nullopt;
+  std::vector<double> profile;
+  for (double part = kRayStart; part <= kRayEnd; part += step) {
+    profile.push_back(grey_at(image, dot.center + part * radius));
+  }
+  const auto at = crossing(profile, (1.0 - kRayStart) / step);
+  if (!at) return std::nullopt;
+  return (kRayStart + *at * step) * radius;
+}
+
+std::optional<Dot> ellipse_through(const std::vector<cv::Point2f>& points,
+                                   const Eigen::Vector2d& origin) {
+  if (points.size() < 12) return std::nullopt;
+  const cv::RotatedRect box = cv::fitEllipseDirect(points);
+  const double angle = box.angle * kDegree;
+  Dot dot;
+  dot.center = origin + Eigen::Vector2d(box.center.x, box.center.y);
+  dot.shape = Eigen::Rotation2Dd(angle).toRotationMatrix() *
+              Eigen::Vector2d(box.size.width, box.size.height).asDiagonal() * 0.5;
+  if (!dot.center.allFinite() || !(dot.area() > 0.0)) return std::nullopt;
+  return dot;
+}
+
+/// The points within three robust deviations of the ellipse's outline.
+std::vector<cv::Point2f> without_outliers(const std::vector<cv::Point2f>& points,
+                                          const Eigen::Vector2d& origin, const Dot& dot) {
+  const Eigen::Matrix2d to_circle = dot.shape.inverse();
+  std::vector<double> offsets;
+  for (const cv::Point2f& point : points) {
+    const Eigen::Vector2d p = origin + Eigen::Vector2d(point.x, point.y);
+    offsets.push_back((to_circle * (p - dot.center)).norm() - 1.0);
+  }
+  const double limit = 3.0 * robust_sigma(offsets);
+  const double middle = median(offsets);
+  std::vector<cv::Point2f> kept;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (std::abs(offsets[i] - middle) <= limit) kept.push_back(points[i]);
+  }
+  return kept;
+}
+
+}  // namespace
+
+double Dot::area() const {
+  return kPi * std::abs(shape.determinant());
+}
+
+std::vector<Dot> find_dark_dots(const cv::Mat& image) {
+  // Darker than the mean of a neighbourhood that holds dots and the gaps between them.
+  const int neighbourhood = std::min(image.cols, image.rows) / 4 | 1;
+  cv::Mat smooth, dark;
+  cv::GaussianBlur(image, smooth, {3, 3}, 0.0);
+  cv::adaptiveThreshold(smooth, dark, 255, cv::ADAPTIVE_THRESH_MEAN_C, cv::THRESH_BINARY_INV,
+                        std::max(3, neighbourhood), kSmallestContrast);
+  std::vector<std::vector<cv::Point>> outlines;
+  cv::findContours(dark, outlines, cv::RETR_LIST, cv::CHAIN_APPROX_NONE);
+  std::vector<Dot> dots;
+  for (const auto& outline : outlines) {
+    if (const auto dot = dot_from_outline(outline)) dots.push_back(*dot);
+  }
+  return dots;
+}
+
+std::optional<Dot> measure_dot(const cv::Mat& image, const Dot& rough) {
+  const double outline_length = 2.0 * kPi * std::sqrt(rough.area() / kPi);
+  const int rays = std::clamp(static_cast<int>(outline_length), 32, 128);
+  std::vector<cv::Point2f> points;
+  for (int i = 0; i < rays; ++i) {
+    const auto point = outline_point(image, rough, 2.0 * kPi * i / rays);
+    if (point) points.emplace_back(static_cast<float>(point->x()), static_cast<float>(point->y()));
+  }
+  if (static_cast<int>(points.size()) < 3 * rays / 4) return std::nullopt;
+  const auto first = ellipse_through(points, rough.center);
+  if (!first) return std::nullopt;
+  return ellipse_through(without_outliers(points, rough.center, *first), rough.center);
+}
+
+}  // namespace planar

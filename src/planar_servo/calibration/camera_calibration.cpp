@@ -1,0 +1,284 @@
+#include "planar_servo/calibration/camera_calibration.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "planar_servo/calibration/board/board_pose.h"
+#include "planar_servo/calibration/board/dot_eccentricity.h"
+#include "planar_servo/calibration/lens_fit.h"
+#include "planar_servo/core/error.h"
+#include "planar_servo/core/statistics.h"
+
+namespace planar {
+namespace {
+
+constexpr std::size_t kFewestViews = 3;
+constexpr std::size_t kFolds = 5;
+/// A view is left out when its rms is this many times the median of all views' ...
+constexpr double kOutlyingView = 3.0;
+/// ... and more than any detector's own error.
+constexpr double kDetectorError_px = 0.05;
+constexpr int kEccentricityRounds = 2;
+
+void check(const CalibrationProblem& problem) {
+  const auto& names = calibration_model_names();
+  if (std::find(names.begin(), names.end(), problem.model) == names.end()) {
+    std::string allowed;
+    for (const std::string& name : names) allowed += (allowed.empty() ? "" : ", ") + name;
+    throw InputError("unknown camera model '" + problem.model + "'; allowed are " + allowed);
+  }
+  Faults faults;
+  for (const CalibrationView& view : problem.views) {
+    const std::size_t dots = view.dot_areas_px2.size();
+    if (view.points_G.size() != view.pixels.size() || (dots != 0 && dots != view.pixels.size())) {
+      faults.add(view.name + ": points, pixels and dots are not as many");
+    } else if (view.pixels.size() < 6) {
+      faults.add(view.name + ": " + std::to_string(view.pixels.size()) +
+                 " points; at least 6 are needed");
+    }
+    for (std::size_t i = 0; i < std::min(view.points_G.size(), view.pixels.size()); ++i) {
+      if (!view.points_G[i].allFinite() || !view.pixels[i].allFinite()) {
+        faults.add(view.name + ": a number that is not finite");
+        break;
+      }
+    }
+  }
+  faults.throw_if_any();
+}
+
+/// The course of one calibration: views as used so far, and the fit to them.
+class Calibrator {
+ public:
+  Calibrator(const CalibrationProblem& problem, const std::string& model,
+             const std::vector<RejectedView>& rejected)
+      : views_(problem.views), problem_(problem), model_(model), rejected_(rejected) {
+    fit();
+    reject_outlying_views();
+    correct_eccentricity();
+  }
+
+  const std::vector<CalibrationView>& views() const { return views_; }
+  const LensFit& lens() const { return lens_; }
+  const std::vector<RejectedView>& rejected() const { return rejected_; }
+  double dot_diameter() const { return dot_diameter_; }
+
+  /// Mean square distance in each view when it had no part in the fit of the camera; empty when a
+  /// fit without it failed.
+  std::optional<std::vector<double>> held_out_squares() const {
+    const std::size_t folds = std::min(kFolds, views_.size());
+    std::vector<double> squares(views_.size(), 0.0);
+    for (std::size_t fold = 0; fold < folds; ++fold) {
+      std::vector<CalibrationView> used;
+      for (std::size_t i = 0; i < views_.size(); ++i) {
+        if (i % folds != fold) used.push_back(views_[i]);
+      }
+      const auto lens = fit_lens(used, problem_.width_px, problem_.height_px, model_);
+      if (!lens) return std::nullopt;
+      for (std::size_t i = fold; i < views_.size(); i += folds) {
+        const auto pose = estimate_board_pose(lens->camera, views_[i].points_G, views_[i].pixels);
+        if (!pose) return std::nullopt;
+        squares[i] = pose->rms_px * pose->rms_px;
+      }
+    }
+    return squares;
+  }
+
+ private:
+  void fit() {
+    if (views_.size() < kFewestViews) {
+      std::string message = std::to_string(views_.size()) +
+                            " usable views of the board; at least " + std::to_string(kFewestViews) +
+                            " are needed";
+      for (const auto& [name, reason] : rejected_)
+        message.append("\n").append(name).append(": ").append(reason);
+      throw InputError(message);
+    }
+    auto lens = fit_lens(views_, problem_.width_px, problem_.height_px, model_);
+    if (!lens) {
+      throw WorkError("the views do not determine a camera of the model " + model_ +
+                      "; take more of them, tilted in different directions, or a simpler model");
+    }
+    lens_ = std::move(*lens);
+  }
+
+  void reject_outlying_views() {
+    for (;;) {
+      const auto& rms = lens_.view_rms_px;
+      const auto worst = std::max_element(rms.begin(), rms.end());
+      const double limit = std::max(kDetectorError_px, kOutlyingView * median(rms));
+      if (*worst <= limit) return;
+      const auto index = worst - rms.begin();
+      rejected_.push_back({views_[index].name, "its points lie " + std::to_string(*worst) +
+                                                   " px rms off, more than " +
+                                                   std::to_string(limit) + " px"});
+      views_.erase(views_.begin() + index);
+      fit();
+    }
+  }
+
+  void correct_eccentricity() {
+    const std::vector<CalibrationView> measured = views_;
+    for (int round = 0; round < kEccentricityRounds; ++round) {
+      std::vector<double> diameters;
+      for_each_dot(measured, [&](std::size_t view, std::size_t i) {
+        const auto diameter =
+            disc_diameter(lens_.camera, lens_.X_CG[view], measured[view].points_G[i],
+                          measured[view].dot_areas_px2[i]);
+        if (diameter) diameters.push_back(*diameter);
+      });
+      if (diameters.empty()) return;
+      dot_diameter_ = median(diameters);
+      for_each_dot(measured, [&](std::size_t view, std::size_t i) {
+        const auto shift = eccentricity_px(lens_.camera, lens_.X_CG[view],
+                                           measured[view].points_G[i], dot_diameter_);
+        if (shift) views_[view].pixels[i] = measured[view].pixels[i] - *shift;
+      });
+      fit();
+    }
+  }
+
+  template <typename Action>
+  static void for_each_dot(const std::vector<CalibrationView>& views, const Action& action) {
+    for (std::size_t view = 0; view < views.size(); ++view) {
+      for (std::size_t i = 0; i < views[view].dot_areas_px2.size(); ++i) action(view, i);
+    }
+  }
+
+  std::vector<CalibrationView> views_;
+  const CalibrationProblem& problem_;
+  std::string model_;
+  std::vector<RejectedView> rejected_;
+  LensFit lens_;
+  double dot_diameter_{0.0};
+};
+
+/// Whether a simpler model's held-out squares exceed the best model's by more than the standard
+/// error of their mean difference, view by view.
+bool clearly_worse(const std::vector<double>& squares, const std::vector<double>& best) {
+  const double n = static_cast<double>(best.size());
+  std::vector<double> excess(best.size());
+  for (std::size_t i = 0; i < best.size(); ++i) excess[i] = squares[i] - best[i];
+  double scatter = 0.0;
+  for (const double e : excess) scatter += (e - mean(excess)) * (e - mean(excess));
+  return mean(excess) > std::sqrt(scatter / (n * (n - 1.0)));
+}
+
+std::string choose_model(const CalibrationProblem& problem,
+                         const std::vector<RejectedView>& without_board) {
+  // Views are judged once, by a model that fits most lenses, so that all models see the same ones.
+  CalibrationProblem common = problem;
+  common.views = Calibrator(problem, "plumb_bob", without_board).views();
+  struct Candidate {
+    std::string model;
+    std::vector<double> squares;
+  };
+  std::vector<Candidate> candidates;
+  for (const char* model :
+       {"pinhole", "plumb_bob_k1", "plumb_bob", "equidistant", "rational_polynomial"}) {
+    try {
+      const Calibrator calibrator(common, model, {});
+      auto squares = calibrator.held_out_squares();
+      if (squares && squares->size() == common.views.size()) {
+        candidates.push_back({model, std::move(*squares)});
+      }
+    } catch (const WorkError&) {
+      continue;  // these views do not determine this model
+    }
+  }
+  if (candidates.empty()) throw WorkError("no camera model could be judged on held-out views");
+  const auto best = std::min_element(
+      candidates.begin(), candidates.end(),
+      [](const Candidate& a, const Candidate& b) { return mean(a.squares) < mean(b.squares); });
+  return std::find_if(candidates.begin(), candidates.end(),
+                      [&](const Candidate& candidate) {
+                        return !clearly_worse(candidate.squares, best->squares);
+                      })
+      ->model;
+}
+
+/// ViSP's model with the k1 of a plumb-bob camera one way and the inverse polynomial that comes
+/// nearest to it over the pixels used the other way.
+VispModel visp_from_k1(const PlumbBob& camera, const std::vector<CalibrationView>& views) {
+  double numerator = 0.0;
+  double denominator = 0.0;
+  for (const CalibrationView& view : views) {
+    for (const Eigen::Vector2d& uv : view.pixels) {
+      const auto ideal = ray(camera, uv);
+      if (!ideal) continue;
+      const double r_d =
+          std::hypot((uv.x() - camera.k.cx) / camera.k.fx, (uv.y() - camera.k.cy) / camera.k.fy);
+      numerator += (ideal->head<2>().norm() - r_d) * std::pow(r_d, 3);
+      denominator += std::pow(r_d, 6);
+    }
+  }
+  return {camera.k, camera.k1, numerator / denominator};
+}
+
+void describe_views(const Calibrator& calibrator, CameraCalibration& result) {
+  constexpr double kFar = std::numeric_limits<double>::infinity();
+  result.region_from_px.setConstant(kFar);
+  result.region_to_px.setConstant(-kFar);
+  double squares = 0.0;
+  double points = 0.0;
+  for (std::size_t i = 0; i < calibrator.views().size(); ++i) {
+    const CalibrationView& view = calibrator.views()[i];
+    const double rms_px = calibrator.lens().view_rms_px[i];
+    result.views.push_back({view.name, calibrator.lens().X_CG[i], rms_px});
+    squares += rms_px * rms_px * static_cast<double>(view.pixels.size());
+    points += static_cast<double>(view.pixels.size());
+    for (const Eigen::Vector2d& uv : view.pixels) {
+      result.region_from_px = result.region_from_px.cwiseMin(uv);
+      result.region_to_px = result.region_to_px.cwiseMax(uv);
+    }
+  }
+  result.rms_px = std::sqrt(squares / points);
+}
+
+void judge_held_out(const Calibrator& calibrator, CameraCalibration& result) {
+  const auto squares = calibrator.held_out_squares();
+  if (!squares) return;
+  std::vector<double> distances;
+  for (const CalibratedView& view : result.views) distances.push_back(view.X_CG.translation().z());
+  const Intrinsics k = intrinsics(result.camera);
+  result.held_out_rms_px = std::sqrt(mean(*squares));
+  result.expected_error = *result.held_out_rms_px * median(distances) / std::sqrt(k.fx * k.fy);
+}
+
+}  // namespace
+
+const std::vector<std::string>& calibration_model_names() {
+  static const std::vector<std::string> names{
+      "pinhole",   "plumb_bob_k1", "plumb_bob", "rational_polynomial",
+      "opencv_14", "equidistant",  "visp",      "auto"};
+  return names;
+}
+
+CameraCalibration calibrate_camera(const CalibrationProblem& problem,
+                                   const std::vector<RejectedView>& without_board) {
+  check(problem);
+  CameraCalibration result;
+  result.model = problem.model == "auto" ? choose_model(problem, without_board) : problem.model;
+  const std::string fitted = result.model == "visp" ? "plumb_bob_k1" : result.model;
+  const Calibrator calibrator(problem, fitted, without_board);
+  result.camera = calibrator.lens().camera;
+  result.width_px = problem.width_px;
+  result.height_px = problem.height_px;
+  result.standard_deviations = standard_deviations(
+      calibrator.lens(), calibrator.views(),
+      fitted == "plumb_bob_k1" ? 1 : distortion_coefficients(result.camera).size());
+  result.rejected = calibrator.rejected();
+  result.dot_diameter = calibrator.dot_diameter();
+  describe_views(calibrator, result);
+  judge_held_out(calibrator, result);
+  if (result.model == "visp") {
+    result.camera = visp_from_k1(std::get<PlumbBob>(result.camera), calibrator.views());
+    const double sigma_k1 = result.standard_deviations[4];
+    result.standard_deviations.resize(4);
+    result.standard_deviations.insert(result.standard_deviations.end(), {sigma_k1, sigma_k1});
+  }
+  return result;
+}
+
+}  // namespace planar

@@ -1,0 +1,81 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "planar_servo/core/pose.h"
+#include "planar_servo/lens/camera_model.h"
+
+namespace planar {
+
+/// One picture of a flat board: points of its plane z_G = 0 (metres) and where they were seen.
+struct CalibrationView {
+  std::string name;
+  std::vector<Eigen::Vector2d> points_G;
+  std::vector<Eigen::Vector2d> pixels;
+  std::vector<double> dot_areas_px2;  ///< of round dots, one per point; empty for corners
+};
+
+struct CalibrationProblem {
+  std::vector<CalibrationView> views;
+  int width_px{0};
+  int height_px{0};
+  /// One of calibration_model_names().
+  std::string model{"plumb_bob_k1"};
+};
+
+struct CalibratedView {
+  std::string name;
+  Pose X_CG{Pose::Identity()};
+  double rms_px{0.0};
+};
+
+struct RejectedView {
+  std::string name;
+  std::string reason;
+};
+
+struct CameraCalibration {
+  CameraModel camera;
+  std::string model;  ///< the name asked for, or the one that `auto` chose
+  int width_px{0};
+  int height_px{0};
+  double rms_px{0.0};  ///< root of the mean square distance over all points used
+  /// Of fx, fy, cx, cy and the estimated distortion coefficients in the model's order (zero for
+  /// those that were held at zero).
+  std::vector<double> standard_deviations;
+  std::vector<CalibratedView> views;
+  std::vector<RejectedView> rejected;
+  /// Over views left out of the fit, each of which gave its own pose only; empty when the views
+  /// left do not determine the camera.
+  std::optional<double> held_out_rms_px;
+  /// held_out_rms_px seen at the boards' median distance, metres in a plane facing the camera.
+  std::optional<double> expected_error;
+  /// Bounding box of the pixels used, beyond which the lens model extrapolates: u and v, from and
+  /// to.
+  Eigen::Vector2d region_from_px{0.0, 0.0};
+  Eigen::Vector2d region_to_px{0.0, 0.0};
+  double dot_diameter{0.0};  ///< metres, from the dots' areas; 0 without them
+};
+
+/// pinhole, plumb_bob_k1 (k1 alone), plumb_bob, rational_polynomial, opencv_14, equidistant, visp,
+/// auto.
+const std::vector<std::string>& calibration_model_names();
+
+/// Least squares on the pixel residuals of all views (OpenCV's calibrateCamera and fisheye), after
+/// which the dots' centres are corrected for their eccentricity and fitted again. Views whose
+/// residuals stand far out are left out one by one. `visp` is the k1 model with its inverse
+/// polynomial fitted over the pixels used. `auto` takes the simplest model whose held-out residuals
+/// are within one standard error of the best one's.
+///
+/// `without_board` are pictures that gave no view: they join the result's rejected views and, when
+/// too few are left, the message.
+///
+/// Throws InputError for an unknown model, fewer than 3 usable views, points and pixels that are
+/// not as many, or numbers that are not finite; WorkError when the fit does not converge.
+CameraCalibration calibrate_camera(const CalibrationProblem& problem,
+                                   const std::vector<RejectedView>& without_board = {});
+
+}  // namespace planar

@@ -1,0 +1,213 @@
+#include "planar_servo/calibration/pairing.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "planar_servo/calibration/vision_tip.h"
+#include "planar_servo/core/error.h"
+#include "planar_servo/core/pose.h"
+#include "planar_servo/core/units.h"
+
+namespace planar {
+namespace {
+
+// Far beyond the noise of a lamp's centre and of a tracker: such a difference is motion.
+constexpr double kMotionPx = 1.0;
+constexpr double kMotion = 0.2 * kMillimetre;
+constexpr double kTimeWindow = 0.5;  // s
+constexpr double kSameJoint = 1e-6;  // rad; files round angles
+constexpr char kSweepPlan[] = "sweep3";
+
+/// Everything that was seen at one id.
+struct Place {
+  std::vector<const LampSight*> frames;
+  std::vector<const LampSight*> failed;
+  std::vector<const ToolReading*> readings;
+};
+
+void require_finite(const std::vector<LampSight>& frames,
+                    const std::vector<ToolReading>& readings) {
+  Faults faults;
+  for (const LampSight& frame : frames) {
+    if (!std::isfinite(frame.t_s) || !frame.theta12.allFinite() ||
+        (frame.status == "ok" && !(frame.uv_px[0].allFinite() && frame.uv_px[1].allFinite()))) {
+      faults.add("pairing: a frame of '" + frame.id + "' has a value that is not finite");
+    }
+  }
+  for (const ToolReading& reading : readings) {
+    if (!std::isfinite(reading.t_s) || !reading.p_B.allFinite()) {
+      faults.add("pairing: a reading of '" + reading.id + "' has a value that is not finite");
+    }
+  }
+  faults.throw_if_any();
+}
+
+/// The id whose frames lie nearest in time; empty beyond the window.
+std::string nearest_in_time(const std::vector<LampSight>& frames, double t_s) {
+  double least = kTimeWindow;
+  std::string id;
+  for (const LampSight& frame : frames) {
+    const double gap = std::abs(frame.t_s - t_s);
+    if (gap > least) continue;
+    least = gap;
+    id = frame.id;
+  }
+  return id;
+}
+
+template <typename T, typename Value>
+auto mean_of(const std::vector<const T*>& items, const Value& value) {
+  auto sum = value(*items.front());
+  for (std::size_t i = 1; i < items.size(); ++i) sum += value(*items[i]);
+  return decltype(sum)(sum / static_cast<double>(items.size()));
+}
+
+template <typename T, typename Value>
+double farthest_from_mean(const std::vector<const T*>& items, const Value& value) {
+  const auto centre = mean_of(items, value);
+  double farthest = 0.0;
+  for (const T* item : items) farthest = std::max(farthest, (value(*item) - centre).norm());
+  return farthest;
+}
+
+/// Why the place cannot be used; empty when it can.
+std::string fault_of(const Place& place) {
+  if (place.frames.empty()) return "no frame with both lamps: " + place.failed.front()->status;
+  if (place.readings.empty()) return "no tracker reading";
+  for (std::size_t k = 0; k < 2; ++k) {
+    const double far =
+        farthest_from_mean(place.frames, [k](const LampSight& f) { return f.uv_px[k]; });
+    if (far > kMotionPx) {
+      return fmt::format("not at rest: its frames disagree by {:.2f} px on lamp {}", far, k + 1);
+    }
+  }
+  const double far = farthest_from_mean(place.readings, [](const ToolReading& r) { return r.p_B; });
+  if (far > kMotion) {
+    return fmt::format("not at rest: its tracker readings disagree by {:.3f} mm",
+                       far / kMillimetre);
+  }
+  return "";
+}
+
+ToolSight average(const Place& place) {
+  const LampSight& first = *place.frames.front();
+  const auto n = static_cast<double>(place.frames.size());
+  ToolSight sight;
+  sight.id = first.id;
+  sight.plan = first.plan;
+  for (std::size_t k = 0; k < 2; ++k) {
+    sight.lamps_px[k] = mean_of(place.frames, [k](const LampSight& f) { return f.uv_px[k]; });
+    sight.covariances_px2[k] =
+        mean_of(place.frames, [k](const LampSight& f) { return f.covariances_px2[k]; }) / n;
+  }
+  sight.p_reflector_B = mean_of(place.readings, [](const ToolReading& r) { return r.p_B; });
+  // A tracker's stated deviation is in part systematic: repeating a reading does not reduce it.
+  sight.sigma_tracker = mean_of(place.readings, [](const ToolReading& r) { return r.sigma; });
+  return sight;
+}
+
+/// The number of the sweep with these joints, a new one when they are new.
+int sweep_number(const Eigen::Vector2d& theta12, std::vector<Eigen::Vector2d>& sweeps) {
+  const auto same = std::find_if(sweeps.begin(), sweeps.end(), [&](const Eigen::Vector2d& known) {
+    const Eigen::Vector2d turn = (known - theta12).unaryExpr(&wrap_angle);
+    return turn.cwiseAbs().maxCoeff() < kSameJoint;
+  });
+  const auto number = static_cast<int>(same - sweeps.begin());
+  if (same == sweeps.end()) sweeps.push_back(theta12);
+  return number;
+}
+
+using Places = std::map<std::string, Place>;
+
+void add_by_id(const std::vector<ToolReading>& readings, Places& places,
+               std::vector<Rejection>& rejected) {
+  for (const ToolReading& reading : readings) {
+    const auto place = places.find(reading.id);
+    if (place != places.end())
+      place->second.readings.push_back(&reading);
+    else
+      rejected.push_back({reading.id, "tracker reading without a frame of this id"});
+  }
+}
+
+Rejection far_from_frames(const std::vector<const ToolReading*>& stretch) {
+  const ToolReading& first = *stretch.front();
+  if (stretch.size() == 1)
+    return {first.id, fmt::format("no frame within {} s of the tracker reading at {:.3f} s",
+                                  kTimeWindow, first.t_s)};
+  return {first.id,
+          fmt::format("no frame within {} s of the {} tracker readings from {:.3f} s to {:.3f} s",
+                      kTimeWindow, stretch.size(), first.t_s, stretch.back()->t_s)};
+}
+
+/// A tracker that measures all the time leaves long stretches without a frame: each is told once.
+void add_by_time(const std::vector<ToolReading>& readings, const std::vector<LampSight>& frames,
+                 Places& places, std::vector<Rejection>& rejected) {
+  std::vector<const ToolReading*> stretch;
+  const auto end_stretch = [&] {
+    if (!stretch.empty()) rejected.push_back(far_from_frames(stretch));
+    stretch.clear();
+  };
+  for (const ToolReading& reading : readings) {
+    const auto place = places.find(nearest_in_time(frames, reading.t_s));
+    if (place == places.end()) {
+      stretch.push_back(&reading);
+    } else {
+      end_stretch();
+      place->second.readings.push_back(&reading);
+    }
+  }
+  end_stretch();
+}
+
+}  // namespace
+
+Pairing pair_sights(const std::vector<LampSight>& frames, const std::vector<ToolReading>& readings,
+                    PairBy by) {
+  require_finite(frames, readings);
+  Pairing pairing;
+  std::vector<std::string> order;
+  Places places;
+  for (const LampSight& frame : frames) {
+    const auto [place, is_new] = places.try_emplace(frame.id);
+    if (is_new) order.push_back(frame.id);
+    (frame.status == "ok" ? place->second.frames : place->second.failed).push_back(&frame);
+  }
+  if (by == PairBy::kId)
+    add_by_id(readings, places, pairing.rejected);
+  else
+    add_by_time(readings, frames, places, pairing.rejected);
+  std::vector<Eigen::Vector2d> sweeps;
+  for (const std::string& id : order) {
+    const Place& place = places.at(id);
+    const std::string fault = fault_of(place);
+    if (!fault.empty()) {
+      pairing.rejected.push_back({id, fault});
+      continue;
+    }
+    pairing.sights.push_back(average(place));
+    if (place.frames.front()->plan == kSweepPlan) {
+      pairing.sights.back().sweep = sweep_number(place.frames.front()->theta12, sweeps);
+    }
+  }
+  return pairing;
+}
+
+std::optional<EndPointPair> end_points(const Workplane& workplane, const ToolOffsets& tool,
+                                       const ToolSight& sight) {
+  const auto seen = tip_from_lamps(workplane, tool, sight.lamps_px, sight.covariances_px2);
+  if (!seen) return std::nullopt;
+  EndPointPair pair;
+  pair.phi = seen->tip.phi;
+  pair.p_vision = seen->tip.p;
+  pair.p_tracker = sight.p_reflector_B.head<2>() - rotation2d(pair.phi) * tool.p_TS.head<2>();
+  pair.sigma_vision = std::sqrt(0.5 * seen->covariance.trace());
+  pair.sigma_tracker = sight.sigma_tracker;
+  return pair;
+}
+
+}  // namespace planar

@@ -1,0 +1,141 @@
+#include "planar_servo/calibration/tracker_registration.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/SVD>
+#include <cmath>
+#include <map>
+#include <stdexcept>
+
+#include "planar_servo/core/error.h"
+#include "planar_servo/core/units.h"
+
+namespace planar {
+namespace {
+
+// Width over length below which points count as collinear: the turn about the line would be a
+// hundred times less certain than the others.
+constexpr double kLeastSpread = 1e-2;
+
+// Share of the monuments' spread beyond which they are not where the cell file has them.
+constexpr double kMaxResidualShare = 1e-2;
+
+template <int N>
+using Points = Eigen::Matrix<double, N, Eigen::Dynamic>;
+
+/// Points that determine a rigid motion span at least N - 1 directions.
+template <int N>
+bool span_enough(const Points<N>& centred) {
+  const Eigen::Vector<double, N> spread =
+      Eigen::JacobiSVD<Points<N>>(centred, Eigen::ComputeThinU).singularValues().template head<N>();
+  return spread(0) > 0.0 && spread(N - 2) > kLeastSpread * spread(0);
+}
+
+template <int N>
+Eigen::Transform<double, N, Eigen::Isometry> fit_rigid(const Points<N>& p_A, const Points<N>& p_B) {
+  if (p_A.cols() != p_B.cols()) throw std::invalid_argument("point sets of different size");
+  if (!p_A.allFinite() || !p_B.allFinite()) throw InputError("rigid fit: a point is not finite");
+  if (p_A.cols() < N) {
+    throw InputError("rigid fit: " + std::to_string(p_A.cols()) + " points; at least " +
+                     std::to_string(N) + " are needed");
+  }
+  const Eigen::Vector<double, N> mean_A = p_A.rowwise().mean(), mean_B = p_B.rowwise().mean();
+  const Points<N> centred_A = p_A.colwise() - mean_A, centred_B = p_B.colwise() - mean_B;
+  if (!span_enough<N>(centred_A) || !span_enough<N>(centred_B)) {
+    throw InputError(N == 2 ? "rigid fit: all points are in one place"
+                            : "rigid fit: the points lie on one line; move one of them off it");
+  }
+  const Eigen::JacobiSVD<Eigen::Matrix<double, N, N>> svd(
+      centred_B * centred_A.transpose(), Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Eigen::Vector<double, N> signs = Eigen::Vector<double, N>::Ones();
+  signs(N - 1) = (svd.matrixV() * svd.matrixU().transpose()).determinant() < 0.0 ? -1.0 : 1.0;
+  Eigen::Transform<double, N, Eigen::Isometry> X_AB;
+  X_AB.linear() = svd.matrixV() * signs.asDiagonal() * svd.matrixU().transpose();
+  X_AB.translation() = mean_A - X_AB.linear() * mean_B;
+  X_AB.makeAffine();
+  return X_AB;
+}
+
+std::map<std::string, std::vector<Eigen::Vector3d>> sort_readings(
+    const std::vector<Monument>& monuments, const std::vector<MonumentReading>& readings) {
+  Faults faults;
+  std::map<std::string, std::vector<Eigen::Vector3d>> by_id;
+  for (const Monument& monument : monuments) {
+    if (!by_id.emplace(monument.id, std::vector<Eigen::Vector3d>()).second) {
+      faults.add("datum: monument '" + monument.id + "' is named twice");
+    }
+    if (!monument.p_B.allFinite()) {
+      faults.add("datum: monument '" + monument.id + "' has a coordinate that is not finite");
+    }
+  }
+  for (const MonumentReading& reading : readings) {
+    const auto known = by_id.find(reading.id);
+    if (known == by_id.end()) {
+      faults.add("datum: reading of '" + reading.id + "', which is no monument of the cell");
+    } else if (!reading.p_L.allFinite()) {
+      faults.add("datum: a reading of '" + reading.id + "' is not finite");
+    } else {
+      known->second.push_back(reading.p_L);
+    }
+  }
+  faults.throw_if_any();
+  return by_id;
+}
+
+void require_fit(const DatumRegistration& datum, const Eigen::Matrix3Xd& p_B) {
+  const double spread =
+      std::sqrt((p_B.colwise() - p_B.rowwise().mean()).colwise().squaredNorm().mean());
+  if (datum.rms <= kMaxResidualShare * spread) return;
+  throw InputError(
+      fmt::format("datum: the readings do not fit the monuments' places, residual {:.3f} mm rms; "
+                  "check the ids for an exchange, the unit of the readings and the coordinates in "
+                  "the cell file",
+                  datum.rms / kMillimetre));
+}
+
+Eigen::Vector3d mean_point(const std::vector<Eigen::Vector3d>& points) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& point : points) sum += point;
+  return sum / static_cast<double>(points.size());
+}
+
+}  // namespace
+
+Eigen::Isometry2d fit_rigid_2d(const Eigen::Matrix2Xd& p_A, const Eigen::Matrix2Xd& p_B) {
+  return fit_rigid<2>(p_A, p_B);
+}
+
+Pose fit_rigid_3d(const Eigen::Matrix3Xd& p_A, const Eigen::Matrix3Xd& p_B) {
+  return fit_rigid<3>(p_A, p_B);
+}
+
+DatumRegistration register_datum(const std::vector<Monument>& monuments,
+                                 const std::vector<MonumentReading>& readings) {
+  const auto by_id = sort_readings(monuments, readings);
+  DatumRegistration result;
+  Eigen::Matrix3Xd p_B(3, monuments.size()), p_L(3, monuments.size());
+  for (const Monument& monument : monuments) {
+    const std::vector<Eigen::Vector3d>& points = by_id.at(monument.id);
+    if (points.empty()) continue;
+    const auto column = static_cast<Eigen::Index>(result.residuals.size());
+    p_B.col(column) = monument.p_B;
+    p_L.col(column) = mean_point(points);
+    result.residuals.push_back({monument.id, points.size(), {}});
+  }
+  const auto n = static_cast<Eigen::Index>(result.residuals.size());
+  if (n < 3) {
+    throw InputError("datum: the tracker has read " + std::to_string(n) +
+                     " of the cell's monuments; at least 3 that are not on one line are needed");
+  }
+  result.X_BL = fit_rigid_3d(p_B.leftCols(n), p_L.leftCols(n));
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Eigen::Vector3d residual = result.X_BL * Eigen::Vector3d(p_L.col(i)) - p_B.col(i);
+    result.residuals[static_cast<std::size_t>(i)].residual_B = residual;
+    result.rms += residual.squaredNorm() / static_cast<double>(n);
+  }
+  result.rms = std::sqrt(result.rms);
+  require_fit(result, p_B.leftCols(n));
+  return result;
+}
+
+}  // namespace planar

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <optional>
+
+#include "planar_servo/calibration/tool_offsets.h"
+#include "planar_servo/core/pose.h"
+#include "planar_servo/lens/workplane.h"
+
+namespace planar {
+
+/// The end point as vision sees it, before any error map.
+struct VisionTip {
+  TipPose tip;                                          ///< base frame
+  Eigen::Matrix2d covariance{Eigen::Matrix2d::Zero()};  ///< of tip.p, from the lamps' pixels, m^2
+  double sigma_phi{0.0};                                ///< of tip.phi, the same way, radians
+};
+
+/// Shifts in pixels from the images of both lamps' centres to the centres of their images, for
+/// discs of these diameters (metres) in the plane; see eccentricity_px(). Zero where a lamp's ray
+/// does not meet the plane or its diameter is not known (zero).
+std::array<Eigen::Vector2d, 2> lamp_eccentricities_px(
+    const Workplane& workplane, const std::array<Eigen::Vector2d, 2>& lamps_px,
+    const std::array<double, 2>& diameters);
+
+/// P = middle of the lamps + R(phi) p_TP, phi the direction from lamp 1 to lamp 2. Pixels of the
+/// lamps' centres, without eccentricity. Empty when a lamp's ray does not meet the plane.
+std::optional<VisionTip> tip_from_lamps(const Workplane& workplane, const ToolOffsets& tool,
+                                        const std::array<Eigen::Vector2d, 2>& lamps_px,
+                                        const std::array<Eigen::Matrix2d, 2>& covariances_px2);
+
+/// Where lamps 1 and 2 should appear when the end point is at `tip`; empty outside the view.
+std::optional<std::array<Eigen::Vector2d, 2>> lamps_from_tip(const Workplane& workplane,
+                                                             const ToolOffsets& tool,
+                                                             double lamp_separation_m,
+                                                             const TipPose& tip);
+
+}  // namespace planar

@@ -1,0 +1,259 @@
+#include "planar_servo/calibration/workplane_calibration.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <cmath>
+#include <functional>
+#include <optional>
+
+#include "planar_servo/calibration/coarse_view.h"
+#include "planar_servo/calibration/plane/plane_start.h"
+#include "planar_servo/calibration/plane/sight_set.h"
+#include "planar_servo/calibration/tracker_registration.h"
+#include "planar_servo/core/error.h"
+#include "planar_servo/core/statistics.h"
+#include "planar_servo/core/units.h"
+
+namespace planar {
+namespace {
+
+using Matrix6d = Eigen::Matrix<double, 6, 6>;
+using Vector6d = Eigen::Matrix<double, 6, 1>;
+using Seen = std::vector<SeenSight>;
+
+constexpr int kMaxSteps = 50;
+constexpr int kMaxRounds = 8;
+constexpr double kSettled = 1e-10;  // m and rad
+// A vision error is some thousandths of the field; beyond this, the two do not belong together.
+constexpr double kMaxRmsShare = 0.02;
+
+/// Both offsets from the sights of the joint-3 sweeps.
+struct SweepFits {
+  Seen seen;  // in the order of the residuals
+  SweepOffset lamps, reflector;
+
+  /// The reflector in the lamps' frame, p_TP + p_TS: all that the other sights depend on.
+  Eigen::Vector2d reflector_in_lamps() const { return reflector.offset - lamps.offset; }
+};
+
+SweepFits fit_sweeps(const Seen& seen) {
+  SweepFits fits;
+  std::vector<SweepPoint> lamps_points, reflector_points;
+  for (const SeenSight& s : seen) {
+    if (s.sight->sweep == ToolSight::kNoSweep) continue;
+    fits.seen.push_back(s);
+    lamps_points.push_back({s.sight->sweep, s.lamps.phi, s.lamps.middle});
+    reflector_points.push_back({s.sight->sweep, s.lamps.phi, s.p_reflector()});
+  }
+  fits.lamps = fit_sweep_offset(lamps_points);
+  fits.reflector = fit_sweep_offset(reflector_points);
+  return fits;
+}
+
+/// The reflector by vision, when it lies at `p_reflector` in the lamps' frame.
+Eigen::Vector2d reflector_by_vision(const SeenSight& s, const Eigen::Vector2d& p_reflector) {
+  return s.lamps.middle + rotation2d(s.lamps.phi) * p_reflector;
+}
+
+std::vector<double> distances(const Seen& seen, const Eigen::Vector2d& p_reflector) {
+  std::vector<double> lengths;
+  for (const SeenSight& s : seen) {
+    lengths.push_back((reflector_by_vision(s, p_reflector) - s.p_reflector()).norm());
+  }
+  return lengths;
+}
+
+struct NormalEquations {
+  Matrix6d information{Matrix6d::Zero()};
+  Vector6d gradient{Vector6d::Zero()};
+  double square{0.0};
+  int n{0};
+};
+
+NormalEquations linearise(const Seen& seen, const Eigen::Vector2d& p_reflector) {
+  NormalEquations sum;
+  for (const SeenSight& s : seen) {
+    const Eigen::Vector2d arm = rotation2d(s.lamps.phi) * p_reflector;
+    const Eigen::Vector2d residual = s.lamps.middle + arm - s.p_reflector();
+    const PoseJacobian<2> J =
+        s.lamps.d_middle_d_pose + Eigen::Vector2d(-arm.y(), arm.x()) * s.lamps.d_phi_d_pose;
+    sum.information += J.transpose() * J;
+    sum.gradient += J.transpose() * residual;
+    sum.square += residual.squaredNorm();
+    ++sum.n;
+  }
+  return sum;
+}
+
+/// The next camera pose, given what this one sees.
+using Step =
+    std::function<Pose(const Pose& X_WC, const Seen& seen, const Eigen::Vector2d& p_reflector)>;
+
+Pose step_to_pairs(const Pose& X_WC, const Seen& seen, const Eigen::Vector2d& p_reflector) {
+  const NormalEquations sum = linearise(seen, p_reflector);
+  return moved_pose(X_WC, -sum.information.ldlt().solve(sum.gradient));
+}
+
+Pose step_in_plane(const Pose& X_WC, const Seen& seen, const Eigen::Vector2d& p_reflector) {
+  Eigen::Matrix2Xd p_B(2, seen.size()), p_W(2, seen.size());
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    p_B.col(i) = seen[i].p_reflector();
+    p_W.col(i) = reflector_by_vision(seen[i], p_reflector);
+  }
+  const Eigen::Isometry2d X_BW = fit_rigid_2d(p_B, p_W);
+  Pose turn = Pose::Identity();
+  turn.linear().topLeftCorner<2, 2>() = X_BW.linear();
+  turn.translation().head<2>() = X_BW.translation();
+  return turn * X_WC;
+}
+
+/// From the homography between the lamps' rays and the tracker's positions. Throws InputError when
+/// those are collinear or mirrored.
+Pose start_from_pairs(const SightSet& sights, const CameraModel& camera) {
+  const double f = intrinsics(camera).fx;
+  std::vector<CoarseViewRow> rows;
+  for (const SightSet::MiddleRay& ray : sights.middle_rays()) {
+    rows.push_back({ray.p_reflector, f * ray.xy});
+  }
+  const std::optional<CoarseView> view = fit_coarse_view(rows);
+  if (!view) {
+    throw InputError(
+        "workplane: the positions lie on one line; record some that spread over the field");
+  }
+  return pose_from_homography(Eigen::Vector3d(1.0 / f, 1.0 / f, 1.0).asDiagonal() *
+                              view->homography());
+}
+
+/// Alternates the tool's fit and steps of the pose until the pose settles.
+Pose settle(const SightSet& sights, const Pose& start, const Step& step) {
+  Pose X_WC = start;
+  for (int k = 0; k < kMaxSteps; ++k) {
+    const Seen seen = sights.see(X_WC);
+    const Pose next = step(X_WC, seen, fit_sweeps(seen).reflector_in_lamps());
+    const double change = (next.matrix() - X_WC.matrix()).cwiseAbs().maxCoeff();
+    X_WC = next;
+    if (change < kSettled) return X_WC;
+  }
+  throw WorkError("workplane: the fit of camera pose and tool offsets does not converge");
+}
+
+bool reject_outliers(SightSet& sights, const Pose& X_WC) {
+  bool any = sights.reject_unseen(X_WC);
+  const Seen seen = sights.see(X_WC);
+  const SweepFits fits = fit_sweeps(seen);
+  any |= sights.reject_beyond(seen, distances(seen, fits.reflector_in_lamps()),
+                              "vision and tracker differ");
+  any |= sights.reject_beyond(fits.seen, fits.reflector.residuals,
+                              "the reflector leaves the circle of its joint-3 sweep");
+  any |= sights.reject_beyond(fits.seen, fits.lamps.residuals,
+                              "the lamps leave the circle of their joint-3 sweep");
+  return any;
+}
+
+ToolOffsets tool_offsets(const Seen& seen, const SweepFits& fits) {
+  std::vector<double> heights;
+  for (const SeenSight& s : seen) heights.push_back(s.sight->p_reflector_B.z());
+  const double height = mean(heights);
+  const auto n = static_cast<double>(heights.size());
+  ToolOffsets tool;
+  tool.p_TP = -fits.lamps.offset;
+  tool.p_TS << fits.reflector.offset, height;
+  tool.covariance.diagonal() << fits.lamps.variance, fits.lamps.variance, fits.reflector.variance,
+      fits.reflector.variance, 0.0;
+  for (const double h : heights) {
+    tool.covariance(4, 4) += (h - height) * (h - height) / (n * (n - 1.0));
+  }
+  return tool;
+}
+
+void require_small(double rms_m, const Seen& seen) {
+  Eigen::Matrix2Xd p(2, seen.size());
+  for (std::size_t i = 0; i < seen.size(); ++i) p.col(i) = seen[i].p_reflector();
+  const double field = std::sqrt((p.colwise() - p.rowwise().mean()).colwise().squaredNorm().mean());
+  if (rms_m <= kMaxRmsShare * field) return;
+  throw InputError(fmt::format(
+      "workplane: vision and tracker differ by {:.2f} mm rms over a field of {:.0f} mm; "
+      "they do not belong together: check ids, times and the camera file",
+      rms_m / kMillimetre, field / kMillimetre));
+}
+
+/// The fit without its covariance, and the normal equations that give it.
+struct Settled {
+  WorkplaneFit fit;
+  NormalEquations sum;
+};
+
+Settled fit_in_rounds(SightSet& sights, const Pose& start, const Step& step) {
+  Pose X_WC = settle(sights, start, step);
+  for (int round = 0; round < kMaxRounds && reject_outliers(sights, X_WC); ++round) {
+    sights.require_few_rejected();
+    X_WC = settle(sights, X_WC, step);
+  }
+  const Seen seen = sights.see(X_WC);
+  const SweepFits fits = fit_sweeps(seen);
+  Settled settled;
+  settled.fit.X_WC = X_WC;
+  settled.fit.tool = tool_offsets(seen, fits);
+  settled.fit.rms = rms(distances(seen, fits.reflector_in_lamps()));
+  settled.fit.n_used = seen.size();
+  settled.fit.rejected = sights.rejected();
+  settled.sum = linearise(seen, fits.reflector_in_lamps());
+  require_small(settled.fit.rms, seen);
+  return settled;
+}
+
+/// Covariance of the camera pose when place and turn in the plane come from the pairs and height
+/// and tilt from the board, whose error the pairs then partly make good.
+Matrix6d board_covariance(const NormalEquations& sum, const Eigen::Matrix3d& board) {
+  const std::array<int, 3> inner{0, 1, 5}, outer{2, 3, 4};
+  const Eigen::Matrix3d inverse = Eigen::Matrix3d(sum.information(inner, inner)).inverse();
+  const Eigen::Matrix3d G = inverse * Eigen::Matrix3d(sum.information(inner, outer));
+  Matrix6d covariance;
+  covariance(inner, inner) = sum.square / (2.0 * sum.n - 3.0) * inverse + G * board * G.transpose();
+  covariance(inner, outer) = -G * board;
+  covariance(outer, inner) = (-G * board).transpose();
+  covariance(outer, outer) = board;
+  return covariance;
+}
+
+/// Covariance of (height, rotation about x_W, about y_W) of the mean of several views.
+Eigen::Matrix3d scatter_of_views(const Pose& X_WC, const std::vector<CameraPlane>& planes) {
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  if (planes.size() < 2) return covariance;
+  const auto n = static_cast<double>(planes.size());
+  for (const CameraPlane& plane : planes) {
+    const Eigen::Vector3d normal_W = X_WC.linear() * plane.normal_C;
+    const Eigen::Vector3d change(plane.distance - X_WC.translation().z(), normal_W.y(),
+                                 -normal_W.x());
+    covariance += change * change.transpose() / (n * (n - 1.0));
+  }
+  return covariance;
+}
+
+}  // namespace
+
+WorkplaneFit fit_workplane_to_pairs(const CameraModel& camera,
+                                    const std::vector<ToolSight>& sights) {
+  SightSet set(camera, sights);
+  auto [fit, sum] = fit_in_rounds(set, start_from_pairs(set, camera), step_to_pairs);
+  fit.absorbed = 6;
+  fit.covariance = sum.square / (2.0 * sum.n - 6.0) * sum.information.inverse();
+  return fit;
+}
+
+WorkplaneFit fit_workplane_to_board(const CameraModel& camera, const std::vector<Pose>& X_CG,
+                                    const std::vector<ToolSight>& sights) {
+  std::vector<CameraPlane> planes;
+  for (const Pose& pose : X_CG) planes.push_back(board_plane(pose));
+  const CameraPlane plane = mean_plane(planes);
+  SightSet set(camera, sights);
+  start_from_pairs(set, camera);  // refuses mirrored and collinear positions
+  auto [fit, sum] = fit_in_rounds(set, pose_over_plane(plane), step_in_plane);
+  fit.absorbed = 3;
+  fit.covariance = board_covariance(sum, scatter_of_views(fit.X_WC, planes));
+  return fit;
+}
+
+}  // namespace planar

@@ -1,0 +1,271 @@
+#include "planar_servo/cameras/aravis/aravis_camera.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <exception>
+#include <future>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <utility>
+
+#include "planar_servo/cameras/aravis/aravis_link.h"
+#include "planar_servo/cameras/aravis/frame_mailbox.h"
+#include "planar_servo/core/clock.h"
+#include "planar_servo/core/error.h"
+
+namespace planar {
+namespace {
+
+// The camera's faults must stop the arm within 3 frame periods or 100 ms, whichever is longer; the
+// rest is for those who ask and for the drives' link.
+constexpr double kAgeLimitPeriods = 2.25;
+constexpr double kAgeLimit_s = 0.070;
+
+constexpr double kStartTime_s = 0.5;  ///< a stream needs as long until its first frame
+constexpr double kSilence_s = 3.0;    ///< without a good frame the camera is opened again
+constexpr double kPollPeriod_s = 0.005;
+constexpr double kLateness_s = 0.5;    ///< a frame as late is lost, and the stream begins anew
+constexpr double kFirstPause_s = 0.1;  ///< between two attempts to open a lost camera
+constexpr double kLongestPause_s = 2.0;
+constexpr double kOrderTime_s = 5.0;  ///< for the thread to come round and the camera to answer
+constexpr int kFrameBlocks = 6;       ///< two in the camera's hands, two compared, two to spare
+
+/// What a caller wants the camera's thread to set, and how it learns the outcome.
+struct ExposureOrder {
+  CameraExposure exposure;
+  std::promise<void> done;
+};
+
+AravisSettings checked(const AravisSettings& settings) {
+  require_settings(settings);
+  return settings;
+}
+
+}  // namespace
+
+struct AravisCamera::Impl {
+  explicit Impl(const AravisSettings& wanted)
+      : settings(checked(wanted)),
+        format(pixel_format_named(settings.pixel_format)),
+        memory(kFrameBlocks, bytes_of(format, static_cast<std::size_t>(settings.sensor_px.area()))),
+        mailbox({{}, settings.sensor_px},
+                std::max(kAgeLimitPeriods / settings.frame_rate_hz, kAgeLimit_s)) {
+    open();
+    thread = std::thread([this] { run(); });
+  }
+
+  ~Impl() {
+    stop = true;
+    mailbox.wake();
+    thread.join();
+  }
+
+  void open() {
+    link = std::make_unique<AravisLink>(settings, memory);
+    start(mailbox.region());
+  }
+
+  void start(const cv::Rect& region_px) {
+    mailbox.excuse(kStartTime_s);
+    asked_px = region_px;
+    link->start(region_px);
+    mailbox.excuse(kStartTime_s);
+  }
+
+  void run() {
+    double pause_s = kFirstPause_s;
+    while (!stop) {
+      try {
+        if (!link) {
+          unanswered_s.reset();
+          open();
+          spdlog::info("the camera is back");
+          mailbox.find();
+          mailbox.excuse(kStartTime_s);
+          pause_s = kFirstPause_s;
+        }
+        grab();
+      } catch (const std::exception& error) {
+        if (!mailbox.fault() || link) spdlog::warn("the camera is lost: {}", error.what());
+        mailbox.lose(fmt::format("the camera is lost: {}", error.what()));
+        link.reset();
+        rest(pause_s);
+        pause_s = std::min(2.0 * pause_s, kLongestPause_s);
+      }
+    }
+    link.reset();
+  }
+
+  void rest(double duration_s) {
+    const double until_s = clock.now_s() + duration_s;
+    while (!stop && clock.now_s() < until_s) clock.sleep_for_s(kPollPeriod_s);
+  }
+
+  /// Grabs until stop or until the connection fails.
+  void grab() {
+    while (!stop) {
+      if (!unanswered_s) {
+        follow_exposure();
+        follow_region();
+      }
+      if (settings.trigger == CameraTrigger::kSoftware)
+        grab_by_command();
+      else
+        grab_unasked();
+      if (link->lost()) throw WorkError("it does not answer");
+      if (mailbox.age_s() > kSilence_s)
+        throw WorkError(fmt::format("it sent no good frame for {:.0f} s", kSilence_s));
+    }
+  }
+
+  void follow_exposure() {
+    std::unique_lock<std::mutex> lock(order_mutex);
+    auto order = std::exchange(exposure_order, std::nullopt);
+    lock.unlock();
+    if (!order) return;
+    try {
+      link->expose(order->exposure);
+    } catch (const std::exception&) {
+      order->done.set_exception(std::current_exception());
+      link->expose({settings.exposure_s, settings.gain_db});  // refused as well, the camera is lost
+      return;
+    }
+    settings.exposure_s = order->exposure.time_s;
+    settings.gain_db = order->exposure.gain_db;
+    order->done.set_value();
+  }
+
+  std::future<void> order(const CameraExposure& exposure) {
+    const std::lock_guard<std::mutex> lock(order_mutex);
+    exposure_order.emplace(ExposureOrder{exposure, {}});
+    return exposure_order->done.get_future();
+  }
+
+  void withdraw_order() {
+    const std::lock_guard<std::mutex> lock(order_mutex);
+    exposure_order.reset();
+  }
+
+  void follow_region() {
+    const cv::Rect region_px = mailbox.region();
+    if (region_px == asked_px) return;
+    if (region_px.size() != asked_px.size()) {
+      start(region_px);
+    } else {
+      link->move(region_px);
+      asked_px = region_px;
+    }
+  }
+
+  /// What holds frames back, a queue in the camera say, ends with the stream.
+  void grab_unasked() {
+    const auto arrival = link->receive(kPollPeriod_s);
+    take(arrival, std::nullopt);
+    if (arrival && arrival->late_s > kLateness_s) link->start(asked_px);
+  }
+
+  /// A frame that is late must not pass for the next trigger's: each trigger waits for its own.
+  void grab_by_command() {
+    if (!unanswered_s && !trigger()) return;
+    const auto arrival = link->receive(kPollPeriod_s);
+    if (arrival) {
+      take(arrival, std::exchange(unanswered_s, std::nullopt));
+    } else if (clock.now_s() > *unanswered_s + settings.exposure_s + kLateness_s) {
+      unanswered_s.reset();
+      mailbox.note_bad(FrameStatus::kTimeout);
+      link->start(asked_px);  // the frame that is lost cannot come in a new stream
+    }
+  }
+
+  bool trigger() {
+    mailbox.sleep_until(next_trigger_s, asked_px);
+    if (stop || mailbox.region() != asked_px) return false;
+    unanswered_s = clock.now_s();
+    next_trigger_s = *unanswered_s + 1.0 / settings.frame_rate_hz;
+    link->trigger();
+    return true;
+  }
+
+  /// `began_s`: when the exposure began, where that is known.
+  void take(const std::optional<AravisLink::Arrival>& arrival, std::optional<double> began_s) {
+    if (!arrival) return;
+    if (!arrival->complete || arrival->repeated) {
+      mailbox.note_bad(arrival->complete ? FrameStatus::kFrozen : FrameStatus::kIncomplete);
+      return;
+    }
+    const double t_s = began_s.value_or(arrival->due_s - settings.exposure_s);
+    const cv::Rect& region_px = arrival->region_px;
+    if ((region_px & asked_px) != asked_px) {  // from before the region moved
+      mailbox.note_good(t_s, {});
+      return;
+    }
+    if (!mailbox.note_good(t_s, asked_px)) return;
+    mailbox.deliver({unpack(format, arrival->data, region_px.size()), region_px, t_s, arrival->id});
+  }
+
+  AravisSettings settings;
+  PixelFormat format;
+  FrameMemory memory;
+  FrameMailbox mailbox;
+  SteadyClock clock;
+  std::unique_ptr<AravisLink> link;
+  cv::Rect asked_px;  ///< the region as it was asked for when it was last set
+  double next_trigger_s{0.0};
+  std::optional<double> unanswered_s;  ///< when the trigger was sent whose frame has not come
+  std::mutex order_mutex;
+  std::optional<ExposureOrder> exposure_order;
+  std::atomic<bool> stop{false};
+  std::thread thread;
+};
+
+AravisCamera::AravisCamera(const AravisSettings& settings)
+    : exposure_{settings.exposure_s, settings.gain_db}, impl_(std::make_unique<Impl>(settings)) {}
+AravisCamera::~AravisCamera() = default;
+
+cv::Size AravisCamera::sensor_size_px() const {
+  return impl_->settings.sensor_px;
+}
+
+void AravisCamera::set_region(const cv::Rect& region_px) {
+  require_region(region_px, sensor_size_px());
+  const bool restarts = region_px.size() != impl_->mailbox.region().size();
+  impl_->mailbox.ask_region(region_px);
+  if (restarts) next_frame();  // whoever moves next must find the camera watched again
+}
+
+FrameResult AravisCamera::next_frame() {
+  return impl_->mailbox.next(impl_->settings.timeout_s);
+}
+
+FrameResult AravisCamera::following_frame() {
+  return impl_->mailbox.following(impl_->settings.timeout_s);
+}
+
+std::optional<std::string> AravisCamera::fault() const {
+  return impl_->mailbox.fault();
+}
+
+FrameCounts AravisCamera::counts() const {
+  return impl_->mailbox.counts();
+}
+
+void AravisCamera::set_exposure(const CameraExposure& exposure) {
+  require_exposure(exposure);
+  const double frame_rate_hz = impl_->settings.frame_rate_hz;
+  if (exposure.time_s * frame_rate_hz >= 1.0)
+    throw InputError(exposure_too_long(exposure.time_s, frame_rate_hz));
+  std::future<void> done = impl_->order(exposure);
+  if (done.wait_for(std::chrono::duration<double>(kOrderTime_s)) != std::future_status::ready) {
+    impl_->withdraw_order();
+    throw WorkError("the camera did not take the exposure: it does not answer");
+  }
+  done.get();
+  exposure_ = exposure;
+}
+
+}  // namespace planar

@@ -1,0 +1,44 @@
+#include "planar_servo/cameras/aravis/aravis_open.h"
+
+#include <fmt/format.h>
+
+#include "planar_servo/cameras/aravis/camera_absent.h"
+#include "planar_servo/cameras/aravis/camera_path.h"
+
+namespace planar {
+
+GObjectPtr<ArvCamera> open_gige(const std::string& address) {
+  const std::string local = local_address_towards(address);
+  const GObjectPtr<GInetAddress> ours(g_inet_address_new_from_string(local.c_str()));
+  const GObjectPtr<GInetAddress> theirs(g_inet_address_new_from_string(address.c_str()));
+  const std::string what = "no GigE camera answers at " + address;
+  try {
+    const GObjectPtr<ArvDevice> device(
+        ask(what, [&](GError** e) { return arv_gv_device_new(ours.get(), theirs.get(), e); }));
+    return GObjectPtr<ArvCamera>(
+        ask(what, [&](GError** e) { return arv_camera_new_with_device(device.get(), e); }));
+  } catch (const WorkError& error) {
+    throw CameraAbsent(error.what());
+  }
+}
+
+GObjectPtr<ArvCamera> open_usb(const std::string& serial) {
+  for (const char* other : {"GigEVision", "Fake"}) arv_disable_interface(other);
+  arv_update_device_list();
+  std::string present;
+  for (unsigned int i = 0; i < arv_get_n_devices(); ++i) {
+    const std::string found = arv_get_device_serial_nbr(i);
+    present += (present.empty() ? "" : ", ") + found;
+    if (!serial.empty() && found != serial) continue;
+    const char* device = arv_get_device_id(i);
+    return GObjectPtr<ArvCamera>(ask("the USB camera " + found + " does not open",
+                                     [&](GError** e) { return arv_camera_new(device, e); }));
+  }
+  throw CameraAbsent(
+      fmt::format("no USB camera{} is there ({}); check its cable and, with "
+                  "planar-doctor, the permission to use it",
+                  serial.empty() ? "" : " with the serial number " + serial,
+                  present.empty() ? "none at all" : "there are: " + present));
+}
+
+}  // namespace planar

@@ -1,0 +1,16 @@
+#include "planar_servo/core/clock.h"
+
+#include <chrono>
+#include <thread>
+
+namespace planar {
+
+double SteadyClock::now_s() const {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+void SteadyClock::sleep_for_s(double duration_s) {
+  std::this_thread::sleep_for(std::chrono::duration<double>(duration_s));
+}
+
+}  // namespace planar

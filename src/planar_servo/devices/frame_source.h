@@ -1,0 +1,81 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "planar_servo/devices/frame.h"
+
+namespace planar {
+
+enum class FrameStatus {
+  kOk,
+  kTimeout,     ///< no frame came in time
+  kIncomplete,  ///< frames came in time, but parts of them were missing
+  kFrozen,      ///< frames came, but all of them repeated one picture
+  kLost,        ///< the camera is gone; it is being looked for
+};
+
+/// As logs have it: "ok", "no_frame", "incomplete_frame", "frozen_frame", "camera_lost".
+const char* name(FrameStatus status);
+
+struct FrameResult {
+  FrameStatus status{FrameStatus::kTimeout};
+  Frame frame;  ///< valid only when status is kOk
+};
+
+/// Frames since the camera was opened, whether anybody asked for them or not.
+struct FrameCounts {
+  std::uint64_t complete{0};
+  std::uint64_t incomplete{0};  ///< never measured
+  std::uint64_t frozen{0};      ///< never measured
+  std::uint64_t reopened{0};    ///< how often the camera came back after it was lost
+};
+
+/// "412 whole frames; left out: 3 with parts missing, 2 repeated; the camera was lost and found 1
+/// time"
+std::string describe(const FrameCounts& counts);
+
+struct CameraExposure {
+  double time_s{0.0};
+  double gain_db{0.0};
+};
+
+/// A camera: "the next frame, its time, or why not".
+class FrameSource {
+ public:
+  virtual ~FrameSource() = default;
+
+  virtual cv::Size sensor_size_px() const = 0;
+
+  /// Restricts the following frames to a region of the sensor. Throws std::invalid_argument when
+  /// the region is empty or leaves the sensor.
+  virtual void set_region(const cv::Rect& region_px) = 0;
+
+  /// Waits for a whole frame of the region whose exposure begins after this call.
+  virtual FrameResult next_frame() = 0;
+
+  /// The frame after the one that was handed over last, which may be there already: of a scene that
+  /// has stood still since. After set_region() as next_frame().
+  virtual FrameResult following_frame() { return next_frame(); }
+
+  /// What is wrong with the camera now, in words; empty while its frames come as they should.
+  /// Answers at once: it is asked every few milliseconds while the arm moves.
+  virtual std::optional<std::string> fault() const = 0;
+
+  virtual FrameCounts counts() const = 0;
+
+  virtual CameraExposure exposure() const = 0;
+
+  /// From the next frame asked for on; may take a while. Throws InputError unless the time is
+  /// finite and positive, WorkError when the camera refuses; the exposure is as before then.
+  virtual void set_exposure(const CameraExposure& exposure) = 0;
+};
+
+/// Throws InputError unless the time is finite and positive and the gain finite.
+void require_exposure(const CameraExposure& exposure);
+
+/// Throws std::invalid_argument unless the region lies on the sensor and is not empty.
+void require_region(const cv::Rect& region_px, const cv::Size& sensor_px);
+
+}  // namespace planar

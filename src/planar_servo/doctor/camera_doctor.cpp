@@ -1,0 +1,136 @@
+#include "planar_servo/doctor/camera_doctor.h"
+
+#include <fmt/format.h>
+
+#include <optional>
+
+#include "planar_servo/cameras/aravis/camera_inspection.h"
+#include "planar_servo/cameras/aravis/camera_path.h"
+#include "planar_servo/core/error.h"
+
+namespace planar {
+namespace {
+
+using Verdict = Finding::Verdict;
+
+constexpr double kGrab_s = 2.0;
+constexpr double kLeastRateShare = 0.9;  ///< of the frames that the file asks for
+constexpr double kMegabyte = 1e6;
+
+/// Of a GigE packet: headers of IP, UDP and GVSP within its size; frame, preamble and gap of
+/// Ethernet around it, bytes.
+constexpr double kPacketHeaders = 20 + 8 + 8, kPacketFrame = 14 + 4 + 8 + 12;
+/// Of 5 Gbit/s about 3.2 carry data [USB 3.0 specification].
+constexpr double kUsbShare = 0.64;
+
+std::optional<double> capacity_bytes_s(const CameraInspection& seen, const CameraPath& path) {
+  if (!path.speed_bit_s) return std::nullopt;
+  const double bytes_s = *path.speed_bit_s / 8.0;
+  if (seen.packet_size == 0) return kUsbShare * bytes_s;
+  return bytes_s * (seen.packet_size - kPacketHeaders) / (seen.packet_size + kPacketFrame);
+}
+
+Finding absent(const AravisSettings& settings, const std::string& refusal) {
+  const std::string remedy =
+      settings.address.empty()
+          ? "lsusb -t shows what is plugged in; see that the camera has its cable and power"
+          : fmt::format(
+                "ping {0}; where nothing answers, see that the camera has power and that this "
+                "machine has an address in its network (ip route get {0})",
+                settings.address);
+  return {Verdict::kFaulty, "camera", refusal, remedy};
+}
+
+std::optional<CameraPath> path_of(const AravisSettings& settings) {
+  if (settings.address.empty()) return find_usb_path(settings.id);
+  return find_network_path(settings.address);
+}
+
+}  // namespace
+
+std::vector<Finding> examine_camera(const CameraSettings& camera, const AravisSettings& settings) {
+  try {
+    const auto path = path_of(settings);
+    if (path && !path->permitted)
+      return {{Verdict::kFaulty, "camera", path->port + " may not be opened",
+               "sudo cmake --install build/release && sudo udevadm control --reload && sudo "
+               "udevadm trigger"}};
+    const CameraInspection seen = inspect_camera(settings, kGrab_s);
+    if (seen.absent) return {absent(settings, seen.refusal)};
+    if (!seen.refusal.empty())
+      return {
+          {Verdict::kFaulty, "camera", seen.refusal,
+           "correct the settings of `camera` in the cell file to what this camera is and can do"}};
+    const std::string port = path ? " over " + path->port : "";
+    std::vector<Finding> findings{
+        {Verdict::kWell, "camera",
+         settings.address.empty() ? "answers" + port : "answers at " + settings.address + port}};
+    const CameraPath known = path.value_or(CameraPath{});
+    for (auto&& judged : {judge_packets(seen, known), judge_bandwidth(camera, seen, known)})
+      findings.insert(findings.end(), judged.begin(), judged.end());
+    findings.push_back(judge_frames(camera, seen, known));
+    return findings;
+  } catch (const InputError& error) {
+    return {{Verdict::kFaulty, "camera", error.what(), "correct the cell file"}};
+  } catch (const WorkError& error) {
+    return {absent(settings, error.what())};
+  }
+}
+
+std::vector<Finding> judge_packets(const CameraInspection& seen, const CameraPath& path) {
+  if (seen.packet_size == 0 || !path.mtu_bytes) return {};
+  const std::string what =
+      fmt::format("packets of {} bytes; {} takes {}", seen.packet_size, path.port, *path.mtu_bytes);
+  if (seen.packet_size <= *path.mtu_bytes) return {{Verdict::kWell, "packets", what}};
+  return {{Verdict::kFaulty, "packets", what,
+           fmt::format("sudo ip link set dev {} mtu {}, or camera.packet_size: {}", path.port,
+                       seen.packet_size, *path.mtu_bytes)}};
+}
+
+std::vector<Finding> judge_bandwidth(const CameraSettings& camera, const CameraInspection& seen,
+                                     const CameraPath& path) {
+  const auto capacity = capacity_bytes_s(seen, path);
+  if (!capacity) return {};
+  const double full = static_cast<double>(seen.frame_bytes) * camera.frame_rate_hz;
+  const double side_px = camera.follow_region_px;
+  const double region = full * side_px * side_px / camera.width_px / camera.height_px;
+  const std::string what = fmt::format(
+      "full frames at {:.4g} Hz are {:.1f} MB/s, the region's {:.1f} MB/s; {} carries {:.0f} MB/s",
+      camera.frame_rate_hz, full / kMegabyte, region / kMegabyte, path.port, *capacity / kMegabyte);
+  if (full <= *capacity) return {{Verdict::kWell, "bandwidth", what}};
+  const double possible_hz = camera.frame_rate_hz * *capacity / full;
+  return {{region <= *capacity ? Verdict::kDoubtful : Verdict::kFaulty, "bandwidth", what,
+           fmt::format("camera.frame_rate_hz of at most {:.3g}, or a faster link", possible_hz)}};
+}
+
+Finding judge_frames(const CameraSettings& camera, const CameraInspection& seen,
+                     const CameraPath& path) {
+  const double rate_hz = seen.complete / seen.duration_s;
+  const std::string what =
+      fmt::format("{} whole frames in {:.0f} s, {} with parts missing, {} without memory",
+                  seen.complete, seen.duration_s, seen.incomplete, seen.underruns);
+  const auto finding = [&](Verdict verdict, const std::string& remedy) {
+    return Finding{verdict, "frames", what, remedy};
+  };
+  if (seen.complete == 0 && seen.incomplete == 0)
+    return finding(Verdict::kFaulty, camera.connection.trigger == "hardware"
+                                         ? "see that the trigger line pulses"
+                                         : "give the camera power anew");
+  if (seen.incomplete > 0)
+    return finding(seen.complete == 0 ? Verdict::kFaulty : Verdict::kDoubtful,
+                   seen.packet_size == 0
+                       ? "plug the camera into a socket of its own, with a shorter cable"
+                       : fmt::format("sudo sysctl -w net.core.rmem_max=33554432; sudo ethtool -G "
+                                     "{} rx 4096",
+                                     path.port));
+  if (seen.underruns > 0)
+    return finding(Verdict::kDoubtful,
+                   "end what keeps the processors busy, or lower camera.frame_rate_hz");
+  if (rate_hz < kLeastRateShare * camera.frame_rate_hz)
+    return finding(Verdict::kDoubtful,
+                   fmt::format("camera.frame_rate_hz of at most {:.3g}, where the file has {:.4g}",
+                               rate_hz, camera.frame_rate_hz));
+  return finding(Verdict::kWell, "");
+}
+
+}  // namespace planar

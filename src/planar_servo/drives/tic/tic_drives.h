@@ -1,0 +1,105 @@
+#pragma once
+
+#include <array>
+#include <condition_variable>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "planar_servo/devices/drive_group.h"
+#include "planar_servo/drives/tic/tic_bus.h"
+
+namespace planar {
+
+struct TicSettings {
+  std::string serial;
+  /// A drive that hears nothing for so long stops by itself. Half of it is what a transfer may
+  /// take.
+  double command_timeout_s{0.25};
+};
+
+/// Three Pololu Tics on USB, told apart by their serial numbers. What a drive needs at every start
+/// is set and read back when it is opened: its command timeout, and that it halts and holds when
+/// that passes. What could make it move wrongly (another control mode, no safe start, firmware that
+/// cannot home) is refused.
+///
+/// The command timeout is always on. While a drive moves only status() feeds it, so that it stops
+/// when its caller does; at rest a thread of this class does.
+///
+/// Destruction halts what moves, and leaves a drive that knows its position holding it, so that the
+/// next program need not home it.
+class TicDrives final : public DriveGroup {
+ public:
+  /// Throws DriveError naming every drive that cannot be used, with the remedy, and
+  /// std::invalid_argument when two joints name the same drive. Moves and switches nothing on.
+  explicit TicDrives(const std::array<TicSettings, 3>& settings);
+  ~TicDrives() override;
+  TicDrives(const TicDrives&) = delete;
+  TicDrives& operator=(const TicDrives&) = delete;
+
+  /// A drive that was stopped does not take up its old move again. Throws DriveError for a drive
+  /// out of touch; a drive that does not switch on says why in its status.
+  void energize() override;
+  /// Throws InputError for limits that no Tic can keep, DriveError when a drive does not take them.
+  void set_limits(const std::array<DriveLimits, 3>& limits) override;
+  void set_targets(const std::array<std::int32_t, 3>& targets_pulses) override;
+  void halt() override;
+  std::array<DriveStatus, 3> status() override;
+  /// Throws DriveError when the drive has no pin for the switch, or does not begin.
+  void start_homing(int joint, HomeDirection direction) override;
+  void set_position(int joint, std::int32_t position_pulses) override;
+  void reconnect() override;
+
+ private:
+  struct Joint {
+    TicSettings settings;
+    std::unique_ptr<TicPort> port;
+    std::string error{};  ///< of its last transfer; it is out of touch then
+    std::optional<tic::StatusBlock> last{};
+    std::optional<std::int32_t> goal{};  ///< where it was sent and has not been seen yet
+    bool may_move{true};
+
+    bool in_touch() const { return port != nullptr && error.empty(); }
+    bool ready() const { return in_touch() && last && last->ready(); }
+  };
+  struct Request {
+    std::size_t joint;
+    tic::Command command;
+    std::uint32_t value{0};  ///< low half: the transfer's value, high half: its index
+    std::size_t bytes{0};    ///< to be read
+  };
+
+  void open(std::size_t joint);
+  /// What is wrong with the drive's firmware or settings, in words; sets what it may.
+  std::string configure(std::size_t joint);
+  std::string set_timeout(std::size_t joint, std::vector<std::uint8_t>& settings);
+  /// Does all requests at once; those to drives without a port fail. Notes what fails in `error`.
+  std::vector<TicTransfer> perform(const std::vector<Request>& requests, double timeout_s);
+  /// The same, throwing DriveError with what was to be done when one fails.
+  void require(const std::vector<Request>& requests, const std::string& what);
+  void read_status();
+  void take_status(Joint& joint, const TicTransfer& transfer);
+  /// Polls until it holds; false when it has not after a while.
+  template <typename Condition>
+  bool read_until(const Condition& holds);
+  /// In words what could not be halted.
+  std::string halt_what_moves();
+  void feed_those_at_rest();
+  void park();
+  std::string name(std::size_t joint) const;
+
+  TicBus bus_;
+  std::array<Joint, 3> joints_;
+  double transfer_timeout_s_{0.0};
+  double feed_period_s_{0.0};
+  std::mutex mutex_;
+  std::condition_variable wake_;
+  bool ending_{false};
+  std::thread feeder_;
+};
+
+}  // namespace planar

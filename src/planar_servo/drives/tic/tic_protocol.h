@@ -1,0 +1,113 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "planar_servo/devices/pulse_drive.h"
+
+namespace planar {
+
+/// Requests, settings and units of the Pololu Tic over USB [Tic user's guide, 5 to 8 and 11].
+namespace tic {
+
+constexpr std::uint16_t kVendor = 0x1ffb;
+
+enum class Command : std::uint8_t {
+  kReinitialize = 0x10,
+  kSetSetting = 0x13,
+  kExitSafeStart = 0x83,
+  kEnergize = 0x85,
+  kHaltAndHold = 0x89,
+  kClearDriverError = 0x8a,
+  kResetCommandTimeout = 0x8c,
+  kEnterSafeStart = 0x8f,
+  kGoHome = 0x97,
+  kGetVariables = 0xa1,
+  kGetSettings = 0xa8,
+  kSetTargetPosition = 0xe0,
+  kSetMaxSpeed = 0xe6,
+  kSetMaxDeceleration = 0xe9,
+  kSetMaxAcceleration = 0xea,
+  kHaltAndSetPosition = 0xec,
+};
+
+/// Offsets of settings, which survive a power cycle.
+enum class Setting : std::uint8_t {
+  kControlMode = 0x01,
+  kDisableSafeStart = 0x03,
+  kCommandTimeoutMs = 0x09,  ///< two bytes
+  kSoftErrorResponse = 0x53,
+  kForwardLimitPins = 0x5f,
+  kReverseLimitPins = 0x60,
+};
+
+constexpr std::uint8_t kControlModeUsb = 0;
+constexpr std::uint8_t kResponseHaltAndHold = 1;
+constexpr std::uint16_t kOldestFirmware = 0x0106;  ///< the first that can search its home switch
+constexpr double kMaxSpeed = 50e3;                 ///< pulses/s
+
+/// As the drive has them: pulses per 10 000 s, pulses/s per 100 s. Throw InputError naming the
+/// bounds for what the drive cannot do; NaN is refused.
+std::uint32_t speed_units(double speed_pulses_s);
+std::uint32_t acceleration_units(double acceleration_pulses_s2);
+
+/// The settings from the first to the last one that is looked at.
+constexpr std::size_t kSettingsBytes = 0x61;
+
+/// Why a drive with this firmware and these settings cannot be used, with the remedy; empty when it
+/// can.
+std::string unfitness(std::uint16_t firmware, const std::vector<std::uint8_t>& settings);
+
+/// "Tic 36v4" and the like; empty for products that are not Tics.
+std::string product_name(std::uint16_t product_id);
+/// "1.09" of 0x0109.
+std::string firmware_name(std::uint16_t bcd);
+
+/// The first variables of a Tic, all that a servo cycle needs.
+class StatusBlock {
+ public:
+  static constexpr std::size_t kBytes = 0x35;
+  using Bytes = std::array<std::uint8_t, kBytes>;
+
+  explicit StatusBlock(const Bytes& bytes) : bytes_(bytes) {}
+
+  std::int32_t position() const { return read<std::int32_t>(0x22); }
+  bool ready() const { return bytes_[0x00] == kNormal && flag(kEnergized); }
+  bool position_certain() const { return !flag(kPositionUncertain); }
+  bool homing() const { return flag(kHoming); }
+  double supply_v() const { return read<std::uint16_t>(0x33) * 1e-3; }
+  std::uint32_t max_speed_units() const { return read<std::uint32_t>(0x16); }
+  std::uint32_t max_acceleration_units() const { return read<std::uint32_t>(0x1e); }
+
+  /// Where it turns to; where it stands unless a position was asked for.
+  std::int32_t target() const;
+  bool moving() const;
+  /// The errors that keep it from moving, and a limit switch that stands in its way.
+  std::vector<std::string> faults() const;
+  /// Those that switching on does not clear.
+  std::vector<std::string> standing_faults() const;
+  DriveStatus drive_status() const;
+
+ private:
+  enum Flag { kEnergized, kPositionUncertain, kForwardLimit, kReverseLimit, kHoming };
+  static constexpr std::uint8_t kNormal = 10;
+  static constexpr std::uint8_t kToPosition = 1;  ///< planning mode
+
+  template <typename T>
+  T read(std::size_t offset) const {
+    std::uint32_t value = 0;
+    for (std::size_t i = 0; i < sizeof(T); ++i)
+      value |= static_cast<std::uint32_t>(bytes_[offset + i]) << (8 * i);
+    return static_cast<T>(value);
+  }
+  bool flag(Flag bit) const { return (bytes_[0x01] >> bit & 1) != 0; }
+  bool limit_in_the_way() const;
+  std::vector<std::string> errors_among(unsigned bits) const;
+
+  Bytes bytes_;
+};
+
+}  // namespace tic
+}  // namespace planar

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "planar_servo/error_map/fit/map_sites.h"
+#include "planar_servo/error_map/maps/tail_basis.h"
+
+namespace planar {
+
+/// Gaussians about centres and the terms of a tail. The Gaussians are taken as k~ = L^-1 k, with
+/// K = L L^T between the centres: in b~(p) = [k~(p); q(p)] the equations stay well conditioned.
+struct SparseBasis {
+  Eigen::Matrix2Xd centers;  ///< metres
+  double width{0.0};         ///< metres
+  TailBasis tail_basis;
+  Eigen::MatrixXd factor;  ///< L
+
+  Eigen::Index size() const { return centers.cols() + tail_basis.terms(); }
+  /// [k; q] of each column of `positions`, one row each.
+  Eigen::MatrixXd plain_at_each(const Eigen::Matrix2Xd& positions) const;
+  /// b~ of each column of `positions`, one row each.
+  Eigen::MatrixXd at_each(const Eigen::Matrix2Xd& positions) const;
+  /// Weights of [k; q] that make of it what `weights` make of b~.
+  Eigen::MatrixX2d plain_weights(const Eigen::MatrixX2d& weights) const;
+};
+
+/// All that a ridge fit needs to know of its samples, so that they need not be held as a matrix.
+struct SparseStatistics {
+  Eigen::MatrixXd gram;        ///< B^T B of rows b~, lower triangle
+  Eigen::MatrixX2d projected;  ///< B^T E, metres
+  double squares{0.0};         ///< sum of |E|^2, square metres
+  double count{0.0};           ///< samples
+
+  SparseStatistics& operator+=(const SparseStatistics& other);
+  SparseStatistics& operator-=(const SparseStatistics& other);
+};
+
+/// Of the named sites. Uses several threads; the result does not depend on how many there are.
+SparseStatistics statistics_of(const SparseBasis& basis, const MapSites& sites,
+                               const std::vector<Eigen::Index>& which);
+
+struct RidgeFit {
+  Eigen::MatrixXd factor;        ///< lower factor of A
+  Eigen::MatrixX2d weights;      ///< of b~, metres
+  double residual_squares{0.0};  ///< sum of |r|^2, square metres
+  double freedom{0.0};           ///< trace of the hat matrix
+
+  /// Generalized cross-validation [Golub, Heath and Wahba 1979]: leave-one-out with every sample's
+  /// leverage at their mean; rms of |r|, metres.
+  double gcv_rms(double count) const;
+};
+
+/// Solves A weights = B^T E, A = B^T B + ridge I on all but the last `free` terms. Empty when A is
+/// not positive definite to working precision.
+std::optional<RidgeFit> solve_ridge(const SparseStatistics& statistics, Eigen::Index free,
+                                    double ridge);
+
+}  // namespace planar

@@ -1,0 +1,146 @@
+#include "planar_servo/error_map/judge/outliers.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "planar_servo/core/statistics.h"
+#include "planar_servo/error_map/judge/gross_outliers.h"
+
+namespace planar {
+namespace {
+
+/// With fewer sites none can be told from the rest.
+constexpr Eigen::Index kFewestToJudge = 10;
+
+/// Of each site, judged by the other kept sites: the residual's length and its standard deviation
+/// over s_f.
+struct Judgement {
+  Eigen::ArrayXd residuals;
+  Eigen::ArrayXd unit_sigmas;
+
+  Eigen::ArrayXd scaled() const { return residuals / unit_sigmas; }
+};
+
+Judgement judge(const MapSites& sites, const std::vector<Eigen::Index>& kept, const RbfFit& fit) {
+  Judgement judgement{Eigen::ArrayXd::Zero(sites.size()), Eigen::ArrayXd::Zero(sites.size())};
+  judgement.residuals(kept) = fit.left_out.residuals.colwise().norm().transpose().array();
+  judgement.unit_sigmas(kept) = fit.left_out.unit_sigmas.array();
+  const double ridge = fit.map.parameters().ridge;
+  for (Eigen::Index i = 0; i < sites.size(); ++i) {
+    if (std::binary_search(kept.begin(), kept.end(), i)) continue;
+    const Eigen::Vector2d p = sites.positions.col(i);
+    judgement.residuals[i] =
+        (sites.errors.col(i) - fit.map.predict_error(p, sites.direction(i))).norm();
+    judgement.unit_sigmas[i] =
+        std::hypot(fit.map.unit_sigma(p, sites.direction(i)), std::sqrt(ridge / sites.counts[i]));
+  }
+  return judgement;
+}
+
+std::vector<double> of_kept(const Eigen::ArrayXd& values, const std::vector<Eigen::Index>& kept,
+                            const std::vector<Eigen::Index>& around) {
+  std::vector<double> chosen;
+  for (const Eigen::Index i : around)
+    if (std::binary_search(kept.begin(), kept.end(), i)) chosen.push_back(values[i]);
+  return chosen;
+}
+
+/// The search for the sites that the others contradict, by the first family.
+class OutlierSearch {
+ public:
+  OutlierSearch(const MapSites& sites, TunedFamily tuned, std::vector<Eigen::Index> kept,
+                Neighbours neighbours)
+      : sites_(sites),
+        neighbours_(std::move(neighbours)),
+        kept_(std::move(kept)),
+        tuned_(std::move(tuned)) {
+    rejudge();
+  }
+
+  void drop_those_that_disagree() {
+    for (int round = 1;; ++round) {
+      const Eigen::ArrayXd limits = residual_limits(kNormal);
+      for (Eigen::Index i = 0; i < sites_.size(); ++i) {
+        if (judgement_.residuals[i] > limits[i])
+          dropped_[i] = {i, judgement_.residuals[i], limits[i]};
+        else if (round <= kRoundsOfTakingBack)
+          dropped_.erase(i);
+      }
+      require_few(dropped_, sites_.size());
+      if (!follow_dropped()) return;
+    }
+  }
+
+  /// What remains tells how often residuals are long.
+  void take_back_where_tails_are_long() {
+    while (!dropped_.empty()) {
+      const double dof = tail_dof(of_kept(judgement_.scaled(), kept_, kept_));
+      const Eigen::ArrayXd limits = residual_limits(dof);
+      for (auto at = dropped_.begin(); at != dropped_.end();) {
+        Outlier& outlier = at->second;
+        outlier = {at->first, judgement_.residuals[at->first], limits[at->first]};
+        at = outlier.residual > outlier.limit ? std::next(at) : dropped_.erase(at);
+      }
+      if (!follow_dropped()) return;
+    }
+  }
+
+  const std::vector<Eigen::Index>& kept() const { return kept_; }
+  const TunedFamily& tuned() const { return tuned_; }
+  std::vector<Outlier> outliers() const { return values_of(dropped_); }
+
+ private:
+  void rejudge() { judgement_ = judge(sites_, kept_, fit_rbf(sites_.subset(kept_), tuned_)); }
+
+  /// Whether other sites are kept than before.
+  bool follow_dropped() {
+    std::vector<Eigen::Index> kept = sites_without(dropped_, sites_.size());
+    if (kept == kept_) return false;
+    kept_ = std::move(kept);
+    tuned_ = retune(sites_.subset(kept_), tuned_);
+    rejudge();
+    return true;
+  }
+
+  /// The largest residual that is kept, per site, where residuals fall off as Student's t does.
+  Eigen::ArrayXd residual_limits(double dof) const {
+    const Eigen::ArrayXd scaled = judgement_.scaled();
+    const double usual = median({scaled.begin(), scaled.end()}) / residual_length(0.5, dof);
+    Eigen::ArrayXd scales(scaled.size());
+    for (Eigen::Index i = 0; i < scaled.size(); ++i) {
+      const auto around = of_kept(scaled, kept_, neighbours_[static_cast<std::size_t>(i)]);
+      const double local = around.empty() ? 0.0 : quantile(around, kLocalShare);
+      scales[i] = std::max(usual, local / residual_length(1.0 - kLocalShare, dof));
+    }
+    return (outlier_sigmas(scaled.size(), dof) * scales * judgement_.unit_sigmas)
+        .max(kSmallestOutlier);
+  }
+
+  const MapSites& sites_;
+  Neighbours neighbours_;
+  std::vector<Eigen::Index> kept_;  ///< in order
+  TunedFamily tuned_;
+  Judgement judgement_;
+  Outliers dropped_;
+};
+
+}  // namespace
+
+RobustFit fit_without_outliers(const MapSites& sites, const std::vector<RbfFamily>& families) {
+  if (sites.size() < kFewestToJudge)
+    return {fit_rbf(sites, best_of(tune(sites, families))), sites_without({}, sites.size()), {}};
+  Neighbours neighbours = nearest_sites(sites);
+  const std::vector<Eigen::Index> start = sites_like_their_neighbours(sites, neighbours);
+  std::vector<TunedFamily> tuned = tune(sites.subset(start), families);
+  OutlierSearch search(sites, tuned.front(), start, std::move(neighbours));
+  search.drop_those_that_disagree();
+  search.take_back_where_tails_are_long();
+  const MapSites used = sites.subset(search.kept());
+  tuned.front() = search.tuned();
+  for (std::size_t i = 1; i < tuned.size() && search.kept() != start; ++i)
+    tuned[i] = retune(used, tuned[i]);
+  return {fit_rbf(used, best_of(tuned)), search.kept(), search.outliers()};
+}
+
+}  // namespace planar

@@ -1,0 +1,128 @@
+#include "planar_servo/error_map/maps/rbf_map.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "planar_servo/core/error.h"
+#include "planar_servo/core/units.h"
+
+namespace planar {
+namespace {
+
+/// Below this a pivot of the kernel matrix is mostly rounding (200 unit terms of 2e-16 each).
+constexpr double kSmallestPivotRatio = 1e-13;
+
+Eigen::MatrixXd ridged_kernel_matrix(const RbfParameters& parameters) {
+  Eigen::MatrixXd matrix;
+  kernel_matrix(parameters.kernel, squared_distances(parameters.centers), matrix);
+  matrix.diagonal().array() += parameters.ridge / parameters.counts.array();
+  return matrix;
+}
+
+BorderedSystem solvable_system(const RbfParameters& parameters) {
+  auto system = BorderedSystem::factorize(
+      ridged_kernel_matrix(parameters),
+      parameters.tail_basis.at_each(parameters.centers, parameters.directions));
+  if (system && system->pivot_ratio() >= kSmallestPivotRatio) return *std::move(system);
+  throw WorkError(fmt::format(
+      "the kernel matrix of {} samples with a width of {:.4g} mm and a ridge of {:.3g} is too ill "
+      "conditioned to be solved; use a smaller width, or let the map choose width and ridge",
+      parameters.centers.cols(), parameters.kernel.width / kMillimetre, parameters.ridge));
+}
+
+}  // namespace
+
+double signal_variance(const MapSites& sites, const Eigen::Matrix2Xd& weights, Eigen::Index terms,
+                       double ridge) {
+  const double freedom = sites.counts.sum() - static_cast<double>(terms);
+  const double scatter = ridge > 0.0 ? sites.scatter.sum() / ridge : 0.0;
+  const double sum = sites.errors.cwiseProduct(weights).sum() + scatter;
+  return std::max(0.0, sum / (2.0 * freedom));
+}
+
+RbfMap::RbfMap(RbfParameters parameters, BorderedSystem system)
+    : parameters_(std::move(parameters)),
+      centers_(parameters_.centers.transpose()),
+      weights_(parameters_.weights.transpose()),
+      system_(std::move(system)) {}
+
+RbfMap::RbfMap(const RbfParameters& parameters) : RbfMap(parameters, solvable_system(parameters)) {}
+
+Eigen::Vector2d RbfMap::error(const Eigen::VectorXd& kernel, const Eigen::VectorXd& q) const {
+  const Eigen::Vector2d sum(weights_.col(0).dot(kernel), weights_.col(1).dot(kernel));
+  return sum + parameters_.tail * q;
+}
+
+Eigen::Vector2d RbfMap::predict_error(const Eigen::Vector2d& p,
+                                      const Eigen::Vector2d& direction) const {
+  return error(kernel_at(parameters_.kernel, centers_, p), parameters_.tail_basis.at(p, direction));
+}
+
+ErrorPrediction RbfMap::predict(const Eigen::Vector2d& p, const Eigen::Vector2d& direction) const {
+  const Eigen::VectorXd kernel = kernel_at(parameters_.kernel, centers_, p);
+  const Eigen::VectorXd q = parameters_.tail_basis.at(p, direction);
+  const double sigma = parameters_.signal_sigma * unit_sigma(kernel, q);
+  return {error(kernel, q), sigma,
+          sigma <= parameters_.sigma_limit && parameters_.region.contains(p)};
+}
+
+double RbfMap::unit_sigma(const Eigen::Vector2d& p, const Eigen::Vector2d& direction) const {
+  return unit_sigma(kernel_at(parameters_.kernel, centers_, p),
+                    parameters_.tail_basis.at(p, direction));
+}
+
+double RbfMap::unit_sigma(const Eigen::VectorXd& kernel, const Eigen::VectorXd& q) const {
+  return std::sqrt(std::max(0.0, 1.0 - system_.inverse_form(kernel, q)));
+}
+
+std::optional<ToolBias> RbfMap::tool_bias() const {
+  if (!parameters_.tail_basis.with_direction) return {};
+  // B = [[a, b], [c, d]] holds R(phi) t = [[t_x, -t_y], [t_y, t_x]] (cos phi, sin phi).
+  const Eigen::Matrix2d B = parameters_.tail.rightCols<TailBasis::kDirectionTerms>();
+  const Eigen::Vector2d t(0.5 * (B(0, 0) + B(1, 1)), 0.5 * (B(1, 0) - B(0, 1)));
+  const double variance =
+      system_.tail_covariance().diagonal().tail<TailBasis::kDirectionTerms>().sum() / 4.0;
+  return ToolBias{t, parameters_.signal_sigma * std::sqrt(variance)};
+}
+
+std::optional<Eigen::Matrix2Xd> RbfMap::left_out_residuals(
+    const std::vector<Eigen::Index>& block) const {
+  const Eigen::LLT<Eigen::MatrixXd> cholesky(system_.inverse_block(block));
+  if (cholesky.info() != Eigen::Success) return {};
+  const Eigen::MatrixXd weights = parameters_.weights(Eigen::all, block).transpose();
+  return cholesky.solve(weights).transpose();
+}
+
+double RbfMap::noise_sigma() const {
+  return std::sqrt(parameters_.ridge) * parameters_.signal_sigma;
+}
+
+RbfFit fit_rbf(const MapSites& sites, const TailBasis& tail_basis, const RadialKernel& kernel,
+               double ridge) {
+  RbfParameters parameters;
+  parameters.centers = sites.positions;
+  parameters.counts = sites.counts;
+  parameters.tail_basis = tail_basis;
+  if (tail_basis.with_direction) parameters.directions = sites.directions;
+  parameters.kernel = kernel;
+  parameters.ridge = ridge;
+  parameters.region = region_around(sites.positions);
+  BorderedSystem system = solvable_system(parameters);
+  const BorderedSystem::Solution solution = system.solve(sites.errors.transpose());
+  parameters.weights = solution.weights.transpose();
+  parameters.tail = solution.tail.transpose();
+  LeaveOneOut left_out = leave_one_out(system, parameters.weights);
+
+  const Eigen::ArrayXd site_noise2 = ridge / sites.counts.array();
+  const double loneliest2 = (left_out.unit_sigmas.array().square() - site_noise2).maxCoeff();
+  parameters.signal_sigma =
+      std::sqrt(signal_variance(sites, parameters.weights, tail_basis.terms(), ridge));
+  parameters.sigma_limit = parameters.signal_sigma * std::sqrt(std::max(0.0, loneliest2));
+  return {RbfMap(std::move(parameters), std::move(system)), std::move(left_out)};
+}
+
+}  // namespace planar

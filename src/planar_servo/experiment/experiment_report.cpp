@@ -1,0 +1,172 @@
+#include "planar_servo/experiment/experiment_report.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "planar_servo/core/fixed.h"
+#include "planar_servo/core/units.h"
+#include "planar_servo/experiment/experiment_plan.h"
+#include "planar_servo/experiment/paper_figures.h"
+#include "planar_servo/report/html_page.h"
+#include "planar_servo/report/quiver_figure.h"
+#include "planar_servo/report/text_table.h"
+#include "planar_servo/run/servo_report.h"
+
+namespace planar {
+namespace {
+
+constexpr double kNanometre = 1e-3 * kMicrometre;
+
+double mean_mm(const std::vector<TargetResult>& results, TargetError error,
+               const std::string& prefix = "") {
+  return mean_error(results, error, prefix) / kMillimetre;
+}
+
+TextTable fraction_table(const std::string& title, const std::vector<ComparisonRow>& rows) {
+  TextTable table(title, {"", "ours", "the paper's chain here", "the paper"});
+  for (const ComparisonRow& row : rows)
+    table.add_row({row.label, fmt::format("{:.1f} %", 100.0 * row.ours),
+                   fmt::format("{:.1f} %", 100.0 * row.paper_chain),
+                   fmt::format("{:.1f} %", 100.0 * row.paper)});
+  return table;
+}
+
+TextTable correlation_table(const ExperimentReport& report) {
+  TextTable table("Table 1: correlation of the vision error between three runs",
+                  {"", "ours", "the paper's chain here", "the paper"});
+  for (const ComparisonRow& row : report.table1)
+    table.add_row({row.label, fmt::format("{:.4f}", row.ours),
+                   fmt::format("{:.4f}", row.paper_chain), fmt::format("{:.3f}", row.paper)});
+  return table;
+}
+
+TextTable positioning_table(const ExperimentReport& report) {
+  TextTable table(
+      "Table 7: mean true positioning error in mm, 25 targets on each circle of radius "
+      "200 mm",
+      {"circle about", "before", "paper's chain", "ours", "ours, improved by", "paper: before",
+       "paper: after"});
+  const auto row = [&](const std::string& label, double before, double paper_chain, double ours,
+                       double paper_before, double paper_after) {
+    table.add_row({label, fmt::format("{:.3f}", before), fmt::format("{:.3f}", paper_chain),
+                   fmt::format("{:.4f}", ours), fixed(100.0 * (1.0 - ours / before), 1) + " %",
+                   fmt::format("{:.3f}", paper_before), fmt::format("{:.3f}", paper_after)});
+  };
+  for (std::size_t i = 0; i < report.table7.size(); ++i) {
+    const ComparisonRow& circle = report.table7[i];
+    const std::string prefix = control_id_prefix(static_cast<int>(i) + 1);
+    row(circle.label, mean_mm(report.ours, &TargetResult::before_truth, prefix),
+        circle.paper_chain / kMillimetre, circle.ours / kMillimetre, kPaperBefore_mm[i],
+        circle.paper / kMillimetre);
+  }
+  row("all four", mean_mm(report.ours, &TargetResult::before_truth),
+      mean_mm(report.paper, &TargetResult::after_truth),
+      mean_mm(report.ours, &TargetResult::after_truth), kPaperBeforeMean_mm, kPaperAfterMean_mm);
+  return table;
+}
+
+/// Four digits of figures in a unit; what the paper does not print is left out.
+TextTable number_table(const std::string& title, const std::vector<ComparisonRow>& rows,
+                       double unit) {
+  TextTable table(title, {"", "ours", "the paper's chain here", "the paper"});
+  const auto cell = [&](double value) {
+    return std::isfinite(value) ? fmt::format("{:.4g}", value / unit) : "–";
+  };
+  for (const ComparisonRow& row : rows)
+    table.add_row({row.label, cell(row.ours), cell(row.paper_chain), cell(row.paper)});
+  return table;
+}
+
+std::vector<TextTable> accuracy_tables(const ExperimentReport& report) {
+  return {
+      correlation_table(report),
+      fraction_table("Table 2: accuracy of inverse distance weighting on circles about the base",
+                     report.table2),
+      number_table("Table 3: what the error maps were made of", report.table3, 1.0),
+      number_table("Table 4: standard deviation of three predictions in nm, the largest of 25 "
+                   "points (the paper: less than)",
+                   report.table4, kNanometre),
+      fraction_table("Table 5: accuracy of the radial basis functions on the same circles",
+                     report.table5),
+      fraction_table("Table 6: accuracy, mean of the three circles", report.table6)};
+}
+
+nlohmann::json rows_json(const std::vector<ComparisonRow>& rows, double unit) {
+  nlohmann::json json = nlohmann::json::array();
+  for (const ComparisonRow& row : rows)
+    json.push_back({{"label", row.label},
+                    {"ours", row.ours / unit},
+                    {"paper_chain", row.paper_chain / unit},
+                    {"paper", row.paper / unit}});
+  return json;
+}
+
+/// What the tables do not say.
+std::string summary_text(const ExperimentReport& report) {
+  return fmt::format(
+      "vision error at the control targets: {:.3f} mm mean by the paper's chain without a map, "
+      "{:.4f} mm by ours\n"
+      "positioning by the paper's chain without a map: {:.3f} mm mean\n"
+      "ours: {}",
+      mean_mm(report.paper_no_map, &TargetResult::vision_raw),
+      mean_mm(report.ours, &TargetResult::vision_compensated),
+      mean_mm(report.paper_no_map, &TargetResult::after_truth),
+      servo_text(figures_of(report.ours)) + prediction_text(report.prediction));
+}
+
+}  // namespace
+
+nlohmann::json experiment_json(const ExperimentReport& report) {
+  nlohmann::json json = servo_json(figures_of(report.ours));
+  json["vision_raw_mean_mm"] = mean_mm(report.paper_no_map, &TargetResult::vision_raw);
+  json["vision_after_mean_mm"] = mean_mm(report.ours, &TargetResult::vision_compensated);
+  json["paper_chain"] = servo_json(figures_of(report.paper));
+  json["paper_chain_no_map"] = servo_json(figures_of(report.paper_no_map));
+  json["table1"] = rows_json(report.table1, 1.0);
+  json["table2"] = rows_json(report.table2, 1.0);
+  json["table3"] = rows_json(report.table3, 1.0);
+  json["table4"] = rows_json(report.table4, kMillimetre);
+  json["table5"] = rows_json(report.table5, 1.0);
+  json["table6"] = rows_json(report.table6, 1.0);
+  json["table7"] = rows_json(report.table7, kMillimetre);
+  json.update(prediction_json(report.prediction));
+  return json;
+}
+
+nlohmann::json prediction_json(const PositioningPrediction& prediction) {
+  return {{"predicted_mean_mm", prediction.mean / kMillimetre},
+          {"predicted_p95_mm", prediction.p95 / kMillimetre}};
+}
+
+std::string prediction_text(const PositioningPrediction& prediction) {
+  return fmt::format("predicted without a truth: {:.4f} mm mean, {:.4f} at 95 %\n",
+                     prediction.mean / kMillimetre, prediction.p95 / kMillimetre);
+}
+
+std::string experiment_text(const ExperimentReport& report) {
+  std::string text;
+  for (const TextTable& table : accuracy_tables(report)) text += table.plain_text() + '\n';
+  return text + positioning_table(report).plain_text() + '\n' + summary_text(report);
+}
+
+std::string experiment_figure(const ExperimentReport& report) {
+  return quiver_svg({error_panel("Open loop", report.ours, &TargetResult::before_truth),
+                     error_panel("Paper's chain", report.paper, &TargetResult::after_truth),
+                     error_panel("planar-servo", report.ours, &TargetResult::after_truth)});
+}
+
+std::string experiment_page(const ExperimentReport& report, const std::string& cell_name) {
+  HtmlPage page("The paper's experiment on " + cell_name);
+  page.add_paragraph(
+      "Mean true error of the end point at 100 control targets, by the scorer of the virtual cell. "
+      "Both chains were calibrated from the same recording and saw nothing else.");
+  page.add_html(experiment_figure(report));
+  page.add_paragraph(kQuiverCaption);
+  page.add_html(positioning_table(report).html());
+  page.add_paragraph(summary_text(report));
+  for (const TextTable& table : accuracy_tables(report)) page.add_html(table.html());
+  return page.text();
+}
+
+}  // namespace planar

@@ -1,0 +1,144 @@
+#include "planar_servo/experiment/vision_chain.h"
+
+#include <cmath>
+
+#include "planar_servo/core/error.h"
+#include "planar_servo/core/units.h"
+#include "planar_servo/files/camera/camera_file.h"
+#include "planar_servo/files/map_file.h"
+#include "planar_servo/files/tables/lamp_table.h"
+#include "planar_servo/files/tool_file.h"
+#include "planar_servo/files/workplane_file.h"
+#include "planar_servo/io/atomic_file.h"
+#include "planar_servo/io/growing_file.h"
+#include "planar_servo/offline/camera/calibrate_camera.h"
+#include "planar_servo/offline/lamps/locate_lamps.h"
+#include "planar_servo/offline/map/check_error_map.h"
+#include "planar_servo/offline/map/fit_map_to_pairs.h"
+#include "planar_servo/offline/pairs/pair_tracker.h"
+
+namespace planar {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr char kProgram[] = "planar-experiment";
+
+// Widths that a hand would try, and how finely.
+constexpr double kHandWidthFrom = 20.0 * kMillimetre;
+constexpr double kHandWidthTo = 320.0 * kMillimetre;
+constexpr int kHandWidths = 25;
+
+CellSettings with_files_in(CellSettings cell, const fs::path& folder) {
+  cell.camera_model = folder / "camera.yaml";
+  cell.workplane = folder / "workplane.yaml";
+  cell.tool = folder / "tool.yaml";
+  cell.error_map = folder / "map.yaml";
+  return cell;
+}
+
+CameraCalibration make_camera(const ChainSettings& settings, const CellSettings& cell,
+                              const RecordedCell& recorded) {
+  CalibrationProblem problem = recorded.boards.problem;
+  problem.model = settings.camera_model;
+  CameraCalibration calibration = calibrate_camera(problem, recorded.boards.rejected);
+  write_camera(cell.camera_model, calibration, kProgram, recorded.boards.inputs);
+  return calibration;
+}
+
+std::vector<PairRow> make_pairs(const ChainSettings& settings, const CellSettings& cell,
+                                const RecordedCell& recorded, const CameraModel& camera,
+                                const fs::path& folder) {
+  PairTrackerRequest request;
+  request.cell = cell;
+  request.camera = camera;
+  request.lamps =
+      locate_lamps_of_recording(cell, recorded.folder, recorded.frames, settings.center);
+  write_file(folder / "lamps.csv", lamps_text(request.lamps));
+  request.frames = recorded.frames;
+  request.tracker = recorded.tracker;
+  if (settings.plane_from_board)
+    request.boards_on_plane =
+        boards_on_plane(recorded.folder, recorded.frames, camera, recorded.board);
+  const PairTrackerReport report = pair_tracker(request);
+  const WorkplaneFit& fit = report.workplane;
+  const std::vector<fs::path> inputs{cell.camera_model, folder / "lamps.csv",
+                                     recorded.folder / "tracker.csv"};
+  write_file(cell.workplane,
+             workplane_text({fit.X_WC, fit.covariance, settings.plane_from_board ? "grid" : "pairs",
+                             fit.absorbed, static_cast<int>(fit.n_used), fit.rms},
+                            kProgram, inputs));
+  write_file(cell.tool, tool_text(fit.tool, kProgram, inputs));
+  write_file(folder / "pairs.csv", pairs_text(report.pairs));
+  return read_pairs(folder / "pairs.csv");
+}
+
+/// The width that a hand finds: the one whose map is best on the test positions.
+MapResult map_by_hand(const std::vector<PairRow>& pairs) {
+  const std::vector<PairRow> judges = pairs_to_check(pairs, {"test"});
+  std::optional<MapResult> best;
+  double best_rms = 0.0;
+  for (int i = 0; i < kHandWidths; ++i) {
+    const double width =
+        kHandWidthFrom * std::pow(kHandWidthTo / kHandWidthFrom, i / (kHandWidths - 1.0));
+    try {
+      MapResult result = fit_error_map_to_pairs(pairs, {MapMethod::kHandWidth, width}).result;
+      const double rms = check_error_map(result.map, judges).compensated.rms;
+      if (best && !(rms < best_rms)) continue;
+      best_rms = rms;
+      best = std::move(result);
+    } catch (const WorkError&) {
+      break;  // wider Gaussians without a ridge are worse conditioned still
+    }
+  }
+  if (!best) throw WorkError("no width by hand gives a map of these pairs");
+  return std::move(*best);
+}
+
+}  // namespace
+
+ChainSettings our_chain(const CellSettings& cell) {
+  ChainSettings chain;
+  chain.name = "ours";
+  chain.camera_model = "auto";
+  chain.servo = cell.servo;
+  return chain;
+}
+
+ChainSettings paper_chain(const CellSettings& cell) {
+  ChainSettings chain;
+  chain.name = "paper";
+  chain.camera_model = "plumb_bob_k1";
+  chain.center = CenterMethod::kCannyKasa;
+  chain.plane_from_board = true;
+  chain.hand_width = true;
+  chain.servo = cell.servo;
+  chain.servo.law = ServoLaw::kInverse;
+  chain.servo.approach = Approach::kDirect;
+  chain.servo.frames_per_measurement = 1;
+  return chain;
+}
+
+RecordedCell read_recorded_cell(const fs::path& recording, const Board& board) {
+  return {recording, read_frames(recording), read_tracker(recording / "tracker.csv"), board,
+          find_board_views({recording}, board)};
+}
+
+CalibratedChain calibrate_chain(const ChainSettings& settings, const CellSettings& cell,
+                                const RecordedCell& recorded, const fs::path& folder) {
+  const fs::path own_folder = folder / settings.name;
+  make_folder(own_folder);
+  CalibratedChain chain;
+  chain.settings = settings;
+  chain.cell = with_files_in(cell, own_folder);
+  chain.cell.servo = settings.servo;
+  chain.camera = make_camera(settings, chain.cell, recorded);
+  chain.pairs = make_pairs(settings, chain.cell, recorded, chain.camera.camera, own_folder);
+  chain.map = settings.hand_width
+                  ? map_by_hand(chain.pairs)
+                  : fit_error_map_to_pairs(chain.pairs, {MapMethod::kAuto, 0.0}).result;
+  write_file(chain.cell.error_map, map_text(chain.map, own_folder / "pairs.csv", kProgram));
+  return chain;
+}
+
+}  // namespace planar

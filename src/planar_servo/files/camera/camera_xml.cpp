@@ -1,0 +1,78 @@
+#include "planar_servo/files/camera/camera_xml.h"
+
+#include <fmt/format.h>
+#include <visp3/core/vpXmlParserCamera.h>
+
+#include <iostream>
+#include <regex>
+
+#include "planar_servo/core/error.h"
+#include "planar_servo/io/atomic_file.h"
+
+namespace planar {
+
+namespace {
+
+/// Keeps ViSP's parser from writing on standard output, where results stand.
+class QuietOutput {
+ public:
+  QuietOutput() : buffer_(std::cout.rdbuf(nullptr)) {}
+  ~QuietOutput() { std::cout.rdbuf(buffer_); }
+  QuietOutput(const QuietOutput&) = delete;
+  QuietOutput& operator=(const QuietOutput&) = delete;
+
+ private:
+  std::streambuf* buffer_;
+};
+
+/// The name of the file's first camera, by which ViSP's parser must be asked for it.
+std::string camera_name_in(const std::filesystem::path& path) {
+  static const std::regex name_element("<name>([^<]*)</name>");
+  const std::string text = read_file(path);
+  std::smatch match;
+  return std::regex_search(text, match, name_element) ? match[1].str() : "";
+}
+
+}  // namespace
+
+CameraRecord read_camera_xml(const std::filesystem::path& path) {
+  const std::string name = camera_name_in(path);
+  for (const auto model : {vpCameraParameters::perspectiveProjWithDistortion,
+                           vpCameraParameters::perspectiveProjWithoutDistortion}) {
+    vpXmlParserCamera parser;
+    vpCameraParameters found;
+    const QuietOutput quiet;
+    if (parser.parse(found, path.string(), name, model) != 0) continue;
+    const Intrinsics k{found.get_px(), found.get_py(), found.get_u0(), found.get_v0()};
+    const bool distorted = model == vpCameraParameters::perspectiveProjWithDistortion;
+    return {distorted ? make_camera_model("visp", k, {found.get_kud(), found.get_kdu()})
+                      : make_camera_model("pinhole", k, {}),
+            static_cast<int>(parser.getWidth()), static_cast<int>(parser.getHeight())};
+  }
+  throw InputError(path.string() + ": is not a ViSP camera file with a perspective camera");
+}
+
+std::string camera_xml(const CameraRecord& record, const std::string& camera_name) {
+  const bool distorted = std::holds_alternative<VispModel>(record.camera);
+  if (!distorted && !std::holds_alternative<Pinhole>(record.camera)) {
+    throw InputError("a ViSP camera file holds the models pinhole and visp, not " +
+                     lens_model_name(record.camera) + "; write a .yaml file");
+  }
+  const Intrinsics k = intrinsics(record.camera);
+  std::string model = fmt::format(
+      "      <type>{}</type>\n      <px>{}</px>\n      <py>{}</py>\n      <u0>{}</u0>\n"
+      "      <v0>{}</v0>\n",
+      distorted ? "perspectiveProjWithDistortion" : "perspectiveProjWithoutDistortion", k.fx, k.fy,
+      k.cx, k.cy);
+  if (distorted) {
+    const auto& lens = std::get<VispModel>(record.camera);
+    model += fmt::format("      <kud>{}</kud>\n      <kdu>{}</kdu>\n", lens.kud, lens.kdu);
+  }
+  return fmt::format(
+      "<?xml version=\"1.0\"?>\n<root>\n  <camera>\n    <name>{}</name>\n"
+      "    <image_width>{}</image_width>\n    <image_height>{}</image_height>\n"
+      "    <model>\n{}    </model>\n  </camera>\n</root>\n",
+      camera_name, record.width_px, record.height_px, model);
+}
+
+}  // namespace planar

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "planar_servo/error_map/error_map.h"
+#include "planar_servo/error_map/fit_error_map.h"
+
+namespace planar {
+
+/// map.yaml: the map, from which it can be evaluated bit for bit (lengths in metres as they are
+/// held, `_m`), the figures of its fit, and the name and hash of its pairs.
+std::string map_text(const MapResult& result, const std::filesystem::path& pairs,
+                     const std::string& program);
+
+/// Throws InputError naming every fault of the file, and when its kernel matrix cannot be solved.
+ErrorMap read_map(const std::filesystem::path& path);
+
+}  // namespace planar

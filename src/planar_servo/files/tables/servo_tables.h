@@ -1,0 +1,53 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "planar_servo/servo/position_servo.h"
+
+namespace planar {
+
+// The growing tables of a servo run: the header first, then a line at a time; SI inside.
+
+/// One target's outcome, a row of results.csv. Errors are vectors from the target to the end point,
+/// base frame, metres.
+struct TargetResult {
+  std::string id;
+  Eigen::Vector2d p_d{0.0, 0.0};
+  ServoStatus status{ServoStatus::kRefused};
+  std::string reason;
+  int iterations{0};
+  double seconds{0.0};
+  std::optional<Eigen::Vector2d> before_own, after_own;      ///< by the compensated vision
+  std::optional<Eigen::Vector2d> before_truth, after_truth;  ///< where a truth watches
+  /// Vision minus truth at the last measurement, before and after compensation.
+  std::optional<Eigen::Vector2d> vision_raw, vision_compensated;
+  std::optional<double> uncertainty_m;  ///< of the last measurement, per axis
+};
+
+/// One of the errors of a result; each has three columns, its length and its components.
+struct ResultError {
+  const char* name;
+  std::optional<Eigen::Vector2d> TargetResult::*error;
+
+  std::array<std::string, 3> columns() const;
+};
+
+/// All of them, in the order of the columns.
+const std::vector<ResultError>& result_errors();
+
+std::string results_header();
+std::string result_line(const TargetResult& result);
+
+/// Throws InputError naming each bad row. A table without rows is an empty run.
+std::vector<TargetResult> read_results(const std::filesystem::path& path);
+
+std::string steps_header();
+/// One step on the way to the target `id`.
+std::string step_line(const std::string& id, const ServoStep& step);
+
+}  // namespace planar

@@ -1,0 +1,244 @@
+#include "planar_servo/io/csv_table.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include "planar_servo/core/fixed.h"
+#include "planar_servo/io/atomic_file.h"
+
+namespace planar {
+namespace {
+
+constexpr std::string_view kFormatMark = "# format: ";
+constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+
+std::string format_name(const std::string& kind) {
+  return "planar-servo/" + kind + "/1";
+}
+
+std::string_view trimmed(std::string_view text) {
+  constexpr char kBlanks[] = " \t\r";
+  const auto first = text.find_first_not_of(kBlanks);
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
+}
+
+bool starts_with(std::string_view text, std::string_view beginning) {
+  return text.substr(0, beginning.size()) == beginning;
+}
+
+std::string joined(const std::vector<std::string>& names) {
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+/// In place of the fields there.
+void split_into(std::vector<std::string_view>& fields, std::string_view line, char separator) {
+  fields.clear();
+  while (true) {
+    const std::size_t end = line.find(separator);
+    fields.push_back(trimmed(line.substr(0, end)));
+    if (end == std::string_view::npos) return;
+    line.remove_prefix(end + 1);
+  }
+}
+
+}  // namespace
+
+std::optional<double> finite_number(std::string_view text) {
+  if (starts_with(text, "+") && !starts_with(text, "+-")) text.remove_prefix(1);
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value))
+    return std::nullopt;
+  return value;
+}
+
+std::vector<std::string_view> split_fields(std::string_view line, char separator) {
+  std::vector<std::string_view> fields;
+  split_into(fields, line, separator);
+  return fields;
+}
+
+CsvTable::CsvTable(std::filesystem::path source, const std::string& kind,
+                   std::vector<std::string> required, CsvDialect dialect)
+    : source_(std::move(source)),
+      format_(format_name(kind)),
+      required_(std::move(required)),
+      dialect_(std::move(dialect)) {}
+
+bool CsvTable::take_line(std::string_view line, int line_number) {
+  if (line_number == 1 && starts_with(line, kByteOrderMark))
+    line.remove_prefix(kByteOrderMark.size());
+  line_ = trimmed(line);
+  line_number_ = line_number;
+  if (starts_with(line_, kFormatMark) && !has_header()) {
+    const std::string_view format = trimmed(std::string_view(line_).substr(kFormatMark.size()));
+    if (format != format_)
+      throw InputError(fmt::format("{}:{}: is of format '{}'; '{}' is needed here",
+                                   source_.string(), line_number, format, format_));
+  }
+  if (line_.empty() || line_[0] == '#') return false;
+  split_into(fields_, line_, dialect_.separator);
+  if (!has_header()) {
+    read_header(line_number);
+    return false;
+  }
+  if (fields_.size() != columns_.size()) {
+    add_fault(fmt::format("has {} fields; the header has {}", fields_.size(), columns_.size()));
+    return false;
+  }
+  has_rows_ = true;
+  return true;
+}
+
+void CsvTable::read_header(int line_number) {
+  std::map<std::string_view, std::string_view> ours;
+  for (const auto& [our_name, their_name] : dialect_.renamed_columns) {
+    if (std::find(fields_.begin(), fields_.end(), their_name) == fields_.end())
+      throw InputError(fmt::format("{}:{}: there is no column '{}' to be read as {}; there are {}",
+                                   source_.string(), line_number, their_name, our_name,
+                                   fmt::join(fields_, ", ")));
+    ours[their_name] = our_name;
+  }
+  std::vector<std::string> columns;
+  for (const std::string_view name : fields_) {
+    const auto renamed = ours.find(name);
+    const std::string column(renamed == ours.end() ? name : renamed->second);
+    if (std::find(columns.begin(), columns.end(), column) != columns.end())
+      throw InputError(fmt::format("{}:{}: the column '{}' stands twice in the header",
+                                   source_.string(), line_number, column));
+    columns.push_back(column);
+  }
+  std::vector<std::string> missing;
+  for (const std::string& column : required_)
+    if (std::find(columns.begin(), columns.end(), column) == columns.end())
+      missing.push_back(column);
+  if (!missing.empty()) {
+    const std::string hint =
+        columns.size() > 1 ? ""
+                           : fmt::format(" (what separates columns is '{}')", dialect_.separator);
+    throw InputError(fmt::format("{}: lacks the column{} {}; needed are {}; it has {}{}",
+                                 source_.string(), missing.size() > 1 ? "s" : "", joined(missing),
+                                 required_columns(), joined(columns), hint));
+  }
+  columns_ = std::move(columns);
+}
+
+std::string CsvTable::required_columns() const {
+  return joined(required_);
+}
+
+std::string_view CsvTable::text(std::string_view column) const {
+  const auto found = std::find(columns_.begin(), columns_.end(), column);
+  if (found == columns_.end()) return {};
+  return fields_.at(static_cast<std::size_t>(found - columns_.begin()));
+}
+
+double CsvTable::number(std::string_view column) {
+  const std::string_view field = text(column);
+  std::optional<double> value;
+  if (dialect_.decimal_comma) {
+    std::string with_point(field);
+    std::replace(with_point.begin(), with_point.end(), ',', '.');
+    value = finite_number(with_point);
+  } else {
+    value = finite_number(field);
+  }
+  if (!value) add_fault(fmt::format("{} is '{}'; a finite number is needed", column, field));
+  return value.value_or(0.0);
+}
+
+std::optional<double> CsvTable::optional_number(std::string_view column) {
+  if (text(column).empty()) return std::nullopt;
+  return number(column);
+}
+
+int CsvTable::whole_number(std::string_view column) {
+  const std::string_view field = text(column);
+  int value = 0;
+  const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value);
+  if (error == std::errc() && end == field.data() + field.size()) return value;
+  add_fault(fmt::format("{} is '{}'; a whole number is needed", column, field));
+  return 0;
+}
+
+void CsvTable::require_id_not_in(const std::set<std::string>& taken) {
+  const std::string id(text("id"));
+  if (id.empty())
+    add_fault("id is empty; every row needs one");
+  else if (taken.count(id) != 0)
+    add_fault(fmt::format("the id '{}' stands twice; ids must differ", id));
+}
+
+void CsvTable::add_fault(const std::string& message) {
+  faults_.add(fmt::format("{}:{}: {}", source_.string(), line_number_, message));
+}
+
+void CsvTable::throw_if_faulty() {
+  std::exchange(faults_, {}).throw_if_any();
+}
+
+void CsvTable::throw_if_faulty_or_empty(const std::string& remedy) {
+  throw_if_faulty();
+  if (!has_rows_) throw InputError(source_.string() + ": has no rows; " + remedy);
+}
+
+CsvFile::CsvFile(const std::filesystem::path& path, const std::string& kind,
+                 const std::vector<std::string>& required, const CsvDialect& dialect)
+    : CsvTable(path, kind, required, dialect), in_(open_file(path)) {
+  while (!has_header()) {
+    if (!next_line())
+      throw InputError(fmt::format("{}: is empty; a header line with the columns {} is needed",
+                                   path.string(), required_columns()));
+    take_line(buffer_, lines_);
+  }
+}
+
+bool CsvFile::next_row() {
+  while (next_line())
+    if (take_line(buffer_, lines_)) return true;
+  return false;
+}
+
+bool CsvFile::next_line() {
+  ++lines_;
+  if (std::getline(in_, buffer_)) return true;
+  if (in_.bad()) throw InputError(source().string() + ": cannot be read to its end");
+  return false;
+}
+
+CsvWriter::CsvWriter(const std::string& kind, const std::vector<std::string>& columns)
+    : columns_(columns.size()),
+      text_(fmt::format("{}{}\n{}\n", kFormatMark, format_name(kind), fmt::join(columns, ","))) {}
+
+CsvWriter& CsvWriter::add(const std::string& text) {
+  if (fields_++ > 0) text_ += ',';
+  text_ += text;
+  return *this;
+}
+
+CsvWriter& CsvWriter::add(double value, int decimals) {
+  return add(fixed(value, decimals));
+}
+
+CsvWriter& CsvWriter::add_significant(double value, int digits) {
+  return add(fmt::format("{:.{}g}", value, digits));
+}
+
+CsvWriter& CsvWriter::add_empty() {
+  return add("");
+}
+
+void CsvWriter::end_row() {
+  if (fields_ != columns_)
+    throw std::logic_error(fmt::format("a row of {} fields in a table of {}", fields_, columns_));
+  fields_ = 0;
+  text_ += '\n';
+}
+
+}  // namespace planar

@@ -1,0 +1,38 @@
+#include "planar_servo/io/growing_file.h"
+
+#include <fstream>
+#include <system_error>
+
+#include "planar_servo/core/error.h"
+#include "planar_servo/io/atomic_file.h"
+
+namespace planar {
+
+void require_growable(const std::filesystem::path& path) {
+  if (!std::filesystem::exists(path)) return require_writable(path);
+  if (!std::ofstream(path, std::ios::app))
+    throw InputError(path.string() + ": cannot be added to; a file that you may write is needed");
+}
+
+GrowingFile::GrowingFile(std::filesystem::path path, const std::string& header)
+    : path_(std::move(path)) {
+  require_growable(path_);
+  if (!std::filesystem::exists(path_) || std::filesystem::is_empty(path_))
+    write_file(path_, header);
+}
+
+void GrowingFile::append(const std::string& lines) {
+  std::ofstream out(path_, std::ios::app | std::ios::binary);
+  out << lines << std::flush;
+  if (!out) throw WorkError(path_.string() + ": cannot be written; is the disk full?");
+}
+
+void make_folder(const std::filesystem::path& path) {
+  std::error_code error;
+  std::filesystem::create_directories(path, error);
+  if (error)
+    throw InputError(path.string() + ": cannot be made: " + error.message() +
+                     "; name a folder where you may write");
+}
+
+}  // namespace planar

@@ -1,0 +1,255 @@
+#include "planar_servo/jog/jog_console.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "planar_servo/core/error.h"
+#include "planar_servo/core/fixed.h"
+#include "planar_servo/core/units.h"
+#include "planar_servo/io/csv_table.h"
+#include "planar_servo/jog/exposure_meter.h"
+#include "planar_servo/offline/record/motion_plan.h"
+
+namespace planar {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A jog is short enough to be stopped by letting go: longer ways go by planar-servo.
+constexpr double kMostTurn = 15.0 * kDegree;
+constexpr double kMostStep = 50.0 * kMillimetre;
+constexpr int kPathPoints = 16;  // of a jog, held against the workspace
+
+bool has_vision(const CellSettings& cell) {
+  return fs::exists(cell.camera_model) && fs::exists(cell.workplane) && fs::exists(cell.tool);
+}
+
+double number_of(const std::string& word, const std::string& what) {
+  const auto value = finite_number(word);
+  if (!value) throw InputError(fmt::format("{} is '{}'; a finite number is needed", what, word));
+  return *value;
+}
+
+/// From 0.
+int joint_of(const std::string& word) {
+  if (word != "1" && word != "2" && word != "3")
+    throw InputError(fmt::format("the joint is '{}'; allowed are 1, 2, 3", word));
+  return word[0] - '1';
+}
+
+}  // namespace
+
+struct JogConsole::Command {
+  const char* verb;
+  std::size_t least_words, most_words;  ///< after the verb
+  std::string (JogConsole::*work)(const Words&);
+  const char* help;
+};
+
+const std::vector<JogConsole::Command>& JogConsole::commands() {
+  static const std::vector<Command> commands{
+      {"enable", 0, 0, &JogConsole::enable, "switch the drives on, also after a fault"},
+      {"home", 0, 1, &JogConsole::home, "[JOINT]: search the home switch of one, or where needed"},
+      {"mark", 1, 1, &JogConsole::mark, "JOINT: the motor stands at its mark now"},
+      {"joint", 2, 2, &JogConsole::turn_joint, "JOINT DEG: turn one motor"},
+      {"x", 1, 1, &JogConsole::move_x, "MM: move the end point along x"},
+      {"y", 1, 1, &JogConsole::move_y, "MM: move the end point along y"},
+      {"where", 0, 0, &JogConsole::where, "joints and end point as commanded"},
+      {"look", 0, 0, &JogConsole::look, "brightness of the picture, end point as it is seen"},
+      {"exposure", 1, 2, &JogConsole::expose, "US [GAIN_DB]: set exposure time and gain, and look"},
+      {"teach", 1, 1, &JogConsole::teach, "ID: append this place to the targets"}};
+  return commands;
+}
+
+JogConsole::JogConsole(const CellSettings& cell, CellDevices& devices, const fs::path& teach,
+                       const std::function<bool()>& stop)
+    : cell_(cell),
+      devices_(devices),
+      planner_(joint_planner(cell)),
+      robot_(planner_.arm(), planner_.transmission(), devices.drives(), devices.clock()) {
+  robot_.stop_when(stop);
+  if (has_vision(cell)) {
+    compensated_ = fs::exists(cell.error_map);
+    sensor_.emplace(cell, read_vision(cell, compensated_), CenterMethod::kAuto, devices.camera());
+  }
+  if (!teach.empty()) taught_.emplace(teach);
+}
+
+JogConsole::Answer JogConsole::execute(const std::string& line) {
+  std::istringstream stream(line);
+  Words words;
+  for (std::string word; stream >> word;) words.push_back(word);
+  if (words.empty() || words[0][0] == '#') return {};
+  if (words[0] == "help") return {true, help()};
+  const auto& all = commands();
+  const auto command = std::find_if(
+      all.begin(), all.end(), [&](const Command& candidate) { return words[0] == candidate.verb; });
+  if (command == all.end())
+    return {false, fmt::format("there is no command '{}'; 'help' lists them", words[0])};
+  words.erase(words.begin());
+  if (words.size() < command->least_words || words.size() > command->most_words)
+    return {false, fmt::format("'{}' is not understood; needed is {} {}", line, command->verb,
+                               command->help)};
+  try {
+    return {true, (this->*command->work)(words)};
+  } catch (const StopRequested& e) {
+    return {false, fmt::format("{}; {}", e.what(), where({}))};
+  } catch (const InputError& e) {
+    return {false, e.what()};
+  } catch (const WorkError& e) {
+    return {false, e.what()};
+  }
+}
+
+const char* JogConsole::help() {
+  static const std::string text = [] {
+    std::string lines;
+    for (const Command& command : commands())
+      lines += fmt::format("{:<9} {}\n", command.verb, command.help);
+    return lines + "quit      end; the drives halt";
+  }();
+  return text.c_str();
+}
+
+std::string JogConsole::enable(const Words& /*words*/) {
+  constexpr double kOnce = 0.0;
+  robot_.recover(kOnce);
+  enabled_ = true;
+  const std::vector<int> unhomed = robot_.unhomed();
+  if (unhomed.empty()) return "the drives are on and know where they stand";
+  std::string text = "the drives are on; still to be homed:";
+  for (const int joint : unhomed) text += fmt::format(" joint {}", joint + 1);
+  return text;
+}
+
+std::string JogConsole::home(const Words& words) {
+  const std::vector<int> joints =
+      words.empty() ? robot_.unhomed() : std::vector<int>{joint_of(words[0])};
+  for (const int joint : joints) robot_.search_home(joint);
+  return fmt::format("{} homed", joints.empty()       ? "nothing had to be"
+                                 : joints.size() == 1 ? "one joint"
+                                                      : fmt::format("{} joints", joints.size()));
+}
+
+std::string JogConsole::mark(const Words& words) {
+  robot_.teach_home(joint_of(words[0]));
+  return where({});
+}
+
+std::string JogConsole::turn_joint(const Words& words) {
+  const int joint = joint_of(words[0]);
+  const Transmission& transmission = planner_.transmission();
+  Eigen::Vector3d motors = transmission.motors_from_joints(robot_.commanded_joints());
+  motors[joint] += number_of(words[1], "the angle in degrees") * kDegree;
+  return move_to(transmission.joints_from_motors(motors));
+}
+
+std::string JogConsole::move_x(const Words& words) {
+  return move_by({number_of(words[0], "the step in mm") * kMillimetre, 0.0});
+}
+
+std::string JogConsole::move_y(const Words& words) {
+  return move_by({0.0, number_of(words[0], "the step in mm") * kMillimetre});
+}
+
+std::string JogConsole::move_by(const Eigen::Vector2d& step) {
+  if (step.norm() > kMostStep)
+    throw InputError(fmt::format("a step of {:.3f} mm is too long; at most {:.0f} mm at a time",
+                                 step.norm() / kMillimetre, kMostStep / kMillimetre));
+  const Joints near = robot_.commanded_joints();
+  const PlanarArm& arm = planner_.arm();
+  TipPose tip = arm.forward(near);
+  tip.p += step;
+  const InverseResult inverse = arm.inverse(tip, arm.elbow(near), near);
+  if (inverse.status != ReachStatus::kOk) throw InputError(describe(inverse.status));
+  return move_to(inverse.theta);
+}
+
+std::string JogConsole::move_to(const Joints& theta) {
+  if (!enabled_) throw InputError("the drives are off; enable them first");
+  if (const auto forbidden = refusal(theta)) throw InputError(*forbidden);
+  FrameSource& camera = devices_.camera();
+  PlanarRobot::Guard guard;  // jogging goes on without a camera that was lost before
+  if (!camera.fault()) guard = [&camera] { return camera.fault(); };
+  if (const auto objection = robot_.move_to(theta, guard))
+    throw WorkError(*objection + "; the arm has stopped at " + where({}));
+  return where({});
+}
+
+std::optional<std::string> JogConsole::refusal(const Joints& theta) const {
+  const Transmission& transmission = planner_.transmission();
+  const Joints from = robot_.commanded_joints();
+  if (auto broken = transmission.limit_violation(theta)) return broken;
+  const Eigen::Vector3d turns =
+      transmission.motors_from_joints(theta) - transmission.motors_from_joints(from);
+  for (int i = 0; i < 3; ++i)
+    if (std::abs(turns[i]) > kMostTurn * (1.0 + 1e-9))
+      return fmt::format("joint {} would turn by {:.3f} deg; at most {:.0f} deg at a time", i + 1,
+                         turns[i] / kDegree, kMostTurn / kDegree);
+  const auto excess = [&](double share) {
+    return cell_.workspace.excess_m(planner_.arm().forward(from + share * (theta - from)).p);
+  };
+  const double excess_before = excess(0.0);
+  bool worse = excess_before > 0.0 && excess(1.0) >= excess_before;
+  for (int i = 1; i <= kPathPoints; ++i)
+    worse = worse || excess(i / static_cast<double>(kPathPoints)) > excess_before;
+  if (!worse) return std::nullopt;
+  return cell_.workspace.violation(planner_.arm().forward(theta).p)
+      .value_or("the way there leads out of the workspace");
+}
+
+std::string JogConsole::where(const Words& /*words*/) {
+  const Joints theta = robot_.commanded_joints();
+  const TipPose tip = planner_.arm().forward(theta);
+  return fmt::format("joints {} deg, end point {}, phi {} deg", fixed(theta / kDegree, 3, " "),
+                     place_mm(tip.p), fixed(tip.phi / kDegree, 3));
+}
+
+std::string JogConsole::look(const Words& /*words*/) {
+  FrameSource& camera = devices_.camera();
+  camera.set_region(cv::Rect(cv::Point(), camera.sensor_size_px()));
+  const FrameResult result = camera.next_frame();
+  if (result.status != FrameStatus::kOk) throw WorkError("the camera delivers no frame");
+  std::string text = read_exposure(result.frame.image).text();
+  if (!sensor_) return text + "\nthe cell's vision is not calibrated yet";
+  const TipMeasurement seen = measure();
+  if (!seen.ok()) return text + "\nthe tool is not measured: " + seen.status;
+  return text + fmt::format("\nend point seen at {} +- {:.4f} mm{}", place_mm(seen.tip.p),
+                            seen.uncertainty_m / kMillimetre,
+                            compensated_ ? "" : ", without an error map");
+}
+
+std::string JogConsole::expose(const Words& words) {
+  CameraExposure exposure = devices_.camera().exposure();
+  exposure.time_s = number_of(words[0], "the exposure in us") * kMicrosecond;
+  if (words.size() > 1) exposure.gain_db = number_of(words[1], "the gain in dB");
+  devices_.camera().set_exposure(exposure);
+  return fmt::format("exposure {:.0f} us, gain {:.1f} dB\n", exposure.time_s / kMicrosecond,
+                     exposure.gain_db) +
+         look({});
+}
+
+std::string JogConsole::teach(const Words& words) {
+  if (!taught_) throw InputError("there is no table to teach; begin with --teach targets.csv");
+  const TipPose commanded = planner_.arm().forward(robot_.commanded_joints());
+  if (!sensor_) {
+    taught_->append({words[0], commanded.p, commanded.phi});
+    return fmt::format("taught {} at {} as commanded: the cell's vision is not calibrated yet",
+                       words[0], place_mm(commanded.p));
+  }
+  const TipMeasurement seen = measure();
+  if (!seen.ok()) throw WorkError("nothing taught: the tool is not measured: " + seen.status);
+  taught_->append({words[0], seen.tip.p, commanded.phi});
+  return fmt::format("taught {} at {} as seen", words[0], place_mm(seen.tip.p));
+}
+
+TipMeasurement JogConsole::measure() {
+  devices_.clock().sleep_for_s(cell_.servo.settle_s);
+  return sensor_->measure(planner_.arm().forward(robot_.commanded_joints()),
+                          cell_.servo.frames_per_measurement);
+}
+
+}  // namespace planar

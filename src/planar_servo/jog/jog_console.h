@@ -1,0 +1,75 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "planar_servo/arm/joint_planner.h"
+#include "planar_servo/jog/taught_targets.h"
+#include "planar_servo/machine/cell_devices.h"
+#include "planar_servo/robot/planar_robot.h"
+#include "planar_servo/vision/lamp_tip_sensor.h"
+
+namespace planar {
+
+/// What a person may do with a cell by hand, a command at a time:
+///   enable | home [JOINT] | mark JOINT | joint JOINT DEG | x MM | y MM | where | look |
+///   exposure US [GAIN_DB] | teach ID
+/// Joints count from 1; they turn by what their motor turns behind its gear, and carry what rides
+/// on them. A command that is wrong, or a motion that is too long, leaves the workspace or a
+/// motor's limits, changes nothing. From outside the workspace only ways that lead towards it are
+/// open.
+class JogConsole {
+ public:
+  struct Answer {
+    bool done{true};
+    std::string text;  ///< what was done, or why not
+  };
+
+  /// The table of `teach` may be empty: then nothing can be taught. `stop` is as
+  /// PlanarRobot::stop_when() has it. Moves nothing. Throws
+  /// InputError for a table that cannot be gone on with and for files of the cell that cannot be
+  /// read.
+  JogConsole(const CellSettings& cell, CellDevices& devices, const std::filesystem::path& teach,
+             const std::function<bool()>& stop = {});
+
+  Answer execute(const std::string& line);
+
+  static const char* help();
+
+ private:
+  using Words = std::vector<std::string>;
+  struct Command;
+  static const std::vector<Command>& commands();
+
+  std::string enable(const Words& words);
+  std::string home(const Words& words);
+  std::string mark(const Words& words);
+  std::string turn_joint(const Words& words);
+  std::string move_x(const Words& words);
+  std::string move_y(const Words& words);
+  std::string where(const Words& words);
+  std::string look(const Words& words);
+  std::string expose(const Words& words);
+  std::string teach(const Words& words);
+
+  std::string move_by(const Eigen::Vector2d& step);
+  std::string move_to(const Joints& theta);
+  /// What forbids the way from where the arm is; empty when nothing does.
+  std::optional<std::string> refusal(const Joints& theta) const;
+  TipMeasurement measure();
+
+  CellSettings cell_;
+  CellDevices& devices_;
+  JointPlanner planner_;
+  PlanarRobot robot_;
+  std::optional<LampTipSensor> sensor_;  ///< none: the cell's vision is not calibrated yet
+  bool compensated_{false};
+  std::optional<TaughtTargets> taught_;
+  bool enabled_{false};
+};
+
+}  // namespace planar

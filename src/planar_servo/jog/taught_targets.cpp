@@ -1,0 +1,69 @@
+#include "planar_servo/jog/taught_targets.h"
+
+#include <fmt/format.h>
+
+#include <sstream>
+
+#include "planar_servo/core/error.h"
+#include "planar_servo/io/atomic_file.h"
+#include "planar_servo/io/csv_table.h"
+#include "planar_servo/io/growing_file.h"
+
+namespace planar {
+namespace {
+
+/// The lines of a table that is to grow.
+std::string text_of(const std::filesystem::path& path) {
+  if (!std::filesystem::exists(path)) return "";
+  std::string text = read_file(path);
+  if (!text.empty() && text.back() != '\n')
+    throw InputError(path.string() + ": its last line has no end; mend it or name another file");
+  return text;
+}
+
+std::set<std::string> ids_in(const std::filesystem::path& path) {
+  TargetLines lines(path.string());
+  const std::string whole = text_of(path);
+  std::istringstream text(whole);
+  std::set<std::string> ids;
+  Faults faults;
+  for (std::string line; std::getline(text, line);) {
+    const bool had_columns = lines.has_columns();
+    try {
+      if (const auto target = lines.next(line)) ids.insert(target->id);
+    } catch (const InputError& e) {
+      if (!lines.has_columns()) throw;
+      faults.add(e.what());
+    }
+    if (lines.has_columns() && !had_columns &&
+        split_fields(line) != std::vector<std::string_view>{"id", "x_mm", "y_mm", "phi_deg"})
+      throw InputError(fmt::format(
+          "{}:{}: the header is '{}'; only a table with the header id,x_mm,y_mm,phi_deg can be "
+          "taught more: name another file",
+          path.string(), lines.line(), line));
+  }
+  faults.throw_if_any();
+  if (!whole.empty() && !lines.has_columns())
+    throw InputError(path.string() +
+                     ": has no header; write id,x_mm,y_mm,phi_deg there or name another file");
+  return ids;
+}
+
+}  // namespace
+
+TaughtTargets::TaughtTargets(std::filesystem::path path)
+    : path_(std::move(path)), ids_(ids_in(path_)) {
+  require_growable(path_);
+}
+
+void TaughtTargets::append(const TargetRow& target) {
+  if (target.id.empty() || target.id[0] == '#' || target.id.find(',') != std::string::npos)
+    throw InputError(
+        fmt::format("the id '{}' cannot stand in a table: no comma, no '#' first", target.id));
+  if (ids_.count(target.id) != 0)
+    throw InputError(fmt::format("the id '{}' is taken; ids must differ", target.id));
+  GrowingFile(path_, targets_header()).append(target_line(target));
+  ids_.insert(target.id);
+}
+
+}  // namespace planar

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <opencv2/core.hpp>
+#include <vector>
+
+#include "planar_servo/lamps/detect/blob.h"
+#include "planar_servo/lamps/detect/bright_patch.h"
+#include "planar_servo/lamps/detect/level_histogram.h"
+
+namespace planar {
+
+/// Finds bright patches that may be lamps, of 12 px diameter and more, in an image of any size or
+/// in a part of it. A lamp must cross sparse rows, so only these are read. The threshold is learned
+/// from the levels round about; where a patch is no lamp it is taken apart, by higher thresholds
+/// and by the discs that fit into it, for a lamp may touch other lights. Keeps its memory from
+/// image to image.
+class LampDetector {
+ public:
+  /// Candidates by falling evidence (diameter times contrast); those cut by the image's edge are
+  /// among them. None for an image too small to hold a lamp. Valid until the next call. Throws
+  /// std::invalid_argument for an image that is not CV_8UC1.
+  const std::vector<Blob>& detect(const cv::Mat& image);
+
+  /// The same of lamps that reach into the window.
+  const std::vector<Blob>& detect(const cv::Mat& image, const cv::Rect& window_px);
+
+ private:
+  void learn_thresholds(const cv::Mat& image, const cv::Rect& band, int tile_width);
+  void search_band(const cv::Mat& image, const cv::Rect& band);
+  bool search_block(const cv::Mat& image, const Span& block, int threshold, int layer);
+  bool examine(const cv::Mat& image, const Span& run, int threshold, int layer);
+  bool take_apart(const cv::Mat& image, const Patch& patch, int threshold, int layer);
+  bool find_discs(const cv::Mat& image, const Patch& patch, int threshold);
+  bool add_disc(const cv::Mat& image, const Patch& patch, const cv::Point& center, double reach_px,
+                int threshold);
+
+  PatchGrower patches_;
+  std::vector<Blob> found_;
+  std::vector<Span> disc_;
+  std::vector<LevelHistogram> tiles_;
+  std::vector<int> thresholds_;
+  cv::Mat mask_, depth_;
+};
+
+}  // namespace planar

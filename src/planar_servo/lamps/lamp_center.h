@@ -1,0 +1,17 @@
+#pragma once
+
+#include <opencv2/core.hpp>
+
+#include "planar_servo/lamps/detect/blob.h"
+#include "planar_servo/lamps/lamp.h"
+
+namespace planar {
+
+/// Measures the centre of the lamp that a blob of the image has announced; pixels of the image.
+/// kCannyKasa: Canny pixels, grey moments, Kasa's circle (the paper). kVpDot2: the centre of
+/// gravity of vpDot2's contour. kFast: the centroid of the light, for even lamps only. kAuto: the
+/// outline fitted to the grey levels (see fit_rim), kNotRound when more than 100 degrees of the rim
+/// do not belong to it. A status other than kOk comes with the blob's centroid and no covariance.
+LampCenter measure_lamp(const cv::Mat& image, const Blob& blob, CenterMethod method);
+
+}  // namespace planar

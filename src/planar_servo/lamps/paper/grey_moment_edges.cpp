@@ -1,0 +1,89 @@
+#include "planar_servo/lamps/paper/grey_moment_edges.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "planar_servo/core/units.h"
+
+namespace planar {
+namespace {
+
+constexpr double kMostSaturated = 0.25;  // share of a window at 255 beyond which it is refused
+constexpr double kMostOffset_px = 1.0;
+
+/// Area of the unit square round (u, v) inside the disc of this radius about the origin.
+double area_in_disc(int u, int v, double radius) {
+  constexpr int kLines = 64;
+  double area = 0.0;
+  for (int i = 0; i < kLines; ++i) {
+    const double y = v - 0.5 + (i + 0.5) / kLines;
+    const double half_chord = std::sqrt(std::max(0.0, radius * radius - y * y));
+    const double begin = std::max(u - 0.5, -half_chord), end = std::min(u + 0.5, half_chord);
+    area += std::max(0.0, end - begin) / kLines;
+  }
+  return area;
+}
+
+/// Distance t from the centre of the chord that cuts the share q <= 1/2 off the unit disc:
+/// acos t - t sqrt(1 - t^2) = pi q, convex and falling, so that Newton's method from t = 0 never
+/// overshoots.
+double chord_distance(double q) {
+  double t = 0.0;
+  for (int i = 0; i < 20; ++i) {
+    const double root = std::sqrt(std::max(1e-12, 1.0 - t * t));
+    const double step = (std::acos(t) - t * root - kPi * q) / (2.0 * root);
+    t = std::clamp(t + step, 0.0, 1.0);
+    if (std::abs(step) < 1e-9) break;
+  }
+  return t;
+}
+
+}  // namespace
+
+GreyMoments::GreyMoments(int half_width) : half_width_(half_width) {
+  if (half_width < 1) throw std::invalid_argument("a grey-moment window needs a half width >= 1");
+  double sum = 0.0;
+  for (int dv = -half_width; dv <= half_width; ++dv) {
+    for (int du = -half_width; du <= half_width; ++du) {
+      const double weight = area_in_disc(du, dv, radius_px());
+      if (weight <= 0.0) continue;
+      samples_.push_back({du, dv, weight});
+      sum += weight;
+    }
+  }
+  for (Sample& sample : samples_) sample.weight /= sum;
+}
+
+std::optional<Eigen::Vector2d> GreyMoments::edge(const cv::Mat& image, const cv::Point& pixel,
+                                                 double least_contrast) const {
+  if (pixel.x < half_width_ || pixel.y < half_width_ || pixel.x + half_width_ >= image.cols ||
+      pixel.y + half_width_ >= image.rows) {
+    return std::nullopt;
+  }
+  double m1 = 0.0, m2 = 0.0, m3 = 0.0, saturated = 0.0;
+  Eigen::Vector2d slope = Eigen::Vector2d::Zero();
+  for (const Sample& s : samples_) {
+    const double g = image.at<std::uint8_t>(pixel.y + s.dv, pixel.x + s.du);
+    const double wg = s.weight * g;
+    m1 += wg;
+    m2 += wg * g;
+    m3 += wg * g * g;
+    slope += wg * Eigen::Vector2d(s.du, s.dv);
+    if (g >= 255.0) saturated += s.weight;
+  }
+  const double variance = m2 - m1 * m1;
+  if (saturated > kMostSaturated || variance <= 0.0 || slope.isZero()) return std::nullopt;
+
+  const double sigma = std::sqrt(variance);
+  const double skew = (m3 + 2.0 * m1 * m1 * m1 - 3.0 * m1 * m2) / (variance * sigma);
+  const double p1 = 0.5 * (1.0 + skew / std::sqrt(4.0 + skew * skew));  // share of the dark level
+  const double p2 = 1.0 - p1;
+  const double contrast = sigma * (std::sqrt(p1 / p2) + std::sqrt(p2 / p1));
+  const double t = chord_distance(std::min(p1, p2));
+  const double offset_px = radius_px() * (p1 > p2 ? t : -t);
+  if (!(contrast >= least_contrast) || std::abs(offset_px) > kMostOffset_px) return std::nullopt;
+  return Eigen::Vector2d(pixel.x, pixel.y) + offset_px * slope.normalized();
+}
+
+}  // namespace planar

@@ -1,0 +1,155 @@
+#include "planar_servo/lamps/rim/rim_fit.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "planar_servo/core/units.h"
+#include "planar_servo/lamps/rim/coarse_outline.h"
+#include "planar_servo/lamps/rim/outline.h"
+#include "planar_servo/lamps/rim/outline_fit.h"
+#include "planar_servo/lamps/rim/pixel_noise.h"
+#include "planar_servo/lamps/rim/rim_band.h"
+#include "planar_servo/lamps/rim/rim_edges.h"
+
+namespace planar {
+namespace {
+
+/// Of the centre: by the edges' noise at given levels, and by the levels'.
+Eigen::Matrix2d center_covariance(const OutlineFit& fit, const Normals& normals,
+                                  const RimEdges& edges) {
+  const int terms = fit.has_waves ? Outline::kTerms : Outline::kShapeTerms;
+  Eigen::Matrix<double, 2, RimLevels::kTerms> per_level =
+      Eigen::Matrix<double, 2, RimLevels::kTerms>::Zero();
+  for (int k = 0; k < normals.count(); ++k) {
+    const Eigen::Vector2d per_offset =
+        edges.information[k] *
+        fit.covariance.topLeftCorner(2, terms).lazyProduct(normals.move.col(k).head(terms));
+    for (int kind = 0; kind < RimLevels::kKinds; ++kind) {
+      per_level.middleCols<Normals::kHarmonics>(Eigen::Index{kind} * Normals::kHarmonics) +=
+          (edges.moved_by_level(kind, k) * per_offset) * normals.harmonics.col(k).transpose();
+    }
+  }
+  return fit.covariance.topLeftCorner<2, 2>() +
+         per_level * edges.levels.covariance * per_level.transpose();
+}
+
+double largest_gap(const NormalFlags& use) {
+  const Eigen::Index n = use.size();
+  Eigen::Index longest = 0, run = 0;
+  for (Eigen::Index k = 0; k < 2 * n && longest < n; ++k) {
+    run = use[k % n] ? 0 : run + 1;
+    longest = std::max(longest, run);
+  }
+  return 2.0 * kPi * static_cast<double>(longest) / static_cast<double>(n);
+}
+
+/// Is this still the lamp that the blob announced?
+bool is_near(const Outline& outline, const Blob& blob) {
+  constexpr double kMostShift = 0.25, kMostGrowth = 1.5;  // of the diameter
+  const double ratio = outline.diameter() / blob.diameter_px();
+  return outline.axes.determinant() > 0.0 && outline.axes.trace() > 0.0 && ratio < kMostGrowth &&
+         ratio > 1.0 / kMostGrowth &&
+         (outline.center - blob.uv_px).norm() < kMostShift * blob.diameter_px();
+}
+
+/// How far inside an outline its normals may be followed: they meet where it is narrow.
+double reach_inside_px(const Outline& outline, double wanted_px) {
+  constexpr double kMost = 0.75;  // of the minor half axis
+  const double half_trace = 0.5 * outline.axes.trace();
+  const double minor =
+      half_trace - std::sqrt(std::max(0.0, half_trace * half_trace - outline.axes.determinant()));
+  return std::min(wanted_px, kMost * minor);
+}
+
+/// The band of the first look is as wide as a blob's moments may be wrong.
+void sample_coarsely(const cv::Mat& image, const Outline& outline, double reach_px, RimBand& band) {
+  constexpr double kReach = 0.35, kLeast_px = 4.0;  // of the radius
+  const double reach = std::max(kLeast_px, 0.5 * kReach * outline.diameter());
+  band.sample(image, outline, normals_round(outline.diameter()), -reach_inside_px(outline, reach),
+              std::min(reach, reach_px));
+}
+
+/// One round of the measurement along the normals of an outline.
+struct Round {
+  OutlineFit fit;
+  Eigen::Matrix2d center_covariance;
+  NormalFlags use;
+  double blur_px;
+
+  /// The rim that was measured is the one that the outline follows.
+  bool is_settled(const NormalFlags& used) const {
+    constexpr double kNear_px = 0.1;
+    return (use == used).all() && fit.terms.head<2>().norm() < kNear_px;
+  }
+};
+
+std::optional<Round> measure(const cv::Mat& image, const Outline& outline, const PixelNoise& noise,
+                             double reach_px, const NormalFlags& use, RimBand& band) {
+  // A lamp's light changes slowly; what lies round it may be anything.
+  constexpr double kInside_px = 6.0, kOutside_px = 4.5;
+  band.sample(image, outline, static_cast<int>(use.size()), -reach_inside_px(outline, kInside_px),
+              std::min(kOutside_px, reach_px));
+  const std::optional<RimEdges> edges = measure_edges(band, outline, noise, use);
+  if (!edges) return std::nullopt;
+  const OutlineFit fit = fit_outline(band.normals, edges->offset_px, edges->information);
+  if (!fit.terms.allFinite()) return std::nullopt;
+  const double sigma_px = 1.0 / std::sqrt(edges->information.maxCoeff());
+  return Round{fit, center_covariance(fit, band.normals, *edges),
+               agreeing(band.normals, edges->offset_px, fit, {sigma_px, edges->blur_px},
+                        edges->readable, use),
+               edges->blur_px};
+}
+
+/// From the start in rounds to the rim that is measured by all its pixels.
+std::optional<RimFit> refine(const cv::Mat& image, const Blob& blob, const CoarseOutline& start,
+                             const PixelNoise& noise, double reach_px, RimBand& band) {
+  constexpr int kRounds = 3;
+  Outline outline = start.outline;
+  NormalFlags use = start.use;
+  RimFit rim;
+  for (int i = 0; i < kRounds; ++i) {
+    if (!is_near(outline, blob)) return std::nullopt;
+    const std::optional<Round> round = measure(image, outline, noise, reach_px, use, band);
+    if (!round || 2 * round->use.count() < band.normals.count()) {
+      return std::nullopt;
+    }
+    outline.change(round->fit.terms);
+    const bool is_settled = round->is_settled(use);
+    use = round->use;
+    rim.center_covariance = round->center_covariance;
+    // The blur of a bent edge moves it inwards, by half its variance over the radius.
+    rim.diameter = outline.diameter() + 2.0 * round->blur_px * round->blur_px / outline.diameter();
+    if (is_settled) break;
+  }
+  if (!is_near(outline, blob)) return std::nullopt;
+  rim.center = outline.center;
+  rim.largest_gap = largest_gap(use);
+  return rim;
+}
+
+bool is_measurement(const RimFit& rim) {
+  constexpr double kMostSigma_px = 0.25;
+  return rim.center_covariance.trace() < 2.0 * kMostSigma_px * kMostSigma_px;
+}
+
+}  // namespace
+
+std::optional<RimFit> fit_rim(const cv::Mat& image, const Blob& blob, double reach_px) {
+  const Outline outline = outline_of(blob);
+  if (!is_near(outline, blob)) return std::nullopt;
+  const PixelNoise noise = estimate_noise(image, outline);
+  static thread_local RimBand band;  // large, and half of it serves the next lamp of this size
+  sample_coarsely(image, outline, reach_px, band);
+  const std::optional<CoarseOutline> start = find_outline(band, outline, blob, noise);
+  if (!start) return std::nullopt;
+  std::optional<RimFit> rim = refine(image, blob, *start, noise, reach_px, band);
+  if (!rim && is_near(start->outline, blob)) {
+    rim = RimFit{start->outline.center, start->center_covariance, start->outline.diameter(),
+                 largest_gap(start->use)};
+  }
+  if (rim && !is_measurement(*rim)) rim.reset();
+  return rim;
+}
+
+}  // namespace planar

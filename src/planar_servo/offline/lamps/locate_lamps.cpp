@@ -1,0 +1,203 @@
+#include "planar_servo/offline/lamps/locate_lamps.h"
+
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <mutex>
+
+#include "planar_servo/calibration/vision_tip.h"
+#include "planar_servo/core/error.h"
+#include "planar_servo/core/parallel.h"
+#include "planar_servo/lamps/disc_tracker.h"
+#include "planar_servo/lamps/lamp_tracker.h"
+
+namespace planar {
+namespace {
+
+constexpr unsigned kMostThreads = 4;  // each holds a full frame
+constexpr std::size_t kCoarseViewImages = 48;
+// Distance of a pair measured on the plane over that of the cell file: 1 +- this share.
+constexpr double kDistanceShare = 0.03;
+
+LampRow empty_row(const LampImage& image, const std::string& status) {
+  LampRow row;
+  row.id = image.id;
+  row.image = image.name;
+  row.t_s = image.t_s;
+  row.status = status;
+  return row;
+}
+
+void add_lamp(LampRow& row, const LampCenter& lamp) {
+  row.uv_px.push_back(lamp.uv_px);
+  row.covariance_px2.push_back(lamp.covariance_px2);
+}
+
+bool has_right_distance(const LampRow& row, const LampScene& scene) {
+  const auto a = scene.workplane->plane_from_pixel(row.uv_px[0]);
+  const auto b = scene.workplane->plane_from_pixel(row.uv_px[1]);
+  return a && b && std::abs((*b - *a).norm() / scene.lamps.separation_m - 1.0) <= kDistanceShare;
+}
+
+/// Position on the plane: with the tool's direction when the lamps are told apart; without it only
+/// when the end point lies midway between them.
+void add_position(LampRow& row, const LampScene& scene) {
+  if (!has_right_distance(row, scene)) {
+    row.status = name(LampStatus::kWrongDistance);
+    return;
+  }
+  const bool named = row.status == name(LampStatus::kOk);
+  const std::array<Eigen::Vector2d, 2> discs_px{row.uv_px[0], row.uv_px[1]};
+  const auto shifts_px =
+      lamp_eccentricities_px(*scene.workplane, discs_px, scene.lamps.diameters_m);
+  const auto seen = tip_from_lamps(*scene.workplane, scene.tool,
+                                   {discs_px[0] - shifts_px[0], discs_px[1] - shifts_px[1]},
+                                   {row.covariance_px2[0], row.covariance_px2[1]});
+  if (!seen || (!named && !scene.tool.p_TP.isZero())) return;
+  row.p_vision = seen->tip.p;
+  row.sigma = seen->covariance.diagonal().cwiseSqrt();
+  if (!named) return;
+  row.phi = seen->tip.phi;
+  row.sigma_phi = seen->sigma_phi;
+}
+
+LampRow pair_row(const LampImage& image, const LampPair& pair,
+                 const std::optional<LampScene>& scene) {
+  LampRow row = empty_row(image, name(pair.status));
+  for (const LampCenter& lamp : pair.lamps) {
+    if (lamp.status != LampStatus::kOk) return row;
+  }
+  for (const LampCenter& lamp : pair.lamps) add_lamp(row, lamp);
+  if (scene && scene->workplane) add_position(row, *scene);
+  return row;
+}
+
+LampRow disc_row(const LampImage& image, const LampCenter& disc) {
+  LampRow row = empty_row(image, name(disc.status));
+  if (disc.status == LampStatus::kOk) add_lamp(row, disc);
+  return row;
+}
+
+std::optional<cv::Size> sensor_of(const LocateRequest& request) {
+  return request.scene ? std::optional<cv::Size>(request.scene->sensor_px) : std::nullopt;
+}
+
+/// Collects the rows of images that are looked at in any order.
+class Collector {
+ public:
+  explicit Collector(const LocateRequest& request)
+      : request_(request),
+        rows_(request.images.size()),
+        times_(request.images.size()),
+        faults_(request.images.size()) {}
+
+  /// look(frame) gives the row of image i, if the image can be read.
+  template <typename Look>
+  void add(std::size_t i, const Look& look) {
+    const LampImage& image = request_.images[i];
+    const LampImageRead read = read_lamp_image(image, sensor_of(request_));
+    if (read.status != "ok") {
+      rows_[i] = empty_row(image, read.status);
+      faults_[i] = read.fault;
+    } else {
+      const auto start = std::chrono::steady_clock::now();
+      rows_[i] = look(read.frame);
+      const auto duration = std::chrono::steady_clock::now() - start;
+      times_[i] = std::chrono::duration<double, std::milli>(duration).count();
+    }
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (request_.progress) request_.progress(++done_, rows_.size());
+  }
+
+  LocateReport finish() {
+    Faults faults;
+    for (const std::string& fault : faults_) {
+      if (!fault.empty()) faults.add(fault);
+    }
+    faults.throw_if_any();
+    LocateReport report;
+    report.rows = std::move(rows_);
+    for (const auto& time : times_) {
+      if (time) report.milliseconds.push_back(*time);
+    }
+    return report;
+  }
+
+ private:
+  const LocateRequest& request_;
+  std::vector<LampRow> rows_;
+  std::vector<std::optional<double>> times_;
+  std::vector<std::string> faults_;
+  std::mutex mutex_;
+  std::size_t done_{0};
+};
+
+/// A map from commanded poses to the image, from images spread over all those of the arm. Pairs
+/// that are wrong are few, or else there is no map.
+std::optional<CoarseView> learn_view(const LocateRequest& request) {
+  std::vector<const LampImage*> usable;
+  for (const LampImage& image : request.images) {
+    if (image.commanded && !image.shows_board) usable.push_back(&image);
+  }
+  const std::size_t n = std::min(usable.size(), kCoarseViewImages);
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  std::vector<CoarseViewRow> rows(n, {{kNone, kNone}, {kNone, kNone}});
+  parallel_for(
+      n, kMostThreads, [&] { return LampTracker(request.method); },
+      [&](std::size_t i, LampTracker& tracker) {
+        const LampImage& image = *usable[i * usable.size() / n];
+        const LampImageRead read = read_lamp_image(image, sensor_of(request));
+        if (read.status != "ok") return;
+        const LampPair pair = tracker.locate(read.frame, {});
+        if (pair.status != LampStatus::kAmbiguous) return;
+        rows[i] = {image.commanded->p, 0.5 * (pair.lamps[0].uv_px + pair.lamps[1].uv_px)};
+      });
+  return fit_coarse_view(rows);
+}
+
+}  // namespace
+
+LocateReport locate_lamps(const LocateRequest& request) {
+  std::optional<LampPrediction> prediction;
+  if (request.scene) {
+    prediction.emplace(*request.scene,
+                       request.scene->workplane ? std::nullopt : learn_view(request));
+  }
+  Collector collector(request);
+  parallel_for(
+      request.images.size(), kMostThreads, [&] { return LampTracker(request.method); },
+      [&](std::size_t i, LampTracker& tracker) {
+        const LampImage& image = request.images[i];
+        collector.add(i, [&](const Frame& frame) {
+          const PairExpectation expectation =
+              prediction ? prediction->of(image.commanded) : PairExpectation{};
+          return pair_row(image, tracker.locate(frame, expectation), request.scene);
+        });
+      });
+  return collector.finish();
+}
+
+LocateReport follow_disc(const LocateRequest& request,
+                         const std::optional<Eigen::Vector2d>& start_px) {
+  DiscTracker tracker(request.method, start_px);
+  Collector collector(request);
+  for (std::size_t i = 0; i < request.images.size(); ++i) {
+    collector.add(i, [&](const Frame& frame) {
+      return disc_row(request.images[i], tracker.locate(frame.image));
+    });
+  }
+  return collector.finish();
+}
+
+std::vector<LampRow> locate_lamps_of_recording(const CellSettings& cell,
+                                               const std::filesystem::path& folder,
+                                               const std::vector<FrameRow>& frames,
+                                               CenterMethod method) {
+  return locate_lamps({images_of_recording(folder, frames, PlanarArm(cell.arm.geometry)),
+                       lamp_scene(cell),
+                       method,
+                       {}})
+      .rows;
+}
+
+}  // namespace planar

@@ -1,0 +1,107 @@
+#include "planar_servo/offline/map/check_error_map.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include "planar_servo/core/error.h"
+#include "planar_servo/error_map/judge/unit_check.h"
+
+namespace planar {
+namespace {
+
+constexpr double kQuantile95 = 1.959964;  // of the normal distribution, two-sided
+
+/// The noise of a pair per axis, metres: as its row states it, else `fallback`.
+double pair_noise(const PairRow& pair, double fallback) {
+  if (!pair.sigma_vision && !pair.sigma_tracker) return fallback;
+  return std::hypot(pair.sigma_vision.value_or(0.0), pair.sigma_tracker.value_or(0.0));
+}
+
+/// How many of the two components of `miss` lie within the 95 % interval.
+int covered_components(const Eigen::Vector2d& miss, double sigma) {
+  return static_cast<int>((miss.array().abs() <= kQuantile95 * sigma).count());
+}
+
+void require_one_unit_of(const std::vector<PairRow>& pairs) {
+  constexpr std::size_t kFewestToTell = 3;
+  if (pairs.size() < kFewestToTell) return;
+  Eigen::Matrix2Xd p_vision(2, pairs.size());
+  Eigen::Matrix2Xd p_tracker(2, pairs.size());
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    p_vision.col(static_cast<Eigen::Index>(i)) = pairs[i].p_vision;
+    p_tracker.col(static_cast<Eigen::Index>(i)) = pairs[i].p_tracker;
+  }
+  require_one_unit(p_vision, p_tracker);
+}
+
+bool is_wanted(const PairRow& pair, const std::vector<std::string>& plans) {
+  if (plans.empty()) return pair.plan != "train";
+  return std::find(plans.begin(), plans.end(), pair.plan) != plans.end();
+}
+
+}  // namespace
+
+std::vector<PairRow> pairs_to_check(std::vector<PairRow> pairs,
+                                    const std::vector<std::string>& plans) {
+  std::set<std::string> present;
+  for (const PairRow& pair : pairs) present.insert(pair.plan);
+  const std::size_t all = pairs.size();
+  pairs.erase(std::remove_if(pairs.begin(), pairs.end(),
+                             [&](const PairRow& pair) { return !is_wanted(pair, plans); }),
+              pairs.end());
+  if (pairs.empty())
+    throw InputError(fmt::format(
+        "none of {} pairs is of {}; their plans are: {}", all,
+        plans.empty() ? "a plan other than train" : fmt::format("plan {}", fmt::join(plans, ", ")),
+        fmt::join(present, ", ")));
+  return pairs;
+}
+
+void require_directions(const ErrorMap& map, const std::vector<PairRow>& pairs,
+                        const std::filesystem::path& file) {
+  if (!depends_on_direction(map)) return;
+  for (const PairRow& pair : pairs) {
+    if (pair.phi) continue;
+    throw InputError(fmt::format(
+        "{}: the map depends on the tool's direction; pairs need a column phi_deg, which pair {} "
+        "leaves empty",
+        file.string(), pair.id));
+  }
+}
+
+MapCheck check_error_map(const ErrorMap& map, const std::vector<PairRow>& pairs,
+                         const Progress& progress) {
+  require_one_unit_of(pairs);
+  MapCheck check;
+  std::vector<double> raw;
+  std::vector<double> predicted;
+  std::vector<double> missed;
+  const double map_noise = noise_sigma(map);
+  int covered = 0;
+  bool has_sigma = true;
+  for (const PairRow& pair : pairs) {
+    tell(progress, "checking pairs", raw.size(), pairs.size());
+    const ErrorPrediction prediction = predict(map, pair.p_vision, pair.phi);
+    const Eigen::Vector2d miss = pair.error() - prediction.error;
+    raw.push_back(pair.error().norm());
+    predicted.push_back(prediction.error.norm());
+    missed.push_back(miss.norm());
+    const double sigma = std::hypot(prediction.sigma, pair_noise(pair, map_noise));
+    has_sigma = has_sigma && std::isfinite(sigma);
+    covered += covered_components(miss, sigma);
+    if (!prediction.inside) ++check.n_outside;
+  }
+  check.raw = summarize(raw);
+  check.compensated = summarize(missed);
+  check.a1 = 1.0 - check.compensated.mean / check.raw.mean;
+  check.a2 = 1.0 - std::abs(check.raw.mean - mean(predicted)) / check.raw.mean;
+  check.coverage_95 = has_sigma ? covered / (2.0 * static_cast<double>(pairs.size()))
+                                : std::numeric_limits<double>::quiet_NaN();
+  return check;
+}
+
+}  // namespace planar

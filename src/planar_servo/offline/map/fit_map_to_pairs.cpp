@@ -1,0 +1,73 @@
+#include "planar_servo/offline/map/fit_map_to_pairs.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+#include <utility>
+
+#include "planar_servo/core/clock.h"
+#include "planar_servo/core/error.h"
+#include "planar_servo/core/units.h"
+
+namespace planar {
+namespace {
+
+constexpr char kTrainPlan[] = "train";
+
+void add(const PairRow& pair, TrainingPairs& training) {
+  if (pair.plan.empty() || pair.plan == kTrainPlan)
+    training.problem.samples.push_back(
+        {pair.id, pair.p_vision, pair.error(),
+         std::hypot(pair.sigma_vision.value_or(0.0), pair.sigma_tracker.value_or(0.0)), pair.phi});
+  else
+    ++training.n_other_plans;
+}
+
+void require_any(const TrainingPairs& training) {
+  if (training.problem.samples.empty())
+    throw InputError(fmt::format("none of {} pairs is of plan '{}'; a map is fitted to those",
+                                 training.n_other_plans, kTrainPlan));
+}
+
+}  // namespace
+
+MapMethodChoice parse_map_method(const std::string& text) {
+  if (text == "auto") return {MapMethod::kAuto};
+  if (text == "rbf") return {MapMethod::kRbf};
+  if (text == "idw") return {MapMethod::kIdw};
+  const std::string hand = "hand:";
+  if (text.rfind(hand, 0) == 0) {
+    double width_mm = 0.0;
+    const char* end = text.data() + text.size();
+    const auto [stop, fault] = std::from_chars(text.data() + hand.size(), end, width_mm);
+    if (fault == std::errc() && stop == end) return {MapMethod::kHandWidth, width_mm * kMillimetre};
+  }
+  throw InputError(fmt::format(
+      "--method is '{}'; allowed are auto, rbf, idw, hand:WIDTH_MM (such as hand:48)", text));
+}
+
+TrainingPairs read_training_pairs(const std::filesystem::path& path,
+                                  const MapMethodChoice& choice) {
+  TrainingPairs training{{{}, choice.method, choice.hand_width}};
+  read_pairs(path, [&](const PairRow& pair) { add(pair, training); });
+  require_any(training);
+  return training;
+}
+
+FitErrorMapReport fit_error_map_to_pairs(const TrainingPairs& pairs, const Progress& progress) {
+  const SteadyClock clock;
+  const double begin_s = clock.now_s();
+  MapResult result = fit_error_map(pairs.problem, progress);
+  return {std::move(result), pairs.n_other_plans, clock.now_s() - begin_s};
+}
+
+FitErrorMapReport fit_error_map_to_pairs(const std::vector<PairRow>& pairs,
+                                         const MapMethodChoice& choice) {
+  TrainingPairs training{{{}, choice.method, choice.hand_width}};
+  for (const PairRow& pair : pairs) add(pair, training);
+  require_any(training);
+  return fit_error_map_to_pairs(training);
+}
+
+}  // namespace planar

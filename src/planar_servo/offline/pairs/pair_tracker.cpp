@@ -1,0 +1,182 @@
+#include "planar_servo/offline/pairs/pair_tracker.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "planar_servo/calibration/board/board_pose.h"
+#include "planar_servo/calibration/vision_tip.h"
+#include "planar_servo/core/error.h"
+#include "planar_servo/lens/workplane.h"
+#include "planar_servo/offline/camera/board_images.h"
+
+namespace planar {
+namespace {
+
+bool serves_fit(const std::string& plan) {
+  return plan == "train" || plan == "sweep1" || plan == "sweep3";
+}
+
+/// The lamps' rows with what the recording knows of their frames; views of boards left out.
+std::vector<LampSight> lamp_sights(const std::vector<LampRow>& lamps,
+                                   const std::vector<FrameRow>& frames) {
+  std::map<std::string, const FrameRow*> by_image, by_id;
+  for (const FrameRow& frame : frames) {
+    by_image.emplace(frame.image, &frame);
+    by_id.emplace(frame.id, &frame);
+  }
+  Faults faults;
+  std::vector<LampSight> sights;
+  for (const LampRow& row : lamps) {
+    const auto& index = row.image.empty() ? by_id : by_image;
+    const auto found = index.find(row.image.empty() ? row.id : row.image);
+    if (found == index.end() || found->second->id != row.id) {
+      faults.add(fmt::format("lamps: id '{}', image '{}' is not in the recording's frames.csv",
+                             row.id, row.image));
+      continue;
+    }
+    const FrameRow& frame = *found->second;
+    if (shows_board(frame.plan)) continue;
+    LampSight sight;
+    sight.id = row.id;
+    sight.t_s = frame.t_s;
+    sight.status = row.status;
+    sight.plan = frame.plan;
+    sight.theta12 = frame.theta.head<2>();
+    if (row.status == "ok" && row.uv_px.size() == 2) {
+      std::copy(row.uv_px.begin(), row.uv_px.end(), sight.uv_px.begin());
+      std::copy(row.covariance_px2.begin(), row.covariance_px2.end(),
+                sight.covariances_px2.begin());
+    } else if (row.status == "ok") {
+      sight.status = "one_lamp";
+    }
+    sights.push_back(std::move(sight));
+  }
+  faults.throw_if_any();
+  return sights;
+}
+
+struct SortedReadings {
+  std::vector<MonumentReading> monuments;
+  std::vector<TrackerRow> tool;
+};
+
+SortedReadings sort_readings(const std::vector<TrackerRow>& rows,
+                             const std::vector<Monument>& monuments) {
+  std::set<std::string> ids;
+  for (const Monument& monument : monuments) ids.insert(monument.id);
+  SortedReadings sorted;
+  for (const TrackerRow& row : rows) {
+    if (ids.count(row.id) != 0) {
+      sorted.monuments.push_back({row.id, row.p_L});
+    } else {
+      sorted.tool.push_back(row);
+    }
+  }
+  return sorted;
+}
+
+WorkplaneFit fit_workplane(const PairTrackerRequest& request,
+                           const std::vector<ToolSight>& sights) {
+  std::vector<ToolSight> fitted;
+  std::copy_if(sights.begin(), sights.end(), std::back_inserter(fitted),
+               [](const ToolSight& sight) { return serves_fit(sight.plan); });
+  return request.boards_on_plane.empty()
+             ? fit_workplane_to_pairs(request.camera, fitted)
+             : fit_workplane_to_board(request.camera, request.boards_on_plane, fitted);
+}
+
+/// Brings the lamps' places from the centres of their images to the images of their centres; the
+/// largest shift.
+double remove_eccentricity(const Workplane& workplane, const std::array<double, 2>& diameters,
+                           std::vector<ToolSight>& sights) {
+  double largest_px = 0.0;
+  for (ToolSight& sight : sights) {
+    const auto shifts_px = lamp_eccentricities_px(workplane, sight.lamps_px, diameters);
+    for (std::size_t k = 0; k < 2; ++k) {
+      sight.lamps_px[k] -= shifts_px[k];
+      largest_px = std::max(largest_px, shifts_px[k].norm());
+    }
+  }
+  return largest_px;
+}
+
+}  // namespace
+
+PairTrackerReport pair_tracker(const PairTrackerRequest& request) {
+  PairTrackerReport report;
+  const SortedReadings readings = sort_readings(request.tracker, request.cell.datum);
+  report.datum = register_datum(request.cell.datum, readings.monuments);
+  std::vector<ToolReading> tool_readings;
+  for (const TrackerRow& row : readings.tool) {
+    tool_readings.push_back({row.id, row.t_s, report.datum.X_BL * row.p_L,
+                             request.cell.tracker_sigma_at(row.p_L.norm())});
+  }
+  Pairing pairing =
+      pair_sights(lamp_sights(request.lamps, request.frames), tool_readings, request.by);
+  report.rejected = std::move(pairing.rejected);
+  report.workplane = fit_workplane(request, pairing.sights);
+  report.largest_eccentricity_px =
+      remove_eccentricity(Workplane(request.camera, report.workplane.X_WC),
+                          request.cell.lamp_diameters_m, pairing.sights);
+  report.workplane = fit_workplane(request, pairing.sights);
+
+  std::set<std::string> outliers;
+  for (const Rejection& rejection : report.workplane.rejected) {
+    outliers.insert(rejection.id);
+    report.rejected.push_back(rejection);
+  }
+  const Workplane workplane(request.camera, report.workplane.X_WC);
+  for (const ToolSight& sight : pairing.sights) {
+    if (outliers.count(sight.id) != 0) continue;
+    const auto points = end_points(workplane, report.workplane.tool, sight);
+    if (points) {
+      report.pairs.push_back({sight.id, points->p_vision, points->p_tracker, points->phi,
+                              points->sigma_vision, points->sigma_tracker, sight.plan});
+    } else {
+      report.rejected.push_back({sight.id, "a lamp's ray does not meet the plane"});
+    }
+  }
+  return report;
+}
+
+std::vector<Pose> boards_on_plane(const std::filesystem::path& recording,
+                                  const std::vector<FrameRow>& frames, const CameraModel& camera,
+                                  const Board& board) {
+  Faults faults;
+  std::vector<Pose> poses;
+  for (const FrameRow& frame : frames) {
+    if (frame.plan != kLaidBoardPlan) continue;
+    const std::filesystem::path file = recording / frame.image;
+    const cv::Mat image = read_grey(file, faults);
+    if (image.empty()) continue;
+    const BoardSight sight = find_board_on_sensor(image, frame.region_px.tl(), board);
+    const auto pose = sight.found() ? estimate_board_pose(camera, board_points(board), sight.pixels)
+                                    : std::nullopt;
+    if (pose) {
+      poses.push_back(pose->X_CG);
+    } else {
+      faults.add(file.string() +
+                 ": no board on the plane: " + (sight.found() ? "no pose" : sight.reason));
+    }
+  }
+  faults.throw_if_any();
+  if (poses.empty()) {
+    throw InputError(recording.string() +
+                     ": has no frame of plan 'plane_grid'; record one with the board on the plane, "
+                     "or take --workplane-from pairs");
+  }
+  return poses;
+}
+
+Summary raw_error(const std::vector<PairRow>& pairs, const std::string& plan) {
+  std::vector<double> lengths;
+  for (const PairRow& pair : pairs) {
+    if (plan.empty() || pair.plan == plan) lengths.push_back(pair.error().norm());
+  }
+  return summarize(lengths);
+}
+
+}  // namespace planar

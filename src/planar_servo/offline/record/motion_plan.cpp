@@ -1,0 +1,43 @@
+#include "planar_servo/offline/record/motion_plan.h"
+
+#include <fmt/format.h>
+
+#include "planar_servo/core/error.h"
+#include "planar_servo/files/tables/recording.h"
+
+namespace planar {
+namespace {
+
+JointPlan plan_row(const JointPlanner& planner, const PlanRow& row, const Joints& home,
+                   const Joints& near) {
+  if (shows_board(row.plan)) return {home, {}};
+  if (const auto* theta = std::get_if<Joints>(&row.where)) return {*theta, planner.refusal(*theta)};
+  return planner.plan(std::get<TipPose>(row.where), near);
+}
+
+}  // namespace
+
+JointPlanner joint_planner(const CellSettings& cell) {
+  return {PlanarArm(cell.arm.geometry), Transmission(cell.transmission), cell.workspace,
+          cell.arm.elbow};
+}
+
+std::vector<Joints> joints_of_plan(const CellSettings& cell, const std::vector<PlanRow>& plan) {
+  const JointPlanner planner = joint_planner(cell);
+  Faults faults;
+  std::vector<Joints> joints;
+  Joints near = cell.arm.home;
+  for (const PlanRow& row : plan) {
+    const JointPlan found = plan_row(planner, row, cell.arm.home, near);
+    if (found.refusal) {
+      faults.add(fmt::format("plan row '{}': {}", row.id, *found.refusal));
+    } else if (!shows_board(row.plan)) {
+      near = found.theta;
+    }
+    joints.push_back(found.theta);
+  }
+  faults.throw_if_any();
+  return joints;
+}
+
+}  // namespace planar

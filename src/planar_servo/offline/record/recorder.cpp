@@ -1,0 +1,191 @@
+#include "planar_servo/offline/record/recorder.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <opencv2/imgcodecs.hpp>
+#include <optional>
+#include <set>
+
+#include "planar_servo/calibration/coarse_view.h"
+#include "planar_servo/core/error.h"
+#include "planar_servo/files/tables/recording.h"
+#include "planar_servo/io/atomic_file.h"
+#include "planar_servo/io/growing_file.h"
+#include "planar_servo/lamps/lamp_tracker.h"
+#include "planar_servo/offline/record/motion_plan.h"
+#include "planar_servo/robot/planar_robot.h"
+#include "planar_servo/vision/regions.h"
+
+namespace planar {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kMonumentReadings = 5;
+constexpr int kLostFrameRetries = 3;
+
+std::set<std::string> recorded_ids(const fs::path& recording) {
+  std::set<std::string> ids;
+  if (!fs::exists(recording / "frames.csv")) return ids;
+  try {
+    for (const FrameRow& row : read_frames(recording)) ids.insert(row.id);
+  } catch (const InputError&) {
+    if (read_file(recording / "frames.csv") != frames_header()) throw;
+  }
+  return ids;
+}
+
+class Recorder {
+ public:
+  Recorder(const RecordRequest& request, CellDevices& devices)
+      : cell_(request.cell),
+        devices_(devices),
+        folder_(request.recording),
+        arm_(cell_.arm.geometry),
+        transmission_(cell_.transmission),
+        robot_(arm_, transmission_, devices.drives(), devices.clock()),
+        lamps_(CenterMethod::kCannyKasa),
+        frames_table_(folder_ / "frames.csv", frames_header()),
+        tracker_table_(folder_ / "tracker.csv", tracker_header()) {
+    robot_.stop_when(request.stop);
+  }
+
+  RecordReport run(const std::vector<PlanRow>& plan, const std::vector<Joints>& joints) {
+    const std::set<std::string> present = recorded_ids(folder_);
+    if (present.empty()) measure_monuments();
+    for (std::size_t i = 0; i < plan.size(); ++i) {
+      const bool board = shows_board(plan[i].plan);
+      const int view = board ? board_views_[plan[i].plan]++ : 0;
+      if (present.count(plan[i].id) != 0) {
+        ++report_.present;
+        continue;
+      }
+      if (board)
+        record_board(plan[i], view);
+      else
+        record_position(plan[i], joints[i]);
+      ++report_.recorded;
+    }
+    return report_;
+  }
+
+ private:
+  void measure_monuments() {
+    for (const Monument& monument : cell_.datum)
+      for (int i = 0; i < kMonumentReadings; ++i) {
+        const auto reading = devices_.tracker().measure_monument(monument.id);
+        if (!reading)
+          throw WorkError(fmt::format("the tracker does not see the monument '{}'", monument.id));
+        tracker_table_.append(tracker_line({monument.id, reading->t_s, reading->p_L}));
+      }
+  }
+
+  void record_board(const PlanRow& row, int view) {
+    if (row.plan == kHeldBoardPlan)
+      devices_.board_presenter().hold_board(view);
+    else
+      devices_.board_presenter().lay_board(view);
+    devices_.camera().set_region(full_region());
+    const std::string line = save(grab(), row, 0);
+    devices_.board_presenter().remove_board();
+    frames_table_.append(line);
+  }
+
+  void record_position(const PlanRow& row, const Joints& theta) {
+    if (!energized_) robot_.energize();
+    energized_ = true;
+    if (const auto objection = robot_.move_to(theta, [this] { return devices_.camera().fault(); }))
+      throw WorkError(
+          fmt::format("{}: {}; the arm stands; mend the camera and record on", row.id, *objection));
+    devices_.clock().sleep_for_s(cell_.servo.settle_s);
+    const Eigen::Vector2d p = arm_.forward(robot_.commanded_joints()).p;
+    std::string lines;
+    set_region_for(p);
+    for (int i = 0; i < cell_.servo.frames_per_measurement; ++i) {
+      Frame frame = grab();
+      if (i == 0) frame = with_lamps(std::move(frame), p, row.id);
+      lines += save(frame, row, i);
+    }
+    if (const auto reading = devices_.tracker().measure_tool())
+      tracker_table_.append(tracker_line({row.id, reading->t_s, reading->p_L}));
+    frames_table_.append(lines);
+  }
+
+  void set_region_for(const Eigen::Vector2d& p) {
+    const auto view = fit_coarse_view(sights_);
+    const auto pixel = view ? view->pixel(p) : std::nullopt;
+    devices_.camera().set_region(pixel ? follow_region(cell_.camera, *pixel) : full_region());
+  }
+
+  /// The frame itself when both lamps are in it, else a full frame; then the region follows them.
+  Frame with_lamps(Frame frame, const Eigen::Vector2d& p, const std::string& id) {
+    std::optional<Eigen::Vector2d> middle = middle_of_lamps(frame);
+    if (!middle && frame.region_px != full_region()) {
+      devices_.camera().set_region(full_region());
+      frame = grab();
+      middle = middle_of_lamps(frame);
+    }
+    if (middle) {
+      sights_.push_back({p, *middle});
+      devices_.camera().set_region(follow_region(cell_.camera, *middle));
+    } else {
+      report_.without_lamps.push_back(id);
+    }
+    return frame;
+  }
+
+  std::optional<Eigen::Vector2d> middle_of_lamps(const Frame& frame) {
+    const LampPair pair = lamps_.locate(frame, {});
+    if (pair.status != LampStatus::kOk && pair.status != LampStatus::kAmbiguous)
+      return std::nullopt;
+    return Eigen::Vector2d((pair.lamps[0].uv_px + pair.lamps[1].uv_px) / 2.0);
+  }
+
+  Frame grab() {
+    for (int attempt = 0; attempt < kLostFrameRetries; ++attempt) {
+      FrameResult result = devices_.camera().next_frame();
+      if (result.status == FrameStatus::kOk) return std::move(result.frame);
+    }
+    robot_.halt();
+    throw WorkError(fmt::format("the camera delivered no frame in {} attempts", kLostFrameRetries));
+  }
+
+  std::string save(const Frame& frame, const PlanRow& row, int index) {
+    const std::string image = fmt::format("images/{}_{}.pgm", row.id, index);
+    if (!cv::imwrite((folder_ / image).string(), frame.image))
+      throw WorkError((folder_ / image).string() + ": cannot be written; is the disk full?");
+    ++report_.frames;
+    if (frame.region_px == full_region()) ++report_.full_frames;
+    const Joints theta = energized_ ? robot_.commanded_joints() : cell_.arm.home;
+    return frame_line({row.id, image, frame.t_s, row.plan, theta,
+                       transmission_.pulses_from_joints(theta), frame.region_px});
+  }
+
+  cv::Rect full_region() const { return {0, 0, cell_.camera.width_px, cell_.camera.height_px}; }
+
+  const CellSettings& cell_;
+  CellDevices& devices_;
+  fs::path folder_;
+  PlanarArm arm_;
+  Transmission transmission_;
+  PlanarRobot robot_;
+  LampTracker lamps_;
+  GrowingFile frames_table_;
+  GrowingFile tracker_table_;
+  std::vector<CoarseViewRow> sights_;
+  std::map<std::string, int> board_views_;
+  bool energized_{false};
+  RecordReport report_;
+};
+
+}  // namespace
+
+RecordReport record(const RecordRequest& request, CellDevices& devices) {
+  const std::vector<Joints> joints = joints_of_plan(request.cell, request.plan);
+  make_folder(request.recording / "images");
+  return Recorder(request, devices).run(request.plan, joints);
+}
+
+}  // namespace planar

@@ -1,0 +1,370 @@
+#include "planar_servo/robot/planar_robot.h"
+
+#include <fmt/format.h>
+#include <visp3/robot/vpRobotException.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "planar_servo/core/units.h"
+
+namespace planar {
+namespace {
+
+constexpr double kPollPeriod_s = 5e-3;
+/// A move may take this many times its computed duration, and this much more for the link.
+constexpr double kTimeoutFactor = 2.0;
+constexpr double kTimeoutMargin_s = 1.0;
+/// A search for a home switch runs at a speed that only the drive knows.
+constexpr double kHomingTimeout_s = 180.0;
+/// Between attempts to get a lost drive back; doubled each time.
+constexpr double kFirstPause_s = 0.1;
+constexpr double kLongestPause_s = 2.0;
+
+std::string in_words(const std::vector<std::string>& faults) {
+  return fmt::format("{}", fmt::join(faults, ", "));
+}
+
+/// Duration of a trapezoidal move from rest to rest, or of a triangular one if it is short.
+double move_duration_s(double distance, double max_speed, double max_acceleration) {
+  const double ramp = max_speed * max_speed / max_acceleration;
+  if (distance < ramp) return 2.0 * std::sqrt(distance / max_acceleration);
+  return distance / max_speed + max_speed / max_acceleration;
+}
+
+[[noreturn]] void refuse_frame() {
+  throw vpRobotException(vpRobotException::notImplementedError,
+                         "PlanarRobot knows JOINT_STATE and REFERENCE_FRAME only");
+}
+
+[[noreturn]] void throw_stopped() {
+  throw StopRequested("the arm was stopped as asked");
+}
+
+void require_size(const vpColVector& position, unsigned int size) {
+  if (position.size() == size) return;
+  throw vpRobotException(vpRobotException::positionOutOfRangeError,
+                         "PlanarRobot: a position of this frame has %u elements", size);
+}
+
+}  // namespace
+
+PlanarRobot::PlanarRobot(const PlanarArm& arm, const Transmission& transmission, DriveGroup& drives,
+                         Clock& clock)
+    : arm_(arm), transmission_(transmission), drives_(drives), clock_(clock) {
+  nDof = 3;
+  read_positions(drives_.status());
+}
+
+PlanarRobot::~PlanarRobot() {
+  try {
+    const auto status = drives_.status();
+    if (std::any_of(status.begin(), status.end(), [](const auto& s) { return s.moving; }))
+      drives_.halt();
+  } catch (const std::exception&) {
+    // A drive out of touch stops by its own command time-out.
+  }
+}
+
+void PlanarRobot::energize() {
+  drives_.reconnect();
+  std::array<DriveLimits, 3> limits;
+  for (int i = 0; i < 3; ++i) {
+    const double pulses_per_rad = std::abs(transmission_.pulses_per_rad()[i]);
+    const MotorDrive& motor = motor_drive(i);
+    limits[static_cast<std::size_t>(i)] = {pulses_per_rad * motor.max_speed_rad_s,
+                                           pulses_per_rad * motor.max_acceleration_rad_s2};
+  }
+  drives_.set_limits(limits);
+  drives_.energize();
+  read_positions(require_well());
+}
+
+void PlanarRobot::throw_if_stopped() const {
+  if (stopped()) throw_stopped();
+}
+
+std::vector<int> PlanarRobot::unhomed() {
+  std::vector<int> joints;
+  const auto status = drives_.status();
+  for (int i = 0; i < 3; ++i)
+    if (!status[static_cast<std::size_t>(i)].position_certain) joints.push_back(i);
+  return joints;
+}
+
+void PlanarRobot::search_home(int joint) {
+  const MotorDrive& motor = motor_drive(joint);
+  if (motor.home == HomeReference::kTaught)
+    throw DriveError(fmt::format(
+        "drive {} has no home switch: turn it to its mark at {:.3f} deg and teach it that",
+        joint + 1, motor.home_rad / kDegree));
+  throw_if_stopped();
+  require_well();
+  try {
+    drives_.start_homing(joint, motor.home == HomeReference::kForwardSwitch
+                                    ? HomeDirection::kForward
+                                    : HomeDirection::kReverse);
+    wait_for(kHomingTimeout_s, [&](const auto& status) {
+      throw_if_stopped();
+      return !status[static_cast<std::size_t>(joint)].homing;
+    });
+  } catch (const std::exception& error) {
+    halt_after(error);
+    throw;
+  }
+  const DriveStatus found = drives_.status()[static_cast<std::size_t>(joint)];
+  if (!found.position_certain)
+    throw DriveError(fmt::format("drive {} gave up its search for the home switch", joint + 1));
+  drives_.set_position(joint, found.position_pulses + home_pulses(joint));
+  read_positions(drives_.status());
+}
+
+void PlanarRobot::teach_home(int joint) {
+  drives_.set_position(joint, home_pulses(joint));
+  read_positions(drives_.status());
+}
+
+void PlanarRobot::recover(double patience_s) {
+  const double deadline_s = clock_.now_s() + patience_s;
+  for (double pause_s = kFirstPause_s;; pause_s = std::min(2.0 * pause_s, kLongestPause_s)) {
+    try {
+      return energize();
+    } catch (const DriveError&) {
+      if (clock_.now_s() + pause_s > deadline_s) throw;
+    }
+    throw_if_stopped();
+    clock_.sleep_for_s(pause_s);
+  }
+}
+
+std::optional<std::string> PlanarRobot::move_to(const Joints& theta, const Guard& guard) {
+  if (const auto violation = transmission_.limit_violation(theta)) {
+    throw WorkError("the arm refuses to move: " + *violation);
+  }
+  const Pulses target = transmission_.pulses_from_joints(theta);
+  const Status status = require_well();
+  require_homed(status);
+  note_speeds(status);
+  bool stops = false;
+  std::optional<std::string> objection;
+  const auto must_rest = [&] {
+    stops = stopped();
+    if (guard) objection = guard();
+    return stops || objection;
+  };
+  if (!must_rest()) travel(target, must_rest);
+  if (stops) throw_stopped();
+  return objection;
+}
+
+void PlanarRobot::travel(const Pulses& target, const std::function<bool()>& must_rest) {
+  const double timeout_s = kTimeoutFactor * longest_move_s(target) + kTimeoutMargin_s;
+  try {
+    drives_.set_targets({target[0], target[1], target[2]});
+    commanded_pulses_ = target;
+    bool rests = false;
+    wait_for(timeout_s, [&](const auto& now) {
+      if ((rests = must_rest())) return true;
+      for (int i = 0; i < 3; ++i) {
+        const DriveStatus& drive = now[static_cast<std::size_t>(i)];
+        if (drive.moving || drive.position_pulses != target[i]) return false;
+      }
+      return true;
+    });
+    if (rests) brake();
+  } catch (const std::exception& error) {
+    halt_after(error);
+    throw;
+  }
+}
+
+void PlanarRobot::brake() {
+  std::array<std::int32_t, 3> stop_pulses;
+  double longest_s = 0.0;
+  for (int i = 0; i < 3; ++i) {
+    const double acceleration =
+        std::abs(transmission_.pulses_per_rad()[i]) * motor_drive(i).max_acceleration_rad_s2;
+    const double speed = speed_pulses_s_[i];
+    const double way = speed * std::abs(speed) / (2.0 * acceleration);
+    stop_pulses[static_cast<std::size_t>(i)] =
+        static_cast<std::int32_t>(std::lround(seen_pulses_[i] + way));
+    longest_s = std::max(longest_s, std::abs(speed) / acceleration);
+  }
+  drives_.set_targets(stop_pulses);
+  wait_for(kTimeoutFactor * longest_s + kTimeoutMargin_s, [](const auto& status) {
+    return std::none_of(status.begin(), status.end(), [](const auto& s) { return s.moving; });
+  });
+  read_positions(drives_.status());
+}
+
+void PlanarRobot::halt() {
+  std::string failure;
+  try {
+    drives_.halt();
+  } catch (const WorkError& error) {
+    failure = error.what();
+  }
+  read_positions(drives_.status());
+  if (!failure.empty()) throw DriveError(failure);
+}
+
+void PlanarRobot::halt_after(const std::exception& cause) {
+  try {
+    halt();
+  } catch (const DriveError& error) {
+    throw DriveError(fmt::format("{}; {}", cause.what(), error.what()));
+  }
+}
+
+PlanarRobot::Status PlanarRobot::require_well() {
+  Status status = drives_.status();
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (!status[i].faults.empty())
+      throw DriveError(fmt::format("drive {} reports: {}", i + 1, in_words(status[i].faults)));
+    if (!status[i].energized) throw DriveError(fmt::format("drive {} is switched off", i + 1));
+  }
+  return status;
+}
+
+void PlanarRobot::require_homed(const Status& status) {
+  for (std::size_t i = 0; i < 3; ++i)
+    if (!status[i].position_certain)
+      throw DriveError(fmt::format("drive {} has lost its position; home the arm", i + 1));
+}
+
+void PlanarRobot::wait_for(double timeout_s, const std::function<bool(const Status&)>& arrived) {
+  const double deadline_s = clock_.now_s() + timeout_s;
+  while (!arrived(status_under_way())) {
+    if (clock_.now_s() > deadline_s)
+      throw DriveError(fmt::format("the drives have not arrived after {:.1f} s", timeout_s));
+    clock_.sleep_for_s(kPollPeriod_s);
+  }
+}
+
+PlanarRobot::Status PlanarRobot::status_under_way() {
+  Status status = drives_.status();
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (status[i].faults.empty() && status[i].energized) continue;
+    throw DriveError(
+        fmt::format("drive {} failed on its way: {}", i + 1,
+                    status[i].faults.empty() ? "it is switched off" : in_words(status[i].faults)));
+  }
+  note_speeds(status);
+  return status;
+}
+
+void PlanarRobot::note_speeds(const Status& status) {
+  const double now_s = clock_.now_s(), elapsed_s = now_s - seen_s_;
+  const Eigen::Vector3d position(status[0].position_pulses, status[1].position_pulses,
+                                 status[2].position_pulses);
+  if (elapsed_s > 0.0) speed_pulses_s_ = (position - seen_pulses_) / elapsed_s;
+  seen_pulses_ = position;
+  seen_s_ = now_s;
+}
+
+const MotorDrive& PlanarRobot::motor_drive(int joint) const {
+  return transmission_.settings().drives.at(static_cast<std::size_t>(joint));
+}
+
+std::int32_t PlanarRobot::home_pulses(int joint) const {
+  return static_cast<std::int32_t>(
+      std::lround(transmission_.pulses_per_rad()[joint] * motor_drive(joint).home_rad));
+}
+
+double PlanarRobot::longest_move_s(const Pulses& target) const {
+  double longest_s = 0.0;
+  for (int i = 0; i < 3; ++i) {
+    const MotorDrive& motor = motor_drive(i);
+    const double distance_rad = std::abs((target[i] - static_cast<double>(commanded_pulses_[i])) /
+                                         transmission_.pulses_per_rad()[i]);
+    longest_s = std::max(longest_s, move_duration_s(distance_rad, motor.max_speed_rad_s,
+                                                    motor.max_acceleration_rad_s2));
+  }
+  return longest_s;
+}
+
+void PlanarRobot::read_positions(const Status& status) {
+  for (int i = 0; i < 3; ++i)
+    if (status[static_cast<std::size_t>(i)].answers)
+      commanded_pulses_[i] = status[static_cast<std::size_t>(i)].position_pulses;
+}
+
+void PlanarRobot::get_fJe(vpMatrix& J) {
+  set_jacobian(arm_.jacobian(commanded_joints()), J);
+}
+
+void PlanarRobot::get_eJe(vpMatrix& J) {
+  const Joints theta = commanded_joints();
+  set_jacobian(rotation2d(arm_.forward(theta).phi).transpose() * arm_.jacobian(theta), J);
+}
+
+void PlanarRobot::set_jacobian(const Eigen::Matrix2d& tip_jacobian, vpMatrix& J) const {
+  J.resize(6, 3);
+  for (int row = 0; row < 2; ++row) {
+    for (int column = 0; column < 2; ++column) J[row][column] = tip_jacobian(row, column);
+  }
+  J[5][2] = arm_.sense();
+}
+
+void PlanarRobot::getPosition(const vpControlFrameType frame, vpColVector& position) {
+  const Joints theta = commanded_joints();
+  if (frame == JOINT_STATE) {
+    position.resize(3);
+    for (int i = 0; i < 3; ++i) position[i] = theta[i];
+  } else if (frame == REFERENCE_FRAME) {
+    const TipPose tip = arm_.forward(theta);
+    position.resize(6);
+    position[0] = tip.p.x();
+    position[1] = tip.p.y();
+    position[5] = wrap_angle(tip.phi);
+  } else {
+    refuse_frame();
+  }
+}
+
+void PlanarRobot::setPosition(const vpControlFrameType frame, const vpColVector& position) {
+  if (getRobotState() != STATE_POSITION_CONTROL) {
+    throw vpRobotException(vpRobotException::wrongStateError,
+                           "PlanarRobot: call setRobotState(STATE_POSITION_CONTROL) first");
+  }
+  if (frame == JOINT_STATE) {
+    require_size(position, 3);
+    move_to({position[0], position[1], position[2]});
+  } else if (frame == REFERENCE_FRAME) {
+    move_to(joints_from_pose(position));
+  } else {
+    refuse_frame();
+  }
+}
+
+Joints PlanarRobot::joints_from_pose(const vpColVector& pose) const {
+  require_size(pose, 6);
+  if (pose[2] != 0.0 || pose[3] != 0.0 || pose[4] != 0.0) {
+    throw vpRobotException(vpRobotException::positionOutOfRangeError,
+                           "PlanarRobot: the tool stays in the plane z = 0, upright");
+  }
+  const Joints near = commanded_joints();
+  const InverseResult inverse = arm_.inverse({{pose[0], pose[1]}, pose[5]}, arm_.elbow(near), near);
+  if (inverse.status != ReachStatus::kOk) {
+    throw vpRobotException(vpRobotException::positionOutOfRangeError, "PlanarRobot: %s",
+                           describe(inverse.status));
+  }
+  return inverse.theta;
+}
+
+void PlanarRobot::getDisplacement(const vpControlFrameType /*frame*/, vpColVector& /*q*/) {
+  throw vpRobotException(vpRobotException::notImplementedError,
+                         "PlanarRobot does not record displacements");
+}
+
+void PlanarRobot::setVelocity(const vpControlFrameType /*frame*/, const vpColVector& /*v*/) {
+  throw vpRobotException(vpRobotException::notImplementedError,
+                         "PlanarRobot moves in position control only");
+}
+
+vpRobot::vpRobotStateType PlanarRobot::setRobotState(const vpRobotStateType state) {
+  if (state == STATE_STOP) halt();
+  return vpRobot::setRobotState(state);
+}
+
+}  // namespace planar

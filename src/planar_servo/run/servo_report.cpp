@@ -1,0 +1,127 @@
+#include "planar_servo/run/servo_report.h"
+
+#include <fmt/format.h>
+
+#include "planar_servo/core/fixed.h"
+#include "planar_servo/core/units.h"
+#include "planar_servo/io/yaml_writer.h"
+#include "planar_servo/report/html_page.h"
+#include "planar_servo/report/text_table.h"
+
+namespace planar {
+namespace {
+
+double mm(double metres) {
+  return metres / kMillimetre;
+}
+
+double improvement(const Summary& before, const Summary& after) {
+  return 1.0 - after.mean / before.mean;
+}
+
+void add_figures(nlohmann::json& json, const std::string& suffix,
+                 const std::optional<Summary>& before, const std::optional<Summary>& after) {
+  if (!before || !after) return;
+  json["before_mean_mm" + suffix] = mm(before->mean);
+  json["after_mean_mm" + suffix] = mm(after->mean);
+  json["after_rms_mm" + suffix] = mm(after->rms);
+  json["after_p95_mm" + suffix] = mm(after->p95);
+  json["after_max_mm" + suffix] = mm(after->max);
+  json["improvement" + suffix] = improvement(*before, *after);
+}
+
+std::string figures_line(const char* judge, const std::optional<Summary>& before,
+                         const std::optional<Summary>& after) {
+  if (!before || !after) return "";
+  return fmt::format(
+      "{}: before {:.3f} mm mean; after {:.4f} mm mean, {:.4f} rms, {:.4f} at 95 %, {:.4f} max; "
+      "improvement {} %\n",
+      judge, mm(before->mean), mm(after->mean), mm(after->rms), mm(after->p95), mm(after->max),
+      fixed(100.0 * improvement(*before, *after), 1));
+}
+
+std::string in_mm(const std::optional<Eigen::Vector2d>& error) {
+  return error ? fmt::format("{:.4f}", mm(error->norm())) : "–";
+}
+
+}  // namespace
+
+QuiverPanel error_panel(const std::string& what, const std::vector<TargetResult>& results,
+                        TargetError error) {
+  QuiverPanel panel;
+  panel.title = fmt::format("{}: {:#.3g} mm mean", what, mm(mean_error(results, error)));
+  for (const TargetResult& result : results) {
+    if (!(result.*error)) continue;
+    panel.points.push_back(result.p_d);
+    panel.errors.push_back(*(result.*error));
+  }
+  return panel;
+}
+
+nlohmann::json servo_json(const ServoFigures& figures) {
+  nlohmann::json json{{"targets", figures.targets},
+                      {"reached", figures.reached},
+                      {"iterations_median", figures.iterations_median},
+                      {"seconds_per_target", figures.seconds_per_target}};
+  add_figures(json, "_own_view", figures.before_own, figures.after_own);
+  add_figures(json, "_truth", figures.before_truth, figures.after_truth);
+  if (figures.frames) {
+    json["frames_complete"] = figures.frames->complete;
+    json["frames_incomplete"] = figures.frames->incomplete;
+    json["frames_frozen"] = figures.frames->frozen;
+    json["camera_reopened"] = figures.frames->reopened;
+  }
+  return json;
+}
+
+std::string servo_text(const ServoFigures& figures) {
+  return fmt::format("{} of {} targets reached, {:g} correction{} and {:.2f} s each\n",
+                     figures.reached, figures.targets, figures.iterations_median,
+                     figures.iterations_median == 1.0 ? "" : "s", figures.seconds_per_target) +
+         figures_line("against the truth", figures.before_truth, figures.after_truth) +
+         figures_line("by its own view", figures.before_own, figures.after_own) +
+         (figures.frames ? "camera: " + describe(*figures.frames) + "\n" : "");
+}
+
+std::string run_text(const ServoRequest& request, const ServoFigures& figures,
+                     const std::vector<std::filesystem::path>& inputs) {
+  YamlWriter run = YamlWriter::with_header("run", "planar-servo");
+  run.add_inputs(inputs);
+  run.add("error_map_used", request.use_error_map);
+  run.add("targets", static_cast<int>(figures.targets));
+  run.add("reached", static_cast<int>(figures.reached));
+  if (figures.frames) run.add("camera", describe(*figures.frames));
+  run.begin_map("figures");
+  const nlohmann::json figures_json = servo_json(figures);
+  for (const auto& [key, value] : figures_json.items())
+    if (value.is_number_float()) run.add(key, value.get<double>());
+  run.end_map();
+  return run.text();
+}
+
+std::string servo_page(const ServoRequest& request, const std::vector<TargetResult>& results) {
+  HtmlPage page("planar-servo: " + request.cell.file.filename().string());
+  page.add_paragraph(servo_text(figures_of(results)));
+  const bool truth = !results.empty() && results.front().before_truth.has_value();
+  const QuiverPanel before = error_panel(
+      "Open loop", results, truth ? &TargetResult::before_truth : &TargetResult::before_own);
+  const QuiverPanel after = error_panel(
+      "By vision", results, truth ? &TargetResult::after_truth : &TargetResult::after_own);
+  page.add_heading(truth ? "Errors against the truth" : "Errors by the servo's own view");
+  if (!before.points.empty()) {
+    page.add_html(quiver_svg({before, after}));
+    page.add_paragraph(kQuiverCaption);
+  }
+  TextTable table("Targets", {"target", "x mm", "y mm", "status", "corrections", "own view mm",
+                              "uncertainty mm", "truth mm"});
+  for (const TargetResult& r : results)
+    table.add_row({r.id, fixed(mm(r.p_d.x()), 3), fixed(mm(r.p_d.y()), 3),
+                   r.reason.empty() ? name(r.status) : name(r.status) + (": " + r.reason),
+                   std::to_string(r.iterations), in_mm(r.after_own),
+                   r.uncertainty_m ? fmt::format("{:.4f}", mm(*r.uncertainty_m)) : "–",
+                   in_mm(r.after_truth)});
+  page.add_html(table.html());
+  return page.text();
+}
+
+}  // namespace planar

@@ -1,0 +1,79 @@
+#include "planar_servo/run/target_stream.h"
+
+#include <istream>
+#include <ostream>
+#include <string>
+
+#include "planar_servo/core/error.h"
+#include "planar_servo/core/units.h"
+
+namespace planar {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+void write_line(std::ostream& out, const Json& answer) {
+  constexpr int kOneLine = -1;
+  out << answer.dump(kOneLine, ' ', false, Json::error_handler_t::replace) << std::endl;
+}
+
+}  // namespace
+
+std::size_t answer_targets(std::istream& in, std::ostream& out, TargetLines& lines,
+                           const TargetAnswer& answer) {
+  std::size_t bad_lines = 0;
+  std::string text;
+  while (std::getline(in, text)) {
+    std::optional<TargetRow> target;
+    try {
+      target = lines.next(text);
+    } catch (const InputError& e) {
+      write_line(out, {{"line", lines.line()}, {"error", e.what()}});
+      if (!lines.has_columns()) throw;
+      ++bad_lines;
+      continue;
+    }
+    if (!target) continue;
+    Json told{{"line", lines.line()}};
+    try {
+      told.update(answer(*target));
+    } catch (const std::exception& e) {
+      write_line(out, {{"line", lines.line()}, {"target", target->id}, {"error", e.what()}});
+      throw;
+    }
+    write_line(out, told);
+  }
+  return bad_lines;
+}
+
+Json result_answer(const TargetResult& result) {
+  Json told{{"target", result.id},
+            {"x_mm", result.p_d.x() / kMillimetre},
+            {"y_mm", result.p_d.y() / kMillimetre},
+            {"status", name(result.status)},
+            {"reason", result.reason},
+            {"iterations", result.iterations},
+            {"seconds", result.seconds}};
+  if (result.uncertainty_m) told["uncertainty_mm"] = *result.uncertainty_m / kMillimetre;
+  for (const ResultError& kind : result_errors()) {
+    const auto& error = result.*kind.error;
+    if (!error) continue;
+    const auto columns = kind.columns();
+    told[columns[0]] = error->norm() / kMillimetre;
+    told[columns[1]] = error->x() / kMillimetre;
+    told[columns[2]] = error->y() / kMillimetre;
+  }
+  return told;
+}
+
+Json plan_answer(const DryRunRow& row) {
+  if (row.plan.refusal)
+    return {{"target", row.id}, {"status", "refused"}, {"reason", *row.plan.refusal}};
+  const Eigen::Vector3d deg = row.plan.theta / kDegree;
+  return {{"target", row.id},
+          {"status", "planned"},
+          {"theta_deg", {deg[0], deg[1], deg[2]}},
+          {"pulses", {row.pulses[0], row.pulses[1], row.pulses[2]}}};
+}
+
+}  // namespace planar

@@ -1,0 +1,186 @@
+#include "planar_servo/servo/position_servo.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "planar_servo/servo/control_law.h"
+
+namespace planar {
+namespace {
+
+void check(const ServoSettings& settings) {
+  const auto require = [](bool holds, const char* rule) {
+    if (!holds) throw std::invalid_argument(std::string("servo settings: ") + rule);
+  };
+  require(settings.gain > 0.0 && settings.gain <= 1.0, "gain must be in (0, 1]");
+  require(settings.tolerance_m > 0.0, "tolerance must be positive");
+  require(settings.max_iterations >= 0, "max_iterations must not be negative");
+  require(settings.max_step_m > 0.0, "max_step must be positive");
+  require(settings.settle_s >= 0.0, "settle time must not be negative");
+  require(settings.frames_per_measurement >= 1, "frames_per_measurement must be at least 1");
+  require(settings.approach_margin_rad > 0.0, "approach margin must be positive");
+}
+
+bool has_grown_twice(const std::vector<ServoStep>& steps) {
+  const std::size_t n = steps.size();
+  if (n < 3) return false;
+  const auto distance = [&](std::size_t i) { return steps[i].error.norm(); };
+  return distance(n - 1) > distance(n - 2) && distance(n - 2) > distance(n - 3);
+}
+
+}  // namespace
+
+const char* name(ServoStatus status) {
+  switch (status) {
+    case ServoStatus::kReached:
+      return "reached";
+    case ServoStatus::kOutsideMap:
+      return "outside_map";
+    case ServoStatus::kNotConverged:
+      return "not_converged";
+    case ServoStatus::kDiverged:
+      return "diverged";
+    case ServoStatus::kLostLamp:
+      return "lost_lamp";
+    case ServoStatus::kLostCamera:
+      return "lost_camera";
+    case ServoStatus::kRefused:
+      return "refused";
+  }
+  throw std::invalid_argument("unknown ServoStatus");
+}
+
+PositionServo::PositionServo(const ServoSettings& settings, const JointPlanner& planner,
+                             PlanarRobot& robot, TipSensor& sensor, Clock& clock)
+    : settings_(settings), planner_(planner), robot_(robot), sensor_(sensor), clock_(clock) {
+  check(settings);
+}
+
+ServoResult PositionServo::move_to(const TipPose& target, const Observer& observer) {
+  const double start_s = clock_.now_s();
+  ServoResult result;
+  result.target = target;
+  const auto finish = [&](ServoStatus status, const std::string& reason) {
+    result.status = status;
+    result.reason = reason;
+    result.duration_s = clock_.now_s() - start_s;
+    return result;
+  };
+  JointPlan plan = planner_.plan(target, robot_.commanded_joints());
+  for (;; ++result.iterations) {
+    if (plan.refusal) return finish(ServoStatus::kRefused, *plan.refusal);
+    if (const auto obstacle = command(plan.theta))
+      return finish(obstacle->status, obstacle->reason);
+    const ServoStep& step = result.steps.emplace_back(measure(target, result.iterations));
+    if (observer) observer(step);
+    if (const auto status = verdict(result.steps)) {
+      if (*status == ServoStatus::kDiverged) robot_.halt();
+      return finish(*status, reason_for(*status, step));
+    }
+    plan = corrected_joints(step);
+  }
+}
+
+ServoStep PositionServo::measure(const TipPose& target, int iteration) {
+  ServoStep step;
+  step.iteration = iteration;
+  step.target = target;
+  step.theta_c = robot_.commanded_joints();
+  step.pulses_c = robot_.commanded_pulses();
+  step.measurement =
+      sensor_.measure(planner_.arm().forward(step.theta_c), settings_.frames_per_measurement);
+  TipMeasurement& measurement = step.measurement;
+  if (measurement.ok() && !measurement.tip.p.allFinite()) measurement.status = "not_finite";
+  step.error = target.p - measurement.tip.p;
+  step.stop_below_m =
+      std::max({settings_.tolerance_m, pulse_size_m(),
+                2.0 * measurement.sigma_vision_m / std::sqrt(std::max(measurement.frames, 1))});
+  return step;
+}
+
+std::optional<ServoStatus> PositionServo::verdict(const std::vector<ServoStep>& steps) const {
+  const ServoStep& last = steps.back();
+  if (!last.measurement.ok())
+    return last.measurement.blind ? ServoStatus::kLostCamera : ServoStatus::kLostLamp;
+  if (last.error.norm() < last.stop_below_m) {
+    return last.measurement.inside_map ? ServoStatus::kReached : ServoStatus::kOutsideMap;
+  }
+  if (has_grown_twice(steps)) return ServoStatus::kDiverged;
+  if (last.iteration == settings_.max_iterations) return ServoStatus::kNotConverged;
+  return std::nullopt;
+}
+
+std::string PositionServo::reason_for(ServoStatus status, const ServoStep& last) const {
+  const double error_mm = last.error.norm() / kMillimetre;
+  switch (status) {
+    case ServoStatus::kReached:
+      return "";
+    case ServoStatus::kOutsideMap:
+      return "the error map is not valid here: record training positions around this target";
+    case ServoStatus::kLostLamp:
+    case ServoStatus::kLostCamera:
+      return fmt::format("the tool was not measured: {}", last.measurement.status);
+    case ServoStatus::kDiverged:
+      return fmt::format("the error grew twice in a row, to {:.3f} mm", error_mm);
+    case ServoStatus::kNotConverged:
+      return fmt::format("the error is {:.4f} mm after {} corrections; allowed is {:.4f} mm",
+                         error_mm, last.iteration, last.stop_below_m / kMillimetre);
+    case ServoStatus::kRefused:
+      break;
+  }
+  throw std::invalid_argument("a refusal has a reason of its own");
+}
+
+JointPlan PositionServo::corrected_joints(const ServoStep& step) const {
+  const double length = step.error.norm();
+  const Eigen::Vector2d dp = step.error * std::min(1.0, settings_.max_step_m / length);
+  const Eigen::Vector2d& p = step.measurement.tip.p;
+  const LawInput input{step.theta_c, p, p + dp};
+  const auto law = settings_.law == ServoLaw::kJacobian ? jacobian_law : inverse_law;
+  const LawStep correction = law(planner_.arm(), input, settings_.gain);
+  if (correction.status != LawStatus::kOk) return {{}, describe(correction.status)};
+  Joints theta = step.theta_c;
+  theta.head<2>() += correction.delta_theta;
+  return {theta, std::nullopt};
+}
+
+std::optional<PositionServo::Obstacle> PositionServo::command(const Joints& theta) {
+  const auto refused = [](const std::string& reason) {
+    return Obstacle{ServoStatus::kRefused, reason};
+  };
+  const auto move = [&](const Joints& to) -> std::optional<Obstacle> {
+    const auto objection = robot_.move_to(to, [&] { return sensor_.fault(); });
+    if (!objection) return std::nullopt;
+    return Obstacle{ServoStatus::kLostCamera, *objection};
+  };
+  if (const auto refusal = planner_.refusal(theta)) return refused(*refusal);
+  if (settings_.approach == Approach::kOneSide) {
+    const Transmission& transmission = planner_.transmission();
+    const Eigen::Vector3d motors = transmission.motors_from_joints(theta);
+    const Joints short_of = transmission.joints_from_motors(
+        motors - Eigen::Vector3d::Constant(settings_.approach_margin_rad));
+    if (const auto violation = transmission.limit_violation(short_of))
+      return refused("on the approach from one side, " + *violation);
+    if (const auto obstacle = move(short_of)) return obstacle;
+  }
+  if (const auto obstacle = move(theta)) return obstacle;
+  clock_.sleep_for_s(settings_.settle_s);
+  return std::nullopt;
+}
+
+/// The farthest that one pulse of motor 1 or 2 moves the end point.
+double PositionServo::pulse_size_m() const {
+  const Transmission& transmission = planner_.transmission();
+  const Eigen::Matrix2d J = planner_.arm().jacobian(robot_.commanded_joints());
+  double size_m = 0.0;
+  for (int i = 0; i < 2; ++i) {
+    const Joints turned = transmission.joints_from_pulses(Pulses::Unit(i));
+    size_m = std::max(size_m, (J * turned.head<2>()).norm());
+  }
+  return size_m;
+}
+
+}  // namespace planar

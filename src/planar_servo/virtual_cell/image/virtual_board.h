@@ -1,0 +1,51 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "planar_servo/core/pose.h"
+#include "planar_servo/devices/board_presenter.h"
+#include "planar_servo/virtual_cell/image/virtual_lamps.h"
+#include "planar_servo/virtual_cell/image/virtual_lens.h"
+#include "planar_servo/virtual_cell/truth/truth.h"
+
+namespace planar {
+
+/// The calibration board and the patient hands that hold it. Frame G: origin in the middle of the
+/// dots, x along the columns, z out of the printed side.
+class VirtualBoard final : public BoardPresenter {
+ public:
+  VirtualBoard(const Truth& truth, const VirtualLens& lens, cv::Size sensor_px);
+
+  /// Nine places, in turn, from the field's middle to its corners, each as far out as every dot
+  /// stays in view; 50 to 350 mm above the plane, tilted up to 30 degrees, no corner below the
+  /// plane.
+  void hold_board(int view) override;
+  /// On z_B = 0, within 40 mm of the camera's foot, turned by up to 10 degrees.
+  void lay_board(int view) override;
+  void remove_board() override { X_BG_.reset(); }
+
+  const std::optional<Pose>& X_BG() const { return X_BG_; }
+
+  /// The board's image before noise, within the sensor. Empty when no board is in view.
+  std::optional<Light> render(double t_s) const;
+
+  /// Outlines in pixels, in the sensor's coordinates, of the presented board's dots, row by row.
+  std::vector<std::vector<Eigen::Vector2d>> dot_outlines_px(double t_s) const;
+
+ private:
+  bool every_dot_in_view(const Pose& X_BG) const;
+  std::vector<Eigen::Vector2d> project(const std::vector<Eigen::Vector2d>& outline_G,
+                                       double t_s) const;
+
+  BoardTruth board_;
+  const VirtualLens& lens_;
+  cv::Size sensor_px_;
+  double blur_px_;
+  std::uint64_t seed_;
+  std::vector<Eigen::Vector2d> dot_centers_G_;
+  std::optional<Pose> X_BG_;
+};
+
+}  // namespace planar

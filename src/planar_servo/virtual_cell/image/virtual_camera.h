@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "planar_servo/devices/frame_source.h"
+#include "planar_servo/virtual_cell/image/sensor_noise.h"
+#include "planar_servo/virtual_cell/image/virtual_board.h"
+#include "planar_servo/virtual_cell/image/virtual_lamps.h"
+#include "planar_servo/virtual_cell/motion/virtual_arm.h"
+#include "planar_servo/virtual_cell/virtual_clock.h"
+#include "planar_servo/virtual_cell/virtual_hardware.h"
+
+namespace planar {
+
+/// Frames of the lamps, or of the calibration board while it is in view. Exposures are short and
+/// lie on whole multiples of the frame period; waiting for one lets the clock pass.
+class VirtualCamera final : public FrameSource {
+ public:
+  VirtualCamera(const Truth& truth, const VirtualHardware& hardware, const VirtualLens& lens,
+                VirtualArm& arm, const VirtualBoard& board, VirtualClock& clock);
+
+  cv::Size sensor_size_px() const override { return sensor_px_; }
+  void set_region(const cv::Rect& region_px) override;
+  FrameResult next_frame() override;
+  std::optional<std::string> fault() const override { return std::nullopt; }
+  FrameCounts counts() const override { return {taken_, 0, 0, 0}; }
+  CameraExposure exposure() const override { return exposure_; }
+  void set_exposure(const CameraExposure& exposure) override;
+
+  /// What the sensor shows of `region_px` now, `brightness` times as bright as at the usual
+  /// exposure. Equal numbers of exposure give the same noise.
+  cv::Mat expose(const cv::Rect& region_px, double brightness, std::uint64_t exposure);
+
+ private:
+  static constexpr double kUsualTime_s = 0.010;
+
+  std::optional<Light> light(double t_s);
+
+  cv::Size sensor_px_;
+  double frame_rate_hz_;
+  std::uint64_t seed_;
+  const VirtualLens& lens_;
+  VirtualArm& arm_;
+  const VirtualBoard& board_;
+  VirtualClock& clock_;
+  VirtualLamps lamps_;
+  SensorNoise noise_;
+  cv::Rect region_px_;
+  CameraExposure exposure_{kUsualTime_s, 0.0};
+  std::uint64_t taken_{0};
+  std::uint64_t next_exposure_{0};  ///< in frame periods since the clock's start
+};
+
+}  // namespace planar

@@ -1,0 +1,72 @@
+#include "planar_servo/virtual_cell/image/virtual_lens.h"
+
+#include <cmath>
+
+namespace planar {
+namespace {
+
+constexpr int kMaxIterations = 20;
+constexpr double kConverged = 1e-14;  // of the normalised image: 1e-10 px
+
+/// d(ideal)/d(distorted) of the inverse polynomial.
+Eigen::Matrix2d inverse_jacobian(const CameraTruth& truth, const Eigen::Vector2d& d) {
+  const double s = d.squaredNorm();
+  const auto& [a1, a2, a3] = truth.radial;
+  const auto& [p1, p2] = truth.decentring;
+  const double scale = 1.0 + s * (a1 + s * (a2 + s * a3));
+  const double slope = a1 + s * (2.0 * a2 + s * 3.0 * a3);
+  const double cross = 2.0 * (p1 * d.x() + p2 * d.y());
+  Eigen::Matrix2d J = scale * Eigen::Matrix2d::Identity() + 2.0 * slope * d * d.transpose();
+  J(0, 0) += 2.0 * p1 * d.y() + 6.0 * p2 * d.x();
+  J(0, 1) += cross;
+  J(1, 0) += cross;
+  J(1, 1) += 6.0 * p1 * d.y() + 2.0 * p2 * d.x();
+  return J;
+}
+
+}  // namespace
+
+VirtualLens::VirtualLens(const CameraTruth& truth)
+    : truth_(truth), p_BC_(truth.X_CB.inverse().translation()) {}
+
+Eigen::Vector2d VirtualLens::ideal_from_distorted(const Eigen::Vector2d& d) const {
+  const double s = d.squaredNorm();
+  const auto& [a1, a2, a3] = truth_.radial;
+  const auto& [p1, p2] = truth_.decentring;
+  const Eigen::Vector2d decentring(2.0 * p1 * d.x() * d.y() + p2 * (s + 2.0 * d.x() * d.x()),
+                                   p1 * (s + 2.0 * d.y() * d.y()) + 2.0 * p2 * d.x() * d.y());
+  return d * (1.0 + s * (a1 + s * (a2 + s * a3))) + decentring;
+}
+
+std::optional<Eigen::Vector2d> VirtualLens::distorted_from_ideal(
+    const Eigen::Vector2d& ideal) const {
+  Eigen::Vector2d d = ideal;
+  for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
+    const Eigen::Matrix2d J = inverse_jacobian(truth_, d);
+    if (!(J.determinant() > 0.0)) return std::nullopt;
+    const Eigen::Vector2d step = J.inverse() * (ideal - ideal_from_distorted(d));
+    d += step;
+    if (step.squaredNorm() < kConverged * kConverged) return d;
+  }
+  return std::nullopt;
+}
+
+Eigen::Vector2d VirtualLens::warp_px(const Eigen::Vector2d& w_px) const {
+  Eigen::Vector2d shift(0.0, 0.0);
+  for (const WarpBump& bump : truth_.warp) {
+    const double distance = (w_px - bump.center_px).squaredNorm();
+    shift += bump.amplitude_px * std::exp(-0.5 * distance / (bump.sigma_px * bump.sigma_px));
+  }
+  return shift;
+}
+
+std::optional<Eigen::Vector2d> VirtualLens::project(const Eigen::Vector3d& p_B, double t_s) const {
+  const Eigen::Vector3d p_C = truth_.X_CB * p_B;
+  if (!(p_C.z() > 0.0)) return std::nullopt;
+  const auto distorted = distorted_from_ideal(p_C.head<2>() / p_C.z());
+  if (!distorted) return std::nullopt;
+  const Eigen::Vector2d w_px = truth_.focal_px.cwiseProduct(*distorted) + truth_.center_px;
+  return w_px + warp_px(w_px) + truth_.drift_px_per_h * (t_s / 3600.0);
+}
+
+}  // namespace planar

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+
+#include "planar_servo/virtual_cell/truth/truth.h"
+
+namespace planar {
+
+/// The true projection of CameraTruth.
+class VirtualLens {
+ public:
+  explicit VirtualLens(const CameraTruth& truth);
+
+  /// Pixel of a point of the base frame at `t_s`; empty when it is not in front of the camera or
+  /// beyond the lens's reach.
+  std::optional<Eigen::Vector2d> project(const Eigen::Vector3d& p_B, double t_s) const;
+
+  /// Solves ideal_from_distorted for the distorted point by Newton's method; empty when that does
+  /// not converge.
+  std::optional<Eigen::Vector2d> distorted_from_ideal(const Eigen::Vector2d& ideal) const;
+  Eigen::Vector2d ideal_from_distorted(const Eigen::Vector2d& distorted) const;
+
+  Eigen::Vector2d warp_px(const Eigen::Vector2d& w_px) const;
+
+  /// The camera's centre in the base frame.
+  const Eigen::Vector3d& p_BC() const { return p_BC_; }
+
+ private:
+  CameraTruth truth_;
+  Eigen::Vector3d p_BC_;
+};
+
+}  // namespace planar

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "planar_servo/core/clock.h"
+#include "planar_servo/devices/pulse_drive.h"
+#include "planar_servo/virtual_cell/motion/motion_profile.h"
+#include "planar_servo/virtual_cell/motion/reducer.h"
+
+namespace planar {
+
+/// A stepper motor and its reducer: moves in whole pulses with the speed and acceleration of its
+/// limits, on the clock it is given.
+class VirtualDrive final : public PulseDrive {
+ public:
+  struct Settings {
+    double pulses_per_rad{1.0};  ///< signed, of the motor's angle behind its gear
+    MotionLimits rated_pulses;   ///< pulses/s and pulses/s^2; no more can be asked for
+    std::int32_t home_pulses{0};
+  };
+
+  VirtualDrive(const Clock& clock, const Settings& settings, const ReducerTruth& reducer);
+
+  void energize() override;
+  /// What exceeds the rated limits is cut to them. Throws std::invalid_argument unless both are
+  /// finite and positive.
+  void set_limits(const DriveLimits& limits) override;
+  void set_target(std::int32_t target_pulses) override;
+  void halt() override;
+  DriveStatus status() override;
+  /// Its home switch stands where it stood at first.
+  void start_homing(HomeDirection direction) override;
+  void set_position(std::int32_t position_pulses) override;
+
+  /// The drive fails with this message, stops at once and refuses targets; an empty text heals it.
+  void set_fault(const std::string& fault);
+
+  /// Turns the motor's shaft from outside; the drive takes no part.
+  void turn_shaft(std::int32_t pulses);
+
+  /// The angle that really comes out of the reducer now.
+  double output_rad();
+
+ private:
+  void require_ready() const;
+  void turn_to(std::int32_t shaft_target_pulses);
+  /// Lets the reducer follow the motor up to now.
+  void advance();
+  std::int32_t shaft_pulses() const;
+  bool moving() const { return profile_.end_s() > clock_.now_s(); }
+
+  const Clock& clock_;
+  Settings settings_;
+  MotionLimits limits_;
+  MotionProfile profile_;  ///< of the shaft
+  Reducer reducer_;
+  double followed_until_s_;
+  std::int32_t target_pulses_;             ///< of the shaft
+  std::int32_t counter_offset_pulses_{0};  ///< what the drive counts is the shaft's plus this
+  bool homing_{false};
+  bool energized_{false};
+  bool position_certain_{true};
+  std::vector<std::string> faults_;
+};
+
+}  // namespace planar

@@ -1,0 +1,163 @@
+#include <cmath>
+
+#include "planar_servo/core/units.h"
+#include "planar_servo/virtual_cell/image/virtual_lens.h"
+#include "planar_servo/virtual_cell/random.h"
+#include "planar_servo/virtual_cell/truth/truth.h"
+
+// Every distribution of a drawn cell stands in this file; the middle of each is the paper's cell as
+// we read it. They are chosen so that the commanded positions miss by about 1 to 2 mm.
+
+namespace planar {
+namespace {
+
+constexpr double kWorkingRadiusM = 0.54;
+constexpr double kMmPerPx = 0.24;  // in the plane of motion
+constexpr int kBumps = 30;
+
+double either_sign(Random& random, double lower, double upper) {
+  const double magnitude = random.uniform(lower, upper);
+  return random.uniform(-1.0, 1.0) < 0.0 ? -magnitude : magnitude;
+}
+
+Eigen::Vector2d any_direction(Random& random, double lower, double upper) {
+  const double length = random.uniform(lower, upper);
+  return length * rotation2d(random.uniform(-kPi, kPi)).col(0);
+}
+
+Harmonic harmonic(Random& random, int order, double lower, double upper) {
+  const double amplitude = random.uniform(lower, upper);
+  return {amplitude, random.uniform(-kPi, kPi), order};
+}
+
+ArmTruth draw_arm(Random& random) {
+  ArmTruth arm;
+  for (double& length : arm.link_lengths_m)
+    length = 0.3 + either_sign(random, 0.3, 1.0) * kMillimetre;
+  for (ReducerTruth& reducer : arm.reducers) {
+    reducer.zero_offset_rad = either_sign(random, 0.06, 0.16) * kDegree;
+    reducer.backlash_rad = random.uniform(0.005, 0.010) * kDegree;
+    reducer.eccentricity = {harmonic(random, 1, 0.02 * kDegree, 0.04 * kDegree),
+                            harmonic(random, 2, 0.005 * kDegree, 0.012 * kDegree)};
+  }
+  arm.sag_m_per_m2 = random.uniform(1.0, 2.0) * kMillimetre;
+  return arm;
+}
+
+/// Looks down on the base from about 1.54 m, tilted by 1 to 2 degrees, aimed near the base's axis.
+Pose draw_camera_pose(Random& random) {
+  const Eigen::Vector2d tilt = any_direction(random, 1.0 * kDegree, 2.0 * kDegree);
+  const double roll = random.uniform(-0.5, 0.5) * kDegree;
+  const double distance = random.uniform(1.53, 1.542);
+  Pose X_BC = Pose::Identity();
+  X_BC.linear() = Eigen::Vector3d(1.0, -1.0, -1.0).asDiagonal() *
+                  rotation_from_vector({tilt.x(), tilt.y(), roll});
+  const Eigen::Vector3d aim(random.uniform(-0.008, 0.008), random.uniform(-0.008, 0.008), 0.0);
+  X_BC.translation() = aim - distance * X_BC.linear().col(2);
+  return X_BC.inverse();
+}
+
+std::vector<WarpBump> draw_bumps(Random& random, const Eigen::Vector2d& middle_px) {
+  const double field_px = 600.0 / kMmPerPx;
+  std::vector<WarpBump> bumps;
+  while (bumps.size() < kBumps) {
+    const Eigen::Vector2d place(random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0));
+    const double sigma_px = random.uniform(70.0, 150.0) / kMmPerPx;
+    const double du_px = random.normal();
+    const double dv_px = random.normal();
+    if (place.norm() > 1.0) continue;
+    bumps.push_back({middle_px + field_px * place, sigma_px, {du_px, dv_px}});
+  }
+  return bumps;
+}
+
+CameraTruth draw_camera(Random& random) {
+  CameraTruth camera;
+  camera.X_CB = draw_camera_pose(random);
+  camera.focal_px.x() = random.uniform(6380.0, 6420.0);
+  camera.focal_px.y() = camera.focal_px.x() * (1.0 + either_sign(random, 0.5e-4, 2e-4));
+  camera.center_px << random.uniform(2545.0, 2575.0), random.uniform(2545.0, 2575.0);
+  camera.radial = {random.uniform(0.03, 0.05), random.uniform(-0.08, -0.03),
+                   random.uniform(0.05, 0.20)};
+  camera.decentring = {either_sign(random, 0.5e-4, 2e-4), either_sign(random, 0.5e-4, 2e-4)};
+  camera.warp = draw_bumps(random, camera.center_px);
+  const double scale = random.uniform(0.35, 0.55) / warp_rms_px(camera, kWorkingRadiusM);
+  for (WarpBump& bump : camera.warp) bump.amplitude_px *= scale;
+  camera.blur_px = random.uniform(0.7, 1.0);
+  camera.drift_px_per_h = any_direction(random, 0.01, 0.05);
+  return camera;
+}
+
+LampTruth draw_lamp(Random& random) {
+  LampTruth lamp;
+  lamp.diameter_m = random.uniform(7.95, 8.05) * kMillimetre;
+  lamp.peak_level = random.uniform(145.0, 155.0);
+  lamp.glow.gradient_tool = any_direction(random, 0.08, 0.15);
+  lamp.glow.gradient_view = random.uniform(0.25, 0.45);
+  lamp.glow.halo_tool = any_direction(random, 0.10, 0.16);
+  lamp.glow.halo_view = random.uniform(0.35, 0.50);
+  lamp.glow.halo_decay_m = random.uniform(1.1, 1.3) * kMillimetre;
+  for (int order = 2; order <= 9; ++order)
+    lamp.rim.push_back(harmonic(random, order, 0.002, 0.008));
+  return lamp;
+}
+
+ToolTruth draw_tool(Random& random) {
+  const auto about = [&](double nominal_mm, double spread_mm) {
+    return (nominal_mm + random.uniform(-spread_mm, spread_mm)) * kMillimetre;
+  };
+  ToolTruth tool;
+  tool.lamps_m[0] = {about(-20.0, 0.1), about(0.0, 0.1)};
+  tool.lamps_m[1] = {about(20.0, 0.1), about(0.0, 0.1)};
+  tool.lamp_height_m = about(5.5, 1.0);
+  tool.reflector_m = {about(12.0, 0.2), about(-8.0, 0.2), about(20.0, 0.2)};
+  return tool;
+}
+
+/// Some metres away from the base, turned anyhow, its z axis upright within a degree.
+TrackerTruth draw_tracker(Random& random) {
+  TrackerTruth tracker;
+  const Eigen::Vector2d lean = any_direction(random, 0.2 * kDegree, 1.0 * kDegree);
+  tracker.X_LB.linear() = rotation_from_vector({lean.x(), lean.y(), 0.0}) *
+                          rotation_from_vector({0.0, 0.0, random.uniform(-kPi, kPi)});
+  tracker.X_LB.translation() << any_direction(random, 2.0, 3.5), random.uniform(-0.8, -0.4);
+  tracker.sigma_m = 0.010 * kMillimetre;
+  tracker.bias_m = random.uniform(0.002, 0.003) * kMillimetre;
+  tracker.bias_wavelength_m = random.uniform(0.6, 1.0);
+  return tracker;
+}
+
+}  // namespace
+
+Truth draw_truth(std::uint32_t seed) {
+  Random random(seed, RandomStream::kDraw);
+  Truth truth;
+  truth.arm = draw_arm(random);
+  truth.camera = draw_camera(random);
+  for (LampTruth& lamp : truth.lamps) lamp = draw_lamp(random);
+  truth.tool = draw_tool(random);
+  truth.tracker = draw_tracker(random);
+  truth.seed = seed;
+  return truth;
+}
+
+double warp_rms_px(const CameraTruth& camera, double radius_m) {
+  constexpr int kSteps = 40;
+  CameraTruth unwarped = camera;
+  unwarped.warp.clear();
+  const VirtualLens warp(camera);
+  const VirtualLens lens(unwarped);
+  double sum = 0.0;
+  int count = 0;
+  for (int i = -kSteps; i <= kSteps; ++i)
+    for (int k = -kSteps; k <= kSteps; ++k) {
+      if (i * i + k * k > kSteps * kSteps) continue;
+      const auto w_px = lens.project({radius_m * i / kSteps, radius_m * k / kSteps, 0.0}, 0.0);
+      if (!w_px) continue;
+      sum += warp.warp_px(*w_px).squaredNorm();
+      ++count;
+    }
+  return std::sqrt(sum / count);
+}
+
+}  // namespace planar

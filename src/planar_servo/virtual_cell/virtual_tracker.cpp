@@ -1,0 +1,51 @@
+#include "planar_servo/virtual_cell/virtual_tracker.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "planar_servo/core/units.h"
+#include "planar_servo/virtual_cell/random.h"
+
+namespace planar {
+namespace {
+
+/// Smooth in space and never longer than `length`.
+Eigen::Vector3d bias(const Eigen::Vector3d& p_B, double length, double wavelength) {
+  const Eigen::Vector3d angles = 2.0 * kPi / wavelength * p_B;
+  return length / std::sqrt(3.0) *
+         Eigen::Vector3d(std::sin(angles.y() + 0.5), std::sin(angles.x() + 2.0),
+                         std::sin(angles.x() - angles.y()));
+}
+
+}  // namespace
+
+VirtualTracker::VirtualTracker(const Truth& truth, const VirtualHardware& hardware, VirtualArm& arm,
+                               const Clock& clock)
+    : truth_(truth.tracker),
+      reflector_T_(truth.tool.reflector_m),
+      seed_(truth.seed),
+      monuments_B_(hardware.monuments_B),
+      arm_(arm),
+      clock_(clock) {}
+
+std::optional<TrackerReading> VirtualTracker::measure_tool() {
+  return measure(arm_.X_BT() * reflector_T_);
+}
+
+std::optional<TrackerReading> VirtualTracker::measure_monument(const std::string& id) {
+  const auto monument = std::find_if(monuments_B_.begin(), monuments_B_.end(),
+                                     [&](const auto& entry) { return entry.first == id; });
+  if (monument == monuments_B_.end())
+    throw std::invalid_argument("the virtual cell has no monument '" + id + "'");
+  return measure(monument->second);
+}
+
+TrackerReading VirtualTracker::measure(const Eigen::Vector3d& p_B) {
+  Random random(seed_, RandomStream::kTracker, readings_++);
+  Eigen::Vector3d p_L = truth_.X_LB * (p_B + bias(p_B, truth_.bias_m, truth_.bias_wavelength_m));
+  for (double& coordinate : p_L) coordinate += truth_.sigma_m * random.normal();
+  return {clock_.now_s(), p_L};
+}
+
+}  // namespace planar

@@ -1,0 +1,320 @@
+#include "planar_servo/cameras/aravis/aravis_camera.h"
+
+#include <catch2/catch.hpp>
+#include <chrono>
+#include <memory>
+
+#include "planar_servo/cameras/aravis/camera_inspection.h"
+#include "planar_servo/core/clock.h"
+#include "planar_servo/core/error.h"
+#include "planar_servo/served_cell/aravis_gige_camera.h"
+#include "support/in_the_end.h"
+#include "support/scene_sensor.h"
+
+// Every frame here crosses GigE Vision on loopback, through Aravis on both sides.
+
+namespace planar {
+namespace {
+
+const cv::Size kSensor{320, 240};
+const cv::Rect kWhole{0, 0, 320, 240};
+constexpr double kFrameRate_hz = 100.0;
+
+// The quickest frame's way is unknown and counts as none. Aravis, where it may read packets from a
+// ring, waits for 5 ms until it does, which the kernel rounds up to its ticks.
+constexpr double kQuickestWay_s = 0.008;
+
+struct Server {
+  explicit Server(test::SceneSensor& sensor)
+      : camera("127.0.0.1", "T1", kSensor, kFrameRate_hz,
+               [&sensor](const cv::Rect& region_px, double brightness) {
+                 return sensor.expose(region_px, brightness);
+               }) {}
+  GigeCamera camera;
+};
+
+AravisSettings settings_with(CameraTrigger trigger) {
+  AravisSettings settings;
+  settings.address = "127.0.0.1";
+  settings.sensor_px = kSensor;
+  settings.frame_rate_hz = kFrameRate_hz;
+  settings.exposure_s = 0.002;
+  settings.trigger = trigger;
+  settings.packet_size = 9000;
+  settings.timeout_s = 1.0;
+  return settings;
+}
+
+/// The camera's clock is known when some frames have come quickly.
+void see_some_frames(AravisCamera& camera) {
+  for (int i = 0; i < 20; ++i) REQUIRE(camera.next_frame().status == FrameStatus::kOk);
+}
+
+TEST_CASE("A frame is whole, of the region asked for, and exposed after it was asked for") {
+  for (const CameraTrigger trigger : {CameraTrigger::kFreeRun, CameraTrigger::kSoftware}) {
+    test::SceneSensor sensor;
+    const Server server(sensor);
+    AravisCamera camera(settings_with(trigger));
+    see_some_frames(camera);
+    const cv::Rect regions[] = {
+        kWhole, {64, 32, 128, 96}, {65, 33, 128, 96}, {192, 144, 128, 96}, kWhole};
+    for (const cv::Rect& region : regions) {
+      camera.set_region(region);
+      for (int i = 0; i < 3; ++i) {
+        const double asked_s = SteadyClock().now_s();
+        const FrameResult result = camera.next_frame();
+        REQUIRE(result.status == FrameStatus::kOk);
+        CHECK(result.frame.region_px == region);
+        CHECK(test::SceneSensor::shows(result.frame.image, region));
+        CHECK(result.frame.t_s >= asked_s);
+        const double way_s = trigger == CameraTrigger::kSoftware ? 0.0 : kQuickestWay_s;
+        CHECK(sensor.exposed_s(result.frame.image, region) >= asked_s - way_s);
+      }
+    }
+    CHECK_FALSE(camera.fault());
+  }
+}
+
+TEST_CASE("A frame that comes late is dated by its own trigger") {
+  test::SceneSensor sensor;
+  const Server server(sensor);
+  AravisCamera camera(settings_with(CameraTrigger::kSoftware));
+  camera.set_region({0, 0, 64, 64});
+  sensor.delay_s = 0.2;  // longer than any frame takes
+  for (int i = 0; i < 5; ++i) {
+    const FrameResult result = camera.next_frame();
+    REQUIRE(result.status == FrameStatus::kOk);
+    CHECK(result.frame.t_s <= sensor.exposed_s(result.frame.image, result.frame.region_px));
+  }
+}
+
+constexpr double kHeldBack_s = 0.2;
+
+TEST_CASE("A frame exposed before it was asked for is not handed over, however late it comes") {
+  test::SceneSensor sensor;
+  const Server server(sensor);
+  AravisCamera camera(settings_with(CameraTrigger::kFreeRun));
+  see_some_frames(camera);
+  for (int i = 0; i < 5; ++i) {
+    sensor.delay_s = kHeldBack_s;
+    REQUIRE(test::in_the_end([&] { return sensor.delay_s == 0.0; }));  // one is on its way
+    SteadyClock().sleep_for_s(kHeldBack_s / 4.0);
+    const double asked_s = SteadyClock().now_s();
+    const FrameResult result = camera.next_frame();
+    REQUIRE(result.status == FrameStatus::kOk);
+    CHECK(sensor.exposed_s(result.frame.image, kWhole) >= asked_s);
+  }
+}
+
+TEST_CASE("The frame that follows may have been exposed before it was asked for") {
+  for (const CameraTrigger trigger : {CameraTrigger::kFreeRun, CameraTrigger::kSoftware}) {
+    test::SceneSensor sensor;
+    const Server server(sensor);
+    AravisCamera camera(settings_with(trigger));
+    const FrameResult first = camera.next_frame();
+    REQUIRE(first.status == FrameStatus::kOk);
+    REQUIRE(test::in_the_end([&] { return camera.counts().complete > 20; }));
+    const double asked_s = SteadyClock().now_s();
+    const FrameResult following = camera.following_frame();
+    REQUIRE(following.status == FrameStatus::kOk);
+    CHECK(following.frame.id > first.frame.id);
+    CHECK(following.frame.t_s < asked_s);
+    CHECK(test::SceneSensor::shows(following.frame.image, kWhole));
+  }
+}
+
+TEST_CASE("Frames keep coming when the camera's count of 16 bits begins anew") {
+  test::SceneSensor sensor;
+  const Server server(sensor);
+  AravisCamera camera(settings_with(CameraTrigger::kSoftware));
+  camera.set_region({0, 0, 64, 64});
+  bool wrapped = false;
+  std::uint64_t last = 0;
+  for (int i = 0; i < 200; ++i) {
+    const FrameResult result = camera.next_frame();
+    REQUIRE(result.status == FrameStatus::kOk);
+    wrapped = wrapped || result.frame.id < last;
+    last = result.frame.id;
+  }
+  CHECK(wrapped);
+}
+
+TEST_CASE("Exposure time and gain reach the sensor") {
+  test::SceneSensor sensor;
+  const Server server(sensor);
+  AravisSettings settings = settings_with(CameraTrigger::kSoftware);
+  settings.exposure_s = 0.005;  // half the usual
+  settings.gain_db = 6.0;
+  AravisCamera camera(settings);
+  REQUIRE(camera.next_frame().status == FrameStatus::kOk);
+  CHECK(sensor.brightness() == Approx(0.5 * std::pow(10.0, 0.3)));
+}
+
+TEST_CASE("A new exposure holds for the next frame, one that cannot be leaves the old one") {
+  for (const CameraTrigger trigger : {CameraTrigger::kFreeRun, CameraTrigger::kSoftware}) {
+    test::SceneSensor sensor;
+    const Server server(sensor);
+    AravisCamera camera(settings_with(trigger));
+    camera.set_exposure({0.004, 6.0});
+    REQUIRE(camera.next_frame().status == FrameStatus::kOk);
+    CHECK(sensor.brightness() == Approx(0.4 * std::pow(10.0, 0.3)));
+    CHECK(camera.exposure().time_s == 0.004);
+    CHECK_THROWS_AS(camera.set_exposure({0.1, 0.0}), InputError);  // longer than a period
+    CHECK_THROWS_AS(camera.set_exposure({0.0, 0.0}), InputError);
+    CHECK(camera.exposure().gain_db == 6.0);
+  }
+}
+
+TEST_CASE("A camera that refuses an exposure says what it can do, and goes on with the old one") {
+  test::SceneSensor sensor;
+  const Server server(sensor);
+  AravisCamera camera(settings_with(CameraTrigger::kSoftware));
+  REQUIRE(camera.next_frame().status == FrameStatus::kOk);
+  const double brightness = sensor.brightness();
+  CHECK_THROWS_WITH(camera.set_exposure({1e-6, 0.0}),
+                    Catch::Contains("refuses an exposure of 1 us; it can do 10 to"));
+  CHECK_THROWS_WITH(camera.set_exposure({0.004, 1000.0}),
+                    Catch::Contains("refuses a gain of 1000 dB; it can do 0 to"));
+  CHECK_FALSE(camera.fault());
+  CHECK(camera.next_frame().status == FrameStatus::kOk);
+  CHECK(sensor.brightness() == brightness);
+  CHECK(camera.exposure().time_s == settings_with(CameraTrigger::kSoftware).exposure_s);
+  CHECK(camera.counts().reopened == 0);
+}
+
+TEST_CASE("Frames that lost packets are counted and never handed over") {
+  for (const CameraTrigger trigger : {CameraTrigger::kFreeRun, CameraTrigger::kSoftware}) {
+    test::SceneSensor sensor;
+    Server server(sensor);
+    AravisSettings settings = settings_with(trigger);
+    settings.packet_size = 1500;  // 54 packets a frame
+    AravisCamera camera(settings);
+    server.camera.lose_packets(0.02);
+    int good = 0;
+    for (int i = 0; i < 20; ++i) {
+      const FrameResult result = camera.next_frame();
+      if (result.status != FrameStatus::kOk) continue;
+      ++good;
+      CHECK(test::SceneSensor::shows(result.frame.image, kWhole));
+    }
+    CHECK(good > 0);
+    CHECK(camera.counts().incomplete > 0);
+    server.camera.lose_packets(1.0);
+    CHECK(test::in_the_end([&] { return camera.fault().has_value(); }));
+    CHECK(camera.next_frame().status != FrameStatus::kOk);
+    server.camera.lose_packets(0.0);
+    CHECK(test::in_the_end([&] { return camera.next_frame().status == FrameStatus::kOk; }));
+  }
+}
+
+TEST_CASE("A camera that repeats one picture is at fault until it shows another") {
+  test::SceneSensor sensor;
+  const Server server(sensor);
+  AravisCamera camera(settings_with(CameraTrigger::kSoftware));
+  REQUIRE(camera.next_frame().status == FrameStatus::kOk);
+  sensor.frozen = true;
+  camera.next_frame();  // the picture may not have been sent before
+  CHECK(camera.next_frame().status == FrameStatus::kFrozen);
+  CHECK_THAT(camera.fault().value_or(""), Catch::Contains("it repeats one picture"));
+  CHECK(camera.counts().frozen > 0);
+  sensor.frozen = false;
+  CHECK(camera.next_frame().status == FrameStatus::kOk);
+  CHECK_FALSE(camera.fault());
+}
+
+TEST_CASE("A camera that died and came back goes on with its settings and its region") {
+  test::SceneSensor sensor;
+  auto server = std::make_unique<Server>(sensor);
+  AravisSettings settings = settings_with(CameraTrigger::kSoftware);
+  settings.exposure_s = 0.005;
+  AravisCamera camera(settings);
+  const cv::Rect region{32, 16, 64, 64};
+  camera.set_region(region);
+  REQUIRE(camera.next_frame().status == FrameStatus::kOk);
+  server.reset();
+  CHECK(test::in_the_end([&] { return camera.fault().has_value(); }));
+  CHECK(camera.next_frame().status != FrameStatus::kOk);
+  server = std::make_unique<Server>(sensor);
+  REQUIRE(test::in_the_end([&] { return !camera.fault(); }));
+  const FrameResult result = camera.next_frame();
+  REQUIRE(result.status == FrameStatus::kOk);
+  CHECK(result.frame.region_px == region);
+  CHECK(sensor.brightness() == Approx(0.5));
+  CHECK(camera.counts().reopened == 1);
+}
+
+TEST_CASE("Without its trigger a camera times out and is at fault") {
+  test::SceneSensor sensor;
+  const Server server(sensor);
+  AravisSettings settings = settings_with(CameraTrigger::kHardware);
+  settings.timeout_s = 0.05;
+  AravisCamera camera(settings);  // the served camera's line never rises
+  CHECK(camera.next_frame().status == FrameStatus::kTimeout);
+  CHECK(test::in_the_end([&] { return camera.fault().has_value(); }));
+}
+
+TEST_CASE("A camera that is not the one asked for is refused by name") {
+  AravisSettings settings = settings_with(CameraTrigger::kSoftware);
+  CHECK_THROWS_WITH(AravisCamera(settings), Catch::Contains("no GigE camera answers at 127.0.0.1"));
+  test::SceneSensor sensor;
+  const Server server(sensor);
+  settings.id = "T2";
+  CHECK_THROWS_WITH(AravisCamera(settings), Catch::Contains("is T1, not T2"));
+  settings.id = "T1";
+  settings.sensor_px = {640, 480};
+  CHECK_THROWS_WITH(AravisCamera(settings),
+                    Catch::Contains("320 x 240 pixels; the cell says 640 x 480"));
+}
+
+TEST_CASE("What a camera cannot do is said when it is opened") {
+  test::SceneSensor sensor;
+  const Server server(sensor);
+  AravisSettings settings = settings_with(CameraTrigger::kSoftware);
+  settings.pixel_format = "Mono12p";
+  CHECK_THROWS_WITH(AravisCamera(settings), Catch::Contains("refuses the pixel format Mono12p"));
+  settings.pixel_format = "Grey";
+  CHECK_THROWS_AS(AravisCamera(settings), InputError);
+  settings = settings_with(CameraTrigger::kSoftware);
+  settings.exposure_s = 0.02;
+  CHECK_THROWS_WITH(AravisCamera(settings), Catch::Contains("does not fit into a period"));
+  settings = settings_with(CameraTrigger::kSoftware);
+  settings.address = "localhost";
+  CHECK_THROWS_WITH(AravisCamera(settings), Catch::Contains("is not one of IPv4"));
+}
+
+TEST_CASE("A region must lie on the sensor") {
+  test::SceneSensor sensor;
+  const Server server(sensor);
+  AravisCamera camera(settings_with(CameraTrigger::kSoftware));
+  CHECK_THROWS_AS(camera.set_region({300, 0, 64, 64}), std::invalid_argument);
+  CHECK_THROWS_AS(camera.set_region({0, 0, 0, 64}), std::invalid_argument);
+}
+
+TEST_CASE("An inspection counts whole and torn frames, and tells why a camera cannot be used") {
+  constexpr double kDuration_s = 0.5;
+  for (const CameraTrigger trigger : {CameraTrigger::kFreeRun, CameraTrigger::kSoftware}) {
+    AravisSettings settings = settings_with(trigger);
+    settings.packet_size = 1500;
+    {
+      test::SceneSensor sensor;
+      Server server(sensor);
+      const CameraInspection good = inspect_camera(settings, kDuration_s);
+      CHECK(good.refusal.empty());
+      CHECK(good.complete > 0);
+      CHECK(good.packet_size == 1500);
+      CHECK(good.frame_bytes == static_cast<std::size_t>(kSensor.area()));
+      server.camera.lose_packets(0.1);
+      CHECK(inspect_camera(settings, kDuration_s).incomplete > 0);
+      settings.id = "T2";
+      const CameraInspection other = inspect_camera(settings, kDuration_s);
+      CHECK_THAT(other.refusal, Catch::Contains("is T1, not T2"));
+      CHECK_FALSE(other.absent);
+    }
+    const CameraInspection dead = inspect_camera(settings, kDuration_s);
+    CHECK_THAT(dead.refusal, Catch::Contains("no GigE camera answers"));
+    CHECK(dead.absent);
+  }
+}
+
+}  // namespace
+}  // namespace planar

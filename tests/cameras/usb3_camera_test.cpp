@@ -1,0 +1,230 @@
+#include "support/usb3_camera.h"
+
+#include <atomic>
+#include <catch2/catch.hpp>
+#include <memory>
+#include <thread>
+
+#include "planar_servo/cameras/aravis/aravis_camera.h"
+#include "planar_servo/cameras/aravis/camera_inspection.h"
+#include "planar_servo/cameras/aravis/camera_path.h"
+#include "planar_servo/cameras/aravis/pixel_format.h"
+#include "planar_servo/core/clock.h"
+#include "planar_servo/core/error.h"
+#include "support/in_the_end.h"
+#include "support/scene_sensor.h"
+
+// Every frame here crosses USB3 Vision, through Aravis and libusb, to a camera emulated below them.
+
+namespace planar {
+namespace {
+
+const cv::Size kSensor{320, 240};
+const cv::Rect kWhole{0, 0, 320, 240};
+constexpr double kFrameRate_hz = 50.0;
+
+/// Aravis keeps its libusb context, so all tests of a process share one bus.
+test::MockUsbBus& shared_bus() {
+  static test::MockUsbBus bus;
+  return bus;
+}
+
+struct PluggedCamera {
+  test::SceneSensor sensor;
+  test::Usb3Camera function{"U3V1", kSensor, kFrameRate_hz,
+                            [this](const cv::Rect& region_px, double brightness) {
+                              return sensor.expose(region_px, brightness);
+                            }};
+  test::MockUsbDevice device{shared_bus(), function.description(), function};
+};
+
+/// Pulses a camera's trigger line at the frame rate.
+struct Pulses {
+  explicit Pulses(test::Usb3Camera& camera)
+      : line([this, &camera] {
+          for (SteadyClock clock; !ends; clock.sleep_for_s(1.0 / kFrameRate_hz))
+            if (on) {
+              ++sent;
+              camera.pulse_line();
+            }
+        }) {}
+  ~Pulses() {
+    ends = true;
+    line.join();
+  }
+  std::atomic<bool> on{true}, ends{false};
+  std::atomic<std::size_t> sent{0};
+  std::thread line;
+};
+
+AravisSettings settings_with(CameraTrigger trigger) {
+  AravisSettings settings;
+  settings.sensor_px = kSensor;
+  settings.frame_rate_hz = kFrameRate_hz;
+  settings.exposure_s = 0.002;
+  settings.trigger = trigger;
+  settings.timeout_s = 2.0;
+  return settings;
+}
+
+/// The camera's clock is known when some frames have come quickly.
+void see_some_frames(AravisCamera& camera) {
+  for (int i = 0; i < 20; ++i) REQUIRE(camera.next_frame().status == FrameStatus::kOk);
+}
+
+TEST_CASE("A frame over USB is whole, of the region asked for, and exposed after it was asked") {
+  for (const CameraTrigger trigger : {CameraTrigger::kFreeRun, CameraTrigger::kSoftware}) {
+    PluggedCamera plugged;
+    AravisCamera camera(settings_with(trigger));
+    see_some_frames(camera);
+    for (const cv::Rect& region : {kWhole, cv::Rect(64, 32, 128, 96), cv::Rect(65, 33, 128, 96)}) {
+      camera.set_region(region);
+      for (int i = 0; i < 3; ++i) {
+        const double asked_s = SteadyClock().now_s();
+        const FrameResult result = camera.next_frame();
+        REQUIRE(result.status == FrameStatus::kOk);
+        CHECK(result.frame.region_px == region);
+        CHECK(test::SceneSensor::shows(result.frame.image, region));
+        CHECK(result.frame.t_s >= asked_s);
+        CHECK(plugged.sensor.exposed_s(result.frame.image, region) >= asked_s);
+      }
+    }
+  }
+}
+
+TEST_CASE("Every grey format arrives with the upper eight bits of its pixels") {
+  for (const std::string& format : pixel_format_names()) {
+    CAPTURE(format);
+    PluggedCamera plugged;
+    AravisSettings settings = settings_with(CameraTrigger::kSoftware);
+    settings.pixel_format = format;
+    AravisCamera camera(settings);
+    for (const cv::Rect& region : {kWhole, cv::Rect(64, 32, 128, 96)}) {
+      camera.set_region(region);
+      const FrameResult result = camera.next_frame();
+      REQUIRE(result.status == FrameStatus::kOk);
+      CHECK(test::SceneSensor::shows(result.frame.image, region));
+    }
+  }
+}
+
+TEST_CASE("Each pulse of the trigger line brings one frame, its absence is a fault") {
+  PluggedCamera plugged;
+  AravisCamera camera(settings_with(CameraTrigger::kHardware));
+  Pulses pulses(plugged.function);
+  for (int i = 0; i < 5; ++i) {
+    const double asked_s = SteadyClock().now_s();
+    const FrameResult result = camera.next_frame();
+    REQUIRE(result.status == FrameStatus::kOk);
+    CHECK(test::SceneSensor::shows(result.frame.image, kWhole));
+    CHECK(result.frame.t_s >= asked_s);
+  }
+  pulses.on = false;
+  CHECK(test::in_the_end([&] { return camera.fault().has_value(); }));
+  CHECK(test::in_the_end([&] { return plugged.sensor.exposures() == pulses.sent; }));
+  pulses.on = true;
+  CHECK(test::in_the_end([&] { return !camera.fault(); }));
+  CHECK(camera.next_frame().status == FrameStatus::kOk);
+}
+
+constexpr double kHeldBack_s = 0.2;
+
+TEST_CASE("A frame over USB exposed before it was asked for is not handed over, however late") {
+  for (const CameraTrigger trigger : {CameraTrigger::kFreeRun, CameraTrigger::kHardware}) {
+    PluggedCamera plugged;
+    const Pulses pulses(plugged.function);  // heeded where they are the trigger
+    AravisCamera camera(settings_with(trigger));
+    see_some_frames(camera);
+    for (int i = 0; i < 5; ++i) {
+      plugged.sensor.delay_s = kHeldBack_s;
+      REQUIRE(test::in_the_end([&] { return plugged.sensor.delay_s == 0.0; }));  // on its way
+      SteadyClock().sleep_for_s(kHeldBack_s / 4.0);
+      const double asked_s = SteadyClock().now_s();
+      const FrameResult result = camera.next_frame();
+      REQUIRE(result.status == FrameStatus::kOk);
+      CHECK(plugged.sensor.exposed_s(result.frame.image, kWhole) >= asked_s);
+    }
+  }
+}
+
+TEST_CASE("A camera whose clock is of no use is dated by its frames' arrival") {
+  for (const double rate : {0.0, 0.5, 8.0}) {
+    PluggedCamera plugged;
+    plugged.function.run_clock(rate);
+    AravisCamera camera(settings_with(CameraTrigger::kFreeRun));
+    for (int i = 0; i < 20; ++i) {
+      const double asked_s = SteadyClock().now_s();
+      const FrameResult result = camera.next_frame();
+      REQUIRE(result.status == FrameStatus::kOk);
+      CHECK(result.frame.t_s >= asked_s);
+      CHECK(result.frame.t_s <= SteadyClock().now_s());
+    }
+  }
+}
+
+TEST_CASE("Frames over USB without their end are counted and never handed over") {
+  PluggedCamera plugged;
+  AravisCamera camera(settings_with(CameraTrigger::kSoftware));
+  REQUIRE(camera.next_frame().status == FrameStatus::kOk);
+  plugged.function.truncate_payloads(3);
+  for (int i = 0; i < 5; ++i) {
+    const FrameResult result = camera.next_frame();
+    REQUIRE(result.status == FrameStatus::kOk);
+    CHECK(test::SceneSensor::shows(result.frame.image, kWhole));
+  }
+  CHECK(camera.counts().incomplete >= 3);
+  const std::uint64_t cut = camera.counts().incomplete;
+  plugged.function.lose_trailers(3);
+  for (int i = 0; i < 8; ++i) {
+    const FrameResult result = camera.next_frame();
+    if (result.status != FrameStatus::kOk) continue;
+    CHECK(test::SceneSensor::shows(result.frame.image, kWhole));
+  }
+  CHECK(camera.counts().incomplete >= cut + 3);
+  CHECK(test::in_the_end([&] { return !camera.fault(); }));
+}
+
+TEST_CASE("A camera that was unplugged and plugged in again goes on with its settings") {
+  PluggedCamera plugged;
+  AravisSettings settings = settings_with(CameraTrigger::kSoftware);
+  settings.id = "U3V1";
+  settings.exposure_s = 0.005;  // half the usual
+  AravisCamera camera(settings);
+  const cv::Rect region{32, 16, 64, 64};
+  camera.set_region(region);
+  REQUIRE(camera.next_frame().status == FrameStatus::kOk);
+  plugged.device.unplug();
+  plugged.function.power_cycle();
+  CHECK(test::in_the_end([&] { return camera.fault().has_value(); }));
+  CHECK(camera.next_frame().status != FrameStatus::kOk);
+  plugged.device.plug();
+  REQUIRE(test::in_the_end([&] { return !camera.fault(); }));
+  const FrameResult result = camera.next_frame();
+  REQUIRE(result.status == FrameStatus::kOk);
+  CHECK(result.frame.region_px == region);
+  CHECK(plugged.sensor.brightness() == Approx(0.5));
+  CHECK(camera.counts().reopened >= 1);
+}
+
+TEST_CASE("A USB camera that is not there is missed by its serial number, those there are named") {
+  PluggedCamera plugged;
+  AravisSettings settings = settings_with(CameraTrigger::kSoftware);
+  settings.id = "U3V2";
+  CHECK_THROWS_WITH(AravisCamera(settings),
+                    Catch::Contains("no USB camera with the serial number U3V2") &&
+                        Catch::Contains("there are: U3V1"));
+}
+
+TEST_CASE("A USB camera is found in /sys, and an inspection counts its frames") {
+  PluggedCamera plugged;
+  const auto path = find_usb_path("U3V1");
+  REQUIRE(path);
+  CHECK(path->permitted);
+  CHECK(path->speed_bit_s == 5e9);
+  const CameraInspection seen = inspect_camera(settings_with(CameraTrigger::kSoftware), 0.5);
+  CHECK(seen.complete > 0);
+  CHECK(seen.packet_size == 0);
+}
+
+}  // namespace
+}  // namespace planar

@@ -1,0 +1,85 @@
+#include "planar_servo/error_map/judge/unit_check.h"
+
+#include <catch2/catch.hpp>
+
+#include "planar_servo/core/error.h"
+#include "planar_servo/error_map/fit_error_map.h"
+#include "support/error_fields.h"
+
+namespace planar {
+namespace {
+
+using Catch::Contains;
+
+std::vector<ErrorSample> good() {
+  return test::measure(test::lens_field, test::random_positions(50, 1), test::kFieldNoise, 1);
+}
+
+/// With vision's positions times `vision` and the tracker's times `tracker`.
+std::vector<ErrorSample> scaled(double vision, double tracker) {
+  std::vector<ErrorSample> samples = good();
+  for (ErrorSample& sample : samples) {
+    const Eigen::Vector2d p_tracker = tracker * (sample.p_vision - sample.error);
+    sample.p_vision *= vision;
+    sample.error = sample.p_vision - p_tracker;
+  }
+  return samples;
+}
+
+void require_one_unit_of(const std::vector<ErrorSample>& samples) {
+  const MapSites sites = merge_samples(samples);
+  require_one_unit(sites.positions, sites.positions - sites.errors);
+}
+
+TEST_CASE("Pairs of a working cell are plausible, with a few wild rows, too") {
+  CHECK_NOTHROW(require_one_unit_of(good()));
+  auto samples = good();
+  for (std::size_t i = 0; i < 10; ++i) samples[i].error.x() += 0.5;
+  CHECK_NOTHROW(require_one_unit_of(samples));
+}
+
+TEST_CASE("Metres in one of the columns are named with the remedy") {
+  const auto samples = GENERATE(scaled(1e-3, 1.0), scaled(1.0, 1e-3));
+  CHECK_THROWS_AS(require_one_unit_of(samples), InputError);
+  CHECK_THROWS_WITH(require_one_unit_of(samples),
+                    Contains("of the vision positions lie within") &&
+                        Contains("of the tracker positions within") &&
+                        Contains("look like metres; write both in millimetres"));
+}
+
+TEST_CASE("Positions of another scale are refused, metres or not") {
+  CHECK_THROWS_WITH(require_one_unit_of(scaled(25.4, 1.0)), Contains("in the same frame and unit"));
+  CHECK_THROWS_WITH(require_one_unit_of(scaled(1.0, 25.4)), Contains("in the same frame and unit"));
+}
+
+TEST_CASE("Swapped axes and another datum are no vision error") {
+  auto swapped = good();
+  for (ErrorSample& sample : swapped)
+    sample.error = sample.p_vision - (sample.p_vision - sample.error).reverse();
+  CHECK_THROWS_WITH(require_one_unit_of(swapped), Contains("are x and y swapped"));
+  auto shifted = good();
+  for (ErrorSample& sample : shifted) sample.error += Eigen::Vector2d(0.5, 0.0);
+  CHECK_THROWS_WITH(require_one_unit_of(shifted), Contains("in the same frame"));
+}
+
+TEST_CASE("Metres in all columns are named") {
+  CHECK_THROWS_WITH(require_one_unit_of(scaled(1e-3, 1e-3)),
+                    Contains("look like metres; write them in millimetres"));
+}
+
+TEST_CASE("A fit refuses metres among millimetres, by every method") {
+  const MapMethod method = GENERATE(MapMethod::kAuto, MapMethod::kIdw, MapMethod::kHandWidth);
+  CHECK_THROWS_WITH(fit_error_map({scaled(1e-3, 1.0), method, 0.048}),
+                    Contains("look like metres"));
+}
+
+TEST_CASE("A tracker that rested at one place most of the time is no mix of units") {
+  auto samples = good();
+  const Eigen::Vector2d rest = samples.front().p_vision;
+  for (int i = 0; i < 100; ++i)
+    samples.push_back({"rest", rest + Eigen::Vector2d(1e-6 * i, 0.0), {0.0, 3e-6 * (i % 7)}});
+  CHECK_NOTHROW(require_one_unit_of(samples));
+}
+
+}  // namespace
+}  // namespace planar

@@ -1,0 +1,114 @@
+#include "planar_servo/io/csv_table.h"
+
+#include <catch2/catch.hpp>
+#include <stdexcept>
+
+#include "support/temporary_folder.h"
+
+namespace planar {
+namespace {
+
+using Catch::Contains;
+
+TEST_CASE("Columns are found by name in any order, comments and blank lines skipped") {
+  const test::TemporaryFolder folder;
+  const auto path = folder.write(
+      "p.csv", "# format: planar-servo/pairs/1\ny,extra,x\n\n# remark\n2.5,z,-1e-3\r\n+4,z,3\n");
+  CsvFile table(path, "pairs", {"x", "y"});
+  REQUIRE(table.next_row());
+  CHECK(table.number("x") == -1e-3);
+  CHECK_FALSE(table.optional_number("absent").has_value());
+  REQUIRE(table.next_row());
+  CHECK(table.number("y") == 4.0);
+  CHECK_FALSE(table.next_row());
+  CHECK_NOTHROW(table.throw_if_faulty_or_empty());
+}
+
+TEST_CASE("Bad rows are named with file, line and value, all at once") {
+  const test::TemporaryFolder folder;
+  const auto path =
+      folder.write("p.csv", "id,x,n\na,nan,1\nb,1.0\nc,1e999,2.5\n\n#\nd,,7\ne,+-1,7");
+  CsvFile table(path, "pairs", {"id", "x"});
+  while (table.next_row()) {
+    table.number("x");
+    table.whole_number("n");
+  }
+  try {
+    table.throw_if_faulty();
+    FAIL("no fault was found");
+  } catch (const InputError& e) {
+    CHECK_THAT(e.what(), Contains("p.csv:2: x is 'nan'; a finite number is needed"));
+    CHECK_THAT(e.what(), Contains("p.csv:3: has 2 fields; the header has 3"));
+    CHECK_THAT(e.what(), Contains("p.csv:4: x is '1e999'"));
+    CHECK_THAT(e.what(), Contains("p.csv:4: n is '2.5'; a whole number is needed"));
+    CHECK_THAT(e.what(), Contains("p.csv:7: x is ''"));
+    CHECK_THAT(e.what(), Contains("p.csv:8: x is '+-1'"));
+  }
+}
+
+TEST_CASE("A table without its columns, empty or of another kind is refused") {
+  const test::TemporaryFolder folder;
+  const auto read = [&](const std::string& text) {
+    CsvFile(folder.write("p.csv", text), "pairs", {"id", "x"}).throw_if_faulty_or_empty("add one");
+  };
+  CHECK_THROWS_WITH(read(""), Contains("p.csv: is empty") && Contains("id, x"));
+  CHECK_THROWS_WITH(read("# only a remark\n"), Contains("p.csv: is empty"));
+  CHECK_THROWS_WITH(read("id,x\n"), Contains("p.csv: has no rows; add one"));
+  CHECK_THROWS_WITH(read("id,y\n"), Contains("lacks the column x; needed are id, x; it has id, y"));
+  CHECK_THROWS_WITH(read("# format: planar-servo/lamps/1\nid,x\n"),
+                    Contains("'planar-servo/lamps/1'") && Contains("planar-servo/pairs/1"));
+  CHECK_THROWS_WITH(read("id,x,x\n"), Contains("the column 'x' stands twice"));
+  CHECK_THROWS_WITH(CsvFile(folder.path(), "pairs", {"id"}), Contains("is a folder"));
+  CHECK_THROWS_WITH(CsvFile(folder.path() / "absent.csv", "pairs", {"id"}),
+                    Contains("absent.csv: cannot be read"));
+}
+
+TEST_CASE("A faulty line given by itself does not spoil the next") {
+  CsvTable table("stdin", "pairs", {"id", "x"});
+  CHECK_THROWS_WITH(table.take_line("id,y", 1), Contains("lacks the column x"));
+  CHECK_FALSE(table.has_header());
+  CHECK_FALSE(table.take_line("id,x", 1));
+  CHECK_FALSE(table.take_line("a,1,2", 2));
+  CHECK_THROWS_WITH(table.throw_if_faulty(), Contains("stdin:2: has 3 fields"));
+  REQUIRE(table.take_line("a,1", 3));
+  CHECK(table.number("x") == 1.0);
+  table.require_id_not_in({"b"});
+  CHECK_NOTHROW(table.throw_if_faulty());
+  table.require_id_not_in({"a"});
+  CHECK_THROWS_WITH(table.throw_if_faulty(), Contains("stdin:3: the id 'a' stands twice"));
+}
+
+TEST_CASE("Of very many faults the first hundred are told, and how many more there are") {
+  constexpr int kRows = 100000;
+  std::string text = "id,x\n";
+  for (int i = 0; i < kRows; ++i) text += "a,nan\n";
+  const test::TemporaryFolder folder;
+  CsvFile table(folder.write("p.csv", text), "pairs", {"id", "x"});
+  while (table.next_row()) table.number("x");
+  CHECK_THROWS_WITH(table.throw_if_faulty(), Contains("p.csv:101: x is 'nan'") &&
+                                                 !Contains("p.csv:102:") &&
+                                                 Contains("... and 99900 more"));
+}
+
+TEST_CASE("Tables of other programs are read with their separator, comma and names") {
+  const test::TemporaryFolder folder;
+  const auto path = folder.write("t.csv", "Name;X [mm]\na;1,5\n");
+  CsvFile table(path, "tracker", {"id", "x"}, {';', true, {{"id", "Name"}, {"x", "X [mm]"}}});
+  REQUIRE(table.next_row());
+  CHECK(table.text("id") == "a");
+  CHECK(table.number("x") == 1.5);
+  CHECK_THROWS_WITH(CsvFile(path, "tracker", {"id"}, {';', true, {{"id", "Name"}, {"x", "X"}}}),
+                    Contains("t.csv:1: there is no column 'X' to be read as x; there are Name, "
+                             "X [mm]"));
+}
+
+TEST_CASE("A written table is read back, and a short row is refused") {
+  CsvWriter writer("pairs", {"id", "x", "note"});
+  writer.add("a").add(1.23456, 3).add_empty().end_row();
+  CHECK(writer.text() == "# format: planar-servo/pairs/1\nid,x,note\na,1.235,\n");
+  writer.add("b");
+  CHECK_THROWS_AS(writer.end_row(), std::logic_error);
+}
+
+}  // namespace
+}  // namespace planar

@@ -1,0 +1,99 @@
+#include "planar_servo/io/yaml_reader.h"
+
+#include <catch2/catch.hpp>
+
+#include "planar_servo/core/error.h"
+#include "support/temporary_folder.h"
+
+namespace planar {
+namespace {
+
+using Catch::Contains;
+
+std::string faults_of(const YamlDocument& document) {
+  try {
+    document.throw_if_faulty();
+  } catch (const InputError& e) {
+    return e.what();
+  }
+  return "";
+}
+
+TEST_CASE("A strict document gives its values and has no faults") {
+  const test::TemporaryFolder folder;
+  const auto path = folder.write("a.yaml",
+                                 "format: planar-servo/cell/1\nservo: {gain: 0.5, law: jacobian}\n"
+                                 "n: 3\nlist: [1, 2]\nitems: [{x: 1}, {x: 2}]\n");
+  const YamlDocument document = YamlDocument::read(path, "cell");
+  const YamlNode servo = document.root().child("servo");
+  CHECK(servo.number("gain") == 0.5);
+  CHECK(servo.choice("law", {"jacobian", "inverse"}) == "jacobian");
+  CHECK(document.root().whole_number("n") == 3);
+  CHECK(document.root().numbers("list", 2) == std::vector<double>{1.0, 2.0});
+  CHECK(document.root().list("items").at(1).number("x") == 2.0);
+  CHECK_FALSE(document.root().has("absent"));
+  CHECK(faults_of(document).empty());
+}
+
+TEST_CASE("All faults of a file are named at once, each with its place and what is allowed") {
+  const test::TemporaryFolder folder;
+  const auto path = folder.write("cell.yaml",
+                                 "format: planar-servo/cell/1\n"
+                                 "servo: {gian: 1.0, law: magic, tolerance_mm: .nan}\n"
+                                 "size: [1, two]\nsize: [1, 2]\n");
+  const YamlDocument document = YamlDocument::read(path, "cell");
+  const YamlNode servo = document.root().child("servo");
+  servo.number("gain");
+  servo.choice("law", {"jacobian", "inverse"});
+  servo.number("tolerance_mm");
+  document.root().numbers("size", 2);
+  const std::string faults = faults_of(document);
+  CHECK_THAT(faults, Contains("cell.yaml:2:8: servo lacks the key 'gain'"));
+  CHECK_THAT(faults, Contains("cell.yaml:2:9: unknown key 'servo.gian'; allowed are gain, law"));
+  CHECK_THAT(faults,
+             Contains("cell.yaml:2:25: servo.law is 'magic'; allowed are jacobian, inverse"));
+  CHECK_THAT(faults, Contains("servo.tolerance_mm is '.nan'; a finite number is needed"));
+  CHECK_THAT(faults, Contains("cell.yaml:3:11: size is 'two'; a finite number is needed"));
+  CHECK_THAT(faults, Contains("cell.yaml:4:1: the key 'size' stands twice"));
+}
+
+TEST_CASE("Keys of a missing map do not add faults of their own") {
+  const test::TemporaryFolder folder;
+  const auto path = folder.write("a.yaml", "format: planar-servo/cell/1\n");
+  const YamlDocument document = YamlDocument::read(path, "cell");
+  CHECK(document.root().child("camera").number("width_px") == 0.0);
+  CHECK_THAT(faults_of(document), Contains("lacks the key 'camera'") && !Contains("width_px"));
+}
+
+TEST_CASE("A number outside its range is a fault that names the range") {
+  const test::TemporaryFolder folder;
+  const auto path = folder.write("a.yaml", "format: planar-servo/cell/1\ngain: 7\n");
+  const YamlDocument document = YamlDocument::read(path, "cell");
+  document.root().number_in("gain", 0.0, 1.0);
+  CHECK_THAT(faults_of(document), Contains("gain is 7; a number from 0 to 1 is needed"));
+}
+
+TEST_CASE("A file that is missing, empty, broken or of another kind is refused by name") {
+  const test::TemporaryFolder folder;
+  const auto read = [&](const std::string& text) {
+    return YamlDocument::read(folder.write("f.yaml", text), "cell");
+  };
+  CHECK_THROWS_WITH(YamlDocument::read(folder / "no.yaml", "cell"),
+                    Contains("no.yaml: cannot be read"));
+  CHECK_THROWS_WITH(read(""), Contains("f.yaml: is empty"));
+  CHECK_THROWS_WITH(read("a: [1"), Contains("f.yaml:") && Contains("is not YAML"));
+  CHECK_THROWS_WITH(read("format: planar-servo/map/1\n"),
+                    Contains("of format 'planar-servo/map/1'") && Contains("planar-servo/cell/1"));
+  CHECK_THROWS_WITH(read("a: 1\n"), Contains("without a format"));
+}
+
+TEST_CASE("A lenient document takes keys that nobody asked for") {
+  const test::TemporaryFolder folder;
+  const auto path = folder.write("a.yaml", "other: 1\nwanted: 2\n");
+  const YamlDocument document = YamlDocument::read_lenient(path);
+  CHECK(document.root().number("wanted") == 2.0);
+  CHECK(faults_of(document).empty());
+}
+
+}  // namespace
+}  // namespace planar

@@ -1,0 +1,101 @@
+#include "planar_servo/lamps/lamp_tracker.h"
+
+#include <catch2/catch.hpp>
+
+#include "support/rendered_lamp.h"
+
+namespace planar {
+namespace {
+
+constexpr double kMeasured_px = 0.12;  // four times the clean lamp's error of 0.03 px
+const Eigen::Vector2d kFirst(200.4, 220.3), kSecond(390.8, 240.6);
+const Eigen::Vector2d kOrigin(3000, 1200);
+
+Frame frame_with(const std::vector<Eigen::Vector2d>& lamps) {
+  std::mt19937 random(30);
+  cv::Mat scene = test::background({600, 500});
+  for (const Eigen::Vector2d& center : lamps) test::add_lamp(scene, {center});
+  Frame frame;
+  frame.image = test::expose(scene, random);
+  frame.region_px = {3000, 1200, 600, 500};
+  return frame;
+}
+
+PairExpectation expectation(double error_px) {
+  PairExpectation result;
+  result.predicted_px = {kOrigin + kFirst + Eigen::Vector2d(error_px, 0.0),
+                         kOrigin + kSecond + Eigen::Vector2d(error_px, 0.0)};
+  result.separation_px = {180.0, 205.0};
+  return result;
+}
+
+TEST_CASE("LampTracker measures both lamps in sensor pixels under a good and a poor prediction") {
+  const Frame frame = frame_with({kFirst, kSecond});
+  for (const auto method : {CenterMethod::kAuto, CenterMethod::kCannyKasa, CenterMethod::kVpDot2}) {
+    LampTracker tracker(method);
+    for (const double error : {0.0, 12.0, 60.0}) {
+      const LampPair pair = tracker.locate(frame, expectation(error));
+      REQUIRE(pair.status == LampStatus::kOk);
+      CHECK((pair.lamps[0].uv_px - kOrigin - kFirst).norm() < kMeasured_px);
+      CHECK((pair.lamps[1].uv_px - kOrigin - kSecond).norm() < kMeasured_px);
+    }
+  }
+}
+
+TEST_CASE("LampTracker names the lamps by the prediction, not by their place in the image") {
+  PairExpectation swapped = expectation(0.0);
+  std::swap((*swapped.predicted_px)[0], (*swapped.predicted_px)[1]);
+  const LampPair pair =
+      LampTracker(CenterMethod::kAuto).locate(frame_with({kFirst, kSecond}), swapped);
+  REQUIRE(pair.status == LampStatus::kOk);
+  CHECK((pair.lamps[0].uv_px - kOrigin - kSecond).norm() < kMeasured_px);
+}
+
+TEST_CASE("LampTracker answers the same whatever it has seen before") {
+  LampTracker used(CenterMethod::kAuto);
+  used.locate(frame_with({kSecond, {100, 400}}), {});
+  used.locate(frame_with({}), expectation(0.0));
+  const Frame frame = frame_with({kFirst, kSecond});
+  for (const double error : {0.0, 60.0}) {
+    const LampPair a = used.locate(frame, expectation(error));
+    const LampPair b = LampTracker(CenterMethod::kAuto).locate(frame, expectation(error));
+    for (const std::size_t i : {0u, 1u}) {
+      CHECK(a.lamps[i].uv_px == b.lamps[i].uv_px);
+      CHECK(a.lamps[i].covariance_px2 == b.lamps[i].covariance_px2);
+    }
+  }
+}
+
+TEST_CASE("LampTracker says why there is no pair") {
+  LampTracker tracker(CenterMethod::kAuto);
+  const auto status = [&](const std::vector<Eigen::Vector2d>& lamps) {
+    return tracker.locate(frame_with(lamps), expectation(0.0)).status;
+  };
+  CHECK(status({}) == LampStatus::kNoLamp);
+  CHECK(status({kFirst}) == LampStatus::kOneLamp);
+  CHECK(status({kFirst, {300, 400}}) == LampStatus::kWrongDistance);
+  CHECK(status({{8, 240}, {200, 240}}) == LampStatus::kAtBorder);
+  CHECK(tracker.locate({}, {}).status == LampStatus::kNoLamp);
+  CHECK(tracker.locate({cv::Mat(4, 4, CV_8UC1, cv::Scalar(9)), {0, 0, 4, 4}}, {}).status ==
+        LampStatus::kNoLamp);
+}
+
+TEST_CASE("LampTracker measures an unnamed pair, and says so") {
+  const LampPair pair = LampTracker(CenterMethod::kAuto).locate(frame_with({kFirst, kSecond}), {});
+  CHECK(pair.status == LampStatus::kAmbiguous);
+  for (const LampCenter& lamp : pair.lamps) {
+    CHECK(lamp.status == LampStatus::kOk);
+    const Eigen::Vector2d local = lamp.uv_px - kOrigin;
+    CHECK(std::min((local - kFirst).norm(), (local - kSecond).norm()) < kMeasured_px);
+  }
+}
+
+TEST_CASE("LampTracker is not misled by a third light while a lamp is hidden") {
+  const Eigen::Vector2d third(420, 420);  // 298 px from the first lamp
+  const LampPair pair =
+      LampTracker(CenterMethod::kAuto).locate(frame_with({kFirst, third}), expectation(0.0));
+  CHECK(pair.status == LampStatus::kWrongDistance);
+}
+
+}  // namespace
+}  // namespace planar

@@ -1,0 +1,19 @@
+#include "planar_servo/machine/cell_devices.h"
+
+#include <catch2/catch.hpp>
+
+#include "planar_servo/core/error.h"
+#include "support/sample_cells.h"
+
+namespace planar {
+namespace {
+
+TEST_CASE("A cell whose frames are files is not opened, and it is said what reads pictures") {
+  CellSettings cell = read_cell(test::paper_cell_file());
+  cell.camera.source = "files";
+  CHECK_THROWS_AS(open_cell(cell), InputError);
+  CHECK_THROWS_WITH(open_cell(cell), Catch::Contains("planar-locate-lamps IMAGE..."));
+}
+
+}  // namespace
+}  // namespace planar

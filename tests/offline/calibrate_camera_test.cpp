@@ -1,0 +1,112 @@
+#include "planar_servo/offline/camera/calibrate_camera.h"
+
+#include <catch2/catch.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+#include "calibration/board_image.h"
+#include "planar_servo/core/error.h"
+#include "planar_servo/files/tables/recording.h"
+#include "support/shared_data.h"
+#include "support/temporary_folder.h"
+
+namespace planar {
+namespace {
+
+using Catch::Matchers::Contains;
+
+const Board kBoard{Board::Kind::kCircles, 7, 5, 0.03};
+
+cv::Mat picture(int view) {
+  const Pose X_CG = test::board_before_camera(kBoard, 0.35, 0.4, 1.1 * view, 0.1 * view);
+  return test::picture_of_dots(test::small_camera(), kBoard, 0.018, X_CG);
+}
+
+}  // namespace
+
+TEST_CASE("Pictures without the board or of another size are left out by name, not fatal") {
+  const test::TemporaryFolder folder;
+  cv::imwrite(folder / "good.png", picture(0));
+  cv::imwrite(folder / "empty.png", cv::Mat(480, 640, CV_8UC1, cv::Scalar(200)));
+  cv::imwrite(folder / "small.png", cv::Mat(240, 320, CV_8UC1, cv::Scalar(200)));
+  const BoardViews views =
+      find_board_views({folder / "good.png", folder / "empty.png", folder / "small.png"}, kBoard);
+  CHECK(views.problem.views.size() == 1);
+  REQUIRE(views.rejected.size() == 2);
+  CHECK_THAT(views.rejected[0].name, Contains("empty.png"));
+  CHECK_THAT(views.rejected[0].reason, Contains("no grid of 7 x 5 dots"));
+  CHECK_THAT(views.rejected[1].reason, Contains("320 x 240"));
+}
+
+TEST_CASE("A recording stands for its frames of plan grid, regions in their place on the sensor") {
+  const test::TemporaryFolder folder;
+  const cv::Mat whole = picture(1);
+  const cv::Rect region(70, 50, 500, 380);
+  cv::imwrite(folder / "whole.png", whole);
+  cv::imwrite(folder / "region.png", whole(region));
+  FrameRow row;
+  row.id = "a";
+  row.plan = "grid";
+  row.image = "whole.png";
+  row.region_px = {0, 0, 640, 480};
+  std::string table = frames_header() + frame_line(row);
+  row.image = "region.png";
+  row.region_px = region;
+  table += frame_line(row);
+  row.plan = "train";
+  row.image = "absent.png";
+  table += frame_line(row);
+  folder.write("frames.csv", table);
+
+  const BoardViews views = find_board_views({folder.path()}, kBoard);
+  REQUIRE(views.problem.views.size() == 2);
+  CHECK(views.problem.width_px == 640);
+  CHECK(views.problem.height_px == 480);
+  const auto& pixels = views.problem.views[0].pixels;
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    // The same grey values: only the rough centres, where the rays start, may differ a little.
+    CHECK((pixels[i] - views.problem.views[1].pixels[i]).norm() < 0.02);
+  }
+}
+
+TEST_CASE("Missing images and recordings without a grid are named") {
+  const test::TemporaryFolder folder;
+  CHECK_THROWS_WITH(find_board_views({folder / "a.png", folder / "b.png"}, kBoard),
+                    Contains("a.png") && Contains("b.png") && Contains("cannot be read"));
+  FrameRow row;
+  row.id = "1";
+  row.plan = "train";
+  row.image = "x.png";
+  folder.write("frames.csv", frames_header() + frame_line(row));
+  CHECK_THROWS_WITH(find_board_views({folder.path()}, kBoard), Contains("no frame of plan 'grid'"));
+}
+
+TEST_CASE("Points of another program must make whole views, bad lines are named") {
+  const test::TemporaryFolder folder;
+  const Board board{Board::Kind::kChessboard, 3, 3, 0.01};
+  std::string nine;
+  for (int i = 0; i < 9; ++i) nine += std::to_string(10 * i) + ".5, 20\n";
+  const auto views =
+      board_views_from_points(folder.write("p.txt", "# u v\n" + nine + "\n" + nine), board, {});
+  CHECK(views.problem.views.size() == 2);
+  CHECK(views.problem.width_px == 82);
+  CHECK_THROWS_WITH(board_views_from_points(folder.write("p.txt", nine + "1 2\n"), board, {}),
+                    Contains("10 points"));
+  CHECK_THROWS_WITH(board_views_from_points(folder.write("p.txt", "1 2\n1 x\n1 2 3\n"), board, {}),
+                    Contains("p.txt:2:") && Contains("p.txt:3:"));
+}
+
+TEST_CASE("The published chessboard points give the published camera within its uncertainty") {
+  const auto points = test::shared_data("reference/calib1_points.txt");
+  if (!points) return;
+  const Board board{Board::Kind::kChessboard, 7, 5, 2.54e-3};
+  BoardViews views = board_views_from_points(*points, board, {640, 480});
+  views.problem.model = "plumb_bob";
+  const Intrinsics k = intrinsics(calibrate_camera(views.problem).camera);
+  // Two published standard deviations.
+  CHECK(k.fx == Approx(809.948).margin(2 * 9.5));
+  CHECK(k.fy == Approx(806.560).margin(2 * 8.8));
+  CHECK(k.cx == Approx(361.996).margin(2 * 8.5));
+  CHECK(k.cy == Approx(214.395).margin(2 * 13.3));
+}
+
+}  // namespace planar

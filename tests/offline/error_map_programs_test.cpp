@@ -1,0 +1,121 @@
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "planar_servo/core/error.h"
+#include "planar_servo/core/units.h"
+#include "planar_servo/offline/map/check_error_map.h"
+#include "planar_servo/offline/map/fit_map_to_pairs.h"
+#include "support/error_fields.h"
+
+namespace planar {
+namespace {
+
+using Catch::Contains;
+
+constexpr double kRounding = 1e-12;
+
+std::vector<PairRow> pairs_of(const std::vector<ErrorSample>& samples, const std::string& plan) {
+  std::vector<PairRow> pairs;
+  for (const ErrorSample& sample : samples) {
+    PairRow pair;
+    pair.id = sample.id;
+    pair.p_vision = sample.p_vision;
+    pair.p_tracker = sample.p_vision - sample.error;
+    pair.plan = plan;
+    pairs.push_back(pair);
+  }
+  return pairs;
+}
+
+std::vector<PairRow> lens_pairs(std::uint32_t seed, const std::string& plan) {
+  return pairs_of(
+      test::measure(test::lens_field, test::random_positions(200, seed), test::kFieldNoise, seed),
+      plan);
+}
+
+TEST_CASE("A method is chosen by its name, the paper's by its width in millimetres") {
+  CHECK(parse_map_method("auto").method == MapMethod::kAuto);
+  CHECK(parse_map_method("idw").method == MapMethod::kIdw);
+  CHECK(parse_map_method("hand:48").method == MapMethod::kHandWidth);
+  CHECK(parse_map_method("hand:48").hand_width == Approx(0.048));
+  for (const char* wrong : {"", "RBF", "hand", "hand:", "hand:48mm"}) {
+    CHECK_THROWS_AS(parse_map_method(wrong), InputError);
+    CHECK_THROWS_WITH(parse_map_method(wrong), Contains("allowed are auto, rbf, idw, hand:"));
+  }
+}
+
+TEST_CASE("A map is fitted to the pairs of plan train, and judged on the others") {
+  std::vector<PairRow> pairs = lens_pairs(1, "train");
+  const std::vector<PairRow> others = lens_pairs(2, "test");
+  pairs.insert(pairs.end(), others.begin(), others.end());
+  const FitErrorMapReport report = fit_error_map_to_pairs(pairs, {});
+  CHECK(report.result.n_used == 200);
+  CHECK(report.n_other_plans == 200);
+  CHECK(pairs_to_check(pairs, {}).size() == 200);
+  CHECK(pairs_to_check(pairs, {"train", "test"}).size() == 400);
+  CHECK(pairs_to_check(lens_pairs(1, ""), {}).size() == 200);
+  CHECK_THROWS_WITH(fit_error_map_to_pairs(others, {}),
+                    Contains("none of 200 pairs is of plan 'train'"));
+  CHECK_THROWS_WITH(pairs_to_check(others, {"control"}),
+                    Contains("is of plan control; their plans are: "));
+}
+
+TEST_CASE("The check's figures are those of theory") {
+  IdwMap constant;  // predicts (1, 0) mm everywhere
+  constant.centers = Eigen::Matrix2Xd::Zero(2, 1);
+  constant.errors = Eigen::Vector2d(1e-3, 0.0);
+  constant.region = {{{0.0, 0.0}, {0.1, 0.0}, {0.0, 0.1}}, 0.0};
+  const std::vector<PairRow> pairs = pairs_of({{"a", {0.01, 0.01}, {1e-3, 0.0}},
+                                               {"b", {0.02, 0.02}, {0.0, 2e-3}},
+                                               {"c", {0.5, 0.5}, {3e-3, 0.0}}},
+                                              "");
+  const MapCheck check = check_error_map(constant, pairs);
+  const double mean_missed = (0.0 + std::sqrt(5.0) + 2.0) / 3.0;
+  CHECK(check.n_outside == 1);
+  CHECK(check.raw.mean / kMillimetre == Approx(2.0));
+  CHECK(check.compensated.mean / kMillimetre == Approx(mean_missed));
+  CHECK(check.compensated.max / kMillimetre == Approx(std::sqrt(5.0)));
+  CHECK(check.a1 == Approx(1.0 - mean_missed / 2.0));
+  CHECK(check.a2 == Approx(0.5).epsilon(kRounding));
+  CHECK(std::isnan(check.coverage_95));
+}
+
+TEST_CASE("A map is not judged on pairs in another unit or frame, but on one or two pairs") {
+  const ErrorMap map = fit_error_map_to_pairs(lens_pairs(1, ""), {}).result.map;
+  std::vector<PairRow> pairs = lens_pairs(2, "");
+  CHECK_NOTHROW(check_error_map(map, {pairs.front()}));
+  std::vector<PairRow> swapped = pairs;
+  for (PairRow& pair : swapped) pair.p_tracker = pair.p_tracker.reverse().eval();
+  CHECK_THROWS_WITH(check_error_map(map, swapped), Contains("are x and y swapped"));
+  for (PairRow& pair : pairs) pair.p_tracker *= kMillimetre;
+  CHECK_THROWS_WITH(check_error_map(map, pairs), Contains("look like metres"));
+}
+
+TEST_CASE("A map that depends on the tool's direction is not judged on pairs without it") {
+  std::vector<PairRow> pairs = lens_pairs(1, "");
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    pairs[i].phi = 2.4 * static_cast<double>(i * i);
+    pairs[i].p_tracker -= 1e-4 * Eigen::Vector2d(std::cos(*pairs[i].phi), std::sin(*pairs[i].phi));
+  }
+  const ErrorMap map = fit_error_map_to_pairs(pairs, {}).result.map;
+  CHECK_NOTHROW(require_directions(map, pairs, "pairs.csv"));
+  CHECK(check_error_map(map, pairs).compensated.rms < 3.0 * test::kFieldNoise);
+  pairs[3].phi.reset();
+  CHECK_THROWS_AS(require_directions(map, pairs, "pairs.csv"), InputError);
+  CHECK_THROWS_WITH(require_directions(map, pairs, "pairs.csv"),
+                    Contains("pairs.csv: the map depends on the tool's direction; pairs need a "
+                             "column phi_deg"));
+  CHECK_NOTHROW(
+      require_directions(fit_error_map_to_pairs(lens_pairs(1, ""), {}).result.map, pairs, ""));
+}
+
+TEST_CASE("About 95 of 100 other pairs lie within the interval of map and noise") {
+  const ErrorMap map = fit_error_map_to_pairs(lens_pairs(1, ""), {}).result.map;
+  std::vector<PairRow> others = lens_pairs(2, "");
+  CHECK(check_error_map(map, others).coverage_95 == Approx(0.95).margin(0.03));
+  for (PairRow& pair : others) pair.sigma_tracker = 3.0 * test::kFieldNoise;
+  CHECK(check_error_map(map, others).coverage_95 > 0.99);
+}
+
+}  // namespace
+}  // namespace planar

@@ -1,0 +1,207 @@
+#include "planar_servo/offline/lamps/locate_lamps.h"
+
+#include <Eigen/Geometry>
+#include <catch2/catch.hpp>
+#include <fstream>
+#include <opencv2/imgcodecs.hpp>
+
+#include "planar_servo/calibration/vision_tip.h"
+#include "planar_servo/core/error.h"
+#include "planar_servo/core/units.h"
+#include "support/rendered_lamp.h"
+#include "support/temporary_folder.h"
+
+namespace planar {
+namespace {
+
+using Catch::Matchers::Contains;
+
+constexpr double kSeparation_m = 0.1;
+constexpr double kDiameter_m = 0.024;
+constexpr double kDiameter_px = 20.0;  // of such a lamp from 1.2 m
+const cv::Size kSensor(1000, 800);
+constexpr double kMeasured_px = 0.15;   // several times the error of one centre
+constexpr double kMeasured_m = 0.2e-3;  // the same on the plane, at 833 px/m
+constexpr double kDirection = 2.0 * 0.2e-3 / kSeparation_m;
+
+/// A camera that looks down on the plane from 1.2 m.
+Workplane workplane() {
+  Pose X_WC = Pose::Identity();
+  X_WC.linear() = Eigen::AngleAxisd(kPi, Eigen::Vector3d::UnitX()).toRotationMatrix();
+  X_WC.translation() = Eigen::Vector3d(0.02, -0.01, 1.2);
+  return {Pinhole{{1000.0, 1000.0, 500.0, 400.0}}, X_WC};
+}
+
+LampScene scene(bool with_workplane) {
+  LampScene result;
+  result.sensor_px = kSensor;
+  result.lamps = {kSeparation_m, {kDiameter_m, kDiameter_m}};
+  if (with_workplane) result.workplane = workplane();
+  return result;
+}
+
+/// A folder of rendered frames of the tool at known poses, removed at the end.
+class Recording {
+ public:
+  /// Lamps 1 and 2 of the tool at `tip`, those asked for, in a region of the sensor, the second
+  /// larger than the first.
+  void add(const TipPose& tip, int lamps = 2, const cv::Rect& region = {{0, 0}, kSensor},
+           double second_size = 1.0) {
+    const auto lamps_px = *lamps_from_tip(workplane(), {}, kSeparation_m, tip);
+    cv::Mat picture = test::background(region.size());
+    for (int i = 0; i < lamps; ++i) {
+      test::RenderedLamp lamp{lamps_px[static_cast<std::size_t>(i)], kDiameter_px};
+      if (i == 1) lamp.diameter_px *= second_size;
+      lamp.center_px -= Eigen::Vector2d(region.x, region.y);
+      test::add_lamp(picture, lamp);
+    }
+    LampImage image;
+    image.id = "place_" + std::to_string(images.size());
+    image.name = image.id + ".png";
+    image.file = folder_ / image.name;
+    image.region_px = region;
+    image.commanded = tip;
+    cv::imwrite(image.file.string(), test::expose(picture, random_));
+    images.push_back(image);
+    tips.push_back(tip);
+  }
+
+  std::vector<LampImage> images;
+  std::vector<TipPose> tips;
+
+ private:
+  test::TemporaryFolder folder_;
+  std::mt19937 random_{60};
+};
+
+/// Places round the base with the tool turned every way.
+void add_places(Recording& recording, int n) {
+  for (int i = 0; i < n; ++i) {
+    const double angle = 2.4 * i, radius = 0.05 + 0.25 * i / n;
+    recording.add({{radius * std::cos(angle), radius * std::sin(angle)}, 1.1 * i});
+  }
+}
+
+void check_named(const Recording& recording, const std::vector<LampRow>& rows) {
+  REQUIRE(rows.size() == recording.tips.size());
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    CHECK(rows[i].id == recording.images[i].id);
+    REQUIRE(rows[i].status == "ok");
+    const auto truth = *lamps_from_tip(workplane(), {}, kSeparation_m, recording.tips[i]);
+    CHECK((rows[i].uv_px[0] - truth[0]).norm() < kMeasured_px);
+    CHECK((rows[i].uv_px[1] - truth[1]).norm() < kMeasured_px);
+  }
+}
+
+TEST_CASE("locate_lamps names the lamps by the commanded pose through the workplane") {
+  Recording recording;
+  add_places(recording, 6);
+  recording.add({{0.1, 0.05}, 0.3}, 2, {400, 200, 400, 300});
+  const auto rows = locate_lamps({recording.images, scene(true), CenterMethod::kAuto, {}}).rows;
+  check_named(recording, rows);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    REQUIRE((rows[i].p_vision && rows[i].phi && rows[i].sigma));
+    CHECK((*rows[i].p_vision - recording.tips[i].p).norm() < kMeasured_m);
+    CHECK(std::abs(wrap_angle(*rows[i].phi - recording.tips[i].phi)) < kDirection);
+  }
+}
+
+TEST_CASE("locate_lamps names the lamps before anything is calibrated, without a position") {
+  Recording recording;
+  add_places(recording, 12);
+  const auto rows = locate_lamps({recording.images, scene(false), CenterMethod::kAuto, {}}).rows;
+  check_named(recording, rows);
+  for (const LampRow& row : rows) CHECK_FALSE((row.p_vision || row.phi || row.sigma));
+}
+
+TEST_CASE("locate_lamps is not led astray by a coarse view learned with some lamps missing") {
+  Recording recording;
+  add_places(recording, 12);
+  recording.add({{0.2, 0.1}, 0.0}, 1);
+  recording.add({{0.1, 0.2}, 0.0}, 0);
+  const auto rows = locate_lamps({recording.images, scene(false), CenterMethod::kAuto, {}}).rows;
+  for (std::size_t i = 0; i < 12; ++i) CHECK(rows[i].status == "ok");
+  CHECK(rows[12].status == "one_lamp");
+  CHECK(rows[13].status == "no_lamp");
+}
+
+TEST_CASE("locate_lamps leaves equal lamps ambiguous without a commanded pose") {
+  Recording recording;
+  recording.add({{0.1, 0.05}, 0.3});
+  recording.images[0].commanded.reset();
+  LampScene with_plane = scene(true);
+  const auto midway = locate_lamps({recording.images, with_plane, CenterMethod::kAuto, {}}).rows[0];
+  CHECK(midway.status == "ambiguous");
+  CHECK_FALSE(midway.phi);
+  REQUIRE(midway.p_vision);
+  CHECK((*midway.p_vision - Eigen::Vector2d(0.1, 0.05)).norm() < kMeasured_m);
+
+  with_plane.tool.p_TP = {0.001, 0.0};  // the end point does not lie midway: no position
+  const auto aside = locate_lamps({recording.images, with_plane, CenterMethod::kAuto, {}}).rows[0];
+  CHECK(aside.status == "ambiguous");
+  CHECK(aside.uv_px.size() == 2);
+  CHECK_FALSE(aside.p_vision);
+
+  with_plane.lamps.separation_m = 1.2 * kSeparation_m;
+  const auto wrong = locate_lamps({recording.images, with_plane, CenterMethod::kAuto, {}}).rows[0];
+  CHECK(wrong.status == "wrong_distance");
+}
+
+TEST_CASE("locate_lamps tells lamps of different size apart without a commanded pose") {
+  constexpr double kLarger = 1.3;
+  LampScene with_plane = scene(true);
+  with_plane.lamps.diameters_m[1] *= kLarger;
+  Recording recording;
+  for (const double phi : {0.3, 1.9, -2.5})
+    recording.add({{0.1, 0.05}, phi}, 2, {{0, 0}, kSensor}, kLarger);
+  for (LampImage& image : recording.images) image.commanded.reset();
+  const auto report = locate_lamps({recording.images, with_plane, CenterMethod::kAuto, {}});
+  for (std::size_t i = 0; i < report.rows.size(); ++i) {
+    CHECK(report.rows[i].status == "ok");
+    REQUIRE(report.rows[i].phi);
+    CHECK(*report.rows[i].phi == Approx(recording.tips[i].phi).margin(kDirection));
+  }
+}
+
+TEST_CASE("locate_lamps keeps the row of an image that it cannot read or that shows a board") {
+  Recording recording;
+  for (int i = 0; i < 3; ++i) recording.add({{0.1, 0.05}, 0.3});
+  std::ofstream(recording.images[0].file) << "no image";
+  recording.images[1].shows_board = true;
+  std::filesystem::remove(recording.images[2].file);
+  const auto report = locate_lamps({recording.images, scene(true), CenterMethod::kAuto, {}});
+  CHECK(report.rows[0].status == "unreadable");
+  CHECK(report.rows[1].status == "board_view");
+  CHECK(report.rows[2].status == "unreadable");
+  CHECK(report.milliseconds.empty());
+}
+
+TEST_CASE("locate_lamps names every image of the wrong size") {
+  Recording recording;
+  for (int i = 0; i < 3; ++i) recording.add({{0.1, 0.05}, 0.3});
+  recording.images[0].region_px = cv::Rect(0, 0, 512, 512);
+  recording.images[2].region_px.reset();
+  LampScene other_sensor = scene(true);
+  other_sensor.sensor_px = {5120, 5120};
+  const LocateRequest request{recording.images, other_sensor, CenterMethod::kAuto, {}};
+  CHECK_THROWS_WITH(locate_lamps(request),
+                    Contains("place_0.png: is 1000 x 800 pixels; frames.csv says 512 x 512") &&
+                        Contains("place_2.png") && Contains("the cell file says 5120 x 5120"));
+  CHECK_THROWS_AS(locate_lamps(request), InputError);
+}
+
+TEST_CASE("follow_disc gives one lamp per row") {
+  Recording recording;
+  recording.add({{0.1, 0.05}, 0.0});
+  recording.add({{0.105, 0.052}, 0.0});
+  const auto truth = *lamps_from_tip(workplane(), {}, kSeparation_m, recording.tips[1]);
+  const auto rows =
+      follow_disc({recording.images, std::nullopt, CenterMethod::kAuto, {}}, truth[1]).rows;
+  REQUIRE(rows.size() == 2);
+  REQUIRE(rows[1].status == "ok");
+  REQUIRE(rows[1].uv_px.size() == 1);
+  CHECK((rows[1].uv_px[0] - truth[1]).norm() < kMeasured_px);
+}
+
+}  // namespace
+}  // namespace planar

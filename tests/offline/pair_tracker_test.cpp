@@ -1,0 +1,142 @@
+#include "planar_servo/offline/pairs/pair_tracker.h"
+
+#include <catch2/catch.hpp>
+
+#include "calibration/synthetic_cell.h"
+#include "planar_servo/core/error.h"
+
+namespace planar {
+namespace {
+
+using Catch::Matchers::Contains;
+using test::SyntheticCell;
+
+constexpr double kExact = 1e-9;  // m
+
+Pose tracker_pose() {
+  Pose X_BL = Pose::Identity();
+  X_BL.linear() = rotation_from_vector({0.1, -0.2, 2.1});
+  X_BL.translation() = Eigen::Vector3d(2.5, -1.0, 0.7);
+  return X_BL;
+}
+
+void add_place(PairTrackerRequest& request, const ToolSight& sight, const std::string& plan) {
+  const auto number = static_cast<double>(request.frames.size());
+  FrameRow frame;
+  frame.id = sight.id;
+  frame.image = "images/" + sight.id + ".png";
+  frame.t_s = 10.0 * number;
+  frame.plan = plan;
+  const bool swept = sight.sweep != ToolSight::kNoSweep;
+  frame.theta = swept ? Joints(0.1, 1.2, number) : Joints(0.01 * number, 1.0, 0.0);
+  LampRow lamps;
+  lamps.id = frame.id;
+  lamps.image = frame.image;
+  lamps.status = "ok";
+  lamps.uv_px.assign(sight.lamps_px.begin(), sight.lamps_px.end());
+  lamps.covariance_px2.assign(sight.covariances_px2.begin(), sight.covariances_px2.end());
+  request.frames.push_back(frame);
+  request.lamps.push_back(lamps);
+  request.tracker.push_back(
+      {sight.id, frame.t_s + 0.1, tracker_pose().inverse() * sight.p_reflector_B});
+}
+
+/// A recording of the synthetic cell: a board view, training places, a sweep, and test places.
+PairTrackerRequest recorded(const SyntheticCell& cell) {
+  PairTrackerRequest request;
+  request.camera = cell.lens;
+  request.cell.tracker_sigma_m = cell.noise_tracker;
+  request.cell.datum = {
+      {"d1", {-0.45, -0.45, 0.0}}, {"d2", {0.45, 0.45, 0.0}}, {"d3", {-0.45, 0.45, 0.0}}};
+  for (const Monument& monument : request.cell.datum) {
+    request.tracker.push_back({monument.id, 0.0, tracker_pose().inverse() * monument.p_B});
+  }
+  FrameRow board;
+  board.id = "grid_0";
+  board.image = "images/grid_0.png";
+  board.plan = "grid";
+  LampRow no_lamps;
+  no_lamps.id = board.id;
+  no_lamps.image = board.image;
+  no_lamps.status = "no_lamp";
+  request.frames.push_back(board);
+  request.lamps.push_back(no_lamps);
+  for (const ToolSight& sight : cell.recording(60, 12)) add_place(request, sight, sight.plan);
+  std::mt19937 random(9);
+  add_place(request, cell.sight("judge", {0.1, -0.2}, 0.0, random), "test");
+  return request;
+}
+
+SyntheticCell noiseless() {
+  SyntheticCell cell;
+  cell.noise_px = cell.noise_tracker = 0.0;
+  return cell;
+}
+
+}  // namespace
+
+TEST_CASE("A recording gives workplane, tool and a pair for every place") {
+  const PairTrackerReport report = pair_tracker(recorded(noiseless()));
+  CHECK(report.pairs.size() == 73);
+  CHECK(report.rejected.empty());
+  CHECK(report.workplane.n_used == 72);
+  CHECK(report.workplane.X_WC.isApprox(noiseless().X_WC_ref, kExact));
+  CHECK(raw_error(report.pairs).max < kExact);
+  CHECK(raw_error(report.pairs, "test").n == 1);
+  CHECK((report.pairs.back().p_tracker - Eigen::Vector2d(0.1, -0.2)).norm() < kExact);
+}
+
+TEST_CASE("Places kept for judging do not move the workplane and are not left out") {
+  PairTrackerRequest request = recorded(noiseless());
+  request.tracker.back().p_L.x() += 5.0 * kMillimetre;
+  const PairTrackerReport report = pair_tracker(request);
+  CHECK(report.workplane.X_WC.isApprox(noiseless().X_WC_ref, kExact));
+  CHECK(report.rejected.empty());
+  CHECK(raw_error(report.pairs, "test").max > 4.0 * kMillimetre);
+}
+
+TEST_CASE("Places without tracker or lamps and outliers are named and have no pair") {
+  PairTrackerRequest request = recorded(SyntheticCell());
+  request.tracker.erase(request.tracker.begin() + 3);  // of p0
+  request.lamps[2].status = "saturated";               // of p1
+  request.tracker[10].p_L.z() += 30.0 * kMillimetre;   // tilted into the plane by the tracker
+  const PairTrackerReport report = pair_tracker(request);
+  REQUIRE(report.rejected.size() == 3);
+  CHECK_THAT(report.rejected[0].reason, Contains("no tracker reading"));
+  CHECK_THAT(report.rejected[1].reason, Contains("saturated"));
+  CHECK_THAT(report.rejected[2].reason, Contains("vision and tracker differ"));
+  CHECK(report.pairs.size() == 70);
+}
+
+TEST_CASE("Time stamps pair readings whose ids are the tracker's own") {
+  PairTrackerRequest request = recorded(noiseless());
+  int number = 0;
+  for (TrackerRow& row : request.tracker) {
+    if (number++ >= 3) row.id = "reading" + std::to_string(number);
+  }
+  CHECK_THROWS_AS(pair_tracker(request), InputError);
+  request.by = PairBy::kTime;
+  CHECK(pair_tracker(request).pairs.size() == 73);
+}
+
+TEST_CASE("A board on the plane gives its height and tilt") {
+  const SyntheticCell cell = noiseless();
+  PairTrackerRequest request = recorded(cell);
+  Pose X_WG = Pose::Identity();
+  X_WG.translation() = Eigen::Vector3d(0.0, 0.0, -3.0 * kMillimetre);
+  request.boards_on_plane = {cell.X_WC_ref.inverse() * X_WG};
+  const PairTrackerReport report = pair_tracker(request);
+  CHECK(report.workplane.absorbed == 3);
+  CHECK(raw_error(report.pairs, "train").rms > 0.3 * kMillimetre);
+}
+
+TEST_CASE("Lamps of another recording and readings without monuments are refused") {
+  PairTrackerRequest request = recorded(noiseless());
+  request.lamps[5].image = "images/other.png";
+  CHECK_THROWS_WITH(pair_tracker(request), Contains("images/other.png"));
+  request = recorded(noiseless());
+  request.tracker.erase(request.tracker.begin(), request.tracker.begin() + 2);
+  CHECK_THROWS_WITH(pair_tracker(request), Contains("1 of the cell's monuments"));
+}
+
+}  // namespace planar

@@ -1,0 +1,101 @@
+#include "planar_servo/offline/record/recorder.h"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+
+#include "planar_servo/devices/separate_drives.h"
+#include "support/manual_clock.h"
+#include "support/mock_pulse_drive.h"
+#include "support/sample_cells.h"
+#include "support/temporary_folder.h"
+
+namespace planar {
+namespace {
+
+/// A small dark camera, a tracker that reads zeros, and a board whose views are noted.
+class NotingDevices final : public CellDevices,
+                            public FrameSource,
+                            public Tracker,
+                            public BoardPresenter {
+ public:
+  std::vector<int> held, laid;
+  std::optional<double> camera_dies_s;  ///< on the clock
+
+  bool moves() {
+    const auto status = group_.status();
+    return std::any_of(status.begin(), status.end(), [](const auto& s) { return s.moving; });
+  }
+
+  Clock& clock() override { return clock_; }
+  FrameSource& camera() override { return *this; }
+  DriveGroup& drives() override { return group_; }
+  Tracker& tracker() override { return *this; }
+  BoardPresenter& board_presenter() override { return *this; }
+  std::function<TipPose()> true_tip() override { return {}; }
+
+  cv::Size sensor_size_px() const override { return {64, 64}; }
+  void set_region(const cv::Rect& /*region_px*/) override {}
+  FrameResult next_frame() override {
+    return {FrameStatus::kOk, {cv::Mat::zeros(64, 64, CV_8UC1), {0, 0, 64, 64}, 0.0, 0}};
+  }
+
+  std::optional<std::string> fault() const override {
+    if (!camera_dies_s || clock_.now_s() < *camera_dies_s) return std::nullopt;
+    return "the camera is dead";
+  }
+  FrameCounts counts() const override { return {}; }
+
+  CameraExposure exposure() const override { return {}; }
+  void set_exposure(const CameraExposure& /*exposure*/) override {}
+
+  std::optional<TrackerReading> measure_tool() override { return TrackerReading{}; }
+  std::optional<TrackerReading> measure_monument(const std::string& /*id*/) override {
+    return TrackerReading{};
+  }
+
+  void hold_board(int view) override { held.push_back(view); }
+  void lay_board(int view) override { laid.push_back(view); }
+  void remove_board() override {}
+
+ private:
+  test::ManualClock clock_;
+  std::array<test::MockPulseDrive, 3> drives_{
+      test::MockPulseDrive(clock_), test::MockPulseDrive(clock_), test::MockPulseDrive(clock_)};
+  SeparateDrives group_{{&drives_[0], &drives_[1], &drives_[2]}};
+};
+
+TEST_CASE("A recording that was broken off goes on with the board's next views") {
+  const test::TemporaryFolder folder;
+  RecordRequest request{read_cell(test::paper_cell_file()), {}, folder.path() / "recording"};
+  for (const char* id : {"g0", "g1"}) request.plan.push_back({id, "grid", std::monostate()});
+  request.plan.push_back({"p0", "plane_grid", std::monostate()});
+  NotingDevices first;
+  CHECK(record(request, first).recorded == 3);
+  CHECK(first.held == std::vector<int>{0, 1});
+  CHECK(first.laid == std::vector<int>{0});
+
+  for (const char* id : {"g2", "g3"}) request.plan.push_back({id, "grid", std::monostate()});
+  NotingDevices second;
+  const RecordReport report = record(request, second);
+  CHECK(report.present == 3);
+  CHECK(report.recorded == 2);
+  CHECK(second.held == std::vector<int>{2, 3});
+  CHECK(second.laid.empty());
+}
+
+TEST_CASE("A camera that fails stops the arm on its way, and what was recorded stays") {
+  const test::TemporaryFolder folder;
+  RecordRequest request{read_cell(test::paper_cell_file()), {}, folder.path() / "recording"};
+  request.plan.push_back({"g0", "grid", std::monostate()});
+  request.plan.push_back({"t0", "train", TipPose{{-0.2, 0.3}, 0.0}});
+  NotingDevices devices;
+  devices.camera_dies_s = devices.clock().now_s() + 0.5;  // the move takes seconds
+  CHECK_THROWS_WITH(record(request, devices), Catch::Contains("t0: the camera is dead"));
+  CHECK(devices.clock().now_s() < *devices.camera_dies_s + 1.0);
+  CHECK_FALSE(devices.moves());
+  NotingDevices again;
+  CHECK(record(request, again).present == 1);
+}
+
+}  // namespace
+}  // namespace planar

@@ -1,0 +1,69 @@
+#include "planar_servo/run/servo_report.h"
+
+#include <catch2/catch.hpp>
+
+namespace planar {
+namespace {
+
+TargetResult reached(const std::string& id, double before_m, double after_m) {
+  TargetResult result;
+  result.id = id;
+  result.status = ServoStatus::kReached;
+  result.iterations = 2;
+  result.seconds = 1.5;
+  result.before_truth = Eigen::Vector2d(before_m, 0.0);
+  result.after_truth = Eigen::Vector2d(0.0, after_m);
+  result.before_own = result.before_truth;
+  result.after_own = Eigen::Vector2d(1e-6, 0.0);
+  return result;
+}
+
+TEST_CASE("The figures of a run carry the suffix of who judged them, in millimetres") {
+  const auto json = servo_json(figures_of({reached("a", 1e-3, 1e-5), reached("b", 3e-3, 3e-5)}));
+  CHECK(json["targets"] == 2);
+  CHECK(json["reached"] == 2);
+  CHECK(json["before_mean_mm_truth"].get<double>() == Approx(2.0));
+  CHECK(json["after_mean_mm_truth"].get<double>() == Approx(0.02));
+  CHECK(json["after_max_mm_truth"].get<double>() == Approx(0.03));
+  CHECK(json["improvement_truth"].get<double>() == Approx(0.99));
+  CHECK(json["after_mean_mm_own_view"].get<double>() == Approx(0.001));
+  CHECK(json["iterations_median"] == 2.0);
+  CHECK(json["seconds_per_target"] == 1.5);
+}
+
+TEST_CASE("Without a truth no figure claims one") {
+  TargetResult result = reached("a", 1e-3, 1e-5);
+  result.before_truth = result.after_truth = std::nullopt;
+  const auto json = servo_json(figures_of({result}));
+  CHECK_FALSE(json.contains("after_mean_mm_truth"));
+  CHECK(json.contains("after_mean_mm_own_view"));
+  CHECK_THAT(servo_text(figures_of({result})), !Catch::Contains("truth"));
+}
+
+TEST_CASE("A run says how many of the camera's frames it left out") {
+  ServoFigures figures = figures_of({reached("a", 1e-3, 1e-5)});
+  CHECK_THAT(servo_text(figures), !Catch::Contains("camera"));
+  figures.frames = FrameCounts{412, 3, 2, 1};
+  CHECK_THAT(
+      servo_text(figures),
+      Catch::Contains("camera: 412 whole frames; left out: 3 with parts missing, 2 repeated; "
+                      "the camera was lost and found 1 time\n"));
+  const auto json = servo_json(figures);
+  CHECK(json["frames_complete"] == 412);
+  CHECK(json["frames_incomplete"] == 3);
+  CHECK(json["frames_frozen"] == 2);
+  CHECK(json["camera_reopened"] == 1);
+}
+
+TEST_CASE("A refused target counts as a target that was not reached and has no error") {
+  TargetResult refused;
+  refused.id = "far";
+  refused.reason = "too far";
+  const ServoFigures figures = figures_of({reached("a", 1e-3, 1e-5), refused});
+  CHECK(figures.targets == 2);
+  CHECK(figures.reached == 1);
+  CHECK(figures.after_truth->n == 1);
+}
+
+}  // namespace
+}  // namespace planar

@@ -1,0 +1,96 @@
+#include "planar_servo/run/target_stream.h"
+
+#include <catch2/catch.hpp>
+#include <sstream>
+
+#include "planar_servo/core/error.h"
+
+namespace planar {
+namespace {
+
+using Catch::Contains;
+using Json = nlohmann::json;
+
+struct Session {
+  std::vector<Json> answers;
+  std::vector<std::string> moved;
+  std::size_t bad_lines{0};
+};
+
+Session run(const std::string& input) {
+  Session session;
+  std::istringstream in(input);
+  std::ostringstream out;
+  TargetLines lines("standard input");
+  session.bad_lines = answer_targets(in, out, lines, [&](const TargetRow& target) {
+    session.moved.push_back(target.id);
+    return nlohmann::ordered_json{{"target", target.id}, {"status", "reached"}};
+  });
+  std::istringstream told(out.str());
+  for (std::string line; std::getline(told, line);) session.answers.push_back(Json::parse(line));
+  return session;
+}
+
+TEST_CASE("Every target line is answered by one line of JSON that names its line") {
+  const Session session = run("id,x_mm,y_mm\na,200,100\n\n# remark\nb,-150,250\n");
+  REQUIRE(session.answers.size() == 2);
+  CHECK(session.answers[0] == Json{{"line", 2}, {"target", "a"}, {"status", "reached"}});
+  CHECK(session.answers[1]["line"] == 5);
+  CHECK(session.bad_lines == 0);
+}
+
+TEST_CASE(
+    "A bad line is answered with line, value and rule, moves nothing, and the session goes on") {
+  const Session session =
+      run("id,x_mm,y_mm\na,200,1oo\nb,1\n,1,2\nc,nan,3\na,200,100\na,1,2\nd,3,4\n");
+  CHECK(session.moved == std::vector<std::string>{"a", "d"});
+  CHECK(session.bad_lines == 5);
+  REQUIRE(session.answers.size() == 7);
+  const auto error = [&](std::size_t i) { return session.answers[i]["error"].get<std::string>(); };
+  CHECK(session.answers[0]["line"] == 2);
+  CHECK(error(0) == "standard input:2: y_mm is '1oo'; a finite number is needed");
+  CHECK(error(1) == "standard input:3: has 2 fields; the header has 3");
+  CHECK(error(2) == "standard input:4: id is empty; every row needs one");
+  CHECK(error(3) == "standard input:5: x_mm is 'nan'; a finite number is needed");
+  CHECK(error(5) == "standard input:7: the id 'a' stands twice; ids must differ");
+}
+
+TEST_CASE("A header that names other units ends the session before anything moves") {
+  std::istringstream in("id,x_m,y_m\na,0.2,0.1\n");
+  std::ostringstream out;
+  TargetLines lines("standard input");
+  const auto never = [](const TargetRow&) -> nlohmann::ordered_json {
+    FAIL("a target was taken");
+    return {};
+  };
+  CHECK_THROWS_AS(answer_targets(in, out, lines, never), InputError);
+  CHECK_THAT(out.str(), Contains("lacks the columns x_mm, y_mm"));
+}
+
+TEST_CASE("What fails on the way to a target is told before it ends the session") {
+  std::istringstream in("a,200,100\nb,1,2\n");
+  std::ostringstream out;
+  TargetLines lines("standard input");
+  const auto fail = [](const TargetRow&) -> nlohmann::ordered_json {
+    throw WorkError("drive 2 reports: low voltage");
+  };
+  CHECK_THROWS_AS(answer_targets(in, out, lines, fail), WorkError);
+  CHECK(out.str() == "{\"line\":1,\"target\":\"a\",\"error\":\"drive 2 reports: low voltage\"}\n");
+}
+
+TEST_CASE("An answer leaves out what is not known of a result") {
+  TargetResult result;
+  result.id = "a";
+  result.status = ServoStatus::kReached;
+  result.p_d = {0.2, -0.1};
+  result.after_own = Eigen::Vector2d(3e-6, 4e-6);
+  const auto answer = result_answer(result);
+  CHECK(answer["x_mm"].get<double>() == Approx(200.0));
+  CHECK(answer["after_own_view_mm"].get<double>() == Approx(0.005));
+  CHECK(answer["after_own_view_dx_mm"].get<double>() == Approx(0.003));
+  CHECK_FALSE(answer.contains("after_truth_mm"));
+  CHECK_FALSE(answer.contains("uncertainty_mm"));
+}
+
+}  // namespace
+}  // namespace planar
