@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "planar_servo/core/monument.h"
 #include "planar_servo/core/pose.h"
 
 namespace planar {
@@ -14,13 +15,6 @@ namespace planar {
 /// std::invalid_argument for sets of different size.
 Eigen::Isometry2d fit_rigid_2d(const Eigen::Matrix2Xd& p_A, const Eigen::Matrix2Xd& p_B);
 Pose fit_rigid_3d(const Eigen::Matrix3Xd& p_A, const Eigen::Matrix3Xd& p_B);
-
-/// A point fixed to the base whose base coordinates are known (metres). Monuments DEFINE the base
-/// frame.
-struct Monument {
-  std::string id;
-  Eigen::Vector3d p_B{0.0, 0.0, 0.0};
-};
 
 /// The reflector on a monument, in the tracker's frame, metres.
 struct MonumentReading {

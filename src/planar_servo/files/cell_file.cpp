@@ -2,51 +2,56 @@
 
 #include <fmt/format.h>
 
-#include <limits>
+#include <optional>
 
 #include "planar_servo/core/error.h"
+#include "planar_servo/core/names.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/io/yaml_reader.h"
 
 namespace planar {
 namespace {
 
-constexpr double kUnbounded = std::numeric_limits<double>::max();
-constexpr double kTiny = 1e-9;  // the least value of what must be positive
 constexpr int kMaxSensorPixels = 65535;
-/// Below, an ordinary machine's pauses would stop the arm; above, a lost drive runs on for too
-/// long.
-constexpr double kMinCommandTimeout_ms = 100.0;
-constexpr double kMaxCommandTimeout_ms = 2000.0;
-constexpr int kMaxPacketSize = 65535;
+constexpr int kLeastRegion_px = 64;
+constexpr int kMaxCount = 1000;
 
-CameraConnection read_connection(const YamlNode& node) {
-  CameraConnection connection;
-  if (node.has("address")) connection.address = node.text("address");
-  if (node.has("id")) connection.id = node.text("id");
-  connection.exposure_s = node.number_in("exposure_us", 1.0, kUnbounded) * kMicrosecond;
-  connection.gain_db = node.number("gain_db");
-  connection.pixel_format = node.choice(
-      "pixel_format",
-      {"Mono8", "Mono10", "Mono10p", "Mono10Packed", "Mono12", "Mono12p", "Mono12Packed"});
-  connection.trigger = node.choice("trigger", {"free_run", "software", "hardware"});
-  if (node.has("packet_size"))
-    connection.packet_size = static_cast<int>(node.number_in("packet_size", 0, kMaxPacketSize));
-  return connection;
+constexpr Named<Rotation> kRotations[] = {{Rotation::kCounterclockwise, "counterclockwise"},
+                                          {Rotation::kClockwise, "clockwise"}};
+constexpr Named<Elbow> kElbows[] = {{Elbow::kLeft, "left"}, {Elbow::kRight, "right"}};
+constexpr Named<Coupling> kCouplings[] = {{Coupling::kRelative, "relative"},
+                                          {Coupling::kAbsolute, "absolute"}};
+constexpr Named<int> kDirections[] = {{1, "1"}, {-1, "-1"}};
+constexpr Named<ServoLaw> kLaws[] = {{ServoLaw::kJacobian, "jacobian"},
+                                     {ServoLaw::kInverse, "inverse"}};
+constexpr Named<Approach> kApproaches[] = {{Approach::kOneSide, "one_side"},
+                                           {Approach::kDirect, "direct"}};
+
+/// The kind that `key` asks for; null, with a fault, when there is none of that name. Nothing else
+/// in the block can be judged then, and its keys are not called unknown.
+template <typename Kind>
+const Kind* kind_at(const YamlNode& node, const char* key, const std::vector<const Kind*>& kinds) {
+  std::vector<std::string> names;
+  for (const Kind* kind : kinds) names.push_back(kind->name());
+  const std::optional<std::string> name = node.one_of(key, names);
+  for (const Kind* kind : kinds)
+    if (name && kind->name() == *name) return kind;
+  node.allow_all();
+  return nullptr;
 }
 
-CameraSettings read_camera(const YamlNode& node) {
+CameraSettings read_camera(const YamlNode& node, const DeviceKinds& kinds) {
   CameraSettings camera;
-  camera.source = node.choice("source", {"virtual", "files", "aravis"});
-  camera.width_px = static_cast<int>(node.number_in("width_px", 1, kMaxSensorPixels));
-  camera.height_px = static_cast<int>(node.number_in("height_px", 1, kMaxSensorPixels));
-  camera.pixel_pitch_m = node.number_in("pixel_pitch_um", kTiny, kUnbounded) * kMicrometre;
-  camera.frame_rate_hz = node.number_in("frame_rate_hz", kTiny, kUnbounded);
-  camera.timeout_s = node.number_in("timeout_ms", kTiny, kUnbounded) * kMillisecond;
+  camera.kind = kind_at(node, "source", kinds.cameras);
+  camera.width_px = node.whole_number_in("width_px", 1, kMaxSensorPixels);
+  camera.height_px = node.whole_number_in("height_px", 1, kMaxSensorPixels);
+  camera.frame_rate_hz = node.positive("frame_rate_hz");
+  camera.timeout_s = node.positive("timeout_ms") * kMillisecond;
   camera.follow_region_px =
-      static_cast<int>(node.number_in("follow_region_px", 64, kMaxSensorPixels));
-  camera.gain_e_per_level = node.number_in("gain_e_per_level", kTiny, kUnbounded);
-  if (camera.source == "aravis") camera.connection = read_connection(node);
+      node.whole_number_in("follow_region_px", kLeastRegion_px, kMaxSensorPixels);
+  for (const char* data_sheet : {"pixel_pitch_um", "gain_e_per_level"})
+    if (node.has(data_sheet)) node.positive(data_sheet);
+  if (camera.kind != nullptr) camera.details = camera.kind->read(node);
   return camera;
 }
 
@@ -59,158 +64,132 @@ ArmSettings read_arm(const YamlNode& node) {
       node.add_fault(
           fmt::format("arm.link_lengths_mm has {}; lengths must be positive", lengths[i]));
   }
-  const auto sense = node.choice("positive_rotation", {"counterclockwise", "clockwise"});
-  arm.geometry.positive_rotation =
-      sense == "clockwise" ? Rotation::kClockwise : Rotation::kCounterclockwise;
-  arm.elbow = node.choice("elbow", {"left", "right"}) == "left" ? Elbow::kLeft : Elbow::kRight;
+  arm.geometry.positive_rotation = node.choice("positive_rotation", kRotations);
+  arm.elbow = node.choice("elbow", kElbows);
   const auto home = node.numbers("home_deg", 3);
   arm.home = Joints(home[0], home[1], home[2]) * kDegree;
   return arm;
 }
 
-Coupling coupling_named(const YamlNode& node) {
-  const std::string name = node.as_text();
-  if (name != "relative" && name != "absolute")
-    node.add_fault(fmt::format("arm.coupling has '{}'; allowed are relative, absolute", name));
-  return name == "absolute" ? Coupling::kAbsolute : Coupling::kRelative;
-}
-
-MotorDrive read_drive(const YamlNode& node) {
+MotorDrive read_motor(const YamlNode& node) {
   MotorDrive drive;
-  drive.pulses_per_motor_turn = node.number_in("pulses_per_motor_turn", kTiny, kUnbounded);
-  drive.gear_ratio = node.number_in("gear_ratio", kTiny, kUnbounded);
-  drive.direction = node.choice("direction", {"1", "-1"}) == "1" ? 1 : -1;
-  drive.max_speed_rad_s = node.number_in("max_speed_deg_s", kTiny, kUnbounded) * kDegree;
-  drive.max_acceleration_rad_s2 =
-      node.number_in("max_acceleration_deg_s2", kTiny, kUnbounded) * kDegree;
+  drive.pulses_per_motor_turn = node.positive("pulses_per_motor_turn");
+  drive.gear_ratio = node.positive("gear_ratio");
+  drive.direction = node.choice("direction", kDirections);
+  drive.max_speed_rad_s = node.positive("max_speed_deg_s") * kDegree;
+  drive.max_acceleration_rad_s2 = node.positive("max_acceleration_deg_s2") * kDegree;
   return drive;
 }
 
-/// What only a Tic has. Serial numbers tell the drives apart, whatever socket they are plugged
-/// into.
-void read_tic(const YamlNode& node, CellSettings& cell, std::size_t joint) {
-  DriveSettings& drive = cell.drives[joint];
-  drive.serial = node.text("serial");
-  for (std::size_t i = 0; i < joint; ++i)
-    if (cell.drives[i].kind == "tic" && cell.drives[i].serial == drive.serial)
-      node.add_fault(
-          fmt::format("drives[{}] has the serial number '{}' of drives[{}]; each joint "
-                      "has a drive of its own",
-                      joint, drive.serial, i));
-  drive.command_timeout_s =
-      node.number_in("command_timeout_ms", kMinCommandTimeout_ms, kMaxCommandTimeout_ms) *
-      kMillisecond;
-  const YamlNode home = node.child("home");
-  const auto reference = home.choice("reference", {"taught", "reverse_switch", "forward_switch"});
-  MotorDrive& motor = cell.transmission.drives[joint];
-  if (reference == "reverse_switch") motor.home = HomeReference::kReverseSwitch;
-  if (reference == "forward_switch") motor.home = HomeReference::kForwardSwitch;
-  motor.home_rad = home.number("at_deg") * kDegree;
+Eigen::Vector2d read_limits(const YamlNode& node, std::size_t motor) {
+  const auto range = node.as_numbers(2);
+  if (!range) return Eigen::Vector2d::Zero();
+  const double lower = (*range)[0], upper = (*range)[1];
+  if (!(lower < upper))
+    node.add_fault(
+        fmt::format("arm.joint_limits_deg[{}] is [{}, {}]; the lower limit must be "
+                    "below the upper one",
+                    motor, lower, upper));
+  return Eigen::Vector2d(lower, upper) * kDegree;
 }
 
-void read_transmission(const YamlNode& root, CellSettings& cell) {
+void read_transmission(const YamlNode& root, const DeviceKinds& kinds, CellSettings& cell) {
   const YamlNode arm = root.child("arm");
   const auto couplings = arm.list("coupling", 2);
   for (std::size_t i = 0; i < couplings.size(); ++i)
-    cell.transmission.coupling[i] = coupling_named(couplings[i]);
+    cell.transmission.coupling[i] = couplings[i].as_choice(kCouplings);
   const auto limits = arm.list("joint_limits_deg", 3);
-  for (std::size_t i = 0; i < limits.size(); ++i) {
-    const auto range = limits[i].as_numbers(2);
-    if (!(range[0] < range[1]))
-      limits[i].add_fault(
-          fmt::format("arm.joint_limits_deg[{}] is [{}, {}]; the lower limit must "
-                      "be below the upper one",
-                      i, range[0], range[1]));
-    cell.transmission.limits_rad[i] = Eigen::Vector2d(range[0], range[1]) * kDegree;
-  }
+  for (std::size_t i = 0; i < limits.size(); ++i)
+    cell.transmission.limits_rad[i] = read_limits(limits[i], i);
   const auto drives = root.list("drives", 3);
   for (std::size_t i = 0; i < drives.size(); ++i) {
-    cell.transmission.drives[i] = read_drive(drives[i]);
-    cell.drives[i].kind = drives[i].choice("kind", {"virtual", "tic"});
-    if (cell.drives[i].kind == "tic") read_tic(drives[i], cell, i);
+    cell.drives[i].kind = kind_at(drives[i], "kind", kinds.drives);
+    cell.transmission.drives[i] = read_motor(drives[i]);
+    if (cell.drives[i].kind != nullptr) cell.drives[i].kind->read(drives[i], cell, i);
   }
 }
 
 ServoSettings read_servo(const YamlNode& node) {
   ServoSettings servo;
-  servo.law = node.choice("law", {"jacobian", "inverse"}) == "inverse" ? ServoLaw::kInverse
-                                                                       : ServoLaw::kJacobian;
-  servo.gain = node.number_in("gain", kTiny, 1.0);
-  servo.tolerance_m = node.number_in("tolerance_mm", kTiny, kUnbounded) * kMillimetre;
-  servo.max_iterations = static_cast<int>(node.number_in("max_iterations", 0, 1000));
-  servo.max_step_m = node.number_in("max_step_mm", kTiny, kUnbounded) * kMillimetre;
-  servo.settle_s = node.number_in("settle_ms", 0.0, kUnbounded) * kMillisecond;
-  servo.frames_per_measurement =
-      static_cast<int>(node.number_in("frames_per_measurement", 1, 1000));
-  servo.approach = node.choice("approach", {"one_side", "direct"}) == "direct" ? Approach::kDirect
-                                                                               : Approach::kOneSide;
+  servo.law = node.choice("law", kLaws);
+  servo.gain = node.positive("gain", 1.0);
+  servo.tolerance_m = node.positive("tolerance_mm") * kMillimetre;
+  servo.max_iterations = node.whole_number_in("max_iterations", 0, kMaxCount);
+  servo.max_step_m = node.positive("max_step_mm") * kMillimetre;
+  servo.settle_s = node.number_in("settle_ms", 0.0) * kMillisecond;
+  servo.frames_per_measurement = node.whole_number_in("frames_per_measurement", 1, kMaxCount);
+  servo.approach = node.choice("approach", kApproaches);
   return servo;
 }
 
 Workspace read_workspace(const YamlNode& node) {
   Workspace workspace;
-  workspace.radius_min_m = node.number_in("radius_min_mm", 0.0, kUnbounded) * kMillimetre;
-  workspace.radius_max_m = node.number_in("radius_max_mm", kTiny, kUnbounded) * kMillimetre;
+  workspace.radius_min_m = node.number_in("radius_min_mm", 0.0) * kMillimetre;
+  workspace.radius_max_m = node.positive("radius_max_mm") * kMillimetre;
   if (workspace.radius_min_m >= workspace.radius_max_m)
     node.add_fault("workspace.radius_min_mm must be below radius_max_mm");
   for (const YamlNode& item : node.list("keep_out"))
     workspace.keep_out.push_back(
         {Eigen::Vector2d(item.number("x_mm"), item.number("y_mm")) * kMillimetre,
-         item.number_in("radius_mm", kTiny, kUnbounded) * kMillimetre});
+         item.positive("radius_mm") * kMillimetre});
   return workspace;
 }
 
-void read_lamps_and_tracker(const YamlNode& root, CellSettings& cell) {
-  const YamlNode lamps = root.child("lamps");
-  const auto diameters = lamps.numbers("diameter_mm", 2);
-  cell.lamp_diameters_m = {diameters[0] * kMillimetre, diameters[1] * kMillimetre};
-  cell.lamp_separation_m = lamps.number_in("separation_mm", kTiny, kUnbounded) * kMillimetre;
-  const YamlNode tracker = root.child("tracker");
-  cell.tracker_sigma_m = tracker.number_in("sigma_mm", 0.0, kUnbounded) * kMillimetre;
-  cell.tracker_sigma_m_per_m = tracker.number_in("sigma_mm_per_m", 0.0, kUnbounded) * kMillimetre;
-  for (const YamlNode& item : root.list("datum"))
-    cell.datum.push_back({item.text("id"), Eigen::Vector3d(item.number("x_mm"), item.number("y_mm"),
-                                                           item.number("z_mm")) *
-                                               kMillimetre});
+LampSettings read_lamps(const YamlNode& node) {
+  LampSettings lamps;
+  const auto diameters = node.numbers("diameter_mm", 2);
+  lamps.layout.diameters_m = {diameters[0] * kMillimetre, diameters[1] * kMillimetre};
+  lamps.layout.separation_m = node.positive("separation_mm") * kMillimetre;
+  if (node.has("method")) lamps.method = node.choice("method", kCenterMethods);
+  return lamps;
 }
 
-/// A virtual drive finds the place where it stood at first.
-void give_virtual_drives_switches(CellSettings& cell) {
-  const Eigen::Vector3d motors = Transmission(cell.transmission).motors_from_joints(cell.arm.home);
-  for (int i = 0; i < 3; ++i) {
-    const auto joint = static_cast<std::size_t>(i);
-    if (cell.drives[joint].kind != "virtual") continue;
-    cell.transmission.drives[joint].home = HomeReference::kReverseSwitch;
-    cell.transmission.drives[joint].home_rad = motors[i];
-  }
+/// Without a source, the tracker is virtual in a virtual cell, and there is none in a real one.
+TrackerSettings read_tracker(const YamlNode& node, const CellSettings& cell,
+                             const DeviceKinds& kinds) {
+  TrackerSettings tracker;
+  const bool in_virtual_cell = cell.camera.kind != nullptr && cell.camera.kind->is_virtual();
+  for (const TrackerKind* kind : kinds.trackers)
+    if (kind->is_virtual() == in_virtual_cell) tracker.kind = kind;
+  if (node.has("source")) tracker.kind = kind_at(node, "source", kinds.trackers);
+  tracker.sigma_m = node.number_in("sigma_mm", 0.0) * kMillimetre;
+  tracker.sigma_m_per_m = node.number_in("sigma_mm_per_m", 0.0) * kMillimetre;
+  return tracker;
+}
+
+std::vector<Monument> read_datum(const YamlNode& root) {
+  std::vector<Monument> datum;
+  for (const YamlNode& item : root.list("datum"))
+    datum.push_back({item.text("id"), Eigen::Vector3d(item.number("x_mm"), item.number("y_mm"),
+                                                      item.number("z_mm")) *
+                                          kMillimetre});
+  return datum;
 }
 
 }  // namespace
 
-double CellSettings::tracker_sigma_at(double range_m) const {
-  return tracker_sigma_m + tracker_sigma_m_per_m * range_m;
-}
-
-CellSettings read_cell(const std::filesystem::path& path) {
+CellSettings read_cell(const std::filesystem::path& path, const DeviceKinds& kinds) {
   const YamlDocument document = YamlDocument::read(path, "cell");
   const YamlNode root = document.root();
   CellSettings cell;
   cell.file = path;
   const auto beside = [&](const char* key) { return path.parent_path() / root.text(key); };
-  cell.camera = read_camera(root.child("camera"));
+  cell.camera = read_camera(root.child("camera"), kinds);
   cell.camera_model = beside("camera_model");
   cell.workplane = beside("workplane");
   cell.tool = beside("tool");
   cell.error_map = beside("error_map");
   cell.arm = read_arm(root.child("arm"));
-  read_transmission(root, cell);
+  read_transmission(root, kinds, cell);
   cell.tool_orientation = root.number("tool_orientation_deg") * kDegree;
   cell.servo = read_servo(root.child("servo"));
   cell.workspace = read_workspace(root.child("workspace"));
-  read_lamps_and_tracker(root, cell);
+  cell.lamps = read_lamps(root.child("lamps"));
+  cell.tracker = read_tracker(root.child("tracker"), cell, kinds);
+  cell.datum = read_datum(root);
   if (root.has("virtual")) cell.truth = beside("virtual");
   document.throw_if_faulty();
-  give_virtual_drives_switches(cell);
+  for (std::size_t i = 0; i < cell.drives.size(); ++i) cell.drives[i].kind->complete(cell, i);
   return cell;
 }
 

@@ -9,9 +9,9 @@
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/fixed.h"
 #include "planar_servo/core/units.h"
+#include "planar_servo/files/vision_files.h"
 #include "planar_servo/io/csv_table.h"
 #include "planar_servo/jog/exposure_meter.h"
-#include "planar_servo/offline/record/motion_plan.h"
 
 namespace planar {
 namespace {
@@ -73,7 +73,8 @@ JogConsole::JogConsole(const CellSettings& cell, CellDevices& devices, const fs:
   robot_.stop_when(stop);
   if (has_vision(cell)) {
     compensated_ = fs::exists(cell.error_map);
-    sensor_.emplace(cell, read_vision(cell, compensated_), CenterMethod::kAuto, devices.camera());
+    sensor_.emplace(read_vision(cell, compensated_), cell.lamps.method, devices.camera(),
+                    cell.camera.follow_region_px);
   }
   if (!teach.empty()) taught_.emplace(teach);
 }
@@ -216,7 +217,7 @@ std::string JogConsole::look(const Words& /*words*/) {
   std::string text = read_exposure(result.frame.image).text();
   if (!sensor_) return text + "\nthe cell's vision is not calibrated yet";
   const TipMeasurement seen = measure();
-  if (!seen.ok()) return text + "\nthe tool is not measured: " + seen.status;
+  if (!seen.ok()) return text + "\nthe tool is not measured: " + seen.word;
   return text + fmt::format("\nend point seen at {} +- {:.4f} mm{}", place_mm(seen.tip.p),
                             seen.uncertainty_m / kMillimetre,
                             compensated_ ? "" : ", without an error map");
@@ -241,7 +242,7 @@ std::string JogConsole::teach(const Words& words) {
                        words[0], place_mm(commanded.p));
   }
   const TipMeasurement seen = measure();
-  if (!seen.ok()) throw WorkError("nothing taught: the tool is not measured: " + seen.status);
+  if (!seen.ok()) throw WorkError("nothing taught: the tool is not measured: " + seen.word);
   taught_->append({words[0], seen.tip.p, commanded.phi});
   return fmt::format("taught {} at {} as seen", words[0], place_mm(seen.tip.p));
 }

@@ -3,16 +3,14 @@
 #include <functional>
 #include <memory>
 
+#include "planar_servo/cell/cell_settings.h"
 #include "planar_servo/core/clock.h"
 #include "planar_servo/devices/board_presenter.h"
 #include "planar_servo/devices/drive_group.h"
 #include "planar_servo/devices/frame_source.h"
 #include "planar_servo/devices/tracker.h"
-#include "planar_servo/files/cell_file.h"
 
 namespace planar {
-
-struct VirtualHardware;
 
 /// The devices of a cell, opened. Whoever holds them cannot tell a virtual cell from a real one,
 /// but for `true_tip`, which only a scorer may ask.
@@ -30,15 +28,12 @@ class CellDevices {
   virtual std::function<TipPose()> true_tip() = 0;
 };
 
-/// What a virtual cell of this cell's kind is made of.
-VirtualHardware virtual_hardware(const CellSettings& cell);
-
-/// Throws InputError naming every device of the cell that this version does not drive, and when a
+/// Throws InputError naming every device of the cell that does not go with the others, and when a
 /// virtual cell names no truth file.
 void require_devices(const CellSettings& cell);
 
-/// Opens the devices that the cell names; throws like require_devices(), and InputError for a truth
-/// file that cannot be read.
+/// Opens the devices that the cell names, each by its kind. Throws what require_devices() and the
+/// kinds throw, and InputError for a truth file that cannot be read.
 std::unique_ptr<CellDevices> open_cell(const CellSettings& cell);
 
 }  // namespace planar

@@ -15,7 +15,7 @@ std::string title_of(const ServoSight& sight) {
   const ServoStep& step = sight.step;
   const std::string what = fmt::format("{}   step {}", sight.target_id, step.iteration);
   if (!step.measurement.ok())
-    return fmt::format("{}   not measured: {}", what, step.measurement.status);
+    return fmt::format("{}   not measured: {}", what, step.measurement.word);
   return fmt::format("{}   {:.4f} mm from the target, +- {:.4f} mm{}", what,
                      step.error.norm() / kMillimetre, step.measurement.uncertainty_m / kMillimetre,
                      step.measurement.inside_map ? "" : "   outside the error map");

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "planar_servo/report/quiver_figure.h"
+#include "planar_servo/run/servo_figures.h"
 #include "planar_servo/run/servo_run.h"
 
 namespace planar {

@@ -7,8 +7,9 @@
 #include <limits>
 
 #include "planar_servo/core/error.h"
-#include "planar_servo/core/units.h"
-#include "planar_servo/offline/record/motion_plan.h"
+#include "planar_servo/files/vision_files.h"
+#include "planar_servo/run/dry_run.h"
+#include "planar_servo/run/target_scorer.h"
 
 namespace planar {
 namespace {
@@ -18,8 +19,8 @@ namespace fs = std::filesystem;
 constexpr double kCameraPatience_s = 60.0;  ///< for a camera that fails, from a target's beginning
 constexpr double kCameraPoll_s = 0.05;
 constexpr double kDrivePatience_s = 60.0;
-constexpr int kMaxDriveRecoveries =
-    3;  ///< of one target; a drive that fails again and again is broken
+/// For one target; a drive that fails again and again is broken.
+constexpr int kMaxDriveRecoveries = 3;
 
 std::vector<TargetResult> results_so_far(const fs::path& folder, bool resume) {
   const fs::path results = folder / "results.csv";
@@ -39,59 +40,6 @@ const fs::path& folder_made(const fs::path& path) {
   return path;
 }
 
-TipPose target_pose(const TargetRow& target, double tool_orientation) {
-  return {target.p_d, target.phi_d.value_or(tool_orientation)};
-}
-
-/// Follows one target's steps: logs them and keeps the first and last error.
-class TargetScorer {
- public:
-  TargetScorer(const TargetRow& target, GrowingFile& steps, std::function<TipPose()> true_tip)
-      : steps_(steps), true_tip_(std::move(true_tip)) {
-    result_.id = target.id;
-    result_.p_d = target.p_d;
-  }
-
-  void observe(const ServoStep& step) {
-    steps_.append(step_line(result_.id, step));
-    if (step.measurement.ok()) {
-      result_.after_own = -step.error;
-      result_.uncertainty_m = step.measurement.uncertainty_m;
-    }
-    if (true_tip_) compare_to_truth(step.measurement);
-    if (step.iteration > 0 || result_.before_own) return;
-    result_.before_own = result_.after_own;
-    result_.before_truth = result_.after_truth;
-  }
-
-  TargetResult finish(const ServoResult& servo) {
-    result_.status = servo.status;
-    result_.reason = servo.reason;
-    result_.iterations = servo.iterations;
-    result_.seconds = servo.duration_s;
-    return result_;
-  }
-
- private:
-  void compare_to_truth(const TipMeasurement& measurement) {
-    const Eigen::Vector2d p_truth = true_tip_().p;
-    result_.after_truth = p_truth - result_.p_d;
-    if (!measurement.ok()) return;
-    result_.vision_raw = measurement.p_vision - p_truth;
-    result_.vision_compensated = measurement.tip.p - p_truth;
-  }
-
-  GrowingFile& steps_;
-  std::function<TipPose()> true_tip_;
-  TargetResult result_;
-};
-
-std::optional<Summary> summary_of(const std::vector<TargetResult>& results, TargetError error) {
-  const std::vector<double> lengths = error_lengths(results, error);
-  if (lengths.empty()) return std::nullopt;
-  return summarize(lengths);
-}
-
 }  // namespace
 
 ServoRun::ServoRun(const ServoRequest& request, CellDevices& devices, Observer observer)
@@ -102,7 +50,8 @@ ServoRun::ServoRun(const ServoRequest& request, CellDevices& devices, Observer o
       may_home_(request.may_home),
       true_tip_(devices.true_tip()),
       results_(results_so_far(request.out, request.resume)),
-      sensor_(cell_, read_vision(cell_, request.use_error_map), request.center, devices.camera()),
+      sensor_(read_vision(cell_, request.use_error_map), request.center, devices.camera(),
+              cell_.camera.follow_region_px),
       steps_(folder_made(request.out) / "steps.csv", steps_header()),
       table_(request.out / "results.csv", results_header()),
       robot_(PlanarArm(cell_.arm.geometry), Transmission(cell_.transmission), devices.drives(),
@@ -124,23 +73,25 @@ const TargetResult& ServoRun::move_to(const TargetRow& target) {
                  sensor_.lamps_at({wanted.p + step.measurement.correction, wanted.phi})});
     });
   };
-  const double deadline_s = clock_.now_s() + kCameraPatience_s;
-  ServoResult outcome = with_drives(target.id, attempt);
-  while (outcome.status == ServoStatus::kLostCamera &&
-         wait_for_camera(target.id, outcome.reason, deadline_s))
-    outcome = with_drives(target.id, attempt);
-  results_.push_back(scorer.finish(outcome));
+  const double start_s = clock_.now_s(), deadline_s = start_s + kCameraPatience_s;
+  int recoveries_left = kMaxDriveRecoveries;
+  ServoResult outcome;
+  do {
+    outcome = with_drives(target.id, recoveries_left, attempt);
+  } while (outcome.status == ServoStatus::kLostCamera &&
+           wait_for_camera(target.id, outcome.reason, deadline_s));
+  results_.push_back(scorer.finish(outcome, clock_.now_s() - start_s));
   table_.append(result_line(results_.back()));
   return results_.back();
 }
 
-ServoResult ServoRun::with_drives(const std::string& id,
+ServoResult ServoRun::with_drives(const std::string& id, int& recoveries_left,
                                   const std::function<ServoResult()>& attempt) {
-  for (int recoveries = 0;; ++recoveries) {
+  while (true) {
     try {
       return attempt();
     } catch (const DriveError& error) {
-      if (recoveries == kMaxDriveRecoveries) throw;
+      if (recoveries_left-- == 0) throw;
       recover_drives(id, error.what());
     }
   }
@@ -189,54 +140,6 @@ std::vector<TargetResult> run_servo(
     if (progress) progress(i + 1, targets.size());
   }
   return run.results();
-}
-
-DryRun::DryRun(const CellSettings& cell)
-    : tool_orientation_(cell.tool_orientation),
-      planner_(joint_planner(cell)),
-      near_(cell.arm.home) {}
-
-DryRunRow DryRun::plan(const TargetRow& target) {
-  DryRunRow row{target.id, planner_.plan(target_pose(target, tool_orientation_), near_),
-                Pulses::Zero()};
-  if (row.plan.refusal) return row;
-  near_ = row.plan.theta;
-  row.pulses = planner_.transmission().pulses_from_joints(near_);
-  return row;
-}
-
-std::vector<double> error_lengths(const std::vector<TargetResult>& results, TargetError error,
-                                  const std::string& prefix) {
-  std::vector<double> lengths;
-  for (const TargetResult& result : results)
-    if (result.id.rfind(prefix, 0) == 0 && result.*error)
-      lengths.push_back((result.*error)->norm());
-  return lengths;
-}
-
-double mean_error(const std::vector<TargetResult>& results, TargetError error,
-                  const std::string& prefix) {
-  const std::vector<double> lengths = error_lengths(results, error, prefix);
-  return lengths.empty() ? std::numeric_limits<double>::quiet_NaN() : mean(lengths);
-}
-
-ServoFigures figures_of(const std::vector<TargetResult>& results) {
-  ServoFigures figures;
-  figures.targets = results.size();
-  std::vector<double> iterations, seconds;
-  for (const TargetResult& result : results) {
-    if (result.status == ServoStatus::kReached) ++figures.reached;
-    iterations.push_back(result.iterations);
-    seconds.push_back(result.seconds);
-  }
-  if (results.empty()) return figures;
-  figures.iterations_median = median(iterations);
-  figures.seconds_per_target = mean(seconds);
-  figures.before_own = summary_of(results, &TargetResult::before_own);
-  figures.after_own = summary_of(results, &TargetResult::after_own);
-  figures.before_truth = summary_of(results, &TargetResult::before_truth);
-  figures.after_truth = summary_of(results, &TargetResult::after_truth);
-  return figures;
 }
 
 }  // namespace planar

@@ -6,8 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/core/statistics.h"
-#include "planar_servo/files/cell_file.h"
+#include "planar_servo/cell/cell_settings.h"
 #include "planar_servo/files/tables/servo_tables.h"
 #include "planar_servo/files/tables/target_table.h"
 #include "planar_servo/io/growing_file.h"
@@ -20,7 +19,7 @@ namespace planar {
 
 struct ServoRequest {
   CellSettings cell;
-  CenterMethod center{CenterMethod::kAuto};
+  CenterMethod center{CenterMethod::kAuto};  ///< how lamps' centres are measured
   bool use_error_map{true};
   std::filesystem::path out;  ///< steps.csv and results.csv grow here, a line at a time
   bool resume{false};         ///< go on with the run that the folder holds
@@ -36,7 +35,7 @@ struct ServoSight {
   const ServoStep& step;
   const Frame& frame;  ///< the last one of the measurement
   /// Where the lamps would be with the end point at the target, as vision errs there.
-  std::optional<std::array<Eigen::Vector2d, 2>> wanted_px;
+  std::optional<LampPixels> wanted_px;
 };
 
 /// A cell that closes its loop over one target after the other: an open-loop move, then corrections
@@ -53,7 +52,8 @@ class ServoRun {
   /// A target that fails has a result like the others, unless a device fails or somebody stops the
   /// arm: that throws WorkError, with all that was done in the files. When the camera fails the arm
   /// stops and waits up to a minute for it, then goes on with the same target. So it does for a
-  /// drive, which may have to be homed then.
+  /// drive, which may have to be homed then, but not more than three times for one target. The
+  /// result counts the corrections and the time of all attempts.
   const TargetResult& move_to(const TargetRow& target);
 
   bool has(const std::string& id) const;
@@ -61,8 +61,10 @@ class ServoRun {
   const std::vector<TargetResult>& results() const { return results_; }
 
  private:
-  /// Attempts again after a drive that failed is back.
-  ServoResult with_drives(const std::string& id, const std::function<ServoResult()>& attempt);
+  /// One attempt at a target, made again after a drive that failed is back, but not more than
+  /// `recoveries_left` times.
+  ServoResult with_drives(const std::string& id, int& recoveries_left,
+                          const std::function<ServoResult()>& attempt);
   /// Throws DriveError when they are not back in time or may not be homed.
   void recover_drives(const std::string& id, const std::string& reason);
   /// False when the camera is not back in time.
@@ -86,48 +88,5 @@ class ServoRun {
 std::vector<TargetResult> run_servo(
     ServoRun& run, const std::vector<TargetRow>& targets,
     const std::function<void(std::size_t done, std::size_t all)>& progress = {});
-
-/// The joints and pulses that a target's first, open-loop move would command, without any device; a
-/// refusal in words where it would not move.
-struct DryRunRow {
-  std::string id;
-  JointPlan plan;
-  Pulses pulses{0, 0, 0};
-};
-
-/// Plans one target after the other, from the home position on.
-class DryRun {
- public:
-  explicit DryRun(const CellSettings& cell);
-  DryRunRow plan(const TargetRow& target);
-
- private:
-  double tool_orientation_;
-  JointPlanner planner_;
-  Joints near_;
-};
-
-/// One of the errors of a TargetResult.
-using TargetError = std::optional<Eigen::Vector2d> TargetResult::*;
-
-/// Lengths of an error where it is known, metres, of the targets whose id begins with `prefix`.
-std::vector<double> error_lengths(const std::vector<TargetResult>& results, TargetError error,
-                                  const std::string& prefix = "");
-
-/// Their mean; NaN when there are none.
-double mean_error(const std::vector<TargetResult>& results, TargetError error,
-                  const std::string& prefix = "");
-
-/// Figures over the targets that were measured; empty when there are none. The camera's are added
-/// by who has it.
-struct ServoFigures {
-  std::size_t targets{0}, reached{0};
-  double iterations_median{0.0};
-  double seconds_per_target{0.0};
-  std::optional<Summary> before_own, after_own, before_truth, after_truth;  ///< metres
-  std::optional<FrameCounts> frames;  ///< of the camera while it was open
-};
-
-ServoFigures figures_of(const std::vector<TargetResult>& results);
 
 }  // namespace planar

@@ -6,6 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "planar_servo/files/tables/target_table.h"
+#include "planar_servo/run/dry_run.h"
+#include "planar_servo/run/servo_figures.h"
 #include "planar_servo/run/servo_run.h"
 
 namespace planar {

@@ -93,7 +93,8 @@ ServoStep PositionServo::measure(const TipPose& target, int iteration) {
   step.measurement =
       sensor_.measure(planner_.arm().forward(step.theta_c), settings_.frames_per_measurement);
   TipMeasurement& measurement = step.measurement;
-  if (measurement.ok() && !measurement.tip.p.allFinite()) measurement.status = "not_finite";
+  if (measurement.ok() && !measurement.tip.p.allFinite())
+    measurement = failed_look(TipStatus::kNotFinite, "not_finite", measurement.t_s);
   step.error = target.p - measurement.tip.p;
   step.stop_below_m =
       std::max({settings_.tolerance_m, pulse_size_m(),
@@ -104,7 +105,8 @@ ServoStep PositionServo::measure(const TipPose& target, int iteration) {
 std::optional<ServoStatus> PositionServo::verdict(const std::vector<ServoStep>& steps) const {
   const ServoStep& last = steps.back();
   if (!last.measurement.ok())
-    return last.measurement.blind ? ServoStatus::kLostCamera : ServoStatus::kLostLamp;
+    return last.measurement.status == TipStatus::kNoPicture ? ServoStatus::kLostCamera
+                                                            : ServoStatus::kLostLamp;
   if (last.error.norm() < last.stop_below_m) {
     return last.measurement.inside_map ? ServoStatus::kReached : ServoStatus::kOutsideMap;
   }
@@ -122,7 +124,7 @@ std::string PositionServo::reason_for(ServoStatus status, const ServoStep& last)
       return "the error map is not valid here: record training positions around this target";
     case ServoStatus::kLostLamp:
     case ServoStatus::kLostCamera:
-      return fmt::format("the tool was not measured: {}", last.measurement.status);
+      return fmt::format("the tool was not measured: {}", last.measurement.word);
     case ServoStatus::kDiverged:
       return fmt::format("the error grew twice in a row, to {:.3f} mm", error_mm);
     case ServoStatus::kNotConverged:

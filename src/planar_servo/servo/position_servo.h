@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "planar_servo/arm/joint_planner.h"
+#include "planar_servo/cell/servo_settings.h"
 #include "planar_servo/core/clock.h"
 #include "planar_servo/robot/planar_robot.h"
-#include "planar_servo/servo/servo_settings.h"
 #include "planar_servo/servo/tip_sensor.h"
 
 namespace planar {
@@ -47,7 +47,7 @@ struct ServoResult {
   double duration_s{0.0};
 };
 
-/// Positions the end point by looking at it [theory.md, 8]: an open-loop move by the inverse
+/// Positions the end point by looking at it: an open-loop move by the inverse
 /// kinematics, then measured corrections until
 ///   |p_d - p| < max(tolerance, 2 sigma_vision / sqrt(frames), one pulse).
 /// Joint 3 is commanded from the target's phi and not corrected.

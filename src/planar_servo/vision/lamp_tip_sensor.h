@@ -1,69 +1,60 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
-#include "planar_servo/calibration/tool_offsets.h"
 #include "planar_servo/devices/frame_source.h"
-#include "planar_servo/error_map/error_map.h"
-#include "planar_servo/files/cell_file.h"
 #include "planar_servo/lamps/lamp_tracker.h"
-#include "planar_servo/lens/workplane.h"
 #include "planar_servo/servo/tip_sensor.h"
-#include "planar_servo/vision/lamp_prediction.h"
+#include "planar_servo/vision/see_tool.h"
 
 namespace planar {
 
-/// What a calibrated cell knows of its vision.
-struct VisionCalibration {
-  Workplane workplane;
-  ToolOffsets tool;
-  std::optional<ErrorMap> error_map;  ///< none: the position is not compensated
-};
-
-/// Reads the cell's camera, workplane, tool and, when asked for, error map. Throws InputError
-/// naming the program that makes a missing file.
-VisionCalibration read_vision(const CellSettings& cell, bool with_error_map);
-
-/// The end point by its lamps: frame -> lamps (px) -> workplane (m) -> error map. The region of the
-/// sensor follows the commanded pose; lamps that are not in it are looked for in one full frame.
+/// Measures the end point by its lamps with a camera. The region of the sensor follows the
+/// commanded pose; when the lamps are not in it, one full frame is searched.
 class LampTipSensor final : public TipSensor {
  public:
-  /// The camera must outlive the sensor.
-  LampTipSensor(const CellSettings& cell, VisionCalibration vision, CenterMethod method,
-                FrameSource& camera);
+  /// `follow_region_px` is the side of the region that follows the lamps. The camera must outlive
+  /// the sensor.
+  LampTipSensor(VisionCalibration vision, CenterMethod method, FrameSource& camera,
+                int follow_region_px);
 
-  /// Lets the camera's region go where the lamps should be, so that it need not send whole frames
-  /// until the first measurement.
+  /// Moves the camera's region to where the lamps should be with the end point at `expected`, so
+  /// that no whole frame need be sent until the first measurement.
   void aim(const TipPose& expected);
 
   TipMeasurement measure(const TipPose& expected, int frames) override;
   std::optional<std::string> fault() const override { return camera_.fault(); }
 
-  /// The frame looked at last; without an image before the first one.
+  /// The frame that was looked at last; it has no image before the first one.
   const Frame& last_frame() const { return last_frame_; }
 
-  /// Lamps 1 and 2 with the end point at `tip`; empty where the camera does not see them.
-  std::optional<std::array<Eigen::Vector2d, 2>> lamps_at(const TipPose& tip) const;
+  /// Where lamps 1 and 2 are with the end point at `tip`; empty where the camera does not see them.
+  std::optional<LampPixels> lamps_at(const TipPose& tip) const;
 
  private:
-  struct Sight {
+  /// One frame's outcome: the frame's status and, where that is kOk, the pair in it.
+  struct Look {
     LampPair pair;
     double t_s{0.0};
     FrameStatus frame{FrameStatus::kOk};
+
+    bool found() const { return frame == FrameStatus::kOk && pair.status == LampStatus::kOk; }
   };
 
-  void aim_at(const std::array<Eigen::Vector2d, 2>& lamps_px);
-  /// The pair of lamps in a frame, which is kept, if it has one.
-  Sight look_at(const FrameResult& result, const PairExpectation& expectation);
-  Sight look(const FrameResult& result, const PairExpectation& expectation);
+  void aim_at(const LampPixels& lamps_px);
+  /// Keeps the frame and locates the lamps in it.
+  Look locate(const FrameResult& result, const PairExpectation& expectation);
+  /// Locates the lamps in the frame or, when they are not in its region, in a full one.
+  Look look(const FrameResult& result, const PairExpectation& expectation);
+  /// Completes a measurement whose lamps are known.
   TipMeasurement position(TipMeasurement measurement,
                           const std::array<Eigen::Matrix2d, 2>& covariances_px2) const;
 
-  CameraSettings camera_settings_;
-  LampLayout lamps_;
   VisionCalibration vision_;
   LampTracker tracker_;
   FrameSource& camera_;
+  int follow_region_px_;
   Frame last_frame_;
 };
 

@@ -117,7 +117,7 @@ std::string step_line(const std::string& id, const ServoStep& step) {
                     fixed(m.lamps_px[1], 4, ","), in_mm(m.p_vision), fixed(m.tip.phi / kDegree, 6),
                     in_mm(m.correction), in_mm(m.tip.p), m.uncertainty_m / kMillimetre,
                     in_mm(step.error), step.error.norm() / kMillimetre);
-  return fmt::format("{},{},{:.6f},{},{},{:.6f},{},{},{},{}\n", id, step.iteration, m.t_s, m.status,
+  return fmt::format("{},{},{:.6f},{},{},{:.6f},{},{},{},{}\n", id, step.iteration, m.t_s, m.word,
                      seen, step.stop_below_m / kMillimetre, fixed(step.theta_c / kDegree, 9, ","),
                      step.pulses_c[0], step.pulses_c[1], step.pulses_c[2]);
 }

@@ -1,11 +1,9 @@
 #include "planar_servo/offline/lamps/locate_lamps.h"
 
 #include <chrono>
-#include <cmath>
 #include <limits>
 #include <mutex>
 
-#include "planar_servo/calibration/vision_tip.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/parallel.h"
 #include "planar_servo/lamps/disc_tracker.h"
@@ -16,8 +14,6 @@ namespace {
 
 constexpr unsigned kMostThreads = 4;  // each holds a full frame
 constexpr std::size_t kCoarseViewImages = 48;
-// Distance of a pair measured on the plane over that of the cell file: 1 +- this share.
-constexpr double kDistanceShare = 0.03;
 
 LampRow empty_row(const LampImage& image, const std::string& status) {
   LampRow row;
@@ -33,42 +29,34 @@ void add_lamp(LampRow& row, const LampCenter& lamp) {
   row.covariance_px2.push_back(lamp.covariance_px2);
 }
 
-bool has_right_distance(const LampRow& row, const LampScene& scene) {
-  const auto a = scene.workplane->plane_from_pixel(row.uv_px[0]);
-  const auto b = scene.workplane->plane_from_pixel(row.uv_px[1]);
-  return a && b && std::abs((*b - *a).norm() / scene.lamps.separation_m - 1.0) <= kDistanceShare;
+/// The tool in a frame; without a calibrated vision only its lamps.
+SeenTool look(const std::optional<LampScene>& scene, LampTracker& tracker, const Frame& frame,
+              const PairExpectation& expectation) {
+  if (scene && scene->vision) return see_tool(*scene->vision, tracker, frame, expectation);
+  return {tracker.locate(frame, expectation), std::nullopt};
 }
 
-/// Position on the plane: with the tool's direction when the lamps are told apart; without it only
-/// when the end point lies midway between them.
-void add_position(LampRow& row, const LampScene& scene) {
-  if (!has_right_distance(row, scene)) {
-    row.status = name(LampStatus::kWrongDistance);
-    return;
-  }
-  const bool named = row.status == name(LampStatus::kOk);
-  const std::array<Eigen::Vector2d, 2> discs_px{row.uv_px[0], row.uv_px[1]};
-  const auto shifts_px =
-      lamp_eccentricities_px(*scene.workplane, discs_px, scene.lamps.diameters_m);
-  const auto seen = tip_from_lamps(*scene.workplane, scene.tool,
-                                   {discs_px[0] - shifts_px[0], discs_px[1] - shifts_px[1]},
-                                   {row.covariance_px2[0], row.covariance_px2[1]});
-  if (!seen || (!named && !scene.tool.p_TP.isZero())) return;
-  row.p_vision = seen->tip.p;
-  row.sigma = seen->covariance.diagonal().cwiseSqrt();
-  if (!named) return;
-  row.phi = seen->tip.phi;
-  row.sigma_phi = seen->sigma_phi;
+/// Adds the position on the plane: with the tool's direction when the lamps are told apart; without
+/// it only when the end point lies midway between them.
+void add_position(LampRow& row, const ToolPlace& place, bool told_apart, bool midway) {
+  if (!told_apart && !midway) return;
+  row.p_vision = place.seen.p;
+  row.sigma = place.covariance.diagonal().cwiseSqrt();
+  if (!told_apart) return;
+  row.phi = place.seen.phi;
+  row.sigma_phi = place.sigma_phi;
 }
 
-LampRow pair_row(const LampImage& image, const LampPair& pair,
+LampRow pair_row(const LampImage& image, const SeenTool& seen,
                  const std::optional<LampScene>& scene) {
-  LampRow row = empty_row(image, name(pair.status));
-  for (const LampCenter& lamp : pair.lamps) {
+  LampRow row = empty_row(image, name(seen.lamps.status));
+  for (const LampCenter& lamp : seen.lamps.lamps) {
     if (lamp.status != LampStatus::kOk) return row;
   }
-  for (const LampCenter& lamp : pair.lamps) add_lamp(row, lamp);
-  if (scene && scene->workplane) add_position(row, *scene);
+  for (const LampCenter& lamp : seen.lamps.lamps) add_lamp(row, lamp);
+  if (seen.place)
+    add_position(row, *seen.place, seen.lamps.status == LampStatus::kOk,
+                 scene->vision->tool.p_TP.isZero());
   return row;
 }
 
@@ -160,8 +148,7 @@ std::optional<CoarseView> learn_view(const LocateRequest& request) {
 LocateReport locate_lamps(const LocateRequest& request) {
   std::optional<LampPrediction> prediction;
   if (request.scene) {
-    prediction.emplace(*request.scene,
-                       request.scene->workplane ? std::nullopt : learn_view(request));
+    prediction.emplace(*request.scene, request.scene->vision ? std::nullopt : learn_view(request));
   }
   Collector collector(request);
   parallel_for(
@@ -171,7 +158,7 @@ LocateReport locate_lamps(const LocateRequest& request) {
         collector.add(i, [&](const Frame& frame) {
           const PairExpectation expectation =
               prediction ? prediction->of(image.commanded) : PairExpectation{};
-          return pair_row(image, tracker.locate(frame, expectation), request.scene);
+          return pair_row(image, look(request.scene, tracker, frame, expectation), request.scene);
         });
       });
   return collector.finish();
@@ -194,7 +181,7 @@ std::vector<LampRow> locate_lamps_of_recording(const CellSettings& cell,
                                                const std::vector<FrameRow>& frames,
                                                CenterMethod method) {
   return locate_lamps({images_of_recording(folder, frames, PlanarArm(cell.arm.geometry)),
-                       lamp_scene(cell),
+                       read_lamp_scene(cell),
                        method,
                        {}})
       .rows;

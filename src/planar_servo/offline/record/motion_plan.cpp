@@ -17,11 +17,6 @@ JointPlan plan_row(const JointPlanner& planner, const PlanRow& row, const Joints
 
 }  // namespace
 
-JointPlanner joint_planner(const CellSettings& cell) {
-  return {PlanarArm(cell.arm.geometry), Transmission(cell.transmission), cell.workspace,
-          cell.arm.elbow};
-}
-
 std::vector<Joints> joints_of_plan(const CellSettings& cell, const std::vector<PlanRow>& plan) {
   const JointPlanner planner = joint_planner(cell);
   Faults faults;

@@ -1,0 +1,68 @@
+#include "planar_servo/files/vision_files.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "planar_servo/core/error.h"
+#include "planar_servo/files/camera/camera_file.h"
+#include "planar_servo/files/cell_file.h"
+#include "planar_servo/files/map_file.h"
+#include "planar_servo/files/tool_file.h"
+#include "planar_servo/files/workplane_file.h"
+
+namespace planar {
+namespace {
+
+/// Names every file that is missing, with the program that makes it.
+void require_files(const CellSettings& cell, bool with_error_map) {
+  Faults faults;
+  const auto require = [&](const std::filesystem::path& path, const std::string& program) {
+    try {
+      require_made(path, program);
+    } catch (const InputError& e) {
+      faults.add(e.what());
+    }
+  };
+  require(cell.camera_model, "planar-calibrate-camera");
+  require(cell.workplane, "planar-pair-tracker");
+  require(cell.tool, "planar-pair-tracker");
+  if (with_error_map) require(cell.error_map, "planar-fit-error-map");
+  faults.throw_if_any();
+}
+
+Workplane read_cell_workplane(const CellSettings& cell) {
+  return {read_cell_camera(cell), read_workplane(cell.workplane).X_WC};
+}
+
+}  // namespace
+
+CameraModel read_cell_camera(const CellSettings& cell) {
+  const CameraRecord record =
+      read_camera(require_made(cell.camera_model, "planar-calibrate-camera"));
+  if (record.width_px != cell.camera.width_px || record.height_px != cell.camera.height_px)
+    throw InputError(fmt::format(
+        "{}: is of a camera with {} x {} px; the cell's has {} x {} px; name the camera file of "
+        "this camera in the cell file, or calibrate it with planar-calibrate-camera",
+        cell.camera_model.string(), record.width_px, record.height_px, cell.camera.width_px,
+        cell.camera.height_px));
+  return record.camera;
+}
+
+VisionCalibration read_vision(const CellSettings& cell, bool with_error_map) {
+  require_files(cell, with_error_map);
+  VisionCalibration vision{cell.lamps.layout, read_cell_workplane(cell), read_tool(cell.tool)};
+  if (with_error_map) vision.error_map = read_map(cell.error_map);
+  return vision;
+}
+
+LampScene read_lamp_scene(const CellSettings& cell) {
+  namespace fs = std::filesystem;
+  LampScene scene{{cell.camera.width_px, cell.camera.height_px}, cell.lamps.layout, std::nullopt};
+  if (!fs::exists(cell.camera_model) || !fs::exists(cell.workplane)) return scene;
+  scene.vision = VisionCalibration{cell.lamps.layout, read_cell_workplane(cell), {}};
+  if (fs::exists(cell.tool)) scene.vision->tool = read_tool(cell.tool);
+  return scene;
+}
+
+}  // namespace planar

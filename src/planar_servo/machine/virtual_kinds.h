@@ -1,0 +1,50 @@
+#pragma once
+
+#include "planar_servo/cell/cell_settings.h"
+#include "planar_servo/virtual_cell/virtual_hardware.h"
+
+namespace planar {
+
+/// What a virtual cell with these settings is made of.
+VirtualHardware virtual_hardware(const CellSettings& cell);
+
+/// The camera of a virtual cell: `source: virtual`.
+class VirtualCameraKind final : public CameraKind {
+ public:
+  std::string name() const override { return "virtual"; }
+  bool is_virtual() const override { return true; }
+  std::shared_ptr<FrameSource> open(const CellSettings& cell,
+                                    const std::shared_ptr<VirtualCell>& world) const override;
+  std::vector<Finding> examine(const CellSettings& cell) const override;
+};
+
+/// The drives of a virtual cell: `kind: virtual`.
+class VirtualDriveKind final : public DriveKind {
+ public:
+  std::string name() const override { return "virtual"; }
+  bool is_virtual() const override { return true; }
+  /// A virtual drive's home switch is where the drive stands at first.
+  void complete(CellSettings& cell, std::size_t joint) const override;
+  std::shared_ptr<DriveGroup> open(const CellSettings& cell,
+                                   const std::shared_ptr<VirtualCell>& world) const override;
+  std::vector<Finding> examine(const CellSettings& cell) const override;
+};
+
+/// The tracker of a virtual cell: `source: virtual`.
+class VirtualTrackerKind final : public TrackerKind {
+ public:
+  std::string name() const override { return "virtual"; }
+  bool is_virtual() const override { return true; }
+  std::shared_ptr<Tracker> open(const CellSettings& cell,
+                                const std::shared_ptr<VirtualCell>& world) const override;
+};
+
+/// No tracker at all: `source: none`.
+class NoTrackerKind final : public TrackerKind {
+ public:
+  std::string name() const override { return "none"; }
+  std::shared_ptr<Tracker> open(const CellSettings& cell,
+                                const std::shared_ptr<VirtualCell>& world) const override;
+};
+
+}  // namespace planar

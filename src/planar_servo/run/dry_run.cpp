@@ -1,0 +1,23 @@
+#include "planar_servo/run/dry_run.h"
+
+namespace planar {
+
+TipPose target_pose(const TargetRow& target, double tool_orientation) {
+  return {target.p_d, target.phi_d.value_or(tool_orientation)};
+}
+
+DryRun::DryRun(const CellSettings& cell)
+    : tool_orientation_(cell.tool_orientation),
+      planner_(joint_planner(cell)),
+      near_(cell.arm.home) {}
+
+DryRunRow DryRun::plan(const TargetRow& target) {
+  DryRunRow row{target.id, planner_.plan(target_pose(target, tool_orientation_), near_),
+                Pulses::Zero()};
+  if (row.plan.refusal) return row;
+  near_ = row.plan.theta;
+  row.pulses = planner_.transmission().pulses_from_joints(near_);
+  return row;
+}
+
+}  // namespace planar

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <string>
+
+#include "planar_servo/arm/joint_planner.h"
+#include "planar_servo/cell/cell_settings.h"
+#include "planar_servo/files/tables/target_table.h"
+
+namespace planar {
+
+/// The joints and pulses that a target's first, open-loop move would command; a refusal in words
+/// where the arm would not move.
+struct DryRunRow {
+  std::string id;
+  JointPlan plan;
+  Pulses pulses{0, 0, 0};
+};
+
+/// Plans the first move to one target after the other, from the home position on, without any
+/// device.
+class DryRun {
+ public:
+  explicit DryRun(const CellSettings& cell);
+  DryRunRow plan(const TargetRow& target);
+
+ private:
+  double tool_orientation_;
+  JointPlanner planner_;
+  Joints near_;
+};
+
+/// The pose that a target asks for; one that names no direction takes `tool_orientation` (radians).
+TipPose target_pose(const TargetRow& target, double tool_orientation);
+
+}  // namespace planar

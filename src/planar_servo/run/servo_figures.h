@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "planar_servo/core/statistics.h"
+#include "planar_servo/devices/frame_source.h"
+#include "planar_servo/files/tables/servo_tables.h"
+
+namespace planar {
+
+/// One of the errors of a TargetResult.
+using TargetError = std::optional<Eigen::Vector2d> TargetResult::*;
+
+/// The lengths of an error at the targets where it is known, metres.
+std::vector<double> error_lengths(const std::vector<TargetResult>& results, TargetError error);
+
+/// The mean of these lengths; NaN when there are none.
+double mean_error(const std::vector<TargetResult>& results, TargetError error);
+
+/// What came of a run: figures over the targets that were measured, empty when there are none.
+struct ServoFigures {
+  std::size_t targets{0}, reached{0};
+  double iterations_median{0.0};
+  double seconds_per_target{0.0};
+  std::optional<Summary> before_own, after_own, before_truth, after_truth;  ///< metres
+  std::optional<FrameCounts> frames;  ///< of the camera while it was open; added by who has it
+};
+
+ServoFigures figures_of(const std::vector<TargetResult>& results);
+
+}  // namespace planar

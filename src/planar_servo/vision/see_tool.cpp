@@ -1,0 +1,75 @@
+#include "planar_servo/vision/see_tool.h"
+
+#include <cmath>
+
+#include "planar_servo/calibration/vision_tip.h"
+
+namespace planar {
+namespace {
+
+/// By how much the pair's distance in pixels may differ from a prediction through a calibrated
+/// plane, which is good to a per cent or two; a wrong light differs by far more.
+constexpr double kCalibratedShare = 0.03;
+
+/// True when both centres are valid, even if nobody can say which lamp is which.
+bool both_measured(const LampPair& pair) {
+  return pair.lamps[0].status == LampStatus::kOk && pair.lamps[1].status == LampStatus::kOk;
+}
+
+bool has_right_distance(const VisionCalibration& vision, const LampPair& pair) {
+  const auto a = vision.workplane.plane_from_pixel(pair.lamps[0].uv_px);
+  const auto b = vision.workplane.plane_from_pixel(pair.lamps[1].uv_px);
+  return a && b && std::abs((*b - *a).norm() / vision.lamps.separation_m - 1.0) <= kCalibratedShare;
+}
+
+}  // namespace
+
+PairExpectation expect_lamps(const LampLayout& layout, const LampPixels& predicted_px,
+                             double share) {
+  const double distance = (predicted_px[1] - predicted_px[0]).norm();
+  PairExpectation expectation;
+  expectation.predicted_px = predicted_px;
+  expectation.separation_px = {distance * (1.0 - share), distance * (1.0 + share)};
+  expectation.diameter_over_separation = layout.diameter_over_separation();
+  return expectation;
+}
+
+std::optional<PairExpectation> expect_tool(const VisionCalibration& vision, const TipPose& tip) {
+  const auto predicted_px =
+      lamps_from_tip(vision.workplane, vision.tool, vision.lamps.separation_m, tip);
+  if (!predicted_px) return std::nullopt;
+  return expect_lamps(vision.lamps, *predicted_px, kCalibratedShare);
+}
+
+std::optional<ToolPlace> place_tool(const VisionCalibration& vision, const LampPixels& lamps_px,
+                                    const std::array<Eigen::Matrix2d, 2>& covariances_px2) {
+  const auto shifts_px =
+      lamp_eccentricities_px(vision.workplane, lamps_px, vision.lamps.diameters_m);
+  const auto seen =
+      tip_from_lamps(vision.workplane, vision.tool,
+                     {lamps_px[0] - shifts_px[0], lamps_px[1] - shifts_px[1]}, covariances_px2);
+  if (!seen) return std::nullopt;
+  ToolPlace place{seen->tip, seen->covariance, seen->sigma_phi};
+  if (vision.error_map) place.error = predict(*vision.error_map, seen->tip.p, seen->tip.phi);
+  return place;
+}
+
+LampPair find_lamps(const VisionCalibration& vision, LampTracker& tracker, const Frame& frame,
+                    const PairExpectation& expectation) {
+  LampPair pair = tracker.locate(frame, expectation);
+  if (both_measured(pair) && !has_right_distance(vision, pair))
+    pair.status = LampStatus::kWrongDistance;
+  return pair;
+}
+
+SeenTool see_tool(const VisionCalibration& vision, LampTracker& tracker, const Frame& frame,
+                  const PairExpectation& expectation) {
+  SeenTool seen{find_lamps(vision, tracker, frame, expectation), std::nullopt};
+  if (!both_measured(seen.lamps) || seen.lamps.status == LampStatus::kWrongDistance) return seen;
+  const auto& [first, second] = seen.lamps.lamps;
+  seen.place = place_tool(vision, {first.uv_px, second.uv_px},
+                          {first.covariance_px2, second.covariance_px2});
+  return seen;
+}
+
+}  // namespace planar
