@@ -141,6 +141,15 @@ struct YamlNode::Impl {
     return std::nullopt;
   }
 
+  std::optional<std::string> one_of(const YAML::Node& value, const std::string& name,
+                                    const std::vector<std::string>& allowed) const {
+    if (value.IsScalar() && std::count(allowed.begin(), allowed.end(), value.Scalar()) != 0)
+      return value.Scalar();
+    fault_at(value,
+             fmt::format("{} is {}; allowed are {}", name, shown(value), joined(allowed)));
+    return std::nullopt;
+  }
+
   YamlNode wrap(const YAML::Node& child, const std::string& child_place) const {
     return YamlNode(std::make_shared<Impl>(Impl{document, child, child_place}));
   }
@@ -235,15 +244,21 @@ std::string YamlNode::text(const std::string& key) const {
   return "";
 }
 
+std::optional<std::string> YamlNode::one_of(const std::string& key,
+                                            const std::vector<std::string>& allowed) const {
+  const YAML::Node value = impl_->require(key);
+  if (!value.IsDefined()) return std::nullopt;
+  return impl_->one_of(value, impl_->place_of(key), allowed);
+}
+
 std::string YamlNode::choice(const std::string& key,
                              const std::vector<std::string>& allowed) const {
-  const YAML::Node value = impl_->require(key);
-  if (!value.IsDefined()) return allowed.front();
-  if (value.IsScalar() && std::count(allowed.begin(), allowed.end(), value.Scalar()) != 0)
-    return value.Scalar();
-  impl_->fault_at(value, fmt::format("{} is {}; allowed are {}", impl_->place_of(key), shown(value),
-                                     joined(allowed)));
-  return allowed.front();
+  return one_of(key, allowed).value_or(allowed.front());
+}
+
+std::string YamlNode::as_choice(const std::vector<std::string>& allowed) const {
+  if (!impl_->present()) return allowed.front();
+  return impl_->one_of(impl_->node, impl_->title(), allowed).value_or(allowed.front());
 }
 
 std::vector<double> YamlNode::numbers(const std::string& key, std::size_t size) const {

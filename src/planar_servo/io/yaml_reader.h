@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "planar_servo/core/names.h"
+
 namespace planar {
 
 /// A node of a strictly read YAML file. Every access that breaks a rule adds a fault
@@ -38,8 +40,16 @@ class YamlNode {
   int whole_number_in(const std::string& key, int lower,
                       int upper = std::numeric_limits<int>::max()) const;
   std::string text(const std::string& key) const;
-  /// One of `allowed`; the first of them when it is none.
+  /// One of `allowed`; empty, with a fault, when it is none of them.
+  std::optional<std::string> one_of(const std::string& key,
+                                    const std::vector<std::string>& allowed) const;
+  /// The same; the first of `allowed` stands in for a wrong one.
   std::string choice(const std::string& key, const std::vector<std::string>& allowed) const;
+  /// The value whose name stands at `key`; the table's first stands in for a wrong one.
+  template <typename Enum, std::size_t N>
+  Enum choice(const std::string& key, const Named<Enum> (&table)[N]) const {
+    return value_named(table, choice(key, names_of(table))).value_or(table[0].value);
+  }
   /// A list of `size` numbers (any number of them when size is 0).
   std::vector<double> numbers(const std::string& key, std::size_t size) const;
   /// A list of maps or lists (`size` of them; any number when 0).
@@ -49,6 +59,12 @@ class YamlNode {
   /// not one, which is a fault that needs no second one.
   std::optional<std::vector<double>> as_numbers(std::size_t size) const;
   std::string as_text() const;
+  /// The value whose name this node is; the table's first stands in for a wrong one.
+  template <typename Enum, std::size_t N>
+  Enum as_choice(const Named<Enum> (&table)[N]) const {
+    return value_named(table, as_choice(names_of(table))).value_or(table[0].value);
+  }
+  std::string as_choice(const std::vector<std::string>& allowed) const;
   /// Every key of this map, in the file's order.
   std::vector<std::string> keys() const;
 

@@ -1,7 +1,8 @@
-#include "planar_servo/doctor/camera_doctor.h"
+#include "planar_servo/cameras/aravis/aravis_doctor.h"
 
 #include <fmt/format.h>
 
+#include <fstream>
 #include <optional>
 
 #include "planar_servo/cameras/aravis/camera_inspection.h"
@@ -16,6 +17,8 @@ using Verdict = Finding::Verdict;
 constexpr double kGrab_s = 2.0;
 constexpr double kLeastRateShare = 0.9;  ///< of the frames that the file asks for
 constexpr double kMegabyte = 1e6;
+/// Frames of 26 MB in flight do not fit into the kernel's usual 16 MB.
+constexpr int kEnoughUsbMemory_mb = 64;
 
 /// Of a GigE packet: headers of IP, UDP and GVSP within its size; frame, preamble and gap of
 /// Ethernet around it, bytes.
@@ -68,7 +71,7 @@ std::vector<Finding> examine_camera(const CameraSettings& camera, const AravisSe
     const CameraPath known = path.value_or(CameraPath{});
     for (auto&& judged : {judge_packets(seen, known), judge_bandwidth(camera, seen, known)})
       findings.insert(findings.end(), judged.begin(), judged.end());
-    findings.push_back(judge_frames(camera, seen, known));
+    findings.push_back(judge_frames(camera, settings, seen, known));
     return findings;
   } catch (const InputError& error) {
     return {{Verdict::kFaulty, "camera", error.what(), "correct the cell file"}};
@@ -103,8 +106,8 @@ std::vector<Finding> judge_bandwidth(const CameraSettings& camera, const CameraI
            fmt::format("camera.frame_rate_hz of at most {:.3g}, or a faster link", possible_hz)}};
 }
 
-Finding judge_frames(const CameraSettings& camera, const CameraInspection& seen,
-                     const CameraPath& path) {
+Finding judge_frames(const CameraSettings& camera, const AravisSettings& settings,
+                     const CameraInspection& seen, const CameraPath& path) {
   const double rate_hz = seen.complete / seen.duration_s;
   const std::string what =
       fmt::format("{} whole frames in {:.0f} s, {} with parts missing, {} without memory",
@@ -113,7 +116,7 @@ Finding judge_frames(const CameraSettings& camera, const CameraInspection& seen,
     return Finding{verdict, "frames", what, remedy};
   };
   if (seen.complete == 0 && seen.incomplete == 0)
-    return finding(Verdict::kFaulty, camera.connection.trigger == "hardware"
+    return finding(Verdict::kFaulty, settings.trigger == CameraTrigger::kHardware
                                          ? "see that the trigger line pulses"
                                          : "give the camera power anew");
   if (seen.incomplete > 0)
@@ -131,6 +134,21 @@ Finding judge_frames(const CameraSettings& camera, const CameraInspection& seen,
                    fmt::format("camera.frame_rate_hz of at most {:.3g}, where the file has {:.4g}",
                                rate_hz, camera.frame_rate_hz));
   return finding(Verdict::kWell, "");
+}
+
+Finding examine_usb_memory(const std::filesystem::path& parameter) {
+  int memory_mb = 0;
+  if (!(std::ifstream(parameter) >> memory_mb))
+    return {Verdict::kDoubtful, "USB memory", parameter.string() + " cannot be read",
+            "load the kernel module usbcore"};
+  const std::string what = fmt::format("the kernel lends USB {} MB", memory_mb);
+  if (memory_mb == 0 || memory_mb >= kEnoughUsbMemory_mb)  // 0: as much as there is
+    return {Verdict::kWell, "USB memory", what};
+  return {Verdict::kDoubtful, "USB memory",
+          fmt::format("{}; a USB3 camera needs {} MB", what, kEnoughUsbMemory_mb),
+          fmt::format("echo 1000 | sudo tee {} (for good: kernel argument "
+                      "usbcore.usbfs_memory_mb=1000)",
+                      parameter.string())};
 }
 
 }  // namespace planar

@@ -1,8 +1,9 @@
 #pragma once
 
+#include <filesystem>
 #include <vector>
 
-#include "planar_servo/doctor/doctor.h"
+#include "planar_servo/cell/cell_settings.h"
 
 namespace planar {
 
@@ -25,7 +26,12 @@ std::vector<Finding> judge_packets(const CameraInspection& seen, const CameraPat
 std::vector<Finding> judge_bandwidth(const CameraSettings& camera, const CameraInspection& seen,
                                      const CameraPath& path);
 
-Finding judge_frames(const CameraSettings& camera, const CameraInspection& seen,
-                     const CameraPath& path);
+/// Whether frames came whole and at the rate of the file.
+Finding judge_frames(const CameraSettings& camera, const AravisSettings& settings,
+                     const CameraInspection& seen, const CameraPath& path);
+
+/// Whether the kernel lends USB enough memory for a USB3 camera. `parameter` is the kernel's file.
+Finding examine_usb_memory(
+    const std::filesystem::path& parameter = "/sys/module/usbcore/parameters/usbfs_memory_mb");
 
 }  // namespace planar
