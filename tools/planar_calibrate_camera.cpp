@@ -3,10 +3,10 @@
 #include <regex>
 
 #include "planar_servo/core/error.h"
-#include "planar_servo/core/units.h"
 #include "planar_servo/files/camera/camera_file.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/offline/camera/calibrate_camera.h"
+#include "planar_servo/offline/camera/calibration_report.h"
 #include "program.h"
 
 namespace planar {
@@ -55,61 +55,6 @@ BoardViews read_views(const Options& options) {
   return board_views_from_points(options.points, board, parse_size(options.image_size));
 }
 
-void print(const CameraCalibration& found) {
-  const Intrinsics k = intrinsics(found.camera);
-  const auto& sigma = found.standard_deviations;
-  fmt::print("images used         {} ({} rejected)\n", found.views.size(), found.rejected.size());
-  for (const auto& [name, reason] : found.rejected) fmt::print("  {}: {}\n", name, reason);
-  fmt::print("model               {}\n", found.model);
-  fmt::print("focal lengths       {:.2f} +- {:.2f}, {:.2f} +- {:.2f} px\n", k.fx, sigma[0], k.fy,
-             sigma[1]);
-  fmt::print("principal point     {:.2f} +- {:.2f}, {:.2f} +- {:.2f} px\n", k.cx, sigma[2], k.cy,
-             sigma[3]);
-  fmt::print("distortion         ");
-  for (const double c : distortion_coefficients(found.camera)) fmt::print(" {:.4g}", c);
-  fmt::print("\nresiduals           {:.3f} px rms", found.rms_px);
-  if (found.held_out_rms_px) {
-    fmt::print(", {:.3f} px in views left out of the fit\n", *found.held_out_rms_px);
-    fmt::print("expected error      {:.3f} mm in a plane at the grid's distance\n",
-               *found.expected_error / kMillimetre);
-  } else {
-    fmt::print("; too few views to judge it on views left out of the fit\n");
-  }
-  for (const CalibratedView& view : found.views) {
-    fmt::print("  {:<18}  {:.3f} px\n", view.name, view.rms_px);
-  }
-}
-
-/// JSON has no missing numbers: null.
-nlohmann::json number_or_null(const std::optional<double>& value) {
-  return value ? nlohmann::json(*value) : nlohmann::json(nullptr);
-}
-
-nlohmann::json figures(const CameraCalibration& found) {
-  const Intrinsics k = intrinsics(found.camera);
-  nlohmann::json views = nlohmann::json::array();
-  for (const CalibratedView& view : found.views) {
-    views.push_back({{"image", view.name}, {"rms_px", view.rms_px}});
-  }
-  nlohmann::json rejected = nlohmann::json::array();
-  for (const auto& [name, reason] : found.rejected) {
-    rejected.push_back({{"image", name}, {"reason", reason}});
-  }
-  auto expected_error_mm = found.expected_error;
-  if (expected_error_mm) *expected_error_mm /= kMillimetre;
-  return {{"rms_px", found.rms_px},
-          {"images_used", found.views.size()},
-          {"images_rejected", found.rejected.size()},
-          {"model", found.model},
-          {"camera_matrix", {k.fx, 0.0, k.cx, 0.0, k.fy, k.cy, 0.0, 0.0, 1.0}},
-          {"distortion_coefficients", distortion_coefficients(found.camera)},
-          {"standard_deviations", found.standard_deviations},
-          {"held_out_rms_px", number_or_null(found.held_out_rms_px)},
-          {"expected_error_mm", number_or_null(expected_error_mm)},
-          {"views", views},
-          {"rejected", rejected}};
-}
-
 Outcome calibrate(const Options& options) {
   require_writable(options.output);
   BoardViews views = read_views(options);
@@ -117,8 +62,8 @@ Outcome calibrate(const Options& options) {
   views.problem.model = options.model;
   CameraCalibration found = calibrate_camera(views.problem, views.rejected);
   write_camera(options.output, found, kText.name, views.inputs);
-  print(found);
-  return {figures(found)};
+  fmt::print("{}", calibration_text(found));
+  return {calibration_json(found)};
 }
 
 void add_options(CLI::App& app, Options& options) {

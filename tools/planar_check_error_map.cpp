@@ -1,11 +1,10 @@
 #include <fmt/format.h>
 
-#include <cmath>
 #include <utility>
 
-#include "planar_servo/core/units.h"
 #include "planar_servo/files/map_file.h"
 #include "planar_servo/offline/map/check_error_map.h"
+#include "planar_servo/offline/map/map_check_report.h"
 #include "planar_servo/report/progress_bar.h"
 #include "program.h"
 
@@ -28,37 +27,6 @@ struct Options {
   std::filesystem::path pairs;
 };
 
-void print_row(const char* name, const Summary& summary) {
-  fmt::print("{:<20}{:<10.4f}{:<10.4f}{:<10.4f}{:.4f}\n", name, summary.mean / kMillimetre,
-             summary.rms / kMillimetre, summary.p95 / kMillimetre, summary.max / kMillimetre);
-}
-
-void print(const MapCheck& check, std::size_t n_left_out) {
-  if (n_left_out > 0) fmt::print("left out            {} pairs of other plans\n", n_left_out);
-  fmt::print("pairs               {} ({} outside the map's valid region)\n", check.raw.n,
-             check.n_outside);
-  fmt::print("{:<20}{:<10}{:<10}{:<10}{:<10}mm\n", "", "mean", "rms", "95 %", "max");
-  print_row("vision error", check.raw);
-  print_row("with the map", check.compensated);
-  fmt::print("accuracy            A1 {:.1f} %, A2 {:.1f} %\n", 100.0 * check.a1, 100.0 * check.a2);
-  if (std::isfinite(check.coverage_95))
-    fmt::print("within 95 %         {:.1f} %\n", 100.0 * check.coverage_95);
-}
-
-nlohmann::json figures(const MapCheck& check) {
-  return {{"n", check.raw.n},
-          {"n_outside", check.n_outside},
-          {"raw_mean_mm", check.raw.mean / kMillimetre},
-          {"raw_rms_mm", check.raw.rms / kMillimetre},
-          {"mean_mm", check.compensated.mean / kMillimetre},
-          {"rms_mm", check.compensated.rms / kMillimetre},
-          {"p95_mm", check.compensated.p95 / kMillimetre},
-          {"max_mm", check.compensated.max / kMillimetre},
-          {"a1", check.a1},
-          {"a2", check.a2},
-          {"coverage_95", check.coverage_95}};
-}
-
 MapCheck check(const ErrorMap& map, const std::vector<PairRow>& pairs) {
   ProgressBar bar;
   return check_error_map(map, pairs,
@@ -72,8 +40,8 @@ Outcome check_pairs(const Options& options) {
   const std::vector<PairRow> pairs = pairs_to_check(std::move(all), options.plans);
   require_directions(map, pairs, options.pairs);
   const MapCheck result = check(map, pairs);
-  print(result, count - pairs.size());
-  return {figures(result)};
+  fmt::print("{}", map_check_text(result, count - pairs.size()));
+  return {map_check_json(result)};
 }
 
 void add_options(CLI::App& app, Options& options) {

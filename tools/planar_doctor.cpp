@@ -1,9 +1,9 @@
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <filesystem>
 
 #include "planar_servo/doctor/doctor.h"
+#include "planar_servo/doctor/doctor_report.h"
 #include "program.h"
 
 namespace planar {
@@ -25,33 +25,10 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--cell", options.cell, "the cell")->required()->type_name("FILE");
 }
 
-const char* name(Finding::Verdict verdict) {
-  switch (verdict) {
-    case Finding::Verdict::kWell:
-      return "well";
-    case Finding::Verdict::kDoubtful:
-      return "doubtful";
-    case Finding::Verdict::kFaulty:
-      break;
-  }
-  return "faulty";
-}
-
 Outcome work(const Options& options) {
   const auto findings = examine_cell(options.cell);
-  nlohmann::json rows = nlohmann::json::array();
-  for (const Finding& finding : findings) {
-    fmt::print("{:9} {}: {}\n", name(finding.verdict), finding.subject, finding.what);
-    if (!finding.remedy.empty()) fmt::print("          -> {}\n", finding.remedy);
-    rows.push_back({{"verdict", name(finding.verdict)},
-                    {"subject", finding.subject},
-                    {"what", finding.what},
-                    {"remedy", finding.remedy}});
-  }
-  const bool sound = std::none_of(findings.begin(), findings.end(), [](const Finding& finding) {
-    return finding.verdict == Finding::Verdict::kFaulty;
-  });
-  return {{{"findings", rows}}, sound};
+  fmt::print("{}", findings_text(findings));
+  return {findings_json(findings), is_sound(findings)};
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include "planar_servo/experiment/experiment_report.h"
 #include "planar_servo/experiment/experiment_series.h"
 #include "planar_servo/io/atomic_file.h"
+#include "planar_servo/machine/device_kinds.h"
 #include "program.h"
 
 namespace planar {

@@ -2,13 +2,13 @@
 #include <spdlog/spdlog.h>
 
 #include <filesystem>
-#include <map>
 
 #include "planar_servo/core/error.h"
-#include "planar_servo/core/statistics.h"
-#include "planar_servo/core/units.h"
+#include "planar_servo/files/vision_files.h"
 #include "planar_servo/io/atomic_file.h"
+#include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/offline/lamps/locate_lamps.h"
+#include "planar_servo/offline/lamps/locate_report.h"
 #include "planar_servo/report/progress_bar.h"
 #include "program.h"
 
@@ -27,7 +27,8 @@ const ProgramText kText{
 struct Options {
   fs::path cell, out;
   std::vector<fs::path> inputs;
-  std::string method{"auto"}, start;
+  std::string method;  ///< empty: as the cell has it, or auto
+  std::string start;
   int lamps{2};
 };
 
@@ -39,21 +40,15 @@ void add_options(CLI::App& app, Options& options) {
       ->capture_default_str();
   app.add_option(
          "--centre", options.method,
-         "how a centre is measured; fast is for even lamps only, canny-kasa the paper's way")
-      ->check(CLI::IsMember({"auto", "fast", "canny-kasa", "vpdot2"}))
-      ->capture_default_str();
+         "how a centre is measured, instead of the cell's lamps.method or else auto; fast is for "
+         "even lamps only, canny-kasa the paper's way")
+      ->check(CLI::IsMember(names_of(kCenterMethods)));
   app.add_option("--start", options.start, "pixel of the disc in the first image")
       ->type_name("U,V");
   app.add_option("-o,--out", options.out, "lamps.csv to write")->required()->type_name("FILE");
   app.add_option("images", options.inputs, "a recording's folder, or images in their order")
       ->required()
       ->type_name("RECORDING | IMAGE...");
-}
-
-CenterMethod center_method(const std::string& text) {
-  if (text == "fast") return CenterMethod::kFast;
-  if (text == "canny-kasa") return CenterMethod::kCannyKasa;
-  return text == "vpdot2" ? CenterMethod::kVpDot2 : CenterMethod::kAuto;
 }
 
 std::optional<Eigen::Vector2d> start_pixel(const std::string& text) {
@@ -97,15 +92,16 @@ LocateRequest read_request(const Options& options) {
   require_writable(options.out);
   require_inputs(options.inputs);
   LocateRequest request;
-  request.method = center_method(options.method);
   std::vector<fs::path> tables;
   std::optional<PlanarArm> arm;
   if (!options.cell.empty()) {
     const CellSettings cell = read_cell(options.cell);
     tables = {options.cell, cell.camera_model, cell.workplane, cell.tool};
     arm.emplace(cell.arm.geometry);
-    request.scene = lamp_scene(cell);
+    request.method = cell.lamps.method;
+    request.scene = read_lamp_scene(cell);
   }
+  if (!options.method.empty()) request.method = *value_named(kCenterMethods, options.method);
   const std::optional<fs::path> recording = recording_of(options);
   request.images = recording ? images_of_recording(*recording, read_frames(*recording), arm)
                              : single_images(options.inputs);
@@ -115,34 +111,6 @@ LocateRequest read_request(const Options& options) {
   return request;
 }
 
-nlohmann::json print(const LocateReport& report) {
-  std::map<std::string, std::size_t> counts;
-  for (const LampRow& row : report.rows) ++counts[row.status];
-  const std::size_t ok = counts["ok"];
-  counts.erase("ok");
-  fmt::print("{} images: {} ok", report.rows.size(), ok);
-  for (const auto& [status, count] : counts) fmt::print(", {} {}", count, status);
-  nlohmann::json figures{{"images", report.rows.size()},      {"ok", ok},
-                         {"not_ok", report.rows.size() - ok}, {"statuses", counts},
-                         {"ms_per_image_median", nullptr},    {"sigma_phi_deg_median", nullptr}};
-  std::vector<double> sigmas_phi;
-  for (const LampRow& row : report.rows) {
-    if (row.sigma_phi) sigmas_phi.push_back(*row.sigma_phi / kDegree);
-  }
-  if (!report.milliseconds.empty()) {
-    const double time = median(report.milliseconds);
-    fmt::print("; {:.2f} ms per image", time);
-    figures["ms_per_image_median"] = time;
-  }
-  if (!sigmas_phi.empty()) {
-    const double sigma = median(sigmas_phi);
-    fmt::print("; direction to {:.4f} deg", sigma);
-    figures["sigma_phi_deg_median"] = sigma;
-  }
-  fmt::print("\n");
-  return figures;
-}
-
 Outcome locate(const Options& options) {
   LocateRequest request = read_request(options);
   ProgressBar bar("locating");
@@ -150,11 +118,11 @@ Outcome locate(const Options& options) {
   const LocateReport report =
       options.lamps == 1 ? follow_disc(request, start_pixel(options.start)) : locate_lamps(request);
   write_file(options.out, lamps_text(report.rows));
-  const nlohmann::json figures = print(report);
-  const bool any = figures["ok"] > 0 || figures["statuses"].contains("ambiguous");
-  if (!any)
+  const LocateFigures figures = figures_of(report);
+  fmt::print("{}", locate_text(figures));
+  if (!figures.any())
     spdlog::error("no image shows what was looked for; {} says why for each", options.out.string());
-  return {figures, any};
+  return {locate_json(figures), figures.any()};
 }
 
 }  // namespace

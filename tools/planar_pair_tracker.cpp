@@ -1,16 +1,14 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
-#include <algorithm>
-
 #include "planar_servo/core/error.h"
-#include "planar_servo/core/fixed.h"
-#include "planar_servo/core/units.h"
-#include "planar_servo/files/camera/camera_file.h"
 #include "planar_servo/files/tool_file.h"
+#include "planar_servo/files/vision_files.h"
 #include "planar_servo/files/workplane_file.h"
 #include "planar_servo/io/atomic_file.h"
+#include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/offline/pairs/pair_tracker.h"
+#include "planar_servo/offline/pairs/pair_tracker_report.h"
 #include "program.h"
 
 namespace planar {
@@ -27,8 +25,6 @@ const ProgramText kText{
     "  tool       end point (0.402, -0.698) mm, reflector (12.001, 31.004) mm\n"
     "  rejected   train_017: vision and tracker differ by 3.214 mm; the limit is 1.820 mm\n"
     "  raw error  train: 199 pairs, mean 0.301 mm, rms 0.343 mm, max 0.912 mm"};
-
-constexpr double kDatumSigmas = 5.0;  // of one reading; what noise alone never reaches
 
 struct Options {
   std::filesystem::path cell, lamps, recording, tracker, workplane_out, tool_out, pairs_out;
@@ -89,18 +85,6 @@ std::map<std::string, std::string> renamed_columns(const std::string& text) {
   return renamed;
 }
 
-/// The cell's camera, when it was calibrated for images of the cell's size.
-CameraModel read_cell_camera(const CellSettings& cell) {
-  const CameraRecord record =
-      read_camera(require_made(cell.camera_model, "planar-calibrate-camera"));
-  if (record.width_px != cell.camera.width_px || record.height_px != cell.camera.height_px) {
-    throw InputError(fmt::format("{}: is of a camera with {} x {} px; the cell's has {} x {} px",
-                                 cell.camera_model.string(), record.width_px, record.height_px,
-                                 cell.camera.width_px, cell.camera.height_px));
-  }
-  return record.camera;
-}
-
 std::vector<std::filesystem::path> inputs_of(const Options& options, const CellSettings& cell) {
   return {options.cell, cell.camera_model, options.lamps, options.recording / "frames.csv",
           options.tracker.empty() ? options.recording / "tracker.csv" : options.tracker};
@@ -151,66 +135,14 @@ void write_files(const Options& options, const CellSettings& cell, const Workpla
   write_file(options.pairs_out, pairs_text(pairs));
 }
 
-void print_raw_errors(const std::vector<PairRow>& pairs) {
-  for (const std::string& plan : plan_names()) {
-    if (std::none_of(pairs.begin(), pairs.end(),
-                     [&](const PairRow& pair) { return pair.plan == plan; })) {
-      continue;
-    }
-    const Summary raw = raw_error(pairs, plan);
-    fmt::print("raw error  {}: {} pairs, mean {:.3f} mm, rms {:.3f} mm, max {:.3f} mm\n", plan,
-               raw.n, raw.mean / kMillimetre, raw.rms / kMillimetre, raw.max / kMillimetre);
-  }
-}
-
-nlohmann::json print(const PairTrackerReport& report) {
-  const WorkplaneFit& fit = report.workplane;
-  const Eigen::Vector2d p_TP = fit.tool.p_TP / kMillimetre;
-  const Eigen::Vector3d p_TS = fit.tool.p_TS / kMillimetre;
-  fmt::print("datum      {} monuments, rms {:.3f} mm\n", report.datum.residuals.size(),
-             report.datum.rms / kMillimetre);
-  fmt::print("workplane  {} degrees of freedom fitted to {} places, rms {:.3f} mm\n", fit.absorbed,
-             fit.n_used, fit.rms / kMillimetre);
-  fmt::print("tool       end point ({}) mm, reflector ({}) mm\n", fixed(p_TP, 3, ", "),
-             fixed(p_TS.head<2>(), 3, ", "));
-  fmt::print("lamps      eccentricity of their discs up to {:.4f} px, taken off\n",
-             report.largest_eccentricity_px);
-  auto rejected = nlohmann::json::array();
-  for (const Rejection& rejection : report.rejected) {
-    fmt::print("rejected   {}: {}\n", rejection.id, rejection.reason);
-    rejected.push_back({{"id", rejection.id}, {"reason", rejection.reason}});
-  }
-  print_raw_errors(report.pairs);
-  const Summary raw = raw_error(report.pairs);
-  return {{"pairs", report.pairs.size()},
-          {"rejected", rejected},
-          {"datum_rms_mm", report.datum.rms / kMillimetre},
-          {"workplane_rms_mm", fit.rms / kMillimetre},
-          {"workplane_absorbed", fit.absorbed},
-          {"eccentricity_px_max", report.largest_eccentricity_px},
-          {"p_TP_mm", {p_TP.x(), p_TP.y()}},
-          {"p_TS_mm", {p_TS.x(), p_TS.y(), p_TS.z()}},
-          {"raw_mean_mm", raw.mean / kMillimetre},
-          {"raw_rms_mm", raw.rms / kMillimetre}};
-}
-
-void warn_of_moved_monuments(const PairTrackerRequest& request, double datum_rms) {
-  double sigma = 0.0;
-  for (const TrackerRow& row : request.tracker)
-    sigma = std::max(sigma, request.cell.tracker_sigma_at(row.p_L.norm()));
-  if (datum_rms > kDatumSigmas * sigma)
-    spdlog::warn(
-        "datum: {:.3f} mm rms is more than the tracker's noise of {:.3f} mm explains; has "
-        "a monument moved?",
-        datum_rms / kMillimetre, sigma / kMillimetre);
-}
-
 Outcome pair(const Options& options) {
   const PairTrackerRequest request = read_request(options);
   const PairTrackerReport report = pair_tracker(request);
   write_files(options, request.cell, report.workplane, report.pairs);
-  warn_of_moved_monuments(request, report.datum.rms);
-  return {print(report)};
+  const std::string doubt = moved_monuments(request, report.datum.rms);
+  if (!doubt.empty()) spdlog::warn("{}", doubt);
+  fmt::print("{}", pair_tracker_text(report));
+  return {pair_tracker_json(report)};
 }
 
 }  // namespace

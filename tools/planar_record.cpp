@@ -1,8 +1,9 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
-#include "planar_servo/files/cell_file.h"
 #include "planar_servo/files/tables/tables.h"
+#include "planar_servo/machine/device_kinds.h"
+#include "planar_servo/offline/record/record_report.h"
 #include "planar_servo/offline/record/recorder.h"
 #include "program.h"
 
@@ -38,19 +39,9 @@ Outcome run(const Options& options) {
   const RecordReport report = record(request, *devices);
   for (const std::string& id : report.without_lamps)
     spdlog::warn("{}: no pair of lamps was seen; its frames are kept", id);
-  fmt::print("{} positions recorded ({} were there before): {} frames, {} of them full, in {}\n",
-             report.recorded, report.present, report.frames, report.full_frames,
-             options.recording.string());
-  const FrameCounts seen = devices->camera().counts();
-  fmt::print("camera: {}\n", describe(seen));
-  return {{{"recorded", report.recorded},
-           {"present", report.present},
-           {"frames", report.frames},
-           {"full_frames", report.full_frames},
-           {"frames_incomplete", seen.incomplete},
-           {"frames_frozen", seen.frozen},
-           {"camera_reopened", seen.reopened},
-           {"without_lamps", report.without_lamps}}};
+  const FrameCounts frames = devices->camera().counts();
+  fmt::print("{}", record_text(report, frames, options.recording));
+  return {record_json(report, frames)};
 }
 
 }  // namespace

@@ -6,10 +6,11 @@
 #include <set>
 
 #include "planar_servo/core/error.h"
-#include "planar_servo/core/fixed.h"
-#include "planar_servo/core/units.h"
+#include "planar_servo/files/vision_files.h"
 #include "planar_servo/io/atomic_file.h"
+#include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/report/progress_bar.h"
+#include "planar_servo/run/dry_run_report.h"
 #include "planar_servo/run/servo_display.h"
 #include "planar_servo/run/servo_report.h"
 #include "planar_servo/run/servo_run.h"
@@ -35,6 +36,7 @@ constexpr char kStdin[] = "standard input";
 struct Options {
   fs::path cell, targets, out;
   std::string display{"none"};
+  std::string center;  ///< empty: as the cell has it
   bool no_error_map{false}, dry_run{false}, check{false}, resume{false}, home{false};
 };
 
@@ -48,6 +50,9 @@ void add_options(CLI::App& app, Options& options) {
       ->type_name("FILE");
   auto* out = app.add_option("--out", options.out, "folder for log and report")->type_name("DIR");
   app.add_flag("--no-error-map", options.no_error_map, "use vision as it is");
+  app.add_option("--centre", options.center,
+                 "how lamps' centres are measured, instead of the cell's lamps.method")
+      ->check(CLI::IsMember(names_of(kCenterMethods)));
   app.add_flag("--home", options.home,
                "home drives that lost their position, which moves the arm; without it a terminal "
                "is asked");
@@ -80,37 +85,17 @@ bool may_home(const Options& options, const std::string& unhomed) {
 }
 
 Outcome print_dry_run(const CellSettings& cell, const std::vector<TargetRow>& targets) {
-  DryRun dry(cell);
-  bool all_possible = true;
-  nlohmann::json moves = nlohmann::json::array();
-  for (const TargetRow& target : targets) {
-    const DryRunRow row = dry.plan(target);
-    moves.push_back(nlohmann::json(plan_answer(row)));
-    if (row.plan.refusal) {
-      all_possible = false;
-      fmt::print("{}: refused: {}\n", row.id, *row.plan.refusal);
-      continue;
-    }
-    fmt::print("{}: joints {} deg, pulses {} {} {}\n", row.id,
-               fixed(row.plan.theta / kDegree, 4, " "), row.pulses[0], row.pulses[1],
-               row.pulses[2]);
-  }
-  return {{{"moves", moves}}, all_possible};
+  const auto rows = plan_first_moves(cell, targets);
+  fmt::print("{}", dry_run_text(rows));
+  return {dry_run_json(rows), count_refused(rows) == 0};
 }
 
-Outcome print_check(const fs::path& file, const CellSettings& cell,
-                    const std::vector<TargetRow>& targets) {
-  DryRun dry(cell);
-  std::size_t refused = 0;
-  for (const TargetRow& target : targets) {
-    const DryRunRow row = dry.plan(target);
-    if (!row.plan.refusal) continue;
-    ++refused;
-    fmt::print("{}: refused: {}\n", row.id, *row.plan.refusal);
-  }
-  fmt::print("{} and the files it names are in order; {} of {} targets can be reached\n",
-             file.string(), targets.size() - refused, targets.size());
-  return {{{"targets", targets.size()}, {"refused", refused}}, refused == 0};
+Outcome print_check(const CellSettings& cell, const std::vector<TargetRow>& targets) {
+  const auto rows = plan_first_moves(cell, targets);
+  const std::size_t refused = count_refused(rows);
+  fmt::print("{}{} and the files it names are in order; {} of {} targets can be reached\n",
+             refusals_text(rows), cell.file.string(), rows.size() - refused, rows.size());
+  return {{{"targets", rows.size()}, {"refused", refused}}, refused == 0};
 }
 
 /// Plans the targets that arrive on standard input; nothing moves.
@@ -167,6 +152,8 @@ Outcome report(const ServoRequest& request, const Options& options, const ServoR
 
 Outcome work(const Options& options) {
   const CellSettings cell = read_cell(options.cell);
+  const CenterMethod center =
+      options.center.empty() ? cell.lamps.method : *value_named(kCenterMethods, options.center);
   const std::vector<TargetRow> targets =
       from_stdin(options) ? std::vector<TargetRow>() : read_targets(options.targets);
   if (options.check) {
@@ -175,11 +162,11 @@ Outcome work(const Options& options) {
   }
   if ((options.dry_run || options.check) && from_stdin(options)) return plan_stream(cell);
   if (options.dry_run) return print_dry_run(cell, targets);
-  if (options.check) return print_check(options.cell, cell, targets);
+  if (options.check) return print_check(cell, targets);
   if (options.out.empty())
     throw InputError("--out is needed to move; --dry-run and --check do without");
   const ServoRequest request{cell,
-                             CenterMethod::kAuto,
+                             center,
                              !options.no_error_map,
                              options.out,
                              options.resume,

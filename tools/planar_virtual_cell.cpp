@@ -7,6 +7,7 @@
 #include "planar_servo/experiment/paper_cell.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/io/growing_file.h"
+#include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/served_cell/serve_cell.h"
 #include "planar_servo/virtual_cell/truth/truth.h"
 #include "planar_servo/virtual_cell/truth/truth_file.h"

@@ -16,6 +16,7 @@
 #include "planar_servo/core/clock.h"
 #include "planar_servo/core/statistics.h"
 #include "planar_servo/io/atomic_file.h"
+#include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/offline/record/motion_plan.h"
 #include "planar_servo/served_cell/serve_cell.h"
 #include "planar_servo/servo/control_law.h"
@@ -125,7 +126,8 @@ double thread_cpu_s() {
 /// the machine does not count.
 std::vector<double> own_part_ms(const CellSettings& cell, const Frame& frame) {
   Replay replay(frame, {cell.camera.width_px, cell.camera.height_px});
-  LampTipSensor sensor(cell, read_vision(cell, true), CenterMethod::kAuto, replay);
+  LampTipSensor sensor(read_vision(cell, true), cell.lamps.method, replay,
+                       cell.camera.follow_region_px);
   const PlanarArm arm(cell.arm.geometry);
   const TipPose home = arm.forward(cell.arm.home);
   std::vector<double> times_ms;
@@ -142,7 +144,8 @@ std::vector<double> own_part_ms(const CellSettings& cell, const Frame& frame) {
 nlohmann::json loop_rate(const CellSettings& cell, double asked_hz, int frames) {
   const Server server(cell);
   AravisCamera camera(settings_of(cell, asked_hz));
-  LampTipSensor sensor(cell, read_vision(cell, true), CenterMethod::kAuto, camera);
+  LampTipSensor sensor(read_vision(cell, true), cell.lamps.method, camera,
+                       cell.camera.follow_region_px);
   const PlanarArm arm(cell.arm.geometry);
   const TipPose home = arm.forward(cell.arm.home);
   sensor.aim(home);

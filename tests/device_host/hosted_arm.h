@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "device_host/wire_tap.h"
-#include "planar_servo/files/cell_file.h"
+#include "planar_servo/cell/cell_settings.h"
 #include "planar_servo/served_cell/live_cell.h"
 #include "support/emulated_tic.h"
 

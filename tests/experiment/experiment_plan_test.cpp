@@ -4,6 +4,7 @@
 #include <map>
 #include <set>
 
+#include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/offline/record/motion_plan.h"
 #include "support/sample_cells.h"
 
@@ -14,7 +15,7 @@ constexpr double kRounding = 1e-12;
 
 TEST_CASE("The experiment records what the paper did, and every position can be reached") {
   const CellSettings cell = read_cell(test::paper_cell_file());
-  const std::vector<PlanRow> plan = experiment_plan(cell, 1);
+  const std::vector<PlanRow> plan = experiment_plan(cell, 1).rows;
   std::map<std::string, int> counts;
   std::set<std::string> ids;
   for (const PlanRow& row : plan) {
@@ -31,7 +32,7 @@ TEST_CASE("The experiment records what the paper did, and every position can be 
 TEST_CASE("The same seed draws the same training positions, another seed others") {
   const CellSettings cell = read_cell(test::paper_cell_file());
   const auto first_training_point = [&](std::uint64_t seed) {
-    for (const PlanRow& row : experiment_plan(cell, seed))
+    for (const PlanRow& row : experiment_plan(cell, seed).rows)
       if (row.plan == "train") return std::get<TipPose>(row.where).p;
     throw std::logic_error("no training position");
   };
@@ -40,10 +41,12 @@ TEST_CASE("The same seed draws the same training positions, another seed others"
 }
 
 TEST_CASE("The control targets lie on the paper's four circles") {
-  const std::vector<TargetRow> targets = control_targets();
-  REQUIRE(targets.size() == 100);
-  for (std::size_t i = 0; i < targets.size(); ++i)
-    CHECK((targets[i].p_d - control_centers()[i / 25]).norm() == Approx(0.2).margin(kRounding));
+  const std::vector<ControlCircle> circles = control_circles();
+  REQUIRE(circles.size() == 4);
+  CHECK(control_targets().size() == 100);
+  for (const ControlCircle& circle : circles)
+    for (const TargetRow& target : circle.targets)
+      CHECK((target.p_d - circle.center).norm() == Approx(0.2).margin(kRounding));
 }
 
 TEST_CASE("A plan beyond reach is refused whole, every bad row by its id") {

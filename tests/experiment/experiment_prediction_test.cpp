@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "planar_servo/core/units.h"
+#include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/offline/map/fit_map_to_pairs.h"
 #include "support/sample_cells.h"
 

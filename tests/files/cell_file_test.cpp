@@ -2,9 +2,11 @@
 
 #include <catch2/catch.hpp>
 
+#include "planar_servo/cameras/aravis/aravis_kind.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/io/atomic_file.h"
+#include "planar_servo/machine/device_kinds.h"
 #include "support/sample_cells.h"
 #include "support/temporary_folder.h"
 
@@ -22,11 +24,10 @@ std::string replaced(std::string text, const std::string& from, const std::strin
 TEST_CASE("The paper's cell is read in SI") {
   const CellSettings cell = read_cell(test::paper_cell_file());
   CHECK(cell.camera.width_px == 5120);
-  CHECK(cell.camera.pixel_pitch_m == Approx(2.5e-6));
   CHECK(cell.arm.geometry.link_lengths_m == Eigen::Vector2d(0.3, 0.3));
   CHECK(cell.transmission.drives[2].gear_ratio == 50.0);
   CHECK(cell.transmission.drives[0].max_speed_rad_s == Approx(60.0 * kDegree));
-  CHECK(cell.lamp_separation_m == Approx(0.04));
+  CHECK(cell.lamps.layout.separation_m == Approx(0.04));
   CHECK(cell.servo.tolerance_m == Approx(5e-6));
   CHECK(cell.servo.settle_s == Approx(0.2));
   CHECK(cell.datum.size() == 3);
@@ -42,24 +43,24 @@ std::string with_aravis_camera(const std::string& keys) {
 
 TEST_CASE("A camera of source aravis has an address or a serial number, and settings in SI") {
   const test::TemporaryFolder folder;
-  const CameraConnection gige =
+  const AravisSettings gige = aravis_settings(
       read_cell(folder.write("gige.yaml",
                              with_aravis_camera("address: 192.168.0.2, exposure_us: 2500, gain_db: "
                                                 "6, pixel_format: Mono10p, trigger: software, "
                                                 "packet_size: 9000,")))
-          .camera.connection;
+          .camera);
   CHECK(gige.address == "192.168.0.2");
   CHECK(gige.id.empty());
   CHECK(gige.exposure_s == Approx(2.5e-3));
   CHECK(gige.gain_db == 6.0);
   CHECK(gige.pixel_format == "Mono10p");
-  CHECK(gige.trigger == "software");
+  CHECK(gige.trigger == CameraTrigger::kSoftware);
   CHECK(gige.packet_size == 9000);
-  const CameraConnection usb =
+  const AravisSettings usb = aravis_settings(
       read_cell(folder.write("usb.yaml",
                              with_aravis_camera("id: FCN24010001, exposure_us: 100, gain_db: 0, "
                                                 "pixel_format: Mono8, trigger: free_run,")))
-          .camera.connection;
+          .camera);
   CHECK(usb.address.empty());
   CHECK(usb.id == "FCN24010001");
   CHECK(usb.packet_size == 0);

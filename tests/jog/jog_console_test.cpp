@@ -8,6 +8,7 @@
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/jog/exposure_meter.h"
 #include "planar_servo/jog/jog_keys.h"
+#include "planar_servo/machine/device_kinds.h"
 #include "support/sample_cells.h"
 #include "support/temporary_folder.h"
 

@@ -45,7 +45,7 @@ void add_place(PairTrackerRequest& request, const ToolSight& sight, const std::s
 PairTrackerRequest recorded(const SyntheticCell& cell) {
   PairTrackerRequest request;
   request.camera = cell.lens;
-  request.cell.tracker_sigma_m = cell.noise_tracker;
+  request.cell.tracker.sigma_m = cell.noise_tracker;
   request.cell.datum = {
       {"d1", {-0.45, -0.45, 0.0}}, {"d2", {0.45, 0.45, 0.0}}, {"d3", {-0.45, 0.45, 0.0}}};
   for (const Monument& monument : request.cell.datum) {

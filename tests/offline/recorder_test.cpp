@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 
 #include "planar_servo/devices/separate_drives.h"
+#include "planar_servo/machine/device_kinds.h"
 #include "support/manual_clock.h"
 #include "support/mock_pulse_drive.h"
 #include "support/sample_cells.h"

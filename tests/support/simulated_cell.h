@@ -88,7 +88,8 @@ class SimulatedSensor final : public TipSensor {
 
   TipMeasurement measure(const TipPose& /*expected*/, int frames) override {
     TipMeasurement measurement;
-    if (lamp_lost_from && measurements >= *lamp_lost_from) measurement.status = "one_lamp";
+    if (lamp_lost_from && measurements >= *lamp_lost_from)
+      measurement = failed_look(TipStatus::kNoLamps, "one_lamp", measurement.t_s);
     ++measurements;
     measurement.t_s = cell_.now_s();
     measurement.frames = frames;

@@ -18,6 +18,7 @@ constexpr double kHeight_m = 1.0;
 constexpr double kPixelsPerMetre = 1000.0;
 constexpr double kSeparation_m = 0.1;
 constexpr double kDiameter_m = 0.04;
+constexpr int kFollowRegion_px = 400;
 const Eigen::Vector2d kBias(0.8e-3, -0.6e-3);  // of vision, in the tool's frame
 
 /// Looks straight down on the middle of the plane; y_W points against v.
@@ -30,14 +31,9 @@ Workplane workplane_below() {
   return {camera, X_WC};
 }
 
-CellSettings cell_with_equal_lamps() {
-  CellSettings cell;
-  cell.camera.width_px = kSensor.width;
-  cell.camera.height_px = kSensor.height;
-  cell.camera.follow_region_px = 400;
-  cell.lamp_diameters_m = {kDiameter_m, kDiameter_m};
-  cell.lamp_separation_m = kSeparation_m;
-  return cell;
+/// Equal lamps on an ideal tool.
+VisionCalibration vision_with(const std::optional<ErrorMap>& map) {
+  return {{kSeparation_m, {kDiameter_m, kDiameter_m}}, workplane_below(), {}, map};
 }
 
 /// Shows both lamps of a tool that stands at `tip`.
@@ -89,11 +85,10 @@ TEST_CASE("The end point is compensated for the direction in which the lamps sho
   const TipPose stands{{0.03, -0.02}, GENERATE(0.0, 90.0, -150.0) * kDegree};
   TwoLamps camera;
   camera.tip = stands;
-  LampTipSensor sensor(cell_with_equal_lamps(), {workplane_below(), {}, map_of_bias()},
-                       CenterMethod::kAuto, camera);
+  LampTipSensor sensor(vision_with(map_of_bias()), CenterMethod::kAuto, camera, kFollowRegion_px);
   const TipPose commanded{stands.p, stands.phi + 10.0 * kDegree};  // not what it is compensated for
   const TipMeasurement seen = sensor.measure(commanded, 1);
-  REQUIRE(seen.status == "ok");
+  REQUIRE(seen.ok());
   constexpr double kVision_m = 2e-5;  // a fiftieth of a pixel
   CHECK((seen.p_vision - stands.p).norm() < kVision_m);
   const Eigen::Vector2d bias = rotation2d(stands.phi) * kBias;
@@ -103,8 +98,7 @@ TEST_CASE("The end point is compensated for the direction in which the lamps sho
 
 TEST_CASE("Only the first frame of a measurement must be exposed after the question") {
   TwoLamps camera;
-  LampTipSensor sensor(cell_with_equal_lamps(), {workplane_below(), {}, std::nullopt},
-                       CenterMethod::kAuto, camera);
+  LampTipSensor sensor(vision_with(std::nullopt), CenterMethod::kAuto, camera, kFollowRegion_px);
   const TipMeasurement seen = sensor.measure(camera.tip, 5);
   CHECK(seen.frames == 5);
   CHECK(camera.asked == 1);

@@ -12,15 +12,6 @@
 namespace planar {
 namespace {
 
-constexpr int kBoardViews = 14;
-constexpr int kSweepPoints = 24;
-constexpr int kTrainingPoints = 200;
-constexpr int kTestPoints = 30;
-constexpr int kCheckPoints = 24;
-constexpr int kFigurePoints = 25;
-constexpr int kFigureRuns = 3;
-constexpr int kControlPoints = 25;
-constexpr double kControlRadius = 0.2;
 constexpr double kControlOffset = 0.2;
 constexpr double kSweepRadius = 0.3;  // of the end point while joint 3 turns
 constexpr double kRimMargin = 0.020;  // the training disc ends this far inside the workspace
@@ -31,15 +22,18 @@ class PlanBuilder {
 
   void add_board_views(const std::string& plan, int count) {
     for (int i = 0; i < count; ++i)
-      rows_.push_back({fmt::format("{}_{:02}", plan, i), plan, std::monostate()});
+      plan_.rows.push_back({fmt::format("{}_{:02}", plan, i), plan, std::monostate()});
   }
   void add(const std::string& id, const std::string& plan, const Eigen::Vector2d& p) {
-    rows_.push_back({id, plan, TipPose{p, phi_}});
+    plan_.rows.push_back({id, plan, TipPose{p, phi_}});
   }
-  void add_circle(const std::string& prefix, const std::string& plan, double radius, int count) {
-    const auto points = circle_points(Eigen::Vector2d::Zero(), radius, count);
-    for (std::size_t i = 0; i < points.size(); ++i)
-      add(fmt::format("{}_{:02}", prefix, i), plan, points[i]);
+  void add_circle(const std::string& prefix, int radius_mm, int run, int count) {
+    const auto points = circle_points(Eigen::Vector2d::Zero(), radius_mm * kMillimetre, count);
+    for (int i = 0; i < count; ++i) {
+      const std::string id = fmt::format("{}r{}_{:02}", prefix, radius_mm, i);
+      add(id, "check", points[static_cast<std::size_t>(i)]);
+      plan_.circle_points.push_back({id, radius_mm, run, i});
+    }
   }
   /// Joint 1 alone turns, a right angle at the elbow: with the links and the tool as one body.
   void add_joint1_sweep(const CellSettings& cell, int count) {
@@ -47,15 +41,15 @@ class PlanBuilder {
     const double bend = (cell.arm.elbow == Elbow::kLeft ? -sense : sense) * kPi / 2.0;
     for (int i = 0; i < count; ++i) {
       const double theta1 = 2.0 * kPi * i / count - kPi;
-      rows_.push_back({fmt::format("sweep1_{:02}", i), "sweep1",
-                       Joints(theta1, theta1 + bend, theta1 + sense * phi_)});
+      plan_.rows.push_back({fmt::format("sweep1_{:02}", i), "sweep1",
+                            Joints(theta1, theta1 + bend, theta1 + sense * phi_)});
     }
   }
   /// Joint 3 alone turns; the end point stays.
   void add_joint3_sweep(int count) {
     for (int i = 0; i < count; ++i)
-      rows_.push_back({fmt::format("sweep3_{:02}", i), "sweep3",
-                       TipPose{{0.0, kSweepRadius}, phi_ + 2.0 * kPi * i / count - kPi}});
+      plan_.rows.push_back({fmt::format("sweep3_{:02}", i), "sweep3",
+                            TipPose{{0.0, kSweepRadius}, phi_ + 2.0 * kPi * i / count - kPi}});
   }
   void add_disc(const std::string& plan, int count, const Workspace& workspace,
                 std::mt19937_64& rng) {
@@ -68,7 +62,7 @@ class PlanBuilder {
           radius * Eigen::Vector2d(std::cos(angle), std::sin(angle)));
     }
   }
-  std::vector<PlanRow> take() { return std::move(rows_); }
+  ExperimentPlan take() { return std::move(plan_); }
 
  private:
   /// In [0, 1), the same on every platform.
@@ -77,7 +71,7 @@ class PlanBuilder {
   }
 
   double phi_;
-  std::vector<PlanRow> rows_;
+  ExperimentPlan plan_;
 };
 
 }  // namespace
@@ -92,45 +86,38 @@ std::vector<Eigen::Vector2d> circle_points(const Eigen::Vector2d& center, double
   return points;
 }
 
-std::vector<Eigen::Vector2d> control_centers() {
-  return {{-kControlOffset, -kControlOffset},
-          {-kControlOffset, kControlOffset},
-          {kControlOffset, kControlOffset},
-          {kControlOffset, -kControlOffset}};
-}
-
-std::string control_id_prefix(int circle) {
-  return fmt::format("c{}_", circle);
-}
-
-std::vector<TargetRow> control_targets() {
-  std::vector<TargetRow> targets;
-  int circle = 0;
-  for (const Eigen::Vector2d& center : control_centers()) {
-    ++circle;
-    const auto points = circle_points(center, kControlRadius, kControlPoints);
+std::vector<ControlCircle> control_circles(const ExperimentSize& size) {
+  const double d = kControlOffset;
+  std::vector<ControlCircle> circles{{{-d, -d}, {}}, {{-d, d}, {}}, {{d, d}, {}}, {{d, -d}, {}}};
+  for (std::size_t k = 0; k < circles.size(); ++k) {
+    const auto points = circle_points(circles[k].center, kControlRadius, size.control_points);
     for (std::size_t i = 0; i < points.size(); ++i)
-      targets.push_back(
-          {control_id_prefix(circle) + fmt::format("{:02}", i), points[i], std::nullopt});
+      circles[k].targets.push_back({fmt::format("c{}_{:02}", k + 1, i), points[i], std::nullopt});
   }
+  return circles;
+}
+
+std::vector<TargetRow> control_targets(const ExperimentSize& size) {
+  std::vector<TargetRow> targets;
+  for (const ControlCircle& circle : control_circles(size))
+    targets.insert(targets.end(), circle.targets.begin(), circle.targets.end());
   return targets;
 }
 
-std::vector<PlanRow> experiment_plan(const CellSettings& cell, std::uint64_t seed) {
+ExperimentPlan experiment_plan(const CellSettings& cell, std::uint64_t seed,
+                               const ExperimentSize& size) {
   std::mt19937_64 rng(seed);
   PlanBuilder plan(cell.tool_orientation);
-  plan.add_board_views(kHeldBoardPlan, kBoardViews);
+  plan.add_board_views(kHeldBoardPlan, size.board_views);
   plan.add_board_views(kLaidBoardPlan, 1);
-  plan.add_joint1_sweep(cell, kSweepPoints);
-  plan.add_joint3_sweep(kSweepPoints);
-  plan.add_disc("train", kTrainingPoints, cell.workspace, rng);
-  plan.add_disc("test", kTestPoints, cell.workspace, rng);
-  for (const int radius_mm : {150, 250, 350})
-    plan.add_circle(fmt::format("r{}", radius_mm), "check", radius_mm * kMillimetre, kCheckPoints);
-  for (int run = 1; run <= kFigureRuns; ++run)
-    for (const int radius_mm : {100, 200, 300, 400})
-      plan.add_circle(fmt::format("run{}_r{}", run, radius_mm), "check", radius_mm * kMillimetre,
-                      kFigurePoints);
+  plan.add_joint1_sweep(cell, size.sweep_points);
+  plan.add_joint3_sweep(size.sweep_points);
+  plan.add_disc("train", size.training_points, cell.workspace, rng);
+  plan.add_disc("test", size.test_points, cell.workspace, rng);
+  for (const int radius_mm : kCheckRadii_mm) plan.add_circle("", radius_mm, 0, size.check_points);
+  for (int run = 1; run <= kRuns; ++run)
+    for (const int radius_mm : kRunRadii_mm)
+      plan.add_circle(fmt::format("run{}_", run), radius_mm, run, size.run_points);
   return plan.take();
 }
 

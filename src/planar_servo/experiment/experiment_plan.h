@@ -1,32 +1,68 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
 
-#include "planar_servo/files/cell_file.h"
+#include "planar_servo/cell/cell_settings.h"
 #include "planar_servo/files/tables/tables.h"
 #include "planar_servo/files/tables/target_table.h"
 
 namespace planar {
 
+/// How many places of each sort an experiment has; the paper's numbers unless others are asked for.
+struct ExperimentSize {
+  int board_views{14};
+  int sweep_points{24};  ///< of each of the joints 1 and 3
+  int training_points{200};
+  int test_points{30};
+  int check_points{24};    ///< on each circle of kCheckRadii_mm
+  int run_points{25};      ///< on each circle of kRunRadii_mm, in each of the runs
+  int control_points{25};  ///< on each of the four control circles
+};
+
+/// Radii about the base's axis of the circles of the paper's tables 2 and 5.
+constexpr std::array<int, 3> kCheckRadii_mm{150, 250, 350};
+/// Radii about the base's axis of the circles of the paper's Figures 7 to 11, each gone round in
+/// kRuns runs.
+constexpr std::array<int, 4> kRunRadii_mm{100, 200, 300, 400};
+constexpr int kRuns = 3;
+
+/// A recorded place on a circle about the base's axis.
+struct CirclePoint {
+  std::string id;  ///< of its row in the plan, and of its pair
+  int radius_mm{0};
+  int run{0};    ///< from 1; 0 on a circle that is gone round once, to check the maps
+  int index{0};  ///< along the circle, from 0
+};
+
+/// What is recorded before the loop is closed.
+struct ExperimentPlan {
+  std::vector<PlanRow> rows;
+  std::vector<CirclePoint> circle_points;  ///< in the order of their rows
+};
+
+/// Board views, sweeps of joints 1 and 3, training and test positions drawn from `seed` over the
+/// workspace, and the circles.
+ExperimentPlan experiment_plan(const CellSettings& cell, std::uint64_t seed,
+                               const ExperimentSize& size = {});
+
+/// A circle of radius kControlRadius on which the loop is closed.
+struct ControlCircle {
+  Eigen::Vector2d center{0.0, 0.0};  ///< base frame, metres
+  std::vector<TargetRow> targets;
+};
+
+constexpr double kControlRadius = 0.2;  ///< metres
+
+/// The paper's four control circles, in its order.
+std::vector<ControlCircle> control_circles(const ExperimentSize& size = {});
+
+/// The targets of all control circles, circle after circle.
+std::vector<TargetRow> control_targets(const ExperimentSize& size = {});
+
 /// Points of a circle, equally spaced, the first on the +x side.
 std::vector<Eigen::Vector2d> circle_points(const Eigen::Vector2d& center, double radius, int count);
-
-/// The paper's 100 control targets: 25 on each of four circles of radius 200 mm; ids c1_00 ...
-/// c4_24.
-std::vector<TargetRow> control_targets();
-
-/// What the ids of the targets on control circle 1, 2, 3 or 4 begin with.
-std::string control_id_prefix(int circle);
-
-/// Centres of the four control circles, in the paper's order.
-std::vector<Eigen::Vector2d> control_centers();
-
-/// Everything that the experiment records before it closes the loop: board views, sweeps of joints
-/// 1 and 3, 200 training and 30 test positions drawn from `seed` over the workspace, 24 check
-/// points on each of the radii 150, 250 and 350 mm (ids r150_00 ...), and the four circles of the
-/// paper's Figures 7 to 11 three times (ids run1_r100_00 ...).
-std::vector<PlanRow> experiment_plan(const CellSettings& cell, std::uint64_t seed);
 
 }  // namespace planar

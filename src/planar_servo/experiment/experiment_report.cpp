@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "planar_servo/core/fixed.h"
 #include "planar_servo/core/units.h"
@@ -18,9 +19,8 @@ namespace {
 
 constexpr double kNanometre = 1e-3 * kMicrometre;
 
-double mean_mm(const std::vector<TargetResult>& results, TargetError error,
-               const std::string& prefix = "") {
-  return mean_error(results, error, prefix) / kMillimetre;
+double mean_mm(const std::vector<TargetResult>& results, TargetError error) {
+  return mean_error(results, error) / kMillimetre;
 }
 
 TextTable fraction_table(const std::string& title, const std::vector<ComparisonRow>& rows) {
@@ -35,16 +35,17 @@ TextTable fraction_table(const std::string& title, const std::vector<ComparisonR
 TextTable correlation_table(const ExperimentReport& report) {
   TextTable table("Table 1: correlation of the vision error between three runs",
                   {"", "ours", "the paper's chain here", "the paper"});
-  for (const ComparisonRow& row : report.table1)
+  for (const ComparisonRow& row : report.tables.run_correlation)
     table.add_row({row.label, fmt::format("{:.4f}", row.ours),
                    fmt::format("{:.4f}", row.paper_chain), fmt::format("{:.3f}", row.paper)});
   return table;
 }
 
-TextTable positioning_table(const ExperimentReport& report) {
+TextTable control_table(const ExperimentReport& report) {
   TextTable table(
-      "Table 7: mean true positioning error in mm, 25 targets on each circle of radius "
-      "200 mm",
+      fmt::format("Table 7: mean true positioning error in mm, {} targets on each circle of radius "
+                  "{:.0f} mm",
+                  report.circles.front().targets.size(), kControlRadius / kMillimetre),
       {"circle about", "before", "paper's chain", "ours", "ours, improved by", "paper: before",
        "paper: after"});
   const auto row = [&](const std::string& label, double before, double paper_chain, double ours,
@@ -53,10 +54,10 @@ TextTable positioning_table(const ExperimentReport& report) {
                    fmt::format("{:.4f}", ours), fixed(100.0 * (1.0 - ours / before), 1) + " %",
                    fmt::format("{:.3f}", paper_before), fmt::format("{:.3f}", paper_after)});
   };
-  for (std::size_t i = 0; i < report.table7.size(); ++i) {
-    const ComparisonRow& circle = report.table7[i];
-    const std::string prefix = control_id_prefix(static_cast<int>(i) + 1);
-    row(circle.label, mean_mm(report.ours, &TargetResult::before_truth, prefix),
+  for (std::size_t i = 0; i < report.tables.positioning.size(); ++i) {
+    const ComparisonRow& circle = report.tables.positioning[i];
+    const auto results = results_on(report.circles[i], report.ours);
+    row(circle.label, mean_mm(results, &TargetResult::before_truth),
         circle.paper_chain / kMillimetre, circle.ours / kMillimetre, kPaperBefore_mm[i],
         circle.paper / kMillimetre);
   }
@@ -82,14 +83,15 @@ std::vector<TextTable> accuracy_tables(const ExperimentReport& report) {
   return {
       correlation_table(report),
       fraction_table("Table 2: accuracy of inverse distance weighting on circles about the base",
-                     report.table2),
-      number_table("Table 3: what the error maps were made of", report.table3, 1.0),
-      number_table("Table 4: standard deviation of three predictions in nm, the largest of 25 "
-                   "points (the paper: less than)",
-                   report.table4, kNanometre),
+                     report.tables.idw_accuracy),
+      number_table("Table 3: what the error maps were made of", report.tables.map_sources, 1.0),
+      number_table(
+          "Table 4: standard deviation of three predictions in nm, the largest of the circle's "
+          "points (the paper: less than)",
+          report.tables.repeatability, kNanometre),
       fraction_table("Table 5: accuracy of the radial basis functions on the same circles",
-                     report.table5),
-      fraction_table("Table 6: accuracy, mean of the three circles", report.table6)};
+                     report.tables.rbf_accuracy),
+      fraction_table("Table 6: accuracy, mean of the three circles", report.tables.mean_accuracy)};
 }
 
 nlohmann::json rows_json(const std::vector<ComparisonRow>& rows, double unit) {
@@ -123,13 +125,14 @@ nlohmann::json experiment_json(const ExperimentReport& report) {
   json["vision_after_mean_mm"] = mean_mm(report.ours, &TargetResult::vision_compensated);
   json["paper_chain"] = servo_json(figures_of(report.paper));
   json["paper_chain_no_map"] = servo_json(figures_of(report.paper_no_map));
-  json["table1"] = rows_json(report.table1, 1.0);
-  json["table2"] = rows_json(report.table2, 1.0);
-  json["table3"] = rows_json(report.table3, 1.0);
-  json["table4"] = rows_json(report.table4, kMillimetre);
-  json["table5"] = rows_json(report.table5, 1.0);
-  json["table6"] = rows_json(report.table6, 1.0);
-  json["table7"] = rows_json(report.table7, kMillimetre);
+  const PaperTables& tables = report.tables;
+  json["table1"] = rows_json(tables.run_correlation, 1.0);
+  json["table2"] = rows_json(tables.idw_accuracy, 1.0);
+  json["table3"] = rows_json(tables.map_sources, 1.0);
+  json["table4"] = rows_json(tables.repeatability, kMillimetre);
+  json["table5"] = rows_json(tables.rbf_accuracy, 1.0);
+  json["table6"] = rows_json(tables.mean_accuracy, 1.0);
+  json["table7"] = rows_json(tables.positioning, kMillimetre);
   json.update(prediction_json(report.prediction));
   return json;
 }
@@ -147,7 +150,7 @@ std::string prediction_text(const PositioningPrediction& prediction) {
 std::string experiment_text(const ExperimentReport& report) {
   std::string text;
   for (const TextTable& table : accuracy_tables(report)) text += table.plain_text() + '\n';
-  return text + positioning_table(report).plain_text() + '\n' + summary_text(report);
+  return text + control_table(report).plain_text() + '\n' + summary_text(report);
 }
 
 std::string experiment_figure(const ExperimentReport& report) {
@@ -159,11 +162,11 @@ std::string experiment_figure(const ExperimentReport& report) {
 std::string experiment_page(const ExperimentReport& report, const std::string& cell_name) {
   HtmlPage page("The paper's experiment on " + cell_name);
   page.add_paragraph(
-      "Mean true error of the end point at 100 control targets, by the scorer of the virtual cell. "
+      "Mean true error of the end point at the control targets, by the scorer of the virtual cell. "
       "Both chains were calibrated from the same recording and saw nothing else.");
   page.add_html(experiment_figure(report));
   page.add_paragraph(kQuiverCaption);
-  page.add_html(positioning_table(report).html());
+  page.add_html(control_table(report).html());
   page.add_paragraph(summary_text(report));
   for (const TextTable& table : accuracy_tables(report)) page.add_html(table.html());
   return page.text();

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/statistics.h"

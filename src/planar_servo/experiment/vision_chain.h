@@ -6,8 +6,8 @@
 
 #include "planar_servo/calibration/board/board.h"
 #include "planar_servo/calibration/camera_calibration.h"
+#include "planar_servo/cell/cell_settings.h"
 #include "planar_servo/error_map/fit_error_map.h"
-#include "planar_servo/files/cell_file.h"
 #include "planar_servo/files/tables/recording.h"
 #include "planar_servo/files/tables/tables.h"
 #include "planar_servo/lamps/lamp.h"

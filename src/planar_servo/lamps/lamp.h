@@ -4,6 +4,8 @@
 #include <array>
 #include <optional>
 
+#include "planar_servo/core/names.h"
+
 namespace planar {
 
 /// Why a lamp or a pair of lamps has, or has not, a position.
@@ -53,5 +55,10 @@ struct PairExpectation {
 };
 
 enum class CenterMethod { kAuto, kFast, kCannyKasa, kVpDot2 };
+
+constexpr Named<CenterMethod> kCenterMethods[] = {{CenterMethod::kAuto, "auto"},
+                                                  {CenterMethod::kFast, "fast"},
+                                                  {CenterMethod::kCannyKasa, "canny-kasa"},
+                                                  {CenterMethod::kVpDot2, "vpdot2"}};
 
 }  // namespace planar

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <nlohmann/json.hpp>
+
 #include "planar_servo/core/fixed.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/io/yaml_writer.h"

@@ -1,6 +1,7 @@
 #include "planar_servo/run/target_stream.h"
 
 #include <istream>
+#include <nlohmann/json.hpp>
 #include <ostream>
 #include <string>
 
@@ -64,16 +65,6 @@ Json result_answer(const TargetResult& result) {
     told[columns[2]] = error->y() / kMillimetre;
   }
   return told;
-}
-
-Json plan_answer(const DryRunRow& row) {
-  if (row.plan.refusal)
-    return {{"target", row.id}, {"status", "refused"}, {"reason", *row.plan.refusal}};
-  const Eigen::Vector3d deg = row.plan.theta / kDegree;
-  return {{"target", row.id},
-          {"status", "planned"},
-          {"theta_deg", {deg[0], deg[1], deg[2]}},
-          {"pulses", {row.pulses[0], row.pulses[1], row.pulses[2]}}};
 }
 
 }  // namespace planar

@@ -3,12 +3,10 @@
 #include <cstddef>
 #include <functional>
 #include <iosfwd>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
+#include "planar_servo/files/tables/servo_tables.h"
 #include "planar_servo/files/tables/target_table.h"
-#include "planar_servo/run/dry_run.h"
-#include "planar_servo/run/servo_figures.h"
-#include "planar_servo/run/servo_run.h"
 
 namespace planar {
 
@@ -24,9 +22,5 @@ std::size_t answer_targets(std::istream& in, std::ostream& out, TargetLines& lin
 
 /// The outcome under the columns of results.csv, but for what is not known.
 nlohmann::ordered_json result_answer(const TargetResult& result);
-
-/// `target`, `status` ("planned" or "refused"), `reason`, and what the first move commands:
-/// `theta_deg`, `pulses`.
-nlohmann::ordered_json plan_answer(const DryRunRow& row);
 
 }  // namespace planar

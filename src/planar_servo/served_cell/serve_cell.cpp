@@ -4,7 +4,7 @@
 
 #include "planar_servo/core/clock.h"
 #include "planar_servo/core/error.h"
-#include "planar_servo/machine/cell_devices.h"
+#include "planar_servo/machine/virtual_kinds.h"
 #include "planar_servo/served_cell/aravis_gige_camera.h"
 #include "planar_servo/served_cell/live_cell.h"
 #include "planar_servo/virtual_cell/truth/truth_file.h"

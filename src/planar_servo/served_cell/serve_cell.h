@@ -3,7 +3,7 @@
 #include <functional>
 #include <string>
 
-#include "planar_servo/files/cell_file.h"
+#include "planar_servo/cell/cell_settings.h"
 
 namespace planar {
 

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "planar_servo/cell/cell_settings.h"
 #include "planar_servo/files/tables/lamp_table.h"
 #include "planar_servo/lamps/lamp.h"
 #include "planar_servo/offline/lamps/lamp_images.h"

@@ -112,7 +112,7 @@ PairTrackerReport pair_tracker(const PairTrackerRequest& request) {
   std::vector<ToolReading> tool_readings;
   for (const TrackerRow& row : readings.tool) {
     tool_readings.push_back({row.id, row.t_s, report.datum.X_BL * row.p_L,
-                             request.cell.tracker_sigma_at(row.p_L.norm())});
+                             request.cell.tracker.sigma_at(row.p_L.norm())});
   }
   Pairing pairing =
       pair_sights(lamp_sights(request.lamps, request.frames), tool_readings, request.by);
@@ -120,7 +120,7 @@ PairTrackerReport pair_tracker(const PairTrackerRequest& request) {
   report.workplane = fit_workplane(request, pairing.sights);
   report.largest_eccentricity_px =
       remove_eccentricity(Workplane(request.camera, report.workplane.X_WC),
-                          request.cell.lamp_diameters_m, pairing.sights);
+                          request.cell.lamps.layout.diameters_m, pairing.sights);
   report.workplane = fit_workplane(request, pairing.sights);
 
   std::set<std::string> outliers;

@@ -16,7 +16,7 @@
 #include "planar_servo/lamps/lamp_tracker.h"
 #include "planar_servo/offline/record/motion_plan.h"
 #include "planar_servo/robot/planar_robot.h"
-#include "planar_servo/vision/regions.h"
+#include "planar_servo/vision/follow_region.h"
 
 namespace planar {
 namespace {
@@ -116,7 +116,7 @@ class Recorder {
   void set_region_for(const Eigen::Vector2d& p) {
     const auto view = fit_coarse_view(sights_);
     const auto pixel = view ? view->pixel(p) : std::nullopt;
-    devices_.camera().set_region(pixel ? follow_region(cell_.camera, *pixel) : full_region());
+    devices_.camera().set_region(pixel ? region_round(*pixel) : full_region());
   }
 
   /// The frame itself when both lamps are in it, else a full frame; then the region follows them.
@@ -129,7 +129,7 @@ class Recorder {
     }
     if (middle) {
       sights_.push_back({p, *middle});
-      devices_.camera().set_region(follow_region(cell_.camera, *middle));
+      devices_.camera().set_region(region_round(*middle));
     } else {
       report_.without_lamps.push_back(id);
     }
@@ -161,6 +161,10 @@ class Recorder {
     const Joints theta = energized_ ? robot_.commanded_joints() : cell_.arm.home;
     return frame_line({row.id, image, frame.t_s, row.plan, theta,
                        transmission_.pulses_from_joints(theta), frame.region_px});
+  }
+
+  cv::Rect region_round(const Eigen::Vector2d& center_px) const {
+    return follow_region(full_region().size(), cell_.camera.follow_region_px, center_px);
   }
 
   cv::Rect full_region() const { return {0, 0, cell_.camera.width_px, cell_.camera.height_px}; }

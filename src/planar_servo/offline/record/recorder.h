@@ -4,7 +4,7 @@
 #include <functional>
 #include <vector>
 
-#include "planar_servo/files/cell_file.h"
+#include "planar_servo/cell/cell_settings.h"
 #include "planar_servo/files/tables/tables.h"
 #include "planar_servo/machine/cell_devices.h"
 

@@ -1,0 +1,79 @@
+#include "planar_servo/offline/pairs/pair_tracker_report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "planar_servo/core/fixed.h"
+#include "planar_servo/core/units.h"
+
+namespace planar {
+namespace {
+
+constexpr double kDatumSigmas = 5.0;  // of one reading; what noise alone never reaches
+
+std::string raw_error_text(const std::vector<PairRow>& pairs) {
+  std::string text;
+  for (const std::string& plan : plan_names()) {
+    if (std::none_of(pairs.begin(), pairs.end(),
+                     [&](const PairRow& pair) { return pair.plan == plan; }))
+      continue;
+    const Summary raw = raw_error(pairs, plan);
+    text +=
+        fmt::format("raw error  {}: {} pairs, mean {:.3f} mm, rms {:.3f} mm, max {:.3f} mm\n", plan,
+                    raw.n, raw.mean / kMillimetre, raw.rms / kMillimetre, raw.max / kMillimetre);
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string pair_tracker_text(const PairTrackerReport& report) {
+  const WorkplaneFit& fit = report.workplane;
+  std::string text = fmt::format("datum      {} monuments, rms {:.3f} mm\n",
+                                 report.datum.residuals.size(), report.datum.rms / kMillimetre);
+  text += fmt::format("workplane  {} degrees of freedom fitted to {} places, rms {:.3f} mm\n",
+                      fit.absorbed, fit.n_used, fit.rms / kMillimetre);
+  text += fmt::format("tool       end point ({}) mm, reflector ({}) mm\n",
+                      fixed(fit.tool.p_TP / kMillimetre, 3, ", "),
+                      fixed(fit.tool.p_TS.head<2>() / kMillimetre, 3, ", "));
+  text += fmt::format("lamps      eccentricity of their discs up to {:.4f} px, taken off\n",
+                      report.largest_eccentricity_px);
+  for (const Rejection& rejection : report.rejected)
+    text += fmt::format("rejected   {}: {}\n", rejection.id, rejection.reason);
+  return text + raw_error_text(report.pairs);
+}
+
+nlohmann::json pair_tracker_json(const PairTrackerReport& report) {
+  const WorkplaneFit& fit = report.workplane;
+  const Eigen::Vector2d p_TP = fit.tool.p_TP / kMillimetre;
+  const Eigen::Vector3d p_TS = fit.tool.p_TS / kMillimetre;
+  auto rejected = nlohmann::json::array();
+  for (const Rejection& rejection : report.rejected)
+    rejected.push_back({{"id", rejection.id}, {"reason", rejection.reason}});
+  const Summary raw = raw_error(report.pairs);
+  return {{"pairs", report.pairs.size()},
+          {"rejected", rejected},
+          {"datum_rms_mm", report.datum.rms / kMillimetre},
+          {"workplane_rms_mm", fit.rms / kMillimetre},
+          {"workplane_absorbed", fit.absorbed},
+          {"eccentricity_px_max", report.largest_eccentricity_px},
+          {"p_TP_mm", {p_TP.x(), p_TP.y()}},
+          {"p_TS_mm", {p_TS.x(), p_TS.y(), p_TS.z()}},
+          {"raw_mean_mm", raw.mean / kMillimetre},
+          {"raw_rms_mm", raw.rms / kMillimetre}};
+}
+
+std::string moved_monuments(const PairTrackerRequest& request, double datum_rms) {
+  double sigma = 0.0;
+  for (const TrackerRow& row : request.tracker)
+    sigma = std::max(sigma, request.cell.tracker.sigma_at(row.p_L.norm()));
+  if (datum_rms <= kDatumSigmas * sigma) return "";
+  return fmt::format(
+      "datum: {:.3f} mm rms is more than the tracker's noise of {:.3f} mm explains; has a monument "
+      "moved?",
+      datum_rms / kMillimetre, sigma / kMillimetre);
+}
+
+}  // namespace planar

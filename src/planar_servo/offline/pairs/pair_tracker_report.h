@@ -1,0 +1,20 @@
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "planar_servo/offline/pairs/pair_tracker.h"
+
+namespace planar {
+
+/// What was registered, fitted, rejected and paired, as lines for a terminal.
+std::string pair_tracker_text(const PairTrackerReport& report);
+
+/// The same figures under the keys of --json.
+nlohmann::json pair_tracker_json(const PairTrackerReport& report);
+
+/// A doubt about the monuments, in words: they lie farther from their known places than the
+/// tracker's noise explains. Empty when there is none.
+std::string moved_monuments(const PairTrackerRequest& request, double datum_rms);
+
+}  // namespace planar

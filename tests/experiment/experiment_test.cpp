@@ -1,0 +1,77 @@
+#include "planar_servo/experiment/experiment.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "planar_servo/core/units.h"
+#include "planar_servo/experiment/experiment_report.h"
+#include "planar_servo/machine/device_kinds.h"
+#include "support/sample_cells.h"
+#include "support/temporary_folder.h"
+
+namespace planar {
+namespace {
+
+/// A fifth of the paper's places.
+constexpr ExperimentSize kSmall{8, 12, 60, 10, 8, 6, 3};
+
+/// A map of 60 places serves less well than one of 200: these bounds tell a chain that works from
+/// one that does not, no more.
+constexpr double kOursBelow_m = 0.05e-3, kPaperBelow_m = 0.5e-3, kBeforeAbove_m = 1e-3;
+
+ExperimentReport run_small_experiment(const std::filesystem::path& folder) {
+  const CellSettings cell = read_cell(test::paper_cell_file());
+  ExperimentRequest request{cell, parse_board("circles:11x11:50mm"), 1, folder / "run"};
+  request.size = kSmall;
+  const auto devices = open_cell(cell);
+  return run_experiment(request, *devices);
+}
+
+void check_rows(const std::vector<ComparisonRow>& rows, std::size_t count, double low,
+                double high) {
+  REQUIRE(rows.size() == count);
+  for (const ComparisonRow& row : rows) {
+    INFO(row.label);
+    CHECK((row.ours > low && row.ours < high));
+    CHECK((row.paper_chain > low && row.paper_chain < high));
+  }
+}
+
+TEST_CASE("A small experiment fills every table of the paper, and our chain beats the paper's") {
+  const test::TemporaryFolder folder;
+  const ExperimentReport report = run_small_experiment(folder.path());
+  const PaperTables& tables = report.tables;
+  check_rows(tables.run_correlation, kRunRadii_mm.size(), 0.95, 1.0 + 1e-9);
+  check_rows(tables.idw_accuracy, kCheckRadii_mm.size(), -1.0, 1.0);
+  check_rows(tables.repeatability, kRunRadii_mm.size(), 0.0, 1e-6);
+  check_rows(tables.rbf_accuracy, kCheckRadii_mm.size(), 0.8, 1.0);
+  check_rows(tables.mean_accuracy, 2, 0.0, 1.0);
+  check_rows(tables.positioning, report.circles.size(), 0.0, kPaperBelow_m);
+  REQUIRE(tables.map_sources.size() == 4);
+  CHECK(tables.map_sources[0].ours > 0.9 * kSmall.training_points);
+  CHECK(tables.map_sources[0].ours <= kSmall.training_points);
+  CHECK(tables.map_sources[1].ours == kSmall.test_points);
+  CHECK(tables.map_sources[3].ours < 0.2 * tables.map_sources[2].ours);
+  CHECK(tables.mean_accuracy[1].ours ==
+        Approx((tables.rbf_accuracy[0].ours + tables.rbf_accuracy[1].ours +
+                tables.rbf_accuracy[2].ours) /
+               3.0));
+
+  const ServoFigures ours = figures_of(report.ours), paper = figures_of(report.paper);
+  CHECK(ours.targets == 4u * kSmall.control_points);
+  CHECK(ours.reached == ours.targets);
+  CHECK(ours.before_truth->mean > kBeforeAbove_m);
+  CHECK(ours.after_truth->mean < kOursBelow_m);
+  CHECK(ours.after_truth->mean < paper.after_truth->mean);
+  CHECK(report.prediction.mean > 0.25 * ours.after_truth->mean);
+  CHECK(report.prediction.mean < 4.0 * ours.after_truth->mean);
+
+  const nlohmann::json json = experiment_json(report);
+  for (int table = 1; table <= 7; ++table) CHECK(!json["table" + std::to_string(table)].empty());
+  CHECK(json["table7"][0]["ours"].get<double>() ==
+        Approx(tables.positioning[0].ours / kMillimetre));
+}
+
+}  // namespace
+}  // namespace planar
