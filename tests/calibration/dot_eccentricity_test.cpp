@@ -57,7 +57,7 @@ TEST_CASE("eccentricity_px is that of the disc's exact projection, however the p
 }
 
 TEST_CASE("eccentricity_px grows with the square of the radius and the tilt") {
-  // theory: about f r^2 sin(2 tilt) / (2 Z^2) on the axis.
+  // On the axis the shift is about f r^2 sin(2 tilt) / (2 Z^2).
   const double tilt = 30.0 * kDegree, radius = 4.0 * kMillimetre;
   const double expected =
       kLens.fy * radius * radius * std::sin(2.0 * tilt) / (2.0 * kDistance * kDistance);

@@ -6,7 +6,7 @@
 namespace planar {
 namespace {
 
-// Published error on sharp steps: near 0.05 px rms [theory.md], from making the disc of pixels.
+// The error on sharp steps is near 0.05 px rms, because the disc consists of pixels.
 constexpr double kRms_px = 0.07, kWorst_px = 0.2;
 
 /// A straight step from 20 to 220: bright where n . (p - centre) > offset, exact area by samples.

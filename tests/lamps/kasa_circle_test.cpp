@@ -20,7 +20,7 @@ TEST_CASE("kasa_circle gives back the circle of exact points, far from the origi
   CHECK(circle->radius == Approx(21.5).margin(kExact * center.norm()));
 }
 
-TEST_CASE("kasa_circle solves theory.md's equations C, D, E, G, H on points off any circle") {
+TEST_CASE("kasa_circle solves Kasa's equations in sums C, D, E, G, H for points off any circle") {
   const std::vector<Eigen::Vector2d> points{{1, 0}, {0, 2}, {-1.5, 0}, {0, -1}, {1, 1}};
   const double N = 5.0;
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();

@@ -12,7 +12,7 @@ namespace {
 
 using test::RenderedLamp;
 
-// A centroid of whole pixels above half the step: baselines.md has 0.03 px for 40 px.
+// A centroid of whole pixels above half the step is good to 0.03 px for a lamp of 40 px.
 constexpr double kCoarse_px = 0.2;
 
 /// Noise that repeats from row block to row block: 26 million fresh values take too long.

@@ -6,7 +6,7 @@
 
 namespace planar::test {
 
-/// A lamp as doc/baselines has it: a uniform ellipse, exact area per pixel, blurred.
+/// A lamp that is a uniform ellipse with exact coverage of pixels, blurred.
 struct RenderedLamp {
   Eigen::Vector2d center_px{0.0, 0.0};
   double diameter_px{40.0};  ///< major axis

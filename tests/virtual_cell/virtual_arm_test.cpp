@@ -20,7 +20,7 @@ Truth ideal_truth() {
   return truth;
 }
 
-/// Sends the joints to theta by the coupling of theory.md, m = C theta.
+/// Sends the joints to theta by the coupling of the motors, m = C theta.
 void drive_to(VirtualArm& arm, const VirtualHardware& hardware, const Eigen::Vector3d& theta,
               VirtualClock& clock) {
   const auto& [two_rides, three_rides] = hardware.relative;

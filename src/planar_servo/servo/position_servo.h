@@ -47,8 +47,8 @@ struct ServoResult {
   double duration_s{0.0};
 };
 
-/// Positions the end point by looking at it: an open-loop move by the inverse
-/// kinematics, then measured corrections until
+/// Positions the end point by vision: an open-loop move by the inverse kinematics, then measured
+/// corrections until
 ///   |p_d - p| < max(tolerance, 2 sigma_vision / sqrt(frames), one pulse).
 /// Joint 3 is commanded from the target's phi and not corrected.
 class PositionServo {
