@@ -2,8 +2,8 @@
 
 namespace planar {
 
-/// Time in seconds from an arbitrary start. The virtual cell has a clock of its own, so that a
-/// settling time costs it nothing.
+/// A clock that counts seconds from an arbitrary start. A virtual cell has a clock of its own, on
+/// which waiting takes no real time.
 class Clock {
  public:
   virtual ~Clock() = default;
@@ -11,6 +11,7 @@ class Clock {
   virtual void sleep_for_s(double duration_s) = 0;
 };
 
+/// The computer's monotonic clock.
 class SteadyClock final : public Clock {
  public:
   double now_s() const override;

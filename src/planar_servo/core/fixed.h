@@ -6,14 +6,15 @@
 
 namespace planar {
 
-/// Decimal notation with this many places; never a negative zero, "-0.000".
+/// Writes `value` in decimal notation with this many decimal places, never as a negative zero
+/// ("-0.000").
 std::string fixed(double value, int places);
 
-/// Each value so, with `separator` between them.
+/// Writes each value with this many decimal places, with `separator` between them.
 std::string fixed(const Eigen::Ref<const Eigen::VectorXd>& values, int places,
                   std::string_view separator);
 
-/// A place (metres) to the micrometre: "(123.456, -7.000) mm".
+/// Writes a position (metres) in millimetres to the micrometre: "(123.456, -7.000) mm".
 std::string place_mm(const Eigen::Vector2d& p);
 
 }  // namespace planar

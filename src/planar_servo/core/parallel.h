@@ -10,9 +10,9 @@
 
 namespace planar {
 
-/// Calls work(i, worker) for every i below n, on up to `most_threads` threads, each with a worker
-/// of its own made by make_worker(). The first exception stops its thread and is thrown again at
-/// the end. Results must not depend on which thread does what.
+/// Calls work(i, worker) for every i below n on up to `most_threads` threads. Each thread has a
+/// worker of its own, made by make_worker(). An exception ends its thread; the first one is thrown
+/// again when all threads have ended. Results must not depend on which thread does what.
 template <typename MakeWorker, typename Work>
 void parallel_for(std::size_t n, unsigned most_threads, const MakeWorker& make_worker,
                   const Work& work) {

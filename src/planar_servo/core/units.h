@@ -2,7 +2,8 @@
 
 namespace planar {
 
-// SI inside; these convert at the edges, where names carry their unit: x_mm = x / kMillimetre.
+// Values are in SI units inside the program. These constants convert at its edges: x_mm = x /
+// kMillimetre.
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kMillimetre = 1e-3;
 constexpr double kMicrometre = 1e-6;
