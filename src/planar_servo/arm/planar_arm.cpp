@@ -8,7 +8,7 @@
 namespace planar {
 namespace {
 
-/// What rounding may add to the distance of a point on the rim, relative to the reach.
+/// Rounding may put a point at the edge of the reach this far outside, relative to the reach.
 constexpr double kRimRounding = 1e-12;
 
 template <typename Vector>
@@ -24,7 +24,8 @@ ReachStatus reach_status(double r, double L1, double L2) {
   return ReachStatus::kOk;
 }
 
-/// Four times the area of the triangle with these sides [Heron]; 0 where rounding opens it.
+/// Returns four times the area of the triangle with these sides, by Heron's formula; 0 where
+/// rounding leaves no triangle.
 double four_areas(double a, double b, double c) {
   const double product = (a + b + c) * (a + b - c) * (a - b + c) * (b + c - a);
   return std::sqrt(std::max(product, 0.0));
@@ -78,7 +79,8 @@ InverseResult PlanarArm::inverse(const TipPose& target, Elbow elbow, const Joint
   if (status != ReachStatus::kOk) return {status, {}};
 
   const double f = std::atan2(sense_ * target.p.y(), target.p.x());
-  // The theory's cosines, with their common sine beside them: acos alone is blunt near the rims.
+  // alpha and gamma follow from the law of cosines. Each cosine is divided by its sine in atan2,
+  // because acos loses digits where the arm is nearly stretched or folded.
   const double sine = four_areas(r, L1, L2);
   const double alpha = std::atan2(sine, r * r + L1 * L1 - L2 * L2);
   const double gamma = std::atan2(sine, r * r + L2 * L2 - L1 * L1);

@@ -6,14 +6,14 @@
 
 namespace planar {
 
-/// theta1, theta2, theta3 in radians, ALL measured from the base's x axis: theta2 is the absolute
-/// direction of link 2, theta3 that of the tool.
+/// Joint angles theta1, theta2, theta3, radians. All are measured from the base's x axis: theta2 is
+/// the absolute direction of link 2, theta3 that of the tool.
 using Joints = Eigen::Vector3d;
 
-/// The sense in which joint angles grow, seen from +Z.
+/// The sense in which joint angles grow, seen from +z.
 enum class Rotation { kCounterclockwise, kClockwise };
 
-/// On which side of the ray base -> P the elbow lies, seen from +Z.
+/// The side of the ray from the base to P on which the elbow lies, seen from +z.
 enum class Elbow { kLeft, kRight };
 
 struct ArmGeometry {
@@ -25,10 +25,10 @@ enum class ReachStatus {
   kOk,
   kTooFar,        ///< |p| > L1 + L2
   kTooClose,      ///< |p| < |L1 - L2|
-  kUndetermined,  ///< p is the base's axis and the links are equally long: any theta1 will do
+  kUndetermined,  ///< p is on the base's axis and the links are equally long: any theta1 would do
 };
 
-/// In words, with the rule, for messages.
+/// Describes the status in words, with the rule, for messages.
 const char* describe(ReachStatus status);
 
 struct InverseResult {
@@ -36,9 +36,10 @@ struct InverseResult {
   Joints theta{0.0, 0.0, 0.0};  ///< valid only when status is kOk
 };
 
-/// Kinematics of two links in a plane and a tool turning about their end P, in the base frame B:
+/// Computes the kinematics of two links in a plane and a tool that turns about their end P, in the
+/// base frame B:
 ///   x = L1 cos(theta1) + L2 cos(theta2),  y = s (L1 sin(theta1) + L2 sin(theta2)),
-///   phi = s theta3,  s = +1 where angles grow from x to y, else -1.
+///   phi = s theta3,  with s = +1 where angles grow from x to y, else -1.
 /// Every function throws std::invalid_argument for a number that is not finite.
 class PlanarArm {
  public:
@@ -47,22 +48,24 @@ class PlanarArm {
 
   TipPose forward(const Joints& theta) const;
 
-  /// The solution with the given elbow; each angle is brought to the 2 pi branch nearest `near`.
-  /// (The side of the elbow is lost where the arm is stretched: there both solutions agree.)
+  /// Returns the solution with the given elbow, each angle on the 2 pi branch nearest to `near`.
+  /// Where the arm is stretched both elbows have the same solution.
   InverseResult inverse(const TipPose& target, Elbow elbow, const Joints& near) const;
 
-  /// The solution, of both elbows, whose first two angles lie nearest `near`.
+  /// Returns the solution, among those of both elbows, whose first two angles lie nearest to
+  /// `near`.
   InverseResult inverse_nearest(const TipPose& target, const Joints& near) const;
 
   Elbow elbow(const Joints& theta) const;
 
-  /// d(x, y) / d(theta1, theta2).
+  /// Returns d(x, y) / d(theta1, theta2), metres per radian.
   Eigen::Matrix2d jacobian(const Joints& theta) const;
 
-  /// |sin(theta2 - theta1)|: 1 at a right angle between the links, 0 where the arm is singular.
+  /// Returns |sin(theta2 - theta1)|: 1 where the links are at a right angle, 0 where the arm is
+  /// singular.
   static double manipulability(const Joints& theta);
 
-  /// s of the equations: +1 or -1.
+  /// Returns s of the equations, +1 or -1.
   double sense() const { return sense_; }
   const ArmGeometry& geometry() const { return geometry_; }
 

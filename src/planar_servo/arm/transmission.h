@@ -9,25 +9,26 @@
 
 namespace planar {
 
-/// A motor rides on the link before it and turns by the difference (relative), or a belt or
-/// parallelogram carries the absolute angle (absolute).
+/// How a motor's angle depends on the joint angles. A relative motor rides on the link before it
+/// and turns by the difference of two joint angles. An absolute motor turns by its own joint's
+/// angle, through a belt or parallelogram.
 enum class Coupling { kRelative, kAbsolute };
 
-/// Motor positions in pulses, joints 1 to 3.
+/// Positions of motors 1 to 3, pulses.
 using Pulses = Eigen::Vector3i;
 
-/// What a motor's position is counted from: a mark that a person sets it to, or a switch that it
-/// looks for by itself.
+/// The place from which a motor's position is counted: a mark that a person moves it to, or a
+/// switch that it seeks itself.
 enum class HomeReference { kTaught, kReverseSwitch, kForwardSwitch };
 
 struct MotorDrive {
   double pulses_per_motor_turn{10000.0};
   double gear_ratio{100.0};             ///< motor turns per joint turn
   int direction{1};                     ///< +1 or -1
-  double max_speed_rad_s{1.0};          ///< of the joint, that is behind the gear
+  double max_speed_rad_s{1.0};          ///< of the joint, behind the gear
   double max_acceleration_rad_s2{5.0};  ///< of the joint
   HomeReference home{HomeReference::kTaught};
-  double home_rad{0.0};  ///< the motor's angle behind its gear at its mark or switch
+  double home_rad{0.0};  ///< the motor's angle, behind its gear, at its mark or switch
 };
 
 struct TransmissionSettings {
@@ -37,31 +38,33 @@ struct TransmissionSettings {
   std::array<Eigen::Vector2d, 3> limits_rad;
 };
 
-/// Joint angles <-> motor angles <-> pulses: m = C theta, n = round(K m).
+/// Converts between joint angles theta, motor angles m and pulses n: m = C theta, n = round(K m).
+/// Motor angles are those behind the gear, radians.
 class Transmission {
  public:
-  /// Throws std::invalid_argument for a setting that breaks its rule (zero or non-finite scale,
-  /// direction not +-1, empty limits).
+  /// Throws std::invalid_argument for a scale that is zero or not finite, a direction other than
+  /// +-1 or limits that leave no angle.
   explicit Transmission(const TransmissionSettings& settings);
 
   Eigen::Vector3d motors_from_joints(const Joints& theta) const;
   Joints joints_from_motors(const Eigen::Vector3d& motors) const;
 
-  /// Throws std::invalid_argument for non-finite angles, std::out_of_range beyond 32-bit pulses.
+  /// Throws std::invalid_argument for angles that are not finite and std::out_of_range for pulses
+  /// beyond 32 bits.
   Pulses pulses_from_joints(const Joints& theta) const;
   Joints joints_from_pulses(const Pulses& pulses) const;
 
-  /// What breaks a motor's limits at these joint angles, in words with the numbers; empty when
-  /// nothing does.
+  /// Names the motor's limit that these joint angles break, in words with the numbers; empty when
+  /// they break none.
   std::optional<std::string> limit_violation(const Joints& theta) const;
 
-  /// The same pose of the arm with each motor on that turn within its limits which lies nearest its
-  /// angle at `near`; empty when a motor has none.
+  /// Returns the same pose with each motor on the turn within its limits that lies nearest to its
+  /// angle at `near`; empty when a motor has no such turn.
   std::optional<Joints> branch_within_limits(const Joints& theta, const Joints& near) const;
 
-  /// C of the equations.
+  /// Returns C of the equations.
   const Eigen::Matrix3d& coupling_matrix() const { return C_; }
-  /// K of the equations, pulses per radian of motor angle behind the gear, signed.
+  /// Returns K of the equations, signed, in pulses per radian of motor angle.
   const Eigen::Vector3d& pulses_per_rad() const { return K_; }
   const TransmissionSettings& settings() const { return settings_; }
 
