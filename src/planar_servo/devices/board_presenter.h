@@ -2,12 +2,14 @@
 
 namespace planar {
 
-/// Who puts the calibration board into the camera's view: a person, or the virtual cell.
+/// Puts the calibration board into the camera's view: a person on a real machine, or the virtual
+/// cell itself.
 class BoardPresenter {
  public:
   virtual ~BoardPresenter() = default;
 
-  /// Holds the board into the view, tilted; `view` counts from 0, each number is another pose.
+  /// Holds the board tilted into the view. `view` counts from 0, and each number gives another
+  /// pose.
   virtual void hold_board(int view) = 0;
   /// Lays the board on the plane of motion; `view` counts from 0.
   virtual void lay_board(int view) = 0;

@@ -8,37 +8,37 @@
 
 namespace planar {
 
-/// A drive failed, refuses or is not ready: what may pass while the program runs.
+/// A drive failed, refuses a command or is not ready. It may recover while the program runs.
 class DriveError : public WorkError {
  public:
   using WorkError::WorkError;
 };
 
-/// The three motors of an arm, spoken to together: what goes to all of them goes at the same time.
-/// Joints count from 0; errors name drives as people count them, from 1.
+/// Commands the three motors of an arm at the same time. Joints count from 0; error messages number
+/// the drives from 1.
 class DriveGroup {
  public:
   virtual ~DriveGroup() = default;
-  /// Switches all on, in the order of the joints or at once; none moves.
+  /// Switches all motors on; none moves.
   virtual void energize() = 0;
   virtual void set_limits(const std::array<DriveLimits, 3>& limits) = 0;
 
-  /// Starts a move to absolute positions. Throws DriveError when a drive refuses; the others may
+  /// Starts moves to absolute positions. Throws DriveError when a drive refuses; the others may
   /// have started then.
   virtual void set_targets(const std::array<std::int32_t, 3>& targets_pulses) = 0;
 
-  /// Stops every motor at once, whatever happens to the others; throws DriveError naming those that
-  /// could not be told.
+  /// Stops every motor at once, whatever happens to the others. Throws DriveError naming the drives
+  /// that could not be told.
   virtual void halt() = 0;
 
-  /// A drive that is out of touch says so in its status; that is not thrown.
+  /// Reads all drives. A drive that does not answer says so in its status; nothing is thrown.
   virtual std::array<DriveStatus, 3> status() = 0;
 
-  /// As PulseDrive has them, for one joint.
+  /// These two command one joint; see PulseDrive.
   virtual void start_homing(int joint, HomeDirection direction) = 0;
   virtual void set_position(int joint, std::int32_t position_pulses) = 0;
 
-  /// Tries once to get back into touch with the drives that do not answer.
+  /// Tries once to open the drives again that do not answer.
   virtual void reconnect() = 0;
 };
 

@@ -13,10 +13,11 @@ enum class FrameStatus {
   kTimeout,     ///< no frame came in time
   kIncomplete,  ///< frames came in time, but parts of them were missing
   kFrozen,      ///< frames came, but all of them repeated one picture
-  kLost,        ///< the camera is gone; it is being looked for
+  kLost,        ///< the camera is gone and being looked for
 };
 
-/// As logs have it: "ok", "no_frame", "incomplete_frame", "frozen_frame", "camera_lost".
+/// Returns the status as it stands in logs: "ok", "no_frame", "incomplete_frame", "frozen_frame",
+/// "camera_lost".
 const char* name(FrameStatus status);
 
 struct FrameResult {
@@ -24,16 +25,16 @@ struct FrameResult {
   Frame frame;  ///< valid only when status is kOk
 };
 
-/// Frames since the camera was opened, whether anybody asked for them or not.
+/// Counts all frames since the camera was opened, also those that nobody asked for.
 struct FrameCounts {
   std::uint64_t complete{0};
-  std::uint64_t incomplete{0};  ///< never measured
-  std::uint64_t frozen{0};      ///< never measured
+  std::uint64_t incomplete{0};  ///< with parts missing; never handed over
+  std::uint64_t frozen{0};      ///< repeating an earlier picture; never handed over
   std::uint64_t reopened{0};    ///< how often the camera came back after it was lost
 };
 
-/// "412 whole frames; left out: 3 with parts missing, 2 repeated; the camera was lost and found 1
-/// time"
+/// Writes the counts as a sentence: "412 whole frames; left out: 3 with parts missing, 2 repeated;
+/// the camera was lost and found 1 time".
 std::string describe(const FrameCounts& counts);
 
 struct CameraExposure {
@@ -41,7 +42,7 @@ struct CameraExposure {
   double gain_db{0.0};
 };
 
-/// A camera: "the next frame, its time, or why not".
+/// A camera. It hands out the next frame with its time, or says why there is none.
 class FrameSource {
  public:
   virtual ~FrameSource() = default;
@@ -55,20 +56,22 @@ class FrameSource {
   /// Waits for a whole frame of the region whose exposure begins after this call.
   virtual FrameResult next_frame() = 0;
 
-  /// The frame after the one that was handed over last, which may be there already: of a scene that
-  /// has stood still since. After set_region() as next_frame().
+  /// Returns the frame that followed the one returned last, which may have been exposed before this
+  /// call. Use it for a scene that has stood still since. After set_region() it acts as
+  /// next_frame().
   virtual FrameResult following_frame() { return next_frame(); }
 
-  /// What is wrong with the camera now, in words; empty while its frames come as they should.
-  /// Answers at once: it is asked every few milliseconds while the arm moves.
+  /// Says in words what is wrong with the camera now; empty while its frames come as they should.
+  /// Answers at once, because it is asked every few milliseconds while the arm moves.
   virtual std::optional<std::string> fault() const = 0;
 
   virtual FrameCounts counts() const = 0;
 
   virtual CameraExposure exposure() const = 0;
 
-  /// From the next frame asked for on; may take a while. Throws InputError unless the time is
-  /// finite and positive, WorkError when the camera refuses; the exposure is as before then.
+  /// Sets the exposure of all frames asked for from now on; this may take a while. Throws
+  /// InputError unless the time is finite and positive and the gain finite, and WorkError when the
+  /// camera refuses; the exposure is unchanged then.
   virtual void set_exposure(const CameraExposure& exposure) = 0;
 };
 

@@ -4,7 +4,7 @@
 
 namespace planar {
 
-/// Three drives that share no bus, one after the other.
+/// Commands three drives that share no bus one after the other.
 class SeparateDrives final : public DriveGroup {
  public:
   /// The drives must outlive the group.
@@ -17,7 +17,7 @@ class SeparateDrives final : public DriveGroup {
   std::array<DriveStatus, 3> status() override;
   void start_homing(int joint, HomeDirection direction) override;
   void set_position(int joint, std::int32_t position_pulses) override;
-  void reconnect() override {}  ///< these are never out of touch
+  void reconnect() override {}  ///< such drives are never out of touch
 
  private:
   std::array<PulseDrive*, 3> drives_;

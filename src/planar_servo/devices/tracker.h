@@ -12,7 +12,7 @@ struct TrackerReading {
   Eigen::Vector3d p_L{0.0, 0.0, 0.0};  ///< reflector's centre in the tracker's frame, metres
 };
 
-/// A laser tracker. An empty answer means that the beam is lost or nobody delivers readings.
+/// A laser tracker. It returns nothing when the beam is lost or nobody delivers readings.
 class Tracker {
  public:
   virtual ~Tracker() = default;
