@@ -16,7 +16,8 @@ struct Unref {
 template <typename T>
 using GObjectPtr = std::unique_ptr<T, Unref>;
 
-/// Makes a call that reports by GError; its failure is a WorkError that begins with `what`.
+/// Makes a call that reports its failure by GError, and throws it as a WorkError that begins with
+/// `what`.
 template <typename Call>
 auto ask(const std::string& what, Call call) {
   GError* error = nullptr;

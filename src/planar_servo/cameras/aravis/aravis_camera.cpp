@@ -21,21 +21,22 @@
 namespace planar {
 namespace {
 
-// The camera's faults must stop the arm within 3 frame periods or 100 ms, whichever is longer; the
-// rest is for those who ask and for the drives' link.
+// Faults of the camera must stop the arm within 3 frame periods or 100 ms, whichever is longer.
+// These limits leave the rest of that time to the polling caller and to the drives' link.
 constexpr double kAgeLimitPeriods = 2.25;
 constexpr double kAgeLimit_s = 0.070;
 
-constexpr double kStartTime_s = 0.5;  ///< a stream needs as long until its first frame
-constexpr double kSilence_s = 3.0;    ///< without a good frame the camera is opened again
+constexpr double kStartTime_s = 0.5;  ///< allowed until a stream's first frame
+constexpr double kSilence_s = 3.0;    ///< reopen the camera after as long without a good frame
 constexpr double kPollPeriod_s = 0.005;
-constexpr double kLateness_s = 0.5;    ///< a frame as late is lost, and the stream begins anew
-constexpr double kFirstPause_s = 0.1;  ///< between two attempts to open a lost camera
+constexpr double kLateness_s = 0.5;    ///< a frame as late counts as lost; restart the stream
+constexpr double kFirstPause_s = 0.1;  ///< first pause between attempts to open a lost camera
 constexpr double kLongestPause_s = 2.0;
-constexpr double kOrderTime_s = 5.0;  ///< for the thread to come round and the camera to answer
-constexpr int kFrameBlocks = 6;       ///< two in the camera's hands, two compared, two to spare
+constexpr double kOrderTime_s = 5.0;  ///< allowed to the thread and the camera
+constexpr int kFrameBlocks = 6;       ///< two are being filled, two compared, two are spare
 
-/// What a caller wants the camera's thread to set, and how it learns the outcome.
+/// An exposure that a caller wants, and the promise by which the camera's thread reports the
+/// outcome.
 struct ExposureOrder {
   CameraExposure exposure;
   std::promise<void> done;
@@ -106,7 +107,7 @@ struct AravisCamera::Impl {
     while (!stop && clock.now_s() < until_s) clock.sleep_for_s(kPollPeriod_s);
   }
 
-  /// Grabs until stop or until the connection fails.
+  /// Grabs frames until `stop` is set or the connection fails.
   void grab() {
     while (!stop) {
       if (!unanswered_s) {
@@ -132,7 +133,7 @@ struct AravisCamera::Impl {
       link->expose(order->exposure);
     } catch (const std::exception&) {
       order->done.set_exception(std::current_exception());
-      link->expose({settings.exposure_s, settings.gain_db});  // refused as well, the camera is lost
+      link->expose({settings.exposure_s, settings.gain_db});  // lost if this fails, too
       return;
     }
     settings.exposure_s = order->exposure.time_s;
@@ -162,14 +163,16 @@ struct AravisCamera::Impl {
     }
   }
 
-  /// What holds frames back, a queue in the camera say, ends with the stream.
+  /// Takes frames as they come. A frame that comes too late starts a new stream, which empties any
+  /// queue in the camera.
   void grab_unasked() {
     const auto arrival = link->receive(kPollPeriod_s);
     take(arrival, std::nullopt);
     if (arrival && arrival->late_s > kLateness_s) link->start(asked_px);
   }
 
-  /// A frame that is late must not pass for the next trigger's: each trigger waits for its own.
+  /// Triggers one exposure and waits for its frame before the next, so that a late frame is not
+  /// taken for the next trigger's.
   void grab_by_command() {
     if (!unanswered_s && !trigger()) return;
     const auto arrival = link->receive(kPollPeriod_s);
@@ -178,7 +181,7 @@ struct AravisCamera::Impl {
     } else if (clock.now_s() > *unanswered_s + settings.exposure_s + kLateness_s) {
       unanswered_s.reset();
       mailbox.note_bad(FrameStatus::kTimeout);
-      link->start(asked_px);  // the frame that is lost cannot come in a new stream
+      link->start(asked_px);  // the lost frame cannot come in a new stream
     }
   }
 
@@ -191,7 +194,7 @@ struct AravisCamera::Impl {
     return true;
   }
 
-  /// `began_s`: when the exposure began, where that is known.
+  /// Takes a frame whose exposure began at `began_s`; if that is unknown, the arrival tells it.
   void take(const std::optional<AravisLink::Arrival>& arrival, std::optional<double> began_s) {
     if (!arrival) return;
     if (!arrival->complete || arrival->repeated) {
@@ -200,7 +203,7 @@ struct AravisCamera::Impl {
     }
     const double t_s = began_s.value_or(arrival->due_s - settings.exposure_s);
     const cv::Rect& region_px = arrival->region_px;
-    if ((region_px & asked_px) != asked_px) {  // from before the region moved
+    if ((region_px & asked_px) != asked_px) {  // exposed before the region moved
       mailbox.note_good(t_s, {});
       return;
     }
@@ -214,7 +217,7 @@ struct AravisCamera::Impl {
   FrameMailbox mailbox;
   SteadyClock clock;
   std::unique_ptr<AravisLink> link;
-  cv::Rect asked_px;  ///< the region as it was asked for when it was last set
+  cv::Rect asked_px;  ///< the region last sent to the camera, as it was asked for
   double next_trigger_s{0.0};
   std::optional<double> unanswered_s;  ///< when the trigger was sent whose frame has not come
   std::mutex order_mutex;
@@ -235,7 +238,7 @@ void AravisCamera::set_region(const cv::Rect& region_px) {
   require_region(region_px, sensor_size_px());
   const bool restarts = region_px.size() != impl_->mailbox.region().size();
   impl_->mailbox.ask_region(region_px);
-  if (restarts) next_frame();  // whoever moves next must find the camera watched again
+  if (restarts) next_frame();  // the first frame shows that the camera is watched again
 }
 
 FrameResult AravisCamera::next_frame() {

@@ -8,7 +8,7 @@
 namespace planar {
 namespace {
 
-/// An input line that can start an exposure.
+/// Returns the name of the first input line that can start an exposure.
 std::string hardware_trigger(ArvCamera* camera) {
   guint n = 0;
   const std::unique_ptr<const char*, void (*)(gpointer)> sources(
@@ -63,7 +63,7 @@ void apply_trigger(ArvCamera* camera, const AravisSettings& settings) {
 }
 
 void apply_packet_size(ArvCamera* camera, const AravisSettings& settings) {
-  if (settings.packet_size == 0) return;  // Aravis finds the largest that passes
+  if (settings.packet_size == 0) return;  // Aravis finds the largest size that passes
   arv_camera_gv_set_packet_size_adjustment(camera, ARV_GV_PACKET_SIZE_ADJUSTMENT_NEVER);
   ask(fmt::format("the camera refuses packets of {} bytes", settings.packet_size),
       [&](GError** e) { arv_camera_gv_set_packet_size(camera, settings.packet_size, e); });
@@ -78,7 +78,7 @@ ArvPixelFormat arv_format(PixelFormat format) {
     case PixelFormat::kMono10:
       return ARV_PIXEL_FORMAT_MONO_10;
     case PixelFormat::kMono10p:
-      return 0x010a0046;  // of the convention; Aravis has no name for it
+      return 0x010a0046;  // the number in GenICam's convention, for which Aravis has no name
     case PixelFormat::kMono10Packed:
       return ARV_PIXEL_FORMAT_MONO_10_PACKED;
     case PixelFormat::kMono12:

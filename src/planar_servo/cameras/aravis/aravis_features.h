@@ -12,10 +12,10 @@ namespace planar {
 
 ArvPixelFormat arv_format(PixelFormat format);
 
-/// Throws unless the camera has the serial number and the sensor of the settings.
+/// Throws unless the camera has the serial number and sensor size of the settings.
 void require_identity(ArvCamera* camera, const AravisSettings& settings);
 
-/// Pixel format, exposure, gain, trigger and packet size.
+/// Sets pixel format, exposure, gain, trigger and packet size.
 void apply_settings(ArvCamera* camera, const AravisSettings& settings);
 
 void apply_exposure(ArvCamera* camera, const CameraExposure& exposure);

@@ -22,14 +22,15 @@ namespace {
 constexpr std::size_t kPageBytes = 4096;
 constexpr guint kFrameRetention_us = 50000;  ///< packets later than this count as lost
 
-/// The steady clock's time of a moment that Aravis stamped with the time of day.
+/// Converts a time of day, which Aravis stamps on frames, to the steady clock.
 double steady_s(guint64 time_of_day_ns) {
   const double ago_s =
       1e-6 * static_cast<double>(g_get_real_time()) - 1e-9 * static_cast<double>(time_of_day_ns);
   return SteadyClock().now_s() - std::max(0.0, ago_s);
 }
 
-/// `start` and `size` on a raster of `step` that holds [start, start + size) within the sensor.
+/// Widens [start, start + size) to the camera's raster of `start_step` and `size_step` within the
+/// sensor.
 void fit_to_raster(int& start, int& size, int start_step, int size_step, int sensor) {
   const int end = start + size;
   start -= start % std::max(start_step, 1);
@@ -66,7 +67,7 @@ struct AravisLink::Impl {
   ~Impl() {
     g_signal_handler_disconnect(arv_camera_get_device(camera.get()), control_lost);
     if (streaming && !lost) {
-      GError* ignored = nullptr;  // the camera stops sending when its connection closes, too
+      GError* ignored = nullptr;  // closing the connection stops the camera, too
       arv_camera_stop_acquisition(camera.get(), &ignored);
       g_clear_error(&ignored);
     }
@@ -102,7 +103,7 @@ struct AravisLink::Impl {
     release_buffers();
   }
 
-  /// Takes the memory out of Aravis' hands.
+  /// Frees the stream, so that Aravis no longer uses the memory.
   void release_buffers() {
     last.reset();
     stream.reset();
@@ -171,7 +172,7 @@ struct AravisLink::Impl {
   PixelFormat format;
   FrameMemory& memory;
   CameraClock clock;
-  cv::Rect raster_px;  ///< steps of a region's place and size
+  cv::Rect raster_px;  ///< increments of a region's position and size
   GObjectPtr<ArvCamera> camera;
   GObjectPtr<ArvStream> stream;
   GObjectPtr<ArvBuffer> last;  ///< the newest complete frame, not yet given back

@@ -28,30 +28,31 @@ class FrameMemory {
 };
 
 /// One connection to a camera, from opening to loss. Its calls may block for seconds when the
-/// camera is gone, so it belongs to a thread of its own. Every failure throws WorkError; a
-/// connection that threw is of no further use.
+/// camera is gone, so use it from a thread of its own. Every failure throws WorkError; after that
+/// the connection is of no further use.
 class AravisLink {
  public:
-  /// A frame as it came; its data stay until the next call of receive() or start().
+  /// A frame as it came. Its data stay valid until the next receive() or start().
   struct Arrival {
-    bool complete{false};  ///< the rest is valid only then
-    bool repeated{false};  ///< it equals the frame before it, byte for byte
+    bool complete{false};  ///< if false, nothing else here is valid
+    bool repeated{false};  ///< whether it equals the frame before it, byte for byte
     std::uint64_t id{0};
-    double due_s{0.0};  ///< when its arrival should have begun, by CameraClock, on the steady clock
-    double late_s{0.0};  ///< by how much later it began
+    double due_s{0.0};   ///< when its arrival was due by CameraClock, on the steady clock
+    double late_s{0.0};  ///< how much later it arrived
     cv::Rect region_px;
     const std::uint8_t* data{nullptr};
   };
 
-  /// Opens the camera and applies every setting; `memory` must outlive the link.
+  /// Opens the camera and applies all settings. `memory` must outlive the link.
   AravisLink(const AravisSettings& settings, FrameMemory& memory);
   ~AravisLink();
 
-  /// Starts to stream this region, stopping what streamed before. Returns the region that the
-  /// camera can do: the smallest on its raster of increments that holds this one.
+  /// Starts to stream this region and ends the stream before. Returns the region that the camera
+  /// takes: the smallest on its raster that holds the wanted one.
   cv::Rect start(const cv::Rect& region_px);
 
-  /// Moves the region while the stream goes on; its size must be that of start(). Returns as above.
+  /// Moves the region while the stream goes on and returns it like start(). Its size must be that
+  /// given to start().
   cv::Rect move(const cv::Rect& region_px);
 
   /// Sets exposure time and gain while the stream goes on.
@@ -60,17 +61,17 @@ class AravisLink {
   /// Starts one exposure by command.
   void trigger();
 
-  /// Waits for a frame; empty when none comes.
+  /// Waits for a frame; empty when none comes in time.
   std::optional<Arrival> receive(double timeout_s);
 
-  /// The other side has not answered for some seconds, or the cable is out.
+  /// Returns whether the camera has not answered for some seconds or its cable is out.
   bool lost() const;
 
-  // Of the stream that start() began.
+  // // These describe the stream that start() began.
   std::size_t frame_bytes() const;
-  /// Bytes of a GigE packet, its headers included; 0 on USB.
+  /// Returns the bytes of a GigE packet with its headers; 0 on USB.
   int packet_size() const;
-  /// Frames for which no memory was free.
+  /// Returns how many frames were lost because no memory was free.
   std::uint64_t underruns() const;
 
  private:

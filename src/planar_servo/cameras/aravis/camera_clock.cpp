@@ -8,7 +8,7 @@
 namespace planar {
 namespace {
 
-// Crystals are good to 100 ppm; a steady clock that is being disciplined may be off by 500 ppm.
+// Crystals are good to 100 ppm, and a steady clock that is being disciplined may be off by 500 ppm.
 constexpr double kDrift = 600e-6;
 
 }  // namespace

@@ -8,7 +8,7 @@
 namespace planar {
 namespace {
 
-constexpr int kFrameBlocks = 6;  // as many as AravisCamera has
+constexpr int kFrameBlocks = 6;  // the number that AravisCamera has
 constexpr double kLateness_s = 0.1;
 
 void grab(AravisLink& link, const AravisSettings& settings, CameraInspection& inspection) {

@@ -8,10 +8,10 @@
 
 namespace planar {
 
-/// What a camera did when it was opened and sent full frames for a moment.
+/// Holds what a camera did when it was opened and sent full frames for a moment.
 struct CameraInspection {
   std::string refusal;         ///< why it cannot be used; the rest is empty then
-  bool absent{false};          ///< it cannot be used because it does not answer
+  bool absent{false};          ///< whether it cannot be used because it does not answer
   std::size_t frame_bytes{0};  ///< of a full frame
   int packet_size{0};          ///< of GigE, bytes; 0 on USB
   double duration_s{0.0};
@@ -20,7 +20,8 @@ struct CameraInspection {
   std::uint64_t underruns{0};  ///< frames for which this machine had no memory free
 };
 
-/// Sets the camera up as a run would. Throws InputError for settings that no camera can have.
+/// Opens the camera with all settings, as a run would, and lets it send frames. Throws InputError
+/// for settings that no camera can have.
 CameraInspection inspect_camera(const AravisSettings& settings, double duration_s);
 
 }  // namespace planar

@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 constexpr std::uint16_t kGvcpPort = 3956;
 constexpr double kMegabit = 1e6;
-/// Miscellaneous, USB3 Vision, as interfaces say it [USB3 Vision 1.0, 3].
+/// An interface's class "miscellaneous" and subclass "USB3 Vision" [USB3 Vision 1.0, section 3].
 constexpr char kVisionClass[] = "ef", kVisionSubClass[] = "05";
 
 template <typename Value>
@@ -37,7 +37,7 @@ std::string text_of(const sockaddr* address) {
                    sizeof(text));
 }
 
-/// The network interface that has an address of ours.
+/// Returns the network interface with this local address.
 std::string interface_with(const std::string& local_address) {
   ifaddrs* first = nullptr;
   if (getifaddrs(&first) != 0) throw WorkError("this machine does not tell its networks");

@@ -109,7 +109,7 @@ bool FrameMailbox::note_good(double began_s, const cv::Rect& region_px) {
 
 void FrameMailbox::deliver(const Frame& frame) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (!wanted_since_s_ || frame.t_s < *wanted_since_s_) return;  // it gave up meanwhile
+  if (!wanted_since_s_ || frame.t_s < *wanted_since_s_) return;  // the waiting caller has given up
   frame_ = frame;
   changed_.notify_all();
 }

@@ -9,41 +9,41 @@
 
 namespace planar {
 
-/// Stands between the thread that talks to a camera and the thread that steers the arm: takes the
-/// servo's wishes, hands over the newest frame, and watches how old the last good frame is.
+/// Passes frames from the thread that talks to a camera to the thread that steers the arm. It takes
+/// the servo's wishes, hands over the newest frame and watches the age of the last good one.
 class FrameMailbox {
  public:
-  /// The camera is at fault when no good frame came for `age_limit_s`.
+  /// The camera counts as at fault when no good frame came for `age_limit_s`.
   FrameMailbox(const cv::Rect& region_px, double age_limit_s);
 
-  // The servo's side.
+  // The servo's thread calls these.
   void ask_region(const cv::Rect& region_px);
-  /// Waits for a frame whose exposure begins from now on.
+  /// Waits for a frame whose exposure begins after this call.
   FrameResult next(double timeout_s);
-  /// The frame after the one handed over last, kept since it came; without one as next().
+  /// Returns the frame that followed the one returned last, if it is kept; otherwise waits for it.
   FrameResult following(double timeout_s);
   std::optional<std::string> fault() const;
   FrameCounts counts() const;
 
-  // The grabbing thread's side.
-  /// The region that was asked for last.
+  // The grabbing thread calls these.
+  /// Returns the region that was asked for last.
   cv::Rect region() const;
-  /// Sleeps until a frame or another region than `region_px` is asked for, until `deadline_s` or
-  /// wake().
+  /// Sleeps until a frame is asked for, the region asked for differs from `region_px`, `deadline_s`
+  /// passes or wake() is called.
   void sleep_until(double deadline_s, const cv::Rect& region_px);
   void wake();
-  /// A good frame whose exposure began at `began_s` in the region that was asked for as `region_px`
-  /// has come. True when the servo waits for it, or will if it asks on: then deliver() it.
+  /// Notes a good frame of the region asked for as `region_px`, whose exposure began at `began_s`.
+  /// Returns whether the servo can use it; deliver() it then.
   bool note_good(double began_s, const cv::Rect& region_px);
-  /// `frame` must not be shared with the grabbing thread any more.
+  /// Hands `frame` to the servo. The grabbing thread must no longer share its memory.
   void deliver(const Frame& frame);
-  /// A frame that must not be measured.
+  /// Counts a frame that must not be measured.
   void note_bad(FrameStatus status);
-  /// The stream is being started: no frame is missed before `duration_s` are over.
+  /// Allows the camera `duration_s` without a frame, as when its stream starts.
   void excuse(double duration_s);
   void lose(const std::string& reason);
   void find();
-  /// Seconds since the last good frame, excuses taken into account.
+  /// Returns the seconds since the last good frame or the end of the last excuse.
   double age_s() const;
 
  private:

@@ -8,13 +8,13 @@
 namespace planar {
 namespace {
 
-/// Two bytes per pixel, little-endian, `bits` of them used.
+/// Unpacks pixels of two little-endian bytes, of which the lower `bits` bits are used.
 void unpack_words(const std::uint8_t* data, int bits, std::uint8_t* pixels, std::size_t n) {
   for (std::size_t i = 0; i < n; ++i)
     pixels[i] = static_cast<std::uint8_t>((data[2 * i] | data[2 * i + 1] << 8) >> (bits - 8));
 }
 
-/// Pixels one after another, the least bit first.
+/// Unpacks pixels that form one stream of bits, the least significant bit first.
 void unpack_bits(const std::uint8_t* data, int bits, std::uint8_t* pixels, std::size_t n) {
   for (std::size_t i = 0; i < n; ++i) {
     const std::size_t upper = (i + 1) * static_cast<std::size_t>(bits) - 8;  // its first bit
@@ -25,7 +25,7 @@ void unpack_bits(const std::uint8_t* data, int bits, std::uint8_t* pixels, std::
   }
 }
 
-/// Three bytes for two pixels: upper eight bits of each, their lower bits between them.
+/// Unpacks three bytes for two pixels: the upper eight bits of each, with their lower bits between.
 void unpack_packed(const std::uint8_t* data, std::uint8_t* pixels, std::size_t n) {
   for (std::size_t i = 0; i < n; ++i) pixels[i] = data[i / 2 * 3 + (i % 2) * 2];
 }

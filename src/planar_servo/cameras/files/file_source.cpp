@@ -28,7 +28,7 @@ std::vector<fs::path> pictures_in(const fs::path& folder) {
   return pictures;
 }
 
-/// Empty when it cannot be read.
+/// Returns an empty image when the file cannot be read.
 cv::Mat read_picture(const fs::path& file) {
   vpImage<unsigned char> picture;
   try {
@@ -44,7 +44,7 @@ cv::Mat read_picture(const fs::path& file) {
 }  // namespace
 
 struct FileSource::Impl {
-  /// Empty for what cannot be read; sets `over` after the last one.
+  /// Returns the next image, empty when it cannot be read; sets `over` after the last one.
   cv::Mat next_image() {
     cv::Mat image;
     if (video.isOpened()) {
