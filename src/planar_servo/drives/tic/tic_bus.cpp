@@ -16,7 +16,7 @@ constexpr std::uint8_t kVendorOut = 0x40;
 constexpr std::uint8_t kVendorIn = 0xc0;
 constexpr int kInterface = 0;
 
-/// The devices that are plugged in, held while they are looked at.
+/// Holds the list of plugged-in devices while it is looked at.
 class DeviceList {
  public:
   explicit DeviceList(libusb_context* context)
@@ -35,7 +35,7 @@ class DeviceList {
   ssize_t count_;
 };
 
-/// Whether it is a Tic; fills in what can be said without opening it.
+/// Returns whether the device is a Tic, and fills in what can be told without opening it.
 bool describe(libusb_device* device, TicListing& listing, std::uint8_t& serial_string) {
   libusb_device_descriptor descriptor{};
   if (libusb_get_device_descriptor(device, &descriptor) != 0) return false;
@@ -79,7 +79,7 @@ std::string words_of(libusb_transfer_status status, double timeout_s) {
   }
 }
 
-/// A transfer under way, in the form that libusb wants.
+/// A running transfer in libusb's form.
 struct UnderWay {
   UnderWay() : transfer(libusb_alloc_transfer(0)) {}
   ~UnderWay() { libusb_free_transfer(transfer); }
@@ -95,7 +95,7 @@ void LIBUSB_CALL note_completion(libusb_transfer* transfer) {
   *static_cast<int*>(transfer->user_data) = 1;
 }
 
-/// What libusb has delivered, or why it has not.
+/// Copies what libusb has delivered into `request`, or the reason why it has not.
 void take_outcome(const UnderWay& done, double timeout_s, TicTransfer& request) {
   const libusb_transfer& transfer = *done.transfer;
   if (transfer.status != LIBUSB_TRANSFER_COMPLETED) {

@@ -12,16 +12,16 @@ struct libusb_device_handle;
 
 namespace planar {
 
-/// A Tic that is plugged in.
+/// Describes a Tic that is plugged in.
 struct TicListing {
-  std::string serial;  ///< empty when it cannot be asked
+  std::string serial;  ///< empty when it cannot be read
   std::uint16_t product_id{0};
   std::uint16_t firmware{0};  ///< binary coded decimal
   std::string device;         ///< "/dev/bus/usb/001/004"
   std::string refusal;        ///< why it cannot be opened, in words; empty when it can
 };
 
-/// An opened Tic, nobody else's until it is closed.
+/// An opened Tic. No other process can use it until it is closed.
 class TicPort {
  public:
   ~TicPort();
@@ -39,21 +39,21 @@ class TicPort {
   TicListing listing_;
 };
 
-/// One control transfer with its outcome.
+/// One control transfer and its outcome.
 struct TicTransfer {
-  TicPort* port{nullptr};  ///< without one nothing is transferred
+  TicPort* port{nullptr};  ///< if null, nothing is transferred
   tic::Command command{tic::Command::kResetCommandTimeout};
   std::uint16_t value{0};
   std::uint16_t index{0};
-  std::vector<std::uint8_t> data{};  ///< as many bytes as are to be read
-  std::string error{};               ///< in words; empty when all went well
-  bool lost{false};                  ///< the device has left the bus
+  std::vector<std::uint8_t> data{};  ///< sized to the bytes that are to be read
+  std::string error{};               ///< in words; empty on success
+  bool lost{false};                  ///< whether the device has left the bus
 };
 
-/// The USB bus with its Tics. Nothing here throws once the bus is made, but for bad_alloc.
+/// Gives access to the Tics on the USB bus. After construction nothing here throws but bad_alloc.
 class TicBus {
  public:
-  /// Throws WorkError when there is no USB here.
+  /// Throws WorkError when this machine has no USB.
   TicBus();
   ~TicBus();
   TicBus(const TicBus&) = delete;
@@ -61,11 +61,12 @@ class TicBus {
 
   std::vector<TicListing> list();
 
-  /// Empty when it is absent or refuses; `why` says then what is the matter and how to mend it.
+  /// Opens the Tic with this serial number. Returns nothing when that fails; `why` then says what
+  /// is wrong and how to mend it.
   std::unique_ptr<TicPort> open(const std::string& serial, std::string& why);
 
-  /// Does all transfers at the same time and returns when each has ended, which none may take
-  /// longer for than the timeout. Those to one device are done in their order.
+  /// Runs all transfers and waits until each has ended or has taken longer than the timeout.
+  /// Transfers to one device run in their order, those to different devices at the same time.
   void exchange(std::vector<TicTransfer>& transfers, double timeout_s);
 
  private:

@@ -13,9 +13,9 @@ namespace {
 using tic::Command;
 using tic::Setting;
 
-/// Settings are written to EEPROM.
+/// Setup takes longer than other transfers, because settings are written to EEPROM.
 constexpr double kSetupTimeout_s = 1.6;
-/// What a drive takes to switch on, to leave the normal state or to begin a search.
+/// The time that a drive may take to switch on, to leave the normal state or to begin homing.
 constexpr std::chrono::milliseconds kStatePatience{400};
 constexpr std::chrono::milliseconds kStatePoll{10};
 
@@ -23,7 +23,7 @@ constexpr std::size_t at(Setting setting) {
   return static_cast<std::size_t>(setting);
 }
 
-/// A block is read from an offset, which goes into the transfer's index.
+/// Puts the offset from which a block is read into the request's upper half, the transfer's index.
 constexpr std::uint32_t from_offset(Setting setting) {
   return static_cast<std::uint32_t>(setting) << 16;
 }
@@ -211,7 +211,7 @@ void TicDrives::energize() {
   std::vector<Request> requests;
   for (std::size_t i = 0; i < 3; ++i) {
     if (joints_[i].ready()) continue;
-    // A Tic keeps its last target through an error and would go on to it.
+    // A Tic keeps its last target through an error; without a new one it would go on to it.
     const std::int32_t here = joints_[i].last ? joints_[i].last->position() : 0;
     requests.push_back({i, Command::kSetTargetPosition, static_cast<std::uint32_t>(here)});
     for (const Command command :
@@ -338,8 +338,9 @@ void TicDrives::feed_those_at_rest() {
   }
 }
 
-/// A Tic doubts its position when the command timeout takes it out of its normal state. Taken out
-/// of it before and told where it stands, it holds and keeps its position.
+/// Leaves every drive that knows its position holding it. The command timeout would make a Tic's
+/// position uncertain by ending its normal state, so each one is put into safe start first and then
+/// told its position again.
 void TicDrives::park() {
   halt_what_moves();
   read_status();

@@ -17,39 +17,40 @@ namespace planar {
 
 struct TicSettings {
   std::string serial;
-  /// A drive that hears nothing for so long stops by itself. Half of it is what a transfer may
-  /// take.
+  /// A drive that receives nothing for this long stops by itself. A transfer may take half of it.
   double command_timeout_s{0.25};
 };
 
-/// Three Pololu Tics on USB, told apart by their serial numbers. What a drive needs at every start
-/// is set and read back when it is opened: its command timeout, and that it halts and holds when
-/// that passes. What could make it move wrongly (another control mode, no safe start, firmware that
-/// cannot home) is refused.
+/// Drives three Pololu Tics on USB, told apart by their serial numbers. Opening a drive sets its
+/// command timeout, with halt and hold as the response, and reads both back. It refuses what could
+/// make the drive move wrongly: another control mode, disabled safe start, firmware that cannot
+/// home.
 ///
-/// The command timeout is always on. While a drive moves only status() feeds it, so that it stops
-/// when its caller does; at rest a thread of this class does.
+/// The command timeout is always on. While a drive moves, only status() resets it, so that the
+/// drive stops when its caller does; at rest a thread of this class resets it.
 ///
-/// Destruction halts what moves, and leaves a drive that knows its position holding it, so that the
-/// next program need not home it.
+/// The destructor halts what moves and leaves each drive that knows its position holding it, so
+/// that the next program need not home it.
 class TicDrives final : public DriveGroup {
  public:
-  /// Throws DriveError naming every drive that cannot be used, with the remedy, and
-  /// std::invalid_argument when two joints name the same drive. Moves and switches nothing on.
+  /// Opens the drives; switches nothing on and moves nothing. Throws DriveError naming every drive
+  /// that cannot be used, with the remedy, and std::invalid_argument when two joints name the same
+  /// drive.
   explicit TicDrives(const std::array<TicSettings, 3>& settings);
   ~TicDrives() override;
   TicDrives(const TicDrives&) = delete;
   TicDrives& operator=(const TicDrives&) = delete;
 
-  /// A drive that was stopped does not take up its old move again. Throws DriveError for a drive
-  /// out of touch; a drive that does not switch on says why in its status.
+  /// Switches all drives on. A drive that was stopped does not resume its old move. Throws
+  /// DriveError for a drive out of touch; a drive that does not switch on says why in its status.
   void energize() override;
-  /// Throws InputError for limits that no Tic can keep, DriveError when a drive does not take them.
+  /// Throws InputError for limits that no Tic can keep and DriveError when a drive does not take
+  /// them.
   void set_limits(const std::array<DriveLimits, 3>& limits) override;
   void set_targets(const std::array<std::int32_t, 3>& targets_pulses) override;
   void halt() override;
   std::array<DriveStatus, 3> status() override;
-  /// Throws DriveError when the drive has no pin for the switch, or does not begin.
+  /// Throws DriveError when the drive has no pin for the switch or does not begin.
   void start_homing(int joint, HomeDirection direction) override;
   void set_position(int joint, std::int32_t position_pulses) override;
   void reconnect() override;
@@ -58,9 +59,9 @@ class TicDrives final : public DriveGroup {
   struct Joint {
     TicSettings settings;
     std::unique_ptr<TicPort> port;
-    std::string error{};  ///< of its last transfer; it is out of touch then
+    std::string error{};  ///< why its last transfer failed; it is out of touch then
     std::optional<tic::StatusBlock> last{};
-    std::optional<std::int32_t> goal{};  ///< where it was sent and has not been seen yet
+    std::optional<std::int32_t> goal{};  ///< its target, until it has been seen there
     bool may_move{true};
 
     bool in_touch() const { return port != nullptr && error.empty(); }
@@ -69,24 +70,26 @@ class TicDrives final : public DriveGroup {
   struct Request {
     std::size_t joint;
     tic::Command command;
-    std::uint32_t value{0};  ///< low half: the transfer's value, high half: its index
+    std::uint32_t value{0};  ///< lower half: the transfer's value; upper half: its index
     std::size_t bytes{0};    ///< to be read
   };
 
   void open(std::size_t joint);
-  /// What is wrong with the drive's firmware or settings, in words; sets what it may.
+  /// Applies the settings that may be set. Returns what is wrong with the firmware or the other
+  /// settings, in words.
   std::string configure(std::size_t joint);
   std::string set_timeout(std::size_t joint, std::vector<std::uint8_t>& settings);
-  /// Does all requests at once; those to drives without a port fail. Notes what fails in `error`.
+  /// Runs all requests at once and notes failures in each joint's `error`. Requests to drives
+  /// without a port fail.
   std::vector<TicTransfer> perform(const std::vector<Request>& requests, double timeout_s);
-  /// The same, throwing DriveError with what was to be done when one fails.
+  /// Runs all requests; throws DriveError that names `what` was to be done when one fails.
   void require(const std::vector<Request>& requests, const std::string& what);
   void read_status();
   void take_status(Joint& joint, const TicTransfer& transfer);
-  /// Polls until it holds; false when it has not after a while.
+  /// Polls until the condition holds; returns false when it does not after a while.
   template <typename Condition>
   bool read_until(const Condition& holds);
-  /// In words what could not be halted.
+  /// Halts every drive that may move. Returns what could not be halted, in words.
   std::string halt_what_moves();
   void feed_those_at_rest();
   void park();

@@ -7,13 +7,13 @@
 
 namespace planar {
 
-/// What can be said of a Tic by reading only: nothing is switched on, moved or set.
+/// Holds what can be told of a Tic by reading only; nothing is switched on, moved or set.
 struct TicInspection {
   std::string refusal;  ///< why it cannot be used, with the remedy; the rest is empty then
   TicListing listing;
   double supply_v{0.0};
   bool position_certain{false};
-  /// Its errors, but for those that switching on clears.
+  /// Its errors without those that switching on clears.
   std::vector<std::string> faults;
 };
 

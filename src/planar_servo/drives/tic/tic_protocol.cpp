@@ -9,13 +9,13 @@
 namespace planar::tic {
 namespace {
 
-constexpr double kSpeedUnits = 1e4;         // of one pulse/s
-constexpr double kAccelerationUnits = 1e2;  // of one pulse/s^2
+constexpr double kSpeedUnits = 1e4;         // per pulse/s
+constexpr double kAccelerationUnits = 1e2;  // per pulse/s^2
 constexpr double kMaxAcceleration = 0x7fffffff / kAccelerationUnits;
-constexpr double kMinSpeed = 7 / kSpeedUnits;  // 1 to 6 units act as none
+constexpr double kMinSpeed = 7 / kSpeedUnits;  // a Tic takes 1 to 6 units as none
 constexpr double kMinAcceleration = 1.0;
 
-/// By the bits of the error status; bit 0 means that the motor is switched off, which is no fault.
+/// Names the bits of the error status. Bit 0 means that the motor is off, which is no fault.
 constexpr std::array<const char*, 9> kErrors{nullptr,
                                              "motor driver error",
                                              "low supply voltage",
@@ -26,7 +26,7 @@ constexpr std::array<const char*, 9> kErrors{nullptr,
                                              "safe start: it has to be switched on again",
                                              "its ERR line is high"};
 
-/// Driver error, serial error, command timeout, safe start.
+/// The bits for driver error, serial error, command timeout and safe start.
 constexpr unsigned kClearedByCommands = 1U << 1 | 1U << 5 | 1U << 6 | 1U << 7;
 
 std::uint32_t in_units(const char* what, double value, double lower, double upper, double units) {

@@ -9,7 +9,8 @@
 
 namespace planar {
 
-/// Requests, settings and units of the Pololu Tic over USB [Tic user's guide, 5 to 8 and 11].
+/// Requests, settings and units of the Pololu Tic over USB [Pololu, Tic Stepper Motor Controller
+/// User's Guide, sections 5 to 8 and 11].
 namespace tic {
 
 constexpr std::uint16_t kVendor = 0x1ffb;
@@ -33,7 +34,7 @@ enum class Command : std::uint8_t {
   kHaltAndSetPosition = 0xec,
 };
 
-/// Offsets of settings, which survive a power cycle.
+/// Offsets of settings, which outlast a power cycle.
 enum class Setting : std::uint8_t {
   kControlMode = 0x01,
   kDisableSafeStart = 0x03,
@@ -45,27 +46,27 @@ enum class Setting : std::uint8_t {
 
 constexpr std::uint8_t kControlModeUsb = 0;
 constexpr std::uint8_t kResponseHaltAndHold = 1;
-constexpr std::uint16_t kOldestFirmware = 0x0106;  ///< the first that can search its home switch
+constexpr std::uint16_t kOldestFirmware = 0x0106;  ///< the first version that can home
 constexpr double kMaxSpeed = 50e3;                 ///< pulses/s
 
-/// As the drive has them: pulses per 10 000 s, pulses/s per 100 s. Throw InputError naming the
-/// bounds for what the drive cannot do; NaN is refused.
+/// Convert to the drive's units: pulses per 10 000 s, and pulses/s per 100 s. Throw InputError with
+/// the bounds for values beyond them and for NaN.
 std::uint32_t speed_units(double speed_pulses_s);
 std::uint32_t acceleration_units(double acceleration_pulses_s2);
 
-/// The settings from the first to the last one that is looked at.
+/// Number of bytes from the first setting to the last one that is read.
 constexpr std::size_t kSettingsBytes = 0x61;
 
-/// Why a drive with this firmware and these settings cannot be used, with the remedy; empty when it
-/// can.
+/// Says why a drive with this firmware and these settings cannot be used, with the remedy; empty
+/// when it can.
 std::string unfitness(std::uint16_t firmware, const std::vector<std::uint8_t>& settings);
 
-/// "Tic 36v4" and the like; empty for products that are not Tics.
+/// Returns the product's name, such as "Tic 36v4"; empty for products that are not Tics.
 std::string product_name(std::uint16_t product_id);
-/// "1.09" of 0x0109.
+/// Writes binary coded decimal as a version: 0x0109 is "1.09".
 std::string firmware_name(std::uint16_t bcd);
 
-/// The first variables of a Tic, all that a servo cycle needs.
+/// The first variables of a Tic: all that a servo cycle needs.
 class StatusBlock {
  public:
   static constexpr std::size_t kBytes = 0x35;
@@ -81,12 +82,12 @@ class StatusBlock {
   std::uint32_t max_speed_units() const { return read<std::uint32_t>(0x16); }
   std::uint32_t max_acceleration_units() const { return read<std::uint32_t>(0x1e); }
 
-  /// Where it turns to; where it stands unless a position was asked for.
+  /// Returns the target position, or the present one unless a position was commanded.
   std::int32_t target() const;
   bool moving() const;
-  /// The errors that keep it from moving, and a limit switch that stands in its way.
+  /// Returns the errors that keep the drive from moving, and a limit switch in its way.
   std::vector<std::string> faults() const;
-  /// Those that switching on does not clear.
+  /// Returns the errors that switching on does not clear.
   std::vector<std::string> standing_faults() const;
   DriveStatus drive_status() const;
 
