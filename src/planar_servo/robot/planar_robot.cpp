@@ -12,12 +12,12 @@ namespace planar {
 namespace {
 
 constexpr double kPollPeriod_s = 5e-3;
-/// A move may take this many times its computed duration, and this much more for the link.
+/// A move may take this many times its computed duration, plus a margin for the link.
 constexpr double kTimeoutFactor = 2.0;
 constexpr double kTimeoutMargin_s = 1.0;
-/// A search for a home switch runs at a speed that only the drive knows.
+/// Homing runs at a speed that only the drive knows.
 constexpr double kHomingTimeout_s = 180.0;
-/// Between attempts to get a lost drive back; doubled each time.
+/// Pauses between attempts to recover a lost drive; each is twice the one before.
 constexpr double kFirstPause_s = 0.1;
 constexpr double kLongestPause_s = 2.0;
 
@@ -25,7 +25,7 @@ std::string in_words(const std::vector<std::string>& faults) {
   return fmt::format("{}", fmt::join(faults, ", "));
 }
 
-/// Duration of a trapezoidal move from rest to rest, or of a triangular one if it is short.
+/// Returns the duration of a trapezoidal move from rest to rest, triangular if it is short.
 double move_duration_s(double distance, double max_speed, double max_acceleration) {
   const double ramp = max_speed * max_speed / max_acceleration;
   if (distance < ramp) return 2.0 * std::sqrt(distance / max_acceleration);
@@ -62,7 +62,7 @@ PlanarRobot::~PlanarRobot() {
     if (std::any_of(status.begin(), status.end(), [](const auto& s) { return s.moving; }))
       drives_.halt();
   } catch (const std::exception&) {
-    // A drive out of touch stops by its own command time-out.
+    // A drive out of touch stops by its own command timeout.
   }
 }
 

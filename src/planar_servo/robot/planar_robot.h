@@ -24,103 +24,109 @@ class StopRequested : public WorkError {
   using WorkError::WorkError;
 };
 
-/// The arm behind its three pulse drives, in position control: joint angles in, absolute pulse
-/// targets out. Also a vpRobot, so that ViSP's programs can drive it. Joints count from 0.
+/// Moves the arm behind its three pulse drives by position control: joint angles in, absolute pulse
+/// targets out. It is also a vpRobot, for ViSP's programs. Joints count from 0.
 ///
-/// Not for use from several threads. Destruction halts the drives if one still moves.
+/// Use it from one thread only. The destructor halts the drives if one still moves.
 class PlanarRobot final : public vpRobot {
  public:
-  /// Reads where the drives stand; moves nothing. Drives and clock must outlive the robot.
+  /// Reads the drives' positions and moves nothing. Drives and clock must outlive the robot.
   PlanarRobot(const PlanarArm& arm, const Transmission& transmission, DriveGroup& drives,
               Clock& clock);
   ~PlanarRobot() override;
   PlanarRobot(const PlanarRobot&) = delete;
   PlanarRobot& operator=(const PlanarRobot&) = delete;
 
-  /// Gives every drive its speed and acceleration and switches it on, a lost one once it is found.
-  /// Throws DriveError naming the drive that reports a fault or does not switch on. A drive may
-  /// still have to be homed.
+  /// Looks for lost drives, sets every drive's speed and acceleration, and switches all on. Throws
+  /// DriveError naming the drive that reports a fault or does not switch on. A drive may still have
+  /// to be homed.
   void energize();
 
-  /// `stop` is asked every few milliseconds of every motion, search and wait for a drive. When it
-  /// says so, a move slows down to rest, so that no position is lost, a search halts, and they
-  /// throw StopRequested; nothing moves any more while it says so. Empty: nobody stops the arm.
+  /// Sets a predicate that is asked every few milliseconds during every move, homing and wait for a
+  /// drive. While it returns true, nothing moves and these throw StopRequested: a move slows down
+  /// to rest, so that no position is lost, and a homing halts. An empty one never stops the arm.
   void stop_when(std::function<bool()> stop) { stop_ = std::move(stop); }
   void throw_if_stopped() const;
 
-  /// The joints whose drives do not know where they stand.
+  /// Returns the joints whose drives do not know their position.
   std::vector<int> unhomed();
 
-  /// Lets a motor look for its home switch, which moves the arm, and counts its position from
-  /// there. Throws DriveError when it has none, does not find it or fails; all halt then.
+  /// Moves a motor to its home switch and counts its position from there. Throws DriveError when it
+  /// has no switch, does not find it or fails; all motors halt then.
   void search_home(int joint);
 
   /// Declares that a motor stands at its mark now.
   void teach_home(int joint);
 
-  /// After a drive failed: gets back into touch with lost drives and switches all on again, with
-  /// growing pauses until it works; throws the last DriveError when `patience_s` is over. Nothing
-  /// moves. Drives that lost their position are unhomed() then.
+  /// Looks for lost drives and switches all on again after a failure, with growing pauses until it
+  /// works. Throws the last DriveError when `patience_s` is over. Nothing moves. Drives that lost
+  /// their position are unhomed() then.
   void recover(double patience_s);
 
-  /// What the pulses sent last stand for: whole pulses, so the angles carry no remainder.
+  /// Returns the joint angles of the pulses that were commanded last, which are whole numbers.
   Joints commanded_joints() const { return transmission_.joints_from_pulses(commanded_pulses_); }
   const Pulses& commanded_pulses() const { return commanded_pulses_; }
 
-  /// Asked every few milliseconds while the arm moves; words say why it must stop.
+  /// Is asked every few milliseconds while the arm moves; returns why the arm must stop, if it
+  /// must.
   using Guard = std::function<std::optional<std::string>()>;
 
-  /// Moves every motor to round(K C theta) and returns when all have arrived. Nothing moves unless
-  /// all can: throws std::invalid_argument for angles that are not finite, WorkError when a motor's
-  /// limits forbid the move, DriveError when a drive is off, faulty or unsure of its position. A
-  /// drive that fails on the way or does not arrive in time: all halt, then DriveError names it.
-  /// When `guard` objects, all slow down to rest, so that no position is lost, and its words come
-  /// back; nothing moves when it objects from the start.
+  /// Moves every motor to round(K C theta) and returns when all have arrived.
+  ///
+  /// When `guard` objects, all motors slow down to rest, so that no position is lost, and its words
+  /// are returned; nothing moves when it objects from the start.
+  ///
+  /// Nothing moves and it throws std::invalid_argument for angles that are not finite, WorkError
+  /// when a motor's limits forbid the move, and DriveError when a drive is off, faulty or unsure of
+  /// its position. When a drive fails on the way or does not arrive in time, all halt and
+  /// DriveError names it.
   std::optional<std::string> move_to(const Joints& theta, const Guard& guard = {});
 
-  /// Stops every drive at once; throws DriveError naming those that could not be told. A drive that
-  /// was moving may have lost its position.
+  /// Stops every drive at once. A drive that was moving may have lost its position. Throws
+  /// DriveError naming the drives that could not be told.
   void halt();
 
   const PlanarArm& arm() const { return arm_; }
   const Transmission& transmission() const { return transmission_; }
 
-  // vpRobot. Its frames: JOINT_STATE (theta, 3 elements) and REFERENCE_FRAME (the base: x, y, z,
-  // then the rotation vector, 6 elements). What else ViSP offers throws vpRobotException.
+  // These are vpRobot's functions. Its frames are JOINT_STATE (theta, 3 elements) and
+  // REFERENCE_FRAME (the base: x, y, z, then the rotation vector, 6 elements). Other frames throw
+  // vpRobotException.
   void init() override {}
-  /// 6 x 3, in the frame of the tool.
+  /// Returns the Jacobian of the tool's twist, 6 x 3, in the tool's frame.
   void get_eJe(vpMatrix& J) override;
-  /// 6 x 3, in the base frame.
+  /// Returns the Jacobian of the tool's twist, 6 x 3, in the base frame.
   void get_fJe(vpMatrix& J) override;
   using vpRobot::getPosition;
   void getPosition(const vpControlFrameType frame, vpColVector& position) override;
-  /// Only in STATE_POSITION_CONTROL. A pose of the base frame is reached with the elbow as it is.
+  /// Moves to a position; works in STATE_POSITION_CONTROL only. A pose of the base frame is reached
+  /// with the present elbow.
   void setPosition(const vpControlFrameType frame, const vpColVector& position) override;
   void getDisplacement(const vpControlFrameType frame, vpColVector& displacement) override;
   void setVelocity(const vpControlFrameType frame, const vpColVector& velocity) override;
-  /// STATE_STOP halts.
+  /// Sets the state; STATE_STOP halts the arm.
   vpRobotStateType setRobotState(const vpRobotStateType state) override;
 
  private:
   using Status = std::array<DriveStatus, 3>;
 
-  /// Throws only when a drive cannot be told, with what led to it.
+  /// Halts all drives. When one cannot be told, throws DriveError with `cause` and that drive.
   void halt_after(const std::exception& cause);
   Status require_well();
   static void require_homed(const Status& status);
   bool stopped() const { return stop_ && stop_(); }
-  /// Polls until `arrived`; throws DriveError for a drive that fails or when it takes too long.
+  /// Polls the drives until `arrived`. Throws DriveError when a drive fails or it takes too long.
   void wait_for(double timeout_s, const std::function<bool(const Status&)>& arrived);
   Status status_under_way();
   void note_speeds(const Status& status);
-  /// To the target, or to rest on the way there.
+  /// Moves to the target, or to rest on the way when `must_rest`.
   void travel(const Pulses& target, const std::function<bool()>& must_rest);
-  /// Sends every motor that moves to where it can stop, and waits until all rest.
+  /// Sends every moving motor to where it can stop, and waits until all rest.
   void brake();
   const MotorDrive& motor_drive(int joint) const;
   std::int32_t home_pulses(int joint) const;
   double longest_move_s(const Pulses& target) const;
-  /// The twist's rows x and y from `tip_jacobian`, its row of rotation about z from joint 3.
+  /// Fills J: rows x and y of the twist from `tip_jacobian`, the rotation about z from joint 3.
   void set_jacobian(const Eigen::Matrix2d& tip_jacobian, vpMatrix& J) const;
   Joints joints_from_pose(const vpColVector& pose) const;
   void read_positions(const Status& status);
@@ -131,7 +137,7 @@ class PlanarRobot final : public vpRobot {
   Clock& clock_;
   std::function<bool()> stop_;
   Pulses commanded_pulses_{0, 0, 0};
-  Eigen::Vector3d seen_pulses_{0.0, 0.0, 0.0};  ///< at the last look, when, and how fast
+  Eigen::Vector3d seen_pulses_{0.0, 0.0, 0.0};  ///< position at the last status
   double seen_s_{0.0};
   Eigen::Vector3d speed_pulses_s_{0.0, 0.0, 0.0};
 };
