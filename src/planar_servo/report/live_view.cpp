@@ -10,7 +10,7 @@
 
 #include "planar_servo/report/view_picture.h"
 
-// After ViSP: it defines macros.
+// This comes after ViSP because it defines macros.
 #include <X11/Xlib.h>
 
 namespace planar {
@@ -20,10 +20,11 @@ struct WindowLost {};
 
 std::atomic<bool> window_is_broken{false};
 
-/// On a dead connection, which must not be touched again, not even to be freed.
+/// The display of a dead connection. It must not be touched again, not even to be freed.
 std::atomic<const vpDisplayX*> abandoned_display{nullptr};
 
-/// Xlib ends the process when this returns; leaving it by an exception only gives up the window.
+/// Leaves by an exception, so that only the window is given up; if it returned, Xlib would end the
+/// process.
 int leave_lost_server(::Display* /*display*/) {
   throw WindowLost();
 }
@@ -33,7 +34,7 @@ int note_broken_window(::Display* /*display*/, XErrorEvent* /*error*/) {
   return 0;
 }
 
-/// Shows one picture, always from the same thread.
+/// Shows one picture in a window, always from the same thread.
 class Window {
  public:
   explicit Window(vpImage<vpRGBa>& picture) : picture_(picture) {
@@ -108,7 +109,7 @@ struct LiveView::Impl {
     }
   }
 
-  /// Empty when there will be no other.
+  /// Waits for the next view; empty when there will be none.
   std::optional<ServoView> wait_for_view() {
     std::unique_lock<std::mutex> lock(mutex);
     changed.wait(lock, [&] { return newest || closing; });
@@ -128,8 +129,8 @@ struct LiveView::Impl {
   std::condition_variable changed;
   std::optional<ServoView> newest;
   bool closing{false};
-  std::optional<std::string> failure;  ///< read after the thread has ended
-  std::thread thread;                  ///< last: it uses all the others
+  std::optional<std::string> failure;  ///< read only after the thread has ended
+  std::thread thread;                  ///< declared last, because it uses all other members
 };
 
 LiveView::LiveView(std::filesystem::path picture, bool with_window)

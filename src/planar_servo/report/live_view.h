@@ -9,25 +9,24 @@
 
 namespace planar {
 
-/// Whether an X server answers where DISPLAY points.
+/// Returns whether an X server answers at DISPLAY.
 bool x_server_answers();
 
-/// Shows the newest view in a picture file and, when asked for, in a window. Drawing happens on a
-/// thread of its own: whoever calls show() never waits for it, and views that come faster than they
-/// can be drawn are skipped. A window that is closed or whose server dies is given up; the file
-/// goes on.
+/// Shows the newest view in a picture file and, on request, in a window. A thread of its own draws:
+/// show() never waits for it, and views that come faster than they can be drawn are skipped. A
+/// window that is closed or whose server dies is given up; the file is written on.
 class LiveView {
  public:
-  /// `picture` (.png) is replaced whole, never seen half written.
+  /// `picture` (.png) is replaced as a whole, so that it is never half written.
   LiveView(std::filesystem::path picture, bool with_window);
-  /// The newest view is drawn before this ends.
+  /// Draws the newest view before it ends.
   ~LiveView();
   LiveView(const LiveView&) = delete;
   LiveView& operator=(const LiveView&) = delete;
 
   void show(ServoView view);
 
-  /// Draws what has not been drawn yet and ends; tells what went wrong, if anything did.
+  /// Draws the newest view and ends. Returns what went wrong, if anything did.
   std::optional<std::string> close();
 
  private:

@@ -7,8 +7,8 @@
 
 namespace planar {
 
-/// A progress bar on the terminal: drawn on standard error when that is a terminal and the log is
-/// not quiet, once the work has taken a second; wiped away at its end.
+/// A progress bar on standard error. It appears when that is a terminal, the log is not quiet and
+/// the work has taken a second; it is wiped away at the end.
 class ProgressBar {
  public:
   explicit ProgressBar(std::string label = {});
@@ -17,7 +17,7 @@ class ProgressBar {
   ProgressBar& operator=(const ProgressBar&) = delete;
 
   void show(std::size_t done, std::size_t all);
-  /// As `Progress`.
+  /// Shows a phase of work, as a `Progress` reports it.
   void show(const std::string& phase, double share);
 
  private:
@@ -27,7 +27,7 @@ class ProgressBar {
   bool wanted_;
   SteadyClock clock_;
   double draw_after_s_;
-  std::size_t drawn_{0};  ///< characters
+  std::size_t drawn_{0};  ///< characters on the terminal now
 };
 
 }  // namespace planar

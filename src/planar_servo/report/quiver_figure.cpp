@@ -13,11 +13,11 @@ namespace planar {
 namespace {
 
 constexpr double kPanel = 320.0;    // side of a panel in SVG units
-constexpr double kTitle = 44.0;     // height above it
+constexpr double kTitle = 44.0;     // height above a panel
 constexpr double kMargin = 12.0;    // between panels
-constexpr double kFooter = 34.0;    // scale bar below
+constexpr double kFooter = 34.0;    // height of the scale bar below
 constexpr double kArrow = 36.0;     // length of a panel's longest arrow
-constexpr double kLongestBar = 60;  // of a scale bar
+constexpr double kLongestBar = 60;  // longest scale bar
 
 double longest_error(const QuiverPanel& panel) {
   double longest = 0.0;
@@ -25,7 +25,8 @@ double longest_error(const QuiverPanel& panel) {
   return longest;
 }
 
-/// SVG units per metre of place: every point, with an arrow at its longest, lies in its panel.
+/// Returns the SVG units per metre at which every point and the longest arrow at it lie in its
+/// panel.
 double units_per_metre(const std::vector<QuiverPanel>& panels) {
   double extent = 0.0;
   for (const QuiverPanel& panel : panels) {
@@ -37,14 +38,14 @@ double units_per_metre(const std::vector<QuiverPanel>& panels) {
   return extent > 0.0 ? (kPanel / 2.0 - kArrow) / extent : 1.0;
 }
 
-/// The longest of 1, 2 or 5 times a power of ten that is not longer than `most`.
+/// Returns the longest length not above `most` that is 1, 2 or 5 times a power of ten.
 double round_length(double most) {
   const double decade = std::pow(10.0, std::floor(std::log10(most)));
   const double digits = most / decade;
   return decade * (digits >= 5.0 ? 5.0 : digits >= 2.0 ? 2.0 : 1.0);
 }
 
-/// From blue (small) over orange to red (at `full` and beyond).
+/// Returns a colour from blue (small) over orange to red (at `full` and beyond).
 std::string color(double length, double full) {
   const double share = full > 0.0 ? std::min(1.0, std::sqrt(length / full)) : 0.0;
   const double hue = 220.0 * (1.0 - share);
@@ -53,7 +54,7 @@ std::string color(double length, double full) {
 
 class PanelPainter {
  public:
-  /// `full` is the error that is drawn reddest.
+  /// `full` is the error drawn in the deepest red.
   PanelPainter(const QuiverPanel& panel, double left, double unit, double full)
       : panel_(panel), left_(left), unit_(unit), full_(full), longest_(longest_error(panel)) {}
 

@@ -8,16 +8,16 @@
 
 namespace planar {
 
-/// What a person wants to see of a servo at work: one look at the tool, and how the errors of its
-/// target came down.
+/// What a person sees of a servo at work: one measurement of the tool and the errors of its target
+/// so far.
 struct ServoView {
-  std::string title;                       ///< target, step, error, in a line
-  bool measured{true};                     ///< false: the title says why not
+  std::string title;                       ///< target, step and error in one line
+  bool measured{true};                     ///< if false, the title says why not
   Frame frame;                             ///< shared, not copied
   std::vector<Eigen::Vector2d> lamps_px;   ///< measured, on the sensor
   std::vector<Eigen::Vector2d> wanted_px;  ///< where the lamps belong
   std::vector<Eigen::Vector2d> errors_m;   ///< from target to end point, one per step
-  double stop_below_m{0.0};                ///< error at which the servo is content
+  double stop_below_m{0.0};                ///< the error below which the servo stops
 };
 
 }  // namespace planar

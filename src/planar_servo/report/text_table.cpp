@@ -10,7 +10,7 @@
 namespace planar {
 namespace {
 
-/// Characters as a terminal counts them: the bytes of UTF-8 that begin one.
+/// Returns the number of characters on a terminal: the bytes of UTF-8 that begin one.
 std::size_t shown_width(const std::string& text) {
   return static_cast<std::size_t>(
       std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xC0) != 0x80; }));

@@ -13,9 +13,9 @@
 namespace planar {
 namespace {
 
-constexpr unsigned kRing = 26;  // about a lamp, radius
+constexpr unsigned kRing = 26;  // radius about a lamp
 constexpr unsigned kTextHeight = 15;
-constexpr double kTextRise = 4.0;  // of a line of text above its own top, for the eye
+constexpr double kTextRise = 4.0;  // baseline below the top of a line of text
 const cv::Rect2d kFramePanel(16, 48, 512, 512);
 const cv::Rect2d kTargetPanel(560, 72, 230, 230);
 const cv::Rect2d kStepsPanel(624, 350, 352, 190);
@@ -27,12 +27,12 @@ const vpColor kWanted(255, 150, 40);
 const vpColor kAlarm(255, 80, 80);
 const vpRGBa kPaper(24, 26, 30);
 
-// Errors are drawn between these, on a logarithmic scale.
+// Errors are drawn between these limits, on a logarithmic scale.
 constexpr double kLeastError_mm = 1e-4;
 constexpr double kMostError_mm = 10.0;
 constexpr int kDecades = 5;
 
-/// 0 at the least error, 1 at the most.
+/// Returns 0 at the least error and 1 at the most.
 double share_of_scale(double error_m) {
   const double error_mm = std::clamp(error_m / kMillimetre, kLeastError_mm, kMostError_mm);
   return std::log10(error_mm / kLeastError_mm) / kDecades;

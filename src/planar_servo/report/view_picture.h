@@ -12,13 +12,13 @@ namespace planar {
 constexpr unsigned kViewWidth = 1000;
 constexpr unsigned kViewHeight = 580;
 
-/// Draws a view: the frame with the lamps (crosses) and where they belong (rings), the errors as
-/// points about the target with a logarithmic radius, and their lengths over the steps.
+/// Draws a view: the frame with the lamps (crosses) and their wanted positions (rings), the errors
+/// as points about the target with a logarithmic radius, and their lengths over the steps.
 class ViewPainter {
  public:
   ViewPainter();
 
-  /// The picture is kViewWidth x kViewHeight.
+  /// Draws `view` on a picture of kViewWidth x kViewHeight pixels.
   void paint(const ServoView& view, vpImage<vpRGBa>& picture) const;
 
  private:
