@@ -7,18 +7,18 @@
 
 namespace planar {
 
-/// A GigE Vision camera on one address of this machine, with the features that Aravis' fake camera
-/// has: region, exposure, gain, frame rate, software trigger, packet size. It sends nothing but
-/// answers and, to who asked for it, the stream.
+/// Serves a GigE Vision camera on one address of this machine, with the features of Aravis' fake
+/// camera: region, exposure, gain, frame rate, software trigger, packet size. It sends only answers
+/// and the stream that a client asked for.
 class GigeCamera {
  public:
   /// Throws WorkError when the address is not this machine's or its port is taken.
   GigeCamera(const std::string& address, const std::string& serial, const cv::Size& sensor_px,
              double frame_rate_hz, Exposure exposure);
-  /// As if its plug were pulled.
+  /// Ends without notice, like a camera that is unplugged.
   ~GigeCamera();
 
-  /// Loses this share of the stream's packets, for tests of what receives it.
+  /// Drops this share of the stream's packets, to test what receives it.
   void lose_packets(double share);
 
  private:

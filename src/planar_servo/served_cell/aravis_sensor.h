@@ -6,9 +6,9 @@
 
 namespace planar {
 
-/// Makes Aravis' fake camera, a set of registers with a source of pictures, show what `exposure`
-/// takes: of its region of interest, by its exposure time and gain (in dB). `exposure` is called by
-/// the camera's own thread and must outlive it.
+/// Makes Aravis' fake camera show what `exposure` takes: the region of interest, as bright as its
+/// exposure time and gain (in dB) make it. The camera's own thread calls `exposure`, which must
+/// outlive the camera.
 void show_on(ArvFakeCamera* camera, const Exposure& exposure, const cv::Size& sensor_px,
              double frame_rate_hz);
 

@@ -6,7 +6,7 @@
 
 namespace planar {
 
-/// The exposure time at which a served camera without gain is as bright as usual.
+/// The exposure time at which a served camera with a gain of 0 dB has brightness 1.
 constexpr std::uint32_t kUsualExposure_us = 10000;
 
 /// Takes a picture of a region, `brightness` times as bright as usual.

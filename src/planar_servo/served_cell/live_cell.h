@@ -11,22 +11,21 @@
 
 namespace planar {
 
-/// A virtual cell on real time, for the threads of servers: its clock keeps up with the steady
-/// clock.
+/// Runs a virtual cell in real time for the threads of servers: its clock follows the steady clock.
 class LiveCell {
  public:
-  /// `age_s`: what the cell's own clock shows at the beginning, for a cell that has run before.
+  /// `age_s` is the time on the cell's own clock at the beginning, for a cell that has run before.
   /// Throws like VirtualCell.
   LiveCell(const Truth& truth, const VirtualHardware& hardware, double age_s = 0.0);
 
-  /// Called before anything of the cell is looked at, to bring motors up to date.
+  /// Sets a function that is called before anything of the cell is looked at, to move its motors.
   void set_mover(std::function<void(VirtualCell&)> mover);
 
-  /// What the sensor shows of the region now, `brightness` times as bright as usual. What lies
-  /// outside the sensor is black.
+  /// Renders what the sensor sees of the region now, `brightness` times as bright as usual. Pixels
+  /// outside the sensor are black.
   cv::Mat expose(const cv::Rect& region_px, double brightness);
 
-  /// For the scorer only: where the tool really is now.
+  /// Returns the tool's true pose now, for the scorer only.
   TipPose true_tip();
 
  private:
