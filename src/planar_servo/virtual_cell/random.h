@@ -5,18 +5,18 @@
 
 namespace planar {
 
-/// What a generator is for: the streams of one seed are independent.
+/// The use of a random generator. The streams of one seed are independent.
 enum class RandomStream : std::uint64_t { kDraw, kNoiseBank, kFrame, kBoard, kTracker };
 
-/// xoshiro256++ [Blackman & Vigna 2019], seeded through splitmix64 from (seed, stream, index), so
-/// that frame or reading number `index` has the same noise whatever came before it.
+/// The generator xoshiro256++ [Blackman & Vigna 2019], seeded through splitmix64 from (seed,
+/// stream, index). Frame or reading number `index` thus has the same noise whatever came before it.
 class Random {
  public:
   Random(std::uint64_t seed, RandomStream stream, std::uint64_t index = 0);
 
   std::uint64_t bits();
   double uniform(double lower, double upper);
-  /// Mean 0, standard deviation 1 [Box & Muller 1958].
+  /// Returns a normal number of mean 0 and standard deviation 1 [Box & Muller 1958].
   double normal();
 
  private:

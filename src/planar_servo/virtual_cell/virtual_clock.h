@@ -4,13 +4,13 @@
 
 namespace planar {
 
-/// Time that passes only when somebody waits.
+/// A clock whose time passes only when somebody waits.
 class VirtualClock final : public Clock {
  public:
   double now_s() const override { return now_s_; }
-  /// Throws std::invalid_argument for a negative or non-finite duration.
+  /// Throws std::invalid_argument for a duration that is negative or not finite.
   void sleep_for_s(double duration_s) override;
-  /// To a time that is not before now.
+  /// Waits until a time that is not before now.
   void advance_to(double t_s) { sleep_for_s(t_s - now_s_); }
 
  private:

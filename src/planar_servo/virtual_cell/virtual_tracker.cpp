@@ -10,7 +10,7 @@
 namespace planar {
 namespace {
 
-/// Smooth in space and never longer than `length`.
+/// Returns a systematic error that is smooth in space and never longer than `length`.
 Eigen::Vector3d bias(const Eigen::Vector3d& p_B, double length, double wavelength) {
   const Eigen::Vector3d angles = 2.0 * kPi / wavelength * p_B;
   return length / std::sqrt(3.0) *

@@ -12,7 +12,7 @@
 
 namespace planar {
 
-/// A tracker with a frame of its own, white noise and a small smooth bias.
+/// Simulates a tracker with a frame of its own, white noise and a small smooth bias.
 class VirtualTracker final : public Tracker {
  public:
   VirtualTracker(const Truth& truth, const VirtualHardware& hardware, VirtualArm& arm,

@@ -7,14 +7,14 @@
 namespace planar {
 namespace {
 
-/// Collects, per pixel, by how much the area covered to the right of an edge grows there. The last
-/// column, one beyond the window, takes what begins right of it.
+/// Collects for each pixel by how much more of it than of the pixel before is covered. A last
+/// column beyond the window takes what begins right of it.
 class AreaAccumulator {
  public:
   explicit AreaAccumulator(cv::Size size)
       : size_(size), growth_(size.height, size.width + 1, 0.0) {}
 
-  /// An edge in coordinates whose origin is the window's corner; upwards edges count negative.
+  /// Adds an edge in coordinates whose origin is the window's corner. Upward edges count negative.
   void add_edge(Eigen::Vector2d from, Eigen::Vector2d to) {
     if (from.y() == to.y()) return;
     const double sign = from.y() < to.y() ? 1.0 : -1.0;
@@ -43,7 +43,7 @@ class AreaAccumulator {
   }
 
  private:
-  /// A piece of an edge inside one row, of signed height, from x0 to x1: cut at the columns.
+  /// Adds a piece of an edge inside one row, of signed height, from x0 to x1, split at the columns.
   void add_in_row(int row, double height, double x0, double x1) {
     if (x0 > x1) std::swap(x0, x1);
     const double width = static_cast<double>(size_.width);
@@ -63,7 +63,7 @@ class AreaAccumulator {
     }
   }
 
-  /// A piece inside one pixel: this pixel is covered right of the piece, all further ones wholly.
+  /// Adds a piece inside one pixel: the pixel is covered right of the piece, all later ones wholly.
   void add_in_column(int row, double height, double x0, double x1) {
     const int column = static_cast<int>(x0);
     const double here = height * (column + 1.0 - 0.5 * (x0 + x1));

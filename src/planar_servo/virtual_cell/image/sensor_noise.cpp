@@ -12,8 +12,9 @@ namespace {
 constexpr std::size_t kQuantiles = 1U << 16;
 constexpr int kBankSize = 1 << 20;
 
-/// The midpoint quantiles of the normal distribution: an entry picked by 16 random bits is a normal
-/// number. Newton's method from the quantile before, outwards from the median.
+/// Returns the quantiles of the normal distribution at the midpoints of equal shares, so that an
+/// entry picked by 16 random bits is a normal number. Newton's method finds each from its
+/// neighbour, outwards from the median.
 std::vector<float> normal_quantiles() {
   std::vector<float> quantiles(kQuantiles);
   double x = 0.0;
@@ -57,7 +58,7 @@ void SensorNoise::expose(const cv::Mat1f& levels, cv::Mat image, Random& random)
       bits = column % 4 == 0 ? random.bits() : bits >> 16;
       const float light = level[column] + background;
       const float noise = std::sqrt(light * shot + read) * normals_[bits & 0xffff];
-      const float rounded_up = light + noise + 0.5F;  // the cast below cuts
+      const float rounded_up = light + noise + 0.5F;  // the cast below truncates
       pixel[column] = static_cast<std::uint8_t>(std::clamp(rounded_up, 0.0F, 255.0F));
     }
   }

@@ -9,17 +9,18 @@
 
 namespace planar {
 
-/// Turns grey levels into what an 8-bit sensor delivers: shot noise of variance level/gain, read
-/// noise, rounded and clipped to 0..255.
+/// Turns grey levels into the output of an 8-bit sensor: shot noise of variance level/gain, read
+/// noise, rounding, clipping to 0..255.
 class SensorNoise {
  public:
   SensorNoise(const NoiseTruth& truth, std::uint64_t seed);
 
-  /// An image of nothing but background. Its rows are copied from random places of a bank of dark
-  /// noise, because fresh noise on a whole sensor takes too long.
+  /// Fills `image` with noisy background. Rows are copied from random places in a bank of dark
+  /// pixels, because fresh noise for a whole sensor takes too long.
   void fill_dark(cv::Mat& image, Random& random) const;
 
-  /// Fresh noise on the levels above the background (CV_32FC1) into `image` (CV_8UC1, same size).
+  /// Writes `levels` above the background (CV_32FC1) with fresh noise into `image` (CV_8UC1, same
+  /// size).
   void expose(const cv::Mat1f& levels, cv::Mat image, Random& random) const;
 
  private:

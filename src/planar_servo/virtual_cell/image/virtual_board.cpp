@@ -14,13 +14,13 @@ namespace planar {
 namespace {
 
 constexpr int kDotPoints = 256;
-constexpr int kEdgePoints = 64;        // per side of the sheet, which the lens bends
+constexpr int kEdgePoints = 64;        // per side of the sheet, because the lens bends it
 constexpr double kRimPitches = 0.75;   // from the outer dots' centres to the sheet's edge
-constexpr double kDotMarginPx = 80.0;  // more than the largest dot's radius in the image
+constexpr double kDotMarginPx = 80.0;  // larger than any dot's radius in the image
 constexpr double kLowestM = 0.05, kHighestM = 0.35;
 constexpr double kGreatestTilt = 30.0 * kDegree;
 constexpr double kGreatestTurn = 15.0 * kDegree;
-constexpr double kFarthestM = 0.6;  // beyond the field's edge
+constexpr double kFarthestM = 0.6;  // beyond the edge of the field
 constexpr std::array<std::array<int, 2>, 9> kPlaces{
     {{0, 0}, {-1, -1}, {1, 1}, {1, -1}, {-1, 1}, {-1, 0}, {1, 0}, {0, -1}, {0, 1}}};
 
@@ -93,7 +93,7 @@ void VirtualBoard::hold_board(int view) {
 
 void VirtualBoard::lay_board(int view) {
   require_view(view);
-  // The complement sets these draws apart from those of hold_board.
+  // The complement of the view's number keeps these draws apart from those of hold_board().
   Random random(seed_, RandomStream::kBoard, ~static_cast<std::uint64_t>(view));
   Pose X_BG = Pose::Identity();
   X_BG.translation() << lens_.p_BC().head<2>(), 0.0;

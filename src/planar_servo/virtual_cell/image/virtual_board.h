@@ -12,26 +12,27 @@
 
 namespace planar {
 
-/// The calibration board and the patient hands that hold it. Frame G: origin in the middle of the
-/// dots, x along the columns, z out of the printed side.
+/// The calibration board of a virtual cell, and who holds it. Its frame G has its origin in the
+/// middle of the dots, x along the columns and z out of the printed side.
 class VirtualBoard final : public BoardPresenter {
  public:
   VirtualBoard(const Truth& truth, const VirtualLens& lens, cv::Size sensor_px);
 
-  /// Nine places, in turn, from the field's middle to its corners, each as far out as every dot
-  /// stays in view; 50 to 350 mm above the plane, tilted up to 30 degrees, no corner below the
-  /// plane.
+  /// Holds the board at one of nine places in turn, from the field's middle to its corners, each as
+  /// far out as every dot stays in view. It is 50 to 350 mm above the plane, tilted by up to 30
+  /// degrees, with no corner below the plane.
   void hold_board(int view) override;
-  /// On z_B = 0, within 40 mm of the camera's foot, turned by up to 10 degrees.
+  /// Lays the board on z_B = 0, within 40 mm of the camera's foot along each axis, turned by up to
+  /// 10 degrees.
   void lay_board(int view) override;
   void remove_board() override { X_BG_.reset(); }
 
   const std::optional<Pose>& X_BG() const { return X_BG_; }
 
-  /// The board's image before noise, within the sensor. Empty when no board is in view.
+  /// Renders the board before noise, within the sensor; empty when no board is in view.
   std::optional<Light> render(double t_s) const;
 
-  /// Outlines in pixels, in the sensor's coordinates, of the presented board's dots, row by row.
+  /// Returns the outlines of the board's dots in sensor pixels, row by row.
   std::vector<std::vector<Eigen::Vector2d>> dot_outlines_px(double t_s) const;
 
  private:

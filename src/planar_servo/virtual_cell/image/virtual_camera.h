@@ -13,8 +13,8 @@
 
 namespace planar {
 
-/// Frames of the lamps, or of the calibration board while it is in view. Exposures are short and
-/// lie on whole multiples of the frame period; waiting for one lets the clock pass.
+/// Renders frames of the lamps, or of the calibration board while it is in view. Exposures are
+/// short and begin at whole multiples of the frame period; waiting for one advances the clock.
 class VirtualCamera final : public FrameSource {
  public:
   VirtualCamera(const Truth& truth, const VirtualHardware& hardware, const VirtualLens& lens,
@@ -28,8 +28,8 @@ class VirtualCamera final : public FrameSource {
   CameraExposure exposure() const override { return exposure_; }
   void set_exposure(const CameraExposure& exposure) override;
 
-  /// What the sensor shows of `region_px` now, `brightness` times as bright as at the usual
-  /// exposure. Equal numbers of exposure give the same noise.
+  /// Renders what the sensor sees of `region_px` now, `brightness` times as bright as usual. The
+  /// same exposure number gives the same noise.
   cv::Mat expose(const cv::Rect& region_px, double brightness, std::uint64_t exposure);
 
  private:
@@ -49,7 +49,8 @@ class VirtualCamera final : public FrameSource {
   cv::Rect region_px_;
   CameraExposure exposure_{kUsualTime_s, 0.0};
   std::uint64_t taken_{0};
-  std::uint64_t next_exposure_{0};  ///< in frame periods since the clock's start
+  /// Number of the next one, in frame periods since the clock's start.
+  std::uint64_t next_exposure_{0};
 };
 
 }  // namespace planar

@@ -11,18 +11,18 @@
 namespace planar {
 namespace {
 
-constexpr int kOutlinePoints = 256;       // sagitta of a chord: 0.0013 px on a lamp of 34 px
-constexpr double kHaloReach = 6.0;        // decay lengths; 1/400 of the halo is left there
-constexpr double kBlurReach = 4.0;        // standard deviations of the blur
+constexpr int kOutlinePoints = 256;       // a chord is 0.0013 px off the arc of a lamp of 34 px
+constexpr double kHaloReach = 6.0;        // in decay lengths; 1/400 of the halo is left there
+constexpr double kBlurReach = 4.0;        // in standard deviations of the blur
 constexpr double kDerivativeStep = 1e-4;  // metres
 
-/// A lamp as the camera sees it, with a linear map from pixels back to its own plane.
+/// Describes a lamp in the camera's view, with a linear map from pixels back to the lamp's plane.
 struct SeenLamp {
   std::vector<Eigen::Vector2d> outline_px;
   Eigen::Vector2d center_px;
   Eigen::Matrix2d m_per_px;  ///< in the base's axes
-  Eigen::Vector2d gradient;  ///< lean of the disc's level, base axes
-  Eigen::Vector2d halo;      ///< lean of the halo, base axes
+  Eigen::Vector2d gradient;  ///< direction and slope of the disc's level, base axes
+  Eigen::Vector2d halo;      ///< direction and strength of the halo, base axes
   cv::Rect window_px;
 };
 
@@ -59,7 +59,8 @@ std::optional<SeenLamp> see(const LampTruth& lamp, const Eigen::Vector2d& place_
     seen.outline_px.push_back(*uv);
   }
   const Eigen::Vector3d ray = p_B - lens.p_BC();
-  const Eigen::Vector2d view = ray.head<2>() / -ray.z();  // tan of the viewing angle, outwards
+  // Tangent of the viewing angle, pointing outwards.
+  const Eigen::Vector2d view = ray.head<2>() / -ray.z();
   const Eigen::Matrix2d R_BT = X_BT.linear().topLeftCorner<2, 2>();
   seen.gradient = R_BT * lamp.glow.gradient_tool + lamp.glow.gradient_view * view;
   seen.halo = R_BT * lamp.glow.halo_tool + lamp.glow.halo_view * view;

@@ -11,19 +11,19 @@
 
 namespace planar {
 
-/// Light that falls on a part of the sensor.
+/// Light on a part of the sensor.
 struct Light {
   cv::Rect window_px;
   cv::Mat1f levels;  ///< grey levels above the background, of the window's size
 };
 
-/// The image of both lamps, before any noise.
+/// Renders both lamps without noise.
 class VirtualLamps {
  public:
   explicit VirtualLamps(const Truth& truth);
 
-  /// The lamps with the tool at X_BT, each a disc seen in true perspective whose pixels are covered
-  /// exactly, with its glow, then blurred. Empty when no lamp is before the camera.
+  /// Renders the lamps with the tool at X_BT: each a disc in perspective with exact pixel coverage
+  /// and its glow, then blurred. Returns nothing when no lamp is in front of the camera.
   std::optional<Light> render(const Pose& X_BT, const VirtualLens& lens, double t_s) const;
 
  private:

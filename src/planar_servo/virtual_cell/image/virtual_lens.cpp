@@ -6,9 +6,9 @@ namespace planar {
 namespace {
 
 constexpr int kMaxIterations = 20;
-constexpr double kConverged = 1e-14;  // of the normalised image: 1e-10 px
+constexpr double kConverged = 1e-14;  // in normalised coordinates: about 1e-10 px
 
-/// d(ideal)/d(distorted) of the inverse polynomial.
+/// Returns d(ideal)/d(distorted) of the inverse polynomial.
 Eigen::Matrix2d inverse_jacobian(const CameraTruth& truth, const Eigen::Vector2d& d) {
   const double s = d.squaredNorm();
   const auto& [a1, a2, a3] = truth.radial;

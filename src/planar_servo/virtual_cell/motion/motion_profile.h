@@ -14,11 +14,12 @@ struct MotionLimits {
   double acceleration{1.0};
 };
 
-/// The fastest motion with bounded speed and acceleration from a moving start to rest at a target:
-/// a trapezoid, after a stop where the start leads away from the target or beyond it.
+/// The fastest motion with bounded speed and acceleration from a moving start to rest at a target.
+/// It is a trapezoid; when the start moves away from the target, or too fast to stop at it, the
+/// motion stops first.
 class MotionProfile {
  public:
-  /// At rest.
+  /// Rests at `position`.
   explicit MotionProfile(double position) : end_{position, 0.0} {}
   MotionProfile(double start_s, const MotionState& start, double target,
                 const MotionLimits& limits);
@@ -26,8 +27,8 @@ class MotionProfile {
   MotionState state_at(double t_s) const;
   double end_s() const { return end_s_; }
 
-  /// The positions after which the velocity may change its sign, passed in (from_s, to_s]: between
-  /// these the motion is monotone.
+  /// Returns the positions, passed in (from_s, to_s], at which the velocity may change its sign.
+  /// The motion between two of them is monotone.
   std::vector<double> turning_points(double from_s, double to_s) const;
 
  private:

@@ -4,22 +4,22 @@
 
 namespace planar {
 
-/// A gear with play and eccentric wheels, between the motor's angle (over the gear ratio) and the
-/// angle that really comes out.
+/// A gear with play and eccentric wheels, between the motor's angle (divided by the gear ratio) and
+/// the angle that comes out.
 class Reducer {
  public:
-  /// The play stands in its middle.
+  /// Starts in the middle of the play.
   Reducer(const ReducerTruth& truth, double motor_rad) : truth_(truth), held_rad_(motor_rad) {}
 
-  /// The motor moved to this angle without turning back on the way: the play operator.
+  /// Follows the motor to this angle, which it reached without turning back (the play operator).
   void follow(double motor_rad);
 
-  /// The angle behind the gear, zero offset included.
+  /// Returns the angle behind the gear, with its zero offset.
   double output_rad() const;
 
  private:
   ReducerTruth truth_;
-  double held_rad_;  ///< the motor's angle less its place in the play
+  double held_rad_;  ///< the angle on the far side of the play
 };
 
 }  // namespace planar

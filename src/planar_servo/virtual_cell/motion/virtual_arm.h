@@ -12,22 +12,23 @@
 
 namespace planar {
 
-/// The arm as built, moved by its drives: the one place that knows where the tool really is now.
+/// The arm as built, moved by its drives. It is the only place that knows the tool's true pose.
 class VirtualArm {
  public:
   VirtualArm(const Truth& truth, const VirtualHardware& hardware, const Clock& clock);
 
-  /// joint 0, 1 or 2; throws std::out_of_range otherwise.
+  /// Returns the drive of joint 0, 1 or 2; throws std::out_of_range for others.
   VirtualDrive& drive(int joint);
 
-  /// The tool in the base frame: origin at P, in the lamps' plane, sag included.
+  /// Returns the tool's true pose in the base frame: origin at P in the lamps' plane, with sag.
   Pose X_BT();
 
-  /// P and the direction from lamp 1 to lamp 2, which is what the tool's frame means to others.
+  /// Returns P and the direction from lamp 1 to lamp 2, which defines the tool's frame for the
+  /// estimators.
   TipPose tip();
 
  private:
-  /// Of links 1, 2 and the tool, each from the base's x axis.
+  /// Returns the directions of link 1, link 2 and the tool from the base's x axis.
   Eigen::Vector3d directions_rad();
 
   ArmTruth arm_;

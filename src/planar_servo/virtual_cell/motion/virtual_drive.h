@@ -10,42 +10,43 @@
 
 namespace planar {
 
-/// A stepper motor and its reducer: moves in whole pulses with the speed and acceleration of its
-/// limits, on the clock it is given.
+/// A stepper motor with its reducer. It moves in whole pulses within its limits of speed and
+/// acceleration, on the clock that it is given.
 class VirtualDrive final : public PulseDrive {
  public:
   struct Settings {
     double pulses_per_rad{1.0};  ///< signed, of the motor's angle behind its gear
-    MotionLimits rated_pulses;   ///< pulses/s and pulses/s^2; no more can be asked for
+    MotionLimits rated_pulses;   ///< pulses/s and pulses/s^2; set_limits() cannot exceed them
     std::int32_t home_pulses{0};
   };
 
   VirtualDrive(const Clock& clock, const Settings& settings, const ReducerTruth& reducer);
 
   void energize() override;
-  /// What exceeds the rated limits is cut to them. Throws std::invalid_argument unless both are
-  /// finite and positive.
+  /// Cuts limits above the rated ones down to these. Throws std::invalid_argument unless both
+  /// limits are finite and positive.
   void set_limits(const DriveLimits& limits) override;
   void set_target(std::int32_t target_pulses) override;
   void halt() override;
   DriveStatus status() override;
-  /// Its home switch stands where it stood at first.
+  /// Moves to the home switch, which stands at the drive's first position.
   void start_homing(HomeDirection direction) override;
   void set_position(std::int32_t position_pulses) override;
 
-  /// The drive fails with this message, stops at once and refuses targets; an empty text heals it.
+  /// Makes the drive fail with this message: it stops at once and refuses targets. An empty text
+  /// ends the fault.
   void set_fault(const std::string& fault);
 
-  /// Turns the motor's shaft from outside; the drive takes no part.
+  /// Turns the motor's shaft from outside, without the drive.
   void turn_shaft(std::int32_t pulses);
 
-  /// The angle that really comes out of the reducer now.
+  /// Returns the true angle behind the reducer now.
   double output_rad();
 
  private:
   void require_ready() const;
   void turn_to(std::int32_t shaft_target_pulses);
-  /// Lets the reducer follow the motor up to now.
+  /// Lets the reducer follow the motor up to the present.
   void advance();
   std::int32_t shaft_pulses() const;
   bool moving() const { return profile_.end_s() > clock_.now_s(); }
@@ -56,8 +57,9 @@ class VirtualDrive final : public PulseDrive {
   MotionProfile profile_;  ///< of the shaft
   Reducer reducer_;
   double followed_until_s_;
-  std::int32_t target_pulses_;             ///< of the shaft
-  std::int32_t counter_offset_pulses_{0};  ///< what the drive counts is the shaft's plus this
+  std::int32_t target_pulses_;  ///< of the shaft
+  /// Added to the shaft's position, gives the drive's count.
+  std::int32_t counter_offset_pulses_{0};
   bool homing_{false};
   bool energized_{false};
   bool position_certain_{true};

@@ -5,8 +5,8 @@
 #include "planar_servo/virtual_cell/random.h"
 #include "planar_servo/virtual_cell/truth/truth.h"
 
-// Every distribution of a drawn cell stands in this file; the middle of each is the paper's cell as
-// we read it. They are chosen so that the commanded positions miss by about 1 to 2 mm.
+// This file holds every distribution of a drawn cell. They describe cells of the paper's kind; the
+// cell in calib/paper was not drawn from them.
 
 namespace planar {
 namespace {
@@ -44,7 +44,8 @@ ArmTruth draw_arm(Random& random) {
   return arm;
 }
 
-/// Looks down on the base from about 1.54 m, tilted by 1 to 2 degrees, aimed near the base's axis.
+/// Returns X_CB of a camera about 1.54 m above the base that is tilted by 1 to 2 degrees and aimed
+/// within some millimetres of the base's axis.
 Pose draw_camera_pose(Random& random) {
   const Eigen::Vector2d tilt = any_direction(random, 1.0 * kDegree, 2.0 * kDegree);
   const double roll = random.uniform(-0.5, 0.5) * kDegree;
@@ -114,7 +115,8 @@ ToolTruth draw_tool(Random& random) {
   return tool;
 }
 
-/// Some metres away from the base, turned anyhow, its z axis upright within a degree.
+/// Returns a tracker some metres from the base, turned at random, its z axis upright within a
+/// degree.
 TrackerTruth draw_tracker(Random& random) {
   TrackerTruth tracker;
   const Eigen::Vector2d lean = any_direction(random, 0.2 * kDegree, 1.0 * kDegree);

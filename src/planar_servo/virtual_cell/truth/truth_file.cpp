@@ -15,7 +15,7 @@ namespace {
 constexpr double kHuge = 1e9;
 constexpr double kTiny = 1e-9;
 
-// Numbers in the file's unit times `unit` are SI.
+// A number in the file, times `unit`, is in SI units.
 
 double positive(const YamlNode& node, const std::string& key, double unit) {
   return node.number_in(key, kTiny, kHuge) * unit;
@@ -56,7 +56,7 @@ void write_pose(YamlWriter& yaml, const std::string& key, const Pose& pose) {
       .end_map();
 }
 
-/// Rows of [amplitude, phase_deg, harmonic].
+/// Reads rows of [amplitude, phase_deg, harmonic].
 std::vector<Harmonic> read_harmonics(const YamlNode& node, const std::string& key, double unit) {
   std::vector<Harmonic> harmonics;
   for (const YamlNode& item : node.list(key)) {

@@ -7,14 +7,14 @@
 
 namespace planar {
 
-/// truth.yaml of the contract. Throws InputError with every fault of the file: an unknown or
-/// missing key, a wrong type, a number that is not finite or out of its range.
+/// Reads truth.yaml. Throws InputError with every fault of the file: an unknown or missing key, a
+/// wrong type, a number that is not finite or out of its range.
 Truth read_truth(const std::filesystem::path& path);
 
-/// The whole file's text. read_truth gives the same cell up to the rounding of units.
+/// Returns the whole file's text. Reading it gives the same cell up to the rounding of units.
 std::string truth_text(const Truth& truth);
 
-/// Writes truth_text whole. Throws WorkError when the place cannot be written.
+/// Writes the whole file. Throws WorkError when the path cannot be written.
 void write_truth(const std::filesystem::path& path, const Truth& truth);
 
 }  // namespace planar
