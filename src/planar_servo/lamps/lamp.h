@@ -6,7 +6,7 @@
 
 namespace planar {
 
-/// Why a lamp or a pair of lamps has, or has not, a position.
+/// Says that a lamp or a pair of lamps has a position, or why it has none.
 enum class LampStatus {
   kOk,
   kNoLamp,
@@ -19,11 +19,11 @@ enum class LampStatus {
   kLowContrast,
 };
 
-/// The status as files have it: "ok", "no_lamp", "one_lamp", "wrong_distance", ...
+/// Returns the status as files name it: "ok", "no_lamp", "one_lamp", "wrong_distance", ...
 const char* name(LampStatus status);
 
-/// The centre of one lamp in pixels of the whole sensor. Unless its status is kOk it is coarse and
-/// has no covariance.
+/// The centre of one lamp in pixels of the whole sensor. Unless the status is kOk, the centre is
+/// coarse and has no covariance.
 struct LampCenter {
   LampStatus status{LampStatus::kNoLamp};
   Eigen::Vector2d uv_px{0.0, 0.0};
@@ -31,24 +31,25 @@ struct LampCenter {
   double diameter_px{0.0};
 };
 
-/// Both lamps of a frame. status is kOk or kAmbiguous (both centres valid, but which is lamp 1 is
-/// not known), or says why there is no pair. Where several pairs of lights are possible and nothing
-/// decides between them, the lamps are the two most evident lights and kAmbiguous themselves.
+/// The two lamps of a frame. With kOk both centres are valid; with kAmbiguous they are, too, but
+/// which one is lamp 1 is unknown. Other statuses say why there is no pair. When several pairs of
+/// lights are possible and no prediction decides, the lamps are the two most evident lights, each
+/// kAmbiguous.
 struct LampPair {
   LampStatus status{LampStatus::kNoLamp};
   std::array<LampCenter, 2> lamps;
 };
 
-/// What is known of a pair before it is looked for; all in pixels of the whole sensor.
+/// Holds what is known of a pair before the search, in pixels of the whole sensor.
 struct PairExpectation {
-  /// Where lamps 1 and 2 should be: decides which is which and where to look.
+  /// Predicted centres of lamps 1 and 2; they say where to look and which lamp is which.
   std::optional<std::array<Eigen::Vector2d, 2>> predicted_px;
   /// Least and greatest distance between the two centres.
   std::optional<std::array<double, 2>> separation_px;
-  /// Diameters of lamps 1 and 2 over the distance of their centres: lights of quite another size
-  /// are no lamps, and lamps that differ are told apart by it.
+  /// Diameters of lamps 1 and 2 divided by the distance of their centres. Lights of quite another
+  /// size are no lamps, and lamps that differ in size are told apart by it.
   std::optional<std::array<double, 2>> diameter_over_separation;
-  /// Contrast of lamp 2 over that of lamp 1, where they are known to differ.
+  /// Contrast of lamp 2 divided by that of lamp 1, where they are known to differ.
   std::optional<double> contrast_ratio;
 };
 

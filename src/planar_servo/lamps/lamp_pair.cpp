@@ -6,9 +6,10 @@
 namespace planar {
 namespace {
 
-// Cosine between seen and predicted direction below which they do not tell the lamps apart.
+// Below this cosine between seen and predicted direction the prediction does not tell the lamps
+// apart.
 constexpr double kLeastCosine = 0.2;
-// A lamp may seem larger by glow, the distance shorter by tilt.
+// Glow may make a lamp seem larger, and tilt the distance shorter.
 constexpr double kSizeFactor = 1.6;
 // Lamps whose sizes or contrasts differ by less are not told apart by them.
 constexpr double kTellingDiameters = 1.1, kTellingContrasts = 1.25;
@@ -24,7 +25,7 @@ bool has_size(const Blob& blob, double expected_px) {
   return ratio < kSizeFactor && ratio > 1.0 / kSizeFactor;
 }
 
-/// Whether a may be lamp 1 and b lamp 2.
+/// Returns whether a may be lamp 1 and b lamp 2.
 bool is_possible(const Blob& a, const Blob& b, const PairExpectation& expectation) {
   if (!has_right_distance(a, b, expectation)) return false;
   if (!expectation.diameter_over_separation) return true;
@@ -33,7 +34,7 @@ bool is_possible(const Blob& a, const Blob& b, const PairExpectation& expectatio
   return has_size(a, first * distance) && has_size(b, second * distance);
 }
 
-/// What a ratio of lamp 2 over lamp 1 says of this order: 1 yes, -1 the other one, 0 nothing.
+/// Returns what a ratio of lamp 2 to lamp 1 says of this order: 1 for it, -1 against it, 0 nothing.
 int vote(double seen, double expected, double least_telling) {
   const double seen_log = std::log(seen), expected_log = std::log(expected);
   if (std::abs(expected_log) < std::log(least_telling)) return 0;
@@ -42,7 +43,7 @@ int vote(double seen, double expected, double least_telling) {
   return along > 0.0 ? 1 : -1;
 }
 
-/// The same of all that is known of the lamps' looks; nothing where that contradicts itself.
+/// Returns the vote of sizes and contrasts; 0 where these contradict each other.
 int vote_of_looks(const Blob& a, const Blob& b, const PairExpectation& expectation) {
   int sizes = 0, contrasts = 0;
   if (expectation.diameter_over_separation) {
@@ -56,7 +57,7 @@ int vote_of_looks(const Blob& a, const Blob& b, const PairExpectation& expectati
   return sizes != 0 ? sizes : contrasts;
 }
 
-/// The same of the predicted direction.
+/// Returns the vote of the predicted direction.
 int vote_of_prediction(const Blob& a, const Blob& b, const PairExpectation& expectation) {
   if (!expectation.predicted_px) return 0;
   const Eigen::Vector2d seen = b.uv_px - a.uv_px;

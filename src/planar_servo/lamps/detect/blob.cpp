@@ -12,7 +12,7 @@
 namespace planar {
 namespace {
 
-constexpr double kLeastAxisRatio = 0.3;  // a disc seen 70 degrees off its axis
+constexpr double kLeastAxisRatio = 0.3;  // a disc seen 70 degrees off its axis has 0.34
 constexpr double kLeastFill = 0.88;      // a square has 0.95, a half moon about 0.8
 
 LevelHistogram levels_in(const cv::Mat& image, const Span* begin, const Span* end) {
@@ -30,8 +30,8 @@ std::vector<Span> rows_of(const cv::Rect& box) {
   return rows;
 }
 
-/// Levels along a frame round the box, far enough out to miss the blurred rim, as far as it lies in
-/// the image.
+/// Returns the levels along a frame round the box, far enough out to miss the blurred rim, where it
+/// lies in the image.
 LevelHistogram surrounding_levels(const cv::Mat& image, const cv::Rect& box) {
   const int margin = 3 + std::max(box.width, box.height) / 10;
   const cv::Rect outer(box.x - margin, box.y - margin, box.width + 2 * margin,
@@ -53,8 +53,9 @@ LevelHistogram surrounding_levels(const cv::Mat& image, const cv::Rect& box) {
   return histogram;
 }
 
-/// A lamp that fills the image has no surroundings: then what is dark in the box; 255, against
-/// which nothing stands out, when nothing is.
+/// Returns the median level round the box. A lamp that fills the image has no surroundings; the
+/// median of the box's dark pixels is taken then, or 255, above which nothing stands out, when it
+/// has none.
 int background_level(const cv::Mat& image, const cv::Rect& box, int threshold) {
   const LevelHistogram surroundings = surrounding_levels(image, box);
   if (!surroundings.empty()) return surroundings.median();
@@ -63,12 +64,13 @@ int background_level(const cv::Mat& image, const cv::Rect& box, int threshold) {
   return inside.count(0, threshold) > 0 ? inside.median(0, threshold) : 255;
 }
 
-/// Sums over the bright pixels of a piece of a row; places are counted from its first pixel.
+/// Holds sums over the bright pixels of a piece of a row, with columns counted from its first
+/// pixel.
 struct RowSums {
   int count{0}, clipped{0}, u{0}, uu{0};
 };
 
-constexpr int kPiece_px = 1024;  // whose sums stay within 32 bits
+constexpr int kPiece_px = 1024;  // sums over pieces of this length fit into 32 bits
 
 RowSums sum_row(const std::uint8_t* row, int width, int least) {
   RowSums sums;
@@ -83,7 +85,8 @@ RowSums sum_row(const std::uint8_t* row, int width, int least) {
   return sums;
 }
 
-/// Area, centroid, moments and saturated share of the pixels of spans that are bright enough.
+/// Sets area, centroid, moments and saturated share from the pixels in the spans that are bright
+/// enough.
 void sum_up(const cv::Mat& image, const Span* begin, const Span* end, double least_level,
             Blob& blob) {
   const cv::Point origin = blob.box_px.tl();
@@ -107,7 +110,7 @@ void sum_up(const cv::Mat& image, const Span* begin, const Span* end, double lea
   }
   const Eigen::Vector2d mean = sum / n;
   blob.uv_px = mean + Eigen::Vector2d(origin.x, origin.y);
-  // A pixel is a square of side 1, with second moments of 1/12 of its own.
+  // A pixel is a square of side 1 and has second moments of 1/12 itself.
   blob.second_moments_px2 =
       squares / n - mean * mean.transpose() + Eigen::Matrix2d::Identity() / 12.0;
   blob.area_px2 = n;

@@ -7,8 +7,8 @@
 
 namespace planar {
 
-/// A bright patch of an image, to the whole pixel: what detection and vpDot2 hand to the
-/// measurement of a centre. Pixel coordinates of the image; grey levels 0 to 255.
+/// Describes a bright patch to the whole pixel. Detection and vpDot2 produce it, and the
+/// measurement of a centre starts from it. Pixel coordinates of the image; grey levels 0 to 255.
 struct Blob {
   Eigen::Vector2d uv_px{0.0, 0.0};                              ///< centroid
   Eigen::Matrix2d second_moments_px2{Eigen::Matrix2d::Zero()};  ///< central, per unit of area
@@ -20,30 +20,30 @@ struct Blob {
   bool touches_border{false};   ///< its box reaches the edge of the image
 
   double contrast() const { return level - background; }
-  /// Of the disc of the same area.
+  /// Returns the diameter of the disc of the same area.
   double diameter_px() const;
-  /// Minor over major axis of the ellipse with the same second moments.
+  /// Returns the ratio of minor to major axis of the ellipse with the same second moments.
   double axis_ratio() const;
-  /// Its area over that of this ellipse: 1 for a full ellipse, less for any other shape.
+  /// Returns the area divided by that of this ellipse: 1 for a full ellipse, less for other shapes.
   double fill() const;
 };
 
-/// The blob inside `box_px`, from the box's pixels above half way between the background and the
-/// level of its pixels above `threshold`. The box must lie in the image and hold such a pixel.
+/// Describes the blob inside `box_px`: the box's pixels above half way between the background and
+/// the level of its pixels above `threshold`. The box must lie in the image and hold such a pixel.
 Blob describe_blob(const cv::Mat& image, const cv::Rect& box_px, int threshold);
 
-/// The same of the pixels of some spans in that box only.
+/// Describes the blob that the spans hold inside `box_px`; other pixels of the box are left out.
 Blob describe_blob(const cv::Mat& image, const cv::Rect& box_px, const Span* begin, const Span* end,
                    int threshold);
 
-/// Grey levels by which a lamp stands out; dimmer patches are not told from clutter.
+/// The least contrast of a lamp, in grey levels. Dimmer patches cannot be told from clutter.
 constexpr double kLeastContrast = 20.0;
 
-/// A filled patch that stands out from what surrounds it. The shape of one that the image's edge
-/// cuts says nothing.
+/// Returns whether the patch stands out and is full. A patch cut by the image's edge passes,
+/// because its shape says nothing.
 bool is_filled(const Blob& blob);
 
-/// Filled, and not too long for a disc seen from anywhere but the side.
+/// Returns whether the blob is full and round enough for a disc that is not seen from the side.
 bool is_lamp_like(const Blob& blob);
 
 /// Throws std::invalid_argument unless the image is CV_8UC1.

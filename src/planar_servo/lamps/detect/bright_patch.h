@@ -7,23 +7,22 @@
 
 namespace planar {
 
-/// Pixels begin <= u < end of row v.
+/// The pixels begin <= u < end of row v.
 struct Span {
   int v{0}, begin{0}, end{0};
 };
 
-/// The pixels above the threshold in a row on both sides of one of them.
+/// Returns the run of pixels above the threshold round pixel (u, v).
 Span run_round(const cv::Mat& image, int v, int u, int threshold);
 
-/// Spans of one patch among those of a PatchGrower.
+/// A patch: a range of the spans of a PatchGrower.
 struct Patch {
-  std::size_t first{0}, last{0};  ///< last is one beyond
+  std::size_t first{0}, last{0};  ///< last is one beyond the end
   cv::Rect box_px;
 };
 
-/// Grows connected patches of bright pixels (neighbours above and below, left and right). Each
-/// pixel belongs to one patch only in each of 8 layers, which keep patches above different
-/// thresholds apart. Keeps its memory from image to image.
+/// Grows 4-connected patches of bright pixels. There are 8 layers, for patches above different
+/// thresholds; in each a pixel belongs to one patch only. It keeps its memory from image to image.
 class PatchGrower {
  public:
   /// Forgets all patches.
@@ -35,12 +34,12 @@ class PatchGrower {
     return (taken_[index] >> layer & 1) != 0;
   }
 
-  /// The patch above the threshold round a seed. Stops growing beyond `most_area_px2`.
+  /// Grows the patch above the threshold round `seed`. Stops beyond `most_area_px2`.
   Patch grow(const cv::Mat& image, const Span& seed, int threshold, int layer, int most_area_px2);
 
   Span span(std::size_t index) const { return spans_[index]; }
 
-  /// Valid until a patch is grown.
+  /// These spans are valid until another patch is grown.
   const Span* begin(const Patch& patch) const { return spans_.data() + patch.first; }
   const Span* end(const Patch& patch) const { return spans_.data() + patch.last; }
 
@@ -49,7 +48,7 @@ class PatchGrower {
   int take(const Span& span, int layer);
 
   int cols_{0};
-  std::vector<std::uint8_t> taken_;  ///< a bit per layer; zero wherever no span lies
+  std::vector<std::uint8_t> taken_;  ///< a bit per layer; zero where no span lies
   std::vector<Span> spans_;
 };
 

@@ -12,33 +12,33 @@ namespace planar {
 namespace {
 
 constexpr int kLeastLamp_px = 12;
-constexpr int kLeastExtent_px = 10;  // of such a lamp above half its level, with room for noise
+constexpr int kLeastExtent_px = 10;  // of that lamp above half its level, with room for noise
 constexpr double kLeastArea_px2 = 0.25 * kPi * kLeastExtent_px * kLeastExtent_px;
 constexpr int kMostArea_px2 = 512 * 512;
 
-// Of rows 8 px apart one passes within 4 px of the centre; the chord of a lamp of 12 px is 8.9 px
-// there, and the run of bright pixels may lose some to a ragged rim.
+// With this step one row passes within 4 px of the centre. A lamp of 12 px has a chord of 8.9 px
+// there, of which a ragged rim may take some.
 constexpr int kRowStep = 8;
 constexpr int kLeastRun_px = 6;
 
-// Rows are read side by side, some pixels of each in turn: memory answers streams of that kind
+// Rows are read side by side, some pixels of each in turn, because memory delivers such streams
 // nearly twice as fast as one row after another.
 constexpr int kRowsAtOnce = 8, kBlock_px = 256;
 
-constexpr int kTile_px = 256;                          // whose levels are learned together
+constexpr int kTile_px = 256;  // side of a tile, whose levels are learned together
 constexpr int kSampledRows = 4, kSampledColumns = 32;  // at least, of a tile
 constexpr int kMostColumnStep = 16;
-constexpr double kNoiseFactor = 6.0;  // standard deviations of the background
-constexpr int kLeastStep = 10;        // grey levels above the background
+constexpr double kNoiseFactor = 6.0;  // in standard deviations of the background
+constexpr int kLeastStep = 10;        // in grey levels above the background
 constexpr double kBrightest = 255.0;
 
-constexpr int kThresholds = 4;           // tried on a patch, ever higher
+constexpr int kThresholds = 4;           // tried on a patch, each higher than the one before
 constexpr int kMostDiscs = 4;            // looked for in one patch
-constexpr double kDiscReach = 1.25;      // what belongs to a disc, in its radii
-constexpr double kMostRingShare = 0.25;  // of a ring round a disc that may be bright
+constexpr double kDiscReach = 1.25;      // radius of a disc's pixels, in its own radii
+constexpr double kMostRingShare = 0.25;  // of the ring round a disc that may be bright
 
-/// Level above which a pixel may belong to a lamp: well above the background's noise; without an
-/// even background, between the two classes of levels.
+/// Returns the level above which a pixel may belong to a lamp: well above the background's noise
+/// or, without an even background, between the two classes of levels.
 int threshold_for(const LevelHistogram& levels) {
   const int background = levels.median();
   const double sigma = kNormalPerMad * levels.median_deviation(background);
@@ -60,13 +60,14 @@ int brightest(const cv::Mat& image, const Span* begin, const Span* end) {
   return most;
 }
 
-/// The first of the pixels kLeastRun_px apart at or after `u`: no run of that length lies between.
+/// Returns the first probe at or after `u`. Probes are kLeastRun_px apart, so that every run of
+/// that length holds one.
 int next_probe(int u) {
   return (u + kLeastRun_px - 1) / kLeastRun_px * kLeastRun_px;
 }
 
-/// Whether bright pixels above and below a run reach as far as those of the smallest lamp: through
-/// the middle of a chord goes a diameter, but there may be a scratch.
+/// Returns whether bright pixels reach as far above and below a run as in the smallest lamp. It
+/// tries three columns of the run, because a scratch may cross one.
 bool is_tall(const cv::Mat& image, const Span& run, int threshold) {
   constexpr int kHalf = kLeastExtent_px / 2;
   for (const int quarter : {2, 1, 3}) {
@@ -88,7 +89,7 @@ bool is_large_enough(const Blob& blob) {
   return blob.area_px2 >= kLeastArea_px2;
 }
 
-/// Share of a ring in the mask on which the mask is set; outside it is not.
+/// Returns the share of a ring on which the mask is set.
 double ring_share(const cv::Mat& mask, const cv::Point& center, double radius_px) {
   constexpr int kPoints = 48;
   int set = 0;
@@ -105,7 +106,7 @@ double evidence(const Blob& blob) {
   return blob.diameter_px() * blob.contrast();
 }
 
-/// Splits a length into pieces of about `piece`, their inner borders at multiples of `step`.
+/// Returns the length of pieces of about `piece` whose inner borders are multiples of `step`.
 int piece_length(int length, int piece, int step) {
   const int pieces = std::max(1, length / piece);
   return (length + pieces * step - 1) / (pieces * step) * step;
@@ -131,8 +132,8 @@ const std::vector<Blob>& LampDetector::detect(const cv::Mat& image, const cv::Re
   return found_;
 }
 
-/// Thresholds of the band's tiles, which stand side by side, from some pixels of the rows that will
-/// be read anyway.
+/// Learns the threshold of each of the band's tiles, which stand side by side, from some pixels of
+/// the rows that are searched.
 void LampDetector::learn_thresholds(const cv::Mat& image, const cv::Rect& band, int tile_width) {
   tiles_.assign(static_cast<std::size_t>((band.width + tile_width - 1) / tile_width), {});
   const int row_step = kRowStep * std::max(1, band.height / (kRowStep * kSampledRows));
@@ -166,7 +167,7 @@ void LampDetector::search_band(const cv::Mat& image, const cv::Rect& band) {
   }
 }
 
-/// Whether there is a lamp in a patch that crosses the block.
+/// Adds the lamps in patches that cross the block; returns whether there is one.
 bool LampDetector::search_block(const cv::Mat& image, const Span& block, int threshold, int layer) {
   const auto* row = image.ptr<std::uint8_t>(block.v);
   bool any = false;
@@ -182,7 +183,7 @@ bool LampDetector::search_block(const cv::Mat& image, const Span& block, int thr
   return any;
 }
 
-/// Whether there is a lamp in the patch round a run.
+/// Adds the lamps in the patch round a run; returns whether there is one.
 bool LampDetector::examine(const cv::Mat& image, const Span& run, int threshold, int layer) {
   if (run.end - run.begin < kLeastRun_px || !is_tall(image, run, threshold) ||
       patches_.is_taken(run.begin, run.v, layer)) {
@@ -204,7 +205,8 @@ bool LampDetector::examine(const cv::Mat& image, const Span& run, int threshold,
   return !is_filled(blob) && find_discs(image, patch, threshold);
 }
 
-/// Whether lamps stand out of the patch above a higher threshold.
+/// Adds the lamps that stand out of the patch above a higher threshold; returns whether there is
+/// one.
 bool LampDetector::take_apart(const cv::Mat& image, const Patch& patch, int threshold, int layer) {
   if (layer == kThresholds) return false;
   bool any = false;
@@ -216,8 +218,8 @@ bool LampDetector::take_apart(const cv::Mat& image, const Patch& patch, int thre
   return any;
 }
 
-/// Whether round lamps with other lights grown to them make up the patch: discs that fit into it
-/// and have mostly dark surroundings.
+/// Adds the round lamps of a patch in which other lights touch them: the largest discs that fit
+/// into it and have mostly dark surroundings. Returns whether there is one.
 bool LampDetector::find_discs(const cv::Mat& image, const Patch& patch, int threshold) {
   const cv::Rect& box = patch.box_px;
   mask_.create(box.height + 2, box.width + 2, CV_8UC1);
@@ -242,7 +244,7 @@ bool LampDetector::find_discs(const cv::Mat& image, const Patch& patch, int thre
   return any;
 }
 
-/// Whether what the patch has round a place is a lamp.
+/// Adds the lamp that the patch's pixels round `center` form, if they do; returns whether they do.
 bool LampDetector::add_disc(const cv::Mat& image, const Patch& patch, const cv::Point& center,
                             double reach_px, int threshold) {
   disc_.clear();

@@ -9,19 +9,18 @@
 
 namespace planar {
 
-/// Finds bright patches that may be lamps, of 12 px diameter and more, in an image of any size or
-/// in a part of it. A lamp must cross sparse rows, so only these are read. The threshold is learned
-/// from the levels round about; where a patch is no lamp it is taken apart, by higher thresholds
-/// and by the discs that fit into it, for a lamp may touch other lights. Keeps its memory from
-/// image to image.
+/// Finds bright patches that may be lamps of 12 px diameter or more. It reads sparse rows only, one
+/// of which every lamp must cross, and learns thresholds from the levels nearby. A patch that is no
+/// lamp is taken apart by higher thresholds and by the discs that fit into it, because a lamp may
+/// touch other lights. It keeps its memory from image to image.
 class LampDetector {
  public:
-  /// Candidates by falling evidence (diameter times contrast); those cut by the image's edge are
-  /// among them. None for an image too small to hold a lamp. Valid until the next call. Throws
-  /// std::invalid_argument for an image that is not CV_8UC1.
+  /// Returns the candidates by falling evidence (diameter times contrast), with those cut by the
+  /// image's edge; none for an image too small for a lamp. The list is valid until the next call.
+  /// Throws std::invalid_argument unless the image is CV_8UC1.
   const std::vector<Blob>& detect(const cv::Mat& image);
 
-  /// The same of lamps that reach into the window.
+  /// Returns the candidates that reach into the window.
   const std::vector<Blob>& detect(const cv::Mat& image, const cv::Rect& window_px);
 
  private:

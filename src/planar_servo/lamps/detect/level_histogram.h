@@ -5,7 +5,7 @@
 
 namespace planar {
 
-/// Counts of grey levels.
+/// Counts grey levels. Its statistics are 0 when it is empty.
 class LevelHistogram {
  public:
   void add(std::uint8_t level) {
@@ -17,15 +17,14 @@ class LevelHistogram {
     total_ += static_cast<int>(end - begin);
   }
   bool empty() const { return total_ == 0; }
-  /// Zero when empty, as all of these.
   int median() const;
-  /// Of the counts from one level to another, both included.
+  /// Returns the median of the counts from `lowest` to `highest`, both included.
   int median(int lowest, int highest) const;
   int count(int lowest, int highest) const;
-  /// Median of the distances from a level.
+  /// Returns the median distance of the counts from a level.
   int median_deviation(int level) const;
-  /// The level up to which the lower of two classes of levels reaches, the classes as far apart as
-  /// they can be [Otsu 1979].
+  /// Returns the highest level of the lower of two classes of levels that are as far apart as
+  /// possible [Otsu 1979].
   int otsu() const;
 
  private:

@@ -9,10 +9,11 @@
 namespace planar {
 namespace {
 
-constexpr double kMostSaturated = 0.25;  // share of a window at 255 beyond which it is refused
+constexpr double kMostSaturated = 0.25;  // largest share of a window's pixels at 255
 constexpr double kMostOffset_px = 1.0;
 
-/// Area of the unit square round (u, v) inside the disc of this radius about the origin.
+/// Returns the area of the unit square round (u, v) inside the disc of this radius about the
+/// origin.
 double area_in_disc(int u, int v, double radius) {
   constexpr int kLines = 64;
   double area = 0.0;
@@ -25,9 +26,9 @@ double area_in_disc(int u, int v, double radius) {
   return area;
 }
 
-/// Distance t from the centre of the chord that cuts the share q <= 1/2 off the unit disc:
-/// acos t - t sqrt(1 - t^2) = pi q, convex and falling, so that Newton's method from t = 0 never
-/// overshoots.
+/// Returns the distance t from the centre of the chord that cuts the share q <= 1/2 off the unit
+/// disc: acos t - t sqrt(1 - t^2) = pi q. The left side is convex and falling, so that Newton's
+/// method from t = 0 never overshoots.
 double chord_distance(double q) {
   double t = 0.0;
   for (int i = 0; i < 20; ++i) {

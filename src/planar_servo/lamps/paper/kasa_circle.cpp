@@ -11,7 +11,7 @@ std::optional<Circle> kasa_circle(const std::vector<Eigen::Vector2d>& points) {
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();
   for (const Eigen::Vector2d& p : points) mean += p / n;
 
-  // About the mean the sums of X and Y vanish, which leaves two equations for a and b.
+  // Relative to the mean, the sums of x and y vanish, which leaves two equations for a and b.
   Eigen::Matrix2d moments = Eigen::Matrix2d::Zero();
   Eigen::Vector2d third = Eigen::Vector2d::Zero();
   for (const Eigen::Vector2d& p : points) {
@@ -19,8 +19,7 @@ std::optional<Circle> kasa_circle(const std::vector<Eigen::Vector2d>& points) {
     moments += d * d.transpose();
     third += d.squaredNorm() * d;
   }
-  constexpr double kLeastDeterminant =
-      1e-9;  // relative: the points' width over their length, squared
+  constexpr double kLeastDeterminant = 1e-9;  // the points' width divided by their length, squared
   const double determinant = moments.determinant();
   if (!(determinant > kLeastDeterminant * moments.trace() * moments.trace())) return std::nullopt;
 

@@ -11,8 +11,8 @@ struct Circle {
   double radius{0.0};
 };
 
-/// The circle that minimises the sum of (x^2 + y^2 + a x + b y + c)^2, in closed form [Kasa 1976].
-/// Empty for fewer than three points or points (nearly) on one line.
+/// Returns the circle that minimises the sum of (x^2 + y^2 + a x + b y + c)^2, in closed form [Kasa
+/// 1976]. Empty for fewer than three points and for points nearly on one line.
 std::optional<Circle> kasa_circle(const std::vector<Eigen::Vector2d>& points);
 
 }  // namespace planar

@@ -15,8 +15,8 @@ constexpr int kFull = 255;
 
 }  // namespace
 
-// An edge across the direction n is blurred by n_u^2 a (1 - a) + n_v^2 b (1 - b) when it is
-// interpolated at the fractions a, b of a pixel.
+// Interpolation at the fractions a, b of a pixel blurs an edge across the direction n by the
+// variance n_u^2 a (1 - a) + n_v^2 b (1 - b).
 void sample_line(const cv::Mat& image, const BandLine& line, float* level, float* blur_px2) {
   for (int j = 0; j < kPoints; ++j) {
     const auto place = static_cast<float>(j);

@@ -15,7 +15,7 @@ struct CoarseEdges {
   NormalFlags found;
 };
 
-/// Where the level half way between both ends of a normal is crossed, seen from outside.
+/// Finds on each normal, from outside, the crossing of the level half way between its two ends.
 CoarseEdges half_level_edges(const RimBand& band, double contrast) {
   constexpr double kLeastStep = 0.2;
   constexpr int kEnd = 3;
@@ -36,8 +36,9 @@ CoarseEdges half_level_edges(const RimBand& band, double contrast) {
   return edges;
 }
 
-/// Standard deviation of one half-level edge of a lamp in ordinary focus. The crossing between two
-/// samples is taken for straight, which it is less where the light is clipped above it.
+/// Returns the standard deviation of one half-level edge of a lamp in ordinary focus. The level
+/// between two samples is taken as straight, which holds less well where it is clipped above the
+/// edge.
 double coarse_sigma_px(const PixelNoise& noise, const Blob& blob) {
   constexpr double kStraight_px = 0.03, kClipped_px = 0.06;
   const double sigma = std::sqrt(noise.variance(0.5 * (blob.level + blob.background)));
@@ -45,7 +46,7 @@ double coarse_sigma_px(const PixelNoise& noise, const Blob& blob) {
   return std::max(least, 2.0 * kOrdinaryBlur_px * sigma / blob.contrast());
 }
 
-/// Fits to the edges of one band.
+/// Fits outlines to the edges of one band.
 class EdgeFits {
  public:
   EdgeFits(const Normals& normals, const CoarseEdges& edges, double sigma_px)
@@ -55,7 +56,7 @@ class EdgeFits {
     return fit_outline(normals_, edges_.offset_px, information(use), wave_px * wave_px);
   }
 
-  /// The normals that agree with the fit to all but the arc that is best left out.
+  /// Returns the normals that agree with the fit to all but the arc that is best left out.
   NormalFlags without_arc(double wave_px) const {
     const ArcFit arc =
         fit_without_arc(normals_, edges_.offset_px, information(edges_.found), wave_px * wave_px);
@@ -63,7 +64,7 @@ class EdgeFits {
                     edges_.found, arc.use);
   }
 
-  /// Mean square of what a fit leaves, over the edges' variance.
+  /// Returns the mean square of a fit's residuals divided by the edges' variance.
   double scatter(const OutlineFit& fit, const NormalFlags& use) const {
     const PerNormal residual = residuals(fit);
     double squares = 0.0;
@@ -74,7 +75,7 @@ class EdgeFits {
     return squares / (count * sigma_px_ * sigma_px_);
   }
 
-  /// Does it leave no more than the edges' noise?
+  /// Returns whether the residuals are no larger than the edges' noise.
   bool explains(const OutlineFit& fit) const {
     constexpr double kMostScatter = 2.5, kMostSigmas = 5.0;
     const PerNormal residual = residuals(fit);
@@ -103,7 +104,7 @@ std::optional<CoarseOutline> find_outline(const RimBand& band, const Outline& fr
                                           const Blob& blob, const PixelNoise& noise) {
   constexpr double kOrdinaryWave = 0.005, kLargeWave = 0.02;  // per harmonic, of the radius
   constexpr double kClearlyLess = 0.5;
-  constexpr double kNeighbours = 2.0;  // edges that are wrong together: they share pixels
+  constexpr double kNeighbours = 2.0;  // neighbouring edges share pixels and err together
   const CoarseEdges edges = half_level_edges(band, blob.contrast());
   if (2 * edges.found.count() < band.normals.count()) return std::nullopt;
   const double radius = 0.5 * from.diameter();

@@ -10,17 +10,18 @@
 
 namespace planar {
 
-/// An outline through half-level edges, within a few tenths of a pixel.
+/// An outline through half-level edges, correct to a few tenths of a pixel.
 struct CoarseOutline {
   Outline outline;
   NormalFlags use;                    ///< the normals whose edges belong to it
-  Eigen::Matrix2d center_covariance;  ///< by the scatter of the edges
+  Eigen::Matrix2d center_covariance;  ///< from the scatter of the edges
 };
 
-/// From the outline that a band was sampled along to the first that explains the edges in it: an
-/// ellipse, one with waves as large as they come, and one with ordinary waves through all but a
-/// quarter of the rim and through what agrees with that; the last only if it leaves clearly less
-/// than the one before. Empty when less than half of the rim has edges.
+/// Fits outlines to the half-level edges in a band that was sampled along `from`, and returns the
+/// first one that explains them: an ellipse, then an ellipse with large waves. If neither does, an
+/// outline with ordinary waves is fitted to all but a quarter of the rim and to what agrees with
+/// that; it is returned if its residuals are clearly smaller, else the one with large waves. Empty
+/// when less than half of the rim has edges.
 std::optional<CoarseOutline> find_outline(const RimBand& band, const Outline& from,
                                           const Blob& blob, const PixelNoise& noise);
 

@@ -33,7 +33,7 @@ EdgeProfile fit_edge_profile(const RimBand::Places& distance_px, const RimBand::
                              const RimBand::Places& weight, const EdgeProfile& start) {
   constexpr int kSteps = 2;
   constexpr double kLeastBlur_px = 0.4, kMostBlur_px = 4.0;
-  // Standard deviations of what is expected before the levels are seen.
+  // These are the standard deviations of the prior.
   constexpr double kOffset_px = 1.0, kBlur_px = 0.5, kSlope = 0.05;
   const double contrast = start.bright - start.dark;
   const Unknowns sigma =

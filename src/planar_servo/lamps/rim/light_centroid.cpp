@@ -10,7 +10,7 @@ namespace planar {
 namespace {
 
 struct RowSums {
-  int light{0}, first{0};  ///< light, and light times place
+  int light{0}, first{0};  ///< light, and light times column
   int rim{0};              ///< pixels whose light is neither 0 nor full
 };
 

@@ -13,10 +13,10 @@ struct LightCentroid {
   Eigen::Matrix2d covariance{Eigen::Matrix2d::Zero()};
 };
 
-/// The centre of gravity of a blob's light, counted from 20 % to 80 % of the contrast, so that
-/// neither the noise inside nor the one outside moves it. Exact for a disc that is evenly bright on
-/// a dark ground, wrong by what else there is. The covariance is that of the rim's pixels at the
-/// noise that their levels have beside the rim. Empty without light.
+/// Returns the centre of gravity of a blob's light. Light counts from 20 % to 80 % of the contrast,
+/// so that noise inside and outside does not move it. It is exact for an evenly bright disc on a
+/// dark ground and biased by all other light. The covariance is that of the noise of the rim's
+/// pixels. Empty without light.
 std::optional<LightCentroid> light_centroid(const cv::Mat& image, const Blob& blob);
 
 }  // namespace planar

@@ -8,12 +8,12 @@
 namespace planar {
 namespace {
 
-/// The product of two complex numbers.
+/// Returns the product of two complex numbers.
 Eigen::Vector2d turned(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   return {a.x() * b.x() - a.y() * b.y(), a.x() * b.y() + a.y() * b.x()};
 }
 
-/// The symmetric square root of a symmetric positive matrix.
+/// Returns the symmetric square root of a symmetric positive definite matrix.
 Eigen::Matrix2d square_root(const Eigen::Matrix2d& m) {
   const double root = std::sqrt(m.determinant());
   return (m + root * Eigen::Matrix2d::Identity()) / std::sqrt(m.trace() + 2.0 * root);
@@ -41,7 +41,7 @@ void Outline::change(const Terms& terms) {
   waves = terms.tail<kWaveTerms>();
 }
 
-// These depend on the number of normals alone.
+// These depend only on the number of normals.
 void Normals::spread_harmonics(int count) {
   move.resize(Outline::kTerms, count);
   harmonics.resize(kHarmonics, count);

@@ -6,10 +6,10 @@
 
 namespace planar {
 
-/// The outline of a lamp in an image: an ellipse, and the waves along its normals that a real rim
-/// has. Pixels.
+/// The outline of a lamp in an image, pixels: an ellipse with small waves along its normals, as a
+/// real rim has.
 struct Outline {
-  static constexpr int kFirstWave = 3, kLastWave = 9;  // an ellipse takes the harmonics up to 2
+  static constexpr int kFirstWave = 3, kLastWave = 9;  // the ellipse takes the harmonics up to 2
   static constexpr int kShapeTerms = 5, kWaveTerms = 2 * (kLastWave - kFirstWave + 1);
   static constexpr int kTerms = kShapeTerms + kWaveTerms;
   using Terms = Eigen::Matrix<double, kTerms, 1>;
@@ -19,24 +19,24 @@ struct Outline {
   Eigen::Matrix2d axes{Eigen::Matrix2d::Identity()};  ///< symmetric; maps the unit circle to it
   Waves waves{Waves::Zero()};                         ///< cosine and sine of each harmonic
 
-  /// Of the circle with the ellipse's area.
+  /// Returns the diameter of the circle with the ellipse's area.
   double diameter() const;
 
-  /// Moves the ellipse by the changes of its centre, axes(0, 0), axes(0, 1) and axes(1, 1), which
-  /// are the first of these terms; the others are the new waves.
+  /// Adds the first five terms to the centre, axes(0, 0), axes(0, 1) and axes(1, 1), and sets the
+  /// waves to the others.
   void change(const Terms& terms);
 };
 
-/// The ellipse with a blob's moments.
+/// Returns the ellipse that has a blob's moments.
 Outline outline_of(const Blob& blob);
 
-/// A number for each normal of an outline.
+/// One number for each normal of an outline.
 constexpr int kMostNormals = 384;
 using PerNormal = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMostNormals, 1>;
 using NormalFlags = Eigen::Array<bool, Eigen::Dynamic, 1, Eigen::ColMajor, kMostNormals, 1>;
 
-/// The normals of an outline's ellipse at the images of equally spaced points of the unit circle,
-/// (cos a, sin a), counted from a = 0. One column each.
+/// The normals of an outline's ellipse, one column each. They stand at the images of equally spaced
+/// points (cos a, sin a) of the unit circle, counted from a = 0.
 struct Normals {
   static constexpr int kMost = kMostNormals, kHarmonics = 5;
   template <int Rows>
@@ -44,18 +44,18 @@ struct Normals {
 
   Columns<2> foot;                ///< on the ellipse
   Columns<2> direction;           ///< outwards, of length 1
-  Columns<Outline::kTerms> move;  ///< along the normal, by a unit of each of the outline's terms
+  Columns<Outline::kTerms> move;  ///< shift of the outline along the normal by a unit of each term
   Columns<kHarmonics> harmonics;  ///< 1, cos a, sin a, cos 2a, sin 2a
-  PerNormal arc_px;               ///< of the ellipse, to the next normal
+  PerNormal arc_px;               ///< arc of the ellipse from one normal to the next
 
   int count() const { return static_cast<int>(foot.cols()); }
 
-  /// Writes `count` normals, at most kMost.
+  /// Computes `count` normals, at most kMost.
   void spread(const Outline& outline, int count);
 
-  /// How far the outline moves along each normal by a change of its terms.
+  /// Returns how far a change of terms moves the outline along each normal.
   PerNormal moved(const Outline::Terms& terms) const;
-  /// How far the outline's waves lie outside its ellipse.
+  /// Returns how far the outline's waves lie outside its ellipse.
   PerNormal waves(const Outline& outline) const;
 
  private:

@@ -57,7 +57,7 @@ double robust_sigma(const PerNormal& residual, const NormalFlags& use) {
   return kNormalPerMad * *middle;
 }
 
-/// Also takes out what is within reach of what is out, on both sides.
+/// Also removes the normals within `reach` of a removed one, on both sides.
 NormalFlags without_neighbours(const NormalFlags& use, int reach) {
   const auto n = use.size();
   NormalFlags clear = use;
@@ -81,7 +81,7 @@ OutlineFit fit_outline(const Normals& normals, const PerNormal& offset_px,
                        const PerNormal& information) {
   constexpr double kSigmas = 3.0, kLeastVariance_px2 = 1e-6;
   OutlineFit even = fit_outline(normals, offset_px, information, 0.0);
-  // What each wave would explain of the residuals if it were alone.
+  // These are the residuals that each wave alone would explain.
   const auto waves = normals.move.bottomRows<kWaves>();
   const PerNormal weighted = information.cwiseProduct(residuals(normals, offset_px, even));
   const Outline::Waves score = waves * weighted, known = waves.cwiseAbs2() * information;

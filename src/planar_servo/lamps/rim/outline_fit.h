@@ -33,10 +33,11 @@ struct ArcFit {
 };
 ArcFit fit_without_arc(const Normals& normals, const PerNormal& offset_px,
                        const PerNormal& information, double wave_variance_px2);
+/// Tries 32 arcs and leaves out the one without which the rest fits best.
 
 /// What decides whether a normal agrees with a fit.
 struct Agreement {
-  double least_sigma_px;  ///< of an offset; the normals in use may show more
+  double least_sigma_px;  ///< Decides whether a normal agrees with a fit.
   double blur_px;         ///< of the edge, which spreads what is wrong to the neighbours
 };
 

@@ -30,14 +30,14 @@ struct Side {
     return pixels >= kLeastPixels;
   }
   double mean_level() const { return static_cast<double>(level) / pixels; }
-  /// Of normal noise, whose second difference has 6 times the variance.
+  /// Returns the variance of normal noise, whose second difference has 6 times the variance.
   double variance() const {
     const double mean = static_cast<double>(difference) / pixels;
     return std::max(kRounding, mean * mean * kPi / 2.0 / 6.0);
   }
 };
 
-/// How the rows of an image cross an ellipse, or one with its axes scaled.
+/// Tells where the rows of an image cross an ellipse or a scaled copy of it.
 class Rows {
  public:
   explicit Rows(const Outline& outline) : center_(outline.center) {
@@ -82,7 +82,7 @@ double PixelNoise::variance(double level) const {
 }
 
 PixelNoise estimate_noise(const cv::Mat& image, const Outline& outline) {
-  constexpr int kRowStep = 2;  // half of the rows tells enough
+  constexpr int kRowStep = 2;  // half of the rows suffices
   constexpr double kMargin_px = 4.0, kMarginInside = 0.3, kReach_px = 5.0;
   const double radius = 0.5 * outline.diameter();
   const double inner = 1.0 - std::max(kMargin_px / radius, kMarginInside);

@@ -6,7 +6,7 @@
 
 namespace planar {
 
-/// Variance of a pixel's grey level: at_zero + per_level * level.
+/// The variance of a pixel's grey level as a line in the level: at_zero + per_level * level.
 struct PixelNoise {
   double at_zero{0.0};
   double per_level{0.0};
@@ -14,8 +14,8 @@ struct PixelNoise {
   double variance(double level) const;
 };
 
-/// From the second differences along the rows, well inside and well outside the lamp. Where one
-/// side does not tell (a lamp that is clipped or small), the variance at level zero is taken for
+/// Estimates the noise from second differences along the rows, well inside and well outside the
+/// lamp. Where one side does not tell (the lamp is clipped or small), the variance at level zero is
 /// that of rounding and of half a level of read noise.
 PixelNoise estimate_noise(const cv::Mat& image, const Outline& outline);
 

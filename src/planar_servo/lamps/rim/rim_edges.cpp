@@ -18,17 +18,17 @@ using Kinds = Eigen::Matrix<double, kKinds, 1>;
 using KindSquare = Eigen::Matrix<double, kKinds, kKinds>;
 using HarmonicSquare = Eigen::Matrix<double, kHarmonics, kHarmonics>;
 using Templates = Eigen::Matrix<double, kKinds + 1, RimBand::kPlaces>;
-/// For products in single precision: filled up to whole SIMD registers.
+/// Templates in single precision, padded to whole SIMD registers.
 using WideTemplates = Eigen::Matrix<float, 8, RimBand::kPlaces>;
 
-/// The profile that is common to the normals: what all of them are compared with.
+/// The mean profile of all normals, which each of them is compared with.
 struct CommonProfile {
   EdgeProfile profile;
   RimBand::Places weight;  ///< 1 / variance per normal of mean arc; 0 where clipped
   bool is_clipped{false};
 };
 
-/// The first place that is clipped on none of the normals in use. A few clipped samples beyond the
+/// Returns the first place that is clipped on no normal in use. A few clipped samples outside the
 /// ones where many are (a hot pixel) do not count.
 int first_unclipped(const RimBand& band, const NormalFlags& use) {
   constexpr double kMany = 0.3;
@@ -69,7 +69,7 @@ std::optional<CommonProfile> common_profile(const RimBand& band, const PixelNois
   return common;
 }
 
-/// The normals on which no sample is clipped but those that are clipped on all.
+/// Returns the normals that have no clipped sample besides those that are clipped on all.
 NormalFlags readable(const RimBand& band, const CommonProfile& common) {
   NormalFlags flags = NormalFlags::Constant(band.normals.count(), true);
   if (band.level.maxCoeff() < RimBand::kClipped) return flags;
@@ -81,21 +81,21 @@ NormalFlags readable(const RimBand& band, const CommonProfile& common) {
   return flags;
 }
 
-/// Products of the templates (one per kind of level, then one of the edge's offset times the
-/// contrast) with one another and with the levels of each normal.
+/// The products of the templates with one another and with the levels of each normal. There is one
+/// template per kind of level and one for the edge's offset times the contrast.
 struct Products {
-  KindSquare kinds;        ///< the offset eliminated
+  KindSquare kinds;        ///< with the offset eliminated
   Kinds offset_per_level;  ///< what a level beside the rim adds to the offset times the contrast
   double offset_information;
-  Normals::Columns<kKinds> normal_kinds;  ///< the offset eliminated
-  PerNormal normal_offset;                ///< times the contrast
+  Normals::Columns<kKinds> normal_kinds;  ///< with the offset eliminated
+  PerNormal normal_offset;                ///< multiplied by the contrast
 };
 
 Products products(const RimBand& band, const CommonProfile& common) {
   const EdgeProfile& profile = common.profile;
   Templates shapes;
   WideTemplates weighted = WideTemplates::Zero();
-  Eigen::Matrix<float, RimBand::kPlaces, 1> bend;  // what a unit of blur adds to a level
+  Eigen::Matrix<float, RimBand::kPlaces, 1> bend;  // change of a level by a unit of blur
   for (int j = 0; j < RimBand::kPlaces; ++j) {
     const double d = band.distance_px[j];
     const EdgeShape edge = profile.shape(d);
@@ -114,7 +114,7 @@ Products products(const RimBand& band, const CommonProfile& common) {
   const Kinds mixed = square.topRightCorner<kKinds, 1>();
   p.offset_per_level = -mixed / p.offset_information;
   p.kinds = square.topLeftCorner<kKinds, kKinds>() + mixed * p.offset_per_level.transpose();
-  p.kinds.diagonal().array() += 1e-9 * p.kinds.trace();  // a kind that the places do not tell
+  p.kinds.diagonal().array() += 1e-9 * p.kinds.trace();  // for a kind left undetermined
   const int count = band.normals.count();
   p.normal_offset.resize(count);
   p.normal_kinds.resize(kKinds, count);
@@ -129,7 +129,8 @@ Products products(const RimBand& band, const CommonProfile& common) {
   return p;
 }
 
-/// Normal equations of the levels' harmonics: kinds (x) harmonics, when all kinds have all of them.
+/// The normal equations of the levels' harmonics, as a Kronecker product of kinds and harmonics,
+/// when every kind has every harmonic.
 struct LevelEquations {
   KindSquare kinds;
   HarmonicSquare harmonics;
@@ -138,7 +139,7 @@ struct LevelEquations {
 
 using KindFlags = std::array<bool, kKinds>;
 
-/// With the harmonics above the constant of those kinds only that vary.
+/// Solves with the constant of every kind, and with the harmonics of those kinds only that vary.
 RimLevels solve(const LevelEquations& equations, const KindFlags& varies) {
   using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor,
                                RimLevels::kTerms, RimLevels::kTerms>;
@@ -178,8 +179,8 @@ RimLevels solve(const LevelEquations& equations, const KindFlags& varies) {
   return levels;
 }
 
-/// Which kinds vary round the rim by more than their noise explains, when all may. The level and
-/// the slope of one side are nearly exchangeable and therefore tested together first.
+/// Returns the kinds that vary round the rim by more than their noise explains. Level and slope of
+/// one side are nearly exchangeable and are therefore first tested together.
 KindFlags significant_kinds(const LevelEquations& equations, bool is_clipped) {
   constexpr int kWaving = kHarmonics - 1;
   constexpr double kSigmas = 3.0;
@@ -223,7 +224,7 @@ RimLevels fit_levels(const Products& p, const Normals& normals, const PerNormal&
 
 std::optional<RimEdges> measure_edges(const RimBand& band, const Outline& outline,
                                       const PixelNoise& noise, const NormalFlags& use) {
-  constexpr double kLeastLocalContrast = 0.1;  // of the mean one
+  constexpr double kLeastLocalContrast = 0.1;  // of the mean contrast
   const Normals& normals = band.normals;
   const std::optional<CommonProfile> common = common_profile(band, noise, use);
   if (!common) return std::nullopt;

@@ -15,7 +15,8 @@
 namespace planar {
 namespace {
 
-/// Of the centre: by the edges' noise at given levels, and by the levels'.
+/// Returns the covariance of the centre: that of the edges' noise at given levels plus that of the
+/// levels.
 Eigen::Matrix2d center_covariance(const OutlineFit& fit, const Normals& normals,
                                   const RimEdges& edges) {
   const int terms = fit.has_waves ? Outline::kTerms : Outline::kShapeTerms;
@@ -44,7 +45,7 @@ double largest_gap(const NormalFlags& use) {
   return 2.0 * kPi * static_cast<double>(longest) / static_cast<double>(n);
 }
 
-/// Is this still the lamp that the blob announced?
+/// Returns whether this is still the lamp of the blob.
 bool is_near(const Outline& outline, const Blob& blob) {
   constexpr double kMostShift = 0.25, kMostGrowth = 1.5;  // of the diameter
   const double ratio = outline.diameter() / blob.diameter_px();
@@ -53,7 +54,7 @@ bool is_near(const Outline& outline, const Blob& blob) {
          (outline.center - blob.uv_px).norm() < kMostShift * blob.diameter_px();
 }
 
-/// How far inside an outline its normals may be followed: they meet where it is narrow.
+/// Returns how far inside an outline its normals may be followed before they meet.
 double reach_inside_px(const Outline& outline, double wanted_px) {
   constexpr double kMost = 0.75;  // of the minor half axis
   const double half_trace = 0.5 * outline.axes.trace();
@@ -62,7 +63,7 @@ double reach_inside_px(const Outline& outline, double wanted_px) {
   return std::min(wanted_px, kMost * minor);
 }
 
-/// The band of the first look is as wide as a blob's moments may be wrong.
+/// Samples a band that is as wide as a blob's moments may be wrong.
 void sample_coarsely(const cv::Mat& image, const Outline& outline, double reach_px, RimBand& band) {
   constexpr double kReach = 0.35, kLeast_px = 4.0;  // of the radius
   const double reach = std::max(kLeast_px, 0.5 * kReach * outline.diameter());
@@ -70,14 +71,14 @@ void sample_coarsely(const cv::Mat& image, const Outline& outline, double reach_
               std::min(reach, reach_px));
 }
 
-/// One round of the measurement along the normals of an outline.
+/// The result of one round of the measurement along an outline's normals.
 struct Round {
   OutlineFit fit;
   Eigen::Matrix2d center_covariance;
   NormalFlags use;
   double blur_px;
 
-  /// The rim that was measured is the one that the outline follows.
+  /// Returns whether the outline and the normals in use have stopped changing.
   bool is_settled(const NormalFlags& used) const {
     constexpr double kNear_px = 0.1;
     return (use == used).all() && fit.terms.head<2>().norm() < kNear_px;
@@ -86,7 +87,7 @@ struct Round {
 
 std::optional<Round> measure(const cv::Mat& image, const Outline& outline, const PixelNoise& noise,
                              double reach_px, const NormalFlags& use, RimBand& band) {
-  // A lamp's light changes slowly; what lies round it may be anything.
+  // A lamp's light changes slowly, but anything may lie round it, so less of the outside is used.
   constexpr double kInside_px = 6.0, kOutside_px = 4.5;
   band.sample(image, outline, static_cast<int>(use.size()), -reach_inside_px(outline, kInside_px),
               std::min(kOutside_px, reach_px));
@@ -101,7 +102,7 @@ std::optional<Round> measure(const cv::Mat& image, const Outline& outline, const
                edges->blur_px};
 }
 
-/// From the start in rounds to the rim that is measured by all its pixels.
+/// Repeats the measurement from the start until the outline settles.
 std::optional<RimFit> refine(const cv::Mat& image, const Blob& blob, const CoarseOutline& start,
                              const PixelNoise& noise, double reach_px, RimBand& band) {
   constexpr int kRounds = 3;
@@ -118,7 +119,7 @@ std::optional<RimFit> refine(const cv::Mat& image, const Blob& blob, const Coars
     const bool is_settled = round->is_settled(use);
     use = round->use;
     rim.center_covariance = round->center_covariance;
-    // The blur of a bent edge moves it inwards, by half its variance over the radius.
+    // The blur of a bent edge moves it inwards by half its variance divided by the radius.
     rim.diameter = outline.diameter() + 2.0 * round->blur_px * round->blur_px / outline.diameter();
     if (is_settled) break;
   }
@@ -139,7 +140,7 @@ std::optional<RimFit> fit_rim(const cv::Mat& image, const Blob& blob, double rea
   const Outline outline = outline_of(blob);
   if (!is_near(outline, blob)) return std::nullopt;
   const PixelNoise noise = estimate_noise(image, outline);
-  static thread_local RimBand band;  // large, and half of it serves the next lamp of this size
+  static thread_local RimBand band;  // large; half of it serves the next lamp of this size
   sample_coarsely(image, outline, reach_px, band);
   const std::optional<CoarseOutline> start = find_outline(band, outline, blob, noise);
   if (!start) return std::nullopt;

@@ -8,7 +8,7 @@
 
 namespace planar {
 
-/// The outline of a lamp, to a small part of a pixel.
+/// The outline of a lamp to a small part of a pixel.
 struct RimFit {
   Eigen::Vector2d center{0.0, 0.0};
   Eigen::Matrix2d center_covariance{Eigen::Matrix2d::Zero()};
@@ -17,12 +17,12 @@ struct RimFit {
 };
 
 /// Fits an ellipse with a wavy rim to the grey levels along its normals, up to `reach_px` outside
-/// it (at most 4.5 px). What a lamp may do besides being a disc is taken only as far as the image
-/// shows it: levels and slopes that change round the rim (measure_edges), a rim with waves
-/// (fit_outline), stretches that do not belong to the outline (agreeing), clipped pixels. The noise
-/// is estimated from the image, and from it the covariance. A rim that its grey levels do not fit
-/// (interlaced or compressed images, lamps of few pixels) is measured by its half-level edges, with
-/// the covariance of their scatter. Empty when there is no rim to fit.
+/// it (at most 4.5 px). Departures from an even disc are fitted only as far as the image shows
+/// them: levels and slopes that change round the rim (measure_edges), waves (fit_outline),
+/// stretches that do not belong to the outline (agreeing), clipped pixels. The covariance follows
+/// from noise estimated in the image. A rim whose levels do not fit (interlaced or compressed
+/// images, lamps of few pixels) is measured by its half-level edges, with the covariance of their
+/// scatter. Empty when there is no rim to fit.
 std::optional<RimFit> fit_rim(const cv::Mat& image, const Blob& blob, double reach_px);
 
 }  // namespace planar
