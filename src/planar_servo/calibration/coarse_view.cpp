@@ -15,25 +15,26 @@ namespace {
 
 using Rows = std::vector<CoarseViewRow>;
 
-// From here on wrong rows can be told from right ones.
+// With as many rows wrong ones can be told from right ones.
 constexpr std::size_t kRobustRows = 6;
-// With a third of the rows wrong, at least one triple is surely clean.
+// Even with a third of the rows wrong, one of as many triples is almost surely free of them.
 constexpr int kTriples = 200;
 constexpr int kRounds = 3;
 constexpr double kOutlierSigmas = 4.0;
-// What a homography misses of a lens, and an affine map of perspective, makes no outlier.
+// The lens, which a homography does not model, makes no row an outlier; nor does perspective, which
+// an affine map does not model.
 constexpr double kLeastOutlierPx = 3.0;
 constexpr double kPerspectiveShare = 0.1;  // of the field
-// Width over length below which points are collinear.
+// Points whose width over length is below this count as collinear.
 constexpr double kLeastSpread = 1e-3;
-// Ratio of singular values below which a homography is not determined.
+// A homography whose singular values have a smaller ratio is not determined.
 constexpr double kLeastSingularRatio = 1e-4;
 
 bool is_finite(const CoarseViewRow& row) {
   return row.p.allFinite() && row.uv_px.allFinite();
 }
 
-/// Takes the points' centroid to 0 and their rms distance from it to 1.
+/// Returns the map that takes the points' centroid to 0 and their rms distance from it to 1.
 Eigen::Matrix3d normalisation(const Eigen::Matrix2Xd& points) {
   const Eigen::Vector2d centre = points.rowwise().mean();
   const double scale = std::sqrt((points.colwise() - centre).colwise().squaredNorm().mean());
@@ -88,7 +89,7 @@ std::optional<Eigen::Matrix3d> fit_homography(const Rows& rows) {
   const Eigen::Matrix3d normalised =
       Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(h.data());
   Eigen::Matrix3d H = normalise_uv.inverse() * normalised * normalise_p;
-  // The sign that puts the points in front of the camera; they must all be.
+  // The sign is chosen so that the points lie in front of the camera, as they all must.
   const Eigen::RowVectorXd depth = H.row(2) * sets.p.colwise().homogeneous();
   if (depth.minCoeff() < 0.0 && depth.maxCoeff() > 0.0) return std::nullopt;
   return depth.sum() < 0.0 ? Eigen::Matrix3d(-H) : H;
@@ -111,7 +112,7 @@ std::vector<double> residuals_px(const Eigen::Matrix3d& H_IB, const Rows& rows) 
   return residuals;
 }
 
-/// The affine map through three rows that leaves the least median residual [Rousseeuw 1984].
+/// Returns the affine map through three rows with the least median residual [Rousseeuw 1984].
 std::optional<Eigen::Matrix3d> fit_least_median(const Rows& rows) {
   std::optional<Eigen::Matrix3d> best;
   double best_median = std::numeric_limits<double>::max();
@@ -130,7 +131,8 @@ std::optional<Eigen::Matrix3d> fit_least_median(const Rows& rows) {
   return best;
 }
 
-/// Rows within kOutlierSigmas of the map, judged by their median, or within `least_px`.
+/// Returns the rows whose residual is within kOutlierSigmas, judged by the median residual, or
+/// within `least_px`.
 Rows inliers(const Eigen::Matrix3d& H_IB, const Rows& rows, double least_px) {
   constexpr double kSigmaPerMedian = 1.0 / 1.1774;  // of the length of a normal 2-vector
   const std::vector<double> residuals = residuals_px(H_IB, rows);
@@ -142,7 +144,7 @@ Rows inliers(const Eigen::Matrix3d& H_IB, const Rows& rows, double least_px) {
   return kept;
 }
 
-/// Size of the robustly seen part of the image: the median distance from the median pixel.
+/// Returns the size of the seen part of the image: the median distance from the median pixel.
 double field_px(const Rows& rows) {
   std::vector<double> u, v, distances;
   for (const CoarseViewRow& row : rows) {
@@ -174,7 +176,7 @@ std::optional<Eigen::Vector2d> CoarseView::pixel(const Eigen::Vector2d& p) const
 std::optional<Eigen::Vector2d> CoarseView::direction(const Eigen::Vector2d& p, double phi) const {
   const std::optional<Eigen::Vector2d> uv = pixel(p);
   if (!uv) return std::nullopt;
-  // d(uv)/dp times the depth, a positive factor.
+  // J is d(uv)/dp times the depth, which is positive.
   const Eigen::Matrix2d J = H_IB_.topLeftCorner<2, 2>() - *uv * H_IB_.bottomLeftCorner<1, 2>();
   return (J * Eigen::Vector2d(std::cos(phi), std::sin(phi))).normalized();
 }

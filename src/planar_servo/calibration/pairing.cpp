@@ -15,14 +15,14 @@
 namespace planar {
 namespace {
 
-// Far beyond the noise of a lamp's centre and of a tracker: such a difference is motion.
+// Differences this far beyond the noise of a lamp's centre and of a tracker are motion.
 constexpr double kMotionPx = 1.0;
 constexpr double kMotion = 0.2 * kMillimetre;
 constexpr double kTimeWindow = 0.5;  // s
 constexpr double kSameJoint = 1e-6;  // rad; files round angles
 constexpr char kSweepPlan[] = "sweep3";
 
-/// Everything that was seen at one id.
+/// Collects everything that was recorded at one id.
 struct Place {
   std::vector<const LampSight*> frames;
   std::vector<const LampSight*> failed;
@@ -46,7 +46,7 @@ void require_finite(const std::vector<LampSight>& frames,
   faults.throw_if_any();
 }
 
-/// The id whose frames lie nearest in time; empty beyond the window.
+/// Returns the id whose frames are nearest in time; empty beyond the window.
 std::string nearest_in_time(const std::vector<LampSight>& frames, double t_s) {
   double least = kTimeWindow;
   std::string id;
@@ -74,7 +74,7 @@ double farthest_from_mean(const std::vector<const T*>& items, const Value& value
   return farthest;
 }
 
-/// Why the place cannot be used; empty when it can.
+/// Says why the place cannot be used; empty when it can.
 std::string fault_of(const Place& place) {
   if (place.frames.empty()) return "no frame with both lamps: " + place.failed.front()->status;
   if (place.readings.empty()) return "no tracker reading";
@@ -105,12 +105,13 @@ ToolSight average(const Place& place) {
         mean_of(place.frames, [k](const LampSight& f) { return f.covariances_px2[k]; }) / n;
   }
   sight.p_reflector_B = mean_of(place.readings, [](const ToolReading& r) { return r.p_B; });
-  // A tracker's stated deviation is in part systematic: repeating a reading does not reduce it.
+  // A tracker's stated deviation is in part systematic, so repeated readings do not reduce it.
   sight.sigma_tracker = mean_of(place.readings, [](const ToolReading& r) { return r.sigma; });
   return sight;
 }
 
-/// The number of the sweep with these joints, a new one when they are new.
+/// Returns the number of the sweep with these angles of joints 1 and 2; new angles begin a new
+/// sweep.
 int sweep_number(const Eigen::Vector2d& theta12, std::vector<Eigen::Vector2d>& sweeps) {
   const auto same = std::find_if(sweeps.begin(), sweeps.end(), [&](const Eigen::Vector2d& known) {
     const Eigen::Vector2d turn = (known - theta12).unaryExpr(&wrap_angle);
@@ -144,7 +145,8 @@ Rejection far_from_frames(const std::vector<const ToolReading*>& stretch) {
                       kTimeWindow, stretch.size(), first.t_s, stretch.back()->t_s)};
 }
 
-/// A tracker that measures all the time leaves long stretches without a frame: each is told once.
+/// Adds readings to the places nearest in time. A tracker that measures all the time leaves long
+/// stretches without a frame; each is reported once.
 void add_by_time(const std::vector<ToolReading>& readings, const std::vector<LampSight>& frames,
                  Places& places, std::vector<Rejection>& rejected) {
   std::vector<const ToolReading*> stretch;

@@ -6,13 +6,13 @@
 
 namespace planar {
 
-/// The tool at rest in one place, as the camera and the tracker saw it: means over the frames and
-/// the readings of that place.
+/// An observation of the tool at rest at one place: the means of the camera's frames and of the
+/// tracker's readings there.
 struct ToolSight {
   std::string id;
   std::string plan;
-  /// Number of the joint-3 sweep that this place belongs to: places of one sweep share the end
-  /// point. kNoSweep for all others.
+  /// Number of the joint-3 sweep of this place; the places of one sweep share the end point.
+  /// kNoSweep for places outside a sweep.
   int sweep{kNoSweep};
   std::array<Eigen::Vector2d, 2> lamps_px{Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};
   std::array<Eigen::Matrix2d, 2> covariances_px2{Eigen::Matrix2d::Zero(), Eigen::Matrix2d::Zero()};
@@ -22,7 +22,7 @@ struct ToolSight {
   static constexpr int kNoSweep = -1;
 };
 
-/// What was left out, and why, in words.
+/// Names something that was left out and says why.
 struct Rejection {
   std::string id;
   std::string reason;

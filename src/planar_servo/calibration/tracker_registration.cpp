@@ -13,17 +13,17 @@
 namespace planar {
 namespace {
 
-// Width over length below which points count as collinear: the turn about the line would be a
-// hundred times less certain than the others.
+// Points whose width over length is below this count as collinear: the turn about their line would
+// be a hundred times less certain than the other turns.
 constexpr double kLeastSpread = 1e-2;
 
-// Share of the monuments' spread beyond which they are not where the cell file has them.
+// Residuals above this share of the monuments' spread mean that the cell file has them elsewhere.
 constexpr double kMaxResidualShare = 1e-2;
 
 template <int N>
 using Points = Eigen::Matrix<double, N, Eigen::Dynamic>;
 
-/// Points that determine a rigid motion span at least N - 1 directions.
+/// Returns whether the points determine a rigid motion, for which they must span N - 1 directions.
 template <int N>
 bool span_enough(const Points<N>& centred) {
   const Eigen::Vector<double, N> spread =

@@ -14,23 +14,24 @@ namespace planar {
 struct VisionTip {
   TipPose tip;                                          ///< base frame
   Eigen::Matrix2d covariance{Eigen::Matrix2d::Zero()};  ///< of tip.p, from the lamps' pixels, m^2
-  double sigma_phi{0.0};                                ///< of tip.phi, the same way, radians
+  double sigma_phi{0.0};  ///< of tip.phi, from the lamps' pixels, radians
 };
 
-/// Shifts in pixels from the images of both lamps' centres to the centres of their images, for
-/// discs of these diameters (metres) in the plane; see eccentricity_px(). Zero where a lamp's ray
-/// does not meet the plane or its diameter is not known (zero).
+/// Returns the shifts in pixels from the images of the lamps' centres to the centres of their
+/// images, for discs of these diameters (metres) in the plane; see eccentricity_px(). A shift is
+/// zero where the lamp's ray does not meet the plane or its diameter is unknown (zero).
 std::array<Eigen::Vector2d, 2> lamp_eccentricities_px(
     const Workplane& workplane, const std::array<Eigen::Vector2d, 2>& lamps_px,
     const std::array<double, 2>& diameters);
 
-/// P = middle of the lamps + R(phi) p_TP, phi the direction from lamp 1 to lamp 2. Pixels of the
-/// lamps' centres, without eccentricity. Empty when a lamp's ray does not meet the plane.
+/// Computes P = middle of the lamps + R(phi) p_TP, with phi the direction from lamp 1 to lamp 2.
+/// `lamps_px` are the lamps' centres without eccentricity. Empty when a lamp's ray does not meet
+/// the plane.
 std::optional<VisionTip> tip_from_lamps(const Workplane& workplane, const ToolOffsets& tool,
                                         const std::array<Eigen::Vector2d, 2>& lamps_px,
                                         const std::array<Eigen::Matrix2d, 2>& covariances_px2);
 
-/// Where lamps 1 and 2 should appear when the end point is at `tip`; empty outside the view.
+/// Returns the pixels of lamps 1 and 2 for an end point at `tip`; empty outside the view.
 std::optional<std::array<Eigen::Vector2d, 2>> lamps_from_tip(const Workplane& workplane,
                                                              const ToolOffsets& tool,
                                                              double lamp_separation_m,

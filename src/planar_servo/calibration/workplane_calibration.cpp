@@ -25,16 +25,17 @@ using Seen = std::vector<SeenSight>;
 
 constexpr int kMaxSteps = 50;
 constexpr int kMaxRounds = 8;
-constexpr double kSettled = 1e-10;  // m and rad
-// A vision error is some thousandths of the field; beyond this, the two do not belong together.
+constexpr double kSettled = 1e-10;  // in m and rad
+// A vision error is some thousandths of the field. Data that differ by more do not belong together.
 constexpr double kMaxRmsShare = 0.02;
 
-/// Both offsets from the sights of the joint-3 sweeps.
+/// Both offsets, fitted to the joint-3 sweeps.
 struct SweepFits {
   Seen seen;  // in the order of the residuals
   SweepOffset lamps, reflector;
 
-  /// The reflector in the lamps' frame, p_TP + p_TS: all that the other sights depend on.
+  /// Returns p_TP + p_TS, the reflector in the lamps' frame. The other observations depend on it
+  /// alone.
   Eigen::Vector2d reflector_in_lamps() const { return reflector.offset - lamps.offset; }
 };
 
@@ -52,7 +53,7 @@ SweepFits fit_sweeps(const Seen& seen) {
   return fits;
 }
 
-/// The reflector by vision, when it lies at `p_reflector` in the lamps' frame.
+/// Returns the reflector by vision when it lies at `p_reflector` in the lamps' frame.
 Eigen::Vector2d reflector_by_vision(const SeenSight& s, const Eigen::Vector2d& p_reflector) {
   return s.lamps.middle + rotation2d(s.lamps.phi) * p_reflector;
 }
@@ -87,7 +88,7 @@ NormalEquations linearise(const Seen& seen, const Eigen::Vector2d& p_reflector) 
   return sum;
 }
 
-/// The next camera pose, given what this one sees.
+/// Computes the next camera pose from what this one sees.
 using Step =
     std::function<Pose(const Pose& X_WC, const Seen& seen, const Eigen::Vector2d& p_reflector)>;
 
@@ -109,8 +110,8 @@ Pose step_in_plane(const Pose& X_WC, const Seen& seen, const Eigen::Vector2d& p_
   return turn * X_WC;
 }
 
-/// From the homography between the lamps' rays and the tracker's positions. Throws InputError when
-/// those are collinear or mirrored.
+/// Returns a first pose from the homography between the lamps' rays and the tracker's positions.
+/// Throws InputError when the positions are collinear or mirrored.
 Pose start_from_pairs(const SightSet& sights, const CameraModel& camera) {
   const double f = intrinsics(camera).fx;
   std::vector<CoarseViewRow> rows;
@@ -126,7 +127,8 @@ Pose start_from_pairs(const SightSet& sights, const CameraModel& camera) {
                               view->homography());
 }
 
-/// Alternates the tool's fit and steps of the pose until the pose settles.
+/// Fits the tool and steps the pose in turn until the pose settles. Throws WorkError when it does
+/// not.
 Pose settle(const SightSet& sights, const Pose& start, const Step& step) {
   Pose X_WC = start;
   for (int k = 0; k < kMaxSteps; ++k) {
@@ -179,7 +181,7 @@ void require_small(double rms_m, const Seen& seen) {
       rms_m / kMillimetre, field / kMillimetre));
 }
 
-/// The fit without its covariance, and the normal equations that give it.
+/// A fit without its covariance, and the normal equations that give it.
 struct Settled {
   WorkplaneFit fit;
   NormalEquations sum;
@@ -204,8 +206,8 @@ Settled fit_in_rounds(SightSet& sights, const Pose& start, const Step& step) {
   return settled;
 }
 
-/// Covariance of the camera pose when place and turn in the plane come from the pairs and height
-/// and tilt from the board, whose error the pairs then partly make good.
+/// Returns the covariance of the camera pose when position and turn in the plane come from the
+/// pairs, and height and tilt from the board. The pairs make good a part of the board's error.
 Matrix6d board_covariance(const NormalEquations& sum, const Eigen::Matrix3d& board) {
   const std::array<int, 3> inner{0, 1, 5}, outer{2, 3, 4};
   const Eigen::Matrix3d inverse = Eigen::Matrix3d(sum.information(inner, inner)).inverse();
@@ -218,7 +220,8 @@ Matrix6d board_covariance(const NormalEquations& sum, const Eigen::Matrix3d& boa
   return covariance;
 }
 
-/// Covariance of (height, rotation about x_W, about y_W) of the mean of several views.
+/// Returns the covariance of (height, rotation about x_W, about y_W) of the mean over several
+/// views.
 Eigen::Matrix3d scatter_of_views(const Pose& X_WC, const std::vector<CameraPlane>& planes) {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   if (planes.size() < 2) return covariance;
@@ -249,7 +252,7 @@ WorkplaneFit fit_workplane_to_board(const CameraModel& camera, const std::vector
   for (const Pose& pose : X_CG) planes.push_back(board_plane(pose));
   const CameraPlane plane = mean_plane(planes);
   SightSet set(camera, sights);
-  start_from_pairs(set, camera);  // refuses mirrored and collinear positions
+  start_from_pairs(set, camera);  // throws for mirrored and collinear positions
   auto [fit, sum] = fit_in_rounds(set, pose_over_plane(plane), step_in_plane);
   fit.absorbed = 3;
   fit.covariance = board_covariance(sum, scatter_of_views(fit.X_WC, planes));

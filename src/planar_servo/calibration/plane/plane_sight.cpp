@@ -12,7 +12,7 @@ std::optional<Eigen::Vector2d> meet_plane(const Pose& X_WC, const Eigen::Vector3
   if (!(c.z() > 0.0 && d.z() < 0.0)) return std::nullopt;
   const Eigen::Vector2d slope = d.head<2>() / d.z();
   if (d_p_d_pose) {
-    Eigen::Matrix<double, 2, 3> along;  // a displacement, followed along the ray into the plane
+    Eigen::Matrix<double, 2, 3> along;  // projects a displacement along the ray into the plane
     along << Eigen::Matrix2d::Identity(), -slope;
     *d_p_d_pose << along, c.z() / d.z() * along * cross_matrix(d);
   }

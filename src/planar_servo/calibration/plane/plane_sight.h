@@ -8,17 +8,17 @@
 
 namespace planar {
 
-/// d / d(dc, dw) of something seen through the camera pose (c + dc, exp(dw) R) in W.
+/// The derivative by (dc, dw) of something seen by a camera at the pose (c + dc, exp(dw) R) in W.
 template <int N>
 using PoseJacobian = Eigen::Matrix<double, N, 6>;
 
-/// Where the ray (camera frame) meets the plane z_W = 0. Empty when it does not meet it in front of
-/// a camera above the plane.
+/// Returns where a ray, given in the camera's frame, meets the plane z_W = 0. Empty unless the
+/// camera is above the plane and the ray meets it in front of the camera.
 std::optional<Eigen::Vector2d> meet_plane(const Pose& X_WC, const Eigen::Vector3d& ray_C,
                                           PoseJacobian<2>* d_p_d_pose = nullptr);
 
-/// The lamps' frame in the plane: the point midway between the lamps and the direction from lamp 1
-/// to lamp 2.
+/// The lamps' frame in the plane: the point midway between the lamps, metres, and the direction
+/// from lamp 1 to lamp 2, radians.
 struct LampsInPlane {
   Eigen::Vector2d middle{0.0, 0.0};
   double phi{0.0};
@@ -29,7 +29,7 @@ struct LampsInPlane {
 std::optional<LampsInPlane> lamps_in_plane(const Pose& X_WC,
                                            const std::array<Eigen::Vector3d, 2>& rays_C);
 
-/// The pose (c + dc, exp(dw) R).
+/// Returns the pose (c + dc, exp(dw) R) for `change` = (dc, dw).
 Pose moved_pose(const Pose& X_WC, const Eigen::Matrix<double, 6, 1>& change);
 
 }  // namespace planar

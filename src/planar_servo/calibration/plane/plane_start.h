@@ -8,26 +8,27 @@
 
 namespace planar {
 
-/// Pose X_WC of a camera that sees points of the plane z_W = 0 along rays (x, y, 1) = H_CW (X, Y,
-/// 1) up to a positive factor [Zhang 2000, sect. 3.1]. Throws InputError when only a mirror image
-/// would be seen so, that is from below the plane.
+/// Returns the pose X_WC of a camera that sees points of the plane z_W = 0 along rays (x, y, 1) =
+/// H_CW (X, Y, 1), up to a positive factor [Zhang 2000, sect. 3.1]. Throws InputError for a
+/// mirrored homography, which would need a camera below the plane.
 Pose pose_from_homography(const Eigen::Matrix3d& H_CW);
 
-/// A plane in the camera's frame: unit normal towards the camera, and the camera's distance.
+/// A plane in the camera's frame: its unit normal towards the camera, and the camera's distance,
+/// metres.
 struct CameraPlane {
   Eigen::Vector3d normal_C{0.0, 0.0, 1.0};
   double distance{0.0};
 };
 
-/// The plane z_G = 0 of a board seen at X_CG. Throws InputError when the pose is not finite or the
-/// camera lies in the plane.
+/// Returns the plane z_G = 0 of a board seen at X_CG. Throws InputError when the pose is not finite
+/// or the camera lies in the plane.
 CameraPlane board_plane(const Pose& X_CG);
 
-/// Mean of planes that are nearly the same.
+/// Returns the mean of planes that are nearly the same; throws InputError when there are none.
 CameraPlane mean_plane(const std::vector<CameraPlane>& planes);
 
-/// A camera pose over this plane; place and turn in the plane are arbitrary: the origin lies under
-/// the camera, x along the image's rows.
+/// Returns a camera pose over this plane. Its origin and direction in the plane are arbitrary: the
+/// origin lies under the camera, and x follows the image's rows.
 Pose pose_over_plane(const CameraPlane& plane);
 
 }  // namespace planar

@@ -13,9 +13,8 @@ namespace planar {
 namespace {
 
 constexpr std::size_t kLeastSights = 6;
-// The vision error has a structure of its own, several times its median at the rim of the field:
-// only what lies far beyond that is an outlier, and nothing within a few hundredths of a
-// millimetre.
+// The vision error has structure: at the rim of the field it is several times its median. Only what
+// lies far beyond that is an outlier, and nothing within a few hundredths of a millimetre.
 constexpr double kOutlierSigmas = 8.0;
 constexpr double kLeastOutlier = 0.05 * kMillimetre;
 constexpr double kMedianLength = 1.1774;  // of a normal 2-vector with unit standard deviations

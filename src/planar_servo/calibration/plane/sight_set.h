@@ -13,7 +13,7 @@
 
 namespace planar {
 
-/// A sight of the tool through a camera pose that is being fitted.
+/// An observation of the tool, seen through a camera pose that is being fitted.
 struct SeenSight {
   std::size_t number{0};  ///< in its SightSet
   const ToolSight* sight{nullptr};
@@ -22,32 +22,34 @@ struct SeenSight {
   Eigen::Vector2d p_reflector() const { return sight->p_reflector_B.head<2>(); }
 };
 
-/// The sights of a fit: their rays, which of them are still used, and why the others are not.
+/// The observations of a fit: their rays, which of them are still used, and why the others are not.
 class SightSet {
  public:
-  /// Throws InputError naming sights that are not finite, and for fewer than 6 usable ones. Keeps
-  /// pointers into `sights`.
+  /// Throws InputError naming observations that are not finite, or when fewer than 6 are usable.
+  /// Keeps pointers into `sights`.
   SightSet(const CameraModel& camera, const std::vector<ToolSight>& sights);
 
-  /// Mean ray of each sight's lamps, (x, y) of (x, y, 1), beside its reflector.
+  /// The mean ray of an observation's lamps, (x, y) of (x, y, 1), and its reflector (base plane,
+  /// metres).
   struct MiddleRay {
     Eigen::Vector2d xy{0.0, 0.0};
     Eigen::Vector2d p_reflector{0.0, 0.0};
   };
   std::vector<MiddleRay> middle_rays() const;
 
-  /// The used sights whose rays meet the plane.
+  /// Returns the used observations whose rays meet the plane.
   std::vector<SeenSight> see(const Pose& X_WC) const;
 
-  /// Leaves out the used sights whose rays do not meet the plane. True when there were any.
+  /// Leaves out the used observations whose rays do not meet the plane; returns whether there were
+  /// any.
   bool reject_unseen(const Pose& X_WC);
 
-  /// Leaves out those of `seen` whose length lies far beyond the scatter of all `lengths`. True
-  /// when there were any.
+  /// Leaves out those of `seen` whose length is far beyond the scatter of all `lengths`; returns
+  /// whether there were any.
   bool reject_beyond(const std::vector<SeenSight>& seen, const std::vector<double>& lengths,
                      const std::string& what);
 
-  /// Throws InputError when more than a third of the sights were left out.
+  /// Throws InputError when more than a third of the observations were left out.
   void require_few_rejected() const;
 
   const std::vector<Rejection>& rejected() const { return rejected_; }
