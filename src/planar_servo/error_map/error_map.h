@@ -13,26 +13,27 @@ namespace planar {
 
 using ErrorMap = std::variant<IdwMap, RbfMap, SparseRbfMap>;
 
-/// The vision error at p_vision (base frame, metres), which must be a position AS VISION SAW IT.
-/// Outside the valid region the map still answers, and says so; what to do then is the caller's
-/// decision. `phi` is the tool's orientation in the base frame, radians; only a map that depends on
-/// it needs it. Throws std::invalid_argument for a position that is not finite, and for a phi that
-/// is needed and not given or not finite.
+/// Returns the predicted vision error at p_vision, which must be a position as vision saw it (base
+/// frame, metres). Outside the valid region the map still predicts and says so; the caller decides
+/// what to do. `phi` is the tool's direction in the base frame, radians; only a map that depends on
+/// it needs it. Throws std::invalid_argument for a position that is not finite, and for a needed
+/// phi that is missing or not finite.
 ErrorPrediction predict(const ErrorMap& map, const Eigen::Vector2d& p_vision,
                         std::optional<double> phi = std::nullopt);
 
-/// The error of `predict` alone, without its standard deviation, which takes most of the time.
+/// Returns the error that predict() returns, without its standard deviation, which takes most of
+/// the time.
 Eigen::Vector2d predict_error(const ErrorMap& map, const Eigen::Vector2d& p_vision,
                               std::optional<double> phi = std::nullopt);
 
-/// Whether predictions depend on the tool's direction.
+/// Returns whether predictions depend on the tool's direction.
 bool depends_on_direction(const ErrorMap& map);
 
-/// The error fixed in the tool's frame that the map found; empty where it found none.
+/// Returns the error fixed in the tool's frame that the map found; empty where it found none.
 std::optional<ToolBias> tool_bias(const ErrorMap& map);
 
-/// Standard deviation per axis of the noise that the map found in its samples, metres; NaN where
-/// the method has none.
+/// Returns the standard deviation per axis of the noise that the map found in its samples, metres;
+/// NaN where the method has none.
 double noise_sigma(const ErrorMap& map);
 
 }  // namespace planar

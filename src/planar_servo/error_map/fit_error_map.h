@@ -12,13 +12,13 @@
 namespace planar {
 
 enum class MapMethod {
-  kAuto,       ///< multiquadric on a quadratic tail, or Gaussian on a cubic one where that is
-               ///< clearly better by the leave-one-out error; otherwise as kRbf. Beyond
-               ///< kMostDense positions a sparse Gaussian
-  kRbf,        ///< Gaussian on a linear tail, width and ridge tuned on the leave-one-out error,
-               ///< outliers left out
-  kIdw,        ///< every sample as it is, as the paper has it
-  kHandWidth,  ///< every sample as it is, Gaussian without ridge and tail, as the paper has it
+  /// Multiquadric on a quadratic tail, or Gaussian on a cubic one where that is clearly better;
+  /// otherwise like kRbf. Beyond kMostDense positions a sparse Gaussian.
+  kAuto,
+  /// Gaussian on a linear tail; width and ridge by the leave-one-out error, outliers left out.
+  kRbf,
+  kIdw,        ///< inverse distance weighting of all samples, as in the paper
+  kHandWidth,  ///< Gaussian on all samples without ridge and tail, as in the paper
 };
 
 struct MapProblem {
@@ -27,42 +27,45 @@ struct MapProblem {
   double hand_width{0.0};  ///< metres; only for kHandWidth
 };
 
-/// A dense map of more positions takes more time than it is worth; they go to a sparse one.
+/// The largest number of positions of a dense map; more go to a sparse one, which takes less time.
 constexpr Eigen::Index kMostDense = 1000;
 
 struct RejectedSample {
   std::size_t index{0};  ///< among the problem's samples
   std::string id;
-  double residual{0.0};  ///< distance from what the samples that were kept predict there, metres
+  double residual{0.0};  ///< distance from the prediction of the samples that were kept, metres
   std::string reason;
 };
 
-/// Lengths in metres; rms values are over the samples used. Samples at one position are left out
-/// together, so that a repeated row cannot vouch for itself.
+/// A fitted map with its figures, in metres; rms values are over the samples used. Samples at one
+/// position are left out together, so that a repeated row cannot confirm itself.
 struct MapResult {
   ErrorMap map;
-  std::string method;     ///< what was fitted: "rbf", "multiquadric", "sparse", "idw", "hand"
-  std::size_t n_used{0};  ///< samples
+  /// The method that was fitted: "rbf", "multiquadric", "sparse", "idw", "hand".
+  std::string method;
+  std::size_t n_used{0};  ///< number of samples
   std::vector<RejectedSample> rejected;
-  double raw_rms{0.0};      ///< of |E|
-  double loo_rms{0.0};      ///< of the leave-one-out residuals |r_i|
-  double idw_loo_rms{0.0};  ///< the same of inverse distance weighting; NaN for a sparse map
+  double raw_rms{0.0};  ///< of |E|
+  double loo_rms{0.0};  ///< of the leave-one-out residuals |r_i|
+  /// Leave-one-out rms of inverse distance weighting; NaN for a sparse map.
+  double idw_loo_rms{0.0};
   double noise_sigma{0.0};  ///< per axis; NaN where the method has none
-  RmsEstimate blocked;      ///< the rms with whole blocks of neighbours left out, and its interval
-  /// As `CrossValidation::worth_using`: more than 5 % of the rms error, and not by chance.
+  RmsEstimate blocked;      ///< rms with whole blocks of neighbours left out, and its interval
+  /// Whether the map removes more than 5 % of the rms error, and not by chance; see
+  /// CrossValidation.
   bool worth_using{false};
-  CellDiagnosis cell;  ///< what the pairs say of the cell; no part of the map
+  CellDiagnosis cell;  ///< what the pairs say of the cell; not used by the map
 
-  /// 1 - loo_rms / raw_rms; 0 when there is no error to begin with.
+  /// Returns 1 - loo_rms / raw_rms, or 0 when there is no error to begin with.
   double gain() const { return raw_rms > 0.0 ? 1.0 - loo_rms / raw_rms : 0.0; }
 };
 
-/// Fits a map to pairs. Samples at one position are averaged. kAuto and kRbf, where they are dense,
-/// take the tool's direction into the tail if every sample names it and the leave-one-out error
-/// says so (as `tune` of families). Throws InputError for samples that
-/// are not finite or not in metres (`require_one_unit`), fewer than 3 distinct positions, more than
-/// kMostDense but for kAuto, a hand width that is not positive, or outliers beyond a fifth of the
-/// samples; WorkError when the equations are too ill conditioned to be solved.
+/// Fits a map to pairs. Samples at one position are averaged. Dense maps of kAuto and kRbf take the
+/// tool's direction into the tail if every sample has it and the leave-one-out error is clearly
+/// smaller with it. Throws InputError for samples that are not finite or not in metres
+/// (require_one_unit()), fewer than 3 distinct positions, more than kMostDense of them except for
+/// kAuto, a hand width that is not positive, or outliers beyond a fifth of the samples. Throws
+/// WorkError when the equations are too ill conditioned to be solved.
 MapResult fit_error_map(const MapProblem& problem, const Progress& progress = {});
 
 }  // namespace planar

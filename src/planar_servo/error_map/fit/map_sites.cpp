@@ -14,8 +14,8 @@
 namespace planar {
 namespace {
 
-/// Samples in the same cell of a grid of this pitch are one position: far below what vision
-/// resolves, and two centres any closer would only stiffen the equations.
+/// Samples in one cell of a grid with this pitch count as one position. It is far below what vision
+/// resolves, and centres that are closer would only worsen the condition of the equations.
 constexpr double kSamePosition = 0.1 * kMicrometre;
 
 constexpr Eigen::Index kFewestSites = 3;

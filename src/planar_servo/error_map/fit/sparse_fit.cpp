@@ -18,27 +18,29 @@ constexpr Eigen::Index kCenters = 400;
 constexpr Eigen::Index kTuningPart = 10000;
 constexpr int kTailDegree = 3;
 
-/// Widths tried, in distances between centres, until the error grows: narrower Gaussians leave
-/// gaps.
+/// Widths to try, in distances between centres, until the error grows. Narrower Gaussians would
+/// leave gaps between the centres.
 constexpr std::array<double, 6> kWidths{1.0, 1.4, 2.0, 2.8, 4.0, 6.0};
-/// The error is flat about its minimum.
+/// Steps of ten suffice, because the error is flat about its minimum.
 constexpr std::array<double, 6> kRidges{1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1.0};
 
-/// Of a difference from the median around over the median difference: a start for finer judgement.
+/// The limit of a difference from the cell's median over the median difference. Sites beyond it are
+/// left out first, before a finer judgement.
 constexpr double kGross = 10.0;
-/// Of the largest standard deviation at a centre: between centres it may be larger.
+/// The limit of the standard deviation over its largest value at a centre; it is larger between
+/// centres.
 constexpr double kBetweenCenters = 2.0;
 
 constexpr char kUnsolvable[] =
     "the equations of the sparse map are too ill conditioned to be solved with any width and ridge";
 
-/// At least so many on average in a cell, that a few outliers among them do not count.
+/// The least mean number of sites in a cell; with as many a few outliers do not count.
 constexpr Eigen::Index kSitesPerCell = 25;
 
 /// The sites nearest to each of the first centres, which are spread evenly, too.
 using Cells = std::vector<std::vector<Eigen::Index>>;
 
-/// Each next one the site farthest from those before it [Gonzalez 1985].
+/// Chooses each next centre as the site farthest from those before it [Gonzalez 1985].
 Eigen::Matrix2Xd spread_centers(const Eigen::Matrix2Xd& positions) {
   const Eigen::Index count = std::min(kCenters, positions.cols());
   Eigen::Matrix2Xd centers(2, count);
@@ -73,7 +75,7 @@ std::vector<double> values_at(const Eigen::ArrayXd& values, const std::vector<Ei
   return {chosen.begin(), chosen.end()};
 }
 
-/// Those that differ grossly from the median of their cell.
+/// Returns the sites that differ grossly from the median of their cell.
 Outliers gross_outliers(const MapSites& sites, const Cells& cells) {
   Eigen::ArrayXd differences(sites.size());
   for (const auto& cell : cells) {
@@ -89,7 +91,7 @@ Outliers gross_outliers(const MapSites& sites, const Cells& cells) {
   return gross;
 }
 
-/// Every one, or about kTuningPart evenly drawn.
+/// Returns all of `kept`, or about kTuningPart of them evenly drawn.
 std::vector<Eigen::Index> part_of(const std::vector<Eigen::Index>& kept) {
   const auto stride = kept.size() / kTuningPart + 1;
   std::vector<Eigen::Index> part;
@@ -129,7 +131,7 @@ Tuned tune(const Eigen::Matrix2Xd& centers, const MapSites& part, const Progress
   throw WorkError(kUnsolvable);
 }
 
-/// Of so many sites at a time, to tell of them.
+/// Progress is reported after this many sites.
 constexpr std::size_t kSitesAtATime = 50000;
 
 SparseStatistics statistics_of(const SparseBasis& basis, const MapSites& sites,
@@ -145,7 +147,7 @@ SparseStatistics statistics_of(const SparseBasis& basis, const MapSites& sites,
   return sum;
 }
 
-/// Of every site, kept or not.
+/// Returns the residuals of all sites, kept or not.
 Eigen::Matrix2Xd residuals_of(const SparseBasis& basis, const RidgeFit& fit, const MapSites& sites,
                               const Progress& progress) {
   const Eigen::MatrixX2d weights = basis.plain_weights(fit.weights);
@@ -161,7 +163,7 @@ Eigen::Matrix2Xd residuals_of(const SparseBasis& basis, const RidgeFit& fit, con
   return residuals;
 }
 
-/// The largest residual that is kept, per site.
+/// Returns the largest residual of each site with which it is kept.
 Eigen::ArrayXd residual_limits(const Eigen::ArrayXd& residuals, const MapSites& sites,
                                const Cells& cells, const Outliers& dropped) {
   const Eigen::ArrayXd scaled = residuals * sites.counts.array().sqrt();

@@ -14,15 +14,15 @@ struct SparseFit {
   SparseRbfMap map;
   std::vector<Eigen::Index> kept;  ///< sites, in order
   std::vector<Outlier> outliers;
-  /// Of the kept sites; as if left out, by the mean leverage (there are many more sites than
-  /// centres); metres.
+  /// Leave-one-out residuals of the kept sites, metres. All have the mean leverage, because there
+  /// are many more sites than centres.
   Eigen::Matrix2Xd residuals;
 };
 
-/// Fits a sparse map to many sites (thousands to a million): centres spread evenly among them,
-/// width and ridge by generalized cross-validation of an evenly drawn part, outliers left out by
-/// the rule of `fit_without_outliers` with the sites nearest to the same centre as neighbours. Time
-/// grows linearly. Throws like it.
+/// Fits a sparse map to thousands up to a million sites. Centres are spread evenly among the sites;
+/// generalized cross-validation on an evenly drawn part chooses width and ridge. Outliers are left
+/// out by the rule of fit_without_outliers(), with the sites nearest to the same centre as
+/// neighbours; it throws like that function. Time grows linearly with the sites.
 SparseFit fit_sparse(const MapSites& sites, const Progress& progress = {});
 
 }  // namespace planar

@@ -11,9 +11,10 @@
 namespace planar {
 namespace {
 
-/// Shares of the sites, each summed on its own; fixed, so that rounding is the same anywhere.
+/// Number of shares of the sites that are summed separately. It is fixed, so that rounding does not
+/// depend on the threads.
 constexpr std::size_t kShares = 4;
-/// Rows of B at a time: as many as stay in the cache.
+/// Rows of B that are computed at a time; as many stay in the cache.
 constexpr std::size_t kRows = 256;
 
 SparseStatistics empty_statistics(Eigen::Index size) {

@@ -9,8 +9,9 @@
 
 namespace planar {
 
-/// Gaussians about centres and the terms of a tail. The Gaussians are taken as k~ = L^-1 k, with
-/// K = L L^T between the centres: in b~(p) = [k~(p); q(p)] the equations stay well conditioned.
+/// Gaussians about centres, and the terms of a tail. With K = L L^T between the centres the
+/// Gaussians are taken as k~ = L^-1 k, because the equations stay well conditioned in b~(p) =
+/// [k~(p); q(p)].
 struct SparseBasis {
   Eigen::Matrix2Xd centers;  ///< metres
   double width{0.0};         ///< metres
@@ -18,26 +19,26 @@ struct SparseBasis {
   Eigen::MatrixXd factor;  ///< L
 
   Eigen::Index size() const { return centers.cols() + tail_basis.terms(); }
-  /// [k; q] of each column of `positions`, one row each.
+  /// Returns [k; q] of each column of `positions`, one row each.
   Eigen::MatrixXd plain_at_each(const Eigen::Matrix2Xd& positions) const;
-  /// b~ of each column of `positions`, one row each.
+  /// Returns b~ of each column of `positions`, one row each.
   Eigen::MatrixXd at_each(const Eigen::Matrix2Xd& positions) const;
-  /// Weights of [k; q] that make of it what `weights` make of b~.
+  /// Converts weights of b~ to those of [k; q] that give the same sum.
   Eigen::MatrixX2d plain_weights(const Eigen::MatrixX2d& weights) const;
 };
 
-/// All that a ridge fit needs to know of its samples, so that they need not be held as a matrix.
+/// Holds all that a ridge fit needs of its samples, so that they need not be held as a matrix.
 struct SparseStatistics {
-  Eigen::MatrixXd gram;        ///< B^T B of rows b~, lower triangle
+  Eigen::MatrixXd gram;        ///< B^T B with rows b~, lower triangle
   Eigen::MatrixX2d projected;  ///< B^T E, metres
   double squares{0.0};         ///< sum of |E|^2, square metres
-  double count{0.0};           ///< samples
+  double count{0.0};           ///< number of samples
 
   SparseStatistics& operator+=(const SparseStatistics& other);
   SparseStatistics& operator-=(const SparseStatistics& other);
 };
 
-/// Of the named sites. Uses several threads; the result does not depend on how many there are.
+/// Sums over the named sites. It uses several threads; the result does not depend on their number.
 SparseStatistics statistics_of(const SparseBasis& basis, const MapSites& sites,
                                const std::vector<Eigen::Index>& which);
 
@@ -47,13 +48,13 @@ struct RidgeFit {
   double residual_squares{0.0};  ///< sum of |r|^2, square metres
   double freedom{0.0};           ///< trace of the hat matrix
 
-  /// Generalized cross-validation [Golub, Heath and Wahba 1979]: leave-one-out with every sample's
-  /// leverage at their mean; rms of |r|, metres.
+  /// Returns the rms of |r| by generalized cross-validation [Golub, Heath and Wahba 1979], metres:
+  /// the leave-one-out error if every sample had the mean leverage.
   double gcv_rms(double count) const;
 };
 
-/// Solves A weights = B^T E, A = B^T B + ridge I on all but the last `free` terms. Empty when A is
-/// not positive definite to working precision.
+/// Solves A weights = B^T E with A = B^T B + ridge I, without ridge on the last `free` terms. Empty
+/// when A is not positive definite to working precision.
 std::optional<RidgeFit> solve_ridge(const SparseStatistics& statistics, Eigen::Index free,
                                     double ridge);
 

@@ -19,14 +19,15 @@ namespace {
 
 constexpr Eigen::Index kLargestPart = 500;
 
-// The search box. Narrower than half the samples' spacing a kernel reaches no neighbour; wider
-// than their span it is a polynomial.
+// These bound the search. A kernel narrower than half the samples' spacing reaches no neighbour;
+// one wider than their span is a polynomial.
 constexpr double kNarrowestInSpacings = 0.5;
 constexpr double kWidestInSpans = 1.0;
 const double kLogSmallestRidge = std::log(1e-10);
 const double kLogLargestRidge = std::log(1e3);
 
-/// The grid compares on a part: an evaluation's time grows with the cube of the sites.
+/// The grid is searched on a part of the sites, because the time of an evaluation grows with their
+/// cube.
 constexpr Eigen::Index kRoughPart = 100;
 constexpr std::size_t kGridWidths = 8;
 constexpr std::size_t kGridRidges = 7;  ///< 1e-7 ... 1e-1
@@ -36,18 +37,18 @@ double grid_log_ridge(std::size_t i) {
   return kRidgeStep * (static_cast<double>(i) - kGridRidges);
 }
 
-/// Errors closer than this are no reason to take the smaller ridge.
+/// A smaller ridge is taken only if it brings the error below this fraction of the larger one's.
 constexpr double kSame = 0.99;
 
 constexpr int kLocalEvaluations = 30;
-constexpr double kLogTolerance = 0.03;  // of width and ridge: the error is flat about its minimum
+constexpr double kLogTolerance = 0.03;  // of width and ridge; the error is flat about its minimum
 
-/// The leave-one-out error over (log width, log ridge), which remembers the best point it saw.
-/// Where the fit finds less noise than the instruments state it follows the noise: places far apart
-/// hardly tell a small ridge from none. There the error counts for more, in proportion.
+/// The leave-one-out error over (log width, log ridge); it remembers the best point. Sites far
+/// apart hardly tell a small ridge from none, so that a fit may take the noise for error. Where the
+/// fit finds less noise than the instruments state, the error is increased in proportion.
 class LeaveOneOutCost {
  public:
-  /// `span` of the kernel.
+  /// `span` is the kernel's.
   LeaveOneOutCost(const MapSites& sites, const TailBasis& tail_basis, KernelShape shape,
                   double span)
       : sites_(sites),
@@ -74,8 +75,9 @@ class LeaveOneOutCost {
     return cost;
   }
 
-  /// From now on; forgets the best point. What the instruments state, but no more than the samples
-  /// are missed by, which holds the noise: they may state too much.
+  /// Sets the least noise and forgets the best point. The least noise is what the instruments
+  /// state, but no more than the leave-one-out error, which contains it, because they may state too
+  /// much.
   void require_stated_noise(double loo_rms) {
     least_noise_ = std::min(sites_.stated_sigma, loo_rms * std::sqrt(0.5));
     best_cost_ = std::numeric_limits<double>::infinity();
@@ -93,11 +95,11 @@ class LeaveOneOutCost {
   RadialKernel kernel_of(double log_width) const { return {shape_, std::exp(log_width), span_}; }
 
   struct Fit {
-    Eigen::Matrix2Xd residuals;  ///< left out
+    Eigen::Matrix2Xd residuals;  ///< of the sites when left out
     double noise_sigma{0.0};
   };
 
-  /// With the present kernel; empty where it cannot be solved.
+  /// Fits with the present kernel; empty where the equations cannot be solved.
   std::optional<Fit> fit_of(double ridge) {
     kernel_.diagonal() = 1.0 + ridge / sites_.counts.array();
     if (!system_.compute(kernel_, tail_)) return {};
@@ -113,7 +115,7 @@ class LeaveOneOutCost {
   double span_;
   Eigen::MatrixXd squared_distances_;
   Eigen::MatrixXd tail_;
-  Eigen::MatrixXd kernel_;  ///< its diagonal that of the last ridge
+  Eigen::MatrixXd kernel_;  ///< the diagonal belongs to the last ridge
   BorderedSystem system_;
   double kernel_log_width_{std::numeric_limits<double>::quiet_NaN()};
   std::vector<double> best_;
@@ -138,20 +140,20 @@ SearchBox search_box(const Eigen::Matrix2Xd& positions) {
           std::log(kWidestInSpans * span_of(positions))};
 }
 
-/// Every site, or at most `most` of them evenly drawn.
+/// Returns all sites, or at most `most` of them evenly drawn.
 MapSites part_of(const MapSites& sites, Eigen::Index most) {
   return sites.every((sites.size() + most - 1) / most);
 }
 
-/// Where the parabola through three values at -1, 0 and 1 is least, within these.
+/// Returns where the parabola through three values at -1, 0 and 1 is least, within these.
 double vertex(double before, double middle, double after) {
   const double curvature = before - 2.0 * middle + after;
   return curvature > 0.0 ? std::clamp(0.5 * (before - after) / curvature, -1.0, 1.0) : 0.0;
 }
 
-/// The logarithm of the ridge with the least error at one width, found downhill along the grid's
-/// ridges from the given one, which becomes the nearest of them. Of ridges that make no difference
-/// (any small one, where the sites lie far apart) the largest.
+/// Returns the logarithm of the ridge with the least error at one width. It goes downhill on the
+/// grid's ridges from `nearest`, which it sets to the best of them. Of ridges that make no
+/// difference (all small ones, where the sites lie far apart) it takes the largest.
 double best_log_ridge(double log_width, std::size_t& nearest, LeaveOneOutCost& cost) {
   std::array<double, kGridRidges> costs;
   costs.fill(std::numeric_limits<double>::quiet_NaN());
@@ -175,10 +177,10 @@ double best_log_ridge(double log_width, std::size_t& nearest, LeaveOneOutCost& c
 struct GridBest {
   double log_width{0.0};
   double log_ridge{0.0};
-  double slope{0.0};  ///< of the best ridge about there: d log ridge / d log width
+  double slope{0.0};  ///< of the best ridge there: d log ridge / d log width
 };
 
-/// The best of the grid for the cost of a part of the sites.
+/// Returns the grid's best point for the cost on a part of the sites.
 GridBest search_grid(const SearchBox& box, LeaveOneOutCost& cost) {
   std::array<double, kGridWidths> log_ridges{};
   std::size_t best = 0;
@@ -199,8 +201,8 @@ GridBest search_grid(const SearchBox& box, LeaveOneOutCost& cost) {
               (box.grid_log_width(after) - box.grid_log_width(before))};
 }
 
-/// The valley of the error over (log width, log ridge), which runs across both, with its direction
-/// as an axis.
+/// The error over (log width, log ridge) in coordinates along its valley, which runs obliquely to
+/// both.
 struct Valley {
   LeaveOneOutCost& cost;
   std::vector<double> start;
@@ -229,7 +231,7 @@ void search_along(Valley valley, const SearchBox& box) {
   try {
     search.optimize(at, reached);
   } catch (const nlopt::roundoff_limited&) {
-    // As good as rounding allows: a result like any other.
+    // The search went as far as rounding allows, and its result counts.
   }
 }
 

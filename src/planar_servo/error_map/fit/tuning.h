@@ -11,19 +11,19 @@ namespace planar {
 struct TunedKernel {
   RadialKernel kernel;
   double ridge{0.0};  ///< in units of the kernel
-  /// How the best ridge changes with the width thereabouts: d log ridge / d log width.
+  /// Change of the best ridge with the width there: d log ridge / d log width.
   double slope{0.0};
-  double loo_rms{0.0};  ///< rms of what each sample is missed by, its whole site left out, metres
-  /// Per site that decided: what its mean is missed by, squared, times its count; square metres.
+  double loo_rms{0.0};  ///< leave-one-out error over all samples, metres
+  /// Squared leave-one-out error of each site that decided, times its count; square metres.
   Eigen::ArrayXd squared_misses;
 };
 
-/// The kernel's width and ridge with the smallest leave-one-out error: a coarse grid over the
-/// logarithms of both, on which a hundred sites decide, then BOBYQA [Powell 2009] from its best
-/// point. Above five hundred sites an evenly drawn part of them decides.
+/// Chooses the kernel's width and ridge with the smallest leave-one-out error: by a coarse grid
+/// over the logarithms of both on a hundred sites, then by BOBYQA [Powell 2009] from its best
+/// point. At most five hundred evenly drawn sites decide.
 TunedKernel tune_rbf(const MapSites& sites, const TailBasis& tail_basis, KernelShape shape);
 
-/// The same from what nearly the same sites were tuned to, without the grid.
+/// Tunes to sites that are nearly those of `before`, starting from its kernel, without the grid.
 TunedKernel retune_rbf(const MapSites& sites, const TailBasis& tail_basis,
                        const TunedKernel& before);
 

@@ -14,7 +14,8 @@ namespace {
 constexpr Eigen::Index kFewestSites = 20;
 constexpr double kSignificance = 3.0;
 
-/// Of the scaled normal equations: below it a term is made of noise, as across a thin strip.
+/// The least reciprocal condition number of the scaled normal equations. Below it, as with sites in
+/// a thin strip, a term is determined by noise alone.
 constexpr double kSmallestRcond = 1e-6;
 
 constexpr double kMicro = 1e-6;
@@ -63,7 +64,8 @@ struct NormalEquations {
   }
 };
 
-/// Empty when the sites without some block do not determine the terms.
+/// Returns the jackknife's standard deviations; empty when the sites without some block do not
+/// determine the terms.
 std::optional<Terms> jackknife_sigmas(const NormalEquations& all,
                                       const std::vector<NormalEquations>& of_blocks) {
   std::vector<Terms> estimates;

@@ -13,16 +13,16 @@ namespace planar {
 /// The width of the paper's Gaussian.
 constexpr double kPaperWidth = 48.0 * kMillimetre;
 
-/// How well a method predicts the pairs that the fit kept; lengths in metres.
+/// How well a method predicts the pairs that the fit kept, metres.
 struct MethodFigures {
-  std::string method;   ///< "raw" (no map), or as --method names it
+  std::string method;   ///< "raw" (no map), or the name that --method takes
   double loo_rms{0.0};  ///< NaN when the method's equations cannot be solved for these pairs
-  RmsEstimate blocked;  ///< as `CrossValidation::rms`
+  RmsEstimate blocked;  ///< as CrossValidation::rms
 };
 
-/// Every method on the samples that `result`, fitted to `problem`, has used, from none to the most
-/// able: raw, idw, hand (with kPaperWidth where the problem names no width), rbf, auto. Beyond a
-/// thousand positions only raw and the result's own.
+/// Judges every method on the samples that `result`, fitted to `problem`, has used: raw, idw, hand
+/// (with kPaperWidth where the problem has no width), rbf, auto. Beyond kMostDense positions it
+/// judges only raw and the result's own method.
 std::vector<MethodFigures> compare_methods(const MapProblem& problem, const MapResult& result,
                                            const Progress& progress = {});
 

@@ -10,7 +10,7 @@
 namespace planar {
 namespace {
 
-/// A map is worth using when it takes away at least this share of the rms error.
+/// A map is worth using when it removes at least this share of the rms error.
 constexpr double kSmallestGain = 0.05;
 
 constexpr Eigen::Index kSparsePart = 10000;
@@ -26,7 +26,8 @@ std::vector<Eigen::Index> all_but(const Blocks& blocks, std::size_t left_out) {
   return rest;
 }
 
-/// The errors that a map like the first of the sites `rest` predicts at the sites `left_out`.
+/// Returns the errors at the sites `left_out` that a map with the first one's settings predicts
+/// from the sites `rest`.
 Eigen::Matrix2Xd predictions(const IdwMap&, const MapSites& rest, const MapSites& left_out) {
   const IdwMap map{rest.positions, rest.errors, {}};
   Eigen::Matrix2Xd errors(2, left_out.size());
@@ -55,7 +56,7 @@ Eigen::Matrix2Xd predictions(const RbfMap& map, const MapSites& rest, const MapS
   return errors;
 }
 
-/// Each column of `sites.errors` less its prediction.
+/// Returns the residual of each site when its block is left out.
 Eigen::Matrix2Xd left_out(const IdwMap& map, const MapSites& sites, const Blocks& blocks) {
   Eigen::Matrix2Xd residuals(2, sites.size());
   for (std::size_t b = 0; b < blocks.size(); ++b) {
@@ -66,7 +67,7 @@ Eigen::Matrix2Xd left_out(const IdwMap& map, const MapSites& sites, const Blocks
   return residuals;
 }
 
-/// Without refitting, where the others determine the map's tail.
+/// Does without refitting where the other blocks determine the map's tail.
 Eigen::Matrix2Xd left_out(const RbfMap& map, const MapSites& sites, const Blocks& blocks) {
   Eigen::Matrix2Xd residuals(2, sites.size());
   for (std::size_t b = 0; b < blocks.size(); ++b) {
@@ -84,7 +85,7 @@ Eigen::Matrix2Xd left_out(const RbfMap& map, const MapSites& sites, const Blocks
   return residuals;
 }
 
-/// The sums over the other blocks are those over all less those over the block.
+/// Subtracts the block's sums from those over all sites.
 Eigen::Matrix2Xd left_out(const SparseRbfMap& map, const MapSites& sites, const Blocks& blocks) {
   const SparseRbfParameters& settings = map.parameters();
   const SparseBasis basis{settings.centers, settings.width, settings.tail_basis,

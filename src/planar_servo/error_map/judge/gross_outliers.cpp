@@ -10,7 +10,8 @@ namespace {
 
 constexpr Eigen::Index kNeighbours = 12;
 
-/// Of a difference over the median difference; the field itself differs over this distance, too.
+/// The limit of a difference over the median difference. It is wide, because the field itself
+/// differs over this distance.
 constexpr double kGross = 10.0;
 
 std::vector<Eigen::Index> nearest_to(Eigen::Index i, const MapSites& sites) {
@@ -25,7 +26,7 @@ std::vector<Eigen::Index> nearest_to(Eigen::Index i, const MapSites& sites) {
   return {order.begin() + 1, last + 1};
 }
 
-/// Per axis.
+/// Returns the median error of these sites per axis.
 Eigen::Vector2d median_error(const MapSites& sites, const std::vector<Eigen::Index>& of) {
   std::vector<double> x;
   std::vector<double> y;

@@ -7,12 +7,12 @@
 
 namespace planar {
 
-/// Of each site the sites nearest to it, at most a dozen, itself not among them.
+/// For each site the sites nearest to it, at most a dozen, without itself.
 using Neighbours = std::vector<std::vector<Eigen::Index>>;
 Neighbours nearest_sites(const MapSites& sites);
 
-/// The sites whose error is anything like the median of their neighbours' errors: a start for finer
-/// judgement that even a third of gross outliers does not upset. In order.
+/// Returns, in order, the sites whose error is roughly the median of their neighbours' errors. It
+/// is a start for finer judgement that withstands up to a third of gross outliers.
 std::vector<Eigen::Index> sites_like_their_neighbours(const MapSites& sites,
                                                       const Neighbours& neighbours);
 

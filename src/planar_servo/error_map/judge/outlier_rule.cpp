@@ -21,7 +21,7 @@ double residual_length(double share, double dof) {
 }
 
 double tail_dof(const std::vector<double>& lengths) {
-  // With a = 2^(2 / dof) the squared ratio of both lengths is (a^3 - 1) / (a - 1) = a^2 + a + 1.
+  // With a = 2^(2 / dof) the squared ratio of the two lengths is (a^3 - 1) / (a - 1) = a^2 + a + 1.
   const double ratio = quantile(lengths, 1.0 - 0.125) / median(lengths);
   const double a = 0.5 * (std::sqrt(4.0 * ratio * ratio - 3.0) - 1.0);
   return a > 1.0 ? 2.0 / std::log2(a) : kNormal;

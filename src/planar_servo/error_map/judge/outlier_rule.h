@@ -12,40 +12,43 @@ namespace planar {
 
 struct Outlier {
   Eigen::Index site{0};
-  double residual{0.0};  ///< distance from what the other sites predict there, metres
-  double limit{0.0};     ///< the largest residual that would have been kept, metres
+  double residual{0.0};  ///< distance from the prediction of the other sites, metres
+  double limit{0.0};     ///< largest residual with which it would have been kept, metres
 };
 
 using Outliers = std::map<Eigen::Index, Outlier>;  ///< by site
 
-/// The residuals around a site are judged by what this share of them is shorter than: where they
-/// are long the map is not as good as elsewhere (a seam, a step), and one like them is no outlier.
+/// The quantile of the residuals around a site by which it is judged. Where they are long (beside a
+/// seam or a step) the map is less good than elsewhere, and a residual like theirs is no outlier.
 constexpr double kLocalShare = 0.9;
 
-/// Nothing smaller is called an outlier, however well the rest agrees.
+/// No smaller residual is called an outlier, however well the rest agrees.
 constexpr double kSmallestOutlier = 1.0 * kMicrometre;
 
-/// The first fits are bent by gross outliers and drop good sites, too; later on what is dropped
-/// stays dropped, so that the rounds end.
+/// Dropped sites can be taken back in this many rounds, because gross outliers bend the first fits,
+/// which then drop good sites, too. Later drops are final, so that the rounds end.
 constexpr int kRoundsOfTakingBack = 5;
 
-/// Degrees of freedom of a normal distribution among those of Student's t.
+/// The normal distribution as a Student's t: its degrees of freedom.
 constexpr double kNormal = std::numeric_limits<double>::infinity();
 
-/// What a share of 2-D Student's t vectors of unit scale is longer than:
-/// P(|r| > l) = (1 + l^2 / dof)^(-dof / 2), and exp(-l^2 / 2) of normal ones.
+/// Returns the length l that this share of 2-D Student's t vectors of unit scale exceeds: P(|r| >
+/// l) = (1 + l^2 / dof)^(-dof / 2), which is exp(-l^2 / 2) for normal ones.
 double residual_length(double share, double dof = kNormal);
 
-/// The degrees of freedom by which the longest eighth of these begins at as many medians.
+/// Estimates the degrees of freedom of Student's t from residual lengths: those that give the same
+/// ratio of the length exceeded by an eighth of them to the median. kNormal where the tails are not
+/// long.
 double tail_dof(const std::vector<double>& lengths);
 
-/// Of a residual over its scale: good sites, all alike, reach it in one of twenty fits of so many.
+/// Returns the limit of a residual divided by its scale. In one of twenty fits of this many equally
+/// good sites a site exceeds it.
 double outlier_sigmas(Eigen::Index sites, double dof = kNormal);
 
-/// Throws InputError when more than a fifth would be dropped.
+/// Throws InputError when more than a fifth of the sites are dropped.
 void require_few(const Outliers& dropped, Eigen::Index sites);
 
-/// In order.
+/// Returns the sites below `count` that are not dropped, in order.
 std::vector<Eigen::Index> sites_without(const Outliers& dropped, Eigen::Index count);
 std::vector<Outlier> values_of(const Outliers& dropped);
 

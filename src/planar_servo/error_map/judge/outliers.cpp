@@ -10,11 +10,11 @@
 namespace planar {
 namespace {
 
-/// With fewer sites none can be told from the rest.
+/// With fewer sites an outlier cannot be told from the rest.
 constexpr Eigen::Index kFewestToJudge = 10;
 
-/// Of each site, judged by the other kept sites: the residual's length and its standard deviation
-/// over s_f.
+/// The length of each site's residual when the other kept sites predict it, and its standard
+/// deviation divided by s_f.
 struct Judgement {
   Eigen::ArrayXd residuals;
   Eigen::ArrayXd unit_sigmas;
@@ -46,7 +46,7 @@ std::vector<double> of_kept(const Eigen::ArrayXd& values, const std::vector<Eige
   return chosen;
 }
 
-/// The search for the sites that the others contradict, by the first family.
+/// Searches for the sites that the others contradict, by maps of the first family.
 class OutlierSearch {
  public:
   OutlierSearch(const MapSites& sites, TunedFamily tuned, std::vector<Eigen::Index> kept,
@@ -72,7 +72,7 @@ class OutlierSearch {
     }
   }
 
-  /// What remains tells how often residuals are long.
+  /// Judges the dropped sites again with the tails that the kept residuals show.
   void take_back_where_tails_are_long() {
     while (!dropped_.empty()) {
       const double dof = tail_dof(of_kept(judgement_.scaled(), kept_, kept_));
@@ -93,7 +93,7 @@ class OutlierSearch {
  private:
   void rejudge() { judgement_ = judge(sites_, kept_, fit_rbf(sites_.subset(kept_), tuned_)); }
 
-  /// Whether other sites are kept than before.
+  /// Fits anew without the dropped sites; returns whether other sites are kept than before.
   bool follow_dropped() {
     std::vector<Eigen::Index> kept = sites_without(dropped_, sites_.size());
     if (kept == kept_) return false;
@@ -103,7 +103,8 @@ class OutlierSearch {
     return true;
   }
 
-  /// The largest residual that is kept, per site, where residuals fall off as Student's t does.
+  /// Returns the largest residual of each site with which it is kept, for residuals that follow
+  /// Student's t.
   Eigen::ArrayXd residual_limits(double dof) const {
     const Eigen::ArrayXd scaled = judgement_.scaled();
     const double usual = median({scaled.begin(), scaled.end()}) / residual_length(0.5, dof);

@@ -16,12 +16,16 @@ struct RobustFit {
   std::vector<Outlier> outliers;
 };
 
-/// Starts from the sites that are like their neighbours, tunes the families, judges every site by
-/// what the OTHER kept sites predict there with the first family and by how well they do around it,
-/// drops those that disagree (and at first takes back those that no longer do), tunes anew, until
-/// the choice is stable; takes back those that are within Student's limit where the residuals of
-/// the kept ones have long tails; then fits the best family. Throws InputError when more than a
-/// fifth of the sites would be dropped. Fewer than ten sites are not judged.
+/// Fits the best family to the sites that do not contradict each other.
+///
+/// Starting from the sites that are like their neighbours, every site is judged by what the other
+/// kept sites predict with the first family, and by how well they do around it. Sites that disagree
+/// are dropped, in the first rounds those that agree again are taken back, and the map is tuned
+/// anew, until the choice is stable. Where the kept residuals have long tails, sites within the
+/// limit of Student's t are taken back.
+///
+/// Throws InputError when more than a fifth of the sites would be dropped. Fewer than ten sites are
+/// not judged.
 RobustFit fit_without_outliers(const MapSites& sites, const std::vector<RbfFamily>& families);
 
 }  // namespace planar

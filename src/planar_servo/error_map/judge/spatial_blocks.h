@@ -7,11 +7,12 @@
 
 namespace planar {
 
-/// Sites that lie together, per block; every site in one of them.
+/// The sites of each block; every site is in one block.
 using Blocks = std::vector<std::vector<Eigen::Index>>;
 
-/// At most twenty compact blocks of about as many sites each: the positions halved across the
-/// longer side of their box, and so on. At least five sites a block where that leaves five blocks.
+/// Divides the positions into at most twenty compact blocks of about equally many sites, by halving
+/// across the longer side of their box. A block has at least five sites where that leaves five
+/// blocks.
 Blocks spatial_blocks(const Eigen::Matrix2Xd& positions);
 
 /// A root mean square and its 95 % confidence interval, metres.
@@ -21,18 +22,19 @@ struct RmsEstimate {
   double high{0.0};
 };
 
-/// Of deviations whose mean at each site is a column of `means`, over all samples. Neighbours may
-/// be wrong together, so that blocks, not sites, count as independent draws: Student's t over them,
-/// of the logarithm of the mean square, which stays positive.
+/// Estimates the rms, over all samples, of deviations whose mean at each site is a column of
+/// `means`. Neighbours may err together, so blocks, not sites, count as independent draws. The
+/// interval is Student's t over the blocks for the logarithm of the mean square, so that it stays
+/// positive.
 RmsEstimate estimate_rms(const MapSites& sites, const Eigen::Matrix2Xd& means,
                          const Blocks& blocks);
 
-/// Whether the sum of one value per block is above zero by more than its uncertainty (one value per
-/// block, two-sided 95 % of Student's t); not with fewer than three blocks.
+/// Returns whether the sum of one value per block is above zero by more than its uncertainty
+/// (two-sided 95 % of Student's t); false with fewer than three blocks.
 bool is_clearly_positive(const Eigen::ArrayXd& values_of_blocks);
 
-/// What the estimate of a mean from n + 1 draws is off by in one of twenty cases, over its standard
-/// error; n at least 2 [Abramowitz and Stegun 26.7.5].
+/// Returns the two-sided 95 % quantile of Student's t with n >= 2 degrees of freedom [Abramowitz
+/// and Stegun 26.7.5].
 double student_t_95(Eigen::Index n);
 
 }  // namespace planar

@@ -13,21 +13,21 @@
 namespace planar {
 namespace {
 
-/// No error of vision makes its positions so much wider than the tracker's.
+/// No vision error makes the positions so much wider than the tracker's.
 constexpr double kWidestRatio = 2.0;
 constexpr double kMillimetresPerMetre = 1000.0;
 
-/// Nor are its errors so large beside them.
+/// No vision error is as large a share of the positions' spread.
 constexpr double kLargestError = 0.5;
 
-/// An arm's pairs reach farther; metres taken for millimetres do not.
+/// The pairs of an arm reach farther; metres read as millimetres do not.
 constexpr double kSmallestSpread = 2.0 * kMillimetre;
 
 std::vector<double> values_of(const Eigen::RowVectorXd& row) {
   return {row.begin(), row.end()};
 }
 
-/// Median distance from the median.
+/// Returns the median distance from the median.
 double spread_of(const Eigen::Matrix2Xd& positions) {
   const Eigen::Vector2d middle(median(values_of(positions.row(0))),
                                median(values_of(positions.row(1))));

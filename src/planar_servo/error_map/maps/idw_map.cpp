@@ -5,7 +5,7 @@
 namespace planar {
 namespace {
 
-/// Weights are taken relative to the nearest sample's, so that none overflows.
+/// Weights are divided by the nearest sample's, so that none overflows.
 Eigen::Vector2d weighted_mean(const Eigen::Matrix2Xd& errors, const Eigen::ArrayXd& distance2) {
   Eigen::Index nearest = 0;
   const double smallest = distance2.minCoeff(&nearest);

@@ -8,8 +8,8 @@
 
 namespace planar {
 
-/// Inverse distance weighting [Shepard 1968]: E(p) = sum w_i E_i / sum w_i, w_i = |p - p_i|^-2; at
-/// a sample its own value. The paper's baseline; it states no uncertainty.
+/// Inverse distance weighting [Shepard 1968], the paper's baseline: E(p) = sum w_i E_i / sum w_i
+/// with w_i = |p - p_i|^-2, and E_i at a sample. It states no uncertainty.
 struct IdwMap {
   Eigen::Matrix2Xd centers;  ///< metres, distinct
   Eigen::Matrix2Xd errors;   ///< metres
@@ -21,7 +21,7 @@ struct IdwMap {
 
 IdwMap idw_map(const MapSites& sites);
 
-/// E_i minus what the other samples predict there, one column each, metres.
+/// Returns E_i minus the prediction of the other samples, one column each, metres.
 Eigen::Matrix2Xd leave_one_out_residuals(const IdwMap& map);
 
 }  // namespace planar

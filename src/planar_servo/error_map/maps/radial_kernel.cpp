@@ -10,12 +10,13 @@
 namespace planar {
 namespace {
 
-/// Twice what positions all over a disc, as wide as the kernel, need.
+/// The level divided by the largest value of sqrt(1 + u^2). It is twice what positions all over a
+/// disc, as wide as the kernel, need.
 constexpr double kLevelOverFarthest = 4.0;
 
-/// exp(x) of x <= 0 to within 1.4e-16 of itself, by steps that a loop takes for several x at once;
-/// 0 below the smallest normal number, NaN of NaN. It is 2^k exp(rest), with k read from the last
-/// bits of a sum whose unit they are, and the Taylor series of exp(rest), |rest| < 0.35.
+/// Returns exp(x) of x <= 0 to within 1.4e-16 of itself; 0 below the smallest normal number, NaN of
+/// NaN. A loop can vectorise its steps. It is 2^k exp(rest), with k read from the last bits of a
+/// sum whose unit they are, and the Taylor series of exp(rest), |rest| < 0.35.
 inline double exponential(double x) {
   constexpr double kLeast = -708.0;
   constexpr double kUnit = 0x1.8p52;
@@ -51,7 +52,7 @@ PLANAR_AVX2_CLONES void multiquadric(double rate, double level, const double* di
     values[i] = (1.0 + 1.0 / level) - std::sqrt(1.0 + rate * distances2[i]) * (1.0 / level);
 }
 
-/// The kernel of n squared distances, which may lie where its `values` go.
+/// Writes the kernel of n squared distances to `values`, which may be the same memory.
 void evaluate(const RadialKernel& kernel, const double* distances2, Eigen::Index n,
               double* values) {
   const double rate = 1.0 / (kernel.width * kernel.width);

@@ -13,7 +13,8 @@
 namespace planar {
 namespace {
 
-/// Below this a pivot of the kernel matrix is mostly rounding (200 unit terms of 2e-16 each).
+/// The least ratio of pivots of the kernel matrix. A smaller pivot is mostly rounding (200 unit
+/// terms of 2e-16 each).
 constexpr double kSmallestPivotRatio = 1e-13;
 
 Eigen::MatrixXd ridged_kernel_matrix(const RbfParameters& parameters) {
@@ -81,7 +82,7 @@ double RbfMap::unit_sigma(const Eigen::VectorXd& kernel, const Eigen::VectorXd& 
 
 std::optional<ToolBias> RbfMap::tool_bias() const {
   if (!parameters_.tail_basis.with_direction) return {};
-  // B = [[a, b], [c, d]] holds R(phi) t = [[t_x, -t_y], [t_y, t_x]] (cos phi, sin phi).
+  // B = [[a, b], [c, d]] contains R(phi) t = [[t_x, -t_y], [t_y, t_x]] (cos phi, sin phi).
   const Eigen::Matrix2d B = parameters_.tail.rightCols<TailBasis::kDirectionTerms>();
   const Eigen::Vector2d t(0.5 * (B(0, 0) + B(1, 1)), 0.5 * (B(1, 0) - B(0, 1)));
   const double variance =

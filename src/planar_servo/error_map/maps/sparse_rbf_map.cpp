@@ -13,7 +13,7 @@
 namespace planar {
 namespace {
 
-/// Added to the diagonal of K; far above rounding and far below any kernel value that matters.
+/// A trace added to the diagonal of K: far above rounding, far below any kernel value that matters.
 constexpr double kTrace = 1e-9;
 
 RadialKernel gaussian(double width) {

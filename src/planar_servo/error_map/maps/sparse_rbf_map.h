@@ -9,26 +9,26 @@
 
 namespace planar {
 
-/// What determines a sparse map, bit for bit. With m centres, t tail terms and K = L L^T between
-/// the centres, b~(p) = [L^-1 k(p); q(p)].
+/// Determines a sparse map, bit for bit. With m centres, t tail terms and K = L L^T between the
+/// centres, b~(p) = [L^-1 k(p); q(p)].
 struct SparseRbfParameters {
   Eigen::Matrix2Xd centers;  ///< metres
   Eigen::Matrix2Xd weights;  ///< metres, m
   TailBasis tail_basis;
   Eigen::Matrix2Xd tail;  ///< metres, t
   double width{0.0};      ///< of the Gaussian, metres
-  double ridge{0.0};      ///< lambda, in units of the kernel
-  /// Lower factor of A = B^T B + ridge diag(I, 0), (m + t) x (m + t), the rows of B being b~ of
+  double ridge{0.0};      ///< in units of the kernel
+  /// Lower factor of A = B^T B + ridge diag(I, 0), (m + t) x (m + t), where the rows of B are b~ of
   /// each sample.
   Eigen::MatrixXd factor;
   double signal_sigma{0.0};  ///< s_f per axis, metres
-  double sigma_limit{0.0};   ///< predictions with a larger standard deviation are not valid, metres
+  double sigma_limit{0.0};   ///< larger standard deviations are not valid, metres
   ValidRegion region;
 };
 
-/// A Gaussian map of many samples on few centres ("subset of regressors"), E(p) = [weights, tail]
-/// b(p) with A [weights, tail]^T = B^T E. Its variance is s_f^2 (1 - k^T K^-1 k + ridge b^T A^-1
-/// b): what the centres cannot represent, and what the samples leave open [Quinonero-Candela and
+/// A Gaussian map of many samples on few centres ("subset of regressors"): E(p) = [weights, tail]
+/// b(p) with A [weights, tail]^T = B^T E. Its variance s_f^2 (1 - k^T K^-1 k + ridge b^T A^-1 b) is
+/// what the centres cannot represent plus what the samples leave open [Quinonero-Candela and
 /// Rasmussen 2005, deterministic training conditional].
 class SparseRbfMap {
  public:
@@ -37,10 +37,10 @@ class SparseRbfMap {
 
   ErrorPrediction predict(const Eigen::Vector2d& p) const;
 
-  /// The error alone, many times as fast.
+  /// Returns the error without its standard deviation, many times as fast.
   Eigen::Vector2d predict_error(const Eigen::Vector2d& p) const;
 
-  /// Of the samples, per axis: sqrt(ridge) s_f, metres.
+  /// Returns the standard deviation of the samples' noise per axis, sqrt(ridge) s_f, metres.
   double noise_sigma() const;
 
   const SparseRbfParameters& parameters() const { return parameters_; }
@@ -53,8 +53,8 @@ class SparseRbfMap {
   Eigen::MatrixXd open_;       ///< inverse of the parameters' factor
 };
 
-/// Lower factor of K between centres, which a trace of its own diagonal keeps positive definite.
-/// Throws WorkError when it is not.
+/// Returns the lower factor of K between the centres. A small addition to its diagonal keeps K
+/// positive definite; throws WorkError when it is not.
 Eigen::MatrixXd center_factor(const Eigen::Matrix2Xd& centers, double width);
 
 }  // namespace planar

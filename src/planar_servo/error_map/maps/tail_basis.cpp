@@ -6,11 +6,12 @@
 namespace planar {
 namespace {
 
-/// Positions a thousand times longer than wide count as collinear: a slope across them would be
-/// made of noise.
+/// Positions a thousand times longer than wide count as collinear, because noise would determine
+/// the slope across them.
 constexpr double kThinnest = 1e-3;
 
-/// A position whose leverage reaches 1 cannot be left out: the others do not determine the tail.
+/// A position whose leverage reaches 1 cannot be left out, because the others do not determine the
+/// tail.
 constexpr double kLargestLeverage = 1.0 - kThinnest * kThinnest;
 
 double power(double base, int exponent) {

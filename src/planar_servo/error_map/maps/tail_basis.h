@@ -5,11 +5,10 @@
 
 namespace planar {
 
-/// The polynomial that a radial basis function map stands on, as a basis q(p) of scaled coordinates
-/// (p - origin) / scale: degree 2 is [1, x, y, x^2, xy, y^2], degree 1 is [1, x, y], degree 0 is
-/// [1], degree -1 is empty. With the tool's direction d = (cos phi, sin phi) its two components
-/// come last: their coefficients B d hold an error that is fixed in the tool's frame, R(phi) t, and
-/// its mirror image.
+/// The polynomial tail of a radial basis function map as a basis q(p) of scaled coordinates (p -
+/// origin) / scale: degree 2 is [1, x, y, x^2, xy, y^2], degree 1 is [1, x, y], degree 0 is [1],
+/// degree -1 is empty. With direction, the tool's d = (cos phi, sin phi) comes last; its
+/// coefficients B represent an error fixed in the tool's frame, R(phi) t, and its mirror image.
 struct TailBasis {
   int degree{1};
   Eigen::Vector2d origin{0.0, 0.0};  ///< metres
@@ -19,28 +18,29 @@ struct TailBasis {
   Eigen::Index terms() const {
     return (degree + 1) * (degree + 2) / 2 + (with_direction ? kDirectionTerms : 0);
   }
-  /// q, of `terms()` elements; the direction counts only in a basis that has it.
+  /// Returns q, of terms() elements. `direction` is used only by a basis that has it.
   Eigen::VectorXd at(const Eigen::Vector2d& p,
                      const Eigen::Vector2d& direction = unknown_direction()) const;
-  /// q of each column of `positions` and `directions`, one row each.
+  /// Returns q of each column of `positions` and `directions`, one row each.
   Eigen::MatrixXd at_each(const Eigen::Matrix2Xd& positions,
                           const Eigen::Matrix2Xd& directions = {}) const;
 
   static constexpr Eigen::Index kDirectionTerms = 2;
-  /// NaN, as what is made of it where a direction is needed.
+  /// Returns NaN, which spreads to predictions that need a direction.
   static Eigen::Vector2d unknown_direction() {
     return Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN());
   }
 };
 
-/// The tail about the middle of `positions`, of the given degree or the largest below it that the
-/// positions determine even with any one of them left out: collinear or few ones have no slope.
-/// With the tool's direction where there is one of each position and they determine those terms,
-/// too: it must turn by some ten degrees, and not with the position.
+/// Returns the tail about the middle of `positions` with the given degree, or the largest lower one
+/// that the positions determine even with any one of them left out; few or collinear ones have no
+/// slope. The tail has the direction if every position has one and they determine its terms. For
+/// that the tool must turn by some ten degrees, independently of the position.
 TailBasis tail_for(const Eigen::Matrix2Xd& positions, int degree = 1,
                    const Eigen::Matrix2Xd& directions = {});
 
-/// The tail for other positions with the terms of `basis`, as far as they determine them.
+/// Returns the tail about other positions with the terms of `basis`, as far as the positions
+/// determine them.
 TailBasis tail_like(const TailBasis& basis, const Eigen::Matrix2Xd& positions,
                     const Eigen::Matrix2Xd& directions);
 

@@ -17,7 +17,7 @@ double distance_to_segment(const Eigen::Vector2d& p, const Eigen::Vector2d& a,
   return (p - a - along * edge).norm();
 }
 
-/// One chain of the hull over points sorted by x, then y [Andrew 1979].
+/// Returns one chain of the hull of points sorted by x, then y [Andrew 1979].
 template <typename Iterator>
 std::vector<Eigen::Vector2d> monotone_chain(Iterator first, Iterator last) {
   std::vector<Eigen::Vector2d> chain;

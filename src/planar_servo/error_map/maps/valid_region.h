@@ -5,23 +5,24 @@
 
 namespace planar {
 
-/// Where a map is valid: the convex hull of its samples widened by a margin.
+/// The region where a map is valid: the convex hull of its samples, widened by a margin.
 struct ValidRegion {
   std::vector<Eigen::Vector2d> hull;  ///< corners, counterclockwise; two when collinear; metres
   double margin{0.0};                 ///< metres
 
-  /// Whether p lies within the hull or at most `margin` from it.
+  /// Returns whether p lies in the hull or at most `margin` from it.
   bool contains(const Eigen::Vector2d& p) const;
 };
 
-/// The hull of `positions` (one column each) with their median nearest-neighbour distance as the
-/// margin: as far beyond the rim as samples are apart.
+/// Returns the hull of `positions` (one column each), widened by their median distance to the
+/// nearest neighbour.
 ValidRegion region_around(const Eigen::Matrix2Xd& positions);
 
-/// The same with another margin, metres.
+/// Returns the hull of `positions`, widened by `margin` (metres).
 ValidRegion region_around(const Eigen::Matrix2Xd& positions, double margin);
 
-/// Median distance from a position to the nearest other one, metres; at least two positions.
+/// Returns the median distance from a position to its nearest neighbour, metres; there must be at
+/// least two.
 double median_spacing(const Eigen::Matrix2Xd& positions);
 
 }  // namespace planar

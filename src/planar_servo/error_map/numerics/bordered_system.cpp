@@ -5,8 +5,8 @@
 namespace planar {
 namespace {
 
-// Eigen's solvers take the address of the first coefficient, so an empty right-hand side (there is
-// no tail) must not reach them.
+// Eigen's solvers take the address of the first coefficient, so an empty right-hand side (without a
+// tail) must not reach them.
 
 template <typename Right>
 Eigen::MatrixXd lower_solve(const Eigen::MatrixXd& lower, const Eigen::MatrixBase<Right>& right) {

@@ -8,17 +8,18 @@
 
 namespace planar {
 
-/// The symmetric matrix A = [[K, Q], [Q^T, 0]] of kernel interpolation on a polynomial tail, with K
-/// (N x N) positive definite and Q (N x m, m small, perhaps 0) of full column rank, solved through
-/// the Cholesky factor K = L L^T.
+/// The symmetric matrix A = [[K, Q], [Q^T, 0]] of kernel interpolation with a polynomial tail,
+/// solved through the Cholesky factor K = L L^T. K (N x N) is positive definite; Q (N x m) has full
+/// column rank and few columns or none.
 class BorderedSystem {
  public:
-  /// Only the lower triangle of `kernel` is read. Empty when K is not positive definite or Q not of
-  /// full rank to working precision.
+  /// Factorizes A, reading only the lower triangle of `kernel`. Empty when K is not positive
+  /// definite or Q has not full rank to working precision.
   static std::optional<BorderedSystem> factorize(const Eigen::MatrixXd& kernel,
                                                  const Eigen::MatrixXd& tail);
 
-  /// The same in the memory of a system of this size that is no longer wanted; false for empty.
+  /// Factorizes A like factorize(), but reuses this system's memory. Returns false where that is
+  /// empty.
   bool compute(const Eigen::MatrixXd& kernel, const Eigen::MatrixXd& tail);
 
   struct Solution {
@@ -28,29 +29,29 @@ class BorderedSystem {
   /// Solves A [weights; tail] = [values; 0] for N x c values.
   Solution solve(const Eigen::MatrixXd& values) const;
 
-  /// The first N elements of the diagonal of A^-1.
+  /// Returns the first N elements of the diagonal of A^-1.
   Eigen::VectorXd inverse_diagonal() const;
 
-  /// The rows and columns `of` of A^-1, all below N.
+  /// Returns the rows and columns `of` of A^-1; all are below N.
   Eigen::MatrixXd inverse_block(const std::vector<Eigen::Index>& of) const;
 
-  /// [k; q]^T A^-1 [k; q].
+  /// Returns [k; q]^T A^-1 [k; q].
   double inverse_form(const Eigen::VectorXd& k, const Eigen::VectorXd& q) const;
 
-  /// (Q^T K^-1 Q)^-1, m x m: the covariance of the tail where K is that of the values.
+  /// Returns (Q^T K^-1 Q)^-1, m x m: the covariance of the tail if K is that of the values.
   Eigen::MatrixXd tail_covariance() const;
 
-  /// Smallest over largest pivot of K: an upper bound of its reciprocal condition number, and how
-  /// much of a sample is new beside those before it.
+  /// Returns the ratio of the smallest to the largest pivot of K. It bounds the reciprocal
+  /// condition number from above and tells how much a sample adds to those before it.
   double pivot_ratio() const;
 
  private:
-  TiledCholesky cholesky_;        ///< kept for `compute` alone
+  TiledCholesky cholesky_;        ///< kept for compute()
   Eigen::MatrixXd factor_;        ///< L, in the lower triangle
   Eigen::MatrixXd inverse_;       ///< L^-1
   Eigen::MatrixXd tail_;          ///< U = L^-1 Q
   Eigen::MatrixXd tail_factor_;   ///< G of U^T U = G G^T, in the lower triangle
-  Eigen::MatrixXd tail_removed_;  ///< H = G^-1 U^T L^-1: the first N of A^-1 are K^-1 - H^T H
+  Eigen::MatrixXd tail_removed_;  ///< H = G^-1 U^T L^-1; A^-1 begins with K^-1 - H^T H
 };
 
 }  // namespace planar

@@ -10,12 +10,13 @@ namespace {
 
 using Eigen::Index;
 
-/// A tile is this large, a panel as high and as wide as its matrix; both lie column by column.
+/// Side of a tile. A panel is as high as a tile and as wide as its matrix; both are stored by
+/// column.
 constexpr Index kTile = 8;
 /// Columns of a tile whose sums fit into the registers.
 constexpr Index kColumns = 4;
 
-/// tile -= rows factor^T, of panels `depth` wide.
+/// Computes tile -= rows factor^T for panels `depth` wide.
 PLANAR_AVX2_CLONES void subtract_product(const double* __restrict rows,
                                          const double* __restrict factor, Index depth,
                                          double* __restrict tile) {
@@ -36,7 +37,7 @@ PLANAR_AVX2_CLONES void subtract_product(const double* __restrict rows,
   }
 }
 
-/// tile = tile L^-T.
+/// Computes tile = tile L^-T.
 PLANAR_AVX2_CLONES void divide(const double* __restrict lower, double* __restrict tile) {
   for (Index c = 0; c < kTile; ++c) {
     double sums[kTile];
@@ -48,7 +49,7 @@ PLANAR_AVX2_CLONES void divide(const double* __restrict lower, double* __restric
   }
 }
 
-/// L of a tile, in its place.
+/// Replaces a tile by its Cholesky factor L; returns false when it has none.
 bool factorize(double* tile) {
   for (Index c = 0; c < kTile; ++c) {
     double* const column = tile + c * kTile;
@@ -63,8 +64,8 @@ bool factorize(double* tile) {
 
 }  // namespace
 
-// The matrix stands on the identity, of which the steps that make L of the matrix make L^-T. What
-// is missing to whole tiles is filled up with the identity, too.
+// The matrix stands on the identity; the steps that turn the matrix into L turn the identity into
+// L^-T. The identity also fills the matrix up to whole tiles.
 bool TiledCholesky::compute(Eigen::MatrixXd& matrix, Eigen::MatrixXd& inverse) {
   const Index n = matrix.rows();
   const Index tiles = (n + kTile - 1) / kTile;
