@@ -8,21 +8,21 @@
 
 namespace planar {
 
-/// The rigid motion X_AB that minimises sum |X_AB p_B - p_A|^2 over the columns: a rotation and a
-/// translation, never a scale and never a mirror [Kabsch 1976; Umeyama 1991]. Throws InputError for
-/// points that are not finite or do not determine it (2-D: one place; 3-D: collinear), and
-/// std::invalid_argument for sets of different size.
+/// Fits the rigid motion X_AB that minimises sum |X_AB p_B - p_A|^2 over the columns: a rotation
+/// and a translation without scale or mirror [Kabsch 1976; Umeyama 1991]. Throws InputError for
+/// points that are not finite or do not determine it (all in one place in 2-D, collinear in 3-D),
+/// and std::invalid_argument for sets of different size.
 Eigen::Isometry2d fit_rigid_2d(const Eigen::Matrix2Xd& p_A, const Eigen::Matrix2Xd& p_B);
 Pose fit_rigid_3d(const Eigen::Matrix3Xd& p_A, const Eigen::Matrix3Xd& p_B);
 
-/// A point fixed to the base whose base coordinates are known (metres). Monuments DEFINE the base
+/// A point fixed to the base with known base coordinates, metres. The monuments define the base
 /// frame.
 struct Monument {
   std::string id;
   Eigen::Vector3d p_B{0.0, 0.0, 0.0};
 };
 
-/// The reflector on a monument, in the tracker's frame, metres.
+/// A reading of the reflector on a monument, in the tracker's frame, metres.
 struct MonumentReading {
   std::string id;
   Eigen::Vector3d p_L{0.0, 0.0, 0.0};
@@ -31,7 +31,7 @@ struct MonumentReading {
 struct MonumentResidual {
   std::string id;
   std::size_t readings{0};
-  Eigen::Vector3d residual_B{0.0, 0.0, 0.0};  ///< mean reading taken to B, minus the known place
+  Eigen::Vector3d residual_B{0.0, 0.0, 0.0};  ///< mean reading in B minus the known position
 };
 
 struct DatumRegistration {
@@ -40,10 +40,10 @@ struct DatumRegistration {
   std::vector<MonumentResidual> residuals;  ///< of the monuments that were read, in their order
 };
 
-/// Ties the tracker to the base: the mean of each monument's readings against its known place.
-/// Throws InputError, all faults at once, for readings of unknown monuments, values that are not
-/// finite, a monument named twice, fewer than 3 monuments read or all of them on one line, and
-/// residuals above a hundredth of the monuments' spread.
+/// Registers the tracker to the base by the mean of each monument's readings and its known
+/// position. Throws InputError, with all faults at once, for readings of unknown monuments, values
+/// that are not finite, a monument named twice, fewer than 3 monuments read or all of them on one
+/// line, and residuals above a hundredth of the monuments' spread.
 DatumRegistration register_datum(const std::vector<Monument>& monuments,
                                  const std::vector<MonumentReading>& readings);
 
