@@ -1,5 +1,6 @@
 # How every target of the project is built: C++17 (ViSP 3.5.0's headers are not C++20), warnings as
-# errors, dependencies' headers as system headers.
+# errors, dependencies' headers as system headers. Of planar_options, which stays in this build,
+# users of the installed library see nothing.
 
 add_library(planar_options INTERFACE)
 target_compile_features(planar_options INTERFACE cxx_std_17)
@@ -11,7 +12,7 @@ target_include_directories(planar_options INTERFACE ${PROJECT_SOURCE_DIR}/src)
 # ViSP's package publishes plain variables; this target carries its headers as system headers.
 add_library(planar_visp INTERFACE)
 target_include_directories(planar_visp SYSTEM INTERFACE ${VISP_INCLUDE_DIRS})
-target_link_libraries(planar_visp INTERFACE visp_core visp_blob visp_robot visp_vs visp_io)
+target_link_libraries(planar_visp INTERFACE visp_core visp_blob visp_robot visp_vs)
 
 # planar_room(NAME LINKS rooms and packages others may see [PRIVATE_LINKS hidden ones])
 # One library per room, of every source in its folder; without sources it is headers only. The link
@@ -28,11 +29,13 @@ function(planar_room name)
   if(sources)
     add_library(planar_${name} STATIC ${sources})
     set_target_properties(planar_${name} PROPERTIES CXX_STANDARD 17 CXX_EXTENSIONS OFF)
-    target_link_libraries(planar_${name} PUBLIC planar_options ${ROOM_LINKS}
+    target_compile_features(planar_${name} PUBLIC cxx_std_17)
+    target_link_libraries(planar_${name} PUBLIC $<BUILD_INTERFACE:planar_options> ${ROOM_LINKS}
                                          PRIVATE ${ROOM_PRIVATE_LINKS})
   else()
     add_library(planar_${name} INTERFACE)
-    target_link_libraries(planar_${name} INTERFACE planar_options ${ROOM_LINKS})
+    target_compile_features(planar_${name} INTERFACE cxx_std_17)
+    target_link_libraries(planar_${name} INTERFACE $<BUILD_INTERFACE:planar_options> ${ROOM_LINKS})
   endif()
   set_property(GLOBAL APPEND PROPERTY PLANAR_ROOMS ${name})
   set_property(GLOBAL PROPERTY PLANAR_LINKS_${name} ${ROOM_LINKS})

@@ -6,61 +6,22 @@
 #include <cmath>
 #include <limits>
 
-#include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
-#include "planar_servo/devices/separate_drives.h"
 #include "support/finite_differences.h"
-#include "support/manual_clock.h"
-#include "support/mock_pulse_drive.h"
+#include "support/robot_bench.h"
 
 namespace planar {
 namespace {
+
+using test::Bench;
+using test::column;
+using test::ReadyBench;
+using test::transmission_settings;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kPulse_rad = 2.0 * kPi / 5e5;  // of the coarsest of these drives
 constexpr double kFiniteDifference = 1e-9;      // fourth order with a step of 1e-3
 const Joints kSomewhere{0.3, 1.5, -0.4};
-
-TransmissionSettings transmission_settings() {
-  TransmissionSettings settings;
-  settings.drives[0] = {10000.0, 100.0, 1, 1.0, 5.0};
-  settings.drives[1] = {10000.0, 100.0, -1, 1.0, 5.0};
-  settings.drives[2] = {10000.0, 50.0, 1, 2.0, 10.0};
-  settings.limits_rad = {Eigen::Vector2d(-3.0, 3.0), Eigen::Vector2d(-2.8, 2.8),
-                         Eigen::Vector2d(-6.2, 6.2)};
-  return settings;
-}
-
-/// A robot on three mock drives. Where its tests say "drive 2" the index is 1.
-struct Bench {
-  explicit Bench(const TransmissionSettings& its_settings = transmission_settings())
-      : settings(its_settings) {}
-
-  TransmissionSettings settings;
-  test::ManualClock clock;
-  std::array<test::MockPulseDrive, 3> drives{
-      test::MockPulseDrive(clock), test::MockPulseDrive(clock), test::MockPulseDrive(clock)};
-  SeparateDrives group{{&drives[0], &drives[1], &drives[2]}};
-  PlanarRobot robot{PlanarArm({{0.3, 0.25}, Rotation::kClockwise}), Transmission(settings), group,
-                    clock};
-
-  bool nothing_was_sent() const {
-    return drives[0].targets.empty() && drives[1].targets.empty() && drives[2].targets.empty();
-  }
-};
-
-struct ReadyBench : Bench {
-  explicit ReadyBench(const TransmissionSettings& its_settings = transmission_settings())
-      : Bench(its_settings) {
-    robot.energize();
-  }
-};
-
-vpColVector column(std::initializer_list<double> values) {
-  vpColVector result(static_cast<unsigned int>(values.size()));
-  std::copy(values.begin(), values.end(), result.data);
-  return result;
-}
 
 }  // namespace
 
@@ -298,7 +259,6 @@ TEST_CASE("As a vpRobot it moves joints and poses, in position control only") {
   CHECK_THROWS_AS(robot.setPosition(vpRobot::REFERENCE_FRAME, column({0.3, 0, 0.1, 0, 0, 0})),
                   vpRobotException);
   CHECK_THROWS_AS(robot.setPosition(vpRobot::END_EFFECTOR_FRAME, pose), vpRobotException);
-  CHECK_THROWS_AS(robot.setVelocity(vpRobot::JOINT_STATE, pose), vpRobotException);
 }
 
 TEST_CASE("As a vpRobot its state stop halts the drives") {

@@ -28,6 +28,8 @@ class MockPulseDrive final : public PulseDrive {
 
   void energize() override { energized_ = true; }
   void set_limits(const DriveLimits& limits) override {
+    start_ = position();
+    started_s_ = clock_.now_s();
     max_speed_pulses_s = limits.speed_pulses_s;
     max_acceleration_pulses_s2 = limits.acceleration_pulses_s2;
   }

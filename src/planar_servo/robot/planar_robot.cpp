@@ -1,7 +1,6 @@
 #include "planar_servo/robot/planar_robot.h"
 
 #include <fmt/format.h>
-#include <visp3/robot/vpRobotException.h>
 
 #include <algorithm>
 #include <cmath>
@@ -32,19 +31,8 @@ double move_duration_s(double distance, double max_speed, double max_acceleratio
   return distance / max_speed + max_speed / max_acceleration;
 }
 
-[[noreturn]] void refuse_frame() {
-  throw vpRobotException(vpRobotException::notImplementedError,
-                         "PlanarRobot knows JOINT_STATE and REFERENCE_FRAME only");
-}
-
 [[noreturn]] void throw_stopped() {
   throw StopRequested("the arm was stopped as asked");
-}
-
-void require_size(const vpColVector& position, unsigned int size) {
-  if (position.size() == size) return;
-  throw vpRobotException(vpRobotException::positionOutOfRangeError,
-                         "PlanarRobot: a position of this frame has %u elements", size);
 }
 
 }  // namespace
@@ -68,14 +56,7 @@ PlanarRobot::~PlanarRobot() {
 
 void PlanarRobot::energize() {
   drives_.reconnect();
-  std::array<DriveLimits, 3> limits;
-  for (int i = 0; i < 3; ++i) {
-    const double pulses_per_rad = std::abs(transmission_.pulses_per_rad()[i]);
-    const MotorDrive& motor = motor_drive(i);
-    limits[static_cast<std::size_t>(i)] = {pulses_per_rad * motor.max_speed_rad_s,
-                                           pulses_per_rad * motor.max_acceleration_rad_s2};
-  }
-  drives_.set_limits(limits);
+  drives_.set_limits(rated_limits());
   drives_.energize();
   read_positions(require_well());
 }
@@ -141,10 +122,12 @@ std::optional<std::string> PlanarRobot::move_to(const Joints& theta, const Guard
   if (const auto violation = transmission_.limit_violation(theta)) {
     throw WorkError("the arm refuses to move: " + *violation);
   }
+  if (getRobotState() == STATE_VELOCITY_CONTROL)
+    throw WorkError(
+        "the arm is under velocity control; it has to be ended before the arm can go to a "
+        "position");
   const Pulses target = transmission_.pulses_from_joints(theta);
-  const Status status = require_well();
-  require_homed(status);
-  note_speeds(status);
+  require_ready();
   bool stops = false;
   std::optional<std::string> objection;
   const auto must_rest = [&] {
@@ -191,10 +174,7 @@ void PlanarRobot::brake() {
     longest_s = std::max(longest_s, std::abs(speed) / acceleration);
   }
   drives_.set_targets(stop_pulses);
-  wait_for(kTimeoutFactor * longest_s + kTimeoutMargin_s, [](const auto& status) {
-    return std::none_of(status.begin(), status.end(), [](const auto& s) { return s.moving; });
-  });
-  read_positions(drives_.status());
+  wait_for_rest(longest_s);
 }
 
 void PlanarRobot::halt() {
@@ -226,10 +206,13 @@ PlanarRobot::Status PlanarRobot::require_well() {
   return status;
 }
 
-void PlanarRobot::require_homed(const Status& status) {
+PlanarRobot::Status PlanarRobot::require_ready() {
+  Status status = require_well();
   for (std::size_t i = 0; i < 3; ++i)
     if (!status[i].position_certain)
       throw DriveError(fmt::format("drive {} has lost its position; home the arm", i + 1));
+  note_speeds(status);
+  return status;
 }
 
 void PlanarRobot::wait_for(double timeout_s, const std::function<bool(const Status&)>& arrived) {
@@ -239,6 +222,13 @@ void PlanarRobot::wait_for(double timeout_s, const std::function<bool(const Stat
       throw DriveError(fmt::format("the drives have not arrived after {:.1f} s", timeout_s));
     clock_.sleep_for_s(kPollPeriod_s);
   }
+}
+
+void PlanarRobot::wait_for_rest(double duration_s) {
+  wait_for(kTimeoutFactor * duration_s + kTimeoutMargin_s, [](const auto& status) {
+    return std::none_of(status.begin(), status.end(), [](const auto& s) { return s.moving; });
+  });
+  read_positions(drives_.status());
 }
 
 PlanarRobot::Status PlanarRobot::status_under_way() {
@@ -266,6 +256,17 @@ const MotorDrive& PlanarRobot::motor_drive(int joint) const {
   return transmission_.settings().drives.at(static_cast<std::size_t>(joint));
 }
 
+std::array<DriveLimits, 3> PlanarRobot::rated_limits() const {
+  std::array<DriveLimits, 3> limits;
+  for (int i = 0; i < 3; ++i) {
+    const double pulses_per_rad = std::abs(transmission_.pulses_per_rad()[i]);
+    const MotorDrive& motor = motor_drive(i);
+    limits[static_cast<std::size_t>(i)] = {pulses_per_rad * motor.max_speed_rad_s,
+                                           pulses_per_rad * motor.max_acceleration_rad_s2};
+  }
+  return limits;
+}
+
 std::int32_t PlanarRobot::home_pulses(int joint) const {
   return static_cast<std::int32_t>(
       std::lround(transmission_.pulses_per_rad()[joint] * motor_drive(joint).home_rad));
@@ -287,84 +288,6 @@ void PlanarRobot::read_positions(const Status& status) {
   for (int i = 0; i < 3; ++i)
     if (status[static_cast<std::size_t>(i)].answers)
       commanded_pulses_[i] = status[static_cast<std::size_t>(i)].position_pulses;
-}
-
-void PlanarRobot::get_fJe(vpMatrix& J) {
-  set_jacobian(arm_.jacobian(commanded_joints()), J);
-}
-
-void PlanarRobot::get_eJe(vpMatrix& J) {
-  const Joints theta = commanded_joints();
-  set_jacobian(rotation2d(arm_.forward(theta).phi).transpose() * arm_.jacobian(theta), J);
-}
-
-void PlanarRobot::set_jacobian(const Eigen::Matrix2d& tip_jacobian, vpMatrix& J) const {
-  J.resize(6, 3);
-  for (int row = 0; row < 2; ++row) {
-    for (int column = 0; column < 2; ++column) J[row][column] = tip_jacobian(row, column);
-  }
-  J[5][2] = arm_.sense();
-}
-
-void PlanarRobot::getPosition(const vpControlFrameType frame, vpColVector& position) {
-  const Joints theta = commanded_joints();
-  if (frame == JOINT_STATE) {
-    position.resize(3);
-    for (int i = 0; i < 3; ++i) position[i] = theta[i];
-  } else if (frame == REFERENCE_FRAME) {
-    const TipPose tip = arm_.forward(theta);
-    position.resize(6);
-    position[0] = tip.p.x();
-    position[1] = tip.p.y();
-    position[5] = wrap_angle(tip.phi);
-  } else {
-    refuse_frame();
-  }
-}
-
-void PlanarRobot::setPosition(const vpControlFrameType frame, const vpColVector& position) {
-  if (getRobotState() != STATE_POSITION_CONTROL) {
-    throw vpRobotException(vpRobotException::wrongStateError,
-                           "PlanarRobot: call setRobotState(STATE_POSITION_CONTROL) first");
-  }
-  if (frame == JOINT_STATE) {
-    require_size(position, 3);
-    move_to({position[0], position[1], position[2]});
-  } else if (frame == REFERENCE_FRAME) {
-    move_to(joints_from_pose(position));
-  } else {
-    refuse_frame();
-  }
-}
-
-Joints PlanarRobot::joints_from_pose(const vpColVector& pose) const {
-  require_size(pose, 6);
-  if (pose[2] != 0.0 || pose[3] != 0.0 || pose[4] != 0.0) {
-    throw vpRobotException(vpRobotException::positionOutOfRangeError,
-                           "PlanarRobot: the tool stays in the plane z = 0, upright");
-  }
-  const Joints near = commanded_joints();
-  const InverseResult inverse = arm_.inverse({{pose[0], pose[1]}, pose[5]}, arm_.elbow(near), near);
-  if (inverse.status != ReachStatus::kOk) {
-    throw vpRobotException(vpRobotException::positionOutOfRangeError, "PlanarRobot: %s",
-                           describe(inverse.status));
-  }
-  return inverse.theta;
-}
-
-void PlanarRobot::getDisplacement(const vpControlFrameType /*frame*/, vpColVector& /*q*/) {
-  throw vpRobotException(vpRobotException::notImplementedError,
-                         "PlanarRobot does not record displacements");
-}
-
-void PlanarRobot::setVelocity(const vpControlFrameType /*frame*/, const vpColVector& /*v*/) {
-  throw vpRobotException(vpRobotException::notImplementedError,
-                         "PlanarRobot moves in position control only");
-}
-
-vpRobot::vpRobotStateType PlanarRobot::setRobotState(const vpRobotStateType state) {
-  if (state == STATE_STOP) halt();
-  return vpRobot::setRobotState(state);
 }
 
 }  // namespace planar

@@ -15,6 +15,7 @@
 #include "planar_servo/core/clock.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/devices/drive_group.h"
+#include "planar_servo/robot/velocity_move.h"
 
 namespace planar {
 
@@ -24,8 +25,9 @@ class StopRequested : public WorkError {
   using WorkError::WorkError;
 };
 
-/// Moves the arm behind its three pulse drives by position control: joint angles in, absolute pulse
-/// targets out. It is also a vpRobot, for ViSP's programs. Joints count from 0.
+/// Moves the arm behind its three pulse drives: joint angles in, absolute pulse targets out. It is
+/// also a vpRobot, so that ViSP's programs can drive it by positions and by velocities. Joints
+/// count from 0.
 ///
 /// Use it from one thread only. The destructor halts the drives if one still moves.
 class PlanarRobot final : public vpRobot {
@@ -90,21 +92,40 @@ class PlanarRobot final : public vpRobot {
   const Transmission& transmission() const { return transmission_; }
 
   // These are vpRobot's functions. Its frames are JOINT_STATE (theta, 3 elements) and
-  // REFERENCE_FRAME (the base: x, y, z, then the rotation vector, 6 elements). Other frames throw
+  // REFERENCE_FRAME (the base: x, y, z, then rotations, 6 elements). Other frames throw
   // vpRobotException.
+
+  /// A velocity holds for so long; unless the next one comes before, the arm slows down to rest.
+  static constexpr double kVelocityHold_s{0.2};
+
+  /// There is nothing to do: see energize().
   void init() override {}
   /// Returns the Jacobian of the tool's twist, 6 x 3, in the tool's frame.
   void get_eJe(vpMatrix& J) override;
   /// Returns the Jacobian of the tool's twist, 6 x 3, in the base frame.
   void get_fJe(vpMatrix& J) override;
   using vpRobot::getPosition;
+  /// Reads where the drives stand now, also while they turn. A pose ends with its rotation vector.
   void getPosition(const vpControlFrameType frame, vpColVector& position) override;
   /// Moves to a position; works in STATE_POSITION_CONTROL only. A pose of the base frame is reached
   /// with the present elbow.
   void setPosition(const vpControlFrameType frame, const vpColVector& position) override;
+  /// Always throws: displacements are not recorded.
   void getDisplacement(const vpControlFrameType frame, vpColVector& displacement) override;
+  /// Only in STATE_VELOCITY_CONTROL; returns at once. Turns the joints (rad/s), or moves the tool
+  /// by a twist of the base frame (vx, vy in m/s and wz in rad/s; the others must be 0), for
+  /// kVelocityHold_s. Call it again before that, at best every 20 ms, since a twist holds exactly
+  /// only where the arm stands now. A velocity beyond getMaxTranslationVelocity(),
+  /// getMaxRotationVelocity() or what the motors can do is scaled as a whole.
+  ///
+  /// What is refused counts as silence: the arm slows down to rest. Throws vpRobotException for a
+  /// velocity that is not finite or that no planar arm can have, and for a twist within 3 degrees
+  /// of a straight arm; WorkError where a motor would leave its limits if the velocity were kept;
+  /// StopRequested, at rest; DriveError, after all were halted, when a drive fails. A drive with a
+  /// command timeout shorter than kVelocityHold_s and the way to brake stops by that timeout.
   void setVelocity(const vpControlFrameType frame, const vpColVector& velocity) override;
-  /// Sets the state; STATE_STOP halts the arm.
+  /// Leaving STATE_VELOCITY_CONTROL slows the arm down and returns when it rests, so that no
+  /// position is lost; STATE_STOP halts otherwise.
   vpRobotStateType setRobotState(const vpRobotStateType state) override;
 
  private:
@@ -113,7 +134,9 @@ class PlanarRobot final : public vpRobot {
   /// Halts all drives. When one cannot be told, throws DriveError with `cause` and that drive.
   void halt_after(const std::exception& cause);
   Status require_well();
-  static void require_homed(const Status& status);
+  /// Does what require_well() does, requires that every drive knows its position, and notes the
+  /// speeds.
+  Status require_ready();
   bool stopped() const { return stop_ && stop_(); }
   /// Polls the drives until `arrived`. Throws DriveError when a drive fails or it takes too long.
   void wait_for(double timeout_s, const std::function<bool(const Status&)>& arrived);
@@ -123,12 +146,22 @@ class PlanarRobot final : public vpRobot {
   void travel(const Pulses& target, const std::function<bool()>& must_rest);
   /// Sends every moving motor to where it can stop, and waits until all rest.
   void brake();
+  void wait_for_rest(double duration_s);
+  /// As require_ready(), and notes where the arm stands; halts all before it throws.
+  Status look_while_turning();
+  /// Turns the joints, which have this status, at velocities (rad/s) for kVelocityHold_s.
+  void turn(const Status& status, const Joints& theta_dot);
+  /// Slows down to rest and gives the drives their own speeds again.
+  void end_turning();
   const MotorDrive& motor_drive(int joint) const;
+  std::array<DriveLimits, 3> rated_limits() const;
   std::int32_t home_pulses(int joint) const;
   double longest_move_s(const Pulses& target) const;
   /// Fills J: rows x and y of the twist from `tip_jacobian`, the rotation about z from joint 3.
   void set_jacobian(const Eigen::Matrix2d& tip_jacobian, vpMatrix& J) const;
+  Joints present_joints();
   Joints joints_from_pose(const vpColVector& pose) const;
+  Joints joint_velocity(const vpColVector& twist) const;
   void read_positions(const Status& status);
 
   PlanarArm arm_;
@@ -137,7 +170,8 @@ class PlanarRobot final : public vpRobot {
   Clock& clock_;
   std::function<bool()> stop_;
   Pulses commanded_pulses_{0, 0, 0};
-  Eigen::Vector3d seen_pulses_{0.0, 0.0, 0.0};  ///< position at the last status
+  VelocityMove turning_;                        ///< the last one, under velocity control
+  Eigen::Vector3d seen_pulses_{0.0, 0.0, 0.0};  ///< at the last look, when, and how fast
   double seen_s_{0.0};
   Eigen::Vector3d speed_pulses_s_{0.0, 0.0, 0.0};
 };
