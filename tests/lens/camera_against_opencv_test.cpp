@@ -1,7 +1,7 @@
 #include <catch2/catch.hpp>
 #include <opencv2/calib3d.hpp>
 
-#include "lens/sample_cameras.h"
+#include "planar_servo/lens/camera_model.h"
 
 namespace planar {
 namespace {
@@ -28,7 +28,7 @@ cv::Point2d opencv_projection(const CameraModel& camera, const cv::Point3d& p) {
 }
 
 TEST_CASE("Every model shared with OpenCV projects to OpenCV's pixel") {
-  for (const CameraModel& camera : test::sample_cameras()) {
+  for (const CameraModel& camera : sample_cameras()) {
     if (std::holds_alternative<VispModel>(camera)) continue;
     for (const double x : {-0.4, -0.1, 0.0, 0.3}) {
       for (const double y : {-0.35, 0.0, 0.25}) {

@@ -3,7 +3,6 @@
 #include <catch2/catch.hpp>
 #include <limits>
 
-#include "lens/sample_cameras.h"
 #include "support/finite_differences.h"
 
 namespace planar {
@@ -25,8 +24,8 @@ Pose camera_above() {
 }
 
 TEST_CASE("A point of the plane is found again from its pixel") {
-  for (const CameraModel& camera : test::sample_cameras()) {
-    if (std::holds_alternative<VispModel>(camera)) continue;
+  for (const CameraModel& camera : sample_cameras()) {
+    if (std::holds_alternative<VispModel>(camera)) continue;  // two separate fits, no inverse
     const Workplane plane(camera, camera_above());
     for (const double x : {-0.4, 0.0, 0.3}) {
       const Eigen::Vector2d p_W(x, 0.2 - 0.5 * x);
@@ -40,7 +39,7 @@ TEST_CASE("A point of the plane is found again from its pixel") {
 }
 
 TEST_CASE("The workplane's Jacobians agree with finite differences") {
-  for (const CameraModel& camera : test::sample_cameras()) {
+  for (const CameraModel& camera : sample_cameras()) {
     INFO(lens_model_name(camera));
     const Workplane plane(camera, camera_above());
     const Eigen::Vector2d p_W(-0.31, 0.22);
