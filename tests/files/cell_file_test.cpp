@@ -5,6 +5,7 @@
 #include "planar_servo/cameras/aravis/aravis_kind.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
+#include "planar_servo/drives/tic/tic_kind.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "support/sample_cells.h"
@@ -95,7 +96,7 @@ TEST_CASE("Faults of a cell file are told all at once, each with its place and r
     read_cell(folder.write("cell.yaml", text));
     FAIL("no fault was found");
   } catch (const InputError& e) {
-    CHECK_THAT(e.what(), Contains("servo.gain is 1.5; a number from 1e-09 to 1 is needed"));
+    CHECK_THAT(e.what(), Contains("servo.gain is 1.5; a positive number up to 1 is needed"));
     CHECK_THAT(e.what(), Contains("servo lacks the key 'settle_ms'"));
     CHECK_THAT(e.what(), Contains("unknown key 'servo.setle_ms'"));
     CHECK_THAT(
@@ -116,21 +117,82 @@ TEST_CASE("A Tic has a serial number of its own, a command timeout and a home") 
       "-90}");
   tic("serial: '00422222', command_timeout_ms: 250, home: {reference: taught, at_deg: 10}");
   const CellSettings cell = read_cell(folder.write("cell.yaml", text));
-  CHECK(cell.drives[0].kind == "tic");
-  CHECK(cell.drives[0].serial == "00411111");
-  CHECK(cell.drives[1].command_timeout_s == Approx(0.25));
+  CHECK(cell.drives[0].kind->name() == "tic");
+  CHECK(tic_settings(cell.drives[0]).serial == "00411111");
+  CHECK(tic_settings(cell.drives[1]).command_timeout_s == Approx(0.25));
   CHECK(cell.transmission.drives[0].home == HomeReference::kReverseSwitch);
   CHECK(cell.transmission.drives[0].home_rad == Approx(-kPi / 2.0));
   CHECK(cell.transmission.drives[1].home == HomeReference::kTaught);
-  CHECK(cell.drives[2].kind == "virtual");
+  CHECK(cell.drives[2].kind->name() == "virtual");
 
   tic("serial: '00411111', command_timeout_ms: 0, home: {reference: hall}");
   CHECK_THROWS_WITH(
       read_cell(folder.write("cell.yaml", text)),
-      Contains("drives[2] has the serial number '00411111' of drives[0]; each joint has a drive") &&
+      Contains(
+          "drives[2] has the serial number '00411111' of drives[0]; each joint needs a drive") &&
           Contains("command_timeout_ms is 0; a number from 100 to 2000 is needed") &&
           Contains("reference is 'hall'; allowed are taught, reverse_switch, forward_switch") &&
           Contains("lacks the key 'at_deg'"));
+}
+
+/// What read_cell() says of the paper's cell with `from` replaced by `to`; empty when it is read.
+std::string faults_with(const std::string& from, const std::string& to) {
+  const test::TemporaryFolder folder;
+  try {
+    read_cell(folder.write("cell.yaml", replaced(read_file(test::paper_cell_file()), from, to)));
+    return "";
+  } catch (const InputError& e) {
+    return e.what();
+  }
+}
+
+TEST_CASE("A misspelt source or kind is one fault, whatever else stands beside it") {
+  const std::string source =
+      faults_with("source: virtual,", "source: aravi, address: 10.0.0.2, trigger: software,");
+  CHECK_THAT(source, Contains("camera.source is 'aravi'; allowed are virtual, files, aravis"));
+  CHECK(source.find('\n') == std::string::npos);
+  const std::string kind = faults_with("{kind: virtual, pulses", "{kind: tik, serial: '1', pulses");
+  CHECK_THAT(kind, Contains("drives[0].kind is 'tik'; allowed are virtual, tic"));
+  CHECK(kind.find('\n') == std::string::npos);
+}
+
+TEST_CASE("A malformed limit is one fault that shows what stands in the file") {
+  const std::string fault = faults_with("[-175, 175]", "[-175, wide]");
+  CHECK_THAT(fault, Contains("joint_limits_deg[1]") && Contains("'wide'"));
+  CHECK(fault.find("[0, 0]") == std::string::npos);
+  CHECK(fault.find('\n') == std::string::npos);
+}
+
+TEST_CASE("Whole numbers are not cut to size") {
+  CHECK_THAT(faults_with("width_px: 5120", "width_px: 1280.7"),
+             Contains("camera.width_px is") && Contains("1280.7") && Contains("whole number"));
+  CHECK_THAT(faults_with("max_iterations: 12", "max_iterations: 2.9"),
+             Contains("servo.max_iterations is") && Contains("2.9") && Contains("whole number"));
+}
+
+TEST_CASE("What only a data sheet knows of the sensor may be left out, but must make sense") {
+  CHECK(faults_with("pixel_pitch_um: 2.5,", "").empty());
+  CHECK(faults_with(", gain_e_per_level: 18.6", "").empty());
+  CHECK_THAT(faults_with("gain_e_per_level: 18.6", "gain_e_per_level: -1"),
+             Contains("camera.gain_e_per_level is -1; a positive number is needed"));
+}
+
+TEST_CASE("A cell may say how lamps' centres are measured; else it is auto") {
+  const test::TemporaryFolder folder;
+  CHECK(read_cell(test::paper_cell_file()).lamps.method == CenterMethod::kAuto);
+  const std::string text = replaced(read_file(test::paper_cell_file()), "separation_mm: 40.0",
+                                    "separation_mm: 40.0, method: vpdot2");
+  CHECK(read_cell(folder.write("cell.yaml", text)).lamps.method == CenterMethod::kVpDot2);
+  CHECK_THAT(faults_with("separation_mm: 40.0", "separation_mm: 40.0, method: guess"),
+             Contains("lamps.method is 'guess'; allowed are auto, fast, canny-kasa, vpdot2"));
+}
+
+TEST_CASE("A cell has the tracker of its kind unless it names another") {
+  const test::TemporaryFolder folder;
+  CHECK(read_cell(test::paper_cell_file()).tracker.kind->name() == "virtual");
+  const std::string text =
+      replaced(read_file(test::paper_cell_file()), "tracker: {", "tracker: {source: none, ");
+  CHECK(read_cell(folder.write("cell.yaml", text)).tracker.kind->name() == "none");
 }
 
 TEST_CASE("A file that is not made yet is named with the program that makes it") {

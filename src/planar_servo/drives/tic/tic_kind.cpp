@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include "planar_servo/cell/cell_settings.h"
 #include "planar_servo/core/names.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/drives/tic/tic_doctor.h"
@@ -25,24 +24,17 @@ struct TicDetails final : DeviceDetails {
   TicSettings settings;
 };
 
-/// The Tic's settings of a joint; null when its drive is of another kind.
-const TicSettings* tic_of(const CellSettings& cell, std::size_t joint) {
-  const auto* details = dynamic_cast<const TicDetails*>(cell.drives[joint].details.get());
-  return details == nullptr ? nullptr : &details->settings;
-}
-
-std::array<TicSettings, 3> tic_settings(const CellSettings& cell) {
-  return {*tic_of(cell, 0), *tic_of(cell, 1), *tic_of(cell, 2)};
-}
-
 }  // namespace
+
+const TicSettings& tic_settings(const DriveSettings& drive) {
+  return static_cast<const TicDetails&>(*drive.details).settings;
+}
 
 void TicKind::read(const YamlNode& drive, CellSettings& cell, std::size_t joint) const {
   auto details = std::make_shared<TicDetails>();
   const std::string serial = drive.text("serial");
   for (std::size_t i = 0; i < joint; ++i) {
-    const TicSettings* other = tic_of(cell, i);
-    if (other != nullptr && other->serial == serial)
+    if (cell.drives[i].kind == this && tic_settings(cell.drives[i]).serial == serial)
       drive.add_fault(
           fmt::format("drives[{}] has the serial number '{}' of drives[{}]; each joint needs a "
                       "drive of its own",
@@ -59,13 +51,17 @@ void TicKind::read(const YamlNode& drive, CellSettings& cell, std::size_t joint)
   motor.home_rad = home.number("at_deg") * kDegree;
 }
 
+static std::array<TicSettings, 3> all_settings(const CellSettings& cell) {
+  return {tic_settings(cell.drives[0]), tic_settings(cell.drives[1]), tic_settings(cell.drives[2])};
+}
+
 std::shared_ptr<DriveGroup> TicKind::open(const CellSettings& cell,
                                           const std::shared_ptr<VirtualCell>& /*world*/) const {
-  return std::make_shared<TicDrives>(tic_settings(cell));
+  return std::make_shared<TicDrives>(all_settings(cell));
 }
 
 std::vector<Finding> TicKind::examine(const CellSettings& cell) const {
-  return examine_tics(cell.transmission, tic_settings(cell));
+  return examine_tics(cell.transmission, all_settings(cell));
 }
 
 }  // namespace planar

@@ -1,6 +1,7 @@
 #pragma once
 
-#include "planar_servo/cell/device_kinds.h"
+#include "planar_servo/cell/cell_settings.h"
+#include "planar_servo/drives/tic/tic_drives.h"
 
 namespace planar {
 
@@ -16,5 +17,8 @@ class TicKind final : public DriveKind {
   /// speeds of the cell are within what a Tic can do.
   std::vector<Finding> examine(const CellSettings& cell) const override;
 };
+
+/// The settings of a drive of this kind.
+const TicSettings& tic_settings(const DriveSettings& drive);
 
 }  // namespace planar

@@ -1,0 +1,85 @@
+#include "planar_servo/machine/device_kinds.h"
+
+#include <catch2/catch.hpp>
+
+#include "planar_servo/core/error.h"
+#include "planar_servo/devices/separate_drives.h"
+#include "planar_servo/files/cell_file.h"
+#include "planar_servo/io/atomic_file.h"
+#include "planar_servo/io/yaml_reader.h"
+#include "planar_servo/machine/cell_devices.h"
+#include "support/manual_clock.h"
+#include "support/mock_pulse_drive.h"
+#include "support/sample_cells.h"
+#include "support/temporary_folder.h"
+
+namespace planar {
+namespace {
+
+using Catch::Contains;
+
+struct MadeUpDetails final : DeviceDetails {
+  int ratchet_teeth{0};
+};
+
+/// A drive that nobody sells, with a key of its own. It shows what a new kind has to bring.
+class MadeUpKind final : public DriveKind {
+ public:
+  std::string name() const override { return "made_up"; }
+  bool is_virtual() const override { return true; }
+  void read(const YamlNode& drive, CellSettings& cell, std::size_t joint) const override {
+    const auto details = std::make_shared<MadeUpDetails>();
+    details->ratchet_teeth = drive.whole_number_in("ratchet_teeth", 3, 100);
+    cell.drives[joint].details = details;
+  }
+  std::shared_ptr<DriveGroup> open(const CellSettings& /*cell*/,
+                                   const std::shared_ptr<VirtualCell>& /*world*/) const override {
+    return std::make_shared<SeparateDrives>(std::array<PulseDrive*, 3>{&mock_, &mock_, &mock_});
+  }
+  std::vector<Finding> examine(const CellSettings& /*cell*/) const override { return {}; }
+
+ private:
+  mutable test::ManualClock clock_;
+  mutable test::MockPulseDrive mock_{clock_};
+};
+
+std::string cell_with_made_up_drives(const std::string& teeth) {
+  std::string text = read_file(test::paper_cell_file());
+  const std::string from = "{kind: virtual,", to = "{kind: made_up, ratchet_teeth: " + teeth + ",";
+  for (auto at = text.find(from); at != std::string::npos; at = text.find(from))
+    text.replace(at, from.size(), to);
+  return text;
+}
+
+TEST_CASE("A new kind of drive reads its own keys and is opened, and nothing else knows of it") {
+  const test::TemporaryFolder folder;
+  folder.write("truth.yaml", read_file(test::paper_cell_file().parent_path() / "truth.yaml"));
+  const MadeUpKind made_up;
+  DeviceKinds kinds = device_kinds();
+  kinds.drives.push_back(&made_up);
+  const CellSettings cell =
+      read_cell(folder.write("cell.yaml", cell_with_made_up_drives("17")), kinds);
+  CHECK(cell.drives[2].kind == &made_up);
+  CHECK(static_cast<const MadeUpDetails&>(*cell.drives[2].details).ratchet_teeth == 17);
+  const auto devices = open_cell(cell);
+  CHECK_NOTHROW(devices->drives().status());
+  CHECK_THROWS_WITH(
+      read_cell(folder.write("bad.yaml", cell_with_made_up_drives("1")), kinds),
+      Contains("drives[0].ratchet_teeth is 1; a whole number from 3 to 100 is needed"));
+}
+
+TEST_CASE("Every kind has a name of its own") {
+  const DeviceKinds& kinds = device_kinds();
+  const auto names_differ = [](const auto& of_one_sort) {
+    for (std::size_t i = 0; i < of_one_sort.size(); ++i)
+      for (std::size_t k = 0; k < i; ++k)
+        if (of_one_sort[i]->name() == of_one_sort[k]->name()) return false;
+    return !of_one_sort.empty();
+  };
+  CHECK(names_differ(kinds.cameras));
+  CHECK(names_differ(kinds.drives));
+  CHECK(names_differ(kinds.trackers));
+}
+
+}  // namespace
+}  // namespace planar
