@@ -7,7 +7,6 @@
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/files/vision_files.h"
-#include "planar_servo/io/atomic_file.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/report/progress_bar.h"
 #include "planar_servo/run/dry_run_report.h"
@@ -98,22 +97,15 @@ Outcome print_check(const CellSettings& cell, const std::vector<TargetRow>& targ
   return {{{"targets", rows.size()}, {"refused", refused}}, refused == 0};
 }
 
-/// Plans the targets that arrive on standard input; nothing moves.
 Outcome plan_stream(const CellSettings& cell) {
-  DryRun dry(cell);
   TargetLines lines(kStdin);
-  std::size_t targets = 0, refused = 0;
-  const std::size_t bad_lines =
-      answer_targets(std::cin, std::cout, lines, [&](const TargetRow& target) {
-        const DryRunRow row = dry.plan(target);
-        ++targets;
-        if (row.plan.refusal) ++refused;
-        return plan_answer(row);
-      });
-  fmt::print(stderr, "{} of {} targets can be reached; {} bad lines\n", targets - refused, targets,
-             bad_lines);
-  return {{{"targets", targets}, {"refused", refused}, {"bad_lines", bad_lines}},
-          refused + bad_lines == 0};
+  const PlannedStream planned = plan_targets(std::cin, std::cout, lines, cell);
+  fmt::print(stderr, "{} of {} targets can be reached; {} bad lines\n",
+             planned.targets - planned.refused, planned.targets, planned.bad_lines);
+  return {{{"targets", planned.targets},
+           {"refused", planned.refused},
+           {"bad_lines", planned.bad_lines}},
+          planned.refused + planned.bad_lines == 0};
 }
 
 /// Moves to the targets of a table, or to those that arrive on standard input. Returns the number
@@ -139,12 +131,7 @@ Outcome report(const ServoRequest& request, const Options& options, const ServoR
       spdlog::warn("{}: {}: {}", result.id, name(result.status), result.reason);
   ServoFigures figures = figures_of(run.results());
   figures.frames = frames;
-  std::vector<fs::path> inputs{options.cell, request.cell.camera_model, request.cell.workplane,
-                               request.cell.tool};
-  if (!from_stdin(options)) inputs.push_back(options.targets);
-  if (request.use_error_map) inputs.push_back(request.cell.error_map);
-  write_file(request.out / "run.yaml", run_text(request, figures, inputs));
-  write_file(request.out / "report.html", servo_page(request, run.results()));
+  write_run(request, figures, run.results(), from_stdin(options) ? fs::path() : options.targets);
   fmt::print(from_stdin(options) ? stderr : stdout, "{}log and report: {}\n", servo_text(figures),
              request.out.string());
   return {servo_json(figures), figures.reached == figures.targets && bad_lines == 0};

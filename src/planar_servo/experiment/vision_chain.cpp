@@ -101,6 +101,7 @@ ChainSettings our_chain(const CellSettings& cell) {
   ChainSettings chain;
   chain.name = "ours";
   chain.camera_model = "auto";
+  chain.center = cell.lamps.method;
   chain.servo = cell.servo;
   return chain;
 }

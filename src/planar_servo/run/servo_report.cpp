@@ -6,6 +6,7 @@
 
 #include "planar_servo/core/fixed.h"
 #include "planar_servo/core/units.h"
+#include "planar_servo/io/atomic_file.h"
 #include "planar_servo/io/yaml_writer.h"
 #include "planar_servo/report/html_page.h"
 #include "planar_servo/report/text_table.h"
@@ -124,6 +125,17 @@ std::string servo_page(const ServoRequest& request, const std::vector<TargetResu
                    in_mm(r.after_truth)});
   page.add_html(table.html());
   return page.text();
+}
+
+void write_run(const ServoRequest& request, const ServoFigures& figures,
+               const std::vector<TargetResult>& results, const std::filesystem::path& targets) {
+  const CellSettings& cell = request.cell;
+  std::vector<std::filesystem::path> inputs{cell.file, cell.camera_model, cell.workplane,
+                                            cell.tool};
+  if (!targets.empty()) inputs.push_back(targets);
+  if (request.use_error_map) inputs.push_back(cell.error_map);
+  write_file(request.out / "run.yaml", run_text(request, figures, inputs));
+  write_file(request.out / "report.html", servo_page(request, results));
 }
 
 }  // namespace planar

@@ -28,4 +28,9 @@ QuiverPanel error_panel(const std::string& what, const std::vector<TargetResult>
 /// report.html of one run.
 std::string servo_page(const ServoRequest& request, const std::vector<TargetResult>& results);
 
+/// Writes run.yaml and report.html into the run's folder. The run used the files of its cell and
+/// the table `targets`, which is empty when the targets came on standard input.
+void write_run(const ServoRequest& request, const ServoFigures& figures,
+               const std::vector<TargetResult>& results, const std::filesystem::path& targets);
+
 }  // namespace planar

@@ -7,6 +7,7 @@
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
+#include "planar_servo/run/dry_run_report.h"
 
 namespace planar {
 namespace {
@@ -65,6 +66,19 @@ Json result_answer(const TargetResult& result) {
     told[columns[2]] = error->y() / kMillimetre;
   }
   return told;
+}
+
+PlannedStream plan_targets(std::istream& in, std::ostream& out, TargetLines& lines,
+                           const CellSettings& cell) {
+  DryRun dry(cell);
+  PlannedStream planned;
+  planned.bad_lines = answer_targets(in, out, lines, [&](const TargetRow& target) {
+    const DryRunRow row = dry.plan(target);
+    ++planned.targets;
+    if (row.plan.refusal) ++planned.refused;
+    return plan_answer(row);
+  });
+  return planned;
 }
 
 }  // namespace planar

@@ -5,6 +5,7 @@
 #include <iosfwd>
 #include <nlohmann/json_fwd.hpp>
 
+#include "planar_servo/cell/cell_settings.h"
 #include "planar_servo/files/tables/servo_tables.h"
 #include "planar_servo/files/tables/target_table.h"
 
@@ -22,5 +23,14 @@ std::size_t answer_targets(std::istream& in, std::ostream& out, TargetLines& lin
 
 /// The outcome under the columns of results.csv, but for what is not known.
 nlohmann::ordered_json result_answer(const TargetResult& result);
+
+/// What came of targets that were only planned.
+struct PlannedStream {
+  std::size_t targets{0}, refused{0}, bad_lines{0};
+};
+
+/// Answers every target on `in` with its first move, as plan_answer() has it; nothing moves.
+PlannedStream plan_targets(std::istream& in, std::ostream& out, TargetLines& lines,
+                           const CellSettings& cell);
 
 }  // namespace planar
