@@ -22,7 +22,7 @@ const ProgramText kText{
   r61c7: 20.0207 mm from what the other pairs predict there, where 0.0676 mm is allowed
   r16c23: 3.0087 mm from what the other pairs predict there, where 0.0879 mm is allowed
   r19c41: 0.5093 mm from what the other pairs predict there, where 0.0661 mm is allowed
-method              multiquadric
+method              multiquadric_rbf
 vision error        0.0938 mm rms
 leave-one-out       0.0250 mm rms
 noise               0.0135 mm per axis

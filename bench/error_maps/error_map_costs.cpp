@@ -76,7 +76,7 @@ nlohmann::json time_predictions() {
        {MapProblem{samples, MapMethod::kAuto}, MapProblem{samples, MapMethod::kRbf},
         MapProblem{draw({"f2", "random", 5000}, 1)}}) {
     const MapResult result = fit_error_map(problem);
-    add_map(works, result.method, result.map);
+    add_map(works, name(kind_of(result.map)), result.map);
   }
   const auto seconds = seconds_each(works, at);
   fmt::print("{:26} {:>8} {:>18}\n", "one prediction, 200 pairs", "us", "/ exponentials");

@@ -91,9 +91,9 @@ TEST_CASE("The tuned map is beside the paper's baselines what it claims to be") 
   const MapResult rbf = fit_error_map({samples, MapMethod::kRbf});
   const MapResult idw = fit_error_map({samples, MapMethod::kIdw});
   const MapResult hand = fit_error_map({samples, MapMethod::kHandWidth, 0.048});
-  CHECK(rbf.method == "rbf");
-  CHECK(idw.method == "idw");
-  CHECK(hand.method == "hand");
+  CHECK(kind_of(rbf.map) == MapKind::kGaussianRbf);
+  CHECK(kind_of(idw.map) == MapKind::kIdw);
+  CHECK(kind_of(hand.map) == MapKind::kGaussianRbf);
   CHECK(rbf.loo_rms < hand.loo_rms);
   CHECK(hand.loo_rms < idw.loo_rms);
   CHECK(rbf.idw_loo_rms == idw.loo_rms);

@@ -18,6 +18,19 @@ Eigen::Vector2d direction_of(std::optional<double> phi) {
   throw std::invalid_argument("the error map depends on the tool's direction, which is not known");
 }
 
+MapKind kind(const IdwMap&) {
+  return MapKind::kIdw;
+}
+
+MapKind kind(const RbfMap& map) {
+  return map.parameters().kernel.shape == KernelShape::kGaussian ? MapKind::kGaussianRbf
+                                                                 : MapKind::kMultiquadricRbf;
+}
+
+MapKind kind(const SparseRbfMap&) {
+  return MapKind::kSparseGaussianRbf;
+}
+
 double noise_of(const IdwMap&) {
   return std::numeric_limits<double>::quiet_NaN();
 }
@@ -32,6 +45,14 @@ double noise_of(const SparseRbfMap& map) {
 }
 
 }  // namespace
+
+MapKind kind_of(const ErrorMap& map) {
+  return std::visit([](const auto& of_kind) { return kind(of_kind); }, map);
+}
+
+const char* name(MapKind kind) {
+  return name_in(kMapKinds, kind);
+}
 
 ErrorPrediction predict(const ErrorMap& map, const Eigen::Vector2d& p_vision,
                         std::optional<double> phi) {

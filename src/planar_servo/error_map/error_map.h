@@ -4,6 +4,7 @@
 #include <optional>
 #include <variant>
 
+#include "planar_servo/core/names.h"
 #include "planar_servo/error_map/error_sample.h"
 #include "planar_servo/error_map/maps/idw_map.h"
 #include "planar_servo/error_map/maps/rbf_map.h"
@@ -12,6 +13,19 @@
 namespace planar {
 
 using ErrorMap = std::variant<IdwMap, RbfMap, SparseRbfMap>;
+
+/// What a map is made of.
+enum class MapKind { kIdw, kGaussianRbf, kMultiquadricRbf, kSparseGaussianRbf };
+
+constexpr Named<MapKind> kMapKinds[] = {{MapKind::kIdw, "idw"},
+                                        {MapKind::kGaussianRbf, "gaussian_rbf"},
+                                        {MapKind::kMultiquadricRbf, "multiquadric_rbf"},
+                                        {MapKind::kSparseGaussianRbf, "sparse_gaussian_rbf"}};
+
+MapKind kind_of(const ErrorMap& map);
+
+/// The word for it in map files, in what programs print and in --json.
+const char* name(MapKind kind);
 
 /// Returns the predicted vision error at p_vision, which must be a position as vision saw it (base
 /// frame, metres). Outside the valid region the map still predicts and says so; the caller decides

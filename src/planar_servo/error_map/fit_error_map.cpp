@@ -17,11 +17,9 @@
 namespace planar {
 namespace {
 
-MapResult result_of(ErrorMap map, std::string method, const MapSites& used,
-                    const Eigen::Matrix2Xd& residuals) {
+MapResult result_of(ErrorMap map, const MapSites& used, const Eigen::Matrix2Xd& residuals) {
   MapResult result;
   result.map = std::move(map);
-  result.method = std::move(method);
   result.n_used = static_cast<std::size_t>(used.counts.sum());
   result.raw_rms = used.sample_rms(used.errors);
   result.loo_rms = used.sample_rms(residuals);
@@ -54,9 +52,8 @@ std::vector<RejectedSample> rejected_samples(const std::vector<Outlier>& outlier
 MapResult fit_tuned(const MapSites& sites, const std::vector<RbfFamily>& families,
                     const std::vector<ErrorSample>& samples) {
   RobustFit robust = fit_without_outliers(sites, families);
-  const bool gaussian = robust.fit.map.parameters().kernel.shape == KernelShape::kGaussian;
-  MapResult result = result_of(std::move(robust.fit.map), gaussian ? "rbf" : "multiquadric",
-                               sites.subset(robust.kept), robust.fit.left_out.residuals);
+  MapResult result = result_of(std::move(robust.fit.map), sites.subset(robust.kept),
+                               robust.fit.left_out.residuals);
   result.rejected = rejected_samples(robust.outliers, sites, samples);
   return result;
 }
@@ -65,16 +62,16 @@ MapResult fit_many(const MapSites& sites, const std::vector<ErrorSample>& sample
                    const Progress& progress) {
   SparseFit fit = fit_sparse(sites, progress);
   tell(progress, "judging the map", 0, 1);
-  MapResult result = result_of(std::move(fit.map), "sparse", sites.subset(fit.kept), fit.residuals);
+  MapResult result = result_of(std::move(fit.map), sites.subset(fit.kept), fit.residuals);
   result.rejected = rejected_samples(fit.outliers, sites, samples);
   return result;
 }
 
-void require_dense(const MapSites& sites, const char* method) {
+void require_dense(const MapSites& sites, MapMethod method) {
   if (sites.size() <= kMostDense) return;
   throw InputError(fmt::format(
       "{} distinct positions; the method {} takes at most {}; leave some out, or use auto",
-      sites.size(), method, kMostDense));
+      sites.size(), name_in(kMapMethods, method), kMostDense));
 }
 
 MapResult fit_by_hand(const MapSites& sites, double width) {
@@ -83,7 +80,7 @@ MapResult fit_by_hand(const MapSites& sites, double width) {
         fmt::format("the map's width is {} mm; it must be a positive number", width / kMillimetre));
   }
   RbfFit fit = fit_hand_width(sites, width);
-  return result_of(std::move(fit.map), "hand", sites, fit.left_out.residuals);
+  return result_of(std::move(fit.map), sites, fit.left_out.residuals);
 }
 
 }  // namespace
@@ -93,15 +90,15 @@ MapResult fit_error_map(const MapProblem& problem, const Progress& progress) {
   require_one_unit(sites.positions, sites.positions - sites.errors);
   switch (problem.method) {
     case MapMethod::kIdw: {
-      require_dense(sites, "idw");
+      require_dense(sites, problem.method);
       const IdwMap map = idw_map(sites);
-      return result_of(map, "idw", sites, leave_one_out_residuals(map));
+      return result_of(map, sites, leave_one_out_residuals(map));
     }
     case MapMethod::kHandWidth:
-      require_dense(sites, "hand");
+      require_dense(sites, problem.method);
       return fit_by_hand(sites, problem.hand_width);
     case MapMethod::kRbf:
-      require_dense(sites, "rbf");
+      require_dense(sites, problem.method);
       return fit_tuned(sites, {kOneWidth}, problem.samples);
     case MapMethod::kAuto:
       break;

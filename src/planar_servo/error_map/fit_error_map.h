@@ -21,6 +21,12 @@ enum class MapMethod {
   kHandWidth,  ///< Gaussian on all samples without ridge and tail, as in the paper
 };
 
+/// The words for them in options and messages.
+constexpr Named<MapMethod> kMapMethods[] = {{MapMethod::kAuto, "auto"},
+                                            {MapMethod::kRbf, "rbf"},
+                                            {MapMethod::kIdw, "idw"},
+                                            {MapMethod::kHandWidth, "hand"}};
+
 struct MapProblem {
   std::vector<ErrorSample> samples;
   MapMethod method{MapMethod::kAuto};
@@ -41,8 +47,6 @@ struct RejectedSample {
 /// position are left out together, so that a repeated row cannot confirm itself.
 struct MapResult {
   ErrorMap map;
-  /// The method that was fitted: "rbf", "multiquadric", "sparse", "idw", "hand".
-  std::string method;
   std::size_t n_used{0};  ///< number of samples
   std::vector<RejectedSample> rejected;
   double raw_rms{0.0};  ///< of |E|

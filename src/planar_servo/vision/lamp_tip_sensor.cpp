@@ -1,14 +1,34 @@
 #include "planar_servo/vision/lamp_tip_sensor.h"
 
+#include <spdlog/spdlog.h>
+
 #include <cmath>
 
 #include "planar_servo/calibration/vision_tip.h"
+#include "planar_servo/core/fixed.h"
+#include "planar_servo/core/units.h"
 #include "planar_servo/vision/follow_region.h"
 
 namespace planar {
 namespace {
 
 constexpr char kOutsideView[] = "outside_view";
+
+/// One line for who asks to see every look.
+void log(const TipMeasurement& seen, const TipPose& expected) {
+  if (!spdlog::should_log(spdlog::level::debug)) return;
+  if (!seen.ok()) {
+    spdlog::debug("look at {}: {}", place_mm(expected.p), seen.word);
+    return;
+  }
+  const auto& [first, second] = seen.lamps_px;
+  spdlog::debug(
+      "look at {}: {} frames, lamps ({}) and ({}) px, seen at {}, {} by the error map{}, +- {:.4f} "
+      "mm",
+      place_mm(expected.p), seen.frames, fixed(first, 3, ", "), fixed(second, 3, ", "),
+      place_mm(seen.p_vision), place_mm(-seen.correction),
+      seen.inside_map ? "" : " outside its region", seen.uncertainty_m / kMillimetre);
+}
 
 }  // namespace
 
@@ -33,6 +53,12 @@ std::optional<LampPixels> LampTipSensor::lamps_at(const TipPose& tip) const {
 }
 
 TipMeasurement LampTipSensor::measure(const TipPose& expected, int frames) {
+  TipMeasurement measurement = look_at_tool(expected, frames);
+  log(measurement, expected);
+  return measurement;
+}
+
+TipMeasurement LampTipSensor::look_at_tool(const TipPose& expected, int frames) {
   const auto expectation = expect_tool(vision_, expected);
   if (!expectation) return failed_look(TipStatus::kOutsideView, kOutsideView, 0.0);
   aim_at(*expectation->predicted_px);

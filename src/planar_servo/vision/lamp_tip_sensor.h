@@ -42,6 +42,7 @@ class LampTipSensor final : public TipSensor {
     bool found() const { return frame == FrameStatus::kOk && pair.status == LampStatus::kOk; }
   };
 
+  TipMeasurement look_at_tool(const TipPose& expected, int frames);
   void aim_at(const LampPixels& lamps_px);
   /// Keeps the frame and locates the lamps in it.
   Look locate(const FrameResult& result, const PairExpectation& expectation);

@@ -47,7 +47,7 @@ std::string fit_text(const FitErrorMapReport& report) {
       fmt::format("pairs used          {} ({} rejected)\n", result.n_used, result.rejected.size());
   for (const RejectedSample& sample : result.rejected)
     text += fmt::format("  {}: {}\n", sample.id, sample.reason);
-  text += fmt::format("method              {}\n", result.method);
+  text += fmt::format("method              {}\n", name(kind_of(result.map)));
   text += fmt::format("vision error        {:.4f} mm rms\n", result.raw_rms / kMillimetre);
   text += fmt::format("leave-one-out       {:.4f} mm rms\n", result.loo_rms / kMillimetre);
   if (std::isfinite(result.noise_sigma))
@@ -106,7 +106,7 @@ nlohmann::json map_fit_json(const FitErrorMapReport& report,
   nlohmann::json keys{{"n_used", result.n_used},
                       {"n_rejected", result.rejected.size()},
                       {"rejected", rejected},
-                      {"method", result.method},
+                      {"method", name(kind_of(result.map))},
                       {"raw_rms_mm", result.raw_rms / kMillimetre},
                       {"loo_rms_mm", result.loo_rms / kMillimetre},
                       {"idw_loo_rms_mm", result.idw_loo_rms / kMillimetre},
