@@ -4,37 +4,18 @@
 #include <cmath>
 #include <random>
 
-#include "planar_servo/calibration/vision_tip.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/error_map/fit_error_map.h"
 #include "support/error_fields.h"
-#include "support/rendered_lamp.h"
+#include "vision/lamp_bench.h"
 
 namespace planar {
 namespace {
 
-const cv::Size kSensor{640, 480};
-constexpr double kHeight_m = 1.0;
-constexpr double kPixelsPerMetre = 1000.0;
-constexpr double kSeparation_m = 0.1;
-constexpr double kDiameter_m = 0.04;
+using test::kSensor;
+using test::vision_with;
 constexpr int kFollowRegion_px = 400;
 const Eigen::Vector2d kBias(0.8e-3, -0.6e-3);  // of vision, in the tool's frame
-
-/// Looks straight down on the middle of the plane; y_W points against v.
-Workplane workplane_below() {
-  const Pinhole camera{
-      {kPixelsPerMetre, kPixelsPerMetre, 0.5 * kSensor.width, 0.5 * kSensor.height}};
-  Pose X_WC = Pose::Identity();
-  X_WC.linear() = Eigen::Vector3d(1.0, -1.0, -1.0).asDiagonal();
-  X_WC.translation() = Eigen::Vector3d(0.0, 0.0, kHeight_m);
-  return {camera, X_WC};
-}
-
-/// Equal lamps on an ideal tool.
-VisionCalibration vision_with(const std::optional<ErrorMap>& map) {
-  return {{kSeparation_m, {kDiameter_m, kDiameter_m}}, workplane_below(), {}, map};
-}
 
 /// Shows both lamps of a tool that stands at `tip`.
 class TwoLamps final : public FrameSource {
@@ -59,11 +40,8 @@ class TwoLamps final : public FrameSource {
 
  private:
   FrameResult show() {
-    const auto lamps_px = lamps_from_tip(workplane_below(), {}, kSeparation_m, tip).value();
-    cv::Mat scene = test::background(kSensor);
-    for (const Eigen::Vector2d& center_px : lamps_px)
-      test::add_lamp(scene, {center_px, kDiameter_m * kPixelsPerMetre});
-    return {FrameStatus::kOk, {test::expose(scene, random_)(region_px_).clone(), region_px_, 1.0}};
+    return {FrameStatus::kOk,
+            {test::picture_of(tip, random_)(region_px_).clone(), region_px_, 1.0}};
   }
 
   cv::Rect region_px_{{}, kSensor};

@@ -1,0 +1,84 @@
+#include "planar_servo/vision/see_tool.h"
+
+#include <catch2/catch.hpp>
+
+#include "planar_servo/core/units.h"
+#include "vision/lamp_bench.h"
+
+namespace planar {
+namespace {
+
+constexpr double kVision_m = 2e-5;  // a fiftieth of a pixel
+constexpr double kDirection = 4.0 * kVision_m / test::kSeparation_m;
+
+Frame frame_of(const TipPose& tip, double separation_m = test::kSeparation_m) {
+  std::mt19937 random(1);
+  return {test::picture_of(tip, random, separation_m), {{}, test::kSensor}, 1.0};
+}
+
+/// A map that predicts the same error everywhere, and is valid about the middle of the view.
+ErrorMap constant_map(const Eigen::Vector2d& error) {
+  IdwMap map;
+  map.centers.resize(2, 3);
+  map.centers << -0.1, 0.1, 0.0, -0.1, -0.1, 0.1;
+  map.errors = error.replicate(1, 3);
+  map.region.hull = {{-0.1, -0.1}, {0.1, -0.1}, {0.0, 0.1}};
+  return map;
+}
+
+TEST_CASE("The tool is seen where it stands and as it points") {
+  const TipPose tip{{0.03, -0.02}, GENERATE(0.0, 90.0, -150.0) * kDegree};
+  const VisionCalibration vision = test::vision_with(std::nullopt);
+  LampTracker tracker(CenterMethod::kAuto);
+  const SeenTool seen = see_tool(vision, tracker, frame_of(tip), expect_tool(vision, tip).value());
+  REQUIRE(seen.lamps.status == LampStatus::kOk);
+  REQUIRE(seen.place.has_value());
+  CHECK((seen.place->tip().p - tip.p).norm() < kVision_m);
+  CHECK(std::abs(wrap_angle(seen.place->tip().phi - tip.phi)) < kDirection);
+  CHECK(seen.place->error.inside);
+}
+
+TEST_CASE("What the error map predicts is taken off, and its region is judged where vision sees") {
+  const Eigen::Vector2d error(0.5e-3, -0.3e-3);
+  const VisionCalibration vision = test::vision_with(constant_map(error));
+  LampTracker tracker(CenterMethod::kAuto);
+  const TipPose within{{0.0, 0.0}, 0.0}, beyond{{0.0, 0.15}, 0.0};
+  const auto place_at = [&](const TipPose& tip) {
+    return see_tool(vision, tracker, frame_of(tip), expect_tool(vision, tip).value()).place.value();
+  };
+  CHECK((place_at(within).tip().p - (within.p - error)).norm() < kVision_m);
+  CHECK(place_at(within).error.inside);
+  CHECK_FALSE(place_at(beyond).error.inside);
+}
+
+TEST_CASE("Lamps at another distance than they were built to are no pair") {
+  const TipPose tip{{0.0, 0.0}, 0.0};
+  const VisionCalibration vision = test::vision_with(std::nullopt);
+  LampTracker tracker(CenterMethod::kAuto);
+  const SeenTool seen = see_tool(vision, tracker, frame_of(tip, 1.05 * test::kSeparation_m), {});
+  CHECK(seen.lamps.status == LampStatus::kWrongDistance);
+  CHECK_FALSE(seen.place.has_value());
+}
+
+TEST_CASE("Equal lamps without a prediction have a place, but nobody knows which is which") {
+  const TipPose tip{{0.02, 0.01}, 0.3};
+  const VisionCalibration vision = test::vision_with(std::nullopt);
+  LampTracker tracker(CenterMethod::kAuto);
+  const SeenTool seen = see_tool(vision, tracker, frame_of(tip), {});
+  CHECK(seen.lamps.status == LampStatus::kAmbiguous);
+  REQUIRE(seen.place.has_value());
+  CHECK((seen.place->tip().p - tip.p).norm() < kVision_m);
+}
+
+TEST_CASE("A frame without lamps has no tool") {
+  const VisionCalibration vision = test::vision_with(std::nullopt);
+  LampTracker tracker(CenterMethod::kAuto);
+  std::mt19937 random(1);
+  const Frame dark{test::expose(test::background(test::kSensor), random), {{}, test::kSensor}, 1.0};
+  const SeenTool seen = see_tool(vision, tracker, dark, {});
+  CHECK(seen.lamps.status == LampStatus::kNoLamp);
+  CHECK_FALSE(seen.place.has_value());
+}
+
+}  // namespace
+}  // namespace planar
