@@ -17,10 +17,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const ProgramText kText{"planar-virtual-cell", "Makes virtual cells, and serves their cameras.",
-                        "planar-virtual-cell draw --seed N [--like paper] -o DIR\n"
-                        "       planar-virtual-cell serve --cell cell.yaml [--address ADDRESS]",
-                        "  drew cell 7: cells/7/cell.yaml and its truth, cells/7/truth.yaml"};
+const CommandText kDraw{"draw", "planar-virtual-cell draw --seed N [--like paper] -o DIR",
+                        "drew cell 7: cells/7/cell.yaml and its truth, cells/7/truth.yaml"};
+const CommandText kServe{
+    "serve", "planar-virtual-cell serve --cell cell.yaml [--address ADDRESS]",
+    "serving cell.yaml as a GigE Vision camera on 127.0.0.1 until interrupted"};
+const ProgramText kText{"planar-virtual-cell",
+                        "Makes virtual cells, and serves their cameras.",
+                        kDraw.synopsis + "\n       " + kServe.synopsis,
+                        kDraw.sample,
+                        {kDraw, kServe}};
 
 struct Options {
   std::uint32_t seed{0};
@@ -61,13 +67,12 @@ Outcome work(const Options& options) {
 void add_options(CLI::App& app, Options& options) {
   app.require_subcommand(1);
   app.fallthrough();
-  CLI::App* server =
-      app.add_subcommand("serve", "the cell's camera as a GigE Vision camera on this machine");
+  CLI::App* server = app.add_subcommand(
+      kServe.name, "Serves a cell's camera as a GigE Vision camera of this machine.");
   server->add_option("--cell", options.cell, "the virtual cell")->required()->type_name("FILE");
   server->add_option("--address", options.address, "an address of this machine")
       ->capture_default_str();
-  CLI::App* command =
-      app.add_subcommand("draw", "a new random cell of the same kind, with its truth");
+  CLI::App* command = app.add_subcommand(kDraw.name, "Draws a new random cell with its truth.");
   command->add_option("--seed", options.seed, "the same seed draws the same cell")->required();
   command->add_option("--like", options.like, "the kind of cell")->check(CLI::IsMember({"paper"}));
   command->add_option("-o,--out", options.folder, "folder for cell.yaml and truth.yaml")

@@ -22,19 +22,44 @@ class HelpFormatter : public CLI::Formatter {
  public:
   explicit HelpFormatter(const ProgramText& text) : text_(text) {}
 
-  std::string make_usage(const CLI::App* /*app*/, std::string /*name*/) const override {
-    return fmt::format("\nUsage: {}\n\nSample of the output:\n{}\n", text_.synopsis, text_.sample);
+  std::string make_usage(const CLI::App* app, std::string /*name*/) const override {
+    for (const CommandText& command : text_.commands)
+      if (app->get_name() == command.name) return usage(command.synopsis, command.sample);
+    return usage(text_.synopsis, text_.sample);
   }
 
  private:
+  static std::string usage(const std::string& synopsis, const std::string& sample) {
+    return fmt::format("\nUsage: {}\n\nSample of the output:\n{}\n", synopsis, sample);
+  }
+
   ProgramText text_;
 };
+
+/// The names of the required options that were not given, those of a subcommand included.
+std::vector<std::string> missing_options(const CLI::App& app) {
+  std::vector<std::string> missing;
+  for (const CLI::Option* option : app.get_options())
+    if (option->get_required() && option->count() == 0) missing.push_back(option->get_name());
+  for (const CLI::App* command : app.get_subcommands())
+    for (std::string& name : missing_options(*command)) missing.push_back(std::move(name));
+  return missing;
+}
+
+/// The parser stops at the first option that is missing; this names all of them.
+std::string parser_fault(const CLI::App& app, const CLI::Error& fault) {
+  const std::vector<std::string> missing = missing_options(app);
+  if (fault.get_exit_code() != static_cast<int>(CLI::ExitCodes::RequiredError) || missing.empty())
+    return fault.what();
+  return fmt::format("{} {} required", fmt::join(missing, ", "),
+                     missing.size() == 1 ? "is" : "are");
+}
 
 /// Names also the words that were not understood: a required option is often there, but misspelt.
 std::string usage_fault(const CLI::App* app, const CLI::Error& fault) {
   std::vector<std::string> faults;
   if (fault.get_exit_code() != static_cast<int>(CLI::ExitCodes::ExtrasError))
-    faults.emplace_back(fault.what());
+    faults.push_back(parser_fault(*app, fault));
   const std::vector<std::string> strangers = app->remaining(true);
   if (!strangers.empty())
     faults.push_back(fmt::format("not understood: {}", fmt::join(strangers, " ")));

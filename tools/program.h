@@ -4,8 +4,16 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 namespace planar {
+
+/// What opens the --help of a subcommand, whose sentence is its description.
+struct CommandText {
+  std::string name;      ///< "draw"
+  std::string synopsis;  ///< the call, without "Usage:"
+  std::string sample;    ///< a sample of its output
+};
 
 /// What opens a program's --help.
 struct ProgramText {
@@ -13,6 +21,7 @@ struct ProgramText {
   std::string sentence;  ///< what it does, one sentence
   std::string synopsis;  ///< the call, without "Usage:"
   std::string sample;    ///< a sample of its output
+  std::vector<CommandText> commands{};
 };
 
 struct Outcome {

@@ -105,6 +105,17 @@ expect 2 "cell: is a folder; name the file to write" "$bin/planar-fit-error-map"
 expect 2 "there is no folder 'absent'" "$bin/planar-pair-tracker" --cell cell/cell.yaml \
   --lamps same.csv --recording cell --workplane-out made --tool-out absent/tool.yaml -o pairs.csv
 
+# All required options that are missing are named at once, a subcommand's own ones as well.
+expect 2 "^planar-record: --cell, --plan, --out are required; --help" "$bin/planar-record"
+expect 2 "^planar-check-error-map: map, pairs are required;" "$bin/planar-check-error-map"
+expect 2 "^planar-virtual-cell: --seed, --out are required;" "$bin/planar-virtual-cell" draw
+expect 2 "^planar-virtual-cell: A subcommand is required;" "$bin/planar-virtual-cell"
+
+# A subcommand's help is its own.
+"$bin/planar-virtual-cell" serve --help >out.txt
+grep -q "^Usage: planar-virtual-cell serve --cell" out.txt || fail "$(cat out.txt)"
+if grep -q "draw" out.txt; then fail "the help of serve tells of draw: $(cat out.txt)"; fi
+
 # An option mistyped is named, also where a required one is missing for it; units are not guessed.
 expect 2 "^planar-record: --cell is required; not understood: --cel" \
   "$bin/planar-record" --cel cell/cell.yaml --plan plan.csv --out made
