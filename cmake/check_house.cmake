@@ -1,6 +1,7 @@
 # cmake -DHOUSE=the file of planar_write_house() -DSRC=the folder src -P check_house.cmake
 # Fails unless every room includes only what it links (a header only what it links publicly) and no
-# type is declared in two rooms: their layouts would be mixed up at link time without a word.
+# type is declared in two rooms: their layouts would be mixed up at link time without a word. For the
+# same reason every test keeps its helpers in an anonymous namespace.
 cmake_minimum_required(VERSION 3.25)
 include(${HOUSE})
 set(faults "")
@@ -34,6 +35,14 @@ foreach(room ${rooms})
       set(declared_${type} ${file})
     endforeach()
   endforeach()
+endforeach()
+
+file(GLOB_RECURSE tests ${CMAKE_CURRENT_LIST_DIR}/../tests/*_test.cpp)
+foreach(test ${tests})
+  file(STRINGS ${test} anonymous REGEX "^namespace {$")
+  if(NOT anonymous)
+    string(APPEND faults "${test}: has no anonymous namespace\n")
+  endif()
 endforeach()
 
 if(faults)

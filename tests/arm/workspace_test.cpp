@@ -4,6 +4,7 @@
 #include <limits>
 
 namespace planar {
+namespace {
 
 TEST_CASE("The workspace is a ring without its keep-out discs, and says what forbids a point") {
   const Workspace workspace{0.06, 0.54, {{{0.3, 0.0}, 0.05}}};
@@ -20,4 +21,5 @@ TEST_CASE("The workspace is a ring without its keep-out discs, and says what for
   CHECK(workspace.excess_m({0.3, 0.049}) == Approx(0.001));
 }
 
+}  // namespace
 }  // namespace planar

@@ -13,6 +13,7 @@
 #include "support/shared_data.h"
 
 namespace planar {
+namespace {
 
 const Board kBoard{Board::Kind::kCircles, 9, 7, 0.03};
 constexpr Intrinsics kIntrinsics{1400.0, 1390.0, 650.0, 500.0};
@@ -264,4 +265,5 @@ TEST_CASE("The grid36 photographs give the camera that vpCalibration finds") {
   CHECK(found.rms_px < 0.283);
 }
 
+}  // namespace
 }  // namespace planar

@@ -4,6 +4,7 @@
 #include <limits>
 
 namespace planar {
+namespace {
 
 TEST_CASE("What rounds to zero has no sign, everything else keeps its own") {
   CHECK(fixed(-0.0, 3) == "0.000");
@@ -24,4 +25,5 @@ TEST_CASE("A place is told in millimetres") {
   CHECK(place_mm({-1e-9, -0.1234567}) == "(0.000, -123.457) mm");
 }
 
+}  // namespace
 }  // namespace planar

@@ -5,6 +5,7 @@
 #include "planar_servo/core/units.h"
 
 namespace planar {
+namespace {
 
 constexpr double kRounding = 1e-14;
 
@@ -27,4 +28,5 @@ TEST_CASE("Rotations turn x to y") {
   CHECK(rotation_from_vector(Eigen::Vector3d::Zero()).isIdentity());
 }
 
+}  // namespace
 }  // namespace planar

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 namespace planar {
+namespace {
 
 TEST_CASE("A summary holds the textbook figures") {
   const Summary s = summarize({3.0, 4.0, 0.0, 5.0});
@@ -33,4 +34,5 @@ TEST_CASE("Statistics of an empty set are refused") {
   CHECK_THROWS_AS(correlation({1.0}, {1.0, 2.0}), std::invalid_argument);
 }
 
+}  // namespace
 }  // namespace planar

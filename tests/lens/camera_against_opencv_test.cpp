@@ -4,6 +4,7 @@
 #include "lens/sample_cameras.h"
 
 namespace planar {
+namespace {
 
 /// Rounding of a few products of numbers near 5000.
 constexpr double kRounding_px = 1e-9;
@@ -41,4 +42,5 @@ TEST_CASE("Every model shared with OpenCV projects to OpenCV's pixel") {
   }
 }
 
+}  // namespace
 }  // namespace planar

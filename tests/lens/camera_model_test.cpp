@@ -8,6 +8,7 @@
 #include "support/finite_differences.h"
 
 namespace planar {
+namespace {
 
 /// Error of a fourth-order difference at the steps below, relative to the Jacobian.
 constexpr double kJacobianTolerance = 1e-8;
@@ -109,4 +110,5 @@ TEST_CASE("Missing coefficients are zero, wrong ones are refused by name") {
   CHECK_THROWS_AS(make_camera_model("pinhole", Intrinsics{0.0, 1.0, 0.0, 0.0}, {}), InputError);
 }
 
+}  // namespace
 }  // namespace planar

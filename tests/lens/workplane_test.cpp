@@ -7,6 +7,7 @@
 #include "support/finite_differences.h"
 
 namespace planar {
+namespace {
 
 /// Error of a fourth-order difference at the steps below, relative to the Jacobian.
 constexpr double kJacobianTolerance = 1e-8;
@@ -66,4 +67,5 @@ TEST_CASE("Rays along the plane or away from it meet nothing") {
       Workplane(camera, X_WC).plane_from_pixel({std::numeric_limits<double>::quiet_NaN(), 0.0}));
 }
 
+}  // namespace
 }  // namespace planar

@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 
 namespace planar {
+namespace {
 
 TEST_CASE("A page holds its parts in order and refers to no other file") {
   HtmlPage page("Run of <cell>");
@@ -29,4 +30,5 @@ TEST_CASE("Lines of a paragraph stay lines") {
   CHECK_THAT(page.text(), Catch::Contains("<p>one<br>two</p>"));
 }
 
+}  // namespace
 }  // namespace planar

@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 namespace planar {
+namespace {
 
 // Panels are 320 units wide and begin at (12, 44): the base is at (172, 204). The longest arrow of
 // each is 36 units long, and the farthest point 36 units from its edge.
@@ -35,4 +36,5 @@ TEST_CASE("Panels without points or with unequal sizes are refused") {
   CHECK_THROWS_AS(quiver_svg({{"uneven", {{0.0, 0.0}}, {}}}), std::invalid_argument);
 }
 
+}  // namespace
 }  // namespace planar

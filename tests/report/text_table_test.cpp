@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 namespace planar {
+namespace {
 
 TEST_CASE("A table aligns its first column left and the others right, also with wide characters") {
   TextTable table("Title", {"what", "mm"});
@@ -29,4 +30,5 @@ TEST_CASE("A row with a missing cell is refused") {
   CHECK_THROWS_AS(table.add_row({"1"}), std::logic_error);
 }
 
+}  // namespace
 }  // namespace planar
