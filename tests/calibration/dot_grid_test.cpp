@@ -9,6 +9,7 @@
 #include "support/shared_data.h"
 
 namespace planar {
+namespace {
 
 /// Systematic part of the edge search on an unblurred picture with 36 grey steps at a rim.
 constexpr double kCenterTolerance_px = 0.03;
@@ -163,15 +164,25 @@ void check_all_found(const std::filesystem::path& folder, const std::string& ext
   CHECK(images == images_expected);
 }
 
-TEST_CASE("All dots of the real photographs are found") {
-  const Board six{Board::Kind::kCircles, 6, 6, 0.034};
-  if (const auto folder = test::shared_data("circle_grids/visp")) {
-    check_all_found(*folder, ".jpg", six, 5);
-  }
-  if (const auto folder = test::visp_image("calibration")) check_all_found(*folder, ".pgm", six, 4);
-  const Board ten{Board::Kind::kCircles, 10, 10, 0.0254};
-  if (const auto folder = test::shared_data("circle_grids/rct"))
-    check_all_found(*folder, ".png", ten, 10);
+const Board kSix{Board::Kind::kCircles, 6, 6, 0.034};
+
+TEST_CASE("All dots of the photographs from ViSP's tutorial are found") {
+  const auto folder = test::shared_data("circle_grids/visp");
+  if (!folder) return;
+  check_all_found(*folder, ".jpg", kSix, 5);
 }
 
+TEST_CASE("All dots of the photographs from ViSP's images are found") {
+  const auto folder = test::visp_image("calibration");
+  if (!folder) return;
+  check_all_found(*folder, ".pgm", kSix, 4);
+}
+
+TEST_CASE("All dots of the photographs from robot_cal_tools are found") {
+  const auto folder = test::shared_data("circle_grids/rct");
+  if (!folder) return;
+  check_all_found(*folder, ".png", {Board::Kind::kCircles, 10, 10, 0.0254}, 10);
+}
+
+}  // namespace
 }  // namespace planar
