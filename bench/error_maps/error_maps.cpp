@@ -189,6 +189,7 @@ void print_times(const std::vector<CaseResult>& results) {
 }
 
 void run_all(const Options& options) {
+  require_scipy();
   std::vector<CaseResult> results;
   nlohmann::json json = nlohmann::json::array();
   for (const std::string& layout : options.layouts) {

@@ -1,5 +1,6 @@
-#!/usr/bin/env python3
-"""Error maps of measured pairs: real_pairs.py BIN DATA [JSON]
+"""bench/.venv/bin/python bench/error_maps/real_pairs.py BIN DATA [JSON]
+
+Error maps of measured pairs.
 
 BIN holds planar-fit-error-map, DATA the folders plane_error_maps and tracker_pairs. From the grid of
 plane_grid_run1 200 pairs are drawn twenty times (seeds 1 to 20); a map of them and SciPy's

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdio>
+#include <cstdlib>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -36,6 +37,12 @@ std::string output_of(const std::string& command) {
 
 }  // namespace
 
+void require_scipy() {
+  const std::string probe = BENCH_PYTHON " -c 'import numpy, scipy' 2>/dev/null";
+  if (std::system(probe.c_str()) != 0)
+    throw WorkError(BENCH_PYTHON " cannot import numpy and scipy; bench/install makes it anew");
+}
+
 std::map<std::string, std::vector<Score>> run_scipy(
     const std::vector<std::vector<ErrorSample>>& draws, const std::vector<ErrorSample>& truth,
     const std::filesystem::path& folder) {
@@ -43,8 +50,8 @@ std::map<std::string, std::vector<Score>> run_scipy(
   write(truth, folder / "truth.csv");
   for (std::size_t i = 0; i < draws.size(); ++i)
     write(draws[i], folder / fmt::format("draw_{:03}.csv", i));
-  const auto found = nlohmann::json::parse(output_of(
-      fmt::format("OPENBLAS_NUM_THREADS=1 python3 '{}' '{}'", SCIPY_PEER, folder.string())));
+  const auto found = nlohmann::json::parse(output_of(fmt::format(
+      "OPENBLAS_NUM_THREADS=1 '{}' '{}' '{}'", BENCH_PYTHON, SCIPY_PEER, folder.string())));
   std::filesystem::remove_all(folder);
   std::map<std::string, std::vector<Score>> scores;
   for (const auto& [kernel, runs] : found.items()) {

@@ -10,6 +10,9 @@
 
 namespace planar::bench {
 
+/// Throws WorkError when the interpreter of bench/.venv cannot run scipy_peer.py.
+void require_scipy();
+
 /// The scores of SciPy's RBFInterpolator by method, one per draw, by way of scipy_peer.py and files
 /// in `folder`. Throws WorkError when the script fails.
 std::map<std::string, std::vector<Score>> run_scipy(

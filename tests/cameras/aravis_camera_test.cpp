@@ -299,7 +299,7 @@ TEST_CASE("An inspection counts whole and torn frames, and tells why a camera ca
       test::SceneSensor sensor;
       Server server(sensor);
       const CameraInspection good = inspect_camera(settings, kDuration_s);
-      CHECK(good.refusal.empty());
+      CHECK_FALSE(good.refusal);
       CHECK(good.complete > 0);
       CHECK(good.packet_size == 1500);
       CHECK(good.frame_bytes == static_cast<std::size_t>(kSensor.area()));
@@ -307,12 +307,14 @@ TEST_CASE("An inspection counts whole and torn frames, and tells why a camera ca
       CHECK(inspect_camera(settings, kDuration_s).incomplete > 0);
       settings.id = "T2";
       const CameraInspection other = inspect_camera(settings, kDuration_s);
-      CHECK_THAT(other.refusal, Catch::Contains("is T1, not T2"));
-      CHECK_FALSE(other.absent);
+      REQUIRE(other.refusal);
+      CHECK_THAT(other.refusal->fault, Catch::Contains("is T1, not T2"));
+      CHECK_THAT(other.refusal->remedy, Catch::Contains("correct the settings of `camera`"));
     }
     const CameraInspection dead = inspect_camera(settings, kDuration_s);
-    CHECK_THAT(dead.refusal, Catch::Contains("no GigE camera answers"));
-    CHECK(dead.absent);
+    REQUIRE(dead.refusal);
+    CHECK_THAT(dead.refusal->fault, Catch::Contains("no GigE camera answers"));
+    CHECK_THAT(dead.refusal->remedy, Catch::StartsWith("ping "));
   }
 }
 

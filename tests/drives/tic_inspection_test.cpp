@@ -8,6 +8,8 @@ namespace planar {
 namespace {
 
 using Catch::Contains;
+using Catch::EndsWith;
+using Catch::StartsWith;
 using test::TicBench;
 
 }  // namespace
@@ -17,7 +19,7 @@ TEST_CASE("An inspection reads what a drive says of itself, and changes nothing"
   TicBus bus;
   const std::uint8_t timeout = bench.tics[0].setting(0x09);
   const TicInspection tic = inspect_tic(bus, TicBench::kSerials[0]);
-  CHECK(tic.refusal.empty());
+  CHECK_FALSE(tic.refusal);
   CHECK(tic::product_name(tic.listing.product_id) == "Tic 36v4");
   CHECK(tic::firmware_name(tic.listing.firmware) == "1.09");
   CHECK(tic.supply_v == Approx(24.0));
@@ -26,24 +28,32 @@ TEST_CASE("An inspection reads what a drive says of itself, and changes nothing"
   CHECK(bench.tics[0].setting(0x09) == timeout);
 }
 
-TEST_CASE("An inspection names what stands in the way") {
+TEST_CASE("An inspection tells what stands in the way apart from what mends it") {
   TicBench bench;
   TicBus bus;
   bench.tics[0].store_setting(0x01, 3);
-  CHECK_THAT(inspect_tic(bus, TicBench::kSerials[0]).refusal, Contains("control mode is 3"));
+  const auto deaf = inspect_tic(bus, TicBench::kSerials[0]).refusal;
+  REQUIRE(deaf);
+  CHECK(deaf->fault == "its control mode is 3, in which it ignores this program");
+  CHECK(deaf->remedy == "set it to 'Serial / I2C / USB' in Pololu's Tic Control Center");
   bench.tics[1].set_supply(2.0);
   CHECK(inspect_tic(bus, TicBench::kSerials[1]).faults ==
         std::vector<std::string>{"low supply voltage"});
-  CHECK_THAT(inspect_tic(bus, "0").refusal, Contains("no Tic with the serial number '0'"));
+  const auto absent = inspect_tic(bus, "0").refusal;
+  REQUIRE(absent);
+  CHECK_THAT(absent->fault, Contains("no Tic with the serial number '0'") && EndsWith(")"));
+  CHECK_THAT(absent->remedy, StartsWith("plug it in"));
 }
 
-TEST_CASE("The bus lists its Tics") {
+TEST_CASE("A Tic in the hands of another program is refused with all of its words") {
   TicBench bench;
-  TicBus bus;
-  CHECK(bus.list().size() == 3);
-  bench.devices[1].unplug();
-  TicBus later;
-  CHECK(later.list().size() == 2);
+  TicBus bus, other;
+  Refusal why;
+  const auto port = other.open(TicBench::kSerials[0], why);
+  REQUIRE(port);
+  CHECK_FALSE(bus.open(TicBench::kSerials[0], why));
+  CHECK_THAT(why.fault, Contains("is in use by another program") && EndsWith(")"));
+  CHECK(why.remedy == "end that program");
 }
 
 }  // namespace planar

@@ -151,12 +151,14 @@ struct MockUsbDevice::Impl {
     auto* impl = static_cast<Impl*>(self);
     const std::lock_guard lock(impl->mutex);
     impl->open_files.erase(client);
+    if (impl->holder == client) impl->holder = nullptr;
   }
 
   void plug();
   void unplug();
   void add_to_testbed(const std::string& text);
   void handle(UMockdevIoctlClient* client);
+  void claim(UMockdevIoctlClient* client);
   void submit(UMockdevIoctlClient* client);
   void reap(UMockdevIoctlClient* client);
   void discard(UMockdevIoctlClient* client);
@@ -174,6 +176,7 @@ struct MockUsbDevice::Impl {
   bool plugged{false};
   std::string node, sys_path;
   std::map<UMockdevIoctlClient*, OpenFile> open_files;
+  UMockdevIoctlClient* holder{nullptr};  ///< the one that has claimed the interfaces
   std::optional<UsbFault> fault;
 };
 
@@ -259,8 +262,11 @@ void MockUsbDevice::Impl::handle(UMockdevIoctlClient* client) {
     case USBDEVFS_CONTROL:
       return control_at_once(client);
     case USBDEVFS_CLAIMINTERFACE:
-    case USBDEVFS_RELEASEINTERFACE:
     case USBDEVFS_DISCONNECT_CLAIM:
+      return claim(client);
+    case USBDEVFS_RELEASEINTERFACE:
+      if (holder == client) holder = nullptr;
+      return complete(client, 0);
     case USBDEVFS_SETCONFIGURATION:
     case USBDEVFS_SETINTERFACE:
     case USBDEVFS_CLEAR_HALT:
@@ -330,6 +336,13 @@ void MockUsbDevice::Impl::reap(UMockdevIoctlClient* client) {
   urb->actual_length = static_cast<int>(done.outcome.bytes);
   const auto slot = resolve(umockdev_ioctl_client_get_arg(client), 0, sizeof(void*));
   umockdev_ioctl_data_set_ptr(slot.get(), 0, done.urb.get());
+  complete(client, 0);
+}
+
+void MockUsbDevice::Impl::claim(UMockdevIoctlClient* client) {
+  if (!plugged) return complete(client, -1, ENODEV);
+  if (holder != nullptr && holder != client) return complete(client, -1, EBUSY);
+  holder = client;
   complete(client, 0);
 }
 

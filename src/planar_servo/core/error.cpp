@@ -4,6 +4,10 @@
 
 namespace planar {
 
+std::string Refusal::text() const {
+  return remedy.empty() ? fault : fault + "; " + remedy;
+}
+
 void Faults::add(const std::string& message) {
   constexpr std::size_t kMostKept = 100;
   if (std::find(messages_.begin(), messages_.end(), message) != messages_.end()) return;

@@ -14,11 +14,27 @@ class InputError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// Says why something cannot be used, and what mends that.
+struct Refusal {
+  std::string fault;
+  std::string remedy{};  ///< empty where none is known
+
+  /// Returns both in one line, the remedy behind a semicolon.
+  std::string text() const;
+};
+
 /// Reports work that failed on right input: no convergence, a target out of reach, a lost device.
 /// Programs exit with status 1.
 class WorkError : public std::runtime_error {
  public:
-  using std::runtime_error::runtime_error;
+  explicit WorkError(const std::string& fault) : WorkError(Refusal{fault}) {}
+  explicit WorkError(const Refusal& refusal)
+      : std::runtime_error(refusal.text()), refusal_(refusal) {}
+
+  const Refusal& refusal() const { return refusal_; }
+
+ private:
+  Refusal refusal_;
 };
 
 /// Collects the faults of an input, so that the user learns all of them at once. It keeps the first

@@ -1,5 +1,6 @@
 #include "planar_servo/io/atomic_file.h"
 
+#include <spdlog/spdlog.h>
 #include <unistd.h>
 
 #include <sstream>
@@ -64,6 +65,7 @@ std::ifstream open_file(const fs::path& path) {
     throw InputError(path.string() + ": is a folder; a file is needed here");
   std::ifstream in(path, std::ios::binary);
   if (!in) throw InputError(path.string() + ": cannot be read; check the name and the permissions");
+  spdlog::debug("reading {}", path.string());
   return in;
 }
 

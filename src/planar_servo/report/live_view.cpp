@@ -1,88 +1,20 @@
 #include "planar_servo/report/live_view.h"
 
-#include <visp3/gui/vpDisplayX.h>
 #include <visp3/io/vpImageIo.h>
 
-#include <atomic>
 #include <condition_variable>
 #include <mutex>
+#include <optional>
 #include <thread>
+#include <utility>
 
 #include "planar_servo/report/view_picture.h"
-
-// This comes after ViSP because it defines macros.
-#include <X11/Xlib.h>
+#include "planar_servo/report/x_window.h"
 
 namespace planar {
-namespace {
-
-struct WindowLost {};
-
-std::atomic<bool> window_is_broken{false};
-
-/// The display of a dead connection. It must not be touched again, not even to be freed.
-std::atomic<const vpDisplayX*> abandoned_display{nullptr};
-
-/// Leaves by an exception, so that only the window is given up; if it returned, Xlib would end the
-/// process.
-int leave_lost_server(::Display* /*display*/) {
-  throw WindowLost();
-}
-
-int note_broken_window(::Display* /*display*/, XErrorEvent* /*error*/) {
-  window_is_broken = true;
-  return 0;
-}
-
-/// Shows one picture in a window, always from the same thread.
-class Window {
- public:
-  explicit Window(vpImage<vpRGBa>& picture) : picture_(picture) {
-    XSetIOErrorHandler(leave_lost_server);
-    XSetErrorHandler(note_broken_window);
-    guarded([&] {
-      display_ =
-          std::make_unique<vpDisplayX>(picture_, -1, -1, "planar-servo", vpDisplay::SCALE_DEFAULT);
-    });
-  }
-  Window(const Window&) = delete;
-  Window& operator=(const Window&) = delete;
-  ~Window() {
-    guarded([&] { vpDisplay::close(picture_); });
-  }
-
-  void show_picture() {
-    guarded([&] {
-      vpDisplay::display(picture_);
-      vpDisplay::flush(picture_);
-    });
-  }
-
- private:
-  template <typename Work>
-  void guarded(const Work& work) {
-    if (given_up_) return;
-    try {
-      work();
-    } catch (const WindowLost&) {
-      given_up_ = true;
-    }
-    given_up_ = given_up_ || window_is_broken;
-    if (given_up_) abandoned_display = display_.release();
-  }
-
-  vpImage<vpRGBa>& picture_;
-  std::unique_ptr<vpDisplayX> display_;
-  bool given_up_{false};
-};
-
-}  // namespace
 
 bool x_server_answers() {
-  ::Display* const display = XOpenDisplay(nullptr);
-  if (display == nullptr) return false;
-  XCloseDisplay(display);
-  return true;
+  return XWindow::server_answers();
 }
 
 struct LiveView::Impl {
@@ -100,12 +32,12 @@ struct LiveView::Impl {
   void draw_views() {
     const ViewPainter painter;
     vpImage<vpRGBa> picture(kViewHeight, kViewWidth);
-    std::optional<Window> window;
-    if (windowed) window.emplace(picture);
+    std::optional<XWindow> window;
+    if (windowed) window.emplace("planar-servo", kViewWidth, kViewHeight);
     while (const std::optional<ServoView> view = wait_for_view()) {
       painter.paint(*view, picture);
       save(picture);
-      if (window) window->show_picture();
+      if (window) window->show(picture);
     }
   }
 

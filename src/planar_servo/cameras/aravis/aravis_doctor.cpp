@@ -33,15 +33,8 @@ std::optional<double> capacity_bytes_s(const CameraInspection& seen, const Camer
   return bytes_s * (seen.packet_size - kPacketHeaders) / (seen.packet_size + kPacketFrame);
 }
 
-Finding absent(const AravisSettings& settings, const std::string& refusal) {
-  const std::string remedy =
-      settings.address.empty()
-          ? "lsusb -t shows what is plugged in; see that the camera has its cable and power"
-          : fmt::format(
-                "ping {0}; where nothing answers, see that the camera has power and that this "
-                "machine has an address in its network (ip route get {0})",
-                settings.address);
-  return {Verdict::kFaulty, "camera", refusal, remedy};
+Finding faulty(const Refusal& refusal) {
+  return {Verdict::kFaulty, "camera", refusal.fault, refusal.remedy};
 }
 
 std::optional<CameraPath> path_of(const AravisSettings& settings) {
@@ -59,11 +52,7 @@ std::vector<Finding> examine_camera(const CameraSettings& camera, const AravisSe
                "sudo cmake --install build/release && sudo udevadm control --reload && sudo "
                "udevadm trigger"}};
     const CameraInspection seen = inspect_camera(settings, kGrab_s);
-    if (seen.absent) return {absent(settings, seen.refusal)};
-    if (!seen.refusal.empty())
-      return {
-          {Verdict::kFaulty, "camera", seen.refusal,
-           "correct the settings of `camera` in the cell file to what this camera is and can do"}};
+    if (seen.refusal) return {faulty(*seen.refusal)};
     const std::string port = path ? " over " + path->port : "";
     std::vector<Finding> findings{
         {Verdict::kWell, "camera",
@@ -76,7 +65,7 @@ std::vector<Finding> examine_camera(const CameraSettings& camera, const AravisSe
   } catch (const InputError& error) {
     return {{Verdict::kFaulty, "camera", error.what(), "correct the cell file"}};
   } catch (const WorkError& error) {
-    return {absent(settings, error.what())};
+    return {faulty(error.refusal())};
   }
 }
 

@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "planar_servo/cameras/aravis/camera_absent.h"
 #include "planar_servo/cameras/aravis/camera_path.h"
+#include "planar_servo/core/error.h"
 
 namespace planar {
 
@@ -18,7 +18,11 @@ GObjectPtr<ArvCamera> open_gige(const std::string& address) {
     return GObjectPtr<ArvCamera>(
         ask(what, [&](GError** e) { return arv_camera_new_with_device(device.get(), e); }));
   } catch (const WorkError& error) {
-    throw CameraAbsent(error.what());
+    throw WorkError(
+        Refusal{error.what(), fmt::format("ping {0}; where nothing answers, see that the camera "
+                                          "has power and that this machine has an address in its "
+                                          "network (ip route get {0})",
+                                          address)});
   }
 }
 
@@ -34,11 +38,11 @@ GObjectPtr<ArvCamera> open_usb(const std::string& serial) {
     return GObjectPtr<ArvCamera>(ask("the USB camera " + found + " does not open",
                                      [&](GError** e) { return arv_camera_new(device, e); }));
   }
-  throw CameraAbsent(
-      fmt::format("no USB camera{} is there ({}); check its cable and, with "
-                  "planar-doctor, the permission to use it",
-                  serial.empty() ? "" : " with the serial number " + serial,
-                  present.empty() ? "none at all" : "there are: " + present));
+  throw WorkError(
+      Refusal{fmt::format("no USB camera{} is there ({})",
+                          serial.empty() ? "" : " with the serial number " + serial,
+                          present.empty() ? "none at all" : "there are: " + present),
+              "lsusb -t shows what is plugged in; see that the camera has its cable and power"});
 }
 
 }  // namespace planar

@@ -8,11 +8,12 @@
 
 namespace planar {
 
-/// Opens the GigE Vision camera at `address` without any broadcast. Throws CameraAbsent.
+/// Opens the GigE Vision camera at `address` without any broadcast. Throws WorkError when none
+/// answers.
 GObjectPtr<ArvCamera> open_gige(const std::string& address);
 
 /// Opens the USB3 Vision camera with this serial number, or the first one when `serial` is empty.
-/// Throws CameraAbsent when there is none and WorkError when it does not open.
+/// Throws WorkError when there is none or it does not open.
 GObjectPtr<ArvCamera> open_usb(const std::string& serial);
 
 }  // namespace planar

@@ -1,7 +1,6 @@
 #include "planar_servo/cameras/aravis/camera_inspection.h"
 
 #include "planar_servo/cameras/aravis/aravis_link.h"
-#include "planar_servo/cameras/aravis/camera_absent.h"
 #include "planar_servo/core/clock.h"
 #include "planar_servo/core/error.h"
 
@@ -10,6 +9,10 @@ namespace {
 
 constexpr int kFrameBlocks = 6;  // the number that AravisCamera has
 constexpr double kLateness_s = 0.1;
+
+/// What mends a refusal of a camera that answers.
+constexpr char kCorrectSettings[] =
+    "correct the settings of `camera` in the cell file to what this camera is and can do";
 
 void grab(AravisLink& link, const AravisSettings& settings, CameraInspection& inspection) {
   SteadyClock clock;
@@ -43,13 +46,10 @@ CameraInspection inspect_camera(const AravisSettings& settings, double duration_
     inspection.frame_bytes = link.frame_bytes();
     inspection.packet_size = link.packet_size();
     inspection.underruns = link.underruns();
-  } catch (const CameraAbsent& error) {
-    inspection = {};
-    inspection.refusal = error.what();
-    inspection.absent = true;
   } catch (const WorkError& error) {
     inspection = {};
-    inspection.refusal = error.what();
+    inspection.refusal = error.refusal();
+    if (inspection.refusal->remedy.empty()) inspection.refusal->remedy = kCorrectSettings;
   }
   return inspection;
 }

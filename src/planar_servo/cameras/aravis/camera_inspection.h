@@ -2,18 +2,18 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <string>
+#include <optional>
 
 #include "planar_servo/cameras/aravis/aravis_settings.h"
+#include "planar_servo/core/error.h"
 
 namespace planar {
 
 /// Holds what a camera did when it was opened and sent full frames for a moment.
 struct CameraInspection {
-  std::string refusal;         ///< why it cannot be used; the rest is empty then
-  bool absent{false};          ///< whether it cannot be used because it does not answer
-  std::size_t frame_bytes{0};  ///< of a full frame
-  int packet_size{0};          ///< of GigE, bytes; 0 on USB
+  std::optional<Refusal> refusal;  ///< why it cannot be used; the rest is empty then
+  std::size_t frame_bytes{0};      ///< of a full frame
+  int packet_size{0};              ///< of GigE, bytes; 0 on USB
   double duration_s{0.0};
   int complete{0};
   int incomplete{0};

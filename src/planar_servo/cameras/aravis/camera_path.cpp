@@ -80,7 +80,10 @@ std::string local_address_towards(const std::string& address) {
                      connect(probe, reinterpret_cast<sockaddr*>(&remote), sizeof(remote)) == 0 &&
                      getsockname(probe, reinterpret_cast<sockaddr*>(&local), &size) == 0;
   if (probe >= 0) close(probe);
-  if (!found) throw WorkError("no network leads to the camera at " + address);
+  if (!found)
+    throw WorkError(Refusal{
+        "no network leads to the camera at " + address,
+        "give this machine an address in the camera's network (ip route get " + address + ")"});
   return text_of(reinterpret_cast<const sockaddr*>(&local));
 }
 

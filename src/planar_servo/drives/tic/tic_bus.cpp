@@ -49,15 +49,15 @@ bool describe(libusb_device* device, TicListing& listing, std::uint8_t& serial_s
   return true;
 }
 
-std::string refusal_words(int error, const std::string& device) {
+Refusal refusal_of(int error, const std::string& device) {
   if (error == LIBUSB_ERROR_ACCESS)
-    return fmt::format(
-        "{} may not be opened; install the udev rules of planar-servo (sudo cmake "
-        "--install build/release), then plug the drive in again",
-        device);
+    return {
+        device + " may not be opened",
+        "install the udev rules of planar-servo (sudo cmake --install build/release), then plug "
+        "the drive in again"};
   if (error == LIBUSB_ERROR_BUSY)
-    return fmt::format("{} is in use by another program; end that", device);
-  return fmt::format("{} cannot be opened: {}", device, libusb_strerror(error));
+    return {device + " is in use by another program", "end that program"};
+  return {fmt::format("{} cannot be opened: {}", device, libusb_strerror(error))};
 }
 
 std::string read_serial(libusb_device_handle* handle, std::uint8_t number) {
@@ -127,27 +127,9 @@ TicBus::~TicBus() {
   libusb_exit(context_);
 }
 
-std::vector<TicListing> TicBus::list() {
-  std::vector<TicListing> listings;
-  for (libusb_device* device : DeviceList(context_)) {
-    TicListing listing;
-    std::uint8_t serial_string = 0;
-    if (!describe(device, listing, serial_string)) continue;
-    libusb_device_handle* handle = nullptr;
-    const int error = libusb_open(device, &handle);
-    if (error == 0) {
-      listing.serial = read_serial(handle, serial_string);
-      libusb_close(handle);
-    } else {
-      listing.refusal = refusal_words(error, listing.device);
-    }
-    listings.push_back(std::move(listing));
-  }
-  return listings;
-}
-
-std::unique_ptr<TicPort> TicBus::open(const std::string& serial, std::string& why) {
-  std::string others;
+std::unique_ptr<TicPort> TicBus::open(const std::string& serial, Refusal& why) {
+  std::vector<std::string> others;
+  why.remedy = "plug it in and give it power, or correct its number in the cell file";
   for (libusb_device* device : DeviceList(context_)) {
     TicListing listing;
     std::uint8_t serial_string = 0;
@@ -161,13 +143,13 @@ std::unique_ptr<TicPort> TicBus::open(const std::string& serial, std::string& wh
         return std::unique_ptr<TicPort>(new TicPort(handle, std::move(listing)));
       libusb_close(handle);
     }
-    others += (others.empty() ? "" : ", ") +
-              (error == 0 ? listing.serial : refusal_words(error, listing.device));
+    const Refusal refusal = refusal_of(error, listing.device);
+    others.push_back(error == 0 ? listing.serial : refusal.fault);
+    if (error != 0 && !refusal.remedy.empty()) why.remedy = refusal.remedy;
   }
-  why = fmt::format(
-      "no Tic with the serial number '{}' can be opened (plugged in: {}); plug it in and "
-      "give it power, or correct its number in the cell file",
-      serial, others.empty() ? "none" : others);
+  why.fault =
+      fmt::format("no Tic with the serial number '{}' can be opened (plugged in: {})", serial,
+                  others.empty() ? "none" : fmt::format("{}", fmt::join(others, ", ")));
   return nullptr;
 }
 

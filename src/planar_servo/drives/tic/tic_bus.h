@@ -14,11 +14,10 @@ namespace planar {
 
 /// Describes a Tic that is plugged in.
 struct TicListing {
-  std::string serial;  ///< empty when it cannot be read
+  std::string serial;
   std::uint16_t product_id{0};
   std::uint16_t firmware{0};  ///< binary coded decimal
   std::string device;         ///< "/dev/bus/usb/001/004"
-  std::string refusal;        ///< why it cannot be opened, in words; empty when it can
 };
 
 /// An opened Tic. No other process can use it until it is closed.
@@ -59,11 +58,9 @@ class TicBus {
   TicBus(const TicBus&) = delete;
   TicBus& operator=(const TicBus&) = delete;
 
-  std::vector<TicListing> list();
-
   /// Opens the Tic with this serial number. Returns nothing when that fails; `why` then says what
-  /// is wrong and how to mend it.
-  std::unique_ptr<TicPort> open(const std::string& serial, std::string& why);
+  /// is wrong.
+  std::unique_ptr<TicPort> open(const std::string& serial, Refusal& why);
 
   /// Runs all transfers and waits until each has ended or has taken longer than the timeout.
   /// Transfers to one device run in their order, those to different devices at the same time.

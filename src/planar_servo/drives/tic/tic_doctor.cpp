@@ -10,16 +10,11 @@ namespace {
 
 using Verdict = Finding::Verdict;
 
-/// What is wrong stands before the first semicolon, what mends it behind.
-Finding finding_of(Verdict verdict, const std::string& subject, const std::string& text) {
-  const auto at = text.find("; ");
-  if (at == std::string::npos) return {verdict, subject, text, "see doc/drives.md"};
-  return {verdict, subject, text.substr(0, at), text.substr(at + 2)};
-}
-
 Finding examine_tic(TicBus& bus, const std::string& subject, const std::string& serial) {
   const TicInspection tic = inspect_tic(bus, serial);
-  if (!tic.refusal.empty()) return finding_of(Verdict::kFaulty, subject, tic.refusal);
+  if (tic.refusal)
+    return {Verdict::kFaulty, subject, tic.refusal->fault,
+            tic.refusal->remedy.empty() ? "see doc/drives.md" : tic.refusal->remedy};
   const std::string what = fmt::format(
       "{} {} at {}, firmware {}, supply {:.1f} V", tic::product_name(tic.listing.product_id),
       serial, tic.listing.device, tic::firmware_name(tic.listing.firmware), tic.supply_v);

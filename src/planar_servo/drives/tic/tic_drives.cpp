@@ -1,6 +1,7 @@
 #include "planar_servo/drives/tic/tic_drives.h"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <chrono>
@@ -75,20 +76,25 @@ void TicDrives::open(std::size_t i) {
   joint.error.clear();
   joint.may_move = true;
   joint.goal.reset();
-  joint.port = bus_.open(joint.settings.serial, joint.error);
-  if (joint.port == nullptr) return;
-  const std::string fault = configure(i);
-  if (fault.empty()) return;
-  joint.port.reset();
-  joint.error = fault;
+  Refusal why;
+  joint.port = bus_.open(joint.settings.serial, why);
+  joint.error = joint.port == nullptr ? why.text() : configure(i);
+  if (!joint.error.empty()) {
+    joint.port.reset();
+    return;
+  }
+  const TicListing& tic = joint.port->listing();
+  spdlog::debug("{} is a {} at {}, firmware {}, position {} ({})", name(i),
+                tic::product_name(tic.product_id), tic.device, tic::firmware_name(tic.firmware),
+                joint.last->position(), joint.last->position_certain() ? "certain" : "uncertain");
 }
 
 std::string TicDrives::configure(std::size_t i) {
   auto settings =
       perform({{i, Command::kGetSettings, 0, tic::kSettingsBytes}}, kSetupTimeout_s).front();
   if (!settings.error.empty()) return settings.error;
-  std::string unfit = tic::unfitness(joints_[i].port->listing().firmware, settings.data);
-  if (!unfit.empty()) return unfit;
+  const auto unfit = tic::unfitness(joints_[i].port->listing().firmware, settings.data);
+  if (unfit) return unfit->text();
   std::string fault = set_timeout(i, settings.data);
   if (!fault.empty()) return fault;
   const auto status =
@@ -118,6 +124,7 @@ std::string TicDrives::set_timeout(std::size_t i, std::vector<std::uint8_t>& set
     if (settings[byte.offset] != byte.value)
       requests.push_back(
           {i, Command::kSetSetting, byte.value | static_cast<std::uint32_t>(byte.offset) << 16});
+  spdlog::debug("{}: its command timeout is set to {} ms and stored", name(i), timeout_ms);
   requests.push_back({i, Command::kReinitialize});
   requests.push_back({i, Command::kGetSettings, 0, tic::kSettingsBytes});
   const auto done = perform(requests, kSetupTimeout_s);

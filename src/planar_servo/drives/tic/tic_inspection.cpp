@@ -11,8 +11,12 @@ constexpr double kTimeout_s = 1.6;
 
 TicInspection inspect_tic(TicBus& bus, const std::string& serial) {
   TicInspection inspection;
-  const auto port = bus.open(serial, inspection.refusal);
-  if (port == nullptr) return inspection;
+  Refusal why;
+  const auto port = bus.open(serial, why);
+  if (port == nullptr) {
+    inspection.refusal = why;
+    return inspection;
+  }
   inspection.listing = port->listing();
   std::vector<TicTransfer> transfers(2);
   transfers[0] = {port.get(), tic::Command::kGetSettings};
@@ -21,8 +25,9 @@ TicInspection inspect_tic(TicBus& bus, const std::string& serial) {
   transfers[1].data.resize(tic::StatusBlock::kBytes);
   bus.exchange(transfers, kTimeout_s);
   for (const TicTransfer& transfer : transfers)
-    if (!transfer.error.empty()) inspection.refusal = transfer.error;
-  if (!inspection.refusal.empty()) return inspection;
+    if (!transfer.error.empty())
+      inspection.refusal = Refusal{transfer.error, "plug it in again, with another cable or hub"};
+  if (inspection.refusal) return inspection;
   inspection.refusal = tic::unfitness(inspection.listing.firmware, transfers[0].data);
   tic::StatusBlock::Bytes bytes{};
   std::copy(transfers[1].data.begin(), transfers[1].data.end(), bytes.begin());

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,7 +10,7 @@ namespace planar {
 
 /// Holds what can be told of a Tic by reading only; nothing is switched on, moved or set.
 struct TicInspection {
-  std::string refusal;  ///< why it cannot be used, with the remedy; the rest is empty then
+  std::optional<Refusal> refusal;  ///< why it cannot be used; the rest is empty then
   TicListing listing;
   double supply_v{0.0};
   bool position_certain{false};

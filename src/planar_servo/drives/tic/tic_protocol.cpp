@@ -4,8 +4,6 @@
 
 #include <cmath>
 
-#include "planar_servo/core/error.h"
-
 namespace planar::tic {
 namespace {
 
@@ -47,22 +45,21 @@ std::uint32_t acceleration_units(double acceleration_pulses_s2) {
                   kMaxAcceleration, kAccelerationUnits);
 }
 
-std::string unfitness(std::uint16_t firmware, const std::vector<std::uint8_t>& settings) {
+std::optional<Refusal> unfitness(std::uint16_t firmware,
+                                 const std::vector<std::uint8_t>& settings) {
   const auto setting = [&](Setting which) { return settings.at(static_cast<std::size_t>(which)); };
   if (firmware < kOldestFirmware)
-    return fmt::format(
-        "firmware {} is too old; upgrade it to {} or later with Pololu's Tic "
-        "Control Center",
-        firmware_name(firmware), firmware_name(kOldestFirmware));
+    return Refusal{fmt::format("its firmware {} is too old", firmware_name(firmware)),
+                   fmt::format("upgrade it to {} or later with Pololu's Tic Control Center",
+                               firmware_name(kOldestFirmware))};
   if (setting(Setting::kControlMode) != kControlModeUsb)
-    return fmt::format(
-        "its control mode is {}, in which it ignores this program; set it to "
-        "'Serial / I2C / USB' in Pololu's Tic Control Center",
-        setting(Setting::kControlMode));
+    return Refusal{fmt::format("its control mode is {}, in which it ignores this program",
+                               setting(Setting::kControlMode)),
+                   "set it to 'Serial / I2C / USB' in Pololu's Tic Control Center"};
   if (setting(Setting::kDisableSafeStart) != 0)
-    return "its safe start is disabled, so that it could move by surprise; enable it in Pololu's "
-           "Tic Control Center";
-  return "";
+    return Refusal{"its safe start is disabled, so that it could move by surprise",
+                   "enable it in Pololu's Tic Control Center"};
+  return std::nullopt;
 }
 
 std::string product_name(std::uint16_t product_id) {

@@ -2,9 +2,11 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "planar_servo/core/error.h"
 #include "planar_servo/devices/pulse_drive.h"
 
 namespace planar {
@@ -57,9 +59,8 @@ std::uint32_t acceleration_units(double acceleration_pulses_s2);
 /// Number of bytes from the first setting to the last one that is read.
 constexpr std::size_t kSettingsBytes = 0x61;
 
-/// Says why a drive with this firmware and these settings cannot be used, with the remedy; empty
-/// when it can.
-std::string unfitness(std::uint16_t firmware, const std::vector<std::uint8_t>& settings);
+/// Says why a drive with this firmware and these settings cannot be used; empty when it can.
+std::optional<Refusal> unfitness(std::uint16_t firmware, const std::vector<std::uint8_t>& settings);
 
 /// Returns the product's name, such as "Tic 36v4"; empty for products that are not Tics.
 std::string product_name(std::uint16_t product_id);

@@ -1,14 +1,14 @@
 #include "planar_servo/offline/camera/board_images.h"
 
-#include <opencv2/imgcodecs.hpp>
+#include "planar_servo/offline/image/grey_image.h"
 
 namespace planar {
 
 cv::Mat read_grey(const std::filesystem::path& file, Faults& faults) {
-  cv::Mat image = cv::imread(file.string(), cv::IMREAD_GRAYSCALE);
+  cv::Mat image = read_grey_image(file);
   if (image.empty())
     faults.add(file.string() +
-               ": cannot be read as an image; a picture such as PNG or PGM is needed");
+               ": cannot be read to its end as an image; a picture such as PNG or PGM is needed");
   return image;
 }
 

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <opencv2/imgcodecs.hpp>
+#include "planar_servo/offline/image/grey_image.h"
 
 namespace planar {
 
@@ -42,7 +42,7 @@ LampImageRead read_lamp_image(const LampImage& image, const std::optional<cv::Si
     read.status = "board_view";
     return read;
   }
-  read.frame.image = cv::imread(image.file.string(), cv::IMREAD_GRAYSCALE);
+  read.frame.image = read_grey_image(image.file);
   if (read.frame.image.empty()) {
     read.status = "unreadable";
     return read;

@@ -1,0 +1,46 @@
+#include "planar_servo/offline/image/grey_image.h"
+
+#include <catch2/catch.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <string>
+#include <vector>
+
+#include "support/temporary_folder.h"
+
+namespace planar {
+namespace {
+
+/// A picture of 40 x 30 pixels with many levels.
+std::string encoded(const std::string& extension) {
+  cv::Mat image(30, 40, CV_8UC1);
+  cv::randu(image, 0, 256);
+  std::vector<unsigned char> bytes;
+  cv::imencode(extension, image, bytes);
+  return {bytes.begin(), bytes.end()};
+}
+
+TEST_CASE("A picture is whole only to its last byte") {
+  for (const char* extension : {".png", ".pgm", ".jpg"}) {
+    const std::string bytes = encoded(extension);
+    INFO(extension);
+    CHECK(is_whole_picture(bytes));
+    for (const std::size_t size : {bytes.size() - 1, bytes.size() / 2, std::size_t{20}})
+      CHECK_FALSE(is_whole_picture(bytes.substr(0, size)));
+  }
+}
+
+TEST_CASE("A PGM may have comments and two bytes for a level") {
+  CHECK(is_whole_picture("P5\n# of a camera\n2 1\n255\nab"));
+  CHECK(is_whole_picture("P5 2 1 65535\nabcd"));
+  CHECK_FALSE(is_whole_picture("P5 2 1 65535\nabc"));
+}
+
+TEST_CASE("A picture that ends too early is empty, a whole one has its levels") {
+  const test::TemporaryFolder folder;
+  const std::string bytes = encoded(".png");
+  CHECK(read_grey_image(folder.write("half.png", bytes.substr(0, bytes.size() / 2))).empty());
+  CHECK(read_grey_image(folder.write("whole.png", bytes)).size() == cv::Size(40, 30));
+}
+
+}  // namespace
+}  // namespace planar
