@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "planar_servo/error_map/maps/rbf_map.h"
+#include "planar_servo/error_map/fit/rbf_fit.h"
 #include "support/error_fields.h"
 
 namespace planar {

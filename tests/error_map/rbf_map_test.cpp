@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "planar_servo/core/error.h"
+#include "planar_servo/error_map/fit/rbf_fit.h"
 #include "support/error_fields.h"
 
 namespace planar {

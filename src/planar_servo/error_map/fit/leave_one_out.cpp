@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "planar_servo/error_map/numerics/bordered_system.h"
+
 namespace planar {
 
 LeaveOneOut leave_one_out(const BorderedSystem& system, const Eigen::Matrix2Xd& weights) {

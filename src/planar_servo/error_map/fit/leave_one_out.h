@@ -2,9 +2,9 @@
 
 #include <Eigen/Core>
 
-#include "planar_servo/error_map/numerics/bordered_system.h"
-
 namespace planar {
+
+class BorderedSystem;
 
 /// Residuals of the samples when each in turn is left out of the fit, computed without refitting.
 struct LeaveOneOut {

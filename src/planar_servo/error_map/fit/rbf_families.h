@@ -3,8 +3,8 @@
 #include <vector>
 
 #include "planar_servo/error_map/fit/map_sites.h"
+#include "planar_servo/error_map/fit/rbf_fit.h"
 #include "planar_servo/error_map/fit/tuning.h"
-#include "planar_servo/error_map/maps/rbf_map.h"
 
 namespace planar {
 

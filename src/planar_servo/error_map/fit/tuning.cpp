@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "planar_servo/error_map/fit/leave_one_out.h"
-#include "planar_servo/error_map/maps/rbf_map.h"
+#include "planar_servo/error_map/fit/rbf_fit.h"
 #include "planar_servo/error_map/maps/valid_region.h"
 #include "planar_servo/error_map/numerics/bordered_system.h"
 

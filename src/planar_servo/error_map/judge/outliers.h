@@ -5,8 +5,8 @@
 
 #include "planar_servo/error_map/fit/map_sites.h"
 #include "planar_servo/error_map/fit/rbf_families.h"
+#include "planar_servo/error_map/fit/rbf_fit.h"
 #include "planar_servo/error_map/judge/outlier_rule.h"
-#include "planar_servo/error_map/maps/rbf_map.h"
 
 namespace planar {
 

@@ -9,6 +9,7 @@
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
+#include "planar_servo/error_map/numerics/bordered_system.h"
 
 namespace planar {
 namespace {
@@ -24,34 +25,28 @@ Eigen::MatrixXd ridged_kernel_matrix(const RbfParameters& parameters) {
   return matrix;
 }
 
-BorderedSystem solvable_system(const RbfParameters& parameters) {
+}  // namespace
+
+std::shared_ptr<const BorderedSystem> map_equations(const RbfParameters& parameters) {
   auto system = BorderedSystem::factorize(
       ridged_kernel_matrix(parameters),
       parameters.tail_basis.at_each(parameters.centers, parameters.directions));
-  if (system && system->pivot_ratio() >= kSmallestPivotRatio) return *std::move(system);
+  if (system && system->pivot_ratio() >= kSmallestPivotRatio) {
+    return std::make_shared<const BorderedSystem>(*std::move(system));
+  }
   throw WorkError(fmt::format(
       "the kernel matrix of {} samples with a width of {:.4g} mm and a ridge of {:.3g} is too ill "
       "conditioned to be solved; use a smaller width, or let the map choose width and ridge",
       parameters.centers.cols(), parameters.kernel.width / kMillimetre, parameters.ridge));
 }
 
-}  // namespace
-
-double signal_variance(const MapSites& sites, const Eigen::Matrix2Xd& weights, Eigen::Index terms,
-                       double ridge) {
-  const double freedom = sites.counts.sum() - static_cast<double>(terms);
-  const double scatter = ridge > 0.0 ? sites.scatter.sum() / ridge : 0.0;
-  const double sum = sites.errors.cwiseProduct(weights).sum() + scatter;
-  return std::max(0.0, sum / (2.0 * freedom));
-}
-
-RbfMap::RbfMap(RbfParameters parameters, BorderedSystem system)
+RbfMap::RbfMap(RbfParameters parameters, std::shared_ptr<const BorderedSystem> equations)
     : parameters_(std::move(parameters)),
       centers_(parameters_.centers.transpose()),
       weights_(parameters_.weights.transpose()),
-      system_(std::move(system)) {}
+      equations_(std::move(equations)) {}
 
-RbfMap::RbfMap(const RbfParameters& parameters) : RbfMap(parameters, solvable_system(parameters)) {}
+RbfMap::RbfMap(const RbfParameters& parameters) : RbfMap(parameters, map_equations(parameters)) {}
 
 Eigen::Vector2d RbfMap::error(const Eigen::VectorXd& kernel, const Eigen::VectorXd& q) const {
   const Eigen::Vector2d sum(weights_.col(0).dot(kernel), weights_.col(1).dot(kernel));
@@ -77,7 +72,7 @@ double RbfMap::unit_sigma(const Eigen::Vector2d& p, const Eigen::Vector2d& direc
 }
 
 double RbfMap::unit_sigma(const Eigen::VectorXd& kernel, const Eigen::VectorXd& q) const {
-  return std::sqrt(std::max(0.0, 1.0 - system_.inverse_form(kernel, q)));
+  return std::sqrt(std::max(0.0, 1.0 - equations_->inverse_form(kernel, q)));
 }
 
 std::optional<ToolBias> RbfMap::tool_bias() const {
@@ -86,13 +81,13 @@ std::optional<ToolBias> RbfMap::tool_bias() const {
   const Eigen::Matrix2d B = parameters_.tail.rightCols<TailBasis::kDirectionTerms>();
   const Eigen::Vector2d t(0.5 * (B(0, 0) + B(1, 1)), 0.5 * (B(1, 0) - B(0, 1)));
   const double variance =
-      system_.tail_covariance().diagonal().tail<TailBasis::kDirectionTerms>().sum() / 4.0;
+      equations_->tail_covariance().diagonal().tail<TailBasis::kDirectionTerms>().sum() / 4.0;
   return ToolBias{t, parameters_.signal_sigma * std::sqrt(variance)};
 }
 
 std::optional<Eigen::Matrix2Xd> RbfMap::left_out_residuals(
     const std::vector<Eigen::Index>& block) const {
-  const Eigen::LLT<Eigen::MatrixXd> cholesky(system_.inverse_block(block));
+  const Eigen::LLT<Eigen::MatrixXd> cholesky(equations_->inverse_block(block));
   if (cholesky.info() != Eigen::Success) return {};
   const Eigen::MatrixXd weights = parameters_.weights(Eigen::all, block).transpose();
   return cholesky.solve(weights).transpose();
@@ -100,30 +95,6 @@ std::optional<Eigen::Matrix2Xd> RbfMap::left_out_residuals(
 
 double RbfMap::noise_sigma() const {
   return std::sqrt(parameters_.ridge) * parameters_.signal_sigma;
-}
-
-RbfFit fit_rbf(const MapSites& sites, const TailBasis& tail_basis, const RadialKernel& kernel,
-               double ridge) {
-  RbfParameters parameters;
-  parameters.centers = sites.positions;
-  parameters.counts = sites.counts;
-  parameters.tail_basis = tail_basis;
-  if (tail_basis.with_direction) parameters.directions = sites.directions;
-  parameters.kernel = kernel;
-  parameters.ridge = ridge;
-  parameters.region = region_around(sites.positions);
-  BorderedSystem system = solvable_system(parameters);
-  const BorderedSystem::Solution solution = system.solve(sites.errors.transpose());
-  parameters.weights = solution.weights.transpose();
-  parameters.tail = solution.tail.transpose();
-  LeaveOneOut left_out = leave_one_out(system, parameters.weights);
-
-  const Eigen::ArrayXd site_noise2 = ridge / sites.counts.array();
-  const double loneliest2 = (left_out.unit_sigmas.array().square() - site_noise2).maxCoeff();
-  parameters.signal_sigma =
-      std::sqrt(signal_variance(sites, parameters.weights, tail_basis.terms(), ridge));
-  parameters.sigma_limit = parameters.signal_sigma * std::sqrt(std::max(0.0, loneliest2));
-  return {RbfMap(std::move(parameters), std::move(system)), std::move(left_out)};
 }
 
 }  // namespace planar

@@ -1,18 +1,18 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
 #include <optional>
 #include <vector>
 
 #include "planar_servo/error_map/error_sample.h"
-#include "planar_servo/error_map/fit/leave_one_out.h"
-#include "planar_servo/error_map/fit/map_sites.h"
 #include "planar_servo/error_map/maps/radial_kernel.h"
 #include "planar_servo/error_map/maps/tail_basis.h"
 #include "planar_servo/error_map/maps/valid_region.h"
-#include "planar_servo/error_map/numerics/bordered_system.h"
 
 namespace planar {
+
+class BorderedSystem;
 
 /// Determines a radial basis function map, bit for bit.
 struct RbfParameters {
@@ -37,8 +37,6 @@ struct ToolBias {
   double sigma{0.0};            ///< standard deviation per axis, metres
 };
 
-struct RbfFit;
-
 /// A map of radial basis functions of one kernel about the samples, with ridge and tail: E(p) =
 /// sum_j w_j phi(|p - c_j|) + tail q(p, d), where [[Phi + ridge diag(1 / count), Q], [Q^T, 0]] [w;
 /// tail] = [E; 0]. Its standard deviation is that of kriging with the same kernel: s_f sqrt(1 - [k;
@@ -47,6 +45,9 @@ class RbfMap {
  public:
   /// Throws WorkError when the kernel matrix is too ill conditioned to be solved.
   explicit RbfMap(const RbfParameters& parameters);
+
+  /// Takes the map_equations() of these parameters from a fit that has solved them already.
+  RbfMap(RbfParameters parameters, std::shared_ptr<const BorderedSystem> equations);
 
   /// Predicts the error at p. `direction` is (cos phi, sin phi) of the tool; it is needed only
   /// where the tail has the direction.
@@ -75,9 +76,6 @@ class RbfMap {
   std::optional<Eigen::Matrix2Xd> left_out_residuals(const std::vector<Eigen::Index>& block) const;
 
  private:
-  friend RbfFit fit_rbf(const MapSites& sites, const TailBasis& tail_basis,
-                        const RadialKernel& kernel, double ridge);
-  RbfMap(RbfParameters parameters, BorderedSystem system);
   Eigen::Vector2d error(const Eigen::VectorXd& kernel, const Eigen::VectorXd& q) const;
   double unit_sigma(const Eigen::VectorXd& kernel, const Eigen::VectorXd& q) const;
 
@@ -85,22 +83,11 @@ class RbfMap {
   // These are the parameters' columns as rows, along which sums over the centres are fast.
   Eigen::MatrixX2d centers_;
   Eigen::MatrixX2d weights_;
-  BorderedSystem system_;
+  std::shared_ptr<const BorderedSystem> equations_;
 };
 
-/// Returns s_f^2 = E^T w / (N - m) per axis over all N samples, for the weights of a fit whose tail
-/// has m terms. Samples averaged at a site scatter about it with variance ridge s_f^2.
-double signal_variance(const MapSites& sites, const Eigen::Matrix2Xd& weights, Eigen::Index terms,
-                       double ridge);
-
-struct RbfFit {
-  RbfMap map;
-  LeaveOneOut left_out;
-};
-
-/// Fits a map to sites with given kernel, ridge and tail. Throws WorkError when the kernel matrix
-/// is too ill conditioned to be solved.
-RbfFit fit_rbf(const MapSites& sites, const TailBasis& tail_basis, const RadialKernel& kernel,
-               double ridge);
+/// Returns the factors of the matrix [[Phi + ridge diag(1 / count), Q], [Q^T, 0]] of a map whose
+/// weights and tail may still be missing. Throws WorkError when the matrix is too ill conditioned.
+std::shared_ptr<const BorderedSystem> map_equations(const RbfParameters& parameters);
 
 }  // namespace planar
