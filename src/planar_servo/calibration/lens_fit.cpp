@@ -4,8 +4,8 @@
 #include <opencv2/calib3d.hpp>
 
 #include "planar_servo/calibration/board/board_pose.h"
-#include "planar_servo/core/cross.h"
 #include "planar_servo/core/error.h"
+#include "planar_servo/core/pose.h"
 
 namespace planar {
 namespace {

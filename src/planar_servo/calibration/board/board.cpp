@@ -7,8 +7,8 @@
 #include <stdexcept>
 
 #include "planar_servo/calibration/board/dot_grid.h"
-#include "planar_servo/core/cross.h"
 #include "planar_servo/core/error.h"
+#include "planar_servo/core/plane_geometry.h"
 #include "planar_servo/core/units.h"
 
 namespace planar {

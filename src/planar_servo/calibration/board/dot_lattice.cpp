@@ -7,7 +7,7 @@
 #include <optional>
 #include <set>
 
-#include "planar_servo/core/cross.h"
+#include "planar_servo/core/plane_geometry.h"
 
 namespace planar {
 namespace {

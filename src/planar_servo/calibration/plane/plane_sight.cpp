@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "planar_servo/core/cross.h"
+#include "planar_servo/core/pose.h"
 
 namespace planar {
 std::optional<Eigen::Vector2d> meet_plane(const Pose& X_WC, const Eigen::Vector3d& ray_C,

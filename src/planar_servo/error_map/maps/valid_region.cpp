@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "planar_servo/core/cross.h"
+#include "planar_servo/core/plane_geometry.h"
 #include "planar_servo/core/statistics.h"
 
 namespace planar {
