@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/SVD>
 #include <cmath>
 #include <map>
@@ -26,9 +27,11 @@ using Points = Eigen::Matrix<double, N, Eigen::Dynamic>;
 /// Returns whether the points determine a rigid motion, for which they must span N - 1 directions.
 template <int N>
 bool span_enough(const Points<N>& centred) {
-  const Eigen::Vector<double, N> spread =
-      Eigen::JacobiSVD<Points<N>>(centred, Eigen::ComputeThinU).singularValues().template head<N>();
-  return spread(0) > 0.0 && spread(N - 2) > kLeastSpread * spread(0);
+  const Eigen::Matrix<double, N, N> scatter = centred * centred.transpose();
+  const Eigen::Vector<double, N> squares =  // of the spread in each direction, rising
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, N, N>>(scatter, Eigen::EigenvaluesOnly)
+          .eigenvalues();
+  return squares(N - 1) > 0.0 && squares(1) > kLeastSpread * kLeastSpread * squares(N - 1);
 }
 
 template <int N>
