@@ -14,6 +14,32 @@ add_library(planar_visp INTERFACE)
 target_include_directories(planar_visp SYSTEM INTERFACE ${VISP_INCLUDE_DIRS})
 target_link_libraries(planar_visp INTERFACE visp_core visp_blob visp_robot visp_vs)
 
+# planar_precompiled(NAME LINKS packages HEADERS their headers ...): headers that many files include,
+# compiled once for the targets that planar_precompile() names. A file still includes what it uses.
+function(planar_precompiled name)
+  cmake_parse_arguments(PCH "" "" "LINKS;HEADERS" ${ARGN})
+  set(source ${PROJECT_BINARY_DIR}/${name}.cpp)
+  file(CONFIGURE OUTPUT ${source} CONTENT "")
+  add_library(${name} OBJECT ${source})
+  set_target_properties(${name} PROPERTIES CXX_STANDARD 17 CXX_EXTENSIONS OFF)
+  target_link_libraries(${name} PRIVATE planar_options Eigen3::Eigen fmt::fmt ${PCH_LINKS})
+  list(TRANSFORM PCH_HEADERS REPLACE "(.+)" "<\\1>")
+  target_precompile_headers(${name} PRIVATE
+    <algorithm> <array> <chrono> <cmath> <cstdint> <filesystem> <fstream> <functional> <limits>
+    <map> <memory> <mutex> <optional> <random> <set> <sstream> <stdexcept> <string> <thread>
+    <variant> <vector> <Eigen/Core> <fmt/format.h> ${PCH_HEADERS})
+endfunction()
+
+# planar_precompile(TARGET NAME): GCC takes the compiled headers only together with the macros that
+# they were compiled with, hence fmt's.
+function(planar_precompile target name)
+  target_link_libraries(${target} PRIVATE fmt::fmt)
+  target_precompile_headers(${target} REUSE_FROM ${name})
+endfunction()
+
+planar_precompiled(planar_plain_headers)
+planar_precompiled(planar_pixel_headers LINKS opencv_core HEADERS opencv2/core.hpp)
+
 # planar_room(NAME LINKS rooms and packages others may see [PRIVATE_LINKS hidden ones])
 # One library per room, of every source in its folder; without sources it is headers only. The link
 # list is the dependency rule (see doc/architecture.md): it names every room that the room includes,
@@ -32,6 +58,15 @@ function(planar_room name)
     target_compile_features(planar_${name} PUBLIC cxx_std_17)
     target_link_libraries(planar_${name} PUBLIC $<BUILD_INTERFACE:planar_options> ${ROOM_LINKS}
                                          PRIVATE ${ROOM_PRIVATE_LINKS})
+    set(headers planar_plain_headers)
+    foreach(link ${ROOM_LINKS} ${ROOM_PRIVATE_LINKS})
+      get_property(pixels GLOBAL PROPERTY PLANAR_PIXELS_${link})
+      if(pixels OR link STREQUAL "opencv_core")
+        set(headers planar_pixel_headers)
+        set_property(GLOBAL PROPERTY PLANAR_PIXELS_planar_${name} TRUE)
+      endif()
+    endforeach()
+    planar_precompile(planar_${name} ${headers})
   else()
     add_library(planar_${name} INTERFACE)
     target_compile_features(planar_${name} INTERFACE cxx_std_17)
@@ -83,6 +118,8 @@ function(planar_program name)
   set_target_properties(planar-${name} PROPERTIES CXX_STANDARD 17 CXX_EXTENSIONS OFF
                         RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
   target_link_libraries(planar-${name} PRIVATE planar_program ${rooms})
+  planar_precompile(planar-${name} planar_program_headers)
+  add_dependencies(programs planar-${name})
   install(TARGETS planar-${name})
 endfunction()
 
@@ -99,6 +136,7 @@ function(planar_test room)
   add_executable(${room}_test ${TEST_SOURCES})
   set_target_properties(${room}_test PROPERTIES CXX_STANDARD 17 CXX_EXTENSIONS OFF)
   target_link_libraries(${room}_test PRIVATE planar_test_main ${TEST_LINKS})
+  planar_precompile(${room}_test planar_test_headers)
   catch_discover_tests(${room}_test TEST_PREFIX "${room}: " EXTRA_ARGS ${must_match}
                        PROPERTIES TIMEOUT 300 ${lacks_data})
 endfunction()
@@ -114,11 +152,13 @@ function(planar_wire_test name)
     set_tests_properties("${name}: on the wire" PROPERTIES SKIP_REGULAR_EXPRESSION "^skipped")
     return()
   endif()
-  add_executable(${name}_test ${TEST_SOURCES} ${PROJECT_SOURCE_DIR}/tests/support/wire_guard.cpp)
+  add_executable(${name}_test ${TEST_SOURCES})
   set_target_properties(${name}_test PROPERTIES CXX_STANDARD 17 CXX_EXTENSIONS OFF
                         CROSSCOMPILING_EMULATOR
                         "env;ASAN_OPTIONS=verify_asan_link_order=0;${UMOCKDEV_WRAPPER}")
-  target_link_libraries(${name}_test PRIVATE planar_test_main planar_mock_usb ${TEST_LINKS})
+  target_link_libraries(${name}_test PRIVATE planar_test_main planar_wire_guard planar_mock_usb
+                                             ${TEST_LINKS})
+  planar_precompile(${name}_test planar_test_headers)
   catch_discover_tests(${name}_test TEST_PREFIX "${name}: " EXTRA_ARGS ${must_match}
                        PROPERTIES TIMEOUT 300 SKIP_RETURN_CODE 77)
 endfunction()
@@ -127,10 +167,12 @@ endfunction()
 # of its own; ctest counts it as skipped where that is impossible.
 function(planar_gige_test name)
   cmake_parse_arguments(TEST "" "" "SOURCES;LINKS" ${ARGN})
-  add_executable(${name}_test ${TEST_SOURCES} ${PROJECT_SOURCE_DIR}/tests/support/gige_guard.cpp)
+  add_executable(${name}_test ${TEST_SOURCES})
   set_target_properties(${name}_test PROPERTIES CXX_STANDARD 17 CXX_EXTENSIONS OFF
     CROSSCOMPILING_EMULATOR ${PROJECT_SOURCE_DIR}/tests/support/loopback_only.sh)
-  target_link_libraries(${name}_test PRIVATE planar_test_main planar_served_cell ${TEST_LINKS})
+  target_link_libraries(${name}_test PRIVATE planar_test_main planar_gige_guard planar_served_cell
+                                             ${TEST_LINKS})
+  planar_precompile(${name}_test planar_test_headers)
   catch_discover_tests(${name}_test TEST_PREFIX "${name}: " EXTRA_ARGS ${must_match}
                        PROPERTIES TIMEOUT 300 SKIP_RETURN_CODE 77 RESOURCE_LOCK gige_camera)
 endfunction()
