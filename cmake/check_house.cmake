@@ -1,16 +1,30 @@
 # cmake -DHOUSE=the file of planar_write_house() -DSRC=the folder src -P check_house.cmake
-# Fails unless every room includes only what it links (a header only what it links publicly) and no
-# type is declared in two rooms: their layouts would be mixed up at link time without a word. For the
-# same reason every test keeps its helpers in an anonymous namespace.
+# Fails unless every room includes only what it links (a header only what it links publicly), no
+# folder holds more than twelve files (a header and its source count once), and no type is declared in
+# two rooms: their layouts would be mixed up at link time without a word. For the same reason every
+# test keeps its helpers in an anonymous namespace.
 cmake_minimum_required(VERSION 3.25)
 include(${HOUSE})
 set(faults "")
+set(most_files 12)
 
 foreach(room ${rooms})
   file(GLOB_RECURSE files RELATIVE ${SRC} ${SRC}/${room}/*.h ${SRC}/${room}/*.cpp)
   if(NOT files)
     string(APPEND faults "src/${room}: has no sources\n")
   endif()
+  list(TRANSFORM files REPLACE "\\.(h|cpp)$" "" OUTPUT_VARIABLE stems)
+  list(REMOVE_DUPLICATES stems)
+  list(TRANSFORM stems REPLACE "/[^/]*$" "" OUTPUT_VARIABLE folders)
+  list(REMOVE_DUPLICATES folders)
+  foreach(folder ${folders})
+    set(level ${stems})
+    list(FILTER level INCLUDE REGEX "^${folder}/[^/]*$")
+    list(LENGTH level count)
+    if(count GREATER most_files)
+      string(APPEND faults "src/${folder}: holds ${count} files; at most ${most_files} fit on one level\n")
+    endif()
+  endforeach()
   foreach(file ${files})
     set(allowed planar_${room} ${links_${room}})
     if(file MATCHES "\\.cpp$")
