@@ -39,6 +39,9 @@ endfunction()
 
 planar_precompiled(planar_plain_headers)
 planar_precompiled(planar_pixel_headers LINKS opencv_core HEADERS opencv2/core.hpp)
+planar_precompiled(planar_program_headers
+  LINKS CLI11::CLI11 nlohmann_json::nlohmann_json opencv_core
+  HEADERS CLI/App.hpp nlohmann/json.hpp opencv2/core.hpp)
 
 # planar_room(NAME LINKS rooms and packages others may see [PRIVATE_LINKS hidden ones])
 # One library per room, of every source in its folder; without sources it is headers only. The link
@@ -66,6 +69,10 @@ function(planar_room name)
         set_property(GLOBAL PROPERTY PLANAR_PIXELS_planar_${name} TRUE)
       endif()
     endforeach()
+    if(nlohmann_json::nlohmann_json IN_LIST ROOM_LINKS OR
+       nlohmann_json::nlohmann_json IN_LIST ROOM_PRIVATE_LINKS)
+      set(headers planar_program_headers)
+    endif()
     planar_precompile(planar_${name} ${headers})
   else()
     add_library(planar_${name} INTERFACE)
