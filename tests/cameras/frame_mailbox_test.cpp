@@ -1,4 +1,4 @@
-#include "planar_servo/cameras/aravis/frame_mailbox.h"
+#include "planar_servo/cameras/frame_mailbox.h"
 
 #include <catch2/catch.hpp>
 #include <future>

@@ -14,7 +14,7 @@
 #include <utility>
 
 #include "planar_servo/cameras/aravis/aravis_link.h"
-#include "planar_servo/cameras/aravis/frame_mailbox.h"
+#include "planar_servo/cameras/frame_mailbox.h"
 #include "planar_servo/core/clock.h"
 #include "planar_servo/core/error.h"
 
