@@ -2,6 +2,8 @@
 
 #include <stdexcept>
 
+#include "planar_servo/core/error.h"
+
 namespace planar {
 
 const char* name(LampStatus status) {

@@ -3,6 +3,8 @@
 #include <Eigen/Core>
 #include <array>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "planar_servo/core/names.h"
 
@@ -55,6 +57,7 @@ struct PairExpectation {
   std::optional<double> contrast_ratio;
 };
 
+/// How the centre of a lamp is measured (see measure_lamp).
 enum class CenterMethod { kAuto, kFast, kCannyKasa, kVpDot2 };
 
 constexpr Named<CenterMethod> kCenterMethods[] = {{CenterMethod::kAuto, "auto"},
