@@ -35,7 +35,8 @@ int main() {
   problem.samples = measure(120, 1);
   const planar::MapResult fit = planar::fit_error_map(problem);
   std::printf("%s map of %zu pairs: errors of %.1f um, %.1f um left out one by one\n",
-              fit.method.c_str(), fit.n_used, 1e6 * fit.raw_rms, 1e6 * fit.loo_rms);
+              planar::name(planar::kind_of(fit.map)), fit.n_used, 1e6 * fit.raw_rms,
+              1e6 * fit.loo_rms);
 
   double before = 0.0, after = 0.0;
   std::size_t inside = 0;
