@@ -145,8 +145,7 @@ struct YamlNode::Impl {
                                     const std::vector<std::string>& allowed) const {
     if (value.IsScalar() && std::count(allowed.begin(), allowed.end(), value.Scalar()) != 0)
       return value.Scalar();
-    fault_at(value,
-             fmt::format("{} is {}; allowed are {}", name, shown(value), joined(allowed)));
+    fault_at(value, fmt::format("{} is {}; allowed are {}", name, shown(value), joined(allowed)));
     return std::nullopt;
   }
 

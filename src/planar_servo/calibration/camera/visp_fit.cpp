@@ -7,8 +7,8 @@
 
 #include "planar_servo/calibration/camera/fit_information.h"
 #include "planar_servo/calibration/camera/opencv_fit.h"
-#include "planar_servo/core/pose.h"
 #include "planar_servo/core/error.h"
+#include "planar_servo/core/pose.h"
 
 namespace planar {
 namespace {

@@ -1,0 +1,47 @@
+// Positions the arm of a calibrated cell by looking at it: servo_cell CELL.yaml
+// The same program serves a virtual and a real cell; the file decides.
+#include <planar_servo/files/vision_files.h>
+#include <planar_servo/machine/cell_devices.h>
+#include <planar_servo/machine/device_kinds.h>
+#include <planar_servo/robot/planar_robot.h>
+#include <planar_servo/servo/position_servo.h>
+#include <planar_servo/vision/lamp_tip_sensor.h>
+
+#include <cstdio>
+
+namespace {
+
+bool reach_targets(const planar::CellSettings& cell, planar::CellDevices& devices) {
+  planar::PlanarRobot robot(planar::PlanarArm(cell.arm.geometry),
+                            planar::Transmission(cell.transmission), devices.drives(),
+                            devices.clock());
+  robot.energize();
+  planar::LampTipSensor sensor(planar::read_vision(cell, true), cell.lamps.method, devices.camera(),
+                               cell.camera.follow_region_px);
+  planar::PositionServo servo(cell.servo, planar::joint_planner(cell), robot, sensor,
+                              devices.clock());
+  bool all_reached = true;
+  for (const Eigen::Vector2d& p :
+       {Eigen::Vector2d(0.15, 0.25), Eigen::Vector2d(-0.2, 0.3), Eigen::Vector2d(0.05, -0.35)}) {
+    const planar::ServoResult result = servo.move_to({p, cell.tool_orientation});
+    std::printf("target (%.0f, %.0f) mm: %s after %d corrections", 1e3 * p.x(), 1e3 * p.y(),
+                planar::name(result.status), result.iterations);
+    if (!result.steps.empty())
+      std::printf(", %.4f mm away by its own view", 1e3 * result.steps.back().error.norm());
+    if (const auto true_tip = devices.true_tip())  // only a virtual cell knows
+      std::printf(", %.4f mm in truth", 1e3 * (true_tip().p - p).norm());
+    std::printf("%s\n", result.reason.empty() ? "" : (": " + result.reason).c_str());
+    all_reached = all_reached && result.status == planar::ServoStatus::kReached;
+  }
+  return all_reached;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) try {
+  const planar::CellSettings cell = planar::read_cell(argc > 1 ? argv[1] : "cell.yaml");
+  return reach_targets(cell, *planar::open_cell(cell)) ? 0 : 1;
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "%s\n", error.what());
+  return 1;
+}
