@@ -27,7 +27,7 @@ const ProgramText kText{
 struct Options {
   fs::path cell, out;
   std::vector<fs::path> inputs;
-  std::string method;  ///< empty: as the cell has it, or auto
+  std::string method;  ///< empty: the cell's lamps.method, or auto without a cell
   std::string start;
   int lamps{2};
 };
@@ -62,7 +62,8 @@ std::optional<Eigen::Vector2d> start_pixel(const std::string& text) {
   return start;
 }
 
-/// Not by the parser, which would take the value of a misspelt option for an image.
+/// Checks that all inputs exist. The parser cannot do it: it would take the value of a misspelt
+/// option for an image.
 void require_inputs(const std::vector<fs::path>& inputs) {
   Faults faults;
   for (const fs::path& input : inputs) {
@@ -72,7 +73,7 @@ void require_inputs(const std::vector<fs::path>& inputs) {
   faults.throw_if_any();
 }
 
-/// The folder, when the input is a recording.
+/// Returns the folder when the input is a recording.
 std::optional<fs::path> recording_of(const Options& options) {
   for (const fs::path& input : options.inputs) {
     if (!fs::is_directory(input)) continue;

@@ -67,7 +67,8 @@ void add_options(CLI::App& app, Options& options) {
       ->type_name("FILE");
 }
 
-/// x=X,y=Y: our column (with its unit, if it has one) -> theirs.
+/// Reads x=X,y=Y and returns for each of our columns (with its unit, if it has one) the name that
+/// it has in the tracker's table.
 std::map<std::string, std::string> renamed_columns(const std::string& text) {
   static const std::map<std::string, std::string> ours{
       {"id", "id"}, {"t", "t_s"}, {"x", "x_mm"}, {"y", "y_mm"}, {"z", "z_mm"}};

@@ -35,7 +35,7 @@ constexpr char kStdin[] = "standard input";
 struct Options {
   fs::path cell, targets, out;
   std::string display{"none"};
-  std::string center;  ///< empty: as the cell has it
+  std::string center;  ///< empty: the cell's lamps.method
   bool no_error_map{false}, dry_run{false}, check{false}, resume{false}, home{false};
 };
 

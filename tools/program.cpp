@@ -36,7 +36,7 @@ class HelpFormatter : public CLI::Formatter {
   ProgramText text_;
 };
 
-/// The names of the required options that were not given, those of a subcommand included.
+/// Returns the names of the required options that were not given, those of a subcommand included.
 std::vector<std::string> missing_options(const CLI::App& app) {
   std::vector<std::string> missing;
   for (const CLI::Option* option : app.get_options())
@@ -46,7 +46,7 @@ std::vector<std::string> missing_options(const CLI::App& app) {
   return missing;
 }
 
-/// The parser stops at the first option that is missing; this names all of them.
+/// Names all options that are missing; the parser stops at the first one.
 std::string parser_fault(const CLI::App& app, const CLI::Error& fault) {
   const std::vector<std::string> missing = missing_options(app);
   if (fault.get_exit_code() != static_cast<int>(CLI::ExitCodes::RequiredError) || missing.empty())
@@ -55,7 +55,8 @@ std::string parser_fault(const CLI::App& app, const CLI::Error& fault) {
                      missing.size() == 1 ? "is" : "are");
 }
 
-/// Names also the words that were not understood: a required option is often there, but misspelt.
+/// Names a parser's fault and the words that were not understood: a required option is often there,
+/// but misspelt.
 std::string usage_fault(const CLI::App* app, const CLI::Error& fault) {
   std::vector<std::string> faults;
   if (fault.get_exit_code() != static_cast<int>(CLI::ExitCodes::ExtrasError))
@@ -67,8 +68,8 @@ std::string usage_fault(const CLI::App* app, const CLI::Error& fault) {
                      fmt::join(faults, "; "));
 }
 
-/// Asked before the work and after it: a table or a cell file that --json names by mistake must
-/// stay, only earlier figures may go.
+/// Allows --json to overwrite earlier figures only, so that a table or a cell file named by mistake
+/// stays. It is called before the work and after it.
 void require_figures_file(const std::filesystem::path& file) {
   if (file.empty()) return;
   require_writable(file);
@@ -99,7 +100,7 @@ volatile std::sig_atomic_t interrupts = 0;
 void heed_interrupts() {
   struct sigaction action {};
   action.sa_handler = [](int /*signal*/) { interrupts = 1; };
-  action.sa_flags = static_cast<int>(SA_RESETHAND);  // and no SA_RESTART: a read ends
+  action.sa_flags = static_cast<int>(SA_RESETHAND);  // SA_RESTART is left out, so that a read ends
   for (const int signal : {SIGINT, SIGTERM}) sigaction(signal, &action, nullptr);
 }
 

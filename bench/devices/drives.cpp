@@ -24,7 +24,7 @@ using test::UsbFault;
 constexpr double kCommandTimeout_s = 0.25;
 constexpr double kPulsesPerRad = 2000.0;
 
-/// Notes when a status first tells of a fault.
+/// Passes everything on to the drives and notes when a status first tells of a fault.
 class WatchedDrives final : public DriveGroup {
  public:
   WatchedDrives(DriveGroup& drives, Clock& clock) : drives_(drives), clock_(clock) {}

@@ -7,7 +7,8 @@
 
 namespace planar::bench {
 
-/// ALGLIB's multiquadric on a linear tail, width and smoothing by five-fold cross-validation.
+/// ALGLIB's multiquadric on a linear tail. Five-fold cross-validation chooses its width and
+/// smoothing.
 class AlglibMap {
  public:
   explicit AlglibMap(const std::vector<ErrorSample>& samples);

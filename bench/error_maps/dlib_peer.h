@@ -7,8 +7,8 @@
 
 namespace planar::bench {
 
-/// dlib's kernel ridge regression of either axis on a Gaussian and a plane fitted before; ridge and
-/// width by dlib's leave-one-out error.
+/// dlib's kernel ridge regression of each axis with a Gaussian, on a plane fitted before. dlib's
+/// leave-one-out error chooses ridge and width.
 class DlibMap {
  public:
   explicit DlibMap(const std::vector<ErrorSample>& samples);

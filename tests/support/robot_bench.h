@@ -41,6 +41,7 @@ struct Bench {
   }
 };
 
+/// A bench whose robot is switched on.
 struct ReadyBench : Bench {
   explicit ReadyBench(const TransmissionSettings& its_settings = transmission_settings())
       : Bench(its_settings) {

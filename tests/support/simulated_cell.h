@@ -26,7 +26,7 @@ class SimulatedCell {
     double sense{1.0};
     bool relative{true};                      ///< motor 2 rides on link 1
     Eigen::Vector3d pulses_per_rad{1, 1, 1};  ///< signed
-    double play_rad{0.0};                     ///< of each motor, behind its gear
+    double play_rad{0.0};                     ///< play of each motor, behind its gear
   };
 
   explicit SimulatedCell(const Truth& truth) : truth_(truth) {}
@@ -51,7 +51,7 @@ class SimulatedCell {
   }
 
  private:
-  /// The gear follows its motor once the play is taken up.
+  /// Returns the gear's output, which follows its motor once the play is taken up.
   double output_rad(int i) const {
     double output = 0.0;
     for (const std::int32_t target : drives_[i].targets) {
@@ -73,13 +73,13 @@ class SimulatedSensor final : public TipSensor {
  public:
   explicit SimulatedSensor(const SimulatedCell& cell) : cell_(cell) {}
 
-  std::optional<int> lamp_lost_from;              ///< number of the first measurement without
+  std::optional<int> lamp_lost_from;  ///< number of the first measurement that sees no lamp
   std::optional<Eigen::Vector2d> mirrored_about;  ///< shows every error with the wrong sign
   double sigma_vision_m{1e-7};
   Eigen::Vector2d offset_m{0.0, 0.0};
   bool inside_map{true};
   int measurements{0};
-  std::optional<double> blind_from_s;  ///< from then on it is at fault
+  std::optional<double> blind_from_s;  ///< the sensor is at fault from this time on
 
   std::optional<std::string> fault() const override {
     if (!blind_from_s || cell_.now_s() < *blind_from_s) return std::nullopt;

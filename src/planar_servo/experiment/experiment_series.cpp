@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 
 struct Column {
   const char* title;
-  const char* key;  ///< of experiment_json(), or of its part `part`
+  const char* key;  ///< a key of experiment_json(), or of its part `part`
   const char* part{nullptr};
 };
 

@@ -14,7 +14,7 @@
 namespace planar {
 namespace {
 
-/// Names every file that is missing, with the program that makes it.
+/// Throws InputError naming every file that is missing, with the program that makes it.
 void require_files(const CellSettings& cell, bool with_error_map) {
   Faults faults;
   const auto require = [&](const std::filesystem::path& path, const std::string& program) {

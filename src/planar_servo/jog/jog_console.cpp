@@ -18,10 +18,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A jog is short enough to be stopped by letting go: longer ways go by planar-servo.
+// A jog must be short enough to be stopped by letting go of the key. Longer ways go by
+// planar-servo.
 constexpr double kMostTurn = 15.0 * kDegree;
 constexpr double kMostStep = 50.0 * kMillimetre;
-constexpr int kPathPoints = 16;  // of a jog, held against the workspace
+constexpr int kPathPoints = 16;  // points on the way of a jog that are held against the workspace
 
 bool has_vision(const CellSettings& cell) {
   return fs::exists(cell.camera_model) && fs::exists(cell.workplane) && fs::exists(cell.tool);
@@ -33,7 +34,7 @@ double number_of(const std::string& word, const std::string& what) {
   return *value;
 }
 
-/// From 0.
+/// Returns the joint that a word names, counted from 0.
 int joint_of(const std::string& word) {
   if (word != "1" && word != "2" && word != "3")
     throw InputError(fmt::format("the joint is '{}'; allowed are 1, 2, 3", word));
@@ -44,7 +45,7 @@ int joint_of(const std::string& word) {
 
 struct JogConsole::Command {
   const char* verb;
-  std::size_t least_words, most_words;  ///< after the verb
+  std::size_t least_words, most_words;  ///< words that follow the verb
   std::string (JogConsole::*work)(const Words&);
   const char* help;
 };
@@ -173,7 +174,7 @@ std::string JogConsole::move_to(const Joints& theta) {
   if (!enabled_) throw InputError("the drives are off; enable them first");
   if (const auto forbidden = refusal(theta)) throw InputError(*forbidden);
   FrameSource& camera = devices_.camera();
-  PlanarRobot::Guard guard;  // jogging goes on without a camera that was lost before
+  PlanarRobot::Guard guard;  // stays empty after a loss of the camera: jogging goes on
   if (!camera.fault()) guard = [&camera] { return camera.fault(); };
   if (const auto objection = robot_.move_to(theta, guard))
     throw WorkError(*objection + "; the arm has stopped at " + where({}));

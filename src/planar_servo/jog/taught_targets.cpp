@@ -12,7 +12,7 @@
 namespace planar {
 namespace {
 
-/// The lines of a table that is to grow.
+/// Returns the text of a table that is to grow; empty when there is no file.
 std::string text_of(const std::filesystem::path& path) {
   if (!std::filesystem::exists(path)) return "";
   std::string text = read_file(path);

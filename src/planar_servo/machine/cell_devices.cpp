@@ -10,7 +10,8 @@
 namespace planar {
 namespace {
 
-/// Nobody holds the calibration board of a real cell.
+/// The presenter of a real cell. Nobody holds its calibration board, so asking for the board is an
+/// error.
 class NoPresenter final : public BoardPresenter {
  public:
   void hold_board(int /*view*/) override { refuse(); }

@@ -119,7 +119,8 @@ class Recorder {
     devices_.camera().set_region(pixel ? region_round(*pixel) : full_region());
   }
 
-  /// The frame itself when both lamps are in it, else a full frame; then the region follows them.
+  /// Returns the frame itself when both lamps are in it, and otherwise a full frame. The camera's
+  /// region follows the lamps from then on.
   Frame with_lamps(Frame frame, const Eigen::Vector2d& p, const std::string& id) {
     std::optional<Eigen::Vector2d> middle = middle_of_lamps(frame);
     if (!middle && frame.region_px != full_region()) {
