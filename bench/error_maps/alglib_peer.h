@@ -11,9 +11,11 @@ namespace planar::bench {
 /// smoothing.
 class AlglibMap {
  public:
+  /// Fits the map.
   explicit AlglibMap(const std::vector<ErrorSample>& samples);
   ~AlglibMap();
 
+  /// Predicts the error at a position, both in metres.
   Eigen::Vector2d predict(const Eigen::Vector2d& p);
 
  private:

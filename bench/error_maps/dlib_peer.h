@@ -11,9 +11,11 @@ namespace planar::bench {
 /// leave-one-out error chooses ridge and width.
 class DlibMap {
  public:
+  /// Fits the map.
   explicit DlibMap(const std::vector<ErrorSample>& samples);
   ~DlibMap();
 
+  /// Predicts the error at a position, both in metres.
   Eigen::Vector2d predict(const Eigen::Vector2d& p) const;
 
  private:

@@ -27,6 +27,7 @@ struct CenterMethodUnderTest {
   std::function<std::optional<Measured>(const cv::Mat&)> measure;
 };
 
+/// Is the `reset` of methods that keep nothing between frames.
 inline void nothing_to_reset(const cv::Mat& /*window*/) {}
 
 /// Returns all methods: ours first, vpDot2's tracking second.

@@ -31,6 +31,7 @@ class ClutteredFrame {
   const cv::Mat& image() const { return image_; }
   const std::array<test::RenderedLamp, 2>& lamps() const { return lamps_; }
   const std::optional<test::RenderedLamp>& third_lamp() const { return third_lamp_; }
+  /// Returns the distance between the two lamps.
   double separation_px() const;
 
  private:

@@ -7,6 +7,7 @@
 
 namespace planar::bench {
 
+/// Says how the level changes across the lamp.
 enum class GradientKind { kLinear, kQuadratic, kRadial };
 
 /// A lamp on a dark background whose light, surroundings and outline need not be perfect. Levels

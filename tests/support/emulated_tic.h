@@ -30,6 +30,7 @@ class EmulatedTic final : public UsbFunction {
   explicit EmulatedTic(const Clock& clock, OnPosition on_position = {});
 
   static constexpr std::uint16_t kProduct36v4 = 0x00cb;
+  /// Returns the USB descriptors of a Tic. `firmware` is its version as binary-coded decimals.
   static UsbDescription description(const std::string& serial,
                                     std::uint16_t product_id = kProduct36v4,
                                     std::uint16_t firmware = 0x0109);
@@ -47,13 +48,17 @@ class EmulatedTic final : public UsbFunction {
   /// set for them.
   void place_switches(std::optional<std::int32_t> reverse_at,
                       std::optional<std::int32_t> forward_at);
+  /// Sets the speeds of a homing: towards the switch, and away from it afterwards.
   void set_homing_speeds(double towards_pulses_s, double away_pulses_s);
+  /// Sets the voltage of the motor's supply.
   void set_supply(double volts);
+  /// Closes or opens the kill switch.
   void press_kill_switch(bool pressed);
   /// Lets both supplies fail and come back. What is not stored is forgotten; the shaft stays.
   void power_cycle();
   /// Stores a setting as the maker's own software does. It takes effect at once.
   void store_setting(std::uint8_t offset, std::uint8_t value);
+  /// Returns a stored setting.
   std::uint8_t setting(std::uint8_t offset);
 
  private:

@@ -15,6 +15,7 @@ struct GreyFormat {
   std::size_t (*lower)(std::size_t i);
   std::size_t (*upper)(std::size_t i);
 
+  /// Returns the size in memory of so many pixels.
   std::size_t bytes(std::size_t pixels) const;
   /// Packs grey levels of `bits` bits as they stand in memory.
   std::vector<std::uint8_t> pack(const std::vector<unsigned>& levels) const;

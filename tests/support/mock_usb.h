@@ -11,6 +11,7 @@ namespace planar::test {
 
 /// Says what is wrong with the next control transfers.
 struct UsbFault {
+  /// Says what becomes of a transfer.
   enum class Kind { kStall, kIoError, kSilence, kShort, kLate };
   Kind kind{Kind::kStall};
   int count{1};  ///< number of transfers that suffer it; -1 for all until cleared

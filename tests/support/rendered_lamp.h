@@ -18,6 +18,7 @@ struct RenderedLamp {
 
 /// Returns a noise-free scene of CV_32F grey levels.
 cv::Mat background(const cv::Size& size, double level = 12.0);
+/// Adds the lamp's light to a scene.
 void add_lamp(cv::Mat& scene, const RenderedLamp& lamp);
 
 /// The noise of a sensor.

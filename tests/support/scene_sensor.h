@@ -15,6 +15,7 @@ class SceneSensor {
   std::atomic<bool> frozen{false};   ///< shows its last picture again and again
   std::atomic<double> delay_s{0.0};  ///< delays the next picture, once
 
+  /// Takes a picture of a region of the sensor. `brightness` is only remembered.
   cv::Mat expose(const cv::Rect& region_px, double brightness) {
     const std::lock_guard<std::mutex> lock(mutex_);
     if (!frozen) {
@@ -56,11 +57,13 @@ class SceneSensor {
     return exposures_s_.at(static_cast<std::size_t>(at));
   }
 
+  /// Returns the number of exposures.
   std::size_t exposures() {
     const std::lock_guard<std::mutex> lock(mutex_);
     return exposures_s_.size();
   }
 
+  /// Returns the brightness of the last exposure.
   double brightness() {
     const std::lock_guard<std::mutex> lock(mutex_);
     return brightness_;

@@ -18,6 +18,7 @@ namespace planar::test {
 /// kinematics are written here once more, without the project's own.
 class SimulatedCell {
  public:
+  /// Says what the machine really is.
   struct Truth {
     double link1_m{0.3011};
     double link2_m{0.2992};
@@ -36,10 +37,12 @@ class SimulatedCell {
   MockPulseDrive& drive(int i) { return drives_[i]; }
   DriveGroup& drives() { return group_; }
 
+  /// Returns the number of targets sent to all drives.
   std::size_t targets_sent() const {
     return drives_[0].targets.size() + drives_[1].targets.size() + drives_[2].targets.size();
   }
 
+  /// Returns where the end point really is.
   TipPose true_tip() const {
     const double m1 = output_rad(0);
     const double m2 = output_rad(1);

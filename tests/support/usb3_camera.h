@@ -25,6 +25,7 @@ class Usb3Camera final : public UsbFunction {
              Exposure exposure);
   ~Usb3Camera() override;
 
+  /// Returns the USB descriptors of a Daheng camera with this serial number.
   UsbDescription description() const;
 
   /// Makes the next frames end before their trailer (lose_trailers) or in the middle of their

@@ -16,6 +16,7 @@ struct UsbSetup {
   std::uint16_t index{0};
   std::uint16_t length{0};
 
+  /// Returns true for a transfer from the device to the host.
   bool to_host() const { return (request_type & 0x80) != 0; }
 };
 
@@ -35,6 +36,7 @@ class UsbFunction {
   /// Serves a control transfer that is not about standard descriptors. `data` has setup.length
   /// bytes, which are filled (to the host) or read.
   virtual UsbOutcome control(const UsbSetup& setup, std::uint8_t* data) = 0;
+  /// Serves a bulk transfer from the host. A device without bulk endpoints stalls.
   virtual UsbOutcome bulk_out(int endpoint, const std::uint8_t* data, std::size_t size);
   /// Serves a bulk transfer to the host. While it returns nothing, the transfer stays pending and
   /// is asked for again about every millisecond.

@@ -6,6 +6,7 @@ namespace planar {
 
 /// Says how one part of a cell was found, and what mends it if it is not well.
 struct Finding {
+  /// Says how well the part is.
   enum class Verdict { kWell, kDoubtful, kFaulty };
   Verdict verdict{Verdict::kWell};
   std::string subject;   ///< the part that was looked at, such as "drive 2"

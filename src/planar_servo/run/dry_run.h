@@ -20,7 +20,9 @@ struct DryRunRow {
 /// device.
 class DryRun {
  public:
+  /// Starts at the cell's home position.
   explicit DryRun(const CellSettings& cell);
+  /// Plans the move to a target from where the arm stands after the moves planned before.
   DryRunRow plan(const TargetRow& target);
 
  private:

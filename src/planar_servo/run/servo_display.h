@@ -27,6 +27,7 @@ class ServoDisplay {
   /// window is asked for and no X server answers.
   ServoDisplay(DisplayPolicy policy, const std::filesystem::path& picture);
 
+  /// Shows a step. It does nothing when nothing is to be drawn.
   void show(const ServoSight& sight);
 
   /// Draws the last step if it has not been drawn yet, and warns of what went wrong.

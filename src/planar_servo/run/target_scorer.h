@@ -17,6 +17,7 @@ class TargetScorer {
   /// the scorer.
   TargetScorer(const TargetRow& target, GrowingFile& steps, std::function<TipPose()> true_tip);
 
+  /// Takes a step: logs it and updates the outcome.
   void observe(const ServoStep& step);
 
   /// Returns the outcome: how the last attempt ended, with the corrections and the seconds of all

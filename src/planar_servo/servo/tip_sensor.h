@@ -35,6 +35,7 @@ struct TipMeasurement {
   double uncertainty_m{0.0};
   bool inside_map{true};  ///< also true when no map is used
 
+  /// Returns true when the position is valid.
   bool ok() const { return status == TipStatus::kOk; }
 };
 
