@@ -1,5 +1,6 @@
-// What a served camera and the loop's own part cost: frames a second and CPU by frame size, the
-// rate of the free-running loop with a following region, and the time from a frame to a joint step.
+// Measures what a served camera and the loop's own part cost: frames per second and CPU by frame
+// size, the rate of the free-running loop whose region follows the lamps, and the time from a frame
+// to a joint step.
 
 #include <fmt/format.h>
 #include <sys/resource.h>
