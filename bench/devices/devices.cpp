@@ -16,13 +16,12 @@
 #include "planar_servo/cameras/aravis/aravis_camera.h"
 #include "planar_servo/core/clock.h"
 #include "planar_servo/core/statistics.h"
+#include "planar_servo/files/vision_files.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/machine/device_kinds.h"
-#include "planar_servo/offline/record/motion_plan.h"
 #include "planar_servo/served_cell/serve_cell.h"
 #include "planar_servo/servo/control_law.h"
 #include "planar_servo/vision/lamp_tip_sensor.h"
-#include "planar_servo/vision/regions.h"
 
 namespace planar {
 namespace {
