@@ -67,8 +67,9 @@ Outcome calibrate(const Options& options) {
 }
 
 void add_options(CLI::App& app, Options& options) {
-  app.add_option("--grid", options.grid,
-                 "circles:COLSxROWS:PITCHmm, or chessboard: with its inner corners")
+  app.add_option(
+         "--grid", options.grid,
+         "circles:COLSxROWS:PITCHmm, or chessboard:COLSxROWS:PITCHmm, which counts inner corners")
       ->required()
       ->type_name("GRID");
   app.add_option(
@@ -79,11 +80,12 @@ void add_options(CLI::App& app, Options& options) {
       ->type_name("MODEL")
       ->capture_default_str();
   auto* points = app.add_option("--points", options.points,
-                                "instead of images: pixels `u v` found by another program, view "
-                                "after view, each row by row")
+                                "a file of pixels `u v` found by another program, instead of "
+                                "images: view after view, each row by row")
                      ->type_name("FILE");
   app.add_option("--image-size", options.image_size,
-                 "of the images behind --points; without it they are taken to lie about the middle")
+                 "the size of the images behind --points; without it the points are taken to lie "
+                 "about the middle")
       ->type_name("WIDTHxHEIGHT")
       ->needs(points);
   app.add_option("-o,--out", options.output,

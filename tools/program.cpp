@@ -76,7 +76,7 @@ void require_figures_file(const std::filesystem::path& file) {
   if (std::filesystem::is_regular_file(file) && std::filesystem::file_size(file) > 0 &&
       !nlohmann::json::accept(read_file(file)))
     throw InputError(file.string() +
-                     ": is there already and holds no figures; name another file for --json");
+                     ": exists already and holds no figures; name another file for --json");
 }
 
 void start_log(const std::string& name, bool quiet, bool verbose) {
@@ -121,7 +121,8 @@ int run_program(const ProgramText& text, int argc, char** argv,
   add_options(app);
   app.add_option("--json", json_file, "write every printed figure to FILE")->type_name("FILE");
   CLI::Option* quiet_flag = app.add_flag("-q,--quiet", quiet, "errors only");
-  app.add_flag("-v,--verbose", verbose, "more messages")->excludes(quiet_flag);
+  app.add_flag("-v,--verbose", verbose, "also log each look, each file read and each decision")
+      ->excludes(quiet_flag);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

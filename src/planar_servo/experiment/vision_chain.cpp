@@ -91,7 +91,9 @@ MapResult map_by_hand(const std::vector<PairRow>& pairs) {
       break;  // wider Gaussians without a ridge are worse conditioned still
     }
   }
-  if (!best) throw WorkError("no width by hand gives a map of these pairs");
+  if (!best)
+    throw WorkError(
+        "no width set by hand gives a map of these pairs: the equations cannot be solved");
   return std::move(*best);
 }
 

@@ -42,8 +42,8 @@ CameraModel read_cell_camera(const CellSettings& cell) {
       read_camera(require_made(cell.camera_model, "planar-calibrate-camera"));
   if (record.width_px != cell.camera.width_px || record.height_px != cell.camera.height_px)
     throw InputError(fmt::format(
-        "{}: is of a camera with {} x {} px; the cell's has {} x {} px; name the camera file of "
-        "this camera in the cell file, or calibrate it with planar-calibrate-camera",
+        "{}: was made for a camera with {} x {} px, but the cell's has {} x {} px; name the file "
+        "of the cell's camera in the cell file, or make it with planar-calibrate-camera",
         cell.camera_model.string(), record.width_px, record.height_px, cell.camera.width_px,
         cell.camera.height_px));
   return record.camera;

@@ -102,8 +102,9 @@ BoardViews board_views_from_points(const std::filesystem::path& points, const Bo
   const std::vector<Eigen::Vector2d> pixels = read_board_pixels(points);
   const std::size_t per_view = static_cast<std::size_t>(board.columns) * board.rows;
   if (pixels.size() % per_view != 0) {
-    throw InputError(fmt::format("{}: has {} points, not a multiple of the {} x {} of the grid",
-                                 points.string(), pixels.size(), board.columns, board.rows));
+    throw InputError(
+        fmt::format("{}: has {} points; a multiple of the {} x {} of the grid is needed",
+                    points.string(), pixels.size(), board.columns, board.rows));
   }
   BoardViews views;
   views.inputs = {points};
