@@ -74,9 +74,9 @@ void add_options(CLI::App& app, Options& options) {
       ->type_name("GRID");
   app.add_option(
          "--model", options.model,
-         "pinhole, plumb_bob_k1, plumb_bob, rational_polynomial, opencv_14 (with thin prism "
-         "and tilted sensor), equidistant, visp (to a .xml file) or auto (the simplest, "
-         "opencv_14 aside, that predicts views left out as well as any)")
+         "pinhole, plumb_bob_k1, plumb_bob, rational_polynomial, opencv_14 (with thin prism and "
+         "tilted sensor), equidistant, visp (written to an .xml file), or auto: the simplest model "
+         "that predicts views left out as well as any, opencv_14 and visp not tried")
       ->type_name("MODEL")
       ->capture_default_str();
   auto* points = app.add_option("--points", options.points,
