@@ -67,23 +67,25 @@ Outcome calibrate(const Options& options) {
 }
 
 void add_options(CLI::App& app, Options& options) {
-  app.add_option("--grid", options.grid,
-                 "circles:COLSxROWS:PITCHmm, or chessboard: with its inner corners")
+  app.add_option(
+         "--grid", options.grid,
+         "circles:COLSxROWS:PITCHmm, or chessboard:COLSxROWS:PITCHmm, which counts inner corners")
       ->required()
       ->type_name("GRID");
   app.add_option(
          "--model", options.model,
-         "pinhole, plumb_bob_k1, plumb_bob, rational_polynomial, opencv_14 (with thin prism "
-         "and tilted sensor), equidistant, visp (to a .xml file) or auto (the simplest, "
-         "opencv_14 aside, that predicts views left out as well as any)")
+         "pinhole, plumb_bob_k1, plumb_bob, rational_polynomial, opencv_14 (with thin prism and "
+         "tilted sensor), equidistant, visp (written to an .xml file), or auto: the simplest model "
+         "that predicts views left out as well as any, opencv_14 and visp not tried")
       ->type_name("MODEL")
       ->capture_default_str();
   auto* points = app.add_option("--points", options.points,
-                                "instead of images: pixels `u v` found by another program, view "
-                                "after view, each row by row")
+                                "a file of pixels `u v` found by another program, instead of "
+                                "images: view after view, each row by row")
                      ->type_name("FILE");
   app.add_option("--image-size", options.image_size,
-                 "of the images behind --points; without it they are taken to lie about the middle")
+                 "the size of the images behind --points; without it the points are taken to lie "
+                 "about the middle")
       ->type_name("WIDTHxHEIGHT")
       ->needs(points);
   app.add_option("-o,--out", options.output,

@@ -45,7 +45,8 @@ Outcome check_pairs(const Options& options) {
 }
 
 void add_options(CLI::App& app, Options& options) {
-  app.add_option("--plan", options.plans, "only pairs of these plans (else: all but train)")
+  app.add_option("--plan", options.plans,
+                 "judge only pairs of these plans; without it all but train")
       ->delimiter(',')
       ->allow_extra_args(false)
       ->type_name("NAME");

@@ -39,14 +39,15 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--grid", options.grid, "the calibration board")
       ->type_name("BOARD")
       ->capture_default_str();
-  app.add_option("--seed", options.seed, "of the training and test positions")
+  app.add_option("--seed", options.seed, "draws the training and test positions")
       ->capture_default_str();
-  auto* seeds = app.add_option("--seeds", options.seeds,
-                               "on N virtual cells drawn from the seeds --seed, --seed + 1, ...")
-                    ->check(CLI::Range(1, 10000))
-                    ->type_name("N");
+  auto* seeds =
+      app.add_option("--seeds", options.seeds,
+                     "run on N virtual cells drawn from the seeds --seed, --seed + 1, ...")
+          ->check(CLI::Range(1, 10000))
+          ->type_name("N");
   app.add_flag("--predict", options.predict,
-               "from the recording in DIR alone: the true error to be expected; nothing moves")
+               "predict the true error from the recording in DIR alone; nothing moves")
       ->excludes(seeds);
 }
 

@@ -35,7 +35,7 @@ void add_options(CLI::App& app, Options& options) {
       JogConsole::help());
 }
 
-/// Executes and tells; counts what was not done.
+/// Executes commands, prints their answers and counts what was not done.
 class Session {
  public:
   explicit Session(JogConsole& console) : console_(console) {}
@@ -68,7 +68,7 @@ void follow_lines(Session& session) {
     session.execute(line);
 }
 
-/// Stops what moves when a key is pressed other than the one that began it.
+/// Asks the arm to stop when another key is pressed than the one that began the motion.
 class KeyStop {
  public:
   void watch(RawTerminal& terminal, const std::string& key) {

@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 const ProgramText kText{
     "planar-locate-lamps",
-    "Finds lamps in images and measures their centres; on the plane, when the cell has one.",
+    "Finds lamps in images and measures their centres, on the cell's plane where it has one.",
     "planar-locate-lamps [--cell cell.yaml] [--lamps 1|2] [--centre METHOD] [--start U,V] "
     "-o lamps.csv RECORDING | IMAGE...",
     "732 images: 728 ok, 3 one_lamp, 1 unreadable; 0.61 ms per image"};
@@ -27,21 +27,21 @@ const ProgramText kText{
 struct Options {
   fs::path cell, out;
   std::vector<fs::path> inputs;
-  std::string method;  ///< empty: as the cell has it, or auto
+  std::string method;  ///< empty: the cell's lamps.method, or auto without a cell
   std::string start;
   int lamps{2};
 };
 
 void add_options(CLI::App& app, Options& options) {
-  app.add_option("--cell", options.cell, "the cell; without it pixels only, of images of any size")
+  app.add_option("--cell", options.cell,
+                 "the cell; without it images may have any size and only pixels are written")
       ->type_name("FILE");
   app.add_option("--lamps", options.lamps, "lamps in view; 1 follows one disc through the images")
       ->check(CLI::IsMember({1, 2}))
       ->capture_default_str();
-  app.add_option(
-         "--centre", options.method,
-         "how a centre is measured, instead of the cell's lamps.method or else auto; fast is for "
-         "even lamps only, canny-kasa the paper's way")
+  app.add_option("--centre", options.method,
+                 "how a lamp's centre is measured; by default the cell's lamps.method or auto; "
+                 "fast suits even lamps only, canny-kasa is the paper's way")
       ->check(CLI::IsMember(names_of(kCenterMethods)));
   app.add_option("--start", options.start, "pixel of the disc in the first image")
       ->type_name("U,V");
@@ -62,7 +62,8 @@ std::optional<Eigen::Vector2d> start_pixel(const std::string& text) {
   return start;
 }
 
-/// Not by the parser, which would take the value of a misspelt option for an image.
+/// Checks that all inputs exist. The parser cannot do it: it would take the value of a misspelt
+/// option for an image.
 void require_inputs(const std::vector<fs::path>& inputs) {
   Faults faults;
   for (const fs::path& input : inputs) {
@@ -72,7 +73,7 @@ void require_inputs(const std::vector<fs::path>& inputs) {
   faults.throw_if_any();
 }
 
-/// The folder, when the input is a recording.
+/// Returns the folder when the input is a recording.
 std::optional<fs::path> recording_of(const Options& options) {
   for (const fs::path& input : options.inputs) {
     if (!fs::is_directory(input)) continue;

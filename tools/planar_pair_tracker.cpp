@@ -42,20 +42,24 @@ void add_options(CLI::App& app, Options& options) {
       ->required()
       ->type_name("DIR");
   app.add_option("--workplane-from", options.workplane_from,
-                 "what gives the plane's height and tilt")
+                 "the source of the plane's height and tilt")
       ->check(CLI::IsMember({"pairs", "grid"}))
       ->capture_default_str();
   app.add_option("--grid", options.grid, "board on the plane, circles:COLSxROWS:PITCHmm")
       ->type_name("BOARD");
-  app.add_option("--pair-by", options.pair_by, "how frames and readings belong together")
+  app.add_option("--pair-by", options.pair_by, "how frames and readings are matched")
       ->check(CLI::IsMember({"id", "time"}))
       ->capture_default_str();
-  app.add_option("--tracker", options.tracker, "readings; without it RECORDING/tracker.csv")
+  app.add_option("--tracker", options.tracker,
+                 "the tracker's table of readings; by default RECORDING/tracker.csv")
       ->type_name("FILE");
-  app.add_option("--tracker-columns", options.columns, "names in that table: x=X,y=Y,z=Z,id=NAME");
-  app.add_option("--separator", options.separator, "between the columns of that table")
+  app.add_option("--tracker-columns", options.columns,
+                 "names of the columns in the tracker's table: x=X,y=Y,z=Z,id=NAME");
+  app.add_option("--separator", options.separator,
+                 "what separates the columns in the tracker's table")
       ->capture_default_str();
-  app.add_flag("--decimal-comma", options.decimal_comma, "numbers of that table are like 1,5");
+  app.add_flag("--decimal-comma", options.decimal_comma,
+               "numbers in the tracker's table are written as 1,5");
   app.add_option("--workplane-out", options.workplane_out, "workplane.yaml to write")
       ->required()
       ->type_name("FILE");
@@ -67,7 +71,8 @@ void add_options(CLI::App& app, Options& options) {
       ->type_name("FILE");
 }
 
-/// x=X,y=Y: our column (with its unit, if it has one) -> theirs.
+/// Reads x=X,y=Y and returns for each of our columns (with its unit, if it has one) the name that
+/// it has in the tracker's table.
 std::map<std::string, std::string> renamed_columns(const std::string& text) {
   static const std::map<std::string, std::string> ours{
       {"id", "id"}, {"t", "t_s"}, {"x", "x_mm"}, {"y", "y_mm"}, {"z", "z_mm"}};
@@ -78,7 +83,7 @@ std::map<std::string, std::string> renamed_columns(const std::string& text) {
     if (item.empty()) continue;
     if (equals == std::string::npos || known == ours.end()) {
       throw InputError("--tracker-columns has '" + item +
-                       "'; items like x=X are needed, of id, t, x, y, z");
+                       "'; needed are items such as x=X, for id, t, x, y or z");
     }
     renamed[known->second] = item.substr(equals + 1);
   }

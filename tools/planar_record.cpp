@@ -25,7 +25,7 @@ void add_options(CLI::App& app, Options& options) {
       ->required()
       ->type_name("FILE");
   app.add_option("--out", options.recording,
-                 "folder of the recording; one that holds a part is gone on with")
+                 "folder of the recording; a recording that was begun is continued")
       ->required()
       ->type_name("DIR");
 }

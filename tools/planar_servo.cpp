@@ -35,27 +35,26 @@ constexpr char kStdin[] = "standard input";
 struct Options {
   fs::path cell, targets, out;
   std::string display{"none"};
-  std::string center;  ///< empty: as the cell has it
+  std::string center;  ///< empty: the cell's lamps.method
   bool no_error_map{false}, dry_run{false}, check{false}, resume{false}, home{false};
 };
 
 void add_options(CLI::App& app, Options& options) {
   app.add_option("--cell", options.cell, "the cell")->required()->type_name("FILE");
-  app.add_option(
-         "--targets", options.targets,
-         "where the end point is wanted; with '-', lines id,x_mm,y_mm[,phi_deg] on standard "
-         "input, each answered by one line of JSON")
+  app.add_option("--targets", options.targets,
+                 "table of targets; '-' reads lines id,x_mm,y_mm[,phi_deg] from standard input and "
+                 "answers each with one line of JSON")
       ->required()
       ->type_name("FILE");
   auto* out = app.add_option("--out", options.out, "folder for log and report")->type_name("DIR");
-  app.add_flag("--no-error-map", options.no_error_map, "use vision as it is");
+  app.add_flag("--no-error-map", options.no_error_map, "use vision without the error map");
   app.add_option("--centre", options.center,
-                 "how lamps' centres are measured, instead of the cell's lamps.method")
+                 "how a lamp's centre is measured; by default the cell's lamps.method")
       ->check(CLI::IsMember(names_of(kCenterMethods)));
   app.add_flag("--home", options.home,
-               "home drives that lost their position, which moves the arm; without it a terminal "
-               "is asked");
-  app.add_flag("--resume", options.resume, "go on with the run in DIR")->needs(out);
+               "home drives that lost their position, which moves the arm; without it the program "
+               "asks on a terminal");
+  app.add_flag("--resume", options.resume, "continue the run in DIR")->needs(out);
   app.add_option(
          "--display", options.display,
          "auto: draw every step into DIR/view.png and, where an X server answers, a window; "
@@ -151,7 +150,7 @@ Outcome work(const Options& options) {
   if (options.dry_run) return print_dry_run(cell, targets);
   if (options.check) return print_check(cell, targets);
   if (options.out.empty())
-    throw InputError("--out is needed to move; --dry-run and --check do without");
+    throw InputError("--out is needed to move the arm; only --dry-run and --check do without it");
   const ServoRequest request{cell,
                              center,
                              !options.no_error_map,

@@ -40,8 +40,7 @@ struct Options {
 Outcome draw(const Options& options) {
   const fs::path cell = options.folder / "cell.yaml", truth = options.folder / "truth.yaml";
   for (const fs::path& path : {cell, truth})
-    if (fs::exists(path))
-      throw InputError(path.string() + ": is there already; name another folder");
+    if (fs::exists(path)) throw InputError(path.string() + ": exists already; name another folder");
   make_folder(options.folder);
   write_truth(truth, draw_truth(options.seed));
   write_file(cell, paper_cell_text());

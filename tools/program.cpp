@@ -37,7 +37,7 @@ class HelpFormatter : public CLI::Formatter {
   ProgramText text_;
 };
 
-/// The names of the required options that were not given, those of a subcommand included.
+/// Returns the names of the required options that were not given, those of a subcommand included.
 std::vector<std::string> missing_options(const CLI::App& app) {
   std::vector<std::string> missing;
   for (const CLI::Option* option : app.get_options())
@@ -47,7 +47,7 @@ std::vector<std::string> missing_options(const CLI::App& app) {
   return missing;
 }
 
-/// The parser stops at the first option that is missing; this names all of them.
+/// Names all options that are missing; the parser stops at the first one.
 std::string parser_fault(const CLI::App& app, const CLI::Error& fault) {
   const std::vector<std::string> missing = missing_options(app);
   if (fault.get_exit_code() != static_cast<int>(CLI::ExitCodes::RequiredError) || missing.empty())
@@ -56,7 +56,8 @@ std::string parser_fault(const CLI::App& app, const CLI::Error& fault) {
                      missing.size() == 1 ? "is" : "are");
 }
 
-/// Names also the words that were not understood: a required option is often there, but misspelt.
+/// Names a parser's fault and the words that were not understood: a required option is often there,
+/// but misspelt.
 std::string usage_fault(const CLI::App* app, const CLI::Error& fault) {
   std::vector<std::string> faults;
   if (fault.get_exit_code() != static_cast<int>(CLI::ExitCodes::ExtrasError))
@@ -68,15 +69,15 @@ std::string usage_fault(const CLI::App* app, const CLI::Error& fault) {
                      fmt::join(faults, "; "));
 }
 
-/// Asked before the work and after it: a table or a cell file that --json names by mistake must
-/// stay, only earlier figures may go.
+/// Allows --json to overwrite earlier figures only, so that a table or a cell file named by mistake
+/// stays. It is called before the work and after it.
 void require_figures_file(const std::filesystem::path& file) {
   if (file.empty()) return;
   require_writable(file);
   if (std::filesystem::is_regular_file(file) && std::filesystem::file_size(file) > 0 &&
       !nlohmann::json::accept(read_file(file)))
     throw InputError(file.string() +
-                     ": is there already and holds no figures; name another file for --json");
+                     ": exists already and holds no figures; name another file for --json");
 }
 
 void start_log(const std::string& name, bool quiet, bool verbose) {
@@ -100,7 +101,7 @@ volatile std::sig_atomic_t interrupts = 0;
 void heed_interrupts() {
   struct sigaction action {};
   action.sa_handler = [](int /*signal*/) { interrupts = 1; };
-  action.sa_flags = static_cast<int>(SA_RESETHAND);  // and no SA_RESTART: a read ends
+  action.sa_flags = static_cast<int>(SA_RESETHAND);  // SA_RESTART is left out, so that a read ends
   for (const int signal : {SIGINT, SIGTERM}) sigaction(signal, &action, nullptr);
 }
 
@@ -121,7 +122,8 @@ int run_program(const ProgramText& text, int argc, char** argv,
   add_options(app);
   app.add_option("--json", json_file, "write every printed figure to FILE")->type_name("FILE");
   CLI::Option* quiet_flag = app.add_flag("-q,--quiet", quiet, "errors only");
-  app.add_flag("-v,--verbose", verbose, "more messages")->excludes(quiet_flag);
+  app.add_flag("-v,--verbose", verbose, "also log each look, each file read and each decision")
+      ->excludes(quiet_flag);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

@@ -8,40 +8,43 @@
 
 namespace planar {
 
-/// What opens the --help of a subcommand, whose sentence is its description.
+/// Opens the --help of a subcommand, after the sentence that is its description.
 struct CommandText {
   std::string name;      ///< "draw"
   std::string synopsis;  ///< the call, without "Usage:"
   std::string sample;    ///< a sample of its output
 };
 
-/// What opens a program's --help.
+/// Opens a program's --help.
 struct ProgramText {
   std::string name;      ///< "planar-locate-lamps"
-  std::string sentence;  ///< what it does, one sentence
+  std::string sentence;  ///< says in one sentence what it does
   std::string synopsis;  ///< the call, without "Usage:"
   std::string sample;    ///< a sample of its output
   std::vector<CommandText> commands{};
 };
 
+/// Says how a program's work ended.
 struct Outcome {
   nlohmann::json figures;  ///< every printed figure, for --json
-  bool success{true};      ///< false: the work was done but failed (exit status 1)
+  bool success{true};      ///< false when the work was done but failed (exit status 1)
 };
 
-/// The first Ctrl-C or SIGTERM from now on only asks the program to stop, which ends its input as
-/// well; a second one ends it as usual.
+/// Makes the next Ctrl-C or SIGTERM only ask the program to stop, and ends its input as well. A
+/// second one ends the program as usual.
 void heed_interrupts();
+/// Returns true once the program was asked to stop.
 bool interrupted();
 
 /// Parses the options (those of `add_options` besides --help, --version, --json, -q and -v), does
-/// the work and returns the exit status: 0 done; 1 the work failed; 2 wrong usage or input. The
-/// only place that catches. Results are printed to stdout by `work`, messages go to stderr.
+/// the work and returns the exit status: 0 when it is done, 1 when the work failed, 2 for wrong
+/// usage or input. This is the only place that catches exceptions. `work` prints its results to
+/// stdout; messages go to stderr.
 int run_program(const ProgramText& text, int argc, char** argv,
                 const std::function<void(CLI::App&)>& add_options,
                 const std::function<Outcome()>& work);
 
-/// The same for a program that keeps its options in a struct.
+/// Runs a program that keeps its options in a struct.
 template <typename Options>
 int run_program(const ProgramText& text, int argc, char** argv,
                 void (*add_options)(CLI::App&, Options&), Outcome (*work)(const Options&)) {

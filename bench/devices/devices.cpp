@@ -1,5 +1,6 @@
-// What a served camera and the loop's own part cost: frames a second and CPU by frame size, the
-// rate of the free-running loop with a following region, and the time from a frame to a joint step.
+// Measures what a served camera and the loop's own part cost: frames per second and CPU by frame
+// size, the rate of the free-running loop whose region follows the lamps, and the time from a frame
+// to a joint step.
 
 #include <fmt/format.h>
 #include <sys/resource.h>
@@ -15,13 +16,12 @@
 #include "planar_servo/cameras/aravis/aravis_camera.h"
 #include "planar_servo/core/clock.h"
 #include "planar_servo/core/statistics.h"
+#include "planar_servo/files/vision_files.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/machine/device_kinds.h"
-#include "planar_servo/offline/record/motion_plan.h"
 #include "planar_servo/served_cell/serve_cell.h"
 #include "planar_servo/servo/control_law.h"
 #include "planar_servo/vision/lamp_tip_sensor.h"
-#include "planar_servo/vision/regions.h"
 
 namespace planar {
 namespace {
@@ -40,7 +40,7 @@ double cpu_s() {
   return seconds(usage.ru_utime) + seconds(usage.ru_stime);
 }
 
-/// A process of its own that serves a cell, so that its CPU time is not ours.
+/// Serves a cell in a process of its own, so that its CPU time is not counted as ours.
 class Server {
  public:
   explicit Server(const CellSettings& cell) : child_(fork()) {
@@ -99,7 +99,7 @@ nlohmann::json throughput(const CellSettings& cell, int side_px, double asked_hz
           {"incomplete", after.incomplete - before.incomplete}};
 }
 
-/// A camera whose one frame is there at once.
+/// A camera that delivers one and the same frame at once.
 class Replay final : public FrameSource {
  public:
   Replay(const Frame& frame, const cv::Size& sensor_px) : frame_(frame), sensor_px_(sensor_px) {}
@@ -122,8 +122,8 @@ double thread_cpu_s() {
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-/// Lamps, workplane, error map and joint step of one frame, milliseconds of CPU: what others do on
-/// the machine does not count.
+/// Returns the time for lamps, workplane, error map and joint step of one frame, in milliseconds of
+/// CPU, so that what others do on the machine does not count.
 std::vector<double> own_part_ms(const CellSettings& cell, const Frame& frame) {
   Replay replay(frame, {cell.camera.width_px, cell.camera.height_px});
   LampTipSensor sensor(read_vision(cell, true), cell.lamps.method, replay,
@@ -140,7 +140,8 @@ std::vector<double> own_part_ms(const CellSettings& cell, const Frame& frame) {
   return times_ms;
 }
 
-/// Measurement after measurement, each of so many frames: lamps; workplane, error map, joint step.
+/// Makes measurement after measurement, each of `frames` frames, with the joint step that follows,
+/// and returns the rate reached.
 nlohmann::json loop_rate(const CellSettings& cell, double asked_hz, int frames) {
   const Server server(cell);
   AravisCamera camera(settings_of(cell, asked_hz));

@@ -1,7 +1,8 @@
 // umockdev-wrapper build/release/bin/bench_drives [--repeats N]
-// Breaks one of three emulated Tics during a move and measures on the emulated axes when what stood
-// still. Times in ms: detected after the fault; the other two at rest after detection; the broken
-// one at rest after the fault; targets sent after detection.
+// Breaks one of three emulated Tics during a move and measures on the emulated axes when each stood
+// still. The columns are the time from the fault to its detection, from detection until the other
+// two rested, and from the fault until the broken one rested (ms), and the number of targets sent
+// after detection.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -24,7 +25,7 @@ using test::UsbFault;
 constexpr double kCommandTimeout_s = 0.25;
 constexpr double kPulsesPerRad = 2000.0;
 
-/// Notes when a status first tells of a fault.
+/// Passes everything on to the drives and notes when a status first tells of a fault.
 class WatchedDrives final : public DriveGroup {
  public:
   WatchedDrives(DriveGroup& drives, Clock& clock) : drives_(drives), clock_(clock) {}

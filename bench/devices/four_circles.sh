@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# The paper's four circles over GigE Vision and USB3 Vision with Pololu Tics, emulated below the real
-# libraries, beside the same run in process: bench/devices/four_circles.sh BIN_DIR [OUT]. Takes ten
+# bench/devices/four_circles.sh BIN_DIR [OUT]
+# Closes the loop over the paper's four circles with a GigE Vision and a USB3 Vision camera and with
+# Pololu Tics, all emulated below the real libraries, and with the same cell in process. It takes ten
 # minutes; FAST=N takes every N-th of the 100 targets.
 source "$(dirname "$0")/../../tests/programs/common.sh"
 source "$repository/tests/programs/live_cell.sh"
@@ -11,7 +12,7 @@ mkdir cell && cp "$repository"/calib/paper/*.yaml cell/
 "$bin/planar-experiment" -q --cell cell/cell.yaml --out in_process >in_process.txt
 cp in_process/ours/*.yaml cell/
 for camera in gige usb; do live_cell cell/cell.yaml $camera >cell/$camera.yaml; done
-# The lens goes on drifting: the live runs begin when the run in process did.
+# The lens drifts on, so the live runs begin at the time at which the run in process began.
 age=$(awk -F, '/^#/ { next } !n { for (i = 1; i <= NF; i++) column[$i] = i; n = 1; next }
                { print $column["t_s"]; exit }' in_process/ours/run/steps.csv)
 grep -v '^#' in_process/ours/run/results.csv | cut -d, -f1-3 | sed '1s/target/id/' |

@@ -1,5 +1,5 @@
 // umockdev-wrapper build/release/bin/host_tics N PROGRAM [ARGUMENT ...]
-// Runs any program of others with N emulated Tics (serial numbers 00400001, ...) on its USB bus.
+// Runs any program with N emulated Tics (serial numbers 00400001, ...) on its USB bus.
 #include <sys/wait.h>
 #include <unistd.h>
 

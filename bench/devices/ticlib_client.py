@@ -1,6 +1,6 @@
 """umockdev-wrapper build/release/bin/host_tics 1 bench/.venv/bin/python bench/devices/ticlib_client.py
 
-Somebody else's driver (ticlib, from PyPI) moves an emulated Tic, which shows that the emulation
+Moves an emulated Tic by somebody else's driver (ticlib, from PyPI). This shows that the emulation
 speaks the Tic's protocol and not only that of our own driver.
 """
 

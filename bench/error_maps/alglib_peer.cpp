@@ -11,10 +11,11 @@ namespace planar::bench {
 namespace {
 
 constexpr int kFolds = 5;
-constexpr std::array<double, 3> kWidths{0.5, 1.5, 4.5};  // decimetres; 200 pairs are 0.6 apart
+// Decimetres; the mean spacing of 200 pairs is 0.6.
+constexpr std::array<double, 3> kWidths{0.5, 1.5, 4.5};
 constexpr std::array<double, 5> kSmoothings{1e-6, 1e-5, 1e-4, 1e-3, 1e-2};
 
-// Positions go in as decimetres and errors as millimetres, to be of order 1.
+// Positions are given in decimetres and errors in millimetres, so that both are of order 1.
 constexpr double kPositionUnit = 0.1;
 
 struct Setting {

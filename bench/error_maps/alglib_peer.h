@@ -7,12 +7,15 @@
 
 namespace planar::bench {
 
-/// ALGLIB's multiquadric on a linear tail, width and smoothing by five-fold cross-validation.
+/// ALGLIB's multiquadric on a linear tail. Five-fold cross-validation chooses its width and
+/// smoothing.
 class AlglibMap {
  public:
+  /// Fits the map.
   explicit AlglibMap(const std::vector<ErrorSample>& samples);
   ~AlglibMap();
 
+  /// Predicts the error at a position, both in metres.
   Eigen::Vector2d predict(const Eigen::Vector2d& p);
 
  private:

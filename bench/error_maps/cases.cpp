@@ -32,7 +32,7 @@ test::ErrorField field_named(const std::string& name) {
   throw std::invalid_argument("no field " + name);
 }
 
-/// The coarsest square grid with at least `count` positions on the disc.
+/// Returns the coarsest square grid with at least `count` positions on the disc.
 std::vector<Eigen::Vector2d> grid_positions(int count) {
   for (double step = 0.090;; step -= 0.25 * kMillimetre) {
     const double first = -test::kFieldRadius - 0.5 * std::fmod(test::kFieldRadius, step);

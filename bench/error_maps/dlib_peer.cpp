@@ -12,7 +12,7 @@
 namespace planar::bench {
 namespace {
 
-// Positions go in as decimetres and errors as millimetres, to be of order 1.
+// Positions are given in decimetres and errors in millimetres, so that both are of order 1.
 constexpr double kPositionUnit = 0.1;
 
 constexpr std::array<double, 8> kWidths{0.5, 0.75, 1.1, 1.7, 2.5, 3.8, 5.7, 8.5};
@@ -31,7 +31,8 @@ Eigen::RowVector3d plane_terms(const Eigen::Vector2d& p) {
   return {1.0, p.x() / kPositionUnit, p.y() / kPositionUnit};
 }
 
-/// With the width of the least leave-one-out error; the trainer chooses the ridge of each width.
+/// Fits with the width of the least leave-one-out error. The trainer chooses the ridge of each
+/// width.
 Regression tuned(const std::vector<Position>& positions, const std::vector<double>& values) {
   Regression best;
   double least = std::numeric_limits<double>::infinity();

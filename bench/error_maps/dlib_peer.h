@@ -7,13 +7,15 @@
 
 namespace planar::bench {
 
-/// dlib's kernel ridge regression of either axis on a Gaussian and a plane fitted before; ridge and
-/// width by dlib's leave-one-out error.
+/// dlib's kernel ridge regression of each axis with a Gaussian, on a plane fitted before. dlib's
+/// leave-one-out error chooses ridge and width.
 class DlibMap {
  public:
+  /// Fits the map.
   explicit DlibMap(const std::vector<ErrorSample>& samples);
   ~DlibMap();
 
+  /// Predicts the error at a position, both in metres.
   Eigen::Vector2d predict(const Eigen::Vector2d& p) const;
 
  private:

@@ -32,10 +32,10 @@ double peak_mb() {
   return static_cast<double>(usage.ru_maxrss) / 1024.0;
 }
 
-/// What is worked out at a position; the sum of all keeps it from being left out.
+/// The work at one position. Its results are added up, so that the compiler cannot leave it out.
 using Work = std::function<double(const Eigen::Vector2d&)>;
 
-/// Seconds per position, the median of rounds in which all take turns.
+/// Returns the seconds per position of each work: the median of rounds in which all take turns.
 std::map<std::string, double> seconds_each(const std::map<std::string, Work>& works,
                                            const std::vector<ErrorSample>& at) {
   std::map<std::string, std::vector<double>> rounds;
@@ -92,7 +92,7 @@ double error_over_noise(const ErrorMap& map, const std::vector<ErrorSample>& tru
   return std::sqrt(sum / (2.0 * static_cast<double>(truth.size()))) / test::kFieldNoise;
 }
 
-/// Sizes in ascending order, as the peak of memory only grows.
+/// Fits maps of these sizes, which must ascend because the peak of memory only grows.
 nlohmann::json fit_sizes(const std::vector<int>& sizes) {
   fmt::print("\n{:>8} {:>6} {:>8} {:>10} {:>12}\n", "pairs", "field", "fit s", "E/sigma",
              "peak MB");
@@ -127,7 +127,7 @@ int main(int argc, char** argv) {
   app.add_option("--sizes", sizes, "pairs, ascending")->delimiter(',');
   app.add_option("--json", json, "file for all figures");
   CLI11_PARSE(app, argc, argv);
-  // Sizes first: the predictions' maps would count in the peak of memory.
+  // The sizes go first because the predictions' maps would count in the peak of memory.
   const nlohmann::json fits = planar::bench::fit_sizes(sizes);
   const nlohmann::json figures{{"fits", fits}, {"prediction_s", planar::bench::time_predictions()}};
   if (!json.empty()) std::ofstream(json) << figures.dump(2) << '\n';

@@ -44,7 +44,7 @@ double now_s() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-/// `fit` makes a function from position to predicted error.
+/// Times and judges a method. `fit` returns a function from position to predicted error.
 template <typename Fit>
 Score score(const std::vector<ErrorSample>& truth, Fit&& fit) {
   const double begin = now_s();
@@ -57,7 +57,8 @@ Score score(const std::vector<ErrorSample>& truth, Fit&& fit) {
   return {std::sqrt(sum / (2.0 * n)) / test::kFieldNoise, fitted - begin, (predicted - fitted) / n};
 }
 
-/// NaN where the equations cannot be solved: a hand width without a ridge, on close points.
+/// Scores one of our maps. NaN where the equations cannot be solved, as with a hand width without a
+/// ridge on close points.
 Score score_ours(const MapProblem& problem, const std::vector<ErrorSample>& truth) {
   try {
     return score(truth, [&] {
@@ -79,7 +80,7 @@ Score score_peer(const std::vector<ErrorSample>& samples, const std::vector<Erro
   });
 }
 
-/// Share of the noise-free errors within the stated 95 % intervals, axis by axis.
+/// Returns the share of the noise-free errors within the stated 95 % intervals, axis by axis.
 double coverage(const ErrorMap& map, const std::vector<ErrorSample>& truth) {
   Eigen::Index covered = 0;
   for (const ErrorSample& at : truth) {
@@ -93,8 +94,8 @@ double coverage(const ErrorMap& map, const std::vector<ErrorSample>& truth) {
 struct CaseResult {
   Case c;
   Scores scores;
-  double coverage{0.0};  ///< of the automatic choice, mean over draws
-  double rejected{0.0};  ///< by it, pairs, mean over draws
+  double coverage{0.0};  ///< mean over draws of the automatic choice's coverage
+  double rejected{0.0};  ///< mean over draws of the number of pairs that it rejected
 };
 
 CaseResult run(const Case& c, int draws, std::uint32_t first_seed) {
@@ -168,7 +169,7 @@ nlohmann::json figures(const CaseResult& result) {
           {"rejected", result.rejected}, {"methods", std::move(methods)}};
 }
 
-/// Medians over every case, as ratios to those of the automatic choice.
+/// Prints medians over every case, and their ratios to those of the automatic choice.
 void print_times(const std::vector<CaseResult>& results) {
   std::map<std::string, std::vector<double>> fit;
   std::map<std::string, std::vector<double>> predict;

@@ -2,11 +2,12 @@
 
 namespace planar::bench {
 
-/// What one method did with one draw.
+/// Says what one method did with one draw.
 struct Score {
-  double error_over_noise{0.0};  ///< rms per axis against the noise-free field, over the noise
-  double fit_s{0.0};             ///< with the choice of its parameters
-  double predict_s{0.0};         ///< one position at a time
+  /// The rms error per axis against the noise-free field, divided by the noise.
+  double error_over_noise{0.0};
+  double fit_s{0.0};      ///< includes the choice of its parameters
+  double predict_s{0.0};  ///< per position, one position at a time
 };
 
 }  // namespace planar::bench

@@ -1,12 +1,12 @@
 """bench/.venv/bin/python bench/error_maps/real_pairs.py BIN DATA [JSON]
 
-Error maps of measured pairs.
+Compares error maps of measured pairs.
 
-BIN holds planar-fit-error-map, DATA the folders plane_error_maps and tracker_pairs. From the grid of
-plane_grid_run1 200 pairs are drawn twenty times (seeds 1 to 20); a map of them and SciPy's
-interpolators, tuned by five-fold cross-validation, predict the rest, and run 2; 'of any kernel' is
-tuned over the kernels, too. Rows that differ by more than 0.2 mm from the median of their eight
-neighbours are named and not judged on.
+BIN holds planar-fit-error-map. DATA holds the folders plane_error_maps and tracker_pairs. From the
+grid of plane_grid_run1, 200 pairs are drawn twenty times (seeds 1 to 20). A map of them and SciPy's
+interpolators, tuned by five-fold cross-validation, predict the rest of that run, and run 2. 'of any
+kernel' is tuned over the kernels, too. Rows that differ by more than 0.2 mm from the median of their
+eight neighbours are named and not judged on.
 """
 import json
 import pathlib
@@ -55,7 +55,7 @@ def rms(misses):
 
 
 def judge(binaries, folder, train, rests):
-    """rms in mm of ours and SciPy's on each of `rests`."""
+    """Returns the rms (mm) of our map and of SciPy's on each of `rests`."""
     write(folder / 'train.csv', *train)
     fitted = run_program(binaries / 'planar-fit-error-map',
                          ['-o', folder / 'map.yaml', folder / 'train.csv'])

@@ -13,8 +13,8 @@ namespace planar::bench {
 /// Throws WorkError when the interpreter of bench/.venv cannot run scipy_peer.py.
 void require_scipy();
 
-/// The scores of SciPy's RBFInterpolator by method, one per draw, by way of scipy_peer.py and files
-/// in `folder`. Throws WorkError when the script fails.
+/// Returns the scores of SciPy's RBFInterpolator by method, one per draw. It runs scipy_peer.py,
+/// with which it exchanges files in `folder`. Throws WorkError when the script fails.
 std::map<std::string, std::vector<Score>> run_scipy(
     const std::vector<std::vector<ErrorSample>>& draws, const std::vector<ErrorSample>& truth,
     const std::filesystem::path& folder);

@@ -1,6 +1,6 @@
 """bench/.venv/bin/python bench/error_maps/scipy_peer.py FOLDER
 
-SciPy's RBFInterpolator on the draws of one case.
+Judges SciPy's RBFInterpolator on the draws of one case.
 
 FOLDER holds truth.csv and draw_*.csv of x, y, Ex, Ey in millimetres. Width and smoothing are chosen
 by five-fold cross-validation. Prints one JSON object: kernel -> list of {error_mm, fit_s, predict_s}

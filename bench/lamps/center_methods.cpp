@@ -9,9 +9,10 @@
 namespace planar::bench {
 namespace {
 
-constexpr int kThreshold = 42;  // between the background and the dimmest lamp of the bench
+constexpr int kThreshold = 42;  // lies between the background and the dimmest lamp of the bench
 
-/// Ours get the lamp's box to the whole pixel, as from detection or from the last frame.
+/// Makes a method of ours, which gets the lamp's box to the whole pixel as it would from detection
+/// or from the last frame.
 CenterMethodUnderTest planar_method(const std::string& name, CenterMethod method) {
   auto box = std::make_shared<cv::Rect>();
   return {name, [box](const cv::Mat& window) { *box = lamp_of(window).box_px; },

@@ -15,10 +15,10 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using Methods = std::vector<CenterMethodUnderTest>;
 
-constexpr std::size_t kOurs = 0, kTimeUnit = 1;  // of center_methods()
-constexpr int kBoundedLamps = 24;                // of which the bounds are the mean
+constexpr std::size_t kOurs = 0, kTimeUnit = 1;  // indices in center_methods()
+constexpr int kBoundedLamps = 24;  // number of lamps over which the bounds are averaged
 
-/// Squared errors per axis, and how far they are from what the method said of them.
+/// Adds up squared errors per axis, and how far they are from what the method said of them.
 struct Tally {
   double squares{0.0}, standardised{0.0};
   std::vector<double> errors, times;
@@ -38,7 +38,7 @@ struct Tally {
   double pull() const { return std::sqrt(standardised / stated); }
 };
 
-/// Of clean lamps; zero for the others.
+/// Holds the bounds of clean lamps; they are zero for other lamps.
 struct Bounds {
   double of_seven_px{0.0}, of_model_px{0.0};
 };
@@ -53,7 +53,7 @@ void measure_all(const Methods& methods, const cv::Mat& image, const Eigen::Vect
                  std::vector<Tally>& tallies) {
   for (std::size_t m = 0; m < methods.size(); ++m) {
     methods[m].reset(image);
-    methods[m].measure(image);  // as in a running loop: its code and the window are at hand
+    methods[m].measure(image);  // warms up code and window, as in a running loop
     const auto begin = Clock::now();
     const std::optional<Measured> measured = methods[m].measure(image);
     tallies[m].times.push_back(std::chrono::duration<double>(Clock::now() - begin).count());

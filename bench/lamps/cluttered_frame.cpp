@@ -11,9 +11,9 @@ namespace {
 constexpr int kSide_px = 5120;
 constexpr double kDark = 12.0;
 constexpr int kSpeckShapes = 512;
-constexpr double kThirdLightOff = 0.1;  // share by which its distance is wrong at least
+constexpr double kThirdLightOff = 0.1;  // least share by which the third light's distance is wrong
 
-/// The whole frame by OpenCV's generator: 26 million values are too many for expose().
+/// Makes the dark frame by OpenCV's generator: 26 million values are too many for expose().
 cv::Mat dark_frame(unsigned seed) {
   const test::Sensor sensor;
   const double sigma =
@@ -25,7 +25,7 @@ cv::Mat dark_frame(unsigned seed) {
   return frame;
 }
 
-/// The light of a lamp alone, and the corner of its box.
+/// Returns the light of a lamp alone, and the corner of its box.
 std::pair<cv::Mat, cv::Point> light_of(test::RenderedLamp lamp) {
   const int half = static_cast<int>(0.5 * lamp.diameter_px + 5.0 * lamp.blur_px) + 2;
   const cv::Point corner(static_cast<int>(lamp.center_px.x()) - half,
@@ -69,7 +69,7 @@ void ClutteredFrame::restore() {
   touched_.clear();
 }
 
-/// Light with its own shot noise on top of what is there.
+/// Adds light with its own shot noise to what is there.
 void ClutteredFrame::add(const cv::Mat& light, const cv::Point& corner) {
   const cv::Rect place(corner, light.size());
   const cv::Rect visible = place & cv::Rect({0, 0}, image_.size());
@@ -94,7 +94,7 @@ void ClutteredFrame::add_specks(int count) {
   }
 }
 
-/// A line of light, up to 5 px wide and 600 px long.
+/// Adds a line of light, up to 5 px wide and 600 px long.
 void ClutteredFrame::add_streak() {
   const int side = static_cast<int>(uniform(200.0, 600.0));
   cv::Mat light = test::background({side, side}, 0.0);
@@ -105,7 +105,7 @@ void ClutteredFrame::add_streak() {
   add(light, {static_cast<int>(place.x()), static_cast<int>(place.y())});
 }
 
-/// A long, soft patch of dim light.
+/// Adds a long, soft patch of dim light.
 void ClutteredFrame::add_reflection() {
   test::RenderedLamp patch{draw_place(300.0)};
   patch.diameter_px = uniform(80.0, 250.0);

@@ -11,12 +11,12 @@
 
 namespace planar::bench {
 
-/// What full frames of one kind show beside two lamps.
+/// Says what full frames of one kind show beside two lamps.
 struct FrameKind {
   std::string name;
-  int specks{0};             ///< bright discs of 1 to 6 px
+  int specks{0};             ///< number of bright discs of 1 to 6 px
   bool other_lights{false};  ///< streaks, dim reflections and a third lamp
-  bool any_lamp{false};      ///< lamps of 12 to 120 px, 40 to 400 levels, else of 40 px and 180
+  bool any_lamp{false};      ///< lamps of 12 to 120 px and 40 to 400 levels, else of 40 px and 180
 };
 
 /// A full frame of 5120 x 5120 pixels that is drawn anew again and again.
@@ -24,13 +24,14 @@ class ClutteredFrame {
  public:
   explicit ClutteredFrame(unsigned seed);
 
-  /// Two equal lamps somewhere in the frame, and the clutter. The third lamp stands at another
-  /// distance from both.
+  /// Draws two equal lamps somewhere in the frame, and the clutter. The third lamp stands at
+  /// another distance from both.
   void draw(const FrameKind& kind);
 
   const cv::Mat& image() const { return image_; }
   const std::array<test::RenderedLamp, 2>& lamps() const { return lamps_; }
   const std::optional<test::RenderedLamp>& third_lamp() const { return third_lamp_; }
+  /// Returns the distance between the two lamps.
   double separation_px() const;
 
  private:

@@ -7,12 +7,13 @@
 namespace planar::bench {
 namespace {
 
-constexpr double kStep = 0.02;  // pixels or grey levels, of the central differences
+constexpr double kStep = 0.02;  // step of the central differences, in pixels or grey levels
 constexpr double kRounding = 1.0 / 12.0, kClipped = 255.0;
 const cv::Size kWindow(128, 128);
 
-// Changes of the centre (2); of the axes (a symmetric deformation: along u, along v, oblique, each
-// in pixels of the radius); of the background; of the amplitude; of the blur.
+// The unknowns are changes of the centre (2), of the axes (a symmetric deformation: along u, along
+// v and oblique, each in pixels of the radius), of the background and of the amplitude. The change
+// of the blur follows them.
 constexpr int kUnknowns = 7;
 using Change = Eigen::Matrix<double, kUnknowns + 1, 1>;
 
@@ -53,7 +54,8 @@ std::vector<cv::Mat> slopes(const test::RenderedLamp& lamp, double background, i
   return result;
 }
 
-/// By what the harmonics of both levels change a pixel of which the lamp covers the share `cover`.
+/// Appends by how much the harmonics of both levels change a pixel of which the lamp covers the
+/// share `cover`.
 void append_harmonics(const FurtherUnknowns& further, double cover, double angle,
                       std::vector<double>& slope) {
   for (int k = 1; k <= further.inside_harmonics; ++k) {

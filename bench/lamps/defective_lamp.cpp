@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kRimEntries = 4096;
 
-/// The scene before the blur, at a point.
+/// The scene before the blur. It tells the level at a point.
 class Scene {
  public:
   explicit Scene(const DefectiveLamp& lamp)
@@ -41,7 +41,8 @@ class Scene {
   double level(const Eigen::Vector2d& p) const { return inside(p) ? lit(p) : dark(p); }
 
  private:
-  /// In the frame of the axes, over the radius; the harmonics and the cut are those of this frame.
+  /// Returns the point in the frame of the axes, divided by the radius. Harmonics and cut are given
+  /// in this frame.
   Eigen::Vector2d unit(const Eigen::Vector2d& p) const {
     Eigen::Vector2d d = to_axes_ * (p - lamp_.center_px) / (0.5 * lamp_.diameter_px);
     d.y() /= lamp_.axis_ratio;
@@ -80,8 +81,8 @@ class Scene {
   std::vector<double> outline_;
 };
 
-// The optics blur the light before the pixels collect it: the scene is made of cells finer than a
-// pixel, blurred, and only then summed into pixels.
+// The optics blur the light before the pixels collect it. The scene is therefore made of cells
+// finer than a pixel, blurred, and only then summed into pixels.
 constexpr int kCellsPerPixel = 3;
 constexpr double kCell_px = 1.0 / kCellsPerPixel;
 
@@ -95,7 +96,8 @@ bool is_crossed(const Scene& scene, const Eigen::Vector2d& cell) {
   return false;
 }
 
-/// Over the points of a Fibonacci lattice, which has no lines for an edge to follow.
+/// Returns the mean level of a cell over the points of a Fibonacci lattice, which has no lines for
+/// an edge to follow.
 double mean_level(const Scene& scene, const Eigen::Vector2d& cell) {
   constexpr int kPoints = 144, kStep = 89;
   double sum = 0.0;

@@ -13,7 +13,7 @@
 namespace planar::bench {
 namespace {
 
-constexpr int kSlow = 25;  // frames for one that a slow method looks at
+constexpr int kSlow = 25;  // a slow method looks at one of so many frames
 
 Blob blob_at(const Eigen::Vector2d& uv_px, double area_px2) {
   Blob blob;
@@ -35,7 +35,7 @@ DetectionMethodUnderTest ours() {
 }
 
 std::vector<Blob> vp_dot2(const cv::Mat& frame, double told_px) {
-  // The frame's own pixels: vpImage wants them not const, and does not change them.
+  // This uses the frame's own pixels: vpImage wants them not const, but does not change them.
   const vpImage<unsigned char> image(const_cast<unsigned char*>(frame.ptr()),
                                      static_cast<unsigned>(frame.rows),
                                      static_cast<unsigned>(frame.cols), false);

@@ -9,16 +9,16 @@
 
 namespace planar::bench {
 
-/// A way to find lamps in a full frame: their places and areas. `told_px` is the diameter of the
-/// lamps, for those that must be told it.
+/// A way to find lamps in a full frame. It returns their places and areas. `told_px` is the
+/// diameter of the lamps, for methods that must be told it.
 struct DetectionMethodUnderTest {
   std::string name;
-  /// On every n-th frame only, for the slow ones.
+  /// The method looks at every n-th frame only, where n is above 1 for slow methods.
   int every{1};
   std::function<std::vector<Blob>(const cv::Mat& frame, double told_px)> detect;
 };
 
-/// The full read, which finds nothing, first; ours second.
+/// Returns all methods: first the full read, which finds nothing, then ours.
 std::vector<DetectionMethodUnderTest> detection_methods();
 
 }  // namespace planar::bench

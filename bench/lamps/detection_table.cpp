@@ -16,7 +16,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double kDistanceShare = 0.03;  // as for a calibrated plane
+constexpr double kDistanceShare = 0.03;  // the tolerance of a calibrated plane
 
 const std::vector<FrameKind>& frame_kinds() {
   static const std::vector<FrameKind> kinds = {{"dark", 0, false, false},
@@ -33,9 +33,9 @@ struct Tally {
   void add(const std::vector<Blob>& found, const ClutteredFrame& frame);
 };
 
-/// Missed: a lamp without a find within a quarter diameter. Other: finds that are none of the
-/// lamps, nor the third one. False: by the distance and the sizes of the lamps, another pair or no
-/// single one.
+/// Counts the finds in a frame. A lamp is missed when no find lies within a quarter diameter of it.
+/// Other finds are those that are neither a lamp nor the third light. A pair is false when the
+/// distance and the sizes of the lamps pick another pair or leave several.
 void Tally::add(const std::vector<Blob>& found, const ClutteredFrame& frame) {
   ++frames;
   const auto is_lamp = [&](const Blob& blob, const test::RenderedLamp& lamp) {

@@ -5,8 +5,8 @@
 
 namespace planar::bench {
 
-/// The brightest level of a continuous 8-bit frame by AVX2: every byte is read once and no more is
-/// done with it. Throws std::runtime_error on a machine without AVX2.
+/// Returns the brightest level of a continuous 8-bit frame by AVX2: it reads every byte once and
+/// does no more with it. Throws std::runtime_error on a machine without AVX2.
 std::uint8_t brightest(const cv::Mat& frame);
 
 /// Takes the frame out of the processor's caches.

@@ -11,10 +11,11 @@
 
 namespace planar::bench {
 
+/// Holds one drawn lamp.
 struct LampSample {
   cv::Mat scene;  ///< CV_32F, noise-free
   Eigen::Vector2d center_px;
-  std::optional<test::RenderedLamp> clean;  ///< the same lamp, when it has no defect
+  std::optional<test::RenderedLamp> clean;  ///< the same lamp when it has no defect
 };
 
 /// Lamps of one kind, drawn at random.
@@ -23,11 +24,11 @@ struct LampFamily {
   std::function<LampSample(std::mt19937&)> draw;
 };
 
-/// The size of every window, and the level round a lamp.
+/// The side of every window, and the level round a lamp.
 constexpr int kWindowSide_px = 128;
 constexpr double kBackground = 12.0;
 
-/// Clean lamps and the defects of doc/lamp_centers.md.
+/// Returns clean lamps and the defects of doc/lamp_centers.md.
 std::vector<LampFamily> lamp_families();
 
 }  // namespace planar::bench

@@ -1,6 +1,6 @@
-// Lamps measured by ours and by other people's methods, interleaved in one run: centres in a window
-// of 128 x 128 pixels beside the Cramer-Rao bound, and detection in full frames beside one read of
-// the frame.
+// Measures lamps by our methods and by other people's, in turn in one run: centres in a window of
+// 128 x 128 pixels beside the Cramer-Rao bound, and detection in full frames beside one read of the
+// frame.
 #include <CLI/CLI.hpp>
 #include <fstream>
 #include <iostream>

@@ -16,7 +16,7 @@ cv::Mat thresholded(const cv::Mat& window) {
   return bright;
 }
 
-/// Empty when there is none.
+/// Returns the longest contour, or an empty one when there is none.
 Contour longest_contour(const cv::Mat& binary) {
   std::vector<Contour> contours;
   cv::findContours(binary, contours, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_NONE);
@@ -56,7 +56,7 @@ std::optional<Measured> connected_components(const cv::Mat& window) {
                   std::nullopt};
 }
 
-/// The whole pixels of Canny's longest contour.
+/// Fits a circle to the whole pixels of Canny's longest contour.
 std::optional<Measured> blur_canny_kasa(const cv::Mat& window) {
   constexpr double kLow = 40.0, kHigh = 80.0;
   cv::Mat smooth, edges;
@@ -92,7 +92,7 @@ std::optional<Measured> simple_blob(const cv::Mat& window) {
   return Measured{{found[0].pt.x, found[0].pt.y}, std::nullopt};
 }
 
-/// Of what lies above twice the background.
+/// Takes the centroid of what lies above twice the background.
 std::optional<Measured> weighted_centroid(const cv::Mat& window) {
   constexpr int kDark = 12;
   double sum = 0.0;

@@ -11,7 +11,7 @@ namespace planar::bench {
 namespace {
 
 constexpr double kRadius_px = 20.0, kAmplitude = 180.0;
-constexpr int kSamples = 8;  // per pixel and axis
+constexpr int kSamples = 8;  // samples per pixel and axis
 
 using Point = Eigen::Vector2d;
 using Light = std::function<double(const Point&)>;
@@ -29,7 +29,7 @@ Point draw_center(std::mt19937& random) {
   return Point::Constant(0.5 * kWindowSide_px) + Point(u, uniform(random, -0.5, 0.5));
 }
 
-/// Mean of the light over every pixel, through a lens that blurs by 0.7 to 1 px.
+/// Takes the mean of the light over every pixel, through a lens that blurs by 0.7 to 1 px.
 LampSample expose_through_lens(const Point& center, const Light& light, std::mt19937& random) {
   cv::Mat fine(kWindowSide_px * kSamples, kWindowSide_px * kSamples, CV_32F);
   for (int row = 0; row < fine.rows; ++row) {
@@ -82,7 +82,7 @@ LampSample draw_reflection(std::mt19937& random) {
   const double share = uniform(random, 0.2, 0.5);
   const Point other =
       center + uniform(random, 0.9, 1.2) * kRadius_px * direction(uniform(random, 0.0, 2.0 * kPi));
-  const double amplitude = 160.0;  // both together stay under 255
+  const double amplitude = 160.0;  // lamp and reflection together stay under 255
   const auto light = [&](const Point& p) {
     return kBackground +
            amplitude * (disc(p, center, kRadius_px) + share * disc(p, other, radius_px));
@@ -90,7 +90,8 @@ LampSample draw_reflection(std::mt19937& random) {
   return expose_through_lens(center, light, random);
 }
 
-/// The share of the exposure in which the disc covers p: a chord in the direction of the move.
+/// Draws a moving disc. A point is lit for the share of the exposure in which the disc covers it: a
+/// chord in the direction of the move.
 LampSample draw_smeared(std::mt19937& random) {
   const Point center = draw_center(random);
   const Point along = direction(uniform(random, 0.0, 2.0 * kPi)), across(-along.y(), along.x());

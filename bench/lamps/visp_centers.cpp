@@ -15,7 +15,8 @@ struct Tracking {
   vpImage<unsigned char> image;
 };
 
-/// Told the levels, for they do not find those of an uneven lamp from their seed.
+/// Starts the tracking. The levels are told, as vpDot and vpDot2 do not find those of an uneven
+/// lamp from their seed.
 void start(vpDot2& dot, const vpImage<unsigned char>& image, const vpImagePoint& seed,
            unsigned least_level) {
   dot.setEllipsoidShapePrecision(0.0);
@@ -41,7 +42,7 @@ CenterMethodUnderTest tracking(const std::string& name) {
     try {
       start(state->dot, state->image, vpImagePoint(window.rows / 2, window.cols / 2),
             static_cast<unsigned>(0.5 * (blob.level + blob.background)));
-    } catch (const vpException&) {  // then track() has nothing to follow and says so
+    } catch (const vpException&) {  // track() then has nothing to follow and says so
     }
   };
   const auto measure = [state](const cv::Mat&) -> std::optional<Measured> {

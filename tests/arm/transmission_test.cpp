@@ -118,7 +118,7 @@ TEST_CASE("A broken limit is told in words, for every motor that breaks it") {
   CHECK_FALSE(relative.limit_violation({2.9, 2.9, 0.0}));
   CHECK_FALSE(relative.limit_violation({2.9, 5.6, 0.0}));  // the motor's angle counts: 2.7
   CHECK(*relative.limit_violation({0.0, 170 * kDegree, 0.0}) ==
-        "motor 2 would turn to 170.000 deg, its limits are [-160.428, 160.428]");
+        "motor 2 would turn to 170.000 deg; its limits are [-160.428, 160.428]");
   const std::string both = *relative.limit_violation({-3.1, -3.1, 7.0});
   CHECK_THAT(both, Catch::StartsWith("motor 1 would turn to -177.617 deg") &&
                        Catch::Contains("; motor 3 would turn to 401.070 deg"));

@@ -279,7 +279,7 @@ TEST_CASE("What a camera cannot do is said when it is opened") {
   CHECK_THROWS_WITH(AravisCamera(settings), Catch::Contains("does not fit into a period"));
   settings = settings_with(CameraTrigger::kSoftware);
   settings.address = "localhost";
-  CHECK_THROWS_WITH(AravisCamera(settings), Catch::Contains("is not one of IPv4"));
+  CHECK_THROWS_WITH(AravisCamera(settings), Catch::Contains("is not an IPv4 address"));
 }
 
 TEST_CASE("A region must lie on the sensor") {

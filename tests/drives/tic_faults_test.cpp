@@ -75,7 +75,8 @@ struct RobotBench : TicBench {
   void check_recovery() {
     robot.recover(kPatience_s);
     CHECK(nothing_turns());
-    if (!robot.unhomed().empty()) CHECK_THROWS_WITH(robot.move_to(kNear), Contains("home the arm"));
+    if (!robot.unhomed().empty())
+      CHECK_THROWS_WITH(robot.move_to(kNear), Contains("home it first"));
     CHECK(nothing_turns());
     for (const int joint : robot.unhomed()) robot.search_home(joint);
     robot.move_to(kNear);

@@ -190,7 +190,7 @@ TEST_CASE("What cannot be fitted is refused by a message") {
   samples[5].error.x() = std::numeric_limits<double>::quiet_NaN();
   CHECK_THROWS_WITH(fit_error_map({samples}), Contains("pair 5: "));
   CHECK_THROWS_WITH(fit_error_map({{samples.begin(), samples.begin() + 2}}),
-                    Contains("2 pairs at 2 distinct positions"));
+                    Contains("2 pairs have 2 distinct positions"));
 }
 
 std::vector<ErrorSample> read_samples(const std::filesystem::path& path) {

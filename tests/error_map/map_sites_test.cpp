@@ -46,7 +46,7 @@ TEST_CASE("Fewer than three distinct positions are refused with their number") {
   samples[2].p_vision = samples[1].p_vision;
   CHECK_THROWS_AS(merge_samples(samples), InputError);
   CHECK_THROWS_WITH(merge_samples(samples),
-                    Contains("3 pairs at 2 distinct positions") && Contains("at least 3"));
+                    Contains("3 pairs have 2 distinct positions") && Contains("at least 3"));
   CHECK_THROWS_WITH(merge_samples({}), Contains("0 pairs"));
 }
 

@@ -48,7 +48,7 @@ TEST_CASE("A camera calibrated for images of another size is refused by whoever 
   CellSettings cell = cell_in(folder);
   cell.camera.width_px = 641;
   const auto message = Contains(
-      "camera.yaml: is of a camera with 640 x 480 px; the cell's has "
+      "camera.yaml: was made for a camera with 640 x 480 px, but the cell's has "
       "641 x 480 px");
   CHECK_THROWS_WITH(read_cell_camera(cell), message);
   CHECK_THROWS_WITH(read_vision(cell, false), message);

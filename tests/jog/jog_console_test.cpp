@@ -134,8 +134,8 @@ TEST_CASE("A typo, a wrong unit or a missing number moves nothing and says what 
   Bench bench;
   bench.bend();
   CHECK_THAT(bench.refused("jiont 2 5"), Contains("no command 'jiont'"));
-  CHECK_THAT(bench.refused("joint 2"), Contains("needed is joint JOINT DEG"));
-  CHECK_THAT(bench.refused("joint 2 5 deg"), Contains("needed is joint JOINT DEG"));
+  CHECK_THAT(bench.refused("joint 2"), Contains("help says 'joint JOINT DEG"));
+  CHECK_THAT(bench.refused("joint 2 5 deg"), Contains("help says 'joint JOINT DEG"));
   CHECK_THAT(bench.refused("joint 4 5"), Contains("allowed are 1, 2, 3"));
   CHECK_THAT(bench.refused("joint 0x1 5"), Contains("allowed are 1, 2, 3"));
   CHECK_THAT(bench.refused("joint 2 5deg"), Contains("'5deg'; a finite number is needed"));
@@ -253,7 +253,7 @@ TEST_CASE("A table is gone on with only when its ids are known and its last line
   CHECK_THROWS_WITH(TaughtTargets(folder.write("u.csv", "id,x_mm,y_mm\na,1,2\n")),
                     Contains("u.csv:1") && Contains("id,x_mm,y_mm,phi_deg"));
   CHECK_THROWS_WITH(TaughtTargets(folder.write("v.csv", "id,x_mm,y_mm,phi_deg\na,1,2,0")),
-                    Contains("its last line has no end"));
+                    Contains("the last line does not end with a newline"));
   CHECK_THROWS_WITH(TaughtTargets(folder.write("w.csv", "id,x_mm,y_mm,phi_deg\na,one,2,0\n")),
                     Contains("w.csv:2: x_mm is 'one'"));
 }

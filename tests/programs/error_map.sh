@@ -46,9 +46,9 @@ fitted collinear "pairs used +200"
 head -n 3 rows.csv | table three
 fitted three "pairs used +3" "NOT significant: do not use this map"
 head -n 2 rows.csv | table two
-refused two "2 pairs at 2 distinct positions; a map needs at least 3"
+refused two "2 pairs have 2 distinct positions; a map needs at least 3"
 awk -F, -v OFS=, '{ $2 = 100; $3 = 100; $4 = 100.1; $5 = 99.9; print }' rows.csv | table one_place
-refused one_place "at 1 distinct positions; a map needs at least 3"
+refused one_place "have 1 distinct positions; a map needs at least 3"
 
 sed '3s/,[^,]*/,nan/; 5s/[^,]*$/inf/; 7s/[^,]*$//; 8s/,[^,]*$//' rows.csv | table not_numbers
 refused not_numbers "not_numbers.csv:4: x_vision_mm is 'nan'; a finite number is needed"

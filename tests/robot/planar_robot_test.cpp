@@ -77,7 +77,7 @@ TEST_CASE("Nothing moves while a drive is off, faulty or lost") {
   CHECK(faulty.nothing_was_sent());
   ReadyBench lost;
   lost.drives[1].knows_position = false;
-  CHECK_THROWS_WITH(lost.robot.move_to(kSomewhere), "drive 2 has lost its position; home the arm");
+  CHECK_THROWS_WITH(lost.robot.move_to(kSomewhere), "drive 2 has lost its position; home it first");
   CHECK(lost.nothing_was_sent());
 }
 

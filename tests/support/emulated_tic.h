@@ -12,47 +12,53 @@
 
 namespace planar::test {
 
-/// A Pololu Tic 36v4 as it shows itself over USB, with a motor that turns in the time of a clock:
-/// the operation states, safe start, command timeout, limit switches and homing of the Tic user's
-/// guide (5.4 to 5.6, 7, 8, 11). Written from that guide; the driver's protocol code is not used.
-/// Not known from the guide and assumed: that a limit switch which stops the motor makes its
-/// position uncertain; the time of 20 ms to start up.
+/// A Pololu Tic 36v4 as it shows itself over USB, with a motor that turns in the time of a clock.
+/// It has the operation states, safe start, command timeout, limit switches and homing of the Tic
+/// user's guide (5.4 to 5.6, 7, 8, 11). It was written from that guide; the driver's protocol code
+/// is not used. Two things are not known from the guide and are assumed: a limit switch that stops
+/// the motor makes its position uncertain, and starting up takes 20 ms.
 ///
-/// The shaft is what really turned. The position that the Tic counts parts from it when it is told
-/// another one or loses its power. Safe to use from any thread.
+/// The shaft is what really turned. The position that the Tic counts differs from it after the Tic
+/// was told another position or lost its power. Safe to use from any thread.
 class EmulatedTic final : public UsbFunction {
  public:
-  /// Sees the shaft, in pulses, whenever it has turned.
+  /// Is called with the shaft, in pulses, whenever it has turned.
   using OnPosition = std::function<void(std::int32_t shaft_pulses)>;
 
-  /// The clock must outlive it and allow calls from any thread. `on_position` may be empty; it must
-  /// not call back.
+  /// Takes a clock, which must outlive it and allow calls from any thread. `on_position` may be
+  /// empty; it must not call back.
   explicit EmulatedTic(const Clock& clock, OnPosition on_position = {});
 
   static constexpr std::uint16_t kProduct36v4 = 0x00cb;
+  /// Returns the USB descriptors of a Tic. `firmware` is its version as binary-coded decimals.
   static UsbDescription description(const std::string& serial,
                                     std::uint16_t product_id = kProduct36v4,
                                     std::uint16_t firmware = 0x0109);
 
   UsbOutcome control(const UsbSetup& setup, std::uint8_t* data) override;
 
-  /// Lets the motor turn up to now.
+  /// Lets the motor turn up to now and returns where the shaft is.
   std::int32_t shaft_pulses();
-  /// When the shaft turned last, on the clock.
+  /// Returns the clock's time at which the shaft turned last.
   double last_motion_s();
-  /// Position targets that it was sent, whether it obeyed or not.
+  /// Returns the number of position targets that it was sent, whether it obeyed or not.
   int targets_received();
 
-  /// Where the switches close, in pulses of the shaft; wired to pins that are set for them.
+  /// Places the switches: the shaft's pulses at which each closes. They are wired to pins that are
+  /// set for them.
   void place_switches(std::optional<std::int32_t> reverse_at,
                       std::optional<std::int32_t> forward_at);
+  /// Sets the speeds of a homing: towards the switch, and away from it afterwards.
   void set_homing_speeds(double towards_pulses_s, double away_pulses_s);
+  /// Sets the voltage of the motor's supply.
   void set_supply(double volts);
+  /// Closes or opens the kill switch.
   void press_kill_switch(bool pressed);
-  /// Both supplies fail and come back: what is not stored is forgotten, the shaft stays.
+  /// Lets both supplies fail and come back. What is not stored is forgotten; the shaft stays.
   void power_cycle();
-  /// As with the maker's own software: it acts at once.
+  /// Stores a setting as the maker's own software does. It takes effect at once.
   void store_setting(std::uint8_t offset, std::uint8_t value);
+  /// Returns a stored setting.
   std::uint8_t setting(std::uint8_t offset);
 
  private:
@@ -99,7 +105,7 @@ class EmulatedTic final : public UsbFunction {
   OnPosition on_position_;
   std::mutex mutex_;
   std::array<std::uint8_t, 256> eeprom_{};
-  std::array<std::uint8_t, 256> settings_{};  ///< as they were stored when it started last
+  std::array<std::uint8_t, 256> settings_{};  ///< the settings stored when it started last
   double now_s_;
   double boot_s_{0.0};
 
@@ -124,7 +130,7 @@ class EmulatedTic final : public UsbFunction {
   bool deenergized_on_purpose_{true};
   bool kill_switch_{false};
   double supply_v_{24.0};
-  double started_s_{0.0};  ///< when it began to start up
+  double started_s_{0.0};  ///< time when it began to start up
   double safe_start_exit_until_s_{0.0};
   double last_command_s_{0.0};
   bool decelerates_to_hold_{false};

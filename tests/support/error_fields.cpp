@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kHeight_mm = 1500.0;
 
-/// A camera above the plane; millimetres and pixels.
+/// A camera above the plane, in millimetres and pixels.
 struct Camera {
   double focal_px;
   Eigen::Vector2d center_px;

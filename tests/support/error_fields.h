@@ -12,11 +12,12 @@ namespace planar::test {
 // Made-up vision errors over a disc of 480 mm about the base, metres: the fields by which error
 // maps are compared.
 
-/// Position on the plane -> vision error there, both metres.
+/// Returns the vision error at a position on the plane; both in metres.
 using ErrorField = std::function<Eigen::Vector2d(const Eigen::Vector2d&)>;
 
 constexpr double kFieldRadius = 0.480;
-/// Standard deviation per axis of one measured error: tracker 0.010 mm and vision 0.005 mm.
+/// The standard deviation per axis of one measured error: 0.010 mm of the tracker and 0.005 mm of
+/// vision.
 constexpr double kFieldNoise = 0.01118e-3;
 
 /// f1: residuals of lens, tilt and focal length, and the parallax of a plane that is not flat.
@@ -26,12 +27,13 @@ Eigen::Vector2d glow_field(const Eigen::Vector2d& p);
 /// f3: 0.7 f1 and thirty Gaussian bumps of 60 to 100 mm.
 Eigen::Vector2d bumpy_field(const Eigen::Vector2d& p);
 
-/// `count` positions, evenly drawn over the disc.
+/// Returns `count` positions drawn evenly over the disc.
 std::vector<Eigen::Vector2d> random_positions(int count, std::uint32_t seed);
-/// `count` positions on eight rings of 60 to 480 mm.
+/// Returns `count` positions on eight rings with radii of 60 to 480 mm.
 std::vector<Eigen::Vector2d> ring_positions(int count);
 
-/// Samples of the field at the positions with normal noise (metres per axis); ids "0", "1", ...
+/// Samples the field at the positions with normal noise (metres per axis). The ids are "0", "1",
+/// ...
 std::vector<ErrorSample> measure(const ErrorField& field,
                                  const std::vector<Eigen::Vector2d>& positions, double noise,
                                  std::uint32_t seed);

@@ -5,7 +5,7 @@
 
 namespace planar::test {
 
-/// Whether `holds` becomes true before a generous time has passed.
+/// Returns true when `holds` becomes true before a generous time has passed.
 template <typename Condition>
 bool eventually(const Condition& holds) {
   constexpr std::chrono::seconds kPatience{5};

@@ -8,9 +8,9 @@
 
 namespace {
 
-constexpr int kSkipped = 77;  // as planar_gige_test() tells ctest
+constexpr int kSkipped = 77;  // planar_gige_test() tells ctest the same number
 
-/// Ends a test program where no camera can be served on loopback.
+/// Skips a test program where no camera can be served on loopback.
 struct GigeGuard final : Catch::TestEventListenerBase {
   using TestEventListenerBase::TestEventListenerBase;
   void testRunStarting(const Catch::TestRunInfo& /*info*/) override {

@@ -11,7 +11,7 @@ void put_bits(std::vector<std::uint8_t>& bytes, std::size_t first_bit, unsigned 
   }
 }
 
-// Of the formats "Packed": two pixels in three bytes, their lower bits in the middle one.
+// The formats "Packed" have two pixels in three bytes; the middle byte holds their lower bits.
 std::size_t packed_lower(std::size_t i) {
   return 24 * (i / 2) + 8 + 4 * (i % 2);
 }

@@ -4,10 +4,10 @@
 
 namespace planar::test {
 
-// Aravis needs 2.5 s to see that nobody answers, 5 s to close what is dead, and tries again.
+// Aravis needs 2.5 s to see that nobody answers and 5 s to close what is dead, and tries again.
 constexpr double kRecovery_s = 60.0;
 
-/// Whether `holds` becomes true while a camera may recover.
+/// Returns true when `holds` becomes true within the time that a camera needs to recover.
 template <typename Condition>
 bool in_the_end(const Condition& holds) {
   SteadyClock clock;

@@ -4,7 +4,7 @@
 
 namespace planar::test {
 
-/// Time passes only by sleeping.
+/// A clock whose time passes only by sleeping.
 class ManualClock final : public Clock {
  public:
   double now_s() const override { return now_s_; }

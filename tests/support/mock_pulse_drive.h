@@ -23,8 +23,8 @@ class MockPulseDrive final : public PulseDrive {
   bool refuses_targets{false};
   bool stalls{false};  ///< moves for ever, without arriving
   bool knows_position{true};
-  std::string fault;             ///< reported at once, if any
-  std::string fault_on_the_way;  ///< reported while it moves, if any
+  std::string fault;             ///< reported at once; empty for none
+  std::string fault_on_the_way;  ///< reported while the drive moves; empty for none
 
   void energize() override { energized_ = true; }
   void set_limits(const DriveLimits& limits) override {
@@ -67,7 +67,8 @@ class MockPulseDrive final : public PulseDrive {
     knows_position = true;
   }
 
-  static constexpr std::int32_t kSwitch_pulses = 50000;  ///< either way
+  /// The distance of the home switch in either direction.
+  static constexpr std::int32_t kSwitch_pulses = 50000;
 
  private:
   std::int32_t position() const {

@@ -70,7 +70,7 @@ std::vector<std::uint8_t> string_descriptor(const std::string& text) {
 struct PendingUrb {
   GObjectPtr<UMockdevIoctlData> urb;
   GObjectPtr<UMockdevIoctlData> buffer;
-  int in_endpoint{0};  ///< of a bulk transfer still to be answered
+  int in_endpoint{0};  ///< endpoint of a bulk transfer still to be answered
   std::size_t size{0};
   bool silent{false};
   gint64 ready_us{0};
@@ -84,7 +84,7 @@ struct PendingUrb {
   }
 };
 
-/// One opening of the device: what was submitted through it is reaped through it.
+/// One opening of the device. What was submitted through it is reaped through it.
 struct OpenFile {
   std::deque<PendingUrb> urbs;
   bool idle_since_last_reap{false};
@@ -125,7 +125,7 @@ void complete_late(UMockdevIoctlClient* client, int error) {
 
 struct MockUsbBus::Impl {
   GObjectPtr<UMockdevTestbed> testbed{umockdev_testbed_new()};
-  int last_address{1};  ///< 1 is the hub's
+  int last_address{1};  ///< address 1 is the hub's
 };
 
 MockUsbBus::MockUsbBus() : impl_(std::make_unique<Impl>()) {}
@@ -204,7 +204,7 @@ void MockUsbDevice::Impl::plug() {
   };
   node = fmt::format("/dev/bus/usb/001/{:03}", address);
   sys_path = "/sys" + path;
-  // Before the device shows: a client may open it as soon as it does.
+  // This comes before the device shows, as a client may open it as soon as it does.
   GError* error = nullptr;
   umockdev_testbed_attach_ioctl(bus.testbed.get(), node.c_str(), handler.get(), &error);
   throw_if(error);
@@ -300,7 +300,8 @@ void MockUsbDevice::Impl::submit(UMockdevIoctlClient* client) {
   complete(client, 0);
 }
 
-/// A bulk transfer to the host is answered here, once its function has something to send.
+/// Returns true when a transfer can be reaped. A bulk transfer to the host is answered here, once
+/// its function has something to send.
 bool MockUsbDevice::Impl::is_ready(PendingUrb& pending, unsigned& waiting_endpoints) {
   if (pending.silent || pending.ready_us > g_get_monotonic_time()) return false;
   if (pending.in_endpoint == 0) return true;
@@ -358,14 +359,14 @@ void MockUsbDevice::Impl::discard(UMockdevIoctlClient* client) {
   complete(client, 0);
 }
 
-/// The synchronous path of usbfs, which some clients prefer.
+/// Serves the synchronous path of usbfs, which some clients prefer.
 void MockUsbDevice::Impl::control_at_once(UMockdevIoctlClient* client) {
   if (!plugged) return complete(client, -1, ENODEV);
   const auto argument =
       resolve(umockdev_ioctl_client_get_arg(client), 0, sizeof(usbdevfs_ctrltransfer));
   const auto* transfer = reinterpret_cast<const usbdevfs_ctrltransfer*>(argument->data);
   std::uint8_t setup[kSetupBytes];
-  std::memcpy(setup, transfer, sizeof setup);  // usbfs lays these fields out as the wire does
+  std::memcpy(setup, transfer, sizeof setup);  // usbfs orders these fields as the wire does
   PendingUrb pending;
   if (transfer->wLength > 0)
     pending.buffer =

@@ -7,12 +7,13 @@
 namespace planar::test {
 namespace {
 
-/// Adds the length of a chord of the lamp, per line of a pixel row, to the pixels it covers.
+/// Adds the lamp's cover of a pixel row, line by line: the length of each line's chord goes to the
+/// pixels on it.
 void add_chords(const RenderedLamp& lamp, const Eigen::Vector2d& center, int v, cv::Mat& cover) {
   constexpr int kLines = 32;
   const double a = 0.5 * lamp.diameter_px, b = a * lamp.axis_ratio;
   const double c = std::cos(lamp.direction_rad), s = std::sin(lamp.direction_rad);
-  // A x^2 + 2 B x y + C y^2 = 1
+  // The ellipse is A x^2 + 2 B x y + C y^2 = 1.
   const double A = c * c / (a * a) + s * s / (b * b), C = s * s / (a * a) + c * c / (b * b);
   const double B = c * s * (1.0 / (a * a) - 1.0 / (b * b));
   for (int line = 0; line < kLines; ++line) {

@@ -13,6 +13,7 @@
 
 namespace planar::test {
 
+/// Returns the transmission of the bench, in which motor 2 turns backwards.
 inline TransmissionSettings transmission_settings() {
   TransmissionSettings settings;
   settings.drives[0] = {10000.0, 100.0, 1, 1.0, 5.0};
@@ -36,11 +37,13 @@ struct Bench {
   PlanarRobot robot{PlanarArm({{0.3, 0.25}, Rotation::kClockwise}), Transmission(settings), group,
                     clock};
 
+  /// Returns true when no drive was sent a target.
   bool nothing_was_sent() const {
     return drives[0].targets.empty() && drives[1].targets.empty() && drives[2].targets.empty();
   }
 };
 
+/// A bench whose robot is switched on.
 struct ReadyBench : Bench {
   explicit ReadyBench(const TransmissionSettings& its_settings = transmission_settings())
       : Bench(its_settings) {
@@ -48,6 +51,7 @@ struct ReadyBench : Bench {
   }
 };
 
+/// Returns the values as ViSP's column vector.
 inline vpColVector column(std::initializer_list<double> values) {
   vpColVector result(static_cast<unsigned int>(values.size()));
   std::copy(values.begin(), values.end(), result.data);

@@ -4,7 +4,7 @@
 
 namespace planar::test {
 
-/// calib/paper/cell.yaml of the checkout.
+/// Returns calib/paper/cell.yaml of the checkout.
 std::filesystem::path paper_cell_file();
 
 }  // namespace planar::test

@@ -9,12 +9,13 @@
 
 namespace planar::test {
 
-/// A sensor without noise whose every pixel is known, and that remembers its exposures.
+/// A sensor without noise that knows every pixel of its scene and remembers its exposures.
 class SceneSensor {
  public:
   std::atomic<bool> frozen{false};   ///< shows its last picture again and again
-  std::atomic<double> delay_s{0.0};  ///< its next picture comes as much later, once
+  std::atomic<double> delay_s{0.0};  ///< delays the next picture, once
 
+  /// Takes a picture of a region of the sensor. `brightness` is only remembered.
   cv::Mat expose(const cv::Rect& region_px, double brightness) {
     const std::lock_guard<std::mutex> lock(mutex_);
     if (!frozen) {
@@ -30,12 +31,12 @@ class SceneSensor {
     return image;
   }
 
-  /// Of sensor pixel (u, v) in exposure number `shot`.
+  /// Returns the level of sensor pixel (u, v) in exposure number `shot`.
   static std::uint8_t level(int u, int v, int shot) {
     return static_cast<std::uint8_t>((3 * u + 5 * v + shot) & 0xff);
   }
 
-  /// Whether `image` is exactly what some exposure shows of the region.
+  /// Returns true when `image` is exactly what some exposure shows of the region.
   static bool shows(const cv::Mat& image, const cv::Rect& region_px) {
     if (image.size() != region_px.size()) return false;
     const int shot = image.at<std::uint8_t>(0, 0) - level(region_px.x, region_px.y, 0);
@@ -47,7 +48,7 @@ class SceneSensor {
     return true;
   }
 
-  /// When the exposure began that `image` shows, provided that it is one of the last 256.
+  /// Returns when the exposure began that `image` shows. It must be one of the last 256.
   double exposed_s(const cv::Mat& image, const cv::Rect& region_px) {
     const std::lock_guard<std::mutex> lock(mutex_);
     const int shot = image.at<std::uint8_t>(0, 0) - level(region_px.x, region_px.y, 0);
@@ -56,11 +57,13 @@ class SceneSensor {
     return exposures_s_.at(static_cast<std::size_t>(at));
   }
 
+  /// Returns the number of exposures.
   std::size_t exposures() {
     const std::lock_guard<std::mutex> lock(mutex_);
     return exposures_s_.size();
   }
 
+  /// Returns the brightness of the last exposure.
   double brightness() {
     const std::lock_guard<std::mutex> lock(mutex_);
     return brightness_;

@@ -5,11 +5,12 @@
 
 namespace planar::test {
 
-/// A file or folder of the real data beside the checkout; prints a skip and returns nothing when it
-/// is absent.
+/// Returns a file or folder of the real data beside the checkout. When it is absent, a skip is
+/// printed and nothing is returned.
 std::optional<std::filesystem::path> shared_data(const std::filesystem::path& relative);
 
-/// The same for the images of Debian's package visp-images-data.
+/// Returns an image of Debian's package visp-images-data. When it is absent, a skip is printed and
+/// nothing is returned.
 std::optional<std::filesystem::path> visp_image(const std::filesystem::path& relative);
 
 }  // namespace planar::test

@@ -18,6 +18,7 @@ namespace planar::test {
 /// kinematics are written here once more, without the project's own.
 class SimulatedCell {
  public:
+  /// Says what the machine really is.
   struct Truth {
     double link1_m{0.3011};
     double link2_m{0.2992};
@@ -26,7 +27,7 @@ class SimulatedCell {
     double sense{1.0};
     bool relative{true};                      ///< motor 2 rides on link 1
     Eigen::Vector3d pulses_per_rad{1, 1, 1};  ///< signed
-    double play_rad{0.0};                     ///< of each motor, behind its gear
+    double play_rad{0.0};                     ///< play of each motor, behind its gear
   };
 
   explicit SimulatedCell(const Truth& truth) : truth_(truth) {}
@@ -36,10 +37,12 @@ class SimulatedCell {
   MockPulseDrive& drive(int i) { return drives_[i]; }
   DriveGroup& drives() { return group_; }
 
+  /// Returns the number of targets sent to all drives.
   std::size_t targets_sent() const {
     return drives_[0].targets.size() + drives_[1].targets.size() + drives_[2].targets.size();
   }
 
+  /// Returns where the end point really is.
   TipPose true_tip() const {
     const double m1 = output_rad(0);
     const double m2 = output_rad(1);
@@ -51,7 +54,7 @@ class SimulatedCell {
   }
 
  private:
-  /// The gear follows its motor once the play is taken up.
+  /// Returns the gear's output, which follows its motor once the play is taken up.
   double output_rad(int i) const {
     double output = 0.0;
     for (const std::int32_t target : drives_[i].targets) {
@@ -73,13 +76,13 @@ class SimulatedSensor final : public TipSensor {
  public:
   explicit SimulatedSensor(const SimulatedCell& cell) : cell_(cell) {}
 
-  std::optional<int> lamp_lost_from;              ///< number of the first measurement without
+  std::optional<int> lamp_lost_from;  ///< number of the first measurement that sees no lamp
   std::optional<Eigen::Vector2d> mirrored_about;  ///< shows every error with the wrong sign
   double sigma_vision_m{1e-7};
   Eigen::Vector2d offset_m{0.0, 0.0};
   bool inside_map{true};
   int measurements{0};
-  std::optional<double> blind_from_s;  ///< from then on it is at fault
+  std::optional<double> blind_from_s;  ///< the sensor is at fault from this time on
 
   std::optional<std::string> fault() const override {
     if (!blind_from_s || cell_.now_s() < *blind_from_s) return std::nullopt;

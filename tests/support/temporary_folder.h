@@ -6,7 +6,7 @@
 
 namespace planar::test {
 
-/// A folder of its own for one test, removed at the end.
+/// A folder of its own for one test. The destructor removes it.
 class TemporaryFolder {
  public:
   TemporaryFolder();

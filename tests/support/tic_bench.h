@@ -12,7 +12,7 @@ namespace planar::test {
 
 /// Three Tics on a bus below libusb, with limit switches at both ends of their travel.
 struct TicBench {
-  /// Long enough that a busy machine does not starve a drive.
+  /// The default timeout is long enough that a busy machine does not starve a drive.
   explicit TicBench(double command_timeout_s = 2.0) {
     for (std::size_t i = 0; i < 3; ++i) settings[i] = {kSerials[i], command_timeout_s};
     for (EmulatedTic& tic : tics) {

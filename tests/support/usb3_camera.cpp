@@ -11,14 +11,15 @@
 namespace planar::test {
 namespace {
 
-// Where the tables of registers stand. The features' own follow the XML's addresses from
-// kFeatures on, out of the way of the standard's.
+// The addresses of the tables of registers. The features' own registers are at kFeatures plus the
+// address in the XML, out of the way of the standard's.
 constexpr std::uint64_t kSbrm = 0x10000;      // technology-specific bootstrap registers
-constexpr std::uint64_t kSirm = 0x20000;      // of the streaming interface
-constexpr std::uint64_t kManifest = 0x30000;  // of the XML file
+constexpr std::uint64_t kSirm = 0x20000;      // registers of the streaming interface
+constexpr std::uint64_t kManifest = 0x30000;  // manifest of the XML file
 constexpr std::uint64_t kXml = 0x1000000;
 constexpr std::uint64_t kFeatures = 0x500000;
-// The fake camera takes pictures of 8 bits, whatever is sent of them.
+// The pixel format is kept here: the fake camera takes pictures of 8 bits, whatever is sent of
+// them.
 constexpr std::uint64_t kPixelFormat = kFeatures + ARV_FAKE_CAMERA_REGISTER_PIXEL_FORMAT;
 constexpr std::size_t kAbrmBytes = 0x300, kSbrmBytes = 0x80, kSirmBytes = 0x40;
 constexpr std::size_t kManifestBytes = 0x100;
@@ -53,7 +54,8 @@ void put_text(std::vector<std::uint8_t>& bytes, std::size_t at, const std::strin
   std::copy(text.begin(), text.end(), bytes.begin() + static_cast<std::ptrdiff_t>(at));
 }
 
-/// The fake camera's XML with its registers moved to kFeatures, and with more pixel formats.
+/// Returns the fake camera's XML with its registers moved to kFeatures, and with more pixel
+/// formats.
 std::string moved_xml(ArvFakeCamera* camera) {
   std::size_t size = 0;
   const char* text = arv_fake_camera_get_genicam_xml(camera, &size);
@@ -170,16 +172,16 @@ std::optional<Usb3Camera::Bytes> Usb3Camera::read(std::uint64_t address, std::si
   } else if (address >= kSirm) {
     start = kSirm;
     table = stream_registers_;
-    put<std::uint32_t>(table, 0x00, 0x0a000000);  // sizes in steps of 1024 bytes, as Daheng's
+    put<std::uint32_t>(table, 0x00, 0x0a000000);  // sizes in steps of 1024 bytes, as Daheng has
     put<std::uint64_t>(table, 0x08, payload_bytes());
     put<std::uint32_t>(table, 0x10, kLeaderBytes);
     put<std::uint32_t>(table, 0x14, kTrailerBytes);
   } else if (address >= kSbrm) {
     start = kSbrm;
     table.resize(kSbrmBytes);
-    put<std::uint32_t>(table, 0x14, 1024);  // longest command, longest answer
+    put<std::uint32_t>(table, 0x14, 1024);  // longest command and longest answer
     put<std::uint32_t>(table, 0x18, 1024);
-    put<std::uint32_t>(table, 0x1c, 1);  // stream channels
+    put<std::uint32_t>(table, 0x1c, 1);  // number of stream channels
     put<std::uint64_t>(table, 0x20, kSirm);
     put<std::uint32_t>(table, 0x28, kSirmBytes);
   } else {
@@ -187,7 +189,7 @@ std::optional<Usb3Camera::Bytes> Usb3Camera::read(std::uint64_t address, std::si
     put_text(table, 0x04, "Daheng Imaging");
     put_text(table, 0x44, "Emulated");
     put_text(table, 0x144, serial_);
-    put<std::uint32_t>(table, 0x1cc, 300);  // ms that an answer may take
+    put<std::uint32_t>(table, 0x1cc, 300);  // time that an answer may take, ms
     put<std::uint64_t>(table, 0x1d0, kManifest);
     put<std::uint64_t>(table, 0x1d8, kSbrm);
   }

@@ -14,30 +14,33 @@
 
 namespace planar::test {
 
-/// A USB3 Vision camera for MockUsbDevice: Aravis' fake camera has its features and pictures; this
-/// adds the transport, which is GenCP commands and, on an endpoint of its own, leader, payload and
-/// trailer of each frame [USB3 Vision 1.0, 4 and 5], pixels of 10 and 12 bits, whose lower bits
-/// count the pixels, an input line that triggers, and a clock of its own, which stamps each
-/// exposure.
+/// A USB3 Vision camera for MockUsbDevice. Aravis' fake camera has its features and pictures. This
+/// class adds the transport [USB3 Vision 1.0, 4 and 5]: GenCP commands and, on an endpoint of its
+/// own, leader, payload and trailer of each frame. It also adds pixels of 10 and 12 bits, whose
+/// lower bits count the pixels, an input line that triggers, and a clock of its own that stamps
+/// each exposure.
 class Usb3Camera final : public UsbFunction {
  public:
   Usb3Camera(const std::string& serial, const cv::Size& sensor_px, double frame_rate_hz,
              Exposure exposure);
   ~Usb3Camera() override;
 
+  /// Returns the USB descriptors of a Daheng camera with this serial number.
   UsbDescription description() const;
 
-  /// The next frames end before their trailer, or in the middle of their payload.
+  /// Makes the next frames end before their trailer (lose_trailers) or in the middle of their
+  /// payload (truncate_payloads).
   void lose_trailers(int frames) { trailers_to_lose_ = frames; }
   void truncate_payloads(int frames) { payloads_to_cut_ = frames; }
 
-  /// An edge on the line "Line0", which starts an exposure where it is the trigger.
+  /// Puts an edge on the line "Line0", which starts an exposure where that line is the trigger.
   void pulse_line() { ++line_pulses_; }
 
-  /// The clock that stamps the frames runs as many times too fast; 0 stands still.
+  /// Makes the clock that stamps the frames run faster by this factor; 0 stops it.
   void run_clock(double rate) { clock_rate_ = rate; }
 
-  /// Forgets what it was told, as a camera does without power. Only while it is unplugged.
+  /// Forgets what the camera was told, as it does without power. Call it only while the camera is
+  /// unplugged.
   void power_cycle();
 
   UsbOutcome control(const UsbSetup& setup, std::uint8_t* data) override;
@@ -48,7 +51,7 @@ class Usb3Camera final : public UsbFunction {
   using Bytes = std::vector<std::uint8_t>;
   enum class Next { kLeader, kPayload, kTrailer };
 
-  /// Empty for an address that cannot be read.
+  /// Reads registers. Empty for an address that cannot be read.
   std::optional<Bytes> read(std::uint64_t address, std::size_t size);
   bool write(std::uint64_t address, const std::uint8_t* data, std::size_t size);
   std::optional<UsbOutcome> stream(std::uint8_t* data, std::size_t size);
@@ -74,7 +77,7 @@ class Usb3Camera final : public UsbFunction {
   const GreyFormat* format_;
   std::size_t pixels_{0};
   Bytes packed_;
-  const std::uint8_t* sending_{nullptr};  ///< the payload: the picture or packed_
+  const std::uint8_t* sending_{nullptr};  ///< the payload: the fake camera's picture or packed_
   std::size_t sending_bytes_{0};
   std::size_t sent_bytes_{0};
   std::uint64_t frame_id_{0};

@@ -16,6 +16,7 @@ struct UsbSetup {
   std::uint16_t index{0};
   std::uint16_t length{0};
 
+  /// Returns true for a transfer from the device to the host.
   bool to_host() const { return (request_type & 0x80) != 0; }
 };
 
@@ -26,24 +27,27 @@ struct UsbOutcome {
   std::size_t bytes{0};
 };
 
-/// What a device does with what reaches it. Called by the bus' own thread, one transfer at a time.
+/// Says what a device does with what reaches it. The bus' own thread calls it, one transfer at a
+/// time.
 class UsbFunction {
  public:
   virtual ~UsbFunction() = default;
 
-  /// A control transfer that is not about standard descriptors. `data` has setup.length bytes, to
-  /// be filled (to the host) or read.
+  /// Serves a control transfer that is not about standard descriptors. `data` has setup.length
+  /// bytes, which are filled (to the host) or read.
   virtual UsbOutcome control(const UsbSetup& setup, std::uint8_t* data) = 0;
+  /// Serves a bulk transfer from the host. A device without bulk endpoints stalls.
   virtual UsbOutcome bulk_out(int endpoint, const std::uint8_t* data, std::size_t size);
-  /// Empty while there is nothing to send: the transfer stays pending and is asked for again about
-  /// every millisecond.
+  /// Serves a bulk transfer to the host. While it returns nothing, the transfer stays pending and
+  /// is asked for again about every millisecond.
   virtual std::optional<UsbOutcome> bulk_in(int endpoint, std::uint8_t* data, std::size_t size);
 };
 
+/// Holds the descriptors of a device.
 struct UsbDescription {
   std::vector<std::uint8_t> device_descriptor;         ///< 18 bytes
-  std::vector<std::uint8_t> configuration_descriptor;  ///< with all that belongs to it
-  std::vector<std::string> strings;                    ///< number 1, 2, ...
+  std::vector<std::uint8_t> configuration_descriptor;  ///< includes all that belongs to it
+  std::vector<std::string> strings;                    ///< strings number 1, 2, ...
   int speed_mbit{12};
 };
 

@@ -7,9 +7,9 @@
 
 namespace {
 
-constexpr int kSkipped = 77;  // as planar_wire_test() tells ctest
+constexpr int kSkipped = 77;  // planar_wire_test() tells ctest the same number
 
-/// Ends a test program whose devices cannot be emulated below libusb here.
+/// Skips a test program where devices cannot be emulated below libusb.
 struct WireGuard final : Catch::TestEventListenerBase {
   using TestEventListenerBase::TestEventListenerBase;
   void testRunStarting(const Catch::TestRunInfo& /*info*/) override {

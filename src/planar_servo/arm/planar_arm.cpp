@@ -42,11 +42,12 @@ const char* describe(ReachStatus status) {
     case ReachStatus::kOk:
       return "within reach";
     case ReachStatus::kTooFar:
-      return "out of reach: farther from the base than both links together";
+      return "out of reach: the point lies farther from the base than both links together reach";
     case ReachStatus::kTooClose:
-      return "out of reach: nearer to the base than the difference of the links' lengths";
+      return "out of reach: the point lies nearer to the base than the difference of the links' "
+             "lengths";
     case ReachStatus::kUndetermined:
-      return "on the base's axis, where joint 1 is not determined";
+      return "the point lies on the base's axis, where joint 1 is not determined";
   }
   throw std::invalid_argument("unknown ReachStatus");
 }

@@ -79,7 +79,7 @@ std::optional<std::string> Transmission::limit_violation(const Joints& theta) co
   for (int i = 0; i < 3; ++i) {
     const Eigen::Vector2d& limits = settings_.limits_rad[i];
     if (motors[i] >= limits[0] && motors[i] <= limits[1]) continue;
-    violation += fmt::format("{}motor {} would turn to {:.3f} deg, its limits are [{:.3f}, {:.3f}]",
+    violation += fmt::format("{}motor {} would turn to {:.3f} deg; its limits are [{:.3f}, {:.3f}]",
                              violation.empty() ? "" : "; ", i + 1, motors[i] / kDegree,
                              limits[0] / kDegree, limits[1] / kDegree);
   }

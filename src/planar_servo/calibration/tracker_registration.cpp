@@ -74,7 +74,8 @@ std::map<std::string, std::vector<Eigen::Vector3d>> sort_readings(
   for (const MonumentReading& reading : readings) {
     const auto known = by_id.find(reading.id);
     if (known == by_id.end()) {
-      faults.add("datum: reading of '" + reading.id + "', which is no monument of the cell");
+      faults.add("datum: there is a reading of '" + reading.id +
+                 "', which is no monument of the cell");
     } else if (!reading.p_L.allFinite()) {
       faults.add("datum: a reading of '" + reading.id + "' is not finite");
     } else {

@@ -20,51 +20,55 @@
 
 namespace planar {
 
-/// The `camera` block of a cell.
+/// Holds the `camera` block of a cell.
 struct CameraSettings {
   const CameraKind* kind{nullptr};
-  int width_px{0};  ///< of the whole sensor
-  int height_px{0};
+  int width_px{0};   ///< width of the whole sensor
+  int height_px{0};  ///< height of the whole sensor
   double frame_rate_hz{0.0};
   double timeout_s{0.0};    ///< the longest wait for a frame
   int follow_region_px{0};  ///< side of the region of the sensor that follows the lamps
-  std::shared_ptr<const DeviceDetails> details;  ///< what only this kind has
+  std::shared_ptr<const DeviceDetails> details;  ///< the settings that only this kind has
 };
 
-/// What an item of `drives` says beyond the motor itself, which TransmissionSettings has.
+/// Holds what an item of `drives` says beyond the motor itself. TransmissionSettings has the motor.
 struct DriveSettings {
   const DriveKind* kind{nullptr};
   std::shared_ptr<const DeviceDetails> details;
 };
 
-/// The `lamps` block of a cell.
+/// Holds the `lamps` block of a cell.
 struct LampSettings {
   LampLayout layout;
   CenterMethod method{CenterMethod::kAuto};
 };
 
-/// The `arm` block of a cell, but for the transmission.
+/// Holds the `arm` block of a cell without the transmission.
 struct ArmSettings {
   ArmGeometry geometry;
   Elbow elbow{Elbow::kLeft};
   Joints home{0.0, 0.0, 0.0};
 };
 
-/// The `tracker` block of a cell.
+/// Holds the `tracker` block of a cell. The standard deviation of a reading grows with the distance
+/// from the tracker.
 struct TrackerSettings {
   const TrackerKind* kind{nullptr};
-  double sigma_m{0.0};        ///< standard deviation per axis of a reading, at no distance
-  double sigma_m_per_m{0.0};  ///< by how much it grows with the distance
+  double sigma_m{0.0};        ///< standard deviation per axis at the tracker itself
+  double sigma_m_per_m{0.0};  ///< growth of it per metre of distance
 
-  /// Standard deviation per axis of a reading at this distance from the tracker, metres.
+  /// Returns the standard deviation per axis of a reading at this distance from the tracker,
+  /// metres.
   double sigma_at(double range_m) const { return sigma_m + sigma_m_per_m * range_m; }
 };
 
-/// Everything that is known of a cell before it is calibrated, in SI. A cell file holds it.
+/// Holds everything that is known of a cell before it is calibrated, in SI units: the contents of a
+/// cell file.
 struct CellSettings {
-  std::filesystem::path file;  ///< where it was read
+  std::filesystem::path file;  ///< the cell file from which this was read
   CameraSettings camera;
-  std::filesystem::path camera_model, workplane, tool, error_map;  ///< may not exist yet
+  /// The files of the calibration, which may not exist yet.
+  std::filesystem::path camera_model, workplane, tool, error_map;
   LampSettings lamps;
   ArmSettings arm;
   TransmissionSettings transmission;
@@ -74,10 +78,11 @@ struct CellSettings {
   TrackerSettings tracker;
   std::vector<Monument> datum;
   Workspace workspace;
-  std::optional<std::filesystem::path> truth;  ///< of a virtual cell
+  std::optional<std::filesystem::path> truth;  ///< the truth file of a virtual cell
 };
 
-/// Plans the moves of the cell's arm within its limits and workspace, with its elbow.
+/// Returns a planner of moves within the limits and the workspace of the cell's arm, with its
+/// elbow.
 JointPlanner joint_planner(const CellSettings& cell);
 
 }  // namespace planar

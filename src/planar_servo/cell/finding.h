@@ -4,11 +4,12 @@
 
 namespace planar {
 
-/// One thing that was looked at in a cell, and what mends it if it is not well.
+/// Says how one part of a cell was found, and what mends it if it is not well.
 struct Finding {
+  /// Says how well the part is.
   enum class Verdict { kWell, kDoubtful, kFaulty };
   Verdict verdict{Verdict::kWell};
-  std::string subject;   ///< what was looked at, such as "drive 2"
+  std::string subject;   ///< the part that was looked at, such as "drive 2"
   std::string what;      ///< what was found, in words
   std::string remedy{};  ///< a command or an action; empty when all is well
 };

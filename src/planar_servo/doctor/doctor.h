@@ -7,9 +7,9 @@
 
 namespace planar {
 
-/// Looks at everything of a cell that can be looked at without moving or switching on anything: its
-/// file, its drives and its camera, each by its kind. Throws InputError for a file with faults, and
-/// for devices that do not go together.
+/// Examines all of a cell that can be looked at without moving or switching on anything: its file,
+/// its drives and its camera, each by its kind. Throws InputError for a file with faults, and for
+/// devices that do not go together.
 std::vector<Finding> examine_cell(const std::filesystem::path& cell_file);
 
 }  // namespace planar

@@ -8,13 +8,13 @@
 
 namespace planar {
 
-/// True when nothing that was found is faulty.
+/// Returns true when nothing that was found is faulty.
 bool is_sound(const std::vector<Finding>& findings);
 
-/// A line for each finding, and one for its remedy.
+/// Returns a line for each finding, and one for its remedy.
 std::string findings_text(const std::vector<Finding>& findings);
 
-/// The findings under the key of --json.
+/// Returns the findings under the keys of --json.
 nlohmann::json findings_json(const std::vector<Finding>& findings);
 
 }  // namespace planar

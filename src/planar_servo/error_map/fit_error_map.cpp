@@ -69,9 +69,10 @@ MapResult fit_many(const MapSites& sites, const std::vector<ErrorSample>& sample
 
 void require_dense(const MapSites& sites, MapMethod method) {
   if (sites.size() <= kMostDense) return;
-  throw InputError(fmt::format(
-      "{} distinct positions; the method {} takes at most {}; leave some out, or use auto",
-      sites.size(), name_in(kMapMethods, method), kMostDense));
+  throw InputError(
+      fmt::format("the pairs have {} distinct positions; the method {} takes at most {}; leave "
+                  "some out, or use auto",
+                  sites.size(), name_in(kMapMethods, method), kMostDense));
 }
 
 MapResult fit_by_hand(const MapSites& sites, double width) {

@@ -33,8 +33,9 @@ std::vector<TargetResult> close_loop(const CalibratedChain& chain, bool with_map
 
 ExperimentReport run_experiment(const ExperimentRequest& request, CellDevices& devices) {
   if (!devices.true_tip())
-    throw InputError(request.cell.file.string() +
-                     ": is no virtual cell; this experiment is judged by a truth");
+    throw InputError(
+        request.cell.file.string() +
+        ": is no virtual cell; this experiment needs the truth of one to judge itself");
   if (fs::exists(request.out / "recording"))
     throw InputError(request.out.string() + ": holds an experiment already; name another folder");
   make_folder(request.out);
@@ -65,7 +66,7 @@ PositioningPrediction predict_experiment(const ExperimentRequest& request) {
   const fs::path recording = request.out / "recording";
   if (!fs::exists(recording))
     throw InputError(recording.string() +
-                     ": is not there; --predict judges the recording of an experiment or of "
+                     ": does not exist; --predict needs a recording there, of an experiment or of "
                      "planar-record");
   ChainSettings settings = our_chain(request.cell);
   settings.name = "prediction";

@@ -13,31 +13,33 @@
 
 namespace planar {
 
+/// Holds what an experiment found.
 struct ExperimentReport {
   std::vector<ControlCircle> circles;
-  std::vector<TargetResult> ours;          ///< with the error map
+  std::vector<TargetResult> ours;          ///< our chain with its error map
   std::vector<TargetResult> paper;         ///< the paper's chain with its map
-  std::vector<TargetResult> paper_no_map;  ///< the paper's chain without
+  std::vector<TargetResult> paper_no_map;  ///< the paper's chain without a map
   PaperTables tables;
-  PositioningPrediction prediction;  ///< of ours, from its calibration alone
+  PositioningPrediction prediction;  ///< of our chain, from its calibration alone
 };
 
+/// Says on which cell an experiment is made, and where its files go.
 struct ExperimentRequest {
   CellSettings cell;
   Board board;
-  std::uint64_t seed{0};      ///< of the training and test positions
-  std::filesystem::path out;  ///< takes plan, recording and each chain's files
+  std::uint64_t seed{0};      ///< draws the training and test positions
+  std::filesystem::path out;  ///< folder for plan, recording and each chain's files
   ExperimentSize size{};
 };
 
-/// The paper's experiment: records a plan, calibrates both chains from what was recorded, and
-/// closes the loop over the control targets with each. Throws what its parts throw, and InputError
-/// when `out` holds a run already.
+/// Runs the paper's experiment: it records a plan, calibrates both chains from what was recorded,
+/// and closes the loop over the control targets with each. Throws what its parts throw, and
+/// InputError when `out` holds a run already.
 ExperimentReport run_experiment(const ExperimentRequest& request, CellDevices& devices);
 
-/// What the recording in `out` lets expect of positioning at the control targets; opens neither a
-/// device nor a truth. The calibration stands in `out/prediction` then. Throws InputError when
-/// there is no recording.
+/// Predicts positioning at the control targets from the recording in `out`. It opens neither a
+/// device nor a truth, and writes its calibration to `out/prediction`. Throws InputError when there
+/// is no recording.
 PositioningPrediction predict_experiment(const ExperimentRequest& request);
 
 }  // namespace planar

@@ -13,8 +13,10 @@ namespace planar {
 namespace {
 
 constexpr double kControlOffset = 0.2;
-constexpr double kSweepRadius = 0.3;  // of the end point while joint 3 turns
-constexpr double kRimMargin = 0.020;  // the training disc ends this far inside the workspace
+/// Distance of the end point from the base's axis while joint 3 turns, metres.
+constexpr double kSweepRadius = 0.3;
+/// The training disc ends this far inside the workspace, metres.
+constexpr double kRimMargin = 0.020;
 
 class PlanBuilder {
  public:
@@ -35,7 +37,7 @@ class PlanBuilder {
       plan_.circle_points.push_back({id, radius_mm, run, i});
     }
   }
-  /// Joint 1 alone turns, a right angle at the elbow: with the links and the tool as one body.
+  /// Turns joint 1 alone, with a right angle at the elbow: links and tool move as one body.
   void add_joint1_sweep(const CellSettings& cell, int count) {
     const double sense = PlanarArm(cell.arm.geometry).sense();
     const double bend = (cell.arm.elbow == Elbow::kLeft ? -sense : sense) * kPi / 2.0;
@@ -45,7 +47,7 @@ class PlanBuilder {
                             Joints(theta1, theta1 + bend, theta1 + sense * phi_)});
     }
   }
-  /// Joint 3 alone turns; the end point stays.
+  /// Turns joint 3 alone: the end point stays.
   void add_joint3_sweep(int count) {
     for (int i = 0; i < count; ++i)
       plan_.rows.push_back({fmt::format("sweep3_{:02}", i), "sweep3",
@@ -65,7 +67,7 @@ class PlanBuilder {
   ExperimentPlan take() { return std::move(plan_); }
 
  private:
-  /// In [0, 1), the same on every platform.
+  /// Draws a number in [0, 1) that is the same on every platform.
   static double uniform(std::mt19937_64& rng) {
     return static_cast<double>(rng() >> 11) * 0x1.0p-53;
   }

@@ -11,10 +11,10 @@
 
 namespace planar {
 
-/// How many places of each sort an experiment has; the paper's numbers unless others are asked for.
+/// Says how many places of each sort an experiment has. The defaults are the paper's numbers.
 struct ExperimentSize {
   int board_views{14};
-  int sweep_points{24};  ///< of each of the joints 1 and 3
+  int sweep_points{24};  ///< for each of the joints 1 and 3
   int training_points{200};
   int test_points{30};
   int check_points{24};    ///< on each circle of kCheckRadii_mm
@@ -22,29 +22,29 @@ struct ExperimentSize {
   int control_points{25};  ///< on each of the four control circles
 };
 
-/// Radii about the base's axis of the circles of the paper's tables 2 and 5.
+/// Radii of the circles of the paper's tables 2 and 5, which lie about the base's axis.
 constexpr std::array<int, 3> kCheckRadii_mm{150, 250, 350};
-/// Radii about the base's axis of the circles of the paper's Figures 7 to 11, each gone round in
-/// kRuns runs.
+/// Radii of the circles of the paper's Figures 7 to 11, which lie about the base's axis. Each is
+/// gone round in kRuns runs.
 constexpr std::array<int, 4> kRunRadii_mm{100, 200, 300, 400};
 constexpr int kRuns = 3;
 
 /// A recorded place on a circle about the base's axis.
 struct CirclePoint {
-  std::string id;  ///< of its row in the plan, and of its pair
+  std::string id;  ///< id of its row in the plan and of its pair
   int radius_mm{0};
   int run{0};    ///< from 1; 0 on a circle that is gone round once, to check the maps
-  int index{0};  ///< along the circle, from 0
+  int index{0};  ///< number along the circle, from 0
 };
 
-/// What is recorded before the loop is closed.
+/// Lists what is recorded before the loop is closed.
 struct ExperimentPlan {
   std::vector<PlanRow> rows;
   std::vector<CirclePoint> circle_points;  ///< in the order of their rows
 };
 
-/// Board views, sweeps of joints 1 and 3, training and test positions drawn from `seed` over the
-/// workspace, and the circles.
+/// Makes the plan: board views, sweeps of joints 1 and 3, training and test positions drawn from
+/// `seed` over the workspace, and the circles.
 ExperimentPlan experiment_plan(const CellSettings& cell, std::uint64_t seed,
                                const ExperimentSize& size = {});
 
@@ -56,13 +56,13 @@ struct ControlCircle {
 
 constexpr double kControlRadius = 0.2;  ///< metres
 
-/// The paper's four control circles, in its order.
+/// Returns the paper's four control circles, in its order.
 std::vector<ControlCircle> control_circles(const ExperimentSize& size = {});
 
-/// The targets of all control circles, circle after circle.
+/// Returns the targets of all control circles, circle after circle.
 std::vector<TargetRow> control_targets(const ExperimentSize& size = {});
 
-/// Points of a circle, equally spaced, the first on the +x side.
+/// Returns equally spaced points of a circle, of which the first lies on the +x side.
 std::vector<Eigen::Vector2d> circle_points(const Eigen::Vector2d& center, double radius, int count);
 
 }  // namespace planar

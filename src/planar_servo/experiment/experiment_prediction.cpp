@@ -22,8 +22,8 @@ double median_of(const std::vector<PairRow>& pairs, std::optional<double> PairRo
   return values.empty() ? 0.0 : median(values);
 }
 
-/// Variance per axis at `p` of a rigid registration to monuments read with `sigma` per axis:
-/// sigma^2 (1/n + |p - c|^2 / sum |d_i - c|^2) about their centre c.
+/// Returns the variance per axis at `p` of a rigid registration to monuments read with `sigma` per
+/// axis: sigma^2 (1/n + |p - c|^2 / sum |d_i - c|^2), where c is the centre of the monuments d_i.
 double datum_variance(const std::vector<Monument>& datum, const Eigen::Vector2d& p, double sigma) {
   if (datum.empty()) return 0.0;
   const double n = static_cast<double>(datum.size());
@@ -34,7 +34,7 @@ double datum_variance(const std::vector<Monument>& datum, const Eigen::Vector2d&
   return square(sigma) * (1.0 / n + (p - center).squaredNorm() / spread);
 }
 
-/// The length below which the share 0.95 of a mixture of Rayleigh distributions lies.
+/// Returns the length below which the share 0.95 of a mixture of Rayleigh distributions lies.
 double mixture_p95(const std::vector<double>& sigmas) {
   const auto share_below = [&](double length) {
     double share = 0.0;

@@ -67,7 +67,8 @@ TextTable control_table(const ExperimentReport& report) {
   return table;
 }
 
-/// Four digits of figures in a unit; what the paper does not print is left out.
+/// Makes a table of figures in a unit, with four digits each. What the paper does not print is left
+/// out.
 TextTable number_table(const std::string& title, const std::vector<ComparisonRow>& rows,
                        double unit) {
   TextTable table(title, {"", "ours", "the paper's chain here", "the paper"});
@@ -104,7 +105,7 @@ nlohmann::json rows_json(const std::vector<ComparisonRow>& rows, double unit) {
   return json;
 }
 
-/// What the tables do not say.
+/// Says what the tables do not say.
 std::string summary_text(const ExperimentReport& report) {
   return fmt::format(
       "vision error at the control targets: {:.3f} mm mean by the paper's chain without a map, "

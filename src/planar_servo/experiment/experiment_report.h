@@ -7,19 +7,21 @@
 
 namespace planar {
 
-/// Every figure of an experiment under the keys of --json, lengths in millimetres.
+/// Returns every figure of an experiment under the keys of --json, lengths in millimetres.
 nlohmann::json experiment_json(const ExperimentReport& report);
 
-/// The keys `predicted_mean_mm` and `predicted_p95_mm`.
+/// Returns the keys `predicted_mean_mm` and `predicted_p95_mm`.
 nlohmann::json prediction_json(const PositioningPrediction& prediction);
+/// Returns the prediction in one line for a terminal.
 std::string prediction_text(const PositioningPrediction& prediction);
 
-/// The tables for a terminal.
+/// Returns the tables for a terminal.
 std::string experiment_text(const ExperimentReport& report);
 
-/// Errors before and after at the control targets, as one SVG.
+/// Returns the errors before and after at the control targets as one SVG.
 std::string experiment_figure(const ExperimentReport& report);
 
+/// Returns the text of report.html.
 std::string experiment_page(const ExperimentReport& report, const std::string& cell_name);
 
 }  // namespace planar

@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 
 struct Column {
   const char* title;
-  const char* key;  ///< of experiment_json(), or of its part `part`
+  const char* key;  ///< a key of experiment_json(), or of its part `part`
   const char* part{nullptr};
 };
 
@@ -41,7 +41,7 @@ ExperimentReport run_drawn_cell(const ExperimentRequest& request, std::uint32_t 
   drawn.seed = seed;
   drawn.out = request.out / fmt::format("seed_{}", seed);
   if (fs::exists(drawn.out))
-    throw InputError(drawn.out.string() + ": is there already; name another folder");
+    throw InputError(drawn.out.string() + ": exists already; name another folder");
   make_folder(drawn.out);
   const fs::path truth = drawn.out / "truth.yaml";
   write_truth(truth, draw_truth(seed));

@@ -2,7 +2,7 @@
 
 namespace planar {
 
-/// calib/paper/cell.yaml as it was when the program was built.
+/// Returns the text that calib/paper/cell.yaml had when the program was built.
 const char* paper_cell_text();
 
 }  // namespace planar

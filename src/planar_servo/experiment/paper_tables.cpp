@@ -28,7 +28,7 @@ std::string label_of(int radius_mm) {
   return fmt::format("radius {} mm", radius_mm);
 }
 
-/// The pairs of a recording by their place.
+/// Finds the pairs of a recording by their place.
 class PairsOnCircles {
  public:
   PairsOnCircles(const std::vector<PairRow>& pairs, const std::vector<CirclePoint>& points)
@@ -36,7 +36,7 @@ class PairsOnCircles {
     for (const PairRow& pair : pairs) by_id_.emplace(pair.id, &pair);
   }
 
-  /// The pairs of a circle that checks the maps, in its order.
+  /// Returns the pairs of a circle that checks the maps, in its order.
   std::vector<PairRow> check_circle(int radius_mm) const {
     std::vector<PairRow> pairs;
     for (const CirclePoint& point : points_)
@@ -46,7 +46,7 @@ class PairsOnCircles {
     return pairs;
   }
 
-  /// The places of one circle that every run has.
+  /// Returns the places of one circle that every run has.
   std::vector<std::array<const PairRow*, kRuns>> of_all_runs(int radius_mm) const {
     std::map<int, std::array<const PairRow*, kRuns>> by_index;
     for (const CirclePoint& point : points_)
@@ -69,7 +69,7 @@ class PairsOnCircles {
   std::map<std::string, const PairRow*> by_id_;
 };
 
-/// A calibrated chain and its pairs on the circles.
+/// Holds a calibrated chain and its pairs on the circles.
 struct JudgedChain {
   JudgedChain(const CalibratedChain& judged, const std::vector<CirclePoint>& points)
       : chain(judged),
@@ -81,7 +81,7 @@ struct JudgedChain {
   PairsOnCircles circles;
 };
 
-/// Mean correlation between the error components of the three runs over one circle.
+/// Returns the mean correlation between the error components of the three runs over one circle.
 double run_correlation(const JudgedChain& judged, int radius_mm) {
   std::array<std::vector<double>, kRuns> runs;
   for (const auto& pairs : judged.circles.of_all_runs(radius_mm))
@@ -92,8 +92,8 @@ double run_correlation(const JudgedChain& judged, int radius_mm) {
          3.0;
 }
 
-/// The largest standard deviation, over the points of one circle, of the length of the error that
-/// the map predicts from each of the three runs, metres.
+/// Returns the largest standard deviation over the points of one circle, metres. At each point it
+/// is that of the lengths of the errors that the map predicts from the three runs.
 double prediction_repeatability(const JudgedChain& judged, int radius_mm) {
   double largest = 0.0;
   for (const auto& pairs : judged.circles.of_all_runs(radius_mm)) {
@@ -107,12 +107,12 @@ double prediction_repeatability(const JudgedChain& judged, int radius_mm) {
   return largest;
 }
 
-/// The paper's accuracy (blind to direction) of a map on one of the check circles.
+/// Returns the paper's accuracy, which is blind to direction, of a map on one of the check circles.
 double circle_accuracy(const JudgedChain& judged, const ErrorMap& map, int radius_mm) {
   return check_error_map(map, judged.circles.check_circle(radius_mm)).a2;
 }
 
-/// What went into the maps, and how they judge places that they were not fitted to.
+/// Says what went into the maps, and how they judge places that they were not fitted to.
 std::vector<ComparisonRow> map_sources(const CalibratedChain& ours, const CalibratedChain& paper) {
   constexpr double kNotPrinted = std::numeric_limits<double>::quiet_NaN();
   const auto test = [](const CalibratedChain& chain) {
@@ -129,7 +129,7 @@ std::vector<ComparisonRow> map_sources(const CalibratedChain& ours, const Calibr
            paper_test.compensated.rms / kMillimetre, kNotPrinted}};
 }
 
-/// The mean over the circles of a table.
+/// Returns the mean over the circles of a table.
 ComparisonRow mean_row(const std::string& label, const std::vector<ComparisonRow>& rows) {
   ComparisonRow sum{label, 0.0, 0.0, 0.0};
   const double n = static_cast<double>(rows.size());

@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 
 constexpr char kProgram[] = "planar-experiment";
 
-// Widths that a hand would try, and how finely.
+// The range of widths that a hand tries, and their number.
 constexpr double kHandWidthFrom = 20.0 * kMillimetre;
 constexpr double kHandWidthTo = 320.0 * kMillimetre;
 constexpr int kHandWidths = 25;
@@ -73,7 +73,7 @@ std::vector<PairRow> make_pairs(const ChainSettings& settings, const CellSetting
   return read_pairs(folder / "pairs.csv");
 }
 
-/// The width that a hand finds: the one whose map is best on the test positions.
+/// Fits the map that a hand finds: the one of the width that is best on the test positions.
 MapResult map_by_hand(const std::vector<PairRow>& pairs) {
   const std::vector<PairRow> judges = pairs_to_check(pairs, {"test"});
   std::optional<MapResult> best;
@@ -91,7 +91,9 @@ MapResult map_by_hand(const std::vector<PairRow>& pairs) {
       break;  // wider Gaussians without a ridge are worse conditioned still
     }
   }
-  if (!best) throw WorkError("no width by hand gives a map of these pairs");
+  if (!best)
+    throw WorkError(
+        "no width set by hand gives a map of these pairs: the equations cannot be solved");
   return std::move(*best);
 }
 

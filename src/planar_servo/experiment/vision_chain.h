@@ -15,37 +15,39 @@
 
 namespace planar {
 
-/// How a cell's vision is calibrated and its loop closed.
+/// Says how a cell's vision is calibrated and how its loop is closed.
 struct ChainSettings {
-  std::string name;          ///< also the name of the folder that takes the chain's files
-  std::string camera_model;  ///< of calibration_model_names()
+  std::string name;          ///< also names the folder that takes the chain's files
+  std::string camera_model;  ///< one of calibration_model_names()
   CenterMethod center{CenterMethod::kAuto};
-  bool plane_from_board{false};  ///< the plane from a board laid on it, else from the pairs
-  bool hand_width{false};  ///< a Gaussian width turned by hand on the test positions, no ridge
+  bool plane_from_board{false};  ///< takes the plane from a board laid on it, else from the pairs
+  /// Takes a Gaussian without ridge whose width is turned by hand on the test positions.
+  bool hand_width{false};
   ServoSettings servo;
 };
 
-/// Ours: every choice by held-out or leave-one-out error, the cell's own servo settings.
+/// Returns our chain, which makes every choice by held-out or leave-one-out error and has the
+/// cell's own servo settings.
 ChainSettings our_chain(const CellSettings& cell);
 
-/// The paper's: one radial coefficient, Canny and Kasa, the plane from a board, a width by hand,
-/// its inverse law with single frames from wherever the arm comes.
+/// Returns the paper's chain: one radial coefficient, Canny and Kasa, the plane from a board, a
+/// width by hand, and its inverse law with single frames from wherever the arm comes.
 ChainSettings paper_chain(const CellSettings& cell);
 
-/// What was recorded, read once for every chain.
+/// Holds what was recorded, read once for every chain.
 struct RecordedCell {
   std::filesystem::path folder;
   std::vector<FrameRow> frames;
   std::vector<TrackerRow> tracker;
   Board board;
-  BoardViews boards;  ///< the board held into the view
+  BoardViews boards;  ///< views of the board held into the view
 };
 
-/// Throws InputError when the recording lacks a table.
+/// Reads a recording. Throws InputError when it lacks a table.
 RecordedCell read_recorded_cell(const std::filesystem::path& recording, const Board& board);
 
-/// A chain calibrated from what was recorded only. Its files stand in `folder/name` as the programs
-/// write them, and `cell` names them.
+/// Holds a chain calibrated from what was recorded only. Its files are in `folder/name`, as the
+/// programs write them, and `cell` names them.
 struct CalibratedChain {
   ChainSettings settings;
   CellSettings cell;
@@ -54,6 +56,7 @@ struct CalibratedChain {
   MapResult map;
 };
 
+/// Calibrates a chain from a recording and writes its files.
 CalibratedChain calibrate_chain(const ChainSettings& settings, const CellSettings& cell,
                                 const RecordedCell& recorded, const std::filesystem::path& folder);
 

@@ -27,8 +27,8 @@ constexpr Named<ServoLaw> kLaws[] = {{ServoLaw::kJacobian, "jacobian"},
 constexpr Named<Approach> kApproaches[] = {{Approach::kOneSide, "one_side"},
                                            {Approach::kDirect, "direct"}};
 
-/// The kind that `key` asks for; null, with a fault, when there is none of that name. Nothing else
-/// in the block can be judged then, and its keys are not called unknown.
+/// Returns the kind that `key` asks for. When there is none of that name it adds a fault and
+/// returns null. The block's other keys cannot be judged then and are not called unknown.
 template <typename Kind>
 const Kind* kind_at(const YamlNode& node, const char* key, const std::vector<const Kind*>& kinds) {
   std::vector<std::string> names;
@@ -144,7 +144,8 @@ LampSettings read_lamps(const YamlNode& node) {
   return lamps;
 }
 
-/// Without a source, the tracker is virtual in a virtual cell, and there is none in a real one.
+/// Reads the tracker. A file that names no source has a virtual tracker in a virtual cell and none
+/// in a real one.
 TrackerSettings read_tracker(const YamlNode& node, const CellSettings& cell,
                              const DeviceKinds& kinds) {
   TrackerSettings tracker;

@@ -7,11 +7,11 @@
 
 namespace planar {
 
-/// Reads a cell file strictly; the devices that it asks for are of `kinds`. Throws InputError
+/// Reads a cell file strictly. The devices that it asks for must be of `kinds`. Throws InputError
 /// naming every fault with FILE:LINE:COLUMN.
 CellSettings read_cell(const std::filesystem::path& path, const DeviceKinds& kinds);
 
-/// Returns `path` when it exists, and else throws InputError naming `program`, which makes that
+/// Returns `path` when it exists. Otherwise throws InputError naming `program`, which makes that
 /// file.
 const std::filesystem::path& require_made(const std::filesystem::path& path,
                                           const std::string& program);

@@ -14,7 +14,7 @@
 namespace planar {
 namespace {
 
-/// Names every file that is missing, with the program that makes it.
+/// Throws InputError naming every file that is missing, with the program that makes it.
 void require_files(const CellSettings& cell, bool with_error_map) {
   Faults faults;
   const auto require = [&](const std::filesystem::path& path, const std::string& program) {
@@ -42,8 +42,8 @@ CameraModel read_cell_camera(const CellSettings& cell) {
       read_camera(require_made(cell.camera_model, "planar-calibrate-camera"));
   if (record.width_px != cell.camera.width_px || record.height_px != cell.camera.height_px)
     throw InputError(fmt::format(
-        "{}: is of a camera with {} x {} px; the cell's has {} x {} px; name the camera file of "
-        "this camera in the cell file, or calibrate it with planar-calibrate-camera",
+        "{}: was made for a camera with {} x {} px, but the cell's has {} x {} px; name the file "
+        "of the cell's camera in the cell file, or make it with planar-calibrate-camera",
         cell.camera_model.string(), record.width_px, record.height_px, cell.camera.width_px,
         cell.camera.height_px));
   return record.camera;

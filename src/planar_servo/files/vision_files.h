@@ -7,11 +7,11 @@
 namespace planar {
 
 /// Reads the cell's camera, workplane, tool and, when asked for, error map. Throws InputError
-/// naming every file that is missing, with the program that makes it, and a camera file of another
-/// image size than the cell's.
+/// naming every file that is missing with the program that makes it, and for a camera file of
+/// another image size than the cell's.
 VisionCalibration read_vision(const CellSettings& cell, bool with_error_map);
 
-/// Reads as much of the cell's vision as there are files for; the error map is left out.
+/// Reads as much of the cell's vision as there are files for. The error map is left out.
 LampScene read_lamp_scene(const CellSettings& cell);
 
 /// Reads the cell's camera. Throws InputError when it was calibrated for images of another size

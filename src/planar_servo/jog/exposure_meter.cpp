@@ -9,9 +9,9 @@ namespace planar {
 namespace {
 
 constexpr int kWhite = 255;
-constexpr int kLeastPeak = 128;  // below it half of the levels lie idle
-/// Lamps that are cut at their top keep their edges, by which they are measured; a few pixels will
-/// do no harm, more say that the edges are near.
+constexpr int kLeastPeak = 128;  // below this, half of the grey levels are unused
+/// The share of lit pixels that may be saturated. Lamps are measured by their edges, which clipping
+/// at the top leaves alone; a larger share says that the edges are clipped soon.
 constexpr double kMostSaturated = 0.02;
 constexpr std::size_t kHotPixels = 20;
 constexpr int kBarWidth = 32;
@@ -27,7 +27,7 @@ Histogram histogram_of(const cv::Mat& image) {
   return counts;
 }
 
-/// The highest level that more than `n` pixels reach.
+/// Returns the highest level that more than `n` pixels reach.
 int level_reached(const Histogram& counts, std::size_t n) {
   std::size_t above = 0;
   for (int level = kWhite; level > 0; --level) {

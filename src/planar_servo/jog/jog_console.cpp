@@ -18,10 +18,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A jog is short enough to be stopped by letting go: longer ways go by planar-servo.
+// A jog must be short enough to be stopped by letting go of the key. Longer ways go by
+// planar-servo.
 constexpr double kMostTurn = 15.0 * kDegree;
 constexpr double kMostStep = 50.0 * kMillimetre;
-constexpr int kPathPoints = 16;  // of a jog, held against the workspace
+constexpr int kPathPoints = 16;  // points on the way of a jog that are held against the workspace
 
 bool has_vision(const CellSettings& cell) {
   return fs::exists(cell.camera_model) && fs::exists(cell.workplane) && fs::exists(cell.tool);
@@ -33,7 +34,7 @@ double number_of(const std::string& word, const std::string& what) {
   return *value;
 }
 
-/// From 0.
+/// Returns the joint that a word names, counted from 0.
 int joint_of(const std::string& word) {
   if (word != "1" && word != "2" && word != "3")
     throw InputError(fmt::format("the joint is '{}'; allowed are 1, 2, 3", word));
@@ -44,7 +45,7 @@ int joint_of(const std::string& word) {
 
 struct JogConsole::Command {
   const char* verb;
-  std::size_t least_words, most_words;  ///< after the verb
+  std::size_t least_words, most_words;  ///< words that follow the verb
   std::string (JogConsole::*work)(const Words&);
   const char* help;
 };
@@ -52,13 +53,15 @@ struct JogConsole::Command {
 const std::vector<JogConsole::Command>& JogConsole::commands() {
   static const std::vector<Command> commands{
       {"enable", 0, 0, &JogConsole::enable, "switch the drives on, also after a fault"},
-      {"home", 0, 1, &JogConsole::home, "[JOINT]: search the home switch of one, or where needed"},
-      {"mark", 1, 1, &JogConsole::mark, "JOINT: the motor stands at its mark now"},
+      {"home", 0, 1, &JogConsole::home,
+       "[JOINT]: search the home switch of that joint, or of every joint that needs it"},
+      {"mark", 1, 1, &JogConsole::mark, "JOINT: say that the motor stands at its mark now"},
       {"joint", 2, 2, &JogConsole::turn_joint, "JOINT DEG: turn one motor"},
       {"x", 1, 1, &JogConsole::move_x, "MM: move the end point along x"},
       {"y", 1, 1, &JogConsole::move_y, "MM: move the end point along y"},
-      {"where", 0, 0, &JogConsole::where, "joints and end point as commanded"},
-      {"look", 0, 0, &JogConsole::look, "brightness of the picture, end point as it is seen"},
+      {"where", 0, 0, &JogConsole::where, "show joints and end point as commanded"},
+      {"look", 0, 0, &JogConsole::look,
+       "show the picture's brightness and the end point as it is seen"},
       {"exposure", 1, 2, &JogConsole::expose, "US [GAIN_DB]: set exposure time and gain, and look"},
       {"teach", 1, 1, &JogConsole::teach, "ID: append this place to the targets"}};
   return commands;
@@ -92,7 +95,7 @@ JogConsole::Answer JogConsole::execute(const std::string& line) {
     return {false, fmt::format("there is no command '{}'; 'help' lists them", words[0])};
   words.erase(words.begin());
   if (words.size() < command->least_words || words.size() > command->most_words)
-    return {false, fmt::format("'{}' is not understood; needed is {} {}", line, command->verb,
+    return {false, fmt::format("'{}' is not understood; help says '{} {}'", line, command->verb,
                                command->help)};
   try {
     return {true, (this->*command->work)(words)};
@@ -110,7 +113,7 @@ const char* JogConsole::help() {
     std::string lines;
     for (const Command& command : commands())
       lines += fmt::format("{:<9} {}\n", command.verb, command.help);
-    return lines + "quit      end; the drives halt";
+    return lines + "quit      end the program; the drives halt";
   }();
   return text.c_str();
 }
@@ -173,7 +176,7 @@ std::string JogConsole::move_to(const Joints& theta) {
   if (!enabled_) throw InputError("the drives are off; enable them first");
   if (const auto forbidden = refusal(theta)) throw InputError(*forbidden);
   FrameSource& camera = devices_.camera();
-  PlanarRobot::Guard guard;  // jogging goes on without a camera that was lost before
+  PlanarRobot::Guard guard;  // stays empty after a loss of the camera: jogging goes on
   if (!camera.fault()) guard = [&camera] { return camera.fault(); };
   if (const auto objection = robot_.move_to(theta, guard))
     throw WorkError(*objection + "; the arm has stopped at " + where({}));
@@ -234,7 +237,8 @@ std::string JogConsole::expose(const Words& words) {
 }
 
 std::string JogConsole::teach(const Words& words) {
-  if (!taught_) throw InputError("there is no table to teach; begin with --teach targets.csv");
+  if (!taught_)
+    throw InputError("there is no table to teach; start planar-jog with --teach targets.csv");
   const TipPose commanded = planner_.arm().forward(robot_.commanded_joints());
   if (!sensor_) {
     taught_->append({words[0], commanded.p, commanded.phi});
@@ -242,7 +246,7 @@ std::string JogConsole::teach(const Words& words) {
                        words[0], place_mm(commanded.p));
   }
   const TipMeasurement seen = measure();
-  if (!seen.ok()) throw WorkError("nothing taught: the tool is not measured: " + seen.word);
+  if (!seen.ok()) throw WorkError("nothing was taught; the tool is not measured: " + seen.word);
   taught_->append({words[0], seen.tip.p, commanded.phi});
   return fmt::format("taught {} at {} as seen", words[0], place_mm(seen.tip.p));
 }

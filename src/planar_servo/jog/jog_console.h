@@ -15,29 +15,31 @@
 
 namespace planar {
 
-/// What a person may do with a cell by hand, a command at a time:
+/// Lets a person move a cell by hand, one command at a time:
 ///   enable | home [JOINT] | mark JOINT | joint JOINT DEG | x MM | y MM | where | look |
 ///   exposure US [GAIN_DB] | teach ID
-/// Joints count from 1; they turn by what their motor turns behind its gear, and carry what rides
-/// on them. A command that is wrong, or a motion that is too long, leaves the workspace or a
-/// motor's limits, changes nothing. From outside the workspace only ways that lead towards it are
-/// open.
+/// Joints count from 1. `joint` turns the motor behind its gear by the angle, and with it what
+/// rides on that link. Nothing changes for a command that is wrong and for a motion that is too
+/// long or leaves the workspace or a motor's limits. From outside the workspace only ways that lead
+/// towards it are open.
 class JogConsole {
  public:
+  /// The answer to a command.
   struct Answer {
     bool done{true};
-    std::string text;  ///< what was done, or why not
+    std::string text;  ///< says what was done, or why it was not
   };
 
-  /// The table of `teach` may be empty: then nothing can be taught. `stop` is as
-  /// PlanarRobot::stop_when() has it. Moves nothing. Throws
-  /// InputError for a table that cannot be gone on with and for files of the cell that cannot be
-  /// read.
+  /// Opens the console and moves nothing. With an empty path `teach` nothing can be taught. `stop`
+  /// is as in PlanarRobot::stop_when(). Throws InputError for a table that cannot be appended to
+  /// and for files of the cell that cannot be read.
   JogConsole(const CellSettings& cell, CellDevices& devices, const std::filesystem::path& teach,
              const std::function<bool()>& stop = {});
 
+  /// Executes one command.
   Answer execute(const std::string& line);
 
+  /// Returns a line for each command.
   static const char* help();
 
  private:
@@ -58,7 +60,7 @@ class JogConsole {
 
   std::string move_by(const Eigen::Vector2d& step);
   std::string move_to(const Joints& theta);
-  /// What forbids the way from where the arm is; empty when nothing does.
+  /// Returns what forbids the way from where the arm is to these joints, if anything does.
   std::optional<std::string> refusal(const Joints& theta) const;
   TipMeasurement measure();
 
@@ -66,7 +68,7 @@ class JogConsole {
   CellDevices& devices_;
   JointPlanner planner_;
   PlanarRobot robot_;
-  std::optional<LampTipSensor> sensor_;  ///< none: the cell's vision is not calibrated yet
+  std::optional<LampTipSensor> sensor_;  ///< empty while the cell's vision is not calibrated
   bool compensated_{false};
   std::optional<TaughtTargets> taught_;
   bool enabled_{false};

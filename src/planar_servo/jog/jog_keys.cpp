@@ -12,7 +12,7 @@ constexpr int kLastStep = 2;
 
 struct MotionKey {
   const char* key;
-  const char* motion;  ///< the step follows, with its sign
+  const char* motion;  ///< begins the command; the step follows with its sign
 };
 
 constexpr MotionKey kMotions[] = {{"\x1b[C", "x "},  {"\x1b[D", "x -"},  {"\x1b[A", "y "},

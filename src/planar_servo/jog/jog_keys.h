@@ -5,18 +5,19 @@
 
 namespace planar {
 
-/// Turns keys into the commands of a JogConsole. One step serves all motions: 0.1, 1 or 10 mm or
-/// degrees.
+/// Turns keys into the commands of a JogConsole. One step of 0.1, 1 or 10 serves all motions, in mm
+/// or degrees.
 class JogKeys {
  public:
-  /// The command of a key as a terminal sends it ("q", "\x1b[A"); empty when it has none.
+  /// Returns the command of a key as a terminal sends it ("q", "\x1b[A"). Empty for a key that has
+  /// no command.
   std::optional<std::string> command(const std::string& key);
 
-  /// What the keys do, and the step at present.
+  /// Says what the keys do, and the present step.
   std::string help() const;
 
  private:
-  int step_{1};  ///< of the list of steps
+  int step_{1};  ///< index in the list of steps
 };
 
 }  // namespace planar

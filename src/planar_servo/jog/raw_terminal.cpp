@@ -9,7 +9,7 @@ namespace planar {
 namespace {
 
 constexpr char kEscape = '\x1b';
-constexpr int kSequence_ms = 20;  // the characters of one key come together
+constexpr int kSequence_ms = 20;  // the characters of one key arrive within this time
 
 bool more_follows(int patience_ms) {
   pollfd input{STDIN_FILENO, POLLIN, 0};
@@ -60,7 +60,7 @@ bool RawTerminal::other_key_than(const std::string& key) {
   bool other = false;
   while (more_follows(0)) {
     const auto pressed = this->key();
-    if (!pressed) return true;  // whoever watched is gone
+    if (!pressed) return true;  // the input has ended: nobody watches any more
     other = other || *pressed != key;
   }
   return other;

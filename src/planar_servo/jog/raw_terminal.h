@@ -7,25 +7,27 @@
 
 namespace planar {
 
-/// The terminal on standard input, key by key and without echo while this lives; as before after.
+/// Reads the terminal on standard input key by key and without echo. The destructor restores the
+/// terminal.
 class RawTerminal {
  public:
+  /// Returns true when standard input is a terminal.
   static bool is_there();
 
-  /// Throws WorkError when standard input is no terminal.
+  /// Sets the terminal up. Throws WorkError when standard input is no terminal.
   RawTerminal();
   ~RawTerminal();
   RawTerminal(const RawTerminal&) = delete;
   RawTerminal& operator=(const RawTerminal&) = delete;
 
-  /// Waits for a key, of which an arrow sends three characters; empty at the end of input.
+  /// Waits for a key and returns its characters; an arrow sends three. Empty at the end of input.
   std::optional<std::string> key();
 
-  /// A line, echoed and edited as usual; empty at the end of input.
+  /// Reads a line, echoed and edited as usual. Empty at the end of input.
   std::optional<std::string> line();
 
-  /// Whether keys other than this one were pressed meanwhile; forgets them and repetitions of it,
-  /// which a key that is held down sends. Does not wait.
+  /// Returns true when keys other than this one were pressed meanwhile. It does not wait. It
+  /// forgets those keys, and the repetitions that a key sends while it is held down.
   bool other_key_than(const std::string& key);
 
   /// Forgets keys that were pressed meanwhile, such as those of a key held down during a motion.

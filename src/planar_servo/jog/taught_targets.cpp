@@ -12,12 +12,13 @@
 namespace planar {
 namespace {
 
-/// The lines of a table that is to grow.
+/// Returns the text of a table that is to grow; empty when there is no file.
 std::string text_of(const std::filesystem::path& path) {
   if (!std::filesystem::exists(path)) return "";
   std::string text = read_file(path);
   if (!text.empty() && text.back() != '\n')
-    throw InputError(path.string() + ": its last line has no end; mend it or name another file");
+    throw InputError(path.string() +
+                     ": the last line does not end with a newline; mend it or name another file");
   return text;
 }
 
@@ -37,10 +38,10 @@ std::set<std::string> ids_in(const std::filesystem::path& path) {
     }
     if (lines.has_columns() && !had_columns &&
         split_fields(line) != std::vector<std::string_view>{"id", "x_mm", "y_mm", "phi_deg"})
-      throw InputError(fmt::format(
-          "{}:{}: the header is '{}'; only a table with the header id,x_mm,y_mm,phi_deg can be "
-          "taught more: name another file",
-          path.string(), lines.line(), line));
+      throw InputError(
+          fmt::format("{}:{}: the header is '{}'; targets can only be added below "
+                      "id,x_mm,y_mm,phi_deg; name another file",
+                      path.string(), lines.line(), line));
   }
   faults.throw_if_any();
   if (!whole.empty() && !lines.has_columns())
@@ -58,8 +59,9 @@ TaughtTargets::TaughtTargets(std::filesystem::path path)
 
 void TaughtTargets::append(const TargetRow& target) {
   if (target.id.empty() || target.id[0] == '#' || target.id.find(',') != std::string::npos)
-    throw InputError(
-        fmt::format("the id '{}' cannot stand in a table: no comma, no '#' first", target.id));
+    throw InputError(fmt::format(
+        "the id '{}' cannot stand in a table; an id has no comma and does not begin with '#'",
+        target.id));
   if (ids_.count(target.id) != 0)
     throw InputError(fmt::format("the id '{}' is taken; ids must differ", target.id));
   GrowingFile(path_, targets_header()).append(target_line(target));

@@ -8,15 +8,16 @@
 
 namespace planar {
 
-/// A targets.csv that grows by places shown to it, a whole line at a time.
+/// A targets.csv to which taught places are appended, a whole line at a time.
 class TaughtTargets {
  public:
-  /// Goes on with the file that is there; one that is empty or missing is begun with the first
-  /// target. Throws InputError naming its bad rows, when its columns are not id, x_mm, y_mm,
-  /// phi_deg in this order, when its last line has no end, or when the file could not be written.
+  /// Continues the file that is there. A file that is empty or missing is begun with the first
+  /// target. Throws InputError naming bad rows, when the columns are not id, x_mm, y_mm, phi_deg in
+  /// this order, when the last line has no end, and when the file cannot be written.
   explicit TaughtTargets(std::filesystem::path path);
 
-  /// Throws InputError for an id that is taken or cannot be one; the file is as before then.
+  /// Appends a target. Throws InputError for an id that is taken or cannot be one; the file is then
+  /// unchanged.
   void append(const TargetRow& target);
 
  private:

@@ -10,7 +10,8 @@
 namespace planar {
 namespace {
 
-/// Nobody holds the calibration board of a real cell.
+/// The presenter of a real cell. Nobody holds its calibration board, so asking for the board is an
+/// error.
 class NoPresenter final : public BoardPresenter {
  public:
   void hold_board(int /*view*/) override { refuse(); }
@@ -64,7 +65,7 @@ void check_drives(const CellSettings& cell, Faults& faults) {
     if (drive.kind->is_virtual() != cell.camera.kind->is_virtual())
       faults.add(
           fmt::format("{}: camera.source is {}, but drives have the kind {}; a virtual camera "
-                      "sees virtual drives only, a real one sees none of them",
+                      "needs virtual drives, and a real one real drives",
                       file, cell.camera.kind->name(), drive.kind->name()));
   }
 }

@@ -12,24 +12,26 @@
 
 namespace planar {
 
-/// The devices of a cell, opened. Whoever holds them cannot tell a virtual cell from a real one,
-/// but for `true_tip`, which only a scorer may ask.
+/// Holds the opened devices of a cell. Its user cannot tell a virtual cell from a real one, except
+/// by `true_tip`, which only a scorer may ask.
 class CellDevices {
  public:
   virtual ~CellDevices() = default;
+  /// These are the devices. They live as long as this object. A virtual cell has a clock of its
+  /// own.
   virtual Clock& clock() = 0;
   virtual FrameSource& camera() = 0;
   virtual DriveGroup& drives() = 0;
   virtual Tracker& tracker() = 0;
   virtual BoardPresenter& board_presenter() = 0;
 
-  /// The end point as it really is, in the base frame; empty unless the cell is virtual. For the
-  /// scorer of `_truth` figures only.
+  /// Returns a function that tells the true end point in the base frame, or an empty one unless the
+  /// cell is virtual. It serves the scorer of `_truth` figures only.
   virtual std::function<TipPose()> true_tip() = 0;
 };
 
-/// Throws InputError naming every device of the cell that does not go with the others, and when a
-/// virtual cell names no truth file.
+/// Checks that the cell's devices go together. Throws InputError naming every device that does not
+/// go with the others, and when a virtual cell names no truth file.
 void require_devices(const CellSettings& cell);
 
 /// Opens the devices that the cell names, each by its kind. Throws what require_devices() and the

@@ -6,8 +6,8 @@
 
 namespace planar {
 
-/// The kinds of cameras, drives and trackers that this version can open. A new kind is a folder of
-/// its own (see CONTRIBUTING.md) and a line in the list behind this function.
+/// Returns the kinds of cameras, drives and trackers that this version can open. A new kind is a
+/// folder of its own (see CONTRIBUTING.md) and a line in the list behind this function.
 const DeviceKinds& device_kinds();
 
 /// Reads a cell file that may ask for any of device_kinds(). Throws InputError naming every fault

@@ -5,10 +5,10 @@
 
 namespace planar {
 
-/// What a virtual cell with these settings is made of.
+/// Returns the hardware that a virtual cell with these settings is made of.
 VirtualHardware virtual_hardware(const CellSettings& cell);
 
-/// The camera of a virtual cell: `source: virtual`.
+/// The kind `source: virtual`: the camera of a virtual cell.
 class VirtualCameraKind final : public CameraKind {
  public:
   std::string name() const override { return "virtual"; }
@@ -18,19 +18,19 @@ class VirtualCameraKind final : public CameraKind {
   std::vector<Finding> examine(const CellSettings& cell) const override;
 };
 
-/// The drives of a virtual cell: `kind: virtual`.
+/// The kind `kind: virtual`: the drives of a virtual cell.
 class VirtualDriveKind final : public DriveKind {
  public:
   std::string name() const override { return "virtual"; }
   bool is_virtual() const override { return true; }
-  /// A virtual drive's home switch is where the drive stands at first.
+  /// Puts the drive's home switch where the drive stands at first.
   void complete(CellSettings& cell, std::size_t joint) const override;
   std::shared_ptr<DriveGroup> open(const CellSettings& cell,
                                    const std::shared_ptr<VirtualCell>& world) const override;
   std::vector<Finding> examine(const CellSettings& cell) const override;
 };
 
-/// The tracker of a virtual cell: `source: virtual`.
+/// The kind `source: virtual`: the tracker of a virtual cell.
 class VirtualTrackerKind final : public TrackerKind {
  public:
   std::string name() const override { return "virtual"; }
@@ -39,7 +39,7 @@ class VirtualTrackerKind final : public TrackerKind {
                                 const std::shared_ptr<VirtualCell>& world) const override;
 };
 
-/// No tracker at all: `source: none`.
+/// The kind `source: none`: no tracker at all. What it opens never returns a reading.
 class NoTrackerKind final : public TrackerKind {
  public:
   std::string name() const override { return "none"; }

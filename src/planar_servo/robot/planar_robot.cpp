@@ -76,9 +76,10 @@ std::vector<int> PlanarRobot::unhomed() {
 void PlanarRobot::search_home(int joint) {
   const MotorDrive& motor = motor_drive(joint);
   if (motor.home == HomeReference::kTaught)
-    throw DriveError(fmt::format(
-        "drive {} has no home switch: turn it to its mark at {:.3f} deg and teach it that",
-        joint + 1, motor.home_rad / kDegree));
+    throw DriveError(
+        fmt::format("drive {0} has no home switch; turn it to its mark at {1:.3f} deg, then say so "
+                    "(mark {0} in planar-jog)",
+                    joint + 1, motor.home_rad / kDegree));
   throw_if_stopped();
   require_well();
   try {
@@ -123,9 +124,7 @@ std::optional<std::string> PlanarRobot::move_to(const Joints& theta, const Guard
     throw WorkError("the arm refuses to move: " + *violation);
   }
   if (getRobotState() == STATE_VELOCITY_CONTROL)
-    throw WorkError(
-        "the arm is under velocity control; it has to be ended before the arm can go to a "
-        "position");
+    throw WorkError("the arm is under velocity control; end that before it moves to a position");
   const Pulses target = transmission_.pulses_from_joints(theta);
   require_ready();
   bool stops = false;
@@ -210,7 +209,7 @@ PlanarRobot::Status PlanarRobot::require_ready() {
   Status status = require_well();
   for (std::size_t i = 0; i < 3; ++i)
     if (!status[i].position_certain)
-      throw DriveError(fmt::format("drive {} has lost its position; home the arm", i + 1));
+      throw DriveError(fmt::format("drive {} has lost its position; home it first", i + 1));
   note_speeds(status);
   return status;
 }

@@ -8,19 +8,21 @@
 
 namespace planar {
 
-/// The joints and pulses that a target's first, open-loop move would command; a refusal in words
-/// where the arm would not move.
+/// Holds the joints and pulses that a target's first, open-loop move would command. The plan holds
+/// a refusal in words where the arm would not move.
 struct DryRunRow {
   std::string id;
   JointPlan plan;
   Pulses pulses{0, 0, 0};
 };
 
-/// Plans the first move to one target after the other, from the home position on, without any
+/// Plans the first move to one target after the other, beginning at the home position. It needs no
 /// device.
 class DryRun {
  public:
+  /// Starts at the cell's home position.
   explicit DryRun(const CellSettings& cell);
+  /// Plans the move to a target from where the arm stands after the moves planned before.
   DryRunRow plan(const TargetRow& target);
 
  private:
@@ -29,7 +31,8 @@ class DryRun {
   Joints near_;
 };
 
-/// The pose that a target asks for; one that names no direction takes `tool_orientation` (radians).
+/// Returns the pose that a target asks for. A target that names no direction takes
+/// `tool_orientation` (radians).
 TipPose target_pose(const TargetRow& target, double tool_orientation);
 
 }  // namespace planar

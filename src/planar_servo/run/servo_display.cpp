@@ -36,7 +36,7 @@ ServoDisplay::ServoDisplay(DisplayPolicy policy, const std::filesystem::path& pi
   if (!window && policy == DisplayPolicy::kX) {
     const char* display = std::getenv("DISPLAY");
     throw InputError(fmt::format(
-        "--display x: no X server answers at DISPLAY '{}'; start one, or take --display auto",
+        "--display x: no X server answers at DISPLAY '{}'; start one, or use --display auto",
         display == nullptr ? "" : display));
   }
   view_ = std::make_unique<LiveView>(picture, window);

@@ -10,29 +10,31 @@
 
 namespace planar {
 
-/// What `--display` asks for.
+/// Says what `--display` asks for.
 enum class DisplayPolicy {
   kNone,  ///< nothing is drawn
   kAuto,  ///< a picture file, and a window where an X server answers
-  kX,     ///< both, or an error
+  kX,     ///< both; it is an error when no X server answers
 };
 
-/// "none", "auto" or "x".
+/// Returns the policy of the name "none", "auto" or "x". Throws InputError for any other name.
 DisplayPolicy display_policy_named(const std::string& name);
 
 /// Shows every step of a servo as it is measured.
 class ServoDisplay {
  public:
-  /// Throws InputError when a window is asked for and no X server answers.
+  /// Opens what the policy asks for; `picture` is the file that is drawn. Throws InputError when a
+  /// window is asked for and no X server answers.
   ServoDisplay(DisplayPolicy policy, const std::filesystem::path& picture);
 
+  /// Shows a step. It does nothing when nothing is to be drawn.
   void show(const ServoSight& sight);
 
-  /// Draws the last step, if it has not been, and warns of what went wrong.
+  /// Draws the last step if it has not been drawn yet, and warns of what went wrong.
   void close();
 
  private:
-  std::unique_ptr<LiveView> view_;  ///< none: nothing is drawn
+  std::unique_ptr<LiveView> view_;  ///< null when nothing is drawn
   std::vector<Eigen::Vector2d> errors_m_;
 };
 

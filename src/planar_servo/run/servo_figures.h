@@ -11,24 +11,26 @@
 
 namespace planar {
 
-/// One of the errors of a TargetResult.
+/// Selects one of the errors of a TargetResult.
 using TargetError = std::optional<Eigen::Vector2d> TargetResult::*;
 
-/// The lengths of an error at the targets where it is known, metres.
+/// Returns the lengths of an error at the targets where it is known, metres.
 std::vector<double> error_lengths(const std::vector<TargetResult>& results, TargetError error);
 
-/// The mean of these lengths; NaN when there are none.
+/// Returns the mean of error_lengths(), or NaN when there are none.
 double mean_error(const std::vector<TargetResult>& results, TargetError error);
 
-/// What came of a run: figures over the targets that were measured, empty when there are none.
+/// Holds the figures of a run over the targets that were measured. A figure is empty when there is
+/// none.
 struct ServoFigures {
   std::size_t targets{0}, reached{0};
   double iterations_median{0.0};
   double seconds_per_target{0.0};
   std::optional<Summary> before_own, after_own, before_truth, after_truth;  ///< metres
-  std::optional<FrameCounts> frames;  ///< of the camera while it was open; added by who has it
+  std::optional<FrameCounts> frames;  ///< of the camera; added by whoever has the camera
 };
 
+/// Computes the figures of a run without those of its camera.
 ServoFigures figures_of(const std::vector<TargetResult>& results);
 
 }  // namespace planar

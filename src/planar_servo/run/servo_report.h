@@ -10,22 +10,23 @@
 
 namespace planar {
 
-/// The figures under the keys of --json: before, after and improvement with the suffix of who
-/// judged them, in millimetres.
+/// Returns the figures under the keys of --json, in millimetres. The keys before, after and
+/// improvement have the suffix of who judged them.
 nlohmann::json servo_json(const ServoFigures& figures);
 
-/// The figures as lines for a terminal; the headline is `_truth` where there is one.
+/// Returns the figures as lines for a terminal. The figures against the truth come first where
+/// there are any.
 std::string servo_text(const ServoFigures& figures);
 
-/// run.yaml: cell, targets and their hashes, settings, outcome.
+/// Returns the text of run.yaml: the files used with their hashes, settings and outcome.
 std::string run_text(const ServoRequest& request, const ServoFigures& figures,
                      const std::vector<std::filesystem::path>& inputs);
 
-/// An error at each target where it is known, under a title with its mean.
+/// Returns a panel with an error at each target where it is known, under a title with its mean.
 QuiverPanel error_panel(const std::string& what, const std::vector<TargetResult>& results,
                         TargetError error);
 
-/// report.html of one run.
+/// Returns the text of report.html of one run.
 std::string servo_page(const ServoRequest& request, const std::vector<TargetResult>& results);
 
 /// Writes run.yaml and report.html into the run's folder. The run used the files of its cell and

@@ -16,10 +16,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kCameraPatience_s = 60.0;  ///< for a camera that fails, from a target's beginning
+/// The longest wait for a camera that fails, counted from the beginning of a target.
+constexpr double kCameraPatience_s = 60.0;
 constexpr double kCameraPoll_s = 0.05;
 constexpr double kDrivePatience_s = 60.0;
-/// For one target; a drive that fails again and again is broken.
+/// The most recoveries of drives for one target. A drive that fails more often is broken.
 constexpr int kMaxDriveRecoveries = 3;
 
 std::vector<TargetResult> results_so_far(const fs::path& folder, bool resume) {

@@ -17,57 +17,61 @@
 
 namespace planar {
 
+/// Says how a cell closes its loop, and where the run's files go.
 struct ServoRequest {
   CellSettings cell;
-  CenterMethod center{CenterMethod::kAuto};  ///< how lamps' centres are measured
+  CenterMethod center{CenterMethod::kAuto};  ///< the way in which lamps' centres are measured
   bool use_error_map{true};
   std::filesystem::path out;  ///< steps.csv and results.csv grow here, a line at a time
-  bool resume{false};         ///< go on with the run that the folder holds
-  /// Whether drives that lost their position, named in words, may be homed now, which moves the
-  /// arm. Empty: never.
+  bool resume{false};         ///< continues the run that the folder holds
+  /// Is asked whether drives that lost their position may be homed now, which moves the arm. Its
+  /// argument names the drives in words. Empty: they may not.
   std::function<bool(const std::string& unhomed)> may_home{};
-  std::function<bool()> stop{};  ///< as PlanarRobot::stop_when() has it
+  std::function<bool()> stop{};  ///< asked during every move; see PlanarRobot::stop_when()
 };
 
-/// A look of the servo at the tool, for whoever shows it.
+/// Shows an observer one look of the servo at the tool.
 struct ServoSight {
   const std::string& target_id;
   const ServoStep& step;
-  const Frame& frame;  ///< the last one of the measurement
-  /// Where the lamps would be with the end point at the target, as vision errs there.
+  const Frame& frame;  ///< the last frame of the measurement
+  /// Where the lamps would be with the end point at the target, shifted by the vision error there.
   std::optional<LampPixels> wanted_px;
 };
 
-/// A cell that closes its loop over one target after the other: an open-loop move, then corrections
-/// by vision, every step logged.
+/// Closes a cell's loop over one target after the other: an open-loop move, then corrections by
+/// vision. It logs every step.
 class ServoRun {
  public:
+  /// Is called at every step. It must not take long.
   using Observer = std::function<void(const ServoSight&)>;
 
-  /// Switches the drives on. `observer`, which may be empty, is called at every step and must not
-  /// take long. Throws InputError when the folder holds a run and `resume` is not set, or none and
-  /// it is.
+  /// Switches the drives on. `observer` may be empty. Throws InputError when the folder holds a run
+  /// and `resume` is not set, or when it holds none and `resume` is set.
   ServoRun(const ServoRequest& request, CellDevices& devices, Observer observer = {});
 
-  /// A target that fails has a result like the others, unless a device fails or somebody stops the
-  /// arm: that throws WorkError, with all that was done in the files. When the camera fails the arm
-  /// stops and waits up to a minute for it, then goes on with the same target. So it does for a
-  /// drive, which may have to be homed then, but not more than three times for one target. The
-  /// result counts the corrections and the time of all attempts.
+  /// Moves to a target and returns its result. A target that fails has a result like the others.
+  /// When a device fails for good or somebody stops the arm, it throws WorkError; all that was done
+  /// is in the files then.
+  ///
+  /// When the camera fails, the arm stops and waits up to a minute for it, then goes on with the
+  /// same target. It does the same for a drive, which may have to be homed then, but at most three
+  /// times for one target. The result counts the corrections and the time of all attempts.
   const TargetResult& move_to(const TargetRow& target);
 
+  /// Returns true when there is a result of this target.
   bool has(const std::string& id) const;
-  /// A resumed run's results begin with those that the folder holds.
+  /// Returns the results so far. Those of a resumed run begin with those that the folder holds.
   const std::vector<TargetResult>& results() const { return results_; }
 
  private:
-  /// One attempt at a target, made again after a drive that failed is back, but not more than
-  /// `recoveries_left` times.
+  /// Makes one attempt at a target, and makes it again after a drive that failed is back, but at
+  /// most `recoveries_left` times.
   ServoResult with_drives(const std::string& id, int& recoveries_left,
                           const std::function<ServoResult()>& attempt);
-  /// Throws DriveError when they are not back in time or may not be homed.
+  /// Waits for the drives. Throws DriveError when they are not back in time or may not be homed.
   void recover_drives(const std::string& id, const std::string& reason);
-  /// False when the camera is not back in time.
+  /// Waits for the camera. Returns false when it is not back in time.
   bool wait_for_camera(const std::string& id, const std::string& reason, double deadline_s);
 
   CellSettings cell_;
@@ -84,7 +88,8 @@ class ServoRun {
   PositionServo servo_;
 };
 
-/// Every target in turn, but for those that a resumed run has a result of. `progress` may be empty.
+/// Moves to every target in turn, except those that a resumed run has a result of. `progress` may
+/// be empty.
 std::vector<TargetResult> run_servo(
     ServoRun& run, const std::vector<TargetRow>& targets,
     const std::function<void(std::size_t done, std::size_t all)>& progress = {});

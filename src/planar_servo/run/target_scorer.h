@@ -9,18 +9,19 @@
 
 namespace planar {
 
-/// Follows the steps towards one target, over as many attempts as it takes: logs them, counts
-/// corrections, and keeps the first and the last error.
+/// Follows the steps towards one target over all attempts: logs them, counts corrections, and keeps
+/// the first and the last error.
 class TargetScorer {
  public:
-  /// `true_tip` is as CellDevices has it and may be empty. The table of steps must outlive the
-  /// scorer.
+  /// Takes `true_tip` as CellDevices returns it; it may be empty. The table of steps must outlive
+  /// the scorer.
   TargetScorer(const TargetRow& target, GrowingFile& steps, std::function<TipPose()> true_tip);
 
+  /// Takes a step: logs it and updates the outcome.
   void observe(const ServoStep& step);
 
-  /// The outcome: how the last attempt ended, with the corrections of all attempts and `seconds` in
-  /// all.
+  /// Returns the outcome: how the last attempt ended, with the corrections and the seconds of all
+  /// attempts.
   TargetResult finish(const ServoResult& last_attempt, double seconds);
 
  private:

@@ -25,8 +25,8 @@ GigeCamera::GigeCamera(const std::string& address, const std::string& serial,
   impl_->server = arv_gv_fake_camera_new(address.c_str(), serial.c_str());
   if (!arv_gv_fake_camera_is_running(impl_->server))
     throw WorkError(
-        fmt::format("{}: a GigE camera cannot be served here: it is no address of this "
-                    "machine, or its port 3956 is taken by another camera",
+        fmt::format("{}: no GigE camera can be served at this address; it is not an address of "
+                    "this machine, or another camera has its port 3956",
                     address));
   show_on(arv_gv_fake_camera_get_fake_camera(impl_->server), impl_->exposure, sensor_px,
           frame_rate_hz);

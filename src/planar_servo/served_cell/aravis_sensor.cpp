@@ -6,8 +6,8 @@
 namespace planar {
 namespace {
 
-// The fake camera looks for software triggers at this rate; its default of 25 Hz would cost 40 ms a
-// frame.
+// The rate at which the fake camera looks for software triggers. Its default of 25 Hz would cost 40
+// ms a frame.
 constexpr double kTriggerFrequency_hz = 1000.0;
 
 void fill(ArvBuffer* buffer, void* exposure, guint32 exposure_us, guint32 gain_db,
@@ -18,7 +18,7 @@ void fill(ArvBuffer* buffer, void* exposure, guint32 exposure_us, guint32 gain_d
   const double brightness = exposure_us / static_cast<double>(kUsualExposure_us) *
                             std::pow(10.0, static_cast<double>(gain_db) / 20.0);
   const cv::Mat image = (*static_cast<const Exposure*>(exposure))(region, brightness);
-  std::size_t ignored = 0;  // the size of a buffer that is being filled reads as 0
+  std::size_t ignored = 0;  // reads as 0 while the buffer is being filled
   void* const data = const_cast<void*>(arv_buffer_get_data(buffer, &ignored));
   std::memcpy(data, image.data, image.total());
 }

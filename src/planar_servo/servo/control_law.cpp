@@ -9,10 +9,11 @@
 namespace planar {
 namespace {
 
-/// sin(3 deg): nearer to a straight arm a step in joints is 20 times that at its best.
+/// sin(3 deg). Nearer to a straight arm, a step takes 20 times as much turning as where the arm
+/// moves best.
 constexpr double kMinManipulability = 0.05;
 
-/// The end point as a ViSP feature: its interaction matrix takes x and y from the twist.
+/// Returns the end point as a ViSP feature, whose interaction matrix takes x and y from the twist.
 vpGenericFeature tip_feature(const Eigen::Vector2d& p) {
   vpMatrix L(2, 6);
   L[0][0] = L[1][1] = 1.0;

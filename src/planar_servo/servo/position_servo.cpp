@@ -173,7 +173,7 @@ std::optional<PositionServo::Obstacle> PositionServo::command(const Joints& thet
   return std::nullopt;
 }
 
-/// The farthest that one pulse of motor 1 or 2 moves the end point.
+/// Returns the longest way that one pulse of motor 1 or 2 moves the end point, metres.
 double PositionServo::pulse_size_m() const {
   const Transmission& transmission = planner_.transmission();
   const Eigen::Matrix2d J = planner_.arm().jacobian(robot_.commanded_joints());

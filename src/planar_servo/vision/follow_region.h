@@ -5,8 +5,8 @@
 
 namespace planar {
 
-/// The square region of the sensor that follows the lamps: `side_px` on a side, cut to the sensor's
-/// size, with `center_px` in its middle as far as it can lie on the sensor.
+/// Returns the region of the sensor that follows the lamps: a square with sides of `side_px`, cut
+/// to the sensor's size and centred on `center_px` as far as it then lies on the sensor.
 cv::Rect follow_region(const cv::Size& sensor_px, int side_px, const Eigen::Vector2d& center_px);
 
 }  // namespace planar

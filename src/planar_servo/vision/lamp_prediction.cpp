@@ -3,7 +3,8 @@
 namespace planar {
 namespace {
 
-constexpr double kCoarseShare = 0.10;  // without a lens model, good to several per cent
+/// A coarse view, which has no lens model, is good to several per cent.
+constexpr double kCoarseShare = 0.10;
 
 }  // namespace
 

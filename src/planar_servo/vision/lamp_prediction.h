@@ -9,21 +9,22 @@
 
 namespace planar {
 
-/// What is known of the place where images were taken.
+/// Holds what is known of the place where images were taken.
 struct LampScene {
   cv::Size sensor_px;
   LampLayout lamps;
-  std::optional<VisionCalibration> vision;  ///< once the workplane is known
+  std::optional<VisionCalibration> vision;  ///< known once the workplane is calibrated
 };
 
-/// Says what is known of the lamps in an image: their size, and where they should be, from the
-/// commanded pose through the workplane or else through a coarse view.
+/// Predicts the lamps in an image from the commanded pose: their size, and their places as seen
+/// through the calibrated workplane or else through a coarse view.
 class LampPrediction {
  public:
-  /// The scene must outlive the prediction.
+  /// Takes the scene, which must outlive the prediction, and a coarse view if there is one.
   LampPrediction(const LampScene& scene, std::optional<CoarseView> view);
 
-  /// The lamps with the end point commanded to `commanded` (base frame), as far as that is known.
+  /// Predicts the lamps for an end point commanded to `commanded` (base frame). Without a commanded
+  /// pose, or where the view does not reach, only their size is predicted.
   PairExpectation of(const std::optional<TipPose>& commanded) const;
 
  private:

@@ -14,7 +14,7 @@ namespace {
 
 constexpr char kOutsideView[] = "outside_view";
 
-/// One line for who asks to see every look.
+/// Writes one line about every look, for people who ask for it with -v.
 void log(const TipMeasurement& seen, const TipPose& expected) {
   if (!spdlog::should_log(spdlog::level::debug)) return;
   if (!seen.ok()) {

@@ -11,29 +11,30 @@
 namespace planar {
 
 /// Measures the end point by its lamps with a camera. The region of the sensor follows the
-/// commanded pose; when the lamps are not in it, one full frame is searched.
+/// commanded pose. When the lamps are not in it, one full frame is searched.
 class LampTipSensor final : public TipSensor {
  public:
-  /// `follow_region_px` is the side of the region that follows the lamps. The camera must outlive
-  /// the sensor.
+  /// Takes the camera, which must outlive the sensor, and the side of the region that follows the
+  /// lamps.
   LampTipSensor(VisionCalibration vision, CenterMethod method, FrameSource& camera,
                 int follow_region_px);
 
-  /// Moves the camera's region to where the lamps should be with the end point at `expected`, so
-  /// that no whole frame need be sent until the first measurement.
+  /// Moves the camera's region to where the lamps should be with the end point at `expected`. The
+  /// first measurement then needs no whole frame.
   void aim(const TipPose& expected);
 
   TipMeasurement measure(const TipPose& expected, int frames) override;
   std::optional<std::string> fault() const override { return camera_.fault(); }
 
-  /// The frame that was looked at last; it has no image before the first one.
+  /// Returns the frame that was looked at last. It has no image before the first look.
   const Frame& last_frame() const { return last_frame_; }
 
-  /// Where lamps 1 and 2 are with the end point at `tip`; empty where the camera does not see them.
+  /// Returns where lamps 1 and 2 are with the end point at `tip`, or nothing where the camera does
+  /// not see them.
   std::optional<LampPixels> lamps_at(const TipPose& tip) const;
 
  private:
-  /// One frame's outcome: the frame's status and, where that is kOk, the pair in it.
+  /// The outcome of one frame: the frame's status and, where that is kOk, the pair in it.
   struct Look {
     LampPair pair;
     double t_s{0.0};
@@ -48,7 +49,7 @@ class LampTipSensor final : public TipSensor {
   Look locate(const FrameResult& result, const PairExpectation& expectation);
   /// Locates the lamps in the frame or, when they are not in its region, in a full one.
   Look look(const FrameResult& result, const PairExpectation& expectation);
-  /// Completes a measurement whose lamps are known.
+  /// Completes a measurement whose lamps are located.
   TipMeasurement position(TipMeasurement measurement,
                           const std::array<Eigen::Matrix2d, 2>& covariances_px2) const;
 

@@ -7,11 +7,12 @@
 namespace planar {
 namespace {
 
-/// By how much the pair's distance in pixels may differ from a prediction through a calibrated
-/// plane, which is good to a per cent or two; a wrong light differs by far more.
+/// The share by which the pair's distance in pixels may differ from a prediction through a
+/// calibrated plane. The prediction is good to a per cent or two; a wrong light differs by far
+/// more.
 constexpr double kCalibratedShare = 0.03;
 
-/// True when both centres are valid, even if nobody can say which lamp is which.
+/// Returns true when both centres are valid, even if nobody can say which lamp is which.
 bool both_measured(const LampPair& pair) {
   return pair.lamps[0].status == LampStatus::kOk && pair.lamps[1].status == LampStatus::kOk;
 }

@@ -14,58 +14,60 @@
 
 namespace planar {
 
-/// What a calibrated cell knows of its vision.
+/// Holds what a calibrated cell knows of its vision.
 struct VisionCalibration {
   LampLayout lamps;
   Workplane workplane;
-  ToolOffsets tool;                     ///< zero for an ideal tool: P midway between the lamps
-  std::optional<ErrorMap> error_map{};  ///< none: positions are not compensated
+  ToolOffsets tool;  ///< zero for an ideal tool, whose P lies midway between the lamps
+  std::optional<ErrorMap> error_map{};  ///< without one, positions are not compensated
 };
 
-/// The centres of both lamps in pixels of the whole sensor.
+/// The centres of both lamps, in pixels of the whole sensor.
 using LampPixels = std::array<Eigen::Vector2d, 2>;
 
-/// Where the tool is, by its lamps; base frame, metres and radians.
+/// Holds where the tool is, as its lamps show it. Base frame, metres and radians.
 struct ToolPlace {
-  TipPose seen;                                         ///< end point and direction, uncompensated
+  TipPose seen;                                         ///< uncompensated end point and direction
   Eigen::Matrix2d covariance{Eigen::Matrix2d::Zero()};  ///< of seen.p, from the lamps' pixels, m^2
-  double sigma_phi{0.0};                                ///< of seen.phi, the same way
-  /// The vision error that the map predicts there; zero and inside without a map.
+  double sigma_phi{0.0};  ///< standard deviation of seen.phi due to the lamps' pixels
+  /// The vision error that the map predicts there. Without a map it is zero and counts as inside.
   ErrorPrediction error{{0.0, 0.0}, 0.0, true};
 
-  /// The compensated pose: the end point seen, less its error.
+  /// Returns the compensated pose: the pose seen minus the predicted error.
   TipPose tip() const { return {seen.p - error.error, seen.phi}; }
 };
 
-/// The tool in one frame. Which lamp is which, and so the direction in `place`, counts only when
-/// lamps.status is kOk.
+/// Holds what one frame shows of the tool. Which lamp is which, and with it the direction in
+/// `place`, counts only when lamps.status is kOk.
 struct SeenTool {
   LampPair lamps;
-  std::optional<ToolPlace> place;  ///< none unless both lamps are measured and their rays meet W
+  /// None unless both lamps are measured and their rays meet the plane.
+  std::optional<ToolPlace> place;
 };
 
-/// Lamps 1 and 2 expected at these pixels, their distance right to `share` of it.
+/// Returns the expectation of lamps 1 and 2 at these pixels. Their distance may differ from the
+/// predicted one by `share` of it.
 PairExpectation expect_lamps(const LampLayout& layout, const LampPixels& predicted_px,
                              double share);
 
-/// Where lamps 1 and 2 should be when the end point is at `tip` (base frame), and how far apart;
-/// empty where the camera does not see them.
+/// Predicts where lamps 1 and 2 are, and how far apart, when the end point is at `tip` (base
+/// frame). Empty where the camera does not see them.
 std::optional<PairExpectation> expect_tool(const VisionCalibration& vision, const TipPose& tip);
 
-/// Lamps (centres of their images, px) -> workplane -> end point -> error map. The eccentricity of
-/// the discs' images is taken off first. Which lamp is which decides the direction and, unless the
-/// end point lies midway between the lamps, the position. Empty when a lamp's ray does not meet the
-/// plane.
+/// Computes where the tool is from the centres of its lamps' images (px): it takes off the
+/// eccentricity of the discs' images, meets the workplane, finds the end point and predicts its
+/// error. The order of the lamps decides the direction and, unless the end point lies midway
+/// between them, the position. Empty when a lamp's ray does not meet the plane.
 std::optional<ToolPlace> place_tool(const VisionCalibration& vision, const LampPixels& lamps_px,
                                     const std::array<Eigen::Matrix2d, 2>& covariances_px2);
 
-/// Locates the lamps in a frame as LampTracker does. A pair that lies at another distance on the
-/// workplane than the lamps were built to has the status kWrongDistance.
+/// Locates the lamps in a frame as LampTracker does. The status is kWrongDistance for a pair whose
+/// distance on the workplane is not that of the tool's lamps.
 LampPair find_lamps(const VisionCalibration& vision, LampTracker& tracker, const Frame& frame,
                     const PairExpectation& expectation);
 
-/// Frame -> lamps -> workplane -> end point -> error map: the whole way of vision in one call.
-/// `expectation` is what expect_tool() says of the commanded pose.
+/// Sees the tool in a frame: locates the lamps, meets the workplane, finds the end point and
+/// predicts its error. `expectation` is what expect_tool() says of the commanded pose.
 SeenTool see_tool(const VisionCalibration& vision, LampTracker& tracker, const Frame& frame,
                   const PairExpectation& expectation);
 

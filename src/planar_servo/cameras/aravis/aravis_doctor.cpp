@@ -71,12 +71,13 @@ std::vector<Finding> examine_camera(const CameraSettings& camera, const AravisSe
 
 std::vector<Finding> judge_packets(const CameraInspection& seen, const CameraPath& path) {
   if (seen.packet_size == 0 || !path.mtu_bytes) return {};
-  const std::string what =
-      fmt::format("packets of {} bytes; {} takes {}", seen.packet_size, path.port, *path.mtu_bytes);
+  const std::string what = fmt::format("packets have {} bytes; {} takes up to {}", seen.packet_size,
+                                       path.port, *path.mtu_bytes);
   if (seen.packet_size <= *path.mtu_bytes) return {{Verdict::kWell, "packets", what}};
-  return {{Verdict::kFaulty, "packets", what,
-           fmt::format("sudo ip link set dev {} mtu {}, or camera.packet_size: {}", path.port,
-                       seen.packet_size, *path.mtu_bytes)}};
+  return {
+      {Verdict::kFaulty, "packets", what,
+       fmt::format("sudo ip link set dev {} mtu {}, or set camera.packet_size: {} in the cell file",
+                   path.port, seen.packet_size, *path.mtu_bytes)}};
 }
 
 std::vector<Finding> judge_bandwidth(const CameraSettings& camera, const CameraInspection& seen,
@@ -87,12 +88,14 @@ std::vector<Finding> judge_bandwidth(const CameraSettings& camera, const CameraI
   const double side_px = camera.follow_region_px;
   const double region = full * side_px * side_px / camera.width_px / camera.height_px;
   const std::string what = fmt::format(
-      "full frames at {:.4g} Hz are {:.1f} MB/s, the region's {:.1f} MB/s; {} carries {:.0f} MB/s",
+      "at {:.4g} Hz full frames need {:.1f} MB/s and the region's {:.1f} MB/s; {} carries {:.0f} "
+      "MB/s",
       camera.frame_rate_hz, full / kMegabyte, region / kMegabyte, path.port, *capacity / kMegabyte);
   if (full <= *capacity) return {{Verdict::kWell, "bandwidth", what}};
   const double possible_hz = camera.frame_rate_hz * *capacity / full;
   return {{region <= *capacity ? Verdict::kDoubtful : Verdict::kFaulty, "bandwidth", what,
-           fmt::format("camera.frame_rate_hz of at most {:.3g}, or a faster link", possible_hz)}};
+           fmt::format("set camera.frame_rate_hz to at most {:.3g}, or use a faster link",
+                       possible_hz)}};
 }
 
 Finding judge_frames(const CameraSettings& camera, const AravisSettings& settings,
@@ -106,8 +109,8 @@ Finding judge_frames(const CameraSettings& camera, const AravisSettings& setting
   };
   if (seen.complete == 0 && seen.incomplete == 0)
     return finding(Verdict::kFaulty, settings.trigger == CameraTrigger::kHardware
-                                         ? "see that the trigger line pulses"
-                                         : "give the camera power anew");
+                                         ? "check that the trigger line pulses"
+                                         : "switch the camera's power off and on");
   if (seen.incomplete > 0)
     return finding(seen.complete == 0 ? Verdict::kFaulty : Verdict::kDoubtful,
                    seen.packet_size == 0
@@ -120,7 +123,7 @@ Finding judge_frames(const CameraSettings& camera, const AravisSettings& setting
                    "end what keeps the processors busy, or lower camera.frame_rate_hz");
   if (rate_hz < kLeastRateShare * camera.frame_rate_hz)
     return finding(Verdict::kDoubtful,
-                   fmt::format("camera.frame_rate_hz of at most {:.3g}, where the file has {:.4g}",
+                   fmt::format("set camera.frame_rate_hz to at most {:.3g}; the file has {:.4g}",
                                rate_hz, camera.frame_rate_hz));
   return finding(Verdict::kWell, "");
 }
@@ -130,7 +133,7 @@ Finding examine_usb_memory(const std::filesystem::path& parameter) {
   if (!(std::ifstream(parameter) >> memory_mb))
     return {Verdict::kDoubtful, "USB memory", parameter.string() + " cannot be read",
             "load the kernel module usbcore"};
-  const std::string what = fmt::format("the kernel lends USB {} MB", memory_mb);
+  const std::string what = fmt::format("the kernel gives USB {} MB of memory", memory_mb);
   if (memory_mb == 0 || memory_mb >= kEnoughUsbMemory_mb)  // 0: as much as there is
     return {Verdict::kWell, "USB memory", what};
   return {Verdict::kDoubtful, "USB memory",

@@ -30,7 +30,7 @@ std::vector<Finding> judge_bandwidth(const CameraSettings& camera, const CameraI
 Finding judge_frames(const CameraSettings& camera, const AravisSettings& settings,
                      const CameraInspection& seen, const CameraPath& path);
 
-/// Whether the kernel lends USB enough memory for a USB3 camera. `parameter` is the kernel's file.
+/// Whether the kernel gives USB enough memory for a USB3 camera. `parameter` is the kernel's file.
 Finding examine_usb_memory(
     const std::filesystem::path& parameter = "/sys/module/usbcore/parameters/usbfs_memory_mb");
 

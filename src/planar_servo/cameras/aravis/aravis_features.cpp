@@ -26,7 +26,7 @@ template <typename GetBounds>
 void require_within(ArvCamera* camera, const char* what, double value, const char* unit,
                     GetBounds get_bounds) {
   double least = 0.0, most = 0.0;
-  ask(fmt::format("the camera does not tell {}'s bounds", what),
+  ask(fmt::format("the camera does not tell the bounds of {}", what),
       [&](GError** e) { get_bounds(camera, &least, &most, e); });
   if (value < least || value > most)
     throw WorkError(fmt::format("the camera refuses {} of {:.6g} {}; it can do {:.6g} to {:.6g} {}",
@@ -50,7 +50,7 @@ void apply_picture(ArvCamera* camera, const AravisSettings& settings) {
 
 void apply_trigger(ArvCamera* camera, const AravisSettings& settings) {
   if (settings.trigger == CameraTrigger::kFreeRun) {
-    ask("the camera does not run freely",
+    ask("the camera refuses to run without a trigger",
         [&](GError** e) { arv_camera_clear_triggers(camera, e); });
     ask(fmt::format("the camera refuses {:.4g} frames/s", settings.frame_rate_hz),
         [&](GError** e) { arv_camera_set_frame_rate(camera, settings.frame_rate_hz, e); });
@@ -97,11 +97,11 @@ void require_identity(ArvCamera* camera, const AravisSettings& settings) {
       return arv_camera_get_device_serial_number(camera, e);
     });
     if (serial != settings.id)
-      throw WorkError(
-          fmt::format("the camera at {} is {}, not {}", settings.address, serial, settings.id));
+      throw WorkError(fmt::format("the camera at {} has the serial number {}, not {}",
+                                  settings.address, serial, settings.id));
   }
   cv::Size sensor;
-  ask("the camera does not tell its size",
+  ask("the camera does not tell the size of its sensor",
       [&](GError** e) { arv_camera_get_sensor_size(camera, &sensor.width, &sensor.height, e); });
   if (sensor != settings.sensor_px)
     throw WorkError(fmt::format("the camera's sensor has {} x {} pixels; the cell says {} x {}",

@@ -80,7 +80,7 @@ struct AravisLink::Impl {
 
   void read_raster() {
     const auto step = [&](gint (*increment)(ArvCamera*, GError**)) {
-      return ask("the camera does not tell its raster of regions",
+      return ask("the camera does not tell in which steps its region can be set",
                  [&](GError** e) { return increment(camera.get(), e); });
     };
     raster_px = {step(arv_camera_get_x_offset_increment), step(arv_camera_get_y_offset_increment),
@@ -123,8 +123,8 @@ struct AravisLink::Impl {
     const std::size_t payload = frame_bytes();
     if (payload > memory.bytes())
       throw WorkError(
-          fmt::format("the camera's frames have {} bytes; {} were expected at most; "
-                      "switch its chunk data off",
+          fmt::format("the camera's frames have {} bytes, but at most {} were expected; switch its "
+                      "chunk data off",
                       payload, memory.bytes()));
     for (int i = 0; i < memory.blocks(); ++i)
       arv_stream_push_buffer(stream.get(), arv_buffer_new(payload, memory.block(i)));
@@ -165,7 +165,8 @@ struct AravisLink::Impl {
     arrival.due_s = clock.due_s(device_s, arrival_s);
     arrival.late_s = arrival_s - arrival.due_s;
     if (believed && !clock.believed())
-      spdlog::warn("the camera's clock runs slow: its frames are dated by their arrival");
+      spdlog::warn(
+          "the camera's clock runs slow; its frames are dated by their arrival from now on");
   }
 
   AravisSettings settings;
@@ -218,7 +219,7 @@ void AravisLink::expose(const CameraExposure& exposure) {
 }
 
 void AravisLink::trigger() {
-  ask("the camera takes no trigger",
+  ask("the camera refuses a trigger",
       [&](GError** e) { arv_camera_software_trigger(impl_->camera.get(), e); });
 }
 

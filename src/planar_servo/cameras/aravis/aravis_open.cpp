@@ -19,7 +19,7 @@ GObjectPtr<ArvCamera> open_gige(const std::string& address) {
         ask(what, [&](GError** e) { return arv_camera_new_with_device(device.get(), e); }));
   } catch (const WorkError& error) {
     throw WorkError(
-        Refusal{error.what(), fmt::format("ping {0}; where nothing answers, see that the camera "
+        Refusal{error.what(), fmt::format("ping {0}; if nothing answers, check that the camera "
                                           "has power and that this machine has an address in its "
                                           "network (ip route get {0})",
                                           address)});
@@ -38,11 +38,10 @@ GObjectPtr<ArvCamera> open_usb(const std::string& serial) {
     return GObjectPtr<ArvCamera>(ask("the USB camera " + found + " does not open",
                                      [&](GError** e) { return arv_camera_new(device, e); }));
   }
-  throw WorkError(
-      Refusal{fmt::format("no USB camera{} is there ({})",
-                          serial.empty() ? "" : " with the serial number " + serial,
-                          present.empty() ? "none at all" : "there are: " + present),
-              "lsusb -t shows what is plugged in; see that the camera has its cable and power"});
+  throw WorkError(Refusal{fmt::format("no USB camera{} is plugged in{}",
+                                      serial.empty() ? "" : " with the serial number " + serial,
+                                      present.empty() ? "" : " (there are: " + present + ")"),
+                          "check the camera's cable and power; lsusb -t shows what is plugged in"});
 }
 
 }  // namespace planar

@@ -72,7 +72,8 @@ std::string local_address_towards(const std::string& address) {
   remote.sin_family = AF_INET;
   remote.sin_port = htons(kGvcpPort);
   if (inet_pton(AF_INET, address.c_str(), &remote.sin_addr) != 1)
-    throw InputError("the camera's address '" + address + "' is not one of IPv4, as 192.168.0.2");
+    throw InputError("the camera's address '" + address +
+                     "' is not an IPv4 address such as 192.168.0.2");
   sockaddr_in local{};
   socklen_t size = sizeof(local);
   const int probe = socket(AF_INET, SOCK_DGRAM, 0);  // connecting a datagram socket sends nothing

@@ -7,10 +7,10 @@
 namespace planar {
 namespace {
 
-constexpr char kNoCamera[] = "camera.source is files, which shows no arm that moves";
+constexpr char kNoCamera[] = "camera.source is files, but stored pictures do not follow an arm";
 constexpr char kRemedy[] =
-    "allowed here are virtual and aravis; pictures that are there already are read by "
-    "planar-locate-lamps IMAGE... and planar-calibrate-camera IMAGE...";
+    "name virtual or aravis; stored pictures are read by planar-locate-lamps IMAGE... and "
+    "planar-calibrate-camera IMAGE...";
 
 }  // namespace
 

@@ -120,7 +120,7 @@ TicPort::~TicPort() {
 TicBus::TicBus() {
   const int error = libusb_init(&context_);
   if (error != 0)
-    throw WorkError(fmt::format("USB is not to be had here: {}", libusb_strerror(error)));
+    throw WorkError(fmt::format("USB cannot be used on this machine: {}", libusb_strerror(error)));
 }
 
 TicBus::~TicBus() {

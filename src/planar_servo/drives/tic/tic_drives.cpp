@@ -131,7 +131,7 @@ std::string TicDrives::set_timeout(std::size_t i, std::vector<std::uint8_t>& set
   for (const TicTransfer& transfer : done)
     if (!transfer.error.empty()) return transfer.error;
   settings = done.back().data;
-  return all_set() ? "" : "it does not take its command timeout; replace it";
+  return all_set() ? "" : "it does not store its command timeout; replace it";
 }
 
 std::vector<TicTransfer> TicDrives::perform(const std::vector<Request>& requests,
@@ -251,7 +251,7 @@ void TicDrives::set_targets(const std::array<std::int32_t, 3>& targets_pulses) {
   for (std::size_t i = 0; i < 3; ++i) {
     if (!joints_[i].ready())
       throw DriveError(
-          fmt::format("{} takes no target: {}", name(i),
+          fmt::format("{} cannot take a target: {}", name(i),
                       joints_[i].in_touch() ? "it is not switched on" : joints_[i].error));
     requests.push_back(
         {i, Command::kSetTargetPosition, static_cast<std::uint32_t>(targets_pulses[i])});
@@ -323,7 +323,7 @@ void TicDrives::set_position(int joint_index, std::int32_t position_pulses) {
   const auto i = static_cast<std::size_t>(joint_index);
   read_status();
   if (joints_.at(i).may_move)
-    throw DriveError(name(i) + " moves; only at rest can it be told where it stands");
+    throw DriveError(name(i) + " moves; it can be told where it stands only at rest");
   require({{i, Command::kHaltAndSetPosition, static_cast<std::uint32_t>(position_pulses)}},
           "take its position");
 }

@@ -106,9 +106,9 @@ MapSites merge_samples(const std::vector<ErrorSample>& samples) {
   sites.stated_sigma = stated_sigma_of(samples);
   const auto count = static_cast<Eigen::Index>(sites.samples.size());
   if (count < kFewestSites) {
-    throw InputError(
-        fmt::format("{} pairs at {} distinct positions; a map needs at least {} distinct positions",
-                    samples.size(), count, kFewestSites));
+    throw InputError(fmt::format(
+        "{} pairs have {} distinct positions; a map needs at least {} distinct positions",
+        samples.size(), count, kFewestSites));
   }
   sites.directions = mean_directions(samples, sites.samples);
   sites.positions.setZero(2, count);

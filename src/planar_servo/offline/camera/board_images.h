@@ -8,11 +8,12 @@
 
 namespace planar {
 
-/// An image as 8-bit grey levels; when it cannot be read it is empty, and a fault names it.
+/// Reads an image as 8-bit grey levels. When it cannot be read, the result is empty and a fault
+/// names the file.
 cv::Mat read_grey(const std::filesystem::path& file, Faults& faults);
 
-/// find_board() for an image whose first pixel is `corner_px` of the sensor: the pixels found are
-/// those of the sensor.
+/// Finds the board in an image whose first pixel is pixel `corner_px` of the sensor. The pixels
+/// found are those of the sensor. See find_board().
 BoardSight find_board_on_sensor(const cv::Mat& image, const cv::Point& corner_px,
                                 const Board& board);
 

@@ -15,12 +15,13 @@
 namespace planar {
 namespace {
 
+/// A picture of the board.
 struct Picture {
   std::filesystem::path path;
-  std::optional<cv::Point> corner_px;  ///< of its region on the sensor; empty: a whole image
+  std::optional<cv::Point> corner_px;  ///< of its region; empty for a whole image
 };
 
-/// Images as they are, recordings as their frames of plan `grid`.
+/// Lists the images and, for a recording's folder, its frames of plan `grid`.
 std::vector<Picture> pictures_of(const std::vector<std::filesystem::path>& images) {
   std::vector<Picture> pictures;
   for (const auto& path : images) {
@@ -64,7 +65,7 @@ void add_picture(const Picture& picture, const cv::Mat& image, const Board& boar
   problem.views.push_back({name, board_points(board), sight.pixels, sight.dot_areas_px2});
 }
 
-/// The size of an image that has the bounding box of the points in its middle.
+/// Returns the size of an image that has the bounding box of the points in its middle.
 cv::Size size_around(const std::vector<Eigen::Vector2d>& pixels) {
   Eigen::Vector2d from = pixels.front();
   Eigen::Vector2d to = pixels.front();
@@ -101,8 +102,9 @@ BoardViews board_views_from_points(const std::filesystem::path& points, const Bo
   const std::vector<Eigen::Vector2d> pixels = read_board_pixels(points);
   const std::size_t per_view = static_cast<std::size_t>(board.columns) * board.rows;
   if (pixels.size() % per_view != 0) {
-    throw InputError(fmt::format("{}: has {} points, not a multiple of the {} x {} of the grid",
-                                 points.string(), pixels.size(), board.columns, board.rows));
+    throw InputError(
+        fmt::format("{}: has {} points; a multiple of the {} x {} of the grid is needed",
+                    points.string(), pixels.size(), board.columns, board.rows));
   }
   BoardViews views;
   views.inputs = {points};

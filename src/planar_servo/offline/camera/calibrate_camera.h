@@ -9,7 +9,7 @@
 
 namespace planar {
 
-/// What the pictures of a board gave for a calibration.
+/// Holds what the pictures of a board gave for a calibration.
 struct BoardViews {
   CalibrationProblem problem;
   std::vector<RejectedView> rejected;         ///< pictures without the whole board
@@ -17,13 +17,13 @@ struct BoardViews {
 };
 
 /// Finds the board in each image. A recording's folder stands for its frames of plan `grid`, whose
-/// regions are put back in their place on the sensor. Throws InputError naming each file that
-/// cannot be read as an image; an image of another size than the first is rejected by name.
+/// regions are put back in their place on the sensor. An image of another size than the first is
+/// rejected by name. Throws InputError naming each file that cannot be read as an image.
 BoardViews find_board_views(const std::vector<std::filesystem::path>& images, const Board& board);
 
-/// Views of the board from pixels that another program found, view after view (see
-/// read_board_pixels), in images of the given size; an empty size is taken such that the points lie
-/// amid the image. Throws InputError unless they make whole views.
+/// Reads views of the board from a file of pixels that another program found, view after view; see
+/// read_board_pixels(). The images have the given size. When it is empty, the size is chosen such
+/// that the points lie amid the image. Throws InputError unless the points make whole views.
 BoardViews board_views_from_points(const std::filesystem::path& points, const Board& board,
                                    cv::Size size_px);
 

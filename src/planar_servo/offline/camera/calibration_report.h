@@ -7,10 +7,11 @@
 
 namespace planar {
 
-/// What a calibration found, as lines for a terminal.
+/// Returns what a calibration found, as lines for a terminal.
 std::string calibration_text(const CameraCalibration& found);
 
-/// The same figures under the keys of --json; null where a figure does not exist.
+/// Returns the figures of a calibration under the keys of --json. A figure that does not exist is
+/// null.
 nlohmann::json calibration_json(const CameraCalibration& found);
 
 }  // namespace planar

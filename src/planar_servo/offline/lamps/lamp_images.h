@@ -13,33 +13,34 @@
 
 namespace planar {
 
-/// An image in which lamps are to be located, and what is known of it.
+/// Describes an image in which lamps are to be located.
 struct LampImage {
   std::string id;
-  std::string name;  ///< as tables have it
+  std::string name;  ///< the image's name in tables
   std::filesystem::path file;
   std::optional<double> t_s;
-  std::optional<cv::Rect> region_px;  ///< where it lies on the sensor; none: at its origin
-  std::optional<TipPose> commanded;   ///< base frame
-  bool shows_board{false};            ///< a calibration board instead of the lamps
+  std::optional<cv::Rect> region_px;  ///< its place on the sensor; empty: at the origin
+  std::optional<TipPose> commanded;   ///< commanded pose, base frame
+  bool shows_board{false};            ///< shows a calibration board instead of the lamps
 };
 
-/// The images of a recording; their commanded poses when the arm is known.
+/// Lists the images of a recording. They have their commanded poses when the arm is given.
 std::vector<LampImage> images_of_recording(const std::filesystem::path& folder,
                                            const std::vector<FrameRow>& frames,
                                            const std::optional<PlanarArm>& arm);
 
-/// Images of which nothing else is known; the id is the file's stem.
+/// Lists images of which nothing else is known. The id of each is its file's stem.
 std::vector<LampImage> single_images(const std::vector<std::filesystem::path>& files);
 
+/// Holds an image that was read, or says why it was not.
 struct LampImageRead {
   std::string status{"ok"};  ///< or "board_view", "unreadable", "wrong_size"
   Frame frame;               ///< valid only when status is "ok"
-  std::string fault;         ///< of a wrong size: in words
+  std::string fault;         ///< describes a wrong size in words
 };
 
-/// Reads the image as 8-bit grey levels. It must have the size of its region, or without one that
-/// of the sensor, if that is known.
+/// Reads an image as 8-bit grey levels. It must have the size of its region or, without one, that
+/// of the sensor if that is known.
 LampImageRead read_lamp_image(const LampImage& image, const std::optional<cv::Size>& sensor_px);
 
 }  // namespace planar

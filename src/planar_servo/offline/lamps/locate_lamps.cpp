@@ -13,7 +13,7 @@
 namespace planar {
 namespace {
 
-constexpr unsigned kMostThreads = 4;  // each holds a full frame
+constexpr unsigned kMostThreads = 4;  // each thread holds a full frame
 constexpr std::size_t kCoarseViewImages = 48;
 
 LampRow empty_row(const LampImage& image, const std::string& status) {
@@ -30,15 +30,15 @@ void add_lamp(LampRow& row, const LampCenter& lamp) {
   row.covariance_px2.push_back(lamp.covariance_px2);
 }
 
-/// The tool in a frame; without a calibrated vision only its lamps.
+/// Sees the tool in a frame. Without a calibrated vision only its lamps are located.
 SeenTool look(const std::optional<LampScene>& scene, LampTracker& tracker, const Frame& frame,
               const PairExpectation& expectation) {
   if (scene && scene->vision) return see_tool(*scene->vision, tracker, frame, expectation);
   return {tracker.locate(frame, expectation), std::nullopt};
 }
 
-/// Adds the position on the plane: with the tool's direction when the lamps are told apart; without
-/// it only when the end point lies midway between them.
+/// Adds the position on the plane. The tool's direction is known only when the lamps are told
+/// apart; otherwise the position is known only if the end point lies midway between them.
 void add_position(LampRow& row, const ToolPlace& place, bool told_apart, bool midway) {
   if (!told_apart && !midway) return;
   row.p_vision = place.seen.p;
@@ -80,7 +80,7 @@ class Collector {
         times_(request.images.size()),
         faults_(request.images.size()) {}
 
-  /// look(frame) gives the row of image i, if the image can be read.
+  /// Adds the row of image i, which look(frame) returns if the image can be read.
   template <typename Look>
   void add(std::size_t i, const Look& look) {
     const LampImage& image = request_.images[i];
@@ -121,8 +121,8 @@ class Collector {
   std::size_t done_{0};
 };
 
-/// A map from commanded poses to the image, from images spread over all those of the arm. Pairs
-/// that are wrong are few, or else there is no map.
+/// Learns a map from commanded poses to the image, from images spread over all poses of the arm. A
+/// few pairs may be wrong; with more of them there is no map.
 std::optional<CoarseView> learn_view(const LocateRequest& request) {
   std::vector<const LampImage*> usable;
   for (const LampImage& image : request.images) {

@@ -14,31 +14,33 @@
 
 namespace planar {
 
+/// Says in which images lamps are to be located, and how.
 struct LocateRequest {
   std::vector<LampImage> images;
-  std::optional<LampScene> scene;  ///< none: any size of image, pixels only
+  std::optional<LampScene> scene;  ///< without one, images may have any size and only pixels result
   CenterMethod method{CenterMethod::kAuto};
   std::function<void(std::size_t done, std::size_t all)> progress;  ///< may be empty
 };
 
+/// Holds what was located.
 struct LocateReport {
-  std::vector<LampRow> rows;         ///< one per image, in order
-  std::vector<double> milliseconds;  ///< of the images looked at, reading the file not counted
+  std::vector<LampRow> rows;         ///< one per image, in the order of the images
+  std::vector<double> milliseconds;  ///< time per image, without reading its file
 };
 
-/// Both lamps in every image. Which is which follows from the commanded pose: through the workplane
-/// where it is known, else through a coarse view learned from some of the images. An image that
-/// cannot be read, shows a board or no pair keeps its row and says why. Throws InputError naming
-/// every image that has not the size of its region or of the sensor. Uses several threads; the rows
-/// do not depend on their number.
+/// Locates both lamps in every image. Which is which follows from the commanded pose: through the
+/// workplane where it is known, otherwise through a coarse view learned from some of the images. An
+/// image that cannot be read, or that shows a board or no pair, keeps its row, whose status says
+/// why. Throws InputError naming every image that does not have the size of its region or of the
+/// sensor. Uses several threads; the rows do not depend on their number.
 LocateReport locate_lamps(const LocateRequest& request);
 
-/// The same with one disc, followed from image to image; `start_px` picks it. Pixels of the image,
-/// whatever the scene.
+/// Locates one disc and follows it from image to image. `start_px` picks the disc in the first
+/// image. The pixels are those of the image, whatever the scene.
 LocateReport follow_disc(const LocateRequest& request,
                          const std::optional<Eigen::Vector2d>& start_px);
 
-/// The rows of locate_lamps() for a recording of the cell.
+/// Returns the rows of locate_lamps() for a recording of the cell.
 std::vector<LampRow> locate_lamps_of_recording(const CellSettings& cell,
                                                const std::filesystem::path& folder,
                                                const std::vector<FrameRow>& frames,

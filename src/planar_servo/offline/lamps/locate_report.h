@@ -10,24 +10,26 @@
 
 namespace planar {
 
-/// How often lamps were found, and how fast.
+/// Says how often lamps were found, and how fast.
 struct LocateFigures {
   std::size_t images{0};
   std::size_t ok{0};
-  std::map<std::string, std::size_t> other_statuses;  ///< how many images have each
-  std::optional<double> milliseconds_median;          ///< per image
-  std::optional<double> sigma_phi_median;             ///< of the tool's direction, radians
+  std::map<std::string, std::size_t> other_statuses;  ///< number of images with each
+  std::optional<double> milliseconds_median;          ///< median time per image
+  std::optional<double> sigma_phi_median;  ///< standard deviation of the tool's direction, radians
 
-  /// True when some image shows what was looked for, even if nobody can say which lamp is which.
+  /// Returns true when some image shows what was looked for, even if nobody can say which lamp is
+  /// which.
   bool any() const { return ok > 0 || other_statuses.count("ambiguous") > 0; }
 };
 
+/// Counts the statuses and takes the medians.
 LocateFigures figures_of(const LocateReport& report);
 
-/// One line for a terminal.
+/// Returns the figures in one line for a terminal.
 std::string locate_text(const LocateFigures& figures);
 
-/// The same figures under the keys of --json; null where a figure does not exist.
+/// Returns the figures under the keys of --json. A figure that does not exist is null.
 nlohmann::json locate_json(const LocateFigures& figures);
 
 }  // namespace planar

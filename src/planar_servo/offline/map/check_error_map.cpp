@@ -13,15 +13,15 @@
 namespace planar {
 namespace {
 
-constexpr double kQuantile95 = 1.959964;  // of the normal distribution, two-sided
+constexpr double kQuantile95 = 1.959964;  // two-sided 95 % quantile of the normal distribution
 
-/// The noise of a pair per axis, metres: as its row states it, else `fallback`.
+/// Returns the noise of a pair per axis, metres: as its row states it, else `fallback`.
 double pair_noise(const PairRow& pair, double fallback) {
   if (!pair.sigma_vision && !pair.sigma_tracker) return fallback;
   return std::hypot(pair.sigma_vision.value_or(0.0), pair.sigma_tracker.value_or(0.0));
 }
 
-/// How many of the two components of `miss` lie within the 95 % interval.
+/// Counts the components of `miss` (0 to 2) that lie within the 95 % interval.
 int covered_components(const Eigen::Vector2d& miss, double sigma) {
   return static_cast<int>((miss.array().abs() <= kQuantile95 * sigma).count());
 }

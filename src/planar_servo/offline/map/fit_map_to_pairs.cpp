@@ -26,7 +26,7 @@ void add(const PairRow& pair, TrainingPairs& training) {
 
 void require_any(const TrainingPairs& training) {
   if (training.problem.samples.empty())
-    throw InputError(fmt::format("none of {} pairs is of plan '{}'; a map is fitted to those",
+    throw InputError(fmt::format("none of {} pairs is of plan '{}', to which a map is fitted",
                                  training.n_other_plans, kTrainPlan));
 }
 

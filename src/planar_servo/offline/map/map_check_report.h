@@ -8,11 +8,11 @@
 
 namespace planar {
 
-/// How a map does on other pairs, as a table for a terminal; `n_left_out` pairs were of other
-/// plans.
+/// Returns how a map does on other pairs, as a table for a terminal. `n_left_out` is the number of
+/// pairs of other plans.
 std::string map_check_text(const MapCheck& check, std::size_t n_left_out);
 
-/// The same figures under the keys of --json.
+/// Returns the figures of a check under the keys of --json.
 nlohmann::json map_check_json(const MapCheck& check);
 
 }  // namespace planar

@@ -9,12 +9,12 @@
 
 namespace planar {
 
-/// What a fit found, what the pairs say of the cell, and how the methods compare, as lines for a
-/// terminal.
+/// Returns what a fit found, what the pairs say of the cell, and how the methods compare, as lines
+/// for a terminal.
 std::string map_fit_text(const FitErrorMapReport& report,
                          const std::vector<MethodFigures>& comparison);
 
-/// The same figures under the keys of --json.
+/// Returns the figures of a fit and of the comparison under the keys of --json.
 nlohmann::json map_fit_json(const FitErrorMapReport& report,
                             const std::vector<MethodFigures>& comparison);
 

@@ -19,7 +19,8 @@ bool serves_fit(const std::string& plan) {
   return plan == "train" || plan == "sweep1" || plan == "sweep3";
 }
 
-/// The lamps' rows with what the recording knows of their frames; views of boards left out.
+/// Joins the lamps' rows with what the recording knows of their frames. Views of boards are left
+/// out.
 std::vector<LampSight> lamp_sights(const std::vector<LampRow>& lamps,
                                    const std::vector<FrameRow>& frames) {
   std::map<std::string, const FrameRow*> by_image, by_id;
@@ -88,8 +89,8 @@ WorkplaneFit fit_workplane(const PairTrackerRequest& request,
              : fit_workplane_to_board(request.camera, request.boards_on_plane, fitted);
 }
 
-/// Brings the lamps' places from the centres of their images to the images of their centres; the
-/// largest shift.
+/// Moves the lamps' places from the centres of their images to the images of their centres. Returns
+/// the largest shift, pixels.
 double remove_eccentricity(const Workplane& workplane, const std::array<double, 2>& diameters,
                            std::vector<ToolSight>& sights) {
   double largest_px = 0.0;

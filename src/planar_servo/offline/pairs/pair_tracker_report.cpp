@@ -11,7 +11,8 @@
 namespace planar {
 namespace {
 
-constexpr double kDatumSigmas = 5.0;  // of one reading; what noise alone never reaches
+/// Noise alone never moves a reading by so many of its standard deviations.
+constexpr double kDatumSigmas = 5.0;
 
 std::string raw_error_text(const std::vector<PairRow>& pairs) {
   std::string text;

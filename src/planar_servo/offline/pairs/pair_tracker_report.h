@@ -7,14 +7,14 @@
 
 namespace planar {
 
-/// What was registered, fitted, rejected and paired, as lines for a terminal.
+/// Returns what was registered, fitted, rejected and paired, as lines for a terminal.
 std::string pair_tracker_text(const PairTrackerReport& report);
 
-/// The same figures under the keys of --json.
+/// Returns the figures of a pairing under the keys of --json.
 nlohmann::json pair_tracker_json(const PairTrackerReport& report);
 
-/// A doubt about the monuments, in words: they lie farther from their known places than the
-/// tracker's noise explains. Empty when there is none.
+/// Returns a doubt in words when the monuments lie farther from their known places than the
+/// tracker's noise explains. Empty when there is no doubt.
 std::string moved_monuments(const PairTrackerRequest& request, double datum_rms);
 
 }  // namespace planar

@@ -8,9 +8,9 @@
 
 namespace planar {
 
-/// The joint angles of every row of a plan (home for board views): the cell's elbow, the branch
-/// within the joint limits that lies nearest to the row before. Throws InputError naming every
-/// position that the arm cannot or must not take.
+/// Returns the joint angles (radians) of every row of a plan; board views stand at home. Positions
+/// are reached with the cell's elbow, on the branch within the joint limits that lies nearest to
+/// the row before. Throws InputError naming every position that the arm cannot or must not take.
 std::vector<Joints> joints_of_plan(const CellSettings& cell, const std::vector<PlanRow>& plan);
 
 }  // namespace planar

@@ -9,11 +9,12 @@
 
 namespace planar {
 
-/// What was recorded into `folder`, and how the camera's frames came, as lines for a terminal.
+/// Returns what was recorded into `folder`, and how the camera's frames came, as lines for a
+/// terminal.
 std::string record_text(const RecordReport& report, const FrameCounts& frames,
                         const std::filesystem::path& folder);
 
-/// The same figures under the keys of --json.
+/// Returns the figures of a recording under the keys of --json.
 nlohmann::json record_json(const RecordReport& report, const FrameCounts& frames);
 
 }  // namespace planar

@@ -77,7 +77,10 @@ class Recorder {
       for (int i = 0; i < kMonumentReadings; ++i) {
         const auto reading = devices_.tracker().measure_monument(monument.id);
         if (!reading)
-          throw WorkError(fmt::format("the tracker does not see the monument '{}'", monument.id));
+          throw WorkError(
+              fmt::format("the tracker gives no reading of the monument '{}'; clear its view, or "
+                          "check tracker.source in the cell file",
+                          monument.id));
         tracker_table_.append(tracker_line({monument.id, reading->t_s, reading->p_L}));
       }
   }
@@ -98,7 +101,8 @@ class Recorder {
     energized_ = true;
     if (const auto objection = robot_.move_to(theta, [this] { return devices_.camera().fault(); }))
       throw WorkError(
-          fmt::format("{}: {}; the arm stands; mend the camera and record on", row.id, *objection));
+          fmt::format("{}: {}; the arm has stopped; mend the camera, then start again to go on",
+                      row.id, *objection));
     devices_.clock().sleep_for_s(cell_.servo.settle_s);
     const Eigen::Vector2d p = arm_.forward(robot_.commanded_joints()).p;
     std::string lines;
@@ -119,7 +123,8 @@ class Recorder {
     devices_.camera().set_region(pixel ? region_round(*pixel) : full_region());
   }
 
-  /// The frame itself when both lamps are in it, else a full frame; then the region follows them.
+  /// Returns the frame itself when both lamps are in it, and otherwise a full frame. The camera's
+  /// region follows the lamps from then on.
   Frame with_lamps(Frame frame, const Eigen::Vector2d& p, const std::string& id) {
     std::optional<Eigen::Vector2d> middle = middle_of_lamps(frame);
     if (!middle && frame.region_px != full_region()) {

@@ -10,13 +10,15 @@
 
 namespace planar {
 
+/// Says what is to be recorded, and where.
 struct RecordRequest {
   CellSettings cell;
   std::vector<PlanRow> plan;
-  std::filesystem::path recording;  ///< made when absent, gone on with when it holds a part
-  std::function<bool()> stop{};     ///< as PlanarRobot::stop_when() has it
+  std::filesystem::path recording;  ///< made when absent; continued when it holds a part
+  std::function<bool()> stop{};     ///< asked during every move; see PlanarRobot::stop_when()
 };
 
+/// Says what a recording holds.
 struct RecordReport {
   int recorded{0};  ///< plan rows recorded by this run
   int present{0};   ///< plan rows that the recording held before
@@ -25,12 +27,14 @@ struct RecordReport {
   std::vector<std::string> without_lamps;  ///< ids where no pair of lamps was seen
 };
 
-/// Drives the cell through the plan: moves, settles, grabs frames, takes a tracker reading; for
-/// board views asks for the board. Regions are placed from the COMMANDED pose by a coarse view
-/// learned from the first full frames; where the lamps are not in the region, a full frame is
-/// taken again. Throws InputError naming every position out of reach, workspace or joint limits
-/// before anything moves; WorkError when the camera fails or somebody stops the arm: it rests, what
-/// is recorded stays.
+/// Drives the cell through the plan. At each position it moves, settles, grabs frames and takes a
+/// tracker reading; for board views it asks for the board. Regions are placed from the commanded
+/// pose by a coarse view learned from the first full frames. Where the lamps are not in the region,
+/// a full frame is taken instead.
+///
+/// Throws InputError naming every position out of reach, workspace or joint limits before anything
+/// moves. Throws WorkError when the camera fails or somebody stops the arm: the arm then rests, and
+/// what is recorded stays.
 RecordReport record(const RecordRequest& request, CellDevices& devices);
 
 }  // namespace planar
