@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 const ProgramText kText{
     "planar-servo", "Positions the end point at targets by vision and logs every step.",
     "planar-servo --cell cell.yaml --targets targets.csv --out DIR [--no-error-map] [--resume]\n"
-    "                    [--display auto|x|none] [--home]\n"
+    "                    [--centre METHOD] [--display auto|x|none] [--home]\n"
     "       planar-servo --cell cell.yaml --targets targets.csv --dry-run | --check\n"
     "       ... | planar-servo --cell cell.yaml --targets - --out DIR",
     "  100 of 100 targets reached, 2 corrections and 2.13 s each\n"
