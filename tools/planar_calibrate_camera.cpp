@@ -17,15 +17,15 @@ const ProgramText kText{
     "Calibrates a camera from pictures of a flat grid of dots or squares.",
     "planar-calibrate-camera --grid circles|chessboard:COLSxROWS:PITCHmm [--model M] "
     "-o camera.yaml IMAGE|RECORDING...",
-    R"(images used         5 (0 rejected)
+    R"(images used         6 (0 rejected)
 model               plumb_bob_k1
-focal lengths       273.31 +- 1.59, 269.61 +- 1.54 px
-principal point     163.28 +- 0.51, 112.87 +- 0.67 px
-distortion          0.03228 0 0 0 0
-residuals           0.297 px rms, 0.330 px in views left out of the fit
-expected error      0.295 mm in a plane at the grid's distance
-  circles-01.jpg      0.278 px
-  circles-02.jpg      0.307 px)"};
+focal lengths       6397.80 +- 3.02, 6396.93 +- 3.04 px
+principal point     2538.91 +- 0.94, 2551.15 +- 1.21 px
+distortion          -0.01664 0 0 0 0
+residuals           0.361 px rms, 0.390 px in views left out of the fit
+expected error      0.085 mm in a plane at the grid's distance
+  recording/images/grid_1_0.pgm  0.338 px
+  recording/images/grid_2_0.pgm  0.345 px)"};
 
 struct Options {
   std::string grid;

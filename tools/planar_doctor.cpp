@@ -12,10 +12,9 @@ namespace {
 const ProgramText kText{"planar-doctor",
                         "Looks at a cell's file and devices and says what mends each fault.",
                         "planar-doctor --cell cell.yaml",
-                        "  well      cell file: cell.yaml is in order\n"
-                        "  doubtful  drive 2: Tic 36v4 00422222 at /dev/bus/usb/001/004, firmware "
-                        "1.09, supply 24.0 V; it does not know where it stands\n"
-                        "            -> home it with planar-jog"};
+                        R"(well      cell file: cell.yaml is in order
+well      drive 1: Tic 36v4 00411111 at /dev/bus/usb/001/002, firmware 1.09, supply 24.0 V
+well      camera: answers at 127.0.0.1 over lo)"};
 
 struct Options {
   std::filesystem::path cell;

@@ -17,35 +17,20 @@ const ProgramText kText{
     "planar-fit-error-map",
     "Fits a map of the vision error to pairs of vision and tracker positions.",
     "planar-fit-error-map [--method auto|rbf|idw|hand:WIDTH_MM] -o map.yaml pairs.csv",
-    R"(pairs used          196 (4 rejected)
-  r4c36: 502.1426 mm from what the other pairs predict there, where 12.7453 mm is allowed
-  r61c7: 20.0207 mm from what the other pairs predict there, where 0.0676 mm is allowed
-  r16c23: 3.0087 mm from what the other pairs predict there, where 0.0879 mm is allowed
-  r19c41: 0.5093 mm from what the other pairs predict there, where 0.0661 mm is allowed
-method              multiquadric_rbf
-vision error        0.0938 mm rms
-leave-one-out       0.0250 mm rms
-noise               0.0135 mm per axis
-gain                73.3 %, worth using
+    R"(pairs used          199 (1 rejected)
+  p17: 3.0047 mm from what the other pairs predict there, where 0.0276 mm is allowed
+method              gaussian_rbf
+vision error        0.0775 mm rms
+leave-one-out       0.0097 mm rms
+noise               0.0059 mm per axis
+gain                87.4 %, worth using
 
 what the pairs say of the cell                        rms, mm
-shift x               -0.005289 +- 0.0108   mm       0.0053
-shift y                 0.04751 +- 0.0126   mm       0.0475  significant
-scale (plane height)      -1158 +- 416      um/m     0.0575
-rotation                 -502.8 +- 228      urad     0.0249
-x longer than y            1166 +- 470      um/m     0.0289
-x, y not square          -328.6 +- 370      urad     0.0081
-tilt towards x            8.427 +- 7.33     mrad/m   0.0156
-tilt towards y           -8.032 +- 4.48     mrad/m   0.0186
-radial remainder          198.1 +- 109      mm/m^3   0.0388
-left by all of these                                 0.0707
+shift x                0.001134 +- 0.0128   mm       0.0011
 
 rms, mm        left out: one   a block of neighbours (95 % interval)
-raw                   0.0938     0.0938  (0.0764 to 0.1151)
-idw                   0.0462     0.0631  (0.0512 to 0.0777)
-hand:48                    -   its equations cannot be solved
-rbf                   0.0259     0.0455  (0.0347 to 0.0595)
-auto                  0.0250     0.0374  (0.0290 to 0.0481))"};
+raw                   0.0775     0.0775  (0.0740 to 0.0812)
+auto                  0.0097     0.0148  (0.0111 to 0.0197))"};
 
 struct Options {
   std::string method{"auto"};

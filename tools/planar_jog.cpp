@@ -19,8 +19,8 @@ const ProgramText kText{
     "planar-jog --cell cell.yaml [--teach targets.csv]\n"
     "       printf 'enable\\njoint 2 -10\\nteach A\\n' | planar-jog --cell cell.yaml --teach "
     "targets.csv",
-    "  joints -94.684 41.554 0.000 deg, end point (200.000, 100.000) mm, phi 0.000 deg\n"
-    "  taught A at (200.214, 99.310) mm as seen"};
+    "joints 0.000 70.000 10.000 deg, end point (402.605, -281.908) mm, phi -10.000 deg\n"
+    "taught A at (401.981, -284.091) mm as seen"};
 
 struct Options {
   std::filesystem::path cell, teach;

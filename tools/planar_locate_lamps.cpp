@@ -22,7 +22,7 @@ const ProgramText kText{
     "Finds lamps in images and measures their centres, on the cell's plane where it has one.",
     "planar-locate-lamps [--cell cell.yaml] [--lamps 1|2] [--centre METHOD] [--start U,V] "
     "-o lamps.csv RECORDING | IMAGE...",
-    "732 images: 728 ok, 3 one_lamp, 1 unreadable; 0.61 ms per image"};
+    "163 images: 156 ok, 7 board_view; 0.46 ms per image; direction to 0.0034 deg"};
 
 struct Options {
   fs::path cell, out;

@@ -20,11 +20,11 @@ const ProgramText kText{
     "planar-pair-tracker --cell cell.yaml --lamps lamps.csv --recording RECORDING "
     "[--workplane-from pairs|grid] --workplane-out workplane.yaml --tool-out tool.yaml "
     "-o pairs.csv",
-    "  datum      3 monuments, rms 0.004 mm\n"
-    "  workplane  6 degrees of freedom fitted to 247 places, rms 0.312 mm\n"
-    "  tool       end point (0.402, -0.698) mm, reflector (12.001, 31.004) mm\n"
-    "  rejected   train_017: vision and tracker differ by 3.214 mm; the limit is 1.820 mm\n"
-    "  raw error  train: 199 pairs, mean 0.301 mm, rms 0.343 mm, max 0.912 mm"};
+    R"(datum      3 monuments, rms 0.005 mm
+workplane  6 degrees of freedom fitted to 51 places, rms 0.085 mm
+tool       end point (0.058, 0.048) mm, reflector (11.811, -8.139) mm
+rejected   train_17: vision and tracker differ by 4.643 mm; the limit is 0.812 mm
+raw error  train: 39 pairs, mean 0.079 mm, rms 0.094 mm, max 0.231 mm)"};
 
 struct Options {
   std::filesystem::path cell, lamps, recording, tracker, workplane_out, tool_out, pairs_out;

@@ -13,7 +13,9 @@ namespace {
 const ProgramText kText{
     "planar-record", "Drives a cell through a plan and records frames and tracker readings.",
     "planar-record --cell cell.yaml --plan plan.csv --out RECORDING",
-    "  254 positions recorded (0 were there before): 732 frames, 17 of them full, in RECORDING"};
+    "1 positions recorded (0 were there before): 3 frames, 1 of them full, in RECORDING\n"
+    "camera: 3 whole frames; left out: 0 with parts missing, 0 repeated; the camera was lost and "
+    "found 0 times"};
 
 struct Options {
   std::filesystem::path cell, plan, recording;

@@ -27,8 +27,9 @@ const ProgramText kText{
     "                    [--centre METHOD] [--display auto|x|none] [--home]\n"
     "       planar-servo --cell cell.yaml --targets targets.csv --dry-run | --check\n"
     "       ... | planar-servo --cell cell.yaml --targets - --out DIR",
-    "  100 of 100 targets reached, 2 corrections and 2.13 s each\n"
-    "  against the truth: before 1.318 mm mean; after 0.0210 mm mean, 0.0240 rms, ..."};
+    R"(2 of 2 targets reached, 1.5 corrections and 2.87 s each
+against the truth: before 0.924 mm mean; after 0.0130 mm mean, 0.0130 rms, 0.0134 at 95 %, 0.0135 max; improvement 98.6 %
+log and report: DIR)"};
 
 constexpr char kStdin[] = "standard input";
 

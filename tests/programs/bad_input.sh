@@ -62,6 +62,10 @@ expect 1 "no image shows what was looked for; dark.csv says why for each" \
 grep -q "no_lamp" dark.csv || fail "a dark image has no lamp: $(cat dark.csv)"
 expect 2 "absent.png: does not exist" "$bin/planar-locate-lamps" -o made absent.png
 expect 2 "lmaps" "$bin/planar-locate-lamps" -o made --lmaps 2 dark.pgm
+head -c 100000 "$2/recording/images/grid_1_0.pgm" >cut.pgm
+expect 2 "cut.pgm: cannot be read to its end as an image" \
+  "$bin/planar-calibrate-camera" --grid circles:6x6:30mm -o made cut.pgm
+[ "$(wc -l <err.txt)" -eq 1 ] || fail "a library spoke, too: $(cat err.txt)"
 expect 2 "256" "$bin/planar-locate-lamps" --cell cell/cell.yaml -o made dark.pgm
 
 # The doctor is no exception: what it cannot read is wrong input, what a cell lacks it says.
@@ -69,6 +73,8 @@ expect 2 "absent.yaml: cannot be read" "$bin/planar-doctor" --cell absent.yaml
 expect 2 "unknown key 'servo.setle_ms'" "$bin/planar-doctor" --cell cell/wrong.yaml
 "$bin/planar-doctor" --cell cell/cell.yaml >out.txt || fail "$(cat out.txt)"
 grep -q "camera: is virtual; there is no device to examine" out.txt || fail "$(cat out.txt)"
+"$bin/planar-doctor" -v --cell cell/cell.yaml 2>&1 >/dev/null |
+  grep -q "^planar-doctor: reading cell/cell.yaml" || fail "-v does not name the file that is read"
 
 # A camera that is not virtual needs its settings.
 sed 's/source: virtual/source: aravis/' cell/cell.yaml >cell/aravis.yaml

@@ -58,3 +58,21 @@ calibrated_cell() {
   "$bin/planar-record" -q --cell cell/cell.yaml --plan plan.csv --out recording >/dev/null
   calibrate cell/cell.yaml recording cell >calibrated.txt
 }
+
+# What outputs of the same kind have in common: a number is N, a run of blanks is one blank.
+masked() {
+  sed -E 's/-?[0-9]+(\.[0-9]+)?/N/g; s/[[:space:]]+/ /g; s/^ //; s/ $//' "$@"
+}
+
+# expect_sample OUTPUT COMMAND...: each line of the sample in the command's --help is, but for its
+# numbers, a line of the file OUTPUT.
+expect_sample() {
+  local output=$1
+  shift
+  "$@" --help | awk '/^(Options|Positionals):$/ { on = 0 } on && NF; /^Sample of the output:$/ { on = 1 }' |
+    masked >sample.txt
+  [ -s sample.txt ] || fail "$*: --help has no sample"
+  masked "$output" >output.txt
+  grep -vxFf output.txt sample.txt >never.txt || return 0
+  fail "$*: --help shows what was not printed: $(cat never.txt output.txt)"
+}
