@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "planar_servo/core/error.h"
+#include "planar_servo/core/units.h"
 #include "planar_servo/files/vision_files.h"
 #include "planar_servo/run/dry_run.h"
 #include "planar_servo/run/target_scorer.h"
@@ -68,6 +69,9 @@ const TargetResult& ServoRun::move_to(const TargetRow& target) {
   const auto attempt = [&] {
     return servo_.move_to(target_pose(target, cell_.tool_orientation), [&](const ServoStep& step) {
       scorer.observe(step);
+      spdlog::debug("{}, step {}: {:.4f} mm from the target, content below {:.4f} mm", target.id,
+                    step.iteration, step.error.norm() / kMillimetre,
+                    step.stop_below_m / kMillimetre);
       if (!observer_) return;
       const TipPose& wanted = step.target;
       observer_({target.id, step, sensor_.last_frame(),

@@ -1,6 +1,7 @@
 #include "planar_servo/offline/map/fit_map_to_pairs.h"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <charconv>
 #include <cmath>
@@ -28,6 +29,31 @@ void require_any(const TrainingPairs& training) {
   if (training.problem.samples.empty())
     throw InputError(fmt::format("none of {} pairs is of plan '{}', to which a map is fitted",
                                  training.n_other_plans, kTrainPlan));
+}
+
+void log_kernel(const IdwMap& /*map*/) {}
+
+void log_kernel(const RbfMap& map) {
+  const RbfParameters& chosen = map.parameters();
+  spdlog::debug("chosen: width {:.1f} mm, ridge {:.3g}, tail of degree {}{}",
+                chosen.kernel.width / kMillimetre, chosen.ridge, chosen.tail_basis.degree,
+                chosen.tail_basis.with_direction ? " with the tool's direction" : "");
+}
+
+void log_kernel(const SparseRbfMap& map) {
+  spdlog::debug("chosen: width {:.1f} mm on {} centres, ridge {:.3g}",
+                map.parameters().width / kMillimetre, map.parameters().centers.cols(),
+                map.parameters().ridge);
+}
+
+/// Tells who asks for it what a fit decided.
+void log(const MapResult& result) {
+  spdlog::debug("the map is {}, {:.4f} mm rms left out one by one; idw {:.4f} mm",
+                name(kind_of(result.map)), result.loo_rms / kMillimetre,
+                result.idw_loo_rms / kMillimetre);
+  std::visit([](const auto& map) { log_kernel(map); }, result.map);
+  for (const RejectedSample& sample : result.rejected)
+    spdlog::debug("left out {}: {}", sample.id, sample.reason);
 }
 
 }  // namespace
@@ -59,6 +85,7 @@ FitErrorMapReport fit_error_map_to_pairs(const TrainingPairs& pairs, const Progr
   const SteadyClock clock;
   const double begin_s = clock.now_s();
   MapResult result = fit_error_map(pairs.problem, progress);
+  log(result);
   return {std::move(result), pairs.n_other_plans, clock.now_s() - begin_s};
 }
 

@@ -1,6 +1,7 @@
 #include "planar_servo/offline/pairs/pair_tracker.h"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <map>
@@ -9,6 +10,7 @@
 #include "planar_servo/calibration/board/board_pose.h"
 #include "planar_servo/calibration/vision_tip.h"
 #include "planar_servo/core/error.h"
+#include "planar_servo/core/units.h"
 #include "planar_servo/lens/workplane.h"
 #include "planar_servo/offline/camera/board_images.h"
 
@@ -104,6 +106,16 @@ double remove_eccentricity(const Workplane& workplane, const std::array<double, 
   return largest_px;
 }
 
+/// Tells who asks for it what was decided.
+void log(const PairTrackerReport& report) {
+  for (const MonumentResidual& monument : report.datum.residuals)
+    spdlog::debug("monument {}: {:.4f} mm off in {} readings", monument.id,
+                  monument.residual_B.norm() / kMillimetre, monument.readings);
+  spdlog::debug("the workplane is fitted to {} places", report.workplane.n_used);
+  for (const Rejection& rejection : report.rejected)
+    spdlog::debug("left out {}: {}", rejection.id, rejection.reason);
+}
+
 }  // namespace
 
 PairTrackerReport pair_tracker(const PairTrackerRequest& request) {
@@ -140,6 +152,7 @@ PairTrackerReport pair_tracker(const PairTrackerRequest& request) {
       report.rejected.push_back({sight.id, "a lamp's ray does not meet the plane"});
     }
   }
+  log(report);
   return report;
 }
 

@@ -1,6 +1,7 @@
 #include "planar_servo/offline/record/recorder.h"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <map>
@@ -128,6 +129,7 @@ class Recorder {
   Frame with_lamps(Frame frame, const Eigen::Vector2d& p, const std::string& id) {
     std::optional<Eigen::Vector2d> middle = middle_of_lamps(frame);
     if (!middle && frame.region_px != full_region()) {
+      spdlog::debug("{}: the lamps are not in the region; taking a full frame", id);
       devices_.camera().set_region(full_region());
       frame = grab();
       middle = middle_of_lamps(frame);
