@@ -73,6 +73,67 @@ TEST_CASE("A number outside its range is a fault that names the range") {
   CHECK_THAT(faults_of(document), Contains("gain is 7; a number from 0 to 1 is needed"));
 }
 
+/// The only fault of reading `value` at the key `n`.
+template <typename Read>
+std::string fault_of(const std::string& value, const Read& read) {
+  const test::TemporaryFolder folder;
+  const YamlDocument document = YamlDocument::read(
+      folder.write("a.yaml", "format: planar-servo/cell/1\nn: " + value), "cell");
+  read(document.root());
+  const std::string faults = faults_of(document);
+  CHECK(faults.find('\n') == std::string::npos);
+  return faults;
+}
+
+TEST_CASE("No range shows a bound that no file reaches") {
+  const auto at_least_2 = [](const YamlNode& node) { node.number_in("n", 2.0); };
+  const auto positive = [](const YamlNode& node) { node.positive("n"); };
+  const auto share = [](const YamlNode& node) { node.positive("n", 1.0); };
+  CHECK_THAT(fault_of("1.5", at_least_2), Contains("n is 1.5; a number of at least 2 is needed"));
+  CHECK_THAT(fault_of("-1", positive), Contains("n is -1; a positive number is needed"));
+  CHECK_THAT(fault_of("0", positive), Contains("n is 0; a positive number is needed"));
+  CHECK_THAT(fault_of("2", share), Contains("n is 2; a positive number of at most 1 is needed"));
+  CHECK(fault_of("1e-3", positive).empty());
+}
+
+TEST_CASE("A whole number has no fraction, and is refused outside its range") {
+  const auto from_1_to_9 = [](const YamlNode& node) { node.whole_number_in("n", 1, 9); };
+  const auto from_1 = [](const YamlNode& node) { node.whole_number_in("n", 1); };
+  CHECK_THAT(fault_of("1280.7", from_1), Contains("n is '1280.7'; a whole number is needed"));
+  CHECK_THAT(fault_of("1e12", from_1), Contains("n is '1e12'; a whole number is needed"));
+  CHECK_THAT(fault_of(".nan", from_1), Contains("n is '.nan'; a whole number is needed"));
+  CHECK_THAT(fault_of("", from_1), Contains("n is empty; a whole number is needed"));
+  CHECK_THAT(fault_of("0", from_1), Contains("n is 0; a whole number of at least 1 is needed"));
+  CHECK_THAT(fault_of("10", from_1_to_9),
+             Contains("n is 10; a whole number from 1 to 9 is needed"));
+  CHECK(fault_of("5.0", from_1_to_9).empty());
+}
+
+TEST_CASE("A malformed list tells its reader that there is none") {
+  for (const char* list : {"[[1, two]]", "[[1]]", "[1]", "[{a: 1}]"}) {
+    const std::string fault = fault_of(list, [](const YamlNode& node) {
+      CHECK_FALSE(node.list("n").at(0).as_numbers(2).has_value());
+    });
+    CHECK_THAT(fault, Contains("n[0] is "));
+  }
+  const auto read = [](const YamlNode& node) {
+    CHECK(node.list("n").at(0).as_numbers(2) == std::vector<double>{1.0, 2.0});
+  };
+  CHECK(fault_of("[[1, 2]]", read).empty());
+}
+
+TEST_CASE("A map that may have any keys adds no fault for those nobody asked for") {
+  const std::string map = "{kind: vritual, gear: 3}";
+  const auto kind_of = [](const YamlNode& node) {
+    node.choice("kind", {"virtual", "tic"});
+    return node;
+  };
+  CHECK_THAT(fault_of("{gear: 3}", [](const YamlNode& node) { node.child("n").has("kind"); }),
+             Contains("unknown key 'n.gear'"));
+  CHECK_THAT(fault_of(map, [&](const YamlNode& node) { kind_of(node.child("n")).allow_all(); }),
+             Contains("n.kind is 'vritual'; allowed are virtual, tic"));
+}
+
 TEST_CASE("A file that is missing, empty, broken or of another kind is refused by name") {
   const test::TemporaryFolder folder;
   const auto read = [&](const std::string& text) {

@@ -116,12 +116,13 @@ void read_transmission(const YamlNode& root, CellSettings& cell) {
   const auto limits = arm.list("joint_limits_deg", 3);
   for (std::size_t i = 0; i < limits.size(); ++i) {
     const auto range = limits[i].as_numbers(2);
-    if (!(range[0] < range[1]))
+    if (!range) continue;
+    if (!((*range)[0] < (*range)[1]))
       limits[i].add_fault(
           fmt::format("arm.joint_limits_deg[{}] is [{}, {}]; the lower limit must "
                       "be below the upper one",
-                      i, range[0], range[1]));
-    cell.transmission.limits_rad[i] = Eigen::Vector2d(range[0], range[1]) * kDegree;
+                      i, (*range)[0], (*range)[1]));
+    cell.transmission.limits_rad[i] = Eigen::Vector2d((*range)[0], (*range)[1]) * kDegree;
   }
   const auto drives = root.list("drives", 3);
   for (std::size_t i = 0; i < drives.size(); ++i) {

@@ -18,9 +18,10 @@ Eigen::MatrixXd read_covariance(const YamlNode& root, std::size_t size) {
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(n, n);
   const std::vector<YamlNode> rows = root.list("covariance", size);
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    const std::vector<double> values = rows[i].as_numbers(size);
+    const auto values = rows[i].as_numbers(size);
+    if (!values) return Eigen::MatrixXd::Zero(n, n);
     covariance.row(static_cast<Eigen::Index>(i)) =
-        Eigen::Map<const Eigen::RowVectorXd>(values.data(), n);
+        Eigen::Map<const Eigen::RowVectorXd>(values->data(), n);
   }
   if (!covariance.isApprox(covariance.transpose()) || (covariance.diagonal().array() < 0.0).any()) {
     root.add_fault("covariance must be symmetric, with variances of 0 or more on its diagonal");

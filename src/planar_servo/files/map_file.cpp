@@ -4,7 +4,6 @@
 
 #include <array>
 #include <cmath>
-#include <limits>
 #include <variant>
 #include <vector>
 
@@ -23,9 +22,6 @@ constexpr char kSparseMethod[] = "sparse_gaussian_rbf";
 
 /// (cos phi, sin phi) of the tool at each centre: the tail then ends with these two terms.
 constexpr char kDirections[] = "tool_directions";
-
-constexpr double kUnbounded = std::numeric_limits<double>::max();
-constexpr double kSmallestLength = 1e-9;  // of what must be positive, metres
 
 std::vector<double> numbers_of(const Eigen::Vector2d& v) {
   return {v.x(), v.y()};
@@ -46,7 +42,7 @@ Eigen::Matrix2Xd read_points(const YamlNode& node, const std::string& key) {
   const std::vector<YamlNode> rows = node.list(key);
   Eigen::Matrix2Xd points(2, rows.size());
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    const std::vector<double> xy = rows[i].as_numbers(2);
+    const std::vector<double> xy = rows[i].as_numbers(2).value_or(std::vector<double>{0.0, 0.0});
     points.col(static_cast<Eigen::Index>(i)) << xy[0], xy[1];
   }
   return points;
@@ -89,7 +85,7 @@ ValidRegion read_region(const YamlNode& node) {
   ValidRegion region;
   const Eigen::Matrix2Xd hull = read_points(node, "hull_m");
   for (Eigen::Index i = 0; i < hull.cols(); ++i) region.hull.emplace_back(hull.col(i));
-  region.margin = node.number_in("hull_margin_m", 0.0, kUnbounded);
+  region.margin = node.number_in("hull_margin_m", 0.0);
   return region;
 }
 
@@ -166,13 +162,9 @@ IdwMap read_idw(const YamlNode& node) {
 }
 
 void read_tail_basis(const YamlNode& node, TailBasis& basis) {
-  basis.degree = node.whole_number("tail_degree");
-  if (basis.degree < -1 || basis.degree > 3) {
-    node.add_fault(fmt::format("tail_degree is {}; allowed are -1 to 3", basis.degree));
-    basis.degree = -1;
-  }
+  basis.degree = node.whole_number_in("tail_degree", -1, 3);
   basis.origin = read_point(node, "tail_origin_m");
-  basis.scale = node.number_in("tail_scale_m", kSmallestLength, kUnbounded);
+  basis.scale = node.positive("tail_scale_m");
 }
 
 KernelShape shape_of(const std::string& method) {
@@ -181,9 +173,9 @@ KernelShape shape_of(const std::string& method) {
 
 template <typename Parameters>
 void read_shared(const YamlNode& node, Parameters& parameters) {
-  parameters.ridge = node.number_in("ridge", 0.0, kUnbounded);
-  parameters.signal_sigma = node.number_in("signal_sigma_m", 0.0, kUnbounded);
-  parameters.sigma_limit = node.number_in("sigma_limit_m", 0.0, kUnbounded);
+  parameters.ridge = node.number_in("ridge", 0.0);
+  parameters.signal_sigma = node.number_in("signal_sigma_m", 0.0);
+  parameters.sigma_limit = node.number_in("sigma_limit_m", 0.0);
   read_tail_basis(node, parameters.tail_basis);
   parameters.tail = read_points(node, "tail_m", parameters.tail_basis.terms());
   parameters.region = read_region(node);
@@ -194,8 +186,8 @@ void read_shared(const YamlNode& node, Parameters& parameters) {
 RbfParameters read_rbf(const YamlNode& node, KernelShape shape) {
   RbfParameters parameters;
   parameters.kernel.shape = shape;
-  parameters.kernel.width = node.number_in("width_m", kSmallestLength, kUnbounded);
-  parameters.kernel.span = node.number_in("span_m", 0.0, kUnbounded);
+  parameters.kernel.width = node.positive("width_m");
+  parameters.kernel.span = node.number_in("span_m", 0.0);
   parameters.tail_basis.with_direction = node.has(kDirections);
   read_shared(node, parameters);
   if (parameters.tail_basis.with_direction)
@@ -206,7 +198,7 @@ RbfParameters read_rbf(const YamlNode& node, KernelShape shape) {
 
 SparseRbfParameters read_sparse_rbf(const YamlNode& node) {
   SparseRbfParameters parameters;
-  parameters.width = node.number_in("width_m", kSmallestLength, kUnbounded);
+  parameters.width = node.positive("width_m");
   read_shared(node, parameters);
   parameters.factor =
       read_packed(node, "factor", parameters.centers.cols() + parameters.tail_basis.terms());

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
+#include <map>
 #include <set>
 
 #include "planar_servo/core/error.h"
@@ -19,8 +19,19 @@ std::string joined(const std::vector<std::string>& names) {
 }
 
 std::string shown(const YAML::Node& node) {
+  if (node.IsNull()) return "empty";
   return node.IsScalar() ? "'" + node.Scalar() + "'" : node.IsMap() ? "a map" : "a list";
 }
+
+/// "a number from 0 to 1"; a bound that no file reaches is not told.
+template <typename Number>
+std::string range_text(const char* what, Number lower, Number upper) {
+  if (upper >= std::numeric_limits<Number>::max())
+    return fmt::format("{} of at least {}", what, lower);
+  return fmt::format("{} from {} to {}", what, lower, upper);
+}
+
+constexpr double kSmallestPositive = 1e-9;
 
 }  // namespace
 
@@ -28,6 +39,7 @@ struct YamlDocument::Impl {
   struct VisitedMap {
     YAML::Node node;
     std::vector<std::string> asked;
+    bool any_key{false};
   };
 
   std::filesystem::path path;
@@ -39,9 +51,13 @@ struct YamlDocument::Impl {
   void add_fault(const YAML::Mark& mark, const std::string& message) {
     faults.add(fmt::format("{}:{}:{}: {}", path.string(), mark.line + 1, mark.column + 1, message));
   }
-  void visit(const std::string& place, const YAML::Node& node, const std::string& key) {
+  VisitedMap& visit(const std::string& place, const YAML::Node& node) {
     VisitedMap& map = visited[place];
     map.node.reset(node);
+    return map;
+  }
+  void visit(const std::string& place, const YAML::Node& node, const std::string& key) {
+    VisitedMap& map = visit(place, node);
     if (std::find(map.asked.begin(), map.asked.end(), key) == map.asked.end())
       map.asked.push_back(key);
   }
@@ -94,20 +110,35 @@ struct YamlNode::Impl {
     return std::nullopt;
   }
 
-  std::vector<double> finite_numbers(const YAML::Node& value, const std::string& name,
-                                     std::size_t size) const {
-    std::vector<double> numbers(size, 0.0);
+  std::optional<std::vector<double>> finite_numbers(const YAML::Node& value,
+                                                    const std::string& name,
+                                                    std::size_t size) const {
     if (!value.IsSequence() || (size != 0 && value.size() != size)) {
       const std::string count = size == 0 ? "" : fmt::format("{} ", size);
       fault_at(value, fmt::format("{} is {}; a list of {}numbers is needed", name,
                                   value.IsSequence() ? fmt::format("a list of {}", value.size())
                                                      : shown(value),
                                   count));
-      return numbers;
+      return std::nullopt;
     }
-    numbers.clear();
-    for (const auto& item : value) numbers.push_back(finite_number(item, name).value_or(0.0));
-    return numbers;
+    std::vector<double> numbers;
+    bool finite = true;
+    for (const auto& item : value) {
+      const std::optional<double> number = finite_number(item, name);
+      finite = finite && number.has_value();
+      numbers.push_back(number.value_or(0.0));
+    }
+    return finite ? std::make_optional(numbers) : std::nullopt;
+  }
+
+  std::optional<int> whole_number(const YAML::Node& value, const std::string& name) const {
+    double number = 0.0;
+    constexpr double kLargest = std::numeric_limits<int>::max();
+    if (value.IsScalar() && YAML::convert<double>::decode(value, number) &&
+        number == std::trunc(number) && std::abs(number) <= kLargest)
+      return static_cast<int>(number);
+    fault_at(value, fmt::format("{} is {}; a whole number is needed", name, shown(value)));
+    return std::nullopt;
   }
 
   YamlNode wrap(const YAML::Node& child, const std::string& child_place) const {
@@ -124,7 +155,8 @@ void YamlDocument::Impl::add_key_faults() {
       const std::string name = place.empty() ? key : place + "." + key;
       if (!seen.insert(key).second)
         add_fault(entry.first.Mark(), fmt::format("the key '{}' stands twice", name));
-      if (strict && std::find(map.asked.begin(), map.asked.end(), key) == map.asked.end())
+      if (strict && !map.any_key &&
+          std::find(map.asked.begin(), map.asked.end(), key) == map.asked.end())
         add_fault(entry.first.Mark(),
                   fmt::format("unknown key '{}'; allowed are {}", name, joined(map.asked)));
     }
@@ -143,6 +175,10 @@ void YamlNode::allow(const std::string& key) const {
   has(key);
 }
 
+void YamlNode::allow_all() const {
+  if (impl_->present()) impl_->document->visit(impl_->place, impl_->node).any_key = true;
+}
+
 double YamlNode::number(const std::string& key) const {
   const YAML::Node value = impl_->require(key);
   if (!value.IsDefined()) return 0.0;
@@ -155,19 +191,39 @@ double YamlNode::number_in(const std::string& key, double lower, double upper) c
   const std::optional<double> number = impl_->finite_number(value, impl_->place_of(key));
   if (number && *number >= lower && *number <= upper) return *number;
   if (number)
-    impl_->fault_at(value, fmt::format("{} is {}; a number from {} to {} is needed",
-                                       impl_->place_of(key), *number, lower, upper));
+    impl_->fault_at(value, fmt::format("{} is {}; {} is needed", impl_->place_of(key), *number,
+                                       range_text("a number", lower, upper)));
   return lower;
+}
+
+double YamlNode::positive(const std::string& key, double upper) const {
+  const double harmless = std::min(1.0, upper);
+  const YAML::Node value = impl_->require(key);
+  if (!value.IsDefined()) return harmless;
+  const std::optional<double> number = impl_->finite_number(value, impl_->place_of(key));
+  if (number && *number >= kSmallestPositive && *number <= upper) return *number;
+  const std::string limit = upper < kUnbounded ? fmt::format(" of at most {}", upper) : "";
+  if (number)
+    impl_->fault_at(value, fmt::format("{} is {}; a positive number{} is needed",
+                                       impl_->place_of(key), *number, limit));
+  return harmless;
 }
 
 int YamlNode::whole_number(const std::string& key) const {
   const YAML::Node value = impl_->require(key);
-  int number = 0;
-  if (!value.IsDefined()) return number;
-  if (!value.IsScalar() || !YAML::convert<int>::decode(value, number))
-    impl_->fault_at(value, fmt::format("{} is {}; a whole number is needed", impl_->place_of(key),
-                                       shown(value)));
-  return number;
+  if (!value.IsDefined()) return 0;
+  return impl_->whole_number(value, impl_->place_of(key)).value_or(0);
+}
+
+int YamlNode::whole_number_in(const std::string& key, int lower, int upper) const {
+  const YAML::Node value = impl_->require(key);
+  if (!value.IsDefined()) return lower;
+  const std::optional<int> number = impl_->whole_number(value, impl_->place_of(key));
+  if (number && *number >= lower && *number <= upper) return *number;
+  if (number)
+    impl_->fault_at(value, fmt::format("{} is {}; {} is needed", impl_->place_of(key), *number,
+                                       range_text("a whole number", lower, upper)));
+  return lower;
 }
 
 std::string YamlNode::text(const std::string& key) const {
@@ -193,7 +249,8 @@ std::string YamlNode::choice(const std::string& key,
 std::vector<double> YamlNode::numbers(const std::string& key, std::size_t size) const {
   const YAML::Node value = impl_->require(key);
   if (!value.IsDefined()) return std::vector<double>(size, 0.0);
-  return impl_->finite_numbers(value, impl_->place_of(key), size);
+  return impl_->finite_numbers(value, impl_->place_of(key), size)
+      .value_or(std::vector<double>(size, 0.0));
 }
 
 std::vector<YamlNode> YamlNode::list(const std::string& key, std::size_t size) const {
@@ -214,8 +271,8 @@ std::vector<YamlNode> YamlNode::list(const std::string& key, std::size_t size) c
   return items;
 }
 
-std::vector<double> YamlNode::as_numbers(std::size_t size) const {
-  if (!impl_->present()) return std::vector<double>(size, 0.0);
+std::optional<std::vector<double>> YamlNode::as_numbers(std::size_t size) const {
+  if (!impl_->present()) return std::nullopt;
   return impl_->finite_numbers(impl_->node, impl_->title(), size);
 }
 

@@ -1,8 +1,9 @@
 #pragma once
 
 #include <filesystem>
-#include <map>
+#include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,13 +19,24 @@ namespace planar {
 ///     document.throw_if_faulty();      // also names every key that nobody asked for
 class YamlNode {
  public:
+  static constexpr double kUnbounded = std::numeric_limits<double>::max();
+
   /// A required key. The returned node may be missing; then every access to it is harmless.
   YamlNode child(const std::string& key) const;
   bool has(const std::string& key) const;
 
   // Required keys of this map. Numbers must be finite.
   double number(const std::string& key) const;
+  /// The number at `key` when it lies in the range, else a fault naming the range, and `lower`.
+  double number_in(const std::string& key, double lower, double upper = kUnbounded) const;
+  /// A number above 0, up to `upper`; one below 1e-9 counts as 0. 1 (or `upper`) when it is none.
+  double positive(const std::string& key, double upper = kUnbounded) const;
+  /// A number without a fraction: 1280 or 1280.0, never 1280.7.
   int whole_number(const std::string& key) const;
+  /// The whole number at `key` when it lies in the range, else a fault naming the range, and
+  /// `lower`.
+  int whole_number_in(const std::string& key, int lower,
+                      int upper = std::numeric_limits<int>::max()) const;
   std::string text(const std::string& key) const;
   /// One of `allowed`; the first of them when it is none.
   std::string choice(const std::string& key, const std::vector<std::string>& allowed) const;
@@ -33,18 +45,18 @@ class YamlNode {
   /// A list of maps or lists (`size` of them; any number when 0).
   std::vector<YamlNode> list(const std::string& key, std::size_t size = 0) const;
 
-  /// This node as a list of `size` numbers (any number of them when size is 0).
-  std::vector<double> as_numbers(std::size_t size) const;
+  /// This node as a list of `size` numbers (any number of them when size is 0); empty when it is
+  /// not one, which is a fault that needs no second one.
+  std::optional<std::vector<double>> as_numbers(std::size_t size) const;
   std::string as_text() const;
   /// Every key of this map, in the file's order.
   std::vector<std::string> keys() const;
 
-  /// The number at `key` when it satisfies lower <= v <= upper, else a fault naming the range.
-  double number_in(const std::string& key, double lower, double upper) const;
-
   void add_fault(const std::string& message) const;
   /// Asks for a key without reading it, so that it does not count as unknown.
   void allow(const std::string& key) const;
+  /// Lets this map have any keys: where its kind is misspelt, nobody knows which ones it may have.
+  void allow_all() const;
 
  private:
   friend class YamlDocument;

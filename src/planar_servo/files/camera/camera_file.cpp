@@ -10,6 +10,8 @@
 namespace planar {
 namespace {
 
+constexpr int kMaxPixels = 1000000;  // of an image side
+
 /// A matrix as ROS writes it: {rows, cols, data}.
 void add_matrix(YamlWriter& writer, const std::string& key, int rows,
                 const std::vector<double>& data) {
@@ -80,8 +82,8 @@ CameraRecord read_camera_yaml(const std::filesystem::path& path) {
   const YamlDocument document = YamlDocument::read_lenient(path);
   const YamlNode root = document.root();
   CameraRecord record;
-  record.width_px = static_cast<int>(root.number_in("image_width", 1, 1e6));
-  record.height_px = static_cast<int>(root.number_in("image_height", 1, 1e6));
+  record.width_px = root.whole_number_in("image_width", 1, kMaxPixels);
+  record.height_px = root.whole_number_in("image_height", 1, kMaxPixels);
   const std::string model = root.choice(
       "distortion_model", {"plumb_bob", "rational_polynomial", "opencv_14", "equidistant"});
   const std::vector<double> K = root.child("camera_matrix").numbers("data", 9);

@@ -12,17 +12,14 @@
 namespace planar {
 namespace {
 
-constexpr double kHuge = 1e9;
-constexpr double kTiny = 1e-9;
-
 // Numbers in the file's unit times `unit` are SI.
 
 double positive(const YamlNode& node, const std::string& key, double unit) {
-  return node.number_in(key, kTiny, kHuge) * unit;
+  return node.positive(key) * unit;
 }
 
 double not_negative(const YamlNode& node, const std::string& key, double unit) {
-  return node.number_in(key, 0.0, kHuge) * unit;
+  return node.number_in(key, 0.0) * unit;
 }
 
 template <int kSize>
@@ -60,11 +57,13 @@ void write_pose(YamlWriter& yaml, const std::string& key, const Pose& pose) {
 std::vector<Harmonic> read_harmonics(const YamlNode& node, const std::string& key, double unit) {
   std::vector<Harmonic> harmonics;
   for (const YamlNode& item : node.list(key)) {
-    const std::vector<double> row = item.as_numbers(3);
-    if (row[2] != std::floor(row[2]) || row[2] < 0.0 || row[2] > 1000.0)
+    const auto row = item.as_numbers(3);
+    if (!row) continue;
+    const double order = (*row)[2];
+    if (order != std::floor(order) || order < 0.0 || order > 1000.0)
       item.add_fault("a harmonic's number must be whole and not negative");
     else
-      harmonics.push_back({row[0] * unit, row[1] * kDegree, static_cast<int>(row[2])});
+      harmonics.push_back({(*row)[0] * unit, (*row)[1] * kDegree, static_cast<int>(order)});
   }
   return harmonics;
 }
@@ -124,7 +123,9 @@ CameraTruth read_camera(const YamlNode& node) {
   const std::vector<double> decentring = lens.numbers("decentring", 2);
   camera.decentring = {decentring[0], decentring[1]};
   for (const YamlNode& item : node.list("warp")) {
-    const std::vector<double> bump = item.as_numbers(5);
+    const auto numbers = item.as_numbers(5);
+    if (!numbers) continue;
+    const std::vector<double>& bump = *numbers;
     if (!(bump[2] > 0.0)) item.add_fault("a bump's sigma must be positive");
     camera.warp.push_back({{bump[0], bump[1]}, bump[2], {bump[3], bump[4]}});
   }
@@ -220,12 +221,9 @@ NoiseTruth read_noise(const YamlNode& node) {
 }
 
 BoardTruth read_board(const YamlNode& node) {
-  return {static_cast<int>(node.number_in("columns", 2, 100)),
-          static_cast<int>(node.number_in("rows", 2, 100)),
-          positive(node, "pitch_mm", kMillimetre),
-          positive(node, "dot_diameter_mm", kMillimetre),
-          not_negative(node, "bright_level", 1.0),
-          not_negative(node, "dark_level", 1.0)};
+  return {node.whole_number_in("columns", 2, 100), node.whole_number_in("rows", 2, 100),
+          positive(node, "pitch_mm", kMillimetre), positive(node, "dot_diameter_mm", kMillimetre),
+          not_negative(node, "bright_level", 1.0), not_negative(node, "dark_level", 1.0)};
 }
 
 void write_noise_and_board(YamlWriter& yaml, const NoiseTruth& noise, const BoardTruth& board) {
