@@ -94,7 +94,7 @@ TEST_CASE("Faults of a cell file are told all at once, each with its place and r
     read_cell(folder.write("cell.yaml", text));
     FAIL("no fault was found");
   } catch (const InputError& e) {
-    CHECK_THAT(e.what(), Contains("servo.gain is 1.5; a number from 1e-09 to 1 is needed"));
+    CHECK_THAT(e.what(), Contains("servo.gain is 1.5; a positive number of at most 1 is needed"));
     CHECK_THAT(e.what(), Contains("servo lacks the key 'settle_ms'"));
     CHECK_THAT(e.what(), Contains("unknown key 'servo.setle_ms'"));
     CHECK_THAT(
