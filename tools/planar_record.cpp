@@ -2,7 +2,7 @@
 #include <spdlog/spdlog.h>
 
 #include "planar_servo/files/cell_file.h"
-#include "planar_servo/files/tables/tables.h"
+#include "planar_servo/files/tables/plan_table.h"
 #include "planar_servo/offline/record/recorder.h"
 #include "program.h"
 

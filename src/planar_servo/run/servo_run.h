@@ -8,7 +8,7 @@
 
 #include "planar_servo/core/statistics.h"
 #include "planar_servo/files/cell_file.h"
-#include "planar_servo/files/tables/servo_tables.h"
+#include "planar_servo/files/tables/result_table.h"
 #include "planar_servo/files/tables/target_table.h"
 #include "planar_servo/io/growing_file.h"
 #include "planar_servo/machine/cell_devices.h"

@@ -4,7 +4,7 @@
 
 #include "planar_servo/arm/joint_planner.h"
 #include "planar_servo/files/cell_file.h"
-#include "planar_servo/files/tables/tables.h"
+#include "planar_servo/files/tables/plan_table.h"
 
 namespace planar {
 
