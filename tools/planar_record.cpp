@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
-#include "planar_servo/files/tables/tables.h"
+#include "planar_servo/files/tables/plan_table.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/offline/record/record_report.h"
 #include "planar_servo/offline/record/recorder.h"

@@ -103,10 +103,20 @@ TEST_CASE("Faults of a map's file are named by their place, all at once") {
   text = std::regex_replace(text, std::regex("pairs_per_center: \\[1"), "pairs_per_center: [0");
   const auto path = files.write_map(text);
   CHECK_THROWS_AS(read_map(path), InputError);
-  CHECK_THROWS_WITH(read_map(path), Contains("width_m is -1") && Contains("ridge is '.nan'") &&
-                                        Contains("unknown key 'rigde'") &&
-                                        Contains("pairs_per_center has a number below 1") &&
-                                        Contains("map.yaml:"));
+  CHECK_THROWS_WITH(read_map(path),
+                    Contains("width_m is -1") && Contains("ridge is '.nan'") &&
+                        Contains("unknown key 'rigde'") &&
+                        Contains("pairs_per_center[0] is 0; a number of at least 1 is needed") &&
+                        Contains("map.yaml:"));
+}
+
+TEST_CASE("A map of a method that does not exist is refused for that alone") {
+  Files files;
+  const std::string text =
+      std::regex_replace(files.map_text_of(MapMethod::kRbf), std::regex("gaussian_rbf"), "gausian");
+  CHECK_THROWS_WITH(
+      read_map(files.write_map(text)),
+      Contains("method is 'gausian'; allowed are gaussian_rbf") && !Contains("unknown key"));
 }
 
 TEST_CASE("A map whose lists do not match is refused, not evaluated") {

@@ -3,10 +3,12 @@
 #include <random>
 
 #include "planar_servo/core/error.h"
+#include "planar_servo/files/tables/frame_table.h"
 #include "planar_servo/files/tables/lamp_table.h"
-#include "planar_servo/files/tables/recording.h"
-#include "planar_servo/files/tables/tables.h"
+#include "planar_servo/files/tables/pair_table.h"
+#include "planar_servo/files/tables/plan_table.h"
 #include "planar_servo/files/tables/target_table.h"
+#include "planar_servo/files/tables/tracker_table.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "support/sample_cells.h"

@@ -1,7 +1,6 @@
 #include "planar_servo/io/csv_table.h"
 
 #include <catch2/catch.hpp>
-#include <stdexcept>
 
 #include "support/temporary_folder.h"
 
@@ -102,12 +101,59 @@ TEST_CASE("Tables of other programs are read with their separator, comma and nam
                              "X [mm]"));
 }
 
-TEST_CASE("A written table is read back, and a short row is refused") {
-  CsvWriter writer("pairs", {"id", "x", "note"});
-  writer.add("a").add(1.23456, 3).add_empty().end_row();
-  CHECK(writer.text() == "# format: planar-servo/pairs/1\nid,x,note\na,1.235,\n");
-  writer.add("b");
-  CHECK_THROWS_AS(writer.end_row(), std::logic_error);
+TEST_CASE("A field in quotes holds separators, quotes, marks and line ends") {
+  const test::TemporaryFolder folder;
+  const auto path = folder.write(
+      "p.csv",
+      "\"id\",x,note\n \"a,b.png\" , 1,\"say \"\"yes\"\", \"\"no\"\"\"\n\"#a\",2,\"two\nlines\"\n"
+      "# \"a remark\nc\"d,3,5\" wide\n");
+  CsvFile table(path, "pairs", {"id", "x"});
+  REQUIRE(table.next_row());
+  CHECK(table.text("id") == "a,b.png");
+  CHECK(table.number("x") == 1.0);
+  CHECK(table.text("note") == "say \"yes\", \"no\"");
+  REQUIRE(table.next_row());
+  CHECK(table.text("id") == "#a");
+  CHECK(table.text("note") == "two\nlines");
+  REQUIRE(table.next_row());
+  CHECK(table.text("id") == "c\"d");
+  CHECK(table.text("note") == "5\" wide");
+  table.number("note");
+  CHECK_THROWS_WITH(table.throw_if_faulty(), Contains("p.csv:6: note is '5\" wide'"));
+}
+
+TEST_CASE("A quote that does not end is named by the line where it begins") {
+  const test::TemporaryFolder folder;
+  const auto faults = [&](const std::string& text) {
+    CsvFile table(folder.write("p.csv", text), "pairs", {"id", "x"});
+    while (table.next_row()) table.number("x");
+    table.throw_if_faulty_or_empty();
+  };
+  CHECK_THROWS_WITH(faults("id,x\na,1\nb,\"2\nc,3\n"),
+                    Contains("p.csv:3: field 2 begins with a quote; another one must end it"));
+  CHECK_THROWS_WITH(
+      faults("id,x\n\"a\"b,1\nc,two\n"),
+      Contains("p.csv:2: field 1 begins with a quote") && Contains("p.csv:3: x is 'two'"));
+  CHECK_THROWS_WITH(faults("id,\"x\n1,2\n"), Contains("p.csv:1: field 2 begins with a quote"));
+}
+
+TEST_CASE("A long file after a quote that does not end is read in no time") {
+  std::string text = "id,x\n\"a,1\n";
+  for (int i = 0; i < 300000; ++i) text += "b,2\n";
+  const test::TemporaryFolder folder;
+  CsvFile table(folder.write("p.csv", text), "pairs", {"id", "x"});
+  CHECK_FALSE(table.next_row());
+  CHECK_THROWS_WITH(table.throw_if_faulty(), Contains("p.csv:2: field 1 begins with a quote"));
+}
+
+TEST_CASE("Only a text that would be read otherwise is quoted") {
+  CHECK(csv_field("a b.png") == "a b.png");
+  CHECK(csv_field("c#1;d'") == "c#1;d'");
+  CHECK(csv_field("a,b") == "\"a,b\"");
+  CHECK(csv_field("5\"") == "\"5\"\"\"");
+  CHECK(csv_field("#1") == "\"#1\"");
+  CHECK(csv_field(" a") == "\" a\"");
+  CHECK(csv_field("a\nb") == "\"a\nb\"");
 }
 
 }  // namespace

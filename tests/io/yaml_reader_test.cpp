@@ -1,6 +1,7 @@
 #include "planar_servo/io/yaml_reader.h"
 
 #include <catch2/catch.hpp>
+#include <cstdint>
 
 #include "planar_servo/core/error.h"
 #include "support/temporary_folder.h"
@@ -53,7 +54,7 @@ TEST_CASE("All faults of a file are named at once, each with its place and what 
   CHECK_THAT(faults,
              Contains("cell.yaml:2:25: servo.law is 'magic'; allowed are jacobian, inverse"));
   CHECK_THAT(faults, Contains("servo.tolerance_mm is '.nan'; a finite number is needed"));
-  CHECK_THAT(faults, Contains("cell.yaml:3:11: size is 'two'; a finite number is needed"));
+  CHECK_THAT(faults, Contains("cell.yaml:3:11: size[1] is 'two'; a finite number is needed"));
   CHECK_THAT(faults, Contains("cell.yaml:4:1: the key 'size' stands twice"));
 }
 
@@ -99,14 +100,30 @@ TEST_CASE("No range shows a bound that no file reaches") {
 TEST_CASE("A whole number has no fraction, and is refused outside its range") {
   const auto from_1_to_9 = [](const YamlNode& node) { node.whole_number_in("n", 1, 9); };
   const auto from_1 = [](const YamlNode& node) { node.whole_number_in("n", 1); };
-  CHECK_THAT(fault_of("1280.7", from_1), Contains("n is '1280.7'; a whole number is needed"));
-  CHECK_THAT(fault_of("1e12", from_1), Contains("n is '1e12'; a whole number is needed"));
-  CHECK_THAT(fault_of(".nan", from_1), Contains("n is '.nan'; a whole number is needed"));
-  CHECK_THAT(fault_of("", from_1), Contains("n is empty; a whole number is needed"));
+  const auto any = [](const YamlNode& node) { node.whole_number("n"); };
+  const auto seed = [](const YamlNode& node) { node.whole_number_in("n", std::uint32_t{0}); };
+  CHECK_THAT(fault_of("1280.7", any), Contains("n is 1280.7; a whole number is needed"));
+  CHECK_THAT(fault_of("2.9", from_1), Contains("n is 2.9; a whole number of at least 1 is needed"));
+  CHECK_THAT(fault_of("1e12", seed),
+             Contains("n is 1000000000000; a whole number from 0 to 4294967295 is needed"));
+  CHECK_THAT(fault_of(".nan", from_1), Contains("n is '.nan'; a finite number is needed"));
+  CHECK_THAT(fault_of("", from_1), Contains("n is empty; a finite number is needed"));
+  CHECK(fault_of("4294967295", seed).empty());
   CHECK_THAT(fault_of("0", from_1), Contains("n is 0; a whole number of at least 1 is needed"));
   CHECK_THAT(fault_of("10", from_1_to_9),
              Contains("n is 10; a whole number from 1 to 9 is needed"));
   CHECK(fault_of("5.0", from_1_to_9).empty());
+}
+
+enum class Colour { kRed, kBlue };
+
+TEST_CASE("A name is read as the value it stands for") {
+  constexpr Named<Colour> kColours[] = {{Colour::kRed, "red"}, {Colour::kBlue, "blue"}};
+  const auto colour = [&](const YamlNode& node) { return node.choice("n", kColours); };
+  CHECK(fault_of("blue", [&](const YamlNode& node) {
+          CHECK(colour(node) == Colour::kBlue);
+        }).empty());
+  CHECK_THAT(fault_of("green", colour), Contains("n is 'green'; allowed are red, blue"));
 }
 
 TEST_CASE("A malformed list tells its reader that there is none") {
@@ -114,7 +131,7 @@ TEST_CASE("A malformed list tells its reader that there is none") {
     const std::string fault = fault_of(list, [](const YamlNode& node) {
       CHECK_FALSE(node.list("n").at(0).as_numbers(2).has_value());
     });
-    CHECK_THAT(fault, Contains("n[0] is "));
+    CHECK_THAT(fault, Contains("n[0]"));
   }
   const auto read = [](const YamlNode& node) {
     CHECK(node.list("n").at(0).as_numbers(2) == std::vector<double>{1.0, 2.0});

@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 #include <limits>
+#include <random>
 
 #include "planar_servo/io/sha256.h"
 #include "planar_servo/io/yaml_reader.h"
@@ -23,15 +24,71 @@ TEST_CASE("Numbers come back bit for bit") {
   CHECK_NOTHROW(document.throw_if_faulty());
 }
 
-TEST_CASE("Texts come back whatever they contain") {
-  for (const std::string text :
-       {"plain", "with: colon", "#hash", "quo\"te\\", "", "true", " lead"}) {
-    YamlWriter writer = YamlWriter::with_header("map", "a-test");
-    writer.add("text", text);
-    const test::TemporaryFolder folder;
-    CHECK(YamlDocument::read(folder.write("m.yaml", writer.text()), "map").root().text("text") ==
-          text);
+TEST_CASE("Texts come back whatever they contain, by themselves and in a list") {
+  std::vector<std::string> texts{"plain",      "with: colon",
+                                 "#hash",      "a #hash",
+                                 "quo\"te\\",  "",
+                                 " lead",      "trail ",
+                                 "no",         "Yes",
+                                 "null",       "~",
+                                 "true",       "1.0",
+                                 "1e3",        "0x1F",
+                                 ".nan",       "12:30:00",
+                                 "a: b",       "key:",
+                                 "- item",     "-1",
+                                 "--- ",       "...",
+                                 "a, b",       "[a]",
+                                 "{a: b}",     "a]",
+                                 "two\nlines", "tab\t",
+                                 "\n",         "a\r\nb",
+                                 "'quoted'",   "&anchor",
+                                 "*alias",     "!tag",
+                                 "| block",    "> fold",
+                                 "%TAG",       "@at",
+                                 "`tick`",     "? key",
+                                 "a,b.png",    "\xC3\xA9\xE2\x82\xAC.png",
+                                 "<<",         "=",
+                                 "2026-11-21"};
+  std::mt19937 random(7);
+  const std::string alphabet = "ab01 :#,-[]{}'\"\\\n\t&*!|>%@`?.~";
+  for (int i = 0; i < 500; ++i) {
+    std::string text(random() % 8, ' ');
+    for (char& c : text) c = alphabet[random() % alphabet.size()];
+    texts.push_back(text);
   }
+  YamlWriter writer = YamlWriter::with_header("map", "a-test");
+  for (std::size_t i = 0; i < texts.size(); ++i) writer.add("t" + std::to_string(i), texts[i]);
+  writer.add("all", texts);
+  const test::TemporaryFolder folder;
+  const YamlDocument document = YamlDocument::read(folder.write("m.yaml", writer.text()), "map");
+  for (std::size_t i = 0; i < texts.size(); ++i) {
+    CHECK(document.root().text("t" + std::to_string(i)) == texts[i]);
+    CHECK(document.root().list("all").at(i).as_text() == texts[i]);
+  }
+  CHECK_NOTHROW(document.throw_if_faulty());
+}
+
+TEST_CASE("A text that another reader would take for something else stands in quotes") {
+  for (const char* text : {"no", "null", "true", "1.0", "~", "", "2026-11-21"}) {
+    YamlWriter writer;
+    writer.add("text", text);
+    CHECK(writer.text() == std::string("text: \"") + text + "\"\n");
+  }
+  YamlWriter writer;
+  writer.add("text", "planar-servo/map/1");
+  CHECK(writer.text() == "text: planar-servo/map/1\n");
+}
+
+TEST_CASE("Maps stand in blocks, lists of numbers on a line each") {
+  YamlWriter writer;
+  writer.add("count", 3).add("gain", 0.5).add("used", true);
+  writer.begin_map("fit").add("rejected", std::vector<std::string>{"a", "b,c"}).end_map();
+  writer.add("hull", std::vector<std::vector<double>>{{0.25, -1.0}, {1e-9, 2.0}});
+  writer.begin_list("drives").begin_item().add("gear", 50).end_map().end_list();
+  writer.add("empty", std::vector<double>{}).add_inputs({});
+  CHECK(writer.text() ==
+        "count: 3\ngain: 0.5\nused: true\nfit:\n  rejected: [a, \"b,c\"]\n"
+        "hull:\n  - [0.25, -1]\n  - [1e-09, 2]\ndrives:\n  - gear: 50\nempty: []\ninputs: []\n");
 }
 
 TEST_CASE("The hash of an input does not depend on when that input was made") {

@@ -5,7 +5,7 @@
 
 #include "calibration/board_image.h"
 #include "planar_servo/core/error.h"
-#include "planar_servo/files/tables/recording.h"
+#include "planar_servo/files/tables/frame_table.h"
 #include "support/shared_data.h"
 #include "support/temporary_folder.h"
 

@@ -19,7 +19,7 @@ done
 sed 's/settle_ms/setle_ms/; s/gain: 1.0/gain: 7/' cell/cell.yaml >cell/wrong.yaml
 expect 2 "wrong.yaml:[0-9]+:[0-9]+: unknown key 'servo.setle_ms'; allowed are" \
   "$bin/planar-servo" --cell cell/wrong.yaml --targets targets.csv --out made
-expect 2 "servo.gain is 7; a number from" \
+expect 2 "servo.gain is 7; a positive number of at most 1" \
   "$bin/planar-servo" --cell cell/wrong.yaml --targets targets.csv --out made
 expect 2 "absent.yaml: cannot be read" \
   "$bin/planar-record" --cell absent.yaml --plan plan.csv --out made

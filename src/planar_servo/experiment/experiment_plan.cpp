@@ -7,7 +7,7 @@
 #include <random>
 
 #include "planar_servo/core/units.h"
-#include "planar_servo/files/tables/recording.h"
+#include "planar_servo/files/tables/plans.h"
 
 namespace planar {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "planar_servo/cell/cell_settings.h"
-#include "planar_servo/files/tables/tables.h"
+#include "planar_servo/files/tables/plan_table.h"
 #include "planar_servo/files/tables/target_table.h"
 
 namespace planar {

@@ -5,7 +5,7 @@
 
 #include "planar_servo/experiment/experiment_plan.h"
 #include "planar_servo/experiment/vision_chain.h"
-#include "planar_servo/files/tables/servo_tables.h"
+#include "planar_servo/files/tables/result_table.h"
 #include "planar_servo/run/servo_figures.h"
 
 namespace planar {

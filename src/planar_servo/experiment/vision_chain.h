@@ -8,8 +8,9 @@
 #include "planar_servo/calibration/camera_calibration.h"
 #include "planar_servo/cell/cell_settings.h"
 #include "planar_servo/error_map/fit_error_map.h"
-#include "planar_servo/files/tables/recording.h"
-#include "planar_servo/files/tables/tables.h"
+#include "planar_servo/files/tables/frame_table.h"
+#include "planar_servo/files/tables/pair_table.h"
+#include "planar_servo/files/tables/tracker_table.h"
 #include "planar_servo/lamps/lamp.h"
 #include "planar_servo/offline/camera/calibrate_camera.h"
 

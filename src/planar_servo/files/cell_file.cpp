@@ -33,7 +33,7 @@ template <typename Kind>
 const Kind* kind_at(const YamlNode& node, const char* key, const std::vector<const Kind*>& kinds) {
   std::vector<std::string> names;
   for (const Kind* kind : kinds) names.push_back(kind->name());
-  const std::optional<std::string> name = node.one_of(key, names);
+  const std::optional<std::string> name = node.child(key).as_choice(names);
   for (const Kind* kind : kinds)
     if (name && kind->name() == *name) return kind;
   node.allow_all();
@@ -93,11 +93,16 @@ Eigen::Vector2d read_limits(const YamlNode& node, std::size_t motor) {
   return Eigen::Vector2d(lower, upper) * kDegree;
 }
 
+Coupling coupling_of(const YamlNode& node) {
+  const std::optional<std::string> name = node.as_choice(names_of(kCouplings));
+  return name ? *value_named(kCouplings, *name) : Coupling::kRelative;
+}
+
 void read_transmission(const YamlNode& root, const DeviceKinds& kinds, CellSettings& cell) {
   const YamlNode arm = root.child("arm");
   const auto couplings = arm.list("coupling", 2);
   for (std::size_t i = 0; i < couplings.size(); ++i)
-    cell.transmission.coupling[i] = couplings[i].as_choice(kCouplings);
+    cell.transmission.coupling[i] = coupling_of(couplings[i]);
   const auto limits = arm.list("joint_limits_deg", 3);
   for (std::size_t i = 0; i < limits.size(); ++i)
     cell.transmission.limits_rad[i] = read_limits(limits[i], i);

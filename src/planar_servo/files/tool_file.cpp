@@ -1,33 +1,39 @@
 #include "planar_servo/files/tool_file.h"
 
 #include "planar_servo/core/units.h"
-#include "planar_servo/files/covariance_yaml.h"
-#include "planar_servo/io/yaml_reader.h"
-#include "planar_servo/io/yaml_writer.h"
+#include "planar_servo/files/covariance_fields.h"
+#include "planar_servo/io/yaml_fields.h"
 
 namespace planar {
+namespace {
+
+void list_fields(Fields& fields, ToolOffsets& tool) {
+  constexpr double kSquareMillimetre = kMillimetre * kMillimetre;
+  fields.numbers("p_TP_mm", tool.p_TP, kMillimetre);
+  fields.numbers("p_TS_mm", tool.p_TS, kMillimetre);
+  Eigen::Matrix<double, 5, 5> in_file = tool.covariance / kSquareMillimetre;
+  list_covariance(fields, {"p_TP_x_mm", "p_TP_y_mm", "p_TS_x_mm", "p_TS_y_mm", "p_TS_z_mm"},
+                  in_file);
+  if (fields.reading()) tool.covariance = in_file * kMillimetre * kMillimetre;
+}
+
+}  // namespace
 
 std::string tool_text(const ToolOffsets& tool, const std::string& program,
                       const std::vector<std::filesystem::path>& inputs) {
-  const Eigen::Vector2d p_TP = tool.p_TP / kMillimetre;
-  const Eigen::Vector3d p_TS = tool.p_TS / kMillimetre;
-  YamlWriter writer = YamlWriter::with_header("tool", program);
-  writer.add_inputs(inputs)
-      .add("p_TP_mm", std::vector<double>{p_TP.x(), p_TP.y()})
-      .add("p_TS_mm", std::vector<double>{p_TS.x(), p_TS.y(), p_TS.z()});
-  add_covariance(writer, {"p_TP_x_mm", "p_TP_y_mm", "p_TS_x_mm", "p_TS_y_mm", "p_TS_z_mm"},
-                 tool.covariance / (kMillimetre * kMillimetre));
-  return writer.text();
+  YamlWriter yaml = YamlWriter::with_header("tool", program);
+  yaml.add_inputs(inputs);
+  FieldWriter writer(yaml);
+  ToolOffsets written = tool;
+  list_fields(writer, written);
+  return yaml.text();
 }
 
 ToolOffsets read_tool(const std::filesystem::path& path) {
   const YamlDocument document = YamlDocument::read(path, "tool");
-  const YamlNode root = document.root();
-  const std::vector<double> p_TP = root.numbers("p_TP_mm", 2), p_TS = root.numbers("p_TS_mm", 3);
+  FieldReader reader(document.root());
   ToolOffsets tool;
-  tool.p_TP = Eigen::Vector2d(p_TP[0], p_TP[1]) * kMillimetre;
-  tool.p_TS = Eigen::Vector3d(p_TS[0], p_TS[1], p_TS[2]) * kMillimetre;
-  tool.covariance = read_covariance(root, 5) * kMillimetre * kMillimetre;
+  list_fields(reader, tool);
   document.throw_if_faulty();
   return tool;
 }

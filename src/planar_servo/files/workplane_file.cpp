@@ -1,16 +1,12 @@
 #include "planar_servo/files/workplane_file.h"
 
-#include <cmath>
-
 #include "planar_servo/core/units.h"
-#include "planar_servo/files/covariance_yaml.h"
-#include "planar_servo/io/yaml_reader.h"
-#include "planar_servo/io/yaml_writer.h"
+#include "planar_servo/files/covariance_fields.h"
+#include "planar_servo/io/pose_fields.h"
+#include "planar_servo/io/yaml_fields.h"
 
 namespace planar {
 namespace {
-
-constexpr double kUnitQuaternion = 1e-6;  // how far from length 1 a rounded one may be
 
 /// The covariance of (lengths, angles) with the lengths counted in a unit of this many old ones.
 Eigen::Matrix<double, 6, 6> in_length_unit(const Eigen::Matrix<double, 6, 6>& covariance,
@@ -21,54 +17,42 @@ Eigen::Matrix<double, 6, 6> in_length_unit(const Eigen::Matrix<double, 6, 6>& co
   return scaled;
 }
 
-Pose read_pose(const YamlNode& node) {
-  const std::vector<double> t = node.numbers("translation_mm", 3);
-  const std::vector<double> q = node.numbers("quaternion_wxyz", 4);
-  const Eigen::Quaterniond quaternion(q[0], q[1], q[2], q[3]);
-  Pose pose = Pose::Identity();
-  if (std::abs(quaternion.norm() - 1.0) > kUnitQuaternion) {
-    node.add_fault("quaternion_wxyz must have length 1");
-    return pose;
-  }
-  pose.linear() = quaternion.normalized().toRotationMatrix();
-  pose.translation() = Eigen::Vector3d(t[0], t[1], t[2]) * kMillimetre;
-  if (!(pose.translation().z() > 0.0 && pose.linear()(2, 2) < 0.0)) {
-    node.add_fault("X_WC must be that of a camera above the plane that looks down on it");
-  }
-  return pose;
+bool looks_down(const Pose& X_WC) {
+  return X_WC.translation().z() > 0.0 && X_WC.linear()(2, 2) < 0.0;
+}
+
+void list_fields(Fields& fields, WorkplaneRecord& record) {
+  fields.map("X_WC", [&] {
+    fields.check(!list_pose(fields, record.X_WC) || looks_down(record.X_WC),
+                 "X_WC must be that of a camera above the plane that looks down on it");
+  });
+  Eigen::Matrix<double, 6, 6> in_file = in_length_unit(record.covariance, kMillimetre);
+  list_covariance(fields, {"x_mm", "y_mm", "z_mm", "turn_x_rad", "turn_y_rad", "turn_z_rad"},
+                  in_file);
+  if (fields.reading()) record.covariance = in_length_unit(in_file, 1.0 / kMillimetre);
+  fields.choice("source", record.source, {"pairs", "grid"});
+  fields.whole_number("absorbed", record.absorbed, 0);
+  fields.whole_number("pairs", record.pairs, 0);
+  fields.number("rms_mm", record.rms, kMillimetre, Range::at_least(0.0));
 }
 
 }  // namespace
 
 std::string workplane_text(const WorkplaneRecord& record, const std::string& program,
                            const std::vector<std::filesystem::path>& inputs) {
-  const Eigen::Vector3d t = record.X_WC.translation() / kMillimetre;
-  const Eigen::Quaterniond q(record.X_WC.linear());
-  YamlWriter writer = YamlWriter::with_header("workplane", program);
-  writer.add_inputs(inputs);
-  writer.begin_map("X_WC")
-      .add("translation_mm", std::vector<double>{t.x(), t.y(), t.z()})
-      .add("quaternion_wxyz", std::vector<double>{q.w(), q.x(), q.y(), q.z()})
-      .end_map();
-  add_covariance(writer, {"x_mm", "y_mm", "z_mm", "turn_x_rad", "turn_y_rad", "turn_z_rad"},
-                 in_length_unit(record.covariance, kMillimetre));
-  writer.add("source", record.source)
-      .add("absorbed", record.absorbed)
-      .add("pairs", record.pairs)
-      .add("rms_mm", record.rms / kMillimetre);
-  return writer.text();
+  YamlWriter yaml = YamlWriter::with_header("workplane", program);
+  yaml.add_inputs(inputs);
+  FieldWriter writer(yaml);
+  WorkplaneRecord written = record;
+  list_fields(writer, written);
+  return yaml.text();
 }
 
 WorkplaneRecord read_workplane(const std::filesystem::path& path) {
   const YamlDocument document = YamlDocument::read(path, "workplane");
-  const YamlNode root = document.root();
+  FieldReader reader(document.root());
   WorkplaneRecord record;
-  record.X_WC = read_pose(root.child("X_WC"));
-  record.covariance = in_length_unit(read_covariance(root, 6), 1.0 / kMillimetre);
-  record.source = root.choice("source", {"pairs", "grid"});
-  record.absorbed = root.whole_number("absorbed");
-  record.pairs = root.whole_number("pairs");
-  record.rms = root.number("rms_mm") * kMillimetre;
+  list_fields(reader, record);
   document.throw_if_faulty();
   return record;
 }

@@ -5,10 +5,8 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <stdexcept>
 #include <utility>
 
-#include "planar_servo/core/fixed.h"
 #include "planar_servo/io/atomic_file.h"
 
 namespace planar {
@@ -28,6 +26,10 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
 }
 
+bool is_comment(std::string_view line) {
+  return trimmed(line).substr(0, 1) == "#";
+}
+
 bool starts_with(std::string_view text, std::string_view beginning) {
   return text.substr(0, beginning.size()) == beginning;
 }
@@ -36,15 +38,53 @@ std::string joined(const std::vector<std::string>& names) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
-/// In place of the fields there.
-void split_into(std::vector<std::string_view>& fields, std::string_view line, char separator) {
-  fields.clear();
-  while (true) {
-    const std::size_t end = line.find(separator);
-    fields.push_back(trimmed(line.substr(0, end)));
-    if (end == std::string_view::npos) return;
-    line.remove_prefix(end + 1);
+/// Where the quoted text that begins at `begin` ends: at its closing quote, or at the end.
+std::size_t closing_quote(std::string_view text, std::size_t begin) {
+  std::size_t at = text.find('"', begin);
+  while (at != std::string_view::npos && text.substr(at + 1, 1) == "\"")
+    at = text.find('"', at + 2);
+  return std::min(at, text.size());
+}
+
+struct Field {
+  std::string_view text;  ///< between its quotes, where it has some
+  bool is_quoted{false};
+  bool is_closed{true};  ///< whether a closing quote ends it
+  bool is_last{false};   ///< of its line
+};
+
+/// Takes the first field and the separator behind it from a line.
+Field take_field(std::string_view& line, char separator) {
+  Field field;
+  std::size_t end = line.find(separator);
+  field.text = trimmed(line.substr(0, end));
+  if (starts_with(field.text, "\"")) {
+    field.is_quoted = true;
+    const auto begin = static_cast<std::size_t>(field.text.data() - line.data()) + 1;
+    const std::size_t quote = closing_quote(line, begin);
+    field.text = line.substr(begin, quote - begin);
+    end = line.find(separator, quote);
+    field.is_closed =
+        quote < line.size() &&
+        trimmed(line.substr(quote + 1, end == std::string_view::npos ? end : end - quote - 1))
+            .empty();
   }
+  field.is_last = end == std::string_view::npos;
+  line.remove_prefix(field.is_last ? line.size() : end + 1);
+  return field;
+}
+
+/// Whether the text behind `in_quotes` ends within quotes, so that the next line goes on with it.
+bool ends_in_quotes(std::string_view text, bool in_quotes, char separator) {
+  if (in_quotes) {
+    const std::size_t quote = closing_quote(text, 0);
+    if (quote == text.size()) return true;
+    text.remove_prefix(std::min(text.find(separator, quote), text.size() - 1) + 1);
+  }
+  if (text.find('"') == std::string_view::npos) return false;
+  Field last;
+  while (!last.is_last) last = take_field(text, separator);
+  return last.is_quoted && last.text.data() + last.text.size() == text.data() + text.size();
 }
 
 }  // namespace
@@ -60,8 +100,27 @@ std::optional<double> finite_number(std::string_view text) {
 
 std::vector<std::string_view> split_fields(std::string_view line, char separator) {
   std::vector<std::string_view> fields;
-  split_into(fields, line, separator);
+  for (bool is_last = false; !is_last;) {
+    const Field field = take_field(line, separator);
+    fields.push_back(field.text);
+    is_last = field.is_last;
+  }
   return fields;
+}
+
+std::string csv_field(const std::string& text) {
+  const bool plain = trimmed(text).size() == text.size() && !starts_with(text, "#") &&
+                     text.find_first_of(",\"\r\n") == std::string::npos;
+  if (plain) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + '"';
+}
+
+std::string csv_header(const std::string& kind, const std::vector<std::string>& columns) {
+  std::string line;
+  for (const std::string& column : columns) line += (line.empty() ? "" : ",") + csv_field(column);
+  return fmt::format("{}{}\n{}\n", kFormatMark, format_name(kind), line);
 }
 
 CsvTable::CsvTable(std::filesystem::path source, const std::string& kind,
@@ -82,8 +141,8 @@ bool CsvTable::take_line(std::string_view line, int line_number) {
       throw InputError(fmt::format("{}:{}: is of format '{}'; '{}' is needed here",
                                    source_.string(), line_number, format, format_));
   }
-  if (line_.empty() || line_[0] == '#') return false;
-  split_into(fields_, line_, dialect_.separator);
+  if (line_.empty() || is_comment(line_)) return false;
+  if (!split_line()) return false;
   if (!has_header()) {
     read_header(line_number);
     return false;
@@ -94,6 +153,37 @@ bool CsvTable::take_line(std::string_view line, int line_number) {
   }
   has_rows_ = true;
   return true;
+}
+
+bool CsvTable::split_line() {
+  fields_.clear();
+  unquoted_.clear();
+  std::string_view rest = line_;
+  for (bool is_last = false; !is_last;) {
+    const Field field = take_field(rest, dialect_.separator);
+    is_last = field.is_last;
+    if (!field.is_closed) {
+      add_fault(fmt::format(
+          "field {} begins with a quote; another one must end it, and quotes within it be doubled",
+          fields_.size() + 1));
+      return false;
+    }
+    fields_.push_back(field.is_quoted ? without_doubled_quotes(field.text) : field.text);
+  }
+  return true;
+}
+
+std::string_view CsvTable::without_doubled_quotes(std::string_view text) {
+  std::size_t quote = text.find('"');
+  if (quote == std::string_view::npos) return text;
+  unquoted_.reserve(line_.size());  // of all fields together: none of them moves
+  const std::size_t begin = unquoted_.size();
+  for (; quote != std::string_view::npos; quote = text.find('"')) {
+    unquoted_ += text.substr(0, quote + 1);
+    text.remove_prefix(quote + 2);
+  }
+  unquoted_ += text;
+  return std::string_view(unquoted_).substr(begin);
 }
 
 void CsvTable::read_header(int line_number) {
@@ -134,9 +224,12 @@ std::string CsvTable::required_columns() const {
 }
 
 std::string_view CsvTable::text(std::string_view column) const {
-  const auto found = std::find(columns_.begin(), columns_.end(), column);
-  if (found == columns_.end()) return {};
-  return fields_.at(static_cast<std::size_t>(found - columns_.begin()));
+  if (next_column_ >= columns_.size() || columns_[next_column_] != column) {
+    const auto found = std::find(columns_.begin(), columns_.end(), column);
+    if (found == columns_.end()) return {};
+    next_column_ = static_cast<std::size_t>(found - columns_.begin());
+  }
+  return fields_.at(next_column_++);
 }
 
 double CsvTable::number(std::string_view column) {
@@ -195,50 +288,30 @@ CsvFile::CsvFile(const std::filesystem::path& path, const std::string& kind,
     if (!next_line())
       throw InputError(fmt::format("{}: is empty; a header line with the columns {} is needed",
                                    path.string(), required_columns()));
-    take_line(buffer_, lines_);
+    take_line(buffer_, line_begin_);
+    throw_if_faulty();
   }
 }
 
 bool CsvFile::next_row() {
   while (next_line())
-    if (take_line(buffer_, lines_)) return true;
+    if (take_line(buffer_, line_begin_)) return true;
   return false;
 }
 
 bool CsvFile::next_line() {
-  ++lines_;
-  if (std::getline(in_, buffer_)) return true;
-  if (in_.bad()) throw InputError(source().string() + ": cannot be read to its end");
-  return false;
-}
-
-CsvWriter::CsvWriter(const std::string& kind, const std::vector<std::string>& columns)
-    : columns_(columns.size()),
-      text_(fmt::format("{}{}\n{}\n", kFormatMark, format_name(kind), fmt::join(columns, ","))) {}
-
-CsvWriter& CsvWriter::add(const std::string& text) {
-  if (fields_++ > 0) text_ += ',';
-  text_ += text;
-  return *this;
-}
-
-CsvWriter& CsvWriter::add(double value, int decimals) {
-  return add(fixed(value, decimals));
-}
-
-CsvWriter& CsvWriter::add_significant(double value, int digits) {
-  return add(fmt::format("{:.{}g}", value, digits));
-}
-
-CsvWriter& CsvWriter::add_empty() {
-  return add("");
-}
-
-void CsvWriter::end_row() {
-  if (fields_ != columns_)
-    throw std::logic_error(fmt::format("a row of {} fields in a table of {}", fields_, columns_));
-  fields_ = 0;
-  text_ += '\n';
+  line_begin_ = ++lines_;
+  if (!std::getline(in_, buffer_)) {
+    if (in_.bad()) throw InputError(source().string() + ": cannot be read to its end");
+    return false;
+  }
+  if (buffer_.find('"') == std::string::npos || is_comment(buffer_)) return true;
+  bool in_quotes = ends_in_quotes(buffer_, false, separator());
+  for (std::string more; in_quotes && std::getline(in_, more); ++lines_) {
+    in_quotes = ends_in_quotes(more, true, separator());
+    buffer_ += '\n' + more;
+  }
+  return true;
 }
 
 }  // namespace planar

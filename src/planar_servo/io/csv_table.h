@@ -17,8 +17,15 @@ namespace planar {
 /// The whole text as a finite number with a decimal point, whatever the locale; empty otherwise.
 std::optional<double> finite_number(std::string_view text);
 
-/// The fields of one line, without the blanks around them; views of `line`.
+/// The fields of one line, without the blanks or quotes around them; views of `line`, in which
+/// doubled quotes stay doubled.
 std::vector<std::string_view> split_fields(std::string_view line, char separator = ',');
+
+/// A text as a field of a line, quoted where it must be [RFC 4180] to be read as it is.
+std::string csv_field(const std::string& text);
+
+/// The first two lines of a table: its format and its columns.
+std::string csv_header(const std::string& kind, const std::vector<std::string>& columns);
 
 /// How other programs' tables differ from ours.
 struct CsvDialect {
@@ -29,7 +36,8 @@ struct CsvDialect {
 };
 
 /// A CSV table whose columns are found by name in any order, taken line by line: it holds the
-/// current row only. `#` comments and blank lines are skipped, extra columns ignored. A first line
+/// current row only. `#` comments and blank lines are skipped, extra columns ignored. A field in
+/// quotes [RFC 4180] may hold the separator and line ends. A first line
 /// `# format: planar-servo/<kind>/1` is optional, but another format there is refused. Faults of
 /// rows are collected with FILE:LINE, to be thrown all at once.
 class CsvTable {
@@ -69,10 +77,14 @@ class CsvTable {
 
  protected:
   const std::filesystem::path& source() const { return source_; }
+  char separator() const { return dialect_.separator; }
   std::string required_columns() const;
 
  private:
   void read_header(int line_number);
+  /// line_ into fields_; false, and a fault, when a quoted field does not end.
+  bool split_line();
+  std::string_view without_doubled_quotes(std::string_view text);
 
   std::filesystem::path source_;
   std::string format_;
@@ -81,7 +93,9 @@ class CsvTable {
   std::vector<std::string> columns_;
   std::string line_;
   int line_number_{0};
-  std::vector<std::string_view> fields_;  ///< of line_
+  std::vector<std::string_view> fields_;  ///< of line_ or unquoted_
+  std::string unquoted_;                  ///< fields that had doubled quotes
+  mutable std::size_t next_column_{0};    ///< most callers ask for the columns in their order
   bool has_rows_{false};
   Faults faults_;
 };
@@ -106,27 +120,7 @@ class CsvFile : public CsvTable {
   std::ifstream in_;
   std::string buffer_;
   int lines_{0};
-};
-
-/// Builds the text of a CSV file with its format line and header. Numbers are written with a
-/// decimal point whatever the locale.
-class CsvWriter {
- public:
-  CsvWriter(const std::string& kind, const std::vector<std::string>& columns);
-
-  CsvWriter& add(const std::string& text);
-  CsvWriter& add(double value, int decimals);
-  CsvWriter& add_significant(double value, int digits);
-  CsvWriter& add_empty();
-  /// Throws std::logic_error unless the row has one field per column.
-  void end_row();
-
-  const std::string& text() const { return text_; }
-
- private:
-  std::size_t columns_;
-  std::size_t fields_{0};
-  std::string text_;
+  int line_begin_{0};  ///< the number of the line where buffer_ begins
 };
 
 }  // namespace planar

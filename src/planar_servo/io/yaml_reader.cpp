@@ -23,15 +23,12 @@ std::string shown(const YAML::Node& node) {
   return node.IsScalar() ? "'" + node.Scalar() + "'" : node.IsMap() ? "a map" : "a list";
 }
 
-/// "a number from 0 to 1"; a bound that no file reaches is not told.
-template <typename Number>
-std::string range_text(const char* what, Number lower, Number upper) {
-  if (upper >= std::numeric_limits<Number>::max())
-    return fmt::format("{} of at least {}", what, lower);
-  return fmt::format("{} from {} to {}", what, lower, upper);
+std::optional<double> finite_number(const YAML::Node& node) {
+  double value = 0.0;
+  if (node.IsScalar() && YAML::convert<double>::decode(node, value) && std::isfinite(value))
+    return value;
+  return std::nullopt;
 }
-
-constexpr double kSmallestPositive = 1e-9;
 
 }  // namespace
 
@@ -77,9 +74,6 @@ struct YamlNode::Impl {
   void fault(const std::string& message) const {
     if (present()) document->add_fault(node.Mark(), message);
   }
-  void fault_at(const YAML::Node& where, const std::string& message) const {
-    document->add_fault(where.Mark(), message);
-  }
 
   bool require_map() const {
     if (!present()) return false;
@@ -102,52 +96,29 @@ struct YamlNode::Impl {
     return found;
   }
 
-  std::optional<double> finite_number(const YAML::Node& value, const std::string& name) const {
-    double number = 0.0;
-    if (value.IsScalar() && YAML::convert<double>::decode(value, number) && std::isfinite(number))
-      return number;
-    fault_at(value, fmt::format("{} is {}; a finite number is needed", name, shown(value)));
+  /// Any number of items when `size` is 0; `needed` follows "a list" in the message.
+  bool require_list(std::size_t size, const std::string& needed) const {
+    if (!present()) return false;
+    if (node.IsSequence() && (size == 0 || node.size() == size)) return true;
+    const std::string found =
+        node.IsSequence() ? fmt::format("a list of {}", node.size()) : shown(node);
+    fault(fmt::format("{} is {}; a list{} is needed", title(), found, needed));
+    return false;
+  }
+
+  /// `title_of_value` is called for a fault only.
+  template <typename Title>
+  std::optional<double> number(const YAML::Node& value, const Range& range,
+                               const Title& title_of_value) const {
+    const std::optional<double> found = finite_number(value);
+    if (found && range.holds(*found)) return found;
+    document->add_fault(value.Mark(), fmt::format("{} is {}; {} is needed", title_of_value(),
+                                                  found ? fmt::format("{}", *found) : shown(value),
+                                                  found ? range.text() : "a finite number"));
     return std::nullopt;
   }
 
-  std::optional<std::vector<double>> finite_numbers(const YAML::Node& value,
-                                                    const std::string& name,
-                                                    std::size_t size) const {
-    if (!value.IsSequence() || (size != 0 && value.size() != size)) {
-      const std::string count = size == 0 ? "" : fmt::format("{} ", size);
-      fault_at(value, fmt::format("{} is {}; a list of {}numbers is needed", name,
-                                  value.IsSequence() ? fmt::format("a list of {}", value.size())
-                                                     : shown(value),
-                                  count));
-      return std::nullopt;
-    }
-    std::vector<double> numbers;
-    bool finite = true;
-    for (const auto& item : value) {
-      const std::optional<double> number = finite_number(item, name);
-      finite = finite && number.has_value();
-      numbers.push_back(number.value_or(0.0));
-    }
-    return finite ? std::make_optional(numbers) : std::nullopt;
-  }
-
-  std::optional<int> whole_number(const YAML::Node& value, const std::string& name) const {
-    double number = 0.0;
-    constexpr double kLargest = std::numeric_limits<int>::max();
-    if (value.IsScalar() && YAML::convert<double>::decode(value, number) &&
-        number == std::trunc(number) && std::abs(number) <= kLargest)
-      return static_cast<int>(number);
-    fault_at(value, fmt::format("{} is {}; a whole number is needed", name, shown(value)));
-    return std::nullopt;
-  }
-
-  std::optional<std::string> one_of(const YAML::Node& value, const std::string& name,
-                                    const std::vector<std::string>& allowed) const {
-    if (value.IsScalar() && std::count(allowed.begin(), allowed.end(), value.Scalar()) != 0)
-      return value.Scalar();
-    fault_at(value, fmt::format("{} is {}; allowed are {}", name, shown(value), joined(allowed)));
-    return std::nullopt;
-  }
+  std::string item_title(std::size_t i) const { return fmt::format("{}[{}]", title(), i); }
 
   YamlNode wrap(const YAML::Node& child, const std::string& child_place) const {
     return YamlNode(std::make_shared<Impl>(Impl{document, child, child_place}));
@@ -187,21 +158,16 @@ void YamlNode::allow_all() const {
   if (impl_->present()) impl_->document->visit(impl_->place, impl_->node).any_key = true;
 }
 
-double YamlNode::number(const std::string& key) const {
-  const YAML::Node value = impl_->require(key);
-  if (!value.IsDefined()) return 0.0;
-  return impl_->finite_number(value, impl_->place_of(key)).value_or(0.0);
+double YamlNode::number(const std::string& key, const Range& range) const {
+  return child(key).as_number(range).value_or(range.harmless());
 }
 
 double YamlNode::number_in(const std::string& key, double lower, double upper) const {
-  const YAML::Node value = impl_->require(key);
-  if (!value.IsDefined()) return lower;
-  const std::optional<double> number = impl_->finite_number(value, impl_->place_of(key));
-  if (number && *number >= lower && *number <= upper) return *number;
-  if (number)
-    impl_->fault_at(value, fmt::format("{} is {}; {} is needed", impl_->place_of(key), *number,
-                                       range_text("a number", lower, upper)));
-  return lower;
+  return number(key, Range::from_to(lower, upper));
+}
+
+double YamlNode::positive(const std::string& key, double upper) const {
+  return number(key, Range::positive(upper));
 }
 
 double YamlNode::positive(const std::string& key, double upper) const {
@@ -218,29 +184,11 @@ double YamlNode::positive(const std::string& key, double upper) const {
 }
 
 int YamlNode::whole_number(const std::string& key) const {
-  const YAML::Node value = impl_->require(key);
-  if (!value.IsDefined()) return 0;
-  return impl_->whole_number(value, impl_->place_of(key)).value_or(0);
-}
-
-int YamlNode::whole_number_in(const std::string& key, int lower, int upper) const {
-  const YAML::Node value = impl_->require(key);
-  if (!value.IsDefined()) return lower;
-  const std::optional<int> number = impl_->whole_number(value, impl_->place_of(key));
-  if (number && *number >= lower && *number <= upper) return *number;
-  if (number)
-    impl_->fault_at(value, fmt::format("{} is {}; {} is needed", impl_->place_of(key), *number,
-                                       range_text("a whole number", lower, upper)));
-  return lower;
+  return whole_number_in(key, -std::numeric_limits<int>::max());
 }
 
 std::string YamlNode::text(const std::string& key) const {
-  const YAML::Node value = impl_->require(key);
-  if (!value.IsDefined()) return "";
-  if (value.IsScalar()) return value.Scalar();
-  impl_->fault_at(value,
-                  fmt::format("{} is {}; a text is needed", impl_->place_of(key), shown(value)));
-  return "";
+  return child(key).as_text();
 }
 
 std::optional<std::string> YamlNode::one_of(const std::string& key,
@@ -252,49 +200,70 @@ std::optional<std::string> YamlNode::one_of(const std::string& key,
 
 std::string YamlNode::choice(const std::string& key,
                              const std::vector<std::string>& allowed) const {
-  return one_of(key, allowed).value_or(allowed.front());
-}
-
-std::string YamlNode::as_choice(const std::vector<std::string>& allowed) const {
-  if (!impl_->present()) return allowed.front();
-  return impl_->one_of(impl_->node, impl_->title(), allowed).value_or(allowed.front());
+  return child(key).as_choice(allowed).value_or(allowed.front());
 }
 
 std::vector<double> YamlNode::numbers(const std::string& key, std::size_t size) const {
-  const YAML::Node value = impl_->require(key);
-  if (!value.IsDefined()) return std::vector<double>(size, 0.0);
-  return impl_->finite_numbers(value, impl_->place_of(key), size)
-      .value_or(std::vector<double>(size, 0.0));
+  return child(key).as_numbers(size).value_or(std::vector<double>(size, 0.0));
 }
 
 std::vector<YamlNode> YamlNode::list(const std::string& key, std::size_t size) const {
-  const YAML::Node value = impl_->require(key);
-  std::vector<YamlNode> items;
-  if (!value.IsDefined()) return items;
-  if (!value.IsSequence() || (size != 0 && value.size() != size)) {
-    const std::string count = size == 0 ? "" : fmt::format(" of {} items", size);
-    impl_->fault_at(
-        value,
-        fmt::format("{} is {}; a list{} is needed", impl_->place_of(key),
-                    value.IsSequence() ? fmt::format("a list of {}", value.size()) : shown(value),
-                    count));
-    return items;
-  }
-  for (std::size_t i = 0; i < value.size(); ++i)
-    items.push_back(impl_->wrap(value[i], fmt::format("{}[{}]", impl_->place_of(key), i)));
-  return items;
+  return child(key).as_list(size).value_or(std::vector<YamlNode>());
 }
 
-std::optional<std::vector<double>> YamlNode::as_numbers(std::size_t size) const {
+std::optional<double> YamlNode::as_number(const Range& range) const {
   if (!impl_->present()) return std::nullopt;
-  return impl_->finite_numbers(impl_->node, impl_->title(), size);
+  return impl_->number(impl_->node, range, [&] { return title(); });
+}
+
+std::optional<std::string> YamlNode::as_choice(const std::vector<std::string>& allowed) const {
+  if (!impl_->present()) return std::nullopt;
+  const YAML::Node& node = impl_->node;
+  if (node.IsScalar() && std::count(allowed.begin(), allowed.end(), node.Scalar()) != 0)
+    return node.Scalar();
+  add_fault(fmt::format("{} is {}; allowed are {}", title(), shown(node), joined(allowed)));
+  return std::nullopt;
+}
+
+std::optional<std::vector<double>> YamlNode::as_numbers(std::size_t size,
+                                                        const Range& range) const {
+  const std::string count = size == 0 ? " of numbers" : fmt::format(" of {} numbers", size);
+  if (!impl_->require_list(size, count)) return std::nullopt;
+  return as_row(std::vector<Range>(impl_->node.size(), range));
+}
+
+std::optional<std::vector<double>> YamlNode::as_row(const std::vector<Range>& ranges) const {
+  if (!impl_->require_list(ranges.size(), fmt::format(" of {} numbers", ranges.size())))
+    return std::nullopt;
+  std::vector<double> numbers;
+  bool well_formed = true;
+  for (std::size_t i = 0; i < ranges.size(); ++i) {
+    const std::optional<double> number =
+        impl_->number(impl_->node[i], ranges[i], [&] { return impl_->item_title(i); });
+    well_formed = well_formed && number.has_value();
+    numbers.push_back(number.value_or(0.0));
+  }
+  return well_formed ? std::make_optional(numbers) : std::nullopt;
 }
 
 std::string YamlNode::as_text() const {
   if (!impl_->present()) return "";
   if (impl_->node.IsScalar()) return impl_->node.Scalar();
-  impl_->fault(fmt::format("{} is {}; a text is needed", impl_->title(), shown(impl_->node)));
+  add_fault(fmt::format("{} is {}; a text is needed", title(), shown(impl_->node)));
   return "";
+}
+
+std::optional<std::vector<YamlNode>> YamlNode::as_list(std::size_t size) const {
+  const std::string count = size == 0 ? "" : fmt::format(" of {} items", size);
+  if (!impl_->require_list(size, count)) return std::nullopt;
+  std::vector<YamlNode> items;
+  for (std::size_t i = 0; i < impl_->node.size(); ++i)
+    items.push_back(impl_->wrap(impl_->node[i], impl_->item_title(i)));
+  return items;
+}
+
+std::string YamlNode::title() const {
+  return impl_->title();
 }
 
 std::vector<std::string> YamlNode::keys() const {

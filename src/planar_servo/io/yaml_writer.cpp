@@ -2,6 +2,8 @@
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
+#include <yaml-cpp/emitter.h>
+#include <yaml-cpp/emittermanip.h>
 
 #include <algorithm>
 #include <cmath>
@@ -13,11 +15,36 @@
 namespace planar {
 namespace {
 
-std::string row_text(const std::vector<double>& values) {
-  std::vector<std::string> texts;
-  texts.reserve(values.size());
-  for (const double value : values) texts.push_back(exact_text(value));
-  return fmt::format("[{}]", fmt::join(texts, ", "));
+/// The shortest decimal text that reads back as the same double; `.nan` and `.inf` as YAML has it.
+std::string exact_text(double value) {
+  if (std::isnan(value)) return ".nan";
+  if (std::isinf(value)) return value > 0 ? ".inf" : "-.inf";
+  return fmt::format("{}", value);
+}
+
+/// Words that YAML 1.1, as other readers follow it, takes for a truth value or for nothing.
+bool is_word_of_yaml(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  constexpr const char* kWords[] = {"y", "n", "yes", "no", "on", "off", "true", "false", "null"};
+  return std::find(std::begin(kWords), std::end(kWords), text) != std::end(kWords);
+}
+
+/// Whether any reader takes the unquoted text for a text; yaml-cpp knows what else needs quotes.
+bool is_plain_text(const std::string& text) {
+  return !text.empty() && std::isalpha(static_cast<unsigned char>(text[0])) != 0 &&
+         !is_word_of_yaml(text);
+}
+
+void put_text(YAML::Emitter& yaml, const std::string& text) {
+  if (!is_plain_text(text)) yaml << YAML::DoubleQuoted;
+  yaml << text;
+}
+
+void put_row(YAML::Emitter& yaml, const std::vector<double>& values) {
+  yaml << YAML::Flow << YAML::BeginSeq;
+  for (const double value : values) yaml << exact_text(value);
+  yaml << YAML::EndSeq;
 }
 
 /// SHA-256 of the file without its `created:` line, in which two identical runs differ.
@@ -35,28 +62,28 @@ std::string input_hash(const std::filesystem::path& path) {
 
 }  // namespace
 
-std::string exact_text(double value) {
-  if (std::isnan(value)) return ".nan";
-  if (std::isinf(value)) return value > 0 ? ".inf" : "-.inf";
-  return fmt::format("{}", value);
+struct YamlWriter::Impl {
+  YAML::Emitter yaml;
+
+  /// The emitter, ready for the value at `key`.
+  YAML::Emitter& at(const std::string& key) {
+    yaml << YAML::Key;
+    put_text(yaml, key);
+    return yaml << YAML::Value;
+  }
+  /// Begins a list with one item a line; an empty one is `[]` on the line of its key.
+  YAML::Emitter& begin_list(const std::string& key, bool empty) {
+    return at(key) << (empty ? YAML::Flow : YAML::Block) << YAML::BeginSeq;
+  }
+};
+
+YamlWriter::YamlWriter() : impl_(std::make_unique<Impl>()) {
+  impl_->yaml << YAML::BeginMap;
 }
 
-std::string yaml_text(const std::string& value) {
-  constexpr char kPlain[] =
-      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./+ ()";
-  const bool plain = !value.empty() && value.find_first_not_of(kPlain) == std::string::npos &&
-                     std::isalpha(static_cast<unsigned char>(value[0])) != 0 && value.back() != ' ';
-  if (plain) return value;
-  std::string quoted = "\"";
-  for (const char c : value) {
-    if (c == '"' || c == '\\') quoted += '\\';
-    if (c == '\n')
-      quoted += "\\n";
-    else
-      quoted += c;
-  }
-  return quoted + '"';
-}
+YamlWriter::~YamlWriter() = default;
+YamlWriter::YamlWriter(YamlWriter&&) noexcept = default;
+YamlWriter& YamlWriter::operator=(YamlWriter&&) noexcept = default;
 
 YamlWriter YamlWriter::with_header(const std::string& kind, const std::string& program) {
   YamlWriter writer;
@@ -66,44 +93,52 @@ YamlWriter YamlWriter::with_header(const std::string& kind, const std::string& p
   return writer;
 }
 
-void YamlWriter::begin_line(const std::string& key) {
-  text_.append(2 * static_cast<std::size_t>(depth_), ' ');
-  text_ += key + ":";
+std::string YamlWriter::text() const {
+  return std::string(impl_->yaml.c_str()) + '\n';
 }
 
 YamlWriter& YamlWriter::begin_map(const std::string& key) {
-  begin_line(key);
-  text_ += '\n';
-  ++depth_;
+  impl_->at(key) << YAML::BeginMap;
   return *this;
 }
 
 YamlWriter& YamlWriter::end_map() {
-  --depth_;
+  impl_->yaml << YAML::EndMap;
+  return *this;
+}
+
+YamlWriter& YamlWriter::begin_list(const std::string& key) {
+  impl_->begin_list(key, false);
+  return *this;
+}
+
+YamlWriter& YamlWriter::begin_item() {
+  impl_->yaml << YAML::BeginMap;
+  return *this;
+}
+
+YamlWriter& YamlWriter::end_list() {
+  impl_->yaml << YAML::EndSeq;
   return *this;
 }
 
 YamlWriter& YamlWriter::add(const std::string& key, double value) {
-  begin_line(key);
-  text_ += ' ' + exact_text(value) + '\n';
+  impl_->at(key) << exact_text(value);
   return *this;
 }
 
 YamlWriter& YamlWriter::add(const std::string& key, int value) {
-  begin_line(key);
-  text_ += fmt::format(" {}\n", value);
+  impl_->at(key) << value;
   return *this;
 }
 
 YamlWriter& YamlWriter::add(const std::string& key, bool value) {
-  begin_line(key);
-  text_ += value ? " true\n" : " false\n";
+  impl_->at(key) << value;
   return *this;
 }
 
 YamlWriter& YamlWriter::add(const std::string& key, const std::string& value) {
-  begin_line(key);
-  text_ += ' ' + yaml_text(value) + '\n';
+  put_text(impl_->at(key), value);
   return *this;
 }
 
@@ -112,37 +147,34 @@ YamlWriter& YamlWriter::add(const std::string& key, const char* value) {
 }
 
 YamlWriter& YamlWriter::add(const std::string& key, const std::vector<double>& values) {
-  begin_line(key);
-  text_ += ' ' + row_text(values) + '\n';
+  put_row(impl_->at(key), values);
   return *this;
 }
 
 YamlWriter& YamlWriter::add(const std::string& key, const std::vector<std::vector<double>>& rows) {
-  begin_line(key);
-  if (rows.empty()) text_ += " []";
-  text_ += '\n';
-  for (const std::vector<double>& row : rows)
-    text_ +=
-        std::string(static_cast<std::size_t>(2 * depth_ + 2), ' ') + "- " + row_text(row) + '\n';
+  YAML::Emitter& yaml = impl_->begin_list(key, rows.empty());
+  for (const std::vector<double>& row : rows) put_row(yaml, row);
+  yaml << YAML::EndSeq;
   return *this;
 }
 
 YamlWriter& YamlWriter::add(const std::string& key, const std::vector<std::string>& values) {
-  begin_line(key);
-  std::vector<std::string> texts;
-  texts.reserve(values.size());
-  for (const std::string& value : values) texts.push_back(yaml_text(value));
-  text_ += fmt::format(" [{}]\n", fmt::join(texts, ", "));
+  YAML::Emitter& yaml = impl_->at(key) << YAML::Flow << YAML::BeginSeq;
+  for (const std::string& value : values) put_text(yaml, value);
+  yaml << YAML::EndSeq;
   return *this;
 }
 
 YamlWriter& YamlWriter::add_inputs(const std::vector<std::filesystem::path>& paths) {
-  begin_line("inputs");
-  if (paths.empty()) text_ += " []";
-  text_ += '\n';
-  for (const auto& path : paths)
-    text_ += fmt::format("{:{}}- {{name: {}, sha256: {}}}\n", "", 2 * depth_ + 2,
-                         yaml_text(path.filename().string()), yaml_text(input_hash(path)));
+  YAML::Emitter& yaml = impl_->begin_list("inputs", paths.empty());
+  for (const auto& path : paths) {
+    yaml << YAML::Flow << YAML::BeginMap << YAML::Key << "name" << YAML::Value;
+    put_text(yaml, path.filename().string());
+    yaml << YAML::Key << "sha256" << YAML::Value;
+    put_text(yaml, input_hash(path));
+    yaml << YAML::EndMap;
+  }
+  yaml << YAML::EndSeq;
   return *this;
 }
 

@@ -1,22 +1,33 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
 namespace planar {
 
-/// Text of a YAML file, block by block. Numbers are written so that they read back bit for bit.
+/// Text of a YAML file, key by key: maps in blocks, lists of numbers and texts on one line each.
+/// Numbers are written so that they read back bit for bit, in the shortest form; texts that another
+/// reader would take for a number or a truth value stand in quotes.
 class YamlWriter {
  public:
   /// Begins with `format: planar-servo/<kind>/1`, `program:` (name and version) and `created:`, the
   /// only line in which two identical runs may differ.
   static YamlWriter with_header(const std::string& kind, const std::string& program);
   /// Without the lines of our own format.
-  YamlWriter() = default;
+  YamlWriter();
+  ~YamlWriter();
+  YamlWriter(YamlWriter&&) noexcept;
+  YamlWriter& operator=(YamlWriter&&) noexcept;
 
   YamlWriter& begin_map(const std::string& key);
   YamlWriter& end_map();
+  /// A list of maps: each between begin_item() and end_map().
+  YamlWriter& begin_list(const std::string& key);
+  YamlWriter& begin_item();
+  YamlWriter& end_list();
+
   YamlWriter& add(const std::string& key, double value);
   YamlWriter& add(const std::string& key, int value);
   YamlWriter& add(const std::string& key, bool value);
@@ -30,18 +41,11 @@ class YamlWriter {
   /// line, so that identical runs give identical hashes).
   YamlWriter& add_inputs(const std::vector<std::filesystem::path>& paths);
 
-  const std::string& text() const { return text_; }
+  std::string text() const;
 
  private:
-  void begin_line(const std::string& key);
-  int depth_{0};
-  std::string text_;
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
 };
-
-/// The shortest decimal text that reads back as the same double (`.nan` and `.inf` as YAML has it).
-std::string exact_text(double value);
-
-/// A YAML scalar: quoted only when it must be.
-std::string yaml_text(const std::string& value);
 
 }  // namespace planar

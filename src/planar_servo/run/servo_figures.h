@@ -7,7 +7,7 @@
 
 #include "planar_servo/core/statistics.h"
 #include "planar_servo/devices/frame_source.h"
-#include "planar_servo/files/tables/servo_tables.h"
+#include "planar_servo/files/tables/result_table.h"
 
 namespace planar {
 

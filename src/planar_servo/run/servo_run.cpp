@@ -8,6 +8,7 @@
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
+#include "planar_servo/files/tables/step_table.h"
 #include "planar_servo/files/vision_files.h"
 #include "planar_servo/run/dry_run.h"
 #include "planar_servo/run/target_scorer.h"

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "planar_servo/cell/cell_settings.h"
-#include "planar_servo/files/tables/servo_tables.h"
+#include "planar_servo/files/tables/result_table.h"
 #include "planar_servo/files/tables/target_table.h"
 #include "planar_servo/io/growing_file.h"
 #include "planar_servo/machine/cell_devices.h"

@@ -2,7 +2,7 @@
 
 #include <functional>
 
-#include "planar_servo/files/tables/servo_tables.h"
+#include "planar_servo/files/tables/result_table.h"
 #include "planar_servo/files/tables/target_table.h"
 #include "planar_servo/io/growing_file.h"
 #include "planar_servo/servo/position_servo.h"

@@ -6,7 +6,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "planar_servo/cell/cell_settings.h"
-#include "planar_servo/files/tables/servo_tables.h"
+#include "planar_servo/files/tables/result_table.h"
 #include "planar_servo/files/tables/target_table.h"
 
 namespace planar {

@@ -1,31 +1,26 @@
 #include "planar_servo/files/tables/target_table.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 
-#include "planar_servo/core/error.h"
-#include "planar_servo/core/fixed.h"
 #include "planar_servo/core/units.h"
+#include "planar_servo/io/columns.h"
 
 namespace planar {
 namespace {
 
-constexpr char kKind[] = "targets";
-constexpr int kMillimetreDecimals = 6;
-constexpr int kAngleDecimals = 6;
-
-const std::vector<std::string>& needed_columns() {
-  static const std::vector<std::string> columns{"id", "x_mm", "y_mm"};
-  return columns;
+const TableSchema<TargetRow>& schema() {
+  static const TableSchema<TargetRow> targets{
+      "targets", [](Columns& columns, TargetRow& row) {
+        columns.text("id", row.id);
+        columns.point("x_mm", "y_mm", row.p_d, kMillimetre, 6);
+        columns.optional_number("phi_deg", row.phi_d, kDegree, 6, Column::kOptional);
+      }};
+  return targets;
 }
 
-TargetRow target_at(CsvTable& table) {
-  TargetRow target{std::string(table.text("id")),
-                   Eigen::Vector2d(table.number("x_mm"), table.number("y_mm")) * kMillimetre,
-                   std::nullopt};
-  if (const auto phi_deg = table.optional_number("phi_deg")) target.phi_d = *phi_deg * kDegree;
-  return target;
+bool is_comment(const std::string& line) {
+  const std::size_t first = line.find_first_not_of(" \t");
+  return first != std::string::npos && line[first] == '#';
 }
 
 bool has_number(const std::vector<std::string_view>& fields) {
@@ -36,44 +31,44 @@ bool has_number(const std::vector<std::string_view>& fields) {
 }  // namespace
 
 std::vector<TargetRow> read_targets(const std::filesystem::path& path) {
-  CsvFile table(path, kKind, needed_columns());
+  TableFile<TargetRow> table(path, schema());
   std::vector<TargetRow> rows;
   std::set<std::string> ids;
-  while (table.next_row()) {
-    rows.push_back(target_at(table));
+  for (TargetRow row; table.next(row);) {
     table.require_id_not_in(ids);
-    ids.insert(rows.back().id);
+    ids.insert(row.id);
+    rows.push_back(row);
   }
   table.throw_if_faulty_or_empty();
   return rows;
 }
 
 std::string targets_header() {
-  return CsvWriter(kKind, {"id", "x_mm", "y_mm", "phi_deg"}).text();
+  return schema().header();
 }
 
 std::string target_line(const TargetRow& row) {
-  const std::string phi = row.phi_d ? fixed(*row.phi_d / kDegree, kAngleDecimals) : "";
-  return fmt::format("{},{},{}\n", row.id, fixed(row.p_d / kMillimetre, kMillimetreDecimals, ","),
-                     phi);
+  return schema().line(row);
 }
 
 TargetLines::TargetLines(const std::string& source, std::set<std::string> taken)
-    : table_(source, kKind, needed_columns()), taken_(std::move(taken)) {}
+    : table_(source, schema().kind, schema().columns().required()), taken_(std::move(taken)) {}
 
 std::optional<TargetRow> TargetLines::next(const std::string& line) {
   ++line_;
   std::string row = line;
   const std::vector<std::string_view> fields = split_fields(line);
-  if (!has_columns() && has_number(fields) && fields.front()[0] != '#') {
+  if (!has_columns() && has_number(fields) && !is_comment(line)) {
     table_.take_line("id,x_mm,y_mm,phi_deg", line_);
     fourth_is_optional_ = true;
   }
-  if (fourth_is_optional_ && fields.size() == needed_columns().size()) row += ',';
+  if (fourth_is_optional_ && fields.size() == 3) row += ',';
   const bool is_row = table_.take_line(row, line_);
   table_.throw_if_faulty();
   if (!is_row) return std::nullopt;
-  TargetRow target = target_at(table_);
+  TargetRow target;
+  ColumnReader columns(table_);
+  schema().list_columns(columns, target);
   table_.require_id_not_in(taken_);
   table_.throw_if_faulty();
   taken_.insert(target.id);

@@ -9,7 +9,8 @@
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/files/board_points_file.h"
-#include "planar_servo/files/tables/recording.h"
+#include "planar_servo/files/tables/frame_table.h"
+#include "planar_servo/files/tables/plans.h"
 #include "planar_servo/offline/camera/board_images.h"
 #include "planar_servo/report/progress_bar.h"
 

@@ -9,7 +9,8 @@
 #include "planar_servo/arm/planar_arm.h"
 #include "planar_servo/core/pose.h"
 #include "planar_servo/devices/frame.h"
-#include "planar_servo/files/tables/recording.h"
+#include "planar_servo/files/tables/frame_table.h"
+#include "planar_servo/files/tables/plans.h"
 
 namespace planar {
 

@@ -11,6 +11,7 @@
 #include "planar_servo/calibration/vision_tip.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
+#include "planar_servo/files/tables/plans.h"
 #include "planar_servo/lens/workplane.h"
 #include "planar_servo/offline/camera/board_images.h"
 

@@ -9,9 +9,10 @@
 #include "planar_servo/calibration/workplane_calibration.h"
 #include "planar_servo/cell/cell_settings.h"
 #include "planar_servo/core/statistics.h"
+#include "planar_servo/files/tables/frame_table.h"
 #include "planar_servo/files/tables/lamp_table.h"
-#include "planar_servo/files/tables/recording.h"
-#include "planar_servo/files/tables/tables.h"
+#include "planar_servo/files/tables/pair_table.h"
+#include "planar_servo/files/tables/tracker_table.h"
 
 namespace planar {
 

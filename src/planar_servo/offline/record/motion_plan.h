@@ -4,7 +4,7 @@
 
 #include "planar_servo/arm/planar_arm.h"
 #include "planar_servo/cell/cell_settings.h"
-#include "planar_servo/files/tables/tables.h"
+#include "planar_servo/files/tables/plan_table.h"
 
 namespace planar {
 

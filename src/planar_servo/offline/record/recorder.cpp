@@ -11,7 +11,9 @@
 
 #include "planar_servo/calibration/coarse_view.h"
 #include "planar_servo/core/error.h"
-#include "planar_servo/files/tables/recording.h"
+#include "planar_servo/files/tables/frame_table.h"
+#include "planar_servo/files/tables/plans.h"
+#include "planar_servo/files/tables/tracker_table.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/io/growing_file.h"
 #include "planar_servo/lamps/lamp_tracker.h"

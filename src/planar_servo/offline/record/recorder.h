@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "planar_servo/cell/cell_settings.h"
-#include "planar_servo/files/tables/tables.h"
+#include "planar_servo/files/tables/plan_table.h"
 #include "planar_servo/machine/cell_devices.h"
 
 namespace planar {

@@ -1,4 +1,4 @@
-#include "planar_servo/files/tables/tables.h"
+#include "planar_servo/files/tables/plan_table.h"
 
 #include <catch2/catch.hpp>
 
@@ -12,22 +12,6 @@ namespace {
 using Catch::Contains;
 
 constexpr double kWrittenNanometre = 1e-9;
-
-TEST_CASE("Pairs come back as they were written") {
-  PairRow row;
-  row.id = "p1";
-  row.p_vision = {0.1234567, -0.3};
-  row.p_tracker = {0.1230, -0.2999};
-  row.phi = 0.5;
-  row.plan = "train";
-  const test::TemporaryFolder folder;
-  const PairRow back = read_pairs(folder.write("pairs.csv", pairs_text({row}))).at(0);
-  CHECK(back.id == "p1");
-  CHECK((back.error() - row.error()).norm() < kWrittenNanometre);
-  CHECK(*back.phi == Approx(0.5).margin(1e-8));
-  CHECK_FALSE(back.sigma_vision.has_value());
-  CHECK(back.plan == "train");
-}
 
 TEST_CASE("A plan asks for positions by point or by joints, and for board views by neither") {
   const std::vector<PlanRow> rows{{"g", "grid", {}},
@@ -62,6 +46,22 @@ TEST_CASE("A plan row whose id would leave the folder of images is refused") {
   const test::TemporaryFolder folder;
   CHECK_THROWS_WITH(read_plan(folder.write("plan.csv", "id,plan,x_mm,y_mm\n../a,train,1,2\n"), 0.0),
                     Contains("plan.csv:2: id is '../a'"));
+}
+
+TEST_CASE("Half a place, or both kinds of place, is a fault of its row") {
+  const test::TemporaryFolder folder;
+  const auto read = [&](const std::string& row) {
+    const std::string header = "id,plan,x_mm,y_mm,phi_deg,theta1_deg,theta2_deg,theta3_deg\n";
+    read_plan(folder.write("plan.csv", header + row), 0.0);
+  };
+  CHECK_THROWS_WITH(read("a,train,1,,,,,\n"),
+                    Contains("plan.csv:2: y_mm is ''; a finite number is needed"));
+  CHECK_THROWS_WITH(read("a,train,,2,,,,\n"),
+                    Contains("plan.csv:2: x_mm is ''; a finite number is needed"));
+  CHECK_THROWS_WITH(read("a,train,,,,1,,3\n"),
+                    Contains("plan.csv:2: theta2_deg is ''; a finite number is needed"));
+  CHECK_THROWS_WITH(read("a,train,1,2,,1,2,3\n"),
+                    Contains("plan.csv:2: has both x_mm and theta1_deg; give one of them"));
 }
 
 }  // namespace

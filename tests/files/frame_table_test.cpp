@@ -1,4 +1,4 @@
-#include "planar_servo/files/tables/recording.h"
+#include "planar_servo/files/tables/frame_table.h"
 
 #include <catch2/catch.hpp>
 
@@ -10,7 +10,7 @@ namespace {
 
 using Catch::Contains;
 
-TEST_CASE("Frames and readings come back as they were written") {
+TEST_CASE("A frame comes back as it was written") {
   const test::TemporaryFolder folder;
   const FrameRow frame{"t1",          "images/t1.pgm",     1.5, "train", {0.1, -0.2, 0.3},
                        {10, -20, 30}, {100, 200, 512, 512}};
@@ -20,9 +20,6 @@ TEST_CASE("Frames and readings come back as they were written") {
   CHECK((back.theta - frame.theta).norm() < 1e-10);
   CHECK(back.pulses == frame.pulses);
   CHECK(back.region_px == frame.region_px);
-  folder.write("tracker.csv", tracker_header() + tracker_line({"t1", 1.5, {1.0, 2.0, -3.0}}));
-  CHECK((read_tracker(folder / "tracker.csv").at(0).p_L - Eigen::Vector3d(1.0, 2.0, -3.0)).norm() <
-        1e-8);
 }
 
 TEST_CASE("A recording that is no folder, empty or of an unknown plan is refused") {
@@ -33,14 +30,6 @@ TEST_CASE("A recording that is no folder, empty or of an unknown plan is refused
                     Contains("has no rows; record some with planar-record"));
   folder.write("frames.csv", frames_header() + "a,a.pgm,0,traning,0,0,0,0,0,0,0,0,8,8\n");
   CHECK_THROWS_WITH(read_frames(folder.path()), Contains("frames.csv:3: plan is 'traning'"));
-}
-
-TEST_CASE("Another program's tracker file is read by its own columns") {
-  const test::TemporaryFolder folder;
-  const auto path = folder.write("leica.csv", "Point;Time;X;Y;Z\nA;0;1000,5;0;-1\n");
-  const CsvDialect dialect{
-      ';', true, {{"id", "Point"}, {"t_s", "Time"}, {"x_mm", "X"}, {"y_mm", "Y"}, {"z_mm", "Z"}}};
-  CHECK(read_tracker(path, dialect).at(0).p_L.x() == Approx(1.0005));
 }
 
 }  // namespace

@@ -11,8 +11,6 @@
 
 namespace planar {
 
-// The growing tables of a servo run: the header first, then a line at a time; SI inside.
-
 /// One target's outcome, a row of results.csv. Errors are vectors from the target to the end point,
 /// base frame, metres.
 struct TargetResult {
@@ -40,14 +38,11 @@ struct ResultError {
 /// All of them, in the order of the columns.
 const std::vector<ResultError>& result_errors();
 
+// The table grows: the header first, then a line at a time.
 std::string results_header();
 std::string result_line(const TargetResult& result);
 
 /// Throws InputError naming each bad row. A table without rows is an empty run.
 std::vector<TargetResult> read_results(const std::filesystem::path& path);
-
-std::string steps_header();
-/// One step on the way to the target `id`.
-std::string step_line(const std::string& id, const ServoStep& step);
 
 }  // namespace planar

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <filesystem>
+#include <opencv2/core/types.hpp>
+#include <string>
+#include <vector>
+
+#include "planar_servo/arm/planar_arm.h"
+#include "planar_servo/arm/transmission.h"
+
+namespace planar {
+
+/// One row of a recording's frames.csv: an image and the COMMANDED pose of the arm.
+struct FrameRow {
+  std::string id;
+  std::string image;  ///< relative to the recording's folder
+  double t_s{0.0};
+  std::string plan;
+  Joints theta{0.0, 0.0, 0.0};
+  Pulses pulses{0, 0, 0};
+  cv::Rect region_px;
+};
+
+/// RECORDING/frames.csv. Throws InputError naming each bad row, and for a plan that does not exist.
+std::vector<FrameRow> read_frames(const std::filesystem::path& recording);
+
+// The table grows: the header first, then a line at a time.
+std::string frames_header();
+std::string frame_line(const FrameRow& row);
+
+}  // namespace planar

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace planar {
+
+/// A row of pairs.csv: the end point in the base frame as vision saw it and as the tracker saw it;
+/// SI inside.
+struct PairRow {
+  std::string id;
+  Eigen::Vector2d p_vision{0.0, 0.0};
+  Eigen::Vector2d p_tracker{0.0, 0.0};
+  std::optional<double> phi;
+  std::optional<double> sigma_vision;
+  std::optional<double> sigma_tracker;
+  std::string plan;  ///< empty when the table has no such column
+
+  Eigen::Vector2d error() const { return p_vision - p_tracker; }
+};
+
+/// Throws InputError naming FILE:LINE of each bad row, and for a table without rows.
+std::vector<PairRow> read_pairs(const std::filesystem::path& path);
+/// Hands each row on as it is read, so that a long table is never held whole; throws at its end.
+void read_pairs(const std::filesystem::path& path, const std::function<void(const PairRow&)>& take);
+std::string pairs_text(const std::vector<PairRow>& rows);
+
+}  // namespace planar

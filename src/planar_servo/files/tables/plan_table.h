@@ -1,0 +1,26 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "planar_servo/arm/planar_arm.h"
+#include "planar_servo/core/pose.h"
+
+namespace planar {
+
+/// A row of plan.csv: one position to be recorded, by tip pose or by joints; rows of the plans
+/// "grid" and "plane_grid" ask for a view of the calibration board and have neither. SI inside.
+struct PlanRow {
+  std::string id;
+  std::string plan;
+  std::variant<std::monostate, TipPose, Joints> where;
+};
+
+/// Rows by x and y that name no phi_deg take `tool_orientation` (radians). Throws InputError naming
+/// FILE:LINE of each bad row, and for a table without rows.
+std::vector<PlanRow> read_plan(const std::filesystem::path& path, double tool_orientation);
+std::string plan_text(const std::vector<PlanRow>& rows);
+
+}  // namespace planar

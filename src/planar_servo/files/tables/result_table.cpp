@@ -1,0 +1,87 @@
+#include "planar_servo/files/tables/result_table.h"
+
+#include <fmt/format.h>
+
+#include "planar_servo/core/units.h"
+#include "planar_servo/io/columns.h"
+
+namespace planar {
+namespace {
+
+constexpr ServoStatus kStatuses[] = {ServoStatus::kReached,      ServoStatus::kOutsideMap,
+                                     ServoStatus::kNotConverged, ServoStatus::kDiverged,
+                                     ServoStatus::kLostLamp,     ServoStatus::kLostCamera,
+                                     ServoStatus::kRefused};
+
+void list_status(Columns& columns, ServoStatus& field) {
+  std::string text = name(field);
+  columns.text("status", text);
+  if (!columns.reading()) return;
+  for (const ServoStatus status : kStatuses) {
+    if (text != name(status)) continue;
+    field = status;
+    return;
+  }
+  columns.check(false, fmt::format("status is '{}', which no target can have", text));
+}
+
+/// Its length is for people: reading, it follows from the components.
+void list_error(Columns& columns, const ResultError& error, TargetResult& result) {
+  auto& field = result.*error.error;
+  const auto [length_mm, dx_mm, dy_mm] = error.columns();
+  std::optional<double> length;
+  if (field) length = field->norm();
+  columns.optional_number(length_mm, length, kMillimetre, 6, Column::kRequired);
+  columns.optional_point(dx_mm, dy_mm, field, kMillimetre, 6, Column::kRequired);
+}
+
+const TableSchema<TargetResult>& schema() {
+  static const TableSchema<TargetResult> results{
+      "results", [](Columns& columns, TargetResult& result) {
+        columns.text("target", result.id);
+        columns.point("x_mm", "y_mm", result.p_d, kMillimetre, 6);
+        list_status(columns, result.status);
+        columns.text("reason", result.reason);
+        columns.whole_number("iterations", result.iterations);
+        columns.number("seconds", result.seconds, 1.0, 3);
+        columns.optional_number("uncertainty_mm", result.uncertainty_m, kMillimetre, 6,
+                                Column::kRequired);
+        for (const ResultError& error : result_errors()) list_error(columns, error, result);
+      }};
+  return results;
+}
+
+}  // namespace
+
+std::array<std::string, 3> ResultError::columns() const {
+  return {fmt::format("{}_mm", name), fmt::format("{}_dx_mm", name), fmt::format("{}_dy_mm", name)};
+}
+
+const std::vector<ResultError>& result_errors() {
+  static const std::vector<ResultError> errors{
+      {"before_own_view", &TargetResult::before_own},
+      {"after_own_view", &TargetResult::after_own},
+      {"before_truth", &TargetResult::before_truth},
+      {"after_truth", &TargetResult::after_truth},
+      {"vision_raw", &TargetResult::vision_raw},
+      {"vision_compensated", &TargetResult::vision_compensated}};
+  return errors;
+}
+
+std::string results_header() {
+  return schema().header();
+}
+
+std::string result_line(const TargetResult& result) {
+  return schema().line(result);
+}
+
+std::vector<TargetResult> read_results(const std::filesystem::path& path) {
+  TableFile<TargetResult> table(path, schema());
+  std::vector<TargetResult> results;
+  for (TargetResult result; table.next(result);) results.push_back(result);
+  table.throw_if_faulty();
+  return results;
+}
+
+}  // namespace planar

@@ -1,0 +1,174 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "planar_servo/io/csv_table.h"
+
+namespace planar {
+
+/// How a number is written: with this many decimals, never as a negative zero, or this many
+/// significant digits.
+struct Digits {
+  Digits(int decimals) : count(decimals) {}
+  static Digits significant(int count) {
+    Digits digits(count);
+    digits.is_significant = true;
+    return digits;
+  }
+
+  int count;
+  bool is_significant{false};
+};
+
+/// Whether a table may lack a column.
+enum class Column { kRequired, kOptional };
+
+/// Visits the columns of a table's row, to read them or to write them. One function per table lists
+/// them, always all of them and in the order of writing, and serves both directions:
+///
+///     void list_columns(Columns& columns, PairRow& row) {
+///       columns.text("id", row.id);
+///       columns.point("x_vision_mm", "y_vision_mm", row.p_vision, kMillimetre, 6);
+///       columns.optional_number("phi_deg", row.phi, kDegree, 6, Column::kOptional);
+///     }
+///     const TableSchema<PairRow> kPairs{"pairs", list_columns};
+///
+/// A number in the file times `unit` is the field's. Reading, what is not as it should be is a
+/// fault of the table (CsvTable); a column that is not there, or an empty field, leaves a text
+/// empty and an optional number without a value. Writing changes no field.
+class Columns {
+ public:
+  virtual ~Columns() = default;
+
+  virtual bool reading() const = 0;
+
+  virtual void text(std::string_view column, std::string& field,
+                    Column need = Column::kRequired) = 0;
+  virtual void number(std::string_view column, double& field, double unit, Digits digits) = 0;
+  virtual void whole_number(std::string_view column, int& field) = 0;
+  /// A number whose field may be empty.
+  virtual void optional_number(std::string_view column, std::optional<double>& field, double unit,
+                               Digits digits, Column need) = 0;
+  void point(std::string_view x, std::string_view y, Eigen::Vector2d& field, double unit,
+             Digits digits);
+  /// Both fields may be empty, but not one of them.
+  void optional_point(std::string_view x, std::string_view y, std::optional<Eigen::Vector2d>& field,
+                      double unit, Digits digits, Column need);
+
+  /// Reading, adds a fault to the row unless a rule is `kept`.
+  virtual void check(bool kept, const std::string& message) = 0;
+};
+
+/// The names of all columns, and of those that a table must have.
+class ColumnNames : public Columns {
+ public:
+  bool reading() const override { return false; }
+  void text(std::string_view column, std::string& field, Column need) override;
+  void number(std::string_view column, double& field, double unit, Digits digits) override;
+  void whole_number(std::string_view column, int& field) override;
+  void optional_number(std::string_view column, std::optional<double>& field, double unit,
+                       Digits digits, Column need) override;
+  void check(bool /*kept*/, const std::string& /*message*/) override {}
+
+  const std::vector<std::string>& all() const { return all_; }
+  const std::vector<std::string>& required() const { return required_; }
+
+ private:
+  void add(std::string_view column, Column need);
+
+  std::vector<std::string> all_;
+  std::vector<std::string> required_;
+};
+
+/// Reads the columns that it visits from a table's current row.
+class ColumnReader : public Columns {
+ public:
+  /// `table` must outlive it.
+  explicit ColumnReader(CsvTable& table) : table_(table) {}
+
+  bool reading() const override { return true; }
+  void text(std::string_view column, std::string& field, Column need) override;
+  void number(std::string_view column, double& field, double unit, Digits digits) override;
+  void whole_number(std::string_view column, int& field) override;
+  void optional_number(std::string_view column, std::optional<double>& field, double unit,
+                       Digits digits, Column need) override;
+  void check(bool kept, const std::string& message) override;
+
+ private:
+  CsvTable& table_;
+};
+
+/// Writes the columns that it visits into a line.
+class LineWriter : public Columns {
+ public:
+  bool reading() const override { return false; }
+  void text(std::string_view column, std::string& field, Column need) override;
+  void number(std::string_view column, double& field, double unit, Digits digits) override;
+  void whole_number(std::string_view column, int& field) override;
+  void optional_number(std::string_view column, std::optional<double>& field, double unit,
+                       Digits digits, Column need) override;
+  void check(bool /*kept*/, const std::string& /*message*/) override {}
+
+  /// With its end.
+  std::string line() const { return line_ + '\n'; }
+
+ private:
+  void add(std::string_view field);
+
+  std::string line_;
+  bool is_first_{true};
+};
+
+/// A table: its kind (`# format: planar-servo/<kind>/1`) and its columns.
+template <typename Row>
+struct TableSchema {
+  const char* kind;
+  std::function<void(Columns&, Row&)> list_columns;
+
+  ColumnNames columns() const {
+    ColumnNames names;
+    Row row{};
+    list_columns(names, row);
+    return names;
+  }
+  /// The first two lines: the format and the names of the columns.
+  std::string header() const { return csv_header(kind, columns().all()); }
+  std::string line(Row row) const {
+    LineWriter writer;
+    list_columns(writer, row);
+    return writer.line();
+  }
+};
+
+/// A table's file, read row by row:
+///
+///     TableFile<PairRow> table(path, kPairs);
+///     for (PairRow row; table.next(row);) sum += row.p_vision;
+///     table.throw_if_faulty_or_empty();
+template <typename Row>
+class TableFile : public CsvFile {
+ public:
+  /// `schema` must outlive it.
+  TableFile(const std::filesystem::path& path, const TableSchema<Row>& schema,
+            const CsvDialect& dialect = {})
+      : CsvFile(path, schema.kind, schema.columns().required(), dialect), schema_(schema) {}
+
+  /// False at the end of the file.
+  bool next(Row& row) {
+    if (!next_row()) return false;
+    schema_.list_columns(reader_, row);
+    return true;
+  }
+
+ private:
+  const TableSchema<Row>& schema_;
+  ColumnReader reader_{*this};
+};
+
+}  // namespace planar

@@ -1,0 +1,242 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "planar_servo/core/names.h"
+#include "planar_servo/io/range.h"
+
+namespace planar {
+
+/// The numbers of one row in a list of rows, listed in their order.
+class RowFields {
+ public:
+  void number(double& field, double unit = 1.0, const Range& range = Range::any());
+  void whole_number(int& field, int lower, int upper = std::numeric_limits<int>::max());
+
+  std::vector<Range> ranges() const;
+  std::vector<double> in_file() const;
+  void take(const std::vector<double>& in_file) const;
+
+ private:
+  struct Column {
+    double* number;  ///< either this
+    int* whole;      ///< or this
+    double unit;
+    Range range;
+  };
+  std::vector<Column> columns_;
+};
+
+/// Visits the fields of a settings struct, to read them from YAML or to write them. One function
+/// per struct lists its fields and serves both directions:
+///
+///     constexpr Named<ServoLaw> kLaws[] = {{ServoLaw::kJacobian, "jacobian"}, ...};
+///
+///     void list_fields(Fields& fields, ServoSettings& servo) {
+///       fields.choice("law", servo.law, kLaws);
+///       fields.number("gain", servo.gain, 1.0, Range::positive(1.0));
+///       fields.number("settle_ms", servo.settle_s, kMillisecond, Range::at_least(0.0));
+///       fields.whole_number("max_iterations", servo.max_iterations, 0, 1000);
+///       if (fields.given("path", !servo.path.empty())) fields.text("path", servo.path);
+///     }
+///
+/// FieldReader and FieldWriter (yaml_fields.h) visit them. A number in the file times `unit` is the
+/// field's; ranges are in the file's unit. Reading, what breaks its rule is a fault of the document
+/// and leaves its field as it was; a function that returns bool returns false then, so that no
+/// second fault need follow from the first. Writing changes no field and returns true.
+class Fields {
+ public:
+  Fields() = default;
+  Fields(const Fields&) = delete;
+  Fields& operator=(const Fields&) = delete;
+  virtual ~Fields() = default;
+
+  virtual bool reading() const = 0;
+  /// Whether to visit a key that a file may leave out: reading, whether the file has it; writing,
+  /// `wanted`.
+  virtual bool given(const std::string& key, bool wanted) = 0;
+
+  virtual bool number(const std::string& key, double& field, double unit = 1.0,
+                      const Range& range = Range::any()) = 0;
+  template <typename Int>
+  bool whole_number(const std::string& key, Int& field, Int lower,
+                    Int upper = std::numeric_limits<Int>::max());
+  virtual void text(const std::string& key, std::string& field) = 0;
+  void texts(const std::string& key, std::vector<std::string>& field);
+  /// One of the texts `allowed`.
+  virtual bool choice(const std::string& key, std::string& field,
+                      const std::vector<std::string>& allowed) = 0;
+  /// A value of an enumeration by its name.
+  template <typename Value, std::size_t kSize>
+  bool choice(const std::string& key, Value& field, const Named<Value> (&table)[kSize]);
+  /// A list of such names, as long as the array.
+  template <typename Value, std::size_t kCount, std::size_t kSize>
+  bool choices(const std::string& key, std::array<Value, kCount>& field,
+               const Named<Value> (&table)[kSize]);
+
+  /// A list of `size` numbers; of any number of them when it is 0.
+  virtual bool numbers(const std::string& key, std::vector<double>& field, std::size_t size,
+                       double unit = 1.0, const Range& range = Range::any()) = 0;
+  /// A list as long as `field`, an array or an Eigen vector of doubles.
+  template <typename Array>
+  bool numbers(const std::string& key, Array& field, double unit = 1.0,
+               const Range& range = Range::any());
+  /// A list of numbers that stand in several places; `list_row(RowFields&)` lists them.
+  template <typename ListRow>
+  bool row(const std::string& key, const ListRow& list_row);
+  /// A list of rows of numbers; `list_row(RowFields&, Row&)` lists those of one.
+  template <typename Row, typename ListRow>
+  bool rows(const std::string& key, std::vector<Row>& field, const ListRow& list_row);
+  template <typename Row, std::size_t kSize, typename ListRow>
+  bool rows(const std::string& key, std::array<Row, kSize>& field, const ListRow& list_row);
+
+  /// A map of keys; `list_keys()` visits them.
+  template <typename ListKeys>
+  void map(const std::string& key, const ListKeys& list_keys);
+  /// A list of maps, of any length into a vector, of its own into an array; `list_keys(Item&)`
+  /// visits the keys of one.
+  template <typename Item, typename ListKeys>
+  void maps(const std::string& key, std::vector<Item>& field, const ListKeys& list_keys);
+  template <typename Item, std::size_t kSize, typename ListKeys>
+  void maps(const std::string& key, std::array<Item, kSize>& field, const ListKeys& list_keys);
+
+  /// A rule on several fields: reading, adds the fault `message` at the value of `key`, or at the
+  /// map that is being visited, unless it is `kept`. Returns `kept`.
+  virtual bool check(bool kept, const std::string& message, const std::string& key = "") = 0;
+
+ protected:
+  // What remains to be read or written. Numbers are the file's own; a size of 0 is any.
+
+  /// Texts of any kind when none are `allowed`.
+  virtual bool names(const std::string& key, std::vector<std::string>& field, std::size_t size,
+                     const std::vector<std::string>& allowed) = 0;
+  virtual bool numbers_in_file(const std::string& key, std::vector<double>& field,
+                               const std::vector<Range>& ranges) = 0;
+  virtual bool rows_in_file(const std::string& key, std::vector<std::vector<double>>& field,
+                            std::size_t size, const std::vector<Range>& ranges) = 0;
+  virtual void begin_map(const std::string& key) = 0;
+  /// How many items there are; `size` of them when `fixed`.
+  virtual std::size_t begin_list(const std::string& key, std::size_t size, bool fixed) = 0;
+  virtual void begin_item(std::size_t i) = 0;
+  virtual void end_map() = 0;
+  virtual void end_list() = 0;
+
+ private:
+  template <typename Row, typename ListRow>
+  bool rows_of(const std::string& key, std::vector<Row>& field, std::size_t size,
+               const ListRow& list_row);
+};
+
+template <typename Int>
+bool Fields::whole_number(const std::string& key, Int& field, Int lower, Int upper) {
+  auto value = static_cast<double>(field);
+  const bool read = number(key, value, 1.0, Range::whole(lower, upper));
+  field = static_cast<Int>(value);
+  return read;
+}
+
+template <typename Value, std::size_t kSize>
+bool Fields::choice(const std::string& key, Value& field, const Named<Value> (&table)[kSize]) {
+  std::string text = name_in(table, field);
+  const bool read = choice(key, text, names_of(table));
+  field = value_named(table, text).value();
+  return read;
+}
+
+template <typename Value, std::size_t kCount, std::size_t kSize>
+bool Fields::choices(const std::string& key, std::array<Value, kCount>& field,
+                     const Named<Value> (&table)[kSize]) {
+  std::vector<std::string> texts;
+  for (const Value value : field) texts.emplace_back(name_in(table, value));
+  const bool read = names(key, texts, kCount, names_of(table));
+  if (!reading() || !read) return read;
+  for (std::size_t i = 0; i < kCount; ++i) field[i] = value_named(table, texts[i]).value();
+  return true;
+}
+
+template <typename Array>
+bool Fields::numbers(const std::string& key, Array& field, double unit, const Range& range) {
+  std::vector<double> values(field.begin(), field.end());
+  const bool read = numbers(key, values, values.size(), unit, range);
+  if (reading() && read) std::copy(values.begin(), values.end(), field.begin());
+  return read;
+}
+
+template <typename ListRow>
+bool Fields::row(const std::string& key, const ListRow& list_row) {
+  RowFields fields;
+  list_row(fields);
+  std::vector<double> values = fields.in_file();
+  const bool read = numbers_in_file(key, values, fields.ranges());
+  if (reading() && read) fields.take(values);
+  return read;
+}
+
+template <typename Row, typename ListRow>
+bool Fields::rows_of(const std::string& key, std::vector<Row>& field, std::size_t size,
+                     const ListRow& list_row) {
+  const auto fields_of = [&](Row& row) {
+    RowFields fields;
+    list_row(fields, row);
+    return fields;
+  };
+  Row empty{};
+  std::vector<std::vector<double>> values;
+  for (Row& row : field) values.push_back(fields_of(row).in_file());
+  const bool read = rows_in_file(key, values, size, fields_of(empty).ranges());
+  if (!reading() || !read) return read;
+  field.assign(values.size(), empty);
+  for (std::size_t i = 0; i < field.size(); ++i) fields_of(field[i]).take(values[i]);
+  return true;
+}
+
+template <typename Row, typename ListRow>
+bool Fields::rows(const std::string& key, std::vector<Row>& field, const ListRow& list_row) {
+  return rows_of(key, field, 0, list_row);
+}
+
+template <typename Row, std::size_t kSize, typename ListRow>
+bool Fields::rows(const std::string& key, std::array<Row, kSize>& field, const ListRow& list_row) {
+  std::vector<Row> values(field.begin(), field.end());
+  const bool read = rows_of(key, values, kSize, list_row);
+  if (reading() && read) std::copy(values.begin(), values.end(), field.begin());
+  return read;
+}
+
+template <typename ListKeys>
+void Fields::map(const std::string& key, const ListKeys& list_keys) {
+  begin_map(key);
+  list_keys();
+  end_map();
+}
+
+template <typename Item, typename ListKeys>
+void Fields::maps(const std::string& key, std::vector<Item>& field, const ListKeys& list_keys) {
+  const std::size_t n = begin_list(key, field.size(), false);
+  if (reading()) field.assign(n, Item{});
+  for (std::size_t i = 0; i < n; ++i) {
+    begin_item(i);
+    list_keys(field[i]);
+    end_map();
+  }
+  end_list();
+}
+
+template <typename Item, std::size_t kSize, typename ListKeys>
+void Fields::maps(const std::string& key, std::array<Item, kSize>& field,
+                  const ListKeys& list_keys) {
+  const std::size_t n = begin_list(key, kSize, true);
+  for (std::size_t i = 0; i < n; ++i) {
+    begin_item(i);
+    list_keys(field[i]);
+    end_map();
+  }
+  end_list();
+}
+
+}  // namespace planar

@@ -1,0 +1,12 @@
+#pragma once
+
+#include "planar_servo/core/pose.h"
+#include "planar_servo/io/fields.h"
+
+namespace planar {
+
+/// Visits the keys translation_mm and quaternion_wxyz of a pose (metres). Returns whether it is
+/// one: the quaternion must have length 1, to the rounding of a few digits.
+bool list_pose(Fields& fields, Pose& pose);
+
+}  // namespace planar
