@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "planar_servo/core/plan.h"
 #include "planar_servo/files/map_file.h"
 #include "planar_servo/offline/map/check_error_map.h"
 #include "planar_servo/offline/map/map_check_report.h"
@@ -33,11 +34,17 @@ MapCheck check(const ErrorMap& map, const std::vector<PairRow>& pairs) {
                          [&](const char* phase, double share) { bar.show(phase, share); });
 }
 
+std::vector<Plan> plans_of(const Options& options) {
+  std::vector<Plan> plans;
+  for (const std::string& word : options.plans) plans.push_back(plan_named(word).value());
+  return plans;
+}
+
 Outcome check_pairs(const Options& options) {
   const ErrorMap map = read_map(options.map);
   std::vector<PairRow> all = read_pairs(options.pairs);
   const std::size_t count = all.size();
-  const std::vector<PairRow> pairs = pairs_to_check(std::move(all), options.plans);
+  const std::vector<PairRow> pairs = pairs_to_check(std::move(all), plans_of(options));
   require_directions(map, pairs, options.pairs);
   const MapCheck result = check(map, pairs);
   fmt::print("{}", map_check_text(result, count - pairs.size()));
@@ -47,6 +54,7 @@ Outcome check_pairs(const Options& options) {
 void add_options(CLI::App& app, Options& options) {
   app.add_option("--plan", options.plans,
                  "judge only pairs of these plans; without it all but train")
+      ->check(CLI::IsMember(plan_names()))
       ->delimiter(',')
       ->allow_extra_args(false)
       ->type_name("NAME");

@@ -16,7 +16,7 @@ LampSight frame(const std::string& id, double t_s, double u_px) {
   sight.id = id;
   sight.t_s = t_s;
   sight.status = "ok";
-  sight.plan = "train";
+  sight.plan = Plan::kTrain;
   sight.uv_px = {Eigen::Vector2d(u_px, 100.0), Eigen::Vector2d(u_px + 80.0, 100.0)};
   sight.covariances_px2.fill(0.04 * Eigen::Matrix2d::Identity());
   return sight;
@@ -105,7 +105,7 @@ TEST_CASE("Places of plan sweep3 with the same joints 1 and 2 form a sweep") {
   for (int i = 0; i < 5; ++i) {
     frames.push_back(frame(std::to_string(i), i, 100.0 * i));
     frames.back().theta12 = i < 2 ? Eigen::Vector2d(0.1, 0.2) : Eigen::Vector2d(0.3, 0.2);
-    if (i != 4) frames.back().plan = "sweep3";
+    if (i != 4) frames.back().plan = Plan::kSweep3;
     readings.push_back(reading(std::to_string(i), i, 0.1));
   }
   const auto sights = pair_sights(frames, readings, PairBy::kId).sights;

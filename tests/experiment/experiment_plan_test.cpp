@@ -16,16 +16,16 @@ constexpr double kRounding = 1e-12;
 TEST_CASE("The experiment records what the paper did, and every position can be reached") {
   const CellSettings cell = read_cell(test::paper_cell_file());
   const std::vector<PlanRow> plan = experiment_plan(cell, 1).rows;
-  std::map<std::string, int> counts;
+  std::map<Plan, int> counts;
   std::set<std::string> ids;
   for (const PlanRow& row : plan) {
     ++counts[row.plan];
     CHECK(ids.insert(row.id).second);
   }
-  CHECK(counts["train"] == 200);
-  CHECK(counts["test"] == 30);
-  CHECK(counts["check"] == 3 * 24 + 3 * 4 * 25);
-  CHECK(counts["plane_grid"] == 1);
+  CHECK(counts[Plan::kTrain] == 200);
+  CHECK(counts[Plan::kTest] == 30);
+  CHECK(counts[Plan::kCheck] == 3 * 24 + 3 * 4 * 25);
+  CHECK(counts[Plan::kLaidBoard] == 1);
   CHECK_NOTHROW(joints_of_plan(cell, plan));
 }
 
@@ -33,7 +33,7 @@ TEST_CASE("The same seed draws the same training positions, another seed others"
   const CellSettings cell = read_cell(test::paper_cell_file());
   const auto first_training_point = [&](std::uint64_t seed) {
     for (const PlanRow& row : experiment_plan(cell, seed).rows)
-      if (row.plan == "train") return std::get<TipPose>(row.where).p;
+      if (row.plan == Plan::kTrain) return std::get<TipPose>(row.where).p;
     throw std::logic_error("no training position");
   };
   CHECK(first_training_point(3) == first_training_point(3));
@@ -51,9 +51,9 @@ TEST_CASE("The control targets lie on the paper's four circles") {
 
 TEST_CASE("A plan beyond reach is refused whole, every bad row by its id") {
   const CellSettings cell = read_cell(test::paper_cell_file());
-  const std::vector<PlanRow> plan{{"far", "train", TipPose{{0.7, 0.0}, 0.0}},
-                                  {"fine", "train", TipPose{{0.3, 0.0}, 0.0}},
-                                  {"near", "train", TipPose{{0.01, 0.0}, 0.0}}};
+  const std::vector<PlanRow> plan{{"far", Plan::kTrain, TipPose{{0.7, 0.0}, 0.0}},
+                                  {"fine", Plan::kTrain, TipPose{{0.3, 0.0}, 0.0}},
+                                  {"near", Plan::kTrain, TipPose{{0.01, 0.0}, 0.0}}};
   CHECK_THROWS_WITH(joints_of_plan(cell, plan), Catch::Contains("plan row 'far'") &&
                                                     Catch::Contains("plan row 'near'") &&
                                                     !Catch::Contains("'fine'"));

@@ -12,7 +12,7 @@ using Catch::Contains;
 
 TEST_CASE("A frame comes back as it was written") {
   const test::TemporaryFolder folder;
-  const FrameRow frame{"t1",          "images/t1.pgm",     1.5, "train", {0.1, -0.2, 0.3},
+  const FrameRow frame{"t1",          "images/t1.pgm",     1.5, Plan::kTrain, {0.1, -0.2, 0.3},
                        {10, -20, 30}, {100, 200, 512, 512}};
   folder.write("frames.csv", frames_header() + frame_line(frame));
   const FrameRow back = read_frames(folder.path()).at(0);

@@ -67,10 +67,13 @@ TEST_CASE("A damaged table is read or refused by name, never worse") {
   check_mutations(pairs, [](const auto& path) { read_pairs(path); });
   const std::string plan = "id,plan,x_mm,y_mm\na,train,1,2\ng,grid,,\n";
   check_mutations(plan, [](const auto& path) { read_plan(path, 0.0); });
-  const std::string frames =
-      frames_header() +
-      frame_line(
-          {"t1", "images/t1.pgm", 1.5, "train", {0.1, -0.2, 0.3}, {10, -20, 30}, {1, 2, 3, 4}});
+  const std::string frames = frames_header() + frame_line({"t1",
+                                                           "images/t1.pgm",
+                                                           1.5,
+                                                           Plan::kTrain,
+                                                           {0.1, -0.2, 0.3},
+                                                           {10, -20, 30},
+                                                           {1, 2, 3, 4}});
   check_mutations(frames, [](const auto& path) { read_frames(path.parent_path()); });
   const std::string lamps = "id,status,u1_px,v1_px,u2_px,v2_px\nt1,ok,1,2,3,4\nt2,no_lamp,,,,\n";
   check_mutations(lamps, [](const auto& path) { read_lamps(path); });

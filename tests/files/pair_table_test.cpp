@@ -15,14 +15,14 @@ TEST_CASE("Pairs come back as they were written") {
   row.p_vision = {0.1234567, -0.3};
   row.p_tracker = {0.1230, -0.2999};
   row.phi = 0.5;
-  row.plan = "train";
+  row.plan = Plan::kTrain;
   const test::TemporaryFolder folder;
   const PairRow back = read_pairs(folder.write("pairs.csv", pairs_text({row}))).at(0);
   CHECK(back.id == "p1");
   CHECK((back.error() - row.error()).norm() < kWrittenNanometre);
   CHECK(*back.phi == Approx(0.5).margin(1e-8));
   CHECK_FALSE(back.sigma_vision.has_value());
-  CHECK(back.plan == "train");
+  CHECK(back.plan == Plan::kTrain);
 }
 
 }  // namespace

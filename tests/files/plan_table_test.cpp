@@ -14,9 +14,9 @@ using Catch::Contains;
 constexpr double kWrittenNanometre = 1e-9;
 
 TEST_CASE("A plan asks for positions by point or by joints, and for board views by neither") {
-  const std::vector<PlanRow> rows{{"g", "grid", {}},
-                                  {"t", "train", TipPose{{0.1, 0.2}, 0.0}},
-                                  {"s", "sweep3", Joints(0.1, 0.2, 0.3)}};
+  const std::vector<PlanRow> rows{{"g", Plan::kHeldBoard, {}},
+                                  {"t", Plan::kTrain, TipPose{{0.1, 0.2}, 0.0}},
+                                  {"s", Plan::kSweep3, Joints(0.1, 0.2, 0.3)}};
   const test::TemporaryFolder folder;
   const auto back = read_plan(folder.write("plan.csv", plan_text(rows)), 0.0);
   REQUIRE(back.size() == 3);

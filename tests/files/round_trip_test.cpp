@@ -3,11 +3,11 @@
 #include <cmath>
 #include <random>
 
+#include "planar_servo/core/plan.h"
 #include "planar_servo/files/tables/frame_table.h"
 #include "planar_servo/files/tables/lamp_table.h"
 #include "planar_servo/files/tables/pair_table.h"
 #include "planar_servo/files/tables/plan_table.h"
-#include "planar_servo/files/tables/plans.h"
 #include "planar_servo/files/tables/result_table.h"
 #include "planar_servo/files/tables/target_table.h"
 #include "planar_servo/files/tables/tracker_table.h"
@@ -49,7 +49,7 @@ class Random {
   }
   /// One that no other row has, and a file's name could be.
   std::string id() { return text() + std::to_string(++ids_); }
-  std::string plan() { return plan_names()[static_cast<std::size_t>(2 + below(6))]; }
+  Plan plan() { return all_plans()[static_cast<std::size_t>(2 + below(6))]; }
 
  private:
   std::mt19937 random_;

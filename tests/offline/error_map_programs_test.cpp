@@ -14,7 +14,7 @@ using Catch::Contains;
 
 constexpr double kRounding = 1e-12;
 
-std::vector<PairRow> pairs_of(const std::vector<ErrorSample>& samples, const std::string& plan) {
+std::vector<PairRow> pairs_of(const std::vector<ErrorSample>& samples, Plan plan) {
   std::vector<PairRow> pairs;
   for (const ErrorSample& sample : samples) {
     PairRow pair;
@@ -27,7 +27,7 @@ std::vector<PairRow> pairs_of(const std::vector<ErrorSample>& samples, const std
   return pairs;
 }
 
-std::vector<PairRow> lens_pairs(std::uint32_t seed, const std::string& plan) {
+std::vector<PairRow> lens_pairs(std::uint32_t seed, Plan plan) {
   return pairs_of(
       test::measure(test::lens_field, test::random_positions(200, seed), test::kFieldNoise, seed),
       plan);
@@ -45,18 +45,18 @@ TEST_CASE("A method is chosen by its name, the paper's by its width in millimetr
 }
 
 TEST_CASE("A map is fitted to the pairs of plan train, and judged on the others") {
-  std::vector<PairRow> pairs = lens_pairs(1, "train");
-  const std::vector<PairRow> others = lens_pairs(2, "test");
+  std::vector<PairRow> pairs = lens_pairs(1, Plan::kTrain);
+  const std::vector<PairRow> others = lens_pairs(2, Plan::kTest);
   pairs.insert(pairs.end(), others.begin(), others.end());
   const FitErrorMapReport report = fit_error_map_to_pairs(pairs, {});
   CHECK(report.result.n_used == 200);
   CHECK(report.n_other_plans == 200);
   CHECK(pairs_to_check(pairs, {}).size() == 200);
-  CHECK(pairs_to_check(pairs, {"train", "test"}).size() == 400);
+  CHECK(pairs_to_check(pairs, {Plan::kTrain, Plan::kTest}).size() == 400);
   CHECK(pairs_to_check(lens_pairs(1, ""), {}).size() == 200);
   CHECK_THROWS_WITH(fit_error_map_to_pairs(others, {}),
                     Contains("none of 200 pairs is of plan 'train'"));
-  CHECK_THROWS_WITH(pairs_to_check(others, {"control"}),
+  CHECK_THROWS_WITH(pairs_to_check(others, {Plan::kControl}),
                     Contains("is of plan control; their plans are: "));
 }
 

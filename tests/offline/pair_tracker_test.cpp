@@ -20,7 +20,7 @@ Pose tracker_pose() {
   return X_BL;
 }
 
-void add_place(PairTrackerRequest& request, const ToolSight& sight, const std::string& plan) {
+void add_place(PairTrackerRequest& request, const ToolSight& sight, Plan plan) {
   const auto number = static_cast<double>(request.frames.size());
   FrameRow frame;
   frame.id = sight.id;
@@ -54,7 +54,7 @@ PairTrackerRequest recorded(const SyntheticCell& cell) {
   FrameRow board;
   board.id = "grid_0";
   board.image = "images/grid_0.png";
-  board.plan = "grid";
+  board.plan = Plan::kHeldBoard;
   LampRow no_lamps;
   no_lamps.id = board.id;
   no_lamps.image = board.image;
@@ -63,7 +63,7 @@ PairTrackerRequest recorded(const SyntheticCell& cell) {
   request.lamps.push_back(no_lamps);
   for (const ToolSight& sight : cell.recording(60, 12)) add_place(request, sight, sight.plan);
   std::mt19937 random(9);
-  add_place(request, cell.sight("judge", {0.1, -0.2}, 0.0, random), "test");
+  add_place(request, cell.sight("judge", {0.1, -0.2}, 0.0, random), Plan::kTest);
   return request;
 }
 
@@ -82,7 +82,7 @@ TEST_CASE("A recording gives workplane, tool and a pair for every place") {
   CHECK(report.workplane.n_used == 72);
   CHECK(report.workplane.X_WC.isApprox(noiseless().X_WC_ref, kExact));
   CHECK(raw_error(report.pairs).max < kExact);
-  CHECK(raw_error(report.pairs, "test").n == 1);
+  CHECK(raw_error(report.pairs, Plan::kTest).n == 1);
   CHECK((report.pairs.back().p_tracker - Eigen::Vector2d(0.1, -0.2)).norm() < kExact);
 }
 
@@ -92,7 +92,7 @@ TEST_CASE("Places kept for judging do not move the workplane and are not left ou
   const PairTrackerReport report = pair_tracker(request);
   CHECK(report.workplane.X_WC.isApprox(noiseless().X_WC_ref, kExact));
   CHECK(report.rejected.empty());
-  CHECK(raw_error(report.pairs, "test").max > 4.0 * kMillimetre);
+  CHECK(raw_error(report.pairs, Plan::kTest).max > 4.0 * kMillimetre);
 }
 
 TEST_CASE("Places without tracker or lamps and outliers are named and have no pair") {
@@ -127,7 +127,7 @@ TEST_CASE("A board on the plane gives its height and tilt") {
   request.boards_on_plane = {cell.X_WC_ref.inverse() * X_WG};
   const PairTrackerReport report = pair_tracker(request);
   CHECK(report.workplane.absorbed == 3);
-  CHECK(raw_error(report.pairs, "train").rms > 0.3 * kMillimetre);
+  CHECK(raw_error(report.pairs, Plan::kTrain).rms > 0.3 * kMillimetre);
 }
 
 TEST_CASE("Lamps of another recording and readings without monuments are refused") {

@@ -68,14 +68,16 @@ class NotingDevices final : public CellDevices,
 TEST_CASE("A recording that was broken off goes on with the board's next views") {
   const test::TemporaryFolder folder;
   RecordRequest request{read_cell(test::paper_cell_file()), {}, folder.path() / "recording"};
-  for (const char* id : {"g0", "g1"}) request.plan.push_back({id, "grid", std::monostate()});
-  request.plan.push_back({"p0", "plane_grid", std::monostate()});
+  for (const char* id : {"g0", "g1"})
+    request.plan.push_back({id, Plan::kHeldBoard, std::monostate()});
+  request.plan.push_back({"p0", Plan::kLaidBoard, std::monostate()});
   NotingDevices first;
   CHECK(record(request, first).recorded == 3);
   CHECK(first.held == std::vector<int>{0, 1});
   CHECK(first.laid == std::vector<int>{0});
 
-  for (const char* id : {"g2", "g3"}) request.plan.push_back({id, "grid", std::monostate()});
+  for (const char* id : {"g2", "g3"})
+    request.plan.push_back({id, Plan::kHeldBoard, std::monostate()});
   NotingDevices second;
   const RecordReport report = record(request, second);
   CHECK(report.present == 3);
@@ -87,8 +89,8 @@ TEST_CASE("A recording that was broken off goes on with the board's next views")
 TEST_CASE("A camera that fails stops the arm on its way, and what was recorded stays") {
   const test::TemporaryFolder folder;
   RecordRequest request{read_cell(test::paper_cell_file()), {}, folder.path() / "recording"};
-  request.plan.push_back({"g0", "grid", std::monostate()});
-  request.plan.push_back({"t0", "train", TipPose{{-0.2, 0.3}, 0.0}});
+  request.plan.push_back({"g0", Plan::kHeldBoard, std::monostate()});
+  request.plan.push_back({"t0", Plan::kTrain, TipPose{{-0.2, 0.3}, 0.0}});
   NotingDevices devices;
   devices.camera_dies_s = devices.clock().now_s() + 0.5;  // the move takes seconds
   CHECK_THROWS_WITH(record(request, devices), Catch::Contains("t0: the camera is dead"));

@@ -2,6 +2,8 @@
 
 #include <catch2/catch.hpp>
 
+#include "planar_servo/files/tables/step_table.h"
+
 #include "support/temporary_folder.h"
 
 namespace planar {

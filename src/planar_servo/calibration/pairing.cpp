@@ -20,7 +20,6 @@ constexpr double kMotionPx = 1.0;
 constexpr double kMotion = 0.2 * kMillimetre;
 constexpr double kTimeWindow = 0.5;  // s
 constexpr double kSameJoint = 1e-6;  // rad; files round angles
-constexpr char kSweepPlan[] = "sweep3";
 
 /// Collects everything that was recorded at one id.
 struct Place {
@@ -192,7 +191,7 @@ Pairing pair_sights(const std::vector<LampSight>& frames, const std::vector<Tool
       continue;
     }
     pairing.sights.push_back(average(place));
-    if (place.frames.front()->plan == kSweepPlan) {
+    if (place.frames.front()->plan == Plan::kSweep3) {
       pairing.sights.back().sweep = sweep_number(place.frames.front()->theta12, sweeps);
     }
   }

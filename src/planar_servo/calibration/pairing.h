@@ -7,6 +7,7 @@
 
 #include "planar_servo/calibration/tool_offsets.h"
 #include "planar_servo/calibration/tool_sight.h"
+#include "planar_servo/core/plan.h"
 #include "planar_servo/lens/workplane.h"
 
 namespace planar {
@@ -18,7 +19,7 @@ struct LampSight {
   std::string status;  ///< "ok", or why the lamps were not found
   std::array<Eigen::Vector2d, 2> uv_px{Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};
   std::array<Eigen::Matrix2d, 2> covariances_px2{Eigen::Matrix2d::Zero(), Eigen::Matrix2d::Zero()};
-  std::string plan;
+  Plan plan{Plan::kTrain};
   Eigen::Vector2d theta12{0.0, 0.0};  ///< commanded angles of joints 1 and 2, radians
 };
 

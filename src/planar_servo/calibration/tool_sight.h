@@ -4,13 +4,15 @@
 #include <array>
 #include <string>
 
+#include "planar_servo/core/plan.h"
+
 namespace planar {
 
 /// An observation of the tool at rest at one place: the means of the camera's frames and of the
 /// tracker's readings there.
 struct ToolSight {
   std::string id;
-  std::string plan;
+  Plan plan{Plan::kTrain};
   /// Number of the joint-3 sweep of this place; the places of one sweep share the end point.
   /// kNoSweep for places outside a sweep.
   int sweep{kNoSweep};

@@ -20,6 +20,12 @@ std::optional<Plan> plan_named(std::string_view name) {
   return value_named(kPlans, name);
 }
 
+std::vector<Plan> all_plans() {
+  std::vector<Plan> plans;
+  for (const Named<Plan>& entry : kPlans) plans.push_back(entry.value);
+  return plans;
+}
+
 std::vector<std::string> plan_names() {
   return names_of(kPlans);
 }

@@ -26,6 +26,9 @@ const char* name(Plan plan);
 /// The plan with this name; empty when there is none.
 std::optional<Plan> plan_named(std::string_view name);
 
+/// All plans, in the order of their names' list.
+std::vector<Plan> all_plans();
+
 /// The names of all plans.
 std::vector<std::string> plan_names();
 

@@ -7,7 +7,6 @@
 #include <random>
 
 #include "planar_servo/core/units.h"
-#include "planar_servo/files/tables/plans.h"
 
 namespace planar {
 namespace {
@@ -22,18 +21,18 @@ class PlanBuilder {
  public:
   explicit PlanBuilder(double phi) : phi_(phi) {}
 
-  void add_board_views(const std::string& plan, int count) {
+  void add_board_views(Plan plan, int count) {
     for (int i = 0; i < count; ++i)
-      plan_.rows.push_back({fmt::format("{}_{:02}", plan, i), plan, std::monostate()});
+      plan_.rows.push_back({fmt::format("{}_{:02}", name(plan), i), plan, std::monostate()});
   }
-  void add(const std::string& id, const std::string& plan, const Eigen::Vector2d& p) {
+  void add(const std::string& id, Plan plan, const Eigen::Vector2d& p) {
     plan_.rows.push_back({id, plan, TipPose{p, phi_}});
   }
   void add_circle(const std::string& prefix, int radius_mm, int run, int count) {
     const auto points = circle_points(Eigen::Vector2d::Zero(), radius_mm * kMillimetre, count);
     for (int i = 0; i < count; ++i) {
       const std::string id = fmt::format("{}r{}_{:02}", prefix, radius_mm, i);
-      add(id, "check", points[static_cast<std::size_t>(i)]);
+      add(id, Plan::kCheck, points[static_cast<std::size_t>(i)]);
       plan_.circle_points.push_back({id, radius_mm, run, i});
     }
   }
@@ -43,24 +42,23 @@ class PlanBuilder {
     const double bend = (cell.arm.elbow == Elbow::kLeft ? -sense : sense) * kPi / 2.0;
     for (int i = 0; i < count; ++i) {
       const double theta1 = 2.0 * kPi * i / count - kPi;
-      plan_.rows.push_back({fmt::format("sweep1_{:02}", i), "sweep1",
+      plan_.rows.push_back({fmt::format("sweep1_{:02}", i), Plan::kSweep1,
                             Joints(theta1, theta1 + bend, theta1 + sense * phi_)});
     }
   }
   /// Turns joint 3 alone: the end point stays.
   void add_joint3_sweep(int count) {
     for (int i = 0; i < count; ++i)
-      plan_.rows.push_back({fmt::format("sweep3_{:02}", i), "sweep3",
+      plan_.rows.push_back({fmt::format("sweep3_{:02}", i), Plan::kSweep3,
                             TipPose{{0.0, kSweepRadius}, phi_ + 2.0 * kPi * i / count - kPi}});
   }
-  void add_disc(const std::string& plan, int count, const Workspace& workspace,
-                std::mt19937_64& rng) {
+  void add_disc(Plan plan, int count, const Workspace& workspace, std::mt19937_64& rng) {
     const double inner = std::pow(workspace.radius_min_m + kRimMargin, 2);
     const double outer = std::pow(workspace.radius_max_m - kRimMargin, 2);
     for (int i = 0; i < count; ++i) {
       const double radius = std::sqrt(inner + (outer - inner) * uniform(rng));
       const double angle = 2.0 * kPi * uniform(rng);
-      add(fmt::format("{}_{:03}", plan, i), plan,
+      add(fmt::format("{}_{:03}", name(plan), i), plan,
           radius * Eigen::Vector2d(std::cos(angle), std::sin(angle)));
     }
   }
@@ -110,12 +108,12 @@ ExperimentPlan experiment_plan(const CellSettings& cell, std::uint64_t seed,
                                const ExperimentSize& size) {
   std::mt19937_64 rng(seed);
   PlanBuilder plan(cell.tool_orientation);
-  plan.add_board_views(kHeldBoardPlan, size.board_views);
-  plan.add_board_views(kLaidBoardPlan, 1);
+  plan.add_board_views(Plan::kHeldBoard, size.board_views);
+  plan.add_board_views(Plan::kLaidBoard, 1);
   plan.add_joint1_sweep(cell, size.sweep_points);
   plan.add_joint3_sweep(size.sweep_points);
-  plan.add_disc("train", size.training_points, cell.workspace, rng);
-  plan.add_disc("test", size.test_points, cell.workspace, rng);
+  plan.add_disc(Plan::kTrain, size.training_points, cell.workspace, rng);
+  plan.add_disc(Plan::kTest, size.test_points, cell.workspace, rng);
   for (const int radius_mm : kCheckRadii_mm) plan.add_circle("", radius_mm, 0, size.check_points);
   for (int run = 1; run <= kRuns; ++run)
     for (const int radius_mm : kRunRadii_mm)

@@ -116,7 +116,7 @@ double circle_accuracy(const JudgedChain& judged, const ErrorMap& map, int radiu
 std::vector<ComparisonRow> map_sources(const CalibratedChain& ours, const CalibratedChain& paper) {
   constexpr double kNotPrinted = std::numeric_limits<double>::quiet_NaN();
   const auto test = [](const CalibratedChain& chain) {
-    return check_error_map(chain.map.map, pairs_to_check(chain.pairs, {"test"}));
+    return check_error_map(chain.map.map, pairs_to_check(chain.pairs, {Plan::kTest}));
   };
   const MapCheck our_test = test(ours), paper_test = test(paper);
   return {{"training positions", static_cast<double>(ours.map.n_used),

@@ -75,7 +75,7 @@ std::vector<PairRow> make_pairs(const ChainSettings& settings, const CellSetting
 
 /// Fits the map that a hand finds: the one of the width that is best on the test positions.
 MapResult map_by_hand(const std::vector<PairRow>& pairs) {
-  const std::vector<PairRow> judges = pairs_to_check(pairs, {"test"});
+  const std::vector<PairRow> judges = pairs_to_check(pairs, {Plan::kTest});
   std::optional<MapResult> best;
   double best_rms = 0.0;
   for (int i = 0; i < kHandWidths; ++i) {

@@ -14,24 +14,6 @@
 namespace planar {
 namespace {
 
-enum class MapKind { kGaussian, kMultiquadric, kSparseGaussian, kIdw };
-
-constexpr Named<MapKind> kMapKinds[] = {{MapKind::kGaussian, "gaussian_rbf"},
-                                        {MapKind::kMultiquadric, "multiquadric_rbf"},
-                                        {MapKind::kSparseGaussian, "sparse_gaussian_rbf"},
-                                        {MapKind::kIdw, "idw"}};
-
-MapKind kind_of(const IdwMap& /*map*/) {
-  return MapKind::kIdw;
-}
-MapKind kind_of(const SparseRbfMap& /*map*/) {
-  return MapKind::kSparseGaussian;
-}
-MapKind kind_of(const RbfMap& map) {
-  return map.parameters().kernel.shape == KernelShape::kGaussian ? MapKind::kGaussian
-                                                                 : MapKind::kMultiquadric;
-}
-
 /// (cos phi, sin phi) of the tool at each centre: the tail then ends with these two terms.
 constexpr char kDirections[] = "tool_directions";
 
@@ -180,11 +162,11 @@ Parameters read_parameters(const YamlDocument& document, Fields& fields,
 
 ErrorMap read_map(const YamlDocument& document, Fields& fields, MapKind kind) {
   if (kind == MapKind::kIdw) return read_parameters<IdwMap>(document, fields);
-  if (kind == MapKind::kSparseGaussian)
+  if (kind == MapKind::kSparseGaussianRbf)
     return SparseRbfMap(read_parameters<SparseRbfParameters>(document, fields));
   RbfParameters of_kind;
   of_kind.kernel.shape =
-      kind == MapKind::kGaussian ? KernelShape::kGaussian : KernelShape::kMultiquadric;
+      kind == MapKind::kGaussianRbf ? KernelShape::kGaussian : KernelShape::kMultiquadric;
   return RbfMap(read_parameters(document, fields, of_kind));
 }
 

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "planar_servo/files/tables/step_table.h"
+
 namespace planar {
 
 TargetScorer::TargetScorer(const TargetRow& target, GrowingFile& steps,

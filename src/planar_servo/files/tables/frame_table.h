@@ -7,6 +7,7 @@
 
 #include "planar_servo/arm/planar_arm.h"
 #include "planar_servo/arm/transmission.h"
+#include "planar_servo/core/plan.h"
 
 namespace planar {
 
@@ -15,7 +16,7 @@ struct FrameRow {
   std::string id;
   std::string image;  ///< relative to the recording's folder
   double t_s{0.0};
-  std::string plan;
+  Plan plan{Plan::kTrain};
   Joints theta{0.0, 0.0, 0.0};
   Pulses pulses{0, 0, 0};
   cv::Rect region_px;

@@ -1,6 +1,7 @@
 #include "planar_servo/files/tables/pair_table.h"
 
 #include "planar_servo/core/units.h"
+#include "planar_servo/files/tables/plans.h"
 #include "planar_servo/io/columns.h"
 
 namespace planar {
@@ -17,7 +18,7 @@ const TableSchema<PairRow>& schema() {
                                 Column::kOptional);
         columns.optional_number("sigma_tracker_mm", row.sigma_tracker, kMillimetre, 6,
                                 Column::kOptional);
-        columns.text("plan", row.plan, Column::kOptional);
+        list_optional_plan(columns, row.plan);
       }};
   return pairs;
 }

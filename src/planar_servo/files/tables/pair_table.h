@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "planar_servo/core/plan.h"
+
 namespace planar {
 
 /// A row of pairs.csv: the end point in the base frame as vision saw it and as the tracker saw it;
@@ -18,7 +20,7 @@ struct PairRow {
   std::optional<double> phi;
   std::optional<double> sigma_vision;
   std::optional<double> sigma_tracker;
-  std::string plan;  ///< empty when the table has no such column
+  std::optional<Plan> plan;  ///< none when the table does not say
 
   Eigen::Vector2d error() const { return p_vision - p_tracker; }
 };

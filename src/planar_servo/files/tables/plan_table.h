@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "planar_servo/arm/planar_arm.h"
+#include "planar_servo/core/plan.h"
 #include "planar_servo/core/pose.h"
 
 namespace planar {
@@ -14,7 +15,7 @@ namespace planar {
 /// "grid" and "plane_grid" ask for a view of the calibration board and have neither. SI inside.
 struct PlanRow {
   std::string id;
-  std::string plan;
+  Plan plan{Plan::kTrain};
   std::variant<std::monostate, TipPose, Joints> where;
 };
 

@@ -2,26 +2,32 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
 namespace planar {
+namespace {
 
-const std::vector<std::string>& plan_names() {
-  static const std::vector<std::string> names{kHeldBoardPlan, kLaidBoardPlan, "train",   "test",
-                                              "sweep1",       "sweep3",       "control", "check"};
-  return names;
+constexpr char kColumn[] = "plan";
+
+std::optional<Plan> plan_at(Columns& columns, const std::string& word) {
+  const std::optional<Plan> plan = plan_named(word);
+  if (!plan)
+    columns.check(false,
+                  fmt::format("plan is '{}'; allowed are {}", word, fmt::join(plan_names(), ", ")));
+  return plan;
 }
 
-bool shows_board(const std::string& plan) {
-  return plan == kHeldBoardPlan || plan == kLaidBoardPlan;
+}  // namespace
+
+void list_plan(Columns& columns, Plan& plan) {
+  std::string word = name(plan);
+  columns.text(kColumn, word);
+  if (columns.reading()) plan = plan_at(columns, word).value_or(plan);
 }
 
-void list_plan(Columns& columns, std::string& plan) {
-  columns.text("plan", plan);
+void list_optional_plan(Columns& columns, std::optional<Plan>& plan) {
+  std::string word = plan ? name(*plan) : "";
+  columns.text(kColumn, word, Column::kOptional);
   if (!columns.reading()) return;
-  const auto& names = plan_names();
-  if (std::find(names.begin(), names.end(), plan) == names.end())
-    columns.check(false, fmt::format("plan is '{}'; allowed are {}", plan, fmt::join(names, ", ")));
+  plan = word.empty() ? std::nullopt : plan_at(columns, word);
 }
 
 }  // namespace planar

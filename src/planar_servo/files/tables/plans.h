@@ -1,23 +1,16 @@
 #pragma once
 
-#include <string>
-#include <vector>
+#include <optional>
 
+#include "planar_servo/core/plan.h"
 #include "planar_servo/io/columns.h"
 
 namespace planar {
 
-/// The plans that rows of frames.csv and plan.csv may belong to.
-const std::vector<std::string>& plan_names();
+/// Visits the column `plan`. When it is read, a name that no plan has is a fault of the row.
+void list_plan(Columns& columns, Plan& plan);
 
-// The plans of views of the calibration board: held into the view, and laid on the plane.
-constexpr char kHeldBoardPlan[] = "grid";
-constexpr char kLaidBoardPlan[] = "plane_grid";
-
-/// True of a plan whose rows show the calibration board instead of the lamps.
-bool shows_board(const std::string& plan);
-
-/// The column `plan`; reading, another name than those is a fault of the row.
-void list_plan(Columns& columns, std::string& plan);
+/// Visits a column `plan` that a table may lack, and whose field may be empty.
+void list_optional_plan(Columns& columns, std::optional<Plan>& plan);
 
 }  // namespace planar

@@ -10,7 +10,6 @@
 #include "planar_servo/core/error.h"
 #include "planar_servo/files/board_points_file.h"
 #include "planar_servo/files/tables/frame_table.h"
-#include "planar_servo/files/tables/plans.h"
 #include "planar_servo/offline/camera/board_images.h"
 #include "planar_servo/report/progress_bar.h"
 
@@ -33,7 +32,7 @@ std::vector<Picture> pictures_of(const std::vector<std::filesystem::path>& image
     }
     const std::size_t before = pictures.size();
     for (const FrameRow& frame : read_frames(path)) {
-      if (frame.plan == kHeldBoardPlan)
+      if (frame.plan == Plan::kHeldBoard)
         pictures.push_back({path / frame.image, frame.region_px.tl()});
     }
     if (pictures.size() == before) {

@@ -10,7 +10,6 @@
 #include "planar_servo/core/pose.h"
 #include "planar_servo/devices/frame.h"
 #include "planar_servo/files/tables/frame_table.h"
-#include "planar_servo/files/tables/plans.h"
 
 namespace planar {
 

@@ -38,17 +38,25 @@ void require_one_unit_of(const std::vector<PairRow>& pairs) {
   require_one_unit(p_vision, p_tracker);
 }
 
-bool is_wanted(const PairRow& pair, const std::vector<std::string>& plans) {
-  if (plans.empty()) return pair.plan != "train";
-  return std::find(plans.begin(), plans.end(), pair.plan) != plans.end();
+bool is_wanted(const PairRow& pair, const std::vector<Plan>& plans) {
+  if (plans.empty()) return pair.plan != Plan::kTrain;
+  return pair.plan && std::find(plans.begin(), plans.end(), *pair.plan) != plans.end();
+}
+
+/// Returns the names with commas between them.
+template <typename Plans>
+std::string joined(const Plans& plans) {
+  std::string text;
+  for (const Plan plan : plans) text += (text.empty() ? "" : ", ") + std::string(name(plan));
+  return text;
 }
 
 }  // namespace
 
-std::vector<PairRow> pairs_to_check(std::vector<PairRow> pairs,
-                                    const std::vector<std::string>& plans) {
-  std::set<std::string> present;
-  for (const PairRow& pair : pairs) present.insert(pair.plan);
+std::vector<PairRow> pairs_to_check(std::vector<PairRow> pairs, const std::vector<Plan>& plans) {
+  std::set<Plan> present;
+  for (const PairRow& pair : pairs)
+    if (pair.plan) present.insert(*pair.plan);
   const std::size_t all = pairs.size();
   pairs.erase(std::remove_if(pairs.begin(), pairs.end(),
                              [&](const PairRow& pair) { return !is_wanted(pair, plans); }),
@@ -56,8 +64,8 @@ std::vector<PairRow> pairs_to_check(std::vector<PairRow> pairs,
   if (pairs.empty())
     throw InputError(fmt::format(
         "none of {} pairs is of {}; their plans are: {}", all,
-        plans.empty() ? "a plan other than train" : fmt::format("plan {}", fmt::join(plans, ", ")),
-        fmt::join(present, ", ")));
+        plans.empty() ? std::string("a plan other than train") : "plan " + joined(plans),
+        joined(present)));
   return pairs;
 }
 

@@ -29,8 +29,7 @@ struct MapCheck {
 
 /// Returns the pairs of the named plans. Without names it returns those whose plan is not `train`,
 /// which are all when the pairs name no plans. Throws InputError when there are none.
-std::vector<PairRow> pairs_to_check(std::vector<PairRow> pairs,
-                                    const std::vector<std::string>& plans);
+std::vector<PairRow> pairs_to_check(std::vector<PairRow> pairs, const std::vector<Plan>& plans);
 
 /// Throws InputError naming the pairs' file when the map depends on the tool's direction and a pair
 /// names none.

@@ -14,10 +14,8 @@
 namespace planar {
 namespace {
 
-constexpr char kTrainPlan[] = "train";
-
 void add(const PairRow& pair, TrainingPairs& training) {
-  if (pair.plan.empty() || pair.plan == kTrainPlan)
+  if (!pair.plan || *pair.plan == Plan::kTrain)
     training.problem.samples.push_back(
         {pair.id, pair.p_vision, pair.error(),
          std::hypot(pair.sigma_vision.value_or(0.0), pair.sigma_tracker.value_or(0.0)), pair.phi});
@@ -28,7 +26,7 @@ void add(const PairRow& pair, TrainingPairs& training) {
 void require_any(const TrainingPairs& training) {
   if (training.problem.samples.empty())
     throw InputError(fmt::format("none of {} pairs is of plan '{}', to which a map is fitted",
-                                 training.n_other_plans, kTrainPlan));
+                                 training.n_other_plans, name(Plan::kTrain)));
 }
 
 void log_kernel(const IdwMap& /*map*/) {}

@@ -11,15 +11,14 @@
 #include "planar_servo/calibration/vision_tip.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
-#include "planar_servo/files/tables/plans.h"
 #include "planar_servo/lens/workplane.h"
 #include "planar_servo/offline/camera/board_images.h"
 
 namespace planar {
 namespace {
 
-bool serves_fit(const std::string& plan) {
-  return plan == "train" || plan == "sweep1" || plan == "sweep3";
+bool serves_fit(Plan plan) {
+  return plan == Plan::kTrain || plan == Plan::kSweep1 || plan == Plan::kSweep3;
 }
 
 /// Joins the lamps' rows with what the recording knows of their frames. Views of boards are left
@@ -163,7 +162,7 @@ std::vector<Pose> boards_on_plane(const std::filesystem::path& recording,
   Faults faults;
   std::vector<Pose> poses;
   for (const FrameRow& frame : frames) {
-    if (frame.plan != kLaidBoardPlan) continue;
+    if (frame.plan != Plan::kLaidBoard) continue;
     const std::filesystem::path file = recording / frame.image;
     const cv::Mat image = read_grey(file, faults);
     if (image.empty()) continue;
@@ -186,10 +185,10 @@ std::vector<Pose> boards_on_plane(const std::filesystem::path& recording,
   return poses;
 }
 
-Summary raw_error(const std::vector<PairRow>& pairs, const std::string& plan) {
+Summary raw_error(const std::vector<PairRow>& pairs, std::optional<Plan> plan) {
   std::vector<double> lengths;
   for (const PairRow& pair : pairs) {
-    if (plan.empty() || pair.plan == plan) lengths.push_back(pair.error().norm());
+    if (!plan || pair.plan == plan) lengths.push_back(pair.error().norm());
   }
   return summarize(lengths);
 }

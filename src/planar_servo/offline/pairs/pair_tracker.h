@@ -54,6 +54,6 @@ std::vector<Pose> boards_on_plane(const std::filesystem::path& recording,
 
 /// Returns the figures of |vision - tracker| over the pairs of one plan, metres. With an empty plan
 /// all pairs count.
-Summary raw_error(const std::vector<PairRow>& pairs, const std::string& plan = "");
+Summary raw_error(const std::vector<PairRow>& pairs, std::optional<Plan> plan = std::nullopt);
 
 }  // namespace planar

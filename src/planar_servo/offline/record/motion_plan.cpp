@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include "planar_servo/core/error.h"
-#include "planar_servo/files/tables/plans.h"
 
 namespace planar {
 namespace {

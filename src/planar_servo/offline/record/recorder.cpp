@@ -12,7 +12,6 @@
 #include "planar_servo/calibration/coarse_view.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/files/tables/frame_table.h"
-#include "planar_servo/files/tables/plans.h"
 #include "planar_servo/files/tables/tracker_table.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/io/growing_file.h"
@@ -89,7 +88,7 @@ class Recorder {
   }
 
   void record_board(const PlanRow& row, int view) {
-    if (row.plan == kHeldBoardPlan)
+    if (row.plan == Plan::kHeldBoard)
       devices_.board_presenter().hold_board(view);
     else
       devices_.board_presenter().lay_board(view);
@@ -188,7 +187,7 @@ class Recorder {
   GrowingFile frames_table_;
   GrowingFile tracker_table_;
   std::vector<CoarseViewRow> sights_;
-  std::map<std::string, int> board_views_;
+  std::map<Plan, int> board_views_;
   bool energized_{false};
   RecordReport report_;
 };
