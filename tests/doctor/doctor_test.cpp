@@ -39,7 +39,7 @@ TEST_CASE("A virtual camera with real drives is refused, as by the programs that
       text.find(kind), kind.size(),
       "kind: tic, serial: \"1\", command_timeout_ms: 1000, home: {reference: taught, at_deg: 0},");
   CHECK_THROWS_WITH(examine_cell(folder.write("cell.yaml", text)),
-                    Contains("a virtual camera sees virtual drives only"));
+                    Contains("a virtual camera needs virtual drives"));
 }
 
 }  // namespace

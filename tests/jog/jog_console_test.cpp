@@ -210,7 +210,7 @@ TEST_CASE("Taught places become a table of targets, an id that is taken or none 
   const std::string table = read_file(bench.table);
   CHECK_THAT(bench.refused("teach a"), Contains("'a' is taken"));
   CHECK_THAT(bench.refused("teach c,1"), Contains("no comma"));
-  CHECK_THAT(bench.refused("teach #c"), Contains("no '#' first"));
+  CHECK_THAT(bench.refused("teach #c"), Contains("does not begin with '#'"));
   CHECK(read_file(bench.table) == table);
   const auto targets = read_targets(bench.table);
   REQUIRE(targets.size() == 2);
