@@ -90,7 +90,7 @@ TEST_CASE("Every table comes back as it was written, whatever its texts contain"
                      random.optional_number(),
                      random.optional_number(),
                      random.optional_number(),
-                     random.text()};
+                     random.coin() ? std::optional<Plan>(random.plan()) : std::nullopt};
     };
     const auto read = [](const auto& path) { return read_pairs(path); };
     check_table<PairRow>(draw, pairs_text, read);

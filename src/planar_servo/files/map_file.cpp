@@ -178,9 +178,9 @@ std::string map_text(const MapResult& result, const std::filesystem::path& pairs
   yaml.add_inputs({pairs});
   add_figures(yaml, result);
   FieldWriter writer(yaml);
+  yaml.add("method", name(kind_of(result.map)));
   std::visit(
       [&](const auto& map) {
-        yaml.add("method", name_in(kMapKinds, kind_of(map)));
         auto parameters = made_of(map);
         list_fields(writer, parameters);
       },

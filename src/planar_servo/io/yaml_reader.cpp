@@ -170,32 +170,12 @@ double YamlNode::positive(const std::string& key, double upper) const {
   return number(key, Range::positive(upper));
 }
 
-double YamlNode::positive(const std::string& key, double upper) const {
-  const double harmless = std::min(1.0, upper);
-  const YAML::Node value = impl_->require(key);
-  if (!value.IsDefined()) return harmless;
-  const std::optional<double> number = impl_->finite_number(value, impl_->place_of(key));
-  if (number && *number >= kSmallestPositive && *number <= upper) return *number;
-  const std::string limit = upper < kUnbounded ? fmt::format(" of at most {}", upper) : "";
-  if (number)
-    impl_->fault_at(value, fmt::format("{} is {}; a positive number{} is needed",
-                                       impl_->place_of(key), *number, limit));
-  return harmless;
-}
-
 int YamlNode::whole_number(const std::string& key) const {
   return whole_number_in(key, -std::numeric_limits<int>::max());
 }
 
 std::string YamlNode::text(const std::string& key) const {
   return child(key).as_text();
-}
-
-std::optional<std::string> YamlNode::one_of(const std::string& key,
-                                            const std::vector<std::string>& allowed) const {
-  const YAML::Node value = impl_->require(key);
-  if (!value.IsDefined()) return std::nullopt;
-  return impl_->one_of(value, impl_->place_of(key), allowed);
 }
 
 std::string YamlNode::choice(const std::string& key,
