@@ -44,10 +44,7 @@ class YamlNode {
   Int whole_number_in(const std::string& key, Int lower,
                       Int upper = std::numeric_limits<Int>::max()) const;
   std::string text(const std::string& key) const;
-  /// One of `allowed`; empty, with a fault, when it is none of them.
-  std::optional<std::string> one_of(const std::string& key,
-                                    const std::vector<std::string>& allowed) const;
-  /// The same; the first of `allowed` stands in for a wrong one.
+  /// One of `allowed`; the first of them stands in for a wrong one.
   std::string choice(const std::string& key, const std::vector<std::string>& allowed) const;
   /// The value whose name stands there; the table's first one when there is none.
   template <typename Value, std::size_t kSize>

@@ -44,7 +44,7 @@ const TableSchema<StepRow>& schema() {
         columns.text("target", row.id);
         columns.whole_number("step", step.iteration);
         columns.number("t_s", step.measurement.t_s, 1.0, 6);
-        columns.text("status", step.measurement.status);
+        columns.text("status", step.measurement.word);
         list_measured(columns, step);
         columns.number("stop_below_mm", step.stop_below_m, kMillimetre, 6);
         columns.number("theta1_deg", step.theta_c[0], kDegree, 9);
