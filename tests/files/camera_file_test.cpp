@@ -65,6 +65,18 @@ TEST_CASE("Every model that a camera_info file can hold comes back bit for bit")
   }
 }
 
+TEST_CASE("Every lens model comes back bit for bit from camera_info files or from ViSP's") {
+  const test::TemporaryFolder folder;
+  for (const CameraModel& camera : sample_cameras()) {
+    INFO(lens_model_name(camera));
+    const bool is_visp = std::holds_alternative<VispModel>(camera);
+    const auto path = folder / (is_visp ? "camera.xml" : "camera.yaml");
+    write_camera(path, sample(camera, lens_model_name(camera)), "test", {});
+    const Eigen::Vector3d p_C(0.1, -0.2, 1.0);
+    CHECK(project(read_camera(path).camera, p_C).value() == project(camera, p_C).value());
+  }
+}
+
 TEST_CASE("A pinhole camera is written as a plumb-bob of zeros, which ROS knows") {
   const test::TemporaryFolder folder;
   write_camera(folder / "camera.yaml", sample(Pinhole{kIntrinsics}, "pinhole"), "test", {});

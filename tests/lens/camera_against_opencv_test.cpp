@@ -1,9 +1,10 @@
 #include <catch2/catch.hpp>
 #include <opencv2/calib3d.hpp>
 
-#include "lens/sample_cameras.h"
+#include "planar_servo/lens/camera_model.h"
 
 namespace planar {
+namespace {
 
 /// Rounding of a few products of numbers near 5000.
 constexpr double kRounding_px = 1e-9;
@@ -27,7 +28,7 @@ cv::Point2d opencv_projection(const CameraModel& camera, const cv::Point3d& p) {
 }
 
 TEST_CASE("Every model shared with OpenCV projects to OpenCV's pixel") {
-  for (const CameraModel& camera : test::sample_cameras()) {
+  for (const CameraModel& camera : sample_cameras()) {
     if (std::holds_alternative<VispModel>(camera)) continue;
     for (const double x : {-0.4, -0.1, 0.0, 0.3}) {
       for (const double y : {-0.35, 0.0, 0.25}) {
@@ -41,4 +42,5 @@ TEST_CASE("Every model shared with OpenCV projects to OpenCV's pixel") {
   }
 }
 
+}  // namespace
 }  // namespace planar

@@ -5,6 +5,7 @@
 #include "planar_servo/lens/polynomial.h"
 
 namespace planar {
+namespace {
 
 constexpr Intrinsics kUnit{1.0, 1.0, 0.0, 0.0};
 
@@ -69,4 +70,5 @@ TEST_CASE("A polynomial is positive up to its first root and not beyond") {
   CHECK(lens::positive_up_to(3.0, touching));
 }
 
+}  // namespace
 }  // namespace planar

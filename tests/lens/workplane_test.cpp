@@ -3,10 +3,10 @@
 #include <catch2/catch.hpp>
 #include <limits>
 
-#include "lens/sample_cameras.h"
 #include "support/finite_differences.h"
 
 namespace planar {
+namespace {
 
 /// Error of a fourth-order difference at the steps below, relative to the Jacobian.
 constexpr double kJacobianTolerance = 1e-8;
@@ -24,8 +24,8 @@ Pose camera_above() {
 }
 
 TEST_CASE("A point of the plane is found again from its pixel") {
-  for (const CameraModel& camera : test::sample_cameras()) {
-    if (std::holds_alternative<VispModel>(camera)) continue;
+  for (const CameraModel& camera : sample_cameras()) {
+    if (std::holds_alternative<VispModel>(camera)) continue;  // two separate fits, no inverse
     const Workplane plane(camera, camera_above());
     for (const double x : {-0.4, 0.0, 0.3}) {
       const Eigen::Vector2d p_W(x, 0.2 - 0.5 * x);
@@ -39,7 +39,7 @@ TEST_CASE("A point of the plane is found again from its pixel") {
 }
 
 TEST_CASE("The workplane's Jacobians agree with finite differences") {
-  for (const CameraModel& camera : test::sample_cameras()) {
+  for (const CameraModel& camera : sample_cameras()) {
     INFO(lens_model_name(camera));
     const Workplane plane(camera, camera_above());
     const Eigen::Vector2d p_W(-0.31, 0.22);
@@ -66,4 +66,5 @@ TEST_CASE("Rays along the plane or away from it meet nothing") {
       Workplane(camera, X_WC).plane_from_pixel({std::numeric_limits<double>::quiet_NaN(), 0.0}));
 }
 
+}  // namespace
 }  // namespace planar

@@ -1,78 +1,38 @@
 #include "planar_servo/lens/camera_model.h"
 
+#include <algorithm>
 #include <cmath>
+#include <type_traits>
+#include <utility>
 
 #include "planar_servo/core/error.h"
-#include "planar_servo/core/units.h"
-#include "planar_servo/lens/lens.h"
 
 namespace planar {
 namespace {
 
-/// The lens models by name, in the order of CameraModel's alternatives.
-struct LensModel {
-  const char* name;
-  std::size_t coefficients;
-};
-constexpr LensModel kLensModels[] = {{"pinhole", 0},     {"visp", 2},
-                                     {"plumb_bob", 5},   {"rational_polynomial", 8},
-                                     {"equidistant", 4}, {"opencv_14", 14}};
-
-void require_sensor_in_sight(double tau_x, double tau_y) {
-  if (std::abs(tau_x) < kPi / 2.0 && std::abs(tau_y) < kPi / 2.0) return;
-  throw InputError("camera with a sensor tilted by " + std::to_string(tau_x) + " and " +
-                   std::to_string(tau_y) + " rad; both must be less than a right angle");
+template <std::size_t... kModels>
+std::vector<CameraModel> samples_of(std::index_sequence<kModels...>) {
+  return {std::variant_alternative_t<kModels, CameraModel>::sample()...};
 }
 
-Rational rational(const Intrinsics& k, const std::vector<double>& c) {
-  return {k, c[0], c[1], c[2], c[3], c[4], c[5], c[6], c[7]};
+bool is_usable(const Intrinsics& k, const std::vector<double>& coefficients) {
+  const auto is_finite = [](double v) { return std::isfinite(v); };
+  return std::all_of(coefficients.begin(), coefficients.end(), is_finite) && is_finite(k.fx) &&
+         is_finite(k.fy) && is_finite(k.cx) && is_finite(k.cy) && k.fx > 0.0 && k.fy > 0.0;
 }
 
-CameraModel with_coefficients(std::size_t model, const Intrinsics& k,
-                              const std::vector<double>& c) {
-  switch (model) {
-    case 0:
-      return Pinhole{k};
-    case 1:
-      return VispModel{k, c[0], c[1]};
-    case 2:
-      return PlumbBob{k, c[0], c[1], c[2], c[3], c[4]};
-    case 3:
-      return rational(k, c);
-    case 4:
-      return KannalaBrandt{k, c[0], c[1], c[2], c[3]};
-    default:
-      require_sensor_in_sight(c[12], c[13]);
-      return OpenCv14{rational(k, c), c[8], c[9], c[10], c[11], c[12], c[13]};
+template <typename Model>
+CameraModel make(const Intrinsics& k, const std::vector<double>& coefficients) {
+  typename Model::Coefficients padded{};
+  if (coefficients.size() > padded.size()) {
+    throw InputError(std::string("lens model ") + Model::kName + " has " +
+                     std::to_string(padded.size()) + " coefficients, not " +
+                     std::to_string(coefficients.size()));
   }
-}
-
-std::vector<double> coefficients_of(const Pinhole&) {
-  return {};
-}
-std::vector<double> coefficients_of(const VispModel& c) {
-  return {c.kud, c.kdu};
-}
-std::vector<double> coefficients_of(const PlumbBob& c) {
-  return {c.k1, c.k2, c.p1, c.p2, c.k3};
-}
-std::vector<double> coefficients_of(const Rational& c) {
-  return {c.k1, c.k2, c.p1, c.p2, c.k3, c.k4, c.k5, c.k6};
-}
-std::vector<double> coefficients_of(const KannalaBrandt& c) {
-  return {c.k1, c.k2, c.k3, c.k4};
-}
-std::vector<double> coefficients_of(const OpenCv14& c) {
-  std::vector<double> result = coefficients_of(static_cast<const Rational&>(c));
-  result.insert(result.end(), {c.s1, c.s2, c.s3, c.s4, c.tau_x, c.tau_y});
-  return result;
-}
-
-bool all_finite(const std::vector<double>& values) {
-  for (const double v : values) {
-    if (!std::isfinite(v)) return false;
-  }
-  return true;
+  if (!is_usable(k, coefficients))
+    throw InputError("camera with a focal length that is not positive or a number not finite");
+  std::copy(coefficients.begin(), coefficients.end(), padded.begin());
+  return Model::with(k, padded);
 }
 
 }  // namespace
@@ -82,7 +42,7 @@ std::optional<Eigen::Vector2d> project(const CameraModel& camera, const Eigen::V
   if (!p_C.allFinite() || p_C.z() <= 0.0) return std::nullopt;
   const Eigen::Vector2d xy = p_C.head<2>() / p_C.z();
   if (!xy.allFinite()) return std::nullopt;
-  const auto distorted = std::visit([&](const auto& c) { return lens::distort(c, xy); }, camera);
+  const auto distorted = std::visit([&](const auto& c) { return c.distort(xy); }, camera);
   if (!distorted) return std::nullopt;
 
   const Intrinsics k = intrinsics(camera);
@@ -100,7 +60,7 @@ std::optional<Eigen::Vector3d> ray(const CameraModel& camera, const Eigen::Vecto
   if (!uv_px.allFinite()) return std::nullopt;
   const Intrinsics k = intrinsics(camera);
   const Eigen::Vector2d xy_d((uv_px.x() - k.cx) / k.fx, (uv_px.y() - k.cy) / k.fy);
-  const auto ideal = std::visit([&](const auto& c) { return lens::undistort(c, xy_d); }, camera);
+  const auto ideal = std::visit([&](const auto& c) { return c.undistort(xy_d); }, camera);
   if (!ideal) return std::nullopt;
   if (d_xy_d_uv != nullptr) {
     *d_xy_d_uv = ideal->J * Eigen::Vector2d(1.0 / k.fx, 1.0 / k.fy).asDiagonal();
@@ -113,31 +73,32 @@ Intrinsics intrinsics(const CameraModel& camera) {
 }
 
 std::vector<double> distortion_coefficients(const CameraModel& camera) {
-  return std::visit([](const auto& c) { return coefficients_of(c); }, camera);
+  return std::visit(
+      [](const auto& c) {
+        const auto coefficients = c.coefficients();
+        return std::vector<double>(coefficients.begin(), coefficients.end());
+      },
+      camera);
 }
 
 std::string lens_model_name(const CameraModel& camera) {
-  return kLensModels[camera.index()].name;
+  return std::visit([](const auto& c) { return c.kName; }, camera);
+}
+
+std::vector<CameraModel> sample_cameras() {
+  return samples_of(std::make_index_sequence<std::variant_size_v<CameraModel>>());
 }
 
 CameraModel make_camera_model(const std::string& lens_model, const Intrinsics& k,
                               const std::vector<double>& coefficients) {
   std::string allowed;
-  for (std::size_t model = 0; model < std::size(kLensModels); ++model) {
-    const auto& [name, count] = kLensModels[model];
-    allowed += (model == 0 ? "" : ", ") + std::string(name);
+  for (const CameraModel& sample : sample_cameras()) {
+    const std::string name = lens_model_name(sample);
+    allowed += (allowed.empty() ? "" : ", ") + name;
     if (lens_model != name) continue;
-    if (coefficients.size() > count) {
-      throw InputError("lens model " + lens_model + " has " + std::to_string(count) +
-                       " coefficients, not " + std::to_string(coefficients.size()));
-    }
-    if (!all_finite(coefficients) || !all_finite({k.fx, k.fy, k.cx, k.cy}) || k.fx <= 0.0 ||
-        k.fy <= 0.0) {
-      throw InputError("camera with a focal length that is not positive or a number not finite");
-    }
-    std::vector<double> padded = coefficients;
-    padded.resize(count, 0.0);
-    return with_coefficients(model, k, padded);
+    return std::visit(
+        [&](const auto& model) { return make<std::decay_t<decltype(model)>>(k, coefficients); },
+        sample);
   }
   throw InputError("unknown lens model '" + lens_model + "'; allowed are " + allowed);
 }

@@ -6,56 +6,29 @@
 #include <variant>
 #include <vector>
 
+#include "planar_servo/lens/models/kannala_brandt.h"
+#include "planar_servo/lens/models/open_cv_14.h"
+#include "planar_servo/lens/models/pinhole.h"
+#include "planar_servo/lens/models/plumb_bob.h"
+#include "planar_servo/lens/models/rational.h"
+#include "planar_servo/lens/models/visp_model.h"
+
 namespace planar {
 
-/// Focal lengths and principal point in pixels: u = fx x + cx, v = fy y + cy.
-struct Intrinsics {
-  double fx{1.0}, fy{1.0}, cx{0.0}, cy{0.0};
-};
-
-// One struct per lens model. Each maps the ideal normalised image plane (x, y) = (X/Z, Y/Z) of
-// points in the camera frame C to the distorted one, in the range about the axis in which the
-// mapping is one-to-one.
-
-/// No distortion.
-struct Pinhole {
-  Intrinsics k;
-};
-
-/// ViSP's perspective model [vpCameraParameters]: x_d = x (1 + kud r^2) one way and
-/// x = x_d (1 + kdu r_d^2) the other, two coefficients that are fitted separately.
-struct VispModel {
-  Intrinsics k;
-  double kud{0.0}, kdu{0.0};
-};
-
-/// OpenCV's plumb-bob model [Brown 1966]: radial k1, k2, k3 and decentring p1, p2.
-struct PlumbBob {
-  Intrinsics k;
-  double k1{0.0}, k2{0.0}, p1{0.0}, p2{0.0}, k3{0.0};
-};
-
-/// OpenCV's rational model: radial (1 + k1 r^2 + k2 r^4 + k3 r^6) / (1 + k4 r^2 + k5 r^4 + k6 r^6)
-/// and decentring p1, p2.
-struct Rational {
-  Intrinsics k;
-  double k1{0.0}, k2{0.0}, p1{0.0}, p2{0.0}, k3{0.0}, k4{0.0}, k5{0.0}, k6{0.0};
-};
-
-/// Kannala-Brandt's equidistant model as in OpenCV's fisheye [Kannala & Brandt 2006]:
-/// theta_d = theta (1 + k1 theta^2 + k2 theta^4 + k3 theta^6 + k4 theta^8).
-struct KannalaBrandt {
-  Intrinsics k;
-  double k1{0.0}, k2{0.0}, k3{0.0}, k4{0.0};
-};
-
-/// OpenCV's model of 14 coefficients: the rational one with the thin prism s1 r^2 + s2 r^4 added
-/// along x and s3 r^2 + s4 r^4 along y, seen on a sensor turned by tau_x about x and then by tau_y
-/// about y (radians, each within a right angle) [Louhichi et al. 2007].
-struct OpenCv14 : Rational {
-  double s1{0.0}, s2{0.0}, s3{0.0}, s4{0.0}, tau_x{0.0}, tau_y{0.0};
-};
-
+/// A camera by its lens model: the closed set of models. To add a lens, write one class like those
+/// in lens/models and name it here. Such a class has
+///   - kName: its name in programs and files;
+///   - Coefficients: an array of its distortion coefficients, in OpenCV's and ROS's order for
+///   theirs;
+///   - k, the intrinsics, and the coefficients by name;
+///   - with(k, coefficients) and coefficients(), which are each other's inverse;
+///   - distort(): from the ideal normalised image plane (x, y) = (X/Z, Y/Z) of points in the camera
+///     frame C to the distorted one, with its Jacobian; empty where the mapping, followed outwards
+///     from the axis, stops being one-to-one;
+///   - undistort(): the way back, empty where no point of the one-to-one range maps to `xy`;
+///     kUndistortsExactly says whether it is the inverse of distort() or a separate fit;
+///   - sample(): a camera with distortion of the size that real lenses have, on which the tests of
+///     all models run.
 using CameraModel = std::variant<Pinhole, VispModel, PlumbBob, Rational, KannalaBrandt, OpenCv14>;
 
 /// Pixel of the point p_C (metres, camera frame); empty when the point is not in front of the
@@ -70,13 +43,14 @@ std::optional<Eigen::Vector3d> ray(const CameraModel& camera, const Eigen::Vecto
 
 Intrinsics intrinsics(const CameraModel& camera);
 
-/// Distortion coefficients in the model's own order (OpenCV's and ROS's for theirs): none; kud,
-/// kdu; k1, k2, p1, p2, k3; the same and k4, k5, k6; k1 ... k4; those of the rational model and
-/// s1, s2, s3, s4, tau_x, tau_y.
+/// The model's Coefficients.
 std::vector<double> distortion_coefficients(const CameraModel& camera);
 
-/// "pinhole", "visp", "plumb_bob", "rational_polynomial", "equidistant" or "opencv_14".
+/// The model's kName.
 std::string lens_model_name(const CameraModel& camera);
+
+/// The sample camera of every lens model, in the order of CameraModel's alternatives.
+std::vector<CameraModel> sample_cameras();
 
 /// The camera with that lens model; missing coefficients are zero. Throws InputError for an unknown
 /// model, too many coefficients, a number that is not finite, a focal length that is not positive

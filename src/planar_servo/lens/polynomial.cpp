@@ -1,5 +1,7 @@
 #include "planar_servo/lens/polynomial.h"
 
+#include <algorithm>
+
 namespace planar::lens {
 namespace {
 
@@ -38,17 +40,23 @@ bool positive(const Polynomial& b, int subdivisions_left) {
 
 }  // namespace
 
-double value(const Polynomial& polynomial, double s) {
+Polynomial polynomial(std::initializer_list<double> coefficients) {
+  Polynomial result(static_cast<Eigen::Index>(coefficients.size()));
+  std::copy(coefficients.begin(), coefficients.end(), result.data());
+  return result;
+}
+
+double value(const Polynomial& a, double s) {
   double sum = 0.0;
-  for (Eigen::Index i = polynomial.size() - 1; i >= 0; --i) sum = sum * s + polynomial[i];
+  for (Eigen::Index i = a.size() - 1; i >= 0; --i) sum = sum * s + a[i];
   return sum;
 }
 
-Polynomial derivative(const Polynomial& polynomial) {
-  Polynomial result(std::max<Eigen::Index>(1, polynomial.size() - 1));
+Polynomial derivative(const Polynomial& a) {
+  Polynomial result(std::max<Eigen::Index>(1, a.size() - 1));
   result.setZero();
-  for (Eigen::Index i = 1; i < polynomial.size(); ++i) {
-    result[i - 1] = static_cast<double>(i) * polynomial[i];
+  for (Eigen::Index i = 1; i < a.size(); ++i) {
+    result[i - 1] = static_cast<double>(i) * a[i];
   }
   return result;
 }
@@ -59,8 +67,8 @@ Polynomial product(const Polynomial& a, const Polynomial& b) {
   return result;
 }
 
-bool positive_up_to(double end, const Polynomial& polynomial) {
-  return positive(bernstein_coefficients(end, polynomial), kSubdivisions);
+bool positive_up_to(double end, const Polynomial& a) {
+  return positive(bernstein_coefficients(end, a), kSubdivisions);
 }
 
 }  // namespace planar::lens
