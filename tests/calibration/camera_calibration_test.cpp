@@ -3,54 +3,24 @@
 #include <catch2/catch.hpp>
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
-#include <random>
 
 #include "calibration/board_image.h"
+#include "calibration/board_views.h"
 #include "planar_servo/calibration/board/board.h"
 #include "planar_servo/calibration/board/board_pose.h"
-#include "planar_servo/calibration/board/dot_eccentricity.h"
 #include "planar_servo/core/error.h"
 #include "support/shared_data.h"
 
 namespace planar {
+namespace {
 
-const Board kBoard{Board::Kind::kCircles, 9, 7, 0.03};
-constexpr Intrinsics kIntrinsics{1400.0, 1390.0, 650.0, 500.0};
-constexpr double kNoise_px = 0.05;
+using test::kBoard;
+using test::kIntrinsics;
+using test::kNoise_px;
+using test::views_of_board;
+
 /// Of a fitted parameter; 5 standard deviations happen once in a million.
 constexpr double kDeviations = 5.0;
-
-/// Views of the board by `camera`, with normal noise on each coordinate, as the centres of the
-/// images of round dots when they have a diameter.
-CalibrationProblem views_of_board(const CameraModel& camera, int count, const std::string& model,
-                                  double dot_diameter = 0.0, double noise_px = kNoise_px) {
-  std::mt19937 random(7);
-  std::normal_distribution<double> noise(0.0, noise_px);
-  CalibrationProblem problem;
-  problem.width_px = 1300;
-  problem.height_px = 1000;
-  problem.model = model;
-  for (int i = 0; i < count; ++i) {
-    const Pose X_CG = test::board_before_camera(kBoard, 0.38 + 0.02 * (i % 3),
-                                                0.25 + 0.05 * (i % 5), 1.3 * i, 0.2 * i);
-    CalibrationView view{"view" + std::to_string(i), board_points(kBoard), {}, {}};
-    for (const Eigen::Vector2d& p : view.points_G) {
-      const Eigen::Vector3d p_C = X_CG * Eigen::Vector3d(p.x(), p.y(), 0.0);
-      Eigen::Matrix<double, 2, 3> d_uv_d_p;
-      Eigen::Vector2d uv = project(camera, p_C, &d_uv_d_p).value();
-      if (dot_diameter > 0.0) {
-        uv += eccentricity_px(camera, X_CG, p, dot_diameter).value();
-        const Eigen::Matrix2d J = d_uv_d_p * X_CG.linear().leftCols<2>();
-        const double determinant = J(0, 0) * J(1, 1) - J(0, 1) * J(1, 0);
-        view.dot_areas_px2.push_back(std::abs(determinant) * 3.14159265 * dot_diameter *
-                                     dot_diameter / 4.0);
-      }
-      view.pixels.emplace_back(uv.x() + noise(random), uv.y() + noise(random));
-    }
-    problem.views.push_back(std::move(view));
-  }
-  return problem;
-}
 
 void check_intrinsics(const CameraCalibration& found, const Intrinsics& truth) {
   const Intrinsics k = intrinsics(found.camera);
@@ -180,15 +150,6 @@ TEST_CASE("`auto` takes the simplest model that predicts held-out views as well 
   CHECK(calibrate_camera(views_of_board(rich, 10, "auto")).model == "plumb_bob");
 }
 
-TEST_CASE("The `visp` model undoes what its projection does to a fraction of a pixel") {
-  const auto found = calibrate_camera(views_of_board(PlumbBob{kIntrinsics, 0.05}, 8, "visp"));
-  const auto& camera = std::get<VispModel>(found.camera);
-  CHECK(camera.kud == Approx(0.05).margin(kDeviations * found.standard_deviations[4]));
-  const Eigen::Vector3d p_C(0.3, 0.2, 1.0);
-  const Eigen::Vector3d back = ray(camera, project(camera, p_C).value()).value();
-  CHECK((back - p_C).norm() * kIntrinsics.fx < 0.3);
-}
-
 TEST_CASE("Too few views, unknown models and numbers that are not finite are refused") {
   const PlumbBob camera{kIntrinsics, -0.15};
   CHECK_THROWS_WITH(calibrate_camera(views_of_board(camera, 2, "pinhole")),
@@ -264,4 +225,5 @@ TEST_CASE("The grid36 photographs give the camera that vpCalibration finds") {
   CHECK(found.rms_px < 0.283);
 }
 
+}  // namespace
 }  // namespace planar

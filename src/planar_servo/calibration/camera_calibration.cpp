@@ -7,7 +7,8 @@
 
 #include "planar_servo/calibration/board/board_pose.h"
 #include "planar_servo/calibration/board/dot_eccentricity.h"
-#include "planar_servo/calibration/lens_fit.h"
+#include "planar_servo/calibration/camera/lens_fit.h"
+#include "planar_servo/calibration/camera/repeated_views.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/statistics.h"
 
@@ -21,6 +22,14 @@ constexpr double kOutlyingView = 3.0;
 /// ... and more than any detector's own error.
 constexpr double kDetectorError_px = 0.05;
 constexpr int kEccentricityRounds = 2;
+
+constexpr char kAuto[] = "auto";
+
+const FitModel& model_named(const std::string& name) {
+  const auto& models = fit_models();
+  return *std::find_if(models.begin(), models.end(),
+                       [&](const FitModel& model) { return model.name == name; });
+}
 
 void check(const CalibrationProblem& problem) {
   const auto& names = calibration_model_names();
@@ -51,12 +60,22 @@ void check(const CalibrationProblem& problem) {
 /// The course of one calibration: views as used so far, and the fit to them.
 class Calibrator {
  public:
-  Calibrator(const CalibrationProblem& problem, const std::string& model,
+  Calibrator(const CalibrationProblem& problem, const FitModel& model,
              const std::vector<RejectedView>& rejected)
       : views_(problem.views), problem_(problem), model_(model), rejected_(rejected) {
     fit();
     reject_outlying_views();
     correct_eccentricity();
+  }
+
+  /// Throws WorkError unless the fit has come to its end and determines the camera.
+  std::vector<double> standard_deviations() const {
+    if (!lens_.converged) {
+      throw WorkError("the fit of a camera of the model " + model_.name +
+                      " did not converge; take more views, tilted in different directions, or a "
+                      "simpler model");
+    }
+    return planar::standard_deviations(lens_, views_, model_);
   }
 
   const std::vector<CalibrationView>& views() const { return views_; }
@@ -97,8 +116,9 @@ class Calibrator {
     }
     auto lens = fit_lens(views_, problem_.width_px, problem_.height_px, model_);
     if (!lens) {
-      throw WorkError("the views do not determine a camera of the model " + model_ +
-                      "; take more of them, tilted in different directions, or a simpler model");
+      throw WorkError("the fit of a camera of the model " + model_.name +
+                      " failed; take more views, tilted in different directions, or a simpler "
+                      "model");
     }
     lens_ = std::move(*lens);
   }
@@ -148,7 +168,7 @@ class Calibrator {
 
   std::vector<CalibrationView> views_;
   const CalibrationProblem& problem_;
-  std::string model_;
+  const FitModel& model_;
   std::vector<RejectedView> rejected_;
   LensFit lens_;
   double dot_diameter_{0.0};
@@ -166,10 +186,10 @@ bool clearly_worse(const std::vector<double>& squares, const std::vector<double>
 }
 
 std::string choose_model(const CalibrationProblem& problem,
-                         const std::vector<RejectedView>& without_board) {
+                         const std::vector<RejectedView>& rejected) {
   // Views are judged once, by a model that fits most lenses, so that all models see the same ones.
   CalibrationProblem common = problem;
-  common.views = Calibrator(problem, "plumb_bob", without_board).views();
+  common.views = Calibrator(problem, model_named("plumb_bob"), rejected).views();
   struct Candidate {
     std::string model;
     std::vector<double> squares;
@@ -178,7 +198,8 @@ std::string choose_model(const CalibrationProblem& problem,
   for (const char* model :
        {"pinhole", "plumb_bob_k1", "plumb_bob", "equidistant", "rational_polynomial"}) {
     try {
-      const Calibrator calibrator(common, model, {});
+      const Calibrator calibrator(common, model_named(model), {});
+      calibrator.standard_deviations();
       auto squares = calibrator.held_out_squares();
       if (squares && squares->size() == common.views.size()) {
         candidates.push_back({model, std::move(*squares)});
@@ -187,7 +208,12 @@ std::string choose_model(const CalibrationProblem& problem,
       continue;  // these views do not determine this model
     }
   }
-  if (candidates.empty()) throw WorkError("no camera model could be judged on held-out views");
+  if (candidates.empty()) {
+    throw WorkError(
+        "the views determine a camera of none of the models; take more of them, tilted in "
+        "different "
+        "directions");
+  }
   const auto best = std::min_element(
       candidates.begin(), candidates.end(),
       [](const Candidate& a, const Candidate& b) { return mean(a.squares) < mean(b.squares); });
@@ -196,24 +222,6 @@ std::string choose_model(const CalibrationProblem& problem,
                         return !clearly_worse(candidate.squares, best->squares);
                       })
       ->model;
-}
-
-/// ViSP's model with the k1 of a plumb-bob camera one way and the inverse polynomial that comes
-/// nearest to it over the pixels used the other way.
-VispModel visp_from_k1(const PlumbBob& camera, const std::vector<CalibrationView>& views) {
-  double numerator = 0.0;
-  double denominator = 0.0;
-  for (const CalibrationView& view : views) {
-    for (const Eigen::Vector2d& uv : view.pixels) {
-      const auto ideal = ray(camera, uv);
-      if (!ideal) continue;
-      const double r_d =
-          std::hypot((uv.x() - camera.k.cx) / camera.k.fx, (uv.y() - camera.k.cy) / camera.k.fy);
-      numerator += (ideal->head<2>().norm() - r_d) * std::pow(r_d, 3);
-      denominator += std::pow(r_d, 6);
-    }
-  }
-  return {camera.k, camera.k1, numerator / denominator};
 }
 
 void describe_views(const Calibrator& calibrator, CameraCalibration& result) {
@@ -249,35 +257,32 @@ void judge_held_out(const Calibrator& calibrator, CameraCalibration& result) {
 }  // namespace
 
 const std::vector<std::string>& calibration_model_names() {
-  static const std::vector<std::string> names{
-      "pinhole",   "plumb_bob_k1", "plumb_bob", "rational_polynomial",
-      "opencv_14", "equidistant",  "visp",      "auto"};
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> result;
+    for (const FitModel& model : fit_models()) result.push_back(model.name);
+    result.emplace_back(kAuto);
+    return result;
+  }();
   return names;
 }
 
 CameraCalibration calibrate_camera(const CalibrationProblem& problem,
                                    const std::vector<RejectedView>& without_board) {
   check(problem);
+  CalibrationProblem distinct = problem;
+  std::vector<RejectedView> rejected = without_board;
+  drop_repeated_views(distinct.views, rejected);
   CameraCalibration result;
-  result.model = problem.model == "auto" ? choose_model(problem, without_board) : problem.model;
-  const std::string fitted = result.model == "visp" ? "plumb_bob_k1" : result.model;
-  const Calibrator calibrator(problem, fitted, without_board);
+  result.model = problem.model == kAuto ? choose_model(distinct, rejected) : problem.model;
+  const Calibrator calibrator(distinct, model_named(result.model), rejected);
   result.camera = calibrator.lens().camera;
   result.width_px = problem.width_px;
   result.height_px = problem.height_px;
-  result.standard_deviations = standard_deviations(
-      calibrator.lens(), calibrator.views(),
-      fitted == "plumb_bob_k1" ? 1 : distortion_coefficients(result.camera).size());
+  result.standard_deviations = calibrator.standard_deviations();
   result.rejected = calibrator.rejected();
   result.dot_diameter = calibrator.dot_diameter();
   describe_views(calibrator, result);
   judge_held_out(calibrator, result);
-  if (result.model == "visp") {
-    result.camera = visp_from_k1(std::get<PlumbBob>(result.camera), calibrator.views());
-    const double sigma_k1 = result.standard_deviations[4];
-    result.standard_deviations.resize(4);
-    result.standard_deviations.insert(result.standard_deviations.end(), {sigma_k1, sigma_k1});
-  }
   return result;
 }
 

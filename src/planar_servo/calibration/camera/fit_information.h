@@ -1,0 +1,28 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+
+#include "planar_servo/calibration/camera/lens_fit.h"
+
+namespace planar {
+
+/// The normal equations of a camera with all its views at the end of a fit, the poses eliminated.
+struct FitInformation {
+  Eigen::MatrixXd camera;  ///< of fx, fy, cx, cy and the free coefficients, for a noise of 1 px
+  double squares{0.0};     ///< sum of the squared distances, px^2
+  double parameters{0.0};  ///< how many there are, those of the poses included
+  double freedom{0.0};     ///< coordinates less parameters
+  double decrease{0.0};    ///< by which one more Gauss-Newton step would lower `squares`
+};
+
+/// Empty where a point lies at the very end of the lens model's range, beyond which it has no
+/// pixel.
+std::optional<FitInformation> fit_information(const LensFit& fit,
+                                              const std::vector<CalibrationView>& views,
+                                              std::size_t free_coefficients);
+
+/// The inverse of an information matrix; empty when it is singular to working precision.
+std::optional<Eigen::MatrixXd> covariance_from(const Eigen::MatrixXd& information);
+
+}  // namespace planar

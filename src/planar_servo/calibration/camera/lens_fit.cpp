@@ -1,0 +1,95 @@
+#include "planar_servo/calibration/camera/lens_fit.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "planar_servo/calibration/board/board_pose.h"
+#include "planar_servo/calibration/camera/fit_information.h"
+#include "planar_servo/calibration/camera/opencv_fit.h"
+#include "planar_servo/calibration/camera/visp_fit.h"
+#include "planar_servo/core/error.h"
+
+namespace planar {
+namespace {
+
+constexpr char kViSP[] = "visp";
+/// A focal length or principal point less certain than this share of the focal length is unknown.
+constexpr double kMostUncertain = 0.1;
+
+[[noreturn]] void refuse(const FitModel& model) {
+  throw WorkError("the views do not determine a camera of the model " + model.name +
+                  "; take more of them, tilted in different directions, or a simpler model");
+}
+
+/// The power of two, which changes no digit, by which the points' root mean square distance from
+/// their centroid comes to between an eighth and a quarter of a metre.
+double normalising_scale(const std::vector<Eigen::Vector2d>& points) {
+  Eigen::Vector2d centroid(0.0, 0.0);
+  for (const Eigen::Vector2d& p : points) centroid += p / static_cast<double>(points.size());
+  double squares = 0.0;
+  for (const Eigen::Vector2d& p : points) squares += (p - centroid).squaredNorm();
+  int exponent = 0;
+  std::frexp(std::sqrt(squares / static_cast<double>(points.size())), &exponent);
+  return std::ldexp(1.0, -2 - exponent);
+}
+
+std::optional<LensFit> fit_normalised(const std::vector<CalibrationView>& views, int width_px,
+                                      int height_px, const FitModel& model) {
+  return model.lens == kViSP ? fit_by_visp(views, width_px, height_px)
+                             : fit_by_opencv(views, width_px, height_px, model);
+}
+
+}  // namespace
+
+const std::vector<FitModel>& fit_models() {
+  static const std::vector<FitModel> models{{"pinhole", "pinhole", 0},
+                                            {"plumb_bob_k1", "plumb_bob", 1},
+                                            {"plumb_bob", "plumb_bob", 5},
+                                            {"rational_polynomial", "rational_polynomial", 8},
+                                            {"opencv_14", "opencv_14", 14},
+                                            {"equidistant", "equidistant", 4},
+                                            {"visp", kViSP, 2}};
+  return models;
+}
+
+std::optional<LensFit> fit_lens(const std::vector<CalibrationView>& views, int width_px,
+                                int height_px, const FitModel& model) {
+  const double scale = normalising_scale(views.front().points_G);
+  std::vector<CalibrationView> normalised = views;
+  for (CalibrationView& view : normalised) {
+    for (Eigen::Vector2d& p : view.points_G) p *= scale;
+  }
+  auto fit = fit_normalised(normalised, width_px, height_px, model);
+  if (!fit) return std::nullopt;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    fit->X_CG[i].translation() /= scale;
+    const auto residuals =
+        board_residuals(fit->camera, fit->X_CG[i], views[i].points_G, views[i].pixels);
+    if (!residuals) return std::nullopt;
+    fit->view_rms_px.push_back(rms_length(*residuals));
+  }
+  return fit;
+}
+
+std::vector<double> standard_deviations(const LensFit& fit,
+                                        const std::vector<CalibrationView>& views,
+                                        const FitModel& model) {
+  const bool by_visp = model.lens == kViSP;
+  const auto information = fit_information(fit, views, by_visp ? 1 : model.free_coefficients);
+  if (!information) refuse(model);
+  const auto covariance =
+      by_visp ? visp_covariance(fit, views) : covariance_from(information->camera);
+  if (!covariance) refuse(model);
+  const Eigen::VectorXd variances =
+      covariance->diagonal() * (information->squares / information->freedom);
+  std::vector<double> deviations(4 + distortion_coefficients(fit.camera).size(), 0.0);
+  for (Eigen::Index i = 0; i < variances.size(); ++i) deviations[i] = std::sqrt(variances[i]);
+  const Intrinsics k = intrinsics(fit.camera);
+  const double most = kMostUncertain * std::min(k.fx, k.fy);
+  for (std::size_t i = 0; i < deviations.size(); ++i) {
+    if (!std::isfinite(deviations[i]) || (i < 4 && deviations[i] > most)) refuse(model);
+  }
+  return deviations;
+}
+
+}  // namespace planar
