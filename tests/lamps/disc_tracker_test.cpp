@@ -29,6 +29,19 @@ TEST_CASE("DiscTracker follows the disc it was started on, over small steps and 
   }
 }
 
+TEST_CASE("DiscTracker follows a disc by vpDot2 over small steps, a jump and a loss") {
+  DiscTracker tracker(CenterMethod::kVpDot2, Eigen::Vector2d(300, 200));
+  constexpr double kMeasured_px = 0.16;  // four times vpDot2's error of 0.04 px
+  for (const Eigen::Vector2d& place : {Eigen::Vector2d(301, 199), Eigen::Vector2d(290, 190),
+                                       Eigen::Vector2d(280.5, 180.5), Eigen::Vector2d(240, 120)}) {
+    const LampCenter disc = tracker.locate(image_with({{60, 60}, place}));
+    REQUIRE(disc.status == LampStatus::kOk);
+    CHECK((disc.uv_px - place).norm() < kMeasured_px);
+  }
+  CHECK(tracker.locate(image_with({{60, 60}})).status == LampStatus::kNoLamp);
+  CHECK(tracker.locate(image_with({{60, 60}, {241, 121}})).status == LampStatus::kOk);
+}
+
 TEST_CASE("DiscTracker says no_lamp while the disc is away and finds it again") {
   DiscTracker tracker(CenterMethod::kAuto);
   CHECK(tracker.locate(image_with({})).status == LampStatus::kNoLamp);

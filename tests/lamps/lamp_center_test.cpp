@@ -86,6 +86,14 @@ TEST_CASE("measure_lamp reaches the published error and states it: the light's c
   check_honest(CenterMethod::kFast, {{}, 40.0, 0.8}, 0.0067);
 }
 
+TEST_CASE("Every centre method is found by its name, and another name is refused with them all") {
+  for (const CenterMethod method : kCenterMethods)
+    CHECK(center_method_named(name(method)) == method);
+  CHECK(center_method_names() == std::vector<std::string>{"auto", "fast", "canny-kasa", "vpdot2"});
+  CHECK_THROWS_WITH(center_method_named("canny"),
+                    "unknown centre method 'canny'; allowed are auto, fast, canny-kasa, vpdot2");
+}
+
 TEST_CASE("measure_lamp tells the diameter without the straight-edge bias") {
   cv::Mat scene = test::background({128, 128});
   test::add_lamp(scene, {{64.2, 63.9}});

@@ -97,5 +97,86 @@ TEST_CASE("LampTracker is not misled by a third light while a lamp is hidden") {
   CHECK(pair.status == LampStatus::kWrongDistance);
 }
 
+/// A frame of a region of the sensor with this corner, lamps given in pixels of the sensor.
+Frame region_with(const cv::Point& corner, const std::vector<Eigen::Vector2d>& lamps) {
+  std::vector<Eigen::Vector2d> local;
+  for (const Eigen::Vector2d& uv : lamps) local.push_back(uv - Eigen::Vector2d(corner.x, corner.y));
+  Frame frame = frame_with(local);
+  frame.region_px = {corner.x, corner.y, 600, 500};
+  return frame;
+}
+
+PairExpectation right_distance() {
+  PairExpectation result;
+  result.separation_px = {180.0, 205.0};
+  return result;
+}
+
+TEST_CASE("LampTracker follows the lamps by vpDot2 while they and the region move") {
+  LampTracker tracker(CenterMethod::kVpDot2);
+  Eigen::Vector2d first = kOrigin + kFirst, second = kOrigin + kSecond;
+  cv::Point corner(3000, 1200);
+  PairExpectation expected = expectation(0.0);
+  for (int i = 0; i < 6; ++i) {
+    const LampPair pair = tracker.locate(region_with(corner, {first, second}), expected);
+    REQUIRE(pair.status == LampStatus::kOk);
+    CHECK((pair.lamps[0].uv_px - first).norm() < kMeasured_px);
+    CHECK((pair.lamps[1].uv_px - second).norm() < kMeasured_px);
+    const Eigen::Vector2d step(11.3, -6.7);
+    first += step;
+    second += step;
+    for (Eigen::Vector2d& uv : *expected.predicted_px) uv += step;
+    corner += cv::Point(37, -29);
+  }
+}
+
+TEST_CASE("LampTracker by vpDot2 keeps to its lamps when others of the same distance appear") {
+  const std::vector<Eigen::Vector2d> with_others{kFirst, kSecond, {205.0, 420.0}, {396.0, 430.0}};
+  LampTracker tracker(CenterMethod::kVpDot2);
+  REQUIRE(tracker.locate(frame_with({kFirst, kSecond}), expectation(0.0)).status ==
+          LampStatus::kOk);
+  const LampPair pair = tracker.locate(frame_with(with_others), right_distance());
+  for (const LampCenter& lamp : pair.lamps) {
+    CHECK(lamp.status == LampStatus::kOk);
+    CHECK(lamp.uv_px.y() - kOrigin.y() < 300.0);
+  }
+  tracker.forget();
+  const LampPair afresh = tracker.locate(frame_with(with_others), right_distance());
+  CHECK(afresh.lamps[0].status == LampStatus::kAmbiguous);
+}
+
+TEST_CASE("LampTracker by vpDot2 begins anew after a loss, a jump and a lamp that is hidden") {
+  LampTracker tracker(CenterMethod::kVpDot2);
+  const auto status = [&](const std::vector<Eigen::Vector2d>& lamps) {
+    return tracker.locate(frame_with(lamps), right_distance());
+  };
+  const auto measured = [&](const Eigen::Vector2d& first, const Eigen::Vector2d& second) {
+    const LampPair pair = status({first, second});
+    double worst = 0.0;
+    for (const LampCenter& lamp : pair.lamps) {
+      const Eigen::Vector2d local = lamp.uv_px - kOrigin;
+      worst = std::max(worst, std::min((local - first).norm(), (local - second).norm()));
+    }
+    return worst;
+  };
+  CHECK(measured(kFirst, kSecond) < kMeasured_px);
+  CHECK(status({}).status == LampStatus::kNoLamp);
+  CHECK(measured(kFirst, kSecond) < kMeasured_px);
+  const Eigen::Vector2d jump(180.0, 150.0);  // lamp 1 comes near to where lamp 2 was
+  CHECK(measured(kFirst + jump, kSecond + jump) < kMeasured_px);
+  CHECK(status({kFirst + jump}).status == LampStatus::kOneLamp);
+  CHECK(measured(kFirst + jump, kSecond + jump) < kMeasured_px);
+}
+
+TEST_CASE("LampTracker by vpDot2 answers as if new once it has forgotten its lamps") {
+  LampTracker used(CenterMethod::kVpDot2);
+  used.locate(frame_with({kFirst + Eigen::Vector2d(3, 2), kSecond}), expectation(0.0));
+  used.forget();
+  const Frame frame = frame_with({kFirst, kSecond});
+  const LampPair a = used.locate(frame, expectation(0.0));
+  const LampPair b = LampTracker(CenterMethod::kVpDot2).locate(frame, expectation(0.0));
+  for (const std::size_t i : {0u, 1u}) CHECK(a.lamps[i].uv_px == b.lamps[i].uv_px);
+}
+
 }  // namespace
 }  // namespace planar

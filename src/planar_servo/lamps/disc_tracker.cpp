@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "planar_servo/lamps/lamp_center.h"
-#include "planar_servo/lamps/visp/vp_dot.h"
+#include "planar_servo/lamps/visp/vp_dot_tracker.h"
 
 namespace planar {
 namespace {
@@ -71,9 +71,14 @@ std::optional<Blob> DiscTracker::find_first(const cv::Mat& image) {
 
 LampCenter DiscTracker::locate(const cv::Mat& image) {
   require_8_bit(image);
+  if (const auto seen = dot_.track(image, {0.0, 0.0})) {
+    last_ = seen->blob;
+    return lamp_at_dot(image, *seen);
+  }
   const std::optional<Blob> blob = last_ ? find_again(image) : find_first(image);
   if (!blob) return {};
   last_ = blob;
+  if (method_ == CenterMethod::kVpDot2) dot_.start(image, {0.0, 0.0}, *blob);
   return measure_lamp(image, *blob, method_);
 }
 

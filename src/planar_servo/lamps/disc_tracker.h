@@ -6,11 +6,13 @@
 #include "planar_servo/lamps/detect/blob.h"
 #include "planar_servo/lamps/detect/lamp_detector.h"
 #include "planar_servo/lamps/lamp.h"
+#include "planar_servo/lamps/visp/vp_dot_tracker.h"
 
 namespace planar {
 
 /// Follows one bright disc through a sequence of images: the nearest patch of about the same
-/// size that is brighter than half its last contrast.
+/// size that is brighter than half its last contrast. With kVpDot2 a vpDot2 follows it (see
+/// VpDotTracker), and such a patch is looked for when that has lost it.
 class DiscTracker {
  public:
   /// `start_px` picks the disc in the first image that shows one there; without it the most
@@ -30,6 +32,7 @@ class DiscTracker {
   std::optional<Blob> last_;
   LampDetector detector_;
   PatchGrower patches_;
+  VpDotTracker dot_;
   std::vector<Blob> found_;
 };
 

@@ -3,6 +3,8 @@
 #include <Eigen/Core>
 #include <array>
 #include <optional>
+#include <string>
+#include <vector>
 
 namespace planar {
 
@@ -52,6 +54,19 @@ struct PairExpectation {
   std::optional<double> contrast_ratio;
 };
 
+/// How the centre of a lamp is measured (see measure_lamp).
 enum class CenterMethod { kAuto, kFast, kCannyKasa, kVpDot2 };
+
+inline constexpr std::array<CenterMethod, 4> kCenterMethods{
+    CenterMethod::kAuto, CenterMethod::kFast, CenterMethod::kCannyKasa, CenterMethod::kVpDot2};
+
+/// The method as programs and files have it: "auto", "fast", "canny-kasa", "vpdot2".
+const char* name(CenterMethod method);
+
+/// The names of all methods, in the order of kCenterMethods.
+std::vector<std::string> center_method_names();
+
+/// The method of that name. Throws InputError for another name.
+CenterMethod center_method_named(const std::string& name);
 
 }  // namespace planar

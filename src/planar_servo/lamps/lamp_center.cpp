@@ -12,7 +12,7 @@
 #include "planar_servo/lamps/rim/edge_noise.h"
 #include "planar_servo/lamps/rim/light_centroid.h"
 #include "planar_servo/lamps/rim/rim_fit.h"
-#include "planar_servo/lamps/visp/vp_dot.h"
+#include "planar_servo/lamps/visp/vp_dot_tracker.h"
 
 namespace planar {
 namespace {
@@ -59,15 +59,16 @@ std::vector<Eigen::Vector2d> rim_edges(const cv::Mat& image, const Blob& blob,
 }
 
 /// vpDot2's edges are whole pixels: uniform over one pixel, one per pixel of the rim.
-LampCenter by_vp_dot(const cv::Mat& image, const Blob& blob, LampCenter lamp) {
-  const auto level = static_cast<int>(std::lround(0.5 * (blob.level + blob.background)));
-  const cv::Rect window = window_round(blob.uv_px, std::max(blob.box_px.width, blob.box_px.height));
-  const std::optional<VpDot> dot = vp_dot(image, window, blob.uv_px, level);
-  if (!dot) return lamp;
+LampCenter at_dot(const VpDot& dot, LampCenter lamp) {
   lamp.status = LampStatus::kOk;
-  lamp.uv_px = dot->center_px;
-  lamp.covariance_px2 = Eigen::Matrix2d::Identity() / (12.0 * kPi * 0.5 * dot->blob.diameter_px());
+  lamp.uv_px = dot.center_px;
+  lamp.covariance_px2 = Eigen::Matrix2d::Identity() / (12.0 * kPi * 0.5 * dot.blob.diameter_px());
   return lamp;
+}
+
+LampCenter by_vp_dot(const cv::Mat& image, const Blob& blob, const LampCenter& lamp) {
+  const std::optional<VpDot> dot = VpDotTracker().start(image, {0.0, 0.0}, blob);
+  return dot ? at_dot(*dot, lamp) : lamp;
 }
 
 LampCenter by_kasa(const std::vector<Eigen::Vector2d>& edges, const GreyMoments& moments,
@@ -120,29 +121,34 @@ int margin_px(const cv::Size& image, const cv::Rect& box) {
   return std::min({box.x, box.y, image.width - box.br().x, image.height - box.br().y});
 }
 
+/// How many pixels must lie beyond a blob's box.
+int least_margin_px(const GreyMoments& moments) {
+  return static_cast<int>(std::ceil(moments.radius_px())) + 1;
+}
+
+/// The lamp before it is measured: kNotRound unless it cannot be measured at all.
+LampCenter unmeasured(const cv::Mat& image, const Blob& blob) {
+  LampCenter lamp;
+  lamp.uv_px = blob.uv_px;
+  lamp.diameter_px = blob.diameter_px();
+  lamp.status = LampStatus::kNotRound;
+  if (margin_px(image.size(), blob.box_px) < least_margin_px(window_for(blob))) {
+    lamp.status = LampStatus::kAtBorder;
+  } else if (blob.contrast() <= 0.0) {
+    lamp.status = LampStatus::kLowContrast;
+  }
+  return lamp;
+}
+
 }  // namespace
 
 LampCenter measure_lamp(const cv::Mat& image, const Blob& blob, CenterMethod method) {
   require_8_bit(image);
-  LampCenter lamp;
-  lamp.uv_px = blob.uv_px;
-  lamp.diameter_px = blob.diameter_px();
-
-  const GreyMoments& moments = window_for(blob);
-  const int margin = static_cast<int>(std::ceil(moments.radius_px())) + 1;
-  const int beyond = margin_px(image.size(), blob.box_px);
-  if (beyond < margin) {
-    lamp.status = LampStatus::kAtBorder;
-    return lamp;
-  }
-  if (blob.contrast() <= 0.0) {
-    lamp.status = LampStatus::kLowContrast;
-    return lamp;
-  }
-  lamp.status = LampStatus::kNotRound;
+  LampCenter lamp = unmeasured(image, blob);
+  if (lamp.status != LampStatus::kNotRound) return lamp;
   switch (method) {
     case CenterMethod::kAuto:
-      return by_rim(image, blob, beyond, lamp);
+      return by_rim(image, blob, margin_px(image.size(), blob.box_px), lamp);
     case CenterMethod::kFast:
       return by_light(image, blob, lamp);
     case CenterMethod::kVpDot2:
@@ -154,9 +160,16 @@ LampCenter measure_lamp(const cv::Mat& image, const Blob& blob, CenterMethod met
     lamp.status = LampStatus::kSaturated;
     return lamp;
   }
+  const GreyMoments& moments = window_for(blob);
+  const int margin = least_margin_px(moments);
   const cv::Rect window(blob.box_px.x - margin, blob.box_px.y - margin,
                         blob.box_px.width + 2 * margin, blob.box_px.height + 2 * margin);
   return by_kasa(rim_edges(image, blob, window, moments), moments, lamp);
+}
+
+LampCenter lamp_at_dot(const cv::Mat& image, const VpDot& dot) {
+  const LampCenter lamp = unmeasured(image, dot.blob);
+  return lamp.status == LampStatus::kNotRound ? at_dot(dot, lamp) : lamp;
 }
 
 }  // namespace planar

@@ -4,6 +4,7 @@
 
 #include "planar_servo/lamps/detect/blob.h"
 #include "planar_servo/lamps/lamp.h"
+#include "planar_servo/lamps/visp/vp_dot_tracker.h"
 
 namespace planar {
 
@@ -13,5 +14,8 @@ namespace planar {
 /// outline fitted to the grey levels (see fit_rim), kNotRound when more than 100 degrees of the rim
 /// do not belong to it. A status other than kOk comes with the blob's centroid and no covariance.
 LampCenter measure_lamp(const cv::Mat& image, const Blob& blob, CenterMethod method);
+
+/// The lamp that vpDot2 follows, as kVpDot2 measures it.
+LampCenter lamp_at_dot(const cv::Mat& image, const VpDot& dot);
 
 }  // namespace planar

@@ -4,7 +4,7 @@
 
 #include "planar_servo/lamps/lamp_center.h"
 #include "planar_servo/lamps/lamp_pair.h"
-#include "planar_servo/lamps/visp/vp_dot.h"
+#include "planar_servo/lamps/visp/vp_dot_tracker.h"
 
 namespace planar {
 namespace {
@@ -13,6 +13,11 @@ namespace {
 constexpr double kWindowShare = 0.5;
 constexpr double kLeastWindow_px = 16.0, kMostWindow_px = 256.0;
 constexpr std::size_t kMostCandidates = 32;
+
+/// The first pixel of the frame's image on the sensor.
+Eigen::Vector2d corner_of(const Frame& frame) {
+  return {frame.region_px.x, frame.region_px.y};
+}
 
 /// The expectation in pixels of an image whose first pixel is `origin` on the sensor.
 PairExpectation shifted(PairExpectation expectation, const Eigen::Vector2d& origin) {
@@ -45,31 +50,66 @@ void LampTracker::search_image(const cv::Mat& image) {
   candidates_.assign(found.begin(), found.begin() + static_cast<std::ptrdiff_t>(n));
 }
 
-LampPair LampTracker::measure(const cv::Mat& image, const PairExpectation& expectation) const {
+template <typename Measure>
+LampPair LampTracker::choose(const PairExpectation& expectation, const Measure& measure) const {
   const PairChoice choice = choose_pair(candidates_, expectation);
   LampPair pair;
   pair.status = choice.status;
   if (pair.status != LampStatus::kOk && pair.status != LampStatus::kAmbiguous) return pair;
   for (std::size_t i : {0u, 1u}) {
-    pair.lamps[i] = measure_lamp(image, candidates_[choice.index[i]], method_);
+    pair.lamps[i] = measure(i, choice.index[i]);
     if (pair.lamps[i].status != LampStatus::kOk) pair.status = pair.lamps[i].status;
   }
   if (!choice.is_unique) pair.lamps[0].status = pair.lamps[1].status = LampStatus::kAmbiguous;
   return pair;
 }
 
-LampPair LampTracker::locate(const Frame& frame, const PairExpectation& expectation) {
-  require_8_bit(frame.image);
-  const Eigen::Vector2d origin(frame.region_px.x, frame.region_px.y);
-  const PairExpectation local = shifted(expectation, origin);
-  search_windows(frame.image, local);
-  LampPair pair = measure(frame.image, local);
+LampPair LampTracker::measure(const Frame& frame, const PairExpectation& expectation) {
+  return choose(expectation, [&](std::size_t lamp, std::size_t candidate) {
+    const Blob& blob = candidates_[candidate];
+    if (method_ == CenterMethod::kVpDot2) dots_[lamp].start(frame.image, corner_of(frame), blob);
+    return measure_lamp(frame.image, blob, method_);
+  });
+}
+
+/// The pair that is followed; without status kOk when a lamp is lost.
+LampPair LampTracker::follow(const Frame& frame, const PairExpectation& expectation) {
+  candidates_.clear();
+  std::vector<VpDot> seen;
+  for (VpDotTracker& dot : dots_) {
+    const auto lamp = dot.track(frame.image, corner_of(frame));
+    if (!lamp || (!seen.empty() && lamp->blob.box_px == seen[0].blob.box_px)) return {};
+    seen.push_back(*lamp);
+    candidates_.push_back(lamp->blob);
+  }
+  return choose(expectation, [&](std::size_t, std::size_t candidate) {
+    return lamp_at_dot(frame.image, seen[candidate]);
+  });
+}
+
+LampPair LampTracker::search(const Frame& frame, const PairExpectation& expectation) {
+  forget();
+  search_windows(frame.image, expectation);
+  LampPair pair = measure(frame, expectation);
   if (pair.status != LampStatus::kOk) {
     search_image(frame.image);
-    pair = measure(frame.image, local);
+    pair = measure(frame, expectation);
   }
-  for (LampCenter& lamp : pair.lamps) lamp.uv_px += origin;
   return pair;
+}
+
+LampPair LampTracker::locate(const Frame& frame, const PairExpectation& expectation) {
+  require_8_bit(frame.image);
+  const PairExpectation local = shifted(expectation, corner_of(frame));
+  LampPair pair = follow(frame, local);
+  const bool is_unnamed = pair.status == LampStatus::kAmbiguous && !local.predicted_px;
+  if (pair.status != LampStatus::kOk && !is_unnamed) pair = search(frame, local);
+  for (LampCenter& lamp : pair.lamps) lamp.uv_px += corner_of(frame);
+  return pair;
+}
+
+void LampTracker::forget() {
+  for (VpDotTracker& dot : dots_) dot.forget();
 }
 
 }  // namespace planar

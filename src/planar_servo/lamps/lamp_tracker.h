@@ -1,32 +1,47 @@
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "planar_servo/devices/frame.h"
 #include "planar_servo/lamps/detect/lamp_detector.h"
 #include "planar_servo/lamps/lamp.h"
+#include "planar_servo/lamps/visp/vp_dot_tracker.h"
 
 namespace planar {
 
 /// Finds the two lamps in a frame (whole sensor or region): where a prediction is given, in a
 /// window round each predicted place; without one, or when that fails, in the whole image. Then
 /// measures each centre by the method asked for, checks the distance and decides which lamp is
-/// which. Keeps no state that changes a result: the same frame and expectation always give the same
-/// pair (only memory is kept from frame to frame).
+/// which.
+///
+/// With kVpDot2 the lamps found are then followed from frame to frame by a vpDot2 each (see
+/// VpDotTracker for what is kept); the search begins anew when one of them is lost or the two no
+/// longer make the pair expected. With every other method nothing is kept that changes a result:
+/// the same frame and expectation always give the same pair.
 class LampTracker {
  public:
   explicit LampTracker(CenterMethod method) : method_(method) {}
 
   LampPair locate(const Frame& frame, const PairExpectation& expectation);
 
+  /// Follows no lamp any more, so that the next frame is looked at as if it were the first one.
+  void forget();
+
  private:
   void search_windows(const cv::Mat& image, const PairExpectation& expectation);
   void search_image(const cv::Mat& image);
-  LampPair measure(const cv::Mat& image, const PairExpectation& expectation) const;
+  /// measure(lamp, candidate) gives the centre of lamp 0 or 1.
+  template <typename Measure>
+  LampPair choose(const PairExpectation& expectation, const Measure& measure) const;
+  LampPair follow(const Frame& frame, const PairExpectation& expectation);
+  LampPair search(const Frame& frame, const PairExpectation& expectation);
+  LampPair measure(const Frame& frame, const PairExpectation& expectation);
 
   CenterMethod method_;
   LampDetector detector_;
   std::vector<Blob> candidates_;
+  std::array<VpDotTracker, 2> dots_;
 };
 
 }  // namespace planar

@@ -1,24 +1,56 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
 #include <opencv2/core.hpp>
 #include <optional>
 
 #include "planar_servo/lamps/detect/blob.h"
 
+class vpDot2;
+
 namespace planar {
 
-/// A blob as ViSP's vpDot2 sees it.
+/// A blob as ViSP's vpDot2 sees it, in pixels of the image.
 struct VpDot {
   Eigen::Vector2d center_px{0.0, 0.0};  ///< vpDot2's own: moments of a contour of whole pixels
   Blob blob;
 };
 
-/// The blob of pixels of at least `least_level` that covers `seed_px`, followed along its contour
-/// by vpDot2 inside a window (cut to the image). Coordinates of the whole image. Empty when the
-/// seed is not on such a blob.
-std::optional<VpDot> vp_dot(const cv::Mat& image, const cv::Rect& window_px,
-                            const Eigen::Vector2d& seed_px, int least_level);
+/// Follows one lamp by ViSP's vpDot2, which is initialised once and then tracks from image to
+/// image. What is kept: the vpDot2 with the size by which it knows its blob again, where the blob
+/// was on the sensor, and the grey level half way between the blob and its background. Each image
+/// may show another part of the sensor; `corner_px` is the sensor's pixel at its first one.
+class VpDotTracker {
+ public:
+  VpDotTracker();
+  VpDotTracker(VpDotTracker&&) noexcept;
+  VpDotTracker& operator=(VpDotTracker&&) noexcept;
+  ~VpDotTracker();
+
+  /// Initialises vpDot2 on a blob that detection has found in the image. Empty, with nothing to
+  /// follow, when vpDot2 finds no blob there.
+  std::optional<VpDot> start(const cv::Mat& image, const Eigen::Vector2d& corner_px,
+                             const Blob& blob);
+
+  /// The blob in the next image: where it was, or else within two and a half of its diameters from
+  /// there. Empty when it is lost, or nothing is followed; it is then not followed any more.
+  std::optional<VpDot> track(const cv::Mat& image, const Eigen::Vector2d& corner_px);
+
+  /// Follows nothing until it is started again.
+  void forget();
+
+ private:
+  /// Lets action(patch, place in it) work on the part of the image round the last place.
+  template <typename Action>
+  std::optional<VpDot> look(const cv::Mat& image, const Eigen::Vector2d& corner_px, double reach,
+                            const Action& action);
+
+  std::unique_ptr<vpDot2> dot_;  ///< in pixels of the patch that was cut out for it last
+  Eigen::Vector2d place_px_{0.0, 0.0};
+  int size_px_{0};
+  int level_{0};
+};
 
 /// The square of this half side round a pixel.
 cv::Rect window_round(const Eigen::Vector2d& uv_px, double half_side_px);
