@@ -1,5 +1,6 @@
 #include "planar_servo/arm/transmission.h"
 
+#include <Eigen/LU>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>

@@ -64,17 +64,18 @@ struct CameraCalibration {
 /// auto.
 const std::vector<std::string>& calibration_model_names();
 
-/// Least squares on the pixel residuals of all views (OpenCV's calibrateCamera and fisheye), after
-/// which the dots' centres are corrected for their eccentricity and fitted again. Views whose
-/// residuals stand far out are left out one by one. `visp` is the k1 model with its inverse
-/// polynomial fitted over the pixels used. `auto` takes the simplest model whose held-out residuals
-/// are within one standard error of the best one's.
+/// Least squares on the pixel residuals of all views, by OpenCV's calibrateCamera and fisheye or,
+/// for `visp`, by ViSP's vpCalibration; after it the dots' centres are corrected for their
+/// eccentricity and fitted again. A view that repeats another one within the noise counts once.
+/// Views whose residuals stand far out are left out one by one. `auto` takes the simplest model
+/// whose held-out residuals are within one standard error of the best one's.
 ///
 /// `without_board` are pictures that gave no view: they join the result's rejected views and, when
 /// too few are left, the message.
 ///
 /// Throws InputError for an unknown model, fewer than 3 usable views, points and pixels that are
-/// not as many, or numbers that are not finite; WorkError when the fit does not converge.
+/// not as many, numbers that are not finite, or more than 256 views for `visp`; WorkError when the
+/// fit does not converge or the views do not determine the camera.
 CameraCalibration calibrate_camera(const CalibrationProblem& problem,
                                    const std::vector<RejectedView>& without_board = {});
 

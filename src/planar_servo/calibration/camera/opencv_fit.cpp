@@ -14,8 +14,9 @@ constexpr int kIterations = 60;
 constexpr int kRounds = 10;
 constexpr double kRelativeChange = 1e-10;
 /// A fit stands still when one more step would move its parameters by less than this share of their
-/// uncertainty.
-constexpr double kStandsStill = 0.1;
+/// uncertainty, which makes their error larger by an eighth at most. Where parameters trade off, as
+/// in the rational model, OpenCV creeps on for thousands of iterations below that.
+constexpr double kStandsStill = 0.5;
 /// Noise of a pixel coordinate that OpenCV's rounding to single precision may cause.
 constexpr double kSinglePrecision_px = 1e-3;
 
@@ -136,22 +137,21 @@ std::optional<LensFit> fit_by_opencv(const std::vector<CalibrationView>& views, 
                                      int height_px, const FitModel& model) {
   const std::vector<CalibrationView> seen = single_precision(views);
   OpenCvProblem problem = opencv_problem(views, {width_px, height_px});
+  std::optional<LensFit> fit;
   try {
-    LensFit fit;
     for (int round = 0; round < kRounds; ++round) {
       run(problem, model.name, round == 0);
-      fit = fit_from(problem, model.lens);
-      const auto information = fit_information(fit, seen, model.free_coefficients);
-      if (!information) return std::nullopt;
-      fit.converged = stands_still(*information);
-      if (fit.converged) break;
+      LensFit next = fit_from(problem, model.lens);
+      const auto information = fit_information(next, seen, model.free_coefficients);
+      if (!information) break;
+      next.converged = stands_still(*information);
+      fit = std::move(next);
+      if (fit->converged) break;
     }
-    return fit;
-  } catch (const cv::Exception&) {
-    return std::nullopt;
-  } catch (const InputError&) {
-    return std::nullopt;  // coefficients that are not finite
+  } catch (const cv::Exception&) {  // how OpenCV refuses views
+  } catch (const InputError&) {     // coefficients that are not finite
   }
+  return fit;
 }
 
 }  // namespace planar

@@ -137,6 +137,7 @@ std::optional<CoarseView> learn_view(const LocateRequest& request) {
         const LampImage& image = *usable[i * usable.size() / n];
         const LampImageRead read = read_lamp_image(image, sensor_of(request));
         if (read.status != "ok") return;
+        tracker.forget();
         const LampPair pair = tracker.locate(read.frame, {});
         if (pair.status != LampStatus::kAmbiguous) return;
         rows[i] = {image.commanded->p, 0.5 * (pair.lamps[0].uv_px + pair.lamps[1].uv_px)};
@@ -159,6 +160,7 @@ LocateReport locate_lamps(const LocateRequest& request) {
         collector.add(i, [&](const Frame& frame) {
           const PairExpectation expectation =
               prediction ? prediction->of(image.commanded) : PairExpectation{};
+          tracker.forget();
           return pair_row(image, look(request.scene, tracker, frame, expectation), request.scene);
         });
       });

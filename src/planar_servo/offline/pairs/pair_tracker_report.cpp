@@ -21,9 +21,9 @@ std::string raw_error_text(const std::vector<PairRow>& pairs) {
                      [&](const PairRow& pair) { return pair.plan == plan; }))
       continue;
     const Summary raw = raw_error(pairs, plan);
-    text +=
-        fmt::format("raw error  {}: {} pairs, mean {:.3f} mm, rms {:.3f} mm, max {:.3f} mm\n", plan,
-                    raw.n, raw.mean / kMillimetre, raw.rms / kMillimetre, raw.max / kMillimetre);
+    text += fmt::format("raw error  {}: {} pairs, mean {:.3f} mm, rms {:.3f} mm, max {:.3f} mm\n",
+                        name(plan), raw.n, raw.mean / kMillimetre, raw.rms / kMillimetre,
+                        raw.max / kMillimetre);
   }
   return text;
 }
