@@ -19,72 +19,12 @@ std::string format_name(const std::string& kind) {
   return "planar-servo/" + kind + "/1";
 }
 
-std::string_view trimmed(std::string_view text) {
-  constexpr char kBlanks[] = " \t\r";
-  const auto first = text.find_first_not_of(kBlanks);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
-}
-
-bool is_comment(std::string_view line) {
-  return trimmed(line).substr(0, 1) == "#";
-}
-
 bool starts_with(std::string_view text, std::string_view beginning) {
   return text.substr(0, beginning.size()) == beginning;
 }
 
 std::string joined(const std::vector<std::string>& names) {
   return fmt::format("{}", fmt::join(names, ", "));
-}
-
-/// Where the quoted text that begins at `begin` ends: at its closing quote, or at the end.
-std::size_t closing_quote(std::string_view text, std::size_t begin) {
-  std::size_t at = text.find('"', begin);
-  while (at != std::string_view::npos && text.substr(at + 1, 1) == "\"")
-    at = text.find('"', at + 2);
-  return std::min(at, text.size());
-}
-
-struct Field {
-  std::string_view text;  ///< between its quotes, where it has some
-  bool is_quoted{false};
-  bool is_closed{true};  ///< whether a closing quote ends it
-  bool is_last{false};   ///< of its line
-};
-
-/// Takes the first field and the separator behind it from a line.
-Field take_field(std::string_view& line, char separator) {
-  Field field;
-  std::size_t end = line.find(separator);
-  field.text = trimmed(line.substr(0, end));
-  if (starts_with(field.text, "\"")) {
-    field.is_quoted = true;
-    const auto begin = static_cast<std::size_t>(field.text.data() - line.data()) + 1;
-    const std::size_t quote = closing_quote(line, begin);
-    field.text = line.substr(begin, quote - begin);
-    end = line.find(separator, quote);
-    field.is_closed =
-        quote < line.size() &&
-        trimmed(line.substr(quote + 1, end == std::string_view::npos ? end : end - quote - 1))
-            .empty();
-  }
-  field.is_last = end == std::string_view::npos;
-  line.remove_prefix(field.is_last ? line.size() : end + 1);
-  return field;
-}
-
-/// Whether the text behind `in_quotes` ends within quotes, so that the next line goes on with it.
-bool ends_in_quotes(std::string_view text, bool in_quotes, char separator) {
-  if (in_quotes) {
-    const std::size_t quote = closing_quote(text, 0);
-    if (quote == text.size()) return true;
-    text.remove_prefix(std::min(text.find(separator, quote), text.size() - 1) + 1);
-  }
-  if (text.find('"') == std::string_view::npos) return false;
-  Field last;
-  while (!last.is_last) last = take_field(text, separator);
-  return last.is_quoted && last.text.data() + last.text.size() == text.data() + text.size();
 }
 
 }  // namespace
@@ -96,25 +36,6 @@ std::optional<double> finite_number(std::string_view text) {
   if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value))
     return std::nullopt;
   return value;
-}
-
-std::vector<std::string_view> split_fields(std::string_view line, char separator) {
-  std::vector<std::string_view> fields;
-  for (bool is_last = false; !is_last;) {
-    const Field field = take_field(line, separator);
-    fields.push_back(field.text);
-    is_last = field.is_last;
-  }
-  return fields;
-}
-
-std::string csv_field(const std::string& text) {
-  const bool plain = trimmed(text).size() == text.size() && !starts_with(text, "#") &&
-                     text.find_first_of(",\"\r\n") == std::string::npos;
-  if (plain) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + '"';
 }
 
 std::string csv_header(const std::string& kind, const std::vector<std::string>& columns) {
@@ -160,7 +81,7 @@ bool CsvTable::split_line() {
   unquoted_.clear();
   std::string_view rest = line_;
   for (bool is_last = false; !is_last;) {
-    const Field field = take_field(rest, dialect_.separator);
+    const CsvField field = take_field(rest, dialect_.separator);
     is_last = field.is_last;
     if (!field.is_closed) {
       add_fault(fmt::format(

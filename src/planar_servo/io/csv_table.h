@@ -11,18 +11,12 @@
 #include <vector>
 
 #include "planar_servo/core/error.h"
+#include "planar_servo/io/csv_fields.h"
 
 namespace planar {
 
 /// The whole text as a finite number with a decimal point, whatever the locale; empty otherwise.
 std::optional<double> finite_number(std::string_view text);
-
-/// The fields of one line, without the blanks or quotes around them; views of `line`, in which
-/// doubled quotes stay doubled.
-std::vector<std::string_view> split_fields(std::string_view line, char separator = ',');
-
-/// A text as a field of a line, quoted where it must be [RFC 4180] to be read as it is.
-std::string csv_field(const std::string& text);
 
 /// The first two lines of a table: its format and its columns.
 std::string csv_header(const std::string& kind, const std::vector<std::string>& columns);

@@ -152,6 +152,7 @@ template <typename Value, std::size_t kCount, std::size_t kSize>
 bool Fields::choices(const std::string& key, std::array<Value, kCount>& field,
                      const Named<Value> (&table)[kSize]) {
   std::vector<std::string> texts;
+  texts.reserve(kCount);
   for (const Value value : field) texts.emplace_back(name_in(table, value));
   const bool read = names(key, texts, kCount, names_of(table));
   if (!reading() || !read) return read;
@@ -187,6 +188,7 @@ bool Fields::rows_of(const std::string& key, std::vector<Row>& field, std::size_
   };
   Row empty{};
   std::vector<std::vector<double>> values;
+  values.reserve(field.size());
   for (Row& row : field) values.push_back(fields_of(row).in_file());
   const bool read = rows_in_file(key, values, size, fields_of(empty).ranges());
   if (!reading() || !read) return read;

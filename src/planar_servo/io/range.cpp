@@ -21,9 +21,7 @@ bool Range::holds(double value) const {
 std::string Range::text() const {
   const bool from = is_told(lower_) && !is_positive(), to = is_told(upper_);
   if (!from && !to && !is_positive() && !whole_) return "a finite number";
-  const std::string number = is_positive() ? "a positive number"
-                             : whole_      ? "a whole number"
-                                           : "a number";
+  std::string number = is_positive() ? "a positive number" : whole_ ? "a whole number" : "a number";
   if (from && to) return fmt::format("{} from {} to {}", number, lower_, upper_);
   if (from) return fmt::format("{} of at least {}", number, lower_);
   if (to) return fmt::format("{} of at most {}", number, upper_);

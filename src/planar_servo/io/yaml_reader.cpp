@@ -68,7 +68,7 @@ struct YamlNode::Impl {
 
   bool present() const { return node.IsDefined(); }
   std::string place_of(const std::string& key) const {
-    return place.empty() ? key : place + "." + key;
+    return place.empty() ? key : fmt::format("{}.{}", place, key);
   }
   std::string title() const { return place.empty() ? "the file" : place; }
   void fault(const std::string& message) const {
@@ -131,7 +131,7 @@ void YamlDocument::Impl::add_key_faults() {
     std::set<std::string> seen;
     for (const auto& entry : map.node) {
       const std::string key = entry.first.Scalar();
-      const std::string name = place.empty() ? key : place + "." + key;
+      const std::string name = place.empty() ? key : fmt::format("{}.{}", place, key);
       if (!seen.insert(key).second)
         add_fault(entry.first.Mark(), fmt::format("the key '{}' stands twice", name));
       if (strict && !map.any_key &&

@@ -18,11 +18,6 @@ const TableSchema<TargetRow>& schema() {
   return targets;
 }
 
-bool is_comment(const std::string& line) {
-  const std::size_t first = line.find_first_not_of(" \t");
-  return first != std::string::npos && line[first] == '#';
-}
-
 bool has_number(const std::vector<std::string_view>& fields) {
   return std::any_of(fields.begin(), fields.end(),
                      [](std::string_view field) { return finite_number(field).has_value(); });
