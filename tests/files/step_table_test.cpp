@@ -16,7 +16,7 @@ TEST_CASE("Every step has one field per column, measured or not") {
   ServoStep step;
   step.measurement.lamps_px.fill(Eigen::Vector2d::Zero());
   CHECK(commas(step_line("a", step)) == commas(columns));
-  step.measurement.status = "one_lamp";
+  step.measurement = failed_look(TipStatus::kNoLamps, "one_lamp", 0.0);
   CHECK(commas(step_line("a", step)) == commas(columns));
 }
 

@@ -14,7 +14,7 @@ using Catch::Contains;
 
 constexpr double kRounding = 1e-12;
 
-std::vector<PairRow> pairs_of(const std::vector<ErrorSample>& samples, Plan plan) {
+std::vector<PairRow> pairs_of(const std::vector<ErrorSample>& samples, std::optional<Plan> plan) {
   std::vector<PairRow> pairs;
   for (const ErrorSample& sample : samples) {
     PairRow pair;
@@ -27,7 +27,7 @@ std::vector<PairRow> pairs_of(const std::vector<ErrorSample>& samples, Plan plan
   return pairs;
 }
 
-std::vector<PairRow> lens_pairs(std::uint32_t seed, Plan plan) {
+std::vector<PairRow> lens_pairs(std::uint32_t seed, std::optional<Plan> plan) {
   return pairs_of(
       test::measure(test::lens_field, test::random_positions(200, seed), test::kFieldNoise, seed),
       plan);
@@ -53,7 +53,7 @@ TEST_CASE("A map is fitted to the pairs of plan train, and judged on the others"
   CHECK(report.n_other_plans == 200);
   CHECK(pairs_to_check(pairs, {}).size() == 200);
   CHECK(pairs_to_check(pairs, {Plan::kTrain, Plan::kTest}).size() == 400);
-  CHECK(pairs_to_check(lens_pairs(1, ""), {}).size() == 200);
+  CHECK(pairs_to_check(lens_pairs(1, {}), {}).size() == 200);
   CHECK_THROWS_WITH(fit_error_map_to_pairs(others, {}),
                     Contains("none of 200 pairs is of plan 'train'"));
   CHECK_THROWS_WITH(pairs_to_check(others, {Plan::kControl}),
@@ -68,7 +68,7 @@ TEST_CASE("The check's figures are those of theory") {
   const std::vector<PairRow> pairs = pairs_of({{"a", {0.01, 0.01}, {1e-3, 0.0}},
                                                {"b", {0.02, 0.02}, {0.0, 2e-3}},
                                                {"c", {0.5, 0.5}, {3e-3, 0.0}}},
-                                              "");
+                                              {});
   const MapCheck check = check_error_map(constant, pairs);
   const double mean_missed = (0.0 + std::sqrt(5.0) + 2.0) / 3.0;
   CHECK(check.n_outside == 1);
@@ -81,8 +81,8 @@ TEST_CASE("The check's figures are those of theory") {
 }
 
 TEST_CASE("A map is not judged on pairs in another unit or frame, but on one or two pairs") {
-  const ErrorMap map = fit_error_map_to_pairs(lens_pairs(1, ""), {}).result.map;
-  std::vector<PairRow> pairs = lens_pairs(2, "");
+  const ErrorMap map = fit_error_map_to_pairs(lens_pairs(1, {}), {}).result.map;
+  std::vector<PairRow> pairs = lens_pairs(2, {});
   CHECK_NOTHROW(check_error_map(map, {pairs.front()}));
   std::vector<PairRow> swapped = pairs;
   for (PairRow& pair : swapped) pair.p_tracker = pair.p_tracker.reverse().eval();
@@ -92,7 +92,7 @@ TEST_CASE("A map is not judged on pairs in another unit or frame, but on one or 
 }
 
 TEST_CASE("A map that depends on the tool's direction is not judged on pairs without it") {
-  std::vector<PairRow> pairs = lens_pairs(1, "");
+  std::vector<PairRow> pairs = lens_pairs(1, {});
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     pairs[i].phi = 2.4 * static_cast<double>(i * i);
     pairs[i].p_tracker -= 1e-4 * Eigen::Vector2d(std::cos(*pairs[i].phi), std::sin(*pairs[i].phi));
@@ -106,12 +106,12 @@ TEST_CASE("A map that depends on the tool's direction is not judged on pairs wit
                     Contains("pairs.csv: the map depends on the tool's direction; pairs need a "
                              "column phi_deg"));
   CHECK_NOTHROW(
-      require_directions(fit_error_map_to_pairs(lens_pairs(1, ""), {}).result.map, pairs, ""));
+      require_directions(fit_error_map_to_pairs(lens_pairs(1, {}), {}).result.map, pairs, ""));
 }
 
 TEST_CASE("About 95 of 100 other pairs lie within the interval of map and noise") {
-  const ErrorMap map = fit_error_map_to_pairs(lens_pairs(1, ""), {}).result.map;
-  std::vector<PairRow> others = lens_pairs(2, "");
+  const ErrorMap map = fit_error_map_to_pairs(lens_pairs(1, {}), {}).result.map;
+  std::vector<PairRow> others = lens_pairs(2, {});
   CHECK(check_error_map(map, others).coverage_95 == Approx(0.95).margin(0.03));
   for (PairRow& pair : others) pair.sigma_tracker = 3.0 * test::kFieldNoise;
   CHECK(check_error_map(map, others).coverage_95 > 0.99);

@@ -36,7 +36,7 @@ LampScene scene(bool with_workplane) {
   LampScene result;
   result.sensor_px = kSensor;
   result.lamps = {kSeparation_m, {kDiameter_m, kDiameter_m}};
-  if (with_workplane) result.workplane = workplane();
+  if (with_workplane) result.vision = VisionCalibration{result.lamps, workplane(), {}};
   return result;
 }
 
@@ -136,13 +136,13 @@ TEST_CASE("locate_lamps leaves equal lamps ambiguous without a commanded pose") 
   REQUIRE(midway.p_vision);
   CHECK((*midway.p_vision - Eigen::Vector2d(0.1, 0.05)).norm() < kMeasured_m);
 
-  with_plane.tool.p_TP = {0.001, 0.0};  // the end point does not lie midway: no position
+  with_plane.vision->tool.p_TP = {0.001, 0.0};  // the end point does not lie midway: no position
   const auto aside = locate_lamps({recording.images, with_plane, CenterMethod::kAuto, {}}).rows[0];
   CHECK(aside.status == "ambiguous");
   CHECK(aside.uv_px.size() == 2);
   CHECK_FALSE(aside.p_vision);
 
-  with_plane.lamps.separation_m = 1.2 * kSeparation_m;
+  with_plane.vision->lamps.separation_m = 1.2 * kSeparation_m;
   const auto wrong = locate_lamps({recording.images, with_plane, CenterMethod::kAuto, {}}).rows[0];
   CHECK(wrong.status == "wrong_distance");
 }
@@ -151,6 +151,7 @@ TEST_CASE("locate_lamps tells lamps of different size apart without a commanded 
   constexpr double kLarger = 1.3;
   LampScene with_plane = scene(true);
   with_plane.lamps.diameters_m[1] *= kLarger;
+  with_plane.vision->lamps = with_plane.lamps;
   Recording recording;
   for (const double phi : {0.3, 1.9, -2.5})
     recording.add({{0.1, 0.05}, phi}, 2, {{0, 0}, kSensor}, kLarger);

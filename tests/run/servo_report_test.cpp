@@ -1,6 +1,7 @@
 #include "planar_servo/run/servo_report.h"
 
 #include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
 
 namespace planar {
 namespace {

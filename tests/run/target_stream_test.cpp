@@ -1,9 +1,12 @@
 #include "planar_servo/run/target_stream.h"
 
 #include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "planar_servo/core/error.h"
+#include "planar_servo/machine/device_kinds.h"
+#include "planar_servo/run/dry_run_report.h"
 
 namespace planar {
 namespace {

@@ -1,5 +1,6 @@
 #include "planar_servo/servo/control_law.h"
 
+#include <Eigen/LU>
 #include <catch2/catch.hpp>
 #include <cmath>
 
