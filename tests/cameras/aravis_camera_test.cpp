@@ -259,7 +259,7 @@ TEST_CASE("A camera that is not the one asked for is refused by name") {
   test::SceneSensor sensor;
   const Server server(sensor);
   settings.id = "T2";
-  CHECK_THROWS_WITH(AravisCamera(settings), Catch::Contains("is T1, not T2"));
+  CHECK_THROWS_WITH(AravisCamera(settings), Catch::Contains("has the serial number T1, not T2"));
   settings.id = "T1";
   settings.sensor_px = {640, 480};
   CHECK_THROWS_WITH(AravisCamera(settings),
@@ -308,7 +308,7 @@ TEST_CASE("An inspection counts whole and torn frames, and tells why a camera ca
       settings.id = "T2";
       const CameraInspection other = inspect_camera(settings, kDuration_s);
       REQUIRE(other.refusal);
-      CHECK_THAT(other.refusal->fault, Catch::Contains("is T1, not T2"));
+      CHECK_THAT(other.refusal->fault, Catch::Contains("has the serial number T1, not T2"));
       CHECK_THAT(other.refusal->remedy, Catch::Contains("correct the settings of `camera`"));
     }
     const CameraInspection dead = inspect_camera(settings, kDuration_s);

@@ -177,7 +177,7 @@ TEST_CASE("What only a data sheet knows of the sensor may be left out, but must 
              Contains("camera.gain_e_per_level is -1; a positive number is needed"));
 }
 
-TEST_CASE("A cell may say how lamps' centres are measured; else it is auto") {
+TEST_CASE("A cell says how lamps' centres are measured, or leaves it at auto") {
   const test::TemporaryFolder folder;
   CHECK(read_cell(test::paper_cell_file()).lamps.method == CenterMethod::kAuto);
   const std::string text = replaced(read_file(test::paper_cell_file()), "separation_mm: 40.0",

@@ -116,7 +116,7 @@ TEST_CASE("A map of a method that does not exist is refused for that alone") {
       std::regex_replace(files.map_text_of(MapMethod::kRbf), std::regex("gaussian_rbf"), "gausian");
   CHECK_THROWS_WITH(
       read_map(files.write_map(text)),
-      Contains("method is 'gausian'; allowed are gaussian_rbf") && !Contains("unknown key"));
+      Contains("method is 'gausian'; allowed are idw, gaussian_rbf") && !Contains("unknown key"));
 }
 
 TEST_CASE("A map whose lists do not match is refused, not evaluated") {

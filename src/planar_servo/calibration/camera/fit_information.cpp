@@ -12,7 +12,7 @@ namespace {
 constexpr double kCoefficientStep = 1e-5;
 /// Least eigenvalue of an information matrix scaled to a diagonal of ones. Below it rounding
 /// decides about the inverse.
-constexpr double kLeastEigenvalue = 1e-13;
+constexpr double kLeastEigenvalue = 1e-15;
 
 /// The camera with one distortion coefficient a step less and more.
 struct MovedCameras {

@@ -21,15 +21,21 @@ constexpr double kMostUncertain = 0.1;
                   "; take more of them, tilted in different directions, or a simpler model");
 }
 
-/// The power of two, which changes no digit, by which the points' root mean square distance from
-/// their centroid comes to between an eighth and a quarter of a metre.
+/// Where the points' root mean square distance from their centroid lies between these, metres, they
+/// are taken as they are.
+constexpr double kSmallBoard = 1.0 / 32.0, kLargeBoard = 1.0;
+
+/// The power of two, which changes no digit, by which the points of a smaller or larger board come
+/// to a root mean square distance between an eighth and a quarter of a metre.
 double normalising_scale(const std::vector<Eigen::Vector2d>& points) {
   Eigen::Vector2d centroid(0.0, 0.0);
   for (const Eigen::Vector2d& p : points) centroid += p / static_cast<double>(points.size());
   double squares = 0.0;
   for (const Eigen::Vector2d& p : points) squares += (p - centroid).squaredNorm();
+  const double rms = std::sqrt(squares / static_cast<double>(points.size()));
+  if (rms >= kSmallBoard && rms <= kLargeBoard) return 1.0;
   int exponent = 0;
-  std::frexp(std::sqrt(squares / static_cast<double>(points.size())), &exponent);
+  std::frexp(rms, &exponent);
   return std::ldexp(1.0, -2 - exponent);
 }
 

@@ -27,9 +27,9 @@ struct LensFit {
 };
 
 /// Fits a camera of that model to the views: by ViSP's vpCalibration for the lens visp, else by
-/// OpenCV's calibrateCamera and fisheye. Lengths are brought near to a quarter of a metre inside,
-/// so that the board's unit does not matter. Empty when the fit fails, as it may where the views do
-/// not determine the camera.
+/// OpenCV's calibrateCamera and fisheye. Boards much smaller or larger than a quarter of a metre
+/// are scaled to it inside, so that the board's unit does not matter. Empty when the fit fails, as
+/// it may where the views do not determine the camera.
 std::optional<LensFit> fit_lens(const std::vector<CalibrationView>& views, int width_px,
                                 int height_px, const FitModel& model);
 
