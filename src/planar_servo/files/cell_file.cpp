@@ -32,6 +32,7 @@ constexpr Named<Approach> kApproaches[] = {{Approach::kOneSide, "one_side"},
 template <typename Kind>
 const Kind* kind_at(const YamlNode& node, const char* key, const std::vector<const Kind*>& kinds) {
   std::vector<std::string> names;
+  names.reserve(kinds.size());
   for (const Kind* kind : kinds) names.push_back(kind->name());
   const std::optional<std::string> name = node.child(key).as_choice(names);
   for (const Kind* kind : kinds)
