@@ -59,7 +59,7 @@ TEST_CASE("A small experiment fills every table of the paper, and our chain beat
                3.0));
 
   const ServoFigures ours = figures_of(report.ours), paper = figures_of(report.paper);
-  CHECK(ours.targets == 4u * kSmall.control_points);
+  CHECK(ours.targets == control_targets(kSmall).size());
   CHECK(ours.reached == ours.targets);
   CHECK(ours.before_truth->mean > kBeforeAbove_m);
   CHECK(ours.after_truth->mean < kOursBelow_m);
