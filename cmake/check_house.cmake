@@ -2,7 +2,8 @@
 # Fails unless every room includes only what it links (a header only what it links publicly), no
 # folder holds more than twelve files (a header and its source count once), and no type is declared in
 # two rooms: their layouts would be mixed up at link time without a word. For the same reason every
-# test keeps its helpers in an anonymous namespace.
+# test keeps its helpers in an anonymous namespace. Source files of one room name their constants and
+# types apart, because PLANAR_UNITY compiles several at once.
 cmake_minimum_required(VERSION 3.25)
 include(${HOUSE})
 set(faults "")
@@ -38,6 +39,14 @@ foreach(room ${rooms})
       endif()
     endforeach()
     if(NOT file MATCHES "\\.h$")
+      file(STRINGS ${SRC}/${file} own REGEX "^(constexpr .* k[A-Z][A-Za-z0-9_]*|struct [A-Za-z0-9]+) ?[[{=]")
+      foreach(line ${own})
+        string(REGEX REPLACE "^(constexpr [^=]* |struct )([A-Za-z0-9_]+) ?[[{=].*" "\\2" name "${line}")
+        if(DEFINED own_${room}_${name})
+          string(APPEND faults "src/${file}: ${name} is the name of another in ${own_${room}_${name}}\n")
+        endif()
+        set(own_${room}_${name} ${file})
+      endforeach()
       continue()
     endif()
     file(STRINGS ${SRC}/${file} types REGEX "^(struct|class|enum class) [A-Za-z0-9]+ .*[{]")

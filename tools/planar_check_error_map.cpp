@@ -36,7 +36,7 @@ MapCheck check(const ErrorMap& map, const std::vector<PairRow>& pairs) {
 
 std::vector<Plan> plans_of(const Options& options) {
   std::vector<Plan> plans;
-  for (const std::string& word : options.plans) plans.push_back(plan_named(word).value());
+  for (const std::string& word : options.plans) plans.push_back(value_named(kPlans, word).value());
   return plans;
 }
 
@@ -54,7 +54,7 @@ Outcome check_pairs(const Options& options) {
 void add_options(CLI::App& app, Options& options) {
   app.add_option("--plan", options.plans,
                  "judge only pairs of these plans; without it all but train")
-      ->check(CLI::IsMember(plan_names()))
+      ->check(CLI::IsMember(names_of(kPlans)))
       ->delimiter(',')
       ->allow_extra_args(false)
       ->type_name("NAME");

@@ -122,7 +122,8 @@ Outcome locate(const Options& options) {
   const LocateFigures figures = figures_of(report);
   fmt::print("{}", locate_text(figures));
   if (!figures.any())
-    spdlog::error("no image shows what was looked for; {} says why for each", options.out.string());
+    spdlog::error(fmt::format("no image shows what was looked for; {} says why for each",
+                              options.out.string()));
   return {locate_json(figures), figures.any()};
 }
 

@@ -43,7 +43,7 @@ void add_options(CLI::App& app, Options& options) {
       ->type_name("DIR");
   app.add_option("--workplane-from", options.workplane_from,
                  "the source of the plane's height and tilt")
-      ->check(CLI::IsMember({"pairs", "grid"}))
+      ->check(CLI::IsMember(names_of(kWorkplaneSources)))
       ->capture_default_str();
   app.add_option("--grid", options.grid, "board on the plane, circles:COLSxROWS:PITCHmm")
       ->type_name("BOARD");
@@ -106,6 +106,10 @@ void require_outputs(const Options& options, const CellSettings& cell) {
   }
 }
 
+WorkplaneSource source_of(const Options& options) {
+  return value_named(kWorkplaneSources, options.workplane_from).value();
+}
+
 PairTrackerRequest read_request(const Options& options) {
   if (options.decimal_comma && options.separator == ',')
     throw InputError("--decimal-comma needs another --separator than ',', such as ';'");
@@ -119,7 +123,7 @@ PairTrackerRequest read_request(const Options& options) {
       read_tracker(options.tracker.empty() ? options.recording / "tracker.csv" : options.tracker,
                    {options.separator, options.decimal_comma, renamed_columns(options.columns)});
   request.by = options.pair_by == "time" ? PairBy::kTime : PairBy::kId;
-  if (options.workplane_from == "grid") {
+  if (source_of(options) == WorkplaneSource::kBoard) {
     if (options.grid.empty()) {
       throw InputError("--workplane-from grid needs --grid circles:COLSxROWS:PITCHmm");
     }
@@ -133,7 +137,7 @@ void write_files(const Options& options, const CellSettings& cell, const Workpla
                  const std::vector<PairRow>& pairs) {
   const std::vector<std::filesystem::path> inputs = inputs_of(options, cell);
   write_file(options.workplane_out,
-             workplane_text({fit.X_WC, fit.covariance, options.workplane_from, fit.absorbed,
+             workplane_text({fit.X_WC, fit.covariance, source_of(options), fit.absorbed,
                              static_cast<int>(fit.n_used), fit.rms},
                             kText.name, inputs));
   write_file(options.tool_out, tool_text(fit.tool, kText.name, inputs));
@@ -145,7 +149,7 @@ Outcome pair(const Options& options) {
   const PairTrackerReport report = pair_tracker(request);
   write_files(options, request.cell, report.workplane, report.pairs);
   const std::string doubt = moved_monuments(request, report.datum.rms);
-  if (!doubt.empty()) spdlog::warn("{}", doubt);
+  if (!doubt.empty()) spdlog::warn(doubt);
   fmt::print("{}", pair_tracker_text(report));
   return {pair_tracker_json(report)};
 }

@@ -40,7 +40,7 @@ Outcome run(const Options& options) {
   const auto devices = open_cell(request.cell);
   const RecordReport report = record(request, *devices);
   for (const std::string& id : report.without_lamps)
-    spdlog::warn("{}: no pair of lamps was seen; its frames are kept", id);
+    spdlog::warn(fmt::format("{}: no pair of lamps was seen; its frames are kept", id));
   const FrameCounts frames = devices->camera().counts();
   fmt::print("{}", record_text(report, frames, options.recording));
   return {record_json(report, frames)};

@@ -128,7 +128,7 @@ Outcome report(const ServoRequest& request, const Options& options, const ServoR
                const FrameCounts& frames, std::size_t bad_lines) {
   for (const TargetResult& result : run.results())
     if (result.status != ServoStatus::kReached)
-      spdlog::warn("{}: {}: {}", result.id, name(result.status), result.reason);
+      spdlog::warn(fmt::format("{}: {}: {}", result.id, name(result.status), result.reason));
   ServoFigures figures = figures_of(run.results());
   figures.frames = frames;
   write_run(request, figures, run.results(), from_stdin(options) ? fs::path() : options.targets);

@@ -90,7 +90,7 @@ void start_log(const std::string& name, bool quiet, bool verbose) {
 }
 
 int failure(int status, const std::exception& e) {
-  spdlog::error("{}", e.what());
+  spdlog::error(e.what());
   return status;
 }
 

@@ -15,7 +15,7 @@
 
 #include "planar_servo/cameras/aravis/aravis_camera.h"
 #include "planar_servo/core/clock.h"
-#include "planar_servo/core/statistics.h"
+#include "planar_servo/core/numerics/statistics.h"
 #include "planar_servo/files/vision_files.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/machine/device_kinds.h"

@@ -10,7 +10,7 @@
 namespace planar {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
 constexpr double kAlgebra = 1e-14;  // some roundings of numbers near 1
 // One pulse of these drives moves the tip by up to 4 um; a first step of 1 mm is linear to 5 um.
 constexpr double kFirstStep_m = 15e-6;
@@ -144,7 +144,7 @@ TEST_CASE("Among the turns of a motor the one within its limits and nearest is t
 
 TEST_CASE("The transmission refuses what is not finite or beyond 32 bits") {
   const Transmission transmission = make(Coupling::kRelative, Coupling::kRelative);
-  const Joints bad{0.0, kNan, 0.0};
+  const Joints bad{0.0, kNoNumber, 0.0};
   CHECK_THROWS_AS(transmission.motors_from_joints(bad), std::invalid_argument);
   CHECK_THROWS_AS(transmission.joints_from_motors(bad), std::invalid_argument);
   CHECK_THROWS_AS(transmission.pulses_from_joints(bad), std::invalid_argument);
@@ -160,7 +160,7 @@ TEST_CASE("The transmission refuses settings that break their rule, naming the m
   };
   CHECK_THROWS_WITH(with([](auto& s) { s.drives[1].gear_ratio = 0.0; }),
                     Catch::StartsWith("motor 2: ") && Catch::Contains("must be positive"));
-  CHECK_THROWS_WITH(with([](auto& s) { s.drives[2].pulses_per_motor_turn = kNan; }),
+  CHECK_THROWS_WITH(with([](auto& s) { s.drives[2].pulses_per_motor_turn = kNoNumber; }),
                     Catch::StartsWith("motor 3: "));
   CHECK_THROWS_WITH(with([](auto& s) { s.drives[0].direction = 0; }),
                     "motor 1: direction is 0; allowed are 1 and -1");

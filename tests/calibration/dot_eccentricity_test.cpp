@@ -10,7 +10,7 @@
 namespace planar {
 namespace {
 
-const Intrinsics kLens{4200.0, 4100.0, 2560.0, 2500.0};
+const Intrinsics kUnequalLens{4200.0, 4100.0, 2560.0, 2500.0};
 constexpr double kDistance = 1.25;
 
 /// A plane tilted about an axis of its own, its origin on the camera's axis.
@@ -27,7 +27,7 @@ Pose tilted_plane(double tilt, double about) {
 /// H^-T Q H^-1, whose centre is the pole of the line at infinity.
 Eigen::Vector2d imaged_disc_center(const Pose& X_CG, const Eigen::Vector2d& p, double diameter) {
   Eigen::Matrix3d K, disc;
-  K << kLens.fx, 0.0, kLens.cx, 0.0, kLens.fy, kLens.cy, 0.0, 0.0, 1.0;
+  K << kUnequalLens.fx, 0.0, kUnequalLens.cx, 0.0, kUnequalLens.fy, kUnequalLens.cy, 0.0, 0.0, 1.0;
   disc << 1.0, 0.0, -p.x(), 0.0, 1.0, -p.y(), -p.x(), -p.y(),
       p.squaredNorm() - 0.25 * diameter * diameter;
   Eigen::Matrix3d H;
@@ -47,8 +47,8 @@ TEST_CASE("eccentricity_px is that of the disc's exact projection, however the p
       for (const Eigen::Vector2d& p : {Eigen::Vector2d(0.0, 0.0), Eigen::Vector2d(0.3, -0.2)}) {
         const Eigen::Vector3d p_C = X_CG * Eigen::Vector3d(p.x(), p.y(), 0.0);
         const Eigen::Vector2d exact =
-            imaged_disc_center(X_CG, p, kDiameter) - *project(Pinhole{kLens}, p_C);
-        const auto shift = eccentricity_px(Pinhole{kLens}, X_CG, p, kDiameter);
+            imaged_disc_center(X_CG, p, kDiameter) - *project(Pinhole{kUnequalLens}, p_C);
+        const auto shift = eccentricity_px(Pinhole{kUnequalLens}, X_CG, p, kDiameter);
         REQUIRE(shift);
         CHECK((*shift - exact).norm() < kShare * exact.norm() + kRounding);
       }
@@ -60,8 +60,9 @@ TEST_CASE("eccentricity_px grows with the square of the radius and the tilt") {
   // On the axis the shift is about f r^2 sin(2 tilt) / (2 Z^2).
   const double tilt = 30.0 * kDegree, radius = 4.0 * kMillimetre;
   const double expected =
-      kLens.fy * radius * radius * std::sin(2.0 * tilt) / (2.0 * kDistance * kDistance);
-  const auto shift = eccentricity_px(Pinhole{kLens}, tilted_plane(tilt, 0.0), {0, 0}, 2.0 * radius);
+      kUnequalLens.fy * radius * radius * std::sin(2.0 * tilt) / (2.0 * kDistance * kDistance);
+  const auto shift =
+      eccentricity_px(Pinhole{kUnequalLens}, tilted_plane(tilt, 0.0), {0, 0}, 2.0 * radius);
   REQUIRE(shift);
   CHECK(shift->norm() == Approx(expected).epsilon(0.01));
 }

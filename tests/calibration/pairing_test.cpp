@@ -15,7 +15,6 @@ LampSight frame(const std::string& id, double t_s, double u_px) {
   LampSight sight;
   sight.id = id;
   sight.t_s = t_s;
-  sight.status = "ok";
   sight.plan = Plan::kTrain;
   sight.uv_px = {Eigen::Vector2d(u_px, 100.0), Eigen::Vector2d(u_px + 80.0, 100.0)};
   sight.covariances_px2.fill(0.04 * Eigen::Matrix2d::Identity());
@@ -73,7 +72,7 @@ TEST_CASE("By time a stretch of readings without a frame is told once, as of a s
 
 TEST_CASE("What cannot be paired is named with its reason") {
   LampSight dark = frame("dark", 1.0, 0.0);
-  dark.status = "one_lamp";
+  dark.fault = "one_lamp";
   const Pairing pairing = pair_sights(
       {dark, frame("alone", 2.0, 0.0), frame("moving", 3.0, 0.0), frame("moving", 3.1, 5.0),
        frame("drifting", 4.0, 0.0)},
@@ -91,7 +90,7 @@ TEST_CASE("What cannot be paired is named with its reason") {
 
 TEST_CASE("A failed frame does not spoil the good ones of its place") {
   LampSight failed = frame("a", 1.1, 0.0);
-  failed.status = "saturated";
+  failed.fault = "saturated";
   failed.uv_px[0].x() = std::numeric_limits<double>::quiet_NaN();
   const Pairing pairing =
       pair_sights({frame("a", 1.0, 100.0), failed}, {reading("a", 1.0, 0.1)}, PairBy::kId);

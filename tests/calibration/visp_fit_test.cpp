@@ -17,7 +17,7 @@ using test::kNoise_px;
 using test::views_of_board;
 
 /// Of a fitted parameter; 5 standard deviations happen once in a million.
-constexpr double kDeviations = 5.0;
+constexpr double kVispDeviations = 5.0;
 
 /// Root mean square distance between where two cameras see the same rays, over the pixels in which
 /// the first one was calibrated.
@@ -42,12 +42,12 @@ TEST_CASE("ViSP's calibration finds its own lens within its standard deviations"
   const auto& camera = std::get<VispModel>(found.camera);
   const auto& sigma = found.standard_deviations;
   REQUIRE(sigma.size() == 6);
-  CHECK(std::abs(camera.k.fx - truth.k.fx) < kDeviations * sigma[0]);
-  CHECK(std::abs(camera.k.fy - truth.k.fy) < kDeviations * sigma[1]);
-  CHECK(std::abs(camera.k.cx - truth.k.cx) < kDeviations * sigma[2]);
-  CHECK(std::abs(camera.k.cy - truth.k.cy) < kDeviations * sigma[3]);
-  CHECK(std::abs(camera.kud - truth.kud) < kDeviations * sigma[4]);
-  CHECK(std::abs(camera.kdu - truth.kdu) < kDeviations * sigma[5]);
+  CHECK(std::abs(camera.k.fx - truth.k.fx) < kVispDeviations * sigma[0]);
+  CHECK(std::abs(camera.k.fy - truth.k.fy) < kVispDeviations * sigma[1]);
+  CHECK(std::abs(camera.k.cx - truth.k.cx) < kVispDeviations * sigma[2]);
+  CHECK(std::abs(camera.k.cy - truth.k.cy) < kVispDeviations * sigma[3]);
+  CHECK(std::abs(camera.kud - truth.kud) < kVispDeviations * sigma[4]);
+  CHECK(std::abs(camera.kdu - truth.kdu) < kVispDeviations * sigma[5]);
   CHECK(found.rms_px == Approx(kNoise_px * std::sqrt(2.0)).epsilon(0.1));
   CHECK(found.held_out_rms_px.value() == Approx(kNoise_px * std::sqrt(2.0)).epsilon(0.2));
 }

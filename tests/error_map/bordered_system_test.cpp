@@ -10,7 +10,7 @@ namespace planar {
 namespace {
 
 // Forty unit kernel elements with a ridge of 1e-2: condition below 1e4.
-constexpr double kRounding = 1e-10;
+constexpr double kSystemRounding = 1e-10;
 constexpr double kRidge = 1e-2;
 
 struct Example {
@@ -37,8 +37,9 @@ TEST_CASE("A bordered system's solution satisfies its equations") {
   REQUIRE(system);
   const Eigen::MatrixXd values = Eigen::MatrixXd::Random(40, 2);
   const auto solution = system->solve(values);
-  CHECK((given.kernel * solution.weights + given.tail * solution.tail - values).norm() < kRounding);
-  CHECK((given.tail.transpose() * solution.weights).norm() < kRounding);
+  CHECK((given.kernel * solution.weights + given.tail * solution.tail - values).norm() <
+        kSystemRounding);
+  CHECK((given.tail.transpose() * solution.weights).norm() < kSystemRounding);
 }
 
 TEST_CASE("The inverse's diagonal and blocks are those of the solutions for unit values") {
@@ -47,9 +48,11 @@ TEST_CASE("The inverse's diagonal and blocks are those of the solutions for unit
   const auto system = BorderedSystem::factorize(given.kernel, given.tail);
   REQUIRE(system);
   const Eigen::MatrixXd inverse = system->solve(Eigen::MatrixXd::Identity(40, 40)).weights;
-  CHECK((system->inverse_diagonal() - inverse.diagonal()).norm() < kRounding * inverse.norm());
+  CHECK((system->inverse_diagonal() - inverse.diagonal()).norm() <
+        kSystemRounding * inverse.norm());
   const std::vector<Eigen::Index> some{31, 7, 8};
-  CHECK((system->inverse_block(some) - inverse(some, some)).norm() < kRounding * inverse.norm());
+  CHECK((system->inverse_block(some) - inverse(some, some)).norm() <
+        kSystemRounding * inverse.norm());
 }
 
 TEST_CASE("The inverse form of A z is z^T A z") {
@@ -61,7 +64,7 @@ TEST_CASE("The inverse form of A z is z^T A z") {
   const Eigen::VectorXd b = Eigen::VectorXd::Random(given.tail.cols());
   const Eigen::VectorXd k = given.kernel * c + given.tail * b;
   const Eigen::VectorXd q = given.tail.transpose() * c;
-  CHECK(system->inverse_form(k, q) == Approx(c.dot(k) + b.dot(q)).epsilon(kRounding));
+  CHECK(system->inverse_form(k, q) == Approx(c.dot(k) + b.dot(q)).epsilon(kSystemRounding));
 }
 
 TEST_CASE("A kernel that is not positive definite and a tail of short rank have no system") {

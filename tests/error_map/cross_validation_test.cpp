@@ -35,13 +35,13 @@ double rms_of_refits(const MapSites& sites, const TunedFamily& family) {
   return std::sqrt(squares / static_cast<double>(sites.size()));
 }
 
-constexpr double kRounding = 1e-6;  // of stiff equations solved in another order
+constexpr double kRefitRounding = 1e-6;  // of stiff equations solved in another order
 
 TEST_CASE("Each block is predicted by the map of the other blocks") {
   const MapSites sites = sites_of(test::glow_field, 100);
   const TunedFamily family = tune(sites, kManyScales);
   const CrossValidation found = cross_validate(fit_rbf(sites, family).map, sites);
-  CHECK(found.rms.value == Approx(rms_of_refits(sites, family)).epsilon(kRounding));
+  CHECK(found.rms.value == Approx(rms_of_refits(sites, family)).epsilon(kRefitRounding));
   CHECK(found.rms.low < found.rms.value);
   CHECK(found.rms.value < found.rms.high);
   CHECK(found.worth_using);

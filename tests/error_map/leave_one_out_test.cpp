@@ -10,7 +10,7 @@ namespace planar {
 namespace {
 
 // Condition of the kernel here is below 1e6.
-constexpr double kRounding = 1e-8;
+constexpr double kShortcutRounding = 1e-8;
 
 MapSites without(const MapSites& sites, Eigen::Index left_out) {
   std::vector<Eigen::Index> kept;
@@ -32,9 +32,10 @@ TEST_CASE("The closed form equals refits with each sample left out") {
     const auto refit = fit_rbf(without(sites, i), tail, {KernelShape::kGaussian, 0.12, 0.0}, ridge);
     const Eigen::Vector2d p = sites.positions.col(i);
     const Eigen::Vector2d residual = sites.errors.col(i) - refit.map.predict(p).error;
-    CHECK((fit.left_out.residuals.col(i) - residual).norm() < kRounding * sites.errors.norm());
+    CHECK((fit.left_out.residuals.col(i) - residual).norm() <
+          kShortcutRounding * sites.errors.norm());
     const double sigma = std::hypot(refit.map.unit_sigma(p), std::sqrt(ridge / sites.counts[i]));
-    CHECK(fit.left_out.unit_sigmas[i] == Approx(sigma).epsilon(kRounding));
+    CHECK(fit.left_out.unit_sigmas[i] == Approx(sigma).epsilon(kShortcutRounding));
   }
 }
 

@@ -8,7 +8,7 @@ namespace planar {
 namespace {
 
 // Twice the unit roundoff: of the exponential, and of its argument near 0.
-constexpr double kRounding = 4.4e-16;
+constexpr double kKernelRounding = 4.4e-16;
 
 Eigen::VectorXd at_distances(const RadialKernel& kernel, const Eigen::VectorXd& distances) {
   Eigen::MatrixX2d centers = Eigen::MatrixX2d::Zero(distances.size(), 2);
@@ -30,8 +30,8 @@ TEST_CASE("Both kernels are what they are said to be at any distance") {
     const double rise = (std::sqrt(1.0 + d * d) - 1.0) / hill.level();
     worst_multiquadric = std::max(worst_multiquadric, std::abs(multiquadric[i] - (1.0 - rise)));
   }
-  CHECK(worst_gaussian < kRounding);
-  CHECK(worst_multiquadric < 10.0 * kRounding);  // 37 / level is above 4
+  CHECK(worst_gaussian < kKernelRounding);
+  CHECK(worst_multiquadric < 10.0 * kKernelRounding);  // 37 / level is above 4
   CHECK(gaussian[0] == 1.0);
 }
 

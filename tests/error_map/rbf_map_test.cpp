@@ -10,7 +10,7 @@
 namespace planar {
 namespace {
 
-constexpr double kRounding = 1e-9;
+constexpr double kMapRounding = 1e-9;
 
 MapSites two_sites(double distance) {
   MapSites sites;
@@ -35,7 +35,7 @@ TEST_CASE("Without ridge the map passes through its samples, where it is certain
   const auto fit = fit_rbf(sites, no_tail(), {KernelShape::kGaussian, 0.05, 0.0}, 0.0);
   for (Eigen::Index i = 0; i < sites.size(); ++i) {
     const ErrorPrediction at = fit.map.predict(sites.positions.col(i));
-    CHECK((at.error - sites.errors.col(i)).norm() < kRounding * sites.errors.norm());
+    CHECK((at.error - sites.errors.col(i)).norm() < kMapRounding * sites.errors.norm());
     CHECK(at.sigma < 1e-6 * fit.map.parameters().signal_sigma);
   }
 }
@@ -76,9 +76,9 @@ TEST_CASE("A linear field is the tail's alone") {
       merge_samples(test::measure(linear, test::random_positions(50, 2), 0.0, 1));
   const auto fit =
       fit_rbf(sites, tail_for(sites.positions), {KernelShape::kGaussian, 0.1, 0.0}, 1e-3);
-  CHECK(fit.map.parameters().weights.norm() < kRounding);
+  CHECK(fit.map.parameters().weights.norm() < kMapRounding);
   const Eigen::Vector2d outside(0.9, -0.9);
-  CHECK((fit.map.predict(outside).error - linear(outside)).norm() < kRounding);
+  CHECK((fit.map.predict(outside).error - linear(outside)).norm() < kMapRounding);
 }
 
 TEST_CASE("A site of several samples counts like these samples") {

@@ -12,8 +12,8 @@ namespace {
 constexpr double kSameSolution = 1e-9;
 
 // exp(-(eps r)^2) and -sqrt(1 + (eps r)^2) with eps = 5, on the unit square.
-const RadialKernel kGaussian{KernelShape::kGaussian, 1.0 / (5.0 * std::sqrt(2.0)), 0.0};
-const RadialKernel kMultiquadric{KernelShape::kMultiquadric, 1.0 / 5.0, 2.0};
+const RadialKernel kScipyGaussian{KernelShape::kGaussian, 1.0 / (5.0 * std::sqrt(2.0)), 0.0};
+const RadialKernel kScipyMultiquadric{KernelShape::kMultiquadric, 1.0 / 5.0, 2.0};
 
 Eigen::Matrix2Xd columns(const nlohmann::json& rows) {
   Eigen::Matrix2Xd result(2, rows.size());
@@ -40,10 +40,10 @@ TEST_CASE("Maps agree with SciPy's where kernel and settings are the same") {
   sites.scatter.setZero(sites.positions.cols());
 
   const Setting setting =
-      GENERATE(Setting{"gaussian|eps=5|smoothing=0|degree=-1", kGaussian, 0.0, -1},
-               Setting{"gaussian|eps=5|smoothing=1e-06|degree=-1", kGaussian, 1e-6, -1},
-               Setting{"gaussian|eps=5|smoothing=0|degree=0", kGaussian, 0.0, 0},
-               Setting{"multiquadric|eps=5|smoothing=0|degree=0", kMultiquadric, 0.0, 0});
+      GENERATE(Setting{"gaussian|eps=5|smoothing=0|degree=-1", kScipyGaussian, 0.0, -1},
+               Setting{"gaussian|eps=5|smoothing=1e-06|degree=-1", kScipyGaussian, 1e-6, -1},
+               Setting{"gaussian|eps=5|smoothing=0|degree=0", kScipyGaussian, 0.0, 0},
+               Setting{"multiquadric|eps=5|smoothing=0|degree=0", kScipyMultiquadric, 0.0, 0});
   TailBasis tail;
   tail.degree = setting.degree;
   const auto fit = fit_rbf(sites, tail, setting.kernel, setting.ridge);

@@ -32,8 +32,8 @@ TEST_CASE("The equations on whitened Gaussians are those of the plain ones") {
   const Eigen::MatrixX2d errors = sites.errors.transpose();
   Eigen::MatrixX2d gradient = rows.transpose() * (rows * weights - errors);
   gradient.topRows(12) += ridge * (basis.factor * basis.factor.transpose() * weights.topRows(12));
-  constexpr double kRounding = 1e-10;
-  CHECK(gradient.norm() < kRounding * (rows.transpose() * errors).norm());
+  constexpr double kSparseRounding = 1e-10;
+  CHECK(gradient.norm() < kSparseRounding * (rows.transpose() * errors).norm());
   CHECK(fit->residual_squares == Approx((rows * weights - errors).squaredNorm()));
 }
 

@@ -4,6 +4,7 @@
 
 #include "planar_servo/core/error.h"
 #include "support/temporary_folder.h"
+#include "support/texts.h"
 
 namespace planar {
 namespace {
@@ -41,10 +42,6 @@ constexpr char kRosFile[] =
     "distortion_coefficients:\n  rows: 1\n  cols: 5\n  data: [-0.1, 0.01, 0.001, 0.002, 0.0]\n"
     "rectification_matrix:\n  rows: 3\n  cols: 3\n  data: [1, 0, 0, 0, 1, 0, 0, 0, 1]\n"
     "some_other_key: 3\n";
-
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  return text.replace(text.find(from), from.size(), to);
-}
 
 }  // namespace
 
@@ -120,7 +117,7 @@ TEST_CASE("A ROS file is read, whatever else it holds") {
 TEST_CASE("Faults of a camera file are named with their place and what is allowed") {
   const test::TemporaryFolder folder;
   const auto reading = [&](const std::string& from, const std::string& to) {
-    return read_camera(folder.write("ros.yaml", replaced(kRosFile, from, to)));
+    return read_camera(folder.write("ros.yaml", test::replaced(kRosFile, from, to)));
   };
   CHECK_THROWS_WITH(
       reading("plumb_bob", "pinbob"),
@@ -138,9 +135,9 @@ TEST_CASE("Faults of a camera file are named with their place and what is allowe
 TEST_CASE("A list of coefficients that is too long or cut short is refused by its model") {
   const test::TemporaryFolder folder;
   const auto reading = [&](const std::string& model, const std::string& coefficients) {
-    const std::string file = replaced(kRosFile, "plumb_bob", model);
-    return read_camera(
-        folder.write("ros.yaml", replaced(file, "-0.1, 0.01, 0.001, 0.002, 0.0", coefficients)));
+    const std::string file = test::replaced(kRosFile, "plumb_bob", model);
+    return read_camera(folder.write(
+        "ros.yaml", test::replaced(file, "-0.1, 0.01, 0.001, 0.002, 0.0", coefficients)));
   };
   const std::string twelve = "0.3, 0.02, 0, 0, 0.001, 0.42, 0.06, 0.002, 4e-4, 0, -3e-4, 0";
   const auto count = [&](const CameraRecord& record) {

@@ -10,17 +10,12 @@
 #include "planar_servo/machine/device_kinds.h"
 #include "support/sample_cells.h"
 #include "support/temporary_folder.h"
+#include "support/texts.h"
 
 namespace planar {
 namespace {
 
 using Catch::Contains;
-
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  const auto at = text.find(from);
-  REQUIRE(at != std::string::npos);
-  return text.replace(at, from.size(), to);
-}
 
 TEST_CASE("The paper's cell is read in SI") {
   const CellSettings cell = read_cell(test::paper_cell_file());
@@ -38,8 +33,8 @@ TEST_CASE("The paper's cell is read in SI") {
 }
 
 std::string with_aravis_camera(const std::string& keys) {
-  return replaced(read_file(test::paper_cell_file()), "source: virtual,",
-                  "source: aravis, " + keys);
+  return test::replaced(read_file(test::paper_cell_file()), "source: virtual,",
+                        "source: aravis, " + keys);
 }
 
 TEST_CASE("A camera of source aravis has an address or a serial number, and settings in SI") {
@@ -79,19 +74,19 @@ TEST_CASE("Settings that no camera has are refused in the cell file") {
                         Contains("camera.packet_size is 70000"));
   CHECK_THROWS_WITH(
       read_cell(folder.write("virtual.yaml",
-                             replaced(read_file(test::paper_cell_file()), "source: virtual,",
-                                      "source: virtual, trigger: software,"))),
+                             test::replaced(read_file(test::paper_cell_file()), "source: virtual,",
+                                            "source: virtual, trigger: software,"))),
       Contains("unknown key 'camera.trigger'"));
 }
 
 TEST_CASE("Faults of a cell file are told all at once, each with its place and rule") {
   const test::TemporaryFolder folder;
   std::string text = read_file(test::paper_cell_file());
-  text = replaced(text, "gain: 1.0", "gain: 1.5");
-  text = replaced(text, "settle_ms", "setle_ms");
-  text = replaced(text, "positive_rotation: clockwise", "positive_rotation: left");
-  text = replaced(text, "[300.0, 300.0]", "[300.0, -1]");
-  text = replaced(text, "sigma_mm: 0.010", "sigma_mm: .nan");
+  text = test::replaced(text, "gain: 1.0", "gain: 1.5");
+  text = test::replaced(text, "settle_ms", "setle_ms");
+  text = test::replaced(text, "positive_rotation: clockwise", "positive_rotation: left");
+  text = test::replaced(text, "[300.0, 300.0]", "[300.0, -1]");
+  text = test::replaced(text, "sigma_mm: 0.010", "sigma_mm: .nan");
   try {
     read_cell(folder.write("cell.yaml", text));
     FAIL("no fault was found");
@@ -102,7 +97,7 @@ TEST_CASE("Faults of a cell file are told all at once, each with its place and r
     CHECK_THAT(
         e.what(),
         Contains("arm.positive_rotation is 'left'; allowed are counterclockwise, clockwise"));
-    CHECK_THAT(e.what(), Contains("arm.link_lengths_mm has -1; lengths must be positive"));
+    CHECK_THAT(e.what(), Contains("arm.link_lengths_mm[1] is -1; a positive number is needed"));
     CHECK_THAT(e.what(), Contains("tracker.sigma_mm is '.nan'; a finite number is needed"));
   }
 }
@@ -111,7 +106,7 @@ TEST_CASE("A Tic has a serial number of its own, a command timeout and a home") 
   const test::TemporaryFolder folder;
   std::string text = read_file(test::paper_cell_file());
   const auto tic = [&text](const std::string& keys) {
-    text = replaced(text, "{kind: virtual, pulses", "{kind: tic, " + keys + ", pulses");
+    text = test::replaced(text, "{kind: virtual, pulses", "{kind: tic, " + keys + ", pulses");
   };
   tic("serial: '00411111', command_timeout_ms: 250, home: {reference: reverse_switch, at_deg: "
       "-90}");
@@ -139,7 +134,8 @@ TEST_CASE("A Tic has a serial number of its own, a command timeout and a home") 
 std::string faults_with(const std::string& from, const std::string& to) {
   const test::TemporaryFolder folder;
   try {
-    read_cell(folder.write("cell.yaml", replaced(read_file(test::paper_cell_file()), from, to)));
+    read_cell(
+        folder.write("cell.yaml", test::replaced(read_file(test::paper_cell_file()), from, to)));
     return "";
   } catch (const InputError& e) {
     return e.what();
@@ -180,8 +176,8 @@ TEST_CASE("What only a data sheet knows of the sensor may be left out, but must 
 TEST_CASE("A cell says how lamps' centres are measured, or leaves it at auto") {
   const test::TemporaryFolder folder;
   CHECK(read_cell(test::paper_cell_file()).lamps.method == CenterMethod::kAuto);
-  const std::string text = replaced(read_file(test::paper_cell_file()), "separation_mm: 40.0",
-                                    "separation_mm: 40.0, method: vpdot2");
+  const std::string text = test::replaced(read_file(test::paper_cell_file()), "separation_mm: 40.0",
+                                          "separation_mm: 40.0, method: vpdot2");
   CHECK(read_cell(folder.write("cell.yaml", text)).lamps.method == CenterMethod::kVpDot2);
   CHECK_THAT(faults_with("separation_mm: 40.0", "separation_mm: 40.0, method: guess"),
              Contains("lamps.method is 'guess'; allowed are auto, fast, canny-kasa, vpdot2"));
@@ -191,7 +187,7 @@ TEST_CASE("A cell has the tracker of its kind unless it names another") {
   const test::TemporaryFolder folder;
   CHECK(read_cell(test::paper_cell_file()).tracker.kind->name() == "virtual");
   const std::string text =
-      replaced(read_file(test::paper_cell_file()), "tracker: {", "tracker: {source: none, ");
+      test::replaced(read_file(test::paper_cell_file()), "tracker: {", "tracker: {source: none, ");
   CHECK(read_cell(folder.write("cell.yaml", text)).tracker.kind->name() == "none");
 }
 

@@ -12,7 +12,7 @@ TEST_CASE("A row with both lamps comes back with its covariances and position") 
   row.id = "t1";
   row.image = "images/t1.pgm";
   row.t_s = 2.25;
-  row.status = "ok";
+  row.status = LampStatus::kOk;
   row.uv_px = {{100.125, 200.5}, {300.0, 400.0}};
   row.covariance_px2.assign(2, (Eigen::Matrix2d() << 1e-4, 2e-5, 2e-5, 3e-4).finished());
   row.p_vision = Eigen::Vector2d(0.1, -0.2);
@@ -30,18 +30,28 @@ TEST_CASE("A row with both lamps comes back with its covariances and position") 
 TEST_CASE("A failed image keeps its row and its reason, a single disc its one centre") {
   LampRow failed;
   failed.id = "t1";
-  failed.status = "no_lamp";
+  failed.status = LampStatus::kNoLamp;
   LampRow disc;
   disc.id = "t2";
-  disc.status = "ok";
+  disc.status = LampStatus::kOk;
   disc.uv_px = {{5.0, 6.0}};
   disc.covariance_px2.push_back(Eigen::Matrix2d::Identity());
   const test::TemporaryFolder folder;
   const auto rows = read_lamps(folder.write("lamps.csv", lamps_text({failed, disc})));
-  CHECK(rows.at(0).status == "no_lamp");
+  CHECK(rows.at(0).status == LampStatus::kNoLamp);
   CHECK(rows.at(0).uv_px.empty());
   CHECK(rows.at(1).uv_px.size() == 1);
   CHECK_FALSE(rows.at(1).p_vision.has_value());
+}
+
+TEST_CASE("A status that no lamp can have is refused with those that there are") {
+  const test::TemporaryFolder folder;
+  LampRow row;
+  row.id = "t1";
+  std::string text = lamps_text({row});
+  text.replace(text.find("no_lamp"), 7, "gone");
+  CHECK_THROWS_WITH(read_lamps(folder.write("lamps.csv", text)),
+                    Catch::Contains("lamps.csv:3: status is 'gone'; allowed are ok, no_lamp"));
 }
 
 }  // namespace

@@ -3,11 +3,10 @@
 #include <catch2/catch.hpp>
 
 #include "support/temporary_folder.h"
+#include "support/texts.h"
 
 namespace planar {
 namespace {
-
-constexpr double kWrittenNanometre = 1e-9;
 
 TEST_CASE("Pairs come back as they were written") {
   PairRow row;
@@ -19,7 +18,7 @@ TEST_CASE("Pairs come back as they were written") {
   const test::TemporaryFolder folder;
   const PairRow back = read_pairs(folder.write("pairs.csv", pairs_text({row}))).at(0);
   CHECK(back.id == "p1");
-  CHECK((back.error() - row.error()).norm() < kWrittenNanometre);
+  CHECK((back.error() - row.error()).norm() < test::kWrittenNanometre);
   CHECK(*back.phi == Approx(0.5).margin(1e-8));
   CHECK_FALSE(back.sigma_vision.has_value());
   CHECK(back.plan == Plan::kTrain);

@@ -5,13 +5,12 @@
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
 #include "support/temporary_folder.h"
+#include "support/texts.h"
 
 namespace planar {
 namespace {
 
 using Catch::Contains;
-
-constexpr double kWrittenNanometre = 1e-9;
 
 TEST_CASE("A plan asks for positions by point or by joints, and for board views by neither") {
   const std::vector<PlanRow> rows{{"g", Plan::kHeldBoard, {}},
@@ -22,7 +21,7 @@ TEST_CASE("A plan asks for positions by point or by joints, and for board views 
   REQUIRE(back.size() == 3);
   CHECK(std::holds_alternative<std::monostate>(back[0].where));
   CHECK((std::get<TipPose>(back[1].where).p - Eigen::Vector2d(0.1, 0.2)).norm() <
-        kWrittenNanometre);
+        test::kWrittenNanometre);
   CHECK((std::get<Joints>(back[2].where) - Joints(0.1, 0.2, 0.3)).norm() < 1e-7);
 }
 

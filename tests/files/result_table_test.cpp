@@ -4,13 +4,12 @@
 
 #include "planar_servo/core/error.h"
 #include "support/temporary_folder.h"
+#include "support/texts.h"
 
 namespace planar {
 namespace {
 
 using Catch::Contains;
-
-constexpr double kWrittenNanometre = 1e-9;
 
 TargetResult sample() {
   TargetResult result;
@@ -34,8 +33,8 @@ TEST_CASE("A result comes back as it was written, what is not known stays unknow
   CHECK(back.status == ServoStatus::kNotConverged);
   CHECK(back.reason == "the error is 1 mm, too much");
   CHECK(back.iterations == 3);
-  CHECK((*back.before_own - Eigen::Vector2d(1e-3, 2e-3)).norm() < kWrittenNanometre);
-  CHECK((*back.after_truth - Eigen::Vector2d(-1e-5, 3e-5)).norm() < kWrittenNanometre);
+  CHECK((*back.before_own - Eigen::Vector2d(1e-3, 2e-3)).norm() < test::kWrittenNanometre);
+  CHECK((*back.after_truth - Eigen::Vector2d(-1e-5, 3e-5)).norm() < test::kWrittenNanometre);
   CHECK_FALSE(back.before_truth.has_value());
   CHECK_FALSE(back.vision_raw.has_value());
 }

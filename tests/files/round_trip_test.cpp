@@ -49,7 +49,11 @@ class Random {
   }
   /// One that no other row has, and a file's name could be.
   std::string id() { return text() + std::to_string(++ids_); }
-  Plan plan() { return all_plans()[static_cast<std::size_t>(2 + below(6))]; }
+  template <typename Value, std::size_t kSize>
+  Value one_of(const Named<Value> (&table)[kSize]) {
+    return table[below(static_cast<int>(kSize))].value;
+  }
+  Plan plan() { return kPlans[2 + below(6)].value; }
 
  private:
   std::mt19937 random_;
@@ -132,7 +136,7 @@ TEST_CASE("Every table comes back as it was written, whatever its texts contain"
       LampRow row;
       row.id = random.id();
       row.image = random.text();
-      row.status = random.text();
+      row.status = random.one_of(kLampStatuses);
       row.t_s = random.optional_number();
       for (int i = random.below(3); i > 0; --i) {
         row.uv_px.push_back(3000.0 * random.point());
@@ -150,7 +154,7 @@ TEST_CASE("Every table comes back as it was written, whatever its texts contain"
       TargetResult result;
       result.id = random.text();
       result.p_d = random.point();
-      result.status = static_cast<ServoStatus>(random.below(7));
+      result.status = random.one_of(kServoStatuses);
       result.reason = random.text();
       result.iterations = random.below(12);
       result.seconds = 0.125 * random.below(100);
@@ -165,7 +169,7 @@ TEST_CASE("Every table comes back as it was written, whatever its texts contain"
 
 TEST_CASE("Settings come back as they were written") {
   const test::TemporaryFolder folder;
-  constexpr double kRounding = 1e-14;
+  constexpr double kUnitRounding = 1e-14;
   for (unsigned seed = 1; seed <= kTables; ++seed) {
     Random random(seed);
     std::string name = random.text();
@@ -179,9 +183,9 @@ TEST_CASE("Settings come back as they were written") {
     tool.covariance(0, 3) = tool.covariance(3, 0) = 1e-13 * random.number();
     const std::string tool_file = tool_text(tool, random.text(), inputs);
     const ToolOffsets tool_back = read_tool(folder.write("tool.yaml", tool_file));
-    CHECK(tool_back.p_TP.isApprox(tool.p_TP, kRounding));
-    CHECK(tool_back.p_TS.isApprox(tool.p_TS, kRounding));
-    CHECK(tool_back.covariance.isApprox(tool.covariance, kRounding));
+    CHECK(tool_back.p_TP.isApprox(tool.p_TP, kUnitRounding));
+    CHECK(tool_back.p_TS.isApprox(tool.p_TS, kUnitRounding));
+    CHECK(tool_back.covariance.isApprox(tool.covariance, kUnitRounding));
     CHECK(tool_file.find(sha256(name)) != std::string::npos);
 
     WorkplaneRecord plane;
@@ -189,18 +193,18 @@ TEST_CASE("Settings come back as they were written") {
                           Eigen::Vector3d(1.0, -1.0, -1.0).asDiagonal().toDenseMatrix();
     plane.X_WC.translation() = Eigen::Vector3d(random.number(), random.number(), 1.0);
     plane.covariance.diagonal().setConstant(1e-9);
-    plane.source = random.coin() ? "grid" : "pairs";
+    plane.source = random.one_of(kWorkplaneSources);
     plane.absorbed = random.below(7);
     plane.pairs = random.below(1000);
     plane.rms = std::abs(random.number());
     const auto file = folder.write("workplane.yaml", workplane_text(plane, random.text(), inputs));
     const WorkplaneRecord plane_back = read_workplane(file);
-    CHECK(plane_back.X_WC.matrix().isApprox(plane.X_WC.matrix(), kRounding));
-    CHECK(plane_back.covariance.isApprox(plane.covariance, kRounding));
+    CHECK(plane_back.X_WC.matrix().isApprox(plane.X_WC.matrix(), kUnitRounding));
+    CHECK(plane_back.covariance.isApprox(plane.covariance, kUnitRounding));
     CHECK(plane_back.source == plane.source);
     CHECK(plane_back.absorbed == plane.absorbed);
     CHECK(plane_back.pairs == plane.pairs);
-    CHECK(plane_back.rms == Approx(plane.rms).epsilon(kRounding));
+    CHECK(plane_back.rms == Approx(plane.rms).epsilon(kUnitRounding));
   }
 }
 

@@ -5,18 +5,17 @@
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
 #include "support/temporary_folder.h"
+#include "support/texts.h"
 
 namespace planar {
 namespace {
 
 using Catch::Contains;
 
-constexpr double kWrittenNanometre = 1e-9;
-
 TEST_CASE("Targets are found by column name, ids must differ") {
   const test::TemporaryFolder folder;
   const auto targets = read_targets(folder.write("t.csv", "x_mm,id,y_mm\n200,a,-100\n"));
-  CHECK((targets.at(0).p_d - Eigen::Vector2d(0.2, -0.1)).norm() < kWrittenNanometre);
+  CHECK((targets.at(0).p_d - Eigen::Vector2d(0.2, -0.1)).norm() < test::kWrittenNanometre);
   CHECK_FALSE(targets[0].phi_d.has_value());
   CHECK_THROWS_WITH(
       read_targets(folder.write("t.csv", "id,x_mm,y_mm\na,1,2\na,3,NaN\n")),
@@ -31,7 +30,7 @@ TEST_CASE("Lines without a header are id, x_mm, y_mm and perhaps phi_deg") {
   const auto a = lines.next("a,200,100");
   const auto b = lines.next(" b , -1.5 , 2 , 90 \r");
   REQUIRE((a && b));
-  CHECK((a->p_d - Eigen::Vector2d(0.2, 0.1)).norm() < kWrittenNanometre);
+  CHECK((a->p_d - Eigen::Vector2d(0.2, 0.1)).norm() < test::kWrittenNanometre);
   CHECK_FALSE(a->phi_d);
   CHECK(b->id == "b");
   CHECK(*b->phi_d == Approx(kPi / 2.0));
@@ -44,7 +43,7 @@ TEST_CASE("A header orders the columns of the lines after it") {
   CHECK_FALSE(lines.next("y_mm,x_mm,id"));
   const auto target = lines.next("1,2,a");
   REQUIRE(target);
-  CHECK((target->p_d - Eigen::Vector2d(2e-3, 1e-3)).norm() < kWrittenNanometre);
+  CHECK((target->p_d - Eigen::Vector2d(2e-3, 1e-3)).norm() < test::kWrittenNanometre);
 }
 
 TEST_CASE("After a header that cannot be used no line is a target") {
@@ -66,7 +65,7 @@ TEST_CASE("A written target comes back") {
       read_targets(folder.write("t.csv", targets_header() + target_line({"a", {0.2, -0.1}, 1.0}) +
                                              target_line({"b", {0.3, 0.1}, std::nullopt})));
   REQUIRE(back.size() == 2);
-  CHECK((back[0].p_d - Eigen::Vector2d(0.2, -0.1)).norm() < kWrittenNanometre);
+  CHECK((back[0].p_d - Eigen::Vector2d(0.2, -0.1)).norm() < test::kWrittenNanometre);
   CHECK(*back[0].phi_d == Approx(1.0));
   CHECK_FALSE(back[1].phi_d);
 }

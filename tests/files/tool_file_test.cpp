@@ -8,7 +8,7 @@
 namespace planar {
 namespace {
 
-constexpr double kRounding = 1e-15;
+constexpr double kToolRounding = 1e-15;
 
 }  // namespace
 
@@ -19,9 +19,9 @@ TEST_CASE("Tool offsets come back as they were written") {
   tool.covariance.diagonal() << 1e-12, 1e-12, 4e-12, 4e-12, 9e-13;
   const test::TemporaryFolder folder;
   const ToolOffsets back = read_tool(folder.write("tool.yaml", tool_text(tool, "test", {})));
-  CHECK(back.p_TP.isApprox(tool.p_TP, kRounding));
-  CHECK(back.p_TS.isApprox(tool.p_TS, kRounding));
-  CHECK(back.covariance.isApprox(tool.covariance, kRounding));
+  CHECK(back.p_TP.isApprox(tool.p_TP, kToolRounding));
+  CHECK(back.p_TS.isApprox(tool.p_TS, kToolRounding));
+  CHECK(back.covariance.isApprox(tool.covariance, kToolRounding));
 }
 
 TEST_CASE("A tool file with a missing coordinate is refused by its place") {

@@ -10,16 +10,16 @@ namespace {
 
 using Catch::Matchers::Contains;
 
-constexpr double kRounding = 1e-15;  // relative to metres and to a rotation's elements
+constexpr double kPoseRounding = 1e-15;  // relative to metres and to a rotation's elements
 
-WorkplaneRecord sample() {
+WorkplaneRecord sample_workplane() {
   WorkplaneRecord record;
   record.X_WC.linear() = rotation_from_vector({0.03, -0.02, 0.4}) *
                          Eigen::Vector3d(1.0, -1.0, -1.0).asDiagonal().toDenseMatrix();
   record.X_WC.translation() = Eigen::Vector3d(0.0123456789, -0.3, 1.25);
   record.covariance.diagonal() << 1e-10, 2e-10, 3e-10, 4e-9, 5e-9, 6e-9;
   record.covariance(0, 4) = record.covariance(4, 0) = -1.5e-10;
-  record.source = "grid";
+  record.source = WorkplaneSource::kBoard;
   record.absorbed = 3;
   record.pairs = 248;
   record.rms = 1.1e-3;
@@ -30,12 +30,12 @@ WorkplaneRecord sample() {
 
 TEST_CASE("A workplane comes back as it was written") {
   const test::TemporaryFolder folder;
-  const WorkplaneRecord record = sample();
+  const WorkplaneRecord record = sample_workplane();
   const auto back =
       read_workplane(folder.write("workplane.yaml", workplane_text(record, "test", {})));
-  CHECK(back.X_WC.matrix().isApprox(record.X_WC.matrix(), kRounding));
-  CHECK(back.covariance.isApprox(record.covariance, kRounding));
-  CHECK(back.source == "grid");
+  CHECK(back.X_WC.matrix().isApprox(record.X_WC.matrix(), kPoseRounding));
+  CHECK(back.covariance.isApprox(record.covariance, kPoseRounding));
+  CHECK(back.source == WorkplaneSource::kBoard);
   CHECK(back.absorbed == 3);
   CHECK(back.pairs == 248);
   CHECK(back.rms == Approx(record.rms));
@@ -55,7 +55,7 @@ TEST_CASE("Each fault of a workplane file is named with its line") {
 
 TEST_CASE("A camera below the plane, or one that looks up, is refused") {
   const test::TemporaryFolder folder;
-  WorkplaneRecord record = sample();
+  WorkplaneRecord record = sample_workplane();
   record.X_WC.translation().z() = -1.25;
   CHECK_THROWS_WITH(read_workplane(folder.write("w.yaml", workplane_text(record, "test", {}))),
                     Contains("above the plane"));
@@ -63,7 +63,7 @@ TEST_CASE("A camera below the plane, or one that looks up, is refused") {
 
 TEST_CASE("A covariance that is none is refused") {
   const test::TemporaryFolder folder;
-  WorkplaneRecord record = sample();
+  WorkplaneRecord record = sample_workplane();
   record.covariance(0, 1) = 1.0;
   CHECK_THROWS_WITH(read_workplane(folder.write("w.yaml", workplane_text(record, "test", {}))),
                     Contains("symmetric"));

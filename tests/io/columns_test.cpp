@@ -5,14 +5,13 @@
 #include <random>
 
 #include "planar_servo/core/error.h"
+#include "planar_servo/core/units.h"
 #include "support/temporary_folder.h"
 
 namespace planar {
 namespace {
 
 using Catch::Contains;
-
-constexpr double kMilli = 1e-3;
 
 struct Row {
   std::string id;
@@ -26,8 +25,8 @@ struct Row {
 const TableSchema<Row> kSchema{
     "samples", [](Columns& columns, Row& row) {
       columns.text("id", row.id);
-      columns.point("x_mm", "y_mm", row.p, kMilli, 3);
-      columns.optional_point("qx_mm", "qy_mm", row.q, kMilli, 3, Column::kOptional);
+      columns.point("x_mm", "y_mm", row.p, kMillimetre, 3);
+      columns.optional_point("qx_mm", "qy_mm", row.q, kMillimetre, 3, Column::kOptional);
       columns.optional_number("var", row.variance, 1.0, Digits::significant(3), Column::kRequired);
       columns.whole_number("count", row.count);
       columns.text("note", row.note, Column::kOptional);
@@ -52,7 +51,7 @@ TEST_CASE("A row is written as its columns say") {
 
 TEST_CASE("Only the required columns are needed, and what is not there is empty") {
   const std::vector<Row> rows = rows_in("count,var,id,x_mm,y_mm\n7,,a,1,2\n");
-  CHECK(rows.at(0).p == Eigen::Vector2d(1.0 * kMilli, 2.0 * kMilli));
+  CHECK(rows.at(0).p == Eigen::Vector2d(1.0 * kMillimetre, 2.0 * kMillimetre));
   CHECK(rows[0].count == 7);
   CHECK_FALSE(rows[0].variance.has_value());
   CHECK_FALSE(rows[0].q.has_value());

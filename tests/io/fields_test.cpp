@@ -6,6 +6,7 @@
 #include <random>
 
 #include "planar_servo/core/error.h"
+#include "planar_servo/core/units.h"
 #include "planar_servo/io/yaml_fields.h"
 #include "support/temporary_folder.h"
 
@@ -13,8 +14,6 @@ namespace planar {
 namespace {
 
 using Catch::Contains;
-
-constexpr double kMilli = 1e-3;
 
 enum class Law { kJacobian, kInverse };
 constexpr Named<Law> kLaws[] = {{Law::kJacobian, "jacobian"}, {Law::kInverse, "inverse"}};
@@ -53,20 +52,20 @@ void list_drive(Fields& fields, Drive& drive) {
 }
 
 void list_bump(RowFields& row, Bump& bump) {
-  row.number(bump.place, kMilli);
+  row.number(bump.place, kMillimetre);
   row.whole_number(bump.order, 0, 1000);
 }
 
 void list_fields(Fields& fields, Settings& settings) {
   fields.choice("law", settings.law, kLaws);
   fields.number("gain", settings.gain, 1.0, Range::positive(1.0));
-  fields.number("settle_ms", settings.settle_s, kMilli, Range::at_least(0.0));
+  fields.number("settle_ms", settings.settle_s, kMillimetre, Range::at_least(0.0));
   fields.whole_number("frames", settings.frames, 1, 100);
   fields.whole_number("seed", settings.seed, std::uint32_t{0});
   if (fields.given("note", !settings.note.empty())) fields.text("note", settings.note);
   if (fields.given("noise_mm", settings.noise.has_value())) {
     double noise = settings.noise.value_or(0.0);
-    if (fields.number("noise_mm", noise, kMilli)) settings.noise = noise;
+    if (fields.number("noise_mm", noise, kMillimetre)) settings.noise = noise;
   }
   fields.map("arm", [&] {
     fields.numbers("offsets", settings.offsets);
@@ -74,7 +73,7 @@ void list_fields(Fields& fields, Settings& settings) {
       row.number(settings.limits[0].place);
       row.number(settings.limits[1].place);
     });
-    fields.numbers("weights", settings.weights, 0, kMilli);
+    fields.numbers("weights", settings.weights, 0, kMillimetre);
   });
   fields.texts("images", settings.images);
   fields.rows("bumps", settings.bumps, list_bump);
@@ -117,7 +116,7 @@ class RandomSettings {
     Settings s;
     s.law = below(2) == 0 ? Law::kInverse : Law::kJacobian;
     s.gain = std::uniform_real_distribution<>(0.001, 1.0)(random_);
-    s.settle_s = below(1000) * kMilli;
+    s.settle_s = below(1000) * kMillimetre;
     s.frames = 1 + below(100);
     s.seed = static_cast<std::uint32_t>(random_());
     s.note = text();

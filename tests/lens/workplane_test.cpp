@@ -9,7 +9,7 @@ namespace planar {
 namespace {
 
 /// Error of a fourth-order difference at the steps below, relative to the Jacobian.
-constexpr double kJacobianTolerance = 1e-8;
+constexpr double kPlaneTolerance = 1e-8;
 /// 1e-8 px of the lens' inverse at 0.2 mm/px.
 constexpr double kRoundTripTolerance_m = 1e-11;
 
@@ -49,8 +49,8 @@ TEST_CASE("The workplane's Jacobians agree with finite differences") {
     REQUIRE(plane.plane_from_pixel(uv, &d_p_d_uv));
     const auto pixel = [&](const Eigen::VectorXd& p) { return *plane.pixel_from_plane(p); };
     const auto point = [&](const Eigen::VectorXd& p) { return *plane.plane_from_pixel(p); };
-    CHECK(test::jacobian_mismatch(d_uv_d_p, pixel, p_W, 1e-3) < kJacobianTolerance);
-    CHECK(test::jacobian_mismatch(d_p_d_uv, point, uv, 5.0) < kJacobianTolerance);
+    CHECK(test::jacobian_mismatch(d_uv_d_p, pixel, p_W, 1e-3) < kPlaneTolerance);
+    CHECK(test::jacobian_mismatch(d_p_d_uv, point, uv, 5.0) < kPlaneTolerance);
   }
 }
 

@@ -6,7 +6,7 @@
 #include "planar_servo/devices/separate_drives.h"
 #include "planar_servo/files/cell_file.h"
 #include "planar_servo/io/atomic_file.h"
-#include "planar_servo/io/yaml_reader.h"
+#include "planar_servo/io/fields.h"
 #include "planar_servo/machine/cell_devices.h"
 #include "support/manual_clock.h"
 #include "support/mock_pulse_drive.h"
@@ -27,9 +27,9 @@ class MadeUpKind final : public DriveKind {
  public:
   std::string name() const override { return "made_up"; }
   bool is_virtual() const override { return true; }
-  void read(const YamlNode& drive, CellSettings& cell, std::size_t joint) const override {
+  void read(Fields& drive, CellSettings& cell, std::size_t joint) const override {
     const auto details = std::make_shared<MadeUpDetails>();
-    details->ratchet_teeth = drive.whole_number_in("ratchet_teeth", 3, 100);
+    drive.whole_number("ratchet_teeth", details->ratchet_teeth, 3, 100);
     cell.drives[joint].details = details;
   }
   std::shared_ptr<DriveGroup> open(const CellSettings& /*cell*/,

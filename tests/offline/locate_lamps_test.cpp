@@ -86,7 +86,7 @@ void check_named(const Recording& recording, const std::vector<LampRow>& rows) {
   REQUIRE(rows.size() == recording.tips.size());
   for (std::size_t i = 0; i < rows.size(); ++i) {
     CHECK(rows[i].id == recording.images[i].id);
-    REQUIRE(rows[i].status == "ok");
+    REQUIRE(rows[i].status == LampStatus::kOk);
     const auto truth = *lamps_from_tip(workplane(), {}, kSeparation_m, recording.tips[i]);
     CHECK((rows[i].uv_px[0] - truth[0]).norm() < kMeasured_px);
     CHECK((rows[i].uv_px[1] - truth[1]).norm() < kMeasured_px);
@@ -120,9 +120,9 @@ TEST_CASE("locate_lamps is not led astray by a coarse view learned with some lam
   recording.add({{0.2, 0.1}, 0.0}, 1);
   recording.add({{0.1, 0.2}, 0.0}, 0);
   const auto rows = locate_lamps({recording.images, scene(false), CenterMethod::kAuto, {}}).rows;
-  for (std::size_t i = 0; i < 12; ++i) CHECK(rows[i].status == "ok");
-  CHECK(rows[12].status == "one_lamp");
-  CHECK(rows[13].status == "no_lamp");
+  for (std::size_t i = 0; i < 12; ++i) CHECK(rows[i].status == LampStatus::kOk);
+  CHECK(rows[12].status == LampStatus::kOneLamp);
+  CHECK(rows[13].status == LampStatus::kNoLamp);
 }
 
 TEST_CASE("locate_lamps leaves equal lamps ambiguous without a commanded pose") {
@@ -131,20 +131,20 @@ TEST_CASE("locate_lamps leaves equal lamps ambiguous without a commanded pose") 
   recording.images[0].commanded.reset();
   LampScene with_plane = scene(true);
   const auto midway = locate_lamps({recording.images, with_plane, CenterMethod::kAuto, {}}).rows[0];
-  CHECK(midway.status == "ambiguous");
+  CHECK(midway.status == LampStatus::kAmbiguous);
   CHECK_FALSE(midway.phi);
   REQUIRE(midway.p_vision);
   CHECK((*midway.p_vision - Eigen::Vector2d(0.1, 0.05)).norm() < kMeasured_m);
 
   with_plane.vision->tool.p_TP = {0.001, 0.0};  // the end point does not lie midway: no position
   const auto aside = locate_lamps({recording.images, with_plane, CenterMethod::kAuto, {}}).rows[0];
-  CHECK(aside.status == "ambiguous");
+  CHECK(aside.status == LampStatus::kAmbiguous);
   CHECK(aside.uv_px.size() == 2);
   CHECK_FALSE(aside.p_vision);
 
   with_plane.vision->lamps.separation_m = 1.2 * kSeparation_m;
   const auto wrong = locate_lamps({recording.images, with_plane, CenterMethod::kAuto, {}}).rows[0];
-  CHECK(wrong.status == "wrong_distance");
+  CHECK(wrong.status == LampStatus::kWrongDistance);
 }
 
 TEST_CASE("locate_lamps tells lamps of different size apart without a commanded pose") {
@@ -158,7 +158,7 @@ TEST_CASE("locate_lamps tells lamps of different size apart without a commanded 
   for (LampImage& image : recording.images) image.commanded.reset();
   const auto report = locate_lamps({recording.images, with_plane, CenterMethod::kAuto, {}});
   for (std::size_t i = 0; i < report.rows.size(); ++i) {
-    CHECK(report.rows[i].status == "ok");
+    CHECK(report.rows[i].status == LampStatus::kOk);
     REQUIRE(report.rows[i].phi);
     CHECK(*report.rows[i].phi == Approx(recording.tips[i].phi).margin(kDirection));
   }
@@ -171,9 +171,9 @@ TEST_CASE("locate_lamps keeps the row of an image that it cannot read or that sh
   recording.images[1].shows_board = true;
   std::filesystem::remove(recording.images[2].file);
   const auto report = locate_lamps({recording.images, scene(true), CenterMethod::kAuto, {}});
-  CHECK(report.rows[0].status == "unreadable");
-  CHECK(report.rows[1].status == "board_view");
-  CHECK(report.rows[2].status == "unreadable");
+  CHECK(report.rows[0].status == LampStatus::kUnreadable);
+  CHECK(report.rows[1].status == LampStatus::kBoardView);
+  CHECK(report.rows[2].status == LampStatus::kUnreadable);
   CHECK(report.milliseconds.empty());
 }
 
@@ -199,7 +199,7 @@ TEST_CASE("follow_disc gives one lamp per row") {
   const auto rows =
       follow_disc({recording.images, std::nullopt, CenterMethod::kAuto, {}}, truth[1]).rows;
   REQUIRE(rows.size() == 2);
-  REQUIRE(rows[1].status == "ok");
+  REQUIRE(rows[1].status == LampStatus::kOk);
   REQUIRE(rows[1].uv_px.size() == 1);
   CHECK((rows[1].uv_px[0] - truth[1]).norm() < kMeasured_px);
 }

@@ -32,7 +32,7 @@ void add_place(PairTrackerRequest& request, const ToolSight& sight, Plan plan) {
   LampRow lamps;
   lamps.id = frame.id;
   lamps.image = frame.image;
-  lamps.status = "ok";
+  lamps.status = LampStatus::kOk;
   lamps.uv_px.assign(sight.lamps_px.begin(), sight.lamps_px.end());
   lamps.covariance_px2.assign(sight.covariances_px2.begin(), sight.covariances_px2.end());
   request.frames.push_back(frame);
@@ -58,7 +58,7 @@ PairTrackerRequest recorded(const SyntheticCell& cell) {
   LampRow no_lamps;
   no_lamps.id = board.id;
   no_lamps.image = board.image;
-  no_lamps.status = "no_lamp";
+  no_lamps.status = LampStatus::kNoLamp;
   request.frames.push_back(board);
   request.lamps.push_back(no_lamps);
   for (const ToolSight& sight : cell.recording(60, 12)) add_place(request, sight, sight.plan);
@@ -98,7 +98,7 @@ TEST_CASE("Places kept for judging do not move the workplane and are not left ou
 TEST_CASE("Places without tracker or lamps and outliers are named and have no pair") {
   PairTrackerRequest request = recorded(SyntheticCell());
   request.tracker.erase(request.tracker.begin() + 3);  // of p0
-  request.lamps[2].status = "saturated";               // of p1
+  request.lamps[2].status = LampStatus::kSaturated;    // of p1
   request.tracker[10].p_L.z() += 30.0 * kMillimetre;   // tilted into the plane by the tracker
   const PairTrackerReport report = pair_tracker(request);
   REQUIRE(report.rejected.size() == 3);

@@ -19,8 +19,7 @@ using test::ReadyBench;
 using test::transmission_settings;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kPulse_rad = 2.0 * kPi / 5e5;  // of the coarsest of these drives
-constexpr double kFiniteDifference = 1e-9;      // fourth order with a step of 1e-3
+constexpr double kFiniteDifference = 1e-9;  // fourth order with a step of 1e-3
 const Joints kSomewhere{0.3, 1.5, -0.4};
 
 }  // namespace
@@ -37,7 +36,8 @@ TEST_CASE("A move sends each drive the absolute rounded pulses and waits for all
         std::vector<std::int32_t>{static_cast<int>(std::lround(-1.9 * pulses_per_rad / 2))});
   for (auto& drive : bench.drives) CHECK_FALSE(drive.status().moving);
   CHECK(bench.clock.now_s() > 1.195);  // motor 2 turns 1.2 rad at 1 rad/s; polled every 5 ms
-  CHECK((bench.robot.commanded_joints() - kSomewhere).cwiseAbs().maxCoeff() < 2.0 * kPulse_rad);
+  CHECK((bench.robot.commanded_joints() - kSomewhere).cwiseAbs().maxCoeff() <
+        2.0 * test::kPulse_rad);
 }
 
 TEST_CASE("Repeating the commanded joints sends the same pulses: no remainder is carried") {
@@ -245,14 +245,14 @@ TEST_CASE("As a vpRobot it moves joints and poses, in position control only") {
   CHECK(bench.nothing_was_sent());
   robot.setRobotState(vpRobot::STATE_POSITION_CONTROL);
   robot.setPosition(vpRobot::JOINT_STATE, column({0.3, 1.5, -0.4}));
-  CHECK(robot.getPosition(vpRobot::JOINT_STATE)[1] == Approx(1.5).margin(kPulse_rad));
+  CHECK(robot.getPosition(vpRobot::JOINT_STATE)[1] == Approx(1.5).margin(test::kPulse_rad));
 
   const TipPose tip = robot.arm().forward({0.1, 1.6, 0.2});
   robot.setPosition(vpRobot::REFERENCE_FRAME, column({tip.p.x(), tip.p.y(), 0, 0, 0, tip.phi}));
-  CHECK((robot.commanded_joints() - Joints(0.1, 1.6, 0.2)).norm() < 3.0 * kPulse_rad);
+  CHECK((robot.commanded_joints() - Joints(0.1, 1.6, 0.2)).norm() < 3.0 * test::kPulse_rad);
   const vpColVector pose = robot.getPosition(vpRobot::REFERENCE_FRAME);
-  CHECK(pose[0] == Approx(tip.p.x()).margin(kPulse_rad));
-  CHECK(pose[5] == Approx(tip.phi).margin(3.0 * kPulse_rad));
+  CHECK(pose[0] == Approx(tip.p.x()).margin(test::kPulse_rad));
+  CHECK(pose[5] == Approx(tip.phi).margin(3.0 * test::kPulse_rad));
 
   CHECK_THROWS_WITH(robot.setPosition(vpRobot::REFERENCE_FRAME, column({0.9, 0, 0, 0, 0, 0})),
                     Catch::Contains("both links together"));

@@ -16,7 +16,6 @@ namespace {
 using test::column;
 
 constexpr double kCall_s = 0.02;
-constexpr double kPulse_rad = 2.0 * kPi / 5e5;  // of the coarsest of these drives
 /// One call's step in joints is straight: over a way w from call to call the end point falls short
 /// of its line by about w^2 / (2 L), here 1 mm and 0.25 m: 2 um in each of 100 calls.
 constexpr double kStraight_m = 0.25e-3;
@@ -103,9 +102,9 @@ TEST_CASE("Joints turn at the velocities asked for") {
   for (int call = 0; call < 50; ++call)
     bench.command(vpRobot::JOINT_STATE, column({0.1, -0.2, 0.3}));
   const vpColVector turned = bench.robot.getPosition(vpRobot::JOINT_STATE) - start;
-  CHECK(turned[0] == Approx(0.1).margin(50.0 * kPulse_rad));
-  CHECK(turned[1] == Approx(-0.2).margin(50.0 * kPulse_rad));
-  CHECK(turned[2] == Approx(0.3).margin(50.0 * kPulse_rad));
+  CHECK(turned[0] == Approx(0.1).margin(50.0 * test::kPulse_rad));
+  CHECK(turned[1] == Approx(-0.2).margin(50.0 * test::kPulse_rad));
+  CHECK(turned[2] == Approx(0.3).margin(50.0 * test::kPulse_rad));
 }
 
 TEST_CASE("Whatever velocities are asked for, no drive leaves its limits") {
@@ -182,7 +181,7 @@ TEST_CASE("An arm whose caller goes silent holds its velocity for a while and co
   CHECK(bench.rests());
   const double braking_rad = 0.5 * 0.5 / (2.0 * 5.0);
   CHECK(bench.robot.getPosition(vpRobot::JOINT_STATE)[0] - there ==
-        Approx(0.5 * PlanarRobot::kVelocityHold_s + braking_rad).margin(10.0 * kPulse_rad));
+        Approx(0.5 * PlanarRobot::kVelocityHold_s + braking_rad).margin(10.0 * test::kPulse_rad));
   CHECK(bench.halts() == 0);
   CHECK_NOTHROW(bench.robot.setVelocity(vpRobot::JOINT_STATE, column({-0.5, -0.5, -0.5})));
 }
@@ -205,7 +204,7 @@ TEST_CASE("A velocity of zero and the end of velocity control bring the arm to r
   bench.robot.setRobotState(vpRobot::STATE_POSITION_CONTROL);
   CHECK(bench.drives[1].max_speed_pulses_s == Approx(1e6 / (2.0 * kPi)));
   bench.robot.setPosition(vpRobot::JOINT_STATE, column({0.3, 1.5, -0.4}));
-  CHECK(bench.robot.commanded_joints()[1] == Approx(1.5).margin(kPulse_rad));
+  CHECK(bench.robot.commanded_joints()[1] == Approx(1.5).margin(test::kPulse_rad));
 }
 
 TEST_CASE("An arm under velocity control that is stopped as asked rests and says so") {

@@ -6,12 +6,15 @@
 #include <array>
 #include <initializer_list>
 
+#include "planar_servo/core/units.h"
 #include "planar_servo/devices/separate_drives.h"
 #include "planar_servo/robot/planar_robot.h"
 #include "support/manual_clock.h"
 #include "support/mock_pulse_drive.h"
 
 namespace planar::test {
+
+constexpr double kPulse_rad = 2.0 * kPi / 5e5;  ///< of the coarsest of the bench's drives
 
 /// Returns the transmission of the bench, in which motor 2 turns backwards.
 inline TransmissionSettings transmission_settings() {

@@ -6,17 +6,12 @@
 #include "planar_servo/core/error.h"
 #include "planar_servo/virtual_cell/image/virtual_lens.h"
 #include "support/temporary_folder.h"
+#include "support/texts.h"
 
 namespace planar {
 namespace {
 
 constexpr double kUnits = 1e-14;  // relative: the units are multiplied and divided out
-
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  const std::size_t place = text.find(from);
-  REQUIRE(place != std::string::npos);
-  return text.replace(place, from.size(), to);
-}
 
 /// The line that begins with `key`, from its key on.
 std::string line_of(const std::string& text, const std::string& key) {
@@ -84,20 +79,21 @@ TEST_CASE("A truth file's faults are named all at once, with their lines") {
   };
   CHECK(message_of(good).empty());
   CHECK_THAT(message_of(good + "colour: red\n"), Catch::Contains("unknown key 'colour'"));
-  CHECK_THAT(message_of(replaced(good, line_of(good, "sag_mm_per_m2:"), "")),
+  CHECK_THAT(message_of(test::replaced(good, line_of(good, "sag_mm_per_m2:"), "")),
              Catch::Contains("lacks the key 'sag_mm_per_m2'"));
-  CHECK_THAT(message_of(replaced(good, line_of(good, "sigma_mm:"), "sigma_mm: .nan")),
+  CHECK_THAT(message_of(test::replaced(good, line_of(good, "sigma_mm:"), "sigma_mm: .nan")),
              Catch::Contains("truth.yaml:") && Catch::Contains("a finite number is needed"));
-  CHECK_THAT(message_of(replaced(good, line_of(good, "diameter_mm:"), "diameter_mm: -8")),
+  CHECK_THAT(message_of(test::replaced(good, line_of(good, "diameter_mm:"), "diameter_mm: -8")),
              Catch::Contains("lamp1.diameter_mm is -8"));
-  CHECK_THAT(message_of(replaced(good, line_of(good, "quaternion_wxyz:"),
-                                 "quaternion_wxyz: [1, 1, 0, 0]")),
+  CHECK_THAT(message_of(test::replaced(good, line_of(good, "quaternion_wxyz:"),
+                                       "quaternion_wxyz: [1, 1, 0, 0]")),
              Catch::Contains("length 1"));
-  CHECK_THAT(message_of(replaced(good, line_of(good, "backlash_deg:"), "backlash_deg: [0, -1, 0]")),
-             Catch::Contains("backlash_deg"));
+  CHECK_THAT(
+      message_of(test::replaced(good, line_of(good, "backlash_deg:"), "backlash_deg: [0, -1, 0]")),
+      Catch::Contains("backlash_deg"));
 
   const std::string twice =
-      replaced(good + "colour: red\n", line_of(good, "focal_px:"), "focal_px: [6400]");
+      test::replaced(good + "colour: red\n", line_of(good, "focal_px:"), "focal_px: [6400]");
   CHECK_THAT(message_of(twice), Catch::Contains("focal_px") && Catch::Contains("colour"));
 }
 

@@ -15,8 +15,8 @@ constexpr double kScale = 1e5;  // pulses per radian
 constexpr double kRoundOff = 1e-12;
 const VirtualDrive::Settings kSettings{kScale, {20000.0, 100000.0}, 0};
 
-struct Bench {
-  explicit Bench(const ReducerTruth& reducer = {}) : drive(clock, kSettings, reducer) {
+struct DriveBench {
+  explicit DriveBench(const ReducerTruth& reducer = {}) : drive(clock, kSettings, reducer) {
     drive.energize();
   }
   void go(std::int32_t target) {
@@ -30,7 +30,7 @@ struct Bench {
 }  // namespace
 
 TEST_CASE("VirtualDrive moves for the time of the trapezoid and reports itself moving") {
-  Bench bench;
+  DriveBench bench;
   bench.drive.set_target(40000);
   CHECK(bench.drive.status().moving);
   bench.clock.sleep_for_s(1.1);  // half of 40000 / 20000 + 20000 / 100000
@@ -42,12 +42,12 @@ TEST_CASE("VirtualDrive moves for the time of the trapezoid and reports itself m
 }
 
 TEST_CASE("VirtualDrive keeps to lower limits but not to limits beyond its rating") {
-  Bench slow;
+  DriveBench slow;
   slow.drive.set_limits({10000.0, 50000.0});
   slow.drive.set_target(20000);
   slow.clock.sleep_for_s(1.1);  // half of 20000 / 10000 + 10000 / 50000
   CHECK(slow.drive.status().position_pulses == 10000);
-  Bench fast;
+  DriveBench fast;
   fast.drive.set_limits({1e9, 1e9});
   fast.drive.set_target(40000);
   fast.clock.sleep_for_s(1.1);
@@ -74,7 +74,7 @@ TEST_CASE("VirtualDrive refuses targets while de-energized and while it has a fa
 }
 
 TEST_CASE("VirtualDrive halts where it is and then doubts its position") {
-  Bench bench;
+  DriveBench bench;
   bench.drive.halt();
   CHECK(bench.drive.status().position_certain);
   bench.drive.set_target(40000);
@@ -89,7 +89,7 @@ TEST_CASE("VirtualDrive halts where it is and then doubts its position") {
 }
 
 TEST_CASE("VirtualDrive is sure of its position again once it has found its switch") {
-  Bench bench;
+  DriveBench bench;
   bench.drive.set_target(40000);
   bench.clock.sleep_for_s(1.1);
   bench.drive.halt();
@@ -104,7 +104,7 @@ TEST_CASE("VirtualDrive is sure of its position again once it has found its swit
 }
 
 TEST_CASE("VirtualDrive counts from the position that it is told, without turning") {
-  Bench bench;
+  DriveBench bench;
   bench.go(1000);
   const double before = bench.drive.output_rad();
   bench.drive.set_position(-500);
@@ -119,7 +119,7 @@ TEST_CASE("VirtualDrive counts from the position that it is told, without turnin
 TEST_CASE("Backlash parts the two directions of approach by its whole width") {
   ReducerTruth reducer;
   reducer.backlash_rad = 2e-4;  // 20 pulses
-  Bench bench(reducer);
+  DriveBench bench(reducer);
   bench.go(1000);
   const double upwards = bench.drive.output_rad();
   bench.go(1500);
@@ -131,7 +131,7 @@ TEST_CASE("Backlash parts the two directions of approach by its whole width") {
 TEST_CASE("A turn within the backlash moves nothing") {
   ReducerTruth reducer;
   reducer.backlash_rad = 2e-4;
-  Bench bench(reducer);
+  DriveBench bench(reducer);
   bench.go(1000);
   const double before = bench.drive.output_rad();
   bench.go(985);
@@ -143,7 +143,7 @@ TEST_CASE("A turn within the backlash moves nothing") {
 TEST_CASE("Backlash remembers how far the motor ran on before a late reversal") {
   ReducerTruth reducer;
   reducer.backlash_rad = 2e-4;
-  Bench bench(reducer);
+  DriveBench bench(reducer);
   bench.drive.set_target(40000);
   bench.clock.sleep_for_s(1.1);
   bench.go(20000);  // braking from full speed carries the motor 2000 pulses beyond
@@ -154,7 +154,7 @@ TEST_CASE("Eccentric wheels add their harmonics of the motor's angle and the zer
   ReducerTruth reducer;
   reducer.zero_offset_rad = 0.002;
   reducer.eccentricity = {{5e-4, 0.3, 1}, {1e-4, -1.0, 2}};
-  Bench bench(reducer);
+  DriveBench bench(reducer);
   for (const std::int32_t target : {0, 70000, 250000, -120000}) {
     bench.go(target);
     const double m = target / kScale;

@@ -12,8 +12,9 @@ namespace {
 
 constexpr int kReadings = 4000;
 
-struct Bench {
-  explicit Bench(const Truth& truth, const VirtualHardware& hardware = test::sample_hardware())
+struct TrackerBench {
+  explicit TrackerBench(const Truth& truth,
+                        const VirtualHardware& hardware = test::sample_hardware())
       : arm(truth, hardware, clock), tracker(truth, hardware, arm, clock) {}
   VirtualClock clock;
   VirtualArm arm;
@@ -30,8 +31,8 @@ Truth noiseless(std::uint32_t seed) {
 
 TEST_CASE("Readings of a resting tool scatter by the stated sigma on every axis") {
   const Truth truth = draw_truth(1);
-  Bench bench(truth);
-  Bench quiet(noiseless(1));
+  TrackerBench bench(truth);
+  TrackerBench quiet(noiseless(1));
   const Eigen::Vector3d middle = quiet.tracker.measure_tool()->p_L;
   Eigen::Array3d sum(0.0, 0.0, 0.0), squares(0.0, 0.0, 0.0);
   for (int i = 0; i < kReadings; ++i) {
@@ -49,7 +50,7 @@ TEST_CASE("Readings of a resting tool scatter by the stated sigma on every axis"
 TEST_CASE("The reflector is seen where arm, tool offset and tracker pose put it") {
   Truth truth = noiseless(2);
   truth.tracker.bias_m = 0.0;
-  Bench bench(truth);
+  TrackerBench bench(truth);
   const Eigen::Vector3d expected = truth.tracker.X_LB * (bench.arm.X_BT() * truth.tool.reflector_m);
   CHECK((bench.tracker.measure_tool()->p_L - expected).norm() == 0.0);
 }
@@ -62,7 +63,7 @@ TEST_CASE("The bias varies over the field and stays below the stated length") {
     for (int k = -5; k <= 5; ++k)
       hardware.monuments_B.push_back(
           {std::to_string(i) + "/" + std::to_string(k), {0.1 * i, 0.1 * k, 0.0}});
-  Bench bench(truth, hardware);
+  TrackerBench bench(truth, hardware);
   double least = 1.0, greatest = 0.0;
   for (const auto& [id, p_B] : hardware.monuments_B) {
     const double bias = (bench.tracker.measure_monument(id)->p_L - truth.tracker.X_LB * p_B).norm();
@@ -76,7 +77,7 @@ TEST_CASE("The bias varies over the field and stays below the stated length") {
 }
 
 TEST_CASE("Readings carry the clock's time and unknown monuments are refused") {
-  Bench bench(draw_truth(1));
+  TrackerBench bench(draw_truth(1));
   bench.clock.sleep_for_s(2.5);
   CHECK(bench.tracker.measure_tool()->t_s == 2.5);
   CHECK(bench.tracker.measure_monument("datum1"));

@@ -35,7 +35,8 @@ struct TransmissionSettings {
   std::array<Coupling, 2> coupling{Coupling::kRelative, Coupling::kRelative};  ///< motors 2 and 3
   std::array<MotorDrive, 3> drives;
   /// Lower and upper limit of each motor's angle behind its gear, radians.
-  std::array<Eigen::Vector2d, 3> limits_rad;
+  std::array<Eigen::Vector2d, 3> limits_rad{Eigen::Vector2d(0.0, 0.0), Eigen::Vector2d(0.0, 0.0),
+                                            Eigen::Vector2d(0.0, 0.0)};
 };
 
 /// Converts between joint angles theta, motor angles m and pulses n: m = C theta, n = round(K m).

@@ -10,7 +10,7 @@
 #include "planar_servo/calibration/camera/lens_fit.h"
 #include "planar_servo/calibration/camera/repeated_views.h"
 #include "planar_servo/core/error.h"
-#include "planar_servo/core/statistics.h"
+#include "planar_servo/core/numerics/statistics.h"
 
 namespace planar {
 namespace {

@@ -1,14 +1,14 @@
 #include "planar_servo/calibration/coarse_view.h"
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 #include <Eigen/LU>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <random>
 
-#include "planar_servo/core/statistics.h"
+#include "planar_servo/core/numerics/decompositions.h"
+#include "planar_servo/core/numerics/statistics.h"
 
 namespace planar {
 namespace {
@@ -19,14 +19,14 @@ using Rows = std::vector<CoarseViewRow>;
 constexpr std::size_t kRobustRows = 6;
 // Even with a third of the rows wrong, one of as many triples is almost surely free of them.
 constexpr int kTriples = 200;
-constexpr int kRounds = 3;
-constexpr double kOutlierSigmas = 4.0;
+constexpr int kRobustRounds = 3;
+constexpr double kRowSigmas = 4.0;
 // The lens, which a homography does not model, makes no row an outlier; nor does perspective, which
 // an affine map does not model.
 constexpr double kLeastOutlierPx = 3.0;
 constexpr double kPerspectiveShare = 0.1;  // of the field
 // Points whose width over length is below this count as collinear.
-constexpr double kLeastSpread = 1e-3;
+constexpr double kLeastWidth = 1e-3;
 // A homography whose singular values have a smaller ratio is not determined.
 constexpr double kLeastSingularRatio = 1e-4;
 
@@ -46,9 +46,8 @@ Eigen::Matrix3d normalisation(const Eigen::Matrix2Xd& points) {
 bool are_collinear(const Eigen::Matrix2Xd& points) {
   const Eigen::Matrix2Xd centred = points.colwise() - points.rowwise().mean();
   const Eigen::Matrix2d scatter = centred * centred.transpose();
-  const Eigen::Vector2d spread =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(scatter).eigenvalues();
-  return !(spread(0) > kLeastSpread * kLeastSpread * spread(1));
+  const Eigen::Vector2d spread = symmetric_eigenvalues(scatter);
+  return !(spread(0) > kLeastWidth * kLeastWidth * spread(1));
 }
 
 struct PointSets {
@@ -83,9 +82,9 @@ std::optional<Eigen::Matrix3d> fit_homography(const Rows& rows) {
     M.row(2 * i) << p, Eigen::RowVector3d::Zero(), -uv.x() * p;
     M.row(2 * i + 1) << Eigen::RowVector3d::Zero(), p, -uv.y() * p;
   }
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(M, Eigen::ComputeFullV);
-  if (svd.singularValues()(7) < kLeastSingularRatio * svd.singularValues()(0)) return std::nullopt;
-  const Eigen::Matrix<double, 9, 1> h = svd.matrixV().col(8);
+  const SingularValues svd = singular_values(M);
+  if (svd.values(7) < kLeastSingularRatio * svd.values(0)) return std::nullopt;
+  const Eigen::Matrix<double, 9, 1> h = svd.V.col(8);
   const Eigen::Matrix3d normalised =
       Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(h.data());
   Eigen::Matrix3d H = normalise_uv.inverse() * normalised * normalise_p;
@@ -131,12 +130,12 @@ std::optional<Eigen::Matrix3d> fit_least_median(const Rows& rows) {
   return best;
 }
 
-/// Returns the rows whose residual is within kOutlierSigmas, judged by the median residual, or
+/// Returns the rows whose residual is within kRowSigmas, judged by the median residual, or
 /// within `least_px`.
 Rows inliers(const Eigen::Matrix3d& H_IB, const Rows& rows, double least_px) {
   constexpr double kSigmaPerMedian = 1.0 / 1.1774;  // of the length of a normal 2-vector
   const std::vector<double> residuals = residuals_px(H_IB, rows);
-  const double limit = std::max(least_px, kOutlierSigmas * kSigmaPerMedian * median(residuals));
+  const double limit = std::max(least_px, kRowSigmas * kSigmaPerMedian * median(residuals));
   Rows kept;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (residuals[i] <= limit) kept.push_back(rows[i]);
@@ -159,7 +158,7 @@ double field_px(const Rows& rows) {
 std::optional<Eigen::Matrix3d> fit_robust(const Rows& rows) {
   std::optional<Eigen::Matrix3d> H = fit_least_median(rows);
   if (H) H = fit_best(inliers(*H, rows, kPerspectiveShare * field_px(rows)));
-  for (int round = 0; round < kRounds && H; ++round) {
+  for (int round = 0; round < kRobustRounds && H; ++round) {
     H = fit_best(inliers(*H, rows, kLeastOutlierPx));
   }
   return H;

@@ -33,7 +33,7 @@ void require_finite(const std::vector<LampSight>& frames,
   Faults faults;
   for (const LampSight& frame : frames) {
     if (!std::isfinite(frame.t_s) || !frame.theta12.allFinite() ||
-        (frame.status == "ok" && !(frame.uv_px[0].allFinite() && frame.uv_px[1].allFinite()))) {
+        (frame.fault.empty() && !(frame.uv_px[0].allFinite() && frame.uv_px[1].allFinite()))) {
       faults.add("pairing: a frame of '" + frame.id + "' has a value that is not finite");
     }
   }
@@ -75,7 +75,7 @@ double farthest_from_mean(const std::vector<const T*>& items, const Value& value
 
 /// Says why the place cannot be used; empty when it can.
 std::string fault_of(const Place& place) {
-  if (place.frames.empty()) return "no frame with both lamps: " + place.failed.front()->status;
+  if (place.frames.empty()) return "no frame with both lamps: " + place.failed.front()->fault;
   if (place.readings.empty()) return "no tracker reading";
   for (std::size_t k = 0; k < 2; ++k) {
     const double far =
@@ -176,7 +176,7 @@ Pairing pair_sights(const std::vector<LampSight>& frames, const std::vector<Tool
   for (const LampSight& frame : frames) {
     const auto [place, is_new] = places.try_emplace(frame.id);
     if (is_new) order.push_back(frame.id);
-    (frame.status == "ok" ? place->second.frames : place->second.failed).push_back(&frame);
+    (frame.fault.empty() ? place->second.frames : place->second.failed).push_back(&frame);
   }
   if (by == PairBy::kId)
     add_by_id(readings, places, pairing.rejected);

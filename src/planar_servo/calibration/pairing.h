@@ -16,7 +16,7 @@ namespace planar {
 struct LampSight {
   std::string id;
   double t_s{0.0};
-  std::string status;  ///< "ok", or why the lamps were not found
+  std::string fault;  ///< why the lamps were not found; empty when they were
   std::array<Eigen::Vector2d, 2> uv_px{Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};
   std::array<Eigen::Matrix2d, 2> covariances_px2{Eigen::Matrix2d::Zero(), Eigen::Matrix2d::Zero()};
   Plan plan{Plan::kTrain};

@@ -2,13 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/SVD>
 #include <cmath>
 #include <map>
 #include <stdexcept>
 
 #include "planar_servo/core/error.h"
+#include "planar_servo/core/numerics/decompositions.h"
 #include "planar_servo/core/units.h"
 
 namespace planar {
@@ -28,9 +27,7 @@ using Points = Eigen::Matrix<double, N, Eigen::Dynamic>;
 template <int N>
 bool span_enough(const Points<N>& centred) {
   const Eigen::Matrix<double, N, N> scatter = centred * centred.transpose();
-  const Eigen::Vector<double, N> squares =  // of the spread in each direction, rising
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, N, N>>(scatter, Eigen::EigenvaluesOnly)
-          .eigenvalues();
+  const Eigen::VectorXd squares = symmetric_eigenvalues(scatter);  // of the spread along each axis
   return squares(N - 1) > 0.0 && squares(1) > kLeastSpread * kLeastSpread * squares(N - 1);
 }
 
@@ -48,12 +45,12 @@ Eigen::Transform<double, N, Eigen::Isometry> fit_rigid(const Points<N>& p_A, con
     throw InputError(N == 2 ? "rigid fit: all points are in one place"
                             : "rigid fit: the points lie on one line; move one of them off it");
   }
-  const Eigen::JacobiSVD<Eigen::Matrix<double, N, N>> svd(
-      centred_B * centred_A.transpose(), Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const SingularValues svd = singular_values(centred_B * centred_A.transpose());
+  const Eigen::Matrix<double, N, N> U = svd.U, V = svd.V;
   Eigen::Vector<double, N> signs = Eigen::Vector<double, N>::Ones();
-  signs(N - 1) = (svd.matrixV() * svd.matrixU().transpose()).determinant() < 0.0 ? -1.0 : 1.0;
+  signs(N - 1) = (V * U.transpose()).determinant() < 0.0 ? -1.0 : 1.0;
   Eigen::Transform<double, N, Eigen::Isometry> X_AB;
-  X_AB.linear() = svd.matrixV() * signs.asDiagonal() * svd.matrixU().transpose();
+  X_AB.linear() = V * signs.asDiagonal() * U.transpose();
   X_AB.translation() = mean_A - X_AB.linear() * mean_B;
   X_AB.makeAffine();
   return X_AB;

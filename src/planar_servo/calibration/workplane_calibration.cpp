@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <cmath>
 #include <functional>
@@ -13,7 +12,8 @@
 #include "planar_servo/calibration/plane/sight_set.h"
 #include "planar_servo/calibration/tracker_registration.h"
 #include "planar_servo/core/error.h"
-#include "planar_servo/core/statistics.h"
+#include "planar_servo/core/numerics/decompositions.h"
+#include "planar_servo/core/numerics/statistics.h"
 #include "planar_servo/core/units.h"
 
 namespace planar {
@@ -94,7 +94,7 @@ using Step =
 
 Pose step_to_pairs(const Pose& X_WC, const Seen& seen, const Eigen::Vector2d& p_reflector) {
   const NormalEquations sum = linearise(seen, p_reflector);
-  return moved_pose(X_WC, -sum.information.ldlt().solve(sum.gradient));
+  return moved_pose(X_WC, -solve_symmetric(sum.information, sum.gradient));
 }
 
 Pose step_in_plane(const Pose& X_WC, const Seen& seen, const Eigen::Vector2d& p_reflector) {
@@ -242,7 +242,8 @@ WorkplaneFit fit_workplane_to_pairs(const CameraModel& camera,
   SightSet set(camera, sights);
   auto [fit, sum] = fit_in_rounds(set, start_from_pairs(set, camera), step_to_pairs);
   fit.absorbed = 6;
-  fit.covariance = sum.square / (2.0 * sum.n - 6.0) * sum.information.inverse();
+  fit.covariance =
+      sum.square / (2.0 * sum.n - 6.0) * solve_symmetric(sum.information, Matrix6d::Identity());
   return fit;
 }
 

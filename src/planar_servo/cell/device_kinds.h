@@ -10,10 +10,10 @@
 namespace planar {
 
 class DriveGroup;
+class Fields;
 class FrameSource;
 class Tracker;
 class VirtualCell;
-class YamlNode;
 struct CellSettings;
 
 /// Base of the settings that only one kind of device has. Each kind derives its own and alone reads
@@ -43,10 +43,8 @@ class CameraKind : public DeviceKind {
   /// one can be opened.
   virtual std::string refusal() const { return ""; }
 
-  /// Reads the keys that only this kind has. Faults go to the node's document.
-  virtual std::shared_ptr<const DeviceDetails> read(const YamlNode& /*camera*/) const {
-    return nullptr;
-  }
+  /// Reads the keys that only this kind has. Faults go to the document.
+  virtual std::shared_ptr<const DeviceDetails> read(Fields& /*camera*/) const { return nullptr; }
 
   /// Opens the camera of a cell whose camera is of this kind. `world` is the cell's virtual world
   /// for a virtual kind and null for the others. Throws WorkError when the camera does not answer,
@@ -63,9 +61,8 @@ class CameraKind : public DeviceKind {
 class DriveKind : public DeviceKind {
  public:
   /// Reads the keys that only this kind has from an item of `drives` into the settings of a joint.
-  /// Joints count from 0. Faults go to the node's document.
-  virtual void read(const YamlNode& /*drive*/, CellSettings& /*cell*/,
-                    std::size_t /*joint*/) const {}
+  /// Joints count from 0. Faults go to the document.
+  virtual void read(Fields& /*drive*/, CellSettings& /*cell*/, std::size_t /*joint*/) const {}
 
   /// Fills in what follows from other settings. It is called once the whole file was found free of
   /// faults.

@@ -9,15 +9,15 @@
 
 namespace planar {
 
-/// A value of an enumeration and the word that stands for it in files, options and messages. One
-/// constexpr array of these per enumeration serves reading and writing alike.
+/// Pairs a value of an enumeration with the word that stands for it in files, options and messages.
+/// One constexpr array of these per enumeration serves reading and writing alike.
 template <typename Enum>
 struct Named {
   Enum value;
   const char* name;
 };
 
-/// The word for `value`. Throws std::invalid_argument when the table has none.
+/// Returns the word for `value`. Throws std::invalid_argument when the table has none.
 template <typename Enum, std::size_t N>
 const char* name_in(const Named<Enum> (&table)[N], Enum value) {
   for (const Named<Enum>& entry : table)
@@ -25,7 +25,7 @@ const char* name_in(const Named<Enum> (&table)[N], Enum value) {
   throw std::invalid_argument("an enumeration has a value without a name");
 }
 
-/// The value that `name` stands for; empty when the table does not have it.
+/// Returns the value that `name` stands for. Empty when the table does not have it.
 template <typename Enum, std::size_t N>
 std::optional<Enum> value_named(const Named<Enum> (&table)[N], std::string_view name) {
   for (const Named<Enum>& entry : table)
@@ -33,7 +33,15 @@ std::optional<Enum> value_named(const Named<Enum> (&table)[N], std::string_view 
   return std::nullopt;
 }
 
-/// All words of the table, in its order.
+/// Returns all values of the table, in its order.
+template <typename Enum, std::size_t N>
+std::vector<Enum> values_of(const Named<Enum> (&table)[N]) {
+  std::vector<Enum> values;
+  for (const Named<Enum>& entry : table) values.push_back(entry.value);
+  return values;
+}
+
+/// Returns all words of the table, in its order.
 template <typename Enum, std::size_t N>
 std::vector<std::string> names_of(const Named<Enum> (&table)[N]) {
   std::vector<std::string> names;

@@ -1,15 +1,12 @@
 #pragma once
 
-#include <optional>
-#include <string>
-#include <string_view>
-#include <vector>
+#include "planar_servo/core/names.h"
 
 namespace planar {
 
-/// What a place of a recording serves.
+/// Says what a place of a recording is for.
 enum class Plan {
-  kHeldBoard,  ///< a view of the calibration board held into the view; calibrates the camera
+  kHeldBoard,  ///< a view of the board held before the camera; calibrates the camera
   kLaidBoard,  ///< a view of the calibration board laid on the plane of motion
   kTrain,      ///< the error map is fitted to it
   kTest,       ///< the error map is judged on it
@@ -19,20 +16,16 @@ enum class Plan {
   kCheck,      ///< a place that an experiment judges by
 };
 
-/// The word that files have for it: "grid", "plane_grid", "train", "test", "sweep1", "sweep3",
-/// "control", "check".
+/// All plans with the words that files have for them.
+constexpr Named<Plan> kPlans[] = {{Plan::kHeldBoard, "grid"},  {Plan::kLaidBoard, "plane_grid"},
+                                  {Plan::kTrain, "train"},     {Plan::kTest, "test"},
+                                  {Plan::kSweep1, "sweep1"},   {Plan::kSweep3, "sweep3"},
+                                  {Plan::kControl, "control"}, {Plan::kCheck, "check"}};
+
+/// Returns the plan's word.
 const char* name(Plan plan);
 
-/// The plan with this name; empty when there is none.
-std::optional<Plan> plan_named(std::string_view name);
-
-/// All plans, in the order of their names' list.
-std::vector<Plan> all_plans();
-
-/// The names of all plans.
-std::vector<std::string> plan_names();
-
-/// True of a plan whose pictures show the calibration board instead of the lamps.
+/// Returns true for a plan whose pictures show the calibration board instead of the lamps.
 bool shows_board(Plan plan);
 
 }  // namespace planar

@@ -1,5 +1,6 @@
 #include "planar_servo/experiment/experiment.h"
 
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include <functional>
@@ -23,8 +24,9 @@ std::vector<TargetResult> close_loop(const CalibratedChain& chain, bool with_map
   request.center = chain.settings.center;
   request.use_error_map = with_map;
   request.out = out / chain.settings.name / (with_map ? "run" : "run_without_map");
-  spdlog::info("closing the loop over {} targets: {}, {}", targets.size(), chain.settings.name,
-               with_map ? "with its error map" : "without an error map");
+  spdlog::info(fmt::format("closing the loop over {} targets: {}, {}", targets.size(),
+                           chain.settings.name,
+                           with_map ? "with its error map" : "without an error map"));
   ServoRun run(request, devices);
   return run_servo(run, targets);
 }
@@ -41,10 +43,10 @@ ExperimentReport run_experiment(const ExperimentRequest& request, CellDevices& d
   make_folder(request.out);
   const ExperimentPlan plan = experiment_plan(request.cell, request.seed, request.size);
   write_file(request.out / "plan.csv", plan_text(plan.rows));
-  spdlog::info("recording {} positions and board views", plan.rows.size());
+  spdlog::info(fmt::format("recording {} positions and board views", plan.rows.size()));
   const RecordReport recorded =
       record({request.cell, plan.rows, request.out / "recording"}, devices);
-  spdlog::info("{} frames, {} of them full", recorded.frames, recorded.full_frames);
+  spdlog::info(fmt::format("{} frames, {} of them full", recorded.frames, recorded.full_frames));
   const RecordedCell recording = read_recorded_cell(request.out / "recording", request.board);
   const CalibratedChain ours =
       calibrate_chain(our_chain(request.cell), request.cell, recording, request.out);

@@ -5,7 +5,7 @@
 #include <limits>
 #include <optional>
 
-#include "planar_servo/core/statistics.h"
+#include "planar_servo/core/numerics/statistics.h"
 #include "planar_servo/core/units.h"
 
 namespace planar {

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "planar_servo/core/error.h"
-#include "planar_servo/core/statistics.h"
+#include "planar_servo/core/numerics/statistics.h"
 #include "planar_servo/experiment/experiment_report.h"
 #include "planar_servo/io/growing_file.h"
 #include "planar_servo/report/html_page.h"
@@ -97,7 +97,7 @@ std::vector<SeriesRow> run_series(const ExperimentRequest& request, int count) {
   std::vector<SeriesRow> rows;
   for (int i = 0; i < count; ++i) {
     const auto seed = static_cast<std::uint32_t>(request.seed) + static_cast<std::uint32_t>(i);
-    spdlog::info("cell {} of {}, seed {}", i + 1, count, seed);
+    spdlog::info(fmt::format("cell {} of {}, seed {}", i + 1, count, seed));
     rows.push_back({seed, run_drawn_cell(request, seed)});
   }
   return rows;

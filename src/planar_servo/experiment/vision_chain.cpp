@@ -64,10 +64,11 @@ std::vector<PairRow> make_pairs(const ChainSettings& settings, const CellSetting
   const WorkplaneFit& fit = report.workplane;
   const std::vector<fs::path> inputs{cell.camera_model, folder / "lamps.csv",
                                      recorded.folder / "tracker.csv"};
-  write_file(cell.workplane,
-             workplane_text({fit.X_WC, fit.covariance, settings.plane_from_board ? "grid" : "pairs",
-                             fit.absorbed, static_cast<int>(fit.n_used), fit.rms},
-                            kProgram, inputs));
+  write_file(cell.workplane, workplane_text({fit.X_WC, fit.covariance,
+                                             settings.plane_from_board ? WorkplaneSource::kBoard
+                                                                       : WorkplaneSource::kPairs,
+                                             fit.absorbed, static_cast<int>(fit.n_used), fit.rms},
+                                            kProgram, inputs));
   write_file(cell.tool, tool_text(fit.tool, kProgram, inputs));
   write_file(folder / "pairs.csv", pairs_text(report.pairs));
   return read_pairs(folder / "pairs.csv");

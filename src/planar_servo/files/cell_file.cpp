@@ -2,12 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <optional>
-
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/names.h"
 #include "planar_servo/core/units.h"
-#include "planar_servo/io/yaml_reader.h"
+#include "planar_servo/io/yaml_fields.h"
 
 namespace planar {
 namespace {
@@ -27,174 +25,168 @@ constexpr Named<ServoLaw> kLaws[] = {{ServoLaw::kJacobian, "jacobian"},
 constexpr Named<Approach> kApproaches[] = {{Approach::kOneSide, "one_side"},
                                            {Approach::kDirect, "direct"}};
 
-/// Returns the kind that `key` asks for. When there is none of that name it adds a fault and
-/// returns null. The block's other keys cannot be judged then and are not called unknown.
+/// Reads the kind that `key` asks for, which is null when there is none of that name. The block's
+/// other keys cannot be judged then.
 template <typename Kind>
-const Kind* kind_at(const YamlNode& node, const char* key, const std::vector<const Kind*>& kinds) {
+void read_kind(Fields& fields, const char* key, const std::vector<const Kind*>& kinds,
+               const Kind*& read) {
   std::vector<std::string> names;
   names.reserve(kinds.size());
   for (const Kind* kind : kinds) names.push_back(kind->name());
-  const std::optional<std::string> name = node.child(key).as_choice(names);
+  std::string name;
+  read = nullptr;
+  if (!fields.choice(key, name, names)) return fields.allow_rest();
   for (const Kind* kind : kinds)
-    if (name && kind->name() == *name) return kind;
-  node.allow_all();
-  return nullptr;
+    if (kind->name() == name) read = kind;
 }
 
-CameraSettings read_camera(const YamlNode& node, const DeviceKinds& kinds) {
-  CameraSettings camera;
-  camera.kind = kind_at(node, "source", kinds.cameras);
-  camera.width_px = node.whole_number_in("width_px", 1, kMaxSensorPixels);
-  camera.height_px = node.whole_number_in("height_px", 1, kMaxSensorPixels);
-  camera.frame_rate_hz = node.positive("frame_rate_hz");
-  camera.timeout_s = node.positive("timeout_ms") * kMillisecond;
-  camera.follow_region_px =
-      node.whole_number_in("follow_region_px", kLeastRegion_px, kMaxSensorPixels);
+void read_camera(Fields& fields, CameraSettings& camera, const DeviceKinds& kinds) {
+  read_kind(fields, "source", kinds.cameras, camera.kind);
+  fields.whole_number("width_px", camera.width_px, 1, kMaxSensorPixels);
+  fields.whole_number("height_px", camera.height_px, 1, kMaxSensorPixels);
+  fields.number("frame_rate_hz", camera.frame_rate_hz, 1.0, Range::positive());
+  fields.number("timeout_ms", camera.timeout_s, kMillisecond, Range::positive());
+  fields.whole_number("follow_region_px", camera.follow_region_px, kLeastRegion_px,
+                      kMaxSensorPixels);
+  double unused{0.0};
   for (const char* data_sheet : {"pixel_pitch_um", "gain_e_per_level"})
-    if (node.has(data_sheet)) node.positive(data_sheet);
-  if (camera.kind != nullptr) camera.details = camera.kind->read(node);
-  return camera;
+    if (fields.given(data_sheet, false)) fields.number(data_sheet, unused, 1.0, Range::positive());
+  if (camera.kind != nullptr) camera.details = camera.kind->read(fields);
 }
 
-ArmSettings read_arm(const YamlNode& node) {
-  ArmSettings arm;
-  const auto lengths = node.numbers("link_lengths_mm", 2);
-  for (int i = 0; i < 2; ++i) {
-    arm.geometry.link_lengths_m[i] = lengths[i] * kMillimetre;
-    if (!(lengths[i] > 0.0) && node.has("link_lengths_mm"))
-      node.add_fault(
-          fmt::format("arm.link_lengths_mm has {}; lengths must be positive", lengths[i]));
-  }
-  arm.geometry.positive_rotation = node.choice("positive_rotation", kRotations);
-  arm.elbow = node.choice("elbow", kElbows);
-  const auto home = node.numbers("home_deg", 3);
-  arm.home = Joints(home[0], home[1], home[2]) * kDegree;
-  return arm;
+void read_arm(Fields& fields, ArmSettings& arm) {
+  fields.numbers("link_lengths_mm", arm.geometry.link_lengths_m, kMillimetre, Range::positive());
+  fields.choice("positive_rotation", arm.geometry.positive_rotation, kRotations);
+  fields.choice("elbow", arm.elbow, kElbows);
+  fields.numbers("home_deg", arm.home, kDegree);
 }
 
-MotorDrive read_motor(const YamlNode& node) {
-  MotorDrive drive;
-  drive.pulses_per_motor_turn = node.positive("pulses_per_motor_turn");
-  drive.gear_ratio = node.positive("gear_ratio");
-  drive.direction = node.choice("direction", kDirections);
-  drive.max_speed_rad_s = node.positive("max_speed_deg_s") * kDegree;
-  drive.max_acceleration_rad_s2 = node.positive("max_acceleration_deg_s2") * kDegree;
-  return drive;
-}
-
-Eigen::Vector2d read_limits(const YamlNode& node, std::size_t motor) {
-  const auto range = node.as_numbers(2);
-  if (!range) return Eigen::Vector2d::Zero();
-  const double lower = (*range)[0], upper = (*range)[1];
-  if (!(lower < upper))
-    node.add_fault(
-        fmt::format("arm.joint_limits_deg[{}] is [{}, {}]; the lower limit must be "
-                    "below the upper one",
-                    motor, lower, upper));
-  return Eigen::Vector2d(lower, upper) * kDegree;
-}
-
-Coupling coupling_of(const YamlNode& node) {
-  const std::optional<std::string> name = node.as_choice(names_of(kCouplings));
-  return name ? *value_named(kCouplings, *name) : Coupling::kRelative;
-}
-
-void read_transmission(const YamlNode& root, const DeviceKinds& kinds, CellSettings& cell) {
-  const YamlNode arm = root.child("arm");
-  const auto couplings = arm.list("coupling", 2);
-  for (std::size_t i = 0; i < couplings.size(); ++i)
-    cell.transmission.coupling[i] = coupling_of(couplings[i]);
-  const auto limits = arm.list("joint_limits_deg", 3);
-  for (std::size_t i = 0; i < limits.size(); ++i)
-    cell.transmission.limits_rad[i] = read_limits(limits[i], i);
-  const auto drives = root.list("drives", 3);
-  for (std::size_t i = 0; i < drives.size(); ++i) {
-    cell.drives[i].kind = kind_at(drives[i], "kind", kinds.drives);
-    cell.transmission.drives[i] = read_motor(drives[i]);
-    if (cell.drives[i].kind != nullptr) cell.drives[i].kind->read(drives[i], cell, i);
+void read_joints(Fields& fields, TransmissionSettings& transmission) {
+  fields.choices("coupling", transmission.coupling, kCouplings);
+  const bool read = fields.rows("joint_limits_deg", transmission.limits_rad,
+                                [](RowFields& row, Eigen::Vector2d& limits) {
+                                  row.number(limits.x(), kDegree);
+                                  row.number(limits.y(), kDegree);
+                                });
+  if (!read) return;
+  for (std::size_t i = 0; i < transmission.limits_rad.size(); ++i) {
+    const Eigen::Vector2d& limits = transmission.limits_rad[i];
+    fields.check(
+        limits.x() < limits.y(),
+        fmt::format("arm.joint_limits_deg[{}] is [{:g}, {:g}]; the lower limit must be below the "
+                    "upper one",
+                    i, limits.x() / kDegree, limits.y() / kDegree),
+        "joint_limits_deg");
   }
 }
 
-ServoSettings read_servo(const YamlNode& node) {
-  ServoSettings servo;
-  servo.law = node.choice("law", kLaws);
-  servo.gain = node.positive("gain", 1.0);
-  servo.tolerance_m = node.positive("tolerance_mm") * kMillimetre;
-  servo.max_iterations = node.whole_number_in("max_iterations", 0, kMaxCount);
-  servo.max_step_m = node.positive("max_step_mm") * kMillimetre;
-  servo.settle_s = node.number_in("settle_ms", 0.0) * kMillisecond;
-  servo.frames_per_measurement = node.whole_number_in("frames_per_measurement", 1, kMaxCount);
-  servo.approach = node.choice("approach", kApproaches);
-  return servo;
+void read_motor(Fields& fields, MotorDrive& drive) {
+  fields.number("pulses_per_motor_turn", drive.pulses_per_motor_turn, 1.0, Range::positive());
+  fields.number("gear_ratio", drive.gear_ratio, 1.0, Range::positive());
+  fields.choice("direction", drive.direction, kDirections);
+  fields.number("max_speed_deg_s", drive.max_speed_rad_s, kDegree, Range::positive());
+  fields.number("max_acceleration_deg_s2", drive.max_acceleration_rad_s2, kDegree,
+                Range::positive());
 }
 
-Workspace read_workspace(const YamlNode& node) {
-  Workspace workspace;
-  workspace.radius_min_m = node.number_in("radius_min_mm", 0.0) * kMillimetre;
-  workspace.radius_max_m = node.positive("radius_max_mm") * kMillimetre;
-  if (workspace.radius_min_m >= workspace.radius_max_m)
-    node.add_fault("workspace.radius_min_mm must be below radius_max_mm");
-  for (const YamlNode& item : node.list("keep_out"))
-    workspace.keep_out.push_back(
-        {Eigen::Vector2d(item.number("x_mm"), item.number("y_mm")) * kMillimetre,
-         item.positive("radius_mm") * kMillimetre});
-  return workspace;
+void read_drives(Fields& fields, CellSettings& cell, const DeviceKinds& kinds) {
+  std::size_t joint = 0;
+  fields.maps("drives", cell.drives, [&](DriveSettings& drive) {
+    read_kind(fields, "kind", kinds.drives, drive.kind);
+    read_motor(fields, cell.transmission.drives[joint]);
+    if (drive.kind != nullptr) drive.kind->read(fields, cell, joint);
+    ++joint;
+  });
 }
 
-LampSettings read_lamps(const YamlNode& node) {
-  LampSettings lamps;
-  const auto diameters = node.numbers("diameter_mm", 2);
-  lamps.layout.diameters_m = {diameters[0] * kMillimetre, diameters[1] * kMillimetre};
-  lamps.layout.separation_m = node.positive("separation_mm") * kMillimetre;
-  if (node.has("method")) lamps.method = node.choice("method", kCenterMethods);
-  return lamps;
+void read_servo(Fields& fields, ServoSettings& servo) {
+  fields.choice("law", servo.law, kLaws);
+  fields.number("gain", servo.gain, 1.0, Range::positive(1.0));
+  fields.number("tolerance_mm", servo.tolerance_m, kMillimetre, Range::positive());
+  fields.whole_number("max_iterations", servo.max_iterations, 0, kMaxCount);
+  fields.number("max_step_mm", servo.max_step_m, kMillimetre, Range::positive());
+  fields.number("settle_ms", servo.settle_s, kMillisecond, Range::at_least(0.0));
+  fields.whole_number("frames_per_measurement", servo.frames_per_measurement, 1, kMaxCount);
+  fields.choice("approach", servo.approach, kApproaches);
+}
+
+void read_workspace(Fields& fields, Workspace& workspace) {
+  const bool lower =
+      fields.number("radius_min_mm", workspace.radius_min_m, kMillimetre, Range::at_least(0.0));
+  const bool upper =
+      fields.number("radius_max_mm", workspace.radius_max_m, kMillimetre, Range::positive());
+  fields.check(!lower || !upper || workspace.radius_min_m < workspace.radius_max_m,
+               "workspace.radius_min_mm must be below radius_max_mm");
+  fields.maps("keep_out", workspace.keep_out, [&](KeepOut& circle) {
+    fields.number("x_mm", circle.p_B.x(), kMillimetre);
+    fields.number("y_mm", circle.p_B.y(), kMillimetre);
+    fields.number("radius_mm", circle.radius_m, kMillimetre, Range::positive());
+  });
+}
+
+void read_lamps(Fields& fields, LampSettings& lamps) {
+  fields.numbers("diameter_mm", lamps.layout.diameters_m, kMillimetre);
+  fields.number("separation_mm", lamps.layout.separation_m, kMillimetre, Range::positive());
+  if (fields.given("method", true)) fields.choice("method", lamps.method, kCenterMethods);
 }
 
 /// Reads the tracker. A file that names no source has a virtual tracker in a virtual cell and none
 /// in a real one.
-TrackerSettings read_tracker(const YamlNode& node, const CellSettings& cell,
-                             const DeviceKinds& kinds) {
-  TrackerSettings tracker;
+void read_tracker(Fields& fields, CellSettings& cell, const DeviceKinds& kinds) {
   const bool in_virtual_cell = cell.camera.kind != nullptr && cell.camera.kind->is_virtual();
+  TrackerSettings& tracker = cell.tracker;
   for (const TrackerKind* kind : kinds.trackers)
     if (kind->is_virtual() == in_virtual_cell) tracker.kind = kind;
-  if (node.has("source")) tracker.kind = kind_at(node, "source", kinds.trackers);
-  tracker.sigma_m = node.number_in("sigma_mm", 0.0) * kMillimetre;
-  tracker.sigma_m_per_m = node.number_in("sigma_mm_per_m", 0.0) * kMillimetre;
-  return tracker;
+  if (fields.given("source", true)) read_kind(fields, "source", kinds.trackers, tracker.kind);
+  fields.number("sigma_mm", tracker.sigma_m, kMillimetre, Range::at_least(0.0));
+  fields.number("sigma_mm_per_m", tracker.sigma_m_per_m, kMillimetre, Range::at_least(0.0));
 }
 
-std::vector<Monument> read_datum(const YamlNode& root) {
-  std::vector<Monument> datum;
-  for (const YamlNode& item : root.list("datum"))
-    datum.push_back({item.text("id"), Eigen::Vector3d(item.number("x_mm"), item.number("y_mm"),
-                                                      item.number("z_mm")) *
-                                          kMillimetre});
-  return datum;
+void read_datum(Fields& fields, std::vector<Monument>& datum) {
+  fields.maps("datum", datum, [&](Monument& monument) {
+    fields.text("id", monument.id);
+    fields.number("x_mm", monument.p_B.x(), kMillimetre);
+    fields.number("y_mm", monument.p_B.y(), kMillimetre);
+    fields.number("z_mm", monument.p_B.z(), kMillimetre);
+  });
+}
+
+/// Reads the name of a file, which stands beside the cell's.
+void read_file_name(Fields& fields, const char* key, const CellSettings& cell,
+                    std::filesystem::path& file) {
+  std::string name;
+  fields.text(key, name);
+  file = cell.file.parent_path() / name;
+}
+
+void read_fields(Fields& fields, CellSettings& cell, const DeviceKinds& kinds) {
+  fields.map("camera", [&] { read_camera(fields, cell.camera, kinds); });
+  read_file_name(fields, "camera_model", cell, cell.camera_model);
+  read_file_name(fields, "workplane", cell, cell.workplane);
+  read_file_name(fields, "tool", cell, cell.tool);
+  read_file_name(fields, "error_map", cell, cell.error_map);
+  fields.map("arm", [&] {
+    read_arm(fields, cell.arm);
+    read_joints(fields, cell.transmission);
+  });
+  read_drives(fields, cell, kinds);
+  fields.number("tool_orientation_deg", cell.tool_orientation, kDegree);
+  fields.map("servo", [&] { read_servo(fields, cell.servo); });
+  fields.map("workspace", [&] { read_workspace(fields, cell.workspace); });
+  fields.map("lamps", [&] { read_lamps(fields, cell.lamps); });
+  fields.map("tracker", [&] { read_tracker(fields, cell, kinds); });
+  read_datum(fields, cell.datum);
+  if (fields.given("virtual", true)) read_file_name(fields, "virtual", cell, cell.truth.emplace());
 }
 
 }  // namespace
 
 CellSettings read_cell(const std::filesystem::path& path, const DeviceKinds& kinds) {
   const YamlDocument document = YamlDocument::read(path, "cell");
-  const YamlNode root = document.root();
   CellSettings cell;
   cell.file = path;
-  const auto beside = [&](const char* key) { return path.parent_path() / root.text(key); };
-  cell.camera = read_camera(root.child("camera"), kinds);
-  cell.camera_model = beside("camera_model");
-  cell.workplane = beside("workplane");
-  cell.tool = beside("tool");
-  cell.error_map = beside("error_map");
-  cell.arm = read_arm(root.child("arm"));
-  read_transmission(root, kinds, cell);
-  cell.tool_orientation = root.number("tool_orientation_deg") * kDegree;
-  cell.servo = read_servo(root.child("servo"));
-  cell.workspace = read_workspace(root.child("workspace"));
-  cell.lamps = read_lamps(root.child("lamps"));
-  cell.tracker = read_tracker(root.child("tracker"), cell, kinds);
-  cell.datum = read_datum(root);
-  if (root.has("virtual")) cell.truth = beside("virtual");
+  FieldReader reader(document.root());
+  read_fields(reader, cell, kinds);
   document.throw_if_faulty();
   for (std::size_t i = 0; i < cell.drives.size(); ++i) cell.drives[i].kind->complete(cell, i);
   return cell;

@@ -14,15 +14,16 @@
 namespace planar {
 namespace {
 
-/// (cos phi, sin phi) of the tool at each centre: the tail then ends with these two terms.
-constexpr char kDirections[] = "tool_directions";
+/// The key of (cos phi, sin phi) of the tool at each centre. The tail of a map that has this key
+/// ends with these two terms.
+constexpr char kToolDirections[] = "tool_directions";
 
 void list_point(RowFields& row, Eigen::Vector2d& point) {
   row.number(point.x());
   row.number(point.y());
 }
 
-/// Rows [x, y]. Returns whether they were read.
+/// Visits points as rows [x, y]. Returns whether they were read.
 bool list_points(Fields& fields, const std::string& key, Eigen::Matrix2Xd& points) {
   std::vector<Eigen::Vector2d> rows;
   for (Eigen::Index i = 0; i < points.cols(); ++i) rows.emplace_back(points.col(i));
@@ -32,7 +33,7 @@ bool list_points(Fields& fields, const std::string& key, Eigen::Matrix2Xd& point
   return true;
 }
 
-/// As many rows [x, y] as `size`; of any number of them when that is not known.
+/// Visits `size` points as rows [x, y], or any number of them when `size` is not known.
 void list_points(Fields& fields, const std::string& key, Eigen::Matrix2Xd& points,
                  std::optional<Eigen::Index> size) {
   if (list_points(fields, key, points) && size)
@@ -40,7 +41,7 @@ void list_points(Fields& fields, const std::string& key, Eigen::Matrix2Xd& point
                  fmt::format("{} has {} points; {} are needed", key, points.cols(), *size), key);
 }
 
-/// Returns how many there are; empty when they could not be read.
+/// Visits the centres and returns how many there are. Empty when they could not be read.
 std::optional<Eigen::Index> list_centers(Fields& fields, Eigen::Matrix2Xd& centers) {
   if (!list_points(fields, "centers_m", centers)) return std::nullopt;
   fields.check(centers.cols() > 0, "centers_m has no points", "centers_m");
@@ -66,7 +67,8 @@ void list_tail(Fields& fields, TailBasis& basis, Eigen::Matrix2Xd& tail) {
   list_points(fields, "tail_m", tail, known ? std::optional(basis.terms()) : std::nullopt);
 }
 
-/// What dense and sparse maps have in common before their weights. Returns the number of centres.
+/// Visits what dense and sparse maps have in common before their weights. Returns the number of
+/// centres. Empty when they could not be read.
 template <typename Parameters>
 std::optional<Eigen::Index> list_shared(Fields& fields, Parameters& parameters) {
   fields.number("ridge", parameters.ridge, 1.0, Range::at_least(0.0));
@@ -85,16 +87,16 @@ void list_fields(Fields& fields, IdwMap& map) {
 
 void list_fields(Fields& fields, RbfParameters& parameters) {
   bool& with_direction = parameters.tail_basis.with_direction;
-  with_direction = fields.given(kDirections, with_direction);
+  with_direction = fields.given(kToolDirections, with_direction);
   fields.number("width_m", parameters.kernel.width, 1.0, Range::positive());
   fields.number("span_m", parameters.kernel.span, 1.0, Range::at_least(0.0));
   const auto size = list_shared(fields, parameters);
   list_counts(fields, parameters.counts, size);
   list_points(fields, "weights_m", parameters.weights, size);
-  if (with_direction) list_points(fields, kDirections, parameters.directions, size);
+  if (with_direction) list_points(fields, kToolDirections, parameters.directions, size);
 }
 
-/// The lower triangle of a matrix, row after row.
+/// Visits the lower triangle of a matrix, row after row.
 void list_factor(Fields& fields, Eigen::MatrixXd& lower, Eigen::Index size) {
   std::vector<double> values;
   for (Eigen::Index i = 0; i < lower.rows(); ++i)
@@ -116,7 +118,7 @@ void list_fields(Fields& fields, SparseRbfParameters& parameters) {
   list_factor(fields, parameters.factor, size.value_or(0) + parameters.tail_basis.terms());
 }
 
-/// Each term with its standard deviation.
+/// Adds each term of the cell with its standard deviation.
 void add_cell(YamlWriter& yaml, const CellDiagnosis& cell) {
   if (cell.terms.empty()) return;
   yaml.begin_map("cell");
@@ -141,7 +143,7 @@ void add_figures(YamlWriter& yaml, const MapResult& result) {
   yaml.end_map();
 }
 
-/// What a map is made of: its parameters, or itself.
+/// Returns what a map is made of: its parameters, or the map itself.
 IdwMap made_of(const IdwMap& map) {
   return map;
 }
@@ -195,7 +197,7 @@ ErrorMap read_map(const std::filesystem::path& path) {
   FieldReader reader(root);
   MapKind kind{};
   if (!reader.choice("method", kind, kMapKinds)) {
-    root.allow_all();
+    reader.allow_rest();
     document.throw_if_faulty();
   }
   try {

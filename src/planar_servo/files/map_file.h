@@ -8,12 +8,14 @@
 
 namespace planar {
 
-/// map.yaml: the map, from which it can be evaluated bit for bit (lengths in metres as they are
-/// held, `_m`), the figures of its fit, and the name and hash of its pairs.
+/// Returns the text of map.yaml: the map, from which it can be evaluated bit for bit (lengths in
+/// metres as they are held, in keys that end with `_m`), the figures of its fit, and the name and
+/// hash of its pairs.
 std::string map_text(const MapResult& result, const std::filesystem::path& pairs,
                      const std::string& program);
 
-/// Throws InputError naming every fault of the file, and when its kernel matrix cannot be solved.
+/// Reads map.yaml. Throws InputError naming every fault of the file, and when its kernel matrix
+/// cannot be solved.
 ErrorMap read_map(const std::filesystem::path& path);
 
 }  // namespace planar

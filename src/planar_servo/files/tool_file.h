@@ -8,11 +8,11 @@
 
 namespace planar {
 
-/// Text of tool.yaml; lengths and covariance in mm.
+/// Returns the text of tool.yaml, with lengths in mm and the covariance in mm^2.
 std::string tool_text(const ToolOffsets& tool, const std::string& program,
                       const std::vector<std::filesystem::path>& inputs);
 
-/// Throws InputError naming every fault.
+/// Reads tool.yaml. Throws InputError naming every fault.
 ToolOffsets read_tool(const std::filesystem::path& path);
 
 }  // namespace planar

@@ -8,7 +8,8 @@
 namespace planar {
 namespace {
 
-/// The covariance of (lengths, angles) with the lengths counted in a unit of this many old ones.
+/// Returns the covariance of (lengths, angles) with the lengths in a unit that is as long as `unit`
+/// of the old ones.
 Eigen::Matrix<double, 6, 6> in_length_unit(const Eigen::Matrix<double, 6, 6>& covariance,
                                            double unit) {
   Eigen::Matrix<double, 6, 6> scaled = covariance;
@@ -30,7 +31,7 @@ void list_fields(Fields& fields, WorkplaneRecord& record) {
   list_covariance(fields, {"x_mm", "y_mm", "z_mm", "turn_x_rad", "turn_y_rad", "turn_z_rad"},
                   in_file);
   if (fields.reading()) record.covariance = in_length_unit(in_file, 1.0 / kMillimetre);
-  fields.choice("source", record.source, {"pairs", "grid"});
+  fields.choice("source", record.source, kWorkplaneSources);
   fields.whole_number("absorbed", record.absorbed, 0);
   fields.whole_number("pairs", record.pairs, 0);
   fields.number("rms_mm", record.rms, kMillimetre, Range::at_least(0.0));

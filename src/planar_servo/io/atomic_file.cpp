@@ -1,5 +1,6 @@
 #include "planar_servo/io/atomic_file.h"
 
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
@@ -20,7 +21,7 @@ bool put(const fs::path& path, std::string_view text) {
   return static_cast<bool>(out);
 }
 
-/// Where the links end at which `path` begins.
+/// Returns the file to which the links at `path` lead, or `path` itself when there is no such file.
 fs::path behind_links(const fs::path& path) {
   std::error_code error;
   const fs::path end = fs::canonical(path, error);
@@ -65,7 +66,7 @@ std::ifstream open_file(const fs::path& path) {
     throw InputError(path.string() + ": is a folder; a file is needed here");
   std::ifstream in(path, std::ios::binary);
   if (!in) throw InputError(path.string() + ": cannot be read; check the name and the permissions");
-  spdlog::debug("reading {}", path.string());
+  spdlog::debug(fmt::format("reading {}", path.string()));
   return in;
 }
 

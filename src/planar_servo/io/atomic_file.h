@@ -7,22 +7,22 @@
 
 namespace planar {
 
-/// Writes the whole text to a temporary name beside `path` and renames it, so that no reader ever
-/// sees half a file. A link stays and the file behind it is replaced; a device or a pipe, such as
-/// /dev/stdout, is written as it stands. Throws WorkError when the place cannot be written.
+/// Writes the whole text to a temporary file beside `path` and renames it, so that no reader ever
+/// sees half a file. A link stays, and the file behind it is replaced. A device or a pipe, such as
+/// /dev/stdout, is written directly. Throws WorkError when the place cannot be written.
 void write_file(const std::filesystem::path& path, std::string_view text);
 
-/// The file, open for reading. Throws InputError naming `path` when it cannot be read.
+/// Opens a file for reading. Throws InputError naming `path` when it cannot be read.
 std::ifstream open_file(const std::filesystem::path& path);
 
-/// The whole file. Throws InputError naming `path` when it cannot be read.
+/// Returns the text of the whole file. Throws InputError naming `path` when it cannot be read.
 std::string read_file(const std::filesystem::path& path);
 
 /// Throws InputError when `output` is the same file as `input`.
 void require_not_input(const std::filesystem::path& output, const std::filesystem::path& input);
 
-/// Asked before the work whose result goes to `output`: throws InputError when write_file() could
-/// not write it, because it is a folder or its folder is missing or closed to this user.
+/// Throws InputError when write_file() could not write `output`, because it is a folder, or because
+/// its folder is missing or closed to this user. Call it before the work whose result goes there.
 void require_writable(const std::filesystem::path& output);
 
 }  // namespace planar

@@ -6,6 +6,11 @@
 
 namespace planar {
 
+void Columns::refuse(std::string_view column, const std::string& word,
+                     const std::vector<std::string>& allowed) {
+  check(false, fmt::format("{} is '{}'; allowed are {}", column, word, fmt::join(allowed, ", ")));
+}
+
 void Columns::point(std::string_view x, std::string_view y, Eigen::Vector2d& field, double unit,
                     Digits digits) {
   number(x, field.x(), unit, digits);

@@ -8,12 +8,13 @@
 #include <string_view>
 #include <vector>
 
+#include "planar_servo/core/names.h"
 #include "planar_servo/io/csv_table.h"
 
 namespace planar {
 
-/// How a number is written: with this many decimals, never as a negative zero, or this many
-/// significant digits.
+/// Says how a number is written: with so many decimals and never as a negative zero, or with so
+/// many significant digits.
 struct Digits {
   Digits(int decimals) : count(decimals) {}
   static Digits significant(int count) {
@@ -26,7 +27,7 @@ struct Digits {
   bool is_significant{false};
 };
 
-/// Whether a table may lack a column.
+/// Says whether a table may lack a column.
 enum class Column { kRequired, kOptional };
 
 /// Visits the columns of a table's row, to read them or to write them. One function per table lists
@@ -39,8 +40,8 @@ enum class Column { kRequired, kOptional };
 ///     }
 ///     const TableSchema<PairRow> kPairs{"pairs", list_columns};
 ///
-/// A number in the file times `unit` is the field's. Reading, what is not as it should be is a
-/// fault of the table (CsvTable); a column that is not there, or an empty field, leaves a text
+/// A number in the file times `unit` is the field's value. When reading, a value that breaks its
+/// rule is a fault of the table (CsvTable), and a missing column or an empty field leaves a text
 /// empty and an optional number without a value. Writing changes no field.
 class Columns {
  public:
@@ -52,20 +53,51 @@ class Columns {
                     Column need = Column::kRequired) = 0;
   virtual void number(std::string_view column, double& field, double unit, Digits digits) = 0;
   virtual void whole_number(std::string_view column, int& field) = 0;
-  /// A number whose field may be empty.
+  /// Visits a number whose field may be empty.
   virtual void optional_number(std::string_view column, std::optional<double>& field, double unit,
                                Digits digits, Column need) = 0;
+  /// Visits a value of an enumeration by its name in `table`.
+  template <typename Value, std::size_t kSize>
+  void choice(std::string_view column, Value& field, const Named<Value> (&table)[kSize]);
+  /// Visits a value of an enumeration in a column that may be absent or empty.
+  template <typename Value, std::size_t kSize>
+  void choice(std::string_view column, std::optional<Value>& field,
+              const Named<Value> (&table)[kSize]);
   void point(std::string_view x, std::string_view y, Eigen::Vector2d& field, double unit,
              Digits digits);
-  /// Both fields may be empty, but not one of them.
+  /// Visits a point whose two fields may both be empty. One empty field alone is a fault.
   void optional_point(std::string_view x, std::string_view y, std::optional<Eigen::Vector2d>& field,
                       double unit, Digits digits, Column need);
 
-  /// Reading, adds a fault to the row unless a rule is `kept`.
+  /// When reading, adds the fault `message` to the row unless its rule was `kept`.
   virtual void check(bool kept, const std::string& message) = 0;
+
+ private:
+  void refuse(std::string_view column, const std::string& word,
+              const std::vector<std::string>& allowed);
 };
 
-/// The names of all columns, and of those that a table must have.
+template <typename Value, std::size_t kSize>
+void Columns::choice(std::string_view column, Value& field, const Named<Value> (&table)[kSize]) {
+  std::string word = name_in(table, field);
+  text(column, word);
+  if (!reading()) return;
+  const std::optional<Value> value = value_named(table, word);
+  if (!value) return refuse(column, word, names_of(table));
+  field = *value;
+}
+
+template <typename Value, std::size_t kSize>
+void Columns::choice(std::string_view column, std::optional<Value>& field,
+                     const Named<Value> (&table)[kSize]) {
+  std::string word = field ? name_in(table, *field) : "";
+  text(column, word, Column::kOptional);
+  if (!reading()) return;
+  field = value_named(table, word);
+  if (!field && !word.empty()) refuse(column, word, names_of(table));
+}
+
+/// Collects the names of all columns, and of those that a table must have.
 class ColumnNames : public Columns {
  public:
   bool reading() const override { return false; }
@@ -89,7 +121,7 @@ class ColumnNames : public Columns {
 /// Reads the columns that it visits from a table's current row.
 class ColumnReader : public Columns {
  public:
-  /// `table` must outlive it.
+  /// Reads from `table`, which must outlive the reader.
   explicit ColumnReader(CsvTable& table) : table_(table) {}
 
   bool reading() const override { return true; }
@@ -115,7 +147,7 @@ class LineWriter : public Columns {
                        Digits digits, Column need) override;
   void check(bool /*kept*/, const std::string& /*message*/) override {}
 
-  /// With its end.
+  /// Returns the line with its line end.
   std::string line() const { return line_ + '\n'; }
 
  private:
@@ -125,7 +157,7 @@ class LineWriter : public Columns {
   bool is_first_{true};
 };
 
-/// A table: its kind (`# format: planar-servo/<kind>/1`) and its columns.
+/// Describes a table by its kind (`# format: planar-servo/<kind>/1`) and its columns.
 template <typename Row>
 struct TableSchema {
   const char* kind;
@@ -137,7 +169,7 @@ struct TableSchema {
     list_columns(names, row);
     return names;
   }
-  /// The first two lines: the format and the names of the columns.
+  /// Returns the first two lines: the format and the names of the columns.
   std::string header() const { return csv_header(kind, columns().all()); }
   std::string line(Row row) const {
     LineWriter writer;
@@ -146,7 +178,7 @@ struct TableSchema {
   }
 };
 
-/// A table's file, read row by row:
+/// Reads a table's file row by row:
 ///
 ///     TableFile<PairRow> table(path, kPairs);
 ///     for (PairRow row; table.next(row);) sum += row.p_vision;
@@ -154,12 +186,12 @@ struct TableSchema {
 template <typename Row>
 class TableFile : public CsvFile {
  public:
-  /// `schema` must outlive it.
+  /// Opens the file and throws as CsvFile() does. `schema` must outlive the table.
   TableFile(const std::filesystem::path& path, const TableSchema<Row>& schema,
             const CsvDialect& dialect = {})
       : CsvFile(path, schema.kind, schema.columns().required(), dialect), schema_(schema) {}
 
-  /// False at the end of the file.
+  /// Reads the next row. Returns false at the end of the file.
   bool next(Row& row) {
     if (!next_row()) return false;
     schema_.list_columns(reader_, row);

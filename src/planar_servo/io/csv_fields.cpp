@@ -5,7 +5,8 @@
 namespace planar {
 namespace {
 
-/// Where the quoted text that begins at `begin` ends: at its closing quote, or at the end.
+/// Returns the index of the quote that closes the text quoted from `begin` on, or the size of the
+/// text when none does.
 std::size_t closing_quote(std::string_view text, std::size_t begin) {
   std::size_t at = text.find('"', begin);
   while (at != std::string_view::npos && text.substr(at + 1, 1) == "\"")

@@ -6,15 +6,14 @@
 
 namespace planar {
 
-// The lines of a CSV table, field by field [RFC 4180].
+// These functions split and write the lines of a CSV table, field by field [RFC 4180].
 
-/// Without the blanks around it.
+/// Returns the text without the blanks around it.
 std::string_view trimmed(std::string_view text);
 
 bool is_comment(std::string_view line);
 
-/// A view of one field of a line, without the blanks or quotes around it; doubled quotes stay
-/// doubled.
+/// Views one field of a line, without the blanks or quotes around it. Doubled quotes stay doubled.
 struct CsvField {
   std::string_view text;  ///< between its quotes, where it has some
   bool is_quoted{false};
@@ -22,17 +21,17 @@ struct CsvField {
   bool is_last{false};   ///< of its line
 };
 
-/// Takes the first field and the separator behind it from a line.
+/// Removes the first field and the separator behind it from a line, and returns the field.
 CsvField take_field(std::string_view& line, char separator);
 
-/// The fields of one line.
+/// Returns the fields of one line.
 std::vector<std::string_view> split_fields(std::string_view line, char separator = ',');
 
-/// Whether the text, which begins `in_quotes` or not, ends within quotes, so that the next line
-/// goes on with it.
+/// Returns whether the text ends within quotes, so that its last field continues on the next line.
+/// `in_quotes` says whether the text also begins within quotes.
 bool ends_in_quotes(std::string_view text, bool in_quotes, char separator);
 
-/// A text as a field of a line, quoted where it must be to be read as it is.
+/// Returns a text as a field of a line, in quotes where it could not be read back otherwise.
 std::string csv_field(const std::string& text);
 
 }  // namespace planar

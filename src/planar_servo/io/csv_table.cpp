@@ -85,7 +85,8 @@ bool CsvTable::split_line() {
     is_last = field.is_last;
     if (!field.is_closed) {
       add_fault(fmt::format(
-          "field {} begins with a quote; another one must end it, and quotes within it be doubled",
+          "field {} begins with a quote; another quote must end it, and quotes within it must be "
+          "doubled",
           fields_.size() + 1));
       return false;
     }
@@ -97,7 +98,7 @@ bool CsvTable::split_line() {
 std::string_view CsvTable::without_doubled_quotes(std::string_view text) {
   std::size_t quote = text.find('"');
   if (quote == std::string_view::npos) return text;
-  unquoted_.reserve(line_.size());  // of all fields together: none of them moves
+  unquoted_.reserve(line_.size());  // room for all fields, so that none of them moves
   const std::size_t begin = unquoted_.size();
   for (; quote != std::string_view::npos; quote = text.find('"')) {
     unquoted_ += text.substr(0, quote + 1);

@@ -15,58 +15,62 @@
 
 namespace planar {
 
-/// The whole text as a finite number with a decimal point, whatever the locale; empty otherwise.
+/// Returns the text as a finite number with a decimal point, whatever the locale. Empty when the
+/// whole text is not such a number.
 std::optional<double> finite_number(std::string_view text);
 
-/// The first two lines of a table: its format and its columns.
+/// Returns the first two lines of a table: its format and its columns.
 std::string csv_header(const std::string& kind, const std::vector<std::string>& columns);
 
-/// How other programs' tables differ from ours.
+/// Says how another program's table differs from ours.
 struct CsvDialect {
   char separator{','};
   bool decimal_comma{false};
-  /// our column name -> the file's column name
+  /// Maps our column names to those of the file.
   std::map<std::string, std::string> renamed_columns;
 };
 
-/// A CSV table whose columns are found by name in any order, taken line by line: it holds the
-/// current row only. `#` comments and blank lines are skipped, extra columns ignored. A field in
-/// quotes [RFC 4180] may hold the separator and line ends. A first line
-/// `# format: planar-servo/<kind>/1` is optional, but another format there is refused. Faults of
-/// rows are collected with FILE:LINE, to be thrown all at once.
+/// Reads a CSV table line by line and holds the current row only. Columns are found by name, in any
+/// order. `#` comments and blank lines are skipped, and extra columns are ignored. A field in
+/// quotes [RFC 4180] may hold the separator and line ends. The first line may be
+/// `# format: planar-servo/<kind>/1`; another format there is refused. Faults of rows are collected
+/// with FILE:LINE and thrown all at once.
 class CsvTable {
  public:
-  /// `source` stands for the file in messages.
+  /// Begins without a header or a row. `source` names the file in messages.
   CsvTable(std::filesystem::path source, const std::string& kind, std::vector<std::string> required,
            CsvDialect dialect = {});
   CsvTable(const CsvTable&) = delete;  // the fields are views of the line
   CsvTable& operator=(const CsvTable&) = delete;
 
-  /// Takes one line more; true when it is a row, which then is the current one. A row with another
-  /// number of fields than the header is a fault. Throws InputError for another format and for a
-  /// header that lacks a required column or names one twice; such a header is not taken.
+  /// Takes one more line. Returns true when it is a row, which is the current one then. A row whose
+  /// number of fields differs from the header's is a fault. Throws InputError for another format
+  /// and for a header that lacks a required column or names one twice; such a header is not taken.
   bool take_line(std::string_view line, int line_number);
 
   bool has_header() const { return !columns_.empty(); }
 
-  // Of the current row.
+  // These functions read the current row.
 
-  /// The field's text; empty when the column does not exist. Valid until the next line.
+  /// Returns the field's text, which is valid until the next line. Empty when the column does not
+  /// exist.
   std::string_view text(std::string_view column) const;
-  /// The field as a finite number; a fault (and 0) when it is not one.
+  /// Returns the field as a finite number. When it is not one, adds a fault and returns 0.
   double number(std::string_view column);
-  /// Empty for an empty field or a column that does not exist.
+  /// Returns the field as a finite number. Empty for an empty field or a column that does not
+  /// exist.
   std::optional<double> optional_number(std::string_view column);
-  /// The field as a whole number; a fault (and 0) when it is not one.
+  /// Returns the field as a whole number. When it is not one, adds a fault and returns 0.
   int whole_number(std::string_view column);
-  /// A fault when the field `id` is empty or one of `taken`.
+  /// Adds a fault when the field `id` is empty or one of `taken`.
   void require_id_not_in(const std::set<std::string>& taken);
-  /// Adds `FILE:LINE: message`.
+  /// Adds the fault `FILE:LINE: message`.
   void add_fault(const std::string& message);
 
-  /// Throws InputError with the faults so far, which are forgotten then.
+  /// Throws InputError with the faults so far, if there are any, and forgets them.
   void throw_if_faulty();
-  /// Throws as well when there was no row, with `remedy` after the semicolon.
+  /// Does what throw_if_faulty() does, and also throws InputError when there was no row. That
+  /// message ends with `remedy`.
   void throw_if_faulty_or_empty(const std::string& remedy = "at least one is needed");
 
  protected:
@@ -76,7 +80,7 @@ class CsvTable {
 
  private:
   void read_header(int line_number);
-  /// line_ into fields_; false, and a fault, when a quoted field does not end.
+  /// Splits line_ into fields_. When a quoted field does not end, adds a fault and returns false.
   bool split_line();
   std::string_view without_doubled_quotes(std::string_view text);
 
@@ -94,18 +98,19 @@ class CsvTable {
   Faults faults_;
 };
 
-/// A CSV file, read row by row:
+/// Reads a CSV file row by row:
 ///
 ///     CsvFile table(path, "pairs", {"id", "x_vision_mm"});
 ///     while (table.next_row()) sum += table.number("x_vision_mm");
 ///     table.throw_if_faulty_or_empty();
 class CsvFile : public CsvTable {
  public:
-  /// Throws InputError when the file cannot be read or has no header line, and as `take_line`.
+  /// Reads the file up to its header. Throws InputError when the file cannot be read or has no
+  /// header line, and when take_line() does.
   CsvFile(const std::filesystem::path& path, const std::string& kind,
           const std::vector<std::string>& required, const CsvDialect& dialect = {});
 
-  /// False at the end of the file.
+  /// Takes the next row. Returns false at the end of the file.
   bool next_row();
 
  private:

@@ -12,7 +12,7 @@
 
 namespace planar {
 
-/// The numbers of one row in a list of rows, listed in their order.
+/// Lists the numbers of one row of a list of rows, in their order.
 class RowFields {
  public:
   void number(double& field, double unit = 1.0, const Range& range = Range::any());
@@ -46,9 +46,10 @@ class RowFields {
 ///     }
 ///
 /// FieldReader and FieldWriter (yaml_fields.h) visit them. A number in the file times `unit` is the
-/// field's; ranges are in the file's unit. Reading, what breaks its rule is a fault of the document
-/// and leaves its field as it was; a function that returns bool returns false then, so that no
-/// second fault need follow from the first. Writing changes no field and returns true.
+/// field's value, and ranges are in the file's unit. When reading, a value that breaks its rule is
+/// a fault of the document and leaves its field as it was. A function that returns bool returns
+/// false then, so that the caller adds no second fault for the same value. Writing changes no field
+/// and returns true.
 class Fields {
  public:
   Fields() = default;
@@ -57,8 +58,8 @@ class Fields {
   virtual ~Fields() = default;
 
   virtual bool reading() const = 0;
-  /// Whether to visit a key that a file may leave out: reading, whether the file has it; writing,
-  /// `wanted`.
+  /// Returns whether to visit a key that a file may leave out: when reading, whether the file has
+  /// it; when writing, `wanted`.
   virtual bool given(const std::string& key, bool wanted) = 0;
 
   virtual bool number(const std::string& key, double& field, double unit = 1.0,
@@ -68,51 +69,59 @@ class Fields {
                     Int upper = std::numeric_limits<Int>::max());
   virtual void text(const std::string& key, std::string& field) = 0;
   void texts(const std::string& key, std::vector<std::string>& field);
-  /// One of the texts `allowed`.
+  /// Visits a text that must be one of `allowed`.
   virtual bool choice(const std::string& key, std::string& field,
                       const std::vector<std::string>& allowed) = 0;
-  /// A value of an enumeration by its name.
+  /// Visits a value of an enumeration by its name.
   template <typename Value, std::size_t kSize>
   bool choice(const std::string& key, Value& field, const Named<Value> (&table)[kSize]);
-  /// A list of such names, as long as the array.
+  /// Visits a list of values of an enumeration by their names. The list must be as long as the
+  /// array.
   template <typename Value, std::size_t kCount, std::size_t kSize>
   bool choices(const std::string& key, std::array<Value, kCount>& field,
                const Named<Value> (&table)[kSize]);
 
-  /// A list of `size` numbers; of any number of them when it is 0.
+  /// Visits a list of `size` numbers, or of any number of them when `size` is 0.
   virtual bool numbers(const std::string& key, std::vector<double>& field, std::size_t size,
                        double unit = 1.0, const Range& range = Range::any()) = 0;
-  /// A list as long as `field`, an array or an Eigen vector of doubles.
+  /// Visits a list of numbers as long as `field`, which is an array or an Eigen vector of doubles.
   template <typename Array>
   bool numbers(const std::string& key, Array& field, double unit = 1.0,
                const Range& range = Range::any());
-  /// A list of numbers that stand in several places; `list_row(RowFields&)` lists them.
+  /// Visits a list of numbers that are held in several places; `list_row(RowFields&)` lists them.
   template <typename ListRow>
   bool row(const std::string& key, const ListRow& list_row);
-  /// A list of rows of numbers; `list_row(RowFields&, Row&)` lists those of one.
+  /// Visits a list of rows of numbers; `list_row(RowFields&, Row&)` lists the numbers of one row.
   template <typename Row, typename ListRow>
   bool rows(const std::string& key, std::vector<Row>& field, const ListRow& list_row);
   template <typename Row, std::size_t kSize, typename ListRow>
   bool rows(const std::string& key, std::array<Row, kSize>& field, const ListRow& list_row);
 
-  /// A map of keys; `list_keys()` visits them.
+  /// Visits a map; `list_keys()` visits its keys.
   template <typename ListKeys>
   void map(const std::string& key, const ListKeys& list_keys);
-  /// A list of maps, of any length into a vector, of its own into an array; `list_keys(Item&)`
-  /// visits the keys of one.
+  /// Visits a list of maps; `list_keys(Item&)` visits the keys of one. A vector takes a list of any
+  /// length, an array one of its own length.
   template <typename Item, typename ListKeys>
   void maps(const std::string& key, std::vector<Item>& field, const ListKeys& list_keys);
   template <typename Item, std::size_t kSize, typename ListKeys>
   void maps(const std::string& key, std::array<Item, kSize>& field, const ListKeys& list_keys);
 
-  /// A rule on several fields: reading, adds the fault `message` at the value of `key`, or at the
-  /// map that is being visited, unless it is `kept`. Returns `kept`.
+  /// Lets the map that is being visited have any keys: where its kind is misspelt, nobody knows
+  /// which ones it may have.
+  virtual void allow_rest() = 0;
+
+  /// Checks a rule on several fields. When reading, adds the fault `message` unless the rule is
+  /// `kept`. The fault stands at the value of `key` or, without a key, at the map that is being
+  /// visited. Returns `kept`.
   virtual bool check(bool kept, const std::string& message, const std::string& key = "") = 0;
 
  protected:
-  // What remains to be read or written. Numbers are the file's own; a size of 0 is any.
+  // FieldReader and FieldWriter implement the following. Numbers are in the units of the file, and
+  // a size of 0 stands for any size.
 
-  /// Texts of any kind when none are `allowed`.
+  /// Visits a list of texts, each of which must be one of `allowed`, or any text when none are
+  /// `allowed`.
   virtual bool names(const std::string& key, std::vector<std::string>& field, std::size_t size,
                      const std::vector<std::string>& allowed) = 0;
   virtual bool numbers_in_file(const std::string& key, std::vector<double>& field,
@@ -120,7 +129,8 @@ class Fields {
   virtual bool rows_in_file(const std::string& key, std::vector<std::vector<double>>& field,
                             std::size_t size, const std::vector<Range>& ranges) = 0;
   virtual void begin_map(const std::string& key) = 0;
-  /// How many items there are; `size` of them when `fixed`.
+  /// Begins a list and returns how many items it has. It must have `size` of them when it is
+  /// `fixed`.
   virtual std::size_t begin_list(const std::string& key, std::size_t size, bool fixed) = 0;
   virtual void begin_item(std::size_t i) = 0;
   virtual void end_map() = 0;

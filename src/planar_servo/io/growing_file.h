@@ -5,18 +5,19 @@
 
 namespace planar {
 
-/// Asked before the work that a GrowingFile takes: throws InputError when it could not be begun or
-/// gone on with, because it is a folder or closed to this user, or its folder is.
+/// Throws InputError when a GrowingFile could not begin or continue the file, because it is a
+/// folder or closed to this user, or because its folder is missing or closed. Call it before the
+/// work whose results go there.
 void require_growable(const std::filesystem::path& path);
 
-/// A table that grows during a run, whole lines at a time; what was written survives a crash.
+/// Writes a table that grows during a run by whole lines. What was written survives a crash.
 class GrowingFile {
  public:
-  /// Makes the file with its header, or goes on with the one that is there unless it is empty.
-  /// Throws like require_growable().
+  /// Makes the file with its header, or continues the file that is there unless it is empty. Throws
+  /// as require_growable() does.
   GrowingFile(std::filesystem::path path, const std::string& header);
 
-  /// Throws WorkError when the disk takes no more.
+  /// Appends whole lines. Throws WorkError when they cannot be written, as on a full disk.
   void append(const std::string& lines);
 
  private:

@@ -5,7 +5,8 @@
 
 namespace planar {
 
-/// The rule for a number in a file, in the file's unit. Every number must be finite as well.
+/// Describes the rule for a number in a file, in the unit of the file. Every number must also be
+/// finite.
 class Range {
  public:
   static constexpr double kUnbounded = std::numeric_limits<double>::max();
@@ -13,10 +14,10 @@ class Range {
   static Range any() { return {-kUnbounded, kUnbounded, false}; }
   static Range from_to(double lower, double upper) { return {lower, upper, false}; }
   static Range at_least(double lower) { return {lower, kUnbounded, false}; }
-  /// Above 0, up to `upper`. A number below 1e-9 counts as 0: nothing that is measured or set here
-  /// is as small, and dividing by less overflows.
+  /// Returns the range above 0, up to `upper`. A number below 1e-9 counts as 0, because nothing
+  /// that is measured or set here is as small, and dividing by less could overflow.
   static Range positive(double upper = kUnbounded) { return {kSmallestPositive, upper, false}; }
-  /// Numbers without a fraction; the type of the bounds is that of the number.
+  /// Returns a range of numbers without a fraction. The type of the bounds is that of the number.
   template <typename Int>
   static Range whole(Int lower, Int upper = std::numeric_limits<Int>::max()) {
     return {static_cast<double>(lower), static_cast<double>(upper), true};
@@ -24,11 +25,11 @@ class Range {
 
   bool holds(double value) const;
 
-  /// What is needed, such as "a number from 0 to 1", "a positive number" or "a whole number of at
-  /// least 1"; a bound that no file reaches is not told.
+  /// Says what is needed, such as "a number from 0 to 1", "a positive number" or "a whole number of
+  /// at least 1". A bound that no file reaches is left out.
   std::string text() const;
 
-  /// A number in the range, for what was not to be read.
+  /// Returns a number in the range that stands in for one that could not be read.
   double harmless() const;
 
  private:

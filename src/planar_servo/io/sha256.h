@@ -6,13 +6,14 @@
 
 namespace planar {
 
-/// SHA-256 of bytes that come piece by piece [FIPS 180-4].
+/// Computes the SHA-256 of bytes that come piece by piece [FIPS 180-4].
 class Sha256 {
  public:
   Sha256();
   ~Sha256();
   void add(std::string_view bytes);
-  /// Of all pieces, as 64 lower-case hexadecimal digits; nothing can be added afterwards.
+  /// Returns the hash of all pieces as 64 lower-case hexadecimal digits. Nothing can be added
+  /// afterwards.
   std::string digits();
 
  private:
@@ -20,7 +21,7 @@ class Sha256 {
   std::unique_ptr<Context> context_;
 };
 
-/// Of all the bytes.
+/// Returns the SHA-256 of the bytes as 64 lower-case hexadecimal digits.
 std::string sha256(std::string_view bytes);
 
 }  // namespace planar

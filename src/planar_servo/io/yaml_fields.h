@@ -29,6 +29,7 @@ class FieldReader : public Fields {
   using Fields::numbers;
   bool numbers(const std::string& key, std::vector<double>& field, std::size_t size, double unit,
                const Range& range) override;
+  void allow_rest() override { map_now().allow_all(); }
   bool check(bool kept, const std::string& message, const std::string& key) override;
 
  private:
@@ -50,10 +51,11 @@ class FieldReader : public Fields {
   std::vector<std::vector<YamlNode>> lists_;
 };
 
-/// Writes the fields that it visits; it changes none of them, so a copy of a const struct will do.
+/// Writes the fields that it visits and changes none of them. To write a const struct, visit a copy
+/// of it.
 class FieldWriter : public Fields {
  public:
-  /// `yaml` must outlive it.
+  /// Writes into `yaml`, which must outlive the writer.
   explicit FieldWriter(YamlWriter& yaml) : yaml_(yaml) {}
 
   bool reading() const override { return false; }
@@ -66,6 +68,7 @@ class FieldWriter : public Fields {
   using Fields::numbers;
   bool numbers(const std::string& key, std::vector<double>& field, std::size_t size, double unit,
                const Range& range) override;
+  void allow_rest() override {}
   bool check(bool kept, const std::string& message, const std::string& key) override;
 
  private:

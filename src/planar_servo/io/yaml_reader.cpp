@@ -14,10 +14,6 @@
 namespace planar {
 namespace {
 
-std::string joined(const std::vector<std::string>& names) {
-  return fmt::format("{}", fmt::join(names, ", "));
-}
-
 std::string shown(const YAML::Node& node) {
   if (node.IsNull()) return "empty";
   return node.IsScalar() ? "'" + node.Scalar() + "'" : node.IsMap() ? "a map" : "a list";
@@ -96,7 +92,8 @@ struct YamlNode::Impl {
     return found;
   }
 
-  /// Any number of items when `size` is 0; `needed` follows "a list" in the message.
+  /// Returns whether the node is a list of `size` items, or of any number of them when `size` is 0.
+  /// When it is not, adds a fault, in which `needed` follows "a list".
   bool require_list(std::size_t size, const std::string& needed) const {
     if (!present()) return false;
     if (node.IsSequence() && (size == 0 || node.size() == size)) return true;
@@ -106,7 +103,8 @@ struct YamlNode::Impl {
     return false;
   }
 
-  /// `title_of_value` is called for a fault only.
+  /// Returns the number, or adds a fault when it is not one in the range. `title_of_value` is
+  /// called for a fault only.
   template <typename Title>
   std::optional<double> number(const YAML::Node& value, const Range& range,
                                const Title& title_of_value) const {
@@ -136,8 +134,8 @@ void YamlDocument::Impl::add_key_faults() {
         add_fault(entry.first.Mark(), fmt::format("the key '{}' stands twice", name));
       if (strict && !map.any_key &&
           std::find(map.asked.begin(), map.asked.end(), key) == map.asked.end())
-        add_fault(entry.first.Mark(),
-                  fmt::format("unknown key '{}'; allowed are {}", name, joined(map.asked)));
+        add_fault(entry.first.Mark(), fmt::format("unknown key '{}'; allowed are {}", name,
+                                                  fmt::join(map.asked, ", ")));
     }
   }
 }
@@ -160,18 +158,6 @@ void YamlNode::allow_all() const {
 
 double YamlNode::number(const std::string& key, const Range& range) const {
   return child(key).as_number(range).value_or(range.harmless());
-}
-
-double YamlNode::number_in(const std::string& key, double lower, double upper) const {
-  return number(key, Range::from_to(lower, upper));
-}
-
-double YamlNode::positive(const std::string& key, double upper) const {
-  return number(key, Range::positive(upper));
-}
-
-int YamlNode::whole_number(const std::string& key) const {
-  return whole_number_in(key, -std::numeric_limits<int>::max());
 }
 
 std::string YamlNode::text(const std::string& key) const {
@@ -201,7 +187,8 @@ std::optional<std::string> YamlNode::as_choice(const std::vector<std::string>& a
   const YAML::Node& node = impl_->node;
   if (node.IsScalar() && std::count(allowed.begin(), allowed.end(), node.Scalar()) != 0)
     return node.Scalar();
-  add_fault(fmt::format("{} is {}; allowed are {}", title(), shown(node), joined(allowed)));
+  add_fault(
+      fmt::format("{} is {}; allowed are {}", title(), shown(node), fmt::join(allowed, ", ")));
   return std::nullopt;
 }
 
@@ -244,13 +231,6 @@ std::optional<std::vector<YamlNode>> YamlNode::as_list(std::size_t size) const {
 
 std::string YamlNode::title() const {
   return impl_->title();
-}
-
-std::vector<std::string> YamlNode::keys() const {
-  std::vector<std::string> names;
-  if (!impl_->require_map()) return names;
-  for (const auto& entry : impl_->node) names.push_back(entry.first.Scalar());
-  return names;
 }
 
 void YamlNode::add_fault(const std::string& message) const {

@@ -15,14 +15,16 @@
 namespace planar {
 namespace {
 
-/// The shortest decimal text that reads back as the same double; `.nan` and `.inf` as YAML has it.
+/// Returns the shortest decimal text that reads back as the same double, or `.nan` or `.inf` as
+/// YAML has it.
 std::string exact_text(double value) {
   if (std::isnan(value)) return ".nan";
   if (std::isinf(value)) return value > 0 ? ".inf" : "-.inf";
   return fmt::format("{}", value);
 }
 
-/// Words that YAML 1.1, as other readers follow it, takes for a truth value or for nothing.
+/// Returns whether YAML 1.1, which other readers follow, takes the word for a truth value or for
+/// null.
 bool is_word_of_yaml(std::string text) {
   std::transform(text.begin(), text.end(), text.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
@@ -30,7 +32,8 @@ bool is_word_of_yaml(std::string text) {
   return std::find(std::begin(kWords), std::end(kWords), text) != std::end(kWords);
 }
 
-/// Whether any reader takes the unquoted text for a text; yaml-cpp knows what else needs quotes.
+/// Returns whether every reader takes the unquoted text for a text. yaml-cpp knows what else needs
+/// quotes.
 bool is_plain_text(const std::string& text) {
   return !text.empty() && std::isalpha(static_cast<unsigned char>(text[0])) != 0 &&
          !is_word_of_yaml(text);
@@ -47,7 +50,7 @@ void put_row(YAML::Emitter& yaml, const std::vector<double>& values) {
   yaml << YAML::EndSeq;
 }
 
-/// SHA-256 of the file without its `created:` line, in which two identical runs differ.
+/// Returns the SHA-256 of the file without its `created:` line, in which two identical runs differ.
 std::string input_hash(const std::filesystem::path& path) {
   std::ifstream in = open_file(path);
   Sha256 hash;
@@ -65,7 +68,7 @@ std::string input_hash(const std::filesystem::path& path) {
 struct YamlWriter::Impl {
   YAML::Emitter yaml;
 
-  /// The emitter, ready for the value at `key`.
+  /// Returns the emitter, ready for the value at `key`.
   YAML::Emitter& at(const std::string& key) {
     yaml << YAML::Key;
     put_text(yaml, key);

@@ -10,7 +10,7 @@
 
 namespace planar {
 
-/// Says that a lamp or a pair of lamps has a position, or why it has none.
+/// Says that a lamp, a pair of lamps or an image of them has a position, or why it has none.
 enum class LampStatus {
   kOk,
   kNoLamp,
@@ -21,9 +21,26 @@ enum class LampStatus {
   kAmbiguous,
   kNotRound,
   kLowContrast,
+  kBoardView,   ///< of an image that shows the calibration board instead
+  kUnreadable,  ///< of an image that could not be read
+  kWrongSize,   ///< of an image that has not the size of its region or sensor
 };
 
-/// Returns the status as files name it: "ok", "no_lamp", "one_lamp", "wrong_distance", ...
+/// All statuses with the words that files have for them.
+constexpr Named<LampStatus> kLampStatuses[] = {{LampStatus::kOk, "ok"},
+                                               {LampStatus::kNoLamp, "no_lamp"},
+                                               {LampStatus::kOneLamp, "one_lamp"},
+                                               {LampStatus::kWrongDistance, "wrong_distance"},
+                                               {LampStatus::kSaturated, "saturated"},
+                                               {LampStatus::kAtBorder, "at_border"},
+                                               {LampStatus::kAmbiguous, "ambiguous"},
+                                               {LampStatus::kNotRound, "not_round"},
+                                               {LampStatus::kLowContrast, "low_contrast"},
+                                               {LampStatus::kBoardView, "board_view"},
+                                               {LampStatus::kUnreadable, "unreadable"},
+                                               {LampStatus::kWrongSize, "wrong_size"}};
+
+/// Returns the status's word.
 const char* name(LampStatus status);
 
 /// The centre of one lamp in pixels of the whole sensor. Unless the status is kOk, the centre is

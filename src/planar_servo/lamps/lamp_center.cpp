@@ -24,7 +24,7 @@ constexpr double kCannySpacing_px = 1.11;  // mean length of a step to a neighbo
 
 // Thresholds of Canny's gradient (Sobel, 4 x a step) and of a step itself, over the lamp's
 // contrast: half of a rim blurred by 1 px, and a margin for a lamp that is uneven.
-constexpr double kCannyHigh = 1.2, kCannyLow = 0.6, kLeastStep = 0.3;
+constexpr double kCannyHigh = 1.2, kCannyLow = 0.6, kLeastEdge = 0.3;
 constexpr double kRimInside = 0.6, kRimOutside = 1.4;  // of the blob's ellipse
 
 const GreyMoments& window_for(const Blob& blob) {
@@ -51,7 +51,7 @@ std::vector<Eigen::Vector2d> rim_edges(const cv::Mat& image, const Blob& blob,
       const Eigen::Vector2d d = Eigen::Vector2d(pixel.x, pixel.y) - blob.uv_px;
       const double radius = std::sqrt(d.dot(shape * d));
       if (radius < kRimInside || radius > kRimOutside) continue;
-      const auto edge = moments.edge(image, pixel, kLeastStep * blob.contrast());
+      const auto edge = moments.edge(image, pixel, kLeastEdge * blob.contrast());
       if (edge) edges.push_back(*edge);
     }
   }

@@ -30,7 +30,7 @@ CameraModel make(const Intrinsics& k, const std::vector<double>& coefficients) {
                      std::to_string(coefficients.size()));
   }
   if (!is_usable(k, coefficients))
-    throw InputError("camera with a focal length that is not positive or a number not finite");
+    throw InputError("a focal length is not positive or a number of the camera is not finite");
   std::copy(coefficients.begin(), coefficients.end(), padded.begin());
   return Model::with(k, padded);
 }

@@ -7,7 +7,8 @@ namespace {
 
 constexpr int kSubdivisions = 20;
 
-/// Bernstein coefficients on [0, end]: b_j = sum over i <= j of C(j, i) / C(n, i) a_i end^i.
+/// Returns the Bernstein coefficients on [0, end]: b_j = sum over i <= j of
+/// C(j, i) / C(n, i) a_i end^i.
 Polynomial bernstein_coefficients(double end, const Polynomial& a) {
   const Eigen::Index n = a.size() - 1;
   // Repeated sums of a_i end^i / C(n, i) build the binomials C(j, i).
@@ -28,7 +29,8 @@ bool positive(const Polynomial& b, int subdivisions_left) {
   if (!(b[0] > 0.0) || !(b[n] > 0.0)) return false;
   if ((b.array() > 0.0).all()) return true;
   if (subdivisions_left == 0) return false;
-  // de Casteljau at the middle: `right` ends as the right half's coefficients.
+  // De Casteljau's algorithm splits the interval in the middle: `right` ends as the right half's
+  // coefficients.
   Polynomial left = b;
   Polynomial right = b;
   for (Eigen::Index round = 1; round <= n; ++round) {

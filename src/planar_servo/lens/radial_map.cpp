@@ -9,7 +9,7 @@ constexpr int kNewtonSteps = 50;
 /// Residual of the inverse in normalised units: a billionth of a pixel at common focal lengths.
 constexpr double kInverseTolerance = 1e-13;
 
-/// N D + 2 s (N' D - N D').
+/// Returns N D + 2 s (N' D - N D').
 Polynomial growth_of(const Polynomial& N, const Polynomial& D) {
   const Polynomial left = product(derivative(N), D);
   const Polynomial right = product(N, derivative(D));

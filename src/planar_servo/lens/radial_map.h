@@ -7,12 +7,13 @@
 
 namespace planar::lens {
 
-/// Coefficients of the terms beside the radial ones: decentring p1, p2 and thin prism s1 ... s4.
+/// Holds the coefficients of the terms beside the radial ones: decentring p1, p2 and thin prism
+/// s1 ... s4.
 struct LateralTerms {
   double p1{0.0}, p2{0.0}, s1{0.0}, s2{0.0}, s3{0.0}, s4{0.0};
 };
 
-/// The mapping that all lens models share [Brown 1966, OpenCV]: with s = x^2 + y^2,
+/// Computes the mapping that all lens models share [Brown 1966, OpenCV]: with s = x^2 + y^2,
 ///     x_d = x N(s) / D(s) + 2 p1 x y + p2 (s + 2 x^2) + s1 s + s2 s^2
 ///     y_d = y N(s) / D(s) + p1 (s + 2 y^2) + 2 p2 x y + s3 s + s4 s^2.
 /// Its range is where r N(r^2) / D(r^2) still grows from the axis outwards, D has no zero on the
@@ -22,10 +23,11 @@ class RadialMap {
   explicit RadialMap(const Polynomial& numerator, const Polynomial& denominator = one(),
                      const LateralTerms& lateral = {});
 
-  /// Empty outside the range.
+  /// Returns the distorted point of `xy`. Empty outside the range.
   std::optional<Mapped> distort(const Eigen::Vector2d& xy) const;
 
-  /// The inverse, by damped Newton steps inside the range; empty when no point of it maps to `xy`.
+  /// Returns the point that distort() maps to `xy_d`, found by damped Newton steps inside the
+  /// range. Empty when there is no such point in the range.
   std::optional<Mapped> undistort(const Eigen::Vector2d& xy_d) const;
 
  private:

@@ -8,19 +8,19 @@
 
 namespace planar {
 
-/// The plane z_W = 0 in which the lamps move, seen by a calibrated camera.
+/// Maps between the plane z_W = 0, in which the lamps move, and the pixels of a calibrated camera.
 class Workplane {
  public:
   Workplane(const CameraModel& camera, const Pose& X_WC);
 
-  /// Where the ray of a pixel meets the plane, in W (metres); d_p_d_uv, when asked for, is its
-  /// Jacobian in m/px. Empty when the pixel has no ray or the ray does not meet the plane in front
-  /// of the camera.
+  /// Returns where the ray of a pixel meets the plane, in W (metres). Empty when the pixel has no
+  /// ray or the ray does not meet the plane in front of the camera. Sets the Jacobian `d_p_d_uv`
+  /// (m/px) unless it is null.
   std::optional<Eigen::Vector2d> plane_from_pixel(const Eigen::Vector2d& uv_px,
                                                   Eigen::Matrix2d* d_p_d_uv = nullptr) const;
 
-  /// The pixel of a point of the plane; empty when it is not in front of the camera or beyond the
-  /// lens model. d_uv_d_p in px/m.
+  /// Returns the pixel of a point of the plane. Empty when the point is not in front of the camera
+  /// or lies beyond the lens model's range. Sets the Jacobian `d_uv_d_p` (px/m) unless it is null.
   std::optional<Eigen::Vector2d> pixel_from_plane(const Eigen::Vector2d& p_W,
                                                   Eigen::Matrix2d* d_uv_d_p = nullptr) const;
 

@@ -1,5 +1,6 @@
 #include "planar_servo/report/x_window.h"
 
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include <atomic>
@@ -14,19 +15,20 @@ namespace {
 
 std::atomic<bool> request_failed{false};
 
-// Xlib calls these handlers from C, so that they only note what happened.
+// Xlib calls these handlers from C, so they must not throw and only note what happened.
 
 int note_failed_request(::Display* /*display*/, XErrorEvent* /*error*/) {
   request_failed = true;
   return 0;
 }
 
-/// The default prints a message of its own.
+/// Replaces the default handler, which prints a message of its own.
 int say_nothing(::Display* /*display*/) {
   return 0;
 }
 
-/// The default ends the process. When this returns, Xlib ignores all later requests.
+/// Replaces the default handler, which ends the process. When this returns, Xlib ignores all later
+/// requests.
 void note_lost_server(::Display* /*display*/, void* lost) {
   *static_cast<bool*>(lost) = true;
 }
@@ -99,8 +101,9 @@ void XWindow::put(const vpImage<vpRGBa>& picture) {
 void XWindow::give_up_if_lost() {
   XSync(display_, False);
   if (!server_lost_ && !request_failed) return;
-  spdlog::debug("the window is given up: {}",
-                server_lost_ ? "it was closed or the X server ended" : "the X server refuses it");
+  spdlog::debug(
+      fmt::format("the window is given up: {}", server_lost_ ? "it was closed or the X server ended"
+                                                             : "the X server refuses it"));
   XCloseDisplay(display_);
   display_ = nullptr;
 }

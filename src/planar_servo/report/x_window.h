@@ -8,9 +8,9 @@ struct _XDisplay;
 
 namespace planar {
 
-/// Shows pictures in a window of the X server at DISPLAY. When the window is closed or
-/// its server dies, the window is given up: show() then does nothing. All calls come from the same
-/// thread, and only one such window is open at a time.
+/// Shows pictures in a window of the X server at DISPLAY. When the window is closed or its server
+/// dies, the window is given up: show() then does nothing. All calls come from the same thread, and
+/// only one such window is open at a time.
 class XWindow {
  public:
   /// Returns whether an X server answers at DISPLAY.

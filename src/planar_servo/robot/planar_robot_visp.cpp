@@ -1,4 +1,4 @@
-// The face that PlanarRobot shows to ViSP's programs.
+// This file holds the functions of vpRobot by which PlanarRobot serves the programs of ViSP.
 #include <visp3/robot/vpRobotException.h>
 
 #include <Eigen/LU>
@@ -9,9 +9,10 @@
 namespace planar {
 namespace {
 
-/// sin(3 deg) between the links: nearer to a straight arm, joints turn 20 times as fast.
+/// The sine of 3 degrees between the links. Nearer to a straight or folded arm, the joints would
+/// turn more than 20 times as fast as at a right angle.
 constexpr double kMinManipulability = 0.05;
-/// m/s or rad/s: what remains of zero after a change of frames.
+/// What a change of frames may leave of a velocity of zero, in m/s or rad/s.
 constexpr double kZeroTwist = 1e-9;
 
 [[noreturn]] void refuse_frame() {

@@ -6,7 +6,8 @@
 namespace planar {
 namespace {
 
-/// Pulses/s and pulses/s^2: drives take no limit of 0, and a motor as slow as this rests.
+/// The least limit of speed (pulses/s) and acceleration (pulses/s^2). Drives take no limit of 0,
+/// and a motor as slow as this counts as resting.
 constexpr double kLeastLimit = 1.0;
 
 Eigen::Vector3d scaled(const Eigen::Vector3d& velocity, const std::array<DriveLimits, 3>& rated) {
@@ -16,14 +17,15 @@ Eigen::Vector3d scaled(const Eigen::Vector3d& velocity, const std::array<DriveLi
   return velocity / excess;
 }
 
-/// Of a motor that changes from one velocity to another with its acceleration.
+/// Returns the present velocity of a motor that changes from one velocity to another with its
+/// acceleration.
 double velocity_now(const VelocityMove& last, std::size_t i, double now_s) {
   const double change = last.limits[i].acceleration_pulses_s2 * (now_s - last.t_s);
   return last.from[i] + std::clamp(last.velocity[i] - last.from[i], -change, change);
 }
 
-/// The accelerations by which all motors make these changes of velocity in the same time, the least
-/// that their limits allow.
+/// Returns the accelerations with which all motors make these changes of velocity in the same time,
+/// which is the shortest that their limits allow.
 Eigen::Vector3d in_one_time(const Eigen::Vector3d& changes,
                             const std::array<DriveLimits, 3>& rated) {
   double duration_s = 0.0;

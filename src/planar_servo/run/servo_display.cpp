@@ -62,7 +62,8 @@ void ServoDisplay::show(const ServoSight& sight) {
 
 void ServoDisplay::close() {
   if (!view_) return;
-  if (const auto failure = view_->close()) spdlog::warn("the display failed: {}", *failure);
+  if (const auto failure = view_->close())
+    spdlog::warn(fmt::format("the display failed: {}", *failure));
 }
 
 }  // namespace planar

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "planar_servo/core/statistics.h"
+#include "planar_servo/core/numerics/statistics.h"
 #include "planar_servo/devices/frame_source.h"
 #include "planar_servo/files/tables/result_table.h"
 

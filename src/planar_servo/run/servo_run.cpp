@@ -70,9 +70,9 @@ const TargetResult& ServoRun::move_to(const TargetRow& target) {
   const auto attempt = [&] {
     return servo_.move_to(target_pose(target, cell_.tool_orientation), [&](const ServoStep& step) {
       scorer.observe(step);
-      spdlog::debug("{}, step {}: {:.4f} mm from the target, content below {:.4f} mm", target.id,
-                    step.iteration, step.error.norm() / kMillimetre,
-                    step.stop_below_m / kMillimetre);
+      spdlog::debug(fmt::format("{}, step {}: {:.4f} mm from the target, content below {:.4f} mm",
+                                target.id, step.iteration, step.error.norm() / kMillimetre,
+                                step.stop_below_m / kMillimetre));
       if (!observer_) return;
       const TipPose& wanted = step.target;
       observer_({target.id, step, sensor_.last_frame(),
@@ -104,7 +104,7 @@ ServoResult ServoRun::with_drives(const std::string& id, int& recoveries_left,
 }
 
 void ServoRun::recover_drives(const std::string& id, const std::string& reason) {
-  spdlog::warn("{}: {}; the arm stands and waits", id, reason);
+  spdlog::warn(fmt::format("{}: {}; the arm stands and waits", id, reason));
   robot_.recover(kDrivePatience_s);
   const std::vector<int> unhomed = robot_.unhomed();
   if (!unhomed.empty()) {
@@ -114,21 +114,21 @@ void ServoRun::recover_drives(const std::string& id, const std::string& reason) 
       throw DriveError(text + "; home them with planar-jog, then go on with --resume");
     for (const int joint : unhomed) robot_.search_home(joint);
   }
-  spdlog::info("{}: the drives are ready again; going on", id);
+  spdlog::info(fmt::format("{}: the drives are ready again; going on", id));
 }
 
 bool ServoRun::wait_for_camera(const std::string& id, const std::string& reason,
                                double deadline_s) {
   const double lost_s = clock_.now_s();
-  spdlog::warn("{}: {}; the arm stands and waits", id, reason);
+  spdlog::warn(fmt::format("{}: {}; the arm stands and waits", id, reason));
   while (camera_.fault()) {
     if (clock_.now_s() > deadline_s) return false;
     robot_.throw_if_stopped();
     clock_.sleep_for_s(kCameraPoll_s);
   }
   if (clock_.now_s() > deadline_s) return false;
-  spdlog::info("{}: the camera delivers again after {:.1f} s; going on", id,
-               clock_.now_s() - lost_s);
+  spdlog::info(fmt::format("{}: the camera delivers again after {:.1f} s; going on", id,
+                           clock_.now_s() - lost_s));
   return true;
 }
 

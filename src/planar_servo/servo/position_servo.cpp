@@ -34,23 +34,7 @@ bool has_grown_twice(const std::vector<ServoStep>& steps) {
 }  // namespace
 
 const char* name(ServoStatus status) {
-  switch (status) {
-    case ServoStatus::kReached:
-      return "reached";
-    case ServoStatus::kOutsideMap:
-      return "outside_map";
-    case ServoStatus::kNotConverged:
-      return "not_converged";
-    case ServoStatus::kDiverged:
-      return "diverged";
-    case ServoStatus::kLostLamp:
-      return "lost_lamp";
-    case ServoStatus::kLostCamera:
-      return "lost_camera";
-    case ServoStatus::kRefused:
-      return "refused";
-  }
-  throw std::invalid_argument("unknown ServoStatus");
+  return name_in(kServoStatuses, status);
 }
 
 PositionServo::PositionServo(const ServoSettings& settings, const JointPlanner& planner,

@@ -8,6 +8,7 @@
 #include "planar_servo/arm/joint_planner.h"
 #include "planar_servo/cell/servo_settings.h"
 #include "planar_servo/core/clock.h"
+#include "planar_servo/core/names.h"
 #include "planar_servo/robot/planar_robot.h"
 #include "planar_servo/servo/tip_sensor.h"
 
@@ -24,8 +25,16 @@ enum class ServoStatus {
   kRefused,       ///< target or correction beyond reach, workspace, limits, or near a singularity
 };
 
-/// Returns the word for a status in files: "reached", "outside_map", "not_converged", "diverged",
-/// "lost_lamp", "lost_camera" or "refused".
+/// All statuses with the words that files have for them.
+constexpr Named<ServoStatus> kServoStatuses[] = {{ServoStatus::kReached, "reached"},
+                                                 {ServoStatus::kOutsideMap, "outside_map"},
+                                                 {ServoStatus::kNotConverged, "not_converged"},
+                                                 {ServoStatus::kDiverged, "diverged"},
+                                                 {ServoStatus::kLostLamp, "lost_lamp"},
+                                                 {ServoStatus::kLostCamera, "lost_camera"},
+                                                 {ServoStatus::kRefused, "refused"}};
+
+/// Returns the status's word.
 const char* name(ServoStatus status);
 
 /// Records one measurement at rest. Number 0 follows the first, open-loop move; each correction is

@@ -1,5 +1,6 @@
 #include "planar_servo/vision/lamp_tip_sensor.h"
 
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include <cmath>
@@ -18,16 +19,16 @@ constexpr char kOutsideView[] = "outside_view";
 void log(const TipMeasurement& seen, const TipPose& expected) {
   if (!spdlog::should_log(spdlog::level::debug)) return;
   if (!seen.ok()) {
-    spdlog::debug("look at {}: {}", place_mm(expected.p), seen.word);
+    spdlog::debug(fmt::format("look at {}: {}", place_mm(expected.p), seen.word));
     return;
   }
   const auto& [first, second] = seen.lamps_px;
-  spdlog::debug(
+  spdlog::debug(fmt::format(
       "look at {}: {} frames, lamps ({}) and ({}) px, seen at {}, {} by the error map{}, +- {:.4f} "
       "mm",
       place_mm(expected.p), seen.frames, fixed(first, 3, ", "), fixed(second, 3, ", "),
       place_mm(seen.p_vision), place_mm(-seen.correction),
-      seen.inside_map ? "" : " outside its region", seen.uncertainty_m / kMillimetre);
+      seen.inside_map ? "" : " outside its region", seen.uncertainty_m / kMillimetre));
 }
 
 }  // namespace

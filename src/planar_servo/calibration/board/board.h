@@ -7,8 +7,8 @@
 
 namespace planar {
 
-/// A flat calibration board. Its frame G has x along a row, y along a column and z away from the
-/// camera; point (column, row) lies at (column, row, 0) * pitch.
+/// Describes a flat calibration board. Its frame G has x along a row, y along a column and z away
+/// from the camera; point (column, row) lies at (column, row, 0) * pitch.
 struct Board {
   enum class Kind { kCircles, kChessboard };
   Kind kind{Kind::kCircles};
@@ -21,10 +21,11 @@ struct Board {
 /// both counts are at least 3 and the pitch is positive.
 Board parse_board(const std::string& text);
 
-/// The board's points in G, metres: row by row, as find_board orders them.
+/// Returns the board's points in G (metres), row by row, as find_board() orders them.
 std::vector<Eigen::Vector2d> board_points(const Board& board);
 
-/// What an image shows of a board: every point of it, row by row, or the reason why not.
+/// Holds what an image shows of a board: every point of it, row by row, or the reason why it was
+/// not found.
 struct BoardSight {
   std::vector<Eigen::Vector2d> pixels;  ///< centres of dots or corners
   std::vector<double> dot_areas_px2;    ///< of each dot's ellipse; empty for a chessboard

@@ -44,7 +44,7 @@ std::optional<BoardPose> estimate_board_pose(const CameraModel& camera,
                                              const std::vector<Eigen::Vector2d>& points_G,
                                              const std::vector<Eigen::Vector2d>& pixels) {
   if (points_G.size() != pixels.size()) {
-    throw std::invalid_argument("estimate_board_pose: points and pixels are not as many");
+    throw std::invalid_argument("estimate_board_pose: there must be as many pixels as points");
   }
   if (pixels.size() < 4) return std::nullopt;
   const auto rays = normalized(camera, pixels);

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "planar_servo/core/statistics.h"
+#include "planar_servo/core/numerics/statistics.h"
 #include "planar_servo/core/units.h"
 
 namespace planar {
@@ -24,7 +24,7 @@ constexpr double kRayStep_px = 0.5;
 constexpr int kFewestSamples = 8;
 constexpr double kSmallestContrast = 8.0;
 
-/// The ellipse with the outline's area moments; empty for slivers and ragged outlines.
+/// Returns the ellipse with the outline's area moments. Empty for slivers and ragged outlines.
 std::optional<Dot> dot_from_outline(const std::vector<cv::Point>& outline) {
   const cv::Moments m = cv::moments(outline);
   if (m.m00 < kSmallestArea_px2) return std::nullopt;
@@ -48,7 +48,7 @@ std::optional<Dot> dot_from_outline(const std::vector<cv::Point>& outline) {
   return dot;
 }
 
-/// Grey value between pixels; the caller keeps `p` inside.
+/// Returns the grey value between pixels. The caller keeps `p` inside the image.
 double grey_at(const cv::Mat& image, const Eigen::Vector2d& p) {
   const int u = static_cast<int>(p.x());
   const int v = static_cast<int>(p.y());
@@ -70,8 +70,9 @@ double mean_of(const std::vector<double>& values, std::size_t begin, std::size_t
   return sum / static_cast<double>(end - begin);
 }
 
-/// The index, with its fraction, at which the profile crosses the middle of its two ends' levels,
-/// nearest to `expected`.
+/// Returns the index, with its fraction, at which the profile crosses the middle between the levels
+/// of its two ends. Of several crossings it is the one nearest to `expected`. Empty when the levels
+/// hardly differ.
 std::optional<double> crossing(const std::vector<double>& profile, double expected) {
   const std::size_t n = profile.size();
   const std::size_t quarter = std::max<std::size_t>(2, n / 5);
@@ -90,7 +91,8 @@ std::optional<double> crossing(const std::vector<double>& profile, double expect
   return nearest;
 }
 
-/// Where the ray from the dot's centre crosses its outline, relative to the centre.
+/// Returns where the ray at this angle from the dot's centre crosses its outline, relative to the
+/// centre.
 std::optional<Eigen::Vector2d> outline_point(const cv::Mat& image, const Dot& dot, double angle) {
   const Eigen::Vector2d radius = dot.shape * Eigen::Vector2d(std::cos(angle), std::sin(angle));
   const double step = std::min(kRayStep_px / radius.norm(), (kRayEnd - kRayStart) / kFewestSamples);
@@ -117,7 +119,7 @@ std::optional<Dot> ellipse_through(const std::vector<cv::Point2f>& points,
   return dot;
 }
 
-/// The points within three robust deviations of the ellipse's outline.
+/// Returns the points within three robust deviations of the ellipse's outline.
 std::vector<cv::Point2f> without_outliers(const std::vector<cv::Point2f>& points,
                                           const Eigen::Vector2d& origin, const Dot& dot) {
   const Eigen::Matrix2d to_circle = dot.shape.inverse();
@@ -142,7 +144,7 @@ double Dot::area() const {
 }
 
 std::vector<Dot> find_dark_dots(const cv::Mat& image) {
-  // Darker than the mean of a neighbourhood that holds dots and the gaps between them.
+  // A dot is darker than the mean of a neighbourhood that holds dots and the gaps between them.
   const int neighbourhood = std::min(image.cols, image.rows) / 4 | 1;
   cv::Mat smooth, dark;
   cv::GaussianBlur(image, smooth, {3, 3}, 0.0);

@@ -31,7 +31,7 @@ std::optional<Eigen::Vector2d> eccentricity_px(const CameraModel& camera, const 
     if (!pixel) return std::nullopt;
     rim[i] = *pixel - *center;
   }
-  // Centroid of the polygon's area.
+  // This is the centroid of the polygon's area.
   double twice_area = 0.0;
   Eigen::Vector2d moment{0.0, 0.0};
   for (int i = 0; i < kRimPoints; ++i) {

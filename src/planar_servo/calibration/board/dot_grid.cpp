@@ -11,7 +11,7 @@ namespace planar {
 namespace {
 
 /// Longest side of the first image in which dots are looked for; then twice that, and so on.
-constexpr int kSearchSize_px = 1280;
+constexpr int kFirstSize_px = 1280;
 
 struct RoughGrid {
   std::vector<Dot> dots;  ///< row by row, in pixels of the full image; empty when not found
@@ -40,10 +40,10 @@ RoughGrid find_dark_grid(const cv::Mat& image, int columns, int rows, int factor
   return grid;
 }
 
-/// Dark dots first, then bright ones; in the coarsest image first.
+/// Searches the coarsest image first, and each image for dark dots before bright ones.
 RoughGrid find_rough_grid(const cv::Mat& image, int columns, int rows) {
   int factor = 1;
-  while (std::max(image.cols, image.rows) > kSearchSize_px * factor) factor *= 2;
+  while (std::max(image.cols, image.rows) > kFirstSize_px * factor) factor *= 2;
   std::size_t most_found = 0;
   for (; factor >= 1; factor /= 2) {
     for (const bool bright : {false, true}) {

@@ -68,7 +68,7 @@ class LatticeSearch {
     return others;
   }
 
-  /// Crosses of five points about the seed: two directions with a neighbour both ways.
+  /// Returns crosses of five points about the seed: two directions with a neighbour both ways.
   std::vector<Cells> starts_at(std::size_t seed) const {
     const std::vector<std::size_t> near = like_neighbours(seed);
     std::vector<std::array<std::size_t, 2>> axes;
@@ -106,7 +106,8 @@ class LatticeSearch {
     return best;
   }
 
-  /// The step from a cell in a direction, from the step before it or from a parallel one beside it.
+  /// Returns the step from a cell in a direction, taken from the step before it or from a parallel
+  /// one beside it.
   std::optional<Eigen::Vector2d> step_from(const Cells& cells, const Cell& cell,
                                            const Cell& direction) const {
     const Cell aside{direction[1], direction[0]};
@@ -146,7 +147,8 @@ class LatticeSearch {
     return cells;
   }
 
-  /// The indices under the window at `origin` with the given axes, or none when one is missing.
+  /// Returns the indices under the window at `origin` with the given axes. Empty when one is
+  /// missing.
   std::vector<std::size_t> under(const Cells& cells, const Cell& origin, const Cell& x_axis,
                                  const Cell& y_axis) const {
     std::vector<std::size_t> indices;
@@ -160,7 +162,8 @@ class LatticeSearch {
     return indices;
   }
 
-  /// The window of columns x rows that the cells fill: none, or several places of it, is none.
+  /// Returns the indices under the window of columns x rows that the cells fill. Empty when they
+  /// fill none, or when the window fits in several places.
   std::vector<std::size_t> window(const Cells& cells) const {
     if (cells.size() < static_cast<std::size_t>(columns_) * rows_) return {};
     std::vector<std::size_t> best;

@@ -1,9 +1,7 @@
 #include "planar_servo/calibration/camera/fit_information.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-
 #include "planar_servo/calibration/board/board_pose.h"
+#include "planar_servo/core/numerics/decompositions.h"
 #include "planar_servo/core/pose.h"
 
 namespace planar {
@@ -14,7 +12,7 @@ constexpr double kCoefficientStep = 1e-5;
 /// decides about the inverse.
 constexpr double kLeastEigenvalue = 1e-15;
 
-/// The camera with one distortion coefficient a step less and more.
+/// Holds the camera with one distortion coefficient a step less and a step more.
 struct MovedCameras {
   CameraModel less, more;
 };
@@ -31,9 +29,9 @@ std::vector<MovedCameras> moved_cameras(const CameraModel& camera, std::size_t f
   return result;
 }
 
-/// Residuals of one view and their Jacobians by fx, fy, cx, cy and the free distortion coefficients
-/// (the latter by central differences: all models are nearly linear in them) and by the board's
-/// pose.
+/// Holds the residuals of one view and their Jacobians J_K, by fx, fy, cx, cy and the free
+/// distortion coefficients, and J_CG, by the board's pose. Those by the coefficients are central
+/// differences, because all models are nearly linear in them.
 struct LinearisedView {
   Eigen::VectorXd residuals;
   Eigen::MatrixXd J_K, J_CG;
@@ -92,16 +90,17 @@ std::optional<FitInformation> fit_information(const LensFit& fit,
     if (!view) return std::nullopt;
     const double points = static_cast<double>(views[i].pixels.size());
     const Eigen::MatrixXd mixed = view->J_CG.transpose() * view->J_K;
-    const auto pose = (view->J_CG.transpose() * view->J_CG).ldlt();
-    sum.camera += view->J_K.transpose() * view->J_K - mixed.transpose() * pose.solve(mixed);
+    const Eigen::MatrixXd pose = view->J_CG.transpose() * view->J_CG;
+    sum.camera +=
+        view->J_K.transpose() * view->J_K - mixed.transpose() * solve_symmetric(pose, mixed);
     const Eigen::VectorXd pose_gradient = view->J_CG.transpose() * view->residuals;
-    const Eigen::VectorXd pose_step = pose.solve(pose_gradient);
+    const Eigen::VectorXd pose_step = solve_symmetric(pose, pose_gradient);
     gradient += view->J_K.transpose() * view->residuals - mixed.transpose() * pose_step;
     sum.decrease += pose_gradient.dot(pose_step);
     sum.squares += view->rms_px * view->rms_px * points;
     sum.freedom += 2.0 * points;
   }
-  sum.decrease += gradient.dot(sum.camera.ldlt().solve(gradient));
+  sum.decrease += gradient.dot(Eigen::VectorXd(solve_symmetric(sum.camera, gradient)));
   return sum;
 }
 
@@ -109,10 +108,9 @@ std::optional<Eigen::MatrixXd> covariance_from(const Eigen::MatrixXd& informatio
   const Eigen::VectorXd scale = information.diagonal().cwiseSqrt().cwiseInverse();
   const Eigen::MatrixXd scaled = scale.asDiagonal() * information * scale.asDiagonal();
   if (!scaled.allFinite()) return std::nullopt;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled, Eigen::EigenvaluesOnly);
-  if (!(eigen.eigenvalues().minCoeff() > kLeastEigenvalue)) return std::nullopt;
-  return information.ldlt().solve(
-      Eigen::MatrixXd::Identity(information.rows(), information.cols()));
+  if (!(symmetric_eigenvalues(scaled)[0] > kLeastEigenvalue)) return std::nullopt;
+  return solve_symmetric(information,
+                         Eigen::MatrixXd::Identity(information.rows(), information.cols()));
 }
 
 }  // namespace planar

@@ -7,7 +7,8 @@
 
 namespace planar {
 
-/// The normal equations of a camera with all its views at the end of a fit, the poses eliminated.
+/// Holds the normal equations of a camera with all its views at the end of a fit. The poses are
+/// eliminated.
 struct FitInformation {
   Eigen::MatrixXd camera;  ///< of fx, fy, cx, cy and the free coefficients, for a noise of 1 px
   double squares{0.0};     ///< sum of the squared distances, px^2
@@ -16,13 +17,13 @@ struct FitInformation {
   double decrease{0.0};    ///< by which one more Gauss-Newton step would lower `squares`
 };
 
-/// Empty where a point lies at the very end of the lens model's range, beyond which it has no
-/// pixel.
+/// Returns the normal equations of a fit. Empty when a point lies at the very end of the lens
+/// model's range, beyond which it has no pixel.
 std::optional<FitInformation> fit_information(const LensFit& fit,
                                               const std::vector<CalibrationView>& views,
                                               std::size_t free_coefficients);
 
-/// The inverse of an information matrix; empty when it is singular to working precision.
+/// Returns the inverse of an information matrix. Empty when it is singular to working precision.
 std::optional<Eigen::MatrixXd> covariance_from(const Eigen::MatrixXd& information);
 
 }  // namespace planar

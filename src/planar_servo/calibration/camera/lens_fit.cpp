@@ -13,7 +13,8 @@ namespace planar {
 namespace {
 
 constexpr char kViSP[] = "visp";
-/// A focal length or principal point less certain than this share of the focal length is unknown.
+/// A focal length or a coordinate of the principal point counts as unknown when its standard
+/// deviation exceeds this share of the focal length.
 constexpr double kMostUncertain = 0.1;
 
 [[noreturn]] void refuse(const FitModel& model) {
@@ -21,12 +22,13 @@ constexpr double kMostUncertain = 0.1;
                   "; take more of them, tilted in different directions, or a simpler model");
 }
 
-/// Where the points' root mean square distance from their centroid lies between these, metres, they
-/// are taken as they are.
+/// Points are taken as they are when their root mean square distance from their centroid lies
+/// between these, in metres.
 constexpr double kSmallBoard = 1.0 / 32.0, kLargeBoard = 1.0;
 
-/// The power of two, which changes no digit, by which the points of a smaller or larger board come
-/// to a root mean square distance between an eighth and a quarter of a metre.
+/// Returns the power of two, which changes no digit, that scales the points of a smaller or larger
+/// board to a root mean square distance between an eighth and a quarter of a metre. Returns 1 for
+/// other boards.
 double normalising_scale(const std::vector<Eigen::Vector2d>& points) {
   Eigen::Vector2d centroid(0.0, 0.0);
   for (const Eigen::Vector2d& p : points) centroid += p / static_cast<double>(points.size());

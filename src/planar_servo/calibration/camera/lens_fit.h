@@ -8,17 +8,18 @@
 
 namespace planar {
 
-/// How the camera of one calibration model is fitted.
+/// Says how the camera of one calibration model is fitted.
 struct FitModel {
   std::string name;               ///< as `--model` has it
   std::string lens;               ///< the lens model's name
   std::size_t free_coefficients;  ///< how many of its first coefficients are estimated
 };
 
-/// Every model that can be fitted.
+/// Returns every model that can be fitted.
 const std::vector<FitModel>& fit_models();
 
-/// One least-squares fit of a camera and the boards' poses, nothing left out or corrected.
+/// Holds one least-squares fit of a camera and the boards' poses. Nothing was left out or
+/// corrected.
 struct LensFit {
   CameraModel camera;
   std::vector<Pose> X_CG;           ///< one per view
@@ -33,11 +34,11 @@ struct LensFit {
 std::optional<LensFit> fit_lens(const std::vector<CalibrationView>& views, int width_px,
                                 int height_px, const FitModel& model);
 
-/// Standard deviations of fx, fy, cx, cy and the distortion coefficients (zero for those that are
-/// not estimated) from the fit's residuals and Jacobian, the poses eliminated by their Schur
-/// complement. Throws WorkError when the views do not determine the camera: when some combination
-/// of its parameters can change without any effect, or when a focal length or the principal point
-/// is uncertain by a tenth of the focal length.
+/// Returns the standard deviations of fx, fy, cx, cy and the distortion coefficients (zero for
+/// those that are not estimated) from the fit's residuals and Jacobian. The poses are eliminated by
+/// their Schur complement. Throws WorkError when the views do not determine the camera: when some
+/// combination of its parameters can change without any effect, or when a focal length or the
+/// principal point is uncertain by a tenth of the focal length.
 std::vector<double> standard_deviations(const LensFit& fit,
                                         const std::vector<CalibrationView>& views,
                                         const FitModel& model);

@@ -20,7 +20,7 @@ constexpr double kStandsStill = 0.5;
 /// Noise of a pixel coordinate that OpenCV's rounding to single precision may cause.
 constexpr double kSinglePrecision_px = 1e-3;
 
-/// The views as OpenCV takes them, and what it returns.
+/// Holds the views as OpenCV takes them, and what it returns.
 struct OpenCvProblem {
   std::vector<std::vector<cv::Point3f>> points;
   std::vector<std::vector<cv::Point2f>> pixels;
@@ -50,7 +50,7 @@ OpenCvProblem opencv_problem(const std::vector<CalibrationView>& views, cv::Size
   return problem;
 }
 
-/// The views in the precision in which OpenCV has them.
+/// Returns the views in the precision in which OpenCV has them.
 std::vector<CalibrationView> single_precision(std::vector<CalibrationView> views) {
   for (CalibrationView& view : views) {
     for (Eigen::Vector2d& p : view.points_G) p = p.cast<float>().cast<double>();
@@ -91,7 +91,8 @@ void run(OpenCvProblem& problem, const std::string& model, bool is_first) {
     return;
   }
   if (is_first) {
-    // From the pinhole fit: the fisheye's own start assumes a field of view of 180 degrees.
+    // This starts from the pinhole fit, because the fisheye's own start assumes a field of view of
+    // 180 degrees.
     run_perspective(problem, flags_of("pinhole"));
     problem.coefficients = cv::Mat::zeros(4, 1, CV_64F);
   }
@@ -107,7 +108,7 @@ CameraModel camera_from(const OpenCvProblem& problem, const std::string& lens) {
   return make_camera_model(lens, k, {first, first + count});
 }
 
-/// `vector` is 3 x 1, 1 x 3 or one 3-channel element, of doubles.
+/// Returns the three doubles of `vector`, which is 3 x 1, 1 x 3 or one 3-channel element.
 Eigen::Vector3d vector_from(const cv::Mat& vector) {
   return Eigen::Map<const Eigen::Vector3d>(vector.ptr<double>());
 }
@@ -123,8 +124,9 @@ LensFit fit_from(const OpenCvProblem& problem, const std::string& lens) {
   return fit;
 }
 
-/// The square of a step over its expected value for a step of the parameters' own uncertainty,
-/// which is their number.
+/// Returns whether one more step would move the parameters by less than kStandsStill of their
+/// uncertainty. A step as large as the uncertainty lowers the sum of squares by the variance times
+/// the number of parameters.
 bool stands_still(const FitInformation& information) {
   const double variance = std::max(information.squares / information.freedom,
                                    kSinglePrecision_px * kSinglePrecision_px);

@@ -1,8 +1,9 @@
 #include "planar_servo/calibration/camera/repeated_views.h"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+
+#include "planar_servo/core/numerics/decompositions.h"
 
 namespace planar {
 namespace {
@@ -12,7 +13,7 @@ constexpr double kNoises = 3.0;
 constexpr double kSmallMotion = 0.05;
 constexpr Eigen::Index kParameters = 8;
 
-/// Centred, with a root mean square distance of 1 from the centre.
+/// Holds points about their centre, scaled to a root mean square distance of 1 from it.
 struct UnitPoints {
   std::vector<Eigen::Vector2d> points;
   double size_px{0.0};
@@ -31,8 +32,8 @@ UnitPoints unit_points(const std::vector<Eigen::Vector2d>& pixels) {
   return result;
 }
 
-/// How the image of a plane moves at (x, y) when the plane moves a little: the derivative of a
-/// homography at the identity, linear in its eight parameters.
+/// Returns how the image of a plane moves at a point when the plane moves a little: the derivative
+/// of a homography at the identity by its eight parameters.
 Eigen::Matrix<double, 2, kParameters> small_motion(const Eigen::Vector2d& at) {
   const double x = at.x(), y = at.y();
   Eigen::Matrix<double, 2, kParameters> J;
@@ -54,7 +55,7 @@ bool repeats(const CalibrationView& view, const CalibrationView& earlier) {
   }
   const double mean_square = distances_px.squaredNorm() / static_cast<double>(rows);
   if (mean_square > std::pow(kSmallMotion * unit.size_px, 2)) return false;
-  const Eigen::VectorXd noise = distances_px - J * J.colPivHouseholderQr().solve(distances_px);
+  const Eigen::VectorXd noise = distances_px - J * solve_least_squares(J, distances_px);
   const double variance = noise.squaredNorm() / static_cast<double>(rows - kParameters);
   return mean_square <= kNoises * kNoises * variance;
 }

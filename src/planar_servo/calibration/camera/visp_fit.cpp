@@ -2,12 +2,12 @@
 
 #include <visp3/vision/vpCalibration.h>
 
-#include <Eigen/Cholesky>
 #include <iostream>
 
 #include "planar_servo/calibration/camera/fit_information.h"
 #include "planar_servo/calibration/camera/opencv_fit.h"
 #include "planar_servo/core/error.h"
+#include "planar_servo/core/numerics/decompositions.h"
 #include "planar_servo/core/pose.h"
 
 namespace planar {
@@ -16,8 +16,8 @@ namespace {
 constexpr std::size_t kMostViews = 256;  // vpCalibration's fixed arrays
 constexpr double kRelativeStep = 1e-6;   // of numerical derivatives
 
-/// Makes vpCalibration take full Gauss-Newton steps instead of its quarter ones, which need
-/// hundreds of iterations, and keeps from it the precision of std::cout, which it changes.
+/// Makes vpCalibration take full Gauss-Newton steps instead of quarter steps, which need hundreds
+/// of iterations. It also restores the precision of std::cout, which vpCalibration changes.
 class VispSettings {
  public:
   VispSettings() : gain_(vpCalibration::getLambda()), precision_(std::cout.precision()) {
@@ -54,8 +54,8 @@ Pose pose_from(const vpHomogeneousMatrix& cMo) {
   return X_CG;
 }
 
-/// What a point's two distances depend on: px, py, u0, v0, kud, kdu, the point in the camera frame,
-/// the pixel.
+/// Holds what a point's two distances depend on: px, py, u0, v0, kud, kdu, the point in the camera
+/// frame, the pixel.
 using Variables = Eigen::Matrix<double, 11, 1>;
 
 Variables variables(const VispModel& camera, const Eigen::Vector3d& p_C,
@@ -66,8 +66,8 @@ Variables variables(const VispModel& camera, const Eigen::Vector3d& p_C,
   return v;
 }
 
-/// The projected less the seen pixel, then the pixel projected without distortion less the seen one
-/// without distortion.
+/// Returns the projected minus the seen pixel, then the pixel projected without distortion minus
+/// the seen pixel without its distortion.
 Eigen::Vector4d distances(const Variables& v) {
   const Eigen::Vector2d f = v.head<2>(), c = v.segment<2>(2), uv = v.tail<2>();
   const Eigen::Vector2d xy = v.segment<2>(6) / v(8);
@@ -90,8 +90,8 @@ Eigen::Matrix<double, 4, 11> jacobian_of_distances(const Variables& at) {
   return J;
 }
 
-/// Normal matrix of the camera with one view, its pose eliminated, and the covariance of the
-/// gradient for a variance of 1 px^2 of each pixel coordinate.
+/// Holds the normal matrix of the camera with one view, whose pose is eliminated, and the
+/// covariance of the gradient for a variance of 1 px^2 of each pixel coordinate.
 struct ViewShare {
   Eigen::MatrixXd normal, gradient;
 };
@@ -109,7 +109,7 @@ ViewShare share_of(const VispModel& camera, const Pose& X_CG, const CalibrationV
     J_CG.middleRows<4>(row) << J.middleCols<3>(6), -J.middleCols<3>(6) * cross_matrix(rotated);
     J_uv.middleRows<4>(row) = J.rightCols<2>();
   }
-  const Eigen::MatrixXd of_pose = (J_CG.transpose() * J_CG).ldlt().solve(J_CG.transpose() * J_K);
+  const Eigen::MatrixXd of_pose = solve_symmetric(J_CG.transpose() * J_CG, J_CG.transpose() * J_K);
   const Eigen::MatrixXd own = J_K - J_CG * of_pose;
   ViewShare share{own.transpose() * own, Eigen::MatrixXd::Zero(6, 6)};
   for (Eigen::Index row = 0; row < rows; row += 4) {

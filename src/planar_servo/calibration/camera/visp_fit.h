@@ -7,17 +7,17 @@
 
 namespace planar {
 
-/// Fits ViSP's lens by vpCalibration (CALIB_VIRTUAL_VS_DIST) to all views, started from OpenCV's
-/// pinhole camera. It minimises at each point the distance from the pixel to the projection by kud
-/// and the distance from the pixel undistorted by kdu to the projection without distortion. Empty
-/// when one of the fits fails. Throws InputError for more than 256 views: vpCalibration writes
-/// beyond its arrays then.
+/// Fits the lens of ViSP to all views by vpCalibration (CALIB_VIRTUAL_VS_DIST), which starts from
+/// the pinhole camera of OpenCV. It minimises two distances at each point: from the pixel to the
+/// projection distorted by kud, and from the pixel undistorted by kdu to the projection without
+/// distortion. Empty when one of the fits fails. Throws InputError for more than 256 views, because
+/// vpCalibration writes beyond its arrays then.
 std::optional<LensFit> fit_by_visp(const std::vector<CalibrationView>& views, int width_px,
                                    int height_px);
 
-/// Covariance of px, py, u0, v0, kud, kdu for a variance of 1 px^2 of each pixel coordinate. Each
-/// coordinate enters both of its distances, so that they are not independent. Empty when the views
-/// do not determine the camera.
+/// Returns the covariance of px, py, u0, v0, kud, kdu for a variance of 1 px^2 of each pixel
+/// coordinate. Each coordinate enters both distances of its point, so that they are not
+/// independent. Empty when the views do not determine the camera.
 std::optional<Eigen::MatrixXd> visp_covariance(const LensFit& fit,
                                                const std::vector<CalibrationView>& views);
 

@@ -1,10 +1,10 @@
 #include "planar_servo/calibration/plane/plane_start.h"
 
 #include <Eigen/LU>
-#include <Eigen/SVD>
 #include <cmath>
 
 #include "planar_servo/core/error.h"
+#include "planar_servo/core/numerics/decompositions.h"
 
 namespace planar {
 
@@ -17,9 +17,9 @@ Pose pose_from_homography(const Eigen::Matrix3d& H_CW) {
   const Eigen::Matrix3d M = 2.0 / (H_CW.col(0).norm() + H_CW.col(1).norm()) * H_CW;
   Eigen::Matrix3d axes;
   axes << M.col(0), M.col(1), M.col(0).cross(M.col(1));
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(axes, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const SingularValues svd = singular_values(axes);
   Pose X_CW = Pose::Identity();
-  X_CW.linear() = svd.matrixU() * svd.matrixV().transpose();
+  X_CW.linear() = svd.U * svd.V.transpose();
   X_CW.translation() = M.col(2);
   return X_CW.inverse();
 }

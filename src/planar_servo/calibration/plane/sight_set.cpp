@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "planar_servo/core/error.h"
-#include "planar_servo/core/statistics.h"
+#include "planar_servo/core/numerics/statistics.h"
 #include "planar_servo/core/units.h"
 
 namespace planar {

@@ -35,13 +35,6 @@ constexpr double kLongestPause_s = 2.0;
 constexpr double kOrderTime_s = 5.0;  ///< allowed to the thread and the camera
 constexpr int kFrameBlocks = 6;       ///< two are being filled, two compared, two are spare
 
-/// An exposure that a caller wants, and the promise by which the camera's thread reports the
-/// outcome.
-struct ExposureOrder {
-  CameraExposure exposure;
-  std::promise<void> done;
-};
-
 AravisSettings checked(const AravisSettings& settings) {
   require_settings(settings);
   return settings;
@@ -50,6 +43,13 @@ AravisSettings checked(const AravisSettings& settings) {
 }  // namespace
 
 struct AravisCamera::Impl {
+  /// An exposure that a caller wants, and the promise by which the camera's thread reports the
+  /// outcome.
+  struct ExposureOrder {
+    CameraExposure exposure;
+    std::promise<void> done;
+  };
+
   explicit Impl(const AravisSettings& wanted)
       : settings(checked(wanted)),
         format(pixel_format_named(settings.pixel_format)),
@@ -92,7 +92,8 @@ struct AravisCamera::Impl {
         }
         grab();
       } catch (const std::exception& error) {
-        if (!mailbox.fault() || link) spdlog::warn("the camera is lost: {}", error.what());
+        if (!mailbox.fault() || link)
+          spdlog::warn(fmt::format("the camera is lost: {}", error.what()));
         mailbox.lose(fmt::format("the camera is lost: {}", error.what()));
         link.reset();
         rest(pause_s);

@@ -5,7 +5,7 @@
 #include "planar_servo/cameras/aravis/pixel_format.h"
 #include "planar_servo/core/names.h"
 #include "planar_servo/core/units.h"
-#include "planar_servo/io/yaml_reader.h"
+#include "planar_servo/io/fields.h"
 
 namespace planar {
 namespace {
@@ -22,17 +22,17 @@ struct AravisDetails final : DeviceDetails {
 
 }  // namespace
 
-std::shared_ptr<const DeviceDetails> AravisKind::read(const YamlNode& camera) const {
+std::shared_ptr<const DeviceDetails> AravisKind::read(Fields& camera) const {
   auto details = std::make_shared<AravisDetails>();
   AravisSettings& settings = details->settings;
-  if (camera.has("address")) settings.address = camera.text("address");
-  if (camera.has("id")) settings.id = camera.text("id");
-  settings.exposure_s = camera.positive("exposure_us") * kMicrosecond;
-  settings.gain_db = camera.number("gain_db");
-  settings.pixel_format = camera.choice("pixel_format", pixel_format_names());
-  settings.trigger = camera.choice("trigger", kTriggers);
-  if (camera.has("packet_size"))
-    settings.packet_size = camera.whole_number_in("packet_size", 0, kMaxPacketSize);
+  if (camera.given("address", true)) camera.text("address", settings.address);
+  if (camera.given("id", true)) camera.text("id", settings.id);
+  camera.number("exposure_us", settings.exposure_s, kMicrosecond, Range::positive());
+  camera.number("gain_db", settings.gain_db);
+  camera.choice("pixel_format", settings.pixel_format, pixel_format_names());
+  camera.choice("trigger", settings.trigger, kTriggers);
+  if (camera.given("packet_size", true))
+    camera.whole_number("packet_size", settings.packet_size, 0, kMaxPacketSize);
   return details;
 }
 

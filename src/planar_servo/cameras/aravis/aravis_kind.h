@@ -9,7 +9,7 @@ namespace planar {
 class AravisKind final : public CameraKind {
  public:
   std::string name() const override { return "aravis"; }
-  std::shared_ptr<const DeviceDetails> read(const YamlNode& camera) const override;
+  std::shared_ptr<const DeviceDetails> read(Fields& camera) const override;
   std::shared_ptr<FrameSource> open(const CellSettings& cell,
                                     const std::shared_ptr<VirtualCell>& world) const override;
   std::vector<Finding> examine(const CellSettings& cell) const override;

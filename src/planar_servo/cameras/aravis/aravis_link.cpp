@@ -197,8 +197,8 @@ cv::Rect AravisLink::start(const cv::Rect& region_px) {
   ask("the camera does not start",
       [&](GError** e) { arv_camera_start_acquisition(impl_->camera.get(), e); });
   impl_->streaming = true;
-  spdlog::debug("the camera streams {} x {} px at ({}, {}), {} bytes a frame", fitted.width,
-                fitted.height, fitted.x, fitted.y, impl_->frame_bytes());
+  spdlog::debug(fmt::format("the camera streams {} x {} px at ({}, {}), {} bytes a frame",
+                            fitted.width, fitted.height, fitted.x, fitted.y, impl_->frame_bytes()));
   return fitted;
 }
 

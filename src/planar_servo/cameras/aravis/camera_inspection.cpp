@@ -7,8 +7,8 @@
 namespace planar {
 namespace {
 
-constexpr int kFrameBlocks = 6;  // the number that AravisCamera has
-constexpr double kLateness_s = 0.1;
+constexpr int kCameraBlocks = 6;  // the number that AravisCamera has
+constexpr double kTestLateness_s = 0.1;
 
 /// What mends a refusal of a camera that answers.
 constexpr char kCorrectSettings[] =
@@ -26,7 +26,7 @@ void grab(AravisLink& link, const AravisSettings& settings, CameraInspection& in
       next_s = clock.now_s() + period_s;
       link.trigger();
     }
-    const auto arrival = link.receive(settings.exposure_s + 2.0 * period_s + kLateness_s);
+    const auto arrival = link.receive(settings.exposure_s + 2.0 * period_s + kTestLateness_s);
     if (arrival) ++(arrival->complete ? inspection.complete : inspection.incomplete);
   }
 }
@@ -39,7 +39,7 @@ CameraInspection inspect_camera(const AravisSettings& settings, double duration_
   inspection.duration_s = duration_s;
   const auto pixels = static_cast<std::size_t>(settings.sensor_px.area());
   try {
-    FrameMemory memory(kFrameBlocks, bytes_of(pixel_format_named(settings.pixel_format), pixels));
+    FrameMemory memory(kCameraBlocks, bytes_of(pixel_format_named(settings.pixel_format), pixels));
     AravisLink link(settings, memory);
     link.start({cv::Point(), settings.sensor_px});
     grab(link, settings, inspection);

@@ -84,9 +84,10 @@ void TicDrives::open(std::size_t i) {
     return;
   }
   const TicListing& tic = joint.port->listing();
-  spdlog::debug("{} is a {} at {}, firmware {}, position {} ({})", name(i),
-                tic::product_name(tic.product_id), tic.device, tic::firmware_name(tic.firmware),
-                joint.last->position(), joint.last->position_certain() ? "certain" : "uncertain");
+  spdlog::debug(fmt::format("{} is a {} at {}, firmware {}, position {} ({})", name(i),
+                            tic::product_name(tic.product_id), tic.device,
+                            tic::firmware_name(tic.firmware), joint.last->position(),
+                            joint.last->position_certain() ? "certain" : "uncertain"));
 }
 
 std::string TicDrives::configure(std::size_t i) {
@@ -124,7 +125,8 @@ std::string TicDrives::set_timeout(std::size_t i, std::vector<std::uint8_t>& set
     if (settings[byte.offset] != byte.value)
       requests.push_back(
           {i, Command::kSetSetting, byte.value | static_cast<std::uint32_t>(byte.offset) << 16});
-  spdlog::debug("{}: its command timeout is set to {} ms and stored", name(i), timeout_ms);
+  spdlog::debug(
+      fmt::format("{}: its command timeout is set to {} ms and stored", name(i), timeout_ms));
   requests.push_back({i, Command::kReinitialize});
   requests.push_back({i, Command::kGetSettings, 0, tic::kSettingsBytes});
   const auto done = perform(requests, kSetupTimeout_s);

@@ -6,7 +6,7 @@
 #include "planar_servo/core/units.h"
 #include "planar_servo/drives/tic/tic_doctor.h"
 #include "planar_servo/drives/tic/tic_drives.h"
-#include "planar_servo/io/yaml_reader.h"
+#include "planar_servo/io/fields.h"
 
 namespace planar {
 namespace {
@@ -24,35 +24,35 @@ struct TicDetails final : DeviceDetails {
   TicSettings settings;
 };
 
+std::array<TicSettings, 3> all_settings(const CellSettings& cell) {
+  return {tic_settings(cell.drives[0]), tic_settings(cell.drives[1]), tic_settings(cell.drives[2])};
+}
+
 }  // namespace
 
 const TicSettings& tic_settings(const DriveSettings& drive) {
   return static_cast<const TicDetails&>(*drive.details).settings;
 }
 
-void TicKind::read(const YamlNode& drive, CellSettings& cell, std::size_t joint) const {
+void TicKind::read(Fields& drive, CellSettings& cell, std::size_t joint) const {
   auto details = std::make_shared<TicDetails>();
-  const std::string serial = drive.text("serial");
+  TicSettings& settings = details->settings;
+  drive.text("serial", settings.serial);
   for (std::size_t i = 0; i < joint; ++i) {
-    if (cell.drives[i].kind == this && tic_settings(cell.drives[i]).serial == serial)
-      drive.add_fault(
-          fmt::format("drives[{}] has the serial number '{}' of drives[{}]; each joint needs a "
-                      "drive of its own",
-                      joint, serial, i));
+    const bool same =
+        cell.drives[i].kind == this && tic_settings(cell.drives[i]).serial == settings.serial;
+    drive.check(!same, fmt::format("drives[{}] has the serial number '{}' of drives[{}]; each "
+                                   "joint needs a drive of its own",
+                                   joint, settings.serial, i));
   }
-  details->settings.serial = serial;
-  details->settings.command_timeout_s =
-      drive.number_in("command_timeout_ms", kMinCommandTimeout_ms, kMaxCommandTimeout_ms) *
-      kMillisecond;
+  drive.number("command_timeout_ms", settings.command_timeout_s, kMillisecond,
+               Range::from_to(kMinCommandTimeout_ms, kMaxCommandTimeout_ms));
   cell.drives[joint].details = details;
-  const YamlNode home = drive.child("home");
   MotorDrive& motor = cell.transmission.drives[joint];
-  motor.home = home.choice("reference", kReferences);
-  motor.home_rad = home.number("at_deg") * kDegree;
-}
-
-static std::array<TicSettings, 3> all_settings(const CellSettings& cell) {
-  return {tic_settings(cell.drives[0]), tic_settings(cell.drives[1]), tic_settings(cell.drives[2])};
+  drive.map("home", [&] {
+    drive.choice("reference", motor.home, kReferences);
+    drive.number("at_deg", motor.home_rad, kDegree);
+  });
 }
 
 std::shared_ptr<DriveGroup> TicKind::open(const CellSettings& cell,

@@ -10,7 +10,7 @@ class TicKind final : public DriveKind {
  public:
   std::string name() const override { return "tic"; }
   /// Serial numbers tell the drives apart, whatever socket they are plugged into.
-  void read(const YamlNode& drive, CellSettings& cell, std::size_t joint) const override;
+  void read(Fields& drive, CellSettings& cell, std::size_t joint) const override;
   std::shared_ptr<DriveGroup> open(const CellSettings& cell,
                                    const std::shared_ptr<VirtualCell>& world) const override;
   /// Presence, permission, firmware, settings, supply and errors of every Tic, and whether the

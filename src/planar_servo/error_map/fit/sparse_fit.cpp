@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "planar_servo/core/error.h"
-#include "planar_servo/core/statistics.h"
+#include "planar_servo/core/numerics/statistics.h"
 #include "planar_servo/error_map/fit/sparse_statistics.h"
 #include "planar_servo/error_map/maps/tail_basis.h"
 
@@ -26,12 +26,12 @@ constexpr std::array<double, 6> kRidges{1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1.0};
 
 /// The limit of a difference from the cell's median over the median difference. Sites beyond it are
 /// left out first, before a finer judgement.
-constexpr double kGross = 10.0;
+constexpr double kGrossDifference = 10.0;
 /// The limit of the standard deviation over its largest value at a centre; it is larger between
 /// centres.
 constexpr double kBetweenCenters = 2.0;
 
-constexpr char kUnsolvable[] =
+constexpr char kSparseUnsolvable[] =
     "the equations of the sparse map are too ill conditioned to be solved with any width and ridge";
 
 /// The least mean number of sites in a cell; with as many a few outliers do not count.
@@ -84,7 +84,7 @@ Outliers gross_outliers(const MapSites& sites, const Cells& cells) {
                                  median(values_at(sites.errors.row(1).transpose(), cell)));
     for (const Eigen::Index i : cell) differences[i] = (sites.errors.col(i) - middle).norm();
   }
-  const double limit = kGross * median({differences.begin(), differences.end()});
+  const double limit = kGrossDifference * median({differences.begin(), differences.end()});
   Outliers gross;
   for (Eigen::Index i = 0; i < sites.size(); ++i)
     if (differences[i] > limit) gross[i] = {i, differences[i], limit};
@@ -128,7 +128,7 @@ Tuned tune(const Eigen::Matrix2Xd& centers, const MapSites& part, const Progress
     least = least_of_width;
   }
   if (std::isfinite(least)) return best;
-  throw WorkError(kUnsolvable);
+  throw WorkError(kSparseUnsolvable);
 }
 
 /// Progress is reported after this many sites.
@@ -219,7 +219,7 @@ SparseFit fit_sparse(const MapSites& sites, const Progress& progress) {
   SparseStatistics statistics = statistics_of(tuned.basis, sites, kept, progress);
   for (int round = 1;; ++round) {
     const auto fit = solve_ridge(statistics, tuned.basis.tail_basis.terms(), tuned.ridge);
-    if (!fit) throw WorkError(kUnsolvable);
+    if (!fit) throw WorkError(kSparseUnsolvable);
     const Eigen::Matrix2Xd residuals = residuals_of(tuned.basis, *fit, sites, progress);
     const Eigen::ArrayXd lengths = residuals.colwise().norm().transpose();
     const Eigen::ArrayXd limits = residual_limits(lengths, sites, cells, dropped);

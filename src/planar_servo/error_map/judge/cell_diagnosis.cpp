@@ -1,17 +1,17 @@
 #include "planar_servo/error_map/judge/cell_diagnosis.h"
 
-#include <Eigen/Cholesky>
 #include <array>
 #include <cmath>
 #include <optional>
 
+#include "planar_servo/core/numerics/decompositions.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/error_map/judge/spatial_blocks.h"
 
 namespace planar {
 namespace {
 
-constexpr Eigen::Index kFewestSites = 20;
+constexpr Eigen::Index kFewestForTerms = 20;
 constexpr double kSignificance = 3.0;
 
 /// The least reciprocal condition number of the scaled normal equations. Below it, as with sites in
@@ -58,9 +58,10 @@ struct NormalEquations {
   std::optional<Terms> solution() const {
     const Terms scale = matrix.diagonal().cwiseSqrt().cwiseInverse();
     if (!scale.allFinite()) return {};
-    const Eigen::LLT<Eigen::MatrixXd> factor(scale.asDiagonal() * matrix * scale.asDiagonal());
-    if (factor.info() != Eigen::Success || factor.rcond() < kSmallestRcond) return {};
-    return scale.cwiseProduct(factor.solve(scale.cwiseProduct(right)));
+    const auto scaled = solve_positive(scale.asDiagonal() * matrix * scale.asDiagonal(),
+                                       scale.cwiseProduct(right), kSmallestRcond);
+    if (!scaled) return {};
+    return Terms(scale.cwiseProduct(scaled->col(0)));
   }
 };
 
@@ -89,7 +90,7 @@ const CellFaultName& name_of(CellFault fault) {
 }
 
 CellDiagnosis diagnose_cell(const MapSites& sites) {
-  if (sites.size() < kFewestSites) return {};
+  if (sites.size() < kFewestForTerms) return {};
   const Eigen::Vector2d middle = sites.positions.rowwise().mean();
   NormalEquations all;
   std::vector<NormalEquations> of_blocks;

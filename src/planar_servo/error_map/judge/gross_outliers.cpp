@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "planar_servo/core/statistics.h"
+#include "planar_servo/core/numerics/statistics.h"
 
 namespace planar {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "planar_servo/core/statistics.h"
+#include "planar_servo/core/numerics/statistics.h"
 #include "planar_servo/error_map/judge/gross_outliers.h"
 
 namespace planar {

@@ -75,9 +75,9 @@ bool is_clearly_positive(const Eigen::ArrayXd& values_of_blocks) {
 }
 
 double student_t_95(Eigen::Index n) {
-  constexpr double kNormal = 1.959964;
+  constexpr double kSigmas95 = 1.959964;
   const auto freedom = static_cast<double>(n);
-  const double z = kNormal;
+  const double z = kSigmas95;
   const double z3 = z * z * z;
   const double z5 = z3 * z * z;
   const double z7 = z5 * z * z;

@@ -14,19 +14,19 @@ Eigen::Vector2d weighted_mean(const Eigen::Matrix2Xd& errors, const Eigen::Array
   return errors * weights / weights.sum();
 }
 
-Eigen::ArrayXd squared_distances(const Eigen::Matrix2Xd& centers, const Eigen::Vector2d& p) {
+Eigen::ArrayXd squared_distances_to(const Eigen::Matrix2Xd& centers, const Eigen::Vector2d& p) {
   return (centers.colwise() - p).colwise().squaredNorm();
 }
 
 }  // namespace
 
 ErrorPrediction IdwMap::predict(const Eigen::Vector2d& p) const {
-  return {weighted_mean(errors, squared_distances(centers, p)),
+  return {weighted_mean(errors, squared_distances_to(centers, p)),
           std::numeric_limits<double>::quiet_NaN(), region.contains(p)};
 }
 
 Eigen::Vector2d IdwMap::predict_error(const Eigen::Vector2d& p) const {
-  return weighted_mean(errors, squared_distances(centers, p));
+  return weighted_mean(errors, squared_distances_to(centers, p));
 }
 
 IdwMap idw_map(const MapSites& sites) {
@@ -36,7 +36,7 @@ IdwMap idw_map(const MapSites& sites) {
 Eigen::Matrix2Xd leave_one_out_residuals(const IdwMap& map) {
   Eigen::Matrix2Xd residuals(2, map.centers.cols());
   for (Eigen::Index i = 0; i < residuals.cols(); ++i) {
-    Eigen::ArrayXd distance2 = squared_distances(map.centers, map.centers.col(i));
+    Eigen::ArrayXd distance2 = squared_distances_to(map.centers, map.centers.col(i));
     distance2[i] = std::numeric_limits<double>::infinity();
     residuals.col(i) = map.errors.col(i) - weighted_mean(map.errors, distance2);
   }

@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "planar_servo/core/error.h"
+#include "planar_servo/core/numerics/decompositions.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/error_map/numerics/bordered_system.h"
 
@@ -87,10 +87,10 @@ std::optional<ToolBias> RbfMap::tool_bias() const {
 
 std::optional<Eigen::Matrix2Xd> RbfMap::left_out_residuals(
     const std::vector<Eigen::Index>& block) const {
-  const Eigen::LLT<Eigen::MatrixXd> cholesky(equations_->inverse_block(block));
-  if (cholesky.info() != Eigen::Success) return {};
   const Eigen::MatrixXd weights = parameters_.weights(Eigen::all, block).transpose();
-  return cholesky.solve(weights).transpose();
+  const auto residuals = solve_positive(equations_->inverse_block(block), weights);
+  if (!residuals) return {};
+  return residuals->transpose();
 }
 
 double RbfMap::noise_sigma() const {

@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "planar_servo/core/error.h"
+#include "planar_servo/core/numerics/decompositions.h"
 #include "planar_servo/core/units.h"
 
 namespace planar {
@@ -32,8 +32,7 @@ Eigen::MatrixXd center_factor(const Eigen::Matrix2Xd& centers, double width) {
   Eigen::MatrixXd kernel;
   kernel_matrix(gaussian(width), squared_distances(centers), kernel);
   kernel.diagonal().array() += kTrace;
-  const Eigen::LLT<Eigen::MatrixXd> cholesky(kernel);
-  if (cholesky.info() == Eigen::Success) return cholesky.matrixL();
+  if (auto factor = lower_factor(kernel)) return std::move(*factor);
   throw WorkError(fmt::format(
       "the kernel matrix of {} centres with a width of {:.4g} mm is too ill conditioned "
       "to be solved; use a smaller width",

@@ -1,7 +1,8 @@
 #include "planar_servo/error_map/maps/tail_basis.h"
 
-#include <Eigen/QR>
 #include <cmath>
+
+#include "planar_servo/core/numerics/decompositions.h"
 
 namespace planar {
 namespace {
@@ -22,13 +23,8 @@ double power(double base, int exponent) {
 
 bool determines(const Eigen::MatrixXd& tail) {
   if (tail.rows() <= tail.cols()) return false;
-  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr;
-  qr.setThreshold(kThinnest);
-  qr.compute(tail);
-  if (qr.rank() < tail.cols()) return false;
-  const Eigen::MatrixXd thin_q =
-      qr.householderQ() * Eigen::MatrixXd::Identity(tail.rows(), tail.cols());
-  return thin_q.rowwise().squaredNorm().maxCoeff() < kLargestLeverage;
+  const auto leverage = leverages(tail, kThinnest);
+  return leverage && leverage->maxCoeff() < kLargestLeverage;
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 #include "planar_servo/error_map/numerics/bordered_system.h"
 
-#include <Eigen/Cholesky>
+#include "planar_servo/core/numerics/decompositions.h"
 
 namespace planar {
 namespace {
@@ -35,9 +35,9 @@ bool BorderedSystem::compute(const Eigen::MatrixXd& kernel, const Eigen::MatrixX
   tail_ = lower_solve(factor_, tail);
   tail_removed_.resize(tail.cols(), tail.rows());
   if (tail.cols() == 0) return true;
-  const Eigen::LLT<Eigen::MatrixXd> tail_cholesky(tail_.transpose() * tail_);
-  if (tail_cholesky.info() != Eigen::Success) return false;
-  tail_factor_ = tail_cholesky.matrixL();
+  auto tail_factor = lower_factor(tail_.transpose() * tail_);
+  if (!tail_factor) return false;
+  tail_factor_ = std::move(*tail_factor);
   Eigen::MatrixXd kernel_inverse_tail = tail_;
   adjoint_solve_in_place(factor_, kernel_inverse_tail);
   tail_removed_ = lower_solve(tail_factor_, kernel_inverse_tail.transpose());

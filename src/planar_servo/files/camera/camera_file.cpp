@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kMaxPixels = 1000000;  // of an image side
 
-/// A matrix as ROS writes it: {rows, cols, data}.
+/// Adds a matrix as ROS writes it: {rows, cols, data}.
 void add_matrix(YamlWriter& writer, const std::string& key, int rows,
                 const std::vector<double>& data) {
   writer.begin_map(key)
@@ -22,7 +22,7 @@ void add_matrix(YamlWriter& writer, const std::string& key, int rows,
       .end_map();
 }
 
-/// ROS has no pinhole model: it is a plumb-bob of zeros.
+/// Returns the model's name in ROS, which has no pinhole: that is a plumb-bob of zeros.
 std::string ros_model(const CameraModel& camera) {
   const std::string name = lens_model_name(camera);
   return name == "pinhole" ? "plumb_bob" : name;

@@ -10,23 +10,23 @@
 
 namespace planar {
 
-/// What a camera file tells every reader: the camera and the size of its images.
+/// Holds what a camera file tells every reader: the camera and the size of its images.
 struct CameraRecord {
   CameraModel camera;
   int width_px{0};
   int height_px{0};
 };
 
-/// Reads a ROS camera_info file (ours is one, with further keys), one of OpenCV's cv::FileStorage,
-/// or with the extension .xml one of ViSP's vpXmlParserCamera. Files of other programs are read
-/// leniently: unknown keys are ignored. Throws InputError naming every fault.
+/// Reads a ROS camera_info file (ours is one, with further keys), a file of cv::FileStorage of
+/// OpenCV or, with the extension .xml, one of vpXmlParserCamera of ViSP. Files of other programs
+/// are read leniently: unknown keys are ignored. Throws InputError naming every fault.
 CameraRecord read_camera(const std::filesystem::path& path);
 
-/// Writes the calibration of the images `inputs` as a ROS camera_info file with the keys
-/// standard_deviations, rms_px, held_out_rms_px, images, rejected_images and calibrated_region_px
-/// (u and v, from and to); with the extension .xml as a file of ViSP's, which has pinhole and visp
-/// cameras only; with .yml as one of OpenCV's. Throws InputError when the file's kind cannot hold
-/// the model.
+/// Writes the calibration of the images `inputs` as a ROS camera_info file with the further keys
+/// calibrated_model, standard_deviations, rms_px, held_out_rms_px, images, rejected_images and
+/// calibrated_region_px (u and v, from and to). With the extension .xml it writes a file of ViSP,
+/// which has pinhole and visp cameras only, and with .yml one of OpenCV. Throws InputError when the
+/// file's kind cannot hold the model.
 void write_camera(const std::filesystem::path& path, const CameraCalibration& calibration,
                   const std::string& program, const std::vector<std::filesystem::path>& inputs);
 

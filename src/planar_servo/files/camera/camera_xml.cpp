@@ -25,7 +25,7 @@ class QuietOutput {
   std::streambuf* buffer_;
 };
 
-/// The name of the file's first camera, by which ViSP's parser must be asked for it.
+/// Returns the name of the file's first camera, by which ViSP's parser must be asked for it.
 std::string camera_name_in(const std::filesystem::path& path) {
   static const std::regex name_element("<name>([^<]*)</name>");
   const std::string text = read_file(path);

@@ -11,7 +11,8 @@ namespace planar {
 /// the file has that model, else without. Throws InputError when there is neither.
 CameraRecord read_camera_xml(const std::filesystem::path& path);
 
-/// The text of such a file. Throws InputError for another model than pinhole and visp.
+/// Returns the text of a file in the form of ViSP's vpXmlParserCamera. Throws InputError for a
+/// model other than pinhole and visp.
 std::string camera_xml(const CameraRecord& record, const std::string& camera_name);
 
 }  // namespace planar

@@ -1,19 +1,18 @@
 #include "planar_servo/files/tables/frame_table.h"
 
 #include "planar_servo/core/units.h"
-#include "planar_servo/files/tables/plans.h"
 #include "planar_servo/io/columns.h"
 
 namespace planar {
 namespace {
 
-const TableSchema<FrameRow>& schema() {
+const TableSchema<FrameRow>& frame_schema() {
   static const TableSchema<FrameRow> frames{
       "frames", [](Columns& columns, FrameRow& row) {
         columns.text("id", row.id);
         columns.text("image", row.image);
         columns.number("t_s", row.t_s, 1.0, 6);
-        list_plan(columns, row.plan);
+        columns.choice("plan", row.plan, kPlans);
         columns.number("theta1_deg", row.theta[0], kDegree, 9);
         columns.number("theta2_deg", row.theta[1], kDegree, 9);
         columns.number("theta3_deg", row.theta[2], kDegree, 9);
@@ -38,7 +37,7 @@ std::vector<FrameRow> read_frames(const std::filesystem::path& recording) {
     throw InputError(recording.string() +
                      ": holds no frames.csv; a recording made by planar-record is needed (pictures "
                      "are named one by one: FOLDER/*)");
-  TableFile<FrameRow> table(recording / "frames.csv", schema());
+  TableFile<FrameRow> table(recording / "frames.csv", frame_schema());
   std::vector<FrameRow> rows;
   for (FrameRow row; table.next(row);) rows.push_back(row);
   table.throw_if_faulty_or_empty("record some with planar-record");
@@ -46,11 +45,11 @@ std::vector<FrameRow> read_frames(const std::filesystem::path& recording) {
 }
 
 std::string frames_header() {
-  return schema().header();
+  return frame_schema().header();
 }
 
 std::string frame_line(const FrameRow& row) {
-  return schema().line(row);
+  return frame_schema().line(row);
 }
 
 }  // namespace planar

@@ -11,7 +11,7 @@
 
 namespace planar {
 
-/// One row of a recording's frames.csv: an image and the COMMANDED pose of the arm.
+/// Holds one row of a recording's frames.csv: an image and the COMMANDED pose of the arm.
 struct FrameRow {
   std::string id;
   std::string image;  ///< relative to the recording's folder
@@ -22,7 +22,8 @@ struct FrameRow {
   cv::Rect region_px;
 };
 
-/// RECORDING/frames.csv. Throws InputError naming each bad row, and for a plan that does not exist.
+/// Reads RECORDING/frames.csv. Throws InputError for a missing file, for a table without rows and,
+/// naming FILE:LINE of each, for bad rows such as those with an unknown plan.
 std::vector<FrameRow> read_frames(const std::filesystem::path& recording);
 
 // The table grows: the header first, then a line at a time.

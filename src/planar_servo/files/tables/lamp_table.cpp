@@ -10,7 +10,7 @@ namespace {
 
 using OptionalNumber = std::optional<double>;
 
-/// One lamp as its columns have it, pixels.
+/// Holds one lamp as its columns have it, in pixels.
 struct LampFields {
   std::optional<Eigen::Vector2d> uv;
   OptionalNumber var_u, cov_uv, var_v;
@@ -25,7 +25,7 @@ std::array<LampFields, 2> lamp_fields(const LampRow& row) {
   return lamps;
 }
 
-/// One lamp or two, as far as they have centres.
+/// Takes one lamp or two into the row, as far as they have centres.
 void take_lamps(const std::array<LampFields, 2>& lamps, LampRow& row) {
   row.uv_px.clear();
   row.covariance_px2.clear();
@@ -55,14 +55,14 @@ void list_lamps(Columns& columns, LampRow& row) {
   if (columns.reading()) take_lamps({first, second}, row);
 }
 
-const TableSchema<LampRow>& schema() {
+const TableSchema<LampRow>& lamp_schema() {
   static const TableSchema<LampRow> lamps{
       "lamps", [](Columns& columns, LampRow& row) {
         constexpr Column kOptional = Column::kOptional;
         columns.text("id", row.id);
         columns.text("image", row.image, kOptional);
         columns.optional_number("t_s", row.t_s, 1.0, 6, kOptional);
-        columns.text("status", row.status);
+        columns.choice("status", row.status, kLampStatuses);
         list_lamps(columns, row);
         columns.optional_point("x_vision_mm", "y_vision_mm", row.p_vision, kMillimetre, 6,
                                kOptional);
@@ -75,7 +75,7 @@ const TableSchema<LampRow>& schema() {
 }  // namespace
 
 std::vector<LampRow> read_lamps(const std::filesystem::path& path) {
-  TableFile<LampRow> table(path, schema());
+  TableFile<LampRow> table(path, lamp_schema());
   std::vector<LampRow> rows;
   for (LampRow row; table.next(row);) rows.push_back(row);
   table.throw_if_faulty_or_empty();
@@ -83,8 +83,8 @@ std::vector<LampRow> read_lamps(const std::filesystem::path& path) {
 }
 
 std::string lamps_text(const std::vector<LampRow>& rows) {
-  std::string text = schema().header();
-  for (const LampRow& row : rows) text += schema().line(row);
+  std::string text = lamp_schema().header();
+  for (const LampRow& row : rows) text += lamp_schema().line(row);
   return text;
 }
 

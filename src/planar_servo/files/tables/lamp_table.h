@@ -6,15 +6,17 @@
 #include <string>
 #include <vector>
 
+#include "planar_servo/lamps/lamp.h"
+
 namespace planar {
 
-/// One row of lamps.csv: what was found in one image, in pixels of the whole sensor and, with a
-/// workplane, in the base frame.
+/// Holds one row of lamps.csv: what was found in one image, in pixels of the whole sensor and, with
+/// a workplane, in the base frame.
 struct LampRow {
   std::string id;
   std::string image;
   std::optional<double> t_s;
-  std::string status;  ///< "ok" or the reason, see name(LampStatus)
+  LampStatus status{LampStatus::kNoLamp};
   /// One lamp when a single disc is followed, two for a pair; none when nothing was found.
   std::vector<Eigen::Vector2d> uv_px;
   std::vector<Eigen::Matrix2d> covariance_px2;  ///< of the same size as uv_px

@@ -1,13 +1,12 @@
 #include "planar_servo/files/tables/pair_table.h"
 
 #include "planar_servo/core/units.h"
-#include "planar_servo/files/tables/plans.h"
 #include "planar_servo/io/columns.h"
 
 namespace planar {
 namespace {
 
-const TableSchema<PairRow>& schema() {
+const TableSchema<PairRow>& pair_schema() {
   static const TableSchema<PairRow> pairs{
       "pairs", [](Columns& columns, PairRow& row) {
         columns.text("id", row.id);
@@ -18,7 +17,7 @@ const TableSchema<PairRow>& schema() {
                                 Column::kOptional);
         columns.optional_number("sigma_tracker_mm", row.sigma_tracker, kMillimetre, 6,
                                 Column::kOptional);
-        list_optional_plan(columns, row.plan);
+        columns.choice("plan", row.plan, kPlans);
       }};
   return pairs;
 }
@@ -27,7 +26,7 @@ const TableSchema<PairRow>& schema() {
 
 void read_pairs(const std::filesystem::path& path,
                 const std::function<void(const PairRow&)>& take) {
-  TableFile<PairRow> table(path, schema());
+  TableFile<PairRow> table(path, pair_schema());
   for (PairRow row; table.next(row);) take(row);
   table.throw_if_faulty_or_empty();
 }
@@ -39,8 +38,8 @@ std::vector<PairRow> read_pairs(const std::filesystem::path& path) {
 }
 
 std::string pairs_text(const std::vector<PairRow>& rows) {
-  std::string text = schema().header();
-  for (const PairRow& row : rows) text += schema().line(row);
+  std::string text = pair_schema().header();
+  for (const PairRow& row : rows) text += pair_schema().line(row);
   return text;
 }
 

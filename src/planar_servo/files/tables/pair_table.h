@@ -11,8 +11,8 @@
 
 namespace planar {
 
-/// A row of pairs.csv: the end point in the base frame as vision saw it and as the tracker saw it;
-/// SI inside.
+/// Holds a row of pairs.csv: the end point in the base frame as vision saw it and as the tracker
+/// saw it. Lengths are in metres, angles in radians.
 struct PairRow {
   std::string id;
   Eigen::Vector2d p_vision{0.0, 0.0};
@@ -25,9 +25,11 @@ struct PairRow {
   Eigen::Vector2d error() const { return p_vision - p_tracker; }
 };
 
-/// Throws InputError naming FILE:LINE of each bad row, and for a table without rows.
+/// Reads pairs.csv. Throws InputError naming FILE:LINE of each bad row, and for a table without
+/// rows.
 std::vector<PairRow> read_pairs(const std::filesystem::path& path);
-/// Hands each row on as it is read, so that a long table is never held whole; throws at its end.
+/// Reads pairs.csv and hands each row on as it is read, so that a long table is never held whole.
+/// The errors are thrown at its end.
 void read_pairs(const std::filesystem::path& path, const std::function<void(const PairRow&)>& take);
 std::string pairs_text(const std::vector<PairRow>& rows);
 

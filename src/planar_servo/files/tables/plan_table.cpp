@@ -7,7 +7,6 @@
 #include <set>
 
 #include "planar_servo/core/units.h"
-#include "planar_servo/files/tables/plans.h"
 #include "planar_servo/io/columns.h"
 
 namespace planar {
@@ -25,7 +24,7 @@ void take_joints(Columns& columns, const OptionalJoints& theta, PlanRow& row) {
   row.where = joints;
 }
 
-/// A pose whose file names no phi has `tool_orientation`.
+/// Lists the columns of a position. A pose whose file names no phi takes `tool_orientation`.
 void list_place(Columns& columns, PlanRow& row, double tool_orientation) {
   std::optional<Eigen::Vector2d> p;
   std::optional<double> phi;
@@ -54,7 +53,7 @@ TableSchema<PlanRow> schema(double tool_orientation) {
         columns.text("id", row.id);
         columns.check(row.id.find('/') == std::string::npos,
                       fmt::format("id is '{}'; it names images, so '/' is not allowed", row.id));
-        list_plan(columns, row.plan);
+        columns.choice("plan", row.plan, kPlans);
         list_place(columns, row, tool_orientation);
         columns.check(shows_board(row.plan) || !std::holds_alternative<std::monostate>(row.where),
                       "has no position; x_mm, y_mm or theta1_deg ... theta3_deg are needed");

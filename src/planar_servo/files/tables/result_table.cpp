@@ -8,24 +8,8 @@
 namespace planar {
 namespace {
 
-constexpr ServoStatus kStatuses[] = {ServoStatus::kReached,      ServoStatus::kOutsideMap,
-                                     ServoStatus::kNotConverged, ServoStatus::kDiverged,
-                                     ServoStatus::kLostLamp,     ServoStatus::kLostCamera,
-                                     ServoStatus::kRefused};
-
-void list_status(Columns& columns, ServoStatus& field) {
-  std::string text = name(field);
-  columns.text("status", text);
-  if (!columns.reading()) return;
-  for (const ServoStatus status : kStatuses) {
-    if (text != name(status)) continue;
-    field = status;
-    return;
-  }
-  columns.check(false, fmt::format("status is '{}', which no target can have", text));
-}
-
-/// Its length is for people: reading, it follows from the components.
+/// Lists the columns of one error. Its length is for people; when reading, it follows from the
+/// components.
 void list_error(Columns& columns, const ResultError& error, TargetResult& result) {
   auto& field = result.*error.error;
   const auto [length_mm, dx_mm, dy_mm] = error.columns();
@@ -35,12 +19,12 @@ void list_error(Columns& columns, const ResultError& error, TargetResult& result
   columns.optional_point(dx_mm, dy_mm, field, kMillimetre, 6, Column::kRequired);
 }
 
-const TableSchema<TargetResult>& schema() {
+const TableSchema<TargetResult>& result_schema() {
   static const TableSchema<TargetResult> results{
       "results", [](Columns& columns, TargetResult& result) {
         columns.text("target", result.id);
         columns.point("x_mm", "y_mm", result.p_d, kMillimetre, 6);
-        list_status(columns, result.status);
+        columns.choice("status", result.status, kServoStatuses);
         columns.text("reason", result.reason);
         columns.whole_number("iterations", result.iterations);
         columns.number("seconds", result.seconds, 1.0, 3);
@@ -69,15 +53,15 @@ const std::vector<ResultError>& result_errors() {
 }
 
 std::string results_header() {
-  return schema().header();
+  return result_schema().header();
 }
 
 std::string result_line(const TargetResult& result) {
-  return schema().line(result);
+  return result_schema().line(result);
 }
 
 std::vector<TargetResult> read_results(const std::filesystem::path& path) {
-  TableFile<TargetResult> table(path, schema());
+  TableFile<TargetResult> table(path, result_schema());
   std::vector<TargetResult> results;
   for (TargetResult result; table.next(result);) results.push_back(result);
   table.throw_if_faulty();

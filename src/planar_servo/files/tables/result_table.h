@@ -11,8 +11,8 @@
 
 namespace planar {
 
-/// One target's outcome, a row of results.csv. Errors are vectors from the target to the end point,
-/// base frame, metres.
+/// Holds one target's outcome, a row of results.csv. Errors are vectors from the target to the end
+/// point in the base frame, metres.
 struct TargetResult {
   std::string id;
   Eigen::Vector2d p_d{0.0, 0.0};
@@ -27,7 +27,7 @@ struct TargetResult {
   std::optional<double> uncertainty_m;  ///< of the last measurement, per axis
 };
 
-/// One of the errors of a result; each has three columns, its length and its components.
+/// Names one of the errors of a result. Each has three columns: its length and its components.
 struct ResultError {
   const char* name;
   std::optional<Eigen::Vector2d> TargetResult::*error;
@@ -35,14 +35,15 @@ struct ResultError {
   std::array<std::string, 3> columns() const;
 };
 
-/// All of them, in the order of the columns.
+/// Returns all errors of a result, in the order of the columns.
 const std::vector<ResultError>& result_errors();
 
 // The table grows: the header first, then a line at a time.
 std::string results_header();
 std::string result_line(const TargetResult& result);
 
-/// Throws InputError naming each bad row. A table without rows is an empty run.
+/// Reads results.csv. Throws InputError naming FILE:LINE of each bad row. A table without rows is
+/// an empty run.
 std::vector<TargetResult> read_results(const std::filesystem::path& path);
 
 }  // namespace planar

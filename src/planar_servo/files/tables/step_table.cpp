@@ -13,7 +13,7 @@ struct StepRow {
   ServoStep step;
 };
 
-/// What only a step that was measured has; no program reads it back.
+/// Lists the columns that only a measured step fills. No program reads them back.
 void list_measured(Columns& columns, const ServoStep& step) {
   const TipMeasurement& m = step.measurement;
   const auto number = [&](const char* column, double value, double unit, int decimals) {
@@ -37,7 +37,7 @@ void list_measured(Columns& columns, const ServoStep& step) {
   number("error_mm", step.error.norm(), kMillimetre, 6);
 }
 
-const TableSchema<StepRow>& schema() {
+const TableSchema<StepRow>& step_schema() {
   static const TableSchema<StepRow> steps{
       "steps", [](Columns& columns, StepRow& row) {
         ServoStep& step = row.step;
@@ -60,11 +60,11 @@ const TableSchema<StepRow>& schema() {
 }  // namespace
 
 std::string steps_header() {
-  return schema().header();
+  return step_schema().header();
 }
 
 std::string step_line(const std::string& id, const ServoStep& step) {
-  return schema().line({id, step});
+  return step_schema().line({id, step});
 }
 
 }  // namespace planar

@@ -8,7 +8,7 @@
 namespace planar {
 namespace {
 
-const TableSchema<TargetRow>& schema() {
+const TableSchema<TargetRow>& target_schema() {
   static const TableSchema<TargetRow> targets{
       "targets", [](Columns& columns, TargetRow& row) {
         columns.text("id", row.id);
@@ -26,7 +26,7 @@ bool has_number(const std::vector<std::string_view>& fields) {
 }  // namespace
 
 std::vector<TargetRow> read_targets(const std::filesystem::path& path) {
-  TableFile<TargetRow> table(path, schema());
+  TableFile<TargetRow> table(path, target_schema());
   std::vector<TargetRow> rows;
   std::set<std::string> ids;
   for (TargetRow row; table.next(row);) {
@@ -39,15 +39,16 @@ std::vector<TargetRow> read_targets(const std::filesystem::path& path) {
 }
 
 std::string targets_header() {
-  return schema().header();
+  return target_schema().header();
 }
 
 std::string target_line(const TargetRow& row) {
-  return schema().line(row);
+  return target_schema().line(row);
 }
 
 TargetLines::TargetLines(const std::string& source, std::set<std::string> taken)
-    : table_(source, schema().kind, schema().columns().required()), taken_(std::move(taken)) {}
+    : table_(source, target_schema().kind, target_schema().columns().required()),
+      taken_(std::move(taken)) {}
 
 std::optional<TargetRow> TargetLines::next(const std::string& line) {
   ++line_;
@@ -63,7 +64,7 @@ std::optional<TargetRow> TargetLines::next(const std::string& line) {
   if (!is_row) return std::nullopt;
   TargetRow target;
   ColumnReader columns(table_);
-  schema().list_columns(columns, target);
+  target_schema().list_columns(columns, target);
   table_.require_id_not_in(taken_);
   table_.throw_if_faulty();
   taken_.insert(target.id);

@@ -6,7 +6,7 @@
 namespace planar {
 namespace {
 
-const TableSchema<TrackerRow>& schema() {
+const TableSchema<TrackerRow>& tracker_schema() {
   static const TableSchema<TrackerRow> tracker{
       "tracker", [](Columns& columns, TrackerRow& row) {
         columns.text("id", row.id);
@@ -21,7 +21,7 @@ const TableSchema<TrackerRow>& schema() {
 }  // namespace
 
 std::vector<TrackerRow> read_tracker(const std::filesystem::path& path, const CsvDialect& dialect) {
-  TableFile<TrackerRow> table(path, schema(), dialect);
+  TableFile<TrackerRow> table(path, tracker_schema(), dialect);
   std::vector<TrackerRow> rows;
   for (TrackerRow row; table.next(row);) rows.push_back(row);
   table.throw_if_faulty_or_empty();
@@ -29,11 +29,11 @@ std::vector<TrackerRow> read_tracker(const std::filesystem::path& path, const Cs
 }
 
 std::string tracker_header() {
-  return schema().header();
+  return tracker_schema().header();
 }
 
 std::string tracker_line(const TrackerRow& row) {
-  return schema().line(row);
+  return tracker_schema().line(row);
 }
 
 }  // namespace planar

@@ -9,14 +9,15 @@
 
 namespace planar {
 
-/// One row of a recording's tracker.csv: the reflector's centre in the tracker's frame, metres.
+/// Holds one row of a recording's tracker.csv: the reflector's centre in the tracker's frame,
+/// metres.
 struct TrackerRow {
   std::string id;
   double t_s{0.0};
   Eigen::Vector3d p_L{0.0, 0.0, 0.0};
 };
 
-/// RECORDING/tracker.csv, or another program's table of readings. Throws InputError naming
+/// Reads RECORDING/tracker.csv, or another program's table of readings. Throws InputError naming
 /// FILE:LINE of each bad row, and for a table without rows.
 std::vector<TrackerRow> read_tracker(const std::filesystem::path& path,
                                      const CsvDialect& dialect = {});

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "planar_servo/core/statistics.h"
+#include "planar_servo/core/numerics/statistics.h"
 #include "planar_servo/core/units.h"
 
 namespace planar {

@@ -9,7 +9,7 @@
 namespace planar {
 namespace {
 
-constexpr double kMostSaturated = 0.25;  // largest share of a window's pixels at 255
+constexpr double kMostClipped = 0.25;  // largest share of a window's pixels at 255
 constexpr double kMostOffset_px = 1.0;
 
 /// Returns the area of the unit square round (u, v) inside the disc of this radius about the
@@ -74,7 +74,7 @@ std::optional<Eigen::Vector2d> GreyMoments::edge(const cv::Mat& image, const cv:
     if (g >= 255.0) saturated += s.weight;
   }
   const double variance = m2 - m1 * m1;
-  if (saturated > kMostSaturated || variance <= 0.0 || slope.isZero()) return std::nullopt;
+  if (saturated > kMostClipped || variance <= 0.0 || slope.isZero()) return std::nullopt;
 
   const double sigma = std::sqrt(variance);
   const double skew = (m3 + 2.0 * m1 * m1 * m1 - 3.0 * m1 * m2) / (variance * sigma);

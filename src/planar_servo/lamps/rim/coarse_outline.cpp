@@ -17,14 +17,14 @@ struct CoarseEdges {
 
 /// Finds on each normal, from outside, the crossing of the level half way between its two ends.
 CoarseEdges half_level_edges(const RimBand& band, double contrast) {
-  constexpr double kLeastStep = 0.2;
+  constexpr double kLeastFall = 0.2;
   constexpr int kEnd = 3;
   const Eigen::Index count = band.normals.count(), last = RimBand::kPlaces - 1;
   CoarseEdges edges{PerNormal::Zero(count), NormalFlags::Constant(count, false)};
   for (Eigen::Index k = 0; k < count; ++k) {
     const auto level = band.level.col(k);
     const double bright = level.head<kEnd>().mean(), dark = level.tail<kEnd>().mean();
-    if (bright - dark < kLeastStep * contrast) continue;
+    if (bright - dark < kLeastFall * contrast) continue;
     const auto half = static_cast<float>(0.5 * (bright + dark));
     Eigen::Index j = last - 1;
     while (j > 0 && level[j] < half) --j;

@@ -9,14 +9,14 @@
 namespace planar {
 namespace {
 
-struct RowSums {
+struct LightSums {
   int light{0}, first{0};  ///< light, and light times column
   int rim{0};              ///< pixels whose light is neither 0 nor full
 };
 
-RowSums sum_row(const std::uint8_t* row, int width, std::int16_t lowest, std::int16_t full) {
+LightSums sum_row(const std::uint8_t* row, int width, std::int16_t lowest, std::int16_t full) {
   constexpr std::int16_t kNone = 0;
-  RowSums sums;
+  LightSums sums;
   for (int u = 0; u < width; ++u) {
     const auto above = static_cast<std::int16_t>(row[u] - lowest);
     const std::int16_t light = std::min(std::max(above, kNone), full);
@@ -45,7 +45,7 @@ std::optional<LightCentroid> light_centroid(const cv::Mat& image, const Blob& bl
   double light = 0.0, rim = 0.0;
   Eigen::Vector2d first(0.0, 0.0);
   for (int v = 0; v < box.height; ++v) {
-    const RowSums row =
+    const LightSums row =
         sum_row(image.ptr<std::uint8_t>(box.y + v) + box.x, box.width, lowest, full);
     light += row.light;
     first += Eigen::Vector2d(row.first, v * row.light);

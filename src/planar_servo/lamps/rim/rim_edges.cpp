@@ -141,8 +141,8 @@ using KindFlags = std::array<bool, kKinds>;
 
 /// Solves with the constant of every kind, and with the harmonics of those kinds only that vary.
 RimLevels solve(const LevelEquations& equations, const KindFlags& varies) {
-  using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor,
-                               RimLevels::kTerms, RimLevels::kTerms>;
+  using LevelSquare = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor,
+                                    RimLevels::kTerms, RimLevels::kTerms>;
   using Column = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, RimLevels::kTerms, 1>;
   struct Term {
     int kind, harmonic;
@@ -154,7 +154,7 @@ RimLevels solve(const LevelEquations& equations, const KindFlags& varies) {
     for (int h = 0; h < harmonics; ++h) terms[n++] = {kind, h};
   }
   const auto size = static_cast<Eigen::Index>(n);
-  Square normal(size, size);
+  LevelSquare normal(size, size);
   Column right(size);
   for (std::size_t i = 0; i < n; ++i) {
     right[static_cast<Eigen::Index>(i)] = equations.right(terms[i].kind, terms[i].harmonic);
@@ -164,9 +164,9 @@ RimLevels solve(const LevelEquations& equations, const KindFlags& varies) {
           equations.harmonics(terms[i].harmonic, terms[j].harmonic);
     }
   }
-  const Eigen::LLT<Square> solver(normal);
+  const Eigen::LLT<LevelSquare> solver(normal);
   const Column x = solver.solve(right);
-  const Square inverse = solver.solve(Square::Identity(size, size));
+  const LevelSquare inverse = solver.solve(LevelSquare::Identity(size, size));
   RimLevels levels{decltype(RimLevels::harmonics)::Zero(), decltype(RimLevels::covariance)::Zero()};
   const auto place = [](const Term& term) { return term.kind * kHarmonics + term.harmonic; };
   for (std::size_t i = 0; i < n; ++i) {

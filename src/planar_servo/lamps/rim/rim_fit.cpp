@@ -65,8 +65,8 @@ double reach_inside_px(const Outline& outline, double wanted_px) {
 
 /// Samples a band that is as wide as a blob's moments may be wrong.
 void sample_coarsely(const cv::Mat& image, const Outline& outline, double reach_px, RimBand& band) {
-  constexpr double kReach = 0.35, kLeast_px = 4.0;  // of the radius
-  const double reach = std::max(kLeast_px, 0.5 * kReach * outline.diameter());
+  constexpr double kGrowth = 0.35, kLeast_px = 4.0;  // of the radius
+  const double reach = std::max(kLeast_px, 0.5 * kGrowth * outline.diameter());
   band.sample(image, outline, normals_round(outline.diameter()), -reach_inside_px(outline, reach),
               std::min(reach, reach_px));
 }

@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kLeastSide_px = 3;  // of a window, and of a blob
 // Half the side of the patch over the blob's size. vpDot2 searches a square of 5 times its size.
-constexpr double kReach = 3.0;
+constexpr double kDotReach = 3.0;
 
 vpImage<unsigned char> visp_image(const cv::Mat& patch) {
   vpImage<unsigned char> image(static_cast<unsigned>(patch.rows),
@@ -29,7 +29,7 @@ int size_of(const Blob& blob) {
   return std::max(blob.box_px.width, blob.box_px.height);
 }
 
-/// What vpDot2 sees in the window of the image; empty when that is too small for a blob.
+/// Returns what vpDot2 sees in the window of the image. Empty when that is too small for a blob.
 std::optional<VpDot> seen_by(const vpDot2& dot, const cv::Mat& image, const cv::Rect& window,
                              int level) {
   const vpRect bounds = dot.getBBox();
@@ -64,7 +64,7 @@ std::optional<VpDot> VpDotTracker::start(const cv::Mat& image, const Eigen::Vect
 
 std::optional<VpDot> VpDotTracker::track(const cv::Mat& image, const Eigen::Vector2d& corner_px) {
   if (!dot_) return std::nullopt;
-  return look(image, corner_px, kReach,
+  return look(image, corner_px, kDotReach,
               [&](const vpImage<unsigned char>& patch, vpImagePoint place) {
                 // vpDot2 would take levels about the blob's mean instead.
                 dot_->setGrayLevelMin(static_cast<unsigned>(level_));

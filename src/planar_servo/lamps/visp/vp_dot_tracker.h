@@ -11,16 +11,16 @@ class vpDot2;
 
 namespace planar {
 
-/// A blob as ViSP's vpDot2 sees it, in pixels of the image.
+/// Describes a blob as ViSP's vpDot2 sees it, in pixels of the image.
 struct VpDot {
   Eigen::Vector2d center_px{0.0, 0.0};  ///< vpDot2's own: moments of a contour of whole pixels
   Blob blob;
 };
 
 /// Follows one lamp by ViSP's vpDot2, which is initialised once and then tracks from image to
-/// image. What is kept: the vpDot2 with the size by which it knows its blob again, where the blob
-/// was on the sensor, and the grey level half way between the blob and its background. Each image
-/// may show another part of the sensor; `corner_px` is the sensor's pixel at its first one.
+/// image. The tracker keeps the vpDot2, which recognises its blob by its size, the place of the
+/// blob on the sensor, and the grey level half way between the blob and its background. Each image
+/// may show another part of the sensor; `corner_px` is the sensor's pixel at the image's first one.
 class VpDotTracker {
  public:
   VpDotTracker();
@@ -28,20 +28,22 @@ class VpDotTracker {
   VpDotTracker& operator=(VpDotTracker&&) noexcept;
   ~VpDotTracker();
 
-  /// Initialises vpDot2 on a blob that detection has found in the image. Empty, with nothing to
-  /// follow, when vpDot2 finds no blob there.
+  /// Initialises vpDot2 on a blob that detection has found in the image. Empty when vpDot2 finds no
+  /// blob there; nothing is followed then.
   std::optional<VpDot> start(const cv::Mat& image, const Eigen::Vector2d& corner_px,
                              const Blob& blob);
 
-  /// The blob in the next image: where it was, or else within two and a half of its diameters from
-  /// there. Empty when it is lost, or nothing is followed; it is then not followed any more.
+  /// Returns the blob in the next image, where it was or else within two and a half of its
+  /// diameters from there. Empty when it is lost or nothing is followed. A lost blob is not
+  /// followed any more.
   std::optional<VpDot> track(const cv::Mat& image, const Eigen::Vector2d& corner_px);
 
   /// Follows nothing until it is started again.
   void forget();
 
  private:
-  /// Lets action(patch, place in it) work on the part of the image round the last place.
+  /// Calls action(patch, place in it) on the part of the image round the last place, and returns
+  /// what vpDot2 sees then.
   template <typename Action>
   std::optional<VpDot> look(const cv::Mat& image, const Eigen::Vector2d& corner_px, double reach,
                             const Action& action);
@@ -52,7 +54,7 @@ class VpDotTracker {
   int level_{0};
 };
 
-/// The square of this half side round a pixel.
+/// Returns the square of this half side round a pixel.
 cv::Rect window_round(const Eigen::Vector2d& uv_px, double half_side_px);
 
 }  // namespace planar

@@ -11,7 +11,7 @@ namespace {
 
 using lens::Mapped;
 
-/// Acts on the plane of ray angles (theta cos phi, theta sin phi).
+/// Returns the mapping of the plane of ray angles (theta cos phi, theta sin phi).
 lens::RadialMap angle_map(const KannalaBrandt& c) {
   return lens::RadialMap(lens::polynomial({1.0, c.k1, c.k2, c.k3, c.k4}));
 }

@@ -8,7 +8,7 @@
 
 namespace planar {
 
-/// Kannala-Brandt's equidistant model as in OpenCV's fisheye [Kannala & Brandt 2006]:
+/// Is Kannala-Brandt's equidistant model as in OpenCV's fisheye [Kannala & Brandt 2006]:
 /// theta_d = theta (1 + k1 theta^2 + k2 theta^4 + k3 theta^6 + k4 theta^8).
 struct KannalaBrandt {
   static constexpr const char* kName = "equidistant";

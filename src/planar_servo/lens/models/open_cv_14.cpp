@@ -14,13 +14,13 @@ namespace {
 
 using lens::Mapped;
 
-/// On an image plane that is not tilted.
+/// Returns the mapping onto an image plane that is not tilted.
 lens::RadialMap upright_map(const OpenCv14& c) {
   return c.map_with({c.p1, c.p2, c.s1, c.s2, c.s3, c.s4});
 }
 
-/// From the upright image plane to the tilted one, through the centre of projection; the axis stays
-/// where it is [OpenCV, module calib3d].
+/// Returns the homography from the upright image plane to the tilted one, through the centre of
+/// projection. The axis stays where it is [OpenCV, module calib3d].
 Eigen::Matrix3d tilt_homography(const OpenCv14& c) {
   const Eigen::Matrix3d R = (Eigen::AngleAxisd(-c.tau_y, Eigen::Vector3d::UnitY()) *
                              Eigen::AngleAxisd(-c.tau_x, Eigen::Vector3d::UnitX()))
@@ -30,7 +30,7 @@ Eigen::Matrix3d tilt_homography(const OpenCv14& c) {
   return onto_plane * R;
 }
 
-/// Empty on and beyond the line that H sends to infinity.
+/// Maps a point by the homography H. Empty on and beyond the line that H sends to infinity.
 std::optional<Mapped> mapped_by(const Eigen::Matrix3d& H, const Eigen::Vector2d& xy) {
   const Eigen::Vector3d image = H * xy.homogeneous();
   if (!(image.z() > 0.0)) return std::nullopt;

@@ -7,9 +7,9 @@
 
 namespace planar {
 
-/// OpenCV's model of 14 coefficients: the rational one with the thin prism s1 r^2 + s2 r^4 added
-/// along x and s3 r^2 + s4 r^4 along y, seen on a sensor turned by tau_x about x and then by tau_y
-/// about y (radians, each within a right angle) [Louhichi et al. 2007].
+/// Is OpenCV's model of 14 coefficients [Louhichi et al. 2007]. To the rational one it adds the
+/// thin prism s1 r^2 + s2 r^4 along x and s3 r^2 + s4 r^4 along y, and it sees the result on a
+/// sensor turned by tau_x about x and then by tau_y about y (radians, each within a right angle).
 struct OpenCv14 : Rational {
   static constexpr const char* kName = "opencv_14";
   static constexpr bool kUndistortsExactly = true;

@@ -8,7 +8,7 @@
 
 namespace planar {
 
-/// A lens without distortion.
+/// Models a lens without distortion.
 struct Pinhole {
   static constexpr const char* kName = "pinhole";
   static constexpr bool kUndistortsExactly = true;

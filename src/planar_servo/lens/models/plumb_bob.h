@@ -8,7 +8,8 @@
 
 namespace planar {
 
-/// OpenCV's plumb-bob model [Brown 1966]: radial k1, k2, k3 and decentring p1, p2.
+/// Is OpenCV's plumb-bob model [Brown 1966] with the radial coefficients k1, k2, k3 and the
+/// decentring ones p1, p2.
 struct PlumbBob {
   static constexpr const char* kName = "plumb_bob";
   static constexpr bool kUndistortsExactly = true;

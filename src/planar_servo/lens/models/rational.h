@@ -13,8 +13,8 @@ class RadialMap;
 struct LateralTerms;
 }  // namespace lens
 
-/// OpenCV's rational model: radial (1 + k1 r^2 + k2 r^4 + k3 r^6) / (1 + k4 r^2 + k5 r^4 + k6 r^6)
-/// and decentring p1, p2.
+/// Is OpenCV's rational model with the radial factor (1 + k1 r^2 + k2 r^4 + k3 r^6) /
+/// (1 + k4 r^2 + k5 r^4 + k6 r^6) and decentring p1, p2.
 struct Rational {
   static constexpr const char* kName = "rational_polynomial";
   static constexpr bool kUndistortsExactly = true;
@@ -29,7 +29,7 @@ struct Rational {
   std::optional<lens::Mapped> undistort(const Eigen::Vector2d& xy) const;
   static Rational sample();
 
-  /// The mapping with these terms beside the radial ones.
+  /// Returns the mapping with these terms beside the radial ones.
   lens::RadialMap map_with(const lens::LateralTerms& lateral) const;
 };
 

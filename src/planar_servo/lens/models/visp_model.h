@@ -8,8 +8,9 @@
 
 namespace planar {
 
-/// ViSP's perspective model [vpCameraParameters]: x_d = x (1 + kud r^2) one way and
-/// x = x_d (1 + kdu r_d^2) the other, two coefficients that are fitted separately.
+/// Is ViSP's perspective model [vpCameraParameters]: x_d = x (1 + kud r^2) one way and
+/// x = x_d (1 + kdu r_d^2) the other. The fit finds both coefficients; neither follows from the
+/// other.
 struct VispModel {
   static constexpr const char* kName = "visp";
   static constexpr bool kUndistortsExactly = false;

@@ -63,7 +63,7 @@ void add_picture(const Picture& picture, const cv::Mat& image, const Board& boar
     views.rejected.push_back({name, sight.reason});
     return;
   }
-  spdlog::debug("{}: shows the whole board, {} points", name, sight.pixels.size());
+  spdlog::debug(fmt::format("{}: shows the whole board, {} points", name, sight.pixels.size()));
   problem.views.push_back({name, board_points(board), sight.pixels, sight.dot_areas_px2});
 }
 

@@ -39,12 +39,12 @@ std::vector<LampImage> single_images(const std::vector<std::filesystem::path>& f
 LampImageRead read_lamp_image(const LampImage& image, const std::optional<cv::Size>& sensor_px) {
   LampImageRead read;
   if (image.shows_board) {
-    read.status = "board_view";
+    read.status = LampStatus::kBoardView;
     return read;
   }
   read.frame.image = read_grey_image(image.file);
   if (read.frame.image.empty()) {
-    read.status = "unreadable";
+    read.status = LampStatus::kUnreadable;
     return read;
   }
   const cv::Size size = read.frame.image.size();
@@ -52,7 +52,7 @@ LampImageRead read_lamp_image(const LampImage& image, const std::optional<cv::Si
   read.frame.t_s = image.t_s.value_or(0.0);
   const cv::Size expected = image.region_px ? image.region_px->size() : sensor_px.value_or(size);
   if (size != expected) {
-    read.status = "wrong_size";
+    read.status = LampStatus::kWrongSize;
     read.fault = fmt::format(
         "{}: is {} x {} pixels; {} says {} x {}", image.file.string(), size.width, size.height,
         image.region_px ? "frames.csv" : "the cell file", expected.width, expected.height);

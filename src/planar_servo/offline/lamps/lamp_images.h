@@ -10,6 +10,7 @@
 #include "planar_servo/core/pose.h"
 #include "planar_servo/devices/frame.h"
 #include "planar_servo/files/tables/frame_table.h"
+#include "planar_servo/lamps/lamp.h"
 
 namespace planar {
 
@@ -34,9 +35,9 @@ std::vector<LampImage> single_images(const std::vector<std::filesystem::path>& f
 
 /// Holds an image that was read, or says why it was not.
 struct LampImageRead {
-  std::string status{"ok"};  ///< or "board_view", "unreadable", "wrong_size"
-  Frame frame;               ///< valid only when status is "ok"
-  std::string fault;         ///< describes a wrong size in words
+  LampStatus status{LampStatus::kOk};  ///< or kBoardView, kUnreadable, kWrongSize
+  Frame frame;                         ///< valid only when status is kOk
+  std::string fault;                   ///< describes a wrong size in words
 };
 
 /// Reads an image as 8-bit grey levels. It must have the size of its region or, without one, that

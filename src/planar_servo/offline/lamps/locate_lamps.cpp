@@ -16,7 +16,7 @@ namespace {
 constexpr unsigned kMostThreads = 4;  // each thread holds a full frame
 constexpr std::size_t kCoarseViewImages = 48;
 
-LampRow empty_row(const LampImage& image, const std::string& status) {
+LampRow empty_row(const LampImage& image, LampStatus status) {
   LampRow row;
   row.id = image.id;
   row.image = image.name;
@@ -50,7 +50,7 @@ void add_position(LampRow& row, const ToolPlace& place, bool told_apart, bool mi
 
 LampRow pair_row(const LampImage& image, const SeenTool& seen,
                  const std::optional<LampScene>& scene) {
-  LampRow row = empty_row(image, name(seen.lamps.status));
+  LampRow row = empty_row(image, seen.lamps.status);
   for (const LampCenter& lamp : seen.lamps.lamps) {
     if (lamp.status != LampStatus::kOk) return row;
   }
@@ -62,7 +62,7 @@ LampRow pair_row(const LampImage& image, const SeenTool& seen,
 }
 
 LampRow disc_row(const LampImage& image, const LampCenter& disc) {
-  LampRow row = empty_row(image, name(disc.status));
+  LampRow row = empty_row(image, disc.status);
   if (disc.status == LampStatus::kOk) add_lamp(row, disc);
   return row;
 }
@@ -85,7 +85,7 @@ class Collector {
   void add(std::size_t i, const Look& look) {
     const LampImage& image = request_.images[i];
     const LampImageRead read = read_lamp_image(image, sensor_of(request_));
-    if (read.status != "ok") {
+    if (read.status != LampStatus::kOk) {
       rows_[i] = empty_row(image, read.status);
       faults_[i] = read.fault;
     } else {
@@ -136,7 +136,7 @@ std::optional<CoarseView> learn_view(const LocateRequest& request) {
       [&](std::size_t i, LampTracker& tracker) {
         const LampImage& image = *usable[i * usable.size() / n];
         const LampImageRead read = read_lamp_image(image, sensor_of(request));
-        if (read.status != "ok") return;
+        if (read.status != LampStatus::kOk) return;
         tracker.forget();
         const LampPair pair = tracker.locate(read.frame, {});
         if (pair.status != LampStatus::kAmbiguous) return;

@@ -5,13 +5,11 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "planar_servo/core/statistics.h"
+#include "planar_servo/core/numerics/statistics.h"
 #include "planar_servo/core/units.h"
 
 namespace planar {
 namespace {
-
-constexpr char kOk[] = "ok";
 
 std::optional<double> median_of(const std::vector<double>& values) {
   return values.empty() ? std::nullopt : std::optional<double>(median(values));
@@ -23,10 +21,10 @@ LocateFigures figures_of(const LocateReport& report) {
   LocateFigures figures;
   std::vector<double> sigmas_phi;
   for (const LampRow& row : report.rows) {
-    if (row.status == kOk)
+    if (row.status == LampStatus::kOk)
       ++figures.ok;
     else
-      ++figures.other_statuses[row.status];
+      ++figures.other_statuses[name(row.status)];
     if (row.sigma_phi) sigmas_phi.push_back(*row.sigma_phi);
   }
   figures.images = report.rows.size();

@@ -14,13 +14,13 @@ namespace planar {
 struct LocateFigures {
   std::size_t images{0};
   std::size_t ok{0};
-  std::map<std::string, std::size_t> other_statuses;  ///< number of images with each
+  std::map<std::string, std::size_t> other_statuses;  ///< number of images with each, by its word
   std::optional<double> milliseconds_median;          ///< median time per image
   std::optional<double> sigma_phi_median;  ///< standard deviation of the tool's direction, radians
 
   /// Returns true when some image shows what was looked for, even if nobody can say which lamp is
   /// which.
-  bool any() const { return ok > 0 || other_statuses.count("ambiguous") > 0; }
+  bool any() const { return ok > 0 || other_statuses.count(name(LampStatus::kAmbiguous)) > 0; }
 };
 
 /// Counts the statuses and takes the medians.

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "planar_servo/core/numerics/statistics.h"
 #include "planar_servo/core/progress.h"
-#include "planar_servo/core/statistics.h"
 #include "planar_servo/error_map/error_map.h"
 #include "planar_servo/files/tables/pair_table.h"
 

@@ -45,15 +45,16 @@ std::vector<LampSight> lamp_sights(const std::vector<LampRow>& lamps,
     LampSight sight;
     sight.id = row.id;
     sight.t_s = frame.t_s;
-    sight.status = row.status;
     sight.plan = frame.plan;
     sight.theta12 = frame.theta.head<2>();
-    if (row.status == "ok" && row.uv_px.size() == 2) {
+    if (row.status != LampStatus::kOk) {
+      sight.fault = name(row.status);
+    } else if (row.uv_px.size() != 2) {
+      sight.fault = name(LampStatus::kOneLamp);
+    } else {
       std::copy(row.uv_px.begin(), row.uv_px.end(), sight.uv_px.begin());
       std::copy(row.covariance_px2.begin(), row.covariance_px2.end(),
                 sight.covariances_px2.begin());
-    } else if (row.status == "ok") {
-      sight.status = "one_lamp";
     }
     sights.push_back(std::move(sight));
   }
@@ -109,11 +110,11 @@ double remove_eccentricity(const Workplane& workplane, const std::array<double, 
 /// Tells who asks for it what was decided.
 void log(const PairTrackerReport& report) {
   for (const MonumentResidual& monument : report.datum.residuals)
-    spdlog::debug("monument {}: {:.4f} mm off in {} readings", monument.id,
-                  monument.residual_B.norm() / kMillimetre, monument.readings);
-  spdlog::debug("the workplane is fitted to {} places", report.workplane.n_used);
+    spdlog::debug(fmt::format("monument {}: {:.4f} mm off in {} readings", monument.id,
+                              monument.residual_B.norm() / kMillimetre, monument.readings));
+  spdlog::debug(fmt::format("the workplane is fitted to {} places", report.workplane.n_used));
   for (const Rejection& rejection : report.rejected)
-    spdlog::debug("left out {}: {}", rejection.id, rejection.reason);
+    spdlog::debug(fmt::format("left out {}: {}", rejection.id, rejection.reason));
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ constexpr double kDatumSigmas = 5.0;
 
 std::string raw_error_text(const std::vector<PairRow>& pairs) {
   std::string text;
-  for (const Plan plan : all_plans()) {
+  for (const Plan plan : values_of(kPlans)) {
     if (std::none_of(pairs.begin(), pairs.end(),
                      [&](const PairRow& pair) { return pair.plan == plan; }))
       continue;

@@ -130,7 +130,7 @@ class Recorder {
   Frame with_lamps(Frame frame, const Eigen::Vector2d& p, const std::string& id) {
     std::optional<Eigen::Vector2d> middle = middle_of_lamps(frame);
     if (!middle && frame.region_px != full_region()) {
-      spdlog::debug("{}: the lamps are not in the region; taking a full frame", id);
+      spdlog::debug(fmt::format("{}: the lamps are not in the region; taking a full frame", id));
       devices_.camera().set_region(full_region());
       frame = grab();
       middle = middle_of_lamps(frame);

@@ -1,0 +1,124 @@
+#include "planar_servo/run/servo_run.h"
+
+#include <catch2/catch.hpp>
+
+#include "planar_servo/core/error.h"
+#include "planar_servo/core/units.h"
+#include "planar_servo/devices/separate_drives.h"
+#include "planar_servo/files/tool_file.h"
+#include "planar_servo/files/workplane_file.h"
+#include "planar_servo/machine/device_kinds.h"
+#include "support/manual_clock.h"
+#include "support/mock_pulse_drive.h"
+#include "support/sample_cells.h"
+#include "support/temporary_folder.h"
+
+namespace planar {
+namespace {
+
+/// A drive that fails on its first move and, once the camera was asked, on every further one.
+class FlakyDrive final : public PulseDrive {
+ public:
+  explicit FlakyDrive(const Clock& clock) : drive_(clock) {}
+
+  bool fails{true};
+  int failures{0};
+
+  void energize() override { drive_.energize(); }
+  void set_limits(const DriveLimits& limits) override { drive_.set_limits(limits); }
+  void set_target(std::int32_t target_pulses) override { drive_.set_target(target_pulses); }
+  void halt() override {
+    drive_.halt();
+    if (!std::exchange(failing_, false)) return;
+    if (++failures == 1) fails = false;
+  }
+  DriveStatus status() override {
+    DriveStatus status = drive_.status();
+    failing_ = fails && status.moving;
+    if (failing_) status.faults.emplace_back("low supply voltage");
+    return status;
+  }
+  void start_homing(HomeDirection direction) override { drive_.start_homing(direction); }
+  void set_position(std::int32_t position_pulses) override { drive_.set_position(position_pulses); }
+
+ private:
+  test::MockPulseDrive drive_;
+  bool failing_{false};
+};
+
+/// A camera that loses its first frame and has none afterwards.
+class LostCamera final : public FrameSource {
+ public:
+  explicit LostCamera(FlakyDrive& drive) : drive_(drive) {}
+
+  int asked{0};
+
+  cv::Size sensor_size_px() const override { return {5120, 5120}; }
+  void set_region(const cv::Rect& /*region_px*/) override {}
+  FrameResult next_frame() override {
+    ++asked;
+    drive_.fails = true;
+    return {FrameStatus::kLost, {}};
+  }
+  std::optional<std::string> fault() const override { return std::nullopt; }
+  FrameCounts counts() const override { return {}; }
+  CameraExposure exposure() const override { return {}; }
+  void set_exposure(const CameraExposure& /*exposure*/) override {}
+
+ private:
+  FlakyDrive& drive_;
+};
+
+class FlakyCell final : public CellDevices {
+ public:
+  FlakyDrive flaky{clock_};
+  LostCamera lost{flaky};
+
+  Clock& clock() override { return clock_; }
+  FrameSource& camera() override { return lost; }
+  DriveGroup& drives() override { return drives_; }
+  Tracker& tracker() override { throw WorkError("no tracker"); }
+  BoardPresenter& board_presenter() override { throw WorkError("no boards"); }
+  std::function<TipPose()> true_tip() override { return {}; }
+
+ private:
+  test::ManualClock clock_;
+  test::MockPulseDrive second_{clock_}, third_{clock_};
+  SeparateDrives drives_{{&flaky, &second_, &third_}};
+};
+
+constexpr char kCamera[] = R"(image_width: 5120
+image_height: 5120
+camera_matrix: {rows: 3, cols: 3, data: [4000, 0, 2560, 0, 4000, 2560, 0, 0, 1]}
+distortion_model: plumb_bob
+distortion_coefficients: {rows: 1, cols: 5, data: [0, 0, 0, 0, 0]}
+)";
+
+/// The paper's cell with an ideal camera above it and an ideal tool.
+CellSettings ideal_cell(const test::TemporaryFolder& folder) {
+  CellSettings cell = read_cell(test::paper_cell_file());
+  WorkplaneRecord plane;
+  plane.X_WC.linear() = Eigen::AngleAxisd(kPi, Eigen::Vector3d::UnitX()).toRotationMatrix();
+  plane.X_WC.translation() = Eigen::Vector3d(0.0, 0.0, 1.2);
+  cell.camera_model = folder.write("camera.yaml", kCamera);
+  cell.workplane = folder.write("workplane.yaml", workplane_text(plane, "test", {}));
+  cell.tool = folder.write("tool.yaml", tool_text({}, "test", {}));
+  return cell;
+}
+
+TEST_CASE("A drive is waited for three times on the way to a target, whatever the camera does") {
+  const test::TemporaryFolder folder;
+  FlakyCell devices;
+  ServoRequest request;
+  request.cell = ideal_cell(folder);
+  request.use_error_map = false;
+  request.out = folder / "run";
+  ServoRun run(request, devices);
+  CHECK_THROWS_AS(run.move_to({"a", {0.3, 0.2}, std::nullopt}), DriveError);
+  CHECK(devices.lost.asked == 1);
+  CHECK(devices.flaky.failures == 4);
+  CHECK_FALSE(run.has("a"));
+}
+
+}  // namespace
+}  // namespace planar
