@@ -130,7 +130,7 @@ TEST_CASE("A quote that does not end is named by the line where it begins") {
     table.throw_if_faulty_or_empty();
   };
   CHECK_THROWS_WITH(faults("id,x\na,1\nb,\"2\nc,3\n"),
-                    Contains("p.csv:3: field 2 begins with a quote; another one must end it"));
+                    Contains("p.csv:3: field 2 begins with a quote; another quote must end it"));
   CHECK_THROWS_WITH(
       faults("id,x\n\"a\"b,1\nc,two\n"),
       Contains("p.csv:2: field 1 begins with a quote") && Contains("p.csv:3: x is 'two'"));
