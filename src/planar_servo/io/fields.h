@@ -47,7 +47,8 @@ class RowFields {
 ///
 /// FieldReader and FieldWriter (yaml_fields.h) visit them. A number in the file times `unit` is the
 /// field's value, and ranges are in the file's unit. When reading, a value that breaks its rule is
-/// a fault of the document and leaves its field as it was. A function that returns bool returns
+/// a fault of the document and leaves a number or a word as it was; texts and lists may have been
+/// emptied. A function that returns bool returns
 /// false then, so that the caller adds no second fault for the same value. Writing changes no field
 /// and returns true.
 class Fields {

@@ -259,7 +259,7 @@ YamlDocument YamlDocument::read(const std::filesystem::path& path, const std::st
   const YAML::Node found = document.impl_->root["format"];
   if (!found.IsDefined() || !found.IsScalar() || found.Scalar() != format)
     throw InputError(
-        fmt::format("{}:1:1: is {}; 'format: {}' must be its first line", path.string(),
+        fmt::format("{}:1:1: is {}; it needs the line 'format: {}'", path.string(),
                     found.IsDefined() ? "of format " + shown(found) : "without a format", format));
   for (const char* key : {"format", "program", "created", "inputs"}) document.root().allow(key);
   return document;

@@ -10,7 +10,7 @@ namespace planar {
 
 /// Holds what can be told of a Tic by reading only; nothing is switched on, moved or set.
 struct TicInspection {
-  std::optional<Refusal> refusal;  ///< why it cannot be used; the rest is empty then
+  std::optional<Refusal> refusal;  ///< why it cannot be used; what could be read is filled in
   TicListing listing;
   double supply_v{0.0};
   bool position_certain{false};

@@ -12,7 +12,7 @@
 namespace planar {
 
 /// Holds a row of plan.csv: one position to be recorded, by tip pose or by joints. Rows of the
-/// plans "grid" and "plane_grid" ask for a view of the calibration board and have neither. Lengths
+/// plans "grid" and "plane_grid" ask for a view of the calibration board and need neither. Lengths
 /// are in metres, angles in radians.
 struct PlanRow {
   std::string id;
