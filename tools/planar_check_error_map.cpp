@@ -4,6 +4,7 @@
 
 #include "planar_servo/core/plan.h"
 #include "planar_servo/files/map_file.h"
+#include "planar_servo/files/provenance.h"
 #include "planar_servo/offline/map/check_error_map.h"
 #include "planar_servo/offline/map/map_check_report.h"
 #include "planar_servo/report/progress_bar.h"
@@ -42,6 +43,9 @@ std::vector<Plan> plans_of(const Options& options) {
 
 Outcome check_pairs(const Options& options) {
   const ErrorMap map = read_map(options.map);
+  require_belonging(contradictions(
+      {{Role::kPairs, options.pairs}, {Role::kErrorMap, options.map}}, {},
+      {Role::kCamera, Role::kWorkplane, Role::kTool, Role::kLampLayout, Role::kDatum}));
   std::vector<PairRow> all = read_pairs(options.pairs);
   const std::size_t count = all.size();
   const std::vector<PairRow> pairs = pairs_to_check(std::move(all), plans_of(options));

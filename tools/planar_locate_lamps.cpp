@@ -9,6 +9,7 @@
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/offline/lamps/locate_lamps.h"
 #include "planar_servo/offline/lamps/locate_report.h"
+#include "planar_servo/offline/pairs/pair_files.h"
 #include "planar_servo/report/progress_bar.h"
 #include "program.h"
 
@@ -86,13 +87,21 @@ std::optional<fs::path> recording_of(const Options& options) {
   return std::nullopt;
 }
 
-LocateRequest read_request(const Options& options) {
+struct LocateJob {
+  LocateRequest request;
+  std::vector<Origin> origins;  ///< of the table; none without a cell
+};
+
+LocateJob read_job(const Options& options) {
   if (!options.start.empty() && options.lamps != 1) {
     throw InputError("--start picks the disc that --lamps 1 follows; two lamps need no start");
   }
   require_writable(options.out);
   require_inputs(options.inputs);
-  LocateRequest request;
+  LocateJob job;
+  LocateRequest& request = job.request;
+  const std::optional<fs::path> recording = recording_of(options);
+  const fs::path frames = recording ? *recording / "frames.csv" : fs::path();
   std::vector<fs::path> tables;
   std::optional<PlanarArm> arm;
   if (!options.cell.empty()) {
@@ -101,24 +110,28 @@ LocateRequest read_request(const Options& options) {
     arm.emplace(cell.arm.geometry);
     request.method = cell.lamps.method;
     request.scene = read_lamp_scene(cell);
+    for (const Refusal& stale : stale_files(cell, false)) {
+      spdlog::warn(stale.text() + "; until then lamps are located without the workplane");
+      request.scene->vision.reset();
+    }
+    job.origins = origins_of_lamps(cell, frames, request.scene->vision.has_value());
   }
   if (!options.method.empty()) request.method = *value_named(kCenterMethods, options.method);
-  const std::optional<fs::path> recording = recording_of(options);
   request.images = recording ? images_of_recording(*recording, read_frames(*recording), arm)
                              : single_images(options.inputs);
-  if (recording) tables.push_back(*recording / "frames.csv");
+  if (recording) tables.push_back(frames);
   for (const fs::path& table : tables) require_not_input(options.out, table);
   for (const LampImage& image : request.images) require_not_input(options.out, image.file);
-  return request;
+  return job;
 }
 
 Outcome locate(const Options& options) {
-  LocateRequest request = read_request(options);
+  auto [request, origins] = read_job(options);
   ProgressBar bar("locating");
   request.progress = [&](std::size_t done, std::size_t all) { bar.show(done, all); };
   const LocateReport report =
       options.lamps == 1 ? follow_disc(request, start_pixel(options.start)) : locate_lamps(request);
-  write_file(options.out, lamps_text(report.rows));
+  write_file(options.out, lamps_text(report.rows, csv_remarks(origins)));
   const LocateFigures figures = figures_of(report);
   fmt::print("{}", locate_text(figures));
   if (!figures.any())

@@ -7,6 +7,7 @@
 #include "planar_servo/files/workplane_file.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/machine/device_kinds.h"
+#include "planar_servo/offline/pairs/pair_files.h"
 #include "planar_servo/offline/pairs/pair_tracker.h"
 #include "planar_servo/offline/pairs/pair_tracker_report.h"
 #include "program.h"
@@ -90,8 +91,8 @@ std::map<std::string, std::string> renamed_columns(const std::string& text) {
   return renamed;
 }
 
-std::vector<std::filesystem::path> inputs_of(const Options& options, const CellSettings& cell) {
-  return {options.cell, cell.camera_model, options.lamps, options.recording / "frames.csv",
+RecordedTables tables_of(const Options& options) {
+  return {options.lamps, options.recording / "frames.csv",
           options.tracker.empty() ? options.recording / "tracker.csv" : options.tracker};
 }
 
@@ -100,9 +101,12 @@ void require_outputs(const Options& options, const CellSettings& cell) {
       options.tool_out == options.pairs_out) {
     throw InputError("--workplane-out, --tool-out and -o name the same file; give each its own");
   }
+  const RecordedTables tables = tables_of(options);
   for (const auto& output : {options.workplane_out, options.tool_out, options.pairs_out}) {
     require_writable(output);
-    for (const auto& input : inputs_of(options, cell)) require_not_input(output, input);
+    for (const auto& input :
+         {options.cell, cell.camera_model, tables.lamps, tables.frames, tables.tracker})
+      require_not_input(output, input);
   }
 }
 
@@ -119,8 +123,9 @@ PairTrackerRequest read_request(const Options& options) {
   request.camera = read_cell_camera(request.cell);
   request.lamps = read_lamps(options.lamps);
   request.frames = read_frames(options.recording);
+  require_belonging(stale_tables(request.cell, tables_of(options)));
   request.tracker =
-      read_tracker(options.tracker.empty() ? options.recording / "tracker.csv" : options.tracker,
+      read_tracker(tables_of(options).tracker,
                    {options.separator, options.decimal_comma, renamed_columns(options.columns)});
   request.by = options.pair_by == "time" ? PairBy::kTime : PairBy::kId;
   if (source_of(options) == WorkplaneSource::kBoard) {
@@ -133,21 +138,12 @@ PairTrackerRequest read_request(const Options& options) {
   return request;
 }
 
-void write_files(const Options& options, const CellSettings& cell, const WorkplaneFit& fit,
-                 const std::vector<PairRow>& pairs) {
-  const std::vector<std::filesystem::path> inputs = inputs_of(options, cell);
-  write_file(options.workplane_out,
-             workplane_text({fit.X_WC, fit.covariance, source_of(options), fit.absorbed,
-                             static_cast<int>(fit.n_used), fit.rms},
-                            kText.name, inputs));
-  write_file(options.tool_out, tool_text(fit.tool, kText.name, inputs));
-  write_file(options.pairs_out, pairs_text(pairs));
-}
-
 Outcome pair(const Options& options) {
   const PairTrackerRequest request = read_request(options);
   const PairTrackerReport report = pair_tracker(request);
-  write_files(options, request.cell, report.workplane, report.pairs);
+  write_pair_files({options.workplane_out, options.tool_out, options.pairs_out}, request.cell,
+                   tables_of(options), report.workplane, source_of(options), report.pairs,
+                   kText.name);
   const std::string doubt = moved_monuments(request, report.datum.rms);
   if (!doubt.empty()) spdlog::warn(doubt);
   fmt::print("{}", pair_tracker_text(report));

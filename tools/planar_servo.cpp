@@ -6,6 +6,7 @@
 #include <set>
 
 #include "planar_servo/core/error.h"
+#include "planar_servo/files/provenance.h"
 #include "planar_servo/files/vision_files.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/report/progress_bar.h"
@@ -25,6 +26,7 @@ const ProgramText kText{
     "planar-servo", "Positions the end point at targets by vision and logs every step.",
     "planar-servo --cell cell.yaml --targets targets.csv --out DIR [--no-error-map] [--resume]\n"
     "                    [--centre METHOD] [--display auto|x|none] [--home]\n"
+    "                    [--accept-stale]\n"
     "       planar-servo --cell cell.yaml --targets targets.csv --dry-run | --check\n"
     "       ... | planar-servo --cell cell.yaml --targets - --out DIR",
     R"(2 of 2 targets reached, 1.5 corrections and 2.87 s each
@@ -38,6 +40,7 @@ struct Options {
   std::string display{"none"};
   std::string center;  ///< empty: the cell's lamps.method
   bool no_error_map{false}, dry_run{false}, check{false}, resume{false}, home{false};
+  bool accept_stale{false};
 };
 
 void add_options(CLI::App& app, Options& options) {
@@ -55,6 +58,8 @@ void add_options(CLI::App& app, Options& options) {
   app.add_flag("--home", options.home,
                "home drives that lost their position, which moves the arm; without it the program "
                "asks on a terminal");
+  app.add_flag("--accept-stale", options.accept_stale,
+               "move even with files that were not made from one another; the run says which");
   app.add_flag("--resume", options.resume, "continue the run in DIR")->needs(out);
   app.add_option(
          "--display", options.display,
@@ -146,6 +151,7 @@ Outcome work(const Options& options) {
   if (options.check) {
     require_devices(cell);
     read_vision(cell, !options.no_error_map);
+    if (!options.accept_stale) require_belonging(stale_files(cell, !options.no_error_map));
   }
   if ((options.dry_run || options.check) && from_stdin(options)) return plan_stream(cell);
   if (options.dry_run) return print_dry_run(cell, targets);
@@ -157,6 +163,7 @@ Outcome work(const Options& options) {
                              !options.no_error_map,
                              options.out,
                              options.resume,
+                             options.accept_stale,
                              [&](const std::string& unhomed) { return may_home(options, unhomed); },
                              interrupted};
   heed_interrupts();

@@ -97,7 +97,8 @@ TEST_CASE("Every table comes back as it was written, whatever its texts contain"
                      random.coin() ? std::optional<Plan>(random.plan()) : std::nullopt};
     };
     const auto read = [](const auto& path) { return read_pairs(path); };
-    check_table<PairRow>(draw, pairs_text, read);
+    check_table<PairRow>(
+        draw, [](const auto& rows) { return pairs_text(rows); }, read);
   }
   SECTION("plan") {
     const auto draw = [](Random& random) {
@@ -147,7 +148,8 @@ TEST_CASE("Every table comes back as it was written, whatever its texts contain"
       row.sigma = random.optional_point();
       return row;
     };
-    check_table<LampRow>(draw, lamps_text, read_lamps);
+    check_table<LampRow>(
+        draw, [](const auto& rows) { return lamps_text(rows); }, read_lamps);
   }
   SECTION("results") {
     const auto draw = [](Random& random) {
@@ -174,7 +176,7 @@ TEST_CASE("Settings come back as they were written") {
     Random random(seed);
     std::string name = random.text();
     std::replace(name.begin(), name.end(), '\n', '-');
-    const std::vector<std::filesystem::path> inputs{folder.write("in" + name, name)};
+    const std::vector<Origin> inputs{origin_of({Role::kLamps, folder.write("in" + name, name)})};
 
     ToolOffsets tool;
     tool.p_TP = random.point();

@@ -95,12 +95,13 @@ TEST_CASE("The hash of an input does not depend on when that input was made") {
   const test::TemporaryFolder folder;
   const auto inputs_text = [&](const std::string& created) {
     YamlWriter writer;
-    writer.add_inputs({folder.write("in.yaml", "format: x\ncreated: " + created + "\na: 1\n")});
+    writer.add_inputs(
+        input_records({folder.write("in.yaml", "format: x\ncreated: " + created + "\na: 1\n")}));
     return writer.text();
   };
   CHECK(inputs_text("2020") == inputs_text("2021"));
   YamlWriter plain;
-  plain.add_inputs({folder.write("in.csv", "abc")});
+  plain.add_inputs(input_records({folder.write("in.csv", "abc")}));
   CHECK_THAT(plain.text(), Catch::Contains(sha256("abc")));
 }
 

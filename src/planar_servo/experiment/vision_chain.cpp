@@ -15,6 +15,7 @@
 #include "planar_servo/offline/lamps/locate_lamps.h"
 #include "planar_servo/offline/map/check_error_map.h"
 #include "planar_servo/offline/map/fit_map_to_pairs.h"
+#include "planar_servo/offline/pairs/pair_files.h"
 #include "planar_servo/offline/pairs/pair_tracker.h"
 
 namespace planar {
@@ -54,23 +55,20 @@ std::vector<PairRow> make_pairs(const ChainSettings& settings, const CellSetting
   request.camera = camera;
   request.lamps =
       locate_lamps_of_recording(cell, recorded.folder, recorded.frames, settings.center);
-  write_file(folder / "lamps.csv", lamps_text(request.lamps));
+  const RecordedTables tables{folder / "lamps.csv", recorded.folder / "frames.csv",
+                              recorded.folder / "tracker.csv"};
+  write_file(tables.lamps,
+             lamps_text(request.lamps, csv_remarks(origins_of_lamps(cell, tables.frames, false))));
   request.frames = recorded.frames;
   request.tracker = recorded.tracker;
   if (settings.plane_from_board)
     request.boards_on_plane =
         boards_on_plane(recorded.folder, recorded.frames, camera, recorded.board);
   const PairTrackerReport report = pair_tracker(request);
-  const WorkplaneFit& fit = report.workplane;
-  const std::vector<fs::path> inputs{cell.camera_model, folder / "lamps.csv",
-                                     recorded.folder / "tracker.csv"};
-  write_file(cell.workplane, workplane_text({fit.X_WC, fit.covariance,
-                                             settings.plane_from_board ? WorkplaneSource::kBoard
-                                                                       : WorkplaneSource::kPairs,
-                                             fit.absorbed, static_cast<int>(fit.n_used), fit.rms},
-                                            kProgram, inputs));
-  write_file(cell.tool, tool_text(fit.tool, kProgram, inputs));
-  write_file(folder / "pairs.csv", pairs_text(report.pairs));
+  const WorkplaneSource source =
+      settings.plane_from_board ? WorkplaneSource::kBoard : WorkplaneSource::kPairs;
+  write_pair_files({cell.workplane, cell.tool, folder / "pairs.csv"}, cell, tables,
+                   report.workplane, source, report.pairs, kProgram);
   return read_pairs(folder / "pairs.csv");
 }
 

@@ -9,6 +9,7 @@
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
+#include "planar_servo/files/provenance.h"
 #include "planar_servo/io/yaml_fields.h"
 
 namespace planar {
@@ -177,7 +178,7 @@ ErrorMap read_map(const YamlDocument& document, Fields& fields, MapKind kind) {
 std::string map_text(const MapResult& result, const std::filesystem::path& pairs,
                      const std::string& program) {
   YamlWriter yaml = YamlWriter::with_header("map", program);
-  yaml.add_inputs({pairs});
+  yaml.add_inputs(input_records(with_origins_of({origin_of({Role::kPairs, pairs})}, pairs)));
   add_figures(yaml, result);
   FieldWriter writer(yaml);
   yaml.add("method", name(kind_of(result.map)));

@@ -20,9 +20,9 @@ void list_fields(Fields& fields, ToolOffsets& tool) {
 }  // namespace
 
 std::string tool_text(const ToolOffsets& tool, const std::string& program,
-                      const std::vector<std::filesystem::path>& inputs) {
+                      const std::vector<Origin>& origins) {
   YamlWriter yaml = YamlWriter::with_header("tool", program);
-  yaml.add_inputs(inputs);
+  yaml.add_inputs(input_records(origins));
   FieldWriter writer(yaml);
   ToolOffsets written = tool;
   list_fields(writer, written);

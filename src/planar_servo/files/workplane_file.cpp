@@ -40,9 +40,9 @@ void list_fields(Fields& fields, WorkplaneRecord& record) {
 }  // namespace
 
 std::string workplane_text(const WorkplaneRecord& record, const std::string& program,
-                           const std::vector<std::filesystem::path>& inputs) {
+                           const std::vector<Origin>& origins) {
   YamlWriter yaml = YamlWriter::with_header("workplane", program);
-  yaml.add_inputs(inputs);
+  yaml.add_inputs(input_records(origins));
   FieldWriter writer(yaml);
   WorkplaneRecord written = record;
   list_fields(writer, written);

@@ -7,6 +7,7 @@
 
 #include "planar_servo/core/names.h"
 #include "planar_servo/core/pose.h"
+#include "planar_servo/files/provenance.h"
 
 namespace planar {
 
@@ -31,7 +32,7 @@ struct WorkplaneRecord {
 };
 
 std::string workplane_text(const WorkplaneRecord& record, const std::string& program,
-                           const std::vector<std::filesystem::path>& inputs);
+                           const std::vector<Origin>& origins);
 
 /// Reads workplane.yaml. Throws InputError naming every fault. The camera must look down from above
 /// the plane.

@@ -169,8 +169,10 @@ struct TableSchema {
     list_columns(names, row);
     return names;
   }
-  /// Returns the first two lines: the format and the names of the columns.
-  std::string header() const { return csv_header(kind, columns().all()); }
+  /// Returns the first lines: the format, remarks and the names of the columns.
+  std::string header(const std::vector<std::string>& remarks = {}) const {
+    return csv_header(kind, columns().all(), remarks);
+  }
   std::string line(Row row) const {
     LineWriter writer;
     list_columns(writer, row);

@@ -38,10 +38,12 @@ std::optional<double> finite_number(std::string_view text) {
   return value;
 }
 
-std::string csv_header(const std::string& kind, const std::vector<std::string>& columns) {
-  std::string line;
+std::string csv_header(const std::string& kind, const std::vector<std::string>& columns,
+                       const std::vector<std::string>& remarks) {
+  std::string line, comments;
+  for (const std::string& remark : remarks) comments += remark + "\n";
   for (const std::string& column : columns) line += (line.empty() ? "" : ",") + csv_field(column);
-  return fmt::format("{}{}\n{}\n", kFormatMark, format_name(kind), line);
+  return fmt::format("{}{}\n{}{}\n", kFormatMark, format_name(kind), comments, line);
 }
 
 CsvTable::CsvTable(std::filesystem::path source, const std::string& kind,

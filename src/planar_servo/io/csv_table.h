@@ -19,8 +19,10 @@ namespace planar {
 /// whole text is not such a number.
 std::optional<double> finite_number(std::string_view text);
 
-/// Returns the first two lines of a table: its format and its columns.
-std::string csv_header(const std::string& kind, const std::vector<std::string>& columns);
+/// Returns the first lines of a table: its format, remarks, each of which begins with '#', and its
+/// columns.
+std::string csv_header(const std::string& kind, const std::vector<std::string>& columns,
+                       const std::vector<std::string>& remarks = {});
 
 /// Says how another program's table differs from ours.
 struct CsvDialect {

@@ -3,7 +3,11 @@
 #include <openssl/evp.h>
 
 #include <array>
+#include <istream>
+#include <sstream>
 #include <stdexcept>
+
+#include "planar_servo/io/atomic_file.h"
 
 namespace planar {
 namespace {
@@ -45,6 +49,31 @@ std::string sha256(std::string_view bytes) {
   Sha256 hash;
   hash.add(bytes);
   return hash.digits();
+}
+
+namespace {
+
+std::string content_of(std::istream& in) {
+  Sha256 hash;
+  std::string line;
+  while (std::getline(in, line)) {
+    if (line.rfind("created:", 0) == 0) continue;
+    hash.add(line);
+    if (!in.eof()) hash.add("\n");
+  }
+  return hash.digits();
+}
+
+}  // namespace
+
+std::string content_sha256(const std::filesystem::path& path) {
+  std::ifstream in = open_file(path);
+  return content_of(in);
+}
+
+std::string content_sha256_of(const std::string& text) {
+  std::istringstream in(text);
+  return content_of(in);
 }
 
 }  // namespace planar

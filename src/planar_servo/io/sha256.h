@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -23,5 +24,12 @@ class Sha256 {
 
 /// Returns the SHA-256 of the bytes as 64 lower-case hexadecimal digits.
 std::string sha256(std::string_view bytes);
+
+/// Returns the SHA-256 of a file without its line `created:`, in which two identical runs differ.
+/// Throws InputError when it cannot be read.
+std::string content_sha256(const std::filesystem::path& path);
+
+/// Returns the same for a file that has this text.
+std::string content_sha256_of(const std::string& text);
 
 }  // namespace planar

@@ -50,19 +50,6 @@ void put_row(YAML::Emitter& yaml, const std::vector<double>& values) {
   yaml << YAML::EndSeq;
 }
 
-/// Returns the SHA-256 of the file without its `created:` line, in which two identical runs differ.
-std::string input_hash(const std::filesystem::path& path) {
-  std::ifstream in = open_file(path);
-  Sha256 hash;
-  std::string line;
-  while (std::getline(in, line)) {
-    if (line.rfind("created:", 0) == 0) continue;
-    hash.add(line);
-    if (!in.eof()) hash.add("\n");
-  }
-  return hash.digits();
-}
-
 }  // namespace
 
 struct YamlWriter::Impl {
@@ -168,17 +155,29 @@ YamlWriter& YamlWriter::add(const std::string& key, const std::vector<std::strin
   return *this;
 }
 
-YamlWriter& YamlWriter::add_inputs(const std::vector<std::filesystem::path>& paths) {
-  YAML::Emitter& yaml = impl_->begin_list("inputs", paths.empty());
-  for (const auto& path : paths) {
-    yaml << YAML::Flow << YAML::BeginMap << YAML::Key << "name" << YAML::Value;
-    put_text(yaml, path.filename().string());
-    yaml << YAML::Key << "sha256" << YAML::Value;
-    put_text(yaml, input_hash(path));
+YamlWriter& YamlWriter::add_inputs(const std::vector<InputRecord>& inputs) {
+  YAML::Emitter& yaml = impl_->begin_list("inputs", inputs.empty());
+  const auto put = [&](const char* key, const std::string& text) {
+    yaml << YAML::Key << key << YAML::Value;
+    put_text(yaml, text);
+  };
+  for (const InputRecord& input : inputs) {
+    yaml << YAML::Flow << YAML::BeginMap;
+    put("name", input.name);
+    put("sha256", input.sha256);
+    if (!input.role.empty()) put("role", input.role);
     yaml << YAML::EndMap;
   }
   yaml << YAML::EndSeq;
   return *this;
+}
+
+std::vector<InputRecord> input_records(const std::vector<std::filesystem::path>& files) {
+  std::vector<InputRecord> records;
+  records.reserve(files.size());
+  for (const auto& file : files)
+    records.push_back({file.filename().string(), content_sha256(file), ""});
+  return records;
 }
 
 }  // namespace planar

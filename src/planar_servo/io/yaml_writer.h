@@ -7,6 +7,16 @@
 
 namespace planar {
 
+/// Holds what a file says of one that it was made from.
+struct InputRecord {
+  std::string name;
+  std::string sha256;  ///< see content_sha256()
+  std::string role;    ///< what it serves; empty when nobody asks
+};
+
+/// Returns the records of files that serve no role, such as pictures.
+std::vector<InputRecord> input_records(const std::vector<std::filesystem::path>& files);
+
 /// Builds the text of a YAML file key by key. Maps are written in blocks, and lists of numbers and
 /// of texts on one line each. Numbers are written in the shortest form that reads back bit for bit.
 /// Texts that another reader would take for a number or a truth value stand in quotes.
@@ -37,9 +47,8 @@ class YamlWriter {
   /// Adds a list of lists of numbers, one row a line.
   YamlWriter& add(const std::string& key, const std::vector<std::vector<double>>& rows);
   YamlWriter& add(const std::string& key, const std::vector<std::string>& values);
-  /// Adds `inputs:` with the name and SHA-256 of each file. The hash leaves out the line `created:`
-  /// of our own files, so that identical runs give identical hashes.
-  YamlWriter& add_inputs(const std::vector<std::filesystem::path>& paths);
+  /// Adds the list `inputs`.
+  YamlWriter& add_inputs(const std::vector<InputRecord>& inputs);
 
   std::string text() const;
 

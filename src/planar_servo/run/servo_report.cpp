@@ -6,6 +6,7 @@
 
 #include "planar_servo/core/fixed.h"
 #include "planar_servo/core/units.h"
+#include "planar_servo/files/provenance.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/io/yaml_writer.h"
 #include "planar_servo/report/html_page.h"
@@ -86,11 +87,23 @@ std::string servo_text(const ServoFigures& figures) {
          (figures.frames ? "camera: " + describe(*figures.frames) + "\n" : "");
 }
 
+namespace {
+
+std::vector<std::string> accepted_texts(const ServoRequest& request) {
+  std::vector<std::string> texts;
+  for (const Refusal& refusal : stale_files(request.cell, request.use_error_map))
+    texts.push_back(refusal.text());
+  return texts;
+}
+
+}  // namespace
+
 std::string run_text(const ServoRequest& request, const ServoFigures& figures,
                      const std::vector<std::filesystem::path>& inputs) {
   YamlWriter run = YamlWriter::with_header("run", "planar-servo");
-  run.add_inputs(inputs);
+  run.add_inputs(input_records(inputs));
   run.add("error_map_used", request.use_error_map);
+  if (request.accept_stale) run.add("accepted_stale", accepted_texts(request));
   run.add("targets", static_cast<int>(figures.targets));
   run.add("reached", static_cast<int>(figures.reached));
   if (figures.frames) run.add("camera", describe(*figures.frames));

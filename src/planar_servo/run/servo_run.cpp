@@ -8,6 +8,7 @@
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
+#include "planar_servo/files/provenance.h"
 #include "planar_servo/files/tables/step_table.h"
 #include "planar_servo/files/vision_files.h"
 #include "planar_servo/run/dry_run.h"
@@ -38,6 +39,16 @@ std::vector<TargetResult> results_so_far(const fs::path& folder, bool resume) {
   return begun ? read_results(results) : std::vector<TargetResult>();
 }
 
+/// Reads the cell's vision. Files that do not belong together are refused, or named in the log when
+/// they are accepted.
+VisionCalibration belonging_vision(const ServoRequest& request) {
+  VisionCalibration vision = read_vision(request.cell, request.use_error_map);
+  const std::vector<Refusal> stale = stale_files(request.cell, request.use_error_map);
+  if (!request.accept_stale) require_belonging(stale);
+  for (const Refusal& refusal : stale) spdlog::warn(fmt::format("accepted: {}", refusal.text()));
+  return vision;
+}
+
 const fs::path& folder_made(const fs::path& path) {
   make_folder(path);
   return path;
@@ -53,7 +64,7 @@ ServoRun::ServoRun(const ServoRequest& request, CellDevices& devices, Observer o
       may_home_(request.may_home),
       true_tip_(devices.true_tip()),
       results_(results_so_far(request.out, request.resume)),
-      sensor_(read_vision(cell_, request.use_error_map), request.center, devices.camera(),
+      sensor_(belonging_vision(request), request.center, devices.camera(),
               cell_.camera.follow_region_px),
       steps_(folder_made(request.out) / "steps.csv", steps_header()),
       table_(request.out / "results.csv", results_header()),

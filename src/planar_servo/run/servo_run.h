@@ -24,6 +24,7 @@ struct ServoRequest {
   bool use_error_map{true};
   std::filesystem::path out;  ///< steps.csv and results.csv grow here, a line at a time
   bool resume{false};         ///< continues the run that the folder holds
+  bool accept_stale{false};   ///< moves even with files that do not belong together
   /// Is asked whether drives that lost their position may be homed now, which moves the arm. Its
   /// argument names the drives in words. Empty: they may not.
   std::function<bool(const std::string& unhomed)> may_home{};
@@ -47,7 +48,8 @@ class ServoRun {
   using Observer = std::function<void(const ServoSight&)>;
 
   /// Switches the drives on. `observer` may be empty. Throws InputError when the folder holds a run
-  /// and `resume` is not set, or when it holds none and `resume` is set.
+  /// and `resume` is not set, when it holds none and `resume` is set, and for calibration files
+  /// that do not belong together unless `accept_stale` is set.
   ServoRun(const ServoRequest& request, CellDevices& devices, Observer observer = {});
 
   /// Moves to a target and returns its result. A target that fails has a result like the others.

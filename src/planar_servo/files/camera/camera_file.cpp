@@ -50,7 +50,7 @@ std::string camera_yaml(const CameraCalibration& calibration, const std::string&
   for (const auto& view : calibration.views) used.push_back(file_name(view.name));
   for (const auto& view : calibration.rejected) rejected.push_back(file_name(view.name));
   YamlWriter writer = YamlWriter::with_header("camera", program);
-  writer.add_inputs(inputs)
+  writer.add_inputs(input_records(inputs))
       .add("image_width", calibration.width_px)
       .add("image_height", calibration.height_px)
       .add("camera_name", camera_name);

@@ -82,8 +82,8 @@ std::vector<LampRow> read_lamps(const std::filesystem::path& path) {
   return rows;
 }
 
-std::string lamps_text(const std::vector<LampRow>& rows) {
-  std::string text = lamp_schema().header();
+std::string lamps_text(const std::vector<LampRow>& rows, const std::vector<std::string>& remarks) {
+  std::string text = lamp_schema().header(remarks);
   for (const LampRow& row : rows) text += lamp_schema().line(row);
   return text;
 }

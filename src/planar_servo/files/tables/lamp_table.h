@@ -27,6 +27,8 @@ struct LampRow {
 };
 
 std::vector<LampRow> read_lamps(const std::filesystem::path& path);
-std::string lamps_text(const std::vector<LampRow>& rows);
+/// `remarks` are comment lines; see csv_remarks().
+std::string lamps_text(const std::vector<LampRow>& rows,
+                       const std::vector<std::string>& remarks = {});
 
 }  // namespace planar

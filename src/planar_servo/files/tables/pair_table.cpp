@@ -37,8 +37,8 @@ std::vector<PairRow> read_pairs(const std::filesystem::path& path) {
   return rows;
 }
 
-std::string pairs_text(const std::vector<PairRow>& rows) {
-  std::string text = pair_schema().header();
+std::string pairs_text(const std::vector<PairRow>& rows, const std::vector<std::string>& remarks) {
+  std::string text = pair_schema().header(remarks);
   for (const PairRow& row : rows) text += pair_schema().line(row);
   return text;
 }

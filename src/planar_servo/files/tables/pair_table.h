@@ -31,6 +31,8 @@ std::vector<PairRow> read_pairs(const std::filesystem::path& path);
 /// Reads pairs.csv and hands each row on as it is read, so that a long table is never held whole.
 /// The errors are thrown at its end.
 void read_pairs(const std::filesystem::path& path, const std::function<void(const PairRow&)>& take);
-std::string pairs_text(const std::vector<PairRow>& rows);
+/// `remarks` are comment lines; see csv_remarks().
+std::string pairs_text(const std::vector<PairRow>& rows,
+                       const std::vector<std::string>& remarks = {});
 
 }  // namespace planar

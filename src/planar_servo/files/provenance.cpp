@@ -1,0 +1,191 @@
+#include "planar_servo/files/provenance.h"
+
+#include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <fstream>
+#include <optional>
+#include <sstream>
+
+#include "planar_servo/io/atomic_file.h"
+#include "planar_servo/io/sha256.h"
+
+namespace planar {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr char kRemark[] = "# input: ";
+constexpr int kHeaderLines = 16;  // within which our writers begin the list of inputs
+constexpr std::size_t kShownDigits = 8;
+
+const Origin* find_role(const std::vector<Origin>& origins, Role role) {
+  const auto found = std::find_if(origins.begin(), origins.end(),
+                                  [&](const Origin& origin) { return origin.role == role; });
+  return found == origins.end() ? nullptr : &*found;
+}
+
+void add_origin(std::vector<Origin>& origins, const std::string& role, std::string name,
+                std::string sha256) {
+  const std::optional<Role> known = value_named(kRoles, role);
+  if (known) origins.push_back({*known, std::move(name), std::move(sha256)});
+}
+
+/// Reads a line that csv_remarks() wrote: role, digits, and the name to the end of the line.
+void add_remark(std::vector<Origin>& origins, const std::string& line) {
+  std::istringstream fields(line.substr(std::size(kRemark) - 1));
+  std::string role, sha256, name;
+  if (fields >> role >> sha256 && std::getline(fields >> std::ws, name))
+    add_origin(origins, role, name, sha256);
+}
+
+std::vector<Origin> origins_of_list(const std::string& yaml) {
+  std::vector<Origin> origins;
+  try {
+    for (const YAML::Node& item : YAML::Load(yaml)["inputs"])
+      if (item.IsMap() && item["role"] && item["name"] && item["sha256"])
+        add_origin(origins, item["role"].Scalar(), item["name"].Scalar(), item["sha256"].Scalar());
+  } catch (const YAML::Exception&) {
+    return {};  // its own reader says what is wrong with the file
+  }
+  return origins;
+}
+
+bool belongs_to_list(const std::string& line) {
+  return !line.empty() && (line[0] == ' ' || line[0] == '-');
+}
+
+/// Returns the program that makes a file of this role anew when an origin has changed.
+const char* remedy(Role made, Role origin) {
+  switch (made) {
+    case Role::kCamera:
+      return "planar-calibrate-camera";
+    case Role::kLamps:
+      return "planar-locate-lamps";
+    case Role::kErrorMap:
+      return origin == Role::kPairs ? "planar-fit-error-map"
+                                    : "planar-pair-tracker, then planar-fit-error-map,";
+    default:
+      return "planar-pair-tracker";
+  }
+}
+
+std::string digits(const Origin& origin) {
+  return origin.sha256.substr(0, kShownDigits) + "...";
+}
+
+Refusal contradiction(const MadeFile& file, const Origin& origin, const std::string& other,
+                      const Origin& differs) {
+  return {fmt::format("{}: was made with {} {}, {} is {}", file.path.string(), origin.name,
+                      digits(origin), other, digits(differs)),
+          fmt::format("run {} again", remedy(file.role, origin.role))};
+}
+
+Origin block(Role role, const CellSettings& cell, const char* key, const std::string& content) {
+  return {role, fmt::format("{} ({})", key, cell.file.filename().string()), sha256(content)};
+}
+
+}  // namespace
+
+Origin origin_of(const MadeFile& file) {
+  return {file.role, file.path.filename().string(), content_sha256(file.path)};
+}
+
+Origin origin_of(const MadeFile& file, const std::string& text) {
+  return {file.role, file.path.filename().string(), content_sha256_of(text)};
+}
+
+std::vector<Origin> origins_in(const CellSettings& cell) {
+  const LampLayout& lamps = cell.lamps.layout;
+  std::string datum;
+  for (const Monument& monument : cell.datum)
+    datum += fmt::format("{}: {} {} {}\n", monument.id, monument.p_B.x(), monument.p_B.y(),
+                         monument.p_B.z());
+  return {block(Role::kLampLayout, cell, "lamps",
+                fmt::format("{} {} {}", lamps.separation_m, lamps.diameters_m[0],
+                            lamps.diameters_m[1])),
+          block(Role::kImageSize, cell, "image size",
+                fmt::format("{} {}", cell.camera.width_px, cell.camera.height_px)),
+          block(Role::kDatum, cell, "datum", datum)};
+}
+
+std::vector<Origin> read_origins(const fs::path& path) {
+  std::ifstream in = open_file(path);
+  std::vector<Origin> remarks;
+  std::string line, list;
+  for (int i = 0; i < kHeaderLines && std::getline(in, line); ++i) {
+    if (line.rfind(kRemark, 0) == 0) add_remark(remarks, line);
+    if (line != "inputs:") continue;
+    list = line + "\n";
+    while (std::getline(in, line) && belongs_to_list(line)) list += line + "\n";
+    return origins_of_list(list);
+  }
+  return remarks;
+}
+
+std::vector<Origin> with_origins_of(std::vector<Origin> made_from, const fs::path& file) {
+  for (Origin& origin : read_origins(file))
+    if (find_role(made_from, origin.role) == nullptr) made_from.push_back(std::move(origin));
+  return made_from;
+}
+
+std::vector<InputRecord> input_records(const std::vector<Origin>& origins) {
+  std::vector<InputRecord> records;
+  records.reserve(origins.size());
+  for (const Origin& origin : origins)
+    records.push_back({origin.name, origin.sha256, name_in(kRoles, origin.role)});
+  return records;
+}
+
+std::vector<std::string> csv_remarks(const std::vector<Origin>& origins) {
+  std::vector<std::string> remarks;
+  remarks.reserve(origins.size());
+  for (const Origin& origin : origins)
+    remarks.push_back(fmt::format("{}{} {} {}", kRemark, name_in(kRoles, origin.role),
+                                  origin.sha256, origin.name));
+  return remarks;
+}
+
+std::vector<Refusal> contradictions(const std::vector<MadeFile>& files,
+                                    const std::vector<Origin>& present,
+                                    const std::vector<Role>& compared) {
+  std::vector<Refusal> found;
+  std::vector<std::pair<Origin, std::string>> known;
+  for (const Origin& origin : present) known.emplace_back(origin, "this one");
+  for (const MadeFile& file : files) {
+    for (const Origin& origin : read_origins(file.path)) {
+      if (std::count(compared.begin(), compared.end(), origin.role) == 0) continue;
+      const auto same_role = std::find_if(known.begin(), known.end(), [&](const auto& entry) {
+        return entry.first.role == origin.role;
+      });
+      if (same_role == known.end())
+        known.emplace_back(origin, "that of " + file.path.filename().string());
+      else if (same_role->first.sha256 != origin.sha256)
+        found.push_back(contradiction(file, origin, same_role->second, same_role->first));
+    }
+  }
+  return found;
+}
+
+std::vector<Refusal> stale_files(const CellSettings& cell, bool with_error_map) {
+  std::vector<MadeFile> files{{Role::kCamera, cell.camera_model},
+                              {Role::kWorkplane, cell.workplane},
+                              {Role::kTool, cell.tool}};
+  files.erase(std::remove_if(files.begin(), files.end(),
+                             [](const MadeFile& file) { return !fs::exists(file.path); }),
+              files.end());
+  std::vector<Origin> present = origins_in(cell);
+  for (const MadeFile& file : files) present.push_back(origin_of(file));
+  if (with_error_map && fs::exists(cell.error_map))
+    files.push_back({Role::kErrorMap, cell.error_map});
+  return contradictions(files, present, values_of(kRoles));
+}
+
+void require_belonging(const std::vector<Refusal>& stale) {
+  Faults faults;
+  for (const Refusal& refusal : stale) faults.add(refusal.text());
+  faults.throw_if_any();
+}
+
+}  // namespace planar

@@ -1,0 +1,88 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "planar_servo/cell/cell_settings.h"
+#include "planar_servo/core/error.h"
+#include "planar_servo/core/names.h"
+#include "planar_servo/io/yaml_writer.h"
+
+namespace planar {
+
+/// Says what a file, or a block of a cell file, is for the files that are made from it.
+enum class Role {
+  kCamera,
+  kFrames,  ///< frames.csv of the recording
+  kLamps,
+  kTracker,
+  kWorkplane,
+  kTool,
+  kPairs,
+  kErrorMap,
+  kLampLayout,  ///< `lamps` of the cell file, without the method
+  kImageSize,   ///< `camera` of the cell file, its size only
+  kDatum,       ///< `datum` of the cell file
+};
+
+/// All roles with the words that files have for them.
+constexpr Named<Role> kRoles[] = {
+    {Role::kCamera, "camera"},         {Role::kFrames, "frames"},
+    {Role::kLamps, "lamps"},           {Role::kTracker, "tracker"},
+    {Role::kWorkplane, "workplane"},   {Role::kTool, "tool"},
+    {Role::kPairs, "pairs"},           {Role::kErrorMap, "error_map"},
+    {Role::kLampLayout, "cell_lamps"}, {Role::kImageSize, "cell_image_size"},
+    {Role::kDatum, "cell_datum"}};
+
+/// Holds one thing that a file was made from.
+struct Origin {
+  Role role{Role::kCamera};
+  std::string name;    ///< name of the file, and of the block within a cell file
+  std::string sha256;  ///< of its content; see content_sha256()
+};
+
+/// Names a file that says what it was made from.
+struct MadeFile {
+  Role role{Role::kCamera};
+  std::filesystem::path path;
+};
+
+/// Returns the origin that this file is for what is made from it. Throws InputError when it cannot
+/// be read.
+Origin origin_of(const MadeFile& file);
+
+/// Returns the same for a file that is yet to be written with this text.
+Origin origin_of(const MadeFile& file, const std::string& text);
+
+/// Returns the blocks of a cell that calibration files are made from.
+std::vector<Origin> origins_in(const CellSettings& cell);
+
+/// Returns what a file says it was made from. A file of another program says nothing.
+std::vector<Origin> read_origins(const std::filesystem::path& path);
+
+/// Returns `made_from` followed by what `file` says it was made from, as far as that has other
+/// roles.
+std::vector<Origin> with_origins_of(std::vector<Origin> made_from,
+                                    const std::filesystem::path& file);
+
+/// Returns the origins as YamlWriter::add_inputs() and csv_remarks() take them.
+std::vector<InputRecord> input_records(const std::vector<Origin>& origins);
+
+/// Returns the origins as comment lines of a table.
+std::vector<std::string> csv_remarks(const std::vector<Origin>& origins);
+
+/// Returns a refusal for every origin of these files that differs from what is `present`, or from
+/// the same origin of a file before it. It names both and the program to run again. Only these
+/// roles are compared.
+std::vector<Refusal> contradictions(const std::vector<MadeFile>& files,
+                                    const std::vector<Origin>& present,
+                                    const std::vector<Role>& compared);
+
+/// Returns contradictions() of the cell's calibration files, as far as they exist.
+std::vector<Refusal> stale_files(const CellSettings& cell, bool with_error_map);
+
+/// Throws InputError with these refusals, unless there are none.
+void require_belonging(const std::vector<Refusal>& stale);
+
+}  // namespace planar

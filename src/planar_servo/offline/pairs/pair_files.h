@@ -1,0 +1,41 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "planar_servo/calibration/workplane_calibration.h"
+#include "planar_servo/cell/cell_settings.h"
+#include "planar_servo/files/provenance.h"
+#include "planar_servo/files/tables/pair_table.h"
+#include "planar_servo/files/workplane_file.h"
+
+namespace planar {
+
+/// Names the tables of a recording from which pairs are made.
+struct RecordedTables {
+  std::filesystem::path lamps, frames, tracker;
+};
+
+/// Names the files that hold pairs and what was fitted to make them.
+struct PairFiles {
+  std::filesystem::path workplane, tool, pairs;
+};
+
+/// Returns what lamps.csv is made from: the recording's frames, as far as there is one, and of the
+/// cell its lamps, its image size and its camera; with the workplane, if that was used, and the
+/// tool.
+std::vector<Origin> origins_of_lamps(const CellSettings& cell, const std::filesystem::path& frames,
+                                     bool with_workplane);
+
+/// Returns a refusal for each table that was made with another camera, with other lamps or from
+/// other frames. The workplane with which the lamps were located does not matter, because the
+/// pairs make a new one.
+std::vector<Refusal> stale_tables(const CellSettings& cell, const RecordedTables& tables);
+
+/// Writes the files. Each says what it was made from.
+void write_pair_files(const PairFiles& files, const CellSettings& cell,
+                      const RecordedTables& tables, const WorkplaneFit& fit, WorkplaneSource source,
+                      const std::vector<PairRow>& pairs, const std::string& program);
+
+}  // namespace planar

@@ -1,0 +1,49 @@
+#!/usr/bin/env bash
+# Files that were not made from one another are refused by name, with the step to redo, and nothing
+# moves.
+source "$(dirname "$0")/common.sh"
+
+cp -r "$2/cell" "$2/recording" .
+printf 'id,x_mm,y_mm\na,200,100\n' >targets.csv
+servo() { "$bin/planar-servo" --cell cell/cell.yaml --targets targets.csv "$@"; }
+
+servo --check >out.txt || fail "$(cat out.txt)"
+"$bin/planar-doctor" --cell cell/cell.yaml >doctor.txt || fail "$(cat doctor.txt)"
+grep -q "map.yaml: made from pairs.csv, lamps (cell.yaml), .*camera.yaml" doctor.txt ||
+  fail "$(cat doctor.txt)"
+
+# A camera calibrated again, and the rest forgotten.
+cp cell/camera.yaml good.yaml
+sed -i 's/^rms_px: .*/rms_px: 0.1/' cell/camera.yaml
+for options in "--check" "--out made"; do
+  # shellcheck disable=SC2086
+  expect 2 "workplane.yaml: was made with camera.yaml [0-9a-f]{8}..., this one is [0-9a-f]{8}...; run planar-pair-tracker again" \
+    servo $options
+  grep -q "map.yaml: was made with camera.yaml" err.txt || fail "$(cat err.txt)"
+done
+expect 2 "lamps.csv: was made with camera.yaml .*; run planar-locate-lamps again" \
+  "$bin/planar-pair-tracker" --cell cell/cell.yaml --lamps cell/lamps.csv --recording recording \
+  --workplane-out made --tool-out made.tool -o made.pairs
+if "$bin/planar-doctor" --cell cell/cell.yaml >doctor.txt; then fail "the doctor is content"; fi
+grep -q "workplane.yaml: was made with camera.yaml" doctor.txt || fail "$(cat doctor.txt)"
+
+# Whoever wants it all the same is told what they accept, and so is the run.
+servo --accept-stale --out run >out.txt 2>err.txt || fail "$(cat err.txt)"
+grep -q "accepted: .*workplane.yaml: was made with camera.yaml" err.txt || fail "$(cat err.txt)"
+grep -q "accepted_stale: .*workplane.yaml: was made with camera.yaml" run/run.yaml ||
+  fail "$(cat run/run.yaml)"
+
+# Lamps are located anew without the workplane that is no longer true.
+"$bin/planar-locate-lamps" --cell cell/cell.yaml -o lamps.csv recording >out.txt 2>err.txt ||
+  fail "$(cat err.txt)"
+grep -q "until then lamps are located without the workplane" err.txt || fail "$(cat err.txt)"
+cp good.yaml cell/camera.yaml
+
+# Monuments that were measured again.
+cp cell/cell.yaml good_cell.yaml
+sed -i '/datum1/s/z_mm: [-0-9.]*/z_mm: 0.5/' cell/cell.yaml
+expect 2 "workplane.yaml: was made with datum \(cell.yaml\) .*; run planar-pair-tracker again" servo --out made
+
+# What no file was made from may change.
+sed 's/settle_ms: 200/settle_ms: 210/' good_cell.yaml >cell/cell.yaml
+servo --check >out.txt 2>&1 || fail "$(cat out.txt)"
