@@ -110,8 +110,8 @@ LocateJob read_job(const Options& options) {
     arm.emplace(cell.arm.geometry);
     request.method = cell.lamps.method;
     request.scene = read_lamp_scene(cell);
-    for (const Refusal& stale : stale_files(cell, false)) {
-      spdlog::warn(stale.text() + "; until then lamps are located without the workplane");
+    for (const StaleFile& stale : stale_files(cell, false)) {
+      spdlog::warn(stale.refusal.text() + "; until then lamps are located without the workplane");
       request.scene->vision.reset();
     }
     job.origins = origins_of_lamps(cell, frames, request.scene->vision.has_value());

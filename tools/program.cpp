@@ -102,7 +102,7 @@ void heed_interrupts() {
   struct sigaction action {};
   action.sa_handler = [](int /*signal*/) { interrupts = 1; };
   action.sa_flags = static_cast<int>(SA_RESETHAND);  // SA_RESTART is left out, so that a read ends
-  for (const int signal : {SIGINT, SIGTERM}) sigaction(signal, &action, nullptr);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaction(signal, &action, nullptr);
 }
 
 bool interrupted() {

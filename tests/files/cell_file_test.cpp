@@ -166,6 +166,13 @@ TEST_CASE("Whole numbers are not cut to size") {
              Contains("servo.max_iterations is") && Contains("2.9") && Contains("whole number"));
 }
 
+TEST_CASE("No lamp is smaller than nothing, and no arm takes longer than a minute to settle") {
+  CHECK_THAT(faults_with("diameter_mm: [8.0, 8.0]", "diameter_mm: [8.0, -8.0]"),
+             Contains("lamps.diameter_mm[1] is -8; a positive number is needed"));
+  CHECK_THAT(faults_with("settle_ms: 200", "settle_ms: 1e300"),
+             Contains("servo.settle_ms is") && Contains("a number from 0 to 60000 is needed"));
+}
+
 TEST_CASE("What only a data sheet knows of the sensor may be left out, but must make sense") {
   CHECK(faults_with("pixel_pitch_um: 2.5,", "").empty());
   CHECK(faults_with(", gain_e_per_level: 18.6", "").empty());

@@ -48,7 +48,7 @@ struct MadeCell {
   }
   std::vector<std::string> stale() {
     std::vector<std::string> texts;
-    for (const Refusal& refusal : stale_files(cell, true)) texts.push_back(refusal.text());
+    for (const StaleFile& file : stale_files(cell, true)) texts.push_back(file.refusal.text());
     return texts;
   }
 
@@ -122,6 +122,12 @@ TEST_CASE("Tables hand their origins on in comment lines, which their readers sk
   CHECK(map[1].role == Role::kCamera);
   CHECK(map[1].name == "my camera.yaml");
   CHECK(map[1].sha256 == std::string(64, 'a'));
+}
+
+TEST_CASE("A file says who made it and when") {
+  MadeCell made;
+  CHECK_THAT(read_maker(made.cell.tool), Catch::StartsWith("test ") && Contains(", 20"));
+  CHECK(read_maker(made.cell.camera_model).empty());
 }
 
 TEST_CASE("The hash of a text is that of its file, whenever it was made") {

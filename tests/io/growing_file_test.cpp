@@ -19,6 +19,20 @@ TEST_CASE("A growing file begins with its header, also in an empty file, and is 
   CHECK(read_file(file) == "id\na\nb\n");
 }
 
+TEST_CASE("A row that was torn by a crash is cut off, and only that") {
+  const test::TemporaryFolder folder;
+  const auto file = folder.write("steps.csv", "id,x\na,1\nb,2.7");
+  GrowingFile(file, "id,x\n").append("b,2.75\n");
+  CHECK(read_file(file) == "id,x\na,1\nb,2.75\n");
+  const auto whole = folder.write("whole.csv", "id,x\na,1\n");
+  drop_torn_line(whole);
+  CHECK(read_file(whole) == "id,x\na,1\n");
+  const auto torn_header = folder.write("header.csv", "id,");
+  GrowingFile(torn_header, "id,x\n").append("a,1\n");
+  CHECK(read_file(torn_header) == "id,x\na,1\n");
+  CHECK_NOTHROW(drop_torn_line(folder.path() / "absent.csv"));
+}
+
 TEST_CASE("What cannot grow is refused before the first line is there") {
   const test::TemporaryFolder folder;
   CHECK_THROWS_WITH(GrowingFile(folder.path(), "id\n"),

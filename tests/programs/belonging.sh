@@ -9,7 +9,7 @@ servo() { "$bin/planar-servo" --cell cell/cell.yaml --targets targets.csv "$@"; 
 
 servo --check >out.txt || fail "$(cat out.txt)"
 "$bin/planar-doctor" --cell cell/cell.yaml >doctor.txt || fail "$(cat doctor.txt)"
-grep -q "map.yaml: made from pairs.csv, lamps (cell.yaml), .*camera.yaml" doctor.txt ||
+grep -q "map.yaml: made by planar-fit-error-map .* from pairs.csv, lamps (cell.yaml), .*camera.yaml" doctor.txt ||
   fail "$(cat doctor.txt)"
 
 # A camera calibrated again, and the rest forgotten.

@@ -58,6 +58,13 @@ TEST_CASE(
   CHECK(error(5) == "standard input:7: the id 'a' stands twice; ids must differ");
 }
 
+TEST_CASE("A line without an id is answered as such, also as the first one") {
+  const Session session = run(",1,2\na,200,100\n");
+  REQUIRE(session.answers.size() == 2);
+  CHECK(session.answers[0]["error"] == "standard input:1: id is empty; every row needs one");
+  CHECK(session.moved == std::vector<std::string>{"a"});
+}
+
 TEST_CASE("A header that names other units ends the session before anything moves") {
   std::istringstream in("id,x_m,y_m\na,0.2,0.1\n");
   std::ostringstream out;

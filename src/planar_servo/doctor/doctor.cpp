@@ -14,29 +14,35 @@ namespace {
 
 using Verdict = Finding::Verdict;
 
-std::string made_from(const std::filesystem::path& file) {
+std::string origin_text(const std::filesystem::path& file) {
+  const std::string maker = read_maker(file);
+  if (maker.empty()) return "its origin is unknown";
   std::vector<std::string> names;
   for (const Origin& origin : read_origins(file)) names.push_back(origin.name);
-  return names.empty() ? "its origin is unknown"
-                       : fmt::format("made from {}", fmt::join(names, ", "));
+  if (names.empty()) return fmt::format("made by {}", maker);
+  return fmt::format("made by {} from {}", maker, fmt::join(names, ", "));
 }
 
-/// Says of each calibration file what it was made from, and of those that no longer hold why.
+/// Says of each calibration file who made it from what, and of those that no longer hold why.
 std::vector<Finding> examine_files(const CellSettings& cell) {
   std::vector<Finding> findings;
-  for (const auto& [file, program] : {std::pair{cell.camera_model, "planar-calibrate-camera"},
+  const std::vector<StaleFile> stale = stale_files(cell, true);
+  for (const auto& [path, program] : {std::pair{cell.camera_model, "planar-calibrate-camera"},
                                       {cell.workplane, "planar-pair-tracker"},
                                       {cell.tool, "planar-pair-tracker"},
                                       {cell.error_map, "planar-fit-error-map"}}) {
-    const std::string name = file.filename().string();
-    if (std::filesystem::exists(file))
-      findings.push_back({Verdict::kWell, name, made_from(file)});
-    else
+    const std::string name = path.filename().string();
+    if (!std::filesystem::exists(path))
       findings.push_back({Verdict::kDoubtful, name, "does not exist yet",
                           fmt::format("make it with {}", program)});
+    else
+      findings.push_back({Verdict::kWell, name, origin_text(path)});
+    for (const StaleFile& file : stale) {
+      if (file.path != path) continue;
+      findings.back().verdict = Verdict::kFaulty;
+      findings.push_back({Verdict::kFaulty, name, file.refusal.fault, file.refusal.remedy});
+    }
   }
-  for (const Refusal& stale : stale_files(cell, true))
-    findings.push_back({Verdict::kFaulty, "origins", stale.fault, stale.remedy});
   return findings;
 }
 

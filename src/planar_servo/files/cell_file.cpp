@@ -13,6 +13,7 @@ namespace {
 constexpr int kMaxSensorPixels = 65535;
 constexpr int kLeastRegion_px = 64;
 constexpr int kMaxCount = 1000;
+constexpr double kMaxSettle_ms = 60000.0;
 
 constexpr Named<Rotation> kRotations[] = {{Rotation::kCounterclockwise, "counterclockwise"},
                                           {Rotation::kClockwise, "clockwise"}};
@@ -105,7 +106,7 @@ void read_servo(Fields& fields, ServoSettings& servo) {
   fields.number("tolerance_mm", servo.tolerance_m, kMillimetre, Range::positive());
   fields.whole_number("max_iterations", servo.max_iterations, 0, kMaxCount);
   fields.number("max_step_mm", servo.max_step_m, kMillimetre, Range::positive());
-  fields.number("settle_ms", servo.settle_s, kMillisecond, Range::at_least(0.0));
+  fields.number("settle_ms", servo.settle_s, kMillisecond, Range::from_to(0.0, kMaxSettle_ms));
   fields.whole_number("frames_per_measurement", servo.frames_per_measurement, 1, kMaxCount);
   fields.choice("approach", servo.approach, kApproaches);
 }
@@ -125,7 +126,7 @@ void read_workspace(Fields& fields, Workspace& workspace) {
 }
 
 void read_lamps(Fields& fields, LampSettings& lamps) {
-  fields.numbers("diameter_mm", lamps.layout.diameters_m, kMillimetre);
+  fields.numbers("diameter_mm", lamps.layout.diameters_m, kMillimetre, Range::positive());
   fields.number("separation_mm", lamps.layout.separation_m, kMillimetre, Range::positive());
   if (fields.given("method", true)) fields.choice("method", lamps.method, kCenterMethods);
 }

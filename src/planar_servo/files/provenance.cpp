@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr char kRemark[] = "# input: ";
+constexpr char kRemark[] = "# input: ", kProgram[] = "program: ", kCreated[] = "created: ";
 constexpr int kHeaderLines = 16;  // within which our writers begin the list of inputs
 constexpr std::size_t kShownDigits = 8;
 
@@ -124,6 +124,17 @@ std::vector<Origin> read_origins(const fs::path& path) {
   return remarks;
 }
 
+std::string read_maker(const fs::path& path) {
+  std::ifstream in = open_file(path);
+  std::string line, program, created;
+  for (int i = 0; i < kHeaderLines && std::getline(in, line); ++i) {
+    if (line.rfind(kProgram, 0) == 0) program = line.substr(std::size(kProgram) - 1);
+    if (line.rfind(kCreated, 0) == 0) created = line.substr(std::size(kCreated) - 1);
+  }
+  created.erase(std::remove(created.begin(), created.end(), '"'), created.end());
+  return program.empty() ? "" : fmt::format("{}, {}", program, created);
+}
+
 std::vector<Origin> with_origins_of(std::vector<Origin> made_from, const fs::path& file) {
   for (Origin& origin : read_origins(file))
     if (find_role(made_from, origin.role) == nullptr) made_from.push_back(std::move(origin));
@@ -147,10 +158,10 @@ std::vector<std::string> csv_remarks(const std::vector<Origin>& origins) {
   return remarks;
 }
 
-std::vector<Refusal> contradictions(const std::vector<MadeFile>& files,
-                                    const std::vector<Origin>& present,
-                                    const std::vector<Role>& compared) {
-  std::vector<Refusal> found;
+std::vector<StaleFile> contradictions(const std::vector<MadeFile>& files,
+                                      const std::vector<Origin>& present,
+                                      const std::vector<Role>& compared) {
+  std::vector<StaleFile> found;
   std::vector<std::pair<Origin, std::string>> known;
   for (const Origin& origin : present) known.emplace_back(origin, "this one");
   for (const MadeFile& file : files) {
@@ -162,13 +173,14 @@ std::vector<Refusal> contradictions(const std::vector<MadeFile>& files,
       if (same_role == known.end())
         known.emplace_back(origin, "that of " + file.path.filename().string());
       else if (same_role->first.sha256 != origin.sha256)
-        found.push_back(contradiction(file, origin, same_role->second, same_role->first));
+        found.push_back(
+            {file.path, contradiction(file, origin, same_role->second, same_role->first)});
     }
   }
   return found;
 }
 
-std::vector<Refusal> stale_files(const CellSettings& cell, bool with_error_map) {
+std::vector<StaleFile> stale_files(const CellSettings& cell, bool with_error_map) {
   std::vector<MadeFile> files{{Role::kCamera, cell.camera_model},
                               {Role::kWorkplane, cell.workplane},
                               {Role::kTool, cell.tool}};
@@ -182,9 +194,9 @@ std::vector<Refusal> stale_files(const CellSettings& cell, bool with_error_map) 
   return contradictions(files, present, values_of(kRoles));
 }
 
-void require_belonging(const std::vector<Refusal>& stale) {
+void require_belonging(const std::vector<StaleFile>& stale) {
   Faults faults;
-  for (const Refusal& refusal : stale) faults.add(refusal.text());
+  for (const StaleFile& file : stale) faults.add(file.refusal.text());
   faults.throw_if_any();
 }
 

@@ -61,6 +61,10 @@ std::vector<Origin> origins_in(const CellSettings& cell);
 /// Returns what a file says it was made from. A file of another program says nothing.
 std::vector<Origin> read_origins(const std::filesystem::path& path);
 
+/// Returns the program that made a YAML file and when, such as "planar-pair-tracker 0.1.0,
+/// 2026-11-22T05:28:39Z". Empty for a file that does not say it.
+std::string read_maker(const std::filesystem::path& path);
+
 /// Returns `made_from` followed by what `file` says it was made from, as far as that has other
 /// roles.
 std::vector<Origin> with_origins_of(std::vector<Origin> made_from,
@@ -72,17 +76,23 @@ std::vector<InputRecord> input_records(const std::vector<Origin>& origins);
 /// Returns the origins as comment lines of a table.
 std::vector<std::string> csv_remarks(const std::vector<Origin>& origins);
 
+/// Names a file that does not belong to the others, and why.
+struct StaleFile {
+  std::filesystem::path path;
+  Refusal refusal;
+};
+
 /// Returns a refusal for every origin of these files that differs from what is `present`, or from
 /// the same origin of a file before it. It names both and the program to run again. Only these
 /// roles are compared.
-std::vector<Refusal> contradictions(const std::vector<MadeFile>& files,
-                                    const std::vector<Origin>& present,
-                                    const std::vector<Role>& compared);
+std::vector<StaleFile> contradictions(const std::vector<MadeFile>& files,
+                                      const std::vector<Origin>& present,
+                                      const std::vector<Role>& compared);
 
 /// Returns contradictions() of the cell's calibration files, as far as they exist.
-std::vector<Refusal> stale_files(const CellSettings& cell, bool with_error_map);
+std::vector<StaleFile> stale_files(const CellSettings& cell, bool with_error_map);
 
 /// Throws InputError with these refusals, unless there are none.
-void require_belonging(const std::vector<Refusal>& stale);
+void require_belonging(const std::vector<StaleFile>& stale);
 
 }  // namespace planar

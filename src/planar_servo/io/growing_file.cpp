@@ -14,9 +14,22 @@ void require_growable(const std::filesystem::path& path) {
     throw InputError(path.string() + ": cannot be added to; a file that you may write is needed");
 }
 
+void drop_torn_line(const std::filesystem::path& path) {
+  if (!std::filesystem::is_regular_file(path)) return;
+  const std::size_t end = read_file(path).find_last_of('\n');
+  const std::size_t whole = end == std::string::npos ? 0 : end + 1;
+  if (whole == std::filesystem::file_size(path)) return;
+  std::error_code error;
+  std::filesystem::resize_file(path, whole, error);
+  if (error)
+    throw InputError(path.string() +
+                     ": its last line is torn and cannot be cut off: " + error.message());
+}
+
 GrowingFile::GrowingFile(std::filesystem::path path, const std::string& header)
     : path_(std::move(path)) {
   require_growable(path_);
+  drop_torn_line(path_);
   if (!std::filesystem::exists(path_) || std::filesystem::is_empty(path_))
     write_file(path_, header);
 }

@@ -10,11 +10,17 @@ namespace planar {
 /// work whose results go there.
 void require_growable(const std::filesystem::path& path);
 
+/// Cuts off what follows the last line end of a file that grew by whole lines: a row that was being
+/// written when its program was killed. Call it before such a file is read to be continued. Nothing
+/// happens when the file does not exist or ends with a whole line. Throws InputError when the file
+/// cannot be read or cut.
+void drop_torn_line(const std::filesystem::path& path);
+
 /// Writes a table that grows during a run by whole lines. What was written survives a crash.
 class GrowingFile {
  public:
-  /// Makes the file with its header, or continues the file that is there unless it is empty. Throws
-  /// as require_growable() does.
+  /// Makes the file with its header, or continues the file that is there, without a torn last line,
+  /// unless it is empty. Throws as require_growable() does.
   GrowingFile(std::filesystem::path path, const std::string& header);
 
   /// Appends whole lines. Throws WorkError when they cannot be written, as on a full disk.

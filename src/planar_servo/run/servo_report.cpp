@@ -91,8 +91,8 @@ namespace {
 
 std::vector<std::string> accepted_texts(const ServoRequest& request) {
   std::vector<std::string> texts;
-  for (const Refusal& refusal : stale_files(request.cell, request.use_error_map))
-    texts.push_back(refusal.text());
+  for (const StaleFile& file : stale_files(request.cell, request.use_error_map))
+    texts.push_back(file.refusal.text());
   return texts;
 }
 

@@ -36,6 +36,7 @@ std::vector<TargetResult> results_so_far(const fs::path& folder, bool resume) {
     throw InputError(folder.string() +
                      ": holds no run to go on with; name the folder of one, or leave out --resume "
                      "to begin one there");
+  drop_torn_line(results);
   return begun ? read_results(results) : std::vector<TargetResult>();
 }
 
@@ -43,9 +44,9 @@ std::vector<TargetResult> results_so_far(const fs::path& folder, bool resume) {
 /// they are accepted.
 VisionCalibration belonging_vision(const ServoRequest& request) {
   VisionCalibration vision = read_vision(request.cell, request.use_error_map);
-  const std::vector<Refusal> stale = stale_files(request.cell, request.use_error_map);
+  const std::vector<StaleFile> stale = stale_files(request.cell, request.use_error_map);
   if (!request.accept_stale) require_belonging(stale);
-  for (const Refusal& refusal : stale) spdlog::warn(fmt::format("accepted: {}", refusal.text()));
+  for (const StaleFile& file : stale) spdlog::warn("accepted: " + file.refusal.text());
   return vision;
 }
 

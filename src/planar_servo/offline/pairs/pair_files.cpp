@@ -30,7 +30,7 @@ std::vector<Origin> origins_of_lamps(const CellSettings& cell, const std::filesy
   return origins;
 }
 
-std::vector<Refusal> stale_tables(const CellSettings& cell, const RecordedTables& tables) {
+std::vector<StaleFile> stale_tables(const CellSettings& cell, const RecordedTables& tables) {
   std::vector<Origin> present = origins_in(cell);
   present.push_back(origin_of({Role::kCamera, cell.camera_model}));
   present.push_back(origin_of({Role::kFrames, tables.frames}));

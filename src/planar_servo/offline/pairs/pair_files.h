@@ -31,7 +31,7 @@ std::vector<Origin> origins_of_lamps(const CellSettings& cell, const std::filesy
 /// Returns a refusal for each table that was made with another camera, with other lamps or from
 /// other frames. The workplane with which the lamps were located does not matter, because the
 /// pairs make a new one.
-std::vector<Refusal> stale_tables(const CellSettings& cell, const RecordedTables& tables);
+std::vector<StaleFile> stale_tables(const CellSettings& cell, const RecordedTables& tables);
 
 /// Writes the files. Each says what it was made from.
 void write_pair_files(const PairFiles& files, const CellSettings& cell,
