@@ -163,6 +163,7 @@ std::vector<StaleFile> contradictions(const std::vector<MadeFile>& files,
                                       const std::vector<Role>& compared) {
   std::vector<StaleFile> found;
   std::vector<std::pair<Origin, std::string>> known;
+  known.reserve(present.size());
   for (const Origin& origin : present) known.emplace_back(origin, "this one");
   for (const MadeFile& file : files) {
     for (const Origin& origin : read_origins(file.path)) {
