@@ -95,7 +95,7 @@ std::optional<Eigen::Matrix3d> fit_homography(const Rows& rows) {
 }
 
 std::optional<Eigen::Matrix3d> fit_best(const Rows& rows) {
-  const std::optional<Eigen::Matrix3d> affine = fit_affine(rows);
+  std::optional<Eigen::Matrix3d> affine = fit_affine(rows);
   if (!affine || rows.size() < kRobustRows) return affine;
   const std::optional<Eigen::Matrix3d> homography = fit_homography(rows);
   return homography ? homography : affine;

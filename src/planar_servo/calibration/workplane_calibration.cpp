@@ -250,6 +250,7 @@ WorkplaneFit fit_workplane_to_pairs(const CameraModel& camera,
 WorkplaneFit fit_workplane_to_board(const CameraModel& camera, const std::vector<Pose>& X_CG,
                                     const std::vector<ToolSight>& sights) {
   std::vector<CameraPlane> planes;
+  planes.reserve(X_CG.size());
   for (const Pose& pose : X_CG) planes.push_back(board_plane(pose));
   const CameraPlane plane = mean_plane(planes);
   SightSet set(camera, sights);

@@ -50,6 +50,7 @@ std::optional<BoardPose> estimate_board_pose(const CameraModel& camera,
   const auto rays = normalized(camera, pixels);
   if (!rays) return std::nullopt;
   std::vector<cv::Point3d> points;
+  points.reserve(points_G.size());
   for (const Eigen::Vector2d& p : points_G) points.emplace_back(p.x(), p.y(), 0.0);
   const auto X_CG = pose_of(points, *rays);
   if (!X_CG) return std::nullopt;

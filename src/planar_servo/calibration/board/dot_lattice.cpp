@@ -176,8 +176,9 @@ class LatticeSearch {
         for (const auto& [origin, index] : cells) {
           const auto indices = under(cells, origin, x_axis, y_axis);
           if (indices.empty()) continue;
+          const auto last_row = static_cast<std::size_t>(columns_) * (rows_ - 1);
           const Eigen::Vector2d x = points_[indices[columns_ - 1]] - points_[indices[0]];
-          const Eigen::Vector2d y = points_[indices[columns_ * (rows_ - 1)]] - points_[indices[0]];
+          const Eigen::Vector2d y = points_[indices[last_row]] - points_[indices[0]];
           if (cross2d(x, y) < 0.0) continue;
           if (++places > 1) return {};
           if (x.normalized().x() <= most_right) continue;

@@ -46,10 +46,10 @@ std::vector<vpCalibration> visp_views(const std::vector<CalibrationView>& views)
   return result;
 }
 
-Pose pose_from(const vpHomogeneousMatrix& cMo) {
+Pose pose_from(const vpHomogeneousMatrix& M_CG) {
   Pose X_CG = Pose::Identity();
   for (unsigned row = 0; row < 3; ++row) {
-    for (unsigned column = 0; column < 4; ++column) X_CG(row, column) = cMo[row][column];
+    for (unsigned column = 0; column < 4; ++column) X_CG(row, column) = M_CG[row][column];
   }
   return X_CG;
 }
@@ -98,7 +98,7 @@ struct ViewShare {
 
 ViewShare share_of(const VispModel& camera, const Pose& X_CG, const CalibrationView& view) {
   const Eigen::Index rows = 4 * static_cast<Eigen::Index>(view.pixels.size());
-  Eigen::MatrixXd J_K(rows, 6), J_CG(rows, 6), J_uv(rows, 2);
+  Eigen::MatrixXd J_K(rows, 6), J_CG(rows, 6), J_I(rows, 2);
   for (std::size_t i = 0; i < view.pixels.size(); ++i) {
     const Eigen::Vector2d& p = view.points_G[i];
     const Eigen::Vector3d rotated = X_CG.linear() * Eigen::Vector3d(p.x(), p.y(), 0.0);
@@ -107,13 +107,13 @@ ViewShare share_of(const VispModel& camera, const Pose& X_CG, const CalibrationV
     const Eigen::Index row = 4 * static_cast<Eigen::Index>(i);
     J_K.middleRows<4>(row) = J.leftCols<6>();
     J_CG.middleRows<4>(row) << J.middleCols<3>(6), -J.middleCols<3>(6) * cross_matrix(rotated);
-    J_uv.middleRows<4>(row) = J.rightCols<2>();
+    J_I.middleRows<4>(row) = J.rightCols<2>();
   }
   const Eigen::MatrixXd of_pose = solve_symmetric(J_CG.transpose() * J_CG, J_CG.transpose() * J_K);
   const Eigen::MatrixXd own = J_K - J_CG * of_pose;
   ViewShare share{own.transpose() * own, Eigen::MatrixXd::Zero(6, 6)};
   for (Eigen::Index row = 0; row < rows; row += 4) {
-    const Eigen::MatrixXd influence = own.middleRows<4>(row).transpose() * J_uv.middleRows<4>(row);
+    const Eigen::MatrixXd influence = own.middleRows<4>(row).transpose() * J_I.middleRows<4>(row);
     share.gradient += influence * influence.transpose();
   }
   return share;
