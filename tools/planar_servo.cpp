@@ -6,7 +6,6 @@
 #include <set>
 
 #include "planar_servo/core/error.h"
-#include "planar_servo/files/provenance.h"
 #include "planar_servo/files/vision_files.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/report/progress_bar.h"
@@ -136,7 +135,7 @@ Outcome report(const ServoRequest& request, const Options& options, const ServoR
       spdlog::warn(fmt::format("{}: {}: {}", result.id, name(result.status), result.reason));
   ServoFigures figures = figures_of(run.results());
   figures.frames = frames;
-  write_run(request, figures, run.results(), from_stdin(options) ? fs::path() : options.targets);
+  write_run(request, run, figures, from_stdin(options) ? fs::path() : options.targets);
   fmt::print(from_stdin(options) ? stderr : stdout, "{}log and report: {}\n", servo_text(figures),
              request.out.string());
   return {servo_json(figures), figures.reached == figures.targets && bad_lines == 0};
@@ -151,7 +150,7 @@ Outcome work(const Options& options) {
   if (options.check) {
     require_devices(cell);
     read_vision(cell, !options.no_error_map);
-    if (!options.accept_stale) require_belonging(stale_files(cell, !options.no_error_map));
+    accept_stale_files(cell, !options.no_error_map, options.accept_stale);
   }
   if ((options.dry_run || options.check) && from_stdin(options)) return plan_stream(cell);
   if (options.dry_run) return print_dry_run(cell, targets);

@@ -27,6 +27,11 @@ expect 2 "lamps.csv: was made with camera.yaml .*; run planar-locate-lamps again
 if "$bin/planar-doctor" --cell cell/cell.yaml >doctor.txt; then fail "the doctor is content"; fi
 grep -q "workplane.yaml: was made with camera.yaml" doctor.txt || fail "$(cat doctor.txt)"
 
+# A map and pairs of another calibration.
+sed 's/^# input: camera [0-9a-f]*/# input: camera 0000000000000000/' cell/pairs.csv >pairs.csv
+expect 2 "map.yaml: was made with camera.yaml .*, that of pairs.csv is 00000000" \
+  "$bin/planar-check-error-map" --plan train cell/map.yaml pairs.csv
+
 # Whoever wants it all the same is told what they accept, and so is the run.
 servo --accept-stale --out run >out.txt 2>err.txt || fail "$(cat err.txt)"
 grep -q "accepted: .*workplane.yaml: was made with camera.yaml" err.txt || fail "$(cat err.txt)"

@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <utility>
-
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/machine/cell_devices.h"
 #include "planar_servo/machine/device_kinds.h"
@@ -23,25 +21,26 @@ std::string origin_text(const std::filesystem::path& file) {
   return fmt::format("made by {} from {}", maker, fmt::join(names, ", "));
 }
 
+Finding examine_file(const MadeFile& file, bool is_stale) {
+  const std::string name = file.path.filename().string();
+  if (!std::filesystem::exists(file.path))
+    return {Verdict::kDoubtful, name, "does not exist yet",
+            fmt::format("make it with {}", program_for(file.role))};
+  return {is_stale ? Verdict::kFaulty : Verdict::kWell, name, origin_text(file.path)};
+}
+
 /// Says of each calibration file who made it from what, and of those that no longer hold why.
 std::vector<Finding> examine_files(const CellSettings& cell) {
   std::vector<Finding> findings;
-  const std::vector<StaleFile> stale = stale_files(cell, true);
-  for (const auto& [path, program] : {std::pair{cell.camera_model, "planar-calibrate-camera"},
-                                      {cell.workplane, "planar-pair-tracker"},
-                                      {cell.tool, "planar-pair-tracker"},
-                                      {cell.error_map, "planar-fit-error-map"}}) {
-    const std::string name = path.filename().string();
-    if (!std::filesystem::exists(path))
-      findings.push_back({Verdict::kDoubtful, name, "does not exist yet",
-                          fmt::format("make it with {}", program)});
-    else
-      findings.push_back({Verdict::kWell, name, origin_text(path)});
-    for (const StaleFile& file : stale) {
-      if (file.path != path) continue;
-      findings.back().verdict = Verdict::kFaulty;
-      findings.push_back({Verdict::kFaulty, name, file.refusal.fault, file.refusal.remedy});
-    }
+  const std::vector<StaleFile> all_stale = stale_files(cell, true);
+  for (const MadeFile& file : calibration_files(cell, true)) {
+    std::vector<Finding> reasons;
+    for (const StaleFile& stale : all_stale)
+      if (stale.path == file.path)
+        reasons.push_back({Verdict::kFaulty, file.path.filename().string(), stale.refusal.fault,
+                           stale.refusal.remedy});
+    findings.push_back(examine_file(file, !reasons.empty()));
+    findings.insert(findings.end(), reasons.begin(), reasons.end());
   }
   return findings;
 }

@@ -56,19 +56,11 @@ bool belongs_to_list(const std::string& line) {
   return !line.empty() && (line[0] == ' ' || line[0] == '-');
 }
 
-/// Returns the program that makes a file of this role anew when an origin has changed.
-const char* remedy(Role made, Role origin) {
-  switch (made) {
-    case Role::kCamera:
-      return "planar-calibrate-camera";
-    case Role::kLamps:
-      return "planar-locate-lamps";
-    case Role::kErrorMap:
-      return origin == Role::kPairs ? "planar-fit-error-map"
-                                    : "planar-pair-tracker, then planar-fit-error-map,";
-    default:
-      return "planar-pair-tracker";
-  }
+/// Returns the programs that make a file of this role anew when an origin has changed.
+std::string remedy(Role made, Role origin) {
+  if (made == Role::kErrorMap && origin != Role::kPairs)
+    return fmt::format("{}, then {},", program_for(Role::kPairs), program_for(made));
+  return program_for(made);
 }
 
 std::string digits(const Origin& origin) {
@@ -87,6 +79,27 @@ Origin block(Role role, const CellSettings& cell, const char* key, const std::st
 }
 
 }  // namespace
+
+const char* program_for(Role role) {
+  switch (role) {
+    case Role::kCamera:
+      return "planar-calibrate-camera";
+    case Role::kLamps:
+      return "planar-locate-lamps";
+    case Role::kErrorMap:
+      return "planar-fit-error-map";
+    default:
+      return "planar-pair-tracker";
+  }
+}
+
+std::vector<MadeFile> calibration_files(const CellSettings& cell, bool with_error_map) {
+  std::vector<MadeFile> files{{Role::kCamera, cell.camera_model},
+                              {Role::kWorkplane, cell.workplane},
+                              {Role::kTool, cell.tool}};
+  if (with_error_map) files.push_back({Role::kErrorMap, cell.error_map});
+  return files;
+}
 
 Origin origin_of(const MadeFile& file) {
   return {file.role, file.path.filename().string(), content_sha256(file.path)};
@@ -108,6 +121,13 @@ std::vector<Origin> origins_in(const CellSettings& cell) {
           block(Role::kImageSize, cell, "image size",
                 fmt::format("{} {}", cell.camera.width_px, cell.camera.height_px)),
           block(Role::kDatum, cell, "datum", datum)};
+}
+
+std::vector<Origin> origins_in(const CellSettings& cell, const std::vector<MadeFile>& files) {
+  std::vector<Origin> origins = origins_in(cell);
+  for (const MadeFile& file : files)
+    if (fs::exists(file.path)) origins.push_back(origin_of(file));
+  return origins;
 }
 
 std::vector<Origin> read_origins(const fs::path& path) {
@@ -182,17 +202,12 @@ std::vector<StaleFile> contradictions(const std::vector<MadeFile>& files,
 }
 
 std::vector<StaleFile> stale_files(const CellSettings& cell, bool with_error_map) {
-  std::vector<MadeFile> files{{Role::kCamera, cell.camera_model},
-                              {Role::kWorkplane, cell.workplane},
-                              {Role::kTool, cell.tool}};
+  std::vector<MadeFile> files = calibration_files(cell, with_error_map);
   files.erase(std::remove_if(files.begin(), files.end(),
                              [](const MadeFile& file) { return !fs::exists(file.path); }),
               files.end());
-  std::vector<Origin> present = origins_in(cell);
-  for (const MadeFile& file : files) present.push_back(origin_of(file));
-  if (with_error_map && fs::exists(cell.error_map))
-    files.push_back({Role::kErrorMap, cell.error_map});
-  return contradictions(files, present, values_of(kRoles));
+  // Nothing is made from a map.
+  return contradictions(files, origins_in(cell, calibration_files(cell, false)), values_of(kRoles));
 }
 
 void require_belonging(const std::vector<StaleFile>& stale) {

@@ -48,6 +48,12 @@ struct MadeFile {
   std::filesystem::path path;
 };
 
+/// Returns the program that makes files of this role.
+const char* program_for(Role role);
+
+/// Returns the cell's calibration files in the order of their making, whether they exist or not.
+std::vector<MadeFile> calibration_files(const CellSettings& cell, bool with_error_map);
+
 /// Returns the origin that this file is for what is made from it. Throws InputError when it cannot
 /// be read.
 Origin origin_of(const MadeFile& file);
@@ -57,6 +63,9 @@ Origin origin_of(const MadeFile& file, const std::string& text);
 
 /// Returns the blocks of a cell that calibration files are made from.
 std::vector<Origin> origins_in(const CellSettings& cell);
+
+/// Returns the blocks of a cell and those of these files that exist.
+std::vector<Origin> origins_in(const CellSettings& cell, const std::vector<MadeFile>& files);
 
 /// Returns what a file says it was made from. A file of another program says nothing.
 std::vector<Origin> read_origins(const std::filesystem::path& path);

@@ -8,6 +8,7 @@
 #include "planar_servo/files/camera/camera_file.h"
 #include "planar_servo/files/cell_file.h"
 #include "planar_servo/files/map_file.h"
+#include "planar_servo/files/provenance.h"
 #include "planar_servo/files/tool_file.h"
 #include "planar_servo/files/workplane_file.h"
 
@@ -17,17 +18,13 @@ namespace {
 /// Throws InputError naming every file that is missing, with the program that makes it.
 void require_files(const CellSettings& cell, bool with_error_map) {
   Faults faults;
-  const auto require = [&](const std::filesystem::path& path, const std::string& program) {
+  for (const MadeFile& file : calibration_files(cell, with_error_map)) {
     try {
-      require_made(path, program);
+      require_made(file.path, program_for(file.role));
     } catch (const InputError& e) {
       faults.add(e.what());
     }
-  };
-  require(cell.camera_model, "planar-calibrate-camera");
-  require(cell.workplane, "planar-pair-tracker");
-  require(cell.tool, "planar-pair-tracker");
-  if (with_error_map) require(cell.error_map, "planar-fit-error-map");
+  }
   faults.throw_if_any();
 }
 

@@ -7,6 +7,14 @@
 #include "planar_servo/io/atomic_file.h"
 
 namespace planar {
+namespace {
+
+bool ends_with_line(const std::filesystem::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  return !in.seekg(-1, std::ios::end) || in.get() == '\n';
+}
+
+}  // namespace
 
 void require_growable(const std::filesystem::path& path) {
   if (!std::filesystem::exists(path)) return require_writable(path);
@@ -16,9 +24,9 @@ void require_growable(const std::filesystem::path& path) {
 
 void drop_torn_line(const std::filesystem::path& path) {
   if (!std::filesystem::is_regular_file(path)) return;
+  if (ends_with_line(path)) return;
   const std::size_t end = read_file(path).find_last_of('\n');
   const std::size_t whole = end == std::string::npos ? 0 : end + 1;
-  if (whole == std::filesystem::file_size(path)) return;
   std::error_code error;
   std::filesystem::resize_file(path, whole, error);
   if (error)

@@ -6,7 +6,6 @@
 
 #include "planar_servo/core/fixed.h"
 #include "planar_servo/core/units.h"
-#include "planar_servo/files/provenance.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/io/yaml_writer.h"
 #include "planar_servo/report/html_page.h"
@@ -87,34 +86,6 @@ std::string servo_text(const ServoFigures& figures) {
          (figures.frames ? "camera: " + describe(*figures.frames) + "\n" : "");
 }
 
-namespace {
-
-std::vector<std::string> accepted_texts(const ServoRequest& request) {
-  std::vector<std::string> texts;
-  for (const StaleFile& file : stale_files(request.cell, request.use_error_map))
-    texts.push_back(file.refusal.text());
-  return texts;
-}
-
-}  // namespace
-
-std::string run_text(const ServoRequest& request, const ServoFigures& figures,
-                     const std::vector<std::filesystem::path>& inputs) {
-  YamlWriter run = YamlWriter::with_header("run", "planar-servo");
-  run.add_inputs(input_records(inputs));
-  run.add("error_map_used", request.use_error_map);
-  if (request.accept_stale) run.add("accepted_stale", accepted_texts(request));
-  run.add("targets", static_cast<int>(figures.targets));
-  run.add("reached", static_cast<int>(figures.reached));
-  if (figures.frames) run.add("camera", describe(*figures.frames));
-  run.begin_map("figures");
-  const nlohmann::json figures_json = servo_json(figures);
-  for (const auto& [key, value] : figures_json.items())
-    if (value.is_number_float()) run.add(key, value.get<double>());
-  run.end_map();
-  return run.text();
-}
-
 std::string servo_page(const ServoRequest& request, const std::vector<TargetResult>& results) {
   HtmlPage page("planar-servo: " + request.cell.file.filename().string());
   page.add_paragraph(servo_text(figures_of(results)));
@@ -140,15 +111,37 @@ std::string servo_page(const ServoRequest& request, const std::vector<TargetResu
   return page.text();
 }
 
-void write_run(const ServoRequest& request, const ServoFigures& figures,
-               const std::vector<TargetResult>& results, const std::filesystem::path& targets) {
+namespace {
+
+/// Returns the text of run.yaml: the files used with their hashes, settings and outcome.
+std::string run_text(const ServoRequest& request, const ServoRun& run, const ServoFigures& figures,
+                     const std::vector<std::filesystem::path>& inputs) {
+  YamlWriter yaml = YamlWriter::with_header("run", "planar-servo");
+  yaml.add_inputs(input_records(inputs));
+  yaml.add("error_map_used", request.use_error_map);
+  if (!run.accepted_stale().empty()) yaml.add("accepted_stale", run.accepted_stale());
+  yaml.add("targets", static_cast<int>(figures.targets));
+  yaml.add("reached", static_cast<int>(figures.reached));
+  if (figures.frames) yaml.add("camera", describe(*figures.frames));
+  yaml.begin_map("figures");
+  const nlohmann::json figures_json = servo_json(figures);
+  for (const auto& [key, value] : figures_json.items())
+    if (value.is_number_float()) yaml.add(key, value.get<double>());
+  yaml.end_map();
+  return yaml.text();
+}
+
+}  // namespace
+
+void write_run(const ServoRequest& request, const ServoRun& run, const ServoFigures& figures,
+               const std::filesystem::path& targets) {
   const CellSettings& cell = request.cell;
   std::vector<std::filesystem::path> inputs{cell.file, cell.camera_model, cell.workplane,
                                             cell.tool};
   if (!targets.empty()) inputs.push_back(targets);
   if (request.use_error_map) inputs.push_back(cell.error_map);
-  write_file(request.out / "run.yaml", run_text(request, figures, inputs));
-  write_file(request.out / "report.html", servo_page(request, results));
+  write_file(request.out / "run.yaml", run_text(request, run, figures, inputs));
+  write_file(request.out / "report.html", servo_page(request, run.results()));
 }
 
 }  // namespace planar

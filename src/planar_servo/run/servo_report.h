@@ -18,10 +18,6 @@ nlohmann::json servo_json(const ServoFigures& figures);
 /// there are any.
 std::string servo_text(const ServoFigures& figures);
 
-/// Returns the text of run.yaml: the files used with their hashes, settings and outcome.
-std::string run_text(const ServoRequest& request, const ServoFigures& figures,
-                     const std::vector<std::filesystem::path>& inputs);
-
 /// Returns a panel with an error at each target where it is known, under a title with its mean.
 QuiverPanel error_panel(const std::string& what, const std::vector<TargetResult>& results,
                         TargetError error);
@@ -31,7 +27,7 @@ std::string servo_page(const ServoRequest& request, const std::vector<TargetResu
 
 /// Writes run.yaml and report.html into the run's folder. The run used the files of its cell and
 /// the table `targets`, which is empty when the targets came on standard input.
-void write_run(const ServoRequest& request, const ServoFigures& figures,
-               const std::vector<TargetResult>& results, const std::filesystem::path& targets);
+void write_run(const ServoRequest& request, const ServoRun& run, const ServoFigures& figures,
+               const std::filesystem::path& targets);
 
 }  // namespace planar

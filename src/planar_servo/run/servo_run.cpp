@@ -40,22 +40,23 @@ std::vector<TargetResult> results_so_far(const fs::path& folder, bool resume) {
   return begun ? read_results(results) : std::vector<TargetResult>();
 }
 
-/// Reads the cell's vision. Files that do not belong together are refused, or named in the log when
-/// they are accepted.
-VisionCalibration belonging_vision(const ServoRequest& request) {
-  VisionCalibration vision = read_vision(request.cell, request.use_error_map);
-  const std::vector<StaleFile> stale = stale_files(request.cell, request.use_error_map);
-  if (!request.accept_stale) require_belonging(stale);
-  for (const StaleFile& file : stale) spdlog::warn("accepted: " + file.refusal.text());
-  return vision;
-}
-
 const fs::path& folder_made(const fs::path& path) {
   make_folder(path);
   return path;
 }
 
 }  // namespace
+
+std::vector<std::string> accept_stale_files(const CellSettings& cell, bool with_error_map,
+                                            bool accepted) {
+  const std::vector<StaleFile> stale = stale_files(cell, with_error_map);
+  if (!accepted) require_belonging(stale);
+  std::vector<std::string> texts;
+  texts.reserve(stale.size());
+  for (const StaleFile& file : stale) texts.push_back(file.refusal.text());
+  for (const std::string& text : texts) spdlog::warn("accepted: " + text);
+  return texts;
+}
 
 ServoRun::ServoRun(const ServoRequest& request, CellDevices& devices, Observer observer)
     : cell_(request.cell),
@@ -65,8 +66,9 @@ ServoRun::ServoRun(const ServoRequest& request, CellDevices& devices, Observer o
       may_home_(request.may_home),
       true_tip_(devices.true_tip()),
       results_(results_so_far(request.out, request.resume)),
-      sensor_(belonging_vision(request), request.center, devices.camera(),
+      sensor_(read_vision(cell_, request.use_error_map), request.center, devices.camera(),
               cell_.camera.follow_region_px),
+      accepted_stale_(accept_stale_files(cell_, request.use_error_map, request.accept_stale)),
       steps_(folder_made(request.out) / "steps.csv", steps_header()),
       table_(request.out / "results.csv", results_header()),
       robot_(PlanarArm(cell_.arm.geometry), Transmission(cell_.transmission), devices.drives(),

@@ -31,6 +31,11 @@ struct ServoRequest {
   std::function<bool()> stop{};  ///< asked during every move; see PlanarRobot::stop_when()
 };
 
+/// Returns the sentences on calibration files that do not belong together, and shows them in the
+/// log. Throws InputError with them unless they are accepted.
+std::vector<std::string> accept_stale_files(const CellSettings& cell, bool with_error_map,
+                                            bool accepted);
+
 /// Shows an observer one look of the servo at the tool.
 struct ServoSight {
   const std::string& target_id;
@@ -63,6 +68,8 @@ class ServoRun {
 
   /// Returns true when there is a result of this target.
   bool has(const std::string& id) const;
+  /// Returns the sentences on files that do not belong together and were accepted.
+  const std::vector<std::string>& accepted_stale() const { return accepted_stale_; }
   /// Returns the results so far. Those of a resumed run begin with those that the folder holds.
   const std::vector<TargetResult>& results() const { return results_; }
 
@@ -84,6 +91,7 @@ class ServoRun {
   std::function<TipPose()> true_tip_;
   std::vector<TargetResult> results_;
   LampTipSensor sensor_;
+  std::vector<std::string> accepted_stale_;
   GrowingFile steps_;
   GrowingFile table_;
   PlanarRobot robot_;

@@ -4,19 +4,6 @@
 #include "planar_servo/io/atomic_file.h"
 
 namespace planar {
-namespace {
-
-std::vector<Origin> origins_of_fit(const CellSettings& cell, const RecordedTables& tables) {
-  std::vector<Origin> origins = origins_in(cell);
-  origins.push_back(origin_of({Role::kCamera, cell.camera_model}));
-  origins.push_back(origin_of({Role::kLamps, tables.lamps}));
-  origins.push_back(origin_of({Role::kFrames, tables.frames}));
-  origins.push_back(origin_of({Role::kTracker, tables.tracker}));
-  return origins;
-}
-
-}  // namespace
-
 std::vector<Origin> origins_of_lamps(const CellSettings& cell, const std::filesystem::path& frames,
                                      bool with_workplane) {
   std::vector<MadeFile> files{{Role::kFrames, frames}, {Role::kCamera, cell.camera_model}};
@@ -24,24 +11,22 @@ std::vector<Origin> origins_of_lamps(const CellSettings& cell, const std::filesy
     files.push_back({Role::kWorkplane, cell.workplane});
     files.push_back({Role::kTool, cell.tool});
   }
-  std::vector<Origin> origins = origins_in(cell);
-  for (const MadeFile& file : files)
-    if (std::filesystem::exists(file.path)) origins.push_back(origin_of(file));
-  return origins;
+  return origins_in(cell, files);
 }
 
 std::vector<StaleFile> stale_tables(const CellSettings& cell, const RecordedTables& tables) {
-  std::vector<Origin> present = origins_in(cell);
-  present.push_back(origin_of({Role::kCamera, cell.camera_model}));
-  present.push_back(origin_of({Role::kFrames, tables.frames}));
-  return contradictions({{Role::kLamps, tables.lamps}}, present,
+  return contradictions({{Role::kLamps, tables.lamps}},
+                        origins_of_lamps(cell, tables.frames, false),
                         {Role::kCamera, Role::kFrames, Role::kLampLayout, Role::kImageSize});
 }
 
 void write_pair_files(const PairFiles& files, const CellSettings& cell,
                       const RecordedTables& tables, const WorkplaneFit& fit, WorkplaneSource source,
                       const std::vector<PairRow>& pairs, const std::string& program) {
-  std::vector<Origin> origins = origins_of_fit(cell, tables);
+  std::vector<Origin> origins = origins_in(cell, {{Role::kCamera, cell.camera_model},
+                                                  {Role::kLamps, tables.lamps},
+                                                  {Role::kFrames, tables.frames},
+                                                  {Role::kTracker, tables.tracker}});
   const std::string workplane = workplane_text(
       {fit.X_WC, fit.covariance, source, fit.absorbed, static_cast<int>(fit.n_used), fit.rms},
       program, origins);
