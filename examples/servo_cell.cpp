@@ -5,6 +5,7 @@
 #include <planar_servo/machine/device_kinds.h>
 #include <planar_servo/robot/planar_robot.h>
 #include <planar_servo/servo/position_servo.h>
+#include <planar_servo/vision/guard_limits.h>
 #include <planar_servo/vision/lamp_tip_sensor.h>
 
 #include <cstdio>
@@ -16,10 +17,12 @@ bool reach_targets(const planar::CellSettings& cell, planar::CellDevices& device
                             planar::Transmission(cell.transmission), devices.drives(),
                             devices.clock());
   robot.energize();
-  planar::LampTipSensor sensor(planar::read_vision(cell, true), cell.lamps.method, devices.camera(),
+  const planar::VisionCalibration vision = planar::read_vision(cell, true);
+  planar::LampTipSensor sensor(vision, cell.lamps.method, devices.camera(),
                                cell.camera.follow_region_px);
-  planar::PositionServo servo(cell.servo, planar::joint_planner(cell), robot, sensor,
-                              devices.clock());
+  planar::PositionServo servo(cell.servo,
+                              planar::guard_limits(vision, cell.workspace, cell.tool_orientation),
+                              planar::joint_planner(cell), robot, sensor, devices.clock());
   bool all_reached = true;
   for (const Eigen::Vector2d& p :
        {Eigen::Vector2d(0.15, 0.25), Eigen::Vector2d(-0.2, 0.3), Eigen::Vector2d(0.05, -0.35)}) {

@@ -25,7 +25,7 @@ const ProgramText kText{
     "planar-servo", "Positions the end point at targets by vision and logs every step.",
     "planar-servo --cell cell.yaml --targets targets.csv --out DIR [--no-error-map] [--resume]\n"
     "                    [--centre METHOD] [--display auto|x|none] [--home]\n"
-    "                    [--accept-stale]\n"
+    "                    [--accept-stale] [--keep-going]\n"
     "       planar-servo --cell cell.yaml --targets targets.csv --dry-run | --check\n"
     "       ... | planar-servo --cell cell.yaml --targets - --out DIR",
     R"(2 of 2 targets reached, 1.5 corrections and 2.87 s each
@@ -39,7 +39,7 @@ struct Options {
   std::string display{"none"};
   std::string center;  ///< empty: the cell's lamps.method
   bool no_error_map{false}, dry_run{false}, check{false}, resume{false}, home{false};
-  bool accept_stale{false};
+  bool accept_stale{false}, keep_going{false};
 };
 
 void add_options(CLI::App& app, Options& options) {
@@ -59,6 +59,9 @@ void add_options(CLI::App& app, Options& options) {
                "asks on a terminal");
   app.add_flag("--accept-stale", options.accept_stale,
                "move even with files that were not made from one another; the run says which");
+  app.add_flag("--keep-going", options.keep_going,
+               "try the next target even when the cell itself is in doubt: after a look that "
+               "contradicts the command or the calibration, or an error that grew");
   app.add_flag("--resume", options.resume, "continue the run in DIR")->needs(out);
   app.add_option(
          "--display", options.display,
@@ -124,7 +127,12 @@ std::size_t move(ServoRun& run, const Options& options, const std::vector<Target
   for (const TargetResult& result : run.results()) taken.insert(result.id);
   TargetLines lines(kStdin, std::move(taken));
   return answer_targets(std::cin, std::cout, lines, [&](const TargetRow& target) {
-    return result_answer(run.move_to(target));
+    if (!run.ended_by()) return result_answer(run.move_to(target));
+    TargetResult refused;
+    refused.id = target.id;
+    refused.p_d = target.p_d;
+    refused.reason = "the run has ended at " + *run.ended_by();
+    return result_answer(refused);
   });
 }
 
@@ -133,12 +141,17 @@ Outcome report(const ServoRequest& request, const Options& options, const ServoR
   for (const TargetResult& result : run.results())
     if (result.status != ServoStatus::kReached)
       spdlog::warn(fmt::format("{}: {}: {}", result.id, name(result.status), result.reason));
+  if (run.ended_by())
+    spdlog::error(
+        "no further target was tried, because the cell is in doubt; mend it, then go on "
+        "with --resume");
   ServoFigures figures = figures_of(run.results());
   figures.frames = frames;
   write_run(request, run, figures, from_stdin(options) ? fs::path() : options.targets);
   fmt::print(from_stdin(options) ? stderr : stdout, "{}log and report: {}\n", servo_text(figures),
              request.out.string());
-  return {servo_json(figures), figures.reached == figures.targets && bad_lines == 0};
+  return {servo_json(figures),
+          figures.reached == figures.targets && bad_lines == 0 && !run.ended_by()};
 }
 
 Outcome work(const Options& options) {
@@ -163,6 +176,7 @@ Outcome work(const Options& options) {
                              options.out,
                              options.resume,
                              options.accept_stale,
+                             options.keep_going,
                              [&](const std::string& unhomed) { return may_home(options, unhomed); },
                              interrupted};
   heed_interrupts();

@@ -22,6 +22,7 @@ struct Kind {
   Coupling coupling{Coupling::kRelative};
   double gear_ratio{100.0};
   double play_rad{0.0};
+  bool as_its_data_sheet{false};
 };
 
 TransmissionSettings transmission_settings(const Kind& kind) {
@@ -40,6 +41,10 @@ test::SimulatedCell::Truth truth_of(const Kind& kind) {
   truth.relative = kind.coupling == Coupling::kRelative;
   truth.pulses_per_rad = Eigen::Vector3d(kind.gear_ratio, -kind.gear_ratio, 50.0) * 1e4 / (2 * kPi);
   truth.play_rad = kind.play_rad;
+  if (kind.as_its_data_sheet) {
+    truth.link1_m = truth.link2_m = 0.3;
+    truth.zero1_rad = truth.zero2_rad = truth.zero3_rad = 0.0;
+  }
   return truth;
 }
 
@@ -56,7 +61,7 @@ struct Bench {
   }
 
   ServoResult move_to(const TipPose& target) {
-    return PositionServo(settings, planner, robot, sensor, cell.clock()).move_to(target);
+    return PositionServo(settings, limits, planner, robot, sensor, cell.clock()).move_to(target);
   }
   double true_distance(const TipPose& target) const {
     return (cell.true_tip().p - target.p).norm();
@@ -67,6 +72,7 @@ struct Bench {
   JointPlanner planner;
   PlanarRobot robot;
   ServoSettings settings;
+  GuardLimits limits;
 };
 
 TipPose on_circle(int i) {
@@ -125,11 +131,11 @@ TEST_CASE("Without iterations the servo moves open loop and measures once") {
 
 TEST_CASE("A correction is no longer than the greatest step") {
   Bench bench;
-  bench.sensor.offset_m = {8e-3, -6e-3};
-  bench.settings.max_step_m = 2e-3;
+  bench.sensor.offset_m = {6e-3, -4.5e-3};
+  bench.settings.max_step_m = 1.5e-3;
   const ServoResult result = bench.move_to(kTarget);
   CHECK(result.status == ServoStatus::kReached);
-  REQUIRE(result.steps.size() > 5);  // 10 mm in steps of 2 mm
+  REQUIRE(result.steps.size() > 5);  // 7.5 mm in steps of 1.5 mm
   for (std::size_t i = 1; i < result.steps.size(); ++i) {
     const Eigen::Vector2d moved =
         result.steps[i].measurement.tip.p - result.steps[i - 1].measurement.tip.p;
@@ -141,6 +147,7 @@ TEST_CASE("The servo stops at the largest of tolerance, vision noise and one pul
   Bench tolerance;
   tolerance.settings.tolerance_m = 2e-3;
   CHECK(tolerance.move_to(kTarget).steps.back().stop_below_m == 2e-3);
+  tolerance.settings.orientation_tolerance = 1.0 * kDegree;
   CHECK(tolerance.move_to(kTarget).iterations == 0);
 
   Bench noise;
@@ -157,14 +164,56 @@ TEST_CASE("The servo stops at the largest of tolerance, vision noise and one pul
   CHECK(result.steps.back().stop_below_m == Approx(farthest_pulse_m).epsilon(0.01));
 }
 
-TEST_CASE("A servo whose view has the wrong sign halts after the error grew twice") {
+TEST_CASE("A servo whose view has the wrong sign holds at the second look") {
   Bench bench;
+  bench.settings.approach = Approach::kOneSide;
   bench.sensor.mirrored_about = kTarget.p;
   const ServoResult result = bench.move_to(kTarget);
+  CHECK(result.status == ServoStatus::kHeld);
+  CHECK(result.cell_in_doubt);
+  CHECK_THAT(result.reason, Catch::Contains("was seen to move by"));
+  CHECK(result.steps.size() == 2);
+}
+
+TEST_CASE("An error that grows twice, too little for a doubt, halts the arm") {
+  Kind exact;
+  exact.as_its_data_sheet = true;
+  Bench bench(exact);
+  bench.sensor.mirrored_about = kTarget.p + Eigen::Vector2d(10e-6, 0.0);
+  const ServoResult result = bench.move_to(kTarget);
   CHECK(result.status == ServoStatus::kDiverged);
+  CHECK(result.cell_in_doubt);
   CHECK_THAT(result.reason, Catch::Contains("grew twice in a row"));
   CHECK(result.steps.size() == 3);
   for (int i = 0; i < 3; ++i) CHECK(bench.cell.drive(i).halts == 1);
+}
+
+TEST_CASE("Joint 3 turns the tool until it is seen in the target's direction") {
+  for (const Rotation rotation : {Rotation::kCounterclockwise, Rotation::kClockwise}) {
+    Bench bench(Kind{rotation});
+    const ServoResult result = bench.move_to(kTarget);
+    CHECK(result.status == ServoStatus::kReached);
+    CHECK(std::abs(result.steps.front().turn_error) > bench.settings.orientation_tolerance);
+    CHECK(std::abs(wrap_angle(bench.cell.true_tip().phi - kTarget.phi)) < 1e-4);
+  }
+}
+
+TEST_CASE("A target is not reached while the tool points elsewhere") {
+  Bench bench;
+  bench.settings.max_iterations = 0;
+  bench.settings.tolerance_m = 2e-3;
+  CHECK(bench.move_to(kTarget).status == ServoStatus::kNotConverged);
+  bench.settings.orientation_tolerance = 0.5 * kDegree;
+  CHECK(bench.move_to(kTarget).status == ServoStatus::kReached);
+}
+
+TEST_CASE("A tool seen far from its command moves nothing more, and the cell is in doubt") {
+  Bench bench;
+  bench.sensor.offset_m = {50e-3, 0.0};
+  const ServoResult result = bench.move_to(kTarget);
+  CHECK(result.status == ServoStatus::kHeld);
+  CHECK(result.cell_in_doubt);
+  CHECK(bench.cell.targets_sent() == 3);
 }
 
 TEST_CASE("The iterations are bounded") {
@@ -223,8 +272,8 @@ TEST_CASE("A target beyond reach or workspace is refused before a pulse is sent"
 
 TEST_CASE("A correction that would leave the workspace is refused, the motion before it kept") {
   Bench bench;
-  bench.sensor.offset_m = {-20e-3, 0.0};
-  const ServoResult result = bench.move_to({{0.535, 0.0}, 0.0});
+  bench.sensor.offset_m = {-7e-3, 0.0};
+  const ServoResult result = bench.move_to({{0.537, 0.0}, 0.0});
   CHECK(result.status == ServoStatus::kRefused);
   CHECK_THAT(result.reason, Catch::Contains("the workspace reaches"));
   CHECK(bench.planner.arm().forward(bench.robot.commanded_joints()).p.norm() < 0.54);
@@ -298,7 +347,8 @@ TEST_CASE("With play an open-loop move repeats only when it approaches from one 
 
 TEST_CASE("The observer sees every step at rest, before the next motion") {
   Bench bench;
-  PositionServo servo(bench.settings, bench.planner, bench.robot, bench.sensor, bench.cell.clock());
+  PositionServo servo(bench.settings, bench.limits, bench.planner, bench.robot, bench.sensor,
+                      bench.cell.clock());
   std::vector<Pulses> seen;
   const ServoResult result = servo.move_to(kTarget, [&](const ServoStep& step) {
     seen.push_back(step.pulses_c);

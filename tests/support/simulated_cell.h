@@ -24,6 +24,7 @@ class SimulatedCell {
     double link2_m{0.2992};
     double zero1_rad{1.5e-3};
     double zero2_rad{-2.0e-3};
+    double zero3_rad{5.0e-3};
     double sense{1.0};
     bool relative{true};                      ///< motor 2 rides on link 1
     Eigen::Vector3d pulses_per_rad{1, 1, 1};  ///< signed
@@ -48,9 +49,10 @@ class SimulatedCell {
     const double m2 = output_rad(1);
     const double a = m1 + truth_.zero1_rad;
     const double b = (truth_.relative ? m1 + m2 : m2) + truth_.zero2_rad;
+    const double c = b - truth_.zero2_rad + output_rad(2) + truth_.zero3_rad;
     return {{truth_.link1_m * std::cos(a) + truth_.link2_m * std::cos(b),
              truth_.sense * (truth_.link1_m * std::sin(a) + truth_.link2_m * std::sin(b))},
-            0.0};
+            truth_.sense * c};
   }
 
  private:

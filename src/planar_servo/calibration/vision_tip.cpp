@@ -49,6 +49,7 @@ std::optional<VisionTip> tip_from_lamps(const Workplane& workplane, const ToolOf
     variance_phi += d_phi * covariances_W[k] * d_phi.transpose();
   }
   seen.sigma_phi = std::sqrt(variance_phi);
+  seen.lamps_B = lamps_W;
   return seen;
 }
 

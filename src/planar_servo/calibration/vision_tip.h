@@ -13,6 +13,7 @@ namespace planar {
 /// The end point as vision sees it, before any error map.
 struct VisionTip {
   TipPose tip;                                          ///< base frame
+  std::array<Eigen::Vector2d, 2> lamps_B;               ///< where the lamps are on the plane
   Eigen::Matrix2d covariance{Eigen::Matrix2d::Zero()};  ///< of tip.p, from the lamps' pixels, m^2
   double sigma_phi{0.0};  ///< of tip.phi, from the lamps' pixels, radians
 };

@@ -16,6 +16,7 @@ struct ServoSettings {
   ServoLaw law{ServoLaw::kJacobian};
   double gain{1.0};  ///< in (0, 1]
   double tolerance_m{5e-6};
+  double orientation_tolerance{0.2 * kDegree};  ///< of the tool's direction, radians
   int max_iterations{12};  ///< corrections after the first move; with 0 it only measures
   double max_step_m{5e-3};
   double settle_s{0.2};

@@ -104,6 +104,9 @@ void read_servo(Fields& fields, ServoSettings& servo) {
   fields.choice("law", servo.law, kLaws);
   fields.number("gain", servo.gain, 1.0, Range::positive(1.0));
   fields.number("tolerance_mm", servo.tolerance_m, kMillimetre, Range::positive());
+  if (fields.given("orientation_tolerance_deg", true))
+    fields.number("orientation_tolerance_deg", servo.orientation_tolerance, kDegree,
+                  Range::positive());
   fields.whole_number("max_iterations", servo.max_iterations, 0, kMaxCount);
   fields.number("max_step_mm", servo.max_step_m, kMillimetre, Range::positive());
   fields.number("settle_ms", servo.settle_s, kMillisecond, Range::from_to(0.0, kMaxSettle_ms));

@@ -13,6 +13,7 @@
 #include "planar_servo/files/vision_files.h"
 #include "planar_servo/run/dry_run.h"
 #include "planar_servo/run/target_scorer.h"
+#include "planar_servo/vision/guard_limits.h"
 
 namespace planar {
 namespace {
@@ -65,15 +66,17 @@ ServoRun::ServoRun(const ServoRequest& request, CellDevices& devices, Observer o
       observer_(std::move(observer)),
       may_home_(request.may_home),
       true_tip_(devices.true_tip()),
+      keep_going_(request.keep_going),
       results_(results_so_far(request.out, request.resume)),
-      sensor_(read_vision(cell_, request.use_error_map), request.center, devices.camera(),
-              cell_.camera.follow_region_px),
+      vision_(read_vision(cell_, request.use_error_map)),
+      sensor_(vision_, request.center, devices.camera(), cell_.camera.follow_region_px),
       accepted_stale_(accept_stale_files(cell_, request.use_error_map, request.accept_stale)),
       steps_(folder_made(request.out) / "steps.csv", steps_header()),
       table_(request.out / "results.csv", results_header()),
       robot_(PlanarArm(cell_.arm.geometry), Transmission(cell_.transmission), devices.drives(),
              devices.clock()),
-      servo_(cell_.servo, joint_planner(cell_), robot_, sensor_, devices.clock()) {
+      servo_(cell_.servo, guard_limits(vision_, cell_.workspace, cell_.tool_orientation),
+             joint_planner(cell_), robot_, sensor_, devices.clock()) {
   robot_.stop_when(request.stop);
   robot_.energize();
   sensor_.aim(robot_.arm().forward(robot_.commanded_joints()));
@@ -101,6 +104,8 @@ const TargetResult& ServoRun::move_to(const TargetRow& target) {
   } while (outcome.status == ServoStatus::kLostCamera &&
            wait_for_camera(target.id, outcome.reason, deadline_s));
   results_.push_back(scorer.finish(outcome, clock_.now_s() - start_s));
+  if (outcome.cell_in_doubt && !keep_going_)
+    ended_by_ = fmt::format("{}: {}: {}", target.id, name(outcome.status), outcome.reason);
   table_.append(result_line(results_.back()));
   return results_.back();
 }
@@ -154,7 +159,7 @@ bool ServoRun::has(const std::string& id) const {
 std::vector<TargetResult> run_servo(
     ServoRun& run, const std::vector<TargetRow>& targets,
     const std::function<void(std::size_t done, std::size_t all)>& progress) {
-  for (std::size_t i = 0; i < targets.size(); ++i) {
+  for (std::size_t i = 0; i < targets.size() && !run.ended_by(); ++i) {
     if (run.has(targets[i].id)) continue;
     run.move_to(targets[i]);
     if (progress) progress(i + 1, targets.size());

@@ -25,6 +25,7 @@ struct ServoRequest {
   std::filesystem::path out;  ///< steps.csv and results.csv grow here, a line at a time
   bool resume{false};         ///< continues the run that the folder holds
   bool accept_stale{false};   ///< moves even with files that do not belong together
+  bool keep_going{false};     ///< tries the next target even when the cell itself is in doubt
   /// Is asked whether drives that lost their position may be homed now, which moves the arm. Its
   /// argument names the drives in words. Empty: they may not.
   std::function<bool(const std::string& unhomed)> may_home{};
@@ -66,6 +67,9 @@ class ServoRun {
   /// times for one target. The result counts the corrections and the time of all attempts.
   const TargetResult& move_to(const TargetRow& target);
 
+  /// Returns why no further target may be tried: the cell itself is in doubt. Empty with
+  /// `keep_going`.
+  const std::optional<std::string>& ended_by() const { return ended_by_; }
   /// Returns true when there is a result of this target.
   bool has(const std::string& id) const;
   /// Returns the sentences on files that do not belong together and were accepted.
@@ -89,7 +93,10 @@ class ServoRun {
   Observer observer_;
   std::function<bool(const std::string&)> may_home_;
   std::function<TipPose()> true_tip_;
+  bool keep_going_;
+  std::optional<std::string> ended_by_;
   std::vector<TargetResult> results_;
+  VisionCalibration vision_;
   LampTipSensor sensor_;
   std::vector<std::string> accepted_stale_;
   GrowingFile steps_;
@@ -98,8 +105,8 @@ class ServoRun {
   PositionServo servo_;
 };
 
-/// Moves to every target in turn, except those that a resumed run has a result of. `progress` may
-/// be empty.
+/// Moves to every target in turn, except those that a resumed run has a result of, until the run
+/// is ended_by() one. `progress` may be empty.
 std::vector<TargetResult> run_servo(
     ServoRun& run, const std::vector<TargetRow>& targets,
     const std::function<void(std::size_t done, std::size_t all)>& progress = {});

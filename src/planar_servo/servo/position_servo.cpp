@@ -17,6 +17,7 @@ void check(const ServoSettings& settings) {
   };
   require(settings.gain > 0.0 && settings.gain <= 1.0, "gain must be in (0, 1]");
   require(settings.tolerance_m > 0.0, "tolerance must be positive");
+  require(settings.orientation_tolerance > 0.0, "orientation tolerance must be positive");
   require(settings.max_iterations >= 0, "max_iterations must not be negative");
   require(settings.max_step_m > 0.0, "max_step must be positive");
   require(settings.settle_s >= 0.0, "settle time must not be negative");
@@ -24,11 +25,13 @@ void check(const ServoSettings& settings) {
   require(settings.approach_margin_rad > 0.0, "approach margin must be positive");
 }
 
+/// Returns true when the error grew in the last two steps, and by more than noise explains.
 bool has_grown_twice(const std::vector<ServoStep>& steps) {
   const std::size_t n = steps.size();
   if (n < 3) return false;
   const auto distance = [&](std::size_t i) { return steps[i].error.norm(); };
-  return distance(n - 1) > distance(n - 2) && distance(n - 2) > distance(n - 3);
+  return distance(n - 1) > distance(n - 2) && distance(n - 2) > distance(n - 3) &&
+         distance(n - 1) > distance(n - 3) + steps.back().stop_below_m;
 }
 
 }  // namespace
@@ -37,10 +40,18 @@ const char* name(ServoStatus status) {
   return name_in(kServoStatuses, status);
 }
 
-PositionServo::PositionServo(const ServoSettings& settings, const JointPlanner& planner,
-                             PlanarRobot& robot, TipSensor& sensor, Clock& clock)
-    : settings_(settings), planner_(planner), robot_(robot), sensor_(sensor), clock_(clock) {
+PositionServo::PositionServo(const ServoSettings& settings, const GuardLimits& limits,
+                             const JointPlanner& planner, PlanarRobot& robot, TipSensor& sensor,
+                             Clock& clock)
+    : settings_(settings),
+      limits_(limits),
+      planner_(planner),
+      robot_(robot),
+      sensor_(sensor),
+      clock_(clock) {
   check(settings);
+  if (settings.approach == Approach::kDirect)
+    limits_.play_m += settings.approach_margin_rad * planner.arm().geometry().link_lengths_m.sum();
 }
 
 ServoResult PositionServo::move_to(const TipPose& target, const Observer& observer) {
@@ -60,8 +71,13 @@ ServoResult PositionServo::move_to(const TipPose& target, const Observer& observ
       return finish(obstacle->status, obstacle->reason);
     const ServoStep& step = result.steps.emplace_back(measure(target, result.iterations));
     if (observer) observer(step);
+    if (const auto found = doubt_of(step)) {
+      result.cell_in_doubt = found->of_cell;
+      return finish(ServoStatus::kHeld, found->reason);
+    }
     if (const auto status = verdict(result.steps)) {
-      if (*status == ServoStatus::kDiverged) robot_.halt();
+      result.cell_in_doubt = *status == ServoStatus::kDiverged;
+      if (result.cell_in_doubt) robot_.halt();
       return finish(*status, reason_for(*status, step));
     }
     plan = corrected_joints(step);
@@ -80,6 +96,7 @@ ServoStep PositionServo::measure(const TipPose& target, int iteration) {
   if (measurement.ok() && !measurement.tip.p.allFinite())
     measurement = failed_look(TipStatus::kNotFinite, "not_finite", measurement.t_s);
   step.error = target.p - measurement.tip.p;
+  step.turn_error = wrap_angle(target.phi - measurement.tip.phi);
   step.stop_below_m =
       std::max({settings_.tolerance_m, pulse_size_m(),
                 2.0 * measurement.sigma_vision_m / std::sqrt(std::max(measurement.frames, 1))});
@@ -91,12 +108,24 @@ std::optional<ServoStatus> PositionServo::verdict(const std::vector<ServoStep>& 
   if (!last.measurement.ok())
     return last.measurement.status == TipStatus::kNoPicture ? ServoStatus::kLostCamera
                                                             : ServoStatus::kLostLamp;
-  if (last.error.norm() < last.stop_below_m) {
+  if (content(last))
     return last.measurement.inside_map ? ServoStatus::kReached : ServoStatus::kOutsideMap;
-  }
   if (has_grown_twice(steps)) return ServoStatus::kDiverged;
   if (last.iteration == settings_.max_iterations) return ServoStatus::kNotConverged;
   return std::nullopt;
+}
+
+bool PositionServo::content(const ServoStep& step) const {
+  return step.error.norm() < step.stop_below_m &&
+         std::abs(step.turn_error) <= settings_.orientation_tolerance;
+}
+
+std::optional<Doubt> PositionServo::doubt_of(const ServoStep& step) {
+  if (!step.measurement.ok()) return std::nullopt;
+  const GuardedLook look{step.measurement, planner_.arm().forward(step.theta_c), arrived_s_};
+  auto found = doubt(limits_, look, last_look_ ? &*last_look_ : nullptr);
+  if (!found) last_look_ = look;
+  return found;
 }
 
 std::string PositionServo::reason_for(ServoStatus status, const ServoStep& last) const {
@@ -112,12 +141,16 @@ std::string PositionServo::reason_for(ServoStatus status, const ServoStep& last)
     case ServoStatus::kDiverged:
       return fmt::format("the error grew twice in a row, to {:.3f} mm", error_mm);
     case ServoStatus::kNotConverged:
-      return fmt::format("the error is {:.4f} mm after {} corrections; allowed is {:.4f} mm",
-                         error_mm, last.iteration, last.stop_below_m / kMillimetre);
+      return fmt::format(
+          "the error is {:.4f} mm and {:.3f} deg after {} corrections; allowed is {:.4f} mm and "
+          "{:.3f} deg",
+          error_mm, std::abs(last.turn_error) / kDegree, last.iteration,
+          last.stop_below_m / kMillimetre, settings_.orientation_tolerance / kDegree);
+    case ServoStatus::kHeld:
     case ServoStatus::kRefused:
       break;
   }
-  throw std::invalid_argument("a refusal has a reason of its own");
+  throw std::invalid_argument("a doubt and a refusal have reasons of their own");
 }
 
 JointPlan PositionServo::corrected_joints(const ServoStep& step) const {
@@ -130,6 +163,7 @@ JointPlan PositionServo::corrected_joints(const ServoStep& step) const {
   if (correction.status != LawStatus::kOk) return {{}, describe(correction.status)};
   Joints theta = step.theta_c;
   theta.head<2>() += correction.delta_theta;
+  theta[2] += planner_.arm().sense() * step.turn_error;
   return {theta, std::nullopt};
 }
 
@@ -153,6 +187,7 @@ std::optional<PositionServo::Obstacle> PositionServo::command(const Joints& thet
     if (const auto obstacle = move(short_of)) return obstacle;
   }
   if (const auto obstacle = move(theta)) return obstacle;
+  arrived_s_ = clock_.now_s();
   clock_.sleep_for_s(settings_.settle_s);
   return std::nullopt;
 }

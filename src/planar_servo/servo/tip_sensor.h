@@ -27,6 +27,8 @@ struct TipMeasurement {
   int frames{0};  ///< number of frames averaged
   /// The mean centres of the lamps on the whole sensor.
   std::array<Eigen::Vector2d, 2> lamps_px{Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};
+  /// Their places on the plane of the lamps' motion, uncompensated.
+  std::array<Eigen::Vector2d, 2> lamps_B{Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};
   Eigen::Vector2d p_vision{0.0, 0.0};    ///< position before compensation
   Eigen::Vector2d correction{0.0, 0.0};  ///< predicted error: tip.p = p_vision - correction
   TipPose tip;                           ///< compensated pose

@@ -104,6 +104,7 @@ TipMeasurement LampTipSensor::position(
     TipMeasurement measurement, const std::array<Eigen::Matrix2d, 2>& covariances_px2) const {
   const auto place = place_tool(vision_, measurement.lamps_px, covariances_px2);
   if (!place) return failed_look(TipStatus::kOutsideView, kOutsideView, measurement.t_s);
+  measurement.lamps_B = place->lamps_B;
   measurement.p_vision = place->seen.p;
   measurement.correction = place->error.error;
   measurement.tip = place->tip();

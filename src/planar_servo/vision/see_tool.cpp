@@ -50,7 +50,7 @@ std::optional<ToolPlace> place_tool(const VisionCalibration& vision, const LampP
       tip_from_lamps(vision.workplane, vision.tool,
                      {lamps_px[0] - shifts_px[0], lamps_px[1] - shifts_px[1]}, covariances_px2);
   if (!seen) return std::nullopt;
-  ToolPlace place{seen->tip, seen->covariance, seen->sigma_phi};
+  ToolPlace place{seen->tip, seen->covariance, seen->sigma_phi, seen->lamps_B};
   if (vision.error_map) place.error = predict(*vision.error_map, seen->tip.p, seen->tip.phi);
   return place;
 }

@@ -30,6 +30,7 @@ struct ToolPlace {
   TipPose seen;                                         ///< uncompensated end point and direction
   Eigen::Matrix2d covariance{Eigen::Matrix2d::Zero()};  ///< of seen.p, from the lamps' pixels, m^2
   double sigma_phi{0.0};  ///< standard deviation of seen.phi due to the lamps' pixels
+  std::array<Eigen::Vector2d, 2> lamps_B;  ///< the lamps' places on the plane, uncompensated
   /// The vision error that the map predicts there. Without a map it is zero and counts as inside.
   ErrorPrediction error{{0.0, 0.0}, 0.0, true};
 

@@ -1,0 +1,105 @@
+#include "planar_servo/servo/motion_guard.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "planar_servo/core/fixed.h"
+
+namespace planar {
+namespace {
+
+/// A picture may seem older than the arm's rest by the uncertainty of the camera's clock.
+constexpr double kClockUncertainty_s = 0.010;
+/// Beside the play, the motion seen may differ from the motion commanded by a tenth of it, which is
+/// ten times what links and reducers of a sound arm cause.
+constexpr double kMotionShare = 0.1;
+
+constexpr char kAskCell[] = "planar-check-cell says what has moved";
+
+std::optional<Doubt> old(const GuardedLook& look) {
+  const double age_s = look.arrived_s - look.measurement.t_s;
+  if (age_s <= kClockUncertainty_s) return std::nullopt;
+  return Doubt{
+      fmt::format("the picture was taken {:.3f} s before the arm had come to rest", age_s)};
+}
+
+std::optional<Doubt> noisy(const GuardLimits& limits, const TipMeasurement& m) {
+  const double noise_m = 2.0 * m.sigma_vision_m / std::sqrt(std::max(m.frames, 1));
+  if (noise_m <= limits.noise_m) return std::nullopt;
+  return Doubt{
+      fmt::format("vision is uncertain by +- {:.3f} mm; allowed is {:.3f} mm: are the "
+                  "lamps dim, or the exposure too short?",
+                  noise_m / kMillimetre, limits.noise_m / kMillimetre)};
+}
+
+std::optional<Doubt> separated(const GuardLimits& limits, const TipMeasurement& m) {
+  const double separation_m = (m.lamps_B[1] - m.lamps_B[0]).norm();
+  const double off_m = separation_m - limits.separation_m;
+  if (!(std::abs(off_m) > limits.separation_tolerance_m)) return std::nullopt;
+  return Doubt{fmt::format("the lamps are seen {:.3f} mm apart, but were {:.3f} +- {:.3f} mm apart "
+                           "at the calibration: has a lamp moved on the tool? {}",
+                           separation_m / kMillimetre, limits.separation_m / kMillimetre,
+                           limits.separation_tolerance_m / kMillimetre, kAskCell),
+               true};
+}
+
+std::optional<Doubt> displaced(const GuardLimits& limits, const GuardedLook& look) {
+  const double off_m = (look.measurement.tip.p - look.commanded.p).norm();
+  if (off_m <= limits.distance_m) return std::nullopt;
+  return Doubt{
+      fmt::format("the tool is seen at {}, {:.2f} mm from where it was commanded, {}; this cell "
+                  "allows {:.2f} mm: has the camera moved or a drive lost its position, or are the "
+                  "arm's links, gears, directions or coupling not as the cell file says? {}",
+                  place_mm(look.measurement.tip.p), off_m / kMillimetre, place_mm(look.commanded.p),
+                  limits.distance_m / kMillimetre, kAskCell),
+      true};
+}
+
+std::optional<Doubt> turned(const GuardLimits& limits, const GuardedLook& look) {
+  const double off = wrap_angle(look.measurement.tip.phi - look.commanded.phi);
+  if (std::abs(off) <= limits.turn) return std::nullopt;
+  return Doubt{fmt::format("the tool is seen turned by {:.2f} deg from where it was commanded; "
+                           "this cell allows {:.2f} deg: has joint 3 lost its zero, has a lamp "
+                           "moved, or are direction or coupling of joint 3 not as the cell file "
+                           "says? {}",
+                           off / kDegree, limits.turn / kDegree, kAskCell),
+               true};
+}
+
+std::optional<Doubt> overcorrected(const GuardLimits& limits, const TipMeasurement& m) {
+  if (m.correction.norm() <= limits.correction_m) return std::nullopt;
+  return Doubt{
+      fmt::format("the error map would correct by {:.3f} mm; within its region it never "
+                  "corrects by more than {:.3f} mm: record training positions here",
+                  m.correction.norm() / kMillimetre, limits.correction_m / kMillimetre)};
+}
+
+std::optional<Doubt> jumped(const GuardLimits& limits, const GuardedLook& look,
+                            const GuardedLook& before) {
+  const Eigen::Vector2d commanded = look.commanded.p - before.commanded.p;
+  const Eigen::Vector2d seen = look.measurement.tip.p - before.measurement.tip.p;
+  const double off_m = (seen - commanded).norm();
+  if (off_m <= limits.play_m + kMotionShare * commanded.norm()) return std::nullopt;
+  return Doubt{
+      fmt::format("the tool was seen to move by {}, the command was {}; they differ by {:.3f} mm: "
+                  "does the camera see a reflection, has it been touched, or does a joint slip? {}",
+                  place_mm(seen), place_mm(commanded), off_m / kMillimetre, kAskCell),
+      true};
+}
+
+}  // namespace
+
+std::optional<Doubt> doubt(const GuardLimits& limits, const GuardedLook& look,
+                           const GuardedLook* before) {
+  if (auto found = old(look)) return found;
+  if (auto found = noisy(limits, look.measurement)) return found;
+  if (auto found = separated(limits, look.measurement)) return found;
+  if (auto found = displaced(limits, look)) return found;
+  if (auto found = turned(limits, look)) return found;
+  if (auto found = overcorrected(limits, look.measurement)) return found;
+  if (before != nullptr) return jumped(limits, look, *before);
+  return std::nullopt;
+}
+
+}  // namespace planar

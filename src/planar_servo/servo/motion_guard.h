@@ -1,0 +1,49 @@
+#pragma once
+
+#include <limits>
+#include <optional>
+#include <string>
+
+#include "planar_servo/core/pose.h"
+#include "planar_servo/core/units.h"
+#include "planar_servo/servo/tip_sensor.h"
+
+namespace planar {
+
+/// Holds what a calibrated cell promises about every look at its tool. The defaults hold for a cell
+/// that kept no measure of itself; health_limits() makes them narrower.
+struct GuardLimits {
+  /// The tool is seen no farther than this from where it was commanded, and turned by no more.
+  double distance_m{10e-3};
+  double turn{3.0 * kDegree};
+  /// The distance between the lamps on the plane, uncompensated, and how far it may be off.
+  double separation_m{0.0};
+  double separation_tolerance_m{std::numeric_limits<double>::infinity()};
+  /// The error map corrects by no more than this.
+  double correction_m{std::numeric_limits<double>::infinity()};
+  /// What play and noise may add to a motion or take from it.
+  double play_m{0.1e-3};
+  /// The greatest uncertainty, of two standard deviations, by which a look may move the arm.
+  double noise_m{50e-6};
+};
+
+/// Holds one look at the tool and what was commanded for it.
+struct GuardedLook {
+  TipMeasurement measurement;  ///< of a tool that was found
+  TipPose commanded;           ///< by the arm's model, base frame
+  double arrived_s{0.0};       ///< when the arm had come to rest
+};
+
+/// Says why a look must not move the arm.
+struct Doubt {
+  std::string reason;
+  bool of_cell{false};  ///< the reason holds for other targets, too
+};
+
+/// Holds a look against the command and against what the cell promises: its age, its noise, the
+/// lamps' distance, the tool's place and direction, the error map's correction, and the motion
+/// since the look `before`, if there was one. Returns the first doubt.
+std::optional<Doubt> doubt(const GuardLimits& limits, const GuardedLook& look,
+                           const GuardedLook* before);
+
+}  // namespace planar
