@@ -8,6 +8,7 @@
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/io/growing_file.h"
 #include "planar_servo/machine/device_kinds.h"
+#include "planar_servo/machine/virtual_kinds.h"
 #include "planar_servo/served_cell/serve_cell.h"
 #include "planar_servo/virtual_cell/truth/truth.h"
 #include "planar_servo/virtual_cell/truth/truth_file.h"
@@ -42,8 +43,10 @@ Outcome draw(const Options& options) {
   for (const fs::path& path : {cell, truth})
     if (fs::exists(path)) throw InputError(path.string() + ": exists already; name another folder");
   make_folder(options.folder);
-  write_truth(truth, draw_truth(options.seed));
   write_file(cell, paper_cell_text());
+  Truth drawn = draw_truth(options.seed);
+  drawn.build = build_as_stated(virtual_hardware(read_cell(cell)));
+  write_truth(truth, drawn);
   fmt::print("drew cell {}: {} and its truth, {}\n", options.seed, cell.string(), truth.string());
   return {{{"seed", options.seed}, {"cell", cell.string()}, {"truth", truth.string()}}};
 }

@@ -59,8 +59,8 @@ TEST_CASE("A live cell's arm follows the motors that are turned from outside") {
   const VirtualHardware hardware = test::sample_hardware();
   LiveCell live(draw_truth(3), hardware);
   const TipPose before = live.true_tip();
-  const auto motor1 = static_cast<std::int32_t>(hardware.pulses_per_rad[0] * 0.3);
-  const auto half_turn = static_cast<std::int32_t>(hardware.pulses_per_rad[0] * kPi);
+  const auto motor1 = static_cast<std::int32_t>(hardware.pulses_per_rad()[0] * 0.3);
+  const auto half_turn = static_cast<std::int32_t>(hardware.pulses_per_rad()[0] * kPi);
   live.set_mover([&](VirtualCell& cell) { cell.turn_motor(0, motor1 + half_turn); });
   // The first joint's zero and eccentricity are off by less than a degree.
   CHECK((live.true_tip().p + before.p).norm() < 0.02 * before.p.norm());

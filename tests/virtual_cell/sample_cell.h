@@ -9,7 +9,7 @@ namespace planar::test {
 /// The paper's machine as its data sheets have it.
 inline VirtualHardware sample_hardware() {
   VirtualHardware hardware;
-  hardware.pulses_per_rad << 1e6 / (2.0 * kPi), -1e6 / (2.0 * kPi), 5e5 / (2.0 * kPi);
+  hardware.directions << 1.0, -1.0, 1.0;
   hardware.home_rad << 0.3, 1.2, 0.0;
   hardware.monuments_B = {{"datum1", {-0.45, -0.45, 0.0}}, {"datum2", {0.45, 0.45, 0.0}}};
   return hardware;

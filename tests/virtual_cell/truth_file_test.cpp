@@ -1,5 +1,6 @@
 #include "planar_servo/virtual_cell/truth/truth_file.h"
 
+#include <array>
 #include <catch2/catch.hpp>
 #include <string>
 
@@ -55,6 +56,39 @@ TEST_CASE("A truth written and read again is the same cell") {
   CHECK(
       (*VirtualLens(read.camera).project(p_B, 60.0) - *VirtualLens(truth.camera).project(p_B, 60.0))
           .norm() < kPixels);
+}
+
+TEST_CASE("A truth says how the machine is built only where it says so") {
+  const test::TemporaryFolder folder;
+  Truth truth = draw_truth(1);
+  CHECK(truth_text(truth).find("gear_ratios") == std::string::npos);
+  truth.build = {-1.0,
+                 std::array<bool, 2>{true, false},
+                 Eigen::Vector3d(100.5, 100.0, 50.0),
+                 Eigen::Vector3d(1.0, -1.0, 1.0),
+                 Eigen::Vector3d(0.0, 1.0, -1.0),
+                 {{"datum1", {-0.45, -0.45, 0.001}}}};
+  write_truth(folder / "truth.yaml", truth);
+  const BuildTruth read = read_truth(folder / "truth.yaml").build;
+  CHECK(read.sense == -1.0);
+  CHECK(read.relative == std::array<bool, 2>{true, false});
+  CHECK(read.gear_ratios == truth.build.gear_ratios);
+  CHECK(read.directions == truth.build.directions);
+  CHECK(read.home_rad->isApprox(*truth.build.home_rad, kUnits));
+  REQUIRE(read.monuments_B.size() == 1);
+  CHECK(read.monuments_B[0].first == "datum1");
+  CHECK(read.monuments_B[0].second.isApprox(truth.build.monuments_B[0].second, kUnits));
+
+  const std::string good = truth_text(truth);
+  const auto refused = [&](const std::string& key, const std::string& wrong, const char* message) {
+    CHECK_THROWS_WITH(
+        read_truth(folder.write("bad.yaml", test::replaced(good, line_of(good, key), wrong))),
+        Catch::Contains(message));
+  };
+  refused("directions:", "directions: [1, 0.5, 1]", "arm.directions may be 1 and -1");
+  refused("gear_ratios:", "gear_ratios: [0, 100, 50]", "gear_ratios");
+  refused("positive_rotation:", "positive_rotation: right", "counterclockwise");
+  refused("coupling:", "coupling: [relative]", "coupling");
 }
 
 TEST_CASE("The same seed draws the same text, another seed another") {

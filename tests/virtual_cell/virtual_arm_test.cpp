@@ -29,7 +29,7 @@ void drive_to(VirtualArm& arm, const VirtualHardware& hardware, const Eigen::Vec
   for (int joint = 0; joint < 3; ++joint) {
     arm.drive(joint).energize();
     arm.drive(joint).set_target(
-        static_cast<std::int32_t>(std::lround(hardware.pulses_per_rad[joint] * m[joint])));
+        static_cast<std::int32_t>(std::lround(hardware.pulses_per_rad()[joint] * m[joint])));
   }
   clock.sleep_for_s(30.0);
 }
@@ -65,7 +65,7 @@ TEST_CASE("VirtualArm powers up with its joints at home") {
   CHECK(std::abs(arm.tip().p.x() - 0.3 * (std::cos(home[0]) + std::cos(home[1]))) <
         kReachM * kHalfPulseRad);
   CHECK(arm.drive(1).status().position_pulses ==
-        std::lround(hardware.pulses_per_rad[1] * (home[1] - home[0])));
+        std::lround(hardware.pulses_per_rad()[1] * (home[1] - home[0])));
 }
 
 TEST_CASE("A zero offset of a motor that the others ride on turns them all") {

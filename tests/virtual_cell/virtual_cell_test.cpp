@@ -212,7 +212,7 @@ TEST_CASE("VirtualCell refuses hardware that cannot be") {
   refuses([](VirtualHardware& h) { h.frame_rate_hz = 0.0; });
   refuses([](VirtualHardware& h) { h.sensor_px = {0, 5120}; });
   refuses([](VirtualHardware& h) { h.sense = 0.5; });
-  refuses([](VirtualHardware& h) { h.pulses_per_rad[1] = 0.0; });
+  refuses([](VirtualHardware& h) { h.gear_ratios[1] = 0.0; });
   refuses([](VirtualHardware& h) { h.home_rad[0] = std::numeric_limits<double>::quiet_NaN(); });
   refuses([](VirtualHardware& h) { h.max_acceleration_rad_s2[2] = -1.0; });
 }

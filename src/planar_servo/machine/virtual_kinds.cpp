@@ -20,16 +20,17 @@ class NoTracker final : public Tracker {
 }  // namespace
 
 VirtualHardware virtual_hardware(const CellSettings& cell) {
-  const Transmission transmission(cell.transmission);
   VirtualHardware hardware;
   hardware.sensor_px = {cell.camera.width_px, cell.camera.height_px};
   hardware.frame_rate_hz = cell.camera.frame_rate_hz;
   hardware.sense = PlanarArm(cell.arm.geometry).sense();
   for (std::size_t i = 0; i < 2; ++i)
     hardware.relative[i] = cell.transmission.coupling[i] == Coupling::kRelative;
-  hardware.pulses_per_rad = transmission.pulses_per_rad();
   for (int i = 0; i < 3; ++i) {
     const MotorDrive& drive = cell.transmission.drives[static_cast<std::size_t>(i)];
+    hardware.pulses_per_motor_turn[i] = drive.pulses_per_motor_turn;
+    hardware.gear_ratios[i] = drive.gear_ratio;
+    hardware.directions[i] = drive.direction;
     hardware.max_speed_rad_s[i] = drive.max_speed_rad_s;
     hardware.max_acceleration_rad_s2[i] = drive.max_acceleration_rad_s2;
   }

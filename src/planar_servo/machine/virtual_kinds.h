@@ -5,7 +5,8 @@
 
 namespace planar {
 
-/// Returns the hardware that a virtual cell with these settings is made of.
+/// Returns the hardware that a virtual cell with these settings is made of, as far as its truth
+/// does not know better.
 VirtualHardware virtual_hardware(const CellSettings& cell);
 
 /// The kind `source: virtual`: the camera of a virtual cell.

@@ -23,7 +23,7 @@ const VirtualHardware& checked(const VirtualHardware& hardware) {
     throw std::invalid_argument("a virtual camera needs pixels and a frame rate");
   if (std::abs(hardware.sense) != 1.0)
     throw std::invalid_argument("a virtual arm's sense must be +1 or -1");
-  if (!positive(hardware.pulses_per_rad.cwiseAbs()) || !positive(hardware.max_speed_rad_s) ||
+  if (!positive(hardware.pulses_per_rad().cwiseAbs()) || !positive(hardware.max_speed_rad_s) ||
       !positive(hardware.max_acceleration_rad_s2) || !hardware.home_rad.allFinite())
     throw std::invalid_argument("a virtual drive's scale and limits must be finite and not zero");
   return hardware;

@@ -20,6 +20,7 @@ namespace planar {
 /// same calls give the same bytes.
 class VirtualCell {
  public:
+  /// Arm, drives and monuments are as the truth has them, the rest as the hardware is stated.
   /// Throws std::invalid_argument for impossible hardware: an empty sensor, a frame rate or limit
   /// that is not finite and positive, a scale that is zero or not finite, a sense other than +-1.
   VirtualCell(const Truth& truth, const VirtualHardware& hardware);
@@ -39,7 +40,8 @@ class VirtualCell {
   // Servers, which show this cell to others as real devices, use these two.
   /// Renders what the camera's sensor sees now; see VirtualCamera::expose().
   cv::Mat expose(const cv::Rect& region_px, double brightness, std::uint64_t exposure);
-  /// Turns a motor to a position from outside, without its drive. Steps must be so small that the
+  /// Turns a motor to a position from outside, without its drive. Pulses count as its drive did at
+  /// first. Steps must be so small that the
   /// motor does not turn back on the way.
   void turn_motor(int joint, std::int32_t pulses);
 

@@ -7,20 +7,36 @@
 #include <utility>
 #include <vector>
 
+#include "planar_servo/virtual_cell/truth/build_truth.h"
+
 namespace planar {
 
-/// What the data sheets say of the machine: the part of cell.yaml that holds for the virtual cell
-/// as well.
+/// What cell.yaml states of the machine: the part of it that holds for the virtual cell as well,
+/// unless the truth knows better.
 struct VirtualHardware {
   cv::Size sensor_px{5120, 5120};
   double frame_rate_hz{15.0};
   double sense{1.0};                         ///< +1 counterclockwise, -1 clockwise
   std::array<bool, 2> relative{true, true};  ///< whether motors 2 and 3 ride on the link before
-  Eigen::Vector3d pulses_per_rad{1.0, 1.0, 1.0};  ///< signed, of the motor's angle behind its gear
+  Eigen::Vector3d pulses_per_motor_turn{10000.0, 10000.0, 10000.0};
+  Eigen::Vector3d gear_ratios{100.0, 100.0, 50.0};  ///< motor turns per joint turn
+  Eigen::Vector3d directions{1.0, 1.0, 1.0};        ///< each +1 or -1
   Eigen::Vector3d max_speed_rad_s{1.0, 1.0, 2.0};
   Eigen::Vector3d max_acceleration_rad_s2{5.0, 5.0, 10.0};
-  Eigen::Vector3d home_rad{0.0, 0.0, 0.0};                           ///< joint angles at power-up
-  std::vector<std::pair<std::string, Eigen::Vector3d>> monuments_B;  ///< metres, base frame
+  Eigen::Vector3d home_rad{0.0, 0.0, 0.0};  ///< joint angles at power-up
+  VirtualMonuments monuments_B;
+
+  /// Returns the signed scale of each motor's angle behind its gear.
+  Eigen::Vector3d pulses_per_rad() const;
+  /// Returns the motors' positions with the joints at home, whole pulses.
+  Eigen::Vector3i home_pulses() const;
 };
+
+/// Returns the machine as it is built: what the truth knows of it, and the rest as stated. A
+/// monument that the truth does not name stands where it is stated.
+VirtualHardware as_built(const VirtualHardware& stated, const BuildTruth& build);
+
+/// Returns a build that is in every part as stated.
+BuildTruth build_as_stated(const VirtualHardware& stated);
 
 }  // namespace planar

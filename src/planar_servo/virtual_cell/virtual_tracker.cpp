@@ -20,12 +20,12 @@ Eigen::Vector3d bias(const Eigen::Vector3d& p_B, double length, double wavelengt
 
 }  // namespace
 
-VirtualTracker::VirtualTracker(const Truth& truth, const VirtualHardware& hardware, VirtualArm& arm,
+VirtualTracker::VirtualTracker(const Truth& truth, const VirtualHardware& stated, VirtualArm& arm,
                                const Clock& clock)
     : truth_(truth.tracker),
       reflector_T_(truth.tool.reflector_m),
       seed_(truth.seed),
-      monuments_B_(hardware.monuments_B),
+      monuments_B_(as_built(stated, truth.build).monuments_B),
       arm_(arm),
       clock_(clock) {}
 

@@ -2,8 +2,6 @@
 
 #include <cstdint>
 #include <string>
-#include <utility>
-#include <vector>
 
 #include "planar_servo/core/clock.h"
 #include "planar_servo/devices/tracker.h"
@@ -15,7 +13,7 @@ namespace planar {
 /// Simulates a tracker with a frame of its own, white noise and a small smooth bias.
 class VirtualTracker final : public Tracker {
  public:
-  VirtualTracker(const Truth& truth, const VirtualHardware& hardware, VirtualArm& arm,
+  VirtualTracker(const Truth& truth, const VirtualHardware& stated, VirtualArm& arm,
                  const Clock& clock);
 
   std::optional<TrackerReading> measure_tool() override;
@@ -28,7 +26,7 @@ class VirtualTracker final : public Tracker {
   TrackerTruth truth_;
   Eigen::Vector3d reflector_T_;
   std::uint64_t seed_;
-  std::vector<std::pair<std::string, Eigen::Vector3d>> monuments_B_;
+  VirtualMonuments monuments_B_;
   VirtualArm& arm_;
   const Clock& clock_;
   std::uint64_t readings_{0};

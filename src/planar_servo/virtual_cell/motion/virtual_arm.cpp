@@ -4,17 +4,18 @@
 
 namespace planar {
 
-VirtualArm::VirtualArm(const Truth& truth, const VirtualHardware& hardware, const Clock& clock)
-    : arm_(truth.arm), tool_(truth.tool), sense_(hardware.sense), relative_(hardware.relative) {
-  const Eigen::Vector3d& home = hardware.home_rad;
-  const Eigen::Vector3d motors(home[0], home[1] - (relative_[0] ? home[0] : 0.0),
-                               home[2] - (relative_[1] ? home[1] : 0.0));
+VirtualArm::VirtualArm(const Truth& truth, const VirtualHardware& stated, const Clock& clock)
+    : arm_(truth.arm), tool_(truth.tool) {
+  const VirtualHardware built = as_built(stated, truth.build);
+  sense_ = built.sense;
+  relative_ = built.relative;
+  const Eigen::Vector3d scales = built.pulses_per_rad(), rated = stated.pulses_per_rad().cwiseAbs();
+  const Eigen::Vector3i home = built.home_pulses(), counted = stated.home_pulses();
   for (int joint = 0; joint < 3; ++joint) {
-    const double scale = hardware.pulses_per_rad[joint];
-    const MotionLimits rated{std::abs(scale) * hardware.max_speed_rad_s[joint],
-                             std::abs(scale) * hardware.max_acceleration_rad_s2[joint]};
-    const auto home_pulses = static_cast<std::int32_t>(std::lround(scale * motors[joint]));
-    drives_.emplace_back(clock, VirtualDrive::Settings{scale, rated, home_pulses},
+    const MotionLimits limits{rated[joint] * stated.max_speed_rad_s[joint],
+                              rated[joint] * stated.max_acceleration_rad_s2[joint]};
+    drives_.emplace_back(clock,
+                         VirtualDrive::Settings{scales[joint], limits, home[joint], counted[joint]},
                          arm_.reducers[static_cast<std::size_t>(joint)]);
   }
 }

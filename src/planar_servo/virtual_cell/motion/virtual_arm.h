@@ -15,7 +15,9 @@ namespace planar {
 /// The arm as built, moved by its drives. It is the only place that knows the tool's true pose.
 class VirtualArm {
  public:
-  VirtualArm(const Truth& truth, const VirtualHardware& hardware, const Clock& clock);
+  /// The arm is built as the truth says; its drives have the rated limits, and count at home what
+  /// is stated.
+  VirtualArm(const Truth& truth, const VirtualHardware& stated, const Clock& clock);
 
   /// Returns the drive of joint 0, 1 or 2; throws std::out_of_range for others.
   VirtualDrive& drive(int joint);
@@ -33,8 +35,8 @@ class VirtualArm {
 
   ArmTruth arm_;
   ToolTruth tool_;
-  double sense_;
-  std::array<bool, 2> relative_;
+  double sense_{1.0};
+  std::array<bool, 2> relative_{};
   std::vector<VirtualDrive> drives_;
 };
 

@@ -16,7 +16,8 @@ VirtualDrive::VirtualDrive(const Clock& clock, const Settings& settings,
       profile_(settings.home_pulses),
       reducer_(reducer, settings.home_pulses / settings.pulses_per_rad),
       followed_until_s_(clock.now_s()),
-      target_pulses_(settings.home_pulses) {}
+      target_pulses_(settings.home_pulses),
+      counter_offset_pulses_(settings.counted_pulses - settings.home_pulses) {}
 
 void VirtualDrive::energize() {
   energized_ = true;
@@ -95,8 +96,8 @@ void VirtualDrive::set_fault(const std::string& fault) {
 
 void VirtualDrive::turn_shaft(std::int32_t pulses) {
   advance();
-  target_pulses_ = pulses;
-  profile_ = MotionProfile(pulses);
+  target_pulses_ = pulses - (settings_.counted_pulses - settings_.home_pulses);
+  profile_ = MotionProfile(target_pulses_);
   advance();
 }
 

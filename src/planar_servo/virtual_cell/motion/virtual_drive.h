@@ -15,9 +15,10 @@ namespace planar {
 class VirtualDrive final : public PulseDrive {
  public:
   struct Settings {
-    double pulses_per_rad{1.0};  ///< signed, of the motor's angle behind its gear
-    MotionLimits rated_pulses;   ///< pulses/s and pulses/s^2; set_limits() cannot exceed them
-    std::int32_t home_pulses{0};
+    double pulses_per_rad{1.0};      ///< signed, of the motor's angle behind its gear
+    MotionLimits rated_pulses;       ///< pulses/s and pulses/s^2; set_limits() cannot exceed them
+    std::int32_t home_pulses{0};     ///< of the shaft at first, and at the home switch
+    std::int32_t counted_pulses{0};  ///< what the drive counts there at first
   };
 
   VirtualDrive(const Clock& clock, const Settings& settings, const ReducerTruth& reducer);
@@ -37,7 +38,8 @@ class VirtualDrive final : public PulseDrive {
   /// ends the fault.
   void set_fault(const std::string& fault);
 
-  /// Turns the motor's shaft from outside, without the drive.
+  /// Turns the motor's shaft from outside, without the drive, to where the drive counted these
+  /// pulses at first.
   void turn_shaft(std::int32_t pulses);
 
   /// Returns the true angle behind the reducer now.
@@ -59,7 +61,7 @@ class VirtualDrive final : public PulseDrive {
   double followed_until_s_;
   std::int32_t target_pulses_;  ///< of the shaft
   /// Added to the shaft's position, gives the drive's count.
-  std::int32_t counter_offset_pulses_{0};
+  std::int32_t counter_offset_pulses_;
   bool homing_{false};
   bool energized_{false};
   bool position_certain_{true};

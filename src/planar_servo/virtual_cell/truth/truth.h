@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "planar_servo/core/pose.h"
+#include "planar_servo/virtual_cell/truth/build_truth.h"
 
 namespace planar {
 
@@ -109,6 +110,7 @@ struct BoardTruth {
 
 struct Truth {
   ArmTruth arm;
+  BuildTruth build;
   CameraTruth camera;
   std::array<LampTruth, 2> lamps;
   ToolTruth tool;

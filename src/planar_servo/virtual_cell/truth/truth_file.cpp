@@ -1,8 +1,11 @@
 #include "planar_servo/virtual_cell/truth/truth_file.h"
 
+#include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 
+#include "planar_servo/core/names.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/io/pose_fields.h"
@@ -10,6 +13,9 @@
 
 namespace planar {
 namespace {
+
+constexpr Named<double> kSenses[] = {{1.0, "counterclockwise"}, {-1.0, "clockwise"}};
+constexpr Named<bool> kRides[] = {{true, "relative"}, {false, "absolute"}};
 
 /// Rows of [amplitude, phase_deg, harmonic].
 void list_harmonics(Fields& fields, const std::string& key, std::vector<Harmonic>& harmonics,
@@ -19,6 +25,49 @@ void list_harmonics(Fields& fields, const std::string& key, std::vector<Harmonic
     row.number(harmonic.amplitude, unit);
     row.number(harmonic.phase_rad, kDegree);
     row.whole_number(harmonic.order, 0, kMaxOrder);
+  });
+}
+
+/// Visits a key that a file may leave out; `list(Value&)` visits its value.
+template <typename Value, typename List>
+void list_optional(Fields& fields, const std::string& key, std::optional<Value>& field,
+                   const Value& first, const List& list) {
+  if (!fields.given(key, field.has_value())) return;
+  Value value = field.value_or(first);
+  list(value);
+  field = value;
+}
+
+void list_directions(Fields& fields, Eigen::Vector3d& directions) {
+  const char* const key = "directions";
+  if (fields.numbers(key, directions))
+    fields.check((directions.array().abs() == 1.0).all(), "arm.directions may be 1 and -1", key);
+}
+
+/// Lists the keys of the block `arm` that may differ from what the cell file states.
+void list_fields(Fields& fields, BuildTruth& build) {
+  list_optional(fields, "positive_rotation", build.sense, 1.0,
+                [&](double& sense) { fields.choice("positive_rotation", sense, kSenses); });
+  list_optional(
+      fields, "coupling", build.relative, {true, true},
+      [&](std::array<bool, 2>& relative) { fields.choices("coupling", relative, kRides); });
+  const Eigen::Vector3d ones = Eigen::Vector3d::Ones();
+  list_optional(fields, "gear_ratios", build.gear_ratios, ones, [&](Eigen::Vector3d& ratios) {
+    fields.numbers("gear_ratios", ratios, 1.0, Range::positive());
+  });
+  list_optional(fields, "directions", build.directions, ones,
+                [&](Eigen::Vector3d& directions) { list_directions(fields, directions); });
+  list_optional(fields, "home_deg", build.home_rad, ones,
+                [&](Eigen::Vector3d& home) { fields.numbers("home_deg", home, kDegree); });
+}
+
+void list_monuments(Fields& fields, VirtualMonuments& monuments) {
+  if (!fields.given("monuments", !monuments.empty())) return;
+  fields.maps("monuments", monuments, [&](VirtualMonuments::value_type& monument) {
+    fields.text("id", monument.first);
+    fields.number("x_mm", monument.second.x(), kMillimetre);
+    fields.number("y_mm", monument.second.y(), kMillimetre);
+    fields.number("z_mm", monument.second.z(), kMillimetre);
   });
 }
 
@@ -99,7 +148,10 @@ void list_fields(Fields& fields, BoardTruth& board) {
 }
 
 void list_fields(Fields& fields, Truth& truth) {
-  fields.map("arm", [&] { list_fields(fields, truth.arm); });
+  fields.map("arm", [&] {
+    list_fields(fields, truth.arm);
+    list_fields(fields, truth.build);
+  });
   fields.number("sag_mm_per_m2", truth.arm.sag_m_per_m2, kMillimetre);
   fields.map("camera", [&] { list_fields(fields, truth.camera); });
   fields.map("drift", [&] { fields.numbers("px_per_h", truth.camera.drift_px_per_h); });
@@ -109,6 +161,7 @@ void list_fields(Fields& fields, Truth& truth) {
   });
   fields.map("tool", [&] { list_fields(fields, truth.tool); });
   fields.map("tracker", [&] { list_fields(fields, truth.tracker); });
+  list_monuments(fields, truth.build.monuments_B);
   fields.map("noise", [&] { list_fields(fields, truth.noise); });
   fields.map("board", [&] { list_fields(fields, truth.board); });
   fields.whole_number("seed", truth.seed, std::uint32_t{0});
