@@ -1,12 +1,15 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <set>
+
 #include "planar_servo/core/error.h"
 #include "planar_servo/files/tool_file.h"
 #include "planar_servo/files/vision_files.h"
 #include "planar_servo/files/workplane_file.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/machine/device_kinds.h"
+#include "planar_servo/offline/pairs/health_of_recording.h"
 #include "planar_servo/offline/pairs/pair_files.h"
 #include "planar_servo/offline/pairs/pair_tracker.h"
 #include "planar_servo/offline/pairs/pair_tracker_report.h"
@@ -20,7 +23,7 @@ const ProgramText kText{
     "Pairs what the camera saw with what a laser tracker measured; finds workplane and tool.",
     "planar-pair-tracker --cell cell.yaml --lamps lamps.csv --recording RECORDING "
     "[--workplane-from pairs|grid] --workplane-out workplane.yaml --tool-out tool.yaml "
-    "-o pairs.csv",
+    "[--health-out health.yaml] -o pairs.csv",
     R"(datum      3 monuments, rms 0.005 mm
 workplane  6 degrees of freedom fitted to 51 places, rms 0.085 mm
 tool       end point (0.058, 0.048) mm, reflector (11.811, -8.139) mm
@@ -28,7 +31,8 @@ rejected   train_17: vision and tracker differ by 4.643 mm; the limit is 0.812 m
 raw error  train: 39 pairs, mean 0.079 mm, rms 0.094 mm, max 0.231 mm)"};
 
 struct Options {
-  std::filesystem::path cell, lamps, recording, tracker, workplane_out, tool_out, pairs_out;
+  std::filesystem::path cell, lamps, recording, tracker, workplane_out, tool_out, health_out,
+      pairs_out;
   std::string workplane_from{"pairs"}, grid, pair_by{"id"}, columns;
   char separator{','};
   bool decimal_comma{false};
@@ -67,6 +71,10 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--tool-out", options.tool_out, "tool.yaml to write")
       ->required()
       ->type_name("FILE");
+  app.add_option("--health-out", options.health_out,
+                 "health.yaml to write: places and measures by which planar-check-cell and "
+                 "planar-servo see later what has changed")
+      ->type_name("FILE");
   app.add_option("-o,--out", options.pairs_out, "pairs.csv to write")
       ->required()
       ->type_name("FILE");
@@ -97,12 +105,13 @@ RecordedTables tables_of(const Options& options) {
 }
 
 void require_outputs(const Options& options, const CellSettings& cell) {
-  if (options.workplane_out == options.tool_out || options.workplane_out == options.pairs_out ||
-      options.tool_out == options.pairs_out) {
-    throw InputError("--workplane-out, --tool-out and -o name the same file; give each its own");
-  }
+  std::vector<std::filesystem::path> outputs{options.workplane_out, options.tool_out,
+                                             options.pairs_out};
+  if (!options.health_out.empty()) outputs.push_back(options.health_out);
+  if (std::set<std::filesystem::path>(outputs.begin(), outputs.end()).size() < outputs.size())
+    throw InputError("two of the files to write have the same name; give each its own");
   const RecordedTables tables = tables_of(options);
-  for (const auto& output : {options.workplane_out, options.tool_out, options.pairs_out}) {
+  for (const auto& output : outputs) {
     require_writable(output);
     for (const auto& input :
          {options.cell, cell.camera_model, tables.lamps, tables.frames, tables.tracker})
@@ -138,12 +147,26 @@ PairTrackerRequest read_request(const Options& options) {
   return request;
 }
 
+PairFiles files_of(const Options& options) {
+  return {options.workplane_out, options.tool_out, options.pairs_out};
+}
+
+void write_health(const Options& options, const PairTrackerRequest& request,
+                  const PairTrackerReport& report) {
+  const VisionCalibration vision{request.cell.lamps.layout,
+                                 Workplane(request.camera, report.workplane.X_WC),
+                                 report.workplane.tool};
+  write_health_file(options.health_out, request.cell, files_of(options),
+                    health_of_recording(request.cell, vision, request.frames, request.lamps),
+                    kText.name);
+}
+
 Outcome pair(const Options& options) {
   const PairTrackerRequest request = read_request(options);
   const PairTrackerReport report = pair_tracker(request);
-  write_pair_files({options.workplane_out, options.tool_out, options.pairs_out}, request.cell,
-                   tables_of(options), report.workplane, source_of(options), report.pairs,
-                   kText.name);
+  write_pair_files(files_of(options), request.cell, tables_of(options), report.workplane,
+                   source_of(options), report.pairs, kText.name);
+  if (!options.health_out.empty()) write_health(options, request, report);
   const std::string doubt = moved_monuments(request, report.datum.rms);
   if (!doubt.empty()) spdlog::warn(doubt);
   fmt::print("{}", pair_tracker_text(report));

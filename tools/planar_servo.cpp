@@ -25,7 +25,7 @@ const ProgramText kText{
     "planar-servo", "Positions the end point at targets by vision and logs every step.",
     "planar-servo --cell cell.yaml --targets targets.csv --out DIR [--no-error-map] [--resume]\n"
     "                    [--centre METHOD] [--display auto|x|none] [--home]\n"
-    "                    [--accept-stale] [--keep-going]\n"
+    "                    [--accept-stale] [--no-health] [--keep-going]\n"
     "       planar-servo --cell cell.yaml --targets targets.csv --dry-run | --check\n"
     "       ... | planar-servo --cell cell.yaml --targets - --out DIR",
     R"(2 of 2 targets reached, 1.5 corrections and 2.87 s each
@@ -39,7 +39,7 @@ struct Options {
   std::string display{"none"};
   std::string center;  ///< empty: the cell's lamps.method
   bool no_error_map{false}, dry_run{false}, check{false}, resume{false}, home{false};
-  bool accept_stale{false}, keep_going{false};
+  bool accept_stale{false}, no_health{false}, keep_going{false};
 };
 
 void add_options(CLI::App& app, Options& options) {
@@ -59,6 +59,8 @@ void add_options(CLI::App& app, Options& options) {
                "asks on a terminal");
   app.add_flag("--accept-stale", options.accept_stale,
                "move even with files that were not made from one another; the run says which");
+  app.add_flag("--no-health", options.no_health,
+               "move without looking first whether the cell still is as it was calibrated");
   app.add_flag("--keep-going", options.keep_going,
                "try the next target even when the cell itself is in doubt: after a look that "
                "contradicts the command or the calibration, or an error that grew");
@@ -176,6 +178,7 @@ Outcome work(const Options& options) {
                              options.out,
                              options.resume,
                              options.accept_stale,
+                             !options.no_health,
                              options.keep_going,
                              [&](const std::string& unhomed) { return may_home(options, unhomed); },
                              interrupted};

@@ -69,6 +69,7 @@ struct CellSettings {
   CameraSettings camera;
   /// The files of the calibration, which may not exist yet.
   std::filesystem::path camera_model, workplane, tool, error_map;
+  std::optional<std::filesystem::path> health;  ///< what the calibration kept for later checks
   LampSettings lamps;
   ArmSettings arm;
   TransmissionSettings transmission;

@@ -15,6 +15,7 @@
 #include "planar_servo/offline/lamps/locate_lamps.h"
 #include "planar_servo/offline/map/check_error_map.h"
 #include "planar_servo/offline/map/fit_map_to_pairs.h"
+#include "planar_servo/offline/pairs/health_of_recording.h"
 #include "planar_servo/offline/pairs/pair_files.h"
 #include "planar_servo/offline/pairs/pair_tracker.h"
 
@@ -35,6 +36,7 @@ CellSettings with_files_in(CellSettings cell, const fs::path& folder) {
   cell.workplane = folder / "workplane.yaml";
   cell.tool = folder / "tool.yaml";
   cell.error_map = folder / "map.yaml";
+  cell.health = folder / "health.yaml";
   return cell;
 }
 
@@ -67,9 +69,13 @@ std::vector<PairRow> make_pairs(const ChainSettings& settings, const CellSetting
   const PairTrackerReport report = pair_tracker(request);
   const WorkplaneSource source =
       settings.plane_from_board ? WorkplaneSource::kBoard : WorkplaneSource::kPairs;
-  write_pair_files({cell.workplane, cell.tool, folder / "pairs.csv"}, cell, tables,
-                   report.workplane, source, report.pairs, kProgram);
-  return read_pairs(folder / "pairs.csv");
+  const PairFiles files{cell.workplane, cell.tool, folder / "pairs.csv"};
+  write_pair_files(files, cell, tables, report.workplane, source, report.pairs, kProgram);
+  const VisionCalibration vision{cell.lamps.layout, Workplane(camera, report.workplane.X_WC),
+                                 report.workplane.tool};
+  write_health_file(*cell.health, cell, files,
+                    health_of_recording(cell, vision, recorded.frames, request.lamps), kProgram);
+  return read_pairs(files.pairs);
 }
 
 /// Fits the map that a hand finds: the one of the width that is best on the test positions.

@@ -180,6 +180,7 @@ void read_fields(Fields& fields, CellSettings& cell, const DeviceKinds& kinds) {
   fields.map("lamps", [&] { read_lamps(fields, cell.lamps); });
   fields.map("tracker", [&] { read_tracker(fields, cell, kinds); });
   read_datum(fields, cell.datum);
+  if (fields.given("health", true)) read_file_name(fields, "health", cell, cell.health.emplace());
   if (fields.given("virtual", true)) read_file_name(fields, "virtual", cell, cell.truth.emplace());
 }
 

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <fstream>
 #include <optional>
-#include <sstream>
 
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/io/sha256.h"
@@ -16,8 +15,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr char kRemark[] = "# input: ", kProgram[] = "program: ", kCreated[] = "created: ";
-constexpr int kHeaderLines = 16;  // within which our writers begin the list of inputs
+constexpr char kRoleRemark[] = "# role: ", kRemark[] = "# made from: ";
+constexpr char kProgram[] = "program: ", kCreated[] = "created: ";
+constexpr int kHeaderLines = 32;  // within which our writers begin the list of inputs
 constexpr std::size_t kShownDigits = 8;
 
 const Origin* find_role(const std::vector<Origin>& origins, Role role) {
@@ -32,12 +32,12 @@ void add_origin(std::vector<Origin>& origins, const std::string& role, std::stri
   if (known) origins.push_back({*known, std::move(name), std::move(sha256)});
 }
 
-/// Reads a line that csv_remarks() wrote: role, digits, and the name to the end of the line.
-void add_remark(std::vector<Origin>& origins, const std::string& line) {
-  std::istringstream fields(line.substr(std::size(kRemark) - 1));
-  std::string role, sha256, name;
-  if (fields >> role >> sha256 && std::getline(fields >> std::ws, name))
-    add_origin(origins, role, name, sha256);
+/// Reads a line `# made from: NAME SHA256` that follows the line of its role.
+void add_remark(std::vector<Origin>& origins, const std::string& role, const std::string& line) {
+  const std::string text = line.substr(std::size(kRemark) - 1);
+  const std::size_t space = text.rfind(' ');
+  if (space != std::string::npos)
+    add_origin(origins, role, text.substr(0, space), text.substr(space + 1));
 }
 
 std::vector<Origin> origins_of_list(const std::string& yaml) {
@@ -123,6 +123,16 @@ std::vector<Origin> origins_in(const CellSettings& cell) {
           block(Role::kDatum, cell, "datum", datum)};
 }
 
+Origin arm_origin(const CellSettings& cell) {
+  const ArmGeometry& arm = cell.arm.geometry;
+  const std::array<Coupling, 2>& coupling = cell.transmission.coupling;
+  return block(
+      Role::kArm, cell, "arm",
+      fmt::format("{} {} {} {} {} {}", arm.link_lengths_m[0], arm.link_lengths_m[1],
+                  static_cast<int>(arm.positive_rotation), static_cast<int>(cell.arm.elbow),
+                  static_cast<int>(coupling[0]), static_cast<int>(coupling[1])));
+}
+
 std::vector<Origin> origins_in(const CellSettings& cell, const std::vector<MadeFile>& files) {
   std::vector<Origin> origins = origins_in(cell);
   for (const MadeFile& file : files)
@@ -133,9 +143,10 @@ std::vector<Origin> origins_in(const CellSettings& cell, const std::vector<MadeF
 std::vector<Origin> read_origins(const fs::path& path) {
   std::ifstream in = open_file(path);
   std::vector<Origin> remarks;
-  std::string line, list;
+  std::string line, list, role;
   for (int i = 0; i < kHeaderLines && std::getline(in, line); ++i) {
-    if (line.rfind(kRemark, 0) == 0) add_remark(remarks, line);
+    if (line.rfind(kRoleRemark, 0) == 0) role = line.substr(std::size(kRoleRemark) - 1);
+    if (line.rfind(kRemark, 0) == 0) add_remark(remarks, role, line);
     if (line != "inputs:") continue;
     list = line + "\n";
     while (std::getline(in, line) && belongs_to_list(line)) list += line + "\n";
@@ -171,10 +182,11 @@ std::vector<InputRecord> input_records(const std::vector<Origin>& origins) {
 
 std::vector<std::string> csv_remarks(const std::vector<Origin>& origins) {
   std::vector<std::string> remarks;
-  remarks.reserve(origins.size());
-  for (const Origin& origin : origins)
-    remarks.push_back(fmt::format("{}{} {} {}", kRemark, name_in(kRoles, origin.role),
-                                  origin.sha256, origin.name));
+  remarks.reserve(2 * origins.size());
+  for (const Origin& origin : origins) {
+    remarks.push_back(kRoleRemark + std::string(name_in(kRoles, origin.role)));
+    remarks.push_back(fmt::format("{}{} {}", kRemark, origin.name, origin.sha256));
+  }
   return remarks;
 }
 
@@ -203,11 +215,14 @@ std::vector<StaleFile> contradictions(const std::vector<MadeFile>& files,
 
 std::vector<StaleFile> stale_files(const CellSettings& cell, bool with_error_map) {
   std::vector<MadeFile> files = calibration_files(cell, with_error_map);
+  if (cell.health) files.push_back({Role::kHealth, *cell.health});
   files.erase(std::remove_if(files.begin(), files.end(),
                              [](const MadeFile& file) { return !fs::exists(file.path); }),
               files.end());
-  // Nothing is made from a map.
-  return contradictions(files, origins_in(cell, calibration_files(cell, false)), values_of(kRoles));
+  // Nothing is made from a map or from a health file.
+  std::vector<Origin> present = origins_in(cell, calibration_files(cell, false));
+  present.push_back(arm_origin(cell));
+  return contradictions(files, present, values_of(kRoles));
 }
 
 void require_belonging(const std::vector<StaleFile>& stale) {

@@ -21,9 +21,11 @@ enum class Role {
   kTool,
   kPairs,
   kErrorMap,
+  kHealth,
   kLampLayout,  ///< `lamps` of the cell file, without the method
   kImageSize,   ///< `camera` of the cell file, its size only
   kDatum,       ///< `datum` of the cell file
+  kArm,         ///< `arm` of the cell file: links, sense, elbow and coupling
 };
 
 /// All roles with the words that files have for them.
@@ -33,7 +35,8 @@ constexpr Named<Role> kRoles[] = {
     {Role::kWorkplane, "workplane"},   {Role::kTool, "tool"},
     {Role::kPairs, "pairs"},           {Role::kErrorMap, "error_map"},
     {Role::kLampLayout, "cell_lamps"}, {Role::kImageSize, "cell_image_size"},
-    {Role::kDatum, "cell_datum"}};
+    {Role::kDatum, "cell_datum"},      {Role::kHealth, "health"},
+    {Role::kArm, "cell_arm"}};
 
 /// Holds one thing that a file was made from.
 struct Origin {
@@ -63,6 +66,9 @@ Origin origin_of(const MadeFile& file, const std::string& text);
 
 /// Returns the blocks of a cell that calibration files are made from.
 std::vector<Origin> origins_in(const CellSettings& cell);
+
+/// Returns the block of a cell that only health.yaml is made from.
+Origin arm_origin(const CellSettings& cell);
 
 /// Returns the blocks of a cell and those of these files that exist.
 std::vector<Origin> origins_in(const CellSettings& cell, const std::vector<MadeFile>& files);

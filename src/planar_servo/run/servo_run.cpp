@@ -11,6 +11,7 @@
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/files/tables/step_table.h"
 #include "planar_servo/files/vision_files.h"
+#include "planar_servo/run/cell_check.h"
 #include "planar_servo/run/dry_run.h"
 #include "planar_servo/run/target_scorer.h"
 #include "planar_servo/vision/guard_limits.h"
@@ -24,6 +25,8 @@ namespace fs = std::filesystem;
 constexpr double kCameraPatience_s = 60.0;
 constexpr double kCameraPoll_s = 0.05;
 constexpr double kDrivePatience_s = 60.0;
+/// A camera that drifts by 0.1 mm an hour is noticed in this time.
+constexpr double kExamineEvery_s = 600.0;
 /// The most recoveries of drives for one target. A drive that fails more often is broken.
 constexpr int kMaxDriveRecoveries = 3;
 
@@ -39,6 +42,12 @@ std::vector<TargetResult> results_so_far(const fs::path& folder, bool resume) {
                      "to begin one there");
   drop_torn_line(results);
   return begun ? read_results(results) : std::vector<TargetResult>();
+}
+
+GuardLimits limits_of(const CellSettings& cell, const VisionCalibration& vision,
+                      const std::optional<HealthRecord>& health) {
+  const GuardLimits limits = guard_limits(vision, cell.workspace, cell.tool_orientation);
+  return health ? with_health(limits, *health) : limits;
 }
 
 const fs::path& folder_made(const fs::path& path) {
@@ -66,23 +75,46 @@ ServoRun::ServoRun(const ServoRequest& request, CellDevices& devices, Observer o
       observer_(std::move(observer)),
       may_home_(request.may_home),
       true_tip_(devices.true_tip()),
+      check_health_(request.check_health),
       keep_going_(request.keep_going),
       results_(results_so_far(request.out, request.resume)),
       vision_(read_vision(cell_, request.use_error_map)),
+      health_(read_cell_health(cell_)),
       sensor_(vision_, request.center, devices.camera(), cell_.camera.follow_region_px),
       accepted_stale_(accept_stale_files(cell_, request.use_error_map, request.accept_stale)),
       steps_(folder_made(request.out) / "steps.csv", steps_header()),
       table_(request.out / "results.csv", results_header()),
       robot_(PlanarArm(cell_.arm.geometry), Transmission(cell_.transmission), devices.drives(),
              devices.clock()),
-      servo_(cell_.servo, guard_limits(vision_, cell_.workspace, cell_.tool_orientation),
-             joint_planner(cell_), robot_, sensor_, devices.clock()) {
+      servo_(cell_.servo, limits_of(cell_, vision_, health_), joint_planner(cell_), robot_, sensor_,
+             devices.clock()) {
   robot_.stop_when(request.stop);
   robot_.energize();
   sensor_.aim(robot_.arm().forward(robot_.commanded_joints()));
 }
 
+void ServoRun::examine() {
+  if (!check_health_) {
+    if (!examined_s_) spdlog::warn("the cell's health is not looked at (--no-health)");
+  } else {
+    if (!health_)
+      spdlog::warn(fmt::format(
+          "{}: names no health file that exists, so nobody can say what has moved since the "
+          "calibration; planar-pair-tracker --health-out makes one",
+          cell_.file.string()));
+    CellCheck check(cell_, vision_, robot_, sensor_, clock_);
+    const std::vector<HealthFinding> found = check_cell(check, health_);
+    const bool harmful = std::any_of(found.begin(), found.end(), [](const HealthFinding& finding) {
+      return finding.cost_m > kTolerable_m;
+    });
+    if (harmful) throw WorkError("the cell is not well: " + findings_text(found));
+    if (!found.empty()) spdlog::warn(findings_text(found));
+  }
+  examined_s_ = clock_.now_s();
+}
+
 const TargetResult& ServoRun::move_to(const TargetRow& target) {
+  if (!examined_s_ || (check_health_ && clock_.now_s() > *examined_s_ + kExamineEvery_s)) examine();
   TargetScorer scorer(target, steps_, true_tip_);
   const auto attempt = [&] {
     return servo_.move_to(target_pose(target, cell_.tool_orientation), [&](const ServoStep& step) {

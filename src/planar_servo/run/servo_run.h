@@ -9,6 +9,7 @@
 #include "planar_servo/cell/cell_settings.h"
 #include "planar_servo/files/tables/result_table.h"
 #include "planar_servo/files/tables/target_table.h"
+#include "planar_servo/health/health_record.h"
 #include "planar_servo/io/growing_file.h"
 #include "planar_servo/machine/cell_devices.h"
 #include "planar_servo/robot/planar_robot.h"
@@ -25,6 +26,7 @@ struct ServoRequest {
   std::filesystem::path out;  ///< steps.csv and results.csv grow here, a line at a time
   bool resume{false};         ///< continues the run that the folder holds
   bool accept_stale{false};   ///< moves even with files that do not belong together
+  bool check_health{true};    ///< looks, before the first target, whether the cell is as it was
   bool keep_going{false};     ///< tries the next target even when the cell itself is in doubt
   /// Is asked whether drives that lost their position may be homed now, which moves the arm. Its
   /// argument names the drives in words. Empty: they may not.
@@ -58,7 +60,9 @@ class ServoRun {
   /// that do not belong together unless `accept_stale` is set.
   ServoRun(const ServoRequest& request, CellDevices& devices, Observer observer = {});
 
-  /// Moves to a target and returns its result. A target that fails has a result like the others.
+  /// Looks before the first target, and every ten minutes after it, whether the cell still is as
+  /// its files say and as it was at its calibration; throws WorkError with what it finds. Then
+  /// moves to a target and returns its result. A target that fails has a result like the others.
   /// When a device fails for good or somebody stops the arm, it throws WorkError; all that was done
   /// is in the files then.
   ///
@@ -78,6 +82,8 @@ class ServoRun {
   const std::vector<TargetResult>& results() const { return results_; }
 
  private:
+  /// Throws WorkError when the cell is not well, and says so when nothing is known of its health.
+  void examine();
   /// Makes one attempt at a target, and makes it again after a drive that failed is back, but at
   /// most `recoveries_left` times.
   ServoResult with_drives(const std::string& id, int& recoveries_left,
@@ -93,10 +99,12 @@ class ServoRun {
   Observer observer_;
   std::function<bool(const std::string&)> may_home_;
   std::function<TipPose()> true_tip_;
-  bool keep_going_;
+  bool check_health_, keep_going_;
+  std::optional<double> examined_s_;  ///< when the cell was last looked at
   std::optional<std::string> ended_by_;
   std::vector<TargetResult> results_;
   VisionCalibration vision_;
+  std::optional<HealthRecord> health_;
   LampTipSensor sensor_;
   std::vector<std::string> accepted_stale_;
   GrowingFile steps_;

@@ -68,7 +68,8 @@ ServoResult PositionServo::move_to(const TipPose& target, const Observer& observ
   for (;; ++result.iterations) {
     if (plan.refusal) return finish(ServoStatus::kRefused, *plan.refusal);
     if (const auto obstacle = command(plan.theta))
-      return finish(obstacle->status, obstacle->reason);
+      return finish(obstacle->refused ? ServoStatus::kRefused : ServoStatus::kLostCamera,
+                    obstacle->reason);
     const ServoStep& step = result.steps.emplace_back(measure(target, result.iterations));
     if (observer) observer(step);
     if (const auto found = doubt_of(step)) {
@@ -167,26 +168,10 @@ JointPlan PositionServo::corrected_joints(const ServoStep& step) const {
   return {theta, std::nullopt};
 }
 
-std::optional<PositionServo::Obstacle> PositionServo::command(const Joints& theta) {
-  const auto refused = [](const std::string& reason) {
-    return Obstacle{ServoStatus::kRefused, reason};
-  };
-  const auto move = [&](const Joints& to) -> std::optional<Obstacle> {
-    const auto objection = robot_.move_to(to, [&] { return sensor_.fault(); });
-    if (!objection) return std::nullopt;
-    return Obstacle{ServoStatus::kLostCamera, *objection};
-  };
-  if (const auto refusal = planner_.refusal(theta)) return refused(*refusal);
-  if (settings_.approach == Approach::kOneSide) {
-    const Transmission& transmission = planner_.transmission();
-    const Eigen::Vector3d motors = transmission.motors_from_joints(theta);
-    const Joints short_of = transmission.joints_from_motors(
-        motors - Eigen::Vector3d::Constant(settings_.approach_margin_rad));
-    if (const auto violation = transmission.limit_violation(short_of))
-      return refused("on the approach from one side, " + *violation);
-    if (const auto obstacle = move(short_of)) return obstacle;
-  }
-  if (const auto obstacle = move(theta)) return obstacle;
+std::optional<Obstacle> PositionServo::command(const Joints& theta) {
+  const auto obstacle =
+      arrive(robot_, planner_, settings_, theta, [this] { return sensor_.fault(); });
+  if (obstacle) return obstacle;
   arrived_s_ = clock_.now_s();
   clock_.sleep_for_s(settings_.settle_s);
   return std::nullopt;

@@ -10,6 +10,7 @@
 #include "planar_servo/core/clock.h"
 #include "planar_servo/core/names.h"
 #include "planar_servo/robot/planar_robot.h"
+#include "planar_servo/servo/arrival.h"
 #include "planar_servo/servo/motion_guard.h"
 #include "planar_servo/servo/tip_sensor.h"
 
@@ -94,11 +95,6 @@ class PositionServo {
   /// Says what is doubtful about a step's look, and keeps the look for the next one.
   std::optional<Doubt> doubt_of(const ServoStep& step);
   JointPlan corrected_joints(const ServoStep& step) const;
-  /// What forbids or stops a motion.
-  struct Obstacle {
-    ServoStatus status;
-    std::string reason;
-  };
   /// Moves and settles. Returns what forbids or stops the motion, if anything does.
   std::optional<Obstacle> command(const Joints& theta);
   double pulse_size_m() const;

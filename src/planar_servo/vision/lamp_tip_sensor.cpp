@@ -80,6 +80,23 @@ TipMeasurement LampTipSensor::look_at_tool(const TipPose& expected, int frames) 
   return position(std::move(mean), covariances);
 }
 
+std::optional<std::array<Eigen::Vector2d, 2>> LampTipSensor::look_around() {
+  const cv::Size sensor = camera_.sensor_size_px();
+  camera_.set_region({0, 0, sensor.width, sensor.height});
+  const FrameResult result = camera_.next_frame();
+  if (result.status != FrameStatus::kOk) return std::nullopt;
+  last_frame_ = result.frame;
+  const LampPair pair = tracker_.locate(last_frame_, {});
+  if (pair.status != LampStatus::kOk && pair.status != LampStatus::kAmbiguous) return std::nullopt;
+  std::array<Eigen::Vector2d, 2> lamps_B;
+  for (std::size_t k = 0; k < 2; ++k) {
+    const auto p_W = vision_.workplane.plane_from_pixel(pair.lamps[k].uv_px);
+    if (!p_W) return std::nullopt;
+    lamps_B[k] = *p_W;
+  }
+  return lamps_B;
+}
+
 LampTipSensor::Look LampTipSensor::locate(const FrameResult& result,
                                           const PairExpectation& expectation) {
   if (result.status != FrameStatus::kOk) return {{}, result.frame.t_s, result.status};

@@ -26,6 +26,10 @@ class LampTipSensor final : public TipSensor {
   TipMeasurement measure(const TipPose& expected, int frames) override;
   std::optional<std::string> fault() const override { return camera_.fault(); }
 
+  /// Looks for two lamps in the whole frame, wherever the tool should be. Returns their places on
+  /// the plane, uncompensated and in any order; empty unless two lamps are found.
+  std::optional<std::array<Eigen::Vector2d, 2>> look_around();
+
   /// Returns the frame that was looked at last. It has no image before the first look.
   const Frame& last_frame() const { return last_frame_; }
 

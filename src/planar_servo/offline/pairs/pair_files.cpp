@@ -1,5 +1,6 @@
 #include "planar_servo/offline/pairs/pair_files.h"
 
+#include "planar_servo/files/health_file.h"
 #include "planar_servo/files/tool_file.h"
 #include "planar_servo/io/atomic_file.h"
 
@@ -36,6 +37,16 @@ void write_pair_files(const PairFiles& files, const CellSettings& cell,
   write_file(files.workplane, workplane);
   write_file(files.tool, tool);
   write_file(files.pairs, pairs_text(pairs, csv_remarks(origins)));
+}
+
+void write_health_file(const std::filesystem::path& path, const CellSettings& cell,
+                       const PairFiles& files, const HealthRecord& record,
+                       const std::string& program) {
+  std::vector<Origin> origins = origins_in(cell, {{Role::kCamera, cell.camera_model},
+                                                  {Role::kWorkplane, files.workplane},
+                                                  {Role::kTool, files.tool}});
+  origins.push_back(arm_origin(cell));
+  write_file(path, health_text(record, program, origins));
 }
 
 }  // namespace planar

@@ -9,6 +9,7 @@
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/files/tables/pair_table.h"
 #include "planar_servo/files/workplane_file.h"
+#include "planar_servo/health/health_record.h"
 
 namespace planar {
 
@@ -37,5 +38,10 @@ std::vector<StaleFile> stale_tables(const CellSettings& cell, const RecordedTabl
 void write_pair_files(const PairFiles& files, const CellSettings& cell,
                       const RecordedTables& tables, const WorkplaneFit& fit, WorkplaneSource source,
                       const std::vector<PairRow>& pairs, const std::string& program);
+
+/// Writes health.yaml, which belongs to the camera and to the workplane and tool of `files`.
+void write_health_file(const std::filesystem::path& path, const CellSettings& cell,
+                       const PairFiles& files, const HealthRecord& record,
+                       const std::string& program);
 
 }  // namespace planar

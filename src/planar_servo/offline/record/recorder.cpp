@@ -18,6 +18,7 @@
 #include "planar_servo/lamps/lamp_tracker.h"
 #include "planar_servo/offline/record/motion_plan.h"
 #include "planar_servo/robot/planar_robot.h"
+#include "planar_servo/servo/arrival.h"
 #include "planar_servo/vision/follow_region.h"
 
 namespace planar {
@@ -47,6 +48,7 @@ class Recorder {
         folder_(request.recording),
         arm_(cell_.arm.geometry),
         transmission_(cell_.transmission),
+        planner_(joint_planner(cell_)),
         robot_(arm_, transmission_, devices.drives(), devices.clock()),
         lamps_(CenterMethod::kCannyKasa),
         frames_table_(folder_ / "frames.csv", frames_header()),
@@ -101,10 +103,12 @@ class Recorder {
   void record_position(const PlanRow& row, const Joints& theta) {
     if (!energized_) robot_.energize();
     energized_ = true;
-    if (const auto objection = robot_.move_to(theta, [this] { return devices_.camera().fault(); }))
-      throw WorkError(
-          fmt::format("{}: {}; the arm has stopped; mend the camera, then start again to go on",
-                      row.id, *objection));
+    if (const auto obstacle = arrive(robot_, planner_, cell_.servo, theta,
+                                     [this] { return devices_.camera().fault(); }))
+      throw WorkError(fmt::format(
+          "{}: {}; {}", row.id, obstacle->reason,
+          obstacle->refused ? "move the place in the plan"
+                            : "the arm has stopped; mend the camera, then start again to go on"));
     devices_.clock().sleep_for_s(cell_.servo.settle_s);
     const Eigen::Vector2d p = arm_.forward(robot_.commanded_joints()).p;
     std::string lines;
@@ -182,6 +186,7 @@ class Recorder {
   fs::path folder_;
   PlanarArm arm_;
   Transmission transmission_;
+  JointPlanner planner_;
   PlanarRobot robot_;
   LampTracker lamps_;
   GrowingFile frames_table_;

@@ -1,0 +1,99 @@
+#!/usr/bin/env python3
+"""Injects faults into a drawn and calibrated virtual cell, one at a time, and tells what was said.
+
+    bench/faults/table.py BUILD/bin OUT [--only WORDS] [--healthy]
+
+Each fault is named (the words that were said contain its cause, and the exit status is not 0), noticed
+(the exit status is not 0) or silent (it is 0). For what moved, the true error of the targets that were
+called reached says what the fault cost. --healthy runs 20 drawn cells ten times each instead, in which
+nothing is wrong."""
+
+import argparse
+import re
+import sys
+from pathlib import Path
+
+from cell_folder import make_cell
+from faults import ALL
+
+SILENT_COST_MM = 0.05
+
+
+def verdict(fault, status, said):
+    if status == 0:
+        return "silent"
+    return "named" if re.search(fault.causes, said, re.IGNORECASE) else "noticed"
+
+
+def said_line(said):
+    """The line that says most: the last one with a colon that is no summary."""
+    lines = [line for line in said.splitlines() if re.search(r"[a-z]", line)]
+    for pattern in (r"not well|held|made with|refused|error", r":"):
+        for line in lines:
+            if re.search(pattern, line):
+                return line.strip()
+    return lines[-1].strip() if lines else ""
+
+
+def fault_table(programs, out, only):
+    cell = make_cell(programs, 7, out / "cell")
+    other = make_cell(programs, 8, out / "other")
+    status, said = cell.servo()
+    healthy = cell.true_errors_mm()
+    if status != 0:
+        sys.exit(f"the healthy cell is not reached: {said}")
+    print(f"healthy: {max(healthy):.4f} mm at most")
+    counts = {"named": 0, "noticed": 0, "silent": 0}
+    costly = []
+    for fault in ALL:
+        if only and not re.search(only, fault.name):
+            continue
+        copy = cell.copy_to(out / "spoilt")
+        fault.inject(copy, other)
+        status, said = fault.run(copy)
+        errors = copy.true_errors_mm()
+        cost = max(errors) if errors else 0.0
+        kind = verdict(fault, status, said)
+        counts[kind] += 1
+        if kind == "silent" and cost > SILENT_COST_MM:
+            costly.append(fault.name)
+        print(f"{kind:8} {fault.name:48} exit {status}  {cost:8.4f} mm  {said_line(said)[:150]}",
+              flush=True)
+    all_faults = sum(counts.values())
+    print(f"{all_faults} faults: " + ", ".join(f"{n} {kind}" for kind, n in counts.items()) +
+          f"; {100 * counts['named'] / all_faults:.0f} % named (bound 80); silent and beyond "
+          f"{SILENT_COST_MM} mm: {', '.join(costly) or 'none'} (bound none)")
+    return not costly and counts["named"] >= 0.8 * all_faults
+
+
+def healthy_runs(programs, out):
+    refused, runs = 0, 0
+    for seed in range(101, 121):
+        cell = make_cell(programs, seed, out / f"healthy{seed}")
+        for i in range(10):
+            cell.path("targets.csv").write_text(
+                f"id,x_mm,y_mm\nT1,{-300 + 60 * i},{220 - 15 * i}\n")
+            status, said = cell.servo()
+            runs += 1
+            if status != 0:
+                refused += 1
+                print(f"cell {seed}, run {i}: {said_line(said)}", flush=True)
+    print(f"{runs} healthy runs on 20 drawn cells: {refused} refused (bound 1)")
+    return refused <= 1
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("programs", type=Path)
+    parser.add_argument("out", type=Path)
+    parser.add_argument("--only", help="a pattern of the names of faults")
+    parser.add_argument("--healthy", action="store_true")
+    options = parser.parse_args()
+    kept = (healthy_runs(options.programs, options.out) if options.healthy else
+            fault_table(options.programs, options.out, options.only))
+    return 0 if kept else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,82 @@
+#include "planar_servo/health/cause.h"
+
+#include <stdexcept>
+
+namespace planar {
+namespace {
+
+struct Advice {
+  Cause cause;
+  const char* words;
+  const char* usable;
+  const char* redo;
+};
+
+constexpr char kAllFiles[] = "all calibration files";
+constexpr char kOnlyLens[] = "camera.yaml and tool.yaml";
+constexpr char kPlaneAgain[] =
+    "put the camera back, or record the places again and run planar-pair-tracker and "
+    "planar-fit-error-map";
+constexpr char kHome[] = "home the drive with planar-jog";
+constexpr char kDrives[] = "correct `drives` in the cell file, then record and calibrate again";
+constexpr char kArm[] = "correct `arm` in the cell file";
+
+constexpr Advice kAdvice[] = {
+    {Cause::kPictureMirrored, "the picture is mirrored", "nothing",
+     "switch off the camera's reversal of x or y, or calibrate the camera anew"},
+    {Cause::kCameraShifted, "the camera has shifted", kOnlyLens, kPlaneAgain},
+    {Cause::kCameraTurned, "the camera has turned", kOnlyLens, kPlaneAgain},
+    {Cause::kCameraCloser, "the camera has come closer or its lens is focused elsewhere",
+     "tool.yaml", "put the camera back; if it was the lens, begin with planar-calibrate-camera"},
+    {Cause::kCameraTilted, "the camera has tilted", kOnlyLens, kPlaneAgain},
+    {Cause::kLamp1Moved, "lamp 1 has moved on the tool", "camera.yaml and workplane.yaml",
+     "fasten the lamp, record a sweep of joint 3 and run planar-pair-tracker again"},
+    {Cause::kLamp2Moved, "lamp 2 has moved on the tool", "camera.yaml and workplane.yaml",
+     "fasten the lamp, record a sweep of joint 3 and run planar-pair-tracker again"},
+    {Cause::kZero1, "joint 1 has lost its zero", kAllFiles, kHome},
+    {Cause::kZero2, "joint 2 has lost its zero", kAllFiles, kHome},
+    {Cause::kZero3, "joint 3 has lost its zero", kAllFiles, kHome},
+    {Cause::kDirection1, "the direction of joint 1 is reversed", kAllFiles, kDrives},
+    {Cause::kDirection2, "the direction of joint 2 is reversed", kAllFiles, kDrives},
+    {Cause::kDirection3, "the direction of joint 3 is reversed", kAllFiles, kDrives},
+    {Cause::kGear1, "the gear ratio of joint 1 is wrong", kAllFiles, kDrives},
+    {Cause::kGear2, "the gear ratio of joint 2 is wrong", kAllFiles, kDrives},
+    {Cause::kGear3, "the gear ratio of joint 3 is wrong", kAllFiles, kDrives},
+    {Cause::kLink1, "link 1 has another length", kAllFiles, kArm},
+    {Cause::kLink2, "link 2 has another length", kAllFiles, kArm},
+    {Cause::kLinksExchanged, "the lengths of the links are exchanged", kAllFiles, kArm},
+    {Cause::kCoupling2, "the coupling of joint 2 is wrong", kAllFiles, kArm},
+    {Cause::kCoupling3, "the coupling of joint 3 is wrong", kAllFiles, kArm},
+    {Cause::kPositiveRotation, "the joints turn in the other sense than positive_rotation says",
+     kAllFiles, kArm},
+    {Cause::kElbow, "the arm stands with its other elbow", kAllFiles,
+     "correct `arm.home_deg` in the cell file or home the drives with planar-jog"},
+    {Cause::kSeparation, "the lamps are not as far apart as the cell file says", kAllFiles,
+     "correct `lamps.separation_mm` in the cell file"},
+    {Cause::kNotSeen, "the lamps are not seen", kAllFiles,
+     "look whether both lamps are lit, in view of the camera and in focus"},
+    {Cause::kSeveral, "more than one thing has changed", "nothing, until the causes are known",
+     "look at camera, lamps and arm; then calibrate what was touched"},
+};
+
+const Advice& advice(Cause cause) {
+  for (const Advice& entry : kAdvice)
+    if (entry.cause == cause) return entry;
+  throw std::invalid_argument("a cause without advice");
+}
+
+}  // namespace
+
+const char* words(Cause cause) {
+  return advice(cause).words;
+}
+
+const char* usable(Cause cause) {
+  return advice(cause).usable;
+}
+
+const char* redo(Cause cause) {
+  return advice(cause).redo;
+}
+
+}  // namespace planar

@@ -1,0 +1,59 @@
+#include "planar_servo/health/health_record.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "planar_servo/core/numerics/statistics.h"
+#include "planar_servo/core/plane_geometry.h"
+
+namespace planar {
+namespace {
+
+double separation(const LampPlaces& lamps_B) {
+  return (lamps_B[1] - lamps_B[0]).norm();
+}
+
+/// How far two places are apart for a check: a turn counts by the circle of the lamps.
+double apart(const SeenPlace& a, const SeenPlace& b) {
+  const double turn = wrap_angle(a.seen.phi - b.seen.phi);
+  return (a.seen.p - b.seen.p).norm() + 5.0 * separation(a.place.lamps_B) * std::abs(turn);
+}
+
+/// Returns the indices of places that are far apart: each new one is the farthest from those chosen
+/// before, the first one the farthest from the base.
+std::vector<std::size_t> spread_places(const std::vector<SeenPlace>& seen) {
+  std::vector<std::size_t> chosen;
+  std::vector<double> nearest(seen.size(), std::numeric_limits<double>::infinity());
+  for (std::size_t i = 0; i < seen.size(); ++i) nearest[i] = seen[i].seen.p.norm();
+  while (chosen.size() < std::min(kHealthPlaces, seen.size())) {
+    const auto farthest = std::max_element(nearest.begin(), nearest.end());
+    const auto next = static_cast<std::size_t>(farthest - nearest.begin());
+    if (chosen.empty()) std::fill(nearest.begin(), nearest.end(), 1e9);
+    chosen.push_back(next);
+    for (std::size_t i = 0; i < seen.size(); ++i)
+      nearest[i] = std::min(nearest[i], apart(seen[i], seen[next]));
+  }
+  return chosen;
+}
+
+}  // namespace
+
+HealthRecord health_record_of(const std::vector<SeenPlace>& seen) {
+  HealthRecord record;
+  std::vector<double> separations;
+  for (const SeenPlace& look : seen) {
+    separations.push_back(separation(look.place.lamps_B));
+    record.distance_m = std::max(record.distance_m, (look.seen.p - look.commanded.p).norm());
+    record.turn = std::max(record.turn, std::abs(wrap_angle(look.seen.phi - look.commanded.phi)));
+  }
+  if (seen.empty()) return record;
+  record.separation_m = mean(separations);
+  for (const double value : separations)
+    record.separation_spread_m =
+        std::max(record.separation_spread_m, std::abs(value - record.separation_m));
+  for (const std::size_t i : spread_places(seen)) record.places.push_back(seen[i].place);
+  return record;
+}
+
+}  // namespace planar

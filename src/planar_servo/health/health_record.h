@@ -1,0 +1,45 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "planar_servo/arm/planar_arm.h"
+#include "planar_servo/health/cell_model.h"
+
+namespace planar {
+
+/// Holds a place that was seen at the calibration and can be visited again.
+struct HealthPlace {
+  std::string id;
+  Joints theta{0.0, 0.0, 0.0};  ///< commanded
+  LampPlaces lamps_B;           ///< as seen, uncompensated
+  double sigma_m{0.0};          ///< standard deviation per axis of a lamp's place
+};
+
+/// Holds what a cell was like at its calibration. It belongs to the calibration files made with it.
+struct HealthRecord {
+  /// The mean distance between the lamps as seen, uncompensated, and the farthest that a place's
+  /// distance was from it.
+  double separation_m{0.0};
+  double separation_spread_m{0.0};
+  /// The farthest that the end point was seen from where it was commanded, and the most that the
+  /// tool was seen turned from there.
+  double distance_m{0.0};
+  double turn{0.0};
+  std::vector<HealthPlace> places;  ///< to be visited again
+};
+
+/// The number of places that a check visits: as many as 10 s allow.
+constexpr std::size_t kHealthPlaces = 4;
+
+/// Holds a look at the tool in a recording.
+struct SeenPlace {
+  HealthPlace place;
+  TipPose commanded, seen;  ///< base frame; seen without compensation
+};
+
+/// Makes the record of a recording's places. Of them it keeps kHealthPlaces that are far apart, one
+/// of them with the tool turned away from the others where there is one.
+HealthRecord health_record_of(const std::vector<SeenPlace>& seen);
+
+}  // namespace planar

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <vector>
+
+#include "planar_servo/health/cause.h"
+#include "planar_servo/health/cell_model.h"
+
+namespace planar {
+
+/// Holds a place that was seen at the calibration and again now, with the motors at the same
+/// angles and approached from the same side.
+struct Revisit {
+  Eigen::Vector3d motors{0.0, 0.0, 0.0};  ///< behind their gears, radians
+  LampPlaces then_B, now_B;               ///< of the same lamps, uncompensated
+  double sigma_m{5e-6};                   ///< of each coordinate of their difference
+};
+
+/// What a change may cost at the end point before it is a finding, metres.
+constexpr double kHarmless_m = 10e-6;
+
+/// Finds what has changed since the calibration. Each cause, and what it displaces to first order,
+/// is fitted to the differences by least squares; the one that explains them best for
+/// its count of numbers is returned, and a second one where the two are as likely as 20 to 1.
+/// Nothing is returned for differences that noise explains in one of 1,000 sound cells, and for
+/// changes that cost less than kHarmless_m. Where no single cause explains them, kSeveral is.
+std::vector<HealthFinding> find_changes(const CellModel& model,
+                                        const std::vector<Revisit>& revisits);
+
+}  // namespace planar

@@ -1,0 +1,209 @@
+#include "planar_servo/run/cell_check.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "planar_servo/core/units.h"
+#include "planar_servo/files/health_file.h"
+#include "planar_servo/health/arm_check.h"
+#include "planar_servo/health/revisit_check.h"
+#include "planar_servo/servo/arrival.h"
+
+namespace planar {
+namespace {
+
+/// The first moves of motors 1 to 3, in which a gear that is off by 0.5 % shows beside the
+/// reducers' eccentricity.
+const Eigen::Vector3d kFirstMoves(40.0 * kDegree, 40.0 * kDegree, 90.0 * kDegree);
+/// What links, reducers and a corrected lens do to the middle of the lamps between two poses, and
+/// what a lens does that no error map corrects.
+constexpr double kCorrectedSigma_m = 0.1e-3;
+constexpr double kUncorrectedSigma_m = 2e-3;
+/// One pulse of a motor, and what heat and bearings add, at the end of the arm.
+constexpr double kRepeatability_m = 3e-6;
+/// The play of a gear fit for positioning, which shows where the arm arrives from either side.
+constexpr double kPlay = 0.01 * kDegree;
+/// The share by which the lamps' distance may differ from the cell file's.
+constexpr double kSeparationShare = 0.03;
+
+CellModel model_of_cell(const CellSettings& cell, const VisionCalibration& vision) {
+  const Eigen::Vector2d half(0.5 * vision.lamps.separation_m, 0.0);
+  return model_of(PlanarArm(cell.arm.geometry), Transmission(cell.transmission),
+                  {-half - vision.tool.p_TP, half - vision.tool.p_TP},
+                  vision.workplane.X_WC().translation().head<2>());
+}
+
+HealthFinding not_seen(const std::string& where) {
+  return {Cause::kNotSeen, std::numeric_limits<double>::quiet_NaN(), "",
+          std::numeric_limits<double>::infinity(),
+          fmt::format("{}: {}", words(Cause::kNotSeen), where)};
+}
+
+std::optional<HealthFinding> wrong_separation(const LampPlaces& lamps_B, double filed_m) {
+  const double seen_m = (lamps_B[1] - lamps_B[0]).norm();
+  if (std::abs(seen_m / filed_m - 1.0) <= kSeparationShare) return std::nullopt;
+  return HealthFinding{
+      Cause::kSeparation, seen_m / kMillimetre, "mm", std::abs(seen_m - filed_m),
+      fmt::format("{}: they are seen {:.2f} mm apart, the file says {:.2f} mm",
+                  words(Cause::kSeparation), seen_m / kMillimetre, filed_m / kMillimetre)};
+}
+
+double repeatability_m(const CellSettings& cell) {
+  if (cell.servo.approach == Approach::kOneSide) return kRepeatability_m;
+  return kPlay * cell.arm.geometry.link_lengths_m.sum();
+}
+
+}  // namespace
+
+CellCheck::CellCheck(const CellSettings& cell, const VisionCalibration& vision, PlanarRobot& robot,
+                     LampTipSensor& sensor, Clock& clock)
+    : cell_(cell),
+      vision_(vision),
+      robot_(robot),
+      sensor_(sensor),
+      clock_(clock),
+      planner_(joint_planner(cell)),
+      model_(model_of_cell(cell, vision)) {}
+
+std::optional<std::string> CellCheck::go_to(const Joints& theta) {
+  const auto obstacle =
+      arrive(robot_, planner_, cell_.servo, theta, [this] { return sensor_.fault(); });
+  if (obstacle) return obstacle->reason;
+  clock_.sleep_for_s(cell_.servo.settle_s);
+  return std::nullopt;
+}
+
+bool CellCheck::allows(const Joints& theta) const {
+  return !planner_.refusal(theta) && sensor_.lamps_at(planner_.arm().forward(theta));
+}
+
+/// Returns the allowed joints nearest to the present ones, with the elbow bent by other angles
+/// where the present ones are not allowed.
+std::optional<Joints> CellCheck::start() const {
+  const Joints present = robot_.commanded_joints();
+  if (allows(present)) return present;
+  const double sense = planner_.arm().sense() * (cell_.arm.elbow == Elbow::kLeft ? -1.0 : 1.0);
+  for (const double bend_deg : {60.0, 90.0, 120.0, 30.0}) {
+    const double turn = sense * bend_deg * kDegree - (present[1] - present[0]);
+    const Joints bent = present + Joints(0.0, turn, turn);
+    if (allows(bent)) return bent;
+  }
+  return std::nullopt;
+}
+
+std::optional<LampPlaces> CellCheck::look() {
+  const TipPose expected = planner_.arm().forward(robot_.commanded_joints());
+  const TipMeasurement seen = sensor_.measure(expected, 1);
+  if (!seen.ok()) return sensor_.look_around();
+  return LampPlaces{seen.lamps_B[0] - seen.correction, seen.lamps_B[1] - seen.correction};
+}
+
+std::optional<HealthFinding> CellCheck::first_moves() {
+  std::optional<Joints> theta = start();
+  if (!theta)
+    return not_seen(
+        "the arm stands where its workspace or the camera's view does not allow a look");
+  const Transmission& transmission = planner_.transmission();
+  std::vector<ArmSight> sights;
+  for (int motor = -1; motor < 3; ++motor) {
+    if (motor >= 0) {
+      const auto turned = [&](double share) {
+        Eigen::Vector3d motors = transmission.motors_from_joints(*theta);
+        motors[motor] += share * kFirstMoves[motor];
+        return transmission.joints_from_motors(motors);
+      };
+      for (const double share : {1.0, -1.0, 0.5, -0.5}) {
+        if (!allows(turned(share))) continue;
+        theta = turned(share);
+        break;
+      }
+    }
+    if (const auto reason = go_to(*theta)) return not_seen(*reason);
+    const auto lamps_B = look();
+    if (!lamps_B) return not_seen("no two lamps in the whole frame");
+    if (auto found = wrong_separation(*lamps_B, vision_.lamps.separation_m)) return found;
+    sights.push_back({transmission.motors_from_joints(robot_.commanded_joints()), *lamps_B,
+                      vision_.error_map ? kCorrectedSigma_m : kUncorrectedSigma_m});
+  }
+  return find_arm_fault(model_, sights);
+}
+
+std::vector<HealthFinding> CellCheck::revisit(const HealthRecord& record) {
+  const Transmission& transmission = planner_.transmission();
+  std::vector<HealthPlace> left = record.places;
+  std::vector<Revisit> revisits;
+  while (!left.empty()) {
+    const Eigen::Vector3d present = transmission.motors_from_joints(robot_.commanded_joints());
+    const auto distance = [&](const HealthPlace& place) {
+      return (transmission.motors_from_joints(place.theta) - present).cwiseAbs().maxCoeff();
+    };
+    const auto nearest = std::min_element(
+        left.begin(), left.end(),
+        [&](const HealthPlace& a, const HealthPlace& b) { return distance(a) < distance(b); });
+    const HealthPlace place = *nearest;
+    left.erase(nearest);
+    if (const auto reason = go_to(place.theta)) return {not_seen(place.id + ": " + *reason)};
+    const Eigen::Vector2d along = place.lamps_B[1] - place.lamps_B[0];
+    const double phi = std::atan2(along.y(), along.x());
+    const TipPose then{
+        0.5 * (place.lamps_B[0] + place.lamps_B[1]) + rotation2d(phi) * vision_.tool.p_TP, phi};
+    const TipMeasurement seen = sensor_.measure(then, cell_.servo.frames_per_measurement);
+    if (!seen.ok()) return {not_seen(fmt::format("{}: {}", place.id, seen.word))};
+    const double now_m = seen.sigma_vision_m / std::sqrt(seen.frames);
+    revisits.push_back(
+        {transmission.motors_from_joints(place.theta), place.lamps_B, seen.lamps_B,
+         std::hypot(std::sqrt(2.0) * std::hypot(place.sigma_m, now_m), repeatability_m(cell_))});
+  }
+  return find_changes(model_, revisits);
+}
+
+std::optional<HealthRecord> read_cell_health(const CellSettings& cell) {
+  if (!cell.health || !std::filesystem::exists(*cell.health)) return std::nullopt;
+  return read_health(*cell.health);
+}
+
+GuardLimits with_health(GuardLimits limits, const HealthRecord& record) {
+  constexpr double kAndHalfAgain = 1.5;
+  limits.distance_m = kAndHalfAgain * record.distance_m;
+  limits.turn = kAndHalfAgain * record.turn;
+  limits.separation_m = record.separation_m;
+  limits.separation_tolerance_m = kAndHalfAgain * record.separation_spread_m;
+  return limits;
+}
+
+std::vector<HealthFinding> check_cell(CellCheck& check, const std::optional<HealthRecord>& record) {
+  if (const auto found = check.first_moves()) return {*found};
+  return record ? check.revisit(*record) : std::vector<HealthFinding>();
+}
+
+std::string findings_text(const std::vector<HealthFinding>& findings) {
+  std::string text;
+  for (const HealthFinding& finding : findings)
+    text += fmt::format("{}; what still holds: {}; what to do: {}\n", finding.what,
+                        usable(finding.cause), redo(finding.cause));
+  return text;
+}
+
+nlohmann::ordered_json findings_json(const std::vector<HealthFinding>& findings) {
+  auto list = nlohmann::ordered_json::array();
+  for (const HealthFinding& finding : findings) {
+    nlohmann::ordered_json entry{{"cause", words(finding.cause)}};
+    if (std::isfinite(finding.size)) {
+      entry["size"] = finding.size;
+      entry["unit"] = finding.unit;
+    } else {
+      entry["size"] = nullptr;
+      entry["unit"] = nullptr;
+    }
+    entry["usable"] = usable(finding.cause);
+    entry["redo"] = redo(finding.cause);
+    list.push_back(std::move(entry));
+  }
+  return {{"healthy", findings.empty()}, {"findings", list}};
+}
+
+}  // namespace planar

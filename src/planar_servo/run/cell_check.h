@@ -1,0 +1,68 @@
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "planar_servo/cell/cell_settings.h"
+#include "planar_servo/health/cause.h"
+#include "planar_servo/health/cell_model.h"
+#include "planar_servo/health/health_record.h"
+#include "planar_servo/robot/planar_robot.h"
+#include "planar_servo/servo/motion_guard.h"
+#include "planar_servo/vision/lamp_tip_sensor.h"
+
+namespace planar {
+
+/// Looks whether a cell still is as its files say, before anything depends on it.
+class CellCheck {
+ public:
+  /// Takes robot, sensor and clock, which must outlive it. The drives must be on.
+  CellCheck(const CellSettings& cell, const VisionCalibration& vision, PlanarRobot& robot,
+            LampTipSensor& sensor, Clock& clock);
+
+  /// Moves each motor a little, near where the arm stands, and holds what is seen against what was
+  /// commanded. Returns what is not as the files say, if anything.
+  std::optional<HealthFinding> first_moves();
+
+  /// Visits the places again that were kept at the calibration, the nearest first. Returns what has
+  /// changed since.
+  std::vector<HealthFinding> revisit(const HealthRecord& record);
+
+ private:
+  /// Moves and settles. Returns why the arm is not there, if it is not.
+  std::optional<std::string> go_to(const Joints& theta);
+  std::optional<Joints> start() const;
+  bool allows(const Joints& theta) const;
+  std::optional<LampPlaces> look();
+
+  const CellSettings& cell_;
+  const VisionCalibration& vision_;
+  PlanarRobot& robot_;
+  LampTipSensor& sensor_;
+  Clock& clock_;
+  JointPlanner planner_;
+  CellModel model_;
+};
+
+/// What a change may cost at the end point and still let the arm work, metres.
+constexpr double kTolerable_m = 20e-6;
+
+/// Returns the cell's health record, or nothing when there is none yet.
+std::optional<HealthRecord> read_cell_health(const CellSettings& cell);
+
+/// Narrows the limits to what the calibration saw, and half as much again.
+GuardLimits with_health(GuardLimits limits, const HealthRecord& record);
+
+/// Runs the first moves and, when they are in order, revisits the places of `record`, if there is
+/// one.
+std::vector<HealthFinding> check_cell(CellCheck& check, const std::optional<HealthRecord>& record);
+
+/// Returns what was found, a sentence with its remedy for each.
+std::string findings_text(const std::vector<HealthFinding>& findings);
+
+/// Returns the findings under the keys `healthy` and `findings`.
+nlohmann::ordered_json findings_json(const std::vector<HealthFinding>& findings);
+
+}  // namespace planar

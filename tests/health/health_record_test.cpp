@@ -1,0 +1,53 @@
+#include "planar_servo/health/health_record.h"
+
+#include <catch2/catch.hpp>
+
+#include "planar_servo/core/plane_geometry.h"
+#include "planar_servo/core/units.h"
+
+namespace planar {
+namespace {
+
+SeenPlace place_at(const std::string& id, const Eigen::Vector2d& p, double phi,
+                   double separation_m) {
+  const Eigen::Vector2d half = 0.5 * separation_m * rotation2d(phi).col(0);
+  SeenPlace seen;
+  seen.place = {id, Joints::Zero(), {p - half, p + half}, 1e-6};
+  seen.commanded = {p, phi};
+  seen.seen = {p, phi};
+  return seen;
+}
+
+}  // namespace
+
+TEST_CASE("A record holds the greatest deviations from command and mean") {
+  std::vector<SeenPlace> seen{place_at("a", {0.2, 0.0}, 0.0, 0.040),
+                              place_at("b", {0.0, 0.3}, 0.0, 0.0403)};
+  seen[1].seen.p.x() += 2e-3;
+  seen[0].seen.phi += 2.0 * kPi - 0.5 * kDegree;
+  const HealthRecord record = health_record_of(seen);
+  CHECK(record.separation_m == Approx(0.04015));
+  CHECK(record.separation_spread_m == Approx(0.15e-3));
+  CHECK(record.distance_m == Approx(2e-3));
+  CHECK(record.turn == Approx(0.5 * kDegree));
+}
+
+TEST_CASE("The places kept are far apart, and one has its tool turned") {
+  std::vector<SeenPlace> seen;
+  for (int i = 0; i < 36; ++i) {
+    const double angle = 10.0 * i * kDegree;
+    seen.push_back(place_at("ring" + std::to_string(i), 0.4 * rotation2d(angle).col(0), 0.1, 0.04));
+  }
+  seen.push_back(place_at("turned", {0.0, 0.3}, 0.1 + kPi / 2.0, 0.04));
+  const HealthRecord record = health_record_of(seen);
+  REQUIRE(record.places.size() == kHealthPlaces);
+  bool turned = false;
+  for (std::size_t i = 0; i < record.places.size(); ++i) {
+    turned = turned || record.places[i].id == "turned";
+    for (std::size_t k = 0; k < i; ++k)
+      CHECK((record.places[i].lamps_B[0] - record.places[k].lamps_B[0]).norm() > 0.05);
+  }
+  CHECK(turned);
+}
+
+}  // namespace planar

@@ -1,0 +1,59 @@
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "planar_servo/files/provenance.h"
+#include "planar_servo/files/vision_files.h"
+#include "planar_servo/machine/cell_devices.h"
+#include "planar_servo/machine/device_kinds.h"
+#include "planar_servo/run/cell_check.h"
+#include "program.h"
+
+namespace planar {
+namespace {
+
+const ProgramText kText{
+    "planar-check-cell",
+    "Moves a little, visits places of the calibration again, and says what has changed since.",
+    "planar-check-cell --cell cell.yaml",
+    R"(the camera has shifted by 0.998 mm; what still holds: camera.yaml and tool.yaml; what to do: put the camera back, or record the places again and run planar-pair-tracker and planar-fit-error-map)"};
+
+struct Options {
+  std::filesystem::path cell;
+};
+
+void add_options(CLI::App& app, Options& options) {
+  app.add_option("--cell", options.cell, "the cell")->required()->type_name("FILE");
+}
+
+Outcome check(const Options& options) {
+  const CellSettings cell = read_cell(options.cell);
+  const bool with_map = std::filesystem::exists(cell.error_map);
+  const VisionCalibration vision = read_vision(cell, with_map);
+  require_belonging(stale_files(cell, with_map));
+  const auto health = read_cell_health(cell);
+  if (!health)
+    throw InputError(
+        cell.file.string() +
+        ": names no health file that exists, so there is nothing to compare with; make "
+        "one with planar-pair-tracker --health-out and name it under `health`");
+  heed_interrupts();
+  const auto devices = open_cell(cell);
+  PlanarRobot robot(PlanarArm(cell.arm.geometry), Transmission(cell.transmission),
+                    devices->drives(), devices->clock());
+  robot.stop_when(interrupted);
+  robot.energize();
+  LampTipSensor sensor(vision, cell.lamps.method, devices->camera(), cell.camera.follow_region_px);
+  CellCheck procedure(cell, vision, robot, sensor, devices->clock());
+  const std::vector<HealthFinding> found = check_cell(procedure, health);
+  fmt::print("{}",
+             found.empty() ? "the cell is as it was at its calibration\n" : findings_text(found));
+  return {findings_json(found), found.empty()};
+}
+
+}  // namespace
+}  // namespace planar
+
+int main(int argc, char** argv) {
+  return planar::run_program(planar::kText, argc, argv, planar::add_options, planar::check);
+}
