@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/files/tool_file.h"
@@ -144,8 +143,6 @@ Outcome pair(const Options& options) {
   write_pair_files({options.workplane_out, options.tool_out, options.pairs_out}, request.cell,
                    tables_of(options), report.workplane, source_of(options), report.pairs,
                    kText.name);
-  const std::string doubt = moved_monuments(request, report.datum.rms);
-  if (!doubt.empty()) spdlog::warn(doubt);
   fmt::print("{}", pair_tracker_text(report));
   return {pair_tracker_json(report)};
 }

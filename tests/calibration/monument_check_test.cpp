@@ -134,7 +134,7 @@ TEST_CASE("Monuments read at the end tell a tracker that moved from a monument t
   for (MonumentSight& sight : end) sight.p_read.x() += 0.03 * kMillimetre;
   const MonumentVerdict all = check_drift(begin, end);
   CHECK_FALSE(all.refused);
-  CHECK_THAT(all.doubt, Contains("the tracker or the base moved, by 0.029"));
+  CHECK_THAT(all.doubt, Contains("as when the tracker or the base moves, here by 0.029"));
   for (MonumentSight& sight : end) sight.p_read.x() += 0.1 * kMillimetre;
   CHECK(check_drift(begin, end).refused);
 }

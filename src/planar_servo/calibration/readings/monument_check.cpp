@@ -165,7 +165,8 @@ std::string drift_text(const Monuments& ends, double sigma) {
   const bool rigid = ends.size() >= 3 && fits(ends, sigma);
   const std::string who =
       rigid ? fmt::format(
-                  "all together, so the tracker or the base moved, by {:.3f} mm in the mean; ",
+                  "their distances are kept, as when the tracker or the base moves, here by {:.3f} "
+                  "mm in the mean; ",
                   mean_shift(ends).norm() / kMillimetre)
             : "not together, so one of them moved; ";
   return fmt::format(
