@@ -134,6 +134,9 @@ Outcome locate(const Options& options) {
   write_file(options.out, lamps_text(report.rows, csv_remarks(origins)));
   const LocateFigures figures = figures_of(report);
   fmt::print("{}", locate_text(figures));
+  const std::string doubt =
+      request.scene ? distance_doubt(report, request.scene->lamps.separation_m) : "";
+  if (!doubt.empty()) spdlog::warn(doubt);
   if (!figures.any())
     spdlog::error(fmt::format("no image shows what was looked for; {} says why for each",
                               options.out.string()));

@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
 #include <set>
 
@@ -167,8 +166,6 @@ Outcome pair(const Options& options) {
   write_pair_files(files_of(options), request.cell, tables_of(options), report.workplane,
                    source_of(options), report.pairs, kText.name);
   if (!options.health_out.empty()) write_health(options, request, report);
-  const std::string doubt = moved_monuments(request, report.datum.rms);
-  if (!doubt.empty()) spdlog::warn(doubt);
   fmt::print("{}", pair_tracker_text(report));
   return {pair_tracker_json(report)};
 }

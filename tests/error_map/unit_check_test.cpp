@@ -1,8 +1,11 @@
 #include "planar_servo/error_map/judge/unit_check.h"
 
 #include <catch2/catch.hpp>
+#include <cmath>
+#include <functional>
 
 #include "planar_servo/core/error.h"
+#include "planar_servo/core/pose.h"
 #include "planar_servo/error_map/fit_error_map.h"
 #include "support/error_fields.h"
 
@@ -60,6 +63,53 @@ TEST_CASE("Swapped axes and another datum are no vision error") {
   auto shifted = good();
   for (ErrorSample& sample : shifted) sample.error += Eigen::Vector2d(0.5, 0.0);
   CHECK_THROWS_WITH(require_one_unit_of(shifted), Contains("in the same frame"));
+}
+
+TEST_CASE("What all pairs share is named instead of learned") {
+  const auto moved = [](const std::function<Eigen::Vector2d(const Eigen::Vector2d&)>& tracker) {
+    auto samples = good();
+    for (ErrorSample& sample : samples)
+      sample.error = sample.p_vision - tracker(sample.p_vision - sample.error);
+    return samples;
+  };
+  const auto shifted = moved(
+      [](const Eigen::Vector2d& p) { return Eigen::Vector2d(p + Eigen::Vector2d(0.015, 0.0)); });
+  CHECK_THROWS_WITH(require_one_unit_of(shifted),
+                    Contains("vision is shifted by (-14.") && Contains("instead of learning it"));
+  const auto turned =
+      moved([](const Eigen::Vector2d& p) { return Eigen::Vector2d(rotation2d(-0.05) * p); });
+  CHECK_THROWS_WITH(require_one_unit_of(turned), Contains("turned by 2.8"));
+  const auto grown = moved([](const Eigen::Vector2d& p) { return Eigen::Vector2d(p / 1.04); });
+  CHECK_THROWS_WITH(require_one_unit_of(grown), Contains("1.04") && Contains("times as large"));
+  CHECK_NOTHROW(require_one_unit_of(moved(
+      [](const Eigen::Vector2d& p) { return Eigen::Vector2d(p + Eigen::Vector2d(2.4e-3, 0.0)); })));
+}
+
+TEST_CASE("A small mirrored field is named") {
+  std::vector<ErrorSample> samples;
+  for (int i = 0; i < 40; ++i) {
+    const Eigen::Vector2d p(0.01 * i, 5e-3 * std::sin(i));
+    samples.push_back({std::to_string(i), p, {0.0, 2.0 * p.y()}});
+  }
+  CHECK_THROWS_WITH(require_one_unit_of(samples), Contains("mirror image"));
+}
+
+TEST_CASE("Micrometres on both sides are named") {
+  CHECK_THROWS_WITH(require_one_unit_of(scaled(1e3, 1e3)), Contains("look like micrometres"));
+}
+
+TEST_CASE("A frozen tracker is refused, and one reading for several frames is not") {
+  auto samples = good();
+  const Eigen::Vector2d frozen = samples[10].p_vision - samples[10].error;
+  for (std::size_t i = 10; i < 14; ++i) samples[i].error = samples[i].p_vision - frozen;
+  CHECK_THROWS_WITH(
+      fit_error_map({samples, MapMethod::kAuto, 0.0}),
+      Contains("4 pairs have one and the same tracker position") && Contains("'10' and '11'"));
+  samples = good();
+  samples.push_back(samples[3]);
+  samples.back().p_vision.x() += 0.01e-3;
+  samples.back().error.x() += 0.01e-3;
+  CHECK_NOTHROW(require_live_tracker(samples));
 }
 
 TEST_CASE("Metres in all columns are named") {

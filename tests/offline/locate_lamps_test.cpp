@@ -7,7 +7,9 @@
 
 #include "planar_servo/calibration/vision_tip.h"
 #include "planar_servo/core/error.h"
+#include "planar_servo/core/numerics/statistics.h"
 #include "planar_servo/core/units.h"
+#include "planar_servo/offline/lamps/locate_report.h"
 #include "support/rendered_lamp.h"
 #include "support/temporary_folder.h"
 
@@ -145,6 +147,23 @@ TEST_CASE("locate_lamps leaves equal lamps ambiguous without a commanded pose") 
   with_plane.vision->lamps.separation_m = 1.2 * kSeparation_m;
   const auto wrong = locate_lamps({recording.images, with_plane, CenterMethod::kAuto, {}}).rows[0];
   CHECK(wrong.status == LampStatus::kWrongDistance);
+}
+
+TEST_CASE("A separation that is wrong in the cell is named with the measured one") {
+  Recording recording;
+  add_places(recording, 12);
+  const double wrong = GENERATE(0.75 * kSeparation_m, 1e-3 * kSeparation_m);
+  const bool calibrated = GENERATE(true, false);
+  LampScene other = scene(calibrated);
+  other.lamps.separation_m = wrong;
+  if (calibrated) other.vision->lamps = other.lamps;
+  const LocateReport report = locate_lamps({recording.images, other, CenterMethod::kAuto, {}});
+  INFO("separation " << wrong << " m, " << (calibrated ? "with" : "without") << " a workplane");
+  REQUIRE(report.wrong_distances.size() == 12);
+  CHECK(median(report.wrong_distances) * wrong == Approx(kSeparation_m).epsilon(0.01));
+  CHECK_THAT(distance_doubt(report, wrong),
+             Catch::Contains("the pair is 100 mm") && Catch::Contains("apart, the cell says"));
+  CHECK(distance_doubt({}, wrong).empty());
 }
 
 TEST_CASE("locate_lamps tells lamps of different size apart without a commanded pose") {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <stdexcept>
@@ -56,12 +57,12 @@ Eigen::Transform<double, N, Eigen::Isometry> fit_rigid(const Points<N>& p_A, con
   return X_AB;
 }
 
-std::map<std::string, std::vector<Eigen::Vector3d>> sort_readings(
+std::map<std::string, std::vector<MonumentReading>> sort_readings(
     const std::vector<Monument>& monuments, const std::vector<MonumentReading>& readings) {
   Faults faults;
-  std::map<std::string, std::vector<Eigen::Vector3d>> by_id;
+  std::map<std::string, std::vector<MonumentReading>> by_id;
   for (const Monument& monument : monuments) {
-    if (!by_id.emplace(monument.id, std::vector<Eigen::Vector3d>()).second) {
+    if (!by_id.emplace(monument.id, std::vector<MonumentReading>()).second) {
       faults.add("datum: monument '" + monument.id + "' is named twice");
     }
     if (!monument.p_B.allFinite()) {
@@ -76,7 +77,7 @@ std::map<std::string, std::vector<Eigen::Vector3d>> sort_readings(
     } else if (!reading.p_L.allFinite()) {
       faults.add("datum: a reading of '" + reading.id + "' is not finite");
     } else {
-      known->second.push_back(reading.p_L);
+      known->second.push_back(reading);
     }
   }
   faults.throw_if_any();
@@ -94,10 +95,24 @@ void require_fit(const DatumRegistration& datum, const Eigen::Matrix3Xd& p_B) {
                   datum.rms / kMillimetre));
 }
 
-Eigen::Vector3d mean_point(const std::vector<Eigen::Vector3d>& points) {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const Eigen::Vector3d& point : points) sum += point;
-  return sum / static_cast<double>(points.size());
+DatumRegistration registration_of(const std::vector<MonumentSight>& sights) {
+  DatumRegistration result;
+  const auto n = static_cast<Eigen::Index>(sights.size());
+  Eigen::Matrix3Xd p_B(3, n), p_L(3, n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    p_B.col(i) = sights[static_cast<std::size_t>(i)].p_known;
+    p_L.col(i) = sights[static_cast<std::size_t>(i)].p_read;
+  }
+  result.X_BL = fit_rigid_3d(p_B, p_L);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const MonumentSight& sight = sights[static_cast<std::size_t>(i)];
+    const Eigen::Vector3d residual = result.X_BL * Eigen::Vector3d(p_L.col(i)) - p_B.col(i);
+    result.residuals.push_back({sight.id, sight.readings, residual});
+    result.rms += residual.squaredNorm() / static_cast<double>(n);
+  }
+  result.rms = std::sqrt(result.rms);
+  require_fit(result, p_B);
+  return result;
 }
 
 }  // namespace
@@ -110,32 +125,42 @@ Pose fit_rigid_3d(const Eigen::Matrix3Xd& p_A, const Eigen::Matrix3Xd& p_B) {
   return fit_rigid<3>(p_A, p_B);
 }
 
+std::vector<MonumentSight> monument_sights(const std::vector<Monument>& monuments,
+                                           const std::vector<MonumentReading>& readings) {
+  const auto by_id = sort_readings(monuments, readings);
+  std::vector<MonumentSight> sights;
+  for (const Monument& monument : monuments) {
+    const std::vector<MonumentReading>& own = by_id.at(monument.id);
+    if (own.empty()) continue;
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    double sigma = 0.0;
+    for (const MonumentReading& reading : own) {
+      sum += reading.p_L;
+      sigma = std::max(sigma, reading.sigma);
+    }
+    sights.push_back(
+        {monument.id, monument.p_B, sum / static_cast<double>(own.size()), own.size(), sigma});
+  }
+  return sights;
+}
+
 DatumRegistration register_datum(const std::vector<Monument>& monuments,
                                  const std::vector<MonumentReading>& readings) {
-  const auto by_id = sort_readings(monuments, readings);
-  DatumRegistration result;
-  Eigen::Matrix3Xd p_B(3, monuments.size()), p_L(3, monuments.size());
-  for (const Monument& monument : monuments) {
-    const std::vector<Eigen::Vector3d>& points = by_id.at(monument.id);
-    if (points.empty()) continue;
-    const auto column = static_cast<Eigen::Index>(result.residuals.size());
-    p_B.col(column) = monument.p_B;
-    p_L.col(column) = mean_point(points);
-    result.residuals.push_back({monument.id, points.size(), {}});
-  }
-  const auto n = static_cast<Eigen::Index>(result.residuals.size());
-  if (n < 3) {
-    throw InputError("datum: the tracker has read " + std::to_string(n) +
+  std::vector<MonumentSight> sights = monument_sights(monuments, readings);
+  if (sights.size() < 3) {
+    throw InputError("datum: the tracker has read " + std::to_string(sights.size()) +
                      " of the cell's monuments; at least 3 that are not on one line are needed");
   }
-  result.X_BL = fit_rigid_3d(p_B.leftCols(n), p_L.leftCols(n));
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const Eigen::Vector3d residual = result.X_BL * Eigen::Vector3d(p_L.col(i)) - p_B.col(i);
-    result.residuals[static_cast<std::size_t>(i)].residual_B = residual;
-    result.rms += residual.squaredNorm() / static_cast<double>(n);
+  const MonumentVerdict verdict = check_monuments(sights);
+  std::optional<std::string> left_out;
+  if (verdict.moved) {
+    left_out = sights[*verdict.moved].id;
+    sights.erase(sights.begin() + static_cast<std::ptrdiff_t>(*verdict.moved));
   }
-  result.rms = std::sqrt(result.rms);
-  require_fit(result, p_B.leftCols(n));
+  DatumRegistration result = registration_of(sights);
+  if (verdict.refused) throw InputError(verdict.doubt);
+  result.left_out = left_out;
+  result.doubt = verdict.doubt;
   return result;
 }
 

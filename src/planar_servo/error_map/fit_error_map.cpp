@@ -89,6 +89,7 @@ MapResult fit_by_hand(const MapSites& sites, double width) {
 MapResult fit_error_map(const MapProblem& problem, const Progress& progress) {
   const MapSites sites = merge_samples(problem.samples);
   require_one_unit(sites.positions, sites.positions - sites.errors);
+  require_live_tracker(problem.samples);
   switch (problem.method) {
     case MapMethod::kIdw: {
       require_dense(sites, problem.method);

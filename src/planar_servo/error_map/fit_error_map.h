@@ -67,9 +67,10 @@ struct MapResult {
 /// Fits a map to pairs. Samples at one position are averaged. Dense maps of kAuto and kRbf take the
 /// tool's direction into the tail if every sample has it and the leave-one-out error is clearly
 /// smaller with it. Throws InputError for samples that are not finite or not in metres
-/// (require_one_unit()), fewer than 3 distinct positions, more than kMostDense of them except for
-/// kAuto, a hand width that is not positive, or outliers beyond a fifth of the samples. Throws
-/// WorkError when the equations are too ill conditioned to be solved.
+/// or share what no camera does (require_one_unit(), require_live_tracker()), fewer than 3 distinct
+/// positions, more than kMostDense of them except for kAuto, a hand width that is not positive, or
+/// outliers beyond a fifth of the samples. Throws WorkError when the equations are too ill
+/// conditioned to be solved.
 MapResult fit_error_map(const MapProblem& problem, const Progress& progress = {});
 
 }  // namespace planar

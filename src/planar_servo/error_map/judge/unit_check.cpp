@@ -3,6 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <complex>
+#include <cstdint>
+#include <tuple>
 #include <vector>
 
 #include "planar_servo/core/error.h"
@@ -19,6 +23,20 @@ constexpr double kMillimetresPerMetre = 1000.0;
 
 /// No vision error is as large a share of the positions' spread.
 constexpr double kLargestError = 0.5;
+
+/// A calibrated camera errs by some thousandths of its field. More than both of these is the fault
+/// of a frame, a unit or a pairing, which a map must not learn.
+constexpr double kLargestShare = 0.02;
+constexpr double kLargestMiss = 3.0 * kMillimetre;
+
+/// A motion explains the differences when it leaves this share of them.
+constexpr double kExplained = 0.1;
+
+/// No arm of this kind reaches as far.
+constexpr double kLargestSpread = 10.0;
+
+/// Two readings are the same when they differ by less than any file writes.
+constexpr double kSameReading = 1e-9;
 
 /// The pairs of an arm reach farther; metres read as millimetres do not.
 constexpr double kSmallestSpread = 2.0 * kMillimetre;
@@ -38,6 +56,45 @@ std::string remedy(double ratio) {
   if (ratio > kMillimetresPerMetre / kWidestRatio && ratio < kMillimetresPerMetre * kWidestRatio)
     return "the narrower ones look like metres; write both in millimetres";
   return "both must be of the same points, in the same frame and unit";
+}
+
+using Complex = std::complex<double>;
+
+/// Returns the median left of a similarity fitted to the positions as complex numbers, which
+/// `factor` and `shift` take. `tracker` may be mirrored.
+double fit_similarity(const Eigen::VectorXcd& vision, const Eigen::VectorXcd& tracker,
+                      Complex& factor, Complex& shift) {
+  const Complex mean_vision = vision.mean(), mean_tracker = tracker.mean();
+  const Eigen::VectorXcd centred = tracker.array() - mean_tracker;
+  factor = centred.dot(vision) / centred.squaredNorm();
+  shift = mean_vision - mean_tracker;
+  const Eigen::VectorXd left =
+      (vision.array() - mean_vision - factor * centred.array()).abs().matrix();
+  return median({left.begin(), left.end()});
+}
+
+Eigen::VectorXcd complex_of(const Eigen::Matrix2Xd& positions, double side) {
+  Eigen::VectorXcd numbers(positions.cols());
+  numbers.real() = positions.row(0).transpose();
+  numbers.imag() = side * positions.row(1).transpose();
+  return numbers;
+}
+
+/// Says which motion of the plane explains the differences, if one does.
+std::string shared_motion(const Eigen::Matrix2Xd& p_vision, const Eigen::Matrix2Xd& p_tracker,
+                          double error) {
+  const Eigen::VectorXcd vision = complex_of(p_vision, 1.0);
+  Complex factor, shift;
+  if (fit_similarity(vision, complex_of(p_tracker, 1.0), factor, shift) < kExplained * error)
+    return fmt::format(
+        "all of them share it: vision is shifted by ({:.3f}, {:.3f}) mm in the middle of the "
+        "pairs, "
+        "turned by {:.4f} degrees and {:.5f} times as large",
+        shift.real() / kMillimetre, shift.imag() / kMillimetre, std::arg(factor) / kDegree,
+        std::abs(factor));
+  if (fit_similarity(vision, complex_of(p_tracker, -1.0), factor, shift) < kExplained * error)
+    return "one of them is a mirror image of the other (x and y swapped, or one of them negated)";
+  return "no common shift, turn, scale or mirror explains it";
 }
 
 }  // namespace
@@ -60,12 +117,64 @@ void require_one_unit(const Eigen::Matrix2Xd& p_vision, const Eigen::Matrix2Xd& 
         "within {:.4g} mm of their middle; {} (are x and y swapped, or rows paired wrongly?)",
         error / kMillimetre, narrow / kMillimetre, remedy(1.0)));
   }
+  if (narrow > kLargestSpread) {
+    throw InputError(fmt::format(
+        "half of the positions lie more than {:.4g} m from their middle, farther than arms reach; "
+        "they look like micrometres; write them in millimetres",
+        narrow));
+  }
+  if (error > std::max(kLargestShare * narrow, kLargestMiss)) {
+    throw InputError(fmt::format(
+        "vision and tracker differ by {:.4g} mm in the median over positions half of which lie "
+        "within {:.4g} mm of their middle; a calibrated camera errs by less than {:.0f} % of that; "
+        "{}; mend the datum, the camera or the pairing instead of learning it",
+        error / kMillimetre, narrow / kMillimetre, 100.0 * kLargestShare,
+        shared_motion(p_vision, p_tracker, error)));
+  }
   const double span = std::max(span_of(p_vision), span_of(p_tracker));
   if (span < kSmallestSpread) {
     throw InputError(fmt::format(
         "all positions lie within {:.4g} mm; they look like metres; write them in millimetres "
         "(or are they all of one place? a map needs pairs over at least {:.0f} mm)",
         span / kMillimetre, kSmallestSpread / kMillimetre));
+  }
+}
+
+void require_live_tracker(const std::vector<ErrorSample>& samples) {
+  struct Reading {
+    std::int64_t x, y;
+    const ErrorSample* sample;
+  };
+  std::vector<Reading> readings;
+  Eigen::Matrix2Xd positions(2, samples.size());
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const Eigen::Vector2d p = samples[i].p_vision - samples[i].error;
+    positions.col(static_cast<Eigen::Index>(i)) = samples[i].p_vision;
+    readings.push_back(
+        {std::llround(p.x() / kSameReading), std::llround(p.y() / kSameReading), &samples[i]});
+  }
+  const double far = std::max(kLargestShare * spread_of(positions), kLargestMiss);
+  const auto place = [](const Reading& r) { return std::tie(r.x, r.y); };
+  std::stable_sort(readings.begin(), readings.end(),
+                   [&](const Reading& a, const Reading& b) { return place(a) < place(b); });
+  for (auto begin = readings.begin(); begin != readings.end();) {
+    const auto end = std::find_if(begin, readings.end(),
+                                  [&](const Reading& r) { return place(r) != place(*begin); });
+    const auto other = std::find_if(begin, end, [&](const Reading& r) {
+      return (r.sample->p_vision - begin->sample->p_vision).norm() > far;
+    });
+    if (other != end) {
+      throw InputError(fmt::format(
+          "{} pairs have one and the same tracker position, ({:.3f}, {:.3f}) mm, '{}' and '{}' "
+          "among "
+          "them, although vision moved by {:.1f} mm: the tracker was frozen, or rows were copied; "
+          "remove these pairs or record them again",
+          end - begin, static_cast<double>(begin->x) * kSameReading / kMillimetre,
+          static_cast<double>(begin->y) * kSameReading / kMillimetre, begin->sample->id,
+          other->sample->id,
+          (other->sample->p_vision - begin->sample->p_vision).norm() / kMillimetre));
+    }
+    begin = end;
   }
 }
 

@@ -1,13 +1,24 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <vector>
+
+#include "planar_servo/error_map/error_sample.h"
 
 namespace planar {
 
 /// Throws InputError when the positions of vision and tracker are not in metres or not in one
 /// frame: one set is more than twice as wide as the other (a thousand times means another unit),
-/// all lie within two millimetres, or half of them differ by more than half their spread. Wild
-/// rows, fewer than half, do not matter.
+/// all lie within two millimetres, half of them lie more than ten metres from their middle, or half
+/// of them differ by more than half their spread. Throws as well when half of them differ by more
+/// than a fiftieth of their spread and more than three millimetres, as no calibrated camera does;
+/// the message says whether a shift, a turn, a scale or a mirror explains it. Wild rows, fewer than
+/// half, do not matter.
 void require_one_unit(const Eigen::Matrix2Xd& p_vision, const Eigen::Matrix2Xd& p_tracker);
+
+/// Throws InputError when the tracker has one and the same position, to the last digit, where
+/// vision has positions farther apart than such an error: a tracker that was frozen, or a row that
+/// was copied.
+void require_live_tracker(const std::vector<ErrorSample>& samples);
 
 }  // namespace planar

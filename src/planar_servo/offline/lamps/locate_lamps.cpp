@@ -61,6 +61,18 @@ LampRow pair_row(const LampImage& image, const SeenTool& seen,
   return row;
 }
 
+/// Returns the distance of the only two lamps in a frame over the distance expected. Empty where
+/// none is expected, or there are not two.
+std::optional<double> distance_ratio(LampTracker& tracker, const Frame& frame,
+                                     const PairExpectation& expectation) {
+  if (!expectation.separation_px) return std::nullopt;
+  tracker.forget();
+  const LampPair pair = tracker.locate(frame, {});
+  if (pair.status != LampStatus::kAmbiguous) return std::nullopt;
+  const auto& [from, to] = *expectation.separation_px;
+  return (pair.lamps[1].uv_px - pair.lamps[0].uv_px).norm() / (0.5 * (from + to));
+}
+
 LampRow disc_row(const LampImage& image, const LampCenter& disc) {
   LampRow row = empty_row(image, disc.status);
   if (disc.status == LampStatus::kOk) add_lamp(row, disc);
@@ -78,6 +90,7 @@ class Collector {
       : request_(request),
         rows_(request.images.size()),
         times_(request.images.size()),
+        wrong_distances_(request.images.size()),
         faults_(request.images.size()) {}
 
   /// Adds the row of image i, which look(frame) returns if the image can be read.
@@ -98,6 +111,10 @@ class Collector {
     if (request_.progress) request_.progress(++done_, rows_.size());
   }
 
+  void add_wrong_distance(std::size_t i, std::optional<double> ratio) {
+    wrong_distances_[i] = ratio;
+  }
+
   LocateReport finish() {
     Faults faults;
     for (const std::string& fault : faults_) {
@@ -109,13 +126,16 @@ class Collector {
     for (const auto& time : times_) {
       if (time) report.milliseconds.push_back(*time);
     }
+    for (const auto& ratio : wrong_distances_) {
+      if (ratio) report.wrong_distances.push_back(*ratio);
+    }
     return report;
   }
 
  private:
   const LocateRequest& request_;
   std::vector<LampRow> rows_;
-  std::vector<std::optional<double>> times_;
+  std::vector<std::optional<double>> times_, wrong_distances_;
   std::vector<std::string> faults_;
   std::mutex mutex_;
   std::size_t done_{0};
@@ -161,7 +181,11 @@ LocateReport locate_lamps(const LocateRequest& request) {
           const PairExpectation expectation =
               prediction ? prediction->of(image.commanded) : PairExpectation{};
           tracker.forget();
-          return pair_row(image, look(request.scene, tracker, frame, expectation), request.scene);
+          LampRow row =
+              pair_row(image, look(request.scene, tracker, frame, expectation), request.scene);
+          if (row.status == LampStatus::kWrongDistance)
+            collector.add_wrong_distance(i, distance_ratio(tracker, frame, expectation));
+          return row;
         });
       });
   return collector.finish();

@@ -26,6 +26,8 @@ struct LocateRequest {
 struct LocateReport {
   std::vector<LampRow> rows;         ///< one per image, in the order of the images
   std::vector<double> milliseconds;  ///< time per image, without reading its file
+  /// Distances of the only pair in images of status wrong_distance, over the distance expected.
+  std::vector<double> wrong_distances;
 };
 
 /// Locates both lamps in every image. Which is which follows from the commanded pose: through the

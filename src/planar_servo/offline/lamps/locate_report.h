@@ -26,6 +26,10 @@ struct LocateFigures {
 /// Counts the statuses and takes the medians.
 LocateFigures figures_of(const LocateReport& report);
 
+/// Says how far apart the lamps of status wrong_distance are, in the median, where the cell says
+/// `separation`, metres. Empty when there is no such image with one pair.
+std::string distance_doubt(const LocateReport& report, double separation);
+
 /// Returns the figures in one line for a terminal.
 std::string locate_text(const LocateFigures& figures);
 

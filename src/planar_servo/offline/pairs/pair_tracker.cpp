@@ -8,11 +8,13 @@
 #include <set>
 
 #include "planar_servo/calibration/board/board_pose.h"
+#include "planar_servo/calibration/readings/reading_order.h"
 #include "planar_servo/calibration/vision_tip.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/lens/workplane.h"
 #include "planar_servo/offline/camera/board_images.h"
+#include "planar_servo/offline/pairs/recording_check.h"
 
 namespace planar {
 namespace {
@@ -63,23 +65,75 @@ std::vector<LampSight> lamp_sights(const std::vector<LampRow>& lamps,
 }
 
 struct SortedReadings {
-  std::vector<MonumentReading> monuments;
+  std::vector<MonumentReading> begin, end;  ///< of monuments: for the datum, and read once more
   std::vector<TrackerRow> tool;
 };
 
-SortedReadings sort_readings(const std::vector<TrackerRow>& rows,
-                             const std::vector<Monument>& monuments) {
-  std::set<std::string> ids;
-  for (const Monument& monument : monuments) ids.insert(monument.id);
+SortedReadings sort_readings(const PairTrackerRequest& request) {
+  std::set<std::string> ids, read_first;
+  for (const Monument& monument : request.cell.datum) ids.insert(monument.id);
   SortedReadings sorted;
-  for (const TrackerRow& row : rows) {
-    if (ids.count(row.id) != 0) {
-      sorted.monuments.push_back({row.id, row.p_L});
-    } else {
+  for (const TrackerRow& row : request.tracker) {
+    if (ids.count(row.id) == 0) {
       sorted.tool.push_back(row);
+      continue;
+    }
+    const MonumentReading reading{row.id, row.p_L, request.cell.tracker.sigma_at(row.p_L.norm())};
+    if (sorted.tool.empty()) {
+      read_first.insert(row.id);
+      sorted.begin.push_back(reading);
+    } else {
+      sorted.end.push_back(reading);
     }
   }
+  const auto again = std::stable_partition(
+      sorted.end.begin(), sorted.end.end(),
+      [&](const MonumentReading& reading) { return read_first.count(reading.id) == 0; });
+  sorted.begin.insert(sorted.begin.end(), sorted.end.begin(), again);
+  sorted.end.erase(sorted.end.begin(), again);
   return sorted;
+}
+
+/// Returns a doubt in words when the monuments read again are not where they were; throws when they
+/// are not by far.
+std::string doubt_of_drift(const std::vector<Monument>& datum, const SortedReadings& readings) {
+  const MonumentVerdict verdict =
+      check_drift(monument_sights(datum, readings.begin), monument_sights(datum, readings.end));
+  if (verdict.refused) throw InputError(verdict.doubt);
+  return verdict.doubt;
+}
+
+void add_doubt(const std::string& doubt, PairTrackerReport& report) {
+  if (!doubt.empty()) report.doubts.push_back(doubt);
+}
+
+/// Registers the tracker, and says what moved.
+DatumRegistration registered(const std::vector<Monument>& datum, const SortedReadings& readings,
+                             PairTrackerReport& report) {
+  DatumRegistration registration = register_datum(datum, readings.begin);
+  if (registration.left_out)
+    report.rejected.push_back({*registration.left_out, registration.doubt});
+  add_doubt(registration.doubt, report);
+  add_doubt(doubt_of_drift(datum, readings), report);
+  return registration;
+}
+
+/// Pairs frames and readings and takes out those of a frozen tracker.
+std::vector<ToolSight> paired(const PairTrackerRequest& request,
+                              const std::vector<ToolReading>& readings, PairTrackerReport& report) {
+  const std::vector<LampSight> frames = lamp_sights(request.lamps, request.frames);
+  Pairing pairing = pair_sights(frames, readings, request.by);
+  report.rejected.insert(report.rejected.end(), pairing.rejected.begin(), pairing.rejected.end());
+  const std::vector<Rejection> frozen = take_out_frozen(pairing.sights);
+  report.rejected.insert(report.rejected.end(), frozen.begin(), frozen.end());
+  if (!frozen.empty())
+    report.doubts.push_back(
+        fmt::format("tracker: it was frozen at {} places, '{}' first, where its reading did not "
+                    "change while the "
+                    "lamps moved; they are left out; record them again",
+                    frozen.size(), frozen.front().id));
+  require_reading_order(pairing.sights, frames, readings, request.by);
+  return std::move(pairing.sights);
 }
 
 WorkplaneFit fit_workplane(const PairTrackerRequest& request,
@@ -113,6 +167,7 @@ void log(const PairTrackerReport& report) {
     spdlog::debug(fmt::format("monument {}: {:.4f} mm off in {} readings", monument.id,
                               monument.residual_B.norm() / kMillimetre, monument.readings));
   spdlog::debug(fmt::format("the workplane is fitted to {} places", report.workplane.n_used));
+  for (const std::string& doubt : report.doubts) spdlog::warn(doubt);
   for (const Rejection& rejection : report.rejected)
     spdlog::debug(fmt::format("left out {}: {}", rejection.id, rejection.reason));
 }
@@ -121,21 +176,20 @@ void log(const PairTrackerReport& report) {
 
 PairTrackerReport pair_tracker(const PairTrackerRequest& request) {
   PairTrackerReport report;
-  const SortedReadings readings = sort_readings(request.tracker, request.cell.datum);
-  report.datum = register_datum(request.cell.datum, readings.monuments);
+  const SortedReadings readings = sort_readings(request);
+  report.datum = registered(request.cell.datum, readings, report);
   std::vector<ToolReading> tool_readings;
   for (const TrackerRow& row : readings.tool) {
     tool_readings.push_back({row.id, row.t_s, report.datum.X_BL * row.p_L,
                              request.cell.tracker.sigma_at(row.p_L.norm())});
   }
-  Pairing pairing =
-      pair_sights(lamp_sights(request.lamps, request.frames), tool_readings, request.by);
-  report.rejected = std::move(pairing.rejected);
-  report.workplane = fit_workplane(request, pairing.sights);
+  std::vector<ToolSight> sights = paired(request, tool_readings, report);
+  require_axis_in_origin(request.cell, sights);
+  report.workplane = fit_workplane(request, sights);
   report.largest_eccentricity_px =
       remove_eccentricity(Workplane(request.camera, report.workplane.X_WC),
-                          request.cell.lamps.layout.diameters_m, pairing.sights);
-  report.workplane = fit_workplane(request, pairing.sights);
+                          request.cell.lamps.layout.diameters_m, sights);
+  report.workplane = fit_workplane(request, sights);
 
   std::set<std::string> outliers;
   for (const Rejection& rejection : report.workplane.rejected) {
@@ -143,7 +197,7 @@ PairTrackerReport pair_tracker(const PairTrackerRequest& request) {
     report.rejected.push_back(rejection);
   }
   const Workplane workplane(request.camera, report.workplane.X_WC);
-  for (const ToolSight& sight : pairing.sights) {
+  for (const ToolSight& sight : sights) {
     if (outliers.count(sight.id) != 0) continue;
     const auto points = end_points(workplane, report.workplane.tool, sight);
     if (points) {
@@ -153,6 +207,9 @@ PairTrackerReport pair_tracker(const PairTrackerRequest& request) {
       report.rejected.push_back({sight.id, "a lamp's ray does not meet the plane"});
     }
   }
+  require_upright_tracker(report.datum, report.workplane.tool);
+  require_lamps_in_order(request.cell, request.frames, report.pairs);
+  add_doubt(doubt_of_change(report.pairs), report);
   log(report);
   return report;
 }

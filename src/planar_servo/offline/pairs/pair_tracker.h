@@ -36,13 +36,17 @@ struct PairTrackerReport {
   DatumRegistration datum;
   WorkplaneFit workplane;
   double largest_eccentricity_px{0.0};  ///< largest shift taken from a lamp's place
+  std::vector<std::string> doubts;      ///< what the readings leave open, in words
 };
 
 /// Makes pairs of what was recorded. It ties the tracker to the base by the monuments, brings lamps
 /// and readings together, and fits workplane and tool to the places of the plans train, sweep1 and
 /// sweep3, never to those kept for judging. It then takes off the eccentricity that the lamps'
-/// discs have on that plane and fits again, and writes every place as a pair of end points. Throws
-/// what these steps throw, and InputError naming lamps of images that the recording lacks.
+/// discs have on that plane and fits again, and writes every place as a pair of end points.
+///
+/// Monuments read after the first reading of the tool serve to show what moved meanwhile, unless
+/// they were not read before. Throws what these steps throw, InputError naming lamps of images that
+/// the recording lacks, and InputError where readings contradict the cell (recording_check.h).
 PairTrackerReport pair_tracker(const PairTrackerRequest& request);
 
 /// Returns the poses X_CG of the board in the recording's frames of plan plane_grid. Throws

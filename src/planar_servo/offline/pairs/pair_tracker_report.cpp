@@ -11,9 +11,6 @@
 namespace planar {
 namespace {
 
-/// Noise alone never moves a reading by so many of its standard deviations.
-constexpr double kDatumSigmas = 5.0;
-
 std::string raw_error_text(const std::vector<PairRow>& pairs) {
   std::string text;
   for (const Plan plan : values_of(kPlans)) {
@@ -56,6 +53,7 @@ nlohmann::json pair_tracker_json(const PairTrackerReport& report) {
   const Summary raw = raw_error(report.pairs);
   return {{"pairs", report.pairs.size()},
           {"rejected", rejected},
+          {"doubts", report.doubts},
           {"datum_rms_mm", report.datum.rms / kMillimetre},
           {"workplane_rms_mm", fit.rms / kMillimetre},
           {"workplane_absorbed", fit.absorbed},
@@ -64,17 +62,6 @@ nlohmann::json pair_tracker_json(const PairTrackerReport& report) {
           {"p_TS_mm", {p_TS.x(), p_TS.y(), p_TS.z()}},
           {"raw_mean_mm", raw.mean / kMillimetre},
           {"raw_rms_mm", raw.rms / kMillimetre}};
-}
-
-std::string moved_monuments(const PairTrackerRequest& request, double datum_rms) {
-  double sigma = 0.0;
-  for (const TrackerRow& row : request.tracker)
-    sigma = std::max(sigma, request.cell.tracker.sigma_at(row.p_L.norm()));
-  if (datum_rms <= kDatumSigmas * sigma) return "";
-  return fmt::format(
-      "datum: {:.3f} mm rms is more than the tracker's noise of {:.3f} mm explains; has a monument "
-      "moved?",
-      datum_rms / kMillimetre, sigma / kMillimetre);
 }
 
 }  // namespace planar

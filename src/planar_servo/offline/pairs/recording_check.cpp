@@ -1,0 +1,102 @@
+#include "planar_servo/offline/pairs/recording_check.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "planar_servo/calibration/readings/change_point.h"
+#include "planar_servo/calibration/readings/joint1_axis.h"
+#include "planar_servo/core/error.h"
+#include "planar_servo/core/fixed.h"
+#include "planar_servo/core/numerics/chance.h"
+#include "planar_servo/core/units.h"
+
+namespace planar {
+namespace {
+
+bool joint1_carries_all(const TransmissionSettings& transmission) {
+  return transmission.coupling == std::array{Coupling::kRelative, Coupling::kRelative};
+}
+
+}  // namespace
+
+void require_axis_in_origin(const CellSettings& cell, const std::vector<ToolSight>& sights) {
+  if (!joint1_carries_all(cell.transmission)) return;
+  std::vector<Eigen::Vector2d> points;
+  double sigma = 0.0;
+  for (const ToolSight& sight : sights) {
+    if (sight.plan != Plan::kSweep1) continue;
+    points.push_back(sight.p_reflector_B.head<2>());
+    sigma = std::max(sigma, sight.sigma_tracker);
+  }
+  const auto axis = fit_axis(points, sigma);
+  if (!axis || !(sigma > 0.0)) return;
+  // The monuments' common error is no smaller than a reading's systematic one.
+  const Eigen::Matrix2d covariance = axis->covariance + sigma * sigma * Eigen::Matrix2d::Identity();
+  if (chi_square_tail(axis->p.dot(covariance.inverse() * axis->p), 2) >= kFalseAlarm) return;
+  throw InputError(fmt::format(
+      "datum: joint 1 turns about ({}) mm +- {:.3f}, {:.3f} mm from the base's origin, as {} "
+      "places "
+      "of plan sweep1 show: the monuments are shifted together; subtract ({}) from x, y of all of "
+      "them in the cell file, or measure them again",
+      fixed(axis->p / kMillimetre, 3, ", "), std::sqrt(0.5 * covariance.trace()) / kMillimetre,
+      axis->p.norm() / kMillimetre, points.size(), fixed(axis->p / kMillimetre, 3, ", ")));
+}
+
+void require_upright_tracker(const DatumRegistration& datum, const ToolOffsets& tool) {
+  if (datum.X_BL.linear()(2, 2) >= 0.0 || tool.p_TS.z() >= 0.0) return;
+  throw InputError(fmt::format(
+      "tracker: its frame is mirrored (x and y exchanged, or one of them negated?): the monuments, "
+      "all in one plane, then fit upside down, with the reflector {:.1f} mm below them and the "
+      "joints turning the other way round, as the tracker sees them; correct the columns of its "
+      "table (where its z axis does point down: negate y and z)",
+      -tool.p_TS.z() / kMillimetre));
+}
+
+void require_lamps_in_order(const CellSettings& cell, const std::vector<FrameRow>& frames,
+                            const std::vector<PairRow>& pairs) {
+  std::map<std::string, double> commanded;
+  const double sense = PlanarArm(cell.arm.geometry).sense();
+  for (const FrameRow& frame : frames) commanded.emplace(frame.id, sense * frame.theta[2]);
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  double n = 0.0;
+  for (const PairRow& pair : pairs) {
+    const auto found = commanded.find(pair.id);
+    if (!pair.phi || found == commanded.end()) continue;
+    sum += rotation2d(*pair.phi - found->second).col(0);
+    n += 1.0;
+  }
+  // A mean direction is one when most of the directions agree; then it must not point backwards.
+  if (n == 0.0 || sum.norm() < 0.5 * n || sum.x() >= 0.0) return;
+  throw InputError(fmt::format(
+      "lamps: at {} places the tool is seen {:.1f} degrees from where joint 3 was sent: lamp 1 and "
+      "lamp 2 are exchanged in lamps.csv, or joint 3's zero is off by half a turn; run "
+      "planar-locate-lamps again with this cell, and look at which lamp is which",
+      n, std::abs(std::atan2(sum.y(), sum.x())) / kDegree));
+}
+
+std::string doubt_of_change(const std::vector<PairRow>& pairs) {
+  std::vector<TimedError> errors;
+  std::vector<const PairRow*> rows;
+  for (const PairRow& pair : pairs) {
+    if (pair.plan != Plan::kTrain) continue;
+    errors.push_back({pair.p_vision, pair.error()});
+    rows.push_back(&pair);
+  }
+  const auto change = find_change(errors);
+  if (!change) return "";
+  std::string text = fmt::format(
+      "pairs: from place '{}' on, {} of {}, vision and tracker differ by another ({}) mm +- "
+      "{:.3f}: "
+      "the reflector was bumped or seated anew, or a lamp, the camera or the tracker moved there; "
+      "record again, with one seating, or leave out one of the two parts",
+      rows[change->first]->id, rows.size() - change->first, rows.size(),
+      fixed(change->step / kMillimetre, 3, ", "), change->sigma / kMillimetre);
+  if (change->step.norm() > change->scatter) throw InputError(text);
+  return text;
+}
+
+}  // namespace planar

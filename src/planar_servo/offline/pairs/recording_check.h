@@ -1,0 +1,34 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "planar_servo/offline/pairs/pair_tracker.h"
+
+namespace planar {
+
+// Each of these holds what was recorded against something else that is known of the cell. What
+// contradicts throws InputError with sizes, uncertainties and the remedy; what is less certain than
+// that is returned as a doubt in words, empty when there is none.
+
+/// The sweep of joint 1 shows the base's axis without the monuments, which are to be given about
+/// that axis. Throws when it lies off the origin by more than what readings and sweep leave open,
+/// with a false alarm of kFalseAlarm. Arms whose other motors turn in this sweep show no circle and
+/// are not asked.
+void require_axis_in_origin(const CellSettings& cell, const std::vector<ToolSight>& sights);
+
+/// Monuments in one plane fit a mirrored tracker frame as well, with the base's z axis turned
+/// round. Throws when the tracker's z axis points down in the base and the reflector lies below the
+/// monuments.
+void require_upright_tracker(const DatumRegistration& datum, const ToolOffsets& tool);
+
+/// Throws when the tool as seen points against the direction to which joint 3 was sent: lamps
+/// exchanged.
+void require_lamps_in_order(const CellSettings& cell, const std::vector<FrameRow>& frames,
+                            const std::vector<PairRow>& pairs);
+
+/// Looks for a step in the vision error of the training pairs, in the order of time; see
+/// find_change(). Throws when it is larger than the scatter of single errors.
+std::string doubt_of_change(const std::vector<PairRow>& pairs);
+
+}  // namespace planar

@@ -1,0 +1,24 @@
+#include "planar_servo/core/numerics/chance.h"
+
+#include <catch2/catch.hpp>
+#include <stdexcept>
+
+namespace planar {
+
+TEST_CASE("The tail of chi square is that of the tables") {
+  CHECK(chi_square_tail(10.828, 1) == Approx(1e-3).epsilon(1e-3));
+  CHECK(chi_square_tail(13.816, 2) == Approx(1e-3).epsilon(1e-3));
+  CHECK(chi_square_tail(16.266, 3) == Approx(1e-3).epsilon(1e-3));
+  CHECK(chi_square_tail(27.877, 9) == Approx(1e-3).epsilon(1e-3));
+  CHECK(chi_square_tail(18.307, 10) == Approx(0.05).epsilon(1e-3));
+  CHECK(chi_square_tail(0.0, 4) == 1.0);
+  CHECK_THROWS_AS(chi_square_tail(1.0, 0), std::invalid_argument);
+}
+
+TEST_CASE("The tail of F with two degrees of freedom above is that of the tables") {
+  CHECK(f_tail_of_two(4.103, 10.0) == Approx(0.05).epsilon(1e-3));
+  CHECK(f_tail_of_two(9.953, 20.0) == Approx(1e-3).epsilon(1e-3));
+  CHECK(f_tail_of_two(0.0, 5.0) == 1.0);
+}
+
+}  // namespace planar

@@ -1,0 +1,198 @@
+#include "planar_servo/offline/pairs/recording_check.h"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <random>
+
+#include "calibration/synthetic_cell.h"
+#include "planar_servo/core/error.h"
+
+namespace planar {
+namespace {
+
+using Catch::Matchers::Contains;
+using test::SyntheticCell;
+
+constexpr double kSecondsPerPlace = 10.0;
+constexpr int kTrainingPlaces = 80;
+
+/// Records the synthetic cell as planar-record does: monuments, sweeps of joints 1 and 3, training
+/// places at random, and the monuments once more.
+class RecordedBench {
+ public:
+  explicit RecordedBench(unsigned seed = 1) : random_(seed) {
+    request.camera = cell_.lens;
+    request.cell.tracker.sigma_m = cell_.noise_tracker;
+    request.cell.datum = {
+        {"d1", {-0.45, -0.45, 0.0}}, {"d2", {0.45, 0.45, 0.0}}, {"d3", {-0.45, 0.45, 0.0}}};
+    read_monuments();
+    for (int i = 0; i < 24; ++i) {
+      const double angle = 2.0 * kPi * i / 24.0;
+      const Eigen::Vector2d p = rotation2d(angle) * Eigen::Vector2d(0.3, 0.3);
+      record("sweep1_" + std::to_string(i), Plan::kSweep1, p, angle, {angle, angle + kPi / 2.0});
+    }
+    for (int i = 0; i < 24; ++i)
+      record("sweep3_" + std::to_string(i), Plan::kSweep3, {0.25, 0.1}, 2.0 * kPi * i / 24.0,
+             {0.1, 1.2});
+    std::uniform_real_distribution<double> place(-0.42, 0.42);
+    for (int i = 0; i < kTrainingPlaces; ++i)
+      record("train_" + std::to_string(i), Plan::kTrain, {place(random_), place(random_)}, 0.0,
+             {0.01 * i, 1.0});
+    read_monuments();
+  }
+
+  PairTrackerRequest request;
+
+  std::string refusal() const {
+    try {
+      const PairTrackerReport report = pair_tracker(request);
+      std::string doubts;
+      for (const std::string& doubt : report.doubts) doubts += "doubt: " + doubt;
+      return doubts;
+    } catch (const InputError& error) {
+      return error.what();
+    }
+  }
+
+  /// Returns the readings of the tool, in their order.
+  std::vector<TrackerRow*> tool_readings() {
+    std::vector<TrackerRow*> rows;
+    for (TrackerRow& row : request.tracker)
+      if (row.id.size() > 2) rows.push_back(&row);
+    return rows;
+  }
+
+  void read_monuments() {
+    for (const Monument& monument : request.cell.datum)
+      for (int i = 0; i < 5; ++i) add_reading(monument.id, monument.p_B + noise());
+  }
+
+ private:
+  static Pose tracker_stand() {
+    Pose X_BL = Pose::Identity();
+    X_BL.linear() = rotation_from_vector({0.02, -0.01, 2.1});
+    X_BL.translation() = Eigen::Vector3d(2.5, -1.0, 0.7);
+    return X_BL;
+  }
+  Eigen::Vector3d noise() {
+    std::normal_distribution<double> normal(0.0, cell_.noise_tracker);
+    return {normal(random_), normal(random_), normal(random_)};
+  }
+  void add_reading(const std::string& id, const Eigen::Vector3d& p_B) {
+    const double t_s = kSecondsPerPlace * static_cast<double>(request.frames.size()) - 9.9;
+    request.tracker.push_back({id, t_s, tracker_stand().inverse() * p_B});
+  }
+  void record(const std::string& id, Plan plan, const Eigen::Vector2d& p, double phi,
+              const Eigen::Vector2d& theta12) {
+    const ToolSight sight = cell_.sight(id, p, phi, random_);
+    FrameRow frame;
+    frame.id = id;
+    frame.image = "images/" + id + ".png";
+    frame.t_s = kSecondsPerPlace * static_cast<double>(request.frames.size());
+    frame.plan = plan;
+    frame.theta << theta12, phi;
+    LampRow lamps;
+    lamps.id = id;
+    lamps.image = frame.image;
+    lamps.status = LampStatus::kOk;
+    lamps.uv_px.assign(sight.lamps_px.begin(), sight.lamps_px.end());
+    lamps.covariance_px2.assign(sight.covariances_px2.begin(), sight.covariances_px2.end());
+    request.frames.push_back(frame);
+    request.lamps.push_back(lamps);
+    add_reading(id, sight.p_reflector_B);
+  }
+
+  SyntheticCell cell_;
+  std::mt19937 random_;
+};
+
+}  // namespace
+
+TEST_CASE("Healthy recordings are neither refused nor doubted") {
+  int doubted = 0;
+  constexpr unsigned kSeeds = 200;
+  for (unsigned seed = 0; seed < kSeeds; ++seed) {
+    const std::string said = RecordedBench(seed).refusal();
+    INFO("seed " << seed << ": " << said);
+    if (!said.empty()) ++doubted;
+    CHECK((said.empty() || Contains("doubt: ").match(said)));
+  }
+  CHECK(doubted <= 3);  // four questions at one in a thousand: 0.8 expected
+}
+
+TEST_CASE("Monuments that are all shifted are held against the axis of joint 1") {
+  RecordedBench bench;
+  for (Monument& monument : bench.request.cell.datum) monument.p_B.x() += 0.1 * kMillimetre;
+  CHECK_THAT(bench.refusal(), Contains("joint 1 turns about (0.09") &&
+                                  Contains("the monuments are shifted together") &&
+                                  Contains("24 places of plan sweep1"));
+  bench.request.cell.transmission.coupling[1] = Coupling::kAbsolute;  // its motor turns, too
+  CHECK(bench.refusal().empty());
+}
+
+TEST_CASE("A mirrored tracker frame is named although three monuments fit it") {
+  RecordedBench bench;
+  for (TrackerRow& row : bench.request.tracker) std::swap(row.p_L.x(), row.p_L.y());
+  CHECK_THAT(bench.refusal(), Contains("frame is mirrored") && Contains("x and y exchanged"));
+  bench = RecordedBench();
+  for (TrackerRow& row : bench.request.tracker) row.p_L.tail<2>() *= -1.0;
+  CHECK(bench.refusal().empty());  // a frame whose z axis points down is none
+}
+
+TEST_CASE("A tracker that moved during the recording is named by the monuments read at its end") {
+  RecordedBench bench;
+  auto& rows = bench.request.tracker;
+  for (std::size_t i = rows.size() - 5; i < rows.size(); ++i) rows[i].p_L.z() += 0.08 * kMillimetre;
+  CHECK_THAT(bench.refusal(),
+             Contains("'d3' by 0.07") && Contains("between the beginning and the"));
+}
+
+TEST_CASE("A recording without monuments at its end, or with them at its end only, is as good") {
+  RecordedBench bench;
+  auto& rows = bench.request.tracker;
+  std::rotate(rows.begin(), rows.begin() + 15, rows.end());
+  CHECK(bench.refusal().empty());
+  rows.resize(rows.size() - 15);
+  CHECK(bench.refusal().empty());
+}
+
+TEST_CASE("A reflector bumped midway is named with place and size") {
+  RecordedBench bench;
+  const auto rows = bench.tool_readings();
+  for (std::size_t i = 88; i < rows.size(); ++i) rows[i]->p_L.x() += 0.2 * kMillimetre;
+  CHECK_THAT(bench.refusal(), Contains("from place 'train_40' on") && Contains("bumped"));
+}
+
+TEST_CASE("Readings shifted by a row, of another clock or frozen are named as that") {
+  RecordedBench bench;
+  auto rows = bench.tool_readings();
+  for (std::size_t i = rows.size() - 1; i > 0; --i) rows[i]->p_L = rows[i - 1]->p_L;
+  CHECK_THAT(bench.refusal(), Contains("shifted by 1 row") && Contains("the place before its own"));
+
+  bench = RecordedBench();
+  bench.request.by = PairBy::kTime;
+  CHECK(bench.refusal().empty());
+  for (TrackerRow* row : bench.tool_readings()) row->t_s += 30.0;
+  CHECK_THAT(bench.refusal(),
+             Contains("its clock is about 30.") && Contains("ahead of the camera's"));
+
+  bench = RecordedBench();
+  rows = bench.tool_readings();
+  for (std::size_t i = 60; i < 70; ++i) rows[i]->p_L = rows[60]->p_L;
+  CHECK_THAT(bench.refusal(), Contains("doubt: tracker: it was frozen at 9 places, 'train_13'"));
+}
+
+TEST_CASE("Readings of another recording are said not to follow the lamps") {
+  RecordedBench bench, other(2);
+  const auto rows = bench.tool_readings(), others = other.tool_readings();
+  for (std::size_t i = 0; i < rows.size(); ++i) rows[i]->p_L = others[rows.size() - 1 - i]->p_L;
+  CHECK_THAT(bench.refusal(), Contains("do not follow the lamps"));
+}
+
+TEST_CASE("Exchanged lamps point the tool backwards and are named") {
+  RecordedBench bench;
+  for (LampRow& row : bench.request.lamps) std::swap(row.uv_px[0], row.uv_px[1]);
+  CHECK_THAT(bench.refusal(), Contains("lamp 1 and lamp 2 are exchanged") && Contains("degrees"));
+}
+
+}  // namespace planar
