@@ -70,6 +70,7 @@ struct CellSettings {
   /// The files of the calibration, which may not exist yet.
   std::filesystem::path camera_model, workplane, tool, error_map;
   LampSettings lamps;
+  std::vector<ReferenceLampLayout> reference_lamps;
   ArmSettings arm;
   TransmissionSettings transmission;
   std::array<DriveSettings, 3> drives;
