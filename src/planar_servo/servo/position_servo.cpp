@@ -6,6 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "planar_servo/servo/approach.h"
 #include "planar_servo/servo/control_law.h"
 
 namespace planar {
@@ -142,17 +143,10 @@ std::optional<PositionServo::Obstacle> PositionServo::command(const Joints& thet
     if (!objection) return std::nullopt;
     return Obstacle{ServoStatus::kLostCamera, *objection};
   };
-  if (const auto refusal = planner_.refusal(theta)) return refused(*refusal);
-  if (settings_.approach == Approach::kOneSide) {
-    const Transmission& transmission = planner_.transmission();
-    const Eigen::Vector3d motors = transmission.motors_from_joints(theta);
-    const Joints short_of = transmission.joints_from_motors(
-        motors - Eigen::Vector3d::Constant(settings_.approach_margin_rad));
-    if (const auto violation = transmission.limit_violation(short_of))
-      return refused("on the approach from one side, " + *violation);
-    if (const auto obstacle = move(short_of)) return obstacle;
-  }
-  if (const auto obstacle = move(theta)) return obstacle;
+  if (const auto refusal = approach_refusal(planner_, settings_, robot_.commanded_joints(), theta))
+    return refused(*refusal);
+  for (const Joints& stop : approach_stops(planner_.transmission(), settings_, theta))
+    if (const auto obstacle = move(stop)) return obstacle;
   clock_.sleep_for_s(settings_.settle_s);
   return std::nullopt;
 }

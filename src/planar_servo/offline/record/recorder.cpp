@@ -47,9 +47,8 @@ class Recorder {
       : cell_(request.cell),
         devices_(devices),
         folder_(request.recording),
-        arm_(cell_.arm.geometry),
-        transmission_(cell_.transmission),
-        robot_(arm_, transmission_, devices.drives(), devices.clock()),
+        planner_(joint_planner(cell_)),
+        robot_(planner_.arm(), planner_.transmission(), devices.drives(), devices.clock()),
         lamps_(CenterMethod::kCannyKasa),
         frames_table_(folder_ / "frames.csv", frames_header()),
         tracker_table_(folder_ / "tracker.csv", tracker_header()) {
@@ -105,12 +104,14 @@ class Recorder {
   void record_position(const PlanRow& row, const Joints& theta) {
     if (!energized_) robot_.energize();
     energized_ = true;
+    if (const auto refusal = planner_.way_refusal(robot_.commanded_joints(), theta))
+      throw WorkError(fmt::format("{}: {}", row.id, *refusal));
     if (const auto objection = robot_.move_to(theta, [this] { return devices_.camera().fault(); }))
       throw WorkError(
           fmt::format("{}: {}; the arm has stopped; mend the camera, then start again to go on",
                       row.id, *objection));
     devices_.clock().sleep_for_s(cell_.servo.settle_s);
-    const Eigen::Vector2d p = arm_.forward(robot_.commanded_joints()).p;
+    const Eigen::Vector2d p = planner_.arm().forward(robot_.commanded_joints()).p;
     std::string lines;
     set_region_for(p);
     for (int i = 0; i < cell_.servo.frames_per_measurement; ++i) {
@@ -179,7 +180,7 @@ class Recorder {
     }
     const Joints theta = energized_ ? robot_.commanded_joints() : cell_.arm.home;
     return frame_line({row.id, image, frame.t_s, row.plan, theta,
-                       transmission_.pulses_from_joints(theta), frame.region_px});
+                       planner_.transmission().pulses_from_joints(theta), frame.region_px});
   }
 
   cv::Rect region_round(const Eigen::Vector2d& center_px) const {
@@ -191,8 +192,7 @@ class Recorder {
   const CellSettings& cell_;
   CellDevices& devices_;
   fs::path folder_;
-  PlanarArm arm_;
-  Transmission transmission_;
+  JointPlanner planner_;
   PlanarRobot robot_;
   LampTracker lamps_;
   GrowingFile frames_table_;
