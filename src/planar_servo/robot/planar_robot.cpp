@@ -162,8 +162,9 @@ void PlanarRobot::brake() {
         std::abs(transmission_.pulses_per_rad()[i]) * motor_drive(i).max_acceleration_rad_s2;
     const double speed = speed_pulses_s_[i];
     const double way = speed * std::abs(speed) / (2.0 * acceleration);
-    stop_pulses[static_cast<std::size_t>(i)] =
-        static_cast<std::int32_t>(std::lround(seen_pulses_[i] + way));
+    const double seen = seen_pulses_[i], target = commanded_pulses_[i];
+    stop_pulses[static_cast<std::size_t>(i)] = static_cast<std::int32_t>(
+        std::lround(std::clamp(seen + way, std::min(seen, target), std::max(seen, target))));
     longest_s = std::max(longest_s, std::abs(speed) / acceleration);
   }
   drives_.set_targets(stop_pulses);
