@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "planar_servo/core/error.h"
+#include "planar_servo/files/reference_lamp_fields.h"
 #include "planar_servo/files/vision_files.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/machine/device_kinds.h"
@@ -131,7 +132,7 @@ Outcome locate(const Options& options) {
   request.progress = [&](std::size_t done, std::size_t all) { bar.show(done, all); };
   const LocateReport report =
       options.lamps == 1 ? follow_disc(request, start_pixel(options.start)) : locate_lamps(request);
-  write_file(options.out, lamps_text(report.rows, csv_remarks(origins)));
+  write_file(options.out, lamps_text(report.rows, lamp_remarks(origins, report.reference_lamps)));
   const LocateFigures figures = figures_of(report);
   fmt::print("{}", locate_text(figures));
   const std::string doubt =

@@ -1,9 +1,12 @@
 #include <fmt/format.h>
 
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
+#include <string>
 
 #include "planar_servo/core/error.h"
+#include "planar_servo/core/units.h"
 #include "planar_servo/experiment/paper_cell.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/io/growing_file.h"
@@ -19,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const CommandText kDraw{"draw", "planar-virtual-cell draw --seed N [--like paper] -o DIR",
+const CommandText kDraw{"draw", "planar-virtual-cell draw --seed N [--like paper|workshop] -o DIR",
                         "drew cell 7: cells/7/cell.yaml and its truth, cells/7/truth.yaml"};
 const CommandText kServe{
     "serve", "planar-virtual-cell serve --cell cell.yaml [--address ADDRESS]",
@@ -38,13 +41,24 @@ struct Options {
   std::string address{"127.0.0.1"};
 };
 
+/// Names the reference lamps of a workshop's cell file, with the diameter of the tool's.
+std::string reference_lamps_text() {
+  std::string text = "reference_lamps:\n";
+  for (const StatedLamp& lamp : workshop_lamps())
+    text +=
+        fmt::format("  - {{id: {}, diameter_mm: 8.0, x_mm: {}, y_mm: {}}}\n", lamp.id,
+                    std::round(lamp.p_B.x() / kMillimetre), std::round(lamp.p_B.y() / kMillimetre));
+  return text;
+}
+
 Outcome draw(const Options& options) {
+  const bool workshop = options.like == "workshop";
   const fs::path cell = options.folder / "cell.yaml", truth = options.folder / "truth.yaml";
   for (const fs::path& path : {cell, truth})
     if (fs::exists(path)) throw InputError(path.string() + ": exists already; name another folder");
   make_folder(options.folder);
-  write_file(cell, paper_cell_text());
-  Truth drawn = draw_truth(options.seed);
+  write_file(cell, paper_cell_text() + (workshop ? reference_lamps_text() : std::string()));
+  Truth drawn = workshop ? draw_workshop_truth(options.seed) : draw_truth(options.seed);
   drawn.build = build_as_stated(virtual_hardware(read_cell(cell)));
   write_truth(truth, drawn);
   fmt::print("drew cell {}: {} and its truth, {}\n", options.seed, cell.string(), truth.string());
@@ -77,7 +91,8 @@ void add_options(CLI::App& app, Options& options) {
       ->capture_default_str();
   CLI::App* command = app.add_subcommand(kDraw.name, "Draws a new random cell with its truth.");
   command->add_option("--seed", options.seed, "the same seed draws the same cell")->required();
-  command->add_option("--like", options.like, "the kind of cell")->check(CLI::IsMember({"paper"}));
+  command->add_option("--like", options.like, "the kind of cell")
+      ->check(CLI::IsMember({"paper", "workshop"}));
   command->add_option("-o,--out", options.folder, "folder for cell.yaml and truth.yaml")
       ->required()
       ->type_name("DIR");

@@ -190,6 +190,30 @@ TEST_CASE("A cell says how lamps' centres are measured, or leaves it at auto") {
              Contains("lamps.method is 'guess'; allowed are auto, fast, canny-kasa, vpdot2"));
 }
 
+TEST_CASE("A cell may name lamps that are fixed to its base, with their places or without") {
+  const test::TemporaryFolder folder;
+  CHECK(read_cell(test::paper_cell_file()).reference_lamps.empty());
+  const std::string text = read_file(test::paper_cell_file());
+  const auto with = [&](const std::string& items) {
+    return folder.write("cell.yaml", text + "reference_lamps: [" + items + "]\n");
+  };
+  const std::string others = ", {id: R2, diameter_mm: 8}, {id: R3, diameter_mm: 8}";
+  const auto lamps =
+      read_cell(with("{id: R1, diameter_mm: 6, x_mm: 500, y_mm: -20}" + others)).reference_lamps;
+  REQUIRE(lamps.size() == 3);
+  CHECK(lamps[0].id == "R1");
+  CHECK(lamps[0].diameter_m == Approx(0.006));
+  REQUIRE(lamps[0].p_B.has_value());
+  CHECK(lamps[0].p_B->isApprox(Eigen::Vector2d(0.5, -0.02)));
+  CHECK_FALSE(lamps[1].p_B.has_value());
+  CHECK_THROWS_WITH(read_cell(with("{id: R1, diameter_mm: 6, x_mm: 500}" + others)),
+                    Contains("reference_lamps[0] lacks the key 'y_mm'"));
+  CHECK_THROWS_WITH(read_cell(with("{id: R3, diameter_mm: 6}" + others)),
+                    Contains("reference_lamps has the id 'R3' twice"));
+  CHECK_THROWS_WITH(read_cell(with("{id: R3, diameter_mm: 6}")),
+                    Contains("reference_lamps names 1; at least 3 are needed"));
+}
+
 TEST_CASE("A cell has the tracker of its kind unless it names another") {
   const test::TemporaryFolder folder;
   CHECK(read_cell(test::paper_cell_file()).tracker.kind->name() == "virtual");

@@ -91,6 +91,42 @@ TEST_CASE("A truth says how the machine is built only where it says so") {
   refused("coupling:", "coupling: [relative]", "coupling");
 }
 
+TEST_CASE("A truth holds fixed lamps and warming only where it has them") {
+  const test::TemporaryFolder folder;
+  const std::string paper = truth_text(draw_truth(1));
+  CHECK(paper.find("reference_lamps") == std::string::npos);
+  CHECK(paper.find("warming") == std::string::npos);
+  const Truth truth = draw_workshop_truth(1);
+  write_truth(folder / "truth.yaml", truth);
+  const Truth read = read_truth(folder / "truth.yaml");
+  REQUIRE(read.reference_lamps.size() == workshop_lamps().size());
+  const ReferenceLampTruth &a = read.reference_lamps[7], &b = truth.reference_lamps[7];
+  CHECK(a.id == "R8");
+  CHECK(a.p_B.isApprox(b.p_B, kUnits));
+  CHECK(a.lamp.peak_level == b.lamp.peak_level);
+  CHECK(a.lamp.rim.size() == b.lamp.rim.size());
+  REQUIRE(read.camera.warming.has_value());
+  CHECK(read.camera.warming->shift_px == truth.camera.warming->shift_px);
+  CHECK(read.camera.warming->turn_rad == Approx(truth.camera.warming->turn_rad).epsilon(kUnits));
+  CHECK(read.camera.warming->growth == truth.camera.warming->growth);
+  CHECK(read.camera.warming->time_constant_s ==
+        Approx(truth.camera.warming->time_constant_s).epsilon(kUnits));
+}
+
+TEST_CASE("A workshop is a cell of the paper's kind with lamps in view beyond the tool's reach") {
+  const Truth truth = draw_workshop_truth(3), paper = draw_truth(3);
+  CHECK(truth.camera.X_CB.isApprox(paper.camera.X_CB, 0.0));
+  CHECK(truth.camera.drift_px_per_h.norm() == Approx(0.4).epsilon(0.06));
+  const VirtualLens lens(truth.camera);
+  constexpr double kReach_m = 0.54 + 0.02 + 0.004, kBeside_m = 0.065, kHalo_px = 60.0;
+  for (const ReferenceLampTruth& lamp : truth.reference_lamps) {
+    CHECK(lamp.p_B.head<2>().norm() > kReach_m + kBeside_m);
+    const Eigen::Vector2d uv_px = *lens.project(lamp.p_B, 8.0 * 3600.0);
+    CHECK(uv_px.minCoeff() > kHalo_px);
+    CHECK(uv_px.maxCoeff() < 5120.0 - kHalo_px);
+  }
+}
+
 TEST_CASE("The same seed draws the same text, another seed another") {
   const auto body = [](std::uint32_t seed) {
     const std::string text = truth_text(draw_truth(seed));

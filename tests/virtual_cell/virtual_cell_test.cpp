@@ -6,6 +6,8 @@
 #include <stdexcept>
 
 #include "planar_servo/core/error.h"
+#include "planar_servo/virtual_cell/image/virtual_lamps.h"
+#include "planar_servo/virtual_cell/image/virtual_lens.h"
 #include "virtual_cell/sample_cell.h"
 
 namespace planar {
@@ -166,6 +168,46 @@ TEST_CASE("The image drifts linearly in time") {
   cell.clock().sleep_for_s(1800.0);
   const Bright after = bright(cell.camera().next_frame().frame);
   CHECK((after.center_px - before.center_px - Eigen::Vector2d(1.5, -1.0)).norm() < 0.05);
+}
+
+TEST_CASE("Lamps fixed to the base shine in whole frames and in regions, but not through a board") {
+  Truth truth = test::evenly_lit_truth(1);
+  for (LampTruth& lamp : truth.lamps) lamp.peak_level = 0.0;
+  truth.reference_lamps = {{"R1", {0.4, 0.3, 0.006}, truth.lamps[0]},
+                           {"R2", {-0.4, 0.3, 0.006}, truth.lamps[0]}};
+  truth.reference_lamps[0].lamp.peak_level = 150.0;
+  VirtualCell cell(truth, test::sample_hardware());
+  const Eigen::Vector2d place = *VirtualLens(truth.camera).project({0.4, 0.3, 0.006}, 0.0);
+  constexpr double kCenter_px = 0.05;
+  CHECK((bright(cell.camera().next_frame().frame).center_px - place).norm() < kCenter_px);
+  cell.camera().set_region(around(place, 100));
+  CHECK((bright(cell.camera().next_frame().frame).center_px - place).norm() < kCenter_px);
+  cell.camera().set_region(around(place + Eigen::Vector2d(400.0, 0.0), 100));
+  CHECK(bright(cell.camera().next_frame().frame).count == 0);
+
+  cell.camera().set_region(kWhole);
+  cell.board_presenter().lay_board(0);
+  const Bright with_board = bright(cell.camera().next_frame().frame);
+  truth.reference_lamps.clear();
+  VirtualCell without_lamps(truth, test::sample_hardware());
+  for (int i = 0; i < 3; ++i) without_lamps.camera().next_frame();  // the same exposure, then
+  without_lamps.board_presenter().lay_board(0);
+  CHECK(bright(without_lamps.camera().next_frame().frame).center_px == with_board.center_px);
+}
+
+TEST_CASE("A fixed lamp beside the tool's is as bright as alone, in one light with them") {
+  Truth truth = test::evenly_lit_truth(1);
+  const VirtualLens lens(truth.camera);
+  const Pose X_BT = test::tool_pose({0.2, 0.1}, 0.0);
+  const Eigen::Vector3d beside =
+      X_BT * Eigen::Vector3d(truth.tool.lamps_m[1].x() + 0.010, 0.0, 0.0);
+  truth.reference_lamps = {{"R1", beside, truth.lamps[0]},
+                           {"R2", {-0.4, 0.3, 0.0}, truth.lamps[0]}};
+  const std::vector<Light> lights = VirtualLamps(truth).render_all(X_BT, lens, 0.0);
+  REQUIRE(lights.size() == 2);
+  const auto light_sum = [](const Light& light) { return cv::sum(light.levels)[0]; };
+  const double tool = light_sum(*VirtualLamps(truth).render(X_BT, lens, 0.0));
+  CHECK(light_sum(lights[0]) == Approx(tool + light_sum(lights[1])).epsilon(0.02));
 }
 
 TEST_CASE("Frames and true tip follow the drives") {

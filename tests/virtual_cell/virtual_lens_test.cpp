@@ -34,6 +34,26 @@ TEST_CASE("VirtualLens takes a distorted point to the closed form of its polynom
   CHECK(ideal.y() == Approx(0.4 * scale + 0.001 * (0.25 + 0.32) + 0.004 * 0.12));
 }
 
+TEST_CASE("A warming camera shifts, turns and grows its image towards an end, besides its drift") {
+  CameraTruth camera = draw_truth(4).camera;
+  camera.drift_px_per_h = {0.3, -0.2};
+  const Eigen::Vector3d p_B(0.3, -0.4, 0.0);
+  const Eigen::Vector2d cold = *VirtualLens(camera).project(p_B, 0.0);
+  camera.warming = WarmingTruth{{0.5, -0.25}, 1e-4, 5e-5, 5400.0};
+  const VirtualLens lens(camera);
+  CHECK(*lens.project(p_B, 0.0) == cold);
+  for (const double t_s : {600.0, 5400.0, 8.0 * 3600.0}) {
+    const double way = 1.0 - std::exp(-t_s / 5400.0);
+    const Eigen::Vector2d drifted = cold + camera.drift_px_per_h * t_s / 3600.0;
+    const Eigen::Vector2d from_center = drifted - camera.center_px;
+    const Eigen::Vector2d across(-from_center.y(), from_center.x());
+    const Eigen::Vector2d expected = drifted + way * Eigen::Vector2d(0.5, -0.25) +
+                                     5e-5 * way * from_center + 1e-4 * way * across;
+    // What a rotation of 1e-4 rad differs from its linearisation, 2000 px from the middle.
+    CHECK((*lens.project(p_B, t_s) - expected).norm() < 5e-5);
+  }
+}
+
 TEST_CASE("VirtualLens projects nothing from behind or beyond its reach") {
   CameraTruth camera;
   camera.radial = {-1.0, 0.0, 0.0};  // folds over at r = 1 / sqrt(3)

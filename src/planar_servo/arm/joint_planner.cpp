@@ -1,6 +1,73 @@
 #include "planar_servo/arm/joint_planner.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "planar_servo/arm/motor_move.h"
+#include "planar_servo/core/fixed.h"
+#include "planar_servo/core/units.h"
+
 namespace planar {
+namespace {
+
+/// The way of the end point while every motor makes its own move.
+class Way {
+ public:
+  Way(const PlanarArm& arm, const Transmission& transmission, const Joints& from, const Joints& to)
+      : arm_(arm),
+        transmission_(transmission),
+        moves_{move(0, from, to), move(1, from, to), move(2, from, to)} {}
+
+  double duration_s() const { return std::max(moves_[0].duration_s(), moves_[1].duration_s()); }
+
+  Joints joints_at(double t_s) const {
+    return transmission_.joints_from_motors(
+        {moves_[0].angle_at(t_s), moves_[1].angle_at(t_s), moves_[2].angle_at(t_s)});
+  }
+  Eigen::Vector2d point_at(double t_s) const { return arm_.forward(joints_at(t_s)).p; }
+
+  /// Returns a length that the end point's way between two times does not exceed. No motor turns
+  /// back, so a joint turns by no more than its motors together.
+  double length_bound_m(double from_s, double to_s) const {
+    double turned = 0.0, length = 0.0;
+    for (std::size_t i = 0; i < 2; ++i) {
+      const double turn = std::abs(moves_[i].angle_at(to_s) - moves_[i].angle_at(from_s));
+      const bool relative = i > 0 && transmission_.coupling_matrix()(1, 0) != 0.0;
+      turned = relative ? turned + turn : turn;
+      length += arm_.geometry().link_lengths_m[static_cast<int>(i)] * turned;
+    }
+    return length;
+  }
+
+  /// Returns when, within an interval, the end point lies deepest beyond a border, to
+  /// JointPlanner::kWayResolution_m, as long as that is deeper than at `best_s`.
+  double deepest_s(const Border& border, double from_s, double to_s, double best_s) const {
+    const double middle_s = 0.5 * (from_s + to_s);
+    const double depth = border.depth_m(point_at(middle_s));
+    if (depth > border.depth_m(point_at(best_s))) best_s = middle_s;
+    const double reach = std::max(length_bound_m(from_s, middle_s), length_bound_m(middle_s, to_s));
+    if (depth + reach <=
+        std::max(0.0, border.depth_m(point_at(best_s))) + JointPlanner::kWayResolution_m)
+      return best_s;
+    best_s = deepest_s(border, from_s, middle_s, best_s);
+    return deepest_s(border, middle_s, to_s, best_s);
+  }
+
+ private:
+  MotorMove move(int motor, const Joints& from, const Joints& to) const {
+    return {transmission_.motors_from_joints(from)[motor],
+            transmission_.motors_from_joints(to)[motor],
+            transmission_.settings().drives[static_cast<std::size_t>(motor)]};
+  }
+
+  const PlanarArm& arm_;
+  const Transmission& transmission_;
+  std::array<MotorMove, 3> moves_;
+};
+
+}  // namespace
 
 JointPlanner::JointPlanner(const PlanarArm& arm, const Transmission& transmission,
                            const Workspace& workspace, Elbow elbow)
@@ -9,6 +76,22 @@ JointPlanner::JointPlanner(const PlanarArm& arm, const Transmission& transmissio
 std::optional<std::string> JointPlanner::refusal(const Joints& theta) const {
   if (auto outside = workspace_.violation(arm_.forward(theta).p)) return outside;
   return transmission_.limit_violation(theta);
+}
+
+std::optional<std::string> JointPlanner::way_refusal(const Joints& from, const Joints& to) const {
+  const Way way(arm_, transmission_, from, to);
+  for (const Border& border : workspace_.borders()) {
+    const double deepest_s = way.deepest_s(border, 0.0, way.duration_s(), 0.0);
+    const Eigen::Vector2d deepest = way.point_at(deepest_s);
+    const double allowed = std::max(0.0, border.depth_m(way.point_at(0.0)));
+    if (border.depth_m(deepest) > allowed + kWayResolution_m)
+      return fmt::format(
+          "the way there leads {:.3f} mm {} of {:.3f} mm about {}, at {}; go round by targets in "
+          "between",
+          border.depth_m(deepest) / kMillimetre, border.words, border.radius_m / kMillimetre,
+          place_mm(border.p_B), place_mm(deepest));
+  }
+  return std::nullopt;
 }
 
 JointPlan JointPlanner::plan(const TipPose& target, const Joints& near) const {

@@ -15,8 +15,8 @@ struct JointPlan {
   std::optional<std::string> refusal;  ///< the reason in words, with the numbers
 };
 
-/// Decides where an arm may go before anything moves. It checks reach, workspace and motor limits.
-/// Throws std::invalid_argument for numbers that are not finite.
+/// Decides where an arm may go before anything moves. It checks reach, workspace and motor limits,
+/// at the end and on the way there. Throws std::invalid_argument for numbers that are not finite.
 class JointPlanner {
  public:
   JointPlanner(const PlanarArm& arm, const Transmission& transmission, const Workspace& workspace,
@@ -24,6 +24,15 @@ class JointPlanner {
 
   /// Returns the rule that forbids these joint angles, in words; empty when none does.
   std::optional<std::string> refusal(const Joints& theta) const;
+
+  /// Returns why the end point must not take the way from rest at some joint angles to rest at
+  /// others, on which every motor makes its own MotorMove and all begin at once; empty when it may.
+  /// Nowhere may the way lead more than kWayResolution_m deeper beyond a border of the workspace
+  /// than where it begins, so that an arm that stands in a keep-out disc can leave it.
+  std::optional<std::string> way_refusal(const Joints& from, const Joints& to) const;
+
+  /// Depths on a way are known to this, metres: a hundredth of a millimetre.
+  static constexpr double kWayResolution_m{1e-5};
 
   /// Returns the joint angles for `target` with the planner's elbow, each motor on the turn within
   /// its limits that lies nearest to `near`.

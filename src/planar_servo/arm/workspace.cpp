@@ -24,11 +24,18 @@ std::optional<std::string> Workspace::violation(const Eigen::Vector2d& p_B) cons
   return std::nullopt;
 }
 
-double Workspace::excess_m(const Eigen::Vector2d& p_B) const {
-  const double radius = p_B.norm();
-  double excess = std::max({0.0, radius_min_m - radius, radius - radius_max_m});
+std::vector<Border> Workspace::borders() const {
+  std::vector<Border> borders{
+      {Eigen::Vector2d::Zero(), radius_min_m, true, "beyond the inner border of the workspace"},
+      {Eigen::Vector2d::Zero(), radius_max_m, false, "beyond the outer border of the workspace"}};
   for (const KeepOut& disc : keep_out)
-    excess = std::max(excess, disc.radius_m - (p_B - disc.p_B).norm());
+    borders.push_back({disc.p_B, disc.radius_m, true, "into the keep-out disc"});
+  return borders;
+}
+
+double Workspace::excess_m(const Eigen::Vector2d& p_B) const {
+  double excess = 0.0;
+  for (const Border& border : borders()) excess = std::max(excess, border.depth_m(p_B));
   return excess;
 }
 

@@ -71,6 +71,7 @@ struct CellSettings {
   std::filesystem::path camera_model, workplane, tool, error_map;
   std::optional<std::filesystem::path> health;  ///< what the calibration kept for later checks
   LampSettings lamps;
+  std::vector<ReferenceLampLayout> reference_lamps;
   ArmSettings arm;
   TransmissionSettings transmission;
   std::array<DriveSettings, 3> drives;

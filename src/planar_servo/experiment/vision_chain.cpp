@@ -6,6 +6,7 @@
 #include "planar_servo/core/units.h"
 #include "planar_servo/files/camera/camera_file.h"
 #include "planar_servo/files/map_file.h"
+#include "planar_servo/files/reference_lamp_fields.h"
 #include "planar_servo/files/tables/lamp_table.h"
 #include "planar_servo/files/tool_file.h"
 #include "planar_servo/files/workplane_file.h"
@@ -55,12 +56,14 @@ std::vector<PairRow> make_pairs(const ChainSettings& settings, const CellSetting
   PairTrackerRequest request;
   request.cell = cell;
   request.camera = camera;
-  request.lamps =
+  const LocateReport located =
       locate_lamps_of_recording(cell, recorded.folder, recorded.frames, settings.center);
+  request.lamps = located.rows;
   const RecordedTables tables{folder / "lamps.csv", recorded.folder / "frames.csv",
                               recorded.folder / "tracker.csv"};
   write_file(tables.lamps,
-             lamps_text(request.lamps, csv_remarks(origins_of_lamps(cell, tables.frames, false))));
+             lamps_text(request.lamps, lamp_remarks(origins_of_lamps(cell, tables.frames, false),
+                                                    located.reference_lamps)));
   request.frames = recorded.frames;
   request.tracker = recorded.tracker;
   if (settings.plane_from_board)

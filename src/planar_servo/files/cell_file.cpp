@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <set>
+
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/names.h"
 #include "planar_servo/core/units.h"
@@ -134,6 +136,31 @@ void read_lamps(Fields& fields, LampSettings& lamps) {
   if (fields.given("method", true)) fields.choice("method", lamps.method, kCenterMethods);
 }
 
+void read_reference_lamp(Fields& fields, ReferenceLampLayout& lamp) {
+  fields.text("id", lamp.id);
+  fields.number("diameter_mm", lamp.diameter_m, kMillimetre, Range::positive());
+  if (!fields.given("x_mm", false) && !fields.given("y_mm", false)) return;
+  lamp.p_B.emplace();
+  fields.number("x_mm", lamp.p_B->x(), kMillimetre);
+  fields.number("y_mm", lamp.p_B->y(), kMillimetre);
+}
+
+void read_reference_lamps(Fields& fields, std::vector<ReferenceLampLayout>& lamps) {
+  constexpr std::size_t kLeast = 3;
+  const char* const key = "reference_lamps";
+  std::set<std::string> ids;
+  fields.maps(key, lamps, [&](ReferenceLampLayout& lamp) {
+    read_reference_lamp(fields, lamp);
+    fields.check(ids.insert(lamp.id).second,
+                 fmt::format("{} has the id '{}' twice; each lamp needs its own", key, lamp.id));
+  });
+  fields.check(lamps.size() >= kLeast,
+               fmt::format("{} names {}; at least {} are needed, or a lamp that was knocked cannot "
+                           "be told from a camera that moved",
+                           key, lamps.size(), kLeast),
+               key);
+}
+
 /// Reads the tracker. A file that names no source has a virtual tracker in a virtual cell and none
 /// in a real one.
 void read_tracker(Fields& fields, CellSettings& cell, const DeviceKinds& kinds) {
@@ -178,6 +205,7 @@ void read_fields(Fields& fields, CellSettings& cell, const DeviceKinds& kinds) {
   fields.map("servo", [&] { read_servo(fields, cell.servo); });
   fields.map("workspace", [&] { read_workspace(fields, cell.workspace); });
   fields.map("lamps", [&] { read_lamps(fields, cell.lamps); });
+  if (fields.given("reference_lamps", true)) read_reference_lamps(fields, cell.reference_lamps);
   fields.map("tracker", [&] { read_tracker(fields, cell, kinds); });
   read_datum(fields, cell.datum);
   if (fields.given("health", true)) read_file_name(fields, "health", cell, cell.health.emplace());

@@ -28,8 +28,12 @@ void require_files(const CellSettings& cell, bool with_error_map) {
   faults.throw_if_any();
 }
 
-Workplane read_cell_workplane(const CellSettings& cell) {
-  return {read_cell_camera(cell), read_workplane(cell.workplane).X_WC};
+/// Reads the cell's vision without its tool.
+VisionCalibration read_cell_workplane(const CellSettings& cell) {
+  WorkplaneRecord record = read_workplane(cell.workplane);
+  VisionCalibration vision{cell.lamps.layout, {read_cell_camera(cell), record.X_WC}, {}};
+  vision.reference_lamps = std::move(record.reference_lamps);
+  return vision;
 }
 
 }  // namespace
@@ -48,16 +52,20 @@ CameraModel read_cell_camera(const CellSettings& cell) {
 
 VisionCalibration read_vision(const CellSettings& cell, bool with_error_map) {
   require_files(cell, with_error_map);
-  VisionCalibration vision{cell.lamps.layout, read_cell_workplane(cell), read_tool(cell.tool)};
+  VisionCalibration vision = read_cell_workplane(cell);
+  vision.tool = read_tool(cell.tool);
   if (with_error_map) vision.error_map = read_map(cell.error_map);
   return vision;
 }
 
 LampScene read_lamp_scene(const CellSettings& cell) {
   namespace fs = std::filesystem;
-  LampScene scene{{cell.camera.width_px, cell.camera.height_px}, cell.lamps.layout, std::nullopt};
+  LampScene scene{{cell.camera.width_px, cell.camera.height_px},
+                  cell.lamps.layout,
+                  std::nullopt,
+                  cell.reference_lamps};
   if (!fs::exists(cell.camera_model) || !fs::exists(cell.workplane)) return scene;
-  scene.vision = VisionCalibration{cell.lamps.layout, read_cell_workplane(cell), {}};
+  scene.vision = read_cell_workplane(cell);
   if (fs::exists(cell.tool)) scene.vision->tool = read_tool(cell.tool);
   return scene;
 }

@@ -2,6 +2,7 @@
 
 #include "planar_servo/core/units.h"
 #include "planar_servo/files/covariance_fields.h"
+#include "planar_servo/files/reference_lamp_fields.h"
 #include "planar_servo/io/pose_fields.h"
 #include "planar_servo/io/yaml_fields.h"
 
@@ -35,6 +36,7 @@ void list_fields(Fields& fields, WorkplaneRecord& record) {
   fields.whole_number("absorbed", record.absorbed, 0);
   fields.whole_number("pairs", record.pairs, 0);
   fields.number("rms_mm", record.rms, kMillimetre, Range::at_least(0.0));
+  list_reference_lamps(fields, record.reference_lamps);
 }
 
 }  // namespace

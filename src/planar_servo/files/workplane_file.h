@@ -8,6 +8,7 @@
 #include "planar_servo/core/names.h"
 #include "planar_servo/core/pose.h"
 #include "planar_servo/files/provenance.h"
+#include "planar_servo/vision/reference_lamps.h"
 
 namespace planar {
 
@@ -29,6 +30,8 @@ struct WorkplaneRecord {
   int absorbed{6};  ///< degrees of freedom fitted to the pairs
   int pairs{0};     ///< places used
   double rms{0.0};  ///< of the distances from vision to tracker there, metres
+  /// Where the lamps that are fixed to the base were seen when X_WC held; none without any.
+  std::vector<ReferenceLamp> reference_lamps{};
 };
 
 std::string workplane_text(const WorkplaneRecord& record, const std::string& program,

@@ -22,7 +22,6 @@ namespace fs = std::filesystem;
 // planar-servo.
 constexpr double kMostTurn = 15.0 * kDegree;
 constexpr double kMostStep = 50.0 * kMillimetre;
-constexpr int kPathPoints = 16;  // points on the way of a jog that are held against the workspace
 
 bool has_vision(const CellSettings& cell) {
   return fs::exists(cell.camera_model) && fs::exists(cell.workplane) && fs::exists(cell.tool);
@@ -193,16 +192,11 @@ std::optional<std::string> JogConsole::refusal(const Joints& theta) const {
     if (std::abs(turns[i]) > kMostTurn * (1.0 + 1e-9))
       return fmt::format("joint {} would turn by {:.3f} deg; at most {:.0f} deg at a time", i + 1,
                          turns[i] / kDegree, kMostTurn / kDegree);
-  const auto excess = [&](double share) {
-    return cell_.workspace.excess_m(planner_.arm().forward(from + share * (theta - from)).p);
-  };
-  const double excess_before = excess(0.0);
-  bool worse = excess_before > 0.0 && excess(1.0) >= excess_before;
-  for (int i = 1; i <= kPathPoints; ++i)
-    worse = worse || excess(i / static_cast<double>(kPathPoints)) > excess_before;
-  if (!worse) return std::nullopt;
-  return cell_.workspace.violation(planner_.arm().forward(theta).p)
-      .value_or("the way there leads out of the workspace");
+  const auto place = [&](const Joints& at) { return planner_.arm().forward(at).p; };
+  const double before = cell_.workspace.excess_m(place(from));
+  const double after = cell_.workspace.excess_m(place(theta));
+  if (after > 0.0 && after >= before) return cell_.workspace.violation(place(theta));
+  return planner_.way_refusal(from, theta);
 }
 
 std::string JogConsole::where(const Words& /*words*/) {

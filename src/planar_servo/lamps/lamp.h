@@ -70,6 +70,8 @@ struct PairExpectation {
   /// Diameters of lamps 1 and 2 divided by the distance of their centres. Lights of quite another
   /// size are no lamps, and lamps that differ in size are told apart by it.
   std::optional<std::array<double, 2>> diameter_over_separation;
+  /// Places of lights that are known to be no lamps of the tool.
+  std::vector<Eigen::Vector2d> fixed_px{};
   /// Contrast of lamp 2 divided by that of lamp 1, where they are known to differ.
   std::optional<double> contrast_ratio;
 };

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
+#include <optional>
+#include <string>
 
 namespace planar {
 
@@ -13,6 +16,13 @@ struct LampLayout {
   std::array<double, 2> diameter_over_separation() const {
     return {diameters_m[0] / separation_m, diameters_m[1] / separation_m};
   }
+};
+
+/// A lamp that is fixed to the base, in the camera's view.
+struct ReferenceLampLayout {
+  std::string id;
+  double diameter_m{0.0};
+  std::optional<Eigen::Vector2d> p_B;  ///< its place in the base frame, where that is known
 };
 
 }  // namespace planar

@@ -24,6 +24,7 @@ PairExpectation shifted(PairExpectation expectation, const Eigen::Vector2d& orig
   if (expectation.predicted_px) {
     for (Eigen::Vector2d& uv : *expectation.predicted_px) uv -= origin;
   }
+  for (Eigen::Vector2d& uv : expectation.fixed_px) uv -= origin;
   return expectation;
 }
 
@@ -42,12 +43,24 @@ void LampTracker::search_windows(const cv::Mat& image, const PairExpectation& ex
         candidates_.push_back(blob);
     }
   }
+  drop_fixed(expectation.fixed_px);
 }
 
-void LampTracker::search_image(const cv::Mat& image) {
+void LampTracker::search_image(const cv::Mat& image, const PairExpectation& expectation) {
   const std::vector<Blob>& found = detector_.detect(image);
   const std::size_t n = std::min(found.size(), kMostCandidates);
   candidates_.assign(found.begin(), found.begin() + static_cast<std::ptrdiff_t>(n));
+  drop_fixed(expectation.fixed_px);
+}
+
+void LampTracker::drop_fixed(const std::vector<Eigen::Vector2d>& fixed_px) {
+  const auto is_fixed = [&](const Blob& blob) {
+    return std::any_of(fixed_px.begin(), fixed_px.end(), [&](const Eigen::Vector2d& place) {
+      return (blob.uv_px - place).norm() < blob.diameter_px();
+    });
+  };
+  candidates_.erase(std::remove_if(candidates_.begin(), candidates_.end(), is_fixed),
+                    candidates_.end());
 }
 
 template <typename Measure>
@@ -92,7 +105,7 @@ LampPair LampTracker::search(const Frame& frame, const PairExpectation& expectat
   search_windows(frame.image, expectation);
   LampPair pair = measure(frame, expectation);
   if (pair.status != LampStatus::kOk) {
-    search_image(frame.image);
+    search_image(frame.image, expectation);
     pair = measure(frame, expectation);
   }
   return pair;

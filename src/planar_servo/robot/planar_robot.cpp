@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "planar_servo/arm/motor_move.h"
 #include "planar_servo/core/units.h"
 
 namespace planar {
@@ -22,13 +23,6 @@ constexpr double kLongestPause_s = 2.0;
 
 std::string in_words(const std::vector<std::string>& faults) {
   return fmt::format("{}", fmt::join(faults, ", "));
-}
-
-/// Returns the duration of a trapezoidal move from rest to rest, triangular if it is short.
-double move_duration_s(double distance, double max_speed, double max_acceleration) {
-  const double ramp = max_speed * max_speed / max_acceleration;
-  if (distance < ramp) return 2.0 * std::sqrt(distance / max_acceleration);
-  return distance / max_speed + max_speed / max_acceleration;
 }
 
 [[noreturn]] void throw_stopped() {
@@ -168,8 +162,9 @@ void PlanarRobot::brake() {
         std::abs(transmission_.pulses_per_rad()[i]) * motor_drive(i).max_acceleration_rad_s2;
     const double speed = speed_pulses_s_[i];
     const double way = speed * std::abs(speed) / (2.0 * acceleration);
-    stop_pulses[static_cast<std::size_t>(i)] =
-        static_cast<std::int32_t>(std::lround(seen_pulses_[i] + way));
+    const double seen = seen_pulses_[i], target = commanded_pulses_[i];
+    stop_pulses[static_cast<std::size_t>(i)] = static_cast<std::int32_t>(
+        std::lround(std::clamp(seen + way, std::min(seen, target), std::max(seen, target))));
     longest_s = std::max(longest_s, std::abs(speed) / acceleration);
   }
   drives_.set_targets(stop_pulses);
@@ -275,10 +270,9 @@ double PlanarRobot::longest_move_s(const Pulses& target) const {
   double longest_s = 0.0;
   for (int i = 0; i < 3; ++i) {
     const MotorDrive& motor = motor_drive(i);
-    const double distance_rad = std::abs((target[i] - static_cast<double>(commanded_pulses_[i])) /
-                                         transmission_.pulses_per_rad()[i]);
-    longest_s = std::max(longest_s, move_duration_s(distance_rad, motor.max_speed_rad_s,
-                                                    motor.max_acceleration_rad_s2));
+    const double pulses_per_rad = transmission_.pulses_per_rad()[i];
+    const MotorMove move(commanded_pulses_[i] / pulses_per_rad, target[i] / pulses_per_rad, motor);
+    longest_s = std::max(longest_s, move.duration_s());
   }
   return longest_s;
 }

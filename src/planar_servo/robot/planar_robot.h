@@ -144,7 +144,9 @@ class PlanarRobot final : public vpRobot {
   void note_speeds(const Status& status);
   /// Moves to the target, or to rest on the way when `must_rest`.
   void travel(const Pulses& target, const std::function<bool()>& must_rest);
-  /// Sends every moving motor to where it can stop, and waits until all rest.
+  /// Sends every moving motor to where it can stop, which lies between where it was seen last and
+  /// its target, and waits until all rest. A motor that slows down already was faster, on average,
+  /// since the look before: by its speed alone it would be sent beyond its target.
   void brake();
   void wait_for_rest(double duration_s);
   /// As require_ready(), and notes where the arm stands; halts all before it throws.

@@ -1,5 +1,7 @@
 #include "planar_servo/run/dry_run.h"
 
+#include "planar_servo/servo/approach.h"
+
 namespace planar {
 
 TipPose target_pose(const TargetRow& target, double tool_orientation) {
@@ -9,11 +11,14 @@ TipPose target_pose(const TargetRow& target, double tool_orientation) {
 DryRun::DryRun(const CellSettings& cell)
     : tool_orientation_(cell.tool_orientation),
       planner_(joint_planner(cell)),
+      servo_(cell.servo),
       near_(cell.arm.home) {}
 
 DryRunRow DryRun::plan(const TargetRow& target) {
   DryRunRow row{target.id, planner_.plan(target_pose(target, tool_orientation_), near_),
                 Pulses::Zero()};
+  if (!row.plan.refusal)
+    row.plan.refusal = approach_refusal(planner_, servo_, near_, row.plan.theta);
   if (row.plan.refusal) return row;
   near_ = row.plan.theta;
   row.pulses = planner_.transmission().pulses_from_joints(near_);

@@ -28,6 +28,7 @@ class DryRun {
  private:
   double tool_orientation_;
   JointPlanner planner_;
+  ServoSettings servo_;
   Joints near_;
 };
 

@@ -16,7 +16,8 @@ struct Obstacle {
 };
 
 /// Moves the arm to these joints as the settings say: straight, or with every motor from the same
-/// side. Nothing moves when the planner refuses the joints or the place short of them. Throws what
+/// side. Nothing moves when the planner refuses the joints, the place short of them or the
+/// way there. Throws what
 /// PlanarRobot::move_to() throws.
 std::optional<Obstacle> arrive(PlanarRobot& robot, const JointPlanner& planner,
                                const ServoSettings& settings, const Joints& theta,

@@ -24,10 +24,12 @@ PairExpectation LampPrediction::of(const std::optional<TipPose>& commanded) cons
   std::optional<PairExpectation> expectation;
   if (commanded)
     expectation = scene_.vision ? expect_tool(*scene_.vision, *commanded) : by_view(*commanded);
-  if (expectation) return *expectation;
-  PairExpectation size_only;
-  size_only.diameter_over_separation = scene_.lamps.diameter_over_separation();
-  return size_only;
+  if (!expectation) {
+    expectation.emplace();
+    expectation->diameter_over_separation = scene_.lamps.diameter_over_separation();
+  }
+  expectation->fixed_px = scene_.fixed_px;
+  return *expectation;
 }
 
 }  // namespace planar

@@ -2,6 +2,7 @@
 
 #include <opencv2/core/types.hpp>
 #include <optional>
+#include <vector>
 
 #include "planar_servo/calibration/coarse_view.h"
 #include "planar_servo/core/pose.h"
@@ -13,7 +14,9 @@ namespace planar {
 struct LampScene {
   cv::Size sensor_px;
   LampLayout lamps;
-  std::optional<VisionCalibration> vision;  ///< known once the workplane is calibrated
+  std::optional<VisionCalibration> vision;             ///< known once the workplane is calibrated
+  std::vector<ReferenceLampLayout> reference_lamps{};  ///< fixed to the base, in view
+  std::vector<Eigen::Vector2d> fixed_px{};             ///< where those are seen, once it is known
 };
 
 /// Predicts the lamps in an image from the commanded pose: their size, and their places as seen

@@ -14,6 +14,7 @@ namespace planar {
 namespace {
 
 constexpr char kOutsideView[] = "outside_view";
+constexpr char kReferenceLamps[] = "reference_lamps";
 
 /// Writes one line about every look, for people who ask for it with -v.
 void log(const TipMeasurement& seen, const TipPose& expected) {
@@ -37,6 +38,7 @@ LampTipSensor::LampTipSensor(VisionCalibration vision, CenterMethod method, Fram
                              int follow_region_px)
     : vision_(std::move(vision)),
       tracker_(method),
+      watch_(vision_.reference_lamps, method),
       camera_(camera),
       follow_region_px_(follow_region_px) {}
 
@@ -50,7 +52,10 @@ void LampTipSensor::aim_at(const LampPixels& lamps_px) {
 }
 
 std::optional<LampPixels> LampTipSensor::lamps_at(const TipPose& tip) const {
-  return lamps_from_tip(vision_.workplane, vision_.tool, vision_.lamps.separation_m, tip);
+  auto lamps_px = lamps_from_tip(vision_.workplane, vision_.tool, vision_.lamps.separation_m, tip);
+  if (!lamps_px) return std::nullopt;
+  for (Eigen::Vector2d& uv_px : *lamps_px) uv_px = watch_.motion().now(uv_px);
+  return lamps_px;
 }
 
 TipMeasurement LampTipSensor::measure(const TipPose& expected, int frames) {
@@ -77,30 +82,45 @@ TipMeasurement LampTipSensor::look_at_tool(const TipPose& expected, int frames) 
     }
   }
   mean.frames = frames;
+  if (auto failed = watch_camera(mean.t_s)) return *failed;
   return position(std::move(mean), covariances);
 }
 
 std::optional<std::array<Eigen::Vector2d, 2>> LampTipSensor::look_around() {
-  const cv::Size sensor = camera_.sensor_size_px();
-  camera_.set_region({0, 0, sensor.width, sensor.height});
-  const FrameResult result = camera_.next_frame();
+  camera_.set_region({{}, camera_.sensor_size_px()});
+  FrameResult result = camera_.next_frame();
   if (result.status != FrameStatus::kOk) return std::nullopt;
-  last_frame_ = result.frame;
-  const LampPair pair = tracker_.locate(last_frame_, {});
+  last_frame_ = std::move(result.frame);
+  Frame without_fixed = last_frame_;
+  without_fixed.image = watch_.without_lamps(last_frame_.image);
+  const LampPair pair = tracker_.locate(without_fixed, {});
   if (pair.status != LampStatus::kOk && pair.status != LampStatus::kAmbiguous) return std::nullopt;
   std::array<Eigen::Vector2d, 2> lamps_B;
   for (std::size_t k = 0; k < 2; ++k) {
-    const auto p_W = vision_.workplane.plane_from_pixel(pair.lamps[k].uv_px);
+    const auto p_W = vision_.workplane.plane_from_pixel(watch_.motion().then(pair.lamps[k].uv_px));
     if (!p_W) return std::nullopt;
     lamps_B[k] = *p_W;
   }
   return lamps_B;
 }
 
+std::optional<TipMeasurement> LampTipSensor::watch_camera(double t_s) {
+  if (!watch_.is_due(t_s)) return std::nullopt;
+  camera_.set_region({{}, camera_.sensor_size_px()});
+  const FrameResult whole = camera_.next_frame();
+  if (whole.status != FrameStatus::kOk)
+    return failed_look(TipStatus::kNoPicture, name(whole.status), whole.frame.t_s);
+  watch_.look(whole.frame);
+  if (watch_.objection().empty()) return std::nullopt;
+  spdlog::warn(watch_.objection());
+  return failed_look(TipStatus::kNoLamps, kReferenceLamps, whole.frame.t_s);
+}
+
 LampTipSensor::Look LampTipSensor::locate(const FrameResult& result,
                                           const PairExpectation& expectation) {
   if (result.status != FrameStatus::kOk) return {{}, result.frame.t_s, result.status};
   last_frame_ = result.frame;
+  if (last_frame_.region_px.size() == camera_.sensor_size_px()) watch_.look(last_frame_);
   return {find_lamps(vision_, tracker_, last_frame_, expectation), last_frame_.t_s,
           FrameStatus::kOk};
 }
@@ -119,7 +139,10 @@ LampTipSensor::Look LampTipSensor::look(const FrameResult& result,
 
 TipMeasurement LampTipSensor::position(
     TipMeasurement measurement, const std::array<Eigen::Matrix2d, 2>& covariances_px2) const {
-  const auto place = place_tool(vision_, measurement.lamps_px, covariances_px2);
+  const ImageMotion& motion = watch_.motion();
+  const LampPixels then_px{motion.then(measurement.lamps_px[0]),
+                           motion.then(measurement.lamps_px[1])};
+  const auto place = place_tool(vision_, then_px, covariances_px2);
   if (!place) return failed_look(TipStatus::kOutsideView, kOutsideView, measurement.t_s);
   measurement.lamps_B = place->lamps_B;
   measurement.p_vision = place->seen.p;
@@ -129,7 +152,12 @@ TipMeasurement LampTipSensor::position(
   measurement.sigma_vision_m = std::sqrt(0.5 * place->covariance.trace());
   const double vision_variance =
       measurement.sigma_vision_m * measurement.sigma_vision_m / measurement.frames;
-  measurement.uncertainty_m = std::sqrt(place->error.sigma * place->error.sigma + vision_variance);
+  const double m_per_px = vision_.lamps.separation_m / (then_px[1] - then_px[0]).norm();
+  const Eigen::Vector2d middle_px = 0.5 * (then_px[0] + then_px[1]);
+  const double motion_variance =
+      0.5 * motion.covariance_px2(middle_px).trace() * m_per_px * m_per_px;
+  measurement.uncertainty_m =
+      std::sqrt(place->error.sigma * place->error.sigma + vision_variance + motion_variance);
   return measurement;
 }
 

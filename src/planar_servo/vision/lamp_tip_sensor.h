@@ -11,7 +11,9 @@
 namespace planar {
 
 /// Measures the end point by its lamps with a camera. The region of the sensor follows the
-/// commanded pose. When the lamps are not in it, one full frame is searched.
+/// commanded pose. When the lamps are not in it, one full frame is searched. Where lamps are fixed
+/// to the base, a full frame every so often shows how the camera's image has moved; that motion is
+/// taken out.
 class LampTipSensor final : public TipSensor {
  public:
   /// Takes the camera, which must outlive the sensor, and the side of the region that follows the
@@ -53,12 +55,16 @@ class LampTipSensor final : public TipSensor {
   Look locate(const FrameResult& result, const PairExpectation& expectation);
   /// Locates the lamps in the frame or, when they are not in its region, in a full one.
   Look look(const FrameResult& result, const PairExpectation& expectation);
+  /// Looks at the reference lamps in a whole frame if that is due at this time. Returns a failed
+  /// look when the frame is missing or the lamps say that the calibration is void.
+  std::optional<TipMeasurement> watch_camera(double t_s);
   /// Completes a measurement whose lamps are located.
   TipMeasurement position(TipMeasurement measurement,
                           const std::array<Eigen::Matrix2d, 2>& covariances_px2) const;
 
   VisionCalibration vision_;
   LampTracker tracker_;
+  ReferenceWatch watch_;
   FrameSource& camera_;
   int follow_region_px_;
   Frame last_frame_;

@@ -39,7 +39,9 @@ std::optional<PairExpectation> expect_tool(const VisionCalibration& vision, cons
   const auto predicted_px =
       lamps_from_tip(vision.workplane, vision.tool, vision.lamps.separation_m, tip);
   if (!predicted_px) return std::nullopt;
-  return expect_lamps(vision.lamps, *predicted_px, kCalibratedShare);
+  PairExpectation expectation = expect_lamps(vision.lamps, *predicted_px, kCalibratedShare);
+  expectation.fixed_px = places_px(vision.reference_lamps);
+  return expectation;
 }
 
 std::optional<ToolPlace> place_tool(const VisionCalibration& vision, const LampPixels& lamps_px,
@@ -63,9 +65,18 @@ LampPair find_lamps(const VisionCalibration& vision, LampTracker& tracker, const
   return pair;
 }
 
+LampPair at_calibration(LampPair pair, const ImageMotion& motion) {
+  for (LampCenter& lamp : pair.lamps) {
+    lamp.uv_px = motion.then(lamp.uv_px);
+    if (lamp.status == LampStatus::kOk) lamp.covariance_px2 += motion.covariance_px2(lamp.uv_px);
+  }
+  return pair;
+}
+
 SeenTool see_tool(const VisionCalibration& vision, LampTracker& tracker, const Frame& frame,
-                  const PairExpectation& expectation) {
-  SeenTool seen{find_lamps(vision, tracker, frame, expectation), std::nullopt};
+                  const PairExpectation& expectation, const ImageMotion& motion) {
+  SeenTool seen{at_calibration(find_lamps(vision, tracker, frame, expectation), motion),
+                std::nullopt};
   if (!both_measured(seen.lamps) || seen.lamps.status == LampStatus::kWrongDistance) return seen;
   const auto& [first, second] = seen.lamps.lamps;
   seen.place = place_tool(vision, {first.uv_px, second.uv_px},

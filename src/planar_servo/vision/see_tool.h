@@ -11,6 +11,8 @@
 #include "planar_servo/lamps/lamp_layout.h"
 #include "planar_servo/lamps/lamp_tracker.h"
 #include "planar_servo/lens/workplane.h"
+#include "planar_servo/vision/image_motion.h"
+#include "planar_servo/vision/reference_lamps.h"
 
 namespace planar {
 
@@ -20,6 +22,8 @@ struct VisionCalibration {
   Workplane workplane;
   ToolOffsets tool;  ///< zero for an ideal tool, whose P lies midway between the lamps
   std::optional<ErrorMap> error_map{};  ///< without one, positions are not compensated
+  /// The lamps that are fixed to the base; none when nothing watches the camera.
+  std::vector<ReferenceLamp> reference_lamps{};
 };
 
 /// The centres of both lamps, in pixels of the whole sensor.
@@ -67,9 +71,14 @@ std::optional<ToolPlace> place_tool(const VisionCalibration& vision, const LampP
 LampPair find_lamps(const VisionCalibration& vision, LampTracker& tracker, const Frame& frame,
                     const PairExpectation& expectation);
 
-/// Sees the tool in a frame: locates the lamps, meets the workplane, finds the end point and
-/// predicts its error. `expectation` is what expect_tool() says of the commanded pose.
+/// Returns the pair as it would have been seen at calibration, with the motion's uncertainty. The
+/// motion's error, which both lamps share, counts for each.
+LampPair at_calibration(LampPair pair, const ImageMotion& motion);
+
+/// Sees the tool in a frame: locates the lamps, takes off the image's motion, meets the workplane,
+/// finds the end point and predicts its error. `expectation` is what expect_tool() says of the
+/// commanded pose.
 SeenTool see_tool(const VisionCalibration& vision, LampTracker& tracker, const Frame& frame,
-                  const PairExpectation& expectation);
+                  const PairExpectation& expectation, const ImageMotion& motion = {});
 
 }  // namespace planar

@@ -1,5 +1,6 @@
 #include "planar_servo/offline/lamps/locate_lamps.h"
 
+#include <algorithm>
 #include <chrono>
 #include <limits>
 #include <mutex>
@@ -9,6 +10,7 @@
 #include "planar_servo/files/vision_files.h"
 #include "planar_servo/lamps/disc_tracker.h"
 #include "planar_servo/lamps/lamp_tracker.h"
+#include "planar_servo/offline/lamps/reference_track.h"
 
 namespace planar {
 namespace {
@@ -32,9 +34,9 @@ void add_lamp(LampRow& row, const LampCenter& lamp) {
 
 /// Sees the tool in a frame. Without a calibrated vision only its lamps are located.
 SeenTool look(const std::optional<LampScene>& scene, LampTracker& tracker, const Frame& frame,
-              const PairExpectation& expectation) {
-  if (scene && scene->vision) return see_tool(*scene->vision, tracker, frame, expectation);
-  return {tracker.locate(frame, expectation), std::nullopt};
+              const PairExpectation& expectation, const ImageMotion& motion) {
+  if (scene && scene->vision) return see_tool(*scene->vision, tracker, frame, expectation, motion);
+  return {at_calibration(tracker.locate(frame, expectation), motion), std::nullopt};
 }
 
 /// Adds the position on the plane. The tool's direction is known only when the lamps are told
@@ -141,9 +143,18 @@ class Collector {
   std::size_t done_{0};
 };
 
+/// Says what is known of the lamps before a coarse view is learned.
+PairExpectation expectation_without_view(const LampScene& scene) {
+  PairExpectation expectation;
+  if (scene.fixed_px.empty()) return expectation;
+  expectation.diameter_over_separation = scene.lamps.diameter_over_separation();
+  expectation.fixed_px = scene.fixed_px;
+  return expectation;
+}
+
 /// Learns a map from commanded poses to the image, from images spread over all poses of the arm. A
 /// few pairs may be wrong; with more of them there is no map.
-std::optional<CoarseView> learn_view(const LocateRequest& request) {
+std::optional<CoarseView> learn_view(const LocateRequest& request, const LampScene& scene) {
   std::vector<const LampImage*> usable;
   for (const LampImage& image : request.images) {
     if (image.commanded && !image.shows_board) usable.push_back(&image);
@@ -151,6 +162,7 @@ std::optional<CoarseView> learn_view(const LocateRequest& request) {
   const std::size_t n = std::min(usable.size(), kCoarseViewImages);
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   std::vector<CoarseViewRow> rows(n, {{kNone, kNone}, {kNone, kNone}});
+  const PairExpectation expectation = expectation_without_view(scene);
   parallel_for(
       n, kMostThreads, [&] { return LampTracker(request.method); },
       [&](std::size_t i, LampTracker& tracker) {
@@ -158,20 +170,47 @@ std::optional<CoarseView> learn_view(const LocateRequest& request) {
         const LampImageRead read = read_lamp_image(image, sensor_of(request));
         if (read.status != LampStatus::kOk) return;
         tracker.forget();
-        const LampPair pair = tracker.locate(read.frame, {});
-        if (pair.status != LampStatus::kAmbiguous) return;
-        rows[i] = {image.commanded->p, 0.5 * (pair.lamps[0].uv_px + pair.lamps[1].uv_px)};
+        const LampPair pair = tracker.locate(read.frame, expectation);
+        const auto& [first, second] = pair.lamps;
+        if (pair.status != LampStatus::kAmbiguous && pair.status != LampStatus::kOk) return;
+        rows[i] = {image.commanded->p, 0.5 * (first.uv_px + second.uv_px)};
       });
   return fit_coarse_view(rows);
+}
+
+/// Returns whether lamps that are fixed to the base can be followed through the images.
+bool shows_fixed_lamps(const LocateRequest& request) {
+  return request.scene && !request.scene->reference_lamps.empty() &&
+         std::any_of(request.images.begin(), request.images.end(),
+                     [](const LampImage& image) { return image.t_s.has_value(); });
+}
+
+/// Finds the fixed lamps in the images, and says in the scene where they are.
+std::vector<ReferenceLamp> reference_lamps_in(const LocateRequest& request, LampScene& scene) {
+  std::vector<ReferenceLamp> lamps;
+  if (scene.vision) lamps = scene.vision->reference_lamps;
+  const bool known = !lamps.empty();
+  if (!known)
+    lamps = find_reference_lamps(scene.reference_lamps, request.images, scene.sensor_px,
+                                 request.method);
+  scene.fixed_px = places_px(lamps);
+  if (known) return lamps;
+  const std::optional<CoarseView> view = learn_view(request, scene);
+  name_reference_lamps(
+      scene.reference_lamps,
+      [&](const Eigen::Vector2d& p_B) { return view ? view->pixel(p_B) : std::nullopt; }, lamps);
+  return lamps;
 }
 
 }  // namespace
 
 LocateReport locate_lamps(const LocateRequest& request) {
+  std::optional<LampScene> scene = request.scene;
+  ReferenceTrack track;
+  if (shows_fixed_lamps(request))
+    track = {reference_lamps_in(request, *scene), request.images, scene->sensor_px, request.method};
   std::optional<LampPrediction> prediction;
-  if (request.scene) {
-    prediction.emplace(*request.scene, request.scene->vision ? std::nullopt : learn_view(request));
-  }
+  if (scene) prediction.emplace(*scene, scene->vision ? std::nullopt : learn_view(request, *scene));
   Collector collector(request);
   parallel_for(
       request.images.size(), kMostThreads, [&] { return LampTracker(request.method); },
@@ -181,14 +220,17 @@ LocateReport locate_lamps(const LocateRequest& request) {
           const PairExpectation expectation =
               prediction ? prediction->of(image.commanded) : PairExpectation{};
           tracker.forget();
-          LampRow row =
-              pair_row(image, look(request.scene, tracker, frame, expectation), request.scene);
+          LampRow row = pair_row(
+              image, look(scene, tracker, frame, expectation, track.at(image.t_s.value_or(0.0))),
+              scene);
           if (row.status == LampStatus::kWrongDistance)
             collector.add_wrong_distance(i, distance_ratio(tracker, frame, expectation));
           return row;
         });
       });
-  return collector.finish();
+  LocateReport report = collector.finish();
+  report.reference_lamps = track.lamps();
+  return report;
 }
 
 LocateReport follow_disc(const LocateRequest& request,
@@ -203,15 +245,13 @@ LocateReport follow_disc(const LocateRequest& request,
   return collector.finish();
 }
 
-std::vector<LampRow> locate_lamps_of_recording(const CellSettings& cell,
-                                               const std::filesystem::path& folder,
-                                               const std::vector<FrameRow>& frames,
-                                               CenterMethod method) {
+LocateReport locate_lamps_of_recording(const CellSettings& cell,
+                                       const std::filesystem::path& folder,
+                                       const std::vector<FrameRow>& frames, CenterMethod method) {
   return locate_lamps({images_of_recording(folder, frames, PlanarArm(cell.arm.geometry)),
                        read_lamp_scene(cell),
                        method,
-                       {}})
-      .rows;
+                       {}});
 }
 
 }  // namespace planar

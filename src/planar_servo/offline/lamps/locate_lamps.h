@@ -28,6 +28,8 @@ struct LocateReport {
   std::vector<double> milliseconds;  ///< time per image, without reading its file
   /// Distances of the only pair in images of status wrong_distance, over the distance expected.
   std::vector<double> wrong_distances;
+  /// The lamps that are fixed to the base: all pixels are as they were when these were seen there.
+  std::vector<ReferenceLamp> reference_lamps;
 };
 
 /// Locates both lamps in every image. Which is which follows from the commanded pose: through the
@@ -35,6 +37,10 @@ struct LocateReport {
 /// image that cannot be read, or that shows a board or no pair, keeps its row, whose status says
 /// why. Throws InputError naming every image that does not have the size of its region or of the
 /// sensor. Uses several threads; the rows do not depend on their number.
+///
+/// Where the scene has lamps that are fixed to the base, the motion of the image since they were
+/// seen as the workplane has them, or else as the first whole frame shows them, is taken off every
+/// row. Throws WorkError when they are not found or disagree.
 LocateReport locate_lamps(const LocateRequest& request);
 
 /// Locates one disc and follows it from image to image. `start_px` picks the disc in the first
@@ -42,10 +48,9 @@ LocateReport locate_lamps(const LocateRequest& request);
 LocateReport follow_disc(const LocateRequest& request,
                          const std::optional<Eigen::Vector2d>& start_px);
 
-/// Returns the rows of locate_lamps() for a recording of the cell.
-std::vector<LampRow> locate_lamps_of_recording(const CellSettings& cell,
-                                               const std::filesystem::path& folder,
-                                               const std::vector<FrameRow>& frames,
-                                               CenterMethod method);
+/// Returns what locate_lamps() finds in a recording of the cell.
+LocateReport locate_lamps_of_recording(const CellSettings& cell,
+                                       const std::filesystem::path& folder,
+                                       const std::vector<FrameRow>& frames, CenterMethod method);
 
 }  // namespace planar

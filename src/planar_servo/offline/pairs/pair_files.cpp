@@ -1,6 +1,7 @@
 #include "planar_servo/offline/pairs/pair_files.h"
 
 #include "planar_servo/files/health_file.h"
+#include "planar_servo/files/reference_lamp_fields.h"
 #include "planar_servo/files/tool_file.h"
 #include "planar_servo/io/atomic_file.h"
 
@@ -28,9 +29,10 @@ void write_pair_files(const PairFiles& files, const CellSettings& cell,
                                                   {Role::kLamps, tables.lamps},
                                                   {Role::kFrames, tables.frames},
                                                   {Role::kTracker, tables.tracker}});
-  const std::string workplane = workplane_text(
-      {fit.X_WC, fit.covariance, source, fit.absorbed, static_cast<int>(fit.n_used), fit.rms},
-      program, origins);
+  const std::string workplane =
+      workplane_text({fit.X_WC, fit.covariance, source, fit.absorbed, static_cast<int>(fit.n_used),
+                      fit.rms, read_reference_remarks(tables.lamps)},
+                     program, origins);
   const std::string tool = tool_text(fit.tool, program, origins);
   origins.push_back(origin_of({Role::kWorkplane, files.workplane}, workplane));
   origins.push_back(origin_of({Role::kTool, files.tool}, tool));

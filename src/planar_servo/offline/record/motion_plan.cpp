@@ -10,8 +10,13 @@ namespace {
 JointPlan plan_row(const JointPlanner& planner, const PlanRow& row, const Joints& home,
                    const Joints& near) {
   if (shows_board(row.plan)) return {home, {}};
-  if (const auto* theta = std::get_if<Joints>(&row.where)) return {*theta, planner.refusal(*theta)};
-  return planner.plan(std::get<TipPose>(row.where), near);
+  JointPlan plan;
+  if (const auto* theta = std::get_if<Joints>(&row.where))
+    plan = {*theta, planner.refusal(*theta)};
+  else
+    plan = planner.plan(std::get<TipPose>(row.where), near);
+  if (!plan.refusal) plan.refusal = planner.way_refusal(near, plan.theta);
+  return plan;
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <limits>
 #include <map>
 #include <opencv2/imgcodecs.hpp>
 #include <optional>
@@ -20,6 +21,7 @@
 #include "planar_servo/robot/planar_robot.h"
 #include "planar_servo/servo/arrival.h"
 #include "planar_servo/vision/follow_region.h"
+#include "planar_servo/vision/reference_lamps.h"
 
 namespace planar {
 namespace {
@@ -46,14 +48,14 @@ class Recorder {
       : cell_(request.cell),
         devices_(devices),
         folder_(request.recording),
-        arm_(cell_.arm.geometry),
-        transmission_(cell_.transmission),
         planner_(joint_planner(cell_)),
-        robot_(arm_, transmission_, devices.drives(), devices.clock()),
+        robot_(planner_.arm(), planner_.transmission(), devices.drives(), devices.clock()),
         lamps_(CenterMethod::kCannyKasa),
         frames_table_(folder_ / "frames.csv", frames_header()),
         tracker_table_(folder_ / "tracker.csv", tracker_header()) {
     robot_.stop_when(request.stop);
+    if (!cell_.reference_lamps.empty())
+      expectation_.diameter_over_separation = cell_.lamps.layout.diameter_over_separation();
   }
 
   RecordReport run(const std::vector<PlanRow>& plan, const std::vector<Joints>& joints) {
@@ -110,7 +112,7 @@ class Recorder {
           obstacle->refused ? "move the place in the plan"
                             : "the arm has stopped; mend the camera, then start again to go on"));
     devices_.clock().sleep_for_s(cell_.servo.settle_s);
-    const Eigen::Vector2d p = arm_.forward(robot_.commanded_joints()).p;
+    const Eigen::Vector2d p = planner_.arm().forward(robot_.commanded_joints()).p;
     std::string lines;
     set_region_for(p);
     for (int i = 0; i < cell_.servo.frames_per_measurement; ++i) {
@@ -123,7 +125,11 @@ class Recorder {
     frames_table_.append(lines);
   }
 
+  /// Where lamps are fixed to the base, a whole frame is taken from time to time to show them.
   void set_region_for(const Eigen::Vector2d& p) {
+    if (!cell_.reference_lamps.empty() &&
+        devices_.clock().now_s() - whole_frame_s_ >= kReferencePeriod_s)
+      return devices_.camera().set_region(full_region());
     const auto view = fit_coarse_view(sights_);
     const auto pixel = view ? view->pixel(p) : std::nullopt;
     devices_.camera().set_region(pixel ? region_round(*pixel) : full_region());
@@ -149,7 +155,7 @@ class Recorder {
   }
 
   std::optional<Eigen::Vector2d> middle_of_lamps(const Frame& frame) {
-    const LampPair pair = lamps_.locate(frame, {});
+    const LampPair pair = lamps_.locate(frame, expectation_);
     if (pair.status != LampStatus::kOk && pair.status != LampStatus::kAmbiguous)
       return std::nullopt;
     return Eigen::Vector2d((pair.lamps[0].uv_px + pair.lamps[1].uv_px) / 2.0);
@@ -169,10 +175,13 @@ class Recorder {
     if (!cv::imwrite((folder_ / image).string(), frame.image))
       throw WorkError((folder_ / image).string() + ": cannot be written; is the disk full?");
     ++report_.frames;
-    if (frame.region_px == full_region()) ++report_.full_frames;
+    if (frame.region_px == full_region()) {
+      ++report_.full_frames;
+      if (!shows_board(row.plan)) whole_frame_s_ = frame.t_s;
+    }
     const Joints theta = energized_ ? robot_.commanded_joints() : cell_.arm.home;
     return frame_line({row.id, image, frame.t_s, row.plan, theta,
-                       transmission_.pulses_from_joints(theta), frame.region_px});
+                       planner_.transmission().pulses_from_joints(theta), frame.region_px});
   }
 
   cv::Rect region_round(const Eigen::Vector2d& center_px) const {
@@ -184,14 +193,14 @@ class Recorder {
   const CellSettings& cell_;
   CellDevices& devices_;
   fs::path folder_;
-  PlanarArm arm_;
-  Transmission transmission_;
   JointPlanner planner_;
   PlanarRobot robot_;
   LampTracker lamps_;
   GrowingFile frames_table_;
   GrowingFile tracker_table_;
+  PairExpectation expectation_;  ///< of lamps among others; empty where there are no others
   std::vector<CoarseViewRow> sights_;
+  double whole_frame_s_{-std::numeric_limits<double>::infinity()};  ///< time of the last one
   std::map<Plan, int> board_views_;
   bool energized_{false};
   RecordReport report_;

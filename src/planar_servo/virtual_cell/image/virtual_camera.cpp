@@ -48,20 +48,20 @@ cv::Mat VirtualCamera::expose(const cv::Rect& region_px, double brightness,
   cv::Mat image(region_px.size(), CV_8UC1);
   Random random(seed_, RandomStream::kFrame, exposure);
   noise_.fill_dark(image, random);
-  if (const std::optional<Light> seen = light(clock_.now_s())) {
-    const cv::Rect lit_px = seen->window_px & region_px;
-    if (!lit_px.empty()) {
-      cv::Mat1f levels;
-      seen->levels(lit_px - seen->window_px.tl()).convertTo(levels, CV_32F, brightness);
-      noise_.expose(levels, image(lit_px - region_px.tl()), random);
-    }
+  for (const Light& seen : lights(clock_.now_s())) {
+    const cv::Rect lit_px = seen.window_px & region_px;
+    if (lit_px.empty()) continue;
+    cv::Mat1f levels;
+    seen.levels(lit_px - seen.window_px.tl()).convertTo(levels, CV_32F, brightness);
+    noise_.expose(levels, image(lit_px - region_px.tl()), random);
   }
   return image;
 }
 
-std::optional<Light> VirtualCamera::light(double t_s) {
-  if (board_.X_BG()) return board_.render(t_s);
-  return lamps_.render(arm_.X_BT(), lens_, t_s);
+std::vector<Light> VirtualCamera::lights(double t_s) {
+  if (!board_.X_BG()) return lamps_.render_all(arm_.X_BT(), lens_, t_s);
+  const std::optional<Light> board = board_.render(t_s);
+  return board ? std::vector<Light>{*board} : std::vector<Light>();
 }
 
 }  // namespace planar

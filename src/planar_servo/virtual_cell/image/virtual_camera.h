@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "planar_servo/devices/frame_source.h"
 #include "planar_servo/virtual_cell/image/sensor_noise.h"
@@ -13,8 +14,9 @@
 
 namespace planar {
 
-/// Renders frames of the lamps, or of the calibration board while it is in view. Exposures are
-/// short and begin at whole multiples of the frame period; waiting for one advances the clock.
+/// Renders frames of the lamps, or of the calibration board, which hides them while it is in view.
+/// Exposures are short and begin at whole multiples of the frame period; waiting for one advances
+/// the clock.
 class VirtualCamera final : public FrameSource {
  public:
   VirtualCamera(const Truth& truth, const VirtualHardware& hardware, const VirtualLens& lens,
@@ -35,7 +37,7 @@ class VirtualCamera final : public FrameSource {
  private:
   static constexpr double kUsualTime_s = 0.010;
 
-  std::optional<Light> light(double t_s);
+  std::vector<Light> lights(double t_s);
 
   cv::Size sensor_px_;
   double frame_rate_hz_;

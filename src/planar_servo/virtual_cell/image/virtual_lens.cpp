@@ -66,7 +66,16 @@ std::optional<Eigen::Vector2d> VirtualLens::project(const Eigen::Vector3d& p_B, 
   const auto distorted = distorted_from_ideal(p_C.head<2>() / p_C.z());
   if (!distorted) return std::nullopt;
   const Eigen::Vector2d w_px = truth_.focal_px.cwiseProduct(*distorted) + truth_.center_px;
-  return w_px + warp_px(w_px) + truth_.drift_px_per_h * (t_s / 3600.0);
+  const Eigen::Vector2d drifted_px = w_px + warp_px(w_px) + truth_.drift_px_per_h * (t_s / 3600.0);
+  return truth_.warming ? warmed_px(drifted_px, *truth_.warming, t_s) : drifted_px;
+}
+
+Eigen::Vector2d VirtualLens::warmed_px(const Eigen::Vector2d& w_px, const WarmingTruth& warming,
+                                       double t_s) const {
+  const double way = 1.0 - std::exp(-t_s / warming.time_constant_s);
+  const Eigen::Matrix2d turn = rotation2d(way * warming.turn_rad);
+  return truth_.center_px + (1.0 + way * warming.growth) * turn * (w_px - truth_.center_px) +
+         way * warming.shift_px;
 }
 
 }  // namespace planar

@@ -26,6 +26,9 @@ class VirtualLens {
   const Eigen::Vector3d& p_BC() const { return p_BC_; }
 
  private:
+  Eigen::Vector2d warmed_px(const Eigen::Vector2d& w_px, const WarmingTruth& warming,
+                            double t_s) const;
+
   CameraTruth truth_;
   Eigen::Vector3d p_BC_;
 };

@@ -1,4 +1,5 @@
 #include <cmath>
+#include <string>
 
 #include "planar_servo/core/units.h"
 #include "planar_servo/virtual_cell/image/virtual_lens.h"
@@ -130,7 +131,49 @@ TrackerTruth draw_tracker(Random& random) {
   return tracker;
 }
 
+/// Draws what warms up over a morning: about 5e-5 of scale, 0.17 mm at the field's rim.
+WarmingTruth draw_warming(Random& random) {
+  WarmingTruth warming;
+  warming.shift_px = any_direction(random, 0.3, 0.6);
+  warming.turn_rad = either_sign(random, 0.001, 0.003) * kDegree;
+  warming.growth = either_sign(random, 4e-5, 6e-5);
+  warming.time_constant_s = random.uniform(3600.0, 7200.0);
+  return warming;
+}
+
+ReferenceLampTruth draw_reference_lamp(Random& random, const StatedLamp& stated, double height_m) {
+  constexpr double kPlaced = 0.02 * kMillimetre, kHeight = 0.5 * kMillimetre;
+  ReferenceLampTruth lamp;
+  lamp.id = stated.id;
+  lamp.p_B << stated.p_B.x() + random.uniform(-kPlaced, kPlaced),
+      stated.p_B.y() + random.uniform(-kPlaced, kPlaced),
+      height_m + random.uniform(-kHeight, kHeight);
+  lamp.lamp = draw_lamp(random);
+  return lamp;
+}
+
 }  // namespace
+
+std::vector<StatedLamp> workshop_lamps() {
+  constexpr double kFar = 0.57, kNear = 0.35;  // metres: within the view, beyond the tool's reach
+  std::vector<StatedLamp> lamps;
+  for (const Eigen::Vector2d& p_B : {Eigen::Vector2d(kFar, kNear), Eigen::Vector2d(kNear, kFar),
+                                     Eigen::Vector2d(-kNear, kFar), Eigen::Vector2d(-kFar, kNear),
+                                     Eigen::Vector2d(-kFar, -kNear), Eigen::Vector2d(-kNear, -kFar),
+                                     Eigen::Vector2d(kNear, -kFar), Eigen::Vector2d(kFar, -kNear)})
+    lamps.push_back({"R" + std::to_string(lamps.size() + 1), p_B});
+  return lamps;
+}
+
+Truth draw_workshop_truth(std::uint32_t seed) {
+  Truth truth = draw_truth(seed);
+  Random random(seed, RandomStream::kWorkshop);
+  truth.camera.drift_px_per_h = any_direction(random, 0.38, 0.42);
+  truth.camera.warming = draw_warming(random);
+  for (const StatedLamp& stated : workshop_lamps())
+    truth.reference_lamps.push_back(draw_reference_lamp(random, stated, truth.tool.lamp_height_m));
+  return truth;
+}
 
 Truth draw_truth(std::uint32_t seed) {
   Random random(seed, RandomStream::kDraw);

@@ -3,6 +3,8 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "planar_servo/core/pose.h"
@@ -43,10 +45,19 @@ struct WarpBump {
   Eigen::Vector2d amplitude_px{0.0, 0.0};
 };
 
+/// What warming does to the camera's image. In the time t it goes 1 - exp(-t / time_constant_s) of
+/// its way: the image shifts, turns (from u to v) and grows about CameraTruth::center_px.
+struct WarmingTruth {
+  Eigen::Vector2d shift_px{0.0, 0.0};
+  double turn_rad{0.0};
+  double growth{0.0};  ///< relative
+  double time_constant_s{3600.0};
+};
+
 /// The camera. Its lens takes the ideal image point x = X/Z to the distorted point x_d, where
 ///   x = x_d (1 + a1 r^2 + a2 r^4 + a3 r^6) + decentring(x_d),   r = |x_d|.
 /// This is an inverse polynomial, unlike any of the calibrated models. The pixel is w = f x_d + c,
-/// displaced by the warp and then by the drift.
+/// displaced by the warp and then by the drift and the warming.
 struct CameraTruth {
   Pose X_CB{Pose::Identity()};
   Eigen::Vector2d focal_px{1.0, 1.0};
@@ -56,6 +67,7 @@ struct CameraTruth {
   std::vector<WarpBump> warp;
   double blur_px{0.8};  ///< standard deviation of the Gaussian blur
   Eigen::Vector2d drift_px_per_h{0.0, 0.0};
+  std::optional<WarmingTruth> warming;
 };
 
 /// The uneven light of a lamp. Gradient and halo have a vector l = tool + view * tan(viewing
@@ -76,6 +88,13 @@ struct LampTruth {
   double peak_level{180.0};  ///< grey levels above the background; 0 for a dead lamp
   GlowTruth glow;
   std::vector<Harmonic> rim;  ///< of the radius, over the angle from the tool's x axis
+};
+
+/// A lamp that is fixed to the base, its disc parallel to the plane of motion.
+struct ReferenceLampTruth {
+  std::string id;
+  Eigen::Vector3d p_B{0.0, 0.0, 0.0};
+  LampTruth lamp;
 };
 
 /// Positions on the tool in its own frame: origin at P in the lamps' plane, z up.
@@ -113,6 +132,7 @@ struct Truth {
   BuildTruth build;
   CameraTruth camera;
   std::array<LampTruth, 2> lamps;
+  std::vector<ReferenceLampTruth> reference_lamps;
   ToolTruth tool;
   TrackerTruth tracker;
   NoiseTruth noise;
@@ -120,9 +140,22 @@ struct Truth {
   std::uint32_t seed{0};  ///< of all noise and of the board's poses
 };
 
+/// The place of a lamp as a cell file states it, base frame, metres.
+struct StatedLamp {
+  std::string id;
+  Eigen::Vector2d p_B{0.0, 0.0};
+};
+
 /// Draws a random cell of the paper's kind. The same seed gives the same cell; draw_truth.cpp holds
 /// the distributions.
 Truth draw_truth(std::uint32_t seed);
+
+/// Draws a cell in a workshop: one of the paper's kind whose camera drifts and warms, with lamps
+/// that are fixed round the field, each within hundredths of a millimetre of workshop_lamps().
+Truth draw_workshop_truth(std::uint32_t seed);
+
+/// Returns where a workshop's cell file states its reference lamps.
+std::vector<StatedLamp> workshop_lamps();
 
 /// Returns the rms length of the warp over the image of the disc |P| <= radius_m in the base plane,
 /// pixels.

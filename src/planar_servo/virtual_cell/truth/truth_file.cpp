@@ -14,6 +14,7 @@
 namespace planar {
 namespace {
 
+constexpr double kHour = 3600.0;  // seconds
 constexpr Named<double> kSenses[] = {{1.0, "counterclockwise"}, {-1.0, "clockwise"}};
 constexpr Named<bool> kRides[] = {{true, "relative"}, {false, "absolute"}};
 
@@ -118,6 +119,29 @@ void list_fields(Fields& fields, LampTruth& lamp) {
   list_harmonics(fields, "rim_harmonics", lamp.rim, 1.0);
 }
 
+void list_reference_lamps(Fields& fields, std::vector<ReferenceLampTruth>& lamps) {
+  if (!fields.given("reference_lamps", !lamps.empty())) return;
+  fields.maps("reference_lamps", lamps, [&](ReferenceLampTruth& lamp) {
+    fields.text("id", lamp.id);
+    fields.number("x_mm", lamp.p_B.x(), kMillimetre);
+    fields.number("y_mm", lamp.p_B.y(), kMillimetre);
+    fields.number("z_mm", lamp.p_B.z(), kMillimetre);
+    list_fields(fields, lamp.lamp);
+  });
+}
+
+void list_drift(Fields& fields, CameraTruth& camera) {
+  fields.numbers("px_per_h", camera.drift_px_per_h);
+  list_optional(fields, "warming", camera.warming, {}, [&](WarmingTruth& warming) {
+    fields.map("warming", [&] {
+      fields.numbers("shift_px", warming.shift_px);
+      fields.number("turn_deg", warming.turn_rad, kDegree);
+      fields.number("growth", warming.growth, 1.0, Range::from_to(-0.1, 0.1));
+      fields.number("time_constant_h", warming.time_constant_s, kHour, Range::positive());
+    });
+  });
+}
+
 void list_fields(Fields& fields, ToolTruth& tool) {
   fields.numbers("lamp1_mm", tool.lamps_m[0], kMillimetre);
   fields.numbers("lamp2_mm", tool.lamps_m[1], kMillimetre);
@@ -154,11 +178,12 @@ void list_fields(Fields& fields, Truth& truth) {
   });
   fields.number("sag_mm_per_m2", truth.arm.sag_m_per_m2, kMillimetre);
   fields.map("camera", [&] { list_fields(fields, truth.camera); });
-  fields.map("drift", [&] { fields.numbers("px_per_h", truth.camera.drift_px_per_h); });
+  fields.map("drift", [&] { list_drift(fields, truth.camera); });
   fields.map("lamps", [&] {
     fields.map("lamp1", [&] { list_fields(fields, truth.lamps[0]); });
     fields.map("lamp2", [&] { list_fields(fields, truth.lamps[1]); });
   });
+  list_reference_lamps(fields, truth.reference_lamps);
   fields.map("tool", [&] { list_fields(fields, truth.tool); });
   fields.map("tracker", [&] { list_fields(fields, truth.tracker); });
   list_monuments(fields, truth.build.monuments_B);

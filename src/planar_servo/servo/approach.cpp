@@ -1,0 +1,29 @@
+#include "planar_servo/servo/approach.h"
+
+namespace planar {
+
+std::vector<Joints> approach_stops(const Transmission& transmission, const ServoSettings& settings,
+                                   const Joints& theta) {
+  if (settings.approach == Approach::kDirect) return {theta};
+  const Eigen::Vector3d motors = transmission.motors_from_joints(theta);
+  return {transmission.joints_from_motors(motors -
+                                          Eigen::Vector3d::Constant(settings.approach_margin_rad)),
+          theta};
+}
+
+std::optional<std::string> approach_refusal(const JointPlanner& planner,
+                                            const ServoSettings& settings, const Joints& from,
+                                            const Joints& theta) {
+  if (auto refusal = planner.refusal(theta)) return refusal;
+  Joints rest = from;
+  for (const Joints& stop : approach_stops(planner.transmission(), settings, theta)) {
+    auto refusal = planner.transmission().limit_violation(stop);
+    if (!refusal) refusal = planner.way_refusal(rest, stop);
+    if (refusal && stop != theta) return "on the approach from one side, " + *refusal;
+    if (refusal) return refusal;
+    rest = stop;
+  }
+  return std::nullopt;
+}
+
+}  // namespace planar

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+namespace planar {
+
+/// How the camera's image has moved since its calibration: a place r of then is now seen at
+///   u = r + t + M r,   p = (t_u, t_v, M_uu, M_uv, M_vu, M_vv),
+/// pixels of the whole sensor. A default motion is none, and certain.
+class ImageMotion {
+ public:
+  using Parameters = Eigen::Matrix<double, 6, 1>;
+  using Covariance = Eigen::Matrix<double, 6, 6>;
+
+  ImageMotion() = default;
+  ImageMotion(const Parameters& parameters, const Covariance& covariance)
+      : p_(parameters), covariance_(covariance) {}
+
+  /// Returns where a place of then is seen now.
+  Eigen::Vector2d now(const Eigen::Vector2d& then_px) const;
+  /// Returns where a place that is seen now was seen then.
+  Eigen::Vector2d then(const Eigen::Vector2d& now_px) const;
+  /// Returns the covariance of then() at this place, as far as the motion is uncertain.
+  Eigen::Matrix2d covariance_px2(const Eigen::Vector2d& then_px) const;
+
+  /// Returns the motion `part` of the way from this one to another, whose errors are independent.
+  ImageMotion towards(const ImageMotion& other, double part) const;
+
+  const Parameters& parameters() const { return p_; }
+
+ private:
+  Parameters p_{Parameters::Zero()};
+  Covariance covariance_{Covariance::Zero()};
+};
+
+/// A fixed lamp as it was seen then and as it is now.
+struct LampMove {
+  Eigen::Vector2d then_px{0.0, 0.0}, now_px{0.0, 0.0};
+  Eigen::Matrix2d covariance_px2{Eigen::Matrix2d::Zero()};  ///< of the difference
+};
+
+/// A motion fitted to fixed lamps.
+struct MotionFit {
+  enum class Kind { kSimilarity, kAffine };
+  Kind kind{Kind::kSimilarity};
+  ImageMotion motion;
+  std::vector<Eigen::Vector2d> residuals_px;  ///< of each lamp, now
+  double chi2{0.0};                           ///< of the residuals
+  int freedom{0};                             ///< degrees of freedom that the residuals have left
+
+  /// Returns whether noise explains the residuals.
+  bool holds() const;
+};
+
+/// Fits a similarity to two moves or more: shift, turn and scale, by least squares weighted by the
+/// covariances. The equations are linear. Empty when the lamps' places do not determine it.
+std::optional<MotionFit> fit_similarity(const std::vector<LampMove>& moves);
+
+/// Fits an affine map to three moves or more, which takes out tilt as well. Empty when the lamps'
+/// places do not determine it.
+std::optional<MotionFit> fit_affine(const std::vector<LampMove>& moves);
+
+/// Returns the simplest motion that holds: a similarity or, from four lamps on, an affine map. When
+/// neither does, it returns the similarity. Empty when the lamps do not determine one.
+std::optional<MotionFit> fit_image_motion(const std::vector<LampMove>& moves);
+
+/// At this many standard deviations one fit in 3.5 million is called wrong by chance: with a look
+/// every 30 s, one run of eight hours in 3600.
+constexpr double kMotionSigmas = 5.0;
+
+/// Returns the value that chi squared exceeds by chance as rarely as a normal number exceeds
+/// kMotionSigmas [Wilson & Hilferty 1931]; infinite without freedom.
+double greatest_chi2(int freedom);
+
+}  // namespace planar

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "planar_servo/devices/frame.h"
+#include "planar_servo/lamps/detect/lamp_detector.h"
+#include "planar_servo/lamps/lamp.h"
+#include "planar_servo/vision/image_motion.h"
+
+namespace planar {
+
+/// A whole frame is due this long after the last one. A camera that drifts by 0.4 px an hour moves
+/// by 0.003 px until then, which is less than what eight lamps leave uncertain.
+constexpr double kReferencePeriod_s = 30.0;
+
+/// A lamp that is fixed to the base, as the calibration saw it.
+struct ReferenceLamp {
+  std::string id;
+  Eigen::Vector2d uv_px{0.0, 0.0};
+  double sigma_px{0.0};  ///< standard deviation per axis
+};
+
+/// Returns the lamps' places.
+std::vector<Eigen::Vector2d> places_px(const std::vector<ReferenceLamp>& lamps);
+
+/// Returns the light nearest to `place_px` in a window round it, measured, or nothing where there
+/// is none that can be.
+std::optional<LampCenter> find_fixed_light(const Frame& frame, const Eigen::Vector2d& place_px,
+                                           LampDetector& detector, CenterMethod method);
+
+/// Watches the lamps that are fixed to the base, and tells by them how the image has moved since
+/// the calibration.
+class ReferenceWatch {
+ public:
+  /// Without lamps nothing is watched: no look is due and the image never moves.
+  ReferenceWatch(std::vector<ReferenceLamp> lamps, CenterMethod method)
+      : lamps_(std::move(lamps)), method_(method) {}
+
+  /// Returns whether a whole frame is to be looked at before anything is concluded at this time.
+  bool is_due(double t_s) const;
+
+  /// Looks at a whole frame. One lamp that does not stand where the others put it is left out, and
+  /// named in the log.
+  void look(const Frame& frame);
+
+  /// Returns a whole frame's image with the fixed lamps blackened where they should be.
+  cv::Mat without_lamps(const cv::Mat& image) const;
+
+  const ImageMotion& motion() const { return motion_; }
+  /// Returns why the motion of the last look is not to be trusted, in words. Empty when it is.
+  const std::string& objection() const { return objection_; }
+
+  const std::vector<ReferenceLamp>& lamps() const { return lamps_; }
+
+ private:
+  struct Sight {
+    std::size_t lamp;
+    LampMove move;
+  };
+
+  std::vector<Sight> find(const Frame& frame);
+  /// Takes the motion that holds for all sights, or for all but one.
+  void take_motion(const std::vector<Sight>& sights);
+  void name_knocked(const ReferenceLamp& lamp, const LampMove& move);
+
+  std::vector<ReferenceLamp> lamps_;
+  CenterMethod method_;
+  LampDetector detector_;
+  ImageMotion motion_;
+  std::optional<double> looked_s_;
+  std::string objection_;
+  std::string knocked_;  ///< the lamp that was named last
+};
+
+}  // namespace planar
