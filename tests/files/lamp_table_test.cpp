@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "planar_servo/files/reference_lamp_fields.h"
 #include "support/temporary_folder.h"
 
 namespace planar {
@@ -42,6 +43,24 @@ TEST_CASE("A failed image keeps its row and its reason, a single disc its one ce
   CHECK(rows.at(0).uv_px.empty());
   CHECK(rows.at(1).uv_px.size() == 1);
   CHECK_FALSE(rows.at(1).p_vision.has_value());
+}
+
+TEST_CASE("A table says by which fixed lamps its pixels are corrected, beside its rows") {
+  const test::TemporaryFolder folder;
+  LampRow row;
+  row.id = "t1";
+  const std::vector<ReferenceLamp> lamps{{"R1", {4936.123456789, 70.5}, 0.0079},
+                                         {"over the door", {1.0, 2.0}, 0.01}};
+  const std::vector<Origin> origins{{Role::kCamera, "camera.yaml", std::string(64, 'a')}};
+  const auto file = folder.write("lamps.csv", lamps_text({row}, lamp_remarks(origins, lamps)));
+  const auto back = read_reference_remarks(file);
+  REQUIRE(back.size() == 2);
+  CHECK(back[0].uv_px == lamps[0].uv_px);
+  CHECK(back[0].sigma_px == lamps[0].sigma_px);
+  CHECK(back[1].id == "over the door");
+  CHECK(read_lamps(file).size() == 1);
+  REQUIRE(read_origins(file).size() == 1);
+  CHECK(read_reference_remarks(folder.write("bare.csv", lamps_text({row}))).empty());
 }
 
 TEST_CASE("A status that no lamp can have is refused with those that there are") {

@@ -199,6 +199,9 @@ TEST_CASE("Settings come back as they were written") {
     plane.absorbed = random.below(7);
     plane.pairs = random.below(1000);
     plane.rms = std::abs(random.number());
+    plane.reference_lamps.resize(static_cast<std::size_t>(random.below(3)));
+    for (ReferenceLamp& lamp : plane.reference_lamps)
+      lamp = {random.text(), random.point(), std::abs(random.number())};
     const auto file = folder.write("workplane.yaml", workplane_text(plane, random.text(), inputs));
     const WorkplaneRecord plane_back = read_workplane(file);
     CHECK(plane_back.X_WC.matrix().isApprox(plane.X_WC.matrix(), kUnitRounding));
@@ -207,6 +210,14 @@ TEST_CASE("Settings come back as they were written") {
     CHECK(plane_back.absorbed == plane.absorbed);
     CHECK(plane_back.pairs == plane.pairs);
     CHECK(plane_back.rms == Approx(plane.rms).epsilon(kUnitRounding));
+    REQUIRE(plane_back.reference_lamps.size() == plane.reference_lamps.size());
+    for (std::size_t i = 0; i < plane.reference_lamps.size(); ++i) {
+      const ReferenceLamp &lamp_back = plane_back.reference_lamps[i],
+                          &lamp = plane.reference_lamps[i];
+      CHECK(lamp_back.id == lamp.id);
+      CHECK(lamp_back.uv_px == lamp.uv_px);
+      CHECK(lamp_back.sigma_px == lamp.sigma_px);
+    }
   }
 }
 

@@ -29,6 +29,23 @@ PairExpectation expectation(double error_px) {
   return result;
 }
 
+TEST_CASE("Lights that are known to be fixed are no lamps, wherever the pair is sought") {
+  const Eigen::Vector2d fixed_a(300.0, 80.0), fixed_b(430.0, 90.0);
+  const Frame frame = frame_with({fixed_a, fixed_b, kFirst, kSecond});
+  LampTracker tracker(CenterMethod::kAuto);
+  PairExpectation nothing_predicted;
+  CHECK(tracker.locate(frame, nothing_predicted).lamps[0].status == LampStatus::kAmbiguous);
+  nothing_predicted.fixed_px = {kOrigin + fixed_a + Eigen::Vector2d(5.0, 0.0), kOrigin + fixed_b};
+  const LampPair pair = tracker.locate(frame, nothing_predicted);
+  REQUIRE(pair.status == LampStatus::kAmbiguous);
+  const auto found = [&](const Eigen::Vector2d& lamp) {
+    return (pair.lamps[0].uv_px - kOrigin - lamp).norm() < kMeasured_px ||
+           (pair.lamps[1].uv_px - kOrigin - lamp).norm() < kMeasured_px;
+  };
+  CHECK(found(kFirst));
+  CHECK(found(kSecond));
+}
+
 TEST_CASE("LampTracker measures both lamps in sensor pixels under a good and a poor prediction") {
   const Frame frame = frame_with({kFirst, kSecond});
   for (const auto method : {CenterMethod::kAuto, CenterMethod::kCannyKasa, CenterMethod::kVpDot2}) {

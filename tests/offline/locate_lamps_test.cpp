@@ -54,14 +54,18 @@ class Recording {
     for (int i = 0; i < lamps; ++i) {
       test::RenderedLamp lamp{lamps_px[static_cast<std::size_t>(i)], kDiameter_px};
       if (i == 1) lamp.diameter_px *= second_size;
-      lamp.center_px -= Eigen::Vector2d(region.x, region.y);
+      lamp.center_px += moved_px - Eigen::Vector2d(region.x, region.y);
       test::add_lamp(picture, lamp);
     }
+    for (const Eigen::Vector2d& place : fixed_px)
+      test::add_lamp(picture,
+                     {place + moved_px - Eigen::Vector2d(region.x, region.y), kDiameter_px});
     LampImage image;
     image.id = "place_" + std::to_string(images.size());
     image.name = image.id + ".png";
     image.file = folder_ / image.name;
     image.region_px = region;
+    image.t_s = t_s;
     image.commanded = tip;
     cv::imwrite(image.file.string(), test::expose(picture, random_));
     images.push_back(image);
@@ -70,6 +74,10 @@ class Recording {
 
   std::vector<LampImage> images;
   std::vector<TipPose> tips;
+  // Of the pictures that are added next.
+  std::vector<Eigen::Vector2d> fixed_px;  ///< places of fixed lamps
+  Eigen::Vector2d moved_px{0.0, 0.0};     ///< of the whole image
+  std::optional<double> t_s;
 
  private:
   test::TemporaryFolder folder_;
@@ -114,6 +122,89 @@ TEST_CASE("locate_lamps names the lamps before anything is calibrated, without a
   const auto rows = locate_lamps({recording.images, scene(false), CenterMethod::kAuto, {}}).rows;
   check_named(recording, rows);
   for (const LampRow& row : rows) CHECK_FALSE((row.p_vision || row.phi || row.sigma));
+}
+
+const std::vector<Eigen::Vector2d> kFixed{
+    {60.0, 60.0}, {945.0, 55.0}, {50.0, 745.0}, {940.0, 750.0}};
+
+/// Records with an image that moves by 0.2 px a second, watched by four fixed lamps. Every fourth
+/// picture is a whole one, the others are regions.
+void record_drift(Recording& recording) {
+  recording.fixed_px = kFixed;
+  for (int i = 0; i < 13; ++i) {
+    recording.t_s = 100.0 + i;
+    recording.moved_px = Eigen::Vector2d(0.2 * i, -0.1 * i);
+    const double angle = 2.4 * i, radius = 0.02 * i;
+    const TipPose tip{{radius * std::cos(angle), radius * std::sin(angle)}, 1.1 * i};
+    if (i % 4 == 0)
+      recording.add(tip);
+    else
+      recording.add(tip, 2, {150, 50, 700, 700});
+  }
+}
+
+LampScene scene_with_fixed_lamps(bool with_workplane) {
+  LampScene watched = scene(with_workplane);
+  for (const Eigen::Vector2d& place : kFixed)
+    watched.reference_lamps.push_back({"at " + std::to_string(static_cast<int>(place.x())),
+                                       kDiameter_m, workplane().plane_from_pixel(place)});
+  return watched;
+}
+
+TEST_CASE("The camera's drift is taken off a recording that shows fixed lamps") {
+  Recording recording;
+  record_drift(recording);
+  const LocateReport report =
+      locate_lamps({recording.images, scene_with_fixed_lamps(false), CenterMethod::kAuto, {}});
+  check_named(recording, report.rows);
+  REQUIRE(report.reference_lamps.size() == 4);
+  for (std::size_t i = 0; i < 4; ++i) {
+    const ReferenceLamp& lamp = report.reference_lamps[i];
+    CHECK(lamp.id == "at " + std::to_string(static_cast<int>(kFixed[i].x())));
+    CHECK((lamp.uv_px - kFixed[i]).norm() < kMeasured_px);
+    CHECK(lamp.sigma_px > 0.0);
+  }
+  LampScene unwatched = scene(true);
+  const auto rows = locate_lamps({recording.images, unwatched, CenterMethod::kAuto, {}}).rows;
+  const auto first = (*lamps_from_tip(workplane(), {}, kSeparation_m, recording.tips[12]))[0];
+  CHECK((rows[12].uv_px.at(0) - first).norm() > 2.0);
+}
+
+TEST_CASE("With a workplane that knows fixed lamps, pixels are as they were for that") {
+  Recording recording;
+  record_drift(recording);
+  LampScene watched = scene_with_fixed_lamps(true);
+  const Eigen::Vector2d earlier(-3.0, 4.0);  // the camera stood otherwise then
+  for (const Eigen::Vector2d& place : kFixed)
+    watched.vision->reference_lamps.push_back({"R", place + earlier, 0.01});
+  const LocateReport report = locate_lamps({recording.images, watched, CenterMethod::kAuto, {}});
+  for (std::size_t i = 0; i < report.rows.size(); ++i) {
+    REQUIRE(report.rows[i].status == LampStatus::kOk);
+    const auto truth = *lamps_from_tip(workplane(), {}, kSeparation_m, recording.tips[i]);
+    CHECK((report.rows[i].uv_px[0] - truth[0] - earlier).norm() < kMeasured_px);
+  }
+}
+
+TEST_CASE("Fixed lamps that are not there are missed, and so are whole frames") {
+  const auto refusal = [](const Recording& recording) -> std::string {
+    try {
+      locate_lamps({recording.images, scene_with_fixed_lamps(false), CenterMethod::kAuto, {}});
+    } catch (const WorkError& e) {
+      return e.what();
+    }
+    return "";
+  };
+  Recording covered;
+  covered.fixed_px = {kFixed[0], kFixed[1]};
+  Recording regions;
+  for (int i = 0; i < 4; ++i) {
+    covered.t_s = regions.t_s = i;
+    covered.add({{0.05 * i, 0.0}, 0.0});
+    regions.add({{0.05 * i, 0.0}, 0.0}, 2, {150, 50, 700, 700});
+  }
+  CHECK_THAT(refusal(covered), Contains("2 lights stand still in 4 whole frames, but the cell file "
+                                        "names 4 reference lamps"));
+  CHECK_THAT(refusal(regions), Contains("0 whole frames show the lamps"));
 }
 
 TEST_CASE("locate_lamps is not led astray by a coarse view learned with some lamps missing") {

@@ -4,7 +4,9 @@
 #include <catch2/catch.hpp>
 
 #include "planar_servo/devices/separate_drives.h"
+#include "planar_servo/files/tables/frame_table.h"
 #include "planar_servo/machine/device_kinds.h"
+#include "planar_servo/vision/reference_lamps.h"
 #include "support/manual_clock.h"
 #include "support/mock_pulse_drive.h"
 #include "support/sample_cells.h"
@@ -98,6 +100,26 @@ TEST_CASE("A camera that fails stops the arm on its way, and what was recorded s
   CHECK_FALSE(devices.moves());
   NotingDevices again;
   CHECK(record(request, again).present == 1);
+}
+
+TEST_CASE("A cell with fixed lamps is recorded with a whole frame twice a minute") {
+  const test::TemporaryFolder folder;
+  RecordRequest request{read_cell(test::workshop_cell_file()), {}, folder.path() / "recording"};
+  request.cell.servo.settle_s = 4.0;
+  for (int i = 0; i < 24; ++i)
+    request.plan.push_back(
+        {"t" + std::to_string(i), Plan::kTrain, TipPose{0.3 * rotation2d(0.25 * i).col(0), 0.0}});
+  record(request, *open_cell(request.cell));
+  std::vector<double> whole_s;
+  const std::vector<FrameRow> frames = read_frames(request.recording);
+  for (const FrameRow& frame : frames)
+    if (frame.region_px.width == request.cell.camera.width_px) whole_s.push_back(frame.t_s);
+  REQUIRE(whole_s.size() > 3);
+  CHECK(whole_s.size() < frames.size() / 3);
+  const double place_s = frames.back().t_s / static_cast<double>(request.plan.size());
+  for (std::size_t i = 1; i < whole_s.size(); ++i)
+    CHECK(whole_s[i] - whole_s[i - 1] < kReferencePeriod_s + 2.0 * place_s);
+  CHECK(frames.back().t_s - whole_s.back() < kReferencePeriod_s + 2.0 * place_s);
 }
 
 }  // namespace

@@ -22,6 +22,10 @@ class TwoLamps final : public FrameSource {
  public:
   TipPose tip;
   int asked{0}, asked_on{0};
+  std::vector<Eigen::Vector2d> fixed_px;  ///< where lamps are seen that are fixed to the base
+  Eigen::Vector2d moved_px{0.0, 0.0};     ///< of everything that is seen
+  double t_s{1.0};
+  int whole{0};  ///< whole frames shown
 
   cv::Size sensor_size_px() const override { return kSensor; }
   void set_region(const cv::Rect& region_px) override { region_px_ = region_px; }
@@ -40,8 +44,13 @@ class TwoLamps final : public FrameSource {
 
  private:
   FrameResult show() {
-    return {FrameStatus::kOk,
-            {test::picture_of(tip, random_)(region_px_).clone(), region_px_, 1.0}};
+    whole += region_px_.size() == kSensor ? 1 : 0;
+    const auto lamps_px = lamps_from_tip(test::workplane_below(), {}, test::kSeparation_m, tip);
+    cv::Mat scene = test::background(kSensor);
+    for (const Eigen::Vector2d& uv_px : *lamps_px)
+      test::add_lamp(scene, {uv_px + moved_px, test::kDiameter_m * test::kPixelsPerMetre});
+    for (const Eigen::Vector2d& uv_px : fixed_px) test::add_lamp(scene, {uv_px + moved_px, 30.0});
+    return {FrameStatus::kOk, {test::expose(scene, random_)(region_px_).clone(), region_px_, t_s}};
   }
 
   cv::Rect region_px_{{}, kSensor};
@@ -72,6 +81,57 @@ TEST_CASE("The end point is compensated for the direction in which the lamps sho
   const Eigen::Vector2d bias = rotation2d(stands.phi) * kBias;
   CHECK((seen.correction - bias).norm() < test::kFieldNoise);
   CHECK((seen.tip.p - (stands.p - bias)).norm() < kVision_m + test::kFieldNoise);
+}
+
+/// A vision with four fixed lamps, and a camera that shows them.
+VisionCalibration vision_with_fixed_lamps(TwoLamps& camera) {
+  camera.fixed_px = {{40.0, 40.0}, {600.0, 45.0}, {45.0, 440.0}, {595.0, 435.0}};
+  VisionCalibration vision = vision_with(std::nullopt);
+  for (const Eigen::Vector2d& uv_px : camera.fixed_px)
+    vision.reference_lamps.push_back(
+        {"R" + std::to_string(vision.reference_lamps.size() + 1), uv_px, 0.005});
+  return vision;
+}
+
+TEST_CASE("What the camera has moved since its calibration does not move the tool") {
+  TwoLamps camera;
+  camera.tip = {{0.03, -0.02}, 0.4};
+  LampTipSensor sensor(vision_with_fixed_lamps(camera), CenterMethod::kAuto, camera,
+                       kFollowRegion_px);
+  const TipMeasurement before = sensor.measure(camera.tip, 3);
+  camera.moved_px = {2.0, -1.5};
+  camera.t_s += kReferencePeriod_s;
+  const TipMeasurement after = sensor.measure(camera.tip, 3);
+  REQUIRE((before.ok() && after.ok()));
+  constexpr double kMoved_m = 2.5 / test::kPixelsPerMetre, kVision_m = 3e-5;
+  CHECK((after.p_vision - before.p_vision).norm() < kVision_m);
+  CHECK((after.lamps_px[0] - before.lamps_px[0]).norm() == Approx(2.5).margin(0.1));
+  CHECK(kMoved_m > 10.0 * kVision_m);
+  // It costs some certainty, which more frames do not bring back.
+  const double alone = after.sigma_vision_m / std::sqrt(3.0);
+  CHECK(after.uncertainty_m > alone);
+  CHECK(after.uncertainty_m < 3e-5);
+}
+
+TEST_CASE("While a region follows the tool, a whole frame is looked at once a period") {
+  TwoLamps camera;
+  LampTipSensor sensor(vision_with_fixed_lamps(camera), CenterMethod::kAuto, camera,
+                       kFollowRegion_px);
+  for (int i = 0; i < 4; ++i) {
+    CHECK(sensor.measure(camera.tip, 2).ok());
+    camera.t_s += 0.4 * kReferencePeriod_s;
+  }
+  CHECK(camera.whole == 2);
+}
+
+TEST_CASE("Reference lamps that disagree end the measurement") {
+  TwoLamps camera;
+  LampTipSensor sensor(vision_with_fixed_lamps(camera), CenterMethod::kAuto, camera,
+                       kFollowRegion_px);
+  camera.fixed_px[0] += Eigen::Vector2d(3.0, 0.0);
+  const TipMeasurement seen = sensor.measure(camera.tip, 1);
+  CHECK(seen.status == TipStatus::kNoLamps);
+  CHECK(seen.word == "reference_lamps");
 }
 
 TEST_CASE("Only the first frame of a measurement must be exposed after the question") {
