@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <set>
 
@@ -150,14 +151,19 @@ PairFiles files_of(const Options& options) {
   return {options.workplane_out, options.tool_out, options.pairs_out};
 }
 
-void write_health(const Options& options, const PairTrackerRequest& request,
+/// Says what of the arm the recording shows to be wrong, and keeps what the cell is like now.
+void look_at_cell(const Options& options, const PairTrackerRequest& request,
                   const PairTrackerReport& report) {
   const VisionCalibration vision{request.cell.lamps.layout,
                                  Workplane(request.camera, report.workplane.X_WC),
                                  report.workplane.tool};
-  write_health_file(options.health_out, request.cell, files_of(options),
-                    health_of_recording(request.cell, vision, request.frames, request.lamps),
-                    kText.name);
+  const std::vector<SeenPlace> seen =
+      seen_places(request.cell, vision, request.frames, request.lamps);
+  for (const HealthFinding& finding : arm_faults(request.cell, vision, seen))
+    spdlog::warn(fmt::format("{}; {}", finding.what, redo(finding.cause)));
+  if (!options.health_out.empty())
+    write_health_file(options.health_out, request.cell, files_of(options), health_of(seen),
+                      kText.name);
 }
 
 Outcome pair(const Options& options) {
@@ -165,7 +171,7 @@ Outcome pair(const Options& options) {
   const PairTrackerReport report = pair_tracker(request);
   write_pair_files(files_of(options), request.cell, tables_of(options), report.workplane,
                    source_of(options), report.pairs, kText.name);
-  if (!options.health_out.empty()) write_health(options, request, report);
+  look_at_cell(options, request, report);
   fmt::print("{}", pair_tracker_text(report));
   return {pair_tracker_json(report)};
 }

@@ -13,14 +13,14 @@ using test::SoundCell;
 
 constexpr double kNoise_m = 10e-6;
 
-/// First moves from a bent arm: where it stands, then 40, 40 and 90 degrees of each motor. Each
+/// First moves from a bent arm: where it stands, then 40, 40 and 60 degrees of each motor. Each
 /// pair of lamps is told in any order.
 std::vector<ArmSight> first_moves(SoundCell& cell) {
   Eigen::Vector3d motors(cell.uniform(-kPi, kPi), cell.uniform(45.0, 100.0) * kDegree,
                          cell.uniform(-1.0, 1.0));
   std::vector<ArmSight> sights;
   for (int moved = -1; moved < 3; ++moved) {
-    if (moved >= 0) motors[moved] += (moved == 2 ? 90.0 : 40.0) * kDegree;
+    if (moved >= 0) motors[moved] += (moved == 2 ? 60.0 : 40.0) * kDegree;
     LampPlaces lamps = cell.see(motors, kNoise_m);
     if (moved % 2 == 0) std::swap(lamps[0], lamps[1]);
     sights.push_back({motors, lamps});
@@ -30,35 +30,42 @@ std::vector<ArmSight> first_moves(SoundCell& cell) {
 
 struct ArmFault {
   Cause cause;
-  std::function<void(CellModel&)> make;
+  std::function<void(SoundCell&)> make;
   double size;  ///< NaN for faults in kind
 };
 
 const double kNoSize = std::nan("");
 
+std::function<void(SoundCell&)> off_by(int number, double value) {
+  return [=](SoundCell& cell) { cell.off[number] = value; };
+}
+
+std::function<void(SoundCell&)> built(const std::function<void(CellModel&)>& make) {
+  return [=](SoundCell& cell) { make(cell.model); };
+}
+
 const ArmFault kArmFaults[] = {
-    {Cause::kDirection1, [](CellModel& m) { m.gears[0] = -1.0; }, kNoSize},
-    {Cause::kDirection2, [](CellModel& m) { m.gears[1] = -1.0; }, kNoSize},
-    {Cause::kDirection3, [](CellModel& m) { m.gears[2] = -1.0; }, kNoSize},
-    {Cause::kCoupling2, [](CellModel& m) { m.coupling = test::coupling_of(false, true); }, kNoSize},
-    {Cause::kCoupling3, [](CellModel& m) { m.coupling = test::coupling_of(true, false); }, kNoSize},
-    {Cause::kPositiveRotation, [](CellModel& m) { m.sense = -1.0; }, kNoSize},
-    {Cause::kLinksExchanged, [](CellModel& m) { std::swap(m.links_m[0], m.links_m[1]); }, kNoSize},
-    {Cause::kPictureMirrored, [](CellModel& m) { m.mirrored = true; }, kNoSize},
-    {Cause::kGear1, [](CellModel& m) { m.gears[0] = 1.005; }, 1.005},
-    {Cause::kGear2, [](CellModel& m) { m.gears[1] = 0.995; }, 0.995},
-    {Cause::kGear3, [](CellModel& m) { m.gears[2] = 1.005; }, 1.005},
-    {Cause::kGear1, [](CellModel& m) { m.gears[0] = 2.0; }, 2.0},
-    {Cause::kZero1, [](CellModel& m) { m.zeros_rad[0] = 90.0 * kDegree; }, 90.0},
-    {Cause::kZero2, [](CellModel& m) { m.zeros_rad[1] = 5.0 * kDegree; }, 5.0},
-    {Cause::kZero3, [](CellModel& m) { m.zeros_rad[2] = -10.0 * kDegree; }, -10.0},
-    {Cause::kLink1, [](CellModel& m) { m.links_m[0] += 4e-3; }, 4.0},
-    {Cause::kLink2, [](CellModel& m) { m.links_m[1] -= 4e-3; }, -4.0},
-    {Cause::kCameraShifted,
-     [](CellModel& m) {
-       m.shift_m = {40e-3, 30e-3};
-     },
-     50.0},
+    {Cause::kDirection1, built([](CellModel& m) { m.gears[0] = -1.0; }), kNoSize},
+    {Cause::kDirection2, built([](CellModel& m) { m.gears[1] = -1.0; }), kNoSize},
+    {Cause::kDirection3, built([](CellModel& m) { m.gears[2] = -1.0; }), kNoSize},
+    {Cause::kCoupling2, built([](CellModel& m) { m.coupling = test::coupling_of(false, true); }),
+     kNoSize},
+    {Cause::kCoupling3, built([](CellModel& m) { m.coupling = test::coupling_of(true, false); }),
+     kNoSize},
+    {Cause::kPositiveRotation, built([](CellModel& m) { m.sense = -1.0; }), kNoSize},
+    {Cause::kLinksExchanged, built([](CellModel& m) { m.links_m.reverseInPlace(); }), kNoSize},
+    {Cause::kPictureMirrored, built([](CellModel& m) { m.mirrored = true; }), kNoSize},
+    {Cause::kGear1, off_by(kGearOff, 0.005), 1.005},
+    {Cause::kGear2, off_by(kGearOff + 1, -0.006), 0.994},
+    {Cause::kGear3, off_by(kGearOff + 2, 0.006), 1.006},
+    {Cause::kGear1, off_by(kGearOff, 1.0), 2.0},
+    {Cause::kZero1, off_by(kZeroOff, 90.0 * kDegree), 90.0},
+    {Cause::kZero2, off_by(kZeroOff + 1, 5.0 * kDegree), 5.0},
+    {Cause::kZero3, off_by(kZeroOff + 2, -10.0 * kDegree), -10.0},
+    {Cause::kLink1, off_by(kLinkOff, 4e-3), 4.0},
+    {Cause::kLink2, off_by(kLinkOff + 1, -5e-3), -5.0},
+    {Cause::kLamp1Moved, off_by(kLampOff + 1, 1e-3), 1.0},
+    {Cause::kCameraShifted, off_by(kShiftOff, 50e-3), 50.0},
 };
 
 }  // namespace
@@ -67,7 +74,7 @@ TEST_CASE("Of 1,000 sound cells at most one has a fault in its first moves") {
   int alarms = 0;
   for (unsigned seed = 1; seed <= 1000; ++seed) {
     SoundCell cell(seed);
-    if (find_arm_fault(test::filed_cell(), first_moves(cell))) ++alarms;
+    if (!find_arm_faults(test::filed_cell(), first_moves(cell)).empty()) ++alarms;
   }
   CHECK(alarms <= 1);
 }
@@ -77,14 +84,16 @@ TEST_CASE("The first moves name what is wrong with an arm, and how much") {
     int seen = 0, named = 0;
     for (unsigned seed = 1; seed <= 10; ++seed) {
       SoundCell cell(seed);
-      fault.make(cell.model);
-      const auto found = find_arm_fault(test::filed_cell(), first_moves(cell));
-      INFO(words(fault.cause) << ", seed " << seed << ": " << (found ? found->what : "nothing"));
-      if (!found) continue;
+      fault.make(cell);
+      const auto found = find_arm_faults(test::filed_cell(), first_moves(cell));
+      INFO(words(fault.cause) << ", seed " << seed << ": "
+                              << (found.empty() ? "nothing" : found[0].what));
+      if (found.empty()) continue;
       ++seen;
-      if (found->cause != fault.cause) continue;
+      UNSCOPED_INFO(words(fault.cause) << ", seed " << seed << ": " << found[0].what);
+      if (found[0].cause != fault.cause) continue;
       ++named;
-      if (std::isfinite(fault.size)) CHECK(found->size == Approx(fault.size).epsilon(0.25));
+      if (std::isfinite(fault.size)) CHECK(found[0].size == Approx(fault.size).epsilon(0.25));
     }
     INFO(words(fault.cause));
     CHECK(seen >= 9);
@@ -95,9 +104,9 @@ TEST_CASE("The first moves name what is wrong with an arm, and how much") {
 TEST_CASE("Degrees taken for radians are named as a gear ratio") {
   SoundCell cell(3);
   cell.model.gears[2] = kDegree;
-  const auto found = find_arm_fault(test::filed_cell(), first_moves(cell));
-  REQUIRE(found);
-  CHECK(found->cause == Cause::kGear3);
+  const auto found = find_arm_faults(test::filed_cell(), first_moves(cell));
+  REQUIRE_FALSE(found.empty());
+  CHECK(found[0].cause == Cause::kGear3);
 }
 
 }  // namespace planar

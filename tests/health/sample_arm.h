@@ -24,7 +24,8 @@ inline CellModel filed_cell() {
   model.coupling = coupling_of(true, true);
   model.links_m = {0.3, 0.25};
   model.lamps_T = {Eigen::Vector2d(-0.02, 1e-4), Eigen::Vector2d(0.02, 0.0)};
-  model.foot_B = {5e-3, -3e-3};
+  model.axis_B = {5e-3, -3e-3};
+  model.home = {0.1, 0.9, -1.0};
   return model;
 }
 
@@ -33,13 +34,14 @@ class SoundCell {
  public:
   explicit SoundCell(unsigned seed) : random_(seed) {
     for (Eigen::Index i = 0; i < 3; ++i) {
-      model.zeros_rad[i] = normal(0.12 * kDegree);
+      model.zeros[i] = normal(0.12 * kDegree);
       phases_[i] = uniform(-kPi, kPi);
     }
     for (Eigen::Index i = 0; i < 2; ++i) model.links_m[i] += uniform(-1e-3, 1e-3);
   }
 
   CellModel model = filed_cell();
+  Numbers off = Numbers::Zero();  ///< what a test makes wrong beyond that
 
   /// Returns where the lamps are seen, each coordinate with noise of this standard deviation.
   LampPlaces see(const Eigen::Vector3d& commanded, double noise_m) {
@@ -47,7 +49,7 @@ class SoundCell {
     for (Eigen::Index i = 0; i < 3; ++i)
       motors[i] += 0.03 * kDegree * std::sin(commanded[i] + phases_[i]) +
                    0.01 * kDegree * std::sin(2.0 * commanded[i] - phases_[i]);
-    LampPlaces lamps = lamps_seen(model, motors);
+    LampPlaces lamps = lamps_seen(model, motors, off);
     for (Eigen::Vector2d& lamp : lamps) lamp += Eigen::Vector2d(normal(noise_m), normal(noise_m));
     return lamps;
   }

@@ -1,62 +1,48 @@
 #include "planar_servo/health/arm_check.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <string>
 
 #include "planar_servo/core/numerics/decompositions.h"
 #include "planar_servo/core/plane_geometry.h"
 #include "planar_servo/core/units.h"
+#include "planar_servo/health/suspect.h"
 
 namespace planar {
 namespace {
 
-/// The numbers of a model that may be off, in the order of a vector of them.
-enum Number { kZeros = 0, kGears = 3, kLinks = 6, kShift = 8, kTurn = 10, kGrowth = 11, kNumbers };
-using Numbers = Eigen::Matrix<double, kNumbers, 1>;
-
-/// What the numbers of a sound cell are off by, one standard deviation: zeros that were set by eye,
-/// gears and links as they are made, a workplane that was calibrated.
+/// Returns what the numbers of a sound cell are off by, one standard deviation: zeros that were set
+/// by eye, gears and links as they are made, a tool and a workplane that were calibrated.
 Numbers usual_deviations() {
   Numbers sigma;
-  sigma.segment<3>(kZeros).setConstant(0.15 * kDegree);
-  sigma.segment<3>(kGears).setConstant(5e-4);
-  sigma.segment<2>(kLinks).setConstant(0.7 * kMillimetre);
-  sigma.segment<2>(kShift).setConstant(0.1 * kMillimetre);
-  sigma[kTurn] = 0.02 * kDegree;
-  sigma[kGrowth] = 2e-4;
+  sigma.segment<3>(kZeroOff).setConstant(0.15 * kDegree);
+  sigma.segment<3>(kGearOff).setConstant(5e-4);
+  sigma.segment<2>(kLinkOff).setConstant(0.7 * kMillimetre);
+  sigma.segment<4>(kLampOff).setConstant(0.02 * kMillimetre);
+  sigma.segment<2>(kShiftOff).setConstant(0.1 * kMillimetre);
+  sigma[kTurnOff] = 0.02 * kDegree;
+  sigma[kGrowthOff] = 2e-4;
+  sigma.segment<2>(kTiltOff).setConstant(2e-4);
   return sigma;
 }
 
 constexpr double kFree = 1e3;  ///< the deviation of a freed number: radians, metres or a ratio
 constexpr int kMaxSteps = 25;
 constexpr double kClearlyBetter = 0.1;
-constexpr double kLeastGain = 16.0;  ///< twice the logarithm of the odds
+/// Twice the logarithm of the odds of 3,000 to 1.
+constexpr double kLeastGain = 16.0;
 
-CellModel with(CellModel model, const Numbers& off) {
-  model.zeros_rad += off.segment<3>(kZeros);
-  model.gears = model.gears.cwiseProduct((off.segment<3>(kGears).array() + 1.0).matrix());
-  model.links_m += off.segment<2>(kLinks);
-  model.shift_m += off.segment<2>(kShift);
-  model.turn += off[kTurn];
-  model.growth += off[kGrowth];
-  return model;
-}
-
-/// Returns the sights' residuals in standard deviations, each pair in the order that fits better,
-/// and then how far each number is off, in the same unit.
+/// Returns the sights' residuals in standard deviations, and then how far each number is off, in
+/// the same unit.
 Eigen::VectorXd arm_residuals(const CellModel& model, const std::vector<ArmSight>& sights,
                               const Numbers& off, const Numbers& sigma) {
   const auto n = static_cast<Eigen::Index>(sights.size());
   Eigen::VectorXd r(4 * n + kNumbers);
-  const CellModel moved = with(model, off);
   for (Eigen::Index i = 0; i < n; ++i) {
     const ArmSight& sight = sights[static_cast<std::size_t>(i)];
-    const LampPlaces expected = lamps_seen(moved, sight.motors);
+    const LampPlaces expected = lamps_seen(model, sight.motors, off);
     const Eigen::Vector2d half = 0.5 * (expected[1] - expected[0]);
     // Only the direction counts: how far the lamps are apart tells nothing of the arm.
     Eigen::Vector2d seen_half = half.norm() * (sight.seen_B[1] - sight.seen_B[0]).normalized();
@@ -100,135 +86,95 @@ ArmFit fit_numbers(const CellModel& model, const std::vector<ArmSight>& sights,
   return best;
 }
 
-/// Supposes one cause: the model changed in kind, numbers freed, and where their search begins.
+/// Supposes one cause: the model changed in kind, or the numbers of a suspect freed, and where
+/// their search begins.
 struct Supposition {
+  const Suspect* suspect{nullptr};
   Cause cause{Cause::kSeveral};
-  std::function<void(CellModel&)> change;
-  std::vector<int> freed;
+  CellModel model;
   std::vector<Numbers> starts{Numbers::Zero()};
+
+  std::size_t freed() const { return suspect == nullptr ? 0 : suspect->numbers.size(); }
 };
 
-Supposition in_kind(Cause cause, std::function<void(CellModel&)> change) {
-  return {cause, std::move(change), {}};
+/// Returns where the search for a number of this cause begins: gears that were exchanged, doubled,
+/// or told in degrees for radians, and quarters of a turn.
+std::vector<double> starts_of(const Suspect& suspect) {
+  constexpr double kDegreesForRadians = 180.0 / kPi;
+  const int number = suspect.numbers[0];
+  if (suspect.numbers.size() > 1) return {0.0};
+  if (number >= kGearOff && number < kLinkOff)
+    return {0.0, 1.0, -0.5, kDegreesForRadians - 1.0, 1.0 / kDegreesForRadians - 1.0};
+  if (number < kGearOff || number == kTurnOff) return {0.0, kPi / 2.0, kPi, -kPi / 2.0};
+  return {0.0};
 }
 
-Supposition freed(Cause cause, int number, const std::vector<double>& starts) {
-  Supposition supposed{cause, {}, {number}, {}};
-  for (const double start : starts) {
-    supposed.starts.emplace_back(Numbers::Zero());
-    supposed.starts.back()[number] = start;
+std::vector<Supposition> freed_numbers(const CellModel& as_filed) {
+  std::vector<Supposition> all;
+  for (const Suspect& suspect : suspects()) {
+    if (suspect.cause == Cause::kCameraTilted) continue;  // too little beside what an arm does
+    Supposition supposed{&suspect, suspect.cause, as_filed, {}};
+    for (const double start : starts_of(suspect)) {
+      supposed.starts.emplace_back(Numbers::Zero());
+      supposed.starts.back()[suspect.numbers[0]] = start;
+    }
+    all.push_back(std::move(supposed));
   }
-  return supposed;
+  return all;
 }
 
-void suppose_directions_and_coupling(std::vector<Supposition>& all) {
-  constexpr Cause kDirections[] = {Cause::kDirection1, Cause::kDirection2, Cause::kDirection3};
-  for (int joint = 0; joint < 3; ++joint)
-    all.push_back(
-        in_kind(kDirections[joint], [joint](CellModel& model) { model.gears[joint] = -1.0; }));
-  for (const int motor : {1, 2})
-    all.push_back(
-        in_kind(motor == 1 ? Cause::kCoupling2 : Cause::kCoupling3, [motor](CellModel& model) {
-          double& rides = model.coupling(motor, motor - 1);
-          rides = rides == 0.0 ? -1.0 : 0.0;
-        }));
-  all.push_back(
-      in_kind(Cause::kPositiveRotation, [](CellModel& model) { model.sense = -model.sense; }));
-}
-
-/// The elbow of an arm whose zeros of joints 1 and 2 are off so that the end point stays.
-Supposition other_elbow(const CellModel& as_filed, const ArmSight& sight) {
+/// Returns the model of an arm that stands with its other elbow, its end point where it should be.
+CellModel with_other_elbow(const CellModel& as_filed, const ArmSight& sight) {
   const Eigen::Vector3d theta = as_filed.coupling.inverse() * sight.motors;
-  const Eigen::Vector2d link1 = as_filed.links_m[0] * rotation2d(theta[0]).col(0);
-  const Eigen::Vector2d tip = link1 + as_filed.links_m[1] * rotation2d(theta[1]).col(0);
+  const Eigen::Vector2d tip = as_filed.links_m[0] * rotation2d(theta[0]).col(0) +
+                              as_filed.links_m[1] * rotation2d(theta[1]).col(0);
   const double ray = std::atan2(tip.y(), tip.x());
   const Eigen::Vector3d mirrored(2.0 * ray - theta[0], 2.0 * ray - theta[1], theta[2]);
-  Supposition supposed{Cause::kElbow, {}, {kZeros, kZeros + 1}};
-  supposed.starts[0].segment<3>(kZeros) = as_filed.coupling * mirrored - as_filed.coupling * theta;
-  return supposed;
+  CellModel model = as_filed;
+  model.zeros += as_filed.coupling * (mirrored - theta);
+  return model;
 }
 
-std::vector<Supposition> suppositions(const CellModel& as_filed, const ArmSight& first) {
-  constexpr double kDegreesForRadians = 180.0 / kPi;
-  const std::vector<double> ratios{0.0, 1.0, -0.5, kDegreesForRadians - 1.0,
-                                   1.0 / kDegreesForRadians - 1.0};
-  const std::vector<double> turns{0.0, kPi / 2.0, kPi, -kPi / 2.0};
+/// Returns what is supposed to be of another kind than filed.
+std::vector<Supposition> changed_kinds(const CellModel& as_filed, const ArmSight& first) {
   std::vector<Supposition> all;
-  suppose_directions_and_coupling(all);
-  for (const Cause cause : {Cause::kGear1, Cause::kGear2, Cause::kGear3})
-    all.push_back(
-        freed(cause, kGears + static_cast<int>(cause) - static_cast<int>(Cause::kGear1), ratios));
-  for (const Cause cause : {Cause::kZero1, Cause::kZero2, Cause::kZero3})
-    all.push_back(
-        freed(cause, kZeros + static_cast<int>(cause) - static_cast<int>(Cause::kZero1), turns));
-  all.push_back(freed(Cause::kLink1, kLinks, {0.0}));
-  all.push_back(freed(Cause::kLink2, kLinks + 1, {0.0}));
-  if (std::abs(as_filed.links_m[0] - as_filed.links_m[1]) > 1e-3)
-    all.push_back(in_kind(Cause::kLinksExchanged,
-                          [](CellModel& model) { std::swap(model.links_m[0], model.links_m[1]); }));
-  all.push_back(other_elbow(as_filed, first));
-  Supposition mirrored =
-      in_kind(Cause::kPictureMirrored, [](CellModel& model) { model.mirrored = true; });
-  mirrored.freed = {kTurn};
-  mirrored.starts = freed(Cause::kPictureMirrored, kTurn, turns).starts;
-  all.push_back(mirrored);
-  all.push_back({Cause::kCameraShifted, {}, {kShift, kShift + 1}});
-  all.push_back(freed(Cause::kCameraTurned, kTurn, turns));
-  all.push_back(freed(Cause::kCameraCloser, kGrowth, {0.0}));
+  const auto suppose = [&](Cause cause) -> CellModel& {
+    all.push_back({nullptr, cause, as_filed});
+    return all.back().model;
+  };
+  constexpr Cause kDirections[] = {Cause::kDirection1, Cause::kDirection2, Cause::kDirection3};
+  for (int motor = 0; motor < 3; ++motor) suppose(kDirections[motor]).gears[motor] = -1.0;
+  for (const int motor : {1, 2}) {
+    double& rides =
+        suppose(motor == 1 ? Cause::kCoupling2 : Cause::kCoupling3).coupling(motor, motor - 1);
+    rides = rides == 0.0 ? -1.0 : 0.0;
+  }
+  suppose(Cause::kPositiveRotation).sense *= -1.0;
+  if (std::abs(as_filed.links_m[0] - as_filed.links_m[1]) > kMillimetre)
+    suppose(Cause::kLinksExchanged).links_m.reverseInPlace();
+  suppose(Cause::kElbow) = with_other_elbow(as_filed, first);
+  for (const double turn : {0.0, kPi / 2.0, kPi, -kPi / 2.0}) {
+    suppose(Cause::kPictureMirrored).mirrored = true;
+    all.back().starts[0][kTurnOff] = turn;
+  }
   return all;
 }
 
 /// Returns the best fit under a supposition. Every freed number costs the logarithm of the count of
 /// coordinates, as in Schwarz's criterion.
-ArmFit fit_supposed(const CellModel& as_filed, const std::vector<ArmSight>& sights,
-                    const Supposition& supposed) {
-  CellModel model = as_filed;
-  if (supposed.change) supposed.change(model);
+ArmFit fit_supposed(const std::vector<ArmSight>& sights, const Supposition& supposed) {
   Numbers sigma = usual_deviations();
-  for (const int number : supposed.freed) sigma[number] = kFree;
+  if (supposed.suspect != nullptr)
+    for (const int number : supposed.suspect->numbers) sigma[number] = kFree;
+  if (supposed.cause == Cause::kPictureMirrored) sigma[kTurnOff] = kFree;
   ArmFit best;
   for (const Numbers& start : supposed.starts) {
-    const ArmFit fit = fit_numbers(model, sights, start, sigma);
+    const ArmFit fit = fit_numbers(supposed.model, sights, start, sigma);
     if (fit.chi2 < best.chi2 - kClearlyBetter) best = fit;  // of equals the first, the smallest
   }
-  const double count = 1.0 + static_cast<double>(supposed.freed.size());
+  const double count = 1.0 + static_cast<double>(supposed.freed());
   best.chi2 += count * std::log(4.0 * static_cast<double>(sights.size()));
   return best;
-}
-
-/// Writes the size of a cause in the unit that a person would measure it in.
-void set_size(HealthFinding& finding, const Supposition& supposed, const Numbers& off,
-              const CellModel& as_filed) {
-  finding.size = std::numeric_limits<double>::quiet_NaN();
-  finding.what = words(finding.cause);
-  if (supposed.freed.empty() || finding.cause == Cause::kElbow ||
-      finding.cause == Cause::kPictureMirrored)
-    return;
-  const int number = supposed.freed.front();
-  const double value = off[number];
-  if (number >= kShift && number < kTurn) {
-    finding.size = off.segment<2>(kShift).norm() / kMillimetre;
-    finding.unit = "mm";
-    finding.what += fmt::format(" by {:.2f} mm", finding.size);
-  } else if (number >= kLinks && number < kShift) {
-    finding.size = value / kMillimetre;
-    finding.unit = "mm";
-    finding.what += fmt::format(": it measures {:.1f} mm, not {:.1f} mm",
-                                (as_filed.links_m[number - kLinks] + value) / kMillimetre,
-                                as_filed.links_m[number - kLinks] / kMillimetre);
-  } else if (number >= kGears && number < kLinks) {
-    finding.size = 1.0 + value;
-    finding.unit = "turns per turn commanded";
-    finding.what += fmt::format(": the joint turns {:.4f} times as far as commanded", 1.0 + value);
-  } else if (number == kGrowth) {
-    finding.size = 100.0 * value;
-    finding.unit = "%";
-    finding.what += fmt::format(": the picture grew by {:.3f} %", finding.size);
-  } else {
-    finding.size = wrap_angle(value) / kDegree;
-    finding.unit = "deg";
-    finding.what += fmt::format(": it is off by {:.2f} deg", finding.size);
-  }
 }
 
 /// Returns how far the end point is seen from where the files say, at most.
@@ -242,28 +188,49 @@ double farthest(const CellModel& as_filed, const std::vector<ArmSight>& sights) 
   return most;
 }
 
+/// A supposition with how well it fits.
+struct Explanation {
+  Supposition supposed;
+  ArmFit fit;
+};
+
+HealthFinding finding_of(const Explanation& explanation, const CellModel& as_filed, double cost_m) {
+  const Supposition& supposed = explanation.supposed;
+  if (supposed.suspect != nullptr) {
+    Numbers off = explanation.fit.off;
+    // A tool of equal lamps looks the same after half a turn.
+    if (supposed.cause == Cause::kZero3) off[kZeroOff + 2] = std::remainder(off[kZeroOff + 2], kPi);
+    return finding_of(*supposed.suspect, as_filed, off, cost_m);
+  }
+  return {supposed.cause, std::numeric_limits<double>::quiet_NaN(), "", cost_m,
+          words(supposed.cause)};
+}
+
 }  // namespace
 
-std::optional<HealthFinding> find_arm_fault(const CellModel& as_filed,
-                                            const std::vector<ArmSight>& sights) {
-  if (sights.empty()) return std::nullopt;
-  const ArmFit sound = fit_supposed(as_filed, sights, Supposition());
-  const Supposition* likeliest = nullptr;
-  const std::vector<Supposition> all = suppositions(as_filed, sights.front());
-  ArmFit best = sound;
-  best.chi2 -= kLeastGain;
-  for (const Supposition& supposed : all) {
-    const ArmFit fit = fit_supposed(as_filed, sights, supposed);
-    if (!(fit.chi2 < best.chi2)) continue;
-    best = fit;
-    likeliest = &supposed;
+std::vector<HealthFinding> find_arm_faults(const CellModel& as_filed,
+                                           const std::vector<ArmSight>& sights) {
+  if (sights.empty()) return {};
+  const double sound = fit_supposed(sights, {nullptr, Cause::kSeveral, as_filed}).chi2;
+  std::vector<Supposition> all = freed_numbers(as_filed);
+  for (Supposition& changed : changed_kinds(as_filed, sights.front()))
+    all.push_back(std::move(changed));
+  std::vector<Explanation> explanations;
+  for (Supposition& supposed : all) {
+    const ArmFit fit = fit_supposed(sights, supposed);
+    if (fit.chi2 < sound - kLeastGain) explanations.push_back({std::move(supposed), fit});
   }
-  if (likeliest == nullptr) return std::nullopt;
-  HealthFinding finding;
-  finding.cause = likeliest->cause;
-  finding.cost_m = farthest(as_filed, sights);
-  set_size(finding, *likeliest, best.off, as_filed);
-  return finding;
+  if (explanations.empty()) return {};
+  std::sort(explanations.begin(), explanations.end(),
+            [](const Explanation& a, const Explanation& b) { return a.fit.chi2 < b.fit.chi2; });
+  const Explanation& best = explanations.front();
+  const double cost_m = farthest(as_filed, sights);
+  std::vector<HealthFinding> found{finding_of(best, as_filed, cost_m)};
+  const double as_good = best.fit.chi2 + std::max(kAsLikely, kLittleLeft * (sound - best.fit.chi2));
+  if (explanations.size() > 1 && explanations[1].fit.chi2 < as_good &&
+      explanations[1].supposed.freed() == best.supposed.freed())
+    found.push_back(finding_of(explanations[1], as_filed, cost_m));
+  return found;
 }
 
 }  // namespace planar

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <optional>
 #include <vector>
 
 #include "planar_servo/health/cause.h"
@@ -18,10 +17,11 @@ struct ArmSight {
 };
 
 /// Finds what is not as the cell's files say from motions that were commanded and seen. Every cause
-/// is tried: it frees one number of the model, or changes it in kind, while all other numbers stay
+/// is tried: it frees numbers of the model, or changes it in kind, while all other numbers stay
 /// within what arms and cameras of this class are off by. The cause that explains the sights best
-/// is returned when it is e^8 times as likely as a cell without fault.
-std::optional<HealthFinding> find_arm_fault(const CellModel& as_filed,
-                                            const std::vector<ArmSight>& sights);
+/// is returned when it is e^8 times as likely as a cell without fault, and beside it a second one
+/// that explains them nearly as well.
+std::vector<HealthFinding> find_arm_faults(const CellModel& as_filed,
+                                           const std::vector<ArmSight>& sights);
 
 }  // namespace planar

@@ -29,7 +29,9 @@ enum class Cause {
   kCoupling3,
   kPositiveRotation,
   kElbow,
+  kHome,        ///< the zeros of several joints
   kSeparation,  ///< of the lamps
+  kNotVisited,  ///< the arm cannot go where the check needs it
   kNotSeen,     ///< the lamps are not found at all
   kSeveral,     ///< no single cause explains what is seen
 };

@@ -12,13 +12,14 @@
 #include "planar_servo/health/arm_check.h"
 #include "planar_servo/health/revisit_check.h"
 #include "planar_servo/servo/arrival.h"
+#include "planar_servo/vision/seen_cell.h"
 
 namespace planar {
 namespace {
 
 /// The first moves of motors 1 to 3, in which a gear that is off by 0.5 % shows beside the
 /// reducers' eccentricity.
-const Eigen::Vector3d kFirstMoves(40.0 * kDegree, 40.0 * kDegree, 90.0 * kDegree);
+const Eigen::Vector3d kFirstMoves(40.0 * kDegree, 40.0 * kDegree, 60.0 * kDegree);
 /// What links, reducers and a corrected lens do to the middle of the lamps between two poses, and
 /// what a lens does that no error map corrects.
 constexpr double kCorrectedSigma_m = 0.1e-3;
@@ -30,17 +31,9 @@ constexpr double kPlay = 0.01 * kDegree;
 /// The share by which the lamps' distance may differ from the cell file's.
 constexpr double kSeparationShare = 0.03;
 
-CellModel model_of_cell(const CellSettings& cell, const VisionCalibration& vision) {
-  const Eigen::Vector2d half(0.5 * vision.lamps.separation_m, 0.0);
-  return model_of(PlanarArm(cell.arm.geometry), Transmission(cell.transmission),
-                  {-half - vision.tool.p_TP, half - vision.tool.p_TP},
-                  vision.workplane.X_WC().translation().head<2>());
-}
-
-HealthFinding not_seen(const std::string& where) {
-  return {Cause::kNotSeen, std::numeric_limits<double>::quiet_NaN(), "",
-          std::numeric_limits<double>::infinity(),
-          fmt::format("{}: {}", words(Cause::kNotSeen), where)};
+HealthFinding without_size(Cause cause, const std::string& why) {
+  return {cause, std::numeric_limits<double>::quiet_NaN(), "",
+          std::numeric_limits<double>::infinity(), fmt::format("{}: {}", words(cause), why)};
 }
 
 std::optional<HealthFinding> wrong_separation(const LampPlaces& lamps_B, double filed_m) {
@@ -48,7 +41,7 @@ std::optional<HealthFinding> wrong_separation(const LampPlaces& lamps_B, double 
   if (std::abs(seen_m / filed_m - 1.0) <= kSeparationShare) return std::nullopt;
   return HealthFinding{
       Cause::kSeparation, seen_m / kMillimetre, "mm", std::abs(seen_m - filed_m),
-      fmt::format("{}: they are seen {:.2f} mm apart, the file says {:.2f} mm",
+      fmt::format("{}: the lamps are seen {:.2f} mm apart, the file says {:.2f} mm",
                   words(Cause::kSeparation), seen_m / kMillimetre, filed_m / kMillimetre)};
 }
 
@@ -102,7 +95,7 @@ std::optional<LampPlaces> CellCheck::look() {
   return LampPlaces{seen.lamps_B[0] - seen.correction, seen.lamps_B[1] - seen.correction};
 }
 
-std::optional<HealthFinding> CellCheck::first_moves() {
+std::vector<HealthFinding> CellCheck::first_moves() {
   std::optional<Joints> theta = start();
   if (!theta)
     return not_seen(
@@ -122,14 +115,15 @@ std::optional<HealthFinding> CellCheck::first_moves() {
         break;
       }
     }
-    if (const auto reason = go_to(*theta)) return not_seen(*reason);
+    if (const auto reason = go_to(*theta)) return {without_size(Cause::kNotVisited, *reason)};
     const auto lamps_B = look();
-    if (!lamps_B) return not_seen("no two lamps in the whole frame");
-    if (auto found = wrong_separation(*lamps_B, vision_.lamps.separation_m)) return found;
+    if (!lamps_B)
+      return {without_size(Cause::kNotSeen, "there are no two of them in the whole frame")};
+    if (auto found = wrong_separation(*lamps_B, vision_.lamps.separation_m)) return {*found};
     sights.push_back({transmission.motors_from_joints(robot_.commanded_joints()), *lamps_B,
                       vision_.error_map ? kCorrectedSigma_m : kUncorrectedSigma_m});
   }
-  return find_arm_fault(model_, sights);
+  return find_arm_faults(model_, sights);
 }
 
 std::vector<HealthFinding> CellCheck::revisit(const HealthRecord& record) {
@@ -146,13 +140,14 @@ std::vector<HealthFinding> CellCheck::revisit(const HealthRecord& record) {
         [&](const HealthPlace& a, const HealthPlace& b) { return distance(a) < distance(b); });
     const HealthPlace place = *nearest;
     left.erase(nearest);
-    if (const auto reason = go_to(place.theta)) return {not_seen(place.id + ": " + *reason)};
+    if (const auto reason = go_to(place.theta))
+      return {without_size(Cause::kNotVisited, place.id + ": " + *reason)};
     const Eigen::Vector2d along = place.lamps_B[1] - place.lamps_B[0];
     const double phi = std::atan2(along.y(), along.x());
     const TipPose then{
         0.5 * (place.lamps_B[0] + place.lamps_B[1]) + rotation2d(phi) * vision_.tool.p_TP, phi};
     const TipMeasurement seen = sensor_.measure(then, cell_.servo.frames_per_measurement);
-    if (!seen.ok()) return {not_seen(fmt::format("{}: {}", place.id, seen.word))};
+    if (!seen.ok()) return {without_size(Cause::kNotSeen, place.id + ": " + seen.word)};
     const double now_m = seen.sigma_vision_m / std::sqrt(seen.frames);
     revisits.push_back(
         {transmission.motors_from_joints(place.theta), place.lamps_B, seen.lamps_B,
@@ -176,7 +171,8 @@ GuardLimits with_health(GuardLimits limits, const HealthRecord& record) {
 }
 
 std::vector<HealthFinding> check_cell(CellCheck& check, const std::optional<HealthRecord>& record) {
-  if (const auto found = check.first_moves()) return {*found};
+  std::vector<HealthFinding> found = check.first_moves();
+  if (!found.empty()) return found;
   return record ? check.revisit(*record) : std::vector<HealthFinding>();
 }
 

@@ -23,8 +23,8 @@ class CellCheck {
             LampTipSensor& sensor, Clock& clock);
 
   /// Moves each motor a little, near where the arm stands, and holds what is seen against what was
-  /// commanded. Returns what is not as the files say, if anything.
-  std::optional<HealthFinding> first_moves();
+  /// commanded. Returns what is not as the files say.
+  std::vector<HealthFinding> first_moves();
 
   /// Visits the places again that were kept at the calibration, the nearest first. Returns what has
   /// changed since.

@@ -2,10 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 
 #include "planar_servo/core/error.h"
+#include "planar_servo/health/arm_check.h"
+#include "planar_servo/vision/seen_cell.h"
 
 namespace planar {
 namespace {
@@ -49,11 +52,19 @@ std::map<std::string, MeanSight> mean_sights(const std::vector<FrameRow>& frames
   return sights;
 }
 
+/// At so many places, evenly taken from a recording, the arm is held against its file; more would
+/// tell nothing new.
+constexpr std::size_t kArmPlaces = 24;
+/// What eccentric reducers and an uncorrected lens do over the whole field to the middle of the
+/// lamps, and to their direction.
+constexpr double kFieldSigma_m = 0.5e-3;
+constexpr double kDirectionSigma_m = 0.05e-3;
+
 }  // namespace
 
-HealthRecord health_of_recording(const CellSettings& cell, const VisionCalibration& vision,
-                                 const std::vector<FrameRow>& frames,
-                                 const std::vector<LampRow>& lamps) {
+std::vector<SeenPlace> seen_places(const CellSettings& cell, const VisionCalibration& vision,
+                                   const std::vector<FrameRow>& frames,
+                                   const std::vector<LampRow>& lamps) {
   const PlanarArm arm(cell.arm.geometry);
   std::vector<SeenPlace> seen;
   for (const auto& [id, sight] : mean_sights(frames, lamps)) {
@@ -64,12 +75,27 @@ HealthRecord health_of_recording(const CellSettings& cell, const VisionCalibrati
                     arm.forward(sight.frame->theta),
                     place->seen});
   }
+  return seen;
+}
+
+HealthRecord health_of(const std::vector<SeenPlace>& seen) {
   if (seen.size() < kHealthPlaces)
     throw InputError(
         fmt::format("the recording has {} places with both lamps; a check of the cell's health "
                     "needs {} of them to visit again",
                     seen.size(), kHealthPlaces));
   return health_record_of(seen);
+}
+
+std::vector<HealthFinding> arm_faults(const CellSettings& cell, const VisionCalibration& vision,
+                                      const std::vector<SeenPlace>& seen) {
+  const Transmission transmission(cell.transmission);
+  const std::size_t stride = std::max<std::size_t>(1, seen.size() / kArmPlaces);
+  std::vector<ArmSight> sights;
+  for (std::size_t i = 0; i < seen.size(); i += stride)
+    sights.push_back({transmission.motors_from_joints(seen[i].place.theta), seen[i].place.lamps_B,
+                      kFieldSigma_m, kDirectionSigma_m});
+  return find_arm_faults(model_of_cell(cell, vision), sights);
 }
 
 }  // namespace planar

@@ -5,15 +5,23 @@
 #include "planar_servo/cell/cell_settings.h"
 #include "planar_servo/files/tables/frame_table.h"
 #include "planar_servo/files/tables/lamp_table.h"
+#include "planar_servo/health/cause.h"
 #include "planar_servo/health/health_record.h"
 #include "planar_servo/vision/see_tool.h"
 
 namespace planar {
 
-/// Keeps what a cell is like from the places of a recording in which both lamps were located.
-/// Throws InputError when fewer than kHealthPlaces are left.
-HealthRecord health_of_recording(const CellSettings& cell, const VisionCalibration& vision,
-                                 const std::vector<FrameRow>& frames,
-                                 const std::vector<LampRow>& lamps);
+/// Returns the places of a recording in which both lamps were located.
+std::vector<SeenPlace> seen_places(const CellSettings& cell, const VisionCalibration& vision,
+                                   const std::vector<FrameRow>& frames,
+                                   const std::vector<LampRow>& lamps);
+
+/// Keeps what a cell is like from the places of a recording. Throws InputError when there are fewer
+/// than kHealthPlaces.
+HealthRecord health_of(const std::vector<SeenPlace>& seen);
+
+/// Finds what of the arm is not as the cell file says from the places of a recording.
+std::vector<HealthFinding> arm_faults(const CellSettings& cell, const VisionCalibration& vision,
+                                      const std::vector<SeenPlace>& seen);
 
 }  // namespace planar
