@@ -253,7 +253,7 @@ TEST_CASE("A separation that is wrong in the cell is named with the measured one
   REQUIRE(report.wrong_distances.size() == 12);
   CHECK(median(report.wrong_distances) * wrong == Approx(kSeparation_m).epsilon(0.01));
   CHECK_THAT(distance_doubt(report, wrong),
-             Catch::Contains("the pair is 100 mm") && Catch::Contains("apart, the cell says"));
+             Catch::Contains("the pair is 100.0 mm") && Catch::Contains("apart, the cell says"));
   CHECK(distance_doubt({}, wrong).empty());
 }
 

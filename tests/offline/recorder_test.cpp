@@ -5,6 +5,7 @@
 
 #include "planar_servo/devices/separate_drives.h"
 #include "planar_servo/files/tables/frame_table.h"
+#include "planar_servo/files/tables/tracker_table.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/vision/reference_lamps.h"
 #include "support/manual_clock.h"
@@ -67,9 +68,16 @@ class NotingDevices final : public CellDevices,
   SeparateDrives group_{{&drives_[0], &drives_[1], &drives_[2]}};
 };
 
+/// The paper's cell with the camera of NotingDevices.
+CellSettings small_cell() {
+  CellSettings cell = read_cell(test::paper_cell_file());
+  cell.camera.width_px = cell.camera.height_px = 64;
+  return cell;
+}
+
 TEST_CASE("A recording that was broken off goes on with the board's next views") {
   const test::TemporaryFolder folder;
-  RecordRequest request{read_cell(test::paper_cell_file()), {}, folder.path() / "recording"};
+  RecordRequest request{small_cell(), {}, folder.path() / "recording"};
   for (const char* id : {"g0", "g1"})
     request.plan.push_back({id, Plan::kHeldBoard, std::monostate()});
   request.plan.push_back({"p0", Plan::kLaidBoard, std::monostate()});
@@ -90,7 +98,7 @@ TEST_CASE("A recording that was broken off goes on with the board's next views")
 
 TEST_CASE("A camera that fails stops the arm on its way, and what was recorded stays") {
   const test::TemporaryFolder folder;
-  RecordRequest request{read_cell(test::paper_cell_file()), {}, folder.path() / "recording"};
+  RecordRequest request{small_cell(), {}, folder.path() / "recording"};
   request.plan.push_back({"g0", Plan::kHeldBoard, std::monostate()});
   request.plan.push_back({"t0", Plan::kTrain, TipPose{{-0.2, 0.3}, 0.0}});
   NotingDevices devices;
@@ -120,6 +128,54 @@ TEST_CASE("A cell with fixed lamps is recorded with a whole frame twice a minute
   for (std::size_t i = 1; i < whole_s.size(); ++i)
     CHECK(whole_s[i] - whole_s[i - 1] < kReferencePeriod_s + 2.0 * place_s);
   CHECK(frames.back().t_s - whole_s.back() < kReferencePeriod_s + 2.0 * place_s);
+}
+
+TEST_CASE("The monuments are read before the arm moves and once more at the end") {
+  const test::TemporaryFolder folder;
+  RecordRequest request{small_cell(), {}, folder.path() / "recording"};
+  request.plan.push_back({"t0", Plan::kTrain, TipPose{{-0.2, 0.3}, 0.0}});
+  NotingDevices devices;
+  record(request, devices);
+  std::string order;
+  for (const TrackerRow& row : read_tracker(request.recording / "tracker.csv"))
+    order += row.id == "t0" ? 't' : 'm';
+  CHECK(order == std::string(15, 'm') + 't' + std::string(15, 'm'));
+}
+
+TEST_CASE("A recording is not gone on with by another plan or another cell") {
+  const test::TemporaryFolder folder;
+  RecordRequest request{small_cell(), {}, folder.path() / "recording"};
+  request.plan.push_back({"t0", Plan::kTrain, TipPose{{-0.2, 0.3}, 0.0}});
+  request.plan.push_back({"t1", Plan::kTrain, TipPose{{0.2, 0.3}, 0.0}});
+  NotingDevices devices;
+  record(request, devices);
+  const auto again = [&](const auto& change) {
+    RecordRequest other = request;
+    change(other);
+    NotingDevices fresh;
+    record(other, fresh);
+  };
+  CHECK_NOTHROW(again([](RecordRequest& r) {
+    r.plan.push_back({"t2", Plan::kTest, TipPose{{0.1, 0.3}, 0.0}});
+  }));
+  CHECK_THROWS_WITH(
+      again([](RecordRequest& r) {
+        r.plan[1].where = TipPose{{0.2, 0.31}, 0.0};
+      }),
+      Catch::Contains("'t1' went to") && Catch::Contains("this plan and cell send it to"));
+  CHECK_THROWS_WITH(again([](RecordRequest& r) { r.plan[0].plan = Plan::kTest; }),
+                    Catch::Contains("'t0' is of plan train, and of plan test in this one"));
+  CHECK_THROWS_WITH(again([](RecordRequest& r) { r.cell.arm.geometry.link_lengths_m.x() += 1e-3; }),
+                    Catch::Contains("'t0' went to") && Catch::Contains("name another folder"));
+  CHECK_THROWS_WITH(
+      again([](RecordRequest& r) { r.cell.transmission.drives[0].gear_ratio *= 1.01; }),
+      Catch::Contains("where this cell's drives go to"));
+  CHECK_THROWS_WITH(again([](RecordRequest& r) { r.cell.camera.width_px = 128; }),
+                    Catch::Contains("begins with an image of 64 x 64 px"));
+  CHECK_THROWS_WITH(again([](RecordRequest& r) {
+                      r.cell.datum.push_back({"d9", {0.0, 0.0, 0.0}});
+                    }),
+                    Catch::Contains("no reading of the monument 'd9'"));
 }
 
 }  // namespace

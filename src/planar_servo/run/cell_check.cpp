@@ -95,33 +95,33 @@ std::optional<LampPlaces> CellCheck::look() {
   return LampPlaces{seen.lamps_B[0] - seen.correction, seen.lamps_B[1] - seen.correction};
 }
 
-std::vector<HealthFinding> CellCheck::first_moves() {
-  std::optional<Joints> theta = start();
-  if (!theta)
-    return not_seen(
-        "the arm stands where its workspace or the camera's view does not allow a look");
+Joints CellCheck::with_motor_turned(const Joints& theta, int motor) const {
   const Transmission& transmission = planner_.transmission();
+  for (const double share : {1.0, -1.0, 0.5, -0.5}) {
+    Eigen::Vector3d motors = transmission.motors_from_joints(theta);
+    motors[motor] += share * kFirstMoves[motor];
+    const Joints turned = transmission.joints_from_motors(motors);
+    if (allows(turned)) return turned;
+  }
+  return theta;
+}
+
+std::vector<HealthFinding> CellCheck::first_moves() {
+  const std::optional<Joints> first = start();
+  if (!first)
+    return {
+        without_size(Cause::kNotVisited, "it stands outside its workspace or the camera's view")};
+  Joints theta = *first;
   std::vector<ArmSight> sights;
   for (int motor = -1; motor < 3; ++motor) {
-    if (motor >= 0) {
-      const auto turned = [&](double share) {
-        Eigen::Vector3d motors = transmission.motors_from_joints(*theta);
-        motors[motor] += share * kFirstMoves[motor];
-        return transmission.joints_from_motors(motors);
-      };
-      for (const double share : {1.0, -1.0, 0.5, -0.5}) {
-        if (!allows(turned(share))) continue;
-        theta = turned(share);
-        break;
-      }
-    }
-    if (const auto reason = go_to(*theta)) return {without_size(Cause::kNotVisited, *reason)};
+    if (motor >= 0) theta = with_motor_turned(theta, motor);
+    if (const auto reason = go_to(theta)) return {without_size(Cause::kNotVisited, *reason)};
     const auto lamps_B = look();
     if (!lamps_B)
       return {without_size(Cause::kNotSeen, "there are no two of them in the whole frame")};
     if (auto found = wrong_separation(*lamps_B, vision_.lamps.separation_m)) return {*found};
-    sights.push_back({transmission.motors_from_joints(robot_.commanded_joints()), *lamps_B,
-                      vision_.error_map ? kCorrectedSigma_m : kUncorrectedSigma_m});
+    sights.push_back({planner_.transmission().motors_from_joints(robot_.commanded_joints()),
+                      *lamps_B, vision_.error_map ? kCorrectedSigma_m : kUncorrectedSigma_m});
   }
   return find_arm_faults(model_, sights);
 }

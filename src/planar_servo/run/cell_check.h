@@ -35,6 +35,8 @@ class CellCheck {
   std::optional<std::string> go_to(const Joints& theta);
   std::optional<Joints> start() const;
   bool allows(const Joints& theta) const;
+  /// Returns the joints with one motor turned as far as the first moves want and the cell allows.
+  Joints with_motor_turned(const Joints& theta, int motor) const;
   std::optional<LampPlaces> look();
 
   const CellSettings& cell_;

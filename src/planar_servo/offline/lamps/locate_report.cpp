@@ -37,7 +37,7 @@ std::string distance_doubt(const LocateReport& report, double separation) {
   const auto ratio = median_of(report.wrong_distances);
   if (!ratio) return "";
   return fmt::format(
-      "in {} images the pair is {:.4g} mm apart, the cell says {:.4g} mm; measure the lamps and "
+      "in {} images the pair is {:.1f} mm apart, the cell says {:.4g} mm; measure the lamps and "
       "correct lamps.separation_mm in the cell file, or the link lengths if they are wrong",
       report.wrong_distances.size(), *ratio * separation / kMillimetre, separation / kMillimetre);
 }

@@ -17,6 +17,7 @@
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/io/growing_file.h"
 #include "planar_servo/lamps/lamp_tracker.h"
+#include "planar_servo/offline/record/begun_recording.h"
 #include "planar_servo/offline/record/motion_plan.h"
 #include "planar_servo/robot/planar_robot.h"
 #include "planar_servo/servo/arrival.h"
@@ -30,17 +31,6 @@ namespace fs = std::filesystem;
 
 constexpr int kMonumentReadings = 5;
 constexpr int kLostFrameRetries = 3;
-
-std::set<std::string> recorded_ids(const fs::path& recording) {
-  std::set<std::string> ids;
-  if (!fs::exists(recording / "frames.csv")) return ids;
-  try {
-    for (const FrameRow& row : read_frames(recording)) ids.insert(row.id);
-  } catch (const InputError&) {
-    if (read_file(recording / "frames.csv") != frames_header()) throw;
-  }
-  return ids;
-}
 
 class Recorder {
  public:
@@ -58,8 +48,9 @@ class Recorder {
       expectation_.diameter_over_separation = cell_.lamps.layout.diameter_over_separation();
   }
 
-  RecordReport run(const std::vector<PlanRow>& plan, const std::vector<Joints>& joints) {
-    const std::set<std::string> present = recorded_ids(folder_);
+  /// Records the rows of the plan but those that are `present`.
+  RecordReport run(const std::vector<PlanRow>& plan, const std::vector<Joints>& joints,
+                   const std::set<std::string>& present) {
     if (present.empty()) measure_monuments();
     for (std::size_t i = 0; i < plan.size(); ++i) {
       const bool board = shows_board(plan[i].plan);
@@ -74,6 +65,7 @@ class Recorder {
         record_position(plan[i], joints[i]);
       ++report_.recorded;
     }
+    if (energized_) measure_monuments();
     return report_;
   }
 
@@ -210,8 +202,11 @@ class Recorder {
 
 RecordReport record(const RecordRequest& request, CellDevices& devices) {
   const std::vector<Joints> joints = joints_of_plan(request.cell, request.plan);
+  drop_torn_line(request.recording / "frames.csv");
+  drop_torn_line(request.recording / "tracker.csv");
+  const std::set<std::string> present = ids_of_begun_recording(request, joints);
   make_folder(request.recording / "images");
-  return Recorder(request, devices).run(request.plan, joints);
+  return Recorder(request, devices).run(request.plan, joints, present);
 }
 
 }  // namespace planar

@@ -30,11 +30,12 @@ struct RecordReport {
 /// Drives the cell through the plan. At each position it moves, settles, grabs frames and takes a
 /// tracker reading; for board views it asks for the board. Regions are placed from the commanded
 /// pose by a coarse view learned from the first full frames. Where the lamps are not in the region,
-/// a full frame is taken instead.
+/// a full frame is taken instead. The monuments are read before all and, when the arm has moved,
+/// once more at the end.
 ///
-/// Throws InputError naming every position out of reach, workspace or joint limits before anything
-/// moves. Throws WorkError when the camera fails or somebody stops the arm: the arm then rests, and
-/// what is recorded stays.
+/// Throws InputError naming every position out of reach, workspace or joint limits, and what a
+/// recording that was begun has of another plan or cell, before anything moves. Throws WorkError
+/// when the camera fails or somebody stops the arm: the arm then rests, and what is recorded stays.
 RecordReport record(const RecordRequest& request, CellDevices& devices);
 
 }  // namespace planar
