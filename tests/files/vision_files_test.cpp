@@ -55,6 +55,21 @@ TEST_CASE("A camera calibrated for images of another size is refused by whoever 
   CHECK_THROWS_WITH(read_lamp_scene(cell), message);
 }
 
+TEST_CASE("A workplane knows the lamps that are fixed to the cell's base, or is refused") {
+  const test::TemporaryFolder folder;
+  CellSettings cell = cell_in(folder);
+  cell.reference_lamps = {{"R1", 0.008, {}}, {"R2", 0.008, {}}, {"R3", 0.008, {}}};
+  CHECK_THROWS_WITH(read_vision(cell, false),
+                    Contains("workplane.yaml: knows none of the 3 reference lamps"));
+  CHECK(read_lamp_scene(cell).reference_lamps.size() == 3);
+  WorkplaneRecord workplane;
+  workplane.X_WC = read_workplane(cell.workplane).X_WC;
+  workplane.reference_lamps = {{"R1", {5.0, 6.0}, 0.01}};
+  cell.workplane = folder.write("workplane.yaml", workplane_text(workplane, "test", {}));
+  REQUIRE(read_vision(cell, false).reference_lamps.size() == 1);
+  CHECK(read_vision(cell, false).reference_lamps[0].uv_px == Eigen::Vector2d(5.0, 6.0));
+}
+
 TEST_CASE("Every file that is missing is named with the program that makes it") {
   const test::TemporaryFolder folder;
   CellSettings cell = cell_in(folder);

@@ -53,6 +53,12 @@ CameraModel read_cell_camera(const CellSettings& cell) {
 VisionCalibration read_vision(const CellSettings& cell, bool with_error_map) {
   require_files(cell, with_error_map);
   VisionCalibration vision = read_cell_workplane(cell);
+  if (!cell.reference_lamps.empty() && vision.reference_lamps.empty())
+    throw InputError(fmt::format(
+        "{}: knows none of the {} reference lamps that the cell file names, so a camera that moves "
+        "would not be noticed; make it of a recording that shows them, with planar-record, "
+        "planar-locate-lamps and planar-pair-tracker",
+        cell.workplane.string(), cell.reference_lamps.size()));
   vision.tool = read_tool(cell.tool);
   if (with_error_map) vision.error_map = read_map(cell.error_map);
   return vision;

@@ -7,8 +7,9 @@
 namespace planar {
 
 /// Reads the cell's camera, workplane, tool and, when asked for, error map. Throws InputError
-/// naming every file that is missing with the program that makes it, and for a camera file of
-/// another image size than the cell's.
+/// naming every file that is missing with the program that makes it, for a camera file of another
+/// image size than the cell's, and for a workplane that was made before the cell had its reference
+/// lamps.
 VisionCalibration read_vision(const CellSettings& cell, bool with_error_map);
 
 /// Reads as much of the cell's vision as there are files for. The error map is left out.
