@@ -123,9 +123,14 @@ std::size_t move(ServoRun& run, const Options& options, const std::vector<Target
   std::set<std::string> taken;
   for (const TargetResult& result : run.results()) taken.insert(result.id);
   TargetLines lines(kStdin, std::move(taken));
-  return answer_targets(std::cin, std::cout, lines, [&](const TargetRow& target) {
-    return result_answer(run.move_to(target));
-  });
+  try {
+    return answer_targets(std::cin, std::cout, lines, [&](const TargetRow& target) {
+      return result_answer(run.move_to(target));
+    });
+  } catch (const InputError&) {
+    run.discard_if_empty();
+    throw;
+  }
 }
 
 Outcome report(const ServoRequest& request, const Options& options, const ServoRun& run,

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "planar_servo/core/error.h"
+#include "planar_servo/core/fixed.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/files/tables/step_table.h"
@@ -26,23 +27,70 @@ constexpr double kDrivePatience_s = 60.0;
 /// The most recoveries of drives for one target. A drive that fails more often is broken.
 constexpr int kMaxDriveRecoveries = 3;
 
-std::vector<TargetResult> results_so_far(const fs::path& folder, bool resume) {
-  const fs::path results = folder / "results.csv";
-  const bool begun = fs::exists(results);
-  if (begun && !resume)
-    throw InputError(results.string() +
-                     ": holds a run already; name another folder or add --resume");
-  if (!begun && resume)
-    throw InputError(folder.string() +
-                     ": holds no run to go on with; name the folder of one, or leave out --resume "
-                     "to begin one there");
-  drop_torn_line(results);
-  return begun ? read_results(results) : std::vector<TargetResult>();
+fs::path results_file(const ServoRequest& request) {
+  return request.out / "results.csv";
 }
 
-const fs::path& folder_made(const fs::path& path) {
-  make_folder(path);
-  return path;
+std::vector<Origin> origins_of(const ServoRequest& request) {
+  std::vector<Origin> origins;
+  for (const MadeFile& file : calibration_files(request.cell, request.use_error_map))
+    origins.push_back(origin_of(file));
+  return origins;
+}
+
+/// Throws unless a run that was begun with these files was begun with the present ones, too. One
+/// that does not say what it was begun with is gone on with.
+void require_same_origins(const fs::path& results, const std::vector<Origin>& present) {
+  const std::vector<Origin> begun = read_origins(results);
+  const auto same = [](const Origin& a, const Origin& b) {
+    return a.role == b.role && a.sha256 == b.sha256;
+  };
+  if (begun.empty() || std::equal(begun.begin(), begun.end(), present.begin(), present.end(), same))
+    return;
+  const auto names = [](const std::vector<Origin>& origins) {
+    std::vector<std::string> texts;
+    for (const Origin& origin : origins)
+      texts.push_back(fmt::format("{} {}", origin.name, origin.sha256.substr(0, 8)));
+    return fmt::format("{}", fmt::join(texts, ", "));
+  };
+  throw InputError(
+      fmt::format("{}: the run was begun with {}; now it would go on with {}; use the same files "
+                  "and options, or name another folder",
+                  results.string(), names(begun), names(present)));
+}
+
+/// Returns the run's folder, which is there then.
+const fs::path& folder_for(const ServoRequest& request) {
+  if (request.resume && !fs::exists(results_file(request)))
+    throw InputError(request.out.string() +
+                     ": holds no run to go on with; name the folder of one, or leave out --resume "
+                     "to begin one there");
+  make_folder(request.out);
+  return request.out;
+}
+
+std::vector<TargetResult> results_so_far(const ServoRequest& request) {
+  const fs::path results = results_file(request);
+  if (!fs::exists(results)) return {};
+  if (!request.resume)
+    throw InputError(results.string() +
+                     ": holds a run already; name another folder or add --resume");
+  drop_torn_line(results);
+  require_same_origins(results, origins_of(request));
+  return read_results(results);
+}
+
+/// Results are written to the nanometre.
+constexpr double kSamePlace_m = 1e-9;
+
+/// Throws when a target has a result already, but of another place.
+void require_same_place(const TargetRow& target, const std::vector<TargetResult>& results) {
+  for (const TargetResult& result : results)
+    if (result.id == target.id && (result.p_d - target.p_d).norm() > kSamePlace_m)
+      throw InputError(fmt::format(
+          "target '{}' is at {} now; the run to go on with has a result of it at {}; name another "
+          "folder, or another id for the new place",
+          target.id, place_mm(target.p_d), place_mm(result.p_d)));
 }
 
 }  // namespace
@@ -65,12 +113,14 @@ ServoRun::ServoRun(const ServoRequest& request, CellDevices& devices, Observer o
       observer_(std::move(observer)),
       may_home_(request.may_home),
       true_tip_(devices.true_tip()),
-      results_(results_so_far(request.out, request.resume)),
       sensor_(read_vision(cell_, request.use_error_map), request.center, devices.camera(),
               cell_.camera.follow_region_px),
       accepted_stale_(accept_stale_files(cell_, request.use_error_map, request.accept_stale)),
-      steps_(folder_made(request.out) / "steps.csv", steps_header()),
-      table_(request.out / "results.csv", results_header()),
+      lock_(folder_for(request)),
+      results_(results_so_far(request)),
+      results_before_(results_.size()),
+      steps_(request.out / "steps.csv", steps_header()),
+      table_(results_file(request), results_header(csv_remarks(origins_of(request)))),
       robot_(PlanarArm(cell_.arm.geometry), Transmission(cell_.transmission), devices.drives(),
              devices.clock()),
       servo_(cell_.servo, joint_planner(cell_), robot_, sensor_, devices.clock()) {
@@ -146,6 +196,12 @@ bool ServoRun::wait_for_camera(const std::string& id, const std::string& reason,
   return true;
 }
 
+void ServoRun::discard_if_empty() {
+  if (!results_.empty()) return;
+  steps_.remove();
+  table_.remove();
+}
+
 bool ServoRun::has(const std::string& id) const {
   return std::any_of(results_.begin(), results_.end(),
                      [&](const TargetResult& result) { return result.id == id; });
@@ -154,6 +210,7 @@ bool ServoRun::has(const std::string& id) const {
 std::vector<TargetResult> run_servo(
     ServoRun& run, const std::vector<TargetRow>& targets,
     const std::function<void(std::size_t done, std::size_t all)>& progress) {
+  for (const TargetRow& target : targets) require_same_place(target, run.results());
   for (std::size_t i = 0; i < targets.size(); ++i) {
     if (run.has(targets[i].id)) continue;
     run.move_to(targets[i]);

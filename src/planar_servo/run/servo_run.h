@@ -9,6 +9,7 @@
 #include "planar_servo/cell/cell_settings.h"
 #include "planar_servo/files/tables/result_table.h"
 #include "planar_servo/files/tables/target_table.h"
+#include "planar_servo/io/folder_lock.h"
 #include "planar_servo/io/growing_file.h"
 #include "planar_servo/machine/cell_devices.h"
 #include "planar_servo/robot/planar_robot.h"
@@ -53,8 +54,9 @@ class ServoRun {
   using Observer = std::function<void(const ServoSight&)>;
 
   /// Switches the drives on. `observer` may be empty. Throws InputError when the folder holds a run
-  /// and `resume` is not set, when it holds none and `resume` is set, and for calibration files
-  /// that do not belong together unless `accept_stale` is set.
+  /// and `resume` is not set, when it holds none, or one begun with other calibration files, and
+  /// `resume` is set, when another program writes there, and for calibration files that do not
+  /// belong together unless `accept_stale` is set.
   ServoRun(const ServoRequest& request, CellDevices& devices, Observer observer = {});
 
   /// Moves to a target and returns its result. A target that fails has a result like the others.
@@ -68,6 +70,10 @@ class ServoRun {
 
   /// Returns true when there is a result of this target.
   bool has(const std::string& id) const;
+  /// Returns whether move_to() has added a result to those that the folder held.
+  bool has_new_results() const { return results_.size() > results_before_; }
+  /// Removes the tables of a run without any result, as when no target could be read.
+  void discard_if_empty();
   /// Returns the sentences on files that do not belong together and were accepted.
   const std::vector<std::string>& accepted_stale() const { return accepted_stale_; }
   /// Returns the results so far. Those of a resumed run begin with those that the folder holds.
@@ -89,9 +95,11 @@ class ServoRun {
   Observer observer_;
   std::function<bool(const std::string&)> may_home_;
   std::function<TipPose()> true_tip_;
-  std::vector<TargetResult> results_;
   LampTipSensor sensor_;
   std::vector<std::string> accepted_stale_;
+  FolderLock lock_;
+  std::vector<TargetResult> results_;
+  std::size_t results_before_;
   GrowingFile steps_;
   GrowingFile table_;
   PlanarRobot robot_;
@@ -99,7 +107,7 @@ class ServoRun {
 };
 
 /// Moves to every target in turn, except those that a resumed run has a result of. `progress` may
-/// be empty.
+/// be empty. Throws InputError, before anything moves, when such a result is of another place.
 std::vector<TargetResult> run_servo(
     ServoRun& run, const std::vector<TargetRow>& targets,
     const std::function<void(std::size_t done, std::size_t all)>& progress = {});
