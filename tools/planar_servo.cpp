@@ -117,6 +117,15 @@ Outcome plan_stream(const CellSettings& cell) {
           planned.refused + planned.bad_lines == 0};
 }
 
+/// Returns the answer to a target that comes after a run has ended.
+TargetResult refused(const TargetRow& target, const std::string& ended_by) {
+  TargetResult result;
+  result.id = target.id;
+  result.p_d = target.p_d;
+  result.reason = "the run has ended at " + ended_by;
+  return result;
+}
+
 /// Moves to the targets of a table, or to those that arrive on standard input. Returns the number
 /// of bad lines.
 std::size_t move(ServoRun& run, const Options& options, const std::vector<TargetRow>& targets) {
@@ -128,14 +137,15 @@ std::size_t move(ServoRun& run, const Options& options, const std::vector<Target
   std::set<std::string> taken;
   for (const TargetResult& result : run.results()) taken.insert(result.id);
   TargetLines lines(kStdin, std::move(taken));
-  return answer_targets(std::cin, std::cout, lines, [&](const TargetRow& target) {
-    if (!run.ended_by()) return result_answer(run.move_to(target));
-    TargetResult refused;
-    refused.id = target.id;
-    refused.p_d = target.p_d;
-    refused.reason = "the run has ended at " + *run.ended_by();
-    return result_answer(refused);
-  });
+  try {
+    return answer_targets(std::cin, std::cout, lines, [&](const TargetRow& target) {
+      return run.ended_by() ? result_answer(refused(target, *run.ended_by()))
+                            : result_answer(run.move_to(target));
+    });
+  } catch (const InputError&) {
+    run.discard_if_empty();
+    throw;
+  }
 }
 
 Outcome report(const ServoRequest& request, const Options& options, const ServoRun& run,

@@ -1,12 +1,16 @@
 #include "program.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <csignal>
+#include <cstdio>
 #include <filesystem>
+#include <iostream>
 #include <memory>
 #include <opencv2/core/utils/logger.hpp>
 
@@ -94,6 +98,20 @@ int failure(int status, const std::exception& e) {
   return status;
 }
 
+/// Occupies standard streams that were closed, so that no file is opened in their place and filled
+/// with messages. What is printed fails as it did.
+void occupy_closed_streams() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+    if (fcntl(stream, F_GETFD) < 0) open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY);
+}
+
+/// Throws when what was printed could not be written, as into a full disk.
+void require_printed() {
+  std::cout.flush();
+  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0 || !std::cout)
+    throw WorkError("standard output cannot be written; what was to be printed there is lost");
+}
+
 volatile std::sig_atomic_t interrupts = 0;
 
 }  // namespace
@@ -124,10 +142,12 @@ int run_program(const ProgramText& text, int argc, char** argv,
   CLI::Option* quiet_flag = app.add_flag("-q,--quiet", quiet, "errors only");
   app.add_flag("-v,--verbose", verbose, "also log each look, each file read and each decision")
       ->excludes(quiet_flag);
+  occupy_closed_streams();
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? 0 : kWrongInput;
+    if (app.exit(e) != 0) return kWrongInput;
+    return std::cout.flush() ? 0 : kWorkFailed;
   }
   start_log(text.name, quiet, verbose);
   cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);  // our messages say it all
@@ -136,6 +156,7 @@ int run_program(const ProgramText& text, int argc, char** argv,
     const Outcome outcome = work();
     require_figures_file(json_file);
     if (!json_file.empty()) write_file(json_file, outcome.figures.dump(2) + "\n");
+    require_printed();
     return outcome.success ? 0 : kWorkFailed;
   } catch (const InputError& e) {
     return failure(kWrongInput, e);

@@ -37,9 +37,9 @@ void heed_interrupts();
 bool interrupted();
 
 /// Parses the options (those of `add_options` besides --help, --version, --json, -q and -v), does
-/// the work and returns the exit status: 0 when it is done, 1 when the work failed, 2 for wrong
-/// usage or input. This is the only place that catches exceptions. `work` prints its results to
-/// stdout; messages go to stderr.
+/// the work and returns the exit status: 0 when it is done, 1 when the work failed or standard
+/// output could not be written, 2 for wrong usage or input. This is the only place that catches
+/// exceptions. `work` prints its results to stdout; messages go to stderr.
 int run_program(const ProgramText& text, int argc, char** argv,
                 const std::function<void(CLI::App&)>& add_options,
                 const std::function<Outcome()>& work);

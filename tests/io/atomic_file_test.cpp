@@ -1,5 +1,7 @@
 #include "planar_servo/io/atomic_file.h"
 
+#include <unistd.h>
+
 #include <catch2/catch.hpp>
 
 #include "planar_servo/core/error.h"
@@ -34,6 +36,31 @@ TEST_CASE("A link stays and the file behind it is replaced") {
   write_file(folder / "link.txt", "second");
   CHECK(std::filesystem::is_symlink(folder / "link.txt"));
   CHECK(read_file(folder / "real.txt") == "second");
+}
+
+TEST_CASE("A link planted under the temporary's name is not followed") {
+  const test::TemporaryFolder folder;
+  folder.write("precious.txt", "precious");
+  const std::string part = "a.txt.part" + std::to_string(getpid());
+  std::filesystem::create_symlink("precious.txt", folder / part);
+  write_file(folder / "a.txt", "text");
+  CHECK(read_file(folder / "precious.txt") == "precious");
+  CHECK(read_file(folder / "a.txt") == "text");
+  CHECK_FALSE(std::filesystem::is_symlink(folder / "a.txt"));
+}
+
+TEST_CASE("A file of one kind does not take the place of another") {
+  const test::TemporaryFolder folder;
+  const auto cell = folder.write("cell.yaml", "format: planar-servo/cell/1\na: 1\n");
+  const auto pairs = folder.write("pairs.csv", "# format: planar-servo/pairs/1\nid\n");
+  CHECK_THROWS_WITH(write_file(cell, "format: planar-servo/error-map/1\n"),
+                    Contains("is a file of planar-servo/cell, which this output would replace"));
+  CHECK_THROWS_AS(write_file(pairs, "<html>"), InputError);
+  CHECK_THROWS_WITH(require_writable(cell), Contains("name another file"));
+  CHECK_NOTHROW(require_writable(pairs));
+  write_file(pairs, "# format: planar-servo/pairs/1\nid,x_mm\n");
+  write_file(cell, "format: planar-servo/cell/1\na: 2\n");
+  CHECK_THAT(read_file(cell), Contains("a: 2"));
 }
 
 TEST_CASE("A device is written as it stands") {

@@ -28,6 +28,47 @@ grep -q "rnu: holds no run to go on with; name the folder of one, or leave out -
   fail "$(cat again.err)"
 [ ! -e rnu ] || fail "a mistyped folder was made"
 servo all.csv --out run --resume >/dev/null
-cut -d, -f1,4 run/results.csv | tail -n +3 >reached.txt
+grep -v '^#' run/results.csv | cut -d, -f1,4 | tail -n +2 >reached.txt
 printf 'a,reached\nb,reached\nc,reached\n' | diff - reached.txt || fail "not all targets were reached"
 grep -q "^targets: 3" run/run.yaml || fail "the report of a resumed run leaves targets out"
+
+# Only the same run is gone on with: the same files, and every target where it was.
+sed 's/^b,-150/b,-151/' all.csv >moved.csv
+cp run/run.yaml run.yaml
+cp run/results.csv results.csv
+expect 2 "target 'b' is at \(-151.000, 250.000\) mm now; .* has a result of it at \(-150.000, 250.000\) mm; name another folder" \
+  servo moved.csv --out run --resume
+expect 2 "was begun with camera.yaml .*map.yaml .*; now it would go on with .*; use the same files" \
+  servo all.csv --out run --resume --no-error-map
+servo all.csv --out run --resume >/dev/null
+diff run.yaml run/run.yaml || fail "a finished run lost its account"
+diff results.csv run/results.csv || fail "a finished run was moved again"
+printf 'id,x_mm,y_mm\n"#1",200,100\n' >mark.csv
+servo mark.csv --out mark >/dev/null
+servo mark.csv --out mark --resume >/dev/null
+[ "$(grep -c '#1' mark/results.csv)" -eq 1 ] || fail "an id that begins with # ran twice"
+exec 9<run
+flock 9
+expect 2 "run: another program writes there now" servo all.csv --out run --resume
+exec 9<&-
+
+# No output replaces what people write, and none is counted that is not there.
+cp cell/cell.yaml before.yaml
+expect 2 "cell.yaml: is a file of planar-servo/cell, which this output would replace" \
+  "$bin/planar-fit-error-map" -o cell/cell.yaml cell/pairs.csv
+expect 2 "truth.yaml: is a file of planar-servo/truth" \
+  "$bin/planar-locate-lamps" --cell cell/cell.yaml -o cell/truth.yaml recording
+diff before.yaml cell/cell.yaml || fail "a cell was replaced"
+status=0
+(
+  trap '' XFSZ
+  ulimit -f 64
+  "$bin/planar-record" -q --cell cell/cell.yaml --plan begin.csv --out full >/dev/null 2>full.err
+) || status=$?
+[ "$status" -eq 1 ] || fail "a full disk ended with $status"
+grep -q "images/grid_1_0.pgm: cannot be written; .*disk is not full" full.err || fail "$(cat full.err)"
+if grep -q grid_1 full/frames.csv; then fail "an image that is not there was counted"; fi
+[ -z "$(ls full/images)" ] || fail "half an image stayed: $(ls full/images)"
+expect 1 "standard output cannot be written" bash -c \
+  "'$bin/planar-servo' --cell cell/cell.yaml --targets all.csv --check >/dev/full"
+if "$bin/planar-servo" --help >/dev/full; then fail "a lost --help counts as told"; fi

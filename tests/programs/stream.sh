@@ -49,4 +49,4 @@ printf 'id,x_m,y_m\na,0.2,0.1\n' |
   "$bin/planar-servo" --cell cell/cell.yaml --targets - --out metres >answers 2>err.txt || status=$?
 [ "$status" -eq 2 ] || fail "a header in metres ended with $status"
 grep -q "lacks the columns x_mm, y_mm" answers || fail "$(cat answers)"
-[ "$(wc -l <metres/steps.csv)" -eq 2 ] || fail "a header in metres moved the arm"
+[ -z "$(ls metres)" ] || fail "a header in metres left $(ls metres)"

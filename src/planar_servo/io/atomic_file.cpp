@@ -1,9 +1,11 @@
 #include "planar_servo/io/atomic_file.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <sstream>
 #include <system_error>
 
@@ -14,11 +16,57 @@ namespace fs = std::filesystem;
 
 namespace {
 
-bool put(const fs::path& path, std::string_view text) {
-  std::ofstream out(path, std::ios::binary);
-  out.write(text.data(), static_cast<std::streamsize>(text.size()));
-  out.close();
-  return static_cast<bool>(out);
+bool put(int file, std::string_view text) {
+  while (!text.empty()) {
+    const ssize_t written = write(file, text.data(), text.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) break;
+    text.remove_prefix(static_cast<std::size_t>(written));
+  }
+  return close(file) == 0 && text.empty();
+}
+
+/// Opens a file that is not there yet. What stands there under its name is removed, not followed:
+/// it is what a program that crashed left behind, or a link that somebody planted.
+int open_new(const fs::path& path) {
+  constexpr int kFlags = O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC;
+  constexpr mode_t kMode = 0666;  // less the user's umask
+  const int file = open(path.c_str(), kFlags, kMode);
+  if (file >= 0 || errno != EEXIST || unlink(path.c_str()) != 0) return file;
+  return open(path.c_str(), kFlags, kMode);
+}
+
+bool write_whole(const fs::path& path, std::string_view text, bool in_place) {
+  const int file = in_place ? open(path.c_str(), O_WRONLY | O_CLOEXEC) : open_new(path);
+  return file >= 0 && put(file, text);
+}
+
+/// Returns KIND of the first line `format: planar-servo/KIND/1`, which tables have behind a '#';
+/// empty for another text.
+std::string_view kind_of_text(std::string_view text) {
+  constexpr std::string_view kMark = "format: planar-servo/";
+  text = text.substr(0, text.find('\n'));
+  if (text.substr(0, 2) == "# ") text.remove_prefix(2);
+  if (text.substr(0, kMark.size()) != kMark) return {};
+  text.remove_prefix(kMark.size());
+  return text.substr(0, text.find('/'));
+}
+
+std::string kind_of_file(const fs::path& path) {
+  std::error_code error;
+  std::string line;
+  if (fs::is_regular_file(path, error)) std::getline(std::ifstream(path), line);
+  return std::string(kind_of_text(line));
+}
+
+/// Throws InputError where a file of another kind stands, as when two names were exchanged.
+void require_kind(const fs::path& path, std::string_view kind) {
+  const std::string present = kind_of_file(path);
+  if (present.empty() || present == kind) return;
+  throw InputError(
+      fmt::format("{}: is a file of planar-servo/{}, which this output would replace; "
+                  "name another file, or remove that one",
+                  path.string(), present));
 }
 
 /// Returns the file to which the links at `path` lead, or `path` itself when there is no such file.
@@ -46,7 +94,8 @@ void write_file(const fs::path& path, std::string_view text) {
   const fs::path temporary =
       in_place ? place : fs::path(place.string() + ".part" + std::to_string(getpid()));
   std::error_code error;
-  if (!put(temporary, text)) {
+  require_kind(place, kind_of_text(text));
+  if (!write_whole(temporary, text, in_place)) {
     if (!in_place) fs::remove(temporary, error);
     throw WorkError(path.string() +
                     ": cannot be written; make sure that the folder exists, that you may write "
@@ -83,6 +132,8 @@ void require_not_input(const fs::path& output, const fs::path& input) {
 }
 
 void require_writable(const fs::path& output) {
+  for (const char* handmade : {"cell", "truth", "targets", "plan"})
+    if (kind_of_file(output) == handmade) require_kind(output, {});
   const fs::path place = behind_links(output), folder = folder_of(place);
   std::error_code error;
   if (fs::is_directory(place, error))

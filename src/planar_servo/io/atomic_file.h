@@ -9,7 +9,8 @@ namespace planar {
 
 /// Writes the whole text to a temporary file beside `path` and renames it, so that no reader ever
 /// sees half a file. A link stays, and the file behind it is replaced. A device or a pipe, such as
-/// /dev/stdout, is written directly. Throws WorkError when the place cannot be written.
+/// /dev/stdout, is written directly. Throws WorkError when the place cannot be written, and
+/// InputError when a file of another kind stands there, by the `format:` in its first line.
 void write_file(const std::filesystem::path& path, std::string_view text);
 
 /// Opens a file for reading. Throws InputError naming `path` when it cannot be read.
@@ -22,7 +23,8 @@ std::string read_file(const std::filesystem::path& path);
 void require_not_input(const std::filesystem::path& output, const std::filesystem::path& input);
 
 /// Throws InputError when write_file() could not write `output`, because it is a folder, or because
-/// its folder is missing or closed to this user. Call it before the work whose result goes there.
+/// its folder is missing or closed to this user, or because a file stands there that people write:
+/// a cell, a truth, targets or a plan. Call it before the work whose result goes there.
 void require_writable(const std::filesystem::path& output);
 
 }  // namespace planar

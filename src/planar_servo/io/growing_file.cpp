@@ -48,6 +48,11 @@ void GrowingFile::append(const std::string& lines) {
   if (!out) throw WorkError(path_.string() + ": cannot be written; is the disk full?");
 }
 
+void GrowingFile::remove() {
+  std::error_code error;
+  std::filesystem::remove(path_, error);
+}
+
 void make_folder(const std::filesystem::path& path) {
   std::error_code error;
   std::filesystem::create_directories(path, error);

@@ -58,10 +58,7 @@ TaughtTargets::TaughtTargets(std::filesystem::path path)
 }
 
 void TaughtTargets::append(const TargetRow& target) {
-  if (target.id.empty() || target.id[0] == '#' || target.id.find(',') != std::string::npos)
-    throw InputError(fmt::format(
-        "the id '{}' cannot stand in a table; an id has no comma and does not begin with '#'",
-        target.id));
+  if (target.id.empty()) throw InputError("the id is empty; every target needs one");
   if (ids_.count(target.id) != 0)
     throw InputError(fmt::format("the id '{}' is taken; ids must differ", target.id));
   GrowingFile(path_, targets_header()).append(target_line(target));

@@ -135,6 +135,7 @@ std::string run_text(const ServoRequest& request, const ServoRun& run, const Ser
 
 void write_run(const ServoRequest& request, const ServoRun& run, const ServoFigures& figures,
                const std::filesystem::path& targets) {
+  if (!run.has_new_results() && std::filesystem::exists(request.out / "run.yaml")) return;
   const CellSettings& cell = request.cell;
   std::vector<std::filesystem::path> inputs{cell.file, cell.camera_model, cell.workplane,
                                             cell.tool};

@@ -7,19 +7,19 @@
 #include <limits>
 
 #include "planar_servo/core/error.h"
+#include "planar_servo/core/fixed.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/files/tables/step_table.h"
 #include "planar_servo/files/vision_files.h"
 #include "planar_servo/run/cell_check.h"
 #include "planar_servo/run/dry_run.h"
+#include "planar_servo/run/resumed_run.h"
 #include "planar_servo/run/target_scorer.h"
 #include "planar_servo/vision/guard_limits.h"
 
 namespace planar {
 namespace {
-
-namespace fs = std::filesystem;
 
 /// The longest wait for a camera that fails, counted from the beginning of a target.
 constexpr double kCameraPatience_s = 60.0;
@@ -30,29 +30,10 @@ constexpr double kExamineEvery_s = 600.0;
 /// The most recoveries of drives for one target. A drive that fails more often is broken.
 constexpr int kMaxDriveRecoveries = 3;
 
-std::vector<TargetResult> results_so_far(const fs::path& folder, bool resume) {
-  const fs::path results = folder / "results.csv";
-  const bool begun = fs::exists(results);
-  if (begun && !resume)
-    throw InputError(results.string() +
-                     ": holds a run already; name another folder or add --resume");
-  if (!begun && resume)
-    throw InputError(folder.string() +
-                     ": holds no run to go on with; name the folder of one, or leave out --resume "
-                     "to begin one there");
-  drop_torn_line(results);
-  return begun ? read_results(results) : std::vector<TargetResult>();
-}
-
 GuardLimits limits_of(const CellSettings& cell, const VisionCalibration& vision,
                       const std::optional<HealthRecord>& health) {
   const GuardLimits limits = guard_limits(vision, cell.workspace, cell.tool_orientation);
   return health ? with_health(limits, *health) : limits;
-}
-
-const fs::path& folder_made(const fs::path& path) {
-  make_folder(path);
-  return path;
 }
 
 }  // namespace
@@ -77,13 +58,15 @@ ServoRun::ServoRun(const ServoRequest& request, CellDevices& devices, Observer o
       true_tip_(devices.true_tip()),
       check_health_(request.check_health),
       keep_going_(request.keep_going),
-      results_(results_so_far(request.out, request.resume)),
       vision_(read_vision(cell_, request.use_error_map)),
       health_(read_cell_health(cell_)),
       sensor_(vision_, request.center, devices.camera(), cell_.camera.follow_region_px),
       accepted_stale_(accept_stale_files(cell_, request.use_error_map, request.accept_stale)),
-      steps_(folder_made(request.out) / "steps.csv", steps_header()),
-      table_(request.out / "results.csv", results_header()),
+      lock_(folder_for(request)),
+      results_(results_so_far(request)),
+      results_before_(results_.size()),
+      steps_(request.out / "steps.csv", steps_header()),
+      table_(results_file(request), results_header(csv_remarks(run_origins(request)))),
       robot_(PlanarArm(cell_.arm.geometry), Transmission(cell_.transmission), devices.drives(),
              devices.clock()),
       servo_(cell_.servo, limits_of(cell_, vision_, health_), joint_planner(cell_), robot_, sensor_,
@@ -94,27 +77,29 @@ ServoRun::ServoRun(const ServoRequest& request, CellDevices& devices, Observer o
 }
 
 void ServoRun::examine() {
-  if (!check_health_) {
-    if (!examined_s_) spdlog::warn("the cell's health is not looked at (--no-health)");
-  } else {
-    if (!health_)
-      spdlog::warn(fmt::format(
-          "{}: names no health file that exists, so nobody can say what has moved since the "
-          "calibration; planar-pair-tracker --health-out makes one",
-          cell_.file.string()));
-    CellCheck check(cell_, vision_, robot_, sensor_, clock_);
-    const std::vector<HealthFinding> found = check_cell(check, health_);
-    const bool harmful = std::any_of(found.begin(), found.end(), [](const HealthFinding& finding) {
-      return finding.cost_m > kTolerable_m;
-    });
-    if (harmful) throw WorkError("the cell is not well: " + findings_text(found));
-    if (!found.empty()) spdlog::warn(findings_text(found));
-  }
+  const bool first = !examined_s_;
   examined_s_ = clock_.now_s();
+  if (!check_health_) return spdlog::warn("the cell's health is not looked at (--no-health)");
+  if (!health_)
+    spdlog::warn(cell_.file.string() +
+                 ": names no health file that exists, so nobody can say what has moved since the "
+                 "calibration; planar-pair-tracker --health-out makes one");
+  CellCheck check(cell_, vision_, robot_, sensor_, clock_);
+  const std::vector<HealthFinding> found =
+      first ? check_cell(check, health_) : check.revisit(*health_);
+  for (const HealthFinding& finding : found)
+    if (finding.cost_m > kTolerable_m)
+      throw WorkError("the cell is not well: " + findings_text(found));
+  if (!found.empty()) spdlog::warn(findings_text(found));
+}
+
+bool ServoRun::must_examine() const {
+  if (!examined_s_) return true;
+  return check_health_ && health_ && clock_.now_s() > *examined_s_ + kExamineEvery_s;
 }
 
 const TargetResult& ServoRun::move_to(const TargetRow& target) {
-  if (!examined_s_ || (check_health_ && clock_.now_s() > *examined_s_ + kExamineEvery_s)) examine();
+  if (must_examine()) examine();
   TargetScorer scorer(target, steps_, true_tip_);
   const auto attempt = [&] {
     return servo_.move_to(target_pose(target, cell_.tool_orientation), [&](const ServoStep& step) {
@@ -183,6 +168,12 @@ bool ServoRun::wait_for_camera(const std::string& id, const std::string& reason,
   return true;
 }
 
+void ServoRun::discard_if_empty() {
+  if (!results_.empty()) return;
+  steps_.remove();
+  table_.remove();
+}
+
 bool ServoRun::has(const std::string& id) const {
   return std::any_of(results_.begin(), results_.end(),
                      [&](const TargetResult& result) { return result.id == id; });
@@ -191,6 +182,7 @@ bool ServoRun::has(const std::string& id) const {
 std::vector<TargetResult> run_servo(
     ServoRun& run, const std::vector<TargetRow>& targets,
     const std::function<void(std::size_t done, std::size_t all)>& progress) {
+  for (const TargetRow& target : targets) require_same_place(target, run.results());
   for (std::size_t i = 0; i < targets.size() && !run.ended_by(); ++i) {
     if (run.has(targets[i].id)) continue;
     run.move_to(targets[i]);

@@ -10,6 +10,7 @@
 #include "planar_servo/files/tables/result_table.h"
 #include "planar_servo/files/tables/target_table.h"
 #include "planar_servo/health/health_record.h"
+#include "planar_servo/io/folder_lock.h"
 #include "planar_servo/io/growing_file.h"
 #include "planar_servo/machine/cell_devices.h"
 #include "planar_servo/robot/planar_robot.h"
@@ -56,8 +57,9 @@ class ServoRun {
   using Observer = std::function<void(const ServoSight&)>;
 
   /// Switches the drives on. `observer` may be empty. Throws InputError when the folder holds a run
-  /// and `resume` is not set, when it holds none and `resume` is set, and for calibration files
-  /// that do not belong together unless `accept_stale` is set.
+  /// and `resume` is not set, when it holds none, or one begun with other calibration files, and
+  /// `resume` is set, when another program writes there, and for calibration files that do not
+  /// belong together unless `accept_stale` is set.
   ServoRun(const ServoRequest& request, CellDevices& devices, Observer observer = {});
 
   /// Looks before the first target, and every ten minutes after it, whether the cell still is as
@@ -76,12 +78,17 @@ class ServoRun {
   const std::optional<std::string>& ended_by() const { return ended_by_; }
   /// Returns true when there is a result of this target.
   bool has(const std::string& id) const;
+  /// Returns whether move_to() has added a result to those that the folder held.
+  bool has_new_results() const { return results_.size() > results_before_; }
+  /// Removes the tables of a run without any result, as when no target could be read.
+  void discard_if_empty();
   /// Returns the sentences on files that do not belong together and were accepted.
   const std::vector<std::string>& accepted_stale() const { return accepted_stale_; }
   /// Returns the results so far. Those of a resumed run begin with those that the folder holds.
   const std::vector<TargetResult>& results() const { return results_; }
 
  private:
+  bool must_examine() const;
   /// Throws WorkError when the cell is not well, and says so when nothing is known of its health.
   void examine();
   /// Makes one attempt at a target, and makes it again after a drive that failed is back, but at
@@ -102,19 +109,22 @@ class ServoRun {
   bool check_health_, keep_going_;
   std::optional<double> examined_s_;  ///< when the cell was last looked at
   std::optional<std::string> ended_by_;
-  std::vector<TargetResult> results_;
   VisionCalibration vision_;
   std::optional<HealthRecord> health_;
   LampTipSensor sensor_;
   std::vector<std::string> accepted_stale_;
+  FolderLock lock_;
+  std::vector<TargetResult> results_;
+  std::size_t results_before_;
   GrowingFile steps_;
   GrowingFile table_;
   PlanarRobot robot_;
   PositionServo servo_;
 };
 
-/// Moves to every target in turn, except those that a resumed run has a result of, until the run
-/// is ended_by() one. `progress` may be empty.
+/// Moves to every target in turn, except those that a resumed run has a result of, until the run is
+/// ended_by() one. `progress` may be empty. Throws InputError, before anything moves, when such a
+/// result is of another place.
 std::vector<TargetResult> run_servo(
     ServoRun& run, const std::vector<TargetRow>& targets,
     const std::function<void(std::size_t done, std::size_t all)>& progress = {});

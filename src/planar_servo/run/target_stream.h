@@ -17,7 +17,8 @@ using TargetAnswer = std::function<nlohmann::ordered_json(const TargetRow&)>;
 /// Answers every target on `in` with one line of JSON on `out`, which is flushed at once. The key
 /// `line` counts the lines of `in`. A bad line is answered with `error` and is not passed to
 /// `answer`; the next line is waited for. Returns the number of bad lines. An exception of `answer`
-/// and a header that cannot be used are answered with `error`, too, and then thrown on.
+/// and a header that cannot be used are answered with `error`, too, and then thrown on. Throws
+/// WorkError when an answer cannot be written.
 std::size_t answer_targets(std::istream& in, std::ostream& out, TargetLines& lines,
                            const TargetAnswer& answer);
 

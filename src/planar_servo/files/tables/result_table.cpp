@@ -52,8 +52,8 @@ const std::vector<ResultError>& result_errors() {
   return errors;
 }
 
-std::string results_header() {
-  return result_schema().header();
+std::string results_header(const std::vector<std::string>& remarks) {
+  return result_schema().header(remarks);
 }
 
 std::string result_line(const TargetResult& result) {

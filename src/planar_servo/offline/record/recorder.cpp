@@ -15,6 +15,7 @@
 #include "planar_servo/files/tables/frame_table.h"
 #include "planar_servo/files/tables/tracker_table.h"
 #include "planar_servo/io/atomic_file.h"
+#include "planar_servo/io/folder_lock.h"
 #include "planar_servo/io/growing_file.h"
 #include "planar_servo/lamps/lamp_tracker.h"
 #include "planar_servo/offline/record/begun_recording.h"
@@ -41,6 +42,7 @@ class Recorder {
         planner_(joint_planner(cell_)),
         robot_(planner_.arm(), planner_.transmission(), devices.drives(), devices.clock()),
         lamps_(CenterMethod::kCannyKasa),
+        lock_(folder_),
         frames_table_(folder_ / "frames.csv", frames_header()),
         tracker_table_(folder_ / "tracker.csv", tracker_header()) {
     robot_.stop_when(request.stop);
@@ -164,8 +166,9 @@ class Recorder {
 
   std::string save(const Frame& frame, const PlanRow& row, int index) {
     const std::string image = fmt::format("images/{}_{}.pgm", row.id, index);
-    if (!cv::imwrite((folder_ / image).string(), frame.image))
-      throw WorkError((folder_ / image).string() + ": cannot be written; is the disk full?");
+    std::vector<unsigned char> bytes;
+    cv::imencode(".pgm", frame.image, bytes);
+    write_file(folder_ / image, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
     ++report_.frames;
     if (frame.region_px == full_region()) {
       ++report_.full_frames;
@@ -188,6 +191,7 @@ class Recorder {
   JointPlanner planner_;
   PlanarRobot robot_;
   LampTracker lamps_;
+  FolderLock lock_;
   GrowingFile frames_table_;
   GrowingFile tracker_table_;
   PairExpectation expectation_;  ///< of lamps among others; empty where there are no others

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "planar_servo/files/provenance.h"
+#include "planar_servo/files/tables/result_table.h"
+#include "planar_servo/files/tables/target_table.h"
+#include "planar_servo/run/servo_run.h"
+
+namespace planar {
+
+/// Returns the table of results that a request's run grows.
+std::filesystem::path results_file(const ServoRequest& request);
+
+/// Returns the files that a run is made with.
+std::vector<Origin> run_origins(const ServoRequest& request);
+
+/// Returns the run's folder, which is there then. Throws InputError when there is no run to go on
+/// with.
+const std::filesystem::path& folder_for(const ServoRequest& request);
+
+/// Returns the results that the folder holds. Throws InputError when it holds some although no run
+/// is to be gone on with, and when they were made with other files.
+std::vector<TargetResult> results_so_far(const ServoRequest& request);
+
+/// Throws InputError when a target has a result already, but of another place.
+void require_same_place(const TargetRow& target, const std::vector<TargetResult>& results);
+
+}  // namespace planar

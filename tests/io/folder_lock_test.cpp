@@ -1,0 +1,21 @@
+#include "planar_servo/io/folder_lock.h"
+
+#include <catch2/catch.hpp>
+#include <optional>
+
+#include "planar_servo/core/error.h"
+#include "support/temporary_folder.h"
+
+namespace planar {
+
+TEST_CASE("A folder is one program's at a time, and free again afterwards") {
+  const test::TemporaryFolder folder;
+  std::optional<FolderLock> first(folder.path());
+  CHECK_THROWS_WITH(FolderLock(folder.path()), Catch::Contains("another program writes there now"));
+  first.reset();
+  CHECK_NOTHROW(FolderLock(folder.path()));
+  CHECK(std::filesystem::is_empty(folder.path()));
+  CHECK_THROWS_AS(FolderLock(folder / "absent"), InputError);
+}
+
+}  // namespace planar
