@@ -1,8 +1,10 @@
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <utility>
 
 #include "planar_servo/error_map/judge/compare_methods.h"
+#include "planar_servo/error_map/judge/unit_check.h"
 #include "planar_servo/files/map_file.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/offline/map/fit_map_to_pairs.h"
@@ -40,6 +42,7 @@ struct Options {
 
 struct Fitted {
   FitErrorMapReport report;
+  std::string doubt;
   std::vector<MethodFigures> comparison;
 };
 
@@ -49,15 +52,16 @@ Fitted fit_and_compare(const std::filesystem::path& file, const MapMethodChoice&
   const TrainingPairs pairs = read_training_pairs(file, choice);
   FitErrorMapReport report = fit_error_map_to_pairs(pairs, progress);
   std::vector<MethodFigures> comparison = compare_methods(pairs.problem, report.result, progress);
-  return {std::move(report), std::move(comparison)};
+  return {std::move(report), doubt_of_shared_error(pairs.problem.samples), std::move(comparison)};
 }
 
 Outcome fit(const Options& options) {
   require_writable(options.output);
   require_not_input(options.output, options.pairs);
   const MapMethodChoice choice = parse_map_method(options.method);
-  const auto [report, comparison] = fit_and_compare(options.pairs, choice);
+  const auto [report, doubt, comparison] = fit_and_compare(options.pairs, choice);
   write_file(options.output, map_text(report.result, options.pairs, kText.name));
+  if (!doubt.empty()) spdlog::warn(doubt);
   fmt::print("{}", map_fit_text(report, comparison));
   return {map_fit_json(report, comparison)};
 }

@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 namespace planar {
+namespace {
 
 TEST_CASE("The tail of chi square is that of the tables") {
   CHECK(chi_square_tail(10.828, 1) == Approx(1e-3).epsilon(1e-3));
@@ -21,4 +22,5 @@ TEST_CASE("The tail of F with two degrees of freedom above is that of the tables
   CHECK(f_tail_of_two(0.0, 5.0) == 1.0);
 }
 
+}  // namespace
 }  // namespace planar

@@ -26,8 +26,8 @@ constexpr double kLargestError = 0.5;
 
 /// A calibrated camera errs by some thousandths of its field. More than both of these is the fault
 /// of a frame, a unit or a pairing, which a map must not learn.
-constexpr double kLargestShare = 0.02;
-constexpr double kLargestMiss = 3.0 * kMillimetre;
+constexpr double kCameraShare = 0.02;
+constexpr double kCameraMiss = 3.0 * kMillimetre;
 
 /// A motion explains the differences when it leaves this share of them.
 constexpr double kExplained = 0.1;
@@ -80,21 +80,35 @@ Eigen::VectorXcd complex_of(const Eigen::Matrix2Xd& positions, double side) {
   return numbers;
 }
 
+/// Says in words by which shift, turn and scale vision differs, if these explain the differences.
+std::string similarity_text(const Eigen::Matrix2Xd& p_vision, const Eigen::Matrix2Xd& p_tracker,
+                            double error) {
+  Complex factor, shift;
+  if (fit_similarity(complex_of(p_vision, 1.0), complex_of(p_tracker, 1.0), factor, shift) >=
+      kExplained * error)
+    return "";
+  return fmt::format(
+      "vision is shifted by ({:.3f}, {:.3f}) mm in the middle of the pairs, turned by {:.4f} "
+      "degrees "
+      "and {:.5f} times as large",
+      shift.real() / kMillimetre, shift.imag() / kMillimetre, std::arg(factor) / kDegree,
+      std::abs(factor));
+}
+
 /// Says which motion of the plane explains the differences, if one does.
 std::string shared_motion(const Eigen::Matrix2Xd& p_vision, const Eigen::Matrix2Xd& p_tracker,
                           double error) {
-  const Eigen::VectorXcd vision = complex_of(p_vision, 1.0);
+  const std::string similarity = similarity_text(p_vision, p_tracker, error);
+  if (!similarity.empty()) return "all of them share it: " + similarity;
   Complex factor, shift;
-  if (fit_similarity(vision, complex_of(p_tracker, 1.0), factor, shift) < kExplained * error)
-    return fmt::format(
-        "all of them share it: vision is shifted by ({:.3f}, {:.3f}) mm in the middle of the "
-        "pairs, "
-        "turned by {:.4f} degrees and {:.5f} times as large",
-        shift.real() / kMillimetre, shift.imag() / kMillimetre, std::arg(factor) / kDegree,
-        std::abs(factor));
-  if (fit_similarity(vision, complex_of(p_tracker, -1.0), factor, shift) < kExplained * error)
+  if (fit_similarity(complex_of(p_vision, 1.0), complex_of(p_tracker, -1.0), factor, shift) <
+      kExplained * error)
     return "one of them is a mirror image of the other (x and y swapped, or one of them negated)";
   return "no common shift, turn, scale or mirror explains it";
+}
+
+double median_length(const Eigen::Matrix2Xd& vectors) {
+  return median(values_of(vectors.colwise().norm()));
 }
 
 }  // namespace
@@ -110,7 +124,7 @@ void require_one_unit(const Eigen::Matrix2Xd& p_vision, const Eigen::Matrix2Xd& 
         "positions within {:.4g} mm; {}",
         vision / kMillimetre, tracker / kMillimetre, remedy(wide / narrow)));
   }
-  const double error = median(values_of((p_vision - p_tracker).colwise().norm()));
+  const double error = median_length(p_vision - p_tracker);
   if (wide > kSmallestSpread && error > kLargestError * narrow) {
     throw InputError(fmt::format(
         "vision and tracker differ by {:.4g} mm in the median, while half of the positions lie "
@@ -123,12 +137,12 @@ void require_one_unit(const Eigen::Matrix2Xd& p_vision, const Eigen::Matrix2Xd& 
         "they look like micrometres; write them in millimetres",
         narrow));
   }
-  if (error > std::max(kLargestShare * narrow, kLargestMiss)) {
+  if (error > std::max(kCameraShare * narrow, kCameraMiss)) {
     throw InputError(fmt::format(
         "vision and tracker differ by {:.4g} mm in the median over positions half of which lie "
         "within {:.4g} mm of their middle; a calibrated camera errs by less than {:.0f} % of that; "
         "{}; mend the datum, the camera or the pairing instead of learning it",
-        error / kMillimetre, narrow / kMillimetre, 100.0 * kLargestShare,
+        error / kMillimetre, narrow / kMillimetre, 100.0 * kCameraShare,
         shared_motion(p_vision, p_tracker, error)));
   }
   const double span = std::max(span_of(p_vision), span_of(p_tracker));
@@ -138,6 +152,21 @@ void require_one_unit(const Eigen::Matrix2Xd& p_vision, const Eigen::Matrix2Xd& 
         "(or are they all of one place? a map needs pairs over at least {:.0f} mm)",
         span / kMillimetre, kSmallestSpread / kMillimetre));
   }
+}
+
+std::string doubt_of_shared_error(const std::vector<ErrorSample>& samples) {
+  const auto n = static_cast<Eigen::Index>(samples.size());
+  Eigen::Matrix2Xd p_vision(2, n), errors(2, n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    p_vision.col(i) = samples[static_cast<std::size_t>(i)].p_vision;
+    errors.col(i) = samples[static_cast<std::size_t>(i)].error;
+  }
+  const std::string shared = similarity_text(p_vision, p_vision - errors, median_length(errors));
+  if (shared.empty()) return "";
+  return "all pairs share nine tenths of their error: " + shared +
+         "; the map learns it; if the datum, the tracker's frame or the plane's height is wrong, "
+         "mend "
+         "that first";
 }
 
 void require_live_tracker(const std::vector<ErrorSample>& samples) {
@@ -153,7 +182,7 @@ void require_live_tracker(const std::vector<ErrorSample>& samples) {
     readings.push_back(
         {std::llround(p.x() / kSameReading), std::llround(p.y() / kSameReading), &samples[i]});
   }
-  const double far = std::max(kLargestShare * spread_of(positions), kLargestMiss);
+  const double far = std::max(kCameraShare * spread_of(positions), kCameraMiss);
   const auto place = [](const Reading& r) { return std::tie(r.x, r.y); };
   std::stable_sort(readings.begin(), readings.end(),
                    [&](const Reading& a, const Reading& b) { return place(a) < place(b); });
