@@ -138,6 +138,10 @@ TEST_CASE("Among the turns of a motor the one within its limits and nearest is t
   const auto found = transmission.branch_within_limits(pose.array() + 2.0 * kPi, pose);
   REQUIRE(found.has_value());
   CHECK((*found - pose).norm() < 1e-12);
+  // At -6.18 motor 3 is within its limit, but has no room of 0.05 left above it.
+  const Joints low(0.5, 1.0, 1.0 - 6.18);
+  CHECK((*transmission.branch_within_limits(low, low) - low).norm() < 1e-12);
+  CHECK((*transmission.branch_within_limits(low, low, 0.05))[2] == Approx(low[2] + 2.0 * kPi));
   // Motor 1 stops at +-3: there is no turn on which it stands at 3.1.
   CHECK_FALSE(transmission.branch_within_limits(Joints(3.1, 3.1, 3.1), pose).has_value());
 }

@@ -7,6 +7,7 @@
 #include "support/temporary_folder.h"
 
 namespace planar {
+namespace {
 
 TEST_CASE("A folder is one program's at a time, and free again afterwards") {
   const test::TemporaryFolder folder;
@@ -18,4 +19,5 @@ TEST_CASE("A folder is one program's at a time, and free again afterwards") {
   CHECK_THROWS_AS(FolderLock(folder / "absent"), InputError);
 }
 
+}  // namespace
 }  // namespace planar

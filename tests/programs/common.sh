@@ -44,7 +44,8 @@ calibrate() {
   "$bin/planar-locate-lamps" -q --cell "$cell" -o "$out/lamps.csv" "$recording" \
     --json "$out/lamps.json"
   "$bin/planar-pair-tracker" -q --cell "$cell" --lamps "$out/lamps.csv" --recording "$recording" \
-    --workplane-out "$out/workplane.yaml" --tool-out "$out/tool.yaml" -o "$out/pairs.csv" \
+    --workplane-out "$out/workplane.yaml" --tool-out "$out/tool.yaml" \
+    --health-out "$out/health.yaml" -o "$out/pairs.csv" \
     --json "$out/pairs.json"
   "$bin/planar-fit-error-map" -q -o "$out/map.yaml" "$out/pairs.csv" --json "$out/map.json"
   "$bin/planar-check-error-map" -q --plan train "$out/map.yaml" "$out/pairs.csv" \

@@ -70,8 +70,12 @@ class Way {
 }  // namespace
 
 JointPlanner::JointPlanner(const PlanarArm& arm, const Transmission& transmission,
-                           const Workspace& workspace, Elbow elbow)
-    : arm_(arm), transmission_(transmission), workspace_(workspace), elbow_(elbow) {}
+                           const Workspace& workspace, Elbow elbow, double approach_margin)
+    : arm_(arm),
+      transmission_(transmission),
+      workspace_(workspace),
+      elbow_(elbow),
+      approach_margin_(approach_margin) {}
 
 std::optional<std::string> JointPlanner::refusal(const Joints& theta) const {
   if (auto outside = workspace_.violation(arm_.forward(theta).p)) return outside;
@@ -97,8 +101,11 @@ std::optional<std::string> JointPlanner::way_refusal(const Joints& from, const J
 JointPlan JointPlanner::plan(const TipPose& target, const Joints& near) const {
   const InverseResult inverse = arm_.inverse(target, elbow_, near);
   if (inverse.status != ReachStatus::kOk) return {{}, describe(inverse.status)};
-  const Joints theta =
-      transmission_.branch_within_limits(inverse.theta, near).value_or(inverse.theta);
+  const auto branch = [&](double room) {
+    return transmission_.branch_within_limits(inverse.theta, near, room);
+  };
+  const std::optional<Joints> roomy = branch(approach_margin_);
+  const Joints theta = roomy ? *roomy : branch(0.0).value_or(inverse.theta);
   return {theta, refusal(theta)};
 }
 

@@ -19,8 +19,9 @@ struct JointPlan {
 /// at the end and on the way there. Throws std::invalid_argument for numbers that are not finite.
 class JointPlanner {
  public:
+  /// With an `approach_margin` (radians), plan() leaves every motor that much room below.
   JointPlanner(const PlanarArm& arm, const Transmission& transmission, const Workspace& workspace,
-               Elbow elbow);
+               Elbow elbow, double approach_margin = 0.0);
 
   /// Returns the rule that forbids these joint angles, in words; empty when none does.
   std::optional<std::string> refusal(const Joints& theta) const;
@@ -46,6 +47,7 @@ class JointPlanner {
   Transmission transmission_;
   Workspace workspace_;
   Elbow elbow_;
+  double approach_margin_;
 };
 
 }  // namespace planar

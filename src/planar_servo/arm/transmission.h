@@ -59,9 +59,10 @@ class Transmission {
   /// they break none.
   std::optional<std::string> limit_violation(const Joints& theta) const;
 
-  /// Returns the same pose with each motor on the turn within its limits that lies nearest to its
-  /// angle at `near`; empty when a motor has no such turn.
-  std::optional<Joints> branch_within_limits(const Joints& theta, const Joints& near) const;
+  /// Returns the same pose with each motor on the turn within its limits, and at least `room` above
+  /// the lower one, that lies nearest to its angle at `near`; empty when a motor has no such turn.
+  std::optional<Joints> branch_within_limits(const Joints& theta, const Joints& near,
+                                             double room = 0.0) const;
 
   /// Returns C of the equations.
   const Eigen::Matrix3d& coupling_matrix() const { return C_; }

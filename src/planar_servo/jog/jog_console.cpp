@@ -10,7 +10,7 @@
 #include "planar_servo/core/fixed.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/files/vision_files.h"
-#include "planar_servo/io/csv_table.h"
+#include "planar_servo/io/csv/csv_table.h"
 #include "planar_servo/jog/exposure_meter.h"
 
 namespace planar {

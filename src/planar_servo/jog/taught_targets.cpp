@@ -6,7 +6,7 @@
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/io/atomic_file.h"
-#include "planar_servo/io/csv_table.h"
+#include "planar_servo/io/csv/csv_table.h"
 #include "planar_servo/io/growing_file.h"
 
 namespace planar {

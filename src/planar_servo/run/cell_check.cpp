@@ -60,7 +60,7 @@ CellCheck::CellCheck(const CellSettings& cell, const VisionCalibration& vision, 
       sensor_(sensor),
       clock_(clock),
       planner_(joint_planner(cell)),
-      model_(model_of_cell(cell, vision)) {}
+      model_(model_of_cell(planner_, cell.arm.home, vision)) {}
 
 std::optional<std::string> CellCheck::go_to(const Joints& theta) {
   const auto obstacle =

@@ -1,12 +1,14 @@
 #pragma once
 
-#include "planar_servo/cell/cell_settings.h"
+#include "planar_servo/arm/joint_planner.h"
 #include "planar_servo/health/cell_model.h"
 #include "planar_servo/vision/see_tool.h"
 
 namespace planar {
 
-/// Returns the model of what a calibrated camera sees of a cell that is as its files say.
-CellModel model_of_cell(const CellSettings& cell, const VisionCalibration& vision);
+/// Returns the model of what a calibrated camera sees of an arm that is as its cell's files say.
+/// `home` are the joints at which its motors count from their marks or switches.
+CellModel model_of_cell(const JointPlanner& planner, const Joints& home,
+                        const VisionCalibration& vision);
 
 }  // namespace planar

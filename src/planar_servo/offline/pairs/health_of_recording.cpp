@@ -95,7 +95,7 @@ std::vector<HealthFinding> arm_faults(const CellSettings& cell, const VisionCali
   for (std::size_t i = 0; i < seen.size(); i += stride)
     sights.push_back({transmission.motors_from_joints(seen[i].place.theta), seen[i].place.lamps_B,
                       kFieldSigma_m, kDirectionSigma_m});
-  return find_arm_faults(model_of_cell(cell, vision), sights);
+  return find_arm_faults(model_of_cell(joint_planner(cell), cell.arm.home, vision), sights);
 }
 
 }  // namespace planar

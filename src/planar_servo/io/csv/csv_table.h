@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "planar_servo/core/error.h"
-#include "planar_servo/io/csv_fields.h"
+#include "planar_servo/io/csv/csv_fields.h"
 
 namespace planar {
 
