@@ -56,6 +56,7 @@ BoardViews read_views(const Options& options) {
 }
 
 Outcome calibrate(const Options& options) {
+  require_camera_name(options.output);
   require_writable(options.output);
   BoardViews views = read_views(options);
   for (const auto& input : views.inputs) require_not_input(options.output, input);

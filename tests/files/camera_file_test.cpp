@@ -181,6 +181,30 @@ TEST_CASE("OpenCV's own files are read, and come back bit for bit") {
   }
 }
 
+TEST_CASE("A hostile camera file is refused by name, however long or deep") {
+  const test::TemporaryFolder folder;
+  const std::string long_name(400000, 'x'), dashes(200000, '-'), brackets(200000, '[');
+  CHECK_THROWS_WITH(
+      read_camera(folder.write("a.xml", "<root><camera><name>" + long_name + "</name></camera>")),
+      Contains("a.xml: "));
+  for (const std::string& nested : {dashes, "a: " + brackets, std::string(200, ' ') + "a: 1"})
+    CHECK_THROWS_WITH(read_camera(folder.write("camera.yml", "%YAML:1.0\n---\n" + nested)),
+                      Contains("camera.yml: is no camera: it has lists more than 100 deep"));
+  CHECK_THROWS_WITH(
+      read_camera(folder.write(
+          "zero.xml",
+          "<root><camera><name>c</name><image_width>64</image_width>"
+          "<image_height>48</image_height><model><type>perspectiveProjWithoutDistortion</type>"
+          "<px>0</px><py>500</py><u0>32</u0><v0>24</v0></model></camera></root>")),
+      Contains("zero.xml: "));
+}
+
+TEST_CASE("A camera is written only under a name that says how") {
+  for (const char* name : {"camera", "camera.yaml", "camera.xml", "camera.yml"})
+    CHECK_NOTHROW(require_camera_name(name));
+  CHECK_THROWS_WITH(require_camera_name("c.txt"), Contains("c.txt: a camera file is named .yaml"));
+}
+
 TEST_CASE("A file of OpenCV's that lacks a part or has another lens is refused by name") {
   const test::TemporaryFolder folder;
   const auto read = [&](const std::string& text) {

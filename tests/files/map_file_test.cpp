@@ -110,6 +110,16 @@ TEST_CASE("Faults of a map's file are named by their place, all at once") {
                         Contains("map.yaml:"));
 }
 
+TEST_CASE("A map with more centres than its method takes is refused, not solved") {
+  Files files;
+  std::string centers = "centers_m:\n";
+  for (int i = 0; i < 30000; ++i) centers += "  - [0.1, " + std::to_string(i) + "]\n";
+  const std::string text = std::regex_replace(files.map_text_of(MapMethod::kRbf),
+                                              std::regex("centers_m:\n(  - [^\n]*\n)*"), centers);
+  CHECK_THROWS_WITH(read_map(files.write_map(text)),
+                    Contains("centers_m has 30000 points; a map of this method has at most 1000"));
+}
+
 TEST_CASE("A map of a method that does not exist is refused for that alone") {
   Files files;
   const std::string text =

@@ -42,5 +42,16 @@ TEST_CASE("A picture that ends too early is empty, a whole one has its levels") 
   CHECK(read_grey_image(folder.write("whole.png", bytes)).size() == cv::Size(40, 30));
 }
 
+TEST_CASE("A picture whose header promises too much is no picture, and ends nothing") {
+  const test::TemporaryFolder folder;
+  std::string huge = encoded(".png");
+  huge.replace(16, 8, "\x7f\xff\xff\xff\x7f\xff\xff\xff");
+  CHECK(read_grey_image(folder.write("huge.png", huge)).empty());
+  std::string bitmap = encoded(".bmp");
+  bitmap.replace(18, 8, "\xff\xff\xff\x7f\xff\xff\xff\x7f");
+  CHECK(read_grey_image(folder.write("huge.bmp", bitmap)).empty());
+  CHECK_FALSE(is_whole_picture("P5 4294967296 4294967296 255\nab"));
+}
+
 }  // namespace
 }  // namespace planar

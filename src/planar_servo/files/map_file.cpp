@@ -9,6 +9,7 @@
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
+#include "planar_servo/error_map/fit_error_map.h"
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/io/yaml_fields.h"
 
@@ -92,6 +93,11 @@ void list_fields(Fields& fields, RbfParameters& parameters) {
   fields.number("width_m", parameters.kernel.width, 1.0, Range::positive());
   fields.number("span_m", parameters.kernel.span, 1.0, Range::at_least(0.0));
   const auto size = list_shared(fields, parameters);
+  if (size)  // its equations are a matrix of so many rows and columns
+    fields.check(*size <= kMostDense,
+                 fmt::format("centers_m has {} points; a map of this method has at most {}", *size,
+                             kMostDense),
+                 "centers_m");
   list_counts(fields, parameters.counts, size);
   list_points(fields, "weights_m", parameters.weights, size);
   if (with_direction) list_points(fields, kToolDirections, parameters.directions, size);

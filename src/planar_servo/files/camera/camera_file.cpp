@@ -109,12 +109,21 @@ CameraRecord read_camera(const std::filesystem::path& path) {
   return is_opencv_storage(text) ? camera_from_opencv(text, path.string()) : read_camera_yaml(path);
 }
 
+void require_camera_name(const std::filesystem::path& path) {
+  for (const char* extension : {"", ".yaml", ".xml", ".yml"})
+    if (path.extension() == extension) return;
+  throw InputError(path.string() +
+                   ": a camera file is named .yaml, .xml (for ViSP) or .yml (for OpenCV); its name "
+                   "says how it is written");
+}
+
 void write_camera(const std::filesystem::path& path, const CameraCalibration& calibration,
                   const std::string& program, const std::vector<std::filesystem::path>& inputs) {
   const std::string name = path.stem().string();
   const CameraRecord record{calibration.camera, calibration.width_px, calibration.height_px};
   if (path.extension() == ".xml") return write_file(path, camera_xml(record, name));
   if (path.extension() == ".yml") return write_file(path, opencv_text(record));
+  require_camera_name(path);
   if (std::holds_alternative<VispModel>(calibration.camera)) {
     throw InputError(path.string() +
                      ": a camera_info file has no model visp; write it to a file named .xml");

@@ -22,6 +22,10 @@ struct CameraRecord {
 /// are read leniently: unknown keys are ignored. Throws InputError naming every fault.
 CameraRecord read_camera(const std::filesystem::path& path);
 
+/// Throws InputError for a file name whose extension is none of .yaml, .xml and .yml, by which
+/// write_camera() chooses the file's kind. A name without any is a .yaml file's.
+void require_camera_name(const std::filesystem::path& path);
+
 /// Writes the calibration of the images `inputs` as a ROS camera_info file with the further keys
 /// calibrated_model, standard_deviations, rms_px, held_out_rms_px, images, rejected_images and
 /// calibrated_region_px (u and v, from and to). With the extension .xml it writes a file of ViSP,

@@ -51,8 +51,31 @@ CameraRecord read_storage(const std::string& text, const std::string& source) {
   std::vector<double> coefficients = matrix_at(file, "distortion_coefficients", source);
   const char* const model = model_of(coefficients.size(), source);
   if (coefficients.size() == 4) coefficients.push_back(0.0);
-  record.camera = make_camera_model(model, {K(0), K(4), K(2), K(5)}, coefficients);
+  try {
+    record.camera = make_camera_model(model, {K(0), K(4), K(2), K(5)}, coefficients);
+  } catch (const InputError& e) {
+    refuse(source, e.what());
+  }
   return record;
+}
+
+/// OpenCV's reader calls itself for every list within a list, as deep as a file has them. No camera
+/// needs more than this.
+constexpr int kMostNested = 100;
+
+/// Returns whether lists may stand in one another more than kMostNested deep: by brackets, or by
+/// the dashes and blanks at the beginning of a line.
+bool is_too_nested(const std::string& text) {
+  int brackets = 0, indent = 0;
+  bool indents = true;
+  for (const char c : text) {
+    if (c == '[' || c == '{') ++brackets;
+    if (c == ']' || c == '}') --brackets;
+    indents = c == '\n' || (indents && (c == ' ' || c == '-'));
+    indent = c == '\n' || !indents ? 0 : indent + 1;
+    if (brackets > kMostNested || indent > kMostNested) return true;
+  }
+  return false;
 }
 
 }  // namespace
@@ -62,6 +85,8 @@ bool is_opencv_storage(const std::string& text) {
 }
 
 CameraRecord camera_from_opencv(const std::string& text, const std::string& source) {
+  if (is_too_nested(text))
+    refuse(source, fmt::format("is no camera: it has lists more than {} deep", kMostNested));
   try {
     return read_storage(text, source);
   } catch (const cv::Exception& e) {

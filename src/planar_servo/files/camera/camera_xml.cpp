@@ -4,7 +4,7 @@
 #include <visp3/core/vpXmlParserCamera.h>
 
 #include <iostream>
-#include <regex>
+#include <string_view>
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/io/atomic_file.h"
@@ -27,10 +27,20 @@ class QuietOutput {
 
 /// Returns the name of the file's first camera, by which ViSP's parser must be asked for it.
 std::string camera_name_in(const std::filesystem::path& path) {
-  static const std::regex name_element("<name>([^<]*)</name>");
+  constexpr std::string_view kBegin = "<name>", kEnd = "</name>";
   const std::string text = read_file(path);
-  std::smatch match;
-  return std::regex_search(text, match, name_element) ? match[1].str() : "";
+  const std::size_t begin = text.find(kBegin);
+  if (begin == std::string::npos) return "";
+  const std::size_t name = begin + kBegin.size(), end = text.find('<', name);
+  return text.compare(end, kEnd.size(), kEnd) == 0 ? text.substr(name, end - name) : "";
+}
+
+CameraRecord record_from(const vpXmlParserCamera& parser, const vpCameraParameters& found) {
+  const Intrinsics k{found.get_px(), found.get_py(), found.get_u0(), found.get_v0()};
+  const bool distorted = found.get_projModel() == vpCameraParameters::perspectiveProjWithDistortion;
+  return {distorted ? make_camera_model("visp", k, {found.get_kud(), found.get_kdu()})
+                    : make_camera_model("pinhole", k, {}),
+          static_cast<int>(parser.getWidth()), static_cast<int>(parser.getHeight())};
 }
 
 }  // namespace
@@ -42,12 +52,14 @@ CameraRecord read_camera_xml(const std::filesystem::path& path) {
     vpXmlParserCamera parser;
     vpCameraParameters found;
     const QuietOutput quiet;
-    if (parser.parse(found, path.string(), name, model) != 0) continue;
-    const Intrinsics k{found.get_px(), found.get_py(), found.get_u0(), found.get_v0()};
-    const bool distorted = model == vpCameraParameters::perspectiveProjWithDistortion;
-    return {distorted ? make_camera_model("visp", k, {found.get_kud(), found.get_kdu()})
-                      : make_camera_model("pinhole", k, {}),
-            static_cast<int>(parser.getWidth()), static_cast<int>(parser.getHeight())};
+    try {
+      if (parser.parse(found, path.string(), name, model) != 0) continue;
+      return record_from(parser, found);
+    } catch (const vpException& e) {
+      throw InputError(path.string() + ": " + e.getMessage());
+    } catch (const InputError& e) {
+      throw InputError(path.string() + ": " + e.what());
+    }
   }
   throw InputError(path.string() + ": is not a ViSP camera file with a perspective camera");
 }

@@ -25,7 +25,11 @@ struct Picture {
 /// Lists the images and, for a recording's folder, its frames of plan `grid`.
 std::vector<Picture> pictures_of(const std::vector<std::filesystem::path>& images) {
   std::vector<Picture> pictures;
+  Faults absent;
   for (const auto& path : images) {
+    if (!std::filesystem::exists(path))
+      absent.add(path.string() +
+                 ": cannot be read: there is no such image or recording; check the name");
     if (!std::filesystem::is_directory(path)) {
       pictures.push_back({path, std::nullopt});
       continue;
@@ -39,6 +43,7 @@ std::vector<Picture> pictures_of(const std::vector<std::filesystem::path>& image
       throw InputError(path.string() + ": has no frame of plan 'grid' in its frames.csv");
     }
   }
+  absent.throw_if_any();
   return pictures;
 }
 

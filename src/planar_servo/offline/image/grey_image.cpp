@@ -17,6 +17,9 @@ bool starts_with(std::string_view bytes, std::string_view beginning) {
   return bytes.substr(0, beginning.size()) == beginning;
 }
 
+/// Of a side, as OpenCV has it; their product does not overflow.
+constexpr std::size_t kMostPixels = std::size_t{1} << 20;
+
 /// Big-endian, as PNG has it.
 std::size_t number_at(std::string_view bytes, std::size_t at) {
   std::size_t number = 0;
@@ -45,7 +48,7 @@ bool is_whole_pgm(std::string_view bytes) {
       header.ignore(std::numeric_limits<std::streamsize>::max(), '\n');
     header >> *number;
   }
-  if (!header) return false;
+  if (!header || width > kMostPixels || height > kMostPixels) return false;
   const auto begin = 2 + static_cast<std::size_t>(header.tellg()) + 1;
   return bytes.size() >= begin + width * height * (highest > 255 ? 2 : 1);
 }
@@ -61,7 +64,11 @@ bool is_whole_picture(std::string_view bytes) {
 
 cv::Mat read_grey_image(const std::filesystem::path& file) {
   if (!std::filesystem::exists(file) || !is_whole_picture(read_file(file))) return {};
-  return cv::imread(file.string(), cv::IMREAD_GRAYSCALE);
+  try {
+    return cv::imread(file.string(), cv::IMREAD_GRAYSCALE);
+  } catch (const cv::Exception&) {  // its header promises more pixels than OpenCV takes
+    return {};
+  }
 }
 
 }  // namespace planar
