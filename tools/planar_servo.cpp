@@ -9,6 +9,7 @@
 #include "planar_servo/files/vision_files.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/report/progress_bar.h"
+#include "planar_servo/run/cell_check.h"
 #include "planar_servo/run/dry_run_report.h"
 #include "planar_servo/run/servo_display.h"
 #include "planar_servo/run/servo_report.h"
@@ -98,8 +99,10 @@ Outcome print_dry_run(const CellSettings& cell, const std::vector<TargetRow>& ta
   return {dry_run_json(rows), count_refused(rows) == 0};
 }
 
-Outcome print_check(const CellSettings& cell, const std::vector<TargetRow>& targets) {
-  const auto rows = plan_first_moves(cell, targets);
+Outcome print_check(const CellSettings& cell, const VisionCalibration& vision,
+                    const std::vector<TargetRow>& targets) {
+  auto rows = plan_first_moves(cell, targets);
+  refuse_outside_map(rows, targets, cell.tool_orientation, vision);
   const std::size_t refused = count_refused(rows);
   fmt::print("{}{} and the files it names are in order; {} of {} targets can be reached\n",
              refusals_text(rows), cell.file.string(), rows.size() - refused, rows.size());
@@ -174,12 +177,13 @@ Outcome work(const Options& options) {
       from_stdin(options) ? std::vector<TargetRow>() : read_targets(options.targets);
   if (options.check) {
     require_devices(cell);
-    read_vision(cell, !options.no_error_map);
+    const VisionCalibration vision = read_vision(cell, !options.no_error_map);
+    read_cell_health(cell);
     accept_stale_files(cell, !options.no_error_map, options.accept_stale);
+    return from_stdin(options) ? plan_stream(cell) : print_check(cell, vision, targets);
   }
-  if ((options.dry_run || options.check) && from_stdin(options)) return plan_stream(cell);
-  if (options.dry_run) return print_dry_run(cell, targets);
-  if (options.check) return print_check(cell, targets);
+  if (options.dry_run)
+    return from_stdin(options) ? plan_stream(cell) : print_dry_run(cell, targets);
   if (options.out.empty())
     throw InputError("--out is needed to move the arm; only --dry-run and --check do without it");
   const ServoRequest request{cell,

@@ -76,11 +76,11 @@ class CellFolder:
                 shutil.copy(file, link)
 
     def run(self, program, *arguments, stdin=None):
-        """Runs a program in the folder. Returns its exit status and all that it said."""
+        """Runs a program in the folder. Returns its exit status and its messages."""
         done = subprocess.run([str((self.programs / program).resolve()), *map(str, arguments)],
                               cwd=self.folder, input=stdin, capture_output=True, text=True,
                               timeout=600)
-        return done.returncode, done.stdout + done.stderr
+        return done.returncode, done.stderr
 
     def servo(self, *options, out="run", targets="targets.csv"):
         shutil.rmtree(self.path(out), ignore_errors=True)

@@ -75,10 +75,10 @@ MACHINE = [
             truth(f"lamp{lamp}_mm", item(axis, lambda v, mm=mm: v + mm)), rf"lamp {lamp} has moved")
       for lamp, axis, mm in ((1, 0, 0.1), (1, 0, 1.0), (1, 1, 1.0), (2, 1, 0.2), (2, 0, -3.0))),
     Fault("lamp 1 dead", text("truth.yaml", r"(lamp1:\s+diameter_mm: .*\s+peak_level: )\S+", r"\g<1>0"),
-          r"lamp"),
+          r"lamps are not seen"),
     Fault("both lamps dim", lambda cell, _: [
         cell.edit("truth.yaml", rf"(lamp{i}:\s+diameter_mm: .*\s+peak_level: )\S+", r"\g<1>6")
-        for i in (1, 2)], r"lamp|dim|low_contrast"),
+        for i in (1, 2)], r"lamps are not seen|uncertain"),
     *(Fault(f"direction of joint {j + 1} reversed", truth("directions", item(j, -1)),
             rf"direction of joint {j + 1}") for j in range(3)),
     *(Fault(f"gear of joint {j + 1} times {factor:g}",
@@ -103,7 +103,7 @@ MACHINE = [
     Fault("camera nudged by 3 mm and lamp 2 by 1 mm", lambda cell, _: [
         cell.edit_numbers("truth.yaml", "translation_mm", item(0, lambda v: v + 3)),
         cell.edit_numbers("truth.yaml", "lamp2_mm", item(1, lambda v: v + 1))],
-        r"more than one|camera has shifted|lamp 2"),
+        r"more than one|camera has shifted"),
 ]
 
 FILES = [
@@ -111,7 +111,7 @@ FILES = [
       for name in ("camera.yaml", "workplane.yaml", "tool.yaml", "map.yaml", "health.yaml")),
     Fault("all vision files of another cell", taken_from_other(
         "camera.yaml", "workplane.yaml", "tool.yaml", "map.yaml", "health.yaml"),
-          r"camera|calibrat"),
+          r"camera has|joint \d|more than one"),
     Fault("camera calibrated again, the rest forgotten", lambda cell, _: cell.run(
         "planar-calibrate-camera", "--grid", "circles:11x11:50mm", "--model", "rational_polynomial",
         "-o", "camera.yaml", "recording"), r"made with camera.yaml"),
@@ -122,29 +122,29 @@ FILES = [
                  "--workplane-out", "workplane.yaml", "--tool-out", "tool.yaml", "-o", "pairs.csv")),
         r"map.yaml: was made with"),
     Fault("links exchanged with the cell file's", cell_numbers("link_lengths_mm", lambda _: [310, 290]),
-          r"arm|link"),
+          r"arm \(cell.yaml\)"),
     Fault("links in metres", cell_numbers("link_lengths_mm", lambda v: [x / 1000 for x in v]),
-          r"link|arm"),
+          r"arm \(cell.yaml\)|link"),
     Fault("separation 30 for 40 mm", text("cell.yaml", r"separation_mm: 40.0", "separation_mm: 30.0"),
-          r"separation|lamps \(cell.yaml\)|apart"),
+          r"lamps \(cell.yaml\)|apart"),
     Fault("separation in metres", text("cell.yaml", r"separation_mm: 40.0", "separation_mm: 0.040"),
-          r"separation|lamps \(cell.yaml\)|apart"),
+          r"lamps \(cell.yaml\)|apart"),
     Fault("direction of joint 1 in the cell file", text("cell.yaml", r"direction: 1", "direction: -1"),
           r"direction of joint 1"),
     Fault("gear ratio 100.5 in the cell file", text("cell.yaml", r"gear_ratio: 100.0",
           "gear_ratio: 100.5"), r"gear ratio of joint 1"),
     Fault("image size of another camera", text("cell.yaml", r"width_px: 5120, height_px: 5120",
-          "width_px: 4096, height_px: 4096"), r"px|image size"),
+          "width_px: 4096, height_px: 4096"), r"4096 x 4096 px"),
     Fault("limits in radians", text("cell.yaml", r"joint_limits_deg: \[\[-360, 360\]",
-          "joint_limits_deg: [[-6.28, 6.28]"), r"limit"),
+          "joint_limits_deg: [[-6.28, 6.28]"), r"its limits are"),
     Fault("targets in metres", lambda cell, _: cell.path("targets.csv").write_text(
         "id,x_mm,y_mm\nT1,0.22,0.11\n"), r"workspace reaches"),
     Fault("target outside the workspace", lambda cell, _: cell.path("targets.csv").write_text(
-        "id,x_mm,y_mm\nT1,580,0\n"), r"workspace|outside"),
+        "id,x_mm,y_mm\nT1,580,0\n"), r"workspace reaches"),
     Fault("target named twice", lambda cell, _: cell.path("targets.csv").write_text(
-        "id,x_mm,y_mm\nT1,220,110\nT1,-150,260\n"), r"T1|twice|double|again"),
-    Fault("zero of joint 1 taught 3 deg off", text("cell.yaml", r"home_deg: \[0, 60, 0\]",
-          "home_deg: [3, 60, 0]"), r"joint 1 has lost its zero|home"),
+        "id,x_mm,y_mm\nT1,220,110\nT1,-150,260\n"), r"stands twice"),
+    Fault("home angle of joint 1 off by 3 deg", text("cell.yaml", r"home_deg: \[0, 60, 0\]",
+          "home_deg: [3, 60, 0]"), r"home is not where|joint 1 has lost"),
 ]
 
 
@@ -211,8 +211,8 @@ def pair(cell, *more):
 
 def fit(cell, said=""):
     status, words = cell.run("planar-fit-error-map", "-o", "map.yaml", "pairs.csv")
-    if status or "not worth using" in words or "do not use" in words.lower():
-        return status or 1, said + words
+    if status:
+        return status, said + words
     status, answer = cell.servo()
     return status, said + words + answer
 
@@ -259,40 +259,39 @@ def frozen_pairs(rows):
 VISION, TRACKER = ("x_vision_mm", "y_vision_mm"), ("x_tracker_mm", "y_tracker_mm")
 
 READINGS = [
-    *(Fault(f"tracker {name}", tracker_rows(scaled(factor)), r"unit|scale|apart|monument|mm", pair)
+    *(Fault(f"tracker {name}", tracker_rows(scaled(factor)), r"the unit", pair)
       for name, factor in (("in metres", 0.001), ("times 1000", 1000.0), ("in inches", 1 / 25.4))),
     Fault("tracker x and y swapped", tracker_rows(swapped_axes), r"mirror", pair),
-    *(Fault(f"monument datum2 off by {mm} mm", monument("datum2", mm), r"monument|datum", pair)
+    *(Fault(f"monument datum2 off by {mm} mm", monument("datum2", mm), r"datum2", pair)
       for mm in (0.05, 0.1, 0.5, 2.0)),
     Fault("all monuments shifted by 1 mm", tracker_rows(moved_reading(
-        lambda _, row: not is_tool(row), 1.0)), r"monument|datum|axis", pair),
-    Fault("tracker rows shifted by one", tracker_rows(shifted_by_one), r"shifted|row|order", pair),
-    Fault("40 frozen readings", tracker_rows(frozen), r"frozen|repeat|same reading", pair),
+        lambda _, row: not is_tool(row), 1.0)), r"joint 1 turns about", pair),
+    Fault("tracker rows shifted by one", tracker_rows(shifted_by_one), r"shifted by|one row", pair),
+    Fault("40 frozen readings", tracker_rows(frozen), r"frozen|same place|repeated", pair),
     Fault("reflector bumped by 0.36 mm midway", tracker_rows(moved_reading(
-        lambda i, row: is_tool(row) and i > 150, 0.36)), r"reflector|step|jump|reseated", pair),
+        lambda i, row: is_tool(row) and i > 150, 0.36)), r"reflector", pair),
     Fault("lamps.csv of another recording", lambda cell, other: shutil.copy(
         other.path("lamps.csv"), cell.folder), r"lamps.csv", pair),
     Fault("decimal commas", lambda cell, _: (cell.own_tables(), cell.path(
         "recording/tracker.csv").write_text(cell.path("recording/tracker.csv").read_text().replace(
             ",", ";").replace(".", ","))), r"tracker.csv", pair),
-    Fault("vision x negated in pairs", pairs_rows(times(VISION[:1], -1)), r"mirror|sign|scale", fit),
-    Fault("both x negated in pairs", pairs_rows(times((VISION[0], TRACKER[0]), -1)), r"mirror|sign|hash|pairs.csv",
-          fit),
+    Fault("vision x negated in pairs", pairs_rows(times(VISION[:1], -1)), r"mirror|changed after", fit),
+    Fault("both x negated in pairs", pairs_rows(times((VISION[0], TRACKER[0]), -1)), r"changed after", fit),
     Fault("pairs times 1000 on both sides", pairs_rows(times(VISION + TRACKER, 1000)),
-          r"unit|scale|metres|mm", fit),
-    Fault("vision in metres in pairs", pairs_rows(times(VISION, 0.001)), r"unit|scale", fit),
-    Fault("tracker plus 15 mm in pairs", pairs_rows(plus(TRACKER[0], 15)), r"offset|share|common", fit),
+          r"unit|scale|changed after", fit),
+    Fault("vision in metres in pairs", pairs_rows(times(VISION, 0.001)), r"unit|scale|metres|changed after", fit),
+    Fault("tracker plus 15 mm in pairs", pairs_rows(plus(TRACKER[0], 15)), r"share|changed after", fit),
     Fault("vision and tracker exchanged in pairs", pairs_rows(exchanged),
-          r"exchange|swap|tracker|sign", fit),
-    Fault("40 frozen pairs", pairs_rows(frozen_pairs), r"frozen|repeat|same", fit),
-    Fault("grid of wrong count", lambda cell, _: None, r"grid|found|12|dots|board", lambda cell: cell.run(
+          r"exchange|changed after", fit),
+    Fault("40 frozen pairs", pairs_rows(frozen_pairs), r"frozen|changed after", fit),
+    Fault("grid of wrong count", lambda cell, _: None, r"views of the board", lambda cell: cell.run(
         "planar-calibrate-camera", "--grid", "circles:12x11:50mm", "-o", "c.yaml", "recording")),
-    Fault("the same picture five times", lambda cell, _: None, r"same|repeat|once|view", lambda cell: cell.run(
+    Fault("the same picture five times", lambda cell, _: None, r"usable views|same picture", lambda cell: cell.run(
         "planar-calibrate-camera", "--grid", "circles:11x11:50mm", "-o", "c.yaml",
         *["recording/images/grid_00_0.pgm"] * 5)),
     Fault("recording resumed with another plan", lambda cell, _: (cell.own_tables(), cell.path(
         "plan.csv").write_text("id,plan,x_mm,y_mm,phi_deg\ntrain_000,train,100,200,0\n")),
-        r"plan|another|resum", lambda cell: cell.run(
+        r"another plan|other plan|plan", lambda cell: cell.run(
             "planar-record", "--cell", "cell.yaml", "--plan", "plan.csv", "--out", "recording")),
 ]
 

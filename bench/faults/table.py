@@ -3,9 +3,9 @@
 
     bench/faults/table.py BUILD/bin OUT [--only WORDS] [--healthy]
 
-Each fault is named (the words that were said contain its cause, and the exit status is not 0), noticed
-(the exit status is not 0) or silent (it is 0). For what moved, the true error of the targets that were
-called reached says what the fault cost. --healthy runs 20 drawn cells ten times each instead, in which
+Each fault is named (the messages contain its cause), noticed (the exit status is not 0, or there is a
+message at all) or silent. For what moved, the true error of the targets that were called reached says
+what the fault cost. --healthy runs 20 drawn cells ten times each instead, in which
 nothing is wrong."""
 
 import argparse
@@ -20,19 +20,16 @@ SILENT_COST_MM = 0.05
 
 
 def verdict(fault, status, said):
-    if status == 0:
-        return "silent"
-    return "named" if re.search(fault.causes, said, re.IGNORECASE) else "noticed"
+    if re.search(fault.causes, said, re.IGNORECASE):
+        return "named"
+    return "noticed" if status != 0 or said.strip() else "silent"
 
 
-def said_line(said):
-    """The line that says most: the last one with a colon that is no summary."""
-    lines = [line for line in said.splitlines() if re.search(r"[a-z]", line)]
-    for pattern in (r"not well|held|made with|refused|error", r":"):
-        for line in lines:
-            if re.search(pattern, line):
-                return line.strip()
-    return lines[-1].strip() if lines else ""
+def said_line(fault, said):
+    """The line that names the cause, or else the first one."""
+    lines = said.splitlines()
+    naming = [line for line in lines if re.search(fault.causes, line, re.IGNORECASE)]
+    return (naming or lines or [""])[0].strip()
 
 
 def fault_table(programs, out, only):
@@ -57,7 +54,7 @@ def fault_table(programs, out, only):
         counts[kind] += 1
         if kind == "silent" and cost > SILENT_COST_MM:
             costly.append(fault.name)
-        print(f"{kind:8} {fault.name:48} exit {status}  {cost:8.4f} mm  {said_line(said)[:150]}",
+        print(f"{kind:8} {fault.name:48} exit {status}  {cost:8.4f} mm  {said_line(fault, said)[:150]}",
               flush=True)
     all_faults = sum(counts.values())
     print(f"{all_faults} faults: " + ", ".join(f"{n} {kind}" for kind, n in counts.items()) +
@@ -77,7 +74,7 @@ def healthy_runs(programs, out):
             runs += 1
             if status != 0:
                 refused += 1
-                print(f"cell {seed}, run {i}: {said_line(said)}", flush=True)
+                print(f"cell {seed}, run {i}: {said.strip()}", flush=True)
     print(f"{runs} healthy runs on 20 drawn cells: {refused} refused (bound 1)")
     return refused <= 1
 

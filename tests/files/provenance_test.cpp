@@ -141,4 +141,14 @@ TEST_CASE("The hash of a text is that of its file, whenever it was made") {
 }
 
 }  // namespace
+TEST_CASE("A table shows whether its rows are those that were written, whatever its comments") {
+  const test::TemporaryFolder folder;
+  const std::string table = with_row_hash("# format: planar-servo/pairs/1\nid,x_mm\na,1\nb,2\n");
+  CHECK_FALSE(has_changed_rows(folder.write("same.csv", table)));
+  CHECK_FALSE(has_changed_rows(folder.write("noted.csv", table + "# measured by night\n")));
+  CHECK_FALSE(has_changed_rows(folder.write("foreign.csv", "id,x_mm\na,1\n")));
+  CHECK(has_changed_rows(folder.write("more.csv", table + "c,3\n")));
+  CHECK(has_changed_rows(folder.write("other.csv", test::replaced(table, "a,1", "a,-1"))));
+}
+
 }  // namespace planar

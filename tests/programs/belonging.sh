@@ -32,6 +32,13 @@ sed '/^# role: camera$/{n;s/[0-9a-f]*$/0000000000000000/}' cell/pairs.csv >pairs
 expect 2 "map.yaml: was made with camera.yaml .*, that of pairs.csv is 00000000" \
   "$bin/planar-check-error-map" --plan train cell/map.yaml pairs.csv
 
+# Pairs that somebody has edited are told from those that were written.
+sed -E '/^train_3,/s/,-?[0-9]/,9/' cell/pairs.csv >pairs.csv
+"$bin/planar-fit-error-map" -o map.yaml pairs.csv >out.txt 2>err.txt || fail "$(cat err.txt)"
+grep -q "pairs.csv: its rows were changed after they had been written" err.txt || fail "$(cat err.txt)"
+"$bin/planar-fit-error-map" -o map.yaml cell/pairs.csv >out.txt 2>err.txt || fail "$(cat err.txt)"
+[ ! -s err.txt ] || fail "$(cat err.txt)"
+
 # Whoever wants it all the same is told what they accept, and so is the run.
 servo --accept-stale --out run >out.txt 2>err.txt || fail "$(cat err.txt)"
 grep -q "accepted: .*workplane.yaml: was made with camera.yaml" err.txt || fail "$(cat err.txt)"

@@ -16,6 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr char kRoleRemark[] = "# role: ", kRemark[] = "# made from: ";
+constexpr char kRowsRemark[] = "# rows: ";
 constexpr char kProgram[] = "program: ", kCreated[] = "created: ";
 constexpr int kHeaderLines = 32;  // within which our writers begin the list of inputs
 constexpr std::size_t kShownDigits = 8;
@@ -50,6 +51,17 @@ std::vector<Origin> origins_of_list(const std::string& yaml) {
     return {};  // its own reader says what is wrong with the file
   }
   return origins;
+}
+
+/// Returns the lines of a table that are no comments.
+std::string rows_of(const std::string& table) {
+  std::string rows;
+  for (std::size_t begin = 0; begin < table.size();) {
+    const std::size_t end = std::min(table.find('\n', begin), table.size() - 1) + 1;
+    if (table[begin] != '#') rows.append(table, begin, end - begin);
+    begin = end;
+  }
+  return rows;
 }
 
 bool belongs_to_list(const std::string& line) {
@@ -188,6 +200,20 @@ std::vector<std::string> csv_remarks(const std::vector<Origin>& origins) {
     remarks.push_back(fmt::format("{}{} {}", kRemark, origin.name, origin.sha256));
   }
   return remarks;
+}
+
+std::string with_row_hash(const std::string& table) {
+  const std::size_t second_line = table.find('\n') + 1;
+  return table.substr(0, second_line) + kRowsRemark + sha256(rows_of(table)) + "\n" +
+         table.substr(second_line);
+}
+
+bool has_changed_rows(const fs::path& table) {
+  std::ifstream in = open_file(table);
+  std::string line, written;
+  for (int i = 0; i < kHeaderLines && written.empty() && std::getline(in, line); ++i)
+    if (line.rfind(kRowsRemark, 0) == 0) written = line.substr(std::size(kRowsRemark) - 1);
+  return !written.empty() && written != sha256(rows_of(read_file(table)));
 }
 
 std::vector<StaleFile> contradictions(const std::vector<MadeFile>& files,

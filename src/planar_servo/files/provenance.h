@@ -91,6 +91,12 @@ std::vector<InputRecord> input_records(const std::vector<Origin>& origins);
 /// Returns the origins as comment lines of a table.
 std::vector<std::string> csv_remarks(const std::vector<Origin>& origins);
 
+/// Returns a table with a comment line `# rows: SHA256` of its header and rows.
+std::string with_row_hash(const std::string& table);
+
+/// Returns true when a table has such a line and its header and rows are no longer those.
+bool has_changed_rows(const std::filesystem::path& table);
+
 /// Names a file that does not belong to the others, and why.
 struct StaleFile {
   std::filesystem::path path;

@@ -30,6 +30,9 @@ Numbers usual_deviations() {
 
 constexpr double kFree = 1e3;  ///< the deviation of a freed number: radians, metres or a ratio
 constexpr int kMaxSteps = 25;
+constexpr int kPerSight = 5;  ///< residuals: the middle, the direction, the distance
+/// What a lens that no map corrects, and a plane at another height, do to the lamps' distance.
+constexpr double kLengthSigma = 0.01;
 constexpr double kClearlyBetter = 0.1;
 /// Twice the logarithm of the odds of 3,000 to 1.
 constexpr double kLeastGain = 16.0;
@@ -39,17 +42,19 @@ constexpr double kLeastGain = 16.0;
 Eigen::VectorXd arm_residuals(const CellModel& model, const std::vector<ArmSight>& sights,
                               const Numbers& off, const Numbers& sigma) {
   const auto n = static_cast<Eigen::Index>(sights.size());
-  Eigen::VectorXd r(4 * n + kNumbers);
+  Eigen::VectorXd r(kPerSight * n + kNumbers);
   for (Eigen::Index i = 0; i < n; ++i) {
     const ArmSight& sight = sights[static_cast<std::size_t>(i)];
     const LampPlaces expected = lamps_seen(model, sight.motors, off);
     const Eigen::Vector2d half = 0.5 * (expected[1] - expected[0]);
-    // Only the direction counts: how far the lamps are apart tells nothing of the arm.
-    Eigen::Vector2d seen_half = half.norm() * (sight.seen_B[1] - sight.seen_B[0]).normalized();
+    const Eigen::Vector2d apart = 0.5 * (sight.seen_B[1] - sight.seen_B[0]);
+    Eigen::Vector2d seen_half = half.norm() * apart.normalized();
     if (seen_half.dot(half) < 0.0) seen_half = -seen_half;
-    r.segment<2>(4 * i) = 0.5 * (sight.seen_B[0] + sight.seen_B[1] - expected[0] - expected[1]) /
-                          sight.middle_sigma_m;
-    r.segment<2>(4 * i + 2) = (seen_half - half) / sight.half_sigma_m;
+    r.segment<2>(kPerSight * i) = 0.5 *
+                                  (sight.seen_B[0] + sight.seen_B[1] - expected[0] - expected[1]) /
+                                  sight.middle_sigma_m;
+    r.segment<2>(kPerSight * i + 2) = (seen_half - half) / sight.half_sigma_m;
+    r[kPerSight * i + 4] = (apart.norm() / half.norm() - 1.0) / kLengthSigma;
   }
   r.tail<kNumbers>() = off.cwiseQuotient(sigma);
   return r;
@@ -227,9 +232,11 @@ std::vector<HealthFinding> find_arm_faults(const CellModel& as_filed,
   const double cost_m = farthest(as_filed, sights);
   std::vector<HealthFinding> found{finding_of(best, as_filed, cost_m)};
   const double as_good = best.fit.chi2 + std::max(kAsLikely, kLittleLeft * (sound - best.fit.chi2));
-  if (explanations.size() > 1 && explanations[1].fit.chi2 < as_good &&
-      explanations[1].supposed.freed() == best.supposed.freed())
-    found.push_back(finding_of(explanations[1], as_filed, cost_m));
+  const auto second =
+      std::find_if(explanations.begin() + 1, explanations.end(), [&](const Explanation& other) {
+        return other.supposed.freed() == best.supposed.freed() && other.fit.chi2 < as_good;
+      });
+  if (second != explanations.end()) found.push_back(finding_of(*second, as_filed, cost_m));
   return found;
 }
 

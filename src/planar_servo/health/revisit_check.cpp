@@ -69,6 +69,17 @@ ChangeFit fit_change(const Suspect& suspect, const Eigen::MatrixXd& J, const Eig
   return fit;
 }
 
+/// Sorts by likelihood, and before all others puts the one that leaves little with the fewest
+/// numbers: what first order leaves of a single change looks like several small ones.
+void put_likeliest_first(std::vector<ChangeFit>& fits, double little) {
+  std::sort(fits.begin(), fits.end(),
+            [](const ChangeFit& a, const ChangeFit& b) { return a.score < b.score; });
+  std::stable_sort(fits.begin(), fits.end(), [&](const ChangeFit& a, const ChangeFit& b) {
+    if (a.chi2 >= little || b.chi2 >= little) return a.chi2 < little && b.chi2 >= little;
+    return a.suspect->numbers.size() < b.suspect->numbers.size();
+  });
+}
+
 /// Returns how far a lamp seems to have moved, at most.
 double cost_of(const std::vector<Revisit>& revisits) {
   double most = 0.0;
@@ -89,8 +100,8 @@ std::vector<HealthFinding> find_changes(const CellModel& model,
   const Eigen::MatrixXd J = displacements(model, revisits);
   std::vector<ChangeFit> fits;
   for (const Suspect& suspect : suspects()) fits.push_back(fit_change(suspect, J, d));
-  std::sort(fits.begin(), fits.end(),
-            [](const ChangeFit& a, const ChangeFit& b) { return a.score < b.score; });
+  const double little = kLittleLeft * d.squaredNorm();
+  put_likeliest_first(fits, little);
   const ChangeFit& best = fits.front();
   // A cause is named as long as less than a third of the displacement is left unexplained.
   if (best.chi2 > std::max(rare_chi2(d.size()), 0.1 * d.squaredNorm()))
@@ -98,10 +109,12 @@ std::vector<HealthFinding> find_changes(const CellModel& model,
              fmt::format("{}; the tool is seen up to {:.3f} mm from where it was",
                          words(Cause::kSeveral), cost_m / kMillimetre)}};
   std::vector<HealthFinding> found{finding_of(*best.suspect, model, best.off, cost_m)};
-  const ChangeFit& second = fits[1];
-  if (second.suspect->numbers.size() == best.suspect->numbers.size() &&
-      (second.score < best.score + kAsLikely || second.chi2 < kLittleLeft * d.squaredNorm()))
-    found.push_back(finding_of(*second.suspect, model, second.off, cost_m));
+  const auto second = std::find_if(fits.begin() + 1, fits.end(), [&](const ChangeFit& fit) {
+    return fit.suspect->numbers.size() == best.suspect->numbers.size() &&
+           (fit.score < best.score + kAsLikely || fit.chi2 < little);
+  });
+  if (second != fits.end())
+    found.push_back(finding_of(*second->suspect, model, second->off, cost_m));
   return found;
 }
 

@@ -25,4 +25,15 @@ DryRunRow DryRun::plan(const TargetRow& target) {
   return row;
 }
 
+void refuse_outside_map(std::vector<DryRunRow>& rows, const std::vector<TargetRow>& targets,
+                        double tool_orientation, const VisionCalibration& vision) {
+  if (!vision.error_map) return;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const TipPose target = target_pose(targets[i], tool_orientation);
+    if (rows[i].plan.refusal || predict(*vision.error_map, target.p, target.phi).inside) continue;
+    rows[i].plan.refusal =
+        "the error map is not valid here: record training positions around this target";
+  }
+}
+
 }  // namespace planar

@@ -1,10 +1,12 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "planar_servo/arm/joint_planner.h"
 #include "planar_servo/cell/cell_settings.h"
 #include "planar_servo/files/tables/target_table.h"
+#include "planar_servo/vision/see_tool.h"
 
 namespace planar {
 
@@ -35,5 +37,9 @@ class DryRun {
 /// Returns the pose that a target asks for. A target that names no direction takes
 /// `tool_orientation` (radians).
 TipPose target_pose(const TargetRow& target, double tool_orientation);
+
+/// Refuses the targets of these rows at which the error map, if there is one, is not valid.
+void refuse_outside_map(std::vector<DryRunRow>& rows, const std::vector<TargetRow>& targets,
+                        double tool_orientation, const VisionCalibration& vision);
 
 }  // namespace planar

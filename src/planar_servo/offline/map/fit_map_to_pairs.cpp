@@ -10,6 +10,7 @@
 #include "planar_servo/core/clock.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
+#include "planar_servo/files/provenance.h"
 
 namespace planar {
 namespace {
@@ -75,6 +76,10 @@ MapMethodChoice parse_map_method(const std::string& text) {
 TrainingPairs read_training_pairs(const std::filesystem::path& path,
                                   const MapMethodChoice& choice) {
   TrainingPairs training{{{}, choice.method, choice.hand_width}};
+  if (has_changed_rows(path))
+    spdlog::warn(path.string() +
+                 ": its rows were changed after they had been written; if that was not meant, run "
+                 "planar-pair-tracker again");
   read_pairs(path, [&](const PairRow& pair) { add(pair, training); });
   require_any(training);
   return training;

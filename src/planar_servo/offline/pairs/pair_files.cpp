@@ -38,7 +38,7 @@ void write_pair_files(const PairFiles& files, const CellSettings& cell,
   origins.push_back(origin_of({Role::kTool, files.tool}, tool));
   write_file(files.workplane, workplane);
   write_file(files.tool, tool);
-  write_file(files.pairs, pairs_text(pairs, csv_remarks(origins)));
+  write_file(files.pairs, with_row_hash(pairs_text(pairs, csv_remarks(origins))));
 }
 
 void write_health_file(const std::filesystem::path& path, const CellSettings& cell,
