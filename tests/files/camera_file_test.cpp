@@ -187,9 +187,11 @@ TEST_CASE("A hostile camera file is refused by name, however long or deep") {
   CHECK_THROWS_WITH(
       read_camera(folder.write("a.xml", "<root><camera><name>" + long_name + "</name></camera>")),
       Contains("a.xml: "));
-  for (const std::string& nested : {dashes, "a: " + brackets, std::string(200, ' ') + "a: 1"})
+  CHECK_THROWS_AS(read_camera(folder.write("open.xml", "<root><camera><name>open")), InputError);
+  for (const std::string& nested :
+       {dashes, "a: " + brackets, std::string("'---\nima\xffid%YAML:1.0\n--g")})
     CHECK_THROWS_WITH(read_camera(folder.write("camera.yml", "%YAML:1.0\n---\n" + nested)),
-                      Contains("camera.yml: is no camera: it has lists more than 100 deep"));
+                      Contains("camera.yml:"));
   CHECK_THROWS_WITH(
       read_camera(folder.write(
           "zero.xml",
@@ -210,9 +212,9 @@ TEST_CASE("A file of OpenCV's that lacks a part or has another lens is refused b
   const auto read = [&](const std::string& text) {
     return read_camera(folder.write("camera.yml", "%YAML:1.0\n---\n" + text));
   };
-  CHECK_THROWS_WITH(read("image_width: 640\n"), Contains("camera.yml: lacks 'image_height'"));
-  CHECK_THROWS_WITH(read("image_width: 640\nimage_height: 480\n"),
-                    Contains("lacks the matrix 'camera_matrix'"));
+  CHECK_THROWS_WITH(read("image_width: 640\n"),
+                    Contains("camera.yml:") && Contains("image_height") &&
+                        Contains("camera_matrix") && Contains("distortion_coefficients"));
   CHECK_THROWS_AS(read("image_width: [640\n"), InputError);
   const std::string before_coefficients =
       "image_width: 640\nimage_height: 480\ncamera_matrix: !!opencv-matrix\n   rows: 3\n"

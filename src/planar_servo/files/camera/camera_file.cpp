@@ -106,7 +106,7 @@ CameraRecord read_camera_yaml(const std::filesystem::path& path) {
 CameraRecord read_camera(const std::filesystem::path& path) {
   if (path.extension() == ".xml") return read_camera_xml(path);
   const std::string text = read_file(path);
-  return is_opencv_storage(text) ? camera_from_opencv(text, path.string()) : read_camera_yaml(path);
+  return is_opencv_storage(text) ? read_camera_opencv(path) : read_camera_yaml(path);
 }
 
 void require_camera_name(const std::filesystem::path& path) {

@@ -5,77 +5,26 @@
 #include <opencv2/core.hpp>
 
 #include "planar_servo/core/error.h"
+#include "planar_servo/io/yaml_reader.h"
 
 namespace planar {
 namespace {
 
 constexpr char kMark[] = "%YAML:1.0";
 
-[[noreturn]] void refuse(const std::string& source, const std::string& what) {
-  throw InputError(source + ": " + what);
+/// Returns the elements of a matrix: `size` of them, or any number when `size` is 0.
+std::vector<double> matrix_at(const YamlNode& root, const char* key, std::size_t size) {
+  return root.child(key).numbers("data", size);
 }
 
-cv::Mat1d matrix_at(const cv::FileStorage& file, const char* key, const std::string& source) {
-  cv::Mat matrix;
-  file[key] >> matrix;
-  if (matrix.empty()) refuse(source, fmt::format("lacks the matrix '{}'", key));
-  cv::Mat1d numbers;
-  matrix.convertTo(numbers, CV_64F);
-  if (!cv::checkRange(numbers))
-    refuse(source, fmt::format("'{}' has numbers that are not finite", key));
-  return numbers.reshape(1, 1);
-}
-
-int pixels_at(const cv::FileStorage& file, const char* key, const std::string& source) {
-  const cv::FileNode node = file[key];
-  const int pixels = node.isInt() ? static_cast<int>(node) : 0;
-  if (pixels < 1) refuse(source, fmt::format("lacks '{}', a positive whole number", key));
-  return pixels;
-}
-
-const char* model_of(std::size_t coefficients, const std::string& source) {
-  if (coefficients == 4 || coefficients == 5) return "plumb_bob";
+const char* model_of(std::size_t coefficients, const YamlNode& root) {
   if (coefficients == 8) return "rational_polynomial";
   if (coefficients == 12 || coefficients == 14) return "opencv_14";
-  refuse(source, fmt::format("has {} distortion coefficients; 4, 5, 8, 12 or 14 can be used",
-                             coefficients));
-}
-
-CameraRecord read_storage(const std::string& text, const std::string& source) {
-  const cv::FileStorage file(text, cv::FileStorage::READ | cv::FileStorage::MEMORY);
-  CameraRecord record;
-  record.width_px = pixels_at(file, "image_width", source);
-  record.height_px = pixels_at(file, "image_height", source);
-  const cv::Mat1d K = matrix_at(file, "camera_matrix", source);
-  if (K.total() != 9) refuse(source, "'camera_matrix' is not 3 x 3");
-  std::vector<double> coefficients = matrix_at(file, "distortion_coefficients", source);
-  const char* const model = model_of(coefficients.size(), source);
-  if (coefficients.size() == 4) coefficients.push_back(0.0);
-  try {
-    record.camera = make_camera_model(model, {K(0), K(4), K(2), K(5)}, coefficients);
-  } catch (const InputError& e) {
-    refuse(source, e.what());
-  }
-  return record;
-}
-
-/// OpenCV's reader calls itself for every list within a list, as deep as a file has them. No camera
-/// needs more than this.
-constexpr int kMostNested = 100;
-
-/// Returns whether lists may stand in one another more than kMostNested deep: by brackets, or by
-/// the dashes and blanks at the beginning of a line.
-bool is_too_nested(const std::string& text) {
-  int brackets = 0, indent = 0;
-  bool indents = true;
-  for (const char c : text) {
-    if (c == '[' || c == '{') ++brackets;
-    if (c == ']' || c == '}') --brackets;
-    indents = c == '\n' || (indents && (c == ' ' || c == '-'));
-    indent = c == '\n' || !indents ? 0 : indent + 1;
-    if (brackets > kMostNested || indent > kMostNested) return true;
-  }
-  return false;
+  if (coefficients != 4 && coefficients != 5)
+    root.child("distortion_coefficients")
+        .add_fault(fmt::format("has {} distortion coefficients; 4, 5, 8, 12 or 14 can be used",
+                               coefficients));
+  return "plumb_bob";
 }
 
 }  // namespace
@@ -84,14 +33,24 @@ bool is_opencv_storage(const std::string& text) {
   return text.rfind(kMark, 0) == 0;
 }
 
-CameraRecord camera_from_opencv(const std::string& text, const std::string& source) {
-  if (is_too_nested(text))
-    refuse(source, fmt::format("is no camera: it has lists more than {} deep", kMostNested));
+CameraRecord read_camera_opencv(const std::filesystem::path& path) {
+  const YamlDocument document = YamlDocument::read_lenient(path);
+  const YamlNode root = document.root();
+  CameraRecord record;
+  record.width_px = root.whole_number_in("image_width", 1);
+  record.height_px = root.whole_number_in("image_height", 1);
+  const std::vector<double> K = matrix_at(root, "camera_matrix", 9);
+  std::vector<double> coefficients = matrix_at(root, "distortion_coefficients", 0);
+  document.throw_if_faulty();
+  const char* const model = model_of(coefficients.size(), root);
+  document.throw_if_faulty();
+  if (coefficients.size() == 4) coefficients.push_back(0.0);
   try {
-    return read_storage(text, source);
-  } catch (const cv::Exception& e) {
-    refuse(source, "is not a file of OpenCV's: " + e.err);
+    record.camera = make_camera_model(model, {K[0], K[4], K[2], K[5]}, coefficients);
+  } catch (const InputError& e) {
+    throw InputError(path.string() + ": " + e.what());
   }
+  return record;
 }
 
 std::string opencv_text(const CameraRecord& record) {

@@ -32,7 +32,8 @@ std::string camera_name_in(const std::filesystem::path& path) {
   const std::size_t begin = text.find(kBegin);
   if (begin == std::string::npos) return "";
   const std::size_t name = begin + kBegin.size(), end = text.find('<', name);
-  return text.compare(end, kEnd.size(), kEnd) == 0 ? text.substr(name, end - name) : "";
+  const bool ends = end != std::string::npos && text.compare(end, kEnd.size(), kEnd) == 0;
+  return ends ? text.substr(name, end - name) : "";
 }
 
 CameraRecord record_from(const vpXmlParserCamera& parser, const vpCameraParameters& found) {

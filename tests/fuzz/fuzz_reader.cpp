@@ -1,0 +1,103 @@
+// Whatever its bytes, a reader of files returns or throws InputError. The variable PLANAR_READER of
+// the environment names the reader, which finds them in the working directory; tests/fuzz/run goes
+// through all that have seeds.
+#include <cstdint>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <iostream>
+#include <map>
+#include <string>
+
+#include "planar_servo/core/error.h"
+#include "planar_servo/files/board_points_file.h"
+#include "planar_servo/files/camera/camera_file.h"
+#include "planar_servo/files/map_file.h"
+#include "planar_servo/files/provenance.h"
+#include "planar_servo/files/tables/frame_table.h"
+#include "planar_servo/files/tables/lamp_table.h"
+#include "planar_servo/files/tables/pair_table.h"
+#include "planar_servo/files/tables/plan_table.h"
+#include "planar_servo/files/tables/result_table.h"
+#include "planar_servo/files/tables/target_table.h"
+#include "planar_servo/files/tables/tracker_table.h"
+#include "planar_servo/files/tool_file.h"
+#include "planar_servo/files/workplane_file.h"
+#include "planar_servo/io/atomic_file.h"
+#include "planar_servo/machine/device_kinds.h"
+#include "planar_servo/offline/image/grey_image.h"
+#include "planar_servo/virtual_cell/truth/truth_file.h"
+
+namespace planar {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A stream's lines are answered one by one; a bad one does not end it.
+void read_stream(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  TargetLines lines("stream");
+  for (std::string line; std::getline(in, line);) {
+    try {
+      lines.next(line);
+    } catch (const InputError&) {
+      if (!lines.has_columns()) return;
+    }
+  }
+}
+
+struct Reader {
+  const char* file;  ///< the name under which the reader is given its bytes
+  std::function<void(const fs::path&)> read;
+};
+
+const std::map<std::string, Reader>& readers() {
+  static const std::map<std::string, Reader> all{
+      {"cell", {"cell.yaml", [](const fs::path& path) { read_cell(path); }}},
+      {"truth", {"truth.yaml", [](const fs::path& path) { read_truth(path); }}},
+      {"camera", {"camera.yaml", [](const fs::path& path) { read_camera(path); }}},
+      {"camera_xml", {"camera.xml", [](const fs::path& path) { read_camera(path); }}},
+      {"workplane", {"workplane.yaml", [](const fs::path& path) { read_workplane(path); }}},
+      {"tool", {"tool.yaml", [](const fs::path& path) { read_tool(path); }}},
+      {"map", {"map.yaml", [](const fs::path& path) { read_map(path); }}},
+      {"frames", {"frames.csv", [](const fs::path& path) { read_frames(path.parent_path()); }}},
+      {"lamps", {"lamps.csv", [](const fs::path& path) { read_lamps(path); }}},
+      {"pairs", {"pairs.csv", [](const fs::path& path) { read_pairs(path); }}},
+      {"plan", {"plan.csv", [](const fs::path& path) { read_plan(path, 0.0); }}},
+      {"results", {"results.csv", [](const fs::path& path) { read_results(path); }}},
+      {"targets", {"targets.csv", [](const fs::path& path) { read_targets(path); }}},
+      {"tracker", {"tracker.csv", [](const fs::path& path) { read_tracker(path, {}); }}},
+      {"stream", {"stream.csv", read_stream}},
+      {"board_points", {"points.txt", [](const fs::path& path) { read_board_pixels(path); }}},
+      {"origins", {"map.yaml", [](const fs::path& path) { read_origins(path); }}},
+      {"image", {"image.png", [](const fs::path& path) { read_grey_image(path); }}}};
+  return all;
+}
+
+const Reader& reader() {
+  static const Reader& chosen = []() -> const Reader& {
+    const char* name = std::getenv("PLANAR_READER");
+    const auto found = readers().find(name == nullptr ? "" : name);
+    if (found != readers().end()) return found->second;
+    std::cerr << "PLANAR_READER must be one of:";
+    for (const auto& [known, unused] : readers()) std::cerr << ' ' << known;
+    std::cerr << std::endl;
+    std::exit(2);
+  }();
+  return chosen;
+}
+
+}  // namespace
+}  // namespace planar
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const std::filesystem::path file = std::filesystem::absolute(planar::reader().file);
+  std::ofstream(file, std::ios::binary)
+      .write(reinterpret_cast<const char*>(data), static_cast<std::streamsize>(size));
+  try {
+    planar::reader().read(file);
+  } catch (const planar::InputError&) {
+  }
+  return 0;
+}
