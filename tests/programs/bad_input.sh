@@ -99,7 +99,7 @@ printf '%s\na,1,2,1,2\nb,3,4,3,4\nc,5,1,5,1\n' "$pairs_header" >same.csv
 cp same.csv before.csv
 expect 2 "same.csv: is an input" "$bin/planar-fit-error-map" -o same.csv same.csv
 cmp -s same.csv before.csv || fail "an input was overwritten"
-expect 2 "cell.yaml: is an input" "$bin/planar-locate-lamps" --cell cell/cell.yaml \
+expect 2 "cell.yaml: is a file of planar-servo/cell, which this output would replace" "$bin/planar-locate-lamps" --cell cell/cell.yaml \
   -o cell/cell.yaml dark.pgm
 expect 2 "cell.yaml: exists already and holds no figures" \
   "$bin/planar-doctor" --cell cell/cell.yaml --json cell/cell.yaml

@@ -6,8 +6,11 @@ cp -r "$2/cell" .
 
 sed -i '0,/peak_level: .*/s//peak_level: 0/' cell/truth.yaml
 printf 'id,x_mm,y_mm\na,200,100\n' >targets.csv
+expect 1 "the lamps are not seen: there are no two of them" \
+  "$bin/planar-servo" --cell cell/cell.yaml --targets targets.csv --out before
+[ ! -s before/steps.csv ] || [ "$(grep -c '^a,' before/steps.csv)" -eq 0 ] || fail "a target was tried"
 status=0
-"$bin/planar-servo" --cell cell/cell.yaml --targets targets.csv --out run >/dev/null 2>err.txt ||
+"$bin/planar-servo" --cell cell/cell.yaml --targets targets.csv --no-health --out run >/dev/null 2>err.txt ||
   status=$?
 [ "$status" -eq 1 ] || fail "a servo without a lamp ended with $status"
 grep -q "a: lost_lamp: the tool was not measured: one_lamp" err.txt || fail "$(cat err.txt)"

@@ -112,6 +112,21 @@ TEST_CASE("A drive is waited for three times on the way to a target, whatever th
   ServoRequest request;
   request.cell = ideal_cell(folder);
   request.use_error_map = false;
+  request.check_health = false;
+  request.out = folder / "run";
+  ServoRun run(request, devices);
+  CHECK_THROWS_AS(run.move_to({"a", {0.3, 0.2}, std::nullopt}), DriveError);
+  CHECK(devices.lost.asked == 1);
+  CHECK(devices.flaky.failures == 4);
+  CHECK_FALSE(run.has("a"));
+}
+
+TEST_CASE("A drive that fails while the cell is looked at is waited for as often") {
+  const test::TemporaryFolder folder;
+  FlakyCell devices;
+  ServoRequest request;
+  request.cell = ideal_cell(folder);
+  request.use_error_map = false;
   request.out = folder / "run";
   ServoRun run(request, devices);
   CHECK_THROWS_AS(run.move_to({"a", {0.3, 0.2}, std::nullopt}), DriveError);

@@ -65,9 +65,17 @@ CellCheck::CellCheck(const CellSettings& cell, const VisionCalibration& vision, 
 std::optional<std::string> CellCheck::go_to(const Joints& theta) {
   const auto obstacle =
       arrive(robot_, planner_, cell_.servo, theta, [this] { return sensor_.fault(); });
+  if (obstacle && !obstacle->refused) throw CameraFailure(obstacle->reason);
   if (obstacle) return obstacle->reason;
   clock_.sleep_for_s(cell_.servo.settle_s);
   return std::nullopt;
+}
+
+TipMeasurement CellCheck::measure(const TipPose& expected, int frames) {
+  TipMeasurement seen = sensor_.measure(expected, frames);
+  if (seen.status == TipStatus::kNoPicture)
+    throw CameraFailure("the camera gave no picture: " + seen.word);
+  return seen;
 }
 
 bool CellCheck::allows(const Joints& theta) const {
@@ -90,7 +98,7 @@ std::optional<Joints> CellCheck::start() const {
 
 std::optional<LampPlaces> CellCheck::look() {
   const TipPose expected = planner_.arm().forward(robot_.commanded_joints());
-  const TipMeasurement seen = sensor_.measure(expected, 1);
+  const TipMeasurement seen = measure(expected, 1);
   if (!seen.ok()) return sensor_.look_around();
   return LampPlaces{seen.lamps_B[0] - seen.correction, seen.lamps_B[1] - seen.correction};
 }
@@ -146,7 +154,7 @@ std::vector<HealthFinding> CellCheck::revisit(const HealthRecord& record) {
     const double phi = std::atan2(along.y(), along.x());
     const TipPose then{
         0.5 * (place.lamps_B[0] + place.lamps_B[1]) + rotation2d(phi) * vision_.tool.p_TP, phi};
-    const TipMeasurement seen = sensor_.measure(then, cell_.servo.frames_per_measurement);
+    const TipMeasurement seen = measure(then, cell_.servo.frames_per_measurement);
     if (!seen.ok()) return {without_size(Cause::kNotSeen, place.id + ": " + seen.word)};
     const double now_m = seen.sigma_vision_m / std::sqrt(seen.frames);
     revisits.push_back(

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "planar_servo/cell/cell_settings.h"
+#include "planar_servo/core/error.h"
 #include "planar_servo/health/cause.h"
 #include "planar_servo/health/cell_model.h"
 #include "planar_servo/health/health_record.h"
@@ -15,10 +16,17 @@
 
 namespace planar {
 
+/// The camera failed during a check; the arm rests.
+class CameraFailure : public WorkError {
+ public:
+  using WorkError::WorkError;
+};
+
 /// Looks whether a cell still is as its files say, before anything depends on it.
 class CellCheck {
  public:
-  /// Takes robot, sensor and clock, which must outlive it. The drives must be on.
+  /// Takes robot, sensor and clock, which must outlive it. The drives must be on. Both checks throw
+  /// CameraFailure, and what PlanarRobot::move_to() throws.
   CellCheck(const CellSettings& cell, const VisionCalibration& vision, PlanarRobot& robot,
             LampTipSensor& sensor, Clock& clock);
 
@@ -31,8 +39,9 @@ class CellCheck {
   std::vector<HealthFinding> revisit(const HealthRecord& record);
 
  private:
-  /// Moves and settles. Returns why the arm is not there, if it is not.
+  /// Moves and settles. Returns why the arm must not go there, if it must not.
   std::optional<std::string> go_to(const Joints& theta);
+  TipMeasurement measure(const TipPose& expected, int frames);
   std::optional<Joints> start() const;
   bool allows(const Joints& theta) const;
   /// Returns the joints with one motor turned as far as the first moves want and the cell allows.

@@ -27,6 +27,7 @@ constexpr double kCameraPoll_s = 0.05;
 constexpr double kDrivePatience_s = 60.0;
 /// A camera that drifts by 0.1 mm an hour is noticed in this time.
 constexpr double kExamineEvery_s = 600.0;
+constexpr char kChecking[] = "looking at the cell";
 /// The most recoveries of drives for one target. A drive that fails more often is broken.
 constexpr int kMaxDriveRecoveries = 3;
 
@@ -86,11 +87,26 @@ void ServoRun::examine() {
                  "calibration; planar-pair-tracker --health-out makes one");
   CellCheck check(cell_, vision_, robot_, sensor_, clock_);
   const std::vector<HealthFinding> found =
-      first ? check_cell(check, health_) : check.revisit(*health_);
+      with_devices([&] { return first ? check_cell(check, health_) : check.revisit(*health_); });
   for (const HealthFinding& finding : found)
     if (finding.cost_m > kTolerable_m)
       throw WorkError("the cell is not well: " + findings_text(found));
   if (!found.empty()) spdlog::warn(findings_text(found));
+}
+
+std::vector<HealthFinding> ServoRun::with_devices(
+    const std::function<std::vector<HealthFinding>()>& check) {
+  const double deadline_s = clock_.now_s() + kCameraPatience_s;
+  for (int recoveries_left = kMaxDriveRecoveries;;) {
+    try {
+      return check();
+    } catch (const CameraFailure& failure) {
+      if (!wait_for_camera(kChecking, failure.what(), deadline_s)) throw;
+    } catch (const DriveError& error) {
+      if (recoveries_left-- == 0) throw;
+      recover_drives(kChecking, error.what());
+    }
+  }
 }
 
 bool ServoRun::must_examine() const {
