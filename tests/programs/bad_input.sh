@@ -101,7 +101,7 @@ expect 2 "same.csv: is an input" "$bin/planar-fit-error-map" -o same.csv same.cs
 cmp -s same.csv before.csv || fail "an input was overwritten"
 expect 2 "cell.yaml: is a file of planar-servo/cell, which this output would replace" "$bin/planar-locate-lamps" --cell cell/cell.yaml \
   -o cell/cell.yaml dark.pgm
-expect 2 "cell.yaml: exists already and holds no figures" \
+expect 2 "cell.yaml: is a file of planar-servo/cell, which this output would replace" \
   "$bin/planar-doctor" --cell cell/cell.yaml --json cell/cell.yaml
 cmp -s cell/cell.yaml cell_before.yaml || fail "a cell file was overwritten"
 
