@@ -12,7 +12,7 @@ servo() {
     options+=("$1")
     shift
   done
-  hosted gige "${@:2}" -- "$bin/planar-servo" --cell cell/gige.yaml --out run "${options[@]}" \
+  hosted gige "${@:2}" -- "$bin/planar-servo" --cell cell/gige.yaml --no-health --out run "${options[@]}" \
     2>said.txt </dev/null
 }
 
@@ -25,6 +25,7 @@ cp -r "$2/cell" .
 # A home and switches that make searches short.
 sed -i -e 's/joint_limits_deg: .*]], home_deg: .*]/joint_limits_deg: [[-105, 60], [90, 170], [-60, 270]], home_deg: [-60, 50, 20]/' \
   cell/cell.yaml
+sed -i -e 's/home_deg: .*/home_deg: [-60, 50, 20]/' cell/truth.yaml
 live_twins
 printf 'id,x_mm,y_mm\na,200,100\n' >one.csv
 printf 'id,x_mm,y_mm\na,200,100\nb,200,60\n' >two.csv

@@ -11,6 +11,7 @@
 #include "planar_servo/files/health_file.h"
 #include "planar_servo/health/arm_check.h"
 #include "planar_servo/health/revisit_check.h"
+#include "planar_servo/servo/approach.h"
 #include "planar_servo/servo/arrival.h"
 #include "planar_servo/vision/seen_cell.h"
 
@@ -20,6 +21,8 @@ namespace {
 /// The first moves of motors 1 to 3, in which a gear that is off by 0.5 % shows beside the
 /// reducers' eccentricity.
 const Eigen::Vector3d kFirstMoves(40.0 * kDegree, 40.0 * kDegree, 60.0 * kDegree);
+/// Places that are tried for the first moves when the arm must not make them where it stands.
+constexpr int kRingPlaces = 24;
 /// What links, reducers and a corrected lens do to the middle of the lamps between two poses, and
 /// what a lens does that no error map corrects.
 constexpr double kCorrectedSigma_m = 0.1e-3;
@@ -82,16 +85,21 @@ bool CellCheck::allows(const Joints& theta) const {
   return !planner_.refusal(theta) && sensor_.lamps_at(planner_.arm().forward(theta));
 }
 
-/// Returns the allowed joints nearest to the present ones, with the elbow bent by other angles
-/// where the present ones are not allowed.
+/// Returns the present joints if they are allowed, or those of an allowed place on a ring in the
+/// middle of the workspace, the nearest first.
 std::optional<Joints> CellCheck::start() const {
   const Joints present = robot_.commanded_joints();
   if (allows(present)) return present;
-  const double sense = planner_.arm().sense() * (cell_.arm.elbow == Elbow::kLeft ? -1.0 : 1.0);
-  for (const double bend_deg : {60.0, 90.0, 120.0, 30.0}) {
-    const double turn = sense * bend_deg * kDegree - (present[1] - present[0]);
-    const Joints bent = present + Joints(0.0, turn, turn);
-    if (allows(bent)) return bent;
+  const double radius_m = 0.5 * (cell_.workspace.radius_min_m + cell_.workspace.radius_max_m);
+  const Eigen::Vector2d p = planner_.arm().forward(present).p;
+  const double direction = std::atan2(p.y(), p.x());
+  for (int i = 0; i < kRingPlaces; ++i) {
+    const double turn = (i % 2 == 0 ? 1.0 : -1.0) * ((i + 1) / 2) * 2.0 * kPi / kRingPlaces;
+    const JointPlan plan = planner_.plan(
+        {radius_m * rotation2d(direction + turn).col(0), cell_.tool_orientation}, present);
+    if (!plan.refusal && allows(plan.theta) &&
+        !approach_refusal(planner_, cell_.servo, present, plan.theta))
+      return plan.theta;
   }
   return std::nullopt;
 }

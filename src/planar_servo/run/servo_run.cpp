@@ -96,12 +96,11 @@ void ServoRun::examine() {
 
 std::vector<HealthFinding> ServoRun::with_devices(
     const std::function<std::vector<HealthFinding>()>& check) {
-  const double deadline_s = clock_.now_s() + kCameraPatience_s;
   for (int recoveries_left = kMaxDriveRecoveries;;) {
     try {
       return check();
     } catch (const CameraFailure& failure) {
-      if (!wait_for_camera(kChecking, failure.what(), deadline_s)) throw;
+      if (!wait_for_camera(kChecking, failure.what(), clock_.now_s() + kCameraPatience_s)) throw;
     } catch (const DriveError& error) {
       if (recoveries_left-- == 0) throw;
       recover_drives(kChecking, error.what());
