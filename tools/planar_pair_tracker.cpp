@@ -162,8 +162,8 @@ void look_at_cell(const Options& options, const PairTrackerRequest& request,
   for (const HealthFinding& finding : arm_faults(request.cell, vision, seen))
     spdlog::warn(fmt::format("{}; {}", finding.what, redo(finding.cause)));
   if (!options.health_out.empty())
-    write_health_file(options.health_out, request.cell, files_of(options), health_of(seen),
-                      kText.name);
+    write_health_file(options.health_out, request.cell, files_of(options),
+                      health_of(request.cell, seen), kText.name);
 }
 
 Outcome pair(const Options& options) {

@@ -77,7 +77,8 @@ std::vector<PairRow> make_pairs(const ChainSettings& settings, const CellSetting
   const VisionCalibration vision{cell.lamps.layout, Workplane(camera, report.workplane.X_WC),
                                  report.workplane.tool};
   write_health_file(*cell.health, cell, files,
-                    health_of(seen_places(cell, vision, recorded.frames, request.lamps)), kProgram);
+                    health_of(cell, seen_places(cell, vision, recorded.frames, request.lamps)),
+                    kProgram);
   return read_pairs(files.pairs);
 }
 

@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 
 #include "planar_servo/core/error.h"
+#include "planar_servo/core/units.h"
 #include "planar_servo/health/arm_check.h"
 #include "planar_servo/vision/seen_cell.h"
 
@@ -52,6 +54,9 @@ std::map<std::string, MeanSight> mean_sights(const std::vector<FrameRow>& frames
   return sights;
 }
 
+/// Places to be visited again lie within this of home in every motor: a visit of all takes 10 s at
+/// most then.
+constexpr double kNearHome = 100.0 * kDegree;
 /// At so many places, evenly taken from a recording, the arm is held against its file; more would
 /// tell nothing new.
 constexpr std::size_t kArmPlaces = 24;
@@ -78,13 +83,22 @@ std::vector<SeenPlace> seen_places(const CellSettings& cell, const VisionCalibra
   return seen;
 }
 
-HealthRecord health_of(const std::vector<SeenPlace>& seen) {
+HealthRecord health_of(const CellSettings& cell, const std::vector<SeenPlace>& seen) {
   if (seen.size() < kHealthPlaces)
     throw InputError(
         fmt::format("the recording has {} places with both lamps; a check of the cell's health "
                     "needs {} of them to visit again",
                     seen.size(), kHealthPlaces));
-  return health_record_of(seen);
+  const Transmission transmission(cell.transmission);
+  const Eigen::Vector3d home = transmission.motors_from_joints(cell.arm.home);
+  std::vector<SeenPlace> near;
+  std::copy_if(seen.begin(), seen.end(), std::back_inserter(near), [&](const SeenPlace& place) {
+    const Eigen::Vector3d motors = transmission.motors_from_joints(place.place.theta);
+    return (motors - home).cwiseAbs().maxCoeff() <= kNearHome;
+  });
+  HealthRecord record = health_record_of(seen);
+  if (near.size() >= kHealthPlaces) record.places = health_record_of(near).places;
+  return record;
 }
 
 std::vector<HealthFinding> arm_faults(const CellSettings& cell, const VisionCalibration& vision,

@@ -16,9 +16,10 @@ std::vector<SeenPlace> seen_places(const CellSettings& cell, const VisionCalibra
                                    const std::vector<FrameRow>& frames,
                                    const std::vector<LampRow>& lamps);
 
-/// Keeps what a cell is like from the places of a recording. Throws InputError when there are fewer
-/// than kHealthPlaces.
-HealthRecord health_of(const std::vector<SeenPlace>& seen);
+/// Keeps what a cell is like from the places of a recording, and of them some to visit again which
+/// no motor has far to go from home. Throws InputError when there are fewer than
+/// kHealthPlaces.
+HealthRecord health_of(const CellSettings& cell, const std::vector<SeenPlace>& seen);
 
 /// Finds what of the arm is not as the cell file says from the places of a recording.
 std::vector<HealthFinding> arm_faults(const CellSettings& cell, const VisionCalibration& vision,
