@@ -92,4 +92,17 @@ TEST_CASE("A change that costs less than 0.01 mm is no finding") {
   CHECK(find_changes(test::filed_cell(), visit_twice(1, 1e-6 * Numbers::Unit(kShiftOff))).empty());
 }
 
+TEST_CASE("Play beyond what is allowed is named by its joint, and usual play is not") {
+  constexpr double kAllowed = 0.1 * kDegree;
+  for (int motor = 0; motor < 3; ++motor) {
+    std::vector<Revisit> twice = visit_twice(7, 0.15 * kDegree * Numbers::Unit(kZeroOff + motor));
+    const auto found = find_play(test::filed_cell(), twice[0], kAllowed);
+    REQUIRE(found.size() == 1);
+    CHECK(static_cast<int>(found[0].cause) == static_cast<int>(Cause::kPlay1) + motor);
+    CHECK(found[0].size == Approx(0.15).epsilon(0.05));
+    twice = visit_twice(8, 0.01 * kDegree * Numbers::Unit(kZeroOff + motor));
+    CHECK(find_play(test::filed_cell(), twice[0], kAllowed).empty());
+  }
+}
+
 }  // namespace planar

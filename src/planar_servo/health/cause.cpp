@@ -18,6 +18,7 @@ constexpr char kPlaneAgain[] =
     "put the camera back, or record the places again and run planar-pair-tracker and "
     "planar-fit-error-map";
 constexpr char kHome[] = "home the drive with planar-jog";
+constexpr char kTighten[] = "look at the gear, its coupling and the bolts of the joint";
 constexpr char kDrives[] = "correct `drives` in the cell file, then record and calibrate again";
 constexpr char kArm[] = "correct `arm` in the cell file";
 
@@ -36,6 +37,9 @@ constexpr Advice kAdvice[] = {
     {Cause::kZero1, "joint 1 has lost its zero", kAllFiles, kHome},
     {Cause::kZero2, "joint 2 has lost its zero", kAllFiles, kHome},
     {Cause::kZero3, "joint 3 has lost its zero", kAllFiles, kHome},
+    {Cause::kPlay1, "the play of joint 1 has grown", kAllFiles, kTighten},
+    {Cause::kPlay2, "the play of joint 2 has grown", kAllFiles, kTighten},
+    {Cause::kPlay3, "the play of joint 3 has grown", kAllFiles, kTighten},
     {Cause::kDirection1, "the direction of joint 1 is reversed", kAllFiles, kDrives},
     {Cause::kDirection2, "the direction of joint 2 is reversed", kAllFiles, kDrives},
     {Cause::kDirection3, "the direction of joint 3 is reversed", kAllFiles, kDrives},

@@ -118,4 +118,20 @@ std::vector<HealthFinding> find_changes(const CellModel& model,
   return found;
 }
 
+std::vector<HealthFinding> find_play(const CellModel& model, const Revisit& from_both_sides,
+                                     double allowed) {
+  constexpr Cause kPlay[] = {Cause::kPlay1, Cause::kPlay2, Cause::kPlay3};
+  const Eigen::MatrixXd J = displacements(model, {from_both_sides}).middleCols<3>(kZeroOff);
+  const Eigen::VectorXd play = solve_least_squares(J, differences({from_both_sides}));
+  std::vector<HealthFinding> found;
+  for (Eigen::Index motor = 0; motor < 3; ++motor) {
+    if (std::abs(play[motor]) <= allowed) continue;
+    const double play_deg = std::abs(play[motor]) / kDegree;
+    found.push_back({kPlay[motor], play_deg, "deg", cost_of({from_both_sides}),
+                     fmt::format("{}: it is {:.3f} deg, allowed are {:.3f} deg",
+                                 words(kPlay[motor]), play_deg, allowed / kDegree)});
+  }
+  return found;
+}
+
 }  // namespace planar

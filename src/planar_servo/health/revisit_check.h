@@ -26,4 +26,9 @@ constexpr double kHarmless_m = 10e-6;
 std::vector<HealthFinding> find_changes(const CellModel& model,
                                         const std::vector<Revisit>& revisits);
 
+/// Finds motors whose play is more than `allowed` (radians, behind the gear) at a place where the
+/// lamps were seen first with all motors coming from below and then with all coming from above.
+std::vector<HealthFinding> find_play(const CellModel& model, const Revisit& from_both_sides,
+                                     double allowed);
+
 }  // namespace planar

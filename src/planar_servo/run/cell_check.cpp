@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <variant>
 
 #include "planar_servo/core/units.h"
 #include "planar_servo/files/health_file.h"
@@ -56,28 +57,36 @@ double repeatability_m(const CellSettings& cell) {
 }  // namespace
 
 CellCheck::CellCheck(const CellSettings& cell, const VisionCalibration& vision, PlanarRobot& robot,
-                     LampTipSensor& sensor, Clock& clock)
+                     LampTipSensor& sensor, Clock& clock, CameraWait wait)
     : cell_(cell),
       vision_(vision),
       robot_(robot),
       sensor_(sensor),
       clock_(clock),
+      wait_(std::move(wait)),
       planner_(joint_planner(cell)),
       model_(model_of_cell(planner_, cell.arm.home, vision)) {}
 
+void CellCheck::wait_for_camera(const std::string& reason) const {
+  if (!wait_ || !wait_(reason)) throw CameraFailure(reason);
+}
+
 std::optional<std::string> CellCheck::go_to(const Joints& theta) {
-  const auto obstacle =
-      arrive(robot_, planner_, cell_.servo, theta, [this] { return sensor_.fault(); });
-  if (obstacle && !obstacle->refused) throw CameraFailure(obstacle->reason);
-  if (obstacle) return obstacle->reason;
+  while (const auto obstacle =
+             arrive(robot_, planner_, cell_.servo, theta, [this] { return sensor_.fault(); })) {
+    if (obstacle->refused) return obstacle->reason;
+    wait_for_camera(obstacle->reason);
+  }
   clock_.sleep_for_s(cell_.servo.settle_s);
   return std::nullopt;
 }
 
 TipMeasurement CellCheck::measure(const TipPose& expected, int frames) {
   TipMeasurement seen = sensor_.measure(expected, frames);
-  if (seen.status == TipStatus::kNoPicture)
-    throw CameraFailure("the camera gave no picture: " + seen.word);
+  while (seen.status == TipStatus::kNoPicture) {
+    wait_for_camera("the camera gave no picture: " + seen.word);
+    seen = sensor_.measure(expected, frames);
+  }
   return seen;
 }
 
@@ -142,6 +151,21 @@ std::vector<HealthFinding> CellCheck::first_moves() {
   return find_arm_faults(model_, sights);
 }
 
+std::variant<Revisit, HealthFinding> CellCheck::visit(const HealthPlace& place) {
+  if (const auto reason = go_to(place.theta))
+    return without_size(Cause::kNotVisited, place.id + ": " + *reason);
+  const Eigen::Vector2d along = place.lamps_B[1] - place.lamps_B[0];
+  const double phi = std::atan2(along.y(), along.x());
+  const TipPose then{
+      0.5 * (place.lamps_B[0] + place.lamps_B[1]) + rotation2d(phi) * vision_.tool.p_TP, phi};
+  const TipMeasurement seen = measure(then, cell_.servo.frames_per_measurement);
+  if (!seen.ok()) return without_size(Cause::kNotSeen, place.id + ": " + seen.word);
+  const double now_m = seen.sigma_vision_m / std::sqrt(seen.frames);
+  return Revisit{
+      planner_.transmission().motors_from_joints(place.theta), place.lamps_B, seen.lamps_B,
+      std::hypot(std::sqrt(2.0) * std::hypot(place.sigma_m, now_m), repeatability_m(cell_))};
+}
+
 std::vector<HealthFinding> CellCheck::revisit(const HealthRecord& record) {
   const Transmission& transmission = planner_.transmission();
   std::vector<HealthPlace> left = record.places;
@@ -154,22 +178,30 @@ std::vector<HealthFinding> CellCheck::revisit(const HealthRecord& record) {
     const auto nearest = std::min_element(
         left.begin(), left.end(),
         [&](const HealthPlace& a, const HealthPlace& b) { return distance(a) < distance(b); });
-    const HealthPlace place = *nearest;
+    const auto visited = visit(*nearest);
+    if (const auto* finding = std::get_if<HealthFinding>(&visited)) return {*finding};
+    revisits.push_back(std::get<Revisit>(visited));
     left.erase(nearest);
-    if (const auto reason = go_to(place.theta))
-      return {without_size(Cause::kNotVisited, place.id + ": " + *reason)};
-    const Eigen::Vector2d along = place.lamps_B[1] - place.lamps_B[0];
-    const double phi = std::atan2(along.y(), along.x());
-    const TipPose then{
-        0.5 * (place.lamps_B[0] + place.lamps_B[1]) + rotation2d(phi) * vision_.tool.p_TP, phi};
-    const TipMeasurement seen = measure(then, cell_.servo.frames_per_measurement);
-    if (!seen.ok()) return {without_size(Cause::kNotSeen, place.id + ": " + seen.word)};
-    const double now_m = seen.sigma_vision_m / std::sqrt(seen.frames);
-    revisits.push_back(
-        {transmission.motors_from_joints(place.theta), place.lamps_B, seen.lamps_B,
-         std::hypot(std::sqrt(2.0) * std::hypot(place.sigma_m, now_m), repeatability_m(cell_))});
   }
-  return find_changes(model_, revisits);
+  std::vector<HealthFinding> changes = find_changes(model_, revisits);
+  return changes.empty() && !revisits.empty() ? play_at(revisits.back()) : changes;
+}
+
+std::vector<HealthFinding> CellCheck::play_at(const Revisit& from_below) {
+  const Transmission& transmission = planner_.transmission();
+  const Joints theta = transmission.joints_from_motors(from_below.motors);
+  const Eigen::Vector3d margin = Eigen::Vector3d::Constant(cell_.servo.approach_margin_rad);
+  const Joints above = transmission.joints_from_motors(from_below.motors + margin);
+  if (planner_.refusal(above)) return {};
+  for (const Joints& stop : {above, theta})
+    while (const auto objection = robot_.move_to(stop, [this] { return sensor_.fault(); }))
+      wait_for_camera(*objection);
+  clock_.sleep_for_s(cell_.servo.settle_s);
+  const TipMeasurement seen =
+      measure(planner_.arm().forward(theta), cell_.servo.frames_per_measurement);
+  if (!seen.ok()) return {without_size(Cause::kNotSeen, seen.word)};
+  return find_play(model_, {from_below.motors, from_below.now_B, seen.lamps_B, from_below.sigma_m},
+                   0.5 * cell_.servo.approach_margin_rad);
 }
 
 std::optional<HealthRecord> read_cell_health(const CellSettings& cell) {

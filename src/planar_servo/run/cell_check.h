@@ -1,8 +1,10 @@
 #pragma once
 
+#include <functional>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "planar_servo/cell/cell_settings.h"
@@ -10,6 +12,7 @@
 #include "planar_servo/health/cause.h"
 #include "planar_servo/health/cell_model.h"
 #include "planar_servo/health/health_record.h"
+#include "planar_servo/health/revisit_check.h"
 #include "planar_servo/robot/planar_robot.h"
 #include "planar_servo/servo/motion_guard.h"
 #include "planar_servo/vision/lamp_tip_sensor.h"
@@ -25,17 +28,22 @@ class CameraFailure : public WorkError {
 /// Looks whether a cell still is as its files say, before anything depends on it.
 class CellCheck {
  public:
-  /// Takes robot, sensor and clock, which must outlive it. The drives must be on. Both checks throw
-  /// CameraFailure, and what PlanarRobot::move_to() throws.
+  /// Is told why the camera failed, and returns true when it is back.
+  using CameraWait = std::function<bool(const std::string& reason)>;
+
+  /// Takes robot, sensor and clock, which must outlive it. The drives must be on. Both checks go on
+  /// after a `wait` for the camera; without one they throw CameraFailure. They throw what
+  /// PlanarRobot::move_to() throws.
   CellCheck(const CellSettings& cell, const VisionCalibration& vision, PlanarRobot& robot,
-            LampTipSensor& sensor, Clock& clock);
+            LampTipSensor& sensor, Clock& clock, CameraWait wait = {});
 
   /// Moves each motor a little, near where the arm stands, and holds what is seen against what was
   /// commanded. Returns what is not as the files say.
   std::vector<HealthFinding> first_moves();
 
   /// Visits the places again that were kept at the calibration, the nearest first. Returns what has
-  /// changed since.
+  /// changed since. Where nothing has, the last place is reached from the other side as well; then
+  /// it returns the play that is more than half of the approach margin.
   std::vector<HealthFinding> revisit(const HealthRecord& record);
 
  private:
@@ -43,6 +51,12 @@ class CellCheck {
   std::optional<std::string> go_to(const Joints& theta);
   TipMeasurement measure(const TipPose& expected, int frames);
   std::optional<Joints> start() const;
+  /// Visits a place again. Returns why it was not seen, if it was not.
+  std::variant<Revisit, HealthFinding> visit(const HealthPlace& place);
+  /// Approaches the present place, which was reached from below, from above.
+  std::vector<HealthFinding> play_at(const Revisit& from_below);
+  /// Throws CameraFailure unless the camera comes back.
+  void wait_for_camera(const std::string& reason) const;
   bool allows(const Joints& theta) const;
   /// Returns the joints with one motor turned as far as the first moves want and the cell allows.
   Joints with_motor_turned(const Joints& theta, int motor) const;
@@ -53,6 +67,7 @@ class CellCheck {
   PlanarRobot& robot_;
   LampTipSensor& sensor_;
   Clock& clock_;
+  CameraWait wait_;
   JointPlanner planner_;
   CellModel model_;
 };

@@ -27,6 +27,8 @@ constexpr double kCameraPoll_s = 0.05;
 constexpr double kDrivePatience_s = 60.0;
 /// A camera that drifts by 0.1 mm an hour is noticed in this time.
 constexpr double kExamineEvery_s = 600.0;
+/// The most waits for the camera while the cell is looked at. One that fails more often is broken.
+constexpr int kMaxCameraWaits = 20;
 constexpr char kChecking[] = "looking at the cell";
 /// The most recoveries of drives for one target. A drive that fails more often is broken.
 constexpr int kMaxDriveRecoveries = 3;
@@ -85,22 +87,24 @@ void ServoRun::examine() {
     spdlog::warn(cell_.file.string() +
                  ": names no health file that exists, so nobody can say what has moved since the "
                  "calibration; planar-pair-tracker --health-out makes one");
-  CellCheck check(cell_, vision_, robot_, sensor_, clock_);
-  const std::vector<HealthFinding> found =
-      with_devices([&] { return first ? check_cell(check, health_) : check.revisit(*health_); });
+  int waits_left = kMaxCameraWaits;
+  CellCheck check(cell_, vision_, robot_, sensor_, clock_, [&](const std::string& reason) {
+    return waits_left-- > 0 &&
+           wait_for_camera(kChecking, reason, clock_.now_s() + kCameraPatience_s);
+  });
+  const std::vector<HealthFinding> found = checked_with_drives(
+      [&] { return first ? check_cell(check, health_) : check.revisit(*health_); });
   for (const HealthFinding& finding : found)
     if (finding.cost_m > kTolerable_m)
       throw WorkError("the cell is not well: " + findings_text(found));
   if (!found.empty()) spdlog::warn(findings_text(found));
 }
 
-std::vector<HealthFinding> ServoRun::with_devices(
+std::vector<HealthFinding> ServoRun::checked_with_drives(
     const std::function<std::vector<HealthFinding>()>& check) {
   for (int recoveries_left = kMaxDriveRecoveries;;) {
     try {
       return check();
-    } catch (const CameraFailure& failure) {
-      if (!wait_for_camera(kChecking, failure.what(), clock_.now_s() + kCameraPatience_s)) throw;
     } catch (const DriveError& error) {
       if (recoveries_left-- == 0) throw;
       recover_drives(kChecking, error.what());

@@ -92,9 +92,10 @@ class ServoRun {
   bool must_examine() const;
   /// Throws WorkError when the cell is not well, and says so when nothing is known of its health.
   void examine();
-  /// Makes a check, and makes it again after a camera or drive that failed is back, as often as
-  /// move_to() does for a target.
-  std::vector<HealthFinding> with_devices(const std::function<std::vector<HealthFinding>()>& check);
+  /// Makes a check, and makes it again after a drive that failed is back, as often as move_to()
+  /// does for a target.
+  std::vector<HealthFinding> checked_with_drives(
+      const std::function<std::vector<HealthFinding>()>& check);
   /// Makes one attempt at a target, and makes it again after a drive that failed is back, but at
   /// most `recoveries_left` times.
   ServoResult with_drives(const std::string& id, int& recoveries_left,
