@@ -183,8 +183,10 @@ std::vector<HealthFinding> CellCheck::revisit(const HealthRecord& record) {
     revisits.push_back(std::get<Revisit>(visited));
     left.erase(nearest);
   }
-  std::vector<HealthFinding> changes = find_changes(model_, revisits);
-  return changes.empty() && !revisits.empty() ? play_at(revisits.back()) : changes;
+  if (revisits.empty()) return {};
+  // Play that has grown displaces the arm on either side, as a lost zero would.
+  std::vector<HealthFinding> play = play_at(revisits.back());
+  return play.empty() ? find_changes(model_, revisits) : play;
 }
 
 std::vector<HealthFinding> CellCheck::play_at(const Revisit& from_below) {
