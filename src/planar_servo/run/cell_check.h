@@ -41,9 +41,9 @@ class CellCheck {
   /// commanded. Returns what is not as the files say.
   std::vector<HealthFinding> first_moves();
 
-  /// Visits the places again that were kept at the calibration, the nearest first. Returns what has
-  /// changed since. Where nothing has, the last place is reached from the other side as well; then
-  /// it returns the play that is more than half of the approach margin.
+  /// Visits the places again that were kept at the calibration, the nearest first, and the last one
+  /// from the other side as well. Returns the play that is more than half of the approach margin, or
+  /// else what has changed since.
   std::vector<HealthFinding> revisit(const HealthRecord& record);
 
  private:
