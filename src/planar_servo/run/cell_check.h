@@ -42,8 +42,8 @@ class CellCheck {
   std::vector<HealthFinding> first_moves();
 
   /// Visits the places again that were kept at the calibration, the nearest first, and the last one
-  /// from the other side as well. Returns the play that is more than half of the approach margin, or
-  /// else what has changed since.
+  /// from the other side as well. Returns the play that is more than half of the approach margin,
+  /// or else what has changed since.
   std::vector<HealthFinding> revisit(const HealthRecord& record);
 
  private:
