@@ -106,14 +106,20 @@ CellSettings ideal_cell(const test::TemporaryFolder& folder) {
   return cell;
 }
 
-TEST_CASE("A drive is waited for three times on the way to a target, whatever the camera does") {
-  const test::TemporaryFolder folder;
-  FlakyCell devices;
+/// Asks for a run of that cell without an error map.
+ServoRequest ideal_request(const test::TemporaryFolder& folder) {
   ServoRequest request;
   request.cell = ideal_cell(folder);
   request.use_error_map = false;
-  request.check_health = false;
   request.out = folder / "run";
+  return request;
+}
+
+TEST_CASE("A drive is waited for three times on the way to a target, whatever the camera does") {
+  const test::TemporaryFolder folder;
+  FlakyCell devices;
+  ServoRequest request = ideal_request(folder);
+  request.check_health = false;
   ServoRun run(request, devices);
   CHECK_THROWS_AS(run.move_to({"a", {0.3, 0.2}, std::nullopt}), DriveError);
   CHECK(devices.lost.asked == 1);
@@ -124,11 +130,7 @@ TEST_CASE("A drive is waited for three times on the way to a target, whatever th
 TEST_CASE("While the cell is looked at, drive and camera are waited for, but not for ever") {
   const test::TemporaryFolder folder;
   FlakyCell devices;
-  ServoRequest request;
-  request.cell = ideal_cell(folder);
-  request.use_error_map = false;
-  request.out = folder / "run";
-  ServoRun run(request, devices);
+  ServoRun run(ideal_request(folder), devices);
   CHECK_THROWS_WITH(run.move_to({"a", {0.3, 0.2}, std::nullopt}),
                     Catch::Contains("the camera gave no picture"));
   CHECK(devices.flaky.failures == 1);

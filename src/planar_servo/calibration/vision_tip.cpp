@@ -20,6 +20,12 @@ std::array<Eigen::Vector2d, 2> lamp_eccentricities_px(
   return shifts;
 }
 
+TipPose tip_from_places(const std::array<Eigen::Vector2d, 2>& lamps_B, const ToolOffsets& tool) {
+  const Eigen::Vector2d along = lamps_B[1] - lamps_B[0];
+  const double phi = std::atan2(along.y(), along.x());
+  return {0.5 * (lamps_B[0] + lamps_B[1]) + rotation2d(phi) * tool.p_TP, phi};
+}
+
 std::optional<VisionTip> tip_from_lamps(const Workplane& workplane, const ToolOffsets& tool,
                                         const std::array<Eigen::Vector2d, 2>& lamps_px,
                                         const std::array<Eigen::Matrix2d, 2>& covariances_px2) {
@@ -32,11 +38,10 @@ std::optional<VisionTip> tip_from_lamps(const Workplane& workplane, const ToolOf
     lamps_W[k] = *p_W;
     covariances_W[k] = J * covariances_px2[k] * J.transpose();
   }
-  const Eigen::Vector2d along = lamps_W[1] - lamps_W[0];
   VisionTip seen;
-  seen.tip.phi = std::atan2(along.y(), along.x());
+  seen.tip = tip_from_places(lamps_W, tool);
+  const Eigen::Vector2d along = lamps_W[1] - lamps_W[0];
   const Eigen::Vector2d arm = rotation2d(seen.tip.phi) * tool.p_TP;
-  seen.tip.p = 0.5 * (lamps_W[0] + lamps_W[1]) + arm;
   // A turn moves the end point about the middle of the lamps.
   const Eigen::Vector2d d_p_d_phi(-arm.y(), arm.x());
   const Eigen::RowVector2d d_phi_d_b =

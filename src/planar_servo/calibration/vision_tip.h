@@ -18,6 +18,10 @@ struct VisionTip {
   double sigma_phi{0.0};  ///< of tip.phi, from the lamps' pixels, radians
 };
 
+/// Returns the end point, and the direction from lamp 1 to lamp 2, of a tool whose lamps are at
+/// these places on the plane.
+TipPose tip_from_places(const std::array<Eigen::Vector2d, 2>& lamps_B, const ToolOffsets& tool);
+
 /// Returns the shifts in pixels from the images of the lamps' centres to the centres of their
 /// images, for discs of these diameters (metres) in the plane; see eccentricity_px(). A shift is
 /// zero where the lamp's ray does not meet the plane or its diameter is unknown (zero).

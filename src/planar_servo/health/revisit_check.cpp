@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "planar_servo/core/numerics/chance.h"
 #include "planar_servo/core/numerics/decompositions.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/health/suspect.h"
@@ -12,15 +13,11 @@
 namespace planar {
 namespace {
 
-/// One chance in 1,000, in standard deviations of a normal variable.
-constexpr double kRare = 3.09;
 constexpr int kCoordinates = 4;  // of the two lamps of a place
 
-/// Returns the quantile of chi-squared that is exceeded once in 1,000 times, after Wilson and
-/// Hilferty.
-double rare_chi2(Eigen::Index freedom) {
-  const double spread = 2.0 / (9.0 * static_cast<double>(freedom));
-  return static_cast<double>(freedom) * std::pow(1.0 - spread + kRare * std::sqrt(spread), 3);
+/// Returns true when noise explains squares that add up to this.
+bool is_noise(double chi2, Eigen::Index coordinates) {
+  return chi_square_tail(chi2, static_cast<int>(coordinates)) >= kFalseAlarm;
 }
 
 struct ChangeFit {
@@ -96,7 +93,7 @@ std::vector<HealthFinding> find_changes(const CellModel& model,
   if (revisits.empty()) return {};
   const Eigen::VectorXd d = differences(revisits);
   const double cost_m = cost_of(revisits);
-  if (d.squaredNorm() < rare_chi2(d.size()) || cost_m < kHarmless_m) return {};
+  if (is_noise(d.squaredNorm(), d.size()) || cost_m < kHarmless_m) return {};
   const Eigen::MatrixXd J = displacements(model, revisits);
   std::vector<ChangeFit> fits;
   for (const Suspect& suspect : suspects()) fits.push_back(fit_change(suspect, J, d));
@@ -104,7 +101,7 @@ std::vector<HealthFinding> find_changes(const CellModel& model,
   put_likeliest_first(fits, little);
   const ChangeFit& best = fits.front();
   // A cause is named as long as less than a third of the displacement is left unexplained.
-  if (best.chi2 > std::max(rare_chi2(d.size()), 0.1 * d.squaredNorm()))
+  if (!is_noise(best.chi2, d.size()) && best.chi2 > 0.1 * d.squaredNorm())
     return {{Cause::kSeveral, cost_m / kMillimetre, "mm", cost_m,
              fmt::format("{}; the tool is seen up to {:.3f} mm from where it was",
                          words(Cause::kSeveral), cost_m / kMillimetre)}};

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <variant>
 
+#include "planar_servo/calibration/vision_tip.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/files/health_file.h"
 #include "planar_servo/health/arm_check.h"
@@ -32,8 +33,6 @@ constexpr double kUncorrectedSigma_m = 2e-3;
 constexpr double kRepeatability_m = 3e-6;
 /// The play of a gear fit for positioning, which shows where the arm arrives from either side.
 constexpr double kPlay = 0.01 * kDegree;
-/// The share by which the lamps' distance may differ from the cell file's.
-constexpr double kSeparationShare = 0.03;
 
 HealthFinding without_size(Cause cause, const std::string& why) {
   return {cause, std::numeric_limits<double>::quiet_NaN(), "",
@@ -68,7 +67,7 @@ CellCheck::CellCheck(const CellSettings& cell, const VisionCalibration& vision, 
       model_(model_of_cell(planner_, cell.arm.home, vision)) {}
 
 void CellCheck::wait_for_camera(const std::string& reason) const {
-  if (!wait_ || !wait_(reason)) throw CameraFailure(reason);
+  if (!wait_ || !wait_(reason)) throw WorkError(reason);
 }
 
 std::optional<std::string> CellCheck::go_to(const Joints& theta) {
@@ -103,7 +102,8 @@ std::optional<Joints> CellCheck::start() const {
   const Eigen::Vector2d p = planner_.arm().forward(present).p;
   const double direction = std::atan2(p.y(), p.x());
   for (int i = 0; i < kRingPlaces; ++i) {
-    const double turn = (i % 2 == 0 ? 1.0 : -1.0) * ((i + 1) / 2) * 2.0 * kPi / kRingPlaces;
+    const int steps = (i + 1) / 2;
+    const double turn = (i % 2 == 0 ? steps : -steps) * 2.0 * kPi / kRingPlaces;
     const JointPlan plan = planner_.plan(
         {radius_m * rotation2d(direction + turn).col(0), cell_.tool_orientation}, present);
     if (!plan.refusal && allows(plan.theta) &&
@@ -125,7 +125,7 @@ Joints CellCheck::with_motor_turned(const Joints& theta, int motor) const {
   for (const double share : {1.0, -1.0, 0.5, -0.5}) {
     Eigen::Vector3d motors = transmission.motors_from_joints(theta);
     motors[motor] += share * kFirstMoves[motor];
-    const Joints turned = transmission.joints_from_motors(motors);
+    Joints turned = transmission.joints_from_motors(motors);
     if (allows(turned)) return turned;
   }
   return theta;
@@ -154,11 +154,8 @@ std::vector<HealthFinding> CellCheck::first_moves() {
 std::variant<Revisit, HealthFinding> CellCheck::visit(const HealthPlace& place) {
   if (const auto reason = go_to(place.theta))
     return without_size(Cause::kNotVisited, place.id + ": " + *reason);
-  const Eigen::Vector2d along = place.lamps_B[1] - place.lamps_B[0];
-  const double phi = std::atan2(along.y(), along.x());
-  const TipPose then{
-      0.5 * (place.lamps_B[0] + place.lamps_B[1]) + rotation2d(phi) * vision_.tool.p_TP, phi};
-  const TipMeasurement seen = measure(then, cell_.servo.frames_per_measurement);
+  const TipMeasurement seen =
+      measure(tip_from_places(place.lamps_B, vision_.tool), cell_.servo.frames_per_measurement);
   if (!seen.ok()) return without_size(Cause::kNotSeen, place.id + ": " + seen.word);
   const double now_m = seen.sigma_vision_m / std::sqrt(seen.frames);
   return Revisit{

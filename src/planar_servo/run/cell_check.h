@@ -19,12 +19,6 @@
 
 namespace planar {
 
-/// The camera failed during a check; the arm rests.
-class CameraFailure : public WorkError {
- public:
-  using WorkError::WorkError;
-};
-
 /// Looks whether a cell still is as its files say, before anything depends on it.
 class CellCheck {
  public:
@@ -32,7 +26,7 @@ class CellCheck {
   using CameraWait = std::function<bool(const std::string& reason)>;
 
   /// Takes robot, sensor and clock, which must outlive it. The drives must be on. Both checks go on
-  /// after a `wait` for the camera; without one they throw CameraFailure. They throw what
+  /// after a `wait` for the camera; without one they throw WorkError. They throw what
   /// PlanarRobot::move_to() throws.
   CellCheck(const CellSettings& cell, const VisionCalibration& vision, PlanarRobot& robot,
             LampTipSensor& sensor, Clock& clock, CameraWait wait = {});
@@ -55,7 +49,7 @@ class CellCheck {
   std::variant<Revisit, HealthFinding> visit(const HealthPlace& place);
   /// Approaches the present place, which was reached from below, from above.
   std::vector<HealthFinding> play_at(const Revisit& from_below);
-  /// Throws CameraFailure unless the camera comes back.
+  /// Throws WorkError unless the camera comes back.
   void wait_for_camera(const std::string& reason) const;
   bool allows(const Joints& theta) const;
   /// Returns the joints with one motor turned as far as the first moves want and the cell allows.

@@ -79,6 +79,19 @@ ServoRun::ServoRun(const ServoRequest& request, CellDevices& devices, Observer o
   sensor_.aim(robot_.arm().forward(robot_.commanded_joints()));
 }
 
+template <typename Attempt>
+auto ServoRun::with_drives(const std::string& id, int& recoveries_left, const Attempt& attempt)
+    -> decltype(attempt()) {
+  while (true) {
+    try {
+      return attempt();
+    } catch (const DriveError& error) {
+      if (recoveries_left-- == 0) throw;
+      recover_drives(id, error.what());
+    }
+  }
+}
+
 void ServoRun::examine() {
   const bool first = !examined_s_;
   examined_s_ = clock_.now_s();
@@ -92,24 +105,14 @@ void ServoRun::examine() {
     return waits_left-- > 0 &&
            wait_for_camera(kChecking, reason, clock_.now_s() + kCameraPatience_s);
   });
-  const std::vector<HealthFinding> found = checked_with_drives(
-      [&] { return first ? check_cell(check, health_) : check.revisit(*health_); });
+  int recoveries_left = kMaxDriveRecoveries;
+  const std::vector<HealthFinding> found = with_drives(kChecking, recoveries_left, [&] {
+    return first ? check_cell(check, health_) : check.revisit(*health_);
+  });
   for (const HealthFinding& finding : found)
     if (finding.cost_m > kTolerable_m)
       throw WorkError("the cell is not well: " + findings_text(found));
   if (!found.empty()) spdlog::warn(findings_text(found));
-}
-
-std::vector<HealthFinding> ServoRun::checked_with_drives(
-    const std::function<std::vector<HealthFinding>()>& check) {
-  for (int recoveries_left = kMaxDriveRecoveries;;) {
-    try {
-      return check();
-    } catch (const DriveError& error) {
-      if (recoveries_left-- == 0) throw;
-      recover_drives(kChecking, error.what());
-    }
-  }
 }
 
 bool ServoRun::must_examine() const {
@@ -144,18 +147,6 @@ const TargetResult& ServoRun::move_to(const TargetRow& target) {
     ended_by_ = fmt::format("{}: {}: {}", target.id, name(outcome.status), outcome.reason);
   table_.append(result_line(results_.back()));
   return results_.back();
-}
-
-ServoResult ServoRun::with_drives(const std::string& id, int& recoveries_left,
-                                  const std::function<ServoResult()>& attempt) {
-  while (true) {
-    try {
-      return attempt();
-    } catch (const DriveError& error) {
-      if (recoveries_left-- == 0) throw;
-      recover_drives(id, error.what());
-    }
-  }
 }
 
 void ServoRun::recover_drives(const std::string& id, const std::string& reason) {

@@ -92,14 +92,11 @@ class ServoRun {
   bool must_examine() const;
   /// Throws WorkError when the cell is not well, and says so when nothing is known of its health.
   void examine();
-  /// Makes a check, and makes it again after a drive that failed is back, as often as move_to()
-  /// does for a target.
-  std::vector<HealthFinding> checked_with_drives(
-      const std::function<std::vector<HealthFinding>()>& check);
-  /// Makes one attempt at a target, and makes it again after a drive that failed is back, but at
-  /// most `recoveries_left` times.
-  ServoResult with_drives(const std::string& id, int& recoveries_left,
-                          const std::function<ServoResult()>& attempt);
+  /// Makes one attempt at a target, or a check, and makes it again after a drive that failed is
+  /// back, but at most `recoveries_left` times.
+  template <typename Attempt>
+  auto with_drives(const std::string& id, int& recoveries_left, const Attempt& attempt)
+      -> decltype(attempt());
   /// Waits for the drives. Throws DriveError when they are not back in time or may not be homed.
   void recover_drives(const std::string& id, const std::string& reason);
   /// Waits for the camera. Returns false when it is not back in time.

@@ -7,11 +7,6 @@
 namespace planar {
 namespace {
 
-/// The share by which the pair's distance in pixels may differ from a prediction through a
-/// calibrated plane. The prediction is good to a per cent or two; a wrong light differs by far
-/// more.
-constexpr double kCalibratedShare = 0.03;
-
 /// Returns true when both centres are valid, even if nobody can say which lamp is which.
 bool both_measured(const LampPair& pair) {
   return pair.lamps[0].status == LampStatus::kOk && pair.lamps[1].status == LampStatus::kOk;
@@ -20,7 +15,7 @@ bool both_measured(const LampPair& pair) {
 bool has_right_distance(const VisionCalibration& vision, const LampPair& pair) {
   const auto a = vision.workplane.plane_from_pixel(pair.lamps[0].uv_px);
   const auto b = vision.workplane.plane_from_pixel(pair.lamps[1].uv_px);
-  return a && b && std::abs((*b - *a).norm() / vision.lamps.separation_m - 1.0) <= kCalibratedShare;
+  return a && b && std::abs((*b - *a).norm() / vision.lamps.separation_m - 1.0) <= kSeparationShare;
 }
 
 }  // namespace
@@ -39,7 +34,7 @@ std::optional<PairExpectation> expect_tool(const VisionCalibration& vision, cons
   const auto predicted_px =
       lamps_from_tip(vision.workplane, vision.tool, vision.lamps.separation_m, tip);
   if (!predicted_px) return std::nullopt;
-  PairExpectation expectation = expect_lamps(vision.lamps, *predicted_px, kCalibratedShare);
+  PairExpectation expectation = expect_lamps(vision.lamps, *predicted_px, kSeparationShare);
   expectation.fixed_px = places_px(vision.reference_lamps);
   return expectation;
 }

@@ -26,6 +26,10 @@ struct VisionCalibration {
   std::vector<ReferenceLamp> reference_lamps{};
 };
 
+/// The share by which the distance of a pair may differ from a prediction through a calibrated
+/// plane. The prediction is good to a per cent or two; a wrong light differs by far more.
+constexpr double kSeparationShare = 0.03;
+
 /// The centres of both lamps, in pixels of the whole sensor.
 using LampPixels = std::array<Eigen::Vector2d, 2>;
 
