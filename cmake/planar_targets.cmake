@@ -58,7 +58,7 @@ function(planar_room name)
   if(sources)
     add_library(planar_${name} STATIC ${sources})
     set_target_properties(planar_${name} PROPERTIES CXX_STANDARD 17 CXX_EXTENSIONS OFF
-                          UNITY_BUILD ${PLANAR_UNITY} UNITY_BUILD_BATCH_SIZE 8)
+                          UNITY_BUILD ${PLANAR_UNITY} UNITY_BUILD_BATCH_SIZE 12)
     target_compile_features(planar_${name} PUBLIC cxx_std_17)
     target_link_libraries(planar_${name} PUBLIC $<BUILD_INTERFACE:planar_options> ${ROOM_LINKS}
                                          PRIVATE ${ROOM_PRIVATE_LINKS})
@@ -143,7 +143,7 @@ function(planar_test room)
   cmake_parse_arguments(TEST "" "" "SOURCES;LINKS" ${ARGN})
   add_executable(${room}_test ${TEST_SOURCES})
   set_target_properties(${room}_test PROPERTIES CXX_STANDARD 17 CXX_EXTENSIONS OFF
-                        UNITY_BUILD ${PLANAR_UNITY} UNITY_BUILD_BATCH_SIZE 4)
+                        UNITY_BUILD ${PLANAR_UNITY} UNITY_BUILD_BATCH_SIZE 10)
   target_link_libraries(${room}_test PRIVATE planar_test_main ${TEST_LINKS})
   planar_precompile(${room}_test planar_test_headers)
   catch_discover_tests(${room}_test TEST_PREFIX "${room}: " EXTRA_ARGS ${must_match}

@@ -16,13 +16,13 @@ constexpr double kCenterTolerance_px = 0.03;
 /// The same, in OpenCV's anti-aliased drawing.
 constexpr double kDrawnCenterTolerance_px = 0.1;
 
-const Board kBoard{Board::Kind::kCircles, 7, 5, 0.03};
+const Board kSmallBoard{Board::Kind::kCircles, 7, 5, 0.03};
 constexpr double kDotDiameter = 0.018;
 
 /// Largest distance between the centres found and the true centres of the dots' images.
 double largest_center_error_px(const BoardSight& sight, const Pose& X_CG) {
   const CameraModel camera = test::small_camera();
-  const auto points = board_points(kBoard);
+  const auto points = board_points(kSmallBoard);
   double largest = 0.0;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Eigen::Vector3d p_C = X_CG * Eigen::Vector3d(points[i].x(), points[i].y(), 0.0);
@@ -36,9 +36,9 @@ double largest_center_error_px(const BoardSight& sight, const Pose& X_CG) {
 TEST_CASE("Every dot of a tilted grid is found where it was drawn, in the board's order") {
   for (const double axis : {0.0, 0.8, 2.1}) {
     for (const double turn : {0.0, 0.6}) {
-      const Pose X_CG = test::board_before_camera(kBoard, 0.35, 0.5, axis, turn);
-      const cv::Mat image = test::picture_of_dots(test::small_camera(), kBoard, kDotDiameter, X_CG);
-      const BoardSight sight = find_board(image, kBoard);
+      const Pose X_CG = test::board_before_camera(kSmallBoard, 0.35, 0.5, axis, turn);
+      const cv::Mat image = test::picture_of_dots(test::small_camera(), kSmallBoard, kDotDiameter, X_CG);
+      const BoardSight sight = find_board(image, kSmallBoard);
       INFO(sight.reason);
       REQUIRE(sight.found());
       CHECK(largest_center_error_px(sight, X_CG) < kCenterTolerance_px);
@@ -47,10 +47,10 @@ TEST_CASE("Every dot of a tilted grid is found where it was drawn, in the board'
 }
 
 TEST_CASE("Bright dots on dark ground are found too") {
-  const Pose X_CG = test::board_before_camera(kBoard, 0.35, 0.3, 1.0, 0.1);
+  const Pose X_CG = test::board_before_camera(kSmallBoard, 0.35, 0.3, 1.0, 0.1);
   const cv::Mat image =
-      test::picture_of_dots(test::small_camera(), kBoard, kDotDiameter, X_CG, {210.0, 25.0});
-  const BoardSight sight = find_board(image, kBoard);
+      test::picture_of_dots(test::small_camera(), kSmallBoard, kDotDiameter, X_CG, {210.0, 25.0});
+  const BoardSight sight = find_board(image, kSmallBoard);
   REQUIRE(sight.found());
   CHECK(largest_center_error_px(sight, X_CG) < kCenterTolerance_px);
 }
@@ -70,29 +70,29 @@ TEST_CASE("A grid is never taken mirrored and its x axis points most to the righ
 }
 
 TEST_CASE("Clutter beside the grid does not disturb it") {
-  const Pose X_CG = test::board_before_camera(kBoard, 0.4, 0.4, 0.5, 0.2);
-  cv::Mat image = test::picture_of_dots(test::small_camera(), kBoard, kDotDiameter, X_CG);
+  const Pose X_CG = test::board_before_camera(kSmallBoard, 0.4, 0.4, 0.5, 0.2);
+  cv::Mat image = test::picture_of_dots(test::small_camera(), kSmallBoard, kDotDiameter, X_CG);
   cv::rectangle(image, {0, 0, 60, 480}, 60, cv::FILLED);
   for (int i = 0; i < 12; ++i) {
     cv::circle(image, {80 + 45 * i, 20 + 7 * (i % 3)}, 5 + 2 * (i % 4), 50, cv::FILLED);
     cv::putText(image, std::to_string(i), {70 + 48 * i, 470}, cv::FONT_HERSHEY_PLAIN, 1.5, 20, 2);
   }
-  const BoardSight sight = find_board(image, kBoard);
+  const BoardSight sight = find_board(image, kSmallBoard);
   REQUIRE(sight.found());
   CHECK(largest_center_error_px(sight, X_CG) < kCenterTolerance_px);
 }
 
 TEST_CASE(
     "A grid with a missing dot, one too large and an empty image are not found, with a reason") {
-  const Pose X_CG = test::board_before_camera(kBoard, 0.35, 0.3, 1.0, 0.1);
+  const Pose X_CG = test::board_before_camera(kSmallBoard, 0.35, 0.3, 1.0, 0.1);
   const auto camera = test::small_camera();
   const BoardSight missing =
-      find_board(test::picture_of_dots(camera, kBoard, kDotDiameter, X_CG, {}, 9), kBoard);
+      find_board(test::picture_of_dots(camera, kSmallBoard, kDotDiameter, X_CG, {}, 9), kSmallBoard);
   CHECK_FALSE(missing.found());
   CHECK_THAT(missing.reason, Catch::Contains("7 x 5") && Catch::Contains("34 dots"));
-  const cv::Mat whole = test::picture_of_dots(camera, kBoard, kDotDiameter, X_CG);
+  const cv::Mat whole = test::picture_of_dots(camera, kSmallBoard, kDotDiameter, X_CG);
   CHECK_FALSE(find_board(whole, {Board::Kind::kCircles, 6, 5, 0.03}).found());
-  CHECK_FALSE(find_board(cv::Mat(480, 640, CV_8UC1, cv::Scalar(128)), kBoard).found());
+  CHECK_FALSE(find_board(cv::Mat(480, 640, CV_8UC1, cv::Scalar(128)), kSmallBoard).found());
 }
 
 TEST_CASE("Large dots of a large image are measured in its full resolution") {
