@@ -115,8 +115,8 @@ pairs 2000 | table sparse
 same_with_threads sparse
 
 # A long scan: the bar is for a terminal, and not for a log or a quiet run.
-pairs 100000 | table scan
-fitted scan "pairs used +100000" "method +sparse"
+pairs 30000 | table scan
+fitted scan "pairs used +30000" "method +sparse"
 terminal() { script -qec "$bin/planar-fit-error-map $1 -o map.yaml scan.csv" /dev/null; }
 terminal "" >terminal.txt
 for phase in "summing over the pairs" "leaving out outliers"; do
