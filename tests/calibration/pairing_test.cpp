@@ -1,9 +1,11 @@
 #include "planar_servo/calibration/pairing.h"
 
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <limits>
 
 #include "calibration/synthetic_cell.h"
+#include "planar_servo/calibration/vision_tip.h"
 #include "planar_servo/core/error.h"
 
 namespace planar {
@@ -103,7 +105,7 @@ TEST_CASE("Places of plan sweep3 with the same joints 1 and 2 form a sweep") {
   std::vector<ToolReading> readings;
   for (int i = 0; i < 5; ++i) {
     frames.push_back(frame(std::to_string(i), i, 100.0 * i));
-    frames.back().theta12 = i < 2 ? Eigen::Vector2d(0.1, 0.2) : Eigen::Vector2d(0.3, 0.2);
+    frames.back().theta = {i < 2 ? 0.1 : 0.3, 0.2, 0.4 * i};
     if (i != 4) frames.back().plan = Plan::kSweep3;
     readings.push_back(reading(std::to_string(i), i, 0.1));
   }
@@ -113,6 +115,21 @@ TEST_CASE("Places of plan sweep3 with the same joints 1 and 2 form a sweep") {
   CHECK(sights[2].sweep == sights[3].sweep);
   CHECK(sights[1].sweep != sights[2].sweep);
   CHECK(sights[4].sweep == ToolSight::kNoSweep);
+}
+
+TEST_CASE("A place of plan pose needs no reading, and uses none") {
+  std::vector<LampSight> frames{frame("a", 1.0, 100.0), frame("b", 2.0, 200.0),
+                                frame("c", 3.0, 300.0)};
+  frames[1].plan = frames[2].plan = Plan::kPose;
+  frames[1].theta = {0.1, 0.2, 0.3};
+  const Pairing pairing =
+      pair_sights(frames, {reading("a", 1.0, 0.1), reading("c", 3.0, 0.3)}, PairBy::kId);
+  REQUIRE(pairing.sights.size() == 1);
+  CHECK(pairing.sights[0].id == "a");
+  REQUIRE(pairing.unattended.size() == 2);
+  CHECK(pairing.unattended[0].lamps_px[0].x() == 200.0);
+  CHECK(pairing.unattended[0].theta == Eigen::Vector3d(0.1, 0.2, 0.3));
+  CHECK(pairing.rejected.empty());
 }
 
 TEST_CASE("Values that are not finite are refused before anything is averaged") {
@@ -128,10 +145,12 @@ TEST_CASE("Both end points are the true one when camera and tool are known") {
   std::mt19937 random(1);
   const Eigen::Vector2d p_ref(0.31, -0.22);
   const ToolSight sight = cell.sight("a", p_ref, 2.2, random);
-  const EndPointPair pair = end_points(cell.workplane(), cell.tool_ref, sight).value();
-  CHECK((pair.p_vision - p_ref).norm() < 1e-9);
-  CHECK((pair.p_tracker - p_ref).norm() < 1e-9);
-  CHECK(pair.phi == Approx(2.2).epsilon(1e-9));
+  const VisionTip seen =
+      tip_from_lamps(cell.workplane(), cell.tool_ref, sight.lamps_px, sight.covariances_px2)
+          .value();
+  CHECK((seen.tip.p - p_ref).norm() < 1e-9);
+  CHECK((end_point_by_tracker(cell.tool_ref, sight, seen.tip.phi) - p_ref).norm() < 1e-9);
+  CHECK(seen.tip.phi == Approx(2.2).epsilon(1e-9));
 }
 
 TEST_CASE("The stated deviation of the vision is the scatter of noisy lamps") {
@@ -143,9 +162,11 @@ TEST_CASE("The stated deviation of the vision is the scatter of noisy lamps") {
   constexpr int kDraws = 400;
   for (int i = 0; i < kDraws; ++i) {
     const ToolSight sight = cell.sight("a", p_ref, 0.5, random);
-    const EndPointPair pair = end_points(cell.workplane(), cell.tool_ref, sight).value();
-    square += (pair.p_vision - p_ref).squaredNorm() / (2.0 * kDraws);
-    sigma = pair.sigma_vision;
+    const VisionTip seen =
+        tip_from_lamps(cell.workplane(), cell.tool_ref, sight.lamps_px, sight.covariances_px2)
+            .value();
+    square += (seen.tip.p - p_ref).squaredNorm() / (2.0 * kDraws);
+    sigma = std::sqrt(0.5 * seen.covariance.trace());
   }
   // 800 squares: their mean is known to 5 %, its root to 2.5 %.
   CHECK(std::sqrt(square) == Approx(sigma).epsilon(0.1));

@@ -19,10 +19,10 @@ CalibratedChain chain_with(double sigma_tracker, const MapMethodChoice& method) 
     for (int j = -5; j <= 5; ++j) {
       PairRow pair;
       pair.id = std::to_string(100 * i + j);
-      pair.p_tracker = {0.09 * i, 0.09 * j};
+      const Eigen::Vector2d p(0.09 * i, 0.09 * j);
+      pair.p_tracker = p;
       const double noise = (i * 7 + j * 3) % 2 == 0 ? 5e-6 : -5e-6;
-      pair.p_vision =
-          pair.p_tracker + Eigen::Vector2d(1e-4 * std::sin(4.0 * pair.p_tracker.x()), noise);
+      pair.p_vision = p + Eigen::Vector2d(1e-4 * std::sin(4.0 * p.x()), noise);
       pair.sigma_vision = 4e-6;
       pair.sigma_tracker = sigma_tracker;
       chain.pairs.push_back(pair);

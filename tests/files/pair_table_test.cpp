@@ -8,11 +8,13 @@
 namespace planar {
 namespace {
 
+using Catch::Contains;
+
 TEST_CASE("Pairs come back as they were written") {
   PairRow row;
   row.id = "p1";
   row.p_vision = {0.1234567, -0.3};
-  row.p_tracker = {0.1230, -0.2999};
+  row.p_tracker = Eigen::Vector2d(0.1230, -0.2999);
   row.phi = 0.5;
   row.plan = Plan::kTrain;
   const test::TemporaryFolder folder;
@@ -22,6 +24,32 @@ TEST_CASE("Pairs come back as they were written") {
   CHECK(*back.phi == Approx(0.5).margin(1e-8));
   CHECK_FALSE(back.sigma_vision.has_value());
   CHECK(back.plan == Plan::kTrain);
+}
+
+TEST_CASE("A row without the tracker's word is an unattended pose") {
+  const test::TemporaryFolder folder;
+  const auto file = folder.write("pairs.csv",
+                                 "id,x_vision_mm,y_vision_mm,x_tracker_mm,y_tracker_mm\n"
+                                 "a,1,2,1,2\nb,3,4,,\n");
+  std::vector<PairRow> rows = read_pairs(file);
+  REQUIRE(rows.size() == 2);
+  CHECK(rows[0].is_attended());
+  CHECK_FALSE(rows[1].is_attended());
+  CHECK_FALSE(rows[1].lamps_B.has_value());
+  CHECK(drop_unattended(rows) == 1);
+  CHECK(rows.size() == 1);
+}
+
+TEST_CASE("Half a point, half a pair of lamps and half a pose are refused by line and column") {
+  const test::TemporaryFolder folder;
+  const auto file = folder.write(
+      "pairs.csv",
+      "id,x_vision_mm,y_vision_mm,x_tracker_mm,y_tracker_mm,x_lamp1_mm,y_lamp1_mm,x_lamp2_mm,"
+      "y_lamp2_mm,theta1_deg,theta2_deg,theta3_deg\n"
+      "a,1,2,1,,,,,,,,\nb,1,2,1,2,3,4,,,,,\nc,1,2,1,2,,,,,10,,30\n");
+  CHECK_THROWS_WITH(read_pairs(file), Contains(":2: y_tracker_mm is ''") &&
+                                          Contains(":3: has the place of one lamp") &&
+                                          Contains(":4: theta2_deg is ''"));
 }
 
 }  // namespace

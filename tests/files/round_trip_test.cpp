@@ -40,6 +40,10 @@ class Random {
   std::optional<Eigen::Vector2d> optional_point() {
     return coin() ? std::optional<Eigen::Vector2d>(point()) : std::nullopt;
   }
+  std::optional<std::array<Eigen::Vector2d, 2>> optional_lamps() {
+    if (coin()) return std::nullopt;
+    return std::array{point(), point()};
+  }
   std::string text() {
     constexpr const char* kParts[] = {"a,b.png", ",", "\"", "#", " ", "\n",      ":",
                                       "no",      "1", "'",  "-", ";", "\xC3\xA9"};
@@ -53,7 +57,7 @@ class Random {
   Value one_of(const Named<Value> (&table)[kSize]) {
     return table[below(static_cast<int>(kSize))].value;
   }
-  Plan plan() { return kPlans[2 + below(6)].value; }
+  Plan plan() { return kPlans[2 + below(7)].value; }
 
  private:
   std::mt19937 random_;
@@ -90,11 +94,15 @@ TEST_CASE("Every table comes back as it was written, whatever its texts contain"
     const auto draw = [](Random& random) {
       return PairRow{random.id(),
                      random.point(),
-                     random.point(),
+                     random.optional_point(),
                      random.optional_number(),
                      random.optional_number(),
                      random.optional_number(),
-                     random.coin() ? std::optional<Plan>(random.plan()) : std::nullopt};
+                     random.coin() ? std::optional<Plan>(random.plan()) : std::nullopt,
+                     random.coin() ? random.id() : "",
+                     random.optional_lamps(),
+                     random.optional_point(),
+                     random.coin() ? std::optional<Joints>(random.joints()) : std::nullopt};
     };
     const auto read = [](const auto& path) { return read_pairs(path); };
     check_table<PairRow>(

@@ -52,6 +52,12 @@ TEST_CASE("A map is fitted to the pairs of plan train, and judged on the others"
   CHECK(report.result.n_used == 200);
   CHECK(report.n_other_plans == 200);
   CHECK(pairs_to_check(pairs, {}).size() == 200);
+  pairs[7].p_tracker.reset();
+  CHECK(fit_error_map_to_pairs(pairs, {}).n_unattended == 1);
+  pairs[207].p_tracker.reset();
+  CHECK(pairs_to_check(pairs, {}).size() == 199);
+  pairs = lens_pairs(1, Plan::kTrain);
+  pairs.insert(pairs.end(), others.begin(), others.end());
   CHECK(pairs_to_check(pairs, {Plan::kTrain, Plan::kTest}).size() == 400);
   CHECK(pairs_to_check(lens_pairs(1, {}), {}).size() == 200);
   CHECK_THROWS_WITH(fit_error_map_to_pairs(others, {}),
@@ -85,9 +91,9 @@ TEST_CASE("A map is not judged on pairs in another unit or frame, but on one or 
   std::vector<PairRow> pairs = lens_pairs(2, {});
   CHECK_NOTHROW(check_error_map(map, {pairs.front()}));
   std::vector<PairRow> swapped = pairs;
-  for (PairRow& pair : swapped) pair.p_tracker = pair.p_tracker.reverse().eval();
+  for (PairRow& pair : swapped) pair.p_tracker = pair.p_tracker->reverse().eval();
   CHECK_THROWS_WITH(check_error_map(map, swapped), Contains("are x and y swapped"));
-  for (PairRow& pair : pairs) pair.p_tracker *= kMillimetre;
+  for (PairRow& pair : pairs) *pair.p_tracker *= kMillimetre;
   CHECK_THROWS_WITH(check_error_map(map, pairs), Contains("look like metres"));
 }
 
@@ -95,7 +101,7 @@ TEST_CASE("A map that depends on the tool's direction is not judged on pairs wit
   std::vector<PairRow> pairs = lens_pairs(1, {});
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     pairs[i].phi = 2.4 * static_cast<double>(i * i);
-    pairs[i].p_tracker -= 1e-4 * Eigen::Vector2d(std::cos(*pairs[i].phi), std::sin(*pairs[i].phi));
+    *pairs[i].p_tracker -= 1e-4 * Eigen::Vector2d(std::cos(*pairs[i].phi), std::sin(*pairs[i].phi));
   }
   const ErrorMap map = fit_error_map_to_pairs(pairs, {}).result.map;
   CHECK_NOTHROW(require_directions(map, pairs, "pairs.csv"));

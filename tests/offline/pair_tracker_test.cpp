@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 
 #include "calibration/synthetic_cell.h"
+#include "planar_servo/calibration/vision_tip.h"
 #include "planar_servo/core/error.h"
 
 namespace planar {
@@ -83,7 +84,43 @@ TEST_CASE("A recording gives workplane, tool and a pair for every place") {
   CHECK(report.workplane.X_WC.isApprox(noiseless().X_WC_ref, kExact));
   CHECK(raw_error(report.pairs).max < kExact);
   CHECK(raw_error(report.pairs, Plan::kTest).n == 1);
-  CHECK((report.pairs.back().p_tracker - Eigen::Vector2d(0.1, -0.2)).norm() < kExact);
+  CHECK((report.pairs.back().p_tracker.value() - Eigen::Vector2d(0.1, -0.2)).norm() < kExact);
+}
+
+TEST_CASE("A pair has the lamps on the plane, the reflector and the commanded joints") {
+  const SyntheticCell cell = noiseless();
+  const PairTrackerRequest request = recorded(cell);
+  const PairTrackerReport report = pair_tracker(request);
+  for (const PairRow& pair : {report.pairs.front(), report.pairs.back()}) {
+    const auto& lamps_B = pair.lamps_B.value();
+    CHECK((lamps_B[1] - lamps_B[0]).norm() == Approx(cell.separation));
+    const TipPose tip = tip_from_places(lamps_B, report.workplane.tool);
+    CHECK((tip.p - pair.p_vision).norm() < kExact);
+    const Eigen::Vector2d offset = rotation2d(tip.phi) * report.workplane.tool.p_TS.head<2>();
+    CHECK((tip.p + offset - pair.p_reflector.value()).norm() < kExact);
+  }
+  CHECK(report.pairs.back().theta.value() == request.frames.back().theta);
+}
+
+TEST_CASE("Unattended poses are rows without the tracker's word, and fit nothing") {
+  const SyntheticCell cell = noiseless();
+  PairTrackerRequest request = recorded(cell);
+  std::mt19937 random(3);
+  for (int i = 0; i < 100; ++i) {
+    add_place(request, cell.sight("pose" + std::to_string(i), {0.003 * i, 0.2}, 0.1 * i, random),
+              Plan::kPose);
+    request.tracker.pop_back();
+  }
+  const PairTrackerReport report = pair_tracker(request);
+  CHECK(report.rejected.empty());
+  CHECK(report.workplane.n_used == 72);
+  REQUIRE(report.pairs.size() == 173);
+  const PairRow& last = report.pairs.back();
+  CHECK(last.id == "pose99");
+  CHECK_FALSE(last.is_attended());
+  CHECK_FALSE(last.p_reflector.has_value());
+  CHECK((last.p_vision - Eigen::Vector2d(0.297, 0.2)).norm() < kExact);
+  CHECK(raw_error(report.pairs).n == 73);
 }
 
 TEST_CASE("Places kept for judging do not move the workplane and are not left out") {

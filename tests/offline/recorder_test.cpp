@@ -142,6 +142,20 @@ TEST_CASE("The monuments are read before the arm moves and once more at the end"
   CHECK(order == std::string(15, 'm') + 't' + std::string(15, 'm'));
 }
 
+TEST_CASE("No reading is asked for at a pose that only the camera watches") {
+  const test::TemporaryFolder folder;
+  RecordRequest request{small_cell(), {}, folder.path() / "recording"};
+  request.plan.push_back({"t0", Plan::kTrain, TipPose{{-0.2, 0.3}, 0.0}});
+  request.plan.push_back({"u0", Plan::kPose, TipPose{{-0.2, 0.2}, 0.4}});
+  NotingDevices devices;
+  CHECK(record(request, devices).recorded == 2);
+  const auto frames = read_frames(request.recording);
+  CHECK(frames.back().id == "u0");
+  CHECK(frames.back().plan == Plan::kPose);
+  for (const TrackerRow& row : read_tracker(request.recording / "tracker.csv"))
+    CHECK(row.id != "u0");
+}
+
 TEST_CASE("A recording is not gone on with by another plan or another cell") {
   const test::TemporaryFolder folder;
   RecordRequest request{small_cell(), {}, folder.path() / "recording"};

@@ -7,7 +7,6 @@
 #include <limits>
 #include <map>
 
-#include "planar_servo/calibration/vision_tip.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/pose.h"
 #include "planar_servo/core/units.h"
@@ -26,13 +25,15 @@ struct Place {
   std::vector<const LampSight*> frames;
   std::vector<const LampSight*> failed;
   std::vector<const ToolReading*> readings;
+
+  Plan plan() const { return (frames.empty() ? failed : frames).front()->plan; }
 };
 
 void require_finite(const std::vector<LampSight>& frames,
                     const std::vector<ToolReading>& readings) {
   Faults faults;
   for (const LampSight& frame : frames) {
-    if (!std::isfinite(frame.t_s) || !frame.theta12.allFinite() ||
+    if (!std::isfinite(frame.t_s) || !frame.theta.allFinite() ||
         (frame.fault.empty() && !(frame.uv_px[0].allFinite() && frame.uv_px[1].allFinite()))) {
       faults.add("pairing: a frame of '" + frame.id + "' has a value that is not finite");
     }
@@ -73,10 +74,9 @@ double farthest_from_mean(const std::vector<const T*>& items, const Value& value
   return farthest;
 }
 
-/// Says why the place cannot be used; empty when it can.
-std::string fault_of(const Place& place) {
+/// Says why the lamps' places there cannot be used; empty when they can.
+std::string fault_of_frames(const Place& place) {
   if (place.frames.empty()) return "no frame with both lamps: " + place.failed.front()->fault;
-  if (place.readings.empty()) return "no tracker reading";
   for (std::size_t k = 0; k < 2; ++k) {
     const double far =
         farthest_from_mean(place.frames, [k](const LampSight& f) { return f.uv_px[k]; });
@@ -84,6 +84,12 @@ std::string fault_of(const Place& place) {
       return fmt::format("not at rest: its frames disagree by {:.2f} px on lamp {}", far, k + 1);
     }
   }
+  return "";
+}
+
+/// Says why the readings there cannot be used; empty when they can.
+std::string fault_of_readings(const Place& place) {
+  if (place.readings.empty()) return "no tracker reading";
   const double far = farthest_from_mean(place.readings, [](const ToolReading& r) { return r.p_B; });
   if (far > kMotion) {
     return fmt::format("not at rest: its tracker readings disagree by {:.3f} mm",
@@ -92,17 +98,29 @@ std::string fault_of(const Place& place) {
   return "";
 }
 
-ToolSight average(const Place& place) {
+/// Says why the place cannot be used; empty when it can.
+std::string fault_of(const Place& place) {
+  const std::string fault = fault_of_frames(place);
+  return fault.empty() && place.plan() != Plan::kPose ? fault_of_readings(place) : fault;
+}
+
+PoseSight mean_frame(const Place& place) {
   const LampSight& first = *place.frames.front();
   const auto n = static_cast<double>(place.frames.size());
-  ToolSight sight;
+  PoseSight sight;
   sight.id = first.id;
   sight.plan = first.plan;
+  sight.theta = first.theta;
   for (std::size_t k = 0; k < 2; ++k) {
     sight.lamps_px[k] = mean_of(place.frames, [k](const LampSight& f) { return f.uv_px[k]; });
     sight.covariances_px2[k] =
         mean_of(place.frames, [k](const LampSight& f) { return f.covariances_px2[k]; }) / n;
   }
+  return sight;
+}
+
+ToolSight average(const Place& place) {
+  ToolSight sight{mean_frame(place)};
   sight.p_reflector_B = mean_of(place.readings, [](const ToolReading& r) { return r.p_B; });
   // A tracker's stated deviation is in part systematic, so repeated readings do not reduce it.
   sight.sigma_tracker = mean_of(place.readings, [](const ToolReading& r) { return r.sigma; });
@@ -190,25 +208,19 @@ Pairing pair_sights(const std::vector<LampSight>& frames, const std::vector<Tool
       pairing.rejected.push_back({id, fault});
       continue;
     }
-    pairing.sights.push_back(average(place));
-    if (place.frames.front()->plan == Plan::kSweep3) {
-      pairing.sights.back().sweep = sweep_number(place.frames.front()->theta12, sweeps);
+    if (place.plan() == Plan::kPose) {
+      pairing.unattended.push_back(mean_frame(place));
+      continue;
     }
+    pairing.sights.push_back(average(place));
+    if (place.plan() == Plan::kSweep3)
+      pairing.sights.back().sweep = sweep_number(place.frames.front()->theta.head<2>(), sweeps);
   }
   return pairing;
 }
 
-std::optional<EndPointPair> end_points(const Workplane& workplane, const ToolOffsets& tool,
-                                       const ToolSight& sight) {
-  const auto seen = tip_from_lamps(workplane, tool, sight.lamps_px, sight.covariances_px2);
-  if (!seen) return std::nullopt;
-  EndPointPair pair;
-  pair.phi = seen->tip.phi;
-  pair.p_vision = seen->tip.p;
-  pair.p_tracker = sight.p_reflector_B.head<2>() - rotation2d(pair.phi) * tool.p_TS.head<2>();
-  pair.sigma_vision = std::sqrt(0.5 * seen->covariance.trace());
-  pair.sigma_tracker = sight.sigma_tracker;
-  return pair;
+Eigen::Vector2d end_point_by_tracker(const ToolOffsets& tool, const ToolSight& sight, double phi) {
+  return sight.p_reflector_B.head<2>() - rotation2d(phi) * tool.p_TS.head<2>();
 }
 
 }  // namespace planar

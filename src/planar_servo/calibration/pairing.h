@@ -1,14 +1,12 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "planar_servo/calibration/tool_offsets.h"
 #include "planar_servo/calibration/tool_sight.h"
 #include "planar_servo/core/plan.h"
-#include "planar_servo/lens/workplane.h"
 
 namespace planar {
 
@@ -20,7 +18,7 @@ struct LampSight {
   std::array<Eigen::Vector2d, 2> uv_px{Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};
   std::array<Eigen::Matrix2d, 2> covariances_px2{Eigen::Matrix2d::Zero(), Eigen::Matrix2d::Zero()};
   Plan plan{Plan::kTrain};
-  Eigen::Vector2d theta12{0.0, 0.0};  ///< commanded angles of joints 1 and 2, radians
+  Eigen::Vector3d theta{0.0, 0.0, 0.0};  ///< commanded joint angles, radians
 };
 
 /// One reading of the reflector on the tool, in the base frame.
@@ -34,31 +32,23 @@ struct ToolReading {
 enum class PairBy { kId, kTime };
 
 struct Pairing {
-  std::vector<ToolSight> sights;  ///< in the order of the frames
+  std::vector<ToolSight> sights;      ///< in the order of the frames
+  std::vector<PoseSight> unattended;  ///< places of plan pose, in the order of the frames
   std::vector<Rejection> rejected;
 };
 
 /// Pairs frames and readings by id or by time stamp. The good frames of one id are averaged, and so
 /// are its readings; by time these are the readings within half a second of its frames, each given
 /// to the nearest id. Places of plan sweep3 with the same commanded joints 1 and 2 form a sweep.
+/// Places of plan pose need no reading, and one that they have is not used.
 /// Rejected, with the reason, are ids without a good frame or reading, readings without a frame,
 /// and places where the arm was not at rest because frames or readings disagree. Throws InputError
 /// naming values that are not finite.
 Pairing pair_sights(const std::vector<LampSight>& frames, const std::vector<ToolReading>& readings,
                     PairBy by);
 
-/// The end point P in the base frame, as vision and as the tracker measured it, metres.
-struct EndPointPair {
-  Eigen::Vector2d p_vision{0.0, 0.0};
-  Eigen::Vector2d p_tracker{0.0, 0.0};
-  double phi{0.0};
-  double sigma_vision{0.0};   ///< per axis, from the covariances of the lamps' pixels, metres
-  double sigma_tracker{0.0};  ///< per axis, metres
-};
-
-/// Computes P by vision (middle of the lamps + R(phi) p_TP) and by the tracker (reflector - R(phi)
-/// p_TS), with phi from vision. Empty when a lamp's ray does not meet the plane.
-std::optional<EndPointPair> end_points(const Workplane& workplane, const ToolOffsets& tool,
-                                       const ToolSight& sight);
+/// Returns the end point by the tracker, reflector - R(phi) p_TS, base plane, metres. `phi` is the
+/// direction of the lamps, radians.
+Eigen::Vector2d end_point_by_tracker(const ToolOffsets& tool, const ToolSight& sight, double phi);
 
 }  // namespace planar

@@ -14,13 +14,14 @@ enum class Plan {
   kSweep3,     ///< joint 3 alone turns; the tool's offsets are fitted to it
   kControl,    ///< a target of the closed loop
   kCheck,      ///< a place that an experiment judges by
+  kPose,       ///< a place that only the camera watches; no tracker reading is asked for
 };
 
 /// All plans with the words that files have for them.
-constexpr Named<Plan> kPlans[] = {{Plan::kHeldBoard, "grid"},  {Plan::kLaidBoard, "plane_grid"},
-                                  {Plan::kTrain, "train"},     {Plan::kTest, "test"},
-                                  {Plan::kSweep1, "sweep1"},   {Plan::kSweep3, "sweep3"},
-                                  {Plan::kControl, "control"}, {Plan::kCheck, "check"}};
+constexpr Named<Plan> kPlans[] = {
+    {Plan::kHeldBoard, "grid"},  {Plan::kLaidBoard, "plane_grid"}, {Plan::kTrain, "train"},
+    {Plan::kTest, "test"},       {Plan::kSweep1, "sweep1"},        {Plan::kSweep3, "sweep3"},
+    {Plan::kControl, "control"}, {Plan::kCheck, "check"},          {Plan::kPose, "pose"}};
 
 /// Returns the plan's word.
 const char* name(Plan plan);

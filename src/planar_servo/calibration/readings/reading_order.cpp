@@ -102,10 +102,11 @@ std::optional<double> late_seconds(const std::vector<LampSight>& frames,
   return first ? std::optional((*first + *last) / 2.0) : std::nullopt;
 }
 
+/// Counts the places that ask for a reading.
 std::size_t places_in(const std::vector<LampSight>& frames) {
   std::set<std::string> ids;
   for (const LampSight& frame : frames)
-    if (frame.fault.empty()) ids.insert(frame.id);
+    if (frame.fault.empty() && frame.plan != Plan::kPose) ids.insert(frame.id);
   return ids.size();
 }
 

@@ -2,49 +2,34 @@
 
 #include <fmt/format.h>
 
-#include <array>
 #include <optional>
 #include <set>
 
 #include "planar_servo/core/units.h"
+#include "planar_servo/files/tables/joint_columns.h"
 #include "planar_servo/io/columns.h"
 
 namespace planar {
 namespace {
 
-using OptionalJoints = std::array<std::optional<double>, 3>;
-
-void take_joints(Columns& columns, const OptionalJoints& theta, PlanRow& row) {
-  Joints joints(0.0, 0.0, 0.0);
-  for (int j = 0; j < 3; ++j) {
-    joints[j] = theta[j].value_or(0.0);
-    columns.check(theta[j].has_value(),
-                  fmt::format("theta{}_deg is ''; a finite number is needed", j + 1));
-  }
-  row.where = joints;
-}
-
 /// Lists the columns of a position. A pose whose file names no phi takes `tool_orientation`.
 void list_place(Columns& columns, PlanRow& row, double tool_orientation) {
   std::optional<Eigen::Vector2d> p;
   std::optional<double> phi;
-  OptionalJoints theta;
+  std::optional<Joints> theta;
   if (const auto* tip = std::get_if<TipPose>(&row.where)) {
     p = tip->p;
     phi = tip->phi;
   }
-  if (const auto* joints = std::get_if<Joints>(&row.where))
-    for (int j = 0; j < 3; ++j) theta[j] = (*joints)[j];
+  if (const auto* joints = std::get_if<Joints>(&row.where)) theta = *joints;
   columns.optional_point("x_mm", "y_mm", p, kMillimetre, 6, Column::kOptional);
   columns.optional_number("phi_deg", phi, kDegree, 6, Column::kOptional);
-  for (int j = 0; j < 3; ++j)
-    columns.optional_number(fmt::format("theta{}_deg", j + 1), theta[j], kDegree, 6,
-                            Column::kOptional);
+  list_joints(columns, theta);
   if (!columns.reading()) return;
   row.where = std::monostate();
+  if (theta) row.where = *theta;
   if (p) row.where = TipPose{*p, phi.value_or(tool_orientation)};
-  columns.check(!p || !theta[0], "has both x_mm and theta1_deg; give one of them");
-  if (!p && theta[0]) take_joints(columns, theta, row);
+  columns.check(!p || !theta, "has both x_mm and theta1_deg; give one of them");
 }
 
 TableSchema<PlanRow> schema(double tool_orientation) {

@@ -33,12 +33,13 @@ void require_one_unit_of(const std::vector<PairRow>& pairs) {
   Eigen::Matrix2Xd p_tracker(2, pairs.size());
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     p_vision.col(static_cast<Eigen::Index>(i)) = pairs[i].p_vision;
-    p_tracker.col(static_cast<Eigen::Index>(i)) = pairs[i].p_tracker;
+    p_tracker.col(static_cast<Eigen::Index>(i)) = pairs[i].p_tracker.value();
   }
   require_one_unit(p_vision, p_tracker);
 }
 
 bool is_wanted(const PairRow& pair, const std::vector<Plan>& plans) {
+  if (!pair.is_attended()) return false;
   if (plans.empty()) return pair.plan != Plan::kTrain;
   return pair.plan && std::find(plans.begin(), plans.end(), *pair.plan) != plans.end();
 }

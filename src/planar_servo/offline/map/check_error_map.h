@@ -27,8 +27,8 @@ struct MapCheck {
   double coverage_95{0.0};
 };
 
-/// Returns the pairs of the named plans. Without names it returns those whose plan is not `train`,
-/// which are all when the pairs name no plans. Throws InputError when there are none.
+/// Returns the attended pairs of the named plans. Without names it returns those whose plan is not
+/// `train`, which are all when the pairs name no plans. Throws InputError when there are none.
 std::vector<PairRow> pairs_to_check(std::vector<PairRow> pairs, const std::vector<Plan>& plans);
 
 /// Throws InputError naming the pairs' file when the map depends on the tool's direction and a pair
@@ -36,8 +36,8 @@ std::vector<PairRow> pairs_to_check(std::vector<PairRow> pairs, const std::vecto
 void require_directions(const ErrorMap& map, const std::vector<PairRow>& pairs,
                         const std::filesystem::path& file);
 
-/// Judges a map on at least one pair, each as require_directions() demands it. Throws InputError
-/// for three or more pairs that are not in one unit and frame.
+/// Judges a map on at least one pair, each attended and as require_directions() demands it. Throws
+/// InputError for three or more pairs that are not in one unit and frame.
 MapCheck check_error_map(const ErrorMap& map, const std::vector<PairRow>& pairs,
                          const Progress& progress = {});
 

@@ -16,7 +16,9 @@ namespace planar {
 namespace {
 
 void add(const PairRow& pair, TrainingPairs& training) {
-  if (!pair.plan || *pair.plan == Plan::kTrain)
+  if (!pair.is_attended())
+    ++training.n_unattended;
+  else if (!pair.plan || *pair.plan == Plan::kTrain)
     training.problem.samples.push_back(
         {pair.id, pair.p_vision, pair.error(),
          std::hypot(pair.sigma_vision.value_or(0.0), pair.sigma_tracker.value_or(0.0)), pair.phi});
@@ -27,7 +29,8 @@ void add(const PairRow& pair, TrainingPairs& training) {
 void require_any(const TrainingPairs& training) {
   if (training.problem.samples.empty())
     throw InputError(fmt::format("none of {} pairs is of plan '{}', to which a map is fitted",
-                                 training.n_other_plans, name(Plan::kTrain)));
+                                 training.n_other_plans + training.n_unattended,
+                                 name(Plan::kTrain)));
 }
 
 void log_kernel(const IdwMap& /*map*/) {}
@@ -90,7 +93,7 @@ FitErrorMapReport fit_error_map_to_pairs(const TrainingPairs& pairs, const Progr
   const double begin_s = clock.now_s();
   MapResult result = fit_error_map(pairs.problem, progress);
   log(result);
-  return {std::move(result), pairs.n_other_plans, clock.now_s() - begin_s};
+  return {std::move(result), pairs.n_other_plans, pairs.n_unattended, clock.now_s() - begin_s};
 }
 
 FitErrorMapReport fit_error_map_to_pairs(const std::vector<PairRow>& pairs,

@@ -23,6 +23,7 @@ MapMethodChoice parse_map_method(const std::string& text);
 struct TrainingPairs {
   MapProblem problem;
   std::size_t n_other_plans{0};  ///< number of pairs of other plans
+  std::size_t n_unattended{0};   ///< number of poses without a tracker's word
 };
 
 /// Reads training pairs from pairs.csv. Throws InputError as read_pairs() does, and when there is
@@ -33,6 +34,7 @@ TrainingPairs read_training_pairs(const std::filesystem::path& path, const MapMe
 struct FitErrorMapReport {
   MapResult result;
   std::size_t n_other_plans{0};
+  std::size_t n_unattended{0};
   double fit_seconds{0.0};
 };
 

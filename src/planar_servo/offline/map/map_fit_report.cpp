@@ -43,6 +43,9 @@ std::string fit_text(const FitErrorMapReport& report) {
   if (report.n_other_plans > 0)
     text +=
         fmt::format("left for checking   {} pairs whose plan is not train\n", report.n_other_plans);
+  if (report.n_unattended > 0)
+    text += fmt::format("unattended          {} poses without a tracker's word, not used\n",
+                        report.n_unattended);
   text +=
       fmt::format("pairs used          {} ({} rejected)\n", result.n_used, result.rejected.size());
   for (const RejectedSample& sample : result.rejected)
@@ -118,6 +121,7 @@ nlohmann::json map_fit_json(const FitErrorMapReport& report,
                       {"gain", result.gain()},
                       {"worth_using", result.worth_using},
                       {"n_other_plans", report.n_other_plans},
+                      {"n_unattended", report.n_unattended},
                       {"fit_seconds", report.fit_seconds}};
   if (const auto bias = tool_bias(result.map)) {
     keys["tool_bias_mm"] = {bias->t.x() / kMillimetre, bias->t.y() / kMillimetre};

@@ -48,7 +48,7 @@ std::vector<LampSight> lamp_sights(const std::vector<LampRow>& lamps,
     sight.id = row.id;
     sight.t_s = frame.t_s;
     sight.plan = frame.plan;
-    sight.theta12 = frame.theta.head<2>();
+    sight.theta = frame.theta;
     if (row.status != LampStatus::kOk) {
       sight.fault = name(row.status);
     } else if (row.uv_px.size() != 2) {
@@ -107,6 +107,10 @@ void add_doubt(const std::string& doubt, PairTrackerReport& report) {
   if (!doubt.empty()) report.doubts.push_back(doubt);
 }
 
+void reject(const std::vector<Rejection>& rejected, PairTrackerReport& report) {
+  report.rejected.insert(report.rejected.end(), rejected.begin(), rejected.end());
+}
+
 /// Registers the tracker, and says what moved.
 DatumRegistration registered(const std::vector<Monument>& datum, const SortedReadings& readings,
                              PairTrackerReport& report) {
@@ -119,13 +123,13 @@ DatumRegistration registered(const std::vector<Monument>& datum, const SortedRea
 }
 
 /// Pairs frames and readings and takes out those of a frozen tracker.
-std::vector<ToolSight> paired(const PairTrackerRequest& request,
-                              const std::vector<ToolReading>& readings, PairTrackerReport& report) {
+Pairing paired(const PairTrackerRequest& request, const std::vector<ToolReading>& readings,
+               PairTrackerReport& report) {
   const std::vector<LampSight> frames = lamp_sights(request.lamps, request.frames);
   Pairing pairing = pair_sights(frames, readings, request.by);
-  report.rejected.insert(report.rejected.end(), pairing.rejected.begin(), pairing.rejected.end());
+  reject(pairing.rejected, report);
   const std::vector<Rejection> frozen = take_out_frozen(pairing.sights);
-  report.rejected.insert(report.rejected.end(), frozen.begin(), frozen.end());
+  reject(frozen, report);
   if (!frozen.empty())
     report.doubts.push_back(
         fmt::format("tracker: it was frozen at {} places, '{}' first, where its reading did not "
@@ -133,7 +137,7 @@ std::vector<ToolSight> paired(const PairTrackerRequest& request,
                     "lamps moved; they are left out; record them again",
                     frozen.size(), frozen.front().id));
   require_reading_order(pairing.sights, frames, readings, request.by);
-  return std::move(pairing.sights);
+  return pairing;
 }
 
 WorkplaneFit fit_workplane(const PairTrackerRequest& request,
@@ -148,10 +152,11 @@ WorkplaneFit fit_workplane(const PairTrackerRequest& request,
 
 /// Moves the lamps' places from the centres of their images to the images of their centres. Returns
 /// the largest shift, pixels.
+template <typename Sight>
 double remove_eccentricity(const Workplane& workplane, const std::array<double, 2>& diameters,
-                           std::vector<ToolSight>& sights) {
+                           std::vector<Sight>& sights) {
   double largest_px = 0.0;
-  for (ToolSight& sight : sights) {
+  for (Sight& sight : sights) {
     const auto shifts_px = lamp_eccentricities_px(workplane, sight.lamps_px, diameters);
     for (std::size_t k = 0; k < 2; ++k) {
       sight.lamps_px[k] -= shifts_px[k];
@@ -159,6 +164,50 @@ double remove_eccentricity(const Workplane& workplane, const std::array<double, 
     }
   }
   return largest_px;
+}
+
+/// Returns what vision says of a place; empty when a lamp's ray does not meet the plane.
+std::optional<PairRow> seen_row(const Workplane& workplane, const ToolOffsets& tool,
+                                const PoseSight& sight) {
+  const auto seen = tip_from_lamps(workplane, tool, sight.lamps_px, sight.covariances_px2);
+  if (!seen) return std::nullopt;
+  PairRow row;
+  row.id = sight.id;
+  row.plan = sight.plan;
+  row.theta = sight.theta;
+  row.p_vision = seen->tip.p;
+  row.phi = seen->tip.phi;
+  row.lamps_B = seen->lamps_B;
+  row.sigma_vision = std::sqrt(0.5 * seen->covariance.trace());
+  return row;
+}
+
+/// Adds a row for each place that the plane's fit has not left out: the attended ones, then the
+/// unattended.
+void add_rows(const Pairing& places, const Workplane& workplane, const WorkplaneFit& fit,
+              PairTrackerReport& report) {
+  const std::string unseen = "a lamp's ray does not meet the plane";
+  std::set<std::string> outliers;
+  for (const Rejection& rejection : fit.rejected) outliers.insert(rejection.id);
+  for (const ToolSight& sight : places.sights) {
+    if (outliers.count(sight.id) != 0) continue;
+    auto row = seen_row(workplane, fit.tool, sight);
+    if (!row) {
+      report.rejected.push_back({sight.id, unseen});
+      continue;
+    }
+    row->p_tracker = end_point_by_tracker(fit.tool, sight, *row->phi);
+    row->p_reflector = sight.p_reflector_B.head<2>();
+    row->sigma_tracker = sight.sigma_tracker;
+    report.pairs.push_back(std::move(*row));
+  }
+  for (const PoseSight& sight : places.unattended) {
+    auto row = seen_row(workplane, fit.tool, sight);
+    if (row)
+      report.pairs.push_back(std::move(*row));
+    else
+      report.rejected.push_back({sight.id, unseen});
+  }
 }
 
 /// Tells who asks for it what was decided.
@@ -183,30 +232,16 @@ PairTrackerReport pair_tracker(const PairTrackerRequest& request) {
     tool_readings.push_back({row.id, row.t_s, report.datum.X_BL * row.p_L,
                              request.cell.tracker.sigma_at(row.p_L.norm())});
   }
-  std::vector<ToolSight> sights = paired(request, tool_readings, report);
-  require_axis_in_origin(request.cell, sights);
-  report.workplane = fit_workplane(request, sights);
-  report.largest_eccentricity_px =
-      remove_eccentricity(Workplane(request.camera, report.workplane.X_WC),
-                          request.cell.lamps.layout.diameters_m, sights);
-  report.workplane = fit_workplane(request, sights);
-
-  std::set<std::string> outliers;
-  for (const Rejection& rejection : report.workplane.rejected) {
-    outliers.insert(rejection.id);
-    report.rejected.push_back(rejection);
-  }
-  const Workplane workplane(request.camera, report.workplane.X_WC);
-  for (const ToolSight& sight : sights) {
-    if (outliers.count(sight.id) != 0) continue;
-    const auto points = end_points(workplane, report.workplane.tool, sight);
-    if (points) {
-      report.pairs.push_back({sight.id, points->p_vision, points->p_tracker, points->phi,
-                              points->sigma_vision, points->sigma_tracker, sight.plan});
-    } else {
-      report.rejected.push_back({sight.id, "a lamp's ray does not meet the plane"});
-    }
-  }
+  Pairing places = paired(request, tool_readings, report);
+  require_axis_in_origin(request.cell, places.sights);
+  report.workplane = fit_workplane(request, places.sights);
+  const Workplane first(request.camera, report.workplane.X_WC);
+  const std::array<double, 2>& diameters = request.cell.lamps.layout.diameters_m;
+  report.largest_eccentricity_px = remove_eccentricity(first, diameters, places.sights);
+  remove_eccentricity(first, diameters, places.unattended);
+  report.workplane = fit_workplane(request, places.sights);
+  reject(report.workplane.rejected, report);
+  add_rows(places, Workplane(request.camera, report.workplane.X_WC), report.workplane, report);
   require_upright_tracker(report.datum, report.workplane.tool);
   require_lamps_in_order(request.cell, request.frames, report.pairs);
   add_doubt(doubt_of_change(report.pairs), report);
@@ -246,7 +281,7 @@ std::vector<Pose> boards_on_plane(const std::filesystem::path& recording,
 Summary raw_error(const std::vector<PairRow>& pairs, std::optional<Plan> plan) {
   std::vector<double> lengths;
   for (const PairRow& pair : pairs) {
-    if (!plan || pair.plan == plan) lengths.push_back(pair.error().norm());
+    if (pair.is_attended() && (!plan || pair.plan == plan)) lengths.push_back(pair.error().norm());
   }
   return summarize(lengths);
 }

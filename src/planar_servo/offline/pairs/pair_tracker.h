@@ -31,7 +31,7 @@ struct PairTrackerRequest {
 
 /// Holds the pairs and what was fitted to make them.
 struct PairTrackerReport {
-  std::vector<PairRow> pairs;  ///< pairs of all plans
+  std::vector<PairRow> pairs;  ///< of all plans, the unattended poses last
   std::vector<Rejection> rejected;
   DatumRegistration datum;
   WorkplaneFit workplane;
@@ -42,7 +42,8 @@ struct PairTrackerReport {
 /// Makes pairs of what was recorded. It ties the tracker to the base by the monuments, brings lamps
 /// and readings together, and fits workplane and tool to the places of the plans train, sweep1 and
 /// sweep3, never to those kept for judging. It then takes off the eccentricity that the lamps'
-/// discs have on that plane and fits again, and writes every place as a pair of end points.
+/// discs have on that plane and fits again, and writes every place as a pair of end points, those
+/// of plan pose without the tracker's.
 ///
 /// Monuments read after the first reading of the tool serve to show what moved meanwhile, unless
 /// they were not read before. Throws what these steps throw, InputError naming lamps of images that
@@ -56,8 +57,8 @@ std::vector<Pose> boards_on_plane(const std::filesystem::path& recording,
                                   const std::vector<FrameRow>& frames, const CameraModel& camera,
                                   const Board& board);
 
-/// Returns the figures of |vision - tracker| over the pairs of one plan, metres. With an empty plan
-/// all pairs count.
+/// Returns the figures of |vision - tracker| over the attended pairs of one plan, metres. With an
+/// empty plan all of them count.
 Summary raw_error(const std::vector<PairRow>& pairs, std::optional<Plan> plan = std::nullopt);
 
 }  // namespace planar

@@ -15,7 +15,7 @@ std::string raw_error_text(const std::vector<PairRow>& pairs) {
   std::string text;
   for (const Plan plan : values_of(kPlans)) {
     if (std::none_of(pairs.begin(), pairs.end(),
-                     [&](const PairRow& pair) { return pair.plan == plan; }))
+                     [&](const PairRow& pair) { return pair.is_attended() && pair.plan == plan; }))
       continue;
     const Summary raw = raw_error(pairs, plan);
     text += fmt::format("raw error  {}: {} pairs, mean {:.3f} mm, rms {:.3f} mm, max {:.3f} mm\n",
@@ -23,6 +23,11 @@ std::string raw_error_text(const std::vector<PairRow>& pairs) {
                         raw.max / kMillimetre);
   }
   return text;
+}
+
+std::size_t unattended(const std::vector<PairRow>& pairs) {
+  return static_cast<std::size_t>(
+      std::count_if(pairs.begin(), pairs.end(), [](const PairRow& p) { return !p.is_attended(); }));
 }
 
 }  // namespace
@@ -40,7 +45,10 @@ std::string pair_tracker_text(const PairTrackerReport& report) {
                       report.largest_eccentricity_px);
   for (const Rejection& rejection : report.rejected)
     text += fmt::format("rejected   {}: {}\n", rejection.id, rejection.reason);
-  return text + raw_error_text(report.pairs);
+  text += raw_error_text(report.pairs);
+  if (const auto n = unattended(report.pairs); n > 0)
+    text += fmt::format("unattended {} poses that only the camera watched\n", n);
+  return text;
 }
 
 nlohmann::json pair_tracker_json(const PairTrackerReport& report) {
@@ -51,7 +59,9 @@ nlohmann::json pair_tracker_json(const PairTrackerReport& report) {
   for (const Rejection& rejection : report.rejected)
     rejected.push_back({{"id", rejection.id}, {"reason", rejection.reason}});
   const Summary raw = raw_error(report.pairs);
-  return {{"pairs", report.pairs.size()},
+  const auto n_unattended = unattended(report.pairs);
+  return {{"pairs", report.pairs.size() - n_unattended},
+          {"unattended", n_unattended},
           {"rejected", rejected},
           {"doubts", report.doubts},
           {"datum_rms_mm", report.datum.rms / kMillimetre},

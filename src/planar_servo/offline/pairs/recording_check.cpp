@@ -82,7 +82,7 @@ std::string doubt_of_change(const std::vector<PairRow>& pairs) {
   std::vector<TimedError> errors;
   std::vector<const PairRow*> rows;
   for (const PairRow& pair : pairs) {
-    if (pair.plan != Plan::kTrain) continue;
+    if (pair.plan != Plan::kTrain || !pair.is_attended()) continue;
     errors.push_back({pair.p_vision, pair.error()});
     rows.push_back(&pair);
   }

@@ -85,6 +85,11 @@ class Recorder {
       }
   }
 
+  void read_tracker(const std::string& id) {
+    if (const auto reading = devices_.tracker().measure_tool())
+      tracker_table_.append(tracker_line({id, reading->t_s, reading->p_L}));
+  }
+
   void record_board(const PlanRow& row, int view) {
     if (row.plan == Plan::kHeldBoard)
       devices_.board_presenter().hold_board(view);
@@ -114,8 +119,7 @@ class Recorder {
       if (i == 0) frame = with_lamps(std::move(frame), p, row.id);
       lines += save(frame, row, i);
     }
-    if (const auto reading = devices_.tracker().measure_tool())
-      tracker_table_.append(tracker_line({row.id, reading->t_s, reading->p_L}));
+    if (row.plan != Plan::kPose) read_tracker(row.id);
     frames_table_.append(lines);
   }
 

@@ -1,0 +1,29 @@
+#include "planar_servo/files/tables/joint_columns.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "planar_servo/core/units.h"
+
+namespace planar {
+
+void list_joints(Columns& columns, std::optional<Joints>& theta) {
+  constexpr std::array<const char*, 3> kNames{"theta1_deg", "theta2_deg", "theta3_deg"};
+  std::array<std::optional<double>, 3> angles;
+  for (std::size_t j = 0; j < angles.size(); ++j) {
+    if (theta) angles[j] = (*theta)[static_cast<Eigen::Index>(j)];
+    columns.optional_number(kNames[j], angles[j], kDegree, 6, Column::kOptional);
+  }
+  if (!columns.reading()) return;
+  theta.reset();
+  const auto is_given = [](const std::optional<double>& angle) { return angle.has_value(); };
+  if (std::none_of(angles.begin(), angles.end(), is_given)) return;
+  for (std::size_t j = 0; j < angles.size(); ++j)
+    columns.check(is_given(angles[j]),
+                  fmt::format("{} is ''; a finite number is needed", kNames[j]));
+  theta = Joints(angles[0].value_or(0.0), angles[1].value_or(0.0), angles[2].value_or(0.0));
+}
+
+}  // namespace planar
