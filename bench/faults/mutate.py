@@ -12,6 +12,7 @@ import random
 import re
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 BUILD = Path("build/release")
@@ -37,14 +38,26 @@ def mutants_of(path):
                     [*lines[:number], mutated, *lines[number + 1:]])
 
 
-def test_notices(test):
-    """Returns None for a mutant that does not compile, else whether a test fails."""
+def program_of(test):
+    return next(BUILD.glob(f"tests/*/{test}"))
+
+
+def seconds_of(test):
+    """Builds and runs a test program that nobody has broken."""
+    subprocess.run(["ninja", "-C", BUILD, test], capture_output=True, check=True)
+    start = time.monotonic()
+    subprocess.run([program_of(test)], capture_output=True, check=True)
+    return time.monotonic() - start
+
+
+def test_notices(test, longest_s):
+    """Returns None for a mutant that does not compile, else whether a test fails or never ends."""
     built = subprocess.run(["ninja", "-C", BUILD, test], capture_output=True)
     if built.returncode != 0:
         return None
-    program = next(BUILD.glob(f"tests/*/{test}"))
     try:
-        return subprocess.run([program], capture_output=True, timeout=300).returncode != 0
+        return subprocess.run([program_of(test)], capture_output=True,
+                              timeout=longest_s).returncode != 0
     except subprocess.TimeoutExpired:
         return True
 
@@ -59,12 +72,13 @@ def main():
     work = [(path, *mutant) for path in options.sources for mutant in mutants_of(path)]
     if options.limit and len(work) > options.limit:
         work = random.Random(1).sample(work, options.limit)
+    longest_s = 5.0 + 10.0 * seconds_of(options.test)
     noticed, survivors, invalid = 0, 0, 0
     for path, number, before, after, text in work:
         original = path.read_text()
         try:
             path.write_text(text)
-            verdict = test_notices(options.test)
+            verdict = test_notices(options.test, longest_s)
         finally:
             path.write_text(original)
         if verdict is None:

@@ -37,14 +37,18 @@ struct Fault {
 };
 
 const Fault kFaults[] = {
-    {"before the arm had come to rest", false, [](TipMeasurement& m) { m.t_s = 11.9; }},
-    {"vision is uncertain by +- 0.060 mm", false,
+    {"0.100 s before the arm had come to rest", false, [](TipMeasurement& m) { m.t_s = 11.9; }},
+    {"vision is uncertain by +- 0.060 mm; allowed is 0.050 mm", false,
      [](TipMeasurement& m) { m.sigma_vision_m = 60e-6; }},
-    {"the lamps are seen 40.200 mm apart", true,
+    {"the lamps are seen 40.200 mm apart, but were 40.000 +- 0.100 mm apart", true,
      [](TipMeasurement& m) { m.lamps_B[1].x() += 0.2e-3; }},
-    {"50.30 mm from where it was commanded", true, [](TipMeasurement& m) { m.tip.p.x() += 50e-3; }},
-    {"seen turned by 75.10 deg", true, [](TipMeasurement& m) { m.tip.phi += 75.0 * kDegree; }},
-    {"the error map would correct by 0.250 mm", false,
+    {"50.30 mm from where it was commanded, (200.000, 100.000) mm; this cell allows 1.00 mm", true,
+     [](TipMeasurement& m) { m.tip.p.x() += 50e-3; }},
+    {"seen turned by 75.10 deg from where it was commanded; this cell allows 0.50 deg", true,
+     [](TipMeasurement& m) { m.tip.phi += 75.0 * kDegree; }},
+    {"the error map would correct by 0.250 mm; within its region it never corrects by more than "
+     "0.200 mm",
+     false,
      [](TipMeasurement& m) {
        m.correction = {0.0, -0.25e-3};
      }},
@@ -67,6 +71,19 @@ TEST_CASE("Each contradiction is doubted in its own words") {
     CHECK_THAT(found->reason, Catch::Contains(fault.words));
     CHECK(found->of_cell == fault.of_cell);
   }
+}
+
+TEST_CASE("Errors diverge that grow in each of the last two looks, and by more than the noise") {
+  constexpr double kNoise = 0.5;
+  CHECK(diverges({1.0, 2.0, 3.0}, kNoise));
+  CHECK(diverges({9.0, 1.0, 2.0, 3.0}, kNoise));
+  CHECK_FALSE(diverges({1.0, 2.0}, kNoise));
+  CHECK_FALSE(diverges({2.0, 1.0, 4.0}, kNoise));
+  CHECK_FALSE(diverges({1.0, 5.0, 4.0}, kNoise));
+  CHECK_FALSE(diverges({1.0, 1.2, 1.4}, kNoise));
+  CHECK_FALSE(diverges({1.0, 2.0, 2.0}, kNoise));
+  CHECK_FALSE(diverges({1.0, 1.0, 2.0}, kNoise));
+  CHECK_FALSE(diverges({1.0, 1.25, 1.5}, kNoise));
 }
 
 TEST_CASE("A turn by nearly a whole turn is a small one") {

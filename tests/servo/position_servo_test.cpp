@@ -361,6 +361,7 @@ TEST_CASE("The observer sees every step at rest, before the next motion") {
 TEST_CASE("The servo settles before every measurement") {
   const auto duration_s = [](double settle_s) {
     Bench bench;
+    bench.move_to(on_circle(0));  // the clock no longer stands at zero
     bench.settings.settle_s = settle_s;
     const ServoResult result = bench.move_to(kTarget);
     REQUIRE(result.steps.size() == 3);
@@ -376,6 +377,14 @@ TEST_CASE("Settings out of range are refused by name") {
     bench.move_to(kTarget);
   };
   CHECK_THROWS_WITH(with([](auto& s) { s.gain = 1.2; }), Catch::Contains("gain"));
+  CHECK_THROWS_WITH(with([](auto& s) { s.gain = 0.0; }), Catch::Contains("gain"));
+  CHECK_THROWS_WITH(with([](auto& s) { s.tolerance_m = 0.0; }), Catch::Contains("tolerance"));
+  CHECK_THROWS_WITH(with([](auto& s) { s.orientation_tolerance = 0.0; }),
+                    Catch::Contains("orientation tolerance"));
+  CHECK_THROWS_WITH(with([](auto& s) { s.approach_margin_rad = 0.0; }),
+                    Catch::Contains("approach margin"));
+  CHECK_NOTHROW(with([](auto& s) { s.frames_per_measurement = 1; }));
+  CHECK_NOTHROW(with([](auto& s) { s.settle_s = 0.0; }));
   CHECK_THROWS_WITH(with([](auto& s) { s.tolerance_m = std::nan(""); }),
                     Catch::Contains("tolerance"));
   CHECK_THROWS_WITH(with([](auto& s) { s.frames_per_measurement = 0; }),

@@ -102,4 +102,10 @@ std::optional<Doubt> doubt(const GuardLimits& limits, const GuardedLook& look,
   return std::nullopt;
 }
 
+bool diverges(const std::vector<double>& errors_m, double noise_m) {
+  if (errors_m.size() < 3) return false;
+  const auto last = errors_m.rbegin();
+  return last[0] > last[1] && last[1] > last[2] && last[0] > last[2] + noise_m;
+}
+
 }  // namespace planar

@@ -3,6 +3,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "planar_servo/core/pose.h"
 #include "planar_servo/core/units.h"
@@ -45,5 +46,9 @@ struct Doubt {
 /// since the look `before`, if there was one. Returns the first doubt.
 std::optional<Doubt> doubt(const GuardLimits& limits, const GuardedLook& look,
                            const GuardedLook* before);
+
+/// Returns true when the error grew in the last two looks at a target, and by more than `noise_m`
+/// explains. `errors_m` are the errors at all looks, in their order.
+bool diverges(const std::vector<double>& errors_m, double noise_m);
 
 }  // namespace planar

@@ -25,13 +25,10 @@ void check(const ServoSettings& settings) {
   require(settings.approach_margin_rad > 0.0, "approach margin must be positive");
 }
 
-/// Returns true when the error grew in the last two steps, and by more than noise explains.
-bool has_grown_twice(const std::vector<ServoStep>& steps) {
-  const std::size_t n = steps.size();
-  if (n < 3) return false;
-  const auto distance = [&](std::size_t i) { return steps[i].error.norm(); };
-  return distance(n - 1) > distance(n - 2) && distance(n - 2) > distance(n - 3) &&
-         distance(n - 1) > distance(n - 3) + steps.back().stop_below_m;
+std::vector<double> errors_m(const std::vector<ServoStep>& steps) {
+  std::vector<double> lengths;
+  for (const ServoStep& step : steps) lengths.push_back(step.error.norm());
+  return lengths;
 }
 
 }  // namespace
@@ -111,7 +108,7 @@ std::optional<ServoStatus> PositionServo::verdict(const std::vector<ServoStep>& 
                                                             : ServoStatus::kLostLamp;
   if (content(last))
     return last.measurement.inside_map ? ServoStatus::kReached : ServoStatus::kOutsideMap;
-  if (has_grown_twice(steps)) return ServoStatus::kDiverged;
+  if (diverges(errors_m(steps), last.stop_below_m)) return ServoStatus::kDiverged;
   if (last.iteration == settings_.max_iterations) return ServoStatus::kNotConverged;
   return std::nullopt;
 }
