@@ -1,11 +1,14 @@
 #include "planar_servo/servo/position_servo.h"
 
+#include <fmt/format.h>
+
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
+#include "planar_servo/servo/control_law.h"
 #include "support/simulated_cell.h"
 
 namespace planar {
@@ -165,14 +168,16 @@ TEST_CASE("The servo stops at the largest of tolerance, vision noise and one pul
 }
 
 TEST_CASE("A servo whose view has the wrong sign holds at the second look") {
-  Bench bench;
-  bench.settings.approach = Approach::kOneSide;
-  bench.sensor.mirrored_about = kTarget.p;
-  const ServoResult result = bench.move_to(kTarget);
-  CHECK(result.status == ServoStatus::kHeld);
-  CHECK(result.cell_in_doubt);
-  CHECK_THAT(result.reason, Catch::Contains("was seen to move by"));
-  CHECK(result.steps.size() == 2);
+  for (const Approach approach : {Approach::kOneSide, Approach::kDirect}) {
+    Bench bench;
+    bench.settings.approach = approach;
+    bench.sensor.mirrored_about = kTarget.p;
+    const ServoResult result = bench.move_to(kTarget);
+    CHECK(result.status == ServoStatus::kHeld);
+    CHECK(result.cell_in_doubt);
+    CHECK_THAT(result.reason, Catch::Contains("was seen to move by"));
+    CHECK(result.steps.size() == 2);
+  }
 }
 
 TEST_CASE("An error that grows twice, too little for a doubt, halts the arm") {
@@ -224,6 +229,12 @@ TEST_CASE("The iterations are bounded") {
   CHECK(result.status == ServoStatus::kNotConverged);
   CHECK(result.iterations == 4);
   CHECK(result.steps.size() == 5);
+  const ServoStep& last = result.steps.back();
+  CHECK_THAT(result.reason,
+             Catch::Contains(fmt::format("is {:.4f} mm and {:.3f} deg after 4 corrections",
+                                         last.error.norm() / kMillimetre,
+                                         std::abs(last.turn_error) / kDegree)) &&
+                 Catch::Contains("allowed is 0.0050 mm and 0.200 deg"));
 }
 
 TEST_CASE("Nothing moves after a lamp is lost") {
@@ -277,6 +288,16 @@ TEST_CASE("A correction that would leave the workspace is refused, the motion be
   CHECK(result.status == ServoStatus::kRefused);
   CHECK_THAT(result.reason, Catch::Contains("the workspace reaches"));
   CHECK(bench.planner.arm().forward(bench.robot.commanded_joints()).p.norm() < 0.54);
+}
+
+TEST_CASE("Where the links lie in line no correction is possible, and that is said") {
+  Bench bench;
+  bench.planner = JointPlanner(bench.planner.arm(), bench.planner.transmission(), {0.06, 0.6, {}},
+                               Elbow::kLeft);
+  const ServoResult result = bench.move_to({{0.6 - 1e-9, 0.0}, 0.0});
+  CHECK(result.status == ServoStatus::kRefused);
+  CHECK(result.reason == describe(LawStatus::kSingular));
+  CHECK(bench.cell.targets_sent() == 3);
 }
 
 TEST_CASE("Arriving outside the map's valid region is said") {
