@@ -104,6 +104,10 @@ TEST_CASE("A point that cannot be reached says why") {
   CHECK(status(arm, kL1 + kL2) == ReachStatus::kOk);
   CHECK(status(arm, kL1 + kL2 + 1e-6) == ReachStatus::kTooFar);
   CHECK(status(arm, kL1 - kL2) == ReachStatus::kOk);
+  for (int i = 0; i < 360; ++i) {  // rounding may put a place of the rim beyond it
+    const Eigen::Vector2d rim = (kL1 + kL2) * rotation2d(i * kDegree).col(0);
+    CHECK(arm.inverse({rim, 0.0}, Elbow::kLeft, Joints::Zero()).status == ReachStatus::kOk);
+  }
   CHECK(status(arm, kL1 - kL2 - 1e-6) == ReachStatus::kTooClose);
   CHECK(status(arm, 0.0) == ReachStatus::kTooClose);
   CHECK(status(make_arm(Rotation::kClockwise, kL1), 0.0) == ReachStatus::kUndetermined);

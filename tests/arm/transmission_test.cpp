@@ -134,10 +134,15 @@ TEST_CASE("Among the turns of a motor the one within its limits and nearest is t
     REQUIRE(found.has_value());
     CHECK((*found)[2] == Approx(near3 > 0 ? 1.5 : 1.5 - 2.0 * kPi));
   }
-  // A whole turn of joint 1 is brought back, and the joints behind it with it.
-  const auto found = transmission.branch_within_limits(pose.array() + 2.0 * kPi, pose);
-  REQUIRE(found.has_value());
-  CHECK((*found - pose).norm() < 1e-12);
+  // Whole turns of joint 1 are brought back, and the joints behind it with it, wherever it stands.
+  for (const double turns : {-3.0, -1.0, 1.0, 3.0}) {
+    const Joints turned = pose.array() + turns * 2.0 * kPi;
+    for (const Joints& near : {pose, turned}) {
+      const auto found = transmission.branch_within_limits(turned, near);
+      REQUIRE(found.has_value());
+      CHECK((*found - pose).norm() < 1e-12);
+    }
+  }
   // At -6.18 motor 3 is within its limit, but has no room of 0.05 left above it.
   const Joints low(0.5, 1.0, 1.0 - 6.18);
   CHECK((*transmission.branch_within_limits(low, low) - low).norm() < 1e-12);

@@ -77,6 +77,17 @@ TEST_CASE("A way is refused just where the virtual drives would cross a border, 
   CHECK(clear > 50);
 }
 
+TEST_CASE("A small disc far along a turn of joint 1 alone is not missed") {
+  const Joints stretched(-0.5, -0.5, 0.0);
+  for (const double direction : {-0.45, 0.45}) {
+    const PlanarArm arm(kGeometry);
+    const Eigen::Vector2d p = arm.forward({direction, direction, 0.0}).p;
+    const JointPlanner planner(arm, transmission_with(Coupling::kRelative),
+                               {0.0, 1.0, {{p, 0.001}}}, Elbow::kLeft);
+    CHECK(planner.way_refusal(stretched, {0.5, 0.5, 0.0}));
+  }
+}
+
 TEST_CASE("A refused way names the disc and how deep it leads, and an arm inside may leave") {
   const Transmission transmission = transmission_with(Coupling::kRelative);
   const PlanarArm arm(kGeometry);
