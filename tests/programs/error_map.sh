@@ -111,12 +111,12 @@ same_with_threads() {
   cmp threads_1.yaml threads_3.yaml || fail "$1: with three threads there is another map"
 }
 same_with_threads good
-pairs 2000 | table sparse
+pairs 1200 | table sparse
 same_with_threads sparse
 
 # A long scan: the bar is for a terminal, and not for a log or a quiet run.
-pairs 30000 | table scan
-fitted scan "pairs used +30000" "method +sparse"
+pairs 15000 | table scan
+fitted scan "pairs used +15000" "method +sparse"
 terminal() { script -qec "$bin/planar-fit-error-map $1 -o map.yaml scan.csv" /dev/null; }
 terminal "" >terminal.txt
 for phase in "summing over the pairs" "leaving out outliers"; do

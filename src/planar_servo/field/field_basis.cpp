@@ -1,0 +1,50 @@
+#include "planar_servo/field/field_basis.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "planar_servo/core/units.h"
+
+namespace planar {
+namespace {
+
+// A Gaussian process is all but reproduced by Gaussians three quarters of their width apart.
+constexpr double kSpacingOverWidth = 0.75;
+constexpr int kMostCenters = 200;
+/// Beyond the last places the centres go on a little, or the field would bend there.
+constexpr double kBeyond = 1.05;
+/// Keeps the kernel's matrix positive definite in double precision.
+constexpr double kJitter = 1e-8;
+
+}  // namespace
+
+Eigen::RowVectorXd FieldBasis::at(const Eigen::Vector2d& p) const {
+  Eigen::RowVectorXd row(terms());
+  row.head(centers.cols()) =
+      ((centers.colwise() - p).colwise().squaredNorm() / (-2.0 * width * width)).array().exp();
+  const double x = p.x() / radius, y = p.y() / radius;
+  row.tail<kQuadratic>() << 1.0, x, y, x * x, x * y, y * y;
+  return row;
+}
+
+Eigen::MatrixXd FieldBasis::kernel_matrix() const {
+  Eigen::MatrixXd K(centers.cols(), centers.cols());
+  for (Eigen::Index j = 0; j < centers.cols(); ++j)
+    K.col(j) = at(centers.col(j)).head(centers.cols()).transpose();
+  K.diagonal().array() += kJitter;
+  return K;
+}
+
+FieldBasis basis_over_disc(double radius, double width) {
+  const double outer = kBeyond * radius, spacing = kSpacingOverWidth * width;
+  const int count =
+      std::clamp(static_cast<int>(kPi * outer * outer / (spacing * spacing)), 1, kMostCenters);
+  const double golden_turn = kPi * (3.0 - std::sqrt(5.0));  // spreads places on a spiral evenly
+  FieldBasis basis{Eigen::Matrix2Xd(2, count), width, radius};
+  for (int j = 0; j < count; ++j)
+    basis.centers.col(j) = outer * std::sqrt((j + 0.5) / count) *
+                           Eigen::Vector2d(std::cos(j * golden_turn), std::sin(j * golden_turn));
+  return basis;
+}
+
+}  // namespace planar

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <Eigen/Core>
+
+namespace planar {
+
+/// The functions of which each component of a vision error field is made: Gaussians about centres
+/// that fill a disc evenly, and the six terms of a quadratic in p / radius.
+///
+///     e(p) = sum_j w_j exp(-|p - c_j|^2 / (2 width^2)) + quadratic
+struct FieldBasis {
+  Eigen::Matrix2Xd centers;  ///< metres
+  double width{0.1};         ///< metres
+  double radius{1.0};        ///< metres
+
+  Eigen::Index terms() const { return centers.cols() + kQuadratic; }
+  Eigen::RowVectorXd at(const Eigen::Vector2d& p) const;
+  /// Returns the matrix whose inverse is the prior covariance of the Gaussians' weights, for a
+  /// field of unit variance.
+  Eigen::MatrixXd kernel_matrix() const;
+
+  static constexpr Eigen::Index kQuadratic = 6;
+};
+
+/// Returns a basis of this width for a field over a disc about the base's axis.
+FieldBasis basis_over_disc(double radius, double width);
+
+}  // namespace planar

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "planar_servo/field/joint_fit.h"
+
+namespace planar {
+
+/// A size of model that was tried, and how likely it makes the samples.
+struct TriedModel {
+  ArmModelSize size;
+  JointPriors priors;
+  double log_likelihood{0.0};
+};
+
+/// A sample, or the reading of one, that contradicts all others.
+struct JointOutlier {
+  std::size_t index{0};  ///< among the samples
+  bool reading{false};   ///< only the tracker's reading is left out
+};
+
+/// Holds a field, arm and tool, and what was decided on the way to them.
+struct JointEstimate {
+  ArmNominal nominal;
+  ArmModelSize size;
+  JointPriors priors;
+  JointFit fit;
+  std::vector<TriedModel> tried;
+  std::vector<JointOutlier> left_out;
+
+  ArmModel model() const { return {nominal, size}; }
+};
+
+/// Estimates field, arm and tool. Widths, deviations and the number of harmonics are those of the
+/// largest marginal likelihood; no truth and no sample kept for judging enters. Samples that lie
+/// far beyond the scatter of all are left out: first their reading, then the whole pose. Throws
+/// InputError for fewer than kFewestPoses samples, and for outliers beyond a fifth of them. Throws
+/// WorkError when the equations cannot be solved.
+JointEstimate estimate_jointly(const ArmNominal& nominal, const std::vector<PoseSample>& samples);
+
+constexpr std::size_t kFewestPoses = 12;
+
+}  // namespace planar

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "planar_servo/field/arm_model.h"
+#include "planar_servo/field/field_basis.h"
+#include "planar_servo/field/pose_sample.h"
+
+namespace planar {
+
+/// What a joint fit takes for granted. Lengths are in metres.
+struct JointPriors {
+  double field_width{0.13};  ///< of the field's Gaussians
+  double field_sigma{1e-4};  ///< standard deviation of the field beside its quadratic
+  double lamp_factor{1.0};   ///< times the stated deviations of the lamps' places
+  double arm_sigma{1e-7};    ///< of a pose from the arm's model, per axis
+  double tool_sigma{3e-7};   ///< of the tool's direction from the arm's model, radians
+};
+
+/// Holds the field, the arm and the tool that explain a set of poses, with their covariance. The
+/// unknowns are the weights of the field's x, those of its y, and the model's x.
+struct JointFit {
+  FieldBasis basis;
+  Eigen::VectorXd weights_x, weights_y;
+  Eigen::VectorXd arm;
+  Eigen::MatrixXd covariance;  ///< of all unknowns in this order
+  double log_likelihood{0.0};  ///< marginal; comparable between fits of the same samples
+  std::vector<double> chi2;    ///< of each sample's residual, of its own covariance
+};
+
+/// Estimates the field e, seen place = place + e, together with the arm and the tool, by
+/// Gauss-Newton steps with the priors as further observations (theory section 13). The reflector
+/// and both lamps of a pose share its deviation from the arm's model. Every sample counts as it is;
+/// nothing is left out. Empty when the equations cannot be solved.
+std::optional<JointFit> fit_jointly(const ArmModel& model, const JointPriors& priors,
+                                    const std::vector<PoseSample>& samples, double field_radius);
+
+/// Returns only the log likelihood of that fit, in less time.
+std::optional<double> joint_log_likelihood(const ArmModel& model, const JointPriors& priors,
+                                           const std::vector<PoseSample>& samples,
+                                           double field_radius);
+
+}  // namespace planar

@@ -1,0 +1,102 @@
+#pragma once
+
+#include <cmath>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "planar_servo/core/units.h"
+#include "planar_servo/field/arm_model.h"
+#include "planar_servo/field/pose_sample.h"
+
+namespace planar::test {
+
+/// A cell whose arm is not as its files say and whose camera is wrong by a tenth of a millimetre,
+/// written without the models that are tested.
+struct BentCell {
+  double link1{0.3003}, link2{0.2996};
+  Eigen::Vector3d zeros{0.4e-3, -0.7e-3, 1.1e-3};
+  Eigen::Vector3d eccentricity{0.6e-3, 0.9e-3, 1.2e-3}, phase{0.3, 1.7, -0.9};
+  double second{0.25};  ///< the second harmonic's share of the first
+  double sag_per_m{0.4e-3};
+  Eigen::Vector2d foot{0.01, 0.04};
+  double height{1.5};
+  Eigen::Vector2d lamps_T{0.2e-3, -0.3e-3}, reflector_T{12.1e-3, -8.2e-3};
+  double separation{40.02e-3};
+  double noise_lamp{1e-6}, noise_reflector{10e-6};
+
+  struct Truth {
+    Eigen::Vector2d tip{0.0, 0.0};
+    double phi{0.0};
+  };
+
+  static Eigen::Vector2d field(const Eigen::Vector2d& s) {
+    return 1e-4 * Eigen::Vector2d(std::sin(s.x() / 0.16) + 0.5 * std::cos(s.y() / 0.11),
+                                  std::cos((s.x() + s.y()) / 0.19) - 0.4 * std::sin(s.y() / 0.13));
+  }
+
+  Truth truth(const Eigen::Vector3d& motors) const {
+    Eigen::Vector3d turned = motors + zeros;
+    for (int j = 0; j < 3; ++j)
+      turned[j] += eccentricity[j] *
+                   (std::sin(motors[j] + phase[j]) + second * std::sin(2.0 * motors[j] - phase[j]));
+    const double a = turned[0], b = a + turned[1], c = b + turned[2];
+    return {{link1 * std::cos(a) + link2 * std::cos(b), link1 * std::sin(a) + link2 * std::sin(b)},
+            c};
+  }
+
+  /// Returns where a lamp is seen; the field is that at the place where it is seen.
+  Eigen::Vector2d seen(const Truth& at, double along) const {
+    const Eigen::Vector2d lamp =
+        at.tip + rotation2d(at.phi) * (lamps_T + Eigen::Vector2d(along, 0.0));
+    const double h = -sag_per_m * at.tip.squaredNorm();
+    const Eigen::Vector2d ideal = lamp + h / (height - h) * (lamp - foot);
+    Eigen::Vector2d s = ideal;
+    for (int i = 0; i < 20; ++i) s = ideal + field(s);
+    return s;
+  }
+
+  PoseSample sample(const Eigen::Vector3d& motors, bool attended, std::mt19937& random) const {
+    std::normal_distribution<double> noise;
+    const auto scatter = [&](double sigma) -> Eigen::Vector2d {
+      return sigma * Eigen::Vector2d(noise(random), noise(random));
+    };
+    const Truth at = truth(motors);
+    PoseSample sample;
+    sample.id = std::to_string(random());
+    sample.motors = motors;
+    sample.lamps_B = {seen(at, -0.5 * separation) + scatter(noise_lamp),
+                      seen(at, 0.5 * separation) + scatter(noise_lamp)};
+    sample.sigma_lamp = noise_lamp;
+    if (attended)
+      sample.reflector_B = at.tip + rotation2d(at.phi) * reflector_T + scatter(noise_reflector);
+    sample.sigma_reflector = noise_reflector;
+    return sample;
+  }
+
+  static Eigen::Vector3d random_motors(std::mt19937& random) {
+    std::uniform_real_distribution<double> turn(-2.5, 2.5), elbow(0.6, 2.6);
+    return {turn(random), elbow(random), turn(random)};
+  }
+
+  std::vector<PoseSample> samples(int attended, int unattended, std::mt19937& random) const {
+    std::vector<PoseSample> all;
+    all.reserve(static_cast<std::size_t>(attended) + static_cast<std::size_t>(unattended));
+    for (int i = 0; i < attended + unattended; ++i)
+      all.push_back(sample(random_motors(random), i < attended, random));
+    return all;
+  }
+
+  /// What the cell's files say of it.
+  ArmNominal nominal() const {
+    ArmNominal files;
+    files.geometry = {{0.3, 0.3}, Rotation::kCounterclockwise};
+    files.joints_per_motor << 1, 0, 0, 1, 1, 0, 1, 1, 1;
+    files.p_camera_B << foot, height;
+    files.separation = 0.04;
+    files.reflector_T = {12e-3, -8e-3};
+    return files;
+  }
+};
+
+}  // namespace planar::test
