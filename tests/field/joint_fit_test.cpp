@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 
 #include "field/bent_cell.h"
+#include "planar_servo/field/lamp_field.h"
 
 namespace planar {
 namespace {
@@ -12,29 +13,17 @@ constexpr double kFieldRadius = 0.6;
 /// Returns the mean distance from the compensated end point to the true one at other places.
 double mean_error_m(const test::BentCell& cell, const ArmModel& model, const JointFit& fit,
                     std::mt19937& random) {
+  JointEstimate estimate;
+  estimate.nominal = cell.nominal();
+  estimate.size = model.size();
+  estimate.fit = fit;
+  const LampField field = lamp_field(estimate, cell.samples(0, 3, random));
   constexpr int kPlaces = 300;
   double sum = 0.0;
   for (int i = 0; i < kPlaces; ++i) {
     const Eigen::Vector3d motors = test::BentCell::random_motors(random);
     const PoseSample seen = cell.sample(motors, false, random);
-    const ToolPoints predicted = model.at(motors, fit.arm);
-    std::array<Eigen::Vector2d, 2> lamps;
-    for (std::size_t k = 0; k < 2; ++k) {
-      const Eigen::RowVectorXd b = fit.basis.at(seen.lamps_B[k]);
-      lamps[k] = seen.lamps_B[k] - Eigen::Vector2d(b * fit.weights_x, b * fit.weights_y);
-    }
-    // The height moves both lamps alike, but for their distance; the model's own is taken off.
-    Eigen::VectorXd flat = fit.arm;
-    flat.segment<3>(model.layout().height).setZero();
-    const ToolPoints without_height = model.at(motors, flat);
-    for (int k = 0; k < 2; ++k)
-      lamps[static_cast<std::size_t>(k)] -=
-          predicted.points.col(k + 1) - without_height.points.col(k + 1);
-    const Eigen::Vector2d along = lamps[1] - lamps[0];
-    const Eigen::Vector2d lamps_T = fit.arm.segment<2>(model.layout().tool + 1);
-    const Eigen::Vector2d tip =
-        0.5 * (lamps[0] + lamps[1]) - rotation2d(std::atan2(along.y(), along.x())) * lamps_T;
-    sum += (tip - cell.truth(motors).tip).norm() / kPlaces;
+    sum += (compensate(field, seen.lamps_B).tip.p - cell.truth(motors).tip).norm() / kPlaces;
   }
   return sum;
 }

@@ -27,7 +27,10 @@ Eigen::Matrix<double, 2, 3> tool_offsets(const Eigen::VectorXd& x, Eigen::Index 
 }  // namespace
 
 ArmModel::ArmModel(const ArmNominal& nominal, const ArmModelSize& size)
-    : nominal_(nominal), size_(size), sense_(PlanarArm(nominal.geometry).sense()) {}
+    : nominal_(nominal),
+      size_(size),
+      sense_(PlanarArm(nominal.geometry).sense()),
+      reach_(nominal.geometry.link_lengths_m.sum()) {}
 
 Eigen::VectorXd ArmModel::nominal() const {
   Eigen::VectorXd x = Eigen::VectorXd::Zero(terms());
@@ -57,8 +60,8 @@ Eigen::Vector3d ArmModel::directions(const Eigen::Vector3d& motors,
   return sense_ * (nominal_.joints_per_motor * turned);
 }
 
-Eigen::Vector2d ArmModel::height_terms(const Eigen::Vector2d& tip) const {
-  const double reach = nominal_.geometry.link_lengths_m.sum(), r2 = tip.squaredNorm();
+Eigen::Vector2d height_terms(const Eigen::Vector2d& tip, double reach) {
+  const double r2 = tip.squaredNorm();
   return {-r2, -r2 * (r2 / (reach * reach) - 0.5)};
 }
 
@@ -68,7 +71,7 @@ ToolPoints ArmModel::at(const Eigen::Vector3d& motors, const Eigen::VectorXd& x)
   seen.tip = {x[0] * along(psi[0]) + x[1] * along(psi[1]), psi[2]};
   seen.points = (rotation2d(psi[2]) * tool_offsets(x, layout().tool)).colwise() + seen.tip.p;
   const Eigen::Index k = layout().height;
-  const double middle = height_terms(seen.tip.p).dot(x.segment<2>(k));
+  const double middle = height_terms(seen.tip.p, reach_).dot(x.segment<2>(k));
   for (int lamp = 1; lamp <= 2; ++lamp) {
     const double height = middle + (lamp == 1 ? -0.5 : 0.5) * x[k + 2];
     seen.points.col(lamp) +=
@@ -83,7 +86,7 @@ ArmModel::Jacobian ArmModel::jacobian(const Eigen::Vector3d& motors,
   const Eigen::Matrix<double, 2, 3> offsets = tool_offsets(x, layout().tool);
   const Eigen::Matrix2d R = rotation2d(psi[2]);
   const ToolPoints now = at(motors, x);
-  const Eigen::Vector2d terms_at_tip = height_terms(now.tip.p);
+  const Eigen::Vector2d terms_at_tip = height_terms(now.tip.p, reach_);
   Jacobian J = Jacobian::Zero(6, terms());
   for (Eigen::Index point = 0; point < 3; ++point) {
     auto rows = J.middleRows<2>(2 * point);

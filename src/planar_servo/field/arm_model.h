@@ -29,6 +29,10 @@ struct ToolPoints {
   Eigen::Matrix<double, 2, 3> points{Eigen::Matrix<double, 2, 3>::Zero()};
 };
 
+/// Returns the factors of k1 and k2 in the lamps' height at an end point, with L = `reach`; see
+/// ArmModel.
+Eigen::Vector2d height_terms(const Eigen::Vector2d& tip, double reach);
+
 /// Predicts the tool's points of a planar arm that is not quite as its files say. With motor angles
 /// m, orders h and the sense s of theory section 7,
 ///
@@ -69,12 +73,11 @@ class ArmModel {
 
   Eigen::Index harmonic_terms() const { return Eigen::Index{6} * size_.harmonics; }
   Eigen::Vector3d directions(const Eigen::Vector3d& motors, const Eigen::VectorXd& x) const;
-  /// Returns the two terms of the lamps' height over k1 and k2 at an end point.
-  Eigen::Vector2d height_terms(const Eigen::Vector2d& tip) const;
 
   ArmNominal nominal_;
   ArmModelSize size_;
   double sense_;
+  double reach_;
 };
 
 }  // namespace planar

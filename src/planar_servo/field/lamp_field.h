@@ -1,0 +1,42 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <vector>
+
+#include "planar_servo/core/plane_geometry.h"
+#include "planar_servo/error_map/maps/valid_region.h"
+#include "planar_servo/field/joint_estimate.h"
+
+namespace planar {
+
+/// The vision error where a lamp is seen, with the tool and the lamps' height that were found
+/// together with it. Lengths are in metres, places in the base frame.
+struct LampField {
+  FieldBasis basis;
+  Eigen::MatrixX2d weights;         ///< of the field's x and y
+  Eigen::Vector3d height{0, 0, 0};  ///< k1, k2, g of ArmModel
+  double reach{1.0};                ///< length of both links
+  Eigen::Vector3d p_camera_B{0, 0, 1};
+  Eigen::Vector2d lamps_T{0.0, 0.0};  ///< the lamps' middle from the end point
+  /// Covariance of weights of x, weights of y, height and lamps_T, in this order.
+  Eigen::MatrixXd covariance;
+  ValidRegion region;  ///< of the lamps' middle as seen
+};
+
+/// The end point by lamps whose errors are taken off.
+struct CompensatedTip {
+  TipPose tip;
+  std::array<Eigen::Vector2d, 2> lamps_B{Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};
+  Eigen::Matrix2d covariance{Eigen::Matrix2d::Zero()};  ///< of tip.p, from the field and the tool
+  bool inside{false};                                   ///< whether the field is valid here
+};
+
+/// Takes the error off each lamp where it is seen, and places the tool by what is left (theory
+/// section 12): phi is the direction from lamp 1 to lamp 2, P their middle less R(phi) lamps_T.
+CompensatedTip compensate(const LampField& field, const std::array<Eigen::Vector2d, 2>& seen_B);
+
+/// Returns the field of an estimate, valid in the hull of the lamps' middles in `samples`.
+LampField lamp_field(const JointEstimate& estimate, const std::vector<PoseSample>& samples);
+
+}  // namespace planar
