@@ -384,7 +384,9 @@ TEST_CASE("The servo settles before every measurement") {
     Bench bench;
     bench.move_to(on_circle(0));  // the clock no longer stands at zero
     bench.settings.settle_s = settle_s;
+    const double begin_s = bench.cell.clock().now_s();
     const ServoResult result = bench.move_to(kTarget);
+    CHECK(result.duration_s == Approx(bench.cell.clock().now_s() - begin_s));
     REQUIRE(result.steps.size() == 3);
     return result.duration_s;
   };
