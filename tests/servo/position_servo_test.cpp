@@ -207,7 +207,10 @@ TEST_CASE("A target is not reached while the tool points elsewhere") {
   Bench bench;
   bench.settings.max_iterations = 0;
   bench.settings.tolerance_m = 2e-3;
-  CHECK(bench.move_to(kTarget).status == ServoStatus::kNotConverged);
+  const ServoResult askew = bench.move_to(kTarget);
+  CHECK(askew.status == ServoStatus::kNotConverged);
+  const double turn_deg = std::abs(askew.steps.back().turn_error) / kDegree;
+  CHECK_THAT(askew.reason, Catch::Contains(fmt::format("{:.3f} deg after 0", turn_deg)));
   bench.settings.orientation_tolerance = 0.5 * kDegree;
   CHECK(bench.move_to(kTarget).status == ServoStatus::kReached);
 }
