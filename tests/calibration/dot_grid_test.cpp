@@ -37,7 +37,8 @@ TEST_CASE("Every dot of a tilted grid is found where it was drawn, in the board'
   for (const double axis : {0.0, 0.8, 2.1}) {
     for (const double turn : {0.0, 0.6}) {
       const Pose X_CG = test::board_before_camera(kSmallBoard, 0.35, 0.5, axis, turn);
-      const cv::Mat image = test::picture_of_dots(test::small_camera(), kSmallBoard, kDotDiameter, X_CG);
+      const cv::Mat image =
+          test::picture_of_dots(test::small_camera(), kSmallBoard, kDotDiameter, X_CG);
       const BoardSight sight = find_board(image, kSmallBoard);
       INFO(sight.reason);
       REQUIRE(sight.found());
@@ -86,8 +87,8 @@ TEST_CASE(
     "A grid with a missing dot, one too large and an empty image are not found, with a reason") {
   const Pose X_CG = test::board_before_camera(kSmallBoard, 0.35, 0.3, 1.0, 0.1);
   const auto camera = test::small_camera();
-  const BoardSight missing =
-      find_board(test::picture_of_dots(camera, kSmallBoard, kDotDiameter, X_CG, {}, 9), kSmallBoard);
+  const BoardSight missing = find_board(
+      test::picture_of_dots(camera, kSmallBoard, kDotDiameter, X_CG, {}, 9), kSmallBoard);
   CHECK_FALSE(missing.found());
   CHECK_THAT(missing.reason, Catch::Contains("7 x 5") && Catch::Contains("34 dots"));
   const cv::Mat whole = test::picture_of_dots(camera, kSmallBoard, kDotDiameter, X_CG);
