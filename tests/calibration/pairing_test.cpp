@@ -63,6 +63,7 @@ TEST_CASE("By time each reading goes to the nearest frame, whatever its id says"
 
 TEST_CASE("By time a stretch of readings without a frame is told once, as of a scan that goes on") {
   std::vector<ToolReading> scan;
+  scan.reserve(1000);
   for (int i = 0; i < 1000; ++i) scan.push_back(reading("scan", 0.01 * i, 0.1));
   const Pairing pairing = pair_sights({frame("a", 5.0, 100.0)}, scan, PairBy::kTime);
   CHECK(pairing.sights.size() == 1);

@@ -72,6 +72,7 @@ void check_table(const Draw& draw, const Write& text_of, const Read& read) {
   for (unsigned seed = 1; seed <= kTables; ++seed) {
     Random random(seed);
     std::vector<Row> rows;
+    rows.reserve(kRows);
     for (int i = 0; i < kRows; ++i) rows.push_back(draw(random));
     const std::string text = text_of(rows);
     const std::vector<Row> back = read(folder.write("frames.csv", text));

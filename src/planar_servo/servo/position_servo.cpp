@@ -27,6 +27,7 @@ void check(const ServoSettings& settings) {
 
 std::vector<double> errors_m(const std::vector<ServoStep>& steps) {
   std::vector<double> lengths;
+  lengths.reserve(steps.size());
   for (const ServoStep& step : steps) lengths.push_back(step.error.norm());
   return lengths;
 }
@@ -166,8 +167,7 @@ JointPlan PositionServo::corrected_joints(const ServoStep& step) const {
 }
 
 std::optional<Obstacle> PositionServo::command(const Joints& theta) {
-  const auto obstacle =
-      arrive(robot_, planner_, settings_, theta, [this] { return sensor_.fault(); });
+  auto obstacle = arrive(robot_, planner_, settings_, theta, [this] { return sensor_.fault(); });
   if (obstacle) return obstacle;
   arrived_s_ = clock_.now_s();
   clock_.sleep_for_s(settings_.settle_s);
