@@ -18,7 +18,7 @@ TEST_CASE("An arm as its files say it is predicts the points of its tool by plai
   const TipPose tip = arm.forward(files.joints_per_motor * motors);
   CHECK((seen.tip.p - tip.p).norm() < 1e-12);
   CHECK(seen.tip.phi == Approx(tip.phi));
-  const Eigen::Vector2d reflector = tip.p + rotation2d(tip.phi) * files.reflector_T;
+  const Eigen::Vector2d reflector = tip.p + rotation2d(tip.phi) * files.tool.p_TS.head<2>();
   CHECK((seen.points.col(0) - reflector).norm() < 1e-12);
   CHECK((seen.points.col(2) - seen.points.col(1)).norm() == Approx(files.separation));
 }

@@ -94,7 +94,7 @@ struct BentCell {
     files.joints_per_motor << 1, 0, 0, 1, 1, 0, 1, 1, 1;
     files.p_camera_B << foot, height;
     files.separation = 0.04;
-    files.reflector_T = {12e-3, -8e-3};
+    files.tool.p_TS = {12e-3, -8e-3, 0.0};
     return files;
   }
 };

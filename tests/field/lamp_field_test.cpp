@@ -39,7 +39,7 @@ TEST_CASE("A field of nothing leaves the lamps where they are seen") {
   field.basis = basis_over_disc(0.6, 0.2);
   field.weights.setZero(field.basis.terms(), 2);
   field.covariance.setZero(2 * field.basis.terms() + 5, 2 * field.basis.terms() + 5);
-  field.lamps_T = {0.003, -0.002};
+  field.tool.p_TP = {-0.003, 0.002};
   const CompensatedTip found =
       compensate(field, {Eigen::Vector2d(0.3, 0.1), Eigen::Vector2d(0.3, 0.14)});
   CHECK(found.tip.phi == Approx(kPi / 2.0));

@@ -26,6 +26,22 @@ TipPose tip_from_places(const std::array<Eigen::Vector2d, 2>& lamps_B, const Too
   return {0.5 * (lamps_B[0] + lamps_B[1]) + rotation2d(phi) * tool.p_TP, phi};
 }
 
+std::array<TipSlope, 2> tip_slopes(const std::array<Eigen::Vector2d, 2>& lamps_B,
+                                   const ToolOffsets& tool) {
+  const Eigen::Vector2d along = lamps_B[1] - lamps_B[0];
+  const Eigen::Vector2d arm = rotation2d(std::atan2(along.y(), along.x())) * tool.p_TP;
+  // A turn moves the end point about the middle of the lamps.
+  const Eigen::Vector2d p_by_phi(-arm.y(), arm.x());
+  const Eigen::RowVector2d phi_by_second =
+      Eigen::RowVector2d(-along.y(), along.x()) / along.squaredNorm();
+  std::array<TipSlope, 2> slopes;
+  for (std::size_t k = 0; k < 2; ++k) {
+    slopes[k].phi = k == 0 ? -phi_by_second : phi_by_second;
+    slopes[k].p = 0.5 * Eigen::Matrix2d::Identity() + p_by_phi * slopes[k].phi;
+  }
+  return slopes;
+}
+
 std::optional<VisionTip> tip_from_lamps(const Workplane& workplane, const ToolOffsets& tool,
                                         const std::array<Eigen::Vector2d, 2>& lamps_px,
                                         const std::array<Eigen::Matrix2d, 2>& covariances_px2) {
@@ -40,18 +56,11 @@ std::optional<VisionTip> tip_from_lamps(const Workplane& workplane, const ToolOf
   }
   VisionTip seen;
   seen.tip = tip_from_places(lamps_W, tool);
-  const Eigen::Vector2d along = lamps_W[1] - lamps_W[0];
-  const Eigen::Vector2d arm = rotation2d(seen.tip.phi) * tool.p_TP;
-  // A turn moves the end point about the middle of the lamps.
-  const Eigen::Vector2d d_p_d_phi(-arm.y(), arm.x());
-  const Eigen::RowVector2d d_phi_d_b =
-      Eigen::RowVector2d(-along.y(), along.x()) / along.squaredNorm();
+  const auto slopes = tip_slopes(lamps_W, tool);
   double variance_phi = 0.0;
   for (std::size_t k = 0; k < 2; ++k) {
-    const Eigen::RowVector2d d_phi = k == 0 ? -d_phi_d_b : d_phi_d_b;
-    const Eigen::Matrix2d d_p = 0.5 * Eigen::Matrix2d::Identity() + d_p_d_phi * d_phi;
-    seen.covariance += d_p * covariances_W[k] * d_p.transpose();
-    variance_phi += d_phi * covariances_W[k] * d_phi.transpose();
+    seen.covariance += slopes[k].p * covariances_W[k] * slopes[k].p.transpose();
+    variance_phi += slopes[k].phi * covariances_W[k] * slopes[k].phi.transpose();
   }
   seen.sigma_phi = std::sqrt(variance_phi);
   seen.lamps_B = lamps_W;

@@ -22,6 +22,16 @@ struct VisionTip {
 /// these places on the plane.
 TipPose tip_from_places(const std::array<Eigen::Vector2d, 2>& lamps_B, const ToolOffsets& tool);
 
+/// How a tip changes with the place of one lamp.
+struct TipSlope {
+  Eigen::Matrix2d p{Eigen::Matrix2d::Zero()};          ///< d tip.p / d lamp
+  Eigen::RowVector2d phi{Eigen::RowVector2d::Zero()};  ///< d tip.phi / d lamp, radians per metre
+};
+
+/// Returns the derivatives of tip_from_places() by the places of lamps 1 and 2.
+std::array<TipSlope, 2> tip_slopes(const std::array<Eigen::Vector2d, 2>& lamps_B,
+                                   const ToolOffsets& tool);
+
 /// Returns the shifts in pixels from the images of the lamps' centres to the centres of their
 /// images, for discs of these diameters (metres) in the plane; see eccentricity_px(). A shift is
 /// zero where the lamp's ray does not meet the plane or its diameter is unknown (zero).

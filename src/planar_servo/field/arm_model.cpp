@@ -18,9 +18,9 @@ Eigen::Vector2d across(double psi) {
 
 /// Returns the offsets of reflector, lamp 1 and lamp 2 from the end point in the tool's frame.
 Eigen::Matrix<double, 2, 3> tool_offsets(const Eigen::VectorXd& x, Eigen::Index tool) {
-  const Eigen::Vector2d half(0.5 * x[tool], 0.0), lamps_T = x.segment<2>(tool + 1);
+  const Eigen::Vector2d half(0.5 * x[tool], 0.0), p_TP = x.segment<2>(tool + 1);
   Eigen::Matrix<double, 2, 3> offsets;
-  offsets << x.segment<2>(tool + 3), lamps_T - half, lamps_T + half;
+  offsets << x.segment<2>(tool + 3), -p_TP - half, -p_TP + half;
   return offsets;
 }
 
@@ -35,7 +35,7 @@ ArmModel::ArmModel(const ArmNominal& nominal, const ArmModelSize& size)
 Eigen::VectorXd ArmModel::nominal() const {
   Eigen::VectorXd x = Eigen::VectorXd::Zero(terms());
   x.head<2>() = nominal_.geometry.link_lengths_m;
-  x.tail<5>() << nominal_.separation, nominal_.lamps_T, nominal_.reflector_T;
+  x.tail<5>() << nominal_.separation, nominal_.tool.p_TP, nominal_.tool.p_TS.head<2>();
   return x;
 }
 
@@ -114,7 +114,7 @@ ArmModel::Jacobian ArmModel::jacobian(const Eigen::Vector3d& motors,
     rows.middleCols<2>(k) = off * terms_at_tip.transpose();
     rows.col(k + 2) = side * off;
     rows.col(tool) = side * R.col(0);
-    rows.middleCols<2>(tool + 1) = R;
+    rows.middleCols<2>(tool + 1) = -R;
   }
   return J;
 }

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 
 #include "planar_servo/arm/planar_arm.h"
+#include "planar_servo/calibration/tool_offsets.h"
 
 namespace planar {
 
@@ -18,8 +19,7 @@ struct ArmNominal {
   Eigen::Matrix3d joints_per_motor{Eigen::Matrix3d::Identity()};  ///< theta = C^-1 m
   Eigen::Vector3d p_camera_B{0.0, 0.0, 1.0};  ///< over the plane of the lamps, metres
   double separation{0.04};                    ///< of the lamps, metres
-  Eigen::Vector2d lamps_T{0.0, 0.0};          ///< the lamps' middle from the end point, metres
-  Eigen::Vector2d reflector_T{0.0, 0.0};      ///< from the end point, metres
+  ToolOffsets tool;
 };
 
 /// The points of the tool on the plane, columns: reflector, lamp 1, lamp 2. Lamps stand where an
@@ -42,7 +42,7 @@ Eigen::Vector2d height_terms(const Eigen::Vector2d& tip, double reach);
 /// The lamps stand at the height -|P|^2 (k1 + k2 (|P|^2 / L^2 - 1/2)) over their plane, with L the
 /// length of both links, and lamp 2 stands g higher than lamp 1; a camera at height H over its foot
 /// f sees a lamp at height h moved by (h / H) (p - f). The unknowns x are, in this order: L1, L2,
-/// z (3), a_h and b_h of each order (6), k1, k2, g, separation, lamps_T (2), reflector_T (2).
+/// z (3), a_h and b_h of each order (6), k1, k2, g, separation, p_TP (2), p_TS x and y.
 class ArmModel {
  public:
   using Jacobian = Eigen::Matrix<double, 6, Eigen::Dynamic>;

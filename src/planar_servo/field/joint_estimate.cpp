@@ -98,7 +98,7 @@ double radius_of(const std::vector<PoseSample>& samples) {
   return radius;
 }
 
-/// Tries every size of model and keeps the smallest that is not clearly less likely than the best.
+/// Tunes a model of every size, the smallest first.
 std::vector<TriedModel> try_models(const ArmNominal& nominal,
                                    const std::vector<PoseSample>& samples, double radius) {
   const std::vector<PoseSample> part = tuning_part(samples);
@@ -112,6 +112,7 @@ std::vector<TriedModel> try_models(const ArmNominal& nominal,
   return tried;
 }
 
+/// Returns the smallest model that is not clearly less likely than the best.
 const TriedModel& choose(const std::vector<TriedModel>& tried) {
   const auto by_likelihood = [](const TriedModel& a, const TriedModel& b) {
     return a.log_likelihood < b.log_likelihood;

@@ -82,8 +82,7 @@ class Equations {
     JointFit fit;
     const Eigen::Index nb = basis_.terms(), n = terms();
     fit.basis = basis_;
-    fit.weights_x = solution_.head(nb);
-    fit.weights_y = solution_.segment(nb, nb);
+    fit.weights = solution_.head(2 * nb).reshaped(nb, 2);
     fit.arm = x_;
     const Eigen::MatrixXd inverse =
         L_.triangularView<Eigen::Lower>().solve(Eigen::MatrixXd::Identity(n, n));

@@ -23,8 +23,8 @@ struct JointPriors {
 /// unknowns are the weights of the field's x, those of its y, and the model's x.
 struct JointFit {
   FieldBasis basis;
-  Eigen::VectorXd weights_x, weights_y;
-  Eigen::VectorXd arm;
+  Eigen::MatrixX2d weights;    ///< of the field's x and y
+  Eigen::VectorXd arm;         ///< x of the model
   Eigen::MatrixXd covariance;  ///< of all unknowns in this order
   double log_likelihood{0.0};  ///< marginal; comparable between fits of the same samples
   std::vector<double> chi2;    ///< of each sample's residual, of its own covariance

@@ -1,33 +1,17 @@
 #include "planar_servo/field/lamp_field.h"
 
-#include <cmath>
+#include <numeric>
+
+#include "planar_servo/calibration/vision_tip.h"
 
 namespace planar {
 namespace {
 
 using Places = std::array<Eigen::Vector2d, 2>;
 
-TipPose tip_of(const Places& lamps_B, const Eigen::Vector2d& lamps_T) {
-  const Eigen::Vector2d along = lamps_B[1] - lamps_B[0];
-  const double phi = std::atan2(along.y(), along.x());
-  return {0.5 * (lamps_B[0] + lamps_B[1]) - rotation2d(phi) * lamps_T, phi};
-}
-
 /// Returns where the camera sees a lamp that is raised by one metre, less where it is.
 Eigen::Vector2d raised(const LampField& field, const Eigen::Vector2d& p) {
   return (p - field.p_camera_B.head<2>()) / field.p_camera_B.z();
-}
-
-/// Returns d tip.p / d lamp of each lamp.
-std::array<Eigen::Matrix2d, 2> tip_by_lamps(const Places& lamps_B, const TipPose& tip,
-                                            const Eigen::Vector2d& lamps_T) {
-  const Eigen::Vector2d along = lamps_B[1] - lamps_B[0];
-  const Eigen::RowVector2d phi_by_second =
-      Eigen::RowVector2d(-along.y(), along.x()) / along.squaredNorm();
-  const Eigen::Vector2d arm = rotation2d(tip.phi) * lamps_T;
-  const Eigen::Vector2d tip_by_phi(arm.y(), -arm.x());
-  const Eigen::Matrix2d turn = tip_by_phi * phi_by_second;
-  return {0.5 * Eigen::Matrix2d::Identity() - turn, 0.5 * Eigen::Matrix2d::Identity() + turn};
 }
 
 }  // namespace
@@ -41,25 +25,25 @@ CompensatedTip compensate(const LampField& field, const Places& seen_B) {
     flat[k] = seen_B[k] - (basis[k] * field.weights).transpose();
   }
   // The height depends on the end point, which it moves by less than a part in a thousand.
-  const TipPose about = tip_of(flat, field.lamps_T);
+  const TipPose about = tip_from_places(flat, field.tool);
   const Eigen::Vector2d terms = height_terms(about.p, field.reach);
   for (std::size_t k = 0; k < 2; ++k) {
     const double height =
         terms.dot(field.height.head<2>()) + (k == 0 ? -0.5 : 0.5) * field.height[2];
     result.lamps_B[k] = flat[k] - height * raised(field, flat[k]);
   }
-  result.tip = tip_of(result.lamps_B, field.lamps_T);
-  const auto G = tip_by_lamps(result.lamps_B, result.tip, field.lamps_T);
+  result.tip = tip_from_places(result.lamps_B, field.tool);
+  const auto slopes = tip_slopes(result.lamps_B, field.tool);
   const Eigen::Index nb = field.basis.terms();
   Eigen::MatrixXd J = Eigen::MatrixXd::Zero(2, 2 * nb + 5);
   for (std::size_t k = 0; k < 2; ++k) {
-    J.leftCols(nb) -= G[k].col(0) * basis[k];
-    J.middleCols(nb, nb) -= G[k].col(1) * basis[k];
-    const Eigen::Vector2d up = G[k] * raised(field, flat[k]);
+    J.leftCols(nb) -= slopes[k].p.col(0) * basis[k];
+    J.middleCols(nb, nb) -= slopes[k].p.col(1) * basis[k];
+    const Eigen::Vector2d up = slopes[k].p * raised(field, flat[k]);
     J.middleCols<2>(2 * nb) -= up * terms.transpose();
     J.col(2 * nb + 2) -= (k == 0 ? -0.5 : 0.5) * up;
   }
-  J.rightCols<2>() = -rotation2d(result.tip.phi);
+  J.rightCols<2>() = rotation2d(result.tip.phi);
   result.covariance = J * field.covariance * J.transpose();
   result.inside = field.region.contains(0.5 * (seen_B[0] + seen_B[1]));
   return result;
@@ -72,14 +56,15 @@ LampField lamp_field(const JointEstimate& estimate, const std::vector<PoseSample
   const Eigen::Index nb = fit.basis.terms();
   LampField field;
   field.basis = fit.basis;
-  field.weights.resize(nb, 2);
-  field.weights << fit.weights_x, fit.weights_y;
+  field.weights = fit.weights;
   field.height = fit.arm.segment<3>(at.height);
   field.reach = estimate.nominal.geometry.link_lengths_m.sum();
   field.p_camera_B = estimate.nominal.p_camera_B;
-  field.lamps_T = fit.arm.segment<2>(at.tool + 1);
+  field.tool = estimate.nominal.tool;
+  field.tool.p_TP = fit.arm.segment<2>(at.tool + 1);
+  field.tool.p_TS.head<2>() = fit.arm.segment<2>(at.tool + 3);
   std::vector<Eigen::Index> kept(static_cast<std::size_t>(2 * nb));
-  for (std::size_t i = 0; i < kept.size(); ++i) kept[i] = static_cast<Eigen::Index>(i);
+  std::iota(kept.begin(), kept.end(), Eigen::Index{0});
   for (Eigen::Index i = 0; i < 3; ++i) kept.push_back(2 * nb + at.height + i);
   for (Eigen::Index i = 1; i < 3; ++i) kept.push_back(2 * nb + at.tool + i);
   field.covariance = fit.covariance(kept, kept);

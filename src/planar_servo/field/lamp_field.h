@@ -18,8 +18,8 @@ struct LampField {
   Eigen::Vector3d height{0, 0, 0};  ///< k1, k2, g of ArmModel
   double reach{1.0};                ///< length of both links
   Eigen::Vector3d p_camera_B{0, 0, 1};
-  Eigen::Vector2d lamps_T{0.0, 0.0};  ///< the lamps' middle from the end point
-  /// Covariance of weights of x, weights of y, height and lamps_T, in this order.
+  ToolOffsets tool;
+  /// Covariance of weights of x, weights of y, height and p_TP, in this order.
   Eigen::MatrixXd covariance;
   ValidRegion region;  ///< of the lamps' middle as seen
 };
@@ -33,7 +33,7 @@ struct CompensatedTip {
 };
 
 /// Takes the error off each lamp where it is seen, and places the tool by what is left (theory
-/// section 12): phi is the direction from lamp 1 to lamp 2, P their middle less R(phi) lamps_T.
+/// section 12); see tip_from_places().
 CompensatedTip compensate(const LampField& field, const std::array<Eigen::Vector2d, 2>& seen_B);
 
 /// Returns the field of an estimate, valid in the hull of the lamps' middles in `samples`.

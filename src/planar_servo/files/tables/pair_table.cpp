@@ -1,7 +1,5 @@
 #include "planar_servo/files/tables/pair_table.h"
 
-#include <algorithm>
-
 #include "planar_servo/core/units.h"
 #include "planar_servo/files/tables/joint_columns.h"
 #include "planar_servo/io/columns.h"
@@ -59,14 +57,6 @@ std::vector<PairRow> read_pairs(const std::filesystem::path& path) {
   std::vector<PairRow> rows;
   read_pairs(path, [&](const PairRow& row) { rows.push_back(row); });
   return rows;
-}
-
-std::size_t drop_unattended(std::vector<PairRow>& rows) {
-  const auto first = std::remove_if(rows.begin(), rows.end(),
-                                    [](const PairRow& row) { return !row.is_attended(); });
-  const auto dropped = static_cast<std::size_t>(rows.end() - first);
-  rows.erase(first, rows.end());
-  return dropped;
 }
 
 std::string pairs_text(const std::vector<PairRow>& rows, const std::vector<std::string>& remarks) {

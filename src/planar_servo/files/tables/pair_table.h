@@ -2,7 +2,6 @@
 
 #include <Eigen/Core>
 #include <array>
-#include <cstddef>
 #include <filesystem>
 #include <functional>
 #include <optional>
@@ -34,9 +33,6 @@ struct PairRow {
   /// Returns vision minus tracker. Throws std::bad_optional_access for an unattended pose.
   Eigen::Vector2d error() const { return p_vision - p_tracker.value(); }
 };
-
-/// Takes the unattended poses out of `rows`. Returns how many there were.
-std::size_t drop_unattended(std::vector<PairRow>& rows);
 
 /// Reads pairs.csv. Throws InputError naming FILE:LINE of each bad row, and for a table without
 /// rows.
