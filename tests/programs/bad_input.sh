@@ -10,8 +10,8 @@ pairs_header=id,x_vision_mm,y_vision_mm,x_tracker_mm,y_tracker_mm
 
 for program in "$bin"/planar-*; do
   expect 2 "--help|required|subcommand" "$program"
-  "$program" --help | head -n 8 | grep -q "Usage: $(basename "$program")" || fail "help of $program"
-  "$program" --version | grep -q "$(basename "$program") [0-9]" || fail "version of $program"
+  grep -q "Usage: $(basename "$program")" <("$program" --help) || fail "help of $program"
+  grep -q "$(basename "$program") [0-9]" <("$program" --version) || fail "version of $program"
   expect 2 "nonsense|required" "$program" --nonsense
 done
 
