@@ -63,7 +63,6 @@ struct BentCell {
     };
     const Truth at = truth(motors);
     PoseSample sample;
-    sample.id = std::to_string(random());
     sample.motors = motors;
     sample.lamps_B = {seen(at, -0.5 * separation) + scatter(noise_lamp),
                       seen(at, 0.5 * separation) + scatter(noise_lamp)};
@@ -82,8 +81,10 @@ struct BentCell {
   std::vector<PoseSample> samples(int attended, int unattended, std::mt19937& random) const {
     std::vector<PoseSample> all;
     all.reserve(static_cast<std::size_t>(attended) + static_cast<std::size_t>(unattended));
-    for (int i = 0; i < attended + unattended; ++i)
+    for (int i = 0; i < attended + unattended; ++i) {
       all.push_back(sample(random_motors(random), i < attended, random));
+      all.back().id = "p" + std::to_string(i + 1);
+    }
     return all;
   }
 

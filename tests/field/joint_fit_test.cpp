@@ -59,9 +59,7 @@ TEST_CASE("Residuals are as large as the stated noise lets expect") {
   REQUIRE(fit);
   double chi2 = 0.0;
   for (const double of_pose : fit->chi2) chi2 += of_pose;
-  // 900 observations less what field and arm take up; the prior's share is not counted exactly.
-  CHECK(chi2 > 450.0);
-  CHECK(chi2 < 900.0);
+  CHECK(chi2 == Approx(900.0).margin(4.0 * std::sqrt(2.0 * 900.0)));
 }
 
 TEST_CASE("The likelihood of a fit prefers the arm that the samples came from") {

@@ -6,9 +6,9 @@
 #include <array>
 #include <cmath>
 #include <nlopt.hpp>
+#include <numeric>
 
 #include "planar_servo/core/error.h"
-#include "planar_servo/core/numerics/chance.h"
 #include "planar_servo/core/numerics/statistics.h"
 
 namespace planar {
@@ -20,9 +20,9 @@ constexpr int kTuningEvaluations = 40, kFewEvaluations = 8;
 constexpr int kMostHarmonics = 3;
 /// A larger model must be likelier by this factor's logarithm.
 constexpr double kClearlyLikelier = 3.0;
-/// Samples of a sound recording are beyond this chance less than once in a thousand recordings.
-constexpr double kOutlierChance = 1e-7;
-constexpr int kRounds = 4;
+/// What chi squared of four and of six numbers exceeds by chance once in ten million samples.
+constexpr double kMostOfFour = 38.24, kMostOfSix = 43.34;
+constexpr double kMedianOfFour = 3.357, kMedianOfSix = 5.348;
 
 struct Bounds {
   double low, high;
@@ -34,6 +34,7 @@ constexpr std::array<Bounds, 4> kBounds{{{0.18, 1.0}, {1e-6, 5e-3}, {0.5, 10.0},
 constexpr double kTurnArm = 0.3;
 
 using Logs = std::vector<double>;
+const Logs kFirstLogs{std::log(0.25), std::log(1e-4), 0.0, std::log(1e-6)};
 
 JointPriors priors_at(const Logs& logs, double radius) {
   const double arm_sigma = std::exp(logs[3]);
@@ -103,7 +104,7 @@ std::vector<TriedModel> try_models(const ArmNominal& nominal,
                                    const std::vector<PoseSample>& samples, double radius) {
   const std::vector<PoseSample> part = tuning_part(samples);
   std::vector<TriedModel> tried;
-  Logs logs{std::log(0.25), std::log(1e-4), 0.0, std::log(1e-6)};
+  Logs logs = kFirstLogs;
   tune(ArmModel(nominal, {2, true}), part, radius, kTuningEvaluations, logs);
   for (int harmonics = 0; harmonics <= kMostHarmonics; ++harmonics) {
     Logs own = logs;
@@ -123,64 +124,127 @@ const TriedModel& choose(const std::vector<TriedModel>& tried) {
   });
 }
 
-/// Leaves out what contradicts the fit: the reading of an attended sample, and the pose of one
-/// whose reading is out already. Returns whether there was any.
-bool leave_out(const JointFit& fit, std::vector<PoseSample>& samples,
-               std::vector<std::size_t>& indices, std::vector<JointOutlier>& left_out) {
-  // The residuals of a fit are smaller than their noise; their own middle says by how much.
-  constexpr double kMedianOfFour = 3.357, kMedianOfSix = 5.348;
+/// The samples that are still used, and what is not.
+struct Selection {
+  std::vector<PoseSample> samples;
+  std::vector<std::size_t> indices;  ///< of `samples` among all
+  std::vector<JointOutlier> left_out;
+};
+
+/// Returns chi squared of each sample as a share of what noise explains: beyond 1 is an outlier.
+std::vector<double> outlyingness(const JointFit& fit, const std::vector<PoseSample>& samples) {
+  // The stated noise may be wrong; the residuals' own middle says by how much.
   std::vector<double> ratios;
   for (std::size_t i = 0; i < samples.size(); ++i)
     ratios.push_back(fit.chi2[i] / (samples[i].reflector_B ? kMedianOfSix : kMedianOfFour));
   const double scale = std::max(median(ratios), 1e-3);
-  bool any = false;
-  std::vector<PoseSample> kept;
-  std::vector<std::size_t> kept_indices;
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    const bool attended = samples[i].reflector_B.has_value();
-    const bool out = chi_square_tail(fit.chi2[i] / scale, attended ? 6 : 4) < kOutlierChance;
-    any = any || out;
-    if (out) left_out.push_back({indices[i], attended});
-    if (out && !attended) continue;
-    if (out) samples[i].reflector_B.reset();
-    kept.push_back(samples[i]);
-    kept_indices.push_back(indices[i]);
+  for (std::size_t i = 0; i < samples.size(); ++i)
+    ratios[i] = fit.chi2[i] / scale / (samples[i].reflector_B ? kMostOfSix : kMostOfFour);
+  return ratios;
+}
+
+Eigen::Vector2d middle(const PoseSample& sample) {
+  return 0.5 * (sample.lamps_B[0] + sample.lamps_B[1]);
+}
+
+/// Returns the samples that contradict the fit most. One beside another that does so more may be
+/// sound and merely pulled by that one; it waits for the next fit.
+std::vector<bool> worst_of(const JointFit& fit, const std::vector<PoseSample>& samples) {
+  constexpr double kNearlyAsMuch = 0.3;
+  const std::vector<double> ratios = outlyingness(fit, samples);
+  std::vector<std::size_t> order(samples.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(),
+            [&](std::size_t a, std::size_t b) { return ratios[a] > ratios[b]; });
+  const double least = std::max(1.0, kNearlyAsMuch * ratios[order.front()]);
+  std::vector<bool> worst(samples.size(), false);
+  std::vector<Eigen::Vector2d> places;
+  for (const std::size_t i : order) {
+    if (ratios[i] < least) break;
+    const Eigen::Vector2d place = middle(samples[i]);
+    worst[i] = std::none_of(places.begin(), places.end(), [&](const Eigen::Vector2d& other) {
+      return (place - other).norm() < fit.basis.width;
+    });
+    if (worst[i]) places.push_back(place);
   }
-  samples = std::move(kept);
-  indices = std::move(kept_indices);
-  return any;
+  return worst;
+}
+
+/// Leaves out what contradicts the fit most: the reading of an attended sample, and the pose of one
+/// whose reading is out already. Returns whether there was any.
+bool leave_out_worst(const JointFit& fit, Selection& selection) {
+  const std::vector<bool> worst = worst_of(fit, selection.samples);
+  Selection kept{{}, {}, std::move(selection.left_out)};
+  const std::size_t before = kept.left_out.size();
+  for (std::size_t i = 0; i < worst.size(); ++i) {
+    PoseSample& sample = selection.samples[i];
+    const bool attended = sample.reflector_B.has_value();
+    if (worst[i]) {
+      kept.left_out.push_back({selection.indices[i], attended});
+      sample.reflector_B.reset();
+      if (!attended) continue;
+    }
+    kept.samples.push_back(std::move(sample));
+    kept.indices.push_back(selection.indices[i]);
+  }
+  selection = std::move(kept);
+  return selection.left_out.size() > before;
+}
+
+/// Fits until nothing that is left contradicts the fit. `n` samples were there at first.
+JointFit fit_what_agrees(const ArmModel& model, const JointPriors& priors, double radius,
+                         std::size_t n, Selection& selection) {
+  while (true) {
+    auto fit = fit_jointly(model, priors, selection.samples, radius);
+    if (!fit)
+      throw WorkError("the equations of field and arm are too ill conditioned to be solved");
+    if (!leave_out_worst(*fit, selection)) return std::move(*fit);
+    if (5 * selection.left_out.size() > n)
+      throw InputError(fmt::format(
+          "{} of {} poses disagree with the others, but at most 20 % may; are pictures, readings "
+          "and commanded joints of one recording, and did the arm keep its position?",
+          selection.left_out.size(), n));
+  }
+}
+
+void check(const std::vector<PoseSample>& samples) {
+  if (samples.size() < kFewestPoses)
+    throw InputError(fmt::format("{} poses are too few to tell arm and camera apart; {} are needed",
+                                 samples.size(), kFewestPoses));
+  const auto is_deviation = [](double sigma) { return std::isfinite(sigma) && sigma > 0.0; };
+  for (const PoseSample& sample : samples) {
+    const bool finite = sample.motors.allFinite() && sample.lamps_B[0].allFinite() &&
+                        sample.lamps_B[1].allFinite() &&
+                        (!sample.reflector_B || sample.reflector_B->allFinite());
+    if (!finite)
+      throw InputError(fmt::format("pose '{}' has a value that is not finite", sample.id));
+    if (!is_deviation(sample.sigma_lamp) ||
+        (sample.reflector_B && !is_deviation(sample.sigma_reflector)))
+      throw InputError(
+          fmt::format("pose '{}' has no standard deviation above zero for its lamps or its reading",
+                      sample.id));
+  }
 }
 
 }  // namespace
 
 JointEstimate estimate_jointly(const ArmNominal& nominal, const std::vector<PoseSample>& samples) {
-  if (samples.size() < kFewestPoses)
-    throw InputError(fmt::format("{} poses are too few to tell arm and camera apart; {} are needed",
-                                 samples.size(), kFewestPoses));
+  check(samples);
+  const double radius = radius_of(samples);
+  Selection selection{samples, std::vector<std::size_t>(samples.size()), {}};
+  std::iota(selection.indices.begin(), selection.indices.end(), std::size_t{0});
+  // Outliers are found before anything is tuned, or the tuning would make room for them.
+  fit_what_agrees(ArmModel(nominal, {kMostHarmonics, true}), priors_at(kFirstLogs, radius), radius,
+                  samples.size(), selection);
   JointEstimate estimate;
   estimate.nominal = nominal;
-  std::vector<PoseSample> used = samples;
-  std::vector<std::size_t> indices(samples.size());
-  for (std::size_t i = 0; i < indices.size(); ++i) indices[i] = i;
-  const double radius = radius_of(samples);
-  for (int round = 0; round < kRounds; ++round) {
-    if (round < 2) {  // once with the outliers, and once without
-      estimate.tried = try_models(nominal, used, radius);
-      const TriedModel& chosen = choose(estimate.tried);
-      estimate.size = chosen.size;
-      estimate.priors = chosen.priors;
-    }
-    auto fit = fit_jointly(estimate.model(), estimate.priors, used, radius);
-    if (!fit)
-      throw WorkError("the equations of field and arm are too ill conditioned to be solved");
-    estimate.fit = std::move(*fit);
-    if (!leave_out(estimate.fit, used, indices, estimate.left_out)) break;
-  }
-  if (5 * estimate.left_out.size() > samples.size())
-    throw InputError(fmt::format(
-        "{} of {} poses disagree with the others, but at most 20 % may; are pictures, readings and "
-        "commanded joints of one recording, and did the arm keep its position?",
-        estimate.left_out.size(), samples.size()));
+  estimate.tried = try_models(nominal, selection.samples, radius);
+  const TriedModel& chosen = choose(estimate.tried);
+  estimate.size = chosen.size;
+  estimate.priors = chosen.priors;
+  estimate.fit =
+      fit_what_agrees(estimate.model(), estimate.priors, radius, samples.size(), selection);
+  estimate.left_out = std::move(selection.left_out);
   return estimate;
 }
 

@@ -34,8 +34,9 @@ struct JointEstimate {
 
 /// Estimates field, arm and tool. Widths, deviations and the number of harmonics are those of the
 /// largest marginal likelihood; no truth and no sample kept for judging enters. Samples that lie
-/// far beyond the scatter of all are left out: first their reading, then the whole pose. Throws
-/// InputError for fewer than kFewestPoses samples, and for outliers beyond a fifth of them. Throws
+/// far beyond the scatter of all are left out, the worst first: their reading, then the whole pose.
+/// Throws InputError for fewer than kFewestPoses samples, for values that are not finite, standard
+/// deviations that are not positive, and for outliers beyond a fifth of the samples. Throws
 /// WorkError when the equations cannot be solved.
 JointEstimate estimate_jointly(const ArmNominal& nominal, const std::vector<PoseSample>& samples);
 

@@ -88,12 +88,7 @@ class Equations {
         L_.triangularView<Eigen::Lower>().solve(Eigen::MatrixXd::Identity(n, n));
     fit.covariance = inverse.transpose() * inverse;
     fit.log_likelihood = log_likelihood();
-    const Eigen::VectorXd of_field = F_ * solution_.head(field_terms());
-    for (std::size_t i = 0; i < samples_.size(); ++i) {
-      const PoseRows whitened = noise_[i].whiten * residual(samples_[i], x_);
-      fit.chi2.push_back(
-          (whitened - of_field.segment<kRows>(static_cast<Eigen::Index>(kRows * i))).squaredNorm());
-    }
+    fit.chi2 = chi2(inverse);
     return fit;
   }
 
@@ -145,16 +140,45 @@ class Equations {
     H0_.diagonal().tail(model_.terms()).array() += sigma_.array().square().inverse();
   }
 
-  void linearize(const Eigen::VectorXd& x) {
-    const Eigen::Index rows = F_.rows(), nf = field_terms(), na = model_.terms();
-    Eigen::MatrixXd J(rows, na);
-    Eigen::VectorXd z(rows);
+  /// The whitened rows of the arm about x, and their residuals but for the field.
+  struct ArmRows {
+    Eigen::MatrixXd J;
+    Eigen::VectorXd z;
+  };
+
+  ArmRows arm_rows(const Eigen::VectorXd& x) const {
+    ArmRows rows{Eigen::MatrixXd(F_.rows(), model_.terms()), Eigen::VectorXd(F_.rows())};
     for (std::size_t i = 0; i < samples_.size(); ++i) {
       const auto row = static_cast<Eigen::Index>(kRows * i);
       const PoseSample& sample = samples_[i];
-      J.middleRows<kRows>(row).noalias() = noise_[i].whiten * model_.jacobian(sample.motors, x);
-      z.segment<kRows>(row) = noise_[i].whiten * residual(sample, x);
+      rows.J.middleRows<kRows>(row).noalias() =
+          noise_[i].whiten * model_.jacobian(sample.motors, x);
+      rows.z.segment<kRows>(row) = noise_[i].whiten * residual(sample, x);
     }
+    return rows;
+  }
+
+  /// A sample pulls the fit towards itself; its residual's covariance is what that leaves of its
+  /// noise, I - A (A^T A)^-1 A^T. `inverse` is that of the normal equations' lower factor.
+  std::vector<double> chi2(const Eigen::MatrixXd& inverse) const {
+    const ArmRows rows = arm_rows(x_);
+    Eigen::MatrixXd A(F_.rows(), terms());
+    A << F_, rows.J;
+    const Eigen::VectorXd left = rows.z - F_ * solution_.head(field_terms());
+    const Eigen::MatrixXd pull = inverse.triangularView<Eigen::Lower>() * A.transpose();
+    std::vector<double> all;
+    for (Eigen::Index row = 0; row < F_.rows(); row += kRows) {
+      const auto of_pose = pull.middleCols<kRows>(row);
+      const PoseWeight covariance = PoseWeight::Identity() - of_pose.transpose() * of_pose;
+      const PoseRows residual = left.segment<kRows>(row);
+      all.push_back(residual.dot(covariance.ldlt().solve(residual)));
+    }
+    return all;
+  }
+
+  void linearize(const Eigen::VectorXd& x) {
+    const Eigen::Index nf = field_terms(), na = model_.terms();
+    const auto [J, z] = arm_rows(x);
     const Eigen::VectorXd off = (nominal_ - x).cwiseQuotient(sigma_);
     H_ = H0_;
     H_.bottomLeftCorner(na, nf).noalias() += J.transpose() * F_;

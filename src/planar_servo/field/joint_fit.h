@@ -27,7 +27,7 @@ struct JointFit {
   Eigen::VectorXd arm;         ///< x of the model
   Eigen::MatrixXd covariance;  ///< of all unknowns in this order
   double log_likelihood{0.0};  ///< marginal; comparable between fits of the same samples
-  std::vector<double> chi2;    ///< of each sample's residual, of its own covariance
+  std::vector<double> chi2;    ///< of each sample's residual: four numbers, six with a reading
 };
 
 /// Estimates the field e, seen place = place + e, together with the arm and the tool, by
