@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "planar_servo/core/plan.h"
-#include "planar_servo/files/map_file.h"
+#include "planar_servo/files/map/map_file.h"
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/offline/map/check_error_map.h"
 #include "planar_servo/offline/map/map_check_report.h"
@@ -29,7 +29,7 @@ struct Options {
   std::filesystem::path pairs;
 };
 
-MapCheck check(const ErrorMap& map, const std::vector<PairRow>& pairs) {
+MapCheck check(const VisionErrorMap& map, const std::vector<PairRow>& pairs) {
   ProgressBar bar;
   return check_error_map(map, pairs,
                          [&](const char* phase, double share) { bar.show(phase, share); });
@@ -42,14 +42,14 @@ std::vector<Plan> plans_of(const Options& options) {
 }
 
 Outcome check_pairs(const Options& options) {
-  const ErrorMap map = read_map(options.map);
+  const VisionErrorMap map = read_map(options.map);
   require_belonging(contradictions(
       {{Role::kPairs, options.pairs}, {Role::kErrorMap, options.map}}, {},
       {Role::kCamera, Role::kWorkplane, Role::kTool, Role::kLampLayout, Role::kDatum}));
   std::vector<PairRow> all = read_pairs(options.pairs);
   const std::size_t count = all.size();
   const std::vector<PairRow> pairs = pairs_to_check(std::move(all), plans_of(options));
-  require_directions(map, pairs, options.pairs);
+  require_what_it_needs(map, pairs, options.pairs);
   const MapCheck result = check(map, pairs);
   fmt::print("{}", map_check_text(result, count - pairs.size()));
   return {map_check_json(result)};

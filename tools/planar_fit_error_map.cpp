@@ -5,10 +5,16 @@
 
 #include "planar_servo/error_map/judge/compare_methods.h"
 #include "planar_servo/error_map/judge/unit_check.h"
-#include "planar_servo/files/map_file.h"
+#include "planar_servo/files/arm_file.h"
+#include "planar_servo/files/map/lamp_field_file.h"
+#include "planar_servo/files/map/map_file.h"
+#include "planar_servo/files/vision_files.h"
 #include "planar_servo/io/atomic_file.h"
+#include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/offline/map/fit_map_to_pairs.h"
+#include "planar_servo/offline/map/lamp_field_report.h"
 #include "planar_servo/offline/map/map_fit_report.h"
+#include "planar_servo/offline/map/pose_samples.h"
 #include "planar_servo/report/progress_bar.h"
 #include "program.h"
 
@@ -18,7 +24,8 @@ namespace {
 const ProgramText kText{
     "planar-fit-error-map",
     "Fits a map of the vision error to pairs of vision and tracker positions.",
-    "planar-fit-error-map [--method auto|rbf|idw|hand:WIDTH_MM] -o map.yaml pairs.csv",
+    "planar-fit-error-map [--method auto|rbf|idw|hand:WIDTH_MM] -o map.yaml pairs.csv\n"
+    "       planar-fit-error-map --cell cell.yaml [--arm-out arm.yaml] -o map.yaml pairs.csv",
     R"(pairs used          199 (1 rejected)
   p17: 3.0047 mm from what the other pairs predict there, where 0.0276 mm is allowed
 method              gaussian_rbf
@@ -37,7 +44,7 @@ auto                  0.0097     0.0148  (0.0111 to 0.0197))"};
 struct Options {
   std::string method{"auto"};
   std::filesystem::path output;
-  std::filesystem::path pairs;
+  std::filesystem::path pairs, cell, arm_out;
 };
 
 struct Fitted {
@@ -55,9 +62,39 @@ Fitted fit_and_compare(const std::filesystem::path& file, const MapMethodChoice&
   return {std::move(report), doubt_of_shared_error(pairs.problem.samples), std::move(comparison)};
 }
 
+LampFieldFit fit_field(const Options& options, const CellSettings& cell) {
+  const VisionCalibration vision = read_vision(cell, false);
+  require_belonging(contradictions({{Role::kPairs, options.pairs}},
+                                   origins_in(cell, calibration_files(cell, false)),
+                                   values_of(kRoles)));
+  ProgressBar bar;
+  return fit_lamp_field(nominal_arm(cell, vision), pose_samples(cell, read_pairs(options.pairs)),
+                        [&](const char* phase, double share) { bar.show(phase, share); });
+}
+
+/// Learns the error at the lamps together with the arm.
+Outcome fit_with_cell(const Options& options) {
+  const CellSettings cell = read_cell(options.cell);
+  const LampFieldFit fit = fit_field(options, cell);
+  std::vector<Origin> origins =
+      with_origins_of({origin_of({Role::kPairs, options.pairs})}, options.pairs);
+  const std::string map = lamp_field_text(fit, origins, kText.name);
+  origins.push_back(arm_origin(cell));
+  if (!options.arm_out.empty())
+    write_file(options.arm_out, found_arm_text(found_arm(fit.estimate), arm_terms(fit.estimate),
+                                               origins, kText.name));
+  write_file(options.output, map);
+  fmt::print("{}", lamp_field_report_text(fit));
+  return {lamp_field_report_json(fit)};
+}
+
 Outcome fit(const Options& options) {
-  require_writable(options.output);
-  require_not_input(options.output, options.pairs);
+  for (const std::filesystem::path& output : {options.output, options.arm_out}) {
+    if (output.empty()) continue;
+    require_writable(output);
+    require_not_input(output, options.pairs);
+  }
+  if (!options.cell.empty()) return fit_with_cell(options);
   const MapMethodChoice choice = parse_map_method(options.method);
   const auto [report, doubt, comparison] = fit_and_compare(options.pairs, choice);
   write_file(options.output, map_text(report.result, options.pairs, kText.name));
@@ -67,11 +104,21 @@ Outcome fit(const Options& options) {
 }
 
 void add_options(CLI::App& app, Options& options) {
-  app.add_option("--method", options.method,
-                 "auto (by leave-one-out error), rbf (one Gaussian width), idw, or hand:WIDTH_MM "
-                 "(the paper's Gaussian)")
-      ->type_name("METHOD")
-      ->capture_default_str();
+  CLI::Option* method =
+      app.add_option("--method", options.method,
+                     "of a map at the end point: auto (by leave-one-out error), rbf (one Gaussian "
+                     "width), idw, or hand:WIDTH_MM (the paper's Gaussian)")
+          ->type_name("METHOD")
+          ->capture_default_str();
+  CLI::Option* cell =
+      app.add_option("--cell", options.cell,
+                     "the cell: learn the error at the lamps together with its arm, from readings "
+                     "and from poses without one")
+          ->excludes(method)
+          ->type_name("cell.yaml");
+  app.add_option("--arm-out", options.arm_out, "the arm that was found")
+      ->needs(cell)
+      ->type_name("arm.yaml");
   app.add_option("-o,--out", options.output, "the map to write")->required()->type_name("map.yaml");
   app.add_option("pairs", options.pairs, "the pairs")->required()->type_name("pairs.csv");
 }

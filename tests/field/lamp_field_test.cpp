@@ -38,7 +38,7 @@ TEST_CASE("A field of nothing leaves the lamps where they are seen") {
   LampField field;
   field.basis = basis_over_disc(0.6, 0.2);
   field.weights.setZero(field.basis.terms(), 2);
-  field.covariance.setZero(2 * field.basis.terms() + 5, 2 * field.basis.terms() + 5);
+  field.factor.setZero(2 * field.basis.terms() + 5, 2 * field.basis.terms() + 5);
   field.tool.p_TP = {-0.003, 0.002};
   const CompensatedTip found =
       compensate(field, {Eigen::Vector2d(0.3, 0.1), Eigen::Vector2d(0.3, 0.14)});
@@ -54,7 +54,7 @@ TEST_CASE("An error of one lamp alone turns the tool back") {
   field.weights.setZero(field.basis.terms(), 2);
   const Eigen::Index linear_y = field.basis.centers.cols() + 2;
   field.weights(linear_y, 0) = 0.6e-3;  // e_x = 1e-3 y
-  field.covariance.setZero(2 * field.basis.terms() + 5, 2 * field.basis.terms() + 5);
+  field.factor.setZero(2 * field.basis.terms() + 5, 2 * field.basis.terms() + 5);
   const CompensatedTip found =
       compensate(field, {Eigen::Vector2d(0.3, 0.0), Eigen::Vector2d(0.3 + 0.04e-3, 0.04)});
   CHECK(found.tip.phi == Approx(kPi / 2.0));

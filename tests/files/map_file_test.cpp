@@ -1,4 +1,4 @@
-#include "planar_servo/files/map_file.h"
+#include "planar_servo/files/map/map_file.h"
 
 #include <catch2/catch.hpp>
 #include <regex>
@@ -62,7 +62,8 @@ TEST_CASE("A map read from its file predicts the same, bit for bit") {
   const MapResult result = GENERATE(as<MapResult>(), fitted(MapMethod::kRbf),
                                     fitted(MapMethod::kIdw), fitted(MapMethod::kHandWidth),
                                     multiquadric_on_quadratic_tail(), of_directions(), sparse());
-  const ErrorMap back = read_map(files.write_map(map_text(result, files.pairs, "test")));
+  const ErrorMap back =
+      std::get<ErrorMap>(read_map(files.write_map(map_text(result, files.pairs, "test"))));
   for (const Eigen::Vector2d& p : test::random_positions(200, 2)) {
     CHECK(depends_on_direction(back) == depends_on_direction(result.map));
     const ErrorPrediction expected = predict(result.map, p, p.x());

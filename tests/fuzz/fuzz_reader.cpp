@@ -13,7 +13,7 @@
 #include "planar_servo/core/error.h"
 #include "planar_servo/files/board_points_file.h"
 #include "planar_servo/files/camera/camera_file.h"
-#include "planar_servo/files/map_file.h"
+#include "planar_servo/files/map/map_file.h"
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/files/tables/frame_table.h"
 #include "planar_servo/files/tables/lamp_table.h"

@@ -104,15 +104,15 @@ TEST_CASE("A map that depends on the tool's direction is not judged on pairs wit
     *pairs[i].p_tracker -= 1e-4 * Eigen::Vector2d(std::cos(*pairs[i].phi), std::sin(*pairs[i].phi));
   }
   const ErrorMap map = fit_error_map_to_pairs(pairs, {}).result.map;
-  CHECK_NOTHROW(require_directions(map, pairs, "pairs.csv"));
+  CHECK_NOTHROW(require_what_it_needs(map, pairs, "pairs.csv"));
   CHECK(check_error_map(map, pairs).compensated.rms < 3.0 * test::kFieldNoise);
   pairs[3].phi.reset();
-  CHECK_THROWS_AS(require_directions(map, pairs, "pairs.csv"), InputError);
-  CHECK_THROWS_WITH(require_directions(map, pairs, "pairs.csv"),
+  CHECK_THROWS_AS(require_what_it_needs(map, pairs, "pairs.csv"), InputError);
+  CHECK_THROWS_WITH(require_what_it_needs(map, pairs, "pairs.csv"),
                     Contains("pairs.csv: the map depends on the tool's direction; pairs need a "
                              "column phi_deg"));
   CHECK_NOTHROW(
-      require_directions(fit_error_map_to_pairs(lens_pairs(1, {}), {}).result.map, pairs, ""));
+      require_what_it_needs(fit_error_map_to_pairs(lens_pairs(1, {}), {}).result.map, pairs, ""));
 }
 
 TEST_CASE("About 95 of 100 other pairs lie within the interval of map and noise") {

@@ -26,7 +26,7 @@ inline Workplane workplane_below() {
 }
 
 /// Equal lamps on an ideal tool.
-inline VisionCalibration vision_with(const std::optional<ErrorMap>& map) {
+inline VisionCalibration vision_with(const std::optional<VisionErrorMap>& map) {
   return {{kSeparation_m, {kDiameter_m, kDiameter_m}}, workplane_below(), {}, map};
 }
 

@@ -51,6 +51,33 @@ TEST_CASE("What the error map predicts is taken off, and its region is judged wh
   CHECK_FALSE(place_at(beyond).error.inside);
 }
 
+/// A field that shears what is seen, e_x = slope * y, about the whole view.
+LampField shear(double slope) {
+  LampField field;
+  field.basis = basis_over_disc(0.3, 0.2);
+  field.weights.setZero(field.basis.terms(), 2);
+  field.weights(field.basis.centers.cols() + 2, 0) = slope * field.basis.radius;
+  const Eigen::Index n = LampField::unknowns(field.basis);
+  field.factor.setZero(n, n);
+  field.region.hull = {{-0.3, -0.3}, {0.3, -0.3}, {0.3, 0.3}, {-0.3, 0.3}};
+  return field;
+}
+
+TEST_CASE("A field at the lamps takes the error off each, and turns the tool back") {
+  const double slope = 4e-3;
+  const TipPose seen{{0.02, 0.05}, 90.0 * kDegree};
+  const VisionCalibration vision = test::vision_with(shear(slope));
+  LampTracker tracker(CenterMethod::kAuto);
+  const ToolPlace place =
+      see_tool(vision, tracker, frame_of(seen), expect_tool(vision, seen).value()).place.value();
+  CHECK((place.tip().p - Eigen::Vector2d(0.02 - slope * 0.05, 0.05)).norm() < kVision_m);
+  CHECK(wrap_angle(place.tip().phi - seen.phi) == Approx(std::atan(slope)).margin(kDirection));
+  CHECK(place.error.inside);
+  const ErrorPrediction predicted = predict_error_at(vision, seen);
+  CHECK((predicted.error - place.error.error).norm() < 1e-7);
+  CHECK(predicted.inside);
+}
+
 TEST_CASE("Lamps at another distance than they were built to are no pair") {
   const TipPose tip{{0.0, 0.0}, 0.0};
   const VisionCalibration vision = test::vision_with(std::nullopt);

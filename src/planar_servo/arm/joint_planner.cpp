@@ -98,15 +98,24 @@ std::optional<std::string> JointPlanner::way_refusal(const Joints& from, const J
   return std::nullopt;
 }
 
+PlanarArm JointPlanner::exact_arm() const {
+  if (!found_) return arm_;
+  return PlanarArm({found_->link_lengths_m, arm_.geometry().positive_rotation});
+}
+
 JointPlan JointPlanner::plan(const TipPose& target, const Joints& near) const {
-  const InverseResult inverse = arm_.inverse(target, elbow_, near);
+  const InverseResult inverse = exact_arm().inverse(target, elbow_, near);
   if (inverse.status != ReachStatus::kOk) return {{}, describe(inverse.status)};
   const auto branch = [&](double room) {
     return transmission_.branch_within_limits(inverse.theta, near, room);
   };
   const std::optional<Joints> roomy = branch(approach_margin_);
   const Joints theta = roomy ? *roomy : branch(0.0).value_or(inverse.theta);
-  return {theta, refusal(theta)};
+  if (!found_) return {theta, refusal(theta)};
+  const Joints commanded = transmission_.joints_from_motors(
+      motors_for_outputs(*found_, transmission_.motors_from_joints(theta)));
+  if (auto outside = workspace_.violation(target.p)) return {commanded, outside};
+  return {commanded, transmission_.limit_violation(commanded)};
 }
 
 }  // namespace planar

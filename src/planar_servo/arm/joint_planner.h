@@ -2,7 +2,9 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 
+#include "planar_servo/arm/found_arm.h"
 #include "planar_servo/arm/planar_arm.h"
 #include "planar_servo/arm/transmission.h"
 #include "planar_servo/arm/workspace.h"
@@ -22,6 +24,10 @@ class JointPlanner {
   /// With an `approach_margin` (radians), plan() leaves every motor that much room below.
   JointPlanner(const PlanarArm& arm, const Transmission& transmission, const Workspace& workspace,
                Elbow elbow, double approach_margin = 0.0);
+
+  /// Lets plan() return the joint angles to command so that an arm as it was found reaches the
+  /// target. Everything else stays with the arm as its files have it.
+  void plan_for(FoundArm found) { found_ = std::move(found); }
 
   /// Returns the rule that forbids these joint angles, in words; empty when none does.
   std::optional<std::string> refusal(const Joints& theta) const;
@@ -43,11 +49,15 @@ class JointPlanner {
   const Transmission& transmission() const { return transmission_; }
 
  private:
+  /// Returns the arm with the links that were found.
+  PlanarArm exact_arm() const;
+
   PlanarArm arm_;
   Transmission transmission_;
   Workspace workspace_;
   Elbow elbow_;
   double approach_margin_;
+  std::optional<FoundArm> found_;
 };
 
 }  // namespace planar

@@ -5,7 +5,7 @@
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/files/camera/camera_file.h"
-#include "planar_servo/files/map_file.h"
+#include "planar_servo/files/map/map_file.h"
 #include "planar_servo/files/reference_lamp_fields.h"
 #include "planar_servo/files/tables/lamp_table.h"
 #include "planar_servo/files/tool_file.h"

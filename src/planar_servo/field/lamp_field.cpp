@@ -3,6 +3,8 @@
 #include <numeric>
 
 #include "planar_servo/calibration/vision_tip.h"
+#include "planar_servo/core/error.h"
+#include "planar_servo/core/numerics/decompositions.h"
 
 namespace planar {
 namespace {
@@ -12,6 +14,18 @@ using Places = std::array<Eigen::Vector2d, 2>;
 /// Returns where the camera sees a lamp that is raised by one metre, less where it is.
 Eigen::Vector2d raised(const LampField& field, const Eigen::Vector2d& p) {
   return (p - field.p_camera_B.head<2>()) / field.p_camera_B.z();
+}
+
+/// Returns L of L L^T = covariance, whose unknowns differ by orders of magnitude in size.
+Eigen::MatrixXd factor_of(const Eigen::MatrixXd& covariance) {
+  constexpr double kRounding = 1e-10;
+  const Eigen::VectorXd sigma = covariance.diagonal().cwiseSqrt();
+  const Eigen::VectorXd inverse = sigma.cwiseInverse();
+  Eigen::MatrixXd correlation = inverse.asDiagonal() * covariance * inverse.asDiagonal();
+  correlation.diagonal().array() += kRounding;
+  const auto L = lower_factor(correlation);
+  if (!L) throw WorkError("the covariance of the field is too ill conditioned to be kept");
+  return sigma.asDiagonal() * *L;
 }
 
 }  // namespace
@@ -35,7 +49,7 @@ CompensatedTip compensate(const LampField& field, const Places& seen_B) {
   result.tip = tip_from_places(result.lamps_B, field.tool);
   const auto slopes = tip_slopes(result.lamps_B, field.tool);
   const Eigen::Index nb = field.basis.terms();
-  Eigen::MatrixXd J = Eigen::MatrixXd::Zero(2, 2 * nb + 5);
+  Eigen::MatrixXd J = Eigen::MatrixXd::Zero(2, LampField::unknowns(field.basis));
   for (std::size_t k = 0; k < 2; ++k) {
     J.leftCols(nb) -= slopes[k].p.col(0) * basis[k];
     J.middleCols(nb, nb) -= slopes[k].p.col(1) * basis[k];
@@ -44,7 +58,8 @@ CompensatedTip compensate(const LampField& field, const Places& seen_B) {
     J.col(2 * nb + 2) -= (k == 0 ? -0.5 : 0.5) * up;
   }
   J.rightCols<2>() = rotation2d(result.tip.phi);
-  result.covariance = J * field.covariance * J.transpose();
+  const Eigen::MatrixXd scaled = J * field.factor.triangularView<Eigen::Lower>();
+  result.covariance = scaled * scaled.transpose();
   result.inside = field.region.contains(0.5 * (seen_B[0] + seen_B[1]));
   return result;
 }
@@ -67,7 +82,7 @@ LampField lamp_field(const JointEstimate& estimate, const std::vector<PoseSample
   std::iota(kept.begin(), kept.end(), Eigen::Index{0});
   for (Eigen::Index i = 0; i < 3; ++i) kept.push_back(2 * nb + at.height + i);
   for (Eigen::Index i = 1; i < 3; ++i) kept.push_back(2 * nb + at.tool + i);
-  field.covariance = fit.covariance(kept, kept);
+  field.factor = factor_of(fit.covariance(kept, kept));
   Eigen::Matrix2Xd middles(2, samples.size());
   for (std::size_t i = 0; i < samples.size(); ++i)
     middles.col(static_cast<Eigen::Index>(i)) =

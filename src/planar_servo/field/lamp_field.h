@@ -19,9 +19,13 @@ struct LampField {
   double reach{1.0};                ///< length of both links
   Eigen::Vector3d p_camera_B{0, 0, 1};
   ToolOffsets tool;
-  /// Covariance of weights of x, weights of y, height and p_TP, in this order.
-  Eigen::MatrixXd covariance;
+  /// Lower triangular L of the covariance L L^T of weights of x, weights of y, height and p_TP, in
+  /// this order.
+  Eigen::MatrixXd factor;
   ValidRegion region;  ///< of the lamps' middle as seen
+
+  /// Returns the number of rows of `factor`.
+  static Eigen::Index unknowns(const FieldBasis& basis) { return 2 * basis.terms() + 5; }
 };
 
 /// The end point by lamps whose errors are taken off.
@@ -36,7 +40,8 @@ struct CompensatedTip {
 /// section 12); see tip_from_places().
 CompensatedTip compensate(const LampField& field, const std::array<Eigen::Vector2d, 2>& seen_B);
 
-/// Returns the field of an estimate, valid in the hull of the lamps' middles in `samples`.
+/// Returns the field of an estimate, valid in the hull of the lamps' middles in `samples`. Throws
+/// WorkError when its covariance cannot be factored.
 LampField lamp_field(const JointEstimate& estimate, const std::vector<PoseSample>& samples);
 
 }  // namespace planar

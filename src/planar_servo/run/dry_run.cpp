@@ -30,7 +30,7 @@ void refuse_outside_map(std::vector<DryRunRow>& rows, const std::vector<TargetRo
   if (!vision.error_map) return;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const TipPose target = target_pose(targets[i], tool_orientation);
-    if (rows[i].plan.refusal || predict(*vision.error_map, target.p, target.phi).inside) continue;
+    if (rows[i].plan.refusal || predict_error_at(vision, target).inside) continue;
     rows[i].plan.refusal =
         "the error map is not valid here: record training positions around this target";
   }

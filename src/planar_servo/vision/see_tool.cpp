@@ -18,6 +18,22 @@ bool has_right_distance(const VisionCalibration& vision, const LampPair& pair) {
   return a && b && std::abs((*b - *a).norm() / vision.lamps.separation_m - 1.0) <= kSeparationShare;
 }
 
+void compensate_by(const ErrorMap& map, ToolPlace& place) {
+  place.error = predict(map, place.seen.p, place.seen.phi);
+}
+
+void compensate_by(const LampField& field, ToolPlace& place) {
+  const CompensatedTip found = compensate(field, place.lamps_B);
+  place.error = {place.seen.p - found.tip.p, std::sqrt(0.5 * found.covariance.trace()),
+                 found.inside};
+  place.error_phi = wrap_angle(place.seen.phi - found.tip.phi);
+}
+
+void compensate_place(const VisionCalibration& vision, ToolPlace& place) {
+  if (vision.error_map)
+    std::visit([&](const auto& map) { compensate_by(map, place); }, *vision.error_map);
+}
+
 }  // namespace
 
 PairExpectation expect_lamps(const LampLayout& layout, const LampPixels& predicted_px,
@@ -48,8 +64,17 @@ std::optional<ToolPlace> place_tool(const VisionCalibration& vision, const LampP
                      {lamps_px[0] - shifts_px[0], lamps_px[1] - shifts_px[1]}, covariances_px2);
   if (!seen) return std::nullopt;
   ToolPlace place{seen->tip, seen->covariance, seen->sigma_phi, seen->lamps_B};
-  if (vision.error_map) place.error = predict(*vision.error_map, seen->tip.p, seen->tip.phi);
+  compensate_place(vision, place);
   return place;
+}
+
+ErrorPrediction predict_error_at(const VisionCalibration& vision, const TipPose& seen) {
+  const Eigen::Matrix2d R = rotation2d(seen.phi);
+  const Eigen::Vector2d middle = seen.p - R * vision.tool.p_TP;
+  const Eigen::Vector2d half = 0.5 * vision.lamps.separation_m * R.col(0);
+  ToolPlace place{seen, Eigen::Matrix2d::Zero(), 0.0, {middle - half, middle + half}};
+  compensate_place(vision, place);
+  return place.error;
 }
 
 LampPair find_lamps(const VisionCalibration& vision, LampTracker& tracker, const Frame& frame,

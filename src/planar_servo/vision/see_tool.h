@@ -3,11 +3,13 @@
 #include <Eigen/Core>
 #include <array>
 #include <optional>
+#include <variant>
 
 #include "planar_servo/calibration/tool_offsets.h"
 #include "planar_servo/core/pose.h"
 #include "planar_servo/devices/frame.h"
 #include "planar_servo/error_map/error_map.h"
+#include "planar_servo/field/lamp_field.h"
 #include "planar_servo/lamps/lamp_layout.h"
 #include "planar_servo/lamps/lamp_tracker.h"
 #include "planar_servo/lens/workplane.h"
@@ -16,12 +18,15 @@
 
 namespace planar {
 
+/// What a position of vision is compensated by: an error at the end point, or one at each lamp.
+using VisionErrorMap = std::variant<ErrorMap, LampField>;
+
 /// Holds what a calibrated cell knows of its vision.
 struct VisionCalibration {
   LampLayout lamps;
   Workplane workplane;
   ToolOffsets tool;  ///< zero for an ideal tool, whose P lies midway between the lamps
-  std::optional<ErrorMap> error_map{};  ///< without one, positions are not compensated
+  std::optional<VisionErrorMap> error_map{};  ///< without one, positions are not compensated
   /// The lamps that are fixed to the base; none when nothing watches the camera.
   std::vector<ReferenceLamp> reference_lamps{};
 };
@@ -41,9 +46,10 @@ struct ToolPlace {
   std::array<Eigen::Vector2d, 2> lamps_B;  ///< the lamps' places on the plane, uncompensated
   /// The vision error that the map predicts there. Without a map it is zero and counts as inside.
   ErrorPrediction error{{0.0, 0.0}, 0.0, true};
+  double error_phi{0.0};  ///< error of seen.phi; only a field at the lamps predicts it
 
   /// Returns the compensated pose: the pose seen minus the predicted error.
-  TipPose tip() const { return {seen.p - error.error, seen.phi}; }
+  TipPose tip() const { return {seen.p - error.error, seen.phi - error_phi}; }
 };
 
 /// Holds what one frame shows of the tool. Which lamp is which, and with it the direction in
@@ -69,6 +75,10 @@ std::optional<PairExpectation> expect_tool(const VisionCalibration& vision, cons
 /// between them, the position. Empty when a lamp's ray does not meet the plane.
 std::optional<ToolPlace> place_tool(const VisionCalibration& vision, const LampPixels& lamps_px,
                                     const std::array<Eigen::Matrix2d, 2>& covariances_px2);
+
+/// Predicts the error of vision where it sees the end point at `seen`, uncompensated. Without a map
+/// it is zero and counts as inside.
+ErrorPrediction predict_error_at(const VisionCalibration& vision, const TipPose& seen);
 
 /// Locates the lamps in a frame as LampTracker does. The status is kWrongDistance for a pair whose
 /// distance on the workplane is not that of the tool's lamps.

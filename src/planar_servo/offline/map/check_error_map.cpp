@@ -26,6 +26,27 @@ int covered_components(const Eigen::Vector2d& miss, double sigma) {
   return static_cast<int>((miss.array().abs() <= kQuantile95 * sigma).count());
 }
 
+struct JudgedPair {
+  Eigen::Vector2d miss{0.0, 0.0};  ///< what the map leaves of the error
+  double sigma{0.0};               ///< that is stated for it, per axis
+  bool inside{false};
+};
+
+JudgedPair judge(const ErrorMap& map, const PairRow& pair) {
+  const ErrorPrediction prediction = predict(map, pair.p_vision, pair.phi);
+  return {pair.error() - prediction.error,
+          std::hypot(prediction.sigma, pair_noise(pair, noise_sigma(map))), prediction.inside};
+}
+
+JudgedPair judge(const LampField& field, const PairRow& pair) {
+  const CompensatedTip found = compensate(field, pair.lamps_B.value());
+  const Eigen::Vector2d reflector =
+      found.tip.p + rotation2d(found.tip.phi) * field.tool.p_TS.head<2>();
+  return {reflector - pair.p_reflector.value(),
+          std::hypot(std::sqrt(0.5 * found.covariance.trace()), pair_noise(pair, 0.0)),
+          found.inside};
+}
+
 void require_one_unit_of(const std::vector<PairRow>& pairs) {
   constexpr std::size_t kFewestToTell = 3;
   if (pairs.size() < kFewestToTell) return;
@@ -70,39 +91,39 @@ std::vector<PairRow> pairs_to_check(std::vector<PairRow> pairs, const std::vecto
   return pairs;
 }
 
-void require_directions(const ErrorMap& map, const std::vector<PairRow>& pairs,
-                        const std::filesystem::path& file) {
-  if (!depends_on_direction(map)) return;
+void require_what_it_needs(const VisionErrorMap& map, const std::vector<PairRow>& pairs,
+                           const std::filesystem::path& file) {
+  const bool at_lamps = std::holds_alternative<LampField>(map);
+  if (!at_lamps && !depends_on_direction(std::get<ErrorMap>(map))) return;
   for (const PairRow& pair : pairs) {
-    if (pair.phi) continue;
-    throw InputError(fmt::format(
-        "{}: the map depends on the tool's direction; pairs need a column phi_deg, which pair {} "
-        "leaves empty",
-        file.string(), pair.id));
+    if (at_lamps ? pair.lamps_B && pair.p_reflector : pair.phi.has_value()) continue;
+    throw InputError(fmt::format("{}: the map depends on {}, which pair {} leaves empty",
+                                 file.string(),
+                                 at_lamps ? "the lamps; pairs need columns x_lamp1_mm to "
+                                            "y_lamp2_mm and x_reflector_mm, y_reflector_mm"
+                                          : "the tool's direction; pairs need a column phi_deg",
+                                 pair.id));
   }
 }
 
-MapCheck check_error_map(const ErrorMap& map, const std::vector<PairRow>& pairs,
+MapCheck check_error_map(const VisionErrorMap& map, const std::vector<PairRow>& pairs,
                          const Progress& progress) {
   require_one_unit_of(pairs);
   MapCheck check;
   std::vector<double> raw;
   std::vector<double> predicted;
   std::vector<double> missed;
-  const double map_noise = noise_sigma(map);
   int covered = 0;
   bool has_sigma = true;
   for (const PairRow& pair : pairs) {
     tell(progress, "checking pairs", raw.size(), pairs.size());
-    const ErrorPrediction prediction = predict(map, pair.p_vision, pair.phi);
-    const Eigen::Vector2d miss = pair.error() - prediction.error;
+    const JudgedPair judged = std::visit([&](const auto& kind) { return judge(kind, pair); }, map);
     raw.push_back(pair.error().norm());
-    predicted.push_back(prediction.error.norm());
-    missed.push_back(miss.norm());
-    const double sigma = std::hypot(prediction.sigma, pair_noise(pair, map_noise));
-    has_sigma = has_sigma && std::isfinite(sigma);
-    covered += covered_components(miss, sigma);
-    if (!prediction.inside) ++check.n_outside;
+    predicted.push_back((pair.error() - judged.miss).norm());
+    missed.push_back(judged.miss.norm());
+    has_sigma = has_sigma && std::isfinite(judged.sigma);
+    covered += covered_components(judged.miss, judged.sigma);
+    if (!judged.inside) ++check.n_outside;
   }
   check.raw = summarize(raw);
   check.compensated = summarize(missed);

@@ -7,8 +7,8 @@
 
 #include "planar_servo/core/numerics/statistics.h"
 #include "planar_servo/core/progress.h"
-#include "planar_servo/error_map/error_map.h"
 #include "planar_servo/files/tables/pair_table.h"
+#include "planar_servo/vision/see_tool.h"
 
 namespace planar {
 
@@ -31,14 +31,15 @@ struct MapCheck {
 /// `train`, which are all when the pairs name no plans. Throws InputError when there are none.
 std::vector<PairRow> pairs_to_check(std::vector<PairRow> pairs, const std::vector<Plan>& plans);
 
-/// Throws InputError naming the pairs' file when the map depends on the tool's direction and a pair
-/// names none.
-void require_directions(const ErrorMap& map, const std::vector<PairRow>& pairs,
-                        const std::filesystem::path& file);
+/// Throws InputError naming the pairs' file when a pair lacks what the map depends on: the tool's
+/// direction, or the lamps and the reflector.
+void require_what_it_needs(const VisionErrorMap& map, const std::vector<PairRow>& pairs,
+                           const std::filesystem::path& file);
 
-/// Judges a map on at least one pair, each attended and as require_directions() demands it. Throws
-/// InputError for three or more pairs that are not in one unit and frame.
-MapCheck check_error_map(const ErrorMap& map, const std::vector<PairRow>& pairs,
+/// Judges a map on at least one pair, each attended and as require_what_it_needs() demands it. A
+/// field at the lamps meets the tracker's reading of the reflector by the tool that it was found
+/// with. Throws InputError for three or more pairs that are not in one unit and frame.
+MapCheck check_error_map(const VisionErrorMap& map, const std::vector<PairRow>& pairs,
                          const Progress& progress = {});
 
 }  // namespace planar

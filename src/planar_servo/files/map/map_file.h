@@ -5,6 +5,7 @@
 
 #include "planar_servo/error_map/error_map.h"
 #include "planar_servo/error_map/fit_error_map.h"
+#include "planar_servo/vision/see_tool.h"
 
 namespace planar {
 
@@ -14,8 +15,8 @@ namespace planar {
 std::string map_text(const MapResult& result, const std::filesystem::path& pairs,
                      const std::string& program);
 
-/// Reads map.yaml. Throws InputError naming every fault of the file, and when its kernel matrix
-/// cannot be solved.
-ErrorMap read_map(const std::filesystem::path& path);
+/// Reads map.yaml of either kind. Throws InputError naming every fault of the file, and when its
+/// kernel matrix cannot be solved.
+VisionErrorMap read_map(const std::filesystem::path& path);
 
 }  // namespace planar

@@ -1,4 +1,4 @@
-#include "planar_servo/files/map_file.h"
+#include "planar_servo/files/map/map_file.h"
 
 #include <fmt/format.h>
 
@@ -10,6 +10,8 @@
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/error_map/fit_error_map.h"
+#include "planar_servo/files/map/lamp_field_file.h"
+#include "planar_servo/files/map/map_fields.h"
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/io/yaml_fields.h"
 
@@ -20,46 +22,11 @@ namespace {
 /// ends with these two terms.
 constexpr char kToolDirections[] = "tool_directions";
 
-void list_point(RowFields& row, Eigen::Vector2d& point) {
-  row.number(point.x());
-  row.number(point.y());
-}
-
-/// Visits points as rows [x, y]. Returns whether they were read.
-bool list_points(Fields& fields, const std::string& key, Eigen::Matrix2Xd& points) {
-  std::vector<Eigen::Vector2d> rows;
-  for (Eigen::Index i = 0; i < points.cols(); ++i) rows.emplace_back(points.col(i));
-  if (!fields.rows(key, rows, list_point)) return false;
-  points.resize(2, static_cast<Eigen::Index>(rows.size()));
-  for (std::size_t i = 0; i < rows.size(); ++i) points.col(static_cast<Eigen::Index>(i)) = rows[i];
-  return true;
-}
-
-/// Visits `size` points as rows [x, y], or any number of them when `size` is not known.
-void list_points(Fields& fields, const std::string& key, Eigen::Matrix2Xd& points,
-                 std::optional<Eigen::Index> size) {
-  if (list_points(fields, key, points) && size)
-    fields.check(points.cols() == *size,
-                 fmt::format("{} has {} points; {} are needed", key, points.cols(), *size), key);
-}
-
-/// Visits the centres and returns how many there are. Empty when they could not be read.
-std::optional<Eigen::Index> list_centers(Fields& fields, Eigen::Matrix2Xd& centers) {
-  if (!list_points(fields, "centers_m", centers)) return std::nullopt;
-  fields.check(centers.cols() > 0, "centers_m has no points", "centers_m");
-  return centers.cols();
-}
-
 void list_counts(Fields& fields, Eigen::VectorXd& counts, std::optional<Eigen::Index> size) {
   std::vector<double> values(counts.begin(), counts.end());
   const auto n = static_cast<std::size_t>(size.value_or(0));
   if (fields.numbers("pairs_per_center", values, n, 1.0, Range::at_least(1.0)))
     counts = Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<int>(values.size()));
-}
-
-void list_region(Fields& fields, ValidRegion& region) {
-  fields.rows("hull_m", region.hull, list_point);
-  fields.number("hull_margin_m", region.margin, 1.0, Range::at_least(0.0));
 }
 
 void list_tail(Fields& fields, TailBasis& basis, Eigen::Matrix2Xd& tail) {
@@ -101,21 +68,6 @@ void list_fields(Fields& fields, RbfParameters& parameters) {
   list_counts(fields, parameters.counts, size);
   list_points(fields, "weights_m", parameters.weights, size);
   if (with_direction) list_points(fields, kToolDirections, parameters.directions, size);
-}
-
-/// Visits the lower triangle of a matrix, row after row.
-void list_factor(Fields& fields, Eigen::MatrixXd& lower, Eigen::Index size) {
-  std::vector<double> values;
-  for (Eigen::Index i = 0; i < lower.rows(); ++i)
-    for (Eigen::Index j = 0; j <= i; ++j) values.push_back(lower(i, j));
-  const auto n = static_cast<std::size_t>(size * (size + 1) / 2);
-  if (!fields.numbers("factor", values, n) || !fields.reading()) return;
-  lower = Eigen::MatrixXd::Zero(size, size);
-  auto value = values.begin();
-  for (Eigen::Index i = 0; i < size; ++i)
-    for (Eigen::Index j = 0; j <= i; ++j) lower(i, j) = *value++;
-  fields.check((lower.diagonal().array() > 0.0).all(),
-               "factor has a diagonal element that is not positive", "factor");
 }
 
 void list_fields(Fields& fields, SparseRbfParameters& parameters) {
@@ -197,18 +149,21 @@ std::string map_text(const MapResult& result, const std::filesystem::path& pairs
   return yaml.text();
 }
 
-ErrorMap read_map(const std::filesystem::path& path) {
+VisionErrorMap read_map(const std::filesystem::path& path) {
   const YamlDocument document = YamlDocument::read(path, "map");
   const YamlNode root = document.root();
   root.child("fit").allow_all();
   FieldReader reader(root);
-  MapKind kind{};
-  if (!reader.choice("method", kind, kMapKinds)) {
+  std::vector<std::string> methods = names_of(kMapKinds);
+  methods.emplace_back(kLampFieldMethod);
+  std::string method;
+  if (!reader.choice("method", method, methods)) {
     reader.allow_rest();
     document.throw_if_faulty();
   }
   try {
-    return read_map(document, reader, kind);
+    if (method == kLampFieldMethod) return read_lamp_field(document, reader);
+    return read_map(document, reader, value_named(kMapKinds, method).value());
   } catch (const WorkError& e) {
     throw InputError(path.string() + ": " + e.what());
   }

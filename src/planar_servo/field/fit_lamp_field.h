@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "planar_servo/core/names.h"
+#include "planar_servo/core/progress.h"
+#include "planar_servo/field/held_out.h"
+#include "planar_servo/field/joint_estimate.h"
+#include "planar_servo/field/lamp_field.h"
+
+namespace planar {
+
+/// What can tell a field its scale, its datum or its turn about the base's axis.
+enum class FieldSource {
+  kTracker,
+  kArm,      ///< the cell file's links, and the axis of joint 1
+  kNothing,  ///< only that the files are about right
+};
+
+constexpr Named<FieldSource> kFieldSources[] = {{FieldSource::kTracker, "tracker"},
+                                                {FieldSource::kArm, "arm"},
+                                                {FieldSource::kNothing, "nothing"}};
+
+struct FixedBy {
+  FieldSource scale{FieldSource::kArm}, datum{FieldSource::kArm}, turn{FieldSource::kNothing};
+};
+
+/// A field at the lamps with what was found together with it.
+struct LampFieldFit {
+  JointEstimate estimate;
+  LampField field;
+  HeldOut held_out;
+  std::size_t n_readings{0}, n_unattended{0};  ///< that were given
+  std::vector<std::string> left_out;           ///< ids of poses that contradict the others
+  FixedBy fixed_by;
+};
+
+/// Estimates field, arm and tool, and judges them on places left out. Throws as estimate_jointly()
+/// does.
+LampFieldFit fit_lamp_field(const ArmNominal& nominal, const std::vector<PoseSample>& samples,
+                            const Progress& progress = {});
+
+}  // namespace planar

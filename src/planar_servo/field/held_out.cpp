@@ -1,0 +1,101 @@
+#include "planar_servo/field/held_out.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <string>
+
+#include "planar_servo/calibration/vision_tip.h"
+#include "planar_servo/core/error.h"
+#include "planar_servo/field/lamp_field.h"
+
+namespace planar {
+namespace {
+
+constexpr std::size_t kParts = 10;
+constexpr std::size_t kAlwaysUsed = kParts;
+
+/// The samples that the estimate used, and the part in which each is left out.
+struct Parts {
+  std::vector<PoseSample> samples;
+  std::vector<std::size_t> part;
+};
+
+Parts parts_of(const JointEstimate& estimate, const std::vector<PoseSample>& samples) {
+  std::vector<bool> out(samples.size(), false);
+  for (const JointOutlier& outlier : estimate.left_out) out[outlier.index] = true;
+  Parts parts;
+  std::map<std::string, std::size_t> place_parts;
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    if (out[i]) continue;
+    parts.samples.push_back(samples[i]);
+    if (!samples[i].reflector_B)
+      parts.part.push_back(kAlwaysUsed);
+    else if (samples[i].place.empty())
+      parts.part.push_back(next++ % kParts);
+    else if (const auto known = place_parts.find(samples[i].place); known != place_parts.end())
+      parts.part.push_back(known->second);
+    else
+      parts.part.push_back(place_parts[samples[i].place] = next++ % kParts);
+  }
+  return parts;
+}
+
+Eigen::Vector2d vision_minus_tracker(const TipPose& tip, const ToolOffsets& tool,
+                                     const PoseSample& sample) {
+  return tip.p + rotation2d(tip.phi) * tool.p_TS.head<2>() - *sample.reflector_B;
+}
+
+/// Returns the variances per axis of that difference, as they are stated.
+Eigen::Vector2d stated_variances(const CompensatedTip& found, const JointEstimate& estimate,
+                                 const LampField& field, const PoseSample& sample) {
+  const double lamp = estimate.priors.lamp_factor * sample.sigma_lamp;
+  Eigen::Matrix2d covariance = found.covariance;
+  for (const TipSlope& slope : tip_slopes(found.lamps_B, field.tool))
+    covariance += lamp * lamp * slope.p * slope.p.transpose();
+  return covariance.diagonal().array() + sample.sigma_reflector * sample.sigma_reflector;
+}
+
+/// Sums over judged readings.
+struct Sums {
+  double raw{0.0}, compensated{0.0};
+  std::size_t n{0}, covered{0};
+};
+
+void judge_part(const JointEstimate& estimate, const Parts& parts, std::size_t part, Sums& sums) {
+  std::vector<PoseSample> used, judged;
+  for (std::size_t i = 0; i < parts.samples.size(); ++i)
+    (parts.part[i] == part ? judged : used).push_back(parts.samples[i]);
+  if (judged.empty()) return;
+  JointEstimate without = estimate;
+  auto fit = fit_jointly(estimate.model(), estimate.priors, used, estimate.fit.basis.radius);
+  if (!fit) throw WorkError("field and arm cannot be told apart without a tenth of the readings");
+  without.fit = std::move(*fit);
+  const LampField field = lamp_field(without, used);
+  for (const PoseSample& sample : judged) {
+    const CompensatedTip found = compensate(field, sample.lamps_B);
+    const ToolOffsets& tool = estimate.nominal.tool;
+    const Eigen::Vector2d off = vision_minus_tracker(found.tip, field.tool, sample);
+    const Eigen::Vector2d variances = stated_variances(found, estimate, field, sample);
+    sums.raw +=
+        vision_minus_tracker(tip_from_places(sample.lamps_B, tool), tool, sample).squaredNorm();
+    sums.compensated += off.squaredNorm();
+    sums.covered +=
+        static_cast<std::size_t>((off.array().square() < 1.96 * 1.96 * variances.array()).count());
+    ++sums.n;
+  }
+}
+
+}  // namespace
+
+HeldOut hold_out(const JointEstimate& estimate, const std::vector<PoseSample>& samples) {
+  const Parts parts = parts_of(estimate, samples);
+  Sums sums;
+  for (std::size_t part = 0; part < kParts; ++part) judge_part(estimate, parts, part, sums);
+  const auto n = static_cast<double>(std::max<std::size_t>(sums.n, 1));
+  return {sums.n, std::sqrt(sums.raw / n), std::sqrt(sums.compensated / n),
+          static_cast<double>(sums.covered) / (2.0 * n)};
+}
+
+}  // namespace planar

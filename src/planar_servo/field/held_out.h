@@ -1,0 +1,24 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "planar_servo/field/joint_estimate.h"
+
+namespace planar {
+
+/// How well places are met whose readings and pictures the fit has not seen. Lengths are in metres.
+struct HeldOut {
+  std::size_t n{0};         ///< readings that were judged
+  double raw_rms{0.0};      ///< of vision minus tracker at the end point, uncompensated
+  double rms{0.0};          ///< the same, compensated
+  double coverage_95{0.0};  ///< share of the components within 1.96 stated deviations
+  bool worth_using() const { return n > 0 && rms < raw_rms; }
+};
+
+/// Leaves out the places of `samples` with readings in ten parts, one part after the other, and
+/// meets each by what the others say with the estimate's priors. What the estimate left out is
+/// neither used nor judged. Without readings nothing is judged.
+HeldOut hold_out(const JointEstimate& estimate, const std::vector<PoseSample>& samples);
+
+}  // namespace planar

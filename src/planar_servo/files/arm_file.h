@@ -1,0 +1,21 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "planar_servo/arm/found_arm.h"
+#include "planar_servo/field/arm_terms.h"
+#include "planar_servo/files/provenance.h"
+
+namespace planar {
+
+/// Returns the text of arm.yaml: an `arm` block with links, zeros and harmonics as they were found,
+/// and every term with its standard deviation and whether the poses determine it.
+std::string found_arm_text(const FoundArm& arm, const std::vector<ArmTerm>& terms,
+                           const std::vector<Origin>& origins, const std::string& program);
+
+/// Reads the arm from arm.yaml. Throws InputError naming every fault.
+FoundArm read_found_arm(const std::filesystem::path& path);
+
+}  // namespace planar

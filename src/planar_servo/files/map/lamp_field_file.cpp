@@ -1,0 +1,74 @@
+#include "planar_servo/files/map/lamp_field_file.h"
+
+#include "planar_servo/core/units.h"
+#include "planar_servo/files/map/map_fields.h"
+
+namespace planar {
+namespace {
+
+void list_tool(Fields& fields, ToolOffsets& tool) {
+  fields.numbers("p_TP_m", tool.p_TP);
+  fields.numbers("p_TS_m", tool.p_TS);
+}
+
+void list_height(Fields& fields, LampField& field) {
+  fields.numbers("terms_m", field.height);
+  fields.number("reach_m", field.reach, 1.0, Range::positive());
+  fields.numbers("p_camera_B_m", field.p_camera_B);
+  fields.check(field.p_camera_B.z() > 0.0, "p_camera_B_m has a height that is not positive",
+               "p_camera_B_m");
+}
+
+void list_fields(Fields& fields, LampField& field) {
+  fields.number("width_m", field.basis.width, 1.0, Range::positive());
+  fields.number("radius_m", field.basis.radius, 1.0, Range::positive());
+  list_region(fields, field.region);
+  const auto size = list_centers(fields, field.basis.centers);
+  Eigen::Matrix2Xd weights = field.weights.transpose();
+  list_points(fields, "weights_m", weights,
+              size ? std::optional(field.basis.terms()) : std::nullopt);
+  field.weights = weights.transpose();
+  fields.map("lamps_height", [&] { list_height(fields, field); });
+  fields.map("tool", [&] { list_tool(fields, field.tool); });
+  list_factor(fields, field.factor, LampField::unknowns(field.basis));
+}
+
+void add_figures(YamlWriter& yaml, const LampFieldFit& fit) {
+  yaml.begin_map("fit");
+  yaml.add("n_readings", static_cast<int>(fit.n_readings));
+  yaml.add("n_unattended", static_cast<int>(fit.n_unattended));
+  yaml.add("raw_rms_mm", fit.held_out.raw_rms / kMillimetre);
+  yaml.add("held_out_rms_mm", fit.held_out.rms / kMillimetre);
+  yaml.add("worth_using", fit.held_out.worth_using());
+  yaml.add("left_out", fit.left_out);
+  yaml.add("harmonics", fit.estimate.size.harmonics);
+  yaml.begin_map("fixed_by");
+  yaml.add("scale", name_in(kFieldSources, fit.fixed_by.scale));
+  yaml.add("datum", name_in(kFieldSources, fit.fixed_by.datum));
+  yaml.add("turn", name_in(kFieldSources, fit.fixed_by.turn));
+  yaml.end_map();
+  yaml.end_map();
+}
+
+}  // namespace
+
+std::string lamp_field_text(const LampFieldFit& fit, const std::vector<Origin>& origins,
+                            const std::string& program) {
+  YamlWriter yaml = YamlWriter::with_header("map", program);
+  yaml.add_inputs(input_records(origins));
+  add_figures(yaml, fit);
+  yaml.add("method", kLampFieldMethod);
+  FieldWriter writer(yaml);
+  LampField written = fit.field;
+  list_fields(writer, written);
+  return yaml.text();
+}
+
+LampField read_lamp_field(const YamlDocument& document, Fields& fields) {
+  LampField field;
+  list_fields(fields, field);
+  document.throw_if_faulty();
+  return field;
+}
+
+}  // namespace planar

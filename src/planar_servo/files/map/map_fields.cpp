@@ -1,0 +1,58 @@
+#include "planar_servo/files/map/map_fields.h"
+
+#include <fmt/format.h>
+
+#include <vector>
+
+namespace planar {
+namespace {
+
+void list_point(RowFields& row, Eigen::Vector2d& point) {
+  row.number(point.x());
+  row.number(point.y());
+}
+
+}  // namespace
+
+bool list_points(Fields& fields, const std::string& key, Eigen::Matrix2Xd& points) {
+  std::vector<Eigen::Vector2d> rows;
+  for (Eigen::Index i = 0; i < points.cols(); ++i) rows.emplace_back(points.col(i));
+  if (!fields.rows(key, rows, list_point)) return false;
+  points.resize(2, static_cast<Eigen::Index>(rows.size()));
+  for (std::size_t i = 0; i < rows.size(); ++i) points.col(static_cast<Eigen::Index>(i)) = rows[i];
+  return true;
+}
+
+void list_points(Fields& fields, const std::string& key, Eigen::Matrix2Xd& points,
+                 std::optional<Eigen::Index> size) {
+  if (list_points(fields, key, points) && size)
+    fields.check(points.cols() == *size,
+                 fmt::format("{} has {} points; {} are needed", key, points.cols(), *size), key);
+}
+
+std::optional<Eigen::Index> list_centers(Fields& fields, Eigen::Matrix2Xd& centers) {
+  if (!list_points(fields, "centers_m", centers)) return std::nullopt;
+  fields.check(centers.cols() > 0, "centers_m has no points", "centers_m");
+  return centers.cols();
+}
+
+void list_region(Fields& fields, ValidRegion& region) {
+  fields.rows("hull_m", region.hull, list_point);
+  fields.number("hull_margin_m", region.margin, 1.0, Range::at_least(0.0));
+}
+
+void list_factor(Fields& fields, Eigen::MatrixXd& lower, Eigen::Index size) {
+  std::vector<double> values;
+  for (Eigen::Index i = 0; i < lower.rows(); ++i)
+    for (Eigen::Index j = 0; j <= i; ++j) values.push_back(lower(i, j));
+  const auto n = static_cast<std::size_t>(size * (size + 1) / 2);
+  if (!fields.numbers("factor", values, n) || !fields.reading()) return;
+  lower = Eigen::MatrixXd::Zero(size, size);
+  auto value = values.begin();
+  for (Eigen::Index i = 0; i < size; ++i)
+    for (Eigen::Index j = 0; j <= i; ++j) lower(i, j) = *value++;
+  fields.check((lower.diagonal().array() > 0.0).all(),
+               "factor has a diagonal element that is not positive", "factor");
+}
+
+}  // namespace planar

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+
+#include "planar_servo/error_map/maps/valid_region.h"
+#include "planar_servo/io/fields.h"
+
+namespace planar {
+
+// Fields that several kinds of map files have.
+
+/// Visits points as rows [x, y]. Returns whether they were read.
+bool list_points(Fields& fields, const std::string& key, Eigen::Matrix2Xd& points);
+
+/// Visits `size` points as rows [x, y], or any number of them when `size` is not known.
+void list_points(Fields& fields, const std::string& key, Eigen::Matrix2Xd& points,
+                 std::optional<Eigen::Index> size);
+
+/// Visits the centres and returns how many there are. Empty when they could not be read.
+std::optional<Eigen::Index> list_centers(Fields& fields, Eigen::Matrix2Xd& centers);
+
+void list_region(Fields& fields, ValidRegion& region);
+
+/// Visits the lower triangle of a matrix of so many rows, row after row.
+void list_factor(Fields& fields, Eigen::MatrixXd& lower, Eigen::Index size);
+
+}  // namespace planar

@@ -1,0 +1,82 @@
+#include "planar_servo/offline/map/lamp_field_report.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <nlohmann/json.hpp>
+
+#include "planar_servo/core/fixed.h"
+#include "planar_servo/core/units.h"
+#include "planar_servo/field/arm_terms.h"
+#include "planar_servo/files/map/lamp_field_file.h"
+
+namespace planar {
+namespace {
+
+std::string terms_text(const JointEstimate& estimate) {
+  std::string text = "\nwhat the poses say of the arm\n";
+  for (const ArmTerm& term : arm_terms(estimate))
+    text += fmt::format("{:<24} {:>11} +- {:<9} {}{}\n", term.label,
+                        fixed(term.value / term.unit, 5), fixed(term.sigma / term.unit, 5),
+                        term.unit_text, term.determined ? "" : "  not determined");
+  return text;
+}
+
+std::string judgement_text(const HeldOut& judged) {
+  if (judged.n == 0) return "places left out    none: no tracker reading judges this map\n";
+  return fmt::format("vision error        {:.4f} mm rms\n", judged.raw_rms / kMillimetre) +
+         fmt::format(
+             "places left out     {:.4f} mm rms against the tracker, {} % of them within "
+             "their stated 95 %\n",
+             judged.rms / kMillimetre, fixed(100.0 * judged.coverage_95, 1)) +
+         fmt::format("gain                {} %, {}\n",
+                     fixed(100.0 * (1.0 - judged.rms / judged.raw_rms), 1),
+                     judged.worth_using() ? "worth using" : "NOT significant: do not use this map");
+}
+
+}  // namespace
+
+std::string lamp_field_report_text(const LampFieldFit& fit) {
+  std::string text =
+      fmt::format("readings used       {}, and {} poses without a reading ({} left out)\n",
+                  fit.n_readings, fit.n_unattended, fit.left_out.size());
+  if (!fit.left_out.empty())
+    text += fmt::format("  {} contradict the others\n", fmt::join(fit.left_out, ", "));
+  text += fmt::format("method              {}, {} harmonics of each reducer\n", kLampFieldMethod,
+                      fit.estimate.size.harmonics);
+  text += judgement_text(fit.held_out);
+  text += fmt::format("noise of a lamp     {} times what the pairs state\n",
+                      fixed(fit.estimate.priors.lamp_factor, 2));
+  text += fmt::format(
+      "scale, datum, turn  by: {}, {}, {}\n", name_in(kFieldSources, fit.fixed_by.scale),
+      name_in(kFieldSources, fit.fixed_by.datum), name_in(kFieldSources, fit.fixed_by.turn));
+  return text + terms_text(fit.estimate);
+}
+
+nlohmann::json lamp_field_report_json(const LampFieldFit& fit) {
+  nlohmann::json arm = nlohmann::json::object();
+  for (const ArmTerm& term : arm_terms(fit.estimate))
+    arm[term.key] = {{"value", term.value / term.unit},
+                     {"sigma", term.sigma / term.unit},
+                     {"determined", term.determined}};
+  nlohmann::json report{{"method", kLampFieldMethod},
+                        {"n_readings", fit.n_readings},
+                        {"n_unattended", fit.n_unattended},
+                        {"left_out", fit.left_out},
+                        {"harmonics", fit.estimate.size.harmonics},
+                        {"lamp_noise_factor", fit.estimate.priors.lamp_factor},
+                        {"fixed_by",
+                         {{"scale", name_in(kFieldSources, fit.fixed_by.scale)},
+                          {"datum", name_in(kFieldSources, fit.fixed_by.datum)},
+                          {"turn", name_in(kFieldSources, fit.fixed_by.turn)}}},
+                        {"arm", std::move(arm)}};
+  if (fit.held_out.n > 0) {
+    report["raw_rms_mm"] = fit.held_out.raw_rms / kMillimetre;
+    report["held_out_rms_mm"] = fit.held_out.rms / kMillimetre;
+    report["coverage_95"] = fit.held_out.coverage_95;
+    report["worth_using"] = fit.held_out.worth_using();
+  }
+  return report;
+}
+
+}  // namespace planar

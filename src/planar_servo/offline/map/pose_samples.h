@@ -1,0 +1,21 @@
+#pragma once
+
+#include <vector>
+
+#include "planar_servo/cell/cell_settings.h"
+#include "planar_servo/field/arm_model.h"
+#include "planar_servo/field/pose_sample.h"
+#include "planar_servo/files/tables/pair_table.h"
+#include "planar_servo/vision/see_tool.h"
+
+namespace planar {
+
+/// Returns the arm, the camera's place and the tool as the cell and its calibration have them.
+ArmNominal nominal_arm(const CellSettings& cell, const VisionCalibration& vision);
+
+/// Returns the poses of pairs.csv by which field and arm are told: those of plan train or of none,
+/// the sweeps, and the unattended ones. Places of other plans are kept for checks. Throws
+/// InputError naming a pair without lamps, joints or standard deviations.
+std::vector<PoseSample> pose_samples(const CellSettings& cell, const std::vector<PairRow>& pairs);
+
+}  // namespace planar

@@ -1,0 +1,60 @@
+#include "planar_servo/field/held_out.h"
+
+#include <catch2/catch.hpp>
+
+#include "field/bent_cell.h"
+#include "planar_servo/field/fit_lamp_field.h"
+
+namespace planar {
+namespace {
+
+TEST_CASE("Places left out are met within what the fit says, and far better than by raw vision") {
+  const test::BentCell cell;
+  std::mt19937 random(31);
+  const auto samples = cell.samples(80, 60, random);
+  const JointEstimate estimate = estimate_jointly(cell.nominal(), samples);
+  const HeldOut judged = hold_out(estimate, samples);
+  CHECK(judged.n == 80);
+  CHECK(judged.raw_rms > 0.05e-3);
+  // Two axes of a reading's noise and little more.
+  CHECK(judged.rms == Approx(std::sqrt(2.0) * cell.noise_reflector).epsilon(0.25));
+  CHECK(judged.coverage_95 == Approx(0.95).margin(0.05));
+  CHECK(judged.worth_using());
+}
+
+TEST_CASE("Readings of one place leave together") {
+  // Four readings at each of 25 places share an error of their place.
+  const test::BentCell cell;
+  std::mt19937 random(32);
+  std::normal_distribution<double> of_place(0.0, 30e-6);
+  std::vector<PoseSample> samples;
+  for (int place = 0; place < 25; ++place) {
+    const Eigen::Vector3d motors = test::BentCell::random_motors(random);
+    const Eigen::Vector2d shift(of_place(random), of_place(random));
+    for (int i = 0; i < 4; ++i) {
+      samples.push_back(cell.sample(motors, true, random));
+      *samples.back().reflector_B += shift;
+      samples.back().place = "place " + std::to_string(place);
+    }
+  }
+  JointEstimate estimate;
+  estimate.nominal = cell.nominal();
+  estimate.fit = fit_jointly(estimate.model(), {}, samples, 0.6).value();
+  const double together = hold_out(estimate, samples).rms;
+  for (PoseSample& sample : samples) sample.place.clear();
+  CHECK(together > 1.2 * hold_out(estimate, samples).rms);
+}
+
+TEST_CASE("Without readings nothing is judged, and the arm alone fixes scale and datum") {
+  const test::BentCell cell;
+  std::mt19937 random(33);
+  const LampFieldFit fit = fit_lamp_field(cell.nominal(), cell.samples(0, 60, random));
+  CHECK(fit.held_out.n == 0);
+  CHECK_FALSE(fit.held_out.worth_using());
+  CHECK(fit.n_unattended == 60);
+  CHECK(fit.fixed_by.scale == FieldSource::kArm);
+  CHECK(fit.fixed_by.turn == FieldSource::kNothing);
+}
+
+}  // namespace
+}  // namespace planar

@@ -1,0 +1,62 @@
+#include <catch2/catch.hpp>
+#include <regex>
+
+#include "field/bent_cell.h"
+#include "planar_servo/core/error.h"
+#include "planar_servo/files/map/lamp_field_file.h"
+#include "planar_servo/files/map/map_file.h"
+#include "support/temporary_folder.h"
+
+namespace planar {
+namespace {
+
+LampFieldFit fit_of_bent_cell() {
+  const test::BentCell cell;
+  std::mt19937 random(41);
+  return fit_lamp_field(cell.nominal(), cell.samples(40, 20, random));
+}
+
+TEST_CASE("A field at the lamps read from its file compensates the same, bit for bit") {
+  test::TemporaryFolder folder;
+  const LampFieldFit fit = fit_of_bent_cell();
+  const auto path = folder.write("map.yaml", lamp_field_text(fit, {}, "test"));
+  const LampField back = std::get<LampField>(read_map(path));
+  std::mt19937 random(42);
+  std::uniform_real_distribution<double> place(-0.6, 0.6);
+  for (int i = 0; i < 50; ++i) {
+    const Eigen::Vector2d first(place(random), place(random)), second(place(random), place(random));
+    const CompensatedTip wanted = compensate(fit.field, {first, second});
+    const CompensatedTip found = compensate(back, {first, second});
+    CHECK(found.tip.p == wanted.tip.p);
+    CHECK(found.tip.phi == wanted.tip.phi);
+    CHECK(found.covariance == wanted.covariance);
+    CHECK(found.inside == wanted.inside);
+  }
+}
+
+TEST_CASE("A field's file says what it was made from and what fixed it") {
+  const std::string text =
+      lamp_field_text(fit_of_bent_cell(), {{Role::kPairs, "pairs.csv", "ab"}}, "test");
+  CHECK_THAT(text, Catch::Contains("method: lamp_field") && Catch::Contains("n_readings: 40") &&
+                       Catch::Contains("n_unattended: 20") && Catch::Contains("scale: tracker") &&
+                       Catch::Contains("held_out_rms_mm") && Catch::Contains("pairs.csv"));
+}
+
+TEST_CASE("A damaged file of a field is refused by name") {
+  test::TemporaryFolder folder;
+  const std::string text = lamp_field_text(fit_of_bent_cell(), {}, "test");
+  const auto refusal = [&](const char* wrong, const char* by) {
+    return folder.write("map.yaml", std::regex_replace(text, std::regex(wrong), by,
+                                                       std::regex_constants::format_first_only));
+  };
+  CHECK_THROWS_WITH(read_map(refusal("factor: \\[[^,]*, ", "factor: [")),
+                    Catch::Contains("map.yaml") && Catch::Contains("factor"));
+  CHECK_THROWS_WITH(read_map(refusal("width_m: .*", "width_m: -1")), Catch::Contains("width_m"));
+  CHECK_THROWS_WITH(read_map(refusal("weights_m:\n *- [^\n]*\n", "weights_m:\n")),
+                    Catch::Contains("weights_m"));
+  CHECK_THROWS_WITH(read_map(refusal("p_camera_B_m: .*", "p_camera_B_m: [0, 0, -1]")),
+                    Catch::Contains("p_camera_B_m"));
+}
+
+}  // namespace
+}  // namespace planar
