@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "planar_servo/experiment/experiment.h"
+#include "planar_servo/experiment/experiment_plan.h"
 #include "planar_servo/experiment/experiment_report.h"
 #include "planar_servo/experiment/experiment_series.h"
 #include "planar_servo/io/atomic_file.h"
@@ -17,7 +18,7 @@ const ProgramText kText{
     "planar-experiment",
     "Runs the paper's whole experiment on a cell, our chain and the paper's side by side.",
     "planar-experiment --cell cell.yaml --out DIR [--grid circles:COLSxROWS:PITCHmm] [--seed N]\n"
-    "                         [--seeds N | --predict]",
+    "                         [--train N] [--unattended M] [--seeds N | --predict]",
     R"(Table 7: mean true positioning error in mm, 25 targets on each circle of radius 200 mm
   circle about     before  paper's chain    ours  ours, improved by  paper: before  paper: after
   (-200, -200) mm   1.505          0.222  0.0181             98.8 %          1.504         0.185)"};
@@ -26,7 +27,7 @@ struct Options {
   std::filesystem::path cell, out;
   std::string grid{"circles:11x11:50mm"};
   std::uint64_t seed{1};
-  int seeds{0};
+  int seeds{0}, train{0}, unattended{0};
   bool predict{false};
 };
 
@@ -41,6 +42,15 @@ void add_options(CLI::App& app, Options& options) {
       ->capture_default_str();
   app.add_option("--seed", options.seed, "draws the training and test positions")
       ->capture_default_str();
+  app.add_option("--train", options.train,
+                 "tracker readings that the calibration takes, sweeps included; without it the "
+                 "paper's 200 places and two sweeps of 24")
+      ->check(CLI::Range(kFewestReadings, 100000))
+      ->type_name("N");
+  app.add_option("--unattended", options.unattended,
+                 "places that only the camera watches, which tell arm and camera apart")
+      ->check(CLI::Range(0, 100000))
+      ->type_name("M");
   auto* seeds =
       app.add_option("--seeds", options.seeds,
                      "run on N virtual cells drawn from the seeds --seed, --seed + 1, ...")
@@ -60,9 +70,16 @@ Outcome run_many(const ExperimentRequest& request, const Options& options) {
   return {figures};
 }
 
+ExperimentSize size_of(const Options& options) {
+  ExperimentSize size;
+  if (options.train > 0) size = with_readings(size, options.train);
+  size.unattended_poses = options.unattended;
+  return size;
+}
+
 Outcome run(const Options& options) {
   const ExperimentRequest request{read_cell(options.cell), parse_board(options.grid), options.seed,
-                                  options.out};
+                                  options.out, size_of(options)};
   if (options.predict) {
     const PositioningPrediction prediction = predict_experiment(request);
     fmt::print("{}", prediction_text(prediction));

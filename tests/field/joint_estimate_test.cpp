@@ -19,7 +19,7 @@ TEST_CASE("As many harmonics are found as the reducers have") {
     CHECK(found.left_out.empty());
     CHECK(found.fit.arm[0] == Approx(cell.link1).margin(20e-6));
     CHECK(found.fit.arm[1] == Approx(cell.link2).margin(20e-6));
-    const double sigma = std::sqrt(found.fit.covariance.diagonal()[2 * found.fit.basis.terms()]);
+    const double sigma = std::sqrt(found.fit.covariance.diagonal()[2 * found.fit.field_terms()]);
     CHECK(std::abs(found.fit.arm[0] - cell.link1) < 4.0 * sigma);
   }
 }

@@ -62,6 +62,20 @@ TEST_CASE("Residuals are as large as the stated noise lets expect") {
   CHECK(chi2 == Approx(900.0).margin(4.0 * std::sqrt(2.0 * 900.0)));
 }
 
+TEST_CASE("A camera that drifts steadily is followed to the end of the recording") {
+  const test::BentCell cell;
+  const Eigen::Vector2d drift(12e-6, -7e-6);
+  std::mt19937 random(15);
+  auto samples = cell.samples(60, 300, random);
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    samples[i].t_h = -2.0 + 2.0 * static_cast<double>(i + 1) / static_cast<double>(samples.size());
+    for (Eigen::Vector2d& lamp : samples[i].lamps_B) lamp += samples[i].t_h * drift;
+  }
+  const auto fit = fit_jointly(ArmModel(cell.nominal(), {2, true}), {}, samples, kFieldRadius);
+  REQUIRE(fit);
+  CHECK((fit->drift_m_per_h - drift).norm() < 1e-6);
+}
+
 TEST_CASE("The likelihood of a fit prefers the arm that the samples came from") {
   const test::BentCell cell;
   std::mt19937 random(6);

@@ -111,6 +111,7 @@ PoseSight mean_frame(const Place& place) {
   sight.id = first.id;
   sight.plan = first.plan;
   sight.theta = first.theta;
+  sight.t_s = first.t_s;
   for (std::size_t k = 0; k < 2; ++k) {
     sight.lamps_px[k] = mean_of(place.frames, [k](const LampSight& f) { return f.uv_px[k]; });
     sight.covariances_px2[k] =

@@ -12,6 +12,7 @@ namespace planar {
 struct PoseSight {
   std::string id;
   Plan plan{Plan::kTrain};
+  double t_s{0.0};                       ///< of its first frame
   Eigen::Vector3d theta{0.0, 0.0, 0.0};  ///< commanded joint angles, radians
   std::array<Eigen::Vector2d, 2> lamps_px{Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};
   std::array<Eigen::Matrix2d, 2> covariances_px2{Eigen::Matrix2d::Zero(), Eigen::Matrix2d::Zero()};

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <random>
 
+#include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
 
 namespace planar {
@@ -62,6 +63,12 @@ class PlanBuilder {
           radius * Eigen::Vector2d(std::cos(angle), std::sin(angle)));
     }
   }
+  void add_poses(int count, const Workspace& workspace, std::mt19937_64& rng) {
+    const std::size_t first = plan_.rows.size();
+    add_disc(Plan::kPose, count, workspace, rng);
+    for (std::size_t i = first; i < plan_.rows.size(); ++i)
+      std::get<TipPose>(plan_.rows[i].where).phi = 2.0 * kPi * uniform(rng) - kPi;
+  }
   ExperimentPlan take() { return std::move(plan_); }
 
  private:
@@ -104,6 +111,18 @@ std::vector<TargetRow> control_targets(const ExperimentSize& size) {
   return targets;
 }
 
+ExperimentSize with_readings(ExperimentSize size, int readings) {
+  constexpr int kSweepShare = 8, kFewestOfSweep = 4, kMostOfSweep = 24;
+  if (readings < kFewestReadings)
+    throw InputError(
+        fmt::format("{} tracker readings are too few for plane and tool; at least {} "
+                    "are needed",
+                    readings, kFewestReadings));
+  size.sweep_points = std::clamp(readings / kSweepShare, kFewestOfSweep, kMostOfSweep);
+  size.training_points = readings - 2 * size.sweep_points;
+  return size;
+}
+
 ExperimentPlan experiment_plan(const CellSettings& cell, std::uint64_t seed,
                                const ExperimentSize& size) {
   std::mt19937_64 rng(seed);
@@ -114,6 +133,7 @@ ExperimentPlan experiment_plan(const CellSettings& cell, std::uint64_t seed,
   plan.add_joint3_sweep(size.sweep_points);
   plan.add_disc(Plan::kTrain, size.training_points, cell.workspace, rng);
   plan.add_disc(Plan::kTest, size.test_points, cell.workspace, rng);
+  plan.add_poses(size.unattended_poses, cell.workspace, rng);
   for (const int radius_mm : kCheckRadii_mm) plan.add_circle("", radius_mm, 0, size.check_points);
   for (int run = 1; run <= kRuns; ++run)
     for (const int radius_mm : kRunRadii_mm)

@@ -17,10 +17,19 @@ struct ExperimentSize {
   int sweep_points{24};  ///< for each of the joints 1 and 3
   int training_points{200};
   int test_points{30};
-  int check_points{24};    ///< on each circle of kCheckRadii_mm
-  int run_points{25};      ///< on each circle of kRunRadii_mm, in each of the runs
-  int control_points{25};  ///< on each of the four control circles
+  int check_points{24};     ///< on each circle of kCheckRadii_mm
+  int run_points{25};       ///< on each circle of kRunRadii_mm, in each of the runs
+  int control_points{25};   ///< on each of the four control circles
+  int unattended_poses{0};  ///< places over the workspace, with the tool turned anyhow
 };
+
+/// Fewer readings than these determine neither plane nor tool.
+constexpr int kFewestReadings = 12;
+
+/// Returns the size of an experiment whose calibration takes so many tracker readings, monuments
+/// excepted: an eighth of them for each sweep, from 4 to 24, and the others for training. Throws
+/// InputError for fewer than kFewestReadings.
+ExperimentSize with_readings(ExperimentSize size, int readings);
 
 /// Radii of the circles of the paper's tables 2 and 5, which lie about the base's axis.
 constexpr std::array<int, 3> kCheckRadii_mm{150, 250, 350};

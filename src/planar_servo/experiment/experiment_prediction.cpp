@@ -7,6 +7,7 @@
 
 #include "planar_servo/core/numerics/statistics.h"
 #include "planar_servo/core/units.h"
+#include "planar_servo/files/vision_files.h"
 
 namespace planar {
 namespace {
@@ -59,14 +60,16 @@ PositioningPrediction predict_positioning(const CalibratedChain& chain,
   const double sigma_vision =
       median_of(chain.pairs, &PairRow::sigma_vision) / std::sqrt(servo.frames_per_measurement);
   const double sigma_tracker = median_of(chain.pairs, &PairRow::sigma_tracker);
+  const VisionCalibration vision = read_vision(chain.cell, true);
+  // A field's own deviation has the readings' noise in it, an end-point map's has not.
+  const double sigma_alike = chain.field ? 0.0 : sigma_tracker;
   const double content = std::max(servo.tolerance_m, 2.0 * sigma_vision);
   std::vector<double> sigmas;
   sigmas.reserve(targets.size());
   for (const TargetRow& target : targets) {
     const double phi = target.phi_d.value_or(chain.cell.tool_orientation);
-    sigmas.push_back(std::sqrt(square(predict(chain.map.map, target.p_d, phi).sigma) +
-                               square(sigma_vision) + square(content) / 4.0 +
-                               square(sigma_tracker) +
+    sigmas.push_back(std::sqrt(square(predict_error_at(vision, {target.p_d, phi}).sigma) +
+                               square(sigma_vision) + square(content) / 4.0 + square(sigma_alike) +
                                datum_variance(chain.cell.datum, target.p_d, sigma_tracker)));
   }
   const double mean_sigma = mean(sigmas);

@@ -4,11 +4,14 @@
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
+#include "planar_servo/files/arm_file.h"
 #include "planar_servo/files/camera/camera_file.h"
+#include "planar_servo/files/map/lamp_field_file.h"
 #include "planar_servo/files/map/map_file.h"
 #include "planar_servo/files/reference_lamp_fields.h"
 #include "planar_servo/files/tables/lamp_table.h"
 #include "planar_servo/files/tool_file.h"
+#include "planar_servo/files/vision_files.h"
 #include "planar_servo/files/workplane_file.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/io/growing_file.h"
@@ -16,6 +19,7 @@
 #include "planar_servo/offline/lamps/locate_lamps.h"
 #include "planar_servo/offline/map/check_error_map.h"
 #include "planar_servo/offline/map/fit_map_to_pairs.h"
+#include "planar_servo/offline/map/pose_samples.h"
 #include "planar_servo/offline/pairs/health_of_recording.h"
 #include "planar_servo/offline/pairs/pair_files.h"
 #include "planar_servo/offline/pairs/pair_tracker.h"
@@ -106,6 +110,20 @@ MapResult map_by_hand(const std::vector<PairRow>& pairs) {
   return std::move(*best);
 }
 
+/// Learns the field at the lamps and the arm, and writes both files.
+void learn_field(CalibratedChain& chain, const fs::path& pairs) {
+  const VisionCalibration vision = read_vision(chain.cell, false);
+  chain.field =
+      fit_lamp_field(nominal_arm(chain.cell, vision), pose_samples(chain.cell, chain.pairs));
+  std::vector<Origin> origins = with_origins_of({origin_of({Role::kPairs, pairs})}, pairs);
+  write_file(chain.cell.error_map, lamp_field_text(*chain.field, origins, kProgram));
+  origins.push_back(arm_origin(chain.cell));
+  chain.cell.arm_found = pairs.parent_path() / "arm.yaml";
+  const JointEstimate& estimate = chain.field->estimate;
+  write_file(*chain.cell.arm_found,
+             found_arm_text(found_arm(estimate), arm_terms(estimate), origins, kProgram));
+}
+
 }  // namespace
 
 ChainSettings our_chain(const CellSettings& cell) {
@@ -113,6 +131,7 @@ ChainSettings our_chain(const CellSettings& cell) {
   chain.name = "ours";
   chain.camera_model = "auto";
   chain.center = cell.lamps.method;
+  chain.field_at_lamps = true;
   chain.servo = cell.servo;
   return chain;
 }
@@ -149,7 +168,11 @@ CalibratedChain calibrate_chain(const ChainSettings& settings, const CellSetting
   chain.map = settings.hand_width
                   ? map_by_hand(chain.pairs)
                   : fit_error_map_to_pairs(chain.pairs, {MapMethod::kAuto, 0.0}).result;
-  write_file(chain.cell.error_map, map_text(chain.map, own_folder / "pairs.csv", kProgram));
+  const fs::path pairs = own_folder / "pairs.csv";
+  if (settings.field_at_lamps)
+    learn_field(chain, pairs);
+  else
+    write_file(chain.cell.error_map, map_text(chain.map, pairs, kProgram));
   return chain;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -8,6 +9,7 @@
 #include "planar_servo/calibration/camera_calibration.h"
 #include "planar_servo/cell/cell_settings.h"
 #include "planar_servo/error_map/fit_error_map.h"
+#include "planar_servo/field/fit_lamp_field.h"
 #include "planar_servo/files/tables/frame_table.h"
 #include "planar_servo/files/tables/pair_table.h"
 #include "planar_servo/files/tables/tracker_table.h"
@@ -24,6 +26,8 @@ struct ChainSettings {
   bool plane_from_board{false};  ///< takes the plane from a board laid on it, else from the pairs
   /// Takes a Gaussian without ridge whose width is turned by hand on the test positions.
   bool hand_width{false};
+  /// Learns the error at the lamps, together with the arm, and aims with the arm that was found.
+  bool field_at_lamps{false};
   ServoSettings servo;
 };
 
@@ -54,7 +58,8 @@ struct CalibratedChain {
   CellSettings cell;
   CameraCalibration camera;
   std::vector<PairRow> pairs;
-  MapResult map;
+  MapResult map;                        ///< at the end point, as the paper's tables judge maps
+  std::optional<LampFieldFit> field{};  ///< what the loop uses instead, where there is one
 };
 
 /// Calibrates a chain from a recording and writes its files.

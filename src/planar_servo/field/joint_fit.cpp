@@ -13,6 +13,8 @@ constexpr int kMostSteps = 8;
 constexpr double kSmallStep = 1e-4;
 /// Prior deviation of each term of the field's quadratic, metres.
 constexpr double kQuadraticSigma = 1e-3;
+/// Prior deviation of the camera's drift along an axis, metres an hour.
+constexpr double kDriftSigma = 30e-6;
 
 constexpr int kRows = 6;  // of a pose: reflector, lamp 1, lamp 2
 using PoseRows = Eigen::Matrix<double, kRows, 1>;
@@ -82,7 +84,9 @@ class Equations {
     JointFit fit;
     const Eigen::Index nb = basis_.terms(), n = terms();
     fit.basis = basis_;
-    fit.weights = solution_.head(2 * nb).reshaped(nb, 2);
+    const Eigen::MatrixX2d of_field = solution_.head(field_terms()).reshaped(nb + 1, 2);
+    fit.weights = of_field.topRows(nb);
+    fit.drift_m_per_h = of_field.row(nb);
     fit.arm = x_;
     const Eigen::MatrixXd inverse =
         L_.triangularView<Eigen::Lower>().solve(Eigen::MatrixXd::Identity(n, n));
@@ -98,7 +102,8 @@ class Equations {
     const double kernel = 2.0 * kernel_factor.diagonal().array().log().sum() -
                           2.0 * static_cast<double>(kernel_.rows()) * std::log(priors_.field_sigma);
     const double prior = 2.0 * sigma_.array().log().sum() +
-                         4.0 * FieldBasis::kQuadratic * std::log(kQuadraticSigma) - 2.0 * kernel;
+                         4.0 * FieldBasis::kQuadratic * std::log(kQuadraticSigma) +
+                         4.0 * std::log(kDriftSigma) - 2.0 * kernel;
     const double posterior = 2.0 * L_.diagonal().array().log().sum();
     double noise = 0.0;
     for (const PoseNoise& of_pose : noise_) noise += of_pose.log_determinant;
@@ -106,7 +111,7 @@ class Equations {
   }
 
  private:
-  Eigen::Index field_terms() const { return 2 * basis_.terms(); }
+  Eigen::Index field_terms() const { return 2 * (basis_.terms() + 1); }
   Eigen::Index terms() const { return field_terms() + model_.terms(); }
 
   /// Whitens the rows of the field, which no step changes, and adds its prior.
@@ -121,8 +126,8 @@ class Equations {
       Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(kRows, field_terms());
       for (int lamp = 0; lamp < 2; ++lamp) {
         const Eigen::RowVectorXd b = basis_.at(sample.lamps_B[static_cast<std::size_t>(lamp)]);
-        rows.row(2 + 2 * lamp).head(nb) = b;
-        rows.row(3 + 2 * lamp).tail(nb) = b;
+        rows.row(2 + 2 * lamp).head(nb + 1) << b, sample.t_h;
+        rows.row(3 + 2 * lamp).tail(nb + 1) << b, sample.t_h;
       }
       F_.middleRows<kRows>(kRows * i).noalias() = noise_.back().whiten * rows;
     }
@@ -132,10 +137,11 @@ class Equations {
         .rankUpdate(F_.transpose());
     const Eigen::Index nc = basis_.centers.cols();
     const double field_variance = priors_.field_sigma * priors_.field_sigma;
-    for (const Eigen::Index first : {Eigen::Index{0}, nb}) {
+    for (const Eigen::Index first : {Eigen::Index{0}, nb + 1}) {
       H0_.block(first, first, nc, nc) += kernel_ / field_variance;
       H0_.diagonal().segment<FieldBasis::kQuadratic>(first + nc).array() +=
           1.0 / (kQuadraticSigma * kQuadraticSigma);
+      H0_(first + nb, first + nb) += 1.0 / (kDriftSigma * kDriftSigma);
     }
     H0_.diagonal().tail(model_.terms()).array() += sigma_.array().square().inverse();
   }

@@ -20,17 +20,22 @@ struct JointPriors {
 };
 
 /// Holds the field, the arm and the tool that explain a set of poses, with their covariance. The
-/// unknowns are the weights of the field's x, those of its y, and the model's x.
+/// unknowns are the weights of the field's x with the drift along x, those of its y, and the
+/// model's x.
 struct JointFit {
   FieldBasis basis;
-  Eigen::MatrixX2d weights;    ///< of the field's x and y
-  Eigen::VectorXd arm;         ///< x of the model
-  Eigen::MatrixXd covariance;  ///< of all unknowns in this order
+  Eigen::MatrixX2d weights;                 ///< of the field's x and y
+  Eigen::Vector2d drift_m_per_h{0.0, 0.0};  ///< of where everything is seen
+  Eigen::VectorXd arm;                      ///< x of the model
+  Eigen::MatrixXd covariance;               ///< of all unknowns in this order
   double log_likelihood{0.0};  ///< marginal; comparable between fits of the same samples
   std::vector<double> chi2;    ///< of each sample's residual: four numbers, six with a reading
+
+  /// Returns the number of unknowns of one component of the field, its drift last.
+  Eigen::Index field_terms() const { return basis.terms() + 1; }
 };
 
-/// Estimates the field e, seen place = place + e, together with the arm and the tool, by
+/// Estimates the field e, seen place = place + e + drift t, together with the arm and the tool, by
 /// Gauss-Newton steps with the priors as further observations (theory section 13). The reflector
 /// and both lamps of a pose share its deviation from the arm's model. Every sample counts as it is;
 /// nothing is left out. Empty when the equations cannot be solved.

@@ -1,7 +1,5 @@
 #include "planar_servo/field/lamp_field.h"
 
-#include <numeric>
-
 #include "planar_servo/calibration/vision_tip.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/numerics/decompositions.h"
@@ -78,10 +76,12 @@ LampField lamp_field(const JointEstimate& estimate, const std::vector<PoseSample
   field.tool = estimate.nominal.tool;
   field.tool.p_TP = fit.arm.segment<2>(at.tool + 1);
   field.tool.p_TS.head<2>() = fit.arm.segment<2>(at.tool + 3);
-  std::vector<Eigen::Index> kept(static_cast<std::size_t>(2 * nb));
-  std::iota(kept.begin(), kept.end(), Eigen::Index{0});
-  for (Eigen::Index i = 0; i < 3; ++i) kept.push_back(2 * nb + at.height + i);
-  for (Eigen::Index i = 1; i < 3; ++i) kept.push_back(2 * nb + at.tool + i);
+  const Eigen::Index arm = 2 * fit.field_terms();
+  std::vector<Eigen::Index> kept;
+  for (const Eigen::Index first : {Eigen::Index{0}, fit.field_terms()})
+    for (Eigen::Index i = 0; i < nb; ++i) kept.push_back(first + i);
+  for (Eigen::Index i = 0; i < 3; ++i) kept.push_back(arm + at.height + i);
+  for (Eigen::Index i = 1; i < 3; ++i) kept.push_back(arm + at.tool + i);
   field.factor = factor_of(fit.covariance(kept, kept));
   Eigen::Matrix2Xd middles(2, samples.size());
   for (std::size_t i = 0; i < samples.size(); ++i)

@@ -40,8 +40,8 @@ struct CompensatedTip {
 /// section 12); see tip_from_places().
 CompensatedTip compensate(const LampField& field, const std::array<Eigen::Vector2d, 2>& seen_B);
 
-/// Returns the field of an estimate, valid in the hull of the lamps' middles in `samples`. Throws
-/// WorkError when its covariance cannot be factored.
+/// Returns the field of an estimate as it is at time 0, valid in the hull of the lamps' middles in
+/// `samples`. Throws WorkError when its covariance cannot be factored.
 LampField lamp_field(const JointEstimate& estimate, const std::vector<PoseSample>& samples);
 
 }  // namespace planar

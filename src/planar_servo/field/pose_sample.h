@@ -12,6 +12,8 @@ namespace planar {
 struct PoseSample {
   std::string id;
   std::string place{};  ///< readings of one place share the word; empty for a place of its own
+  /// Time, hours. The field is to hold at time 0; the camera's picture may drift steadily.
+  double t_h{0.0};
   Eigen::Vector3d motors{0.0, 0.0, 0.0};  ///< commanded angles behind the gears, radians
   std::array<Eigen::Vector2d, 2> lamps_B{Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};
   double sigma_lamp{0.0};                      ///< of each lamp's place, per axis

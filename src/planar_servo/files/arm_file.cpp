@@ -1,6 +1,7 @@
 #include "planar_servo/files/arm_file.h"
 
 #include "planar_servo/core/units.h"
+#include "planar_servo/files/cell_file.h"
 #include "planar_servo/io/yaml_fields.h"
 
 namespace planar {
@@ -53,6 +54,14 @@ FoundArm read_found_arm(const std::filesystem::path& path) {
   reader.map("arm", [&] { list_fields(reader, arm); });
   document.throw_if_faulty();
   return arm;
+}
+
+JointPlanner servo_planner(const CellSettings& cell) {
+  JointPlanner planner = joint_planner(cell);
+  if (cell.arm_found)
+    planner.plan_for(
+        read_found_arm(require_made(*cell.arm_found, "planar-fit-error-map --arm-out")));
+  return planner;
 }
 
 }  // namespace planar

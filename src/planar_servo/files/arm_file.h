@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "planar_servo/arm/found_arm.h"
+#include "planar_servo/cell/cell_settings.h"
 #include "planar_servo/field/arm_terms.h"
 #include "planar_servo/files/provenance.h"
 
@@ -17,5 +18,9 @@ std::string found_arm_text(const FoundArm& arm, const std::vector<ArmTerm>& term
 
 /// Reads the arm from arm.yaml. Throws InputError naming every fault.
 FoundArm read_found_arm(const std::filesystem::path& path);
+
+/// Returns the cell's planner, for the arm that was found where the cell names one. Throws
+/// InputError when that file does not exist.
+JointPlanner servo_planner(const CellSettings& cell);
 
 }  // namespace planar

@@ -209,6 +209,8 @@ void read_fields(Fields& fields, CellSettings& cell, const DeviceKinds& kinds) {
   fields.map("tracker", [&] { read_tracker(fields, cell, kinds); });
   read_datum(fields, cell.datum);
   if (fields.given("health", true)) read_file_name(fields, "health", cell, cell.health.emplace());
+  if (fields.given("arm_found", true))
+    read_file_name(fields, "arm_found", cell, cell.arm_found.emplace());
   if (fields.given("virtual", true)) read_file_name(fields, "virtual", cell, cell.truth.emplace());
 }
 

@@ -99,6 +99,7 @@ const char* program_for(Role role) {
     case Role::kLamps:
       return "planar-locate-lamps";
     case Role::kErrorMap:
+    case Role::kArmFound:
       return "planar-fit-error-map";
     default:
       return "planar-pair-tracker";
@@ -242,10 +243,11 @@ std::vector<StaleFile> contradictions(const std::vector<MadeFile>& files,
 std::vector<StaleFile> stale_files(const CellSettings& cell, bool with_error_map) {
   std::vector<MadeFile> files = calibration_files(cell, with_error_map);
   if (cell.health) files.push_back({Role::kHealth, *cell.health});
+  if (cell.arm_found) files.push_back({Role::kArmFound, *cell.arm_found});
   files.erase(std::remove_if(files.begin(), files.end(),
                              [](const MadeFile& file) { return !fs::exists(file.path); }),
               files.end());
-  // Nothing is made from a map or from a health file.
+  // Nothing is made from a map, a health file or an arm that was found.
   std::vector<Origin> present = origins_in(cell, calibration_files(cell, false));
   present.push_back(arm_origin(cell));
   return contradictions(files, present, values_of(kRoles));

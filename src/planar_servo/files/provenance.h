@@ -22,6 +22,7 @@ enum class Role {
   kPairs,
   kErrorMap,
   kHealth,
+  kArmFound,
   kLampLayout,  ///< `lamps` of the cell file, without the method
   kImageSize,   ///< `camera` of the cell file, its size only
   kDatum,       ///< `datum` of the cell file
@@ -36,7 +37,7 @@ constexpr Named<Role> kRoles[] = {
     {Role::kPairs, "pairs"},           {Role::kErrorMap, "error_map"},
     {Role::kLampLayout, "cell_lamps"}, {Role::kImageSize, "cell_image_size"},
     {Role::kDatum, "cell_datum"},      {Role::kHealth, "health"},
-    {Role::kArm, "cell_arm"}};
+    {Role::kArmFound, "arm_found"},    {Role::kArm, "cell_arm"}};
 
 /// Holds one thing that a file was made from.
 struct Origin {
@@ -67,7 +68,7 @@ Origin origin_of(const MadeFile& file, const std::string& text);
 /// Returns the blocks of a cell that calibration files are made from.
 std::vector<Origin> origins_in(const CellSettings& cell);
 
-/// Returns the block of a cell that only health.yaml is made from.
+/// Returns the block of a cell that only health.yaml and arm.yaml are made from.
 Origin arm_origin(const CellSettings& cell);
 
 /// Returns the blocks of a cell and those of these files that exist.

@@ -1,5 +1,6 @@
 #include "planar_servo/run/dry_run.h"
 
+#include "planar_servo/files/arm_file.h"
 #include "planar_servo/servo/approach.h"
 
 namespace planar {
@@ -10,7 +11,7 @@ TipPose target_pose(const TargetRow& target, double tool_orientation) {
 
 DryRun::DryRun(const CellSettings& cell)
     : tool_orientation_(cell.tool_orientation),
-      planner_(joint_planner(cell)),
+      planner_(servo_planner(cell)),
       servo_(cell.servo),
       near_(cell.arm.home) {}
 

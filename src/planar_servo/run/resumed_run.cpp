@@ -47,6 +47,8 @@ std::vector<Origin> run_origins(const ServoRequest& request) {
   std::vector<Origin> origins;
   for (const MadeFile& file : calibration_files(request.cell, request.use_error_map))
     origins.push_back(origin_of(file));
+  if (request.cell.arm_found)
+    origins.push_back(origin_of({Role::kArmFound, *request.cell.arm_found}));
   return origins;
 }
 

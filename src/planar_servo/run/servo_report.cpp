@@ -141,6 +141,7 @@ void write_run(const ServoRequest& request, const ServoRun& run, const ServoFigu
                                             cell.tool};
   if (!targets.empty()) inputs.push_back(targets);
   if (request.use_error_map) inputs.push_back(cell.error_map);
+  if (cell.arm_found) inputs.push_back(*cell.arm_found);
   write_file(request.out / "run.yaml", run_text(request, run, figures, inputs));
   write_file(request.out / "report.html", servo_page(request, run.results()));
 }

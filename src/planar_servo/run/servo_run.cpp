@@ -9,6 +9,7 @@
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/fixed.h"
 #include "planar_servo/core/units.h"
+#include "planar_servo/files/arm_file.h"
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/files/tables/step_table.h"
 #include "planar_servo/files/vision_files.h"
@@ -72,7 +73,7 @@ ServoRun::ServoRun(const ServoRequest& request, CellDevices& devices, Observer o
       table_(results_file(request), results_header(csv_remarks(run_origins(request)))),
       robot_(PlanarArm(cell_.arm.geometry), Transmission(cell_.transmission), devices.drives(),
              devices.clock()),
-      servo_(cell_.servo, limits_of(cell_, vision_, health_), joint_planner(cell_), robot_, sensor_,
+      servo_(cell_.servo, limits_of(cell_, vision_, health_), servo_planner(cell_), robot_, sensor_,
              devices.clock()) {
   robot_.stop_when(request.stop);
   robot_.energize();

@@ -28,6 +28,7 @@ struct PairRow {
   std::optional<std::array<Eigen::Vector2d, 2>> lamps_B{};
   std::optional<Eigen::Vector2d> p_reflector{};  ///< base frame
   std::optional<Joints> theta{};                 ///< commanded
+  std::optional<double> t_s{};                   ///< when it was seen
 
   bool is_attended() const { return p_tracker.has_value(); }
   /// Returns vision minus tracker. Throws std::bad_optional_access for an unattended pose.

@@ -11,12 +11,21 @@
 namespace planar {
 namespace {
 
+constexpr double kHour = 3600.0;
+
 bool tells_field(const PairRow& pair) {
   constexpr Plan kTelling[] = {Plan::kTrain, Plan::kSweep1, Plan::kSweep3, Plan::kPose};
   return !pair.plan || std::count(std::begin(kTelling), std::end(kTelling), *pair.plan) > 0;
 }
 
-PoseSample pose_sample(const Transmission& transmission, const PairRow& pair) {
+/// Returns when the last pair was seen; the field is to hold from then on.
+double last_s(const std::vector<PairRow>& pairs) {
+  double last = 0.0;
+  for (const PairRow& pair : pairs) last = std::max(last, pair.t_s.value_or(0.0));
+  return last;
+}
+
+PoseSample pose_sample(const Transmission& transmission, const PairRow& pair, double now_s) {
   if (!pair.lamps_B || !pair.theta || !pair.sigma_vision || (pair.p_tracker && !pair.p_reflector) ||
       (pair.p_reflector && !pair.sigma_tracker))
     throw InputError(fmt::format(
@@ -26,6 +35,7 @@ PoseSample pose_sample(const Transmission& transmission, const PairRow& pair) {
   PoseSample sample;
   sample.id = pair.id;
   sample.place = pair.place;
+  sample.t_h = (pair.t_s.value_or(now_s) - now_s) / kHour;
   sample.motors = transmission.motors_from_joints(*pair.theta);
   sample.lamps_B = *pair.lamps_B;
   // The end point lies about midway between the lamps.
@@ -49,9 +59,10 @@ ArmNominal nominal_arm(const CellSettings& cell, const VisionCalibration& vision
 
 std::vector<PoseSample> pose_samples(const CellSettings& cell, const std::vector<PairRow>& pairs) {
   const Transmission transmission(cell.transmission);
+  const double now_s = last_s(pairs);
   std::vector<PoseSample> samples;
   for (const PairRow& pair : pairs)
-    if (tells_field(pair)) samples.push_back(pose_sample(transmission, pair));
+    if (tells_field(pair)) samples.push_back(pose_sample(transmission, pair, now_s));
   return samples;
 }
 

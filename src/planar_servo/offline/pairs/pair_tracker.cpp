@@ -175,6 +175,7 @@ std::optional<PairRow> seen_row(const Workplane& workplane, const ToolOffsets& t
   row.id = sight.id;
   row.plan = sight.plan;
   row.theta = sight.theta;
+  row.t_s = sight.t_s;
   row.p_vision = seen->tip.p;
   row.phi = seen->tip.phi;
   row.lamps_B = seen->lamps_B;
