@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 
 #include "planar_servo/core/numerics/statistics.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/files/vision_files.h"
+#include "planar_servo/offline/record/recorder.h"
 
 namespace planar {
 namespace {
@@ -23,8 +23,10 @@ double median_of(const std::vector<PairRow>& pairs, std::optional<double> PairRo
   return values.empty() ? 0.0 : median(values);
 }
 
-/// Returns the variance per axis at `p` of a rigid registration to monuments read with `sigma` per
-/// axis: sigma^2 (1/n + |p - c|^2 / sum |d_i - c|^2), where c is the centre of the monuments d_i.
+/// Returns the variance per axis at `p` that a registration to monuments leaves, whose readings
+/// have `sigma` per axis. The axis of joint 1, about which the arm is seen to turn, fixes the
+/// shift; the turn about it remains: sigma^2 |p|^2 / sum |d_i - c|^2 and the number of readings of
+/// each, with c the centre of the monuments d_i.
 double datum_variance(const std::vector<Monument>& datum, const Eigen::Vector2d& p, double sigma) {
   if (datum.empty()) return 0.0;
   const double n = static_cast<double>(datum.size());
@@ -32,7 +34,7 @@ double datum_variance(const std::vector<Monument>& datum, const Eigen::Vector2d&
   for (const Monument& monument : datum) center += monument.p_B.head<2>() / n;
   double spread = 0.0;
   for (const Monument& monument : datum) spread += (monument.p_B.head<2>() - center).squaredNorm();
-  return square(sigma) * (1.0 / n + (p - center).squaredNorm() / spread);
+  return square(sigma) / kMonumentReadings * p.squaredNorm() / spread;
 }
 
 /// Returns the length below which the share 0.95 of a mixture of Rayleigh distributions lies.
@@ -56,28 +58,22 @@ double mixture_p95(const std::vector<double>& sigmas) {
 
 PositioningPrediction predict_positioning(const CalibratedChain& chain,
                                           const std::vector<TargetRow>& targets) {
+  const VisionCalibration vision = read_vision(chain.cell, true);
   const ServoSettings& servo = chain.cell.servo;
   const double sigma_vision =
       median_of(chain.pairs, &PairRow::sigma_vision) / std::sqrt(servo.frames_per_measurement);
   const double sigma_tracker = median_of(chain.pairs, &PairRow::sigma_tracker);
-  const VisionCalibration vision = read_vision(chain.cell, true);
-  // A field's own deviation has the readings' noise in it, an end-point map's has not.
-  const double sigma_alike = chain.field ? 0.0 : sigma_tracker;
-  const double content = std::max(servo.tolerance_m, 2.0 * sigma_vision);
+  const double sigma_content = std::min(0.5 * std::max(servo.tolerance_m, 2.0 * sigma_vision),
+                                        chain.field.value().landing_sigma);
   std::vector<double> sigmas;
   sigmas.reserve(targets.size());
   for (const TargetRow& target : targets) {
     const double phi = target.phi_d.value_or(chain.cell.tool_orientation);
     sigmas.push_back(std::sqrt(square(predict_error_at(vision, {target.p_d, phi}).sigma) +
-                               square(sigma_vision) + square(content) / 4.0 + square(sigma_alike) +
+                               square(sigma_vision) + square(sigma_content) +
                                datum_variance(chain.cell.datum, target.p_d, sigma_tracker)));
   }
-  const double mean_sigma = mean(sigmas);
-  if (!std::isfinite(mean_sigma)) {
-    constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-    return {kNone, kNone};
-  }
-  return {mean_sigma * std::sqrt(kPi / 2.0), mixture_p95(sigmas)};
+  return {mean(sigmas) * std::sqrt(kPi / 2.0), mixture_p95(sigmas)};
 }
 
 }  // namespace planar

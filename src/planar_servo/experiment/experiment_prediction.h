@@ -13,13 +13,11 @@ struct PositioningPrediction {
   double p95{0.0};
 };
 
-/// Predicts the error of positioning from calibration files only. At each target the error is taken
-/// as normal in two axes. Its variance [GUM 2008, 5.1] is the sum of those of the error map, of
-/// vision over the frames averaged, of where the servo is content (evenly spread over a disc), of
-/// the tracker, and of its registration to the monuments. The tracker's standard deviation counts
-/// in full although many places were measured: its readings do not tell how much of it is noise,
-/// which the map averages, and how much is an error that is alike everywhere. NaN when the map
-/// knows no standard deviation.
+/// Predicts the error of positioning from calibration files only, of a chain that has a field at
+/// the lamps. At each target the error is taken as normal in two axes. Its variance [GUM 2008, 5.1]
+/// is the sum of those of the field, of vision over the frames averaged, of where the servo is
+/// content (evenly over a disc, or where the arm that was found lands in it), and of the turn that
+/// the tracker's registration to the monuments leaves.
 PositioningPrediction predict_positioning(const CalibratedChain& chain,
                                           const std::vector<TargetRow>& targets);
 

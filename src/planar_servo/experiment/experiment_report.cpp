@@ -56,12 +56,12 @@ TextTable control_table(const ExperimentReport& report) {
   };
   for (std::size_t i = 0; i < report.tables.positioning.size(); ++i) {
     const ComparisonRow& circle = report.tables.positioning[i];
-    const auto results = results_on(report.circles[i], report.ours);
-    row(circle.label, mean_mm(results, &TargetResult::before_truth),
+    row(circle.label,
+        mean_mm(results_on(report.circles[i], report.paper), &TargetResult::before_truth),
         circle.paper_chain / kMillimetre, circle.ours / kMillimetre, kPaperBefore_mm[i],
         circle.paper / kMillimetre);
   }
-  row("all four", mean_mm(report.ours, &TargetResult::before_truth),
+  row("all four", mean_mm(report.paper, &TargetResult::before_truth),
       mean_mm(report.paper, &TargetResult::after_truth),
       mean_mm(report.ours, &TargetResult::after_truth), kPaperBeforeMean_mm, kPaperAfterMean_mm);
   return table;
@@ -155,7 +155,7 @@ std::string experiment_text(const ExperimentReport& report) {
 }
 
 std::string experiment_figure(const ExperimentReport& report) {
-  return quiver_svg({error_panel("Open loop", report.ours, &TargetResult::before_truth),
+  return quiver_svg({error_panel("Open loop", report.paper, &TargetResult::before_truth),
                      error_panel("Paper's chain", report.paper, &TargetResult::after_truth),
                      error_panel("planar-servo", report.ours, &TargetResult::after_truth)});
 }

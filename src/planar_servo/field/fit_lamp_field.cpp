@@ -1,6 +1,9 @@
 #include "planar_servo/field/fit_lamp_field.h"
 
 #include <algorithm>
+#include <cmath>
+
+#include "planar_servo/core/numerics/statistics.h"
 
 namespace planar {
 namespace {
@@ -23,6 +26,19 @@ std::vector<std::string> ids_of(const std::vector<JointOutlier>& left_out,
   return ids;
 }
 
+double landing_sigma(const JointEstimate& estimate, const LampField& field,
+                     const std::vector<PoseSample>& samples) {
+  const ArmModel model = estimate.model();
+  std::vector<double> squares;  // whose median knows no outliers
+  for (const PoseSample& sample : samples)
+    squares.push_back((compensate(field, sample.lamps_B).tip.p -
+                       sample.t_h * estimate.fit.drift_m_per_h -
+                       model.at(sample.motors, estimate.fit.arm).tip.p)
+                          .squaredNorm());
+  constexpr double kMedianOfTwo = 1.386;
+  return std::sqrt(median(squares) / kMedianOfTwo);
+}
+
 }  // namespace
 
 LampFieldFit fit_lamp_field(const ArmNominal& nominal, const std::vector<PoseSample>& samples,
@@ -38,6 +54,7 @@ LampFieldFit fit_lamp_field(const ArmNominal& nominal, const std::vector<PoseSam
       std::count_if(samples.begin(), samples.end(),
                     [](const PoseSample& sample) { return sample.reflector_B.has_value(); }));
   fit.n_unattended = samples.size() - fit.n_readings;
+  fit.landing_sigma = landing_sigma(fit.estimate, fit.field, samples);
   fit.left_out = ids_of(fit.estimate.left_out, samples);
   fit.fixed_by = sources_of(fit.n_readings -
                             static_cast<std::size_t>(std::count_if(

@@ -35,6 +35,9 @@ struct LampFieldFit {
   std::size_t n_readings{0}, n_unattended{0};  ///< that were given
   std::vector<std::string> left_out;           ///< ids of poses that contradict the others
   FixedBy fixed_by;
+  /// Standard deviation per axis between where the arm that was found puts the end point and where
+  /// the field sees it.
+  double landing_sigma{0.0};
 };
 
 /// Estimates field, arm and tool, and judges them on places left out. Throws as estimate_jointly()

@@ -30,7 +30,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kMonumentReadings = 5;
 constexpr int kLostFrameRetries = 3;
 
 class Recorder {

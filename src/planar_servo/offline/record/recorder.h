@@ -10,6 +10,9 @@
 
 namespace planar {
 
+/// Each monument is read so many times before the places, and again after them.
+constexpr int kMonumentReadings = 5;
+
 /// Says what is to be recorded, and where.
 struct RecordRequest {
   CellSettings cell;
