@@ -44,7 +44,8 @@ Eigen::VectorXd ArmModel::prior_sigma() const {
   sigma.head<5>() << 2e-3, 2e-3, 0.02, 0.02, 0.02;
   for (int h = 1; h <= size_.harmonics; ++h) sigma.segment<6>(6 * h - 1).setConstant(2e-3 / h);
   const double height = size_.height ? 2e-3 : kFixed;
-  sigma.tail<8>() << height, height, size_.height ? 1e-4 : kFixed, 0.3e-3, 1e-3, 1e-3, 1e-3, 1e-3;
+  sigma.tail<8>() << height, height, size_.height ? 1e-4 : kFixed, 0.3e-3, 1e-3, 1e-3,
+      nominal_.reflector_sigma, nominal_.reflector_sigma;
   return sigma;
 }
 

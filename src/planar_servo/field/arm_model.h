@@ -20,6 +20,7 @@ struct ArmNominal {
   Eigen::Vector3d p_camera_B{0.0, 0.0, 1.0};  ///< over the plane of the lamps, metres
   double separation{0.04};                    ///< of the lamps, metres
   ToolOffsets tool;
+  double reflector_sigma{1e-3};  ///< standard deviation per axis of tool.p_TS, metres
 };
 
 /// The points of the tool on the plane, columns: reflector, lamp 1, lamp 2. Lamps stand where an

@@ -14,6 +14,43 @@ Eigen::Vector2d raised(const LampField& field, const Eigen::Vector2d& p) {
   return (p - field.p_camera_B.head<2>()) / field.p_camera_B.z();
 }
 
+/// The lamps of one look, and what a field says there.
+struct Seen {
+  Seen(const LampField& field, const Places& seen_B) {
+    for (std::size_t k = 0; k < 2; ++k) {
+      basis[k] = field.basis.at(seen_B[k]);
+      flat[k] = seen_B[k] - (basis[k] * field.weights).transpose();
+    }
+    // The height depends on the end point, which it moves by less than a part in a thousand.
+    terms = height_terms(tip_from_places(flat, field.tool).p, field.reach);
+    for (std::size_t k = 0; k < 2; ++k) {
+      const double height = terms.dot(field.height.head<2>()) + kHalf[k] * field.height[2];
+      lamps_B[k] = flat[k] - height * raised(field, flat[k]);
+    }
+  }
+
+  std::array<Eigen::RowVectorXd, 2> basis;
+  Places flat;     ///< without the field's error
+  Places lamps_B;  ///< without that of the lamps' height, too
+  Eigen::Vector2d terms;
+  static constexpr std::array<double, 2> kHalf{-0.5, 0.5};  ///< share of the lamps' difference
+};
+
+Eigen::Matrix2Xd rows_of(const LampField& field, const Seen& seen) {
+  const auto slopes = tip_slopes(seen.lamps_B, field.tool);
+  const Eigen::Index nb = field.basis.terms();
+  Eigen::Matrix2Xd J = Eigen::Matrix2Xd::Zero(2, LampField::unknowns(field.basis));
+  for (std::size_t k = 0; k < 2; ++k) {
+    J.leftCols(nb) -= slopes[k].p.col(0) * seen.basis[k];
+    J.middleCols(nb, nb) -= slopes[k].p.col(1) * seen.basis[k];
+    const Eigen::Vector2d up = slopes[k].p * raised(field, seen.flat[k]);
+    J.middleCols<2>(2 * nb) -= up * seen.terms.transpose();
+    J.col(2 * nb + 2) -= Seen::kHalf[k] * up;
+  }
+  J.rightCols<2>() = rotation2d(tip_from_places(seen.lamps_B, field.tool).phi);
+  return J;
+}
+
 /// Returns L of L L^T = covariance, whose unknowns differ by orders of magnitude in size.
 Eigen::MatrixXd factor_of(const Eigen::MatrixXd& covariance) {
   constexpr double kRounding = 1e-10;
@@ -30,43 +67,35 @@ Eigen::MatrixXd factor_of(const Eigen::MatrixXd& covariance) {
 
 CompensatedTip compensate(const LampField& field, const Places& seen_B) {
   CompensatedTip result;
-  Places flat;
-  std::array<Eigen::RowVectorXd, 2> basis;
-  for (std::size_t k = 0; k < 2; ++k) {
-    basis[k] = field.basis.at(seen_B[k]);
-    flat[k] = seen_B[k] - (basis[k] * field.weights).transpose();
-  }
-  // The height depends on the end point, which it moves by less than a part in a thousand.
-  const TipPose about = tip_from_places(flat, field.tool);
-  const Eigen::Vector2d terms = height_terms(about.p, field.reach);
-  for (std::size_t k = 0; k < 2; ++k) {
-    const double height =
-        terms.dot(field.height.head<2>()) + (k == 0 ? -0.5 : 0.5) * field.height[2];
-    result.lamps_B[k] = flat[k] - height * raised(field, flat[k]);
-  }
-  result.tip = tip_from_places(result.lamps_B, field.tool);
-  const auto slopes = tip_slopes(result.lamps_B, field.tool);
-  const Eigen::Index nb = field.basis.terms();
-  Eigen::MatrixXd J = Eigen::MatrixXd::Zero(2, LampField::unknowns(field.basis));
-  for (std::size_t k = 0; k < 2; ++k) {
-    J.leftCols(nb) -= slopes[k].p.col(0) * basis[k];
-    J.middleCols(nb, nb) -= slopes[k].p.col(1) * basis[k];
-    const Eigen::Vector2d up = slopes[k].p * raised(field, flat[k]);
-    J.middleCols<2>(2 * nb) -= up * terms.transpose();
-    J.col(2 * nb + 2) -= (k == 0 ? -0.5 : 0.5) * up;
-  }
-  J.rightCols<2>() = rotation2d(result.tip.phi);
-  const Eigen::MatrixXd scaled = J * field.factor.triangularView<Eigen::Lower>();
+  const Seen seen(field, seen_B);
+  result.lamps_B = seen.lamps_B;
+  result.tip = tip_from_places(seen.lamps_B, field.tool);
+  const Eigen::MatrixXd scaled = rows_of(field, seen) * field.factor.triangularView<Eigen::Lower>();
   result.covariance = scaled * scaled.transpose();
   result.inside = field.region.contains(0.5 * (seen_B[0] + seen_B[1]));
   return result;
+}
+
+Eigen::Matrix2Xd end_point_rows(const LampField& field, const Places& seen_B) {
+  return rows_of(field, Seen(field, seen_B));
+}
+
+std::vector<Eigen::Index> field_unknowns(const JointEstimate& estimate) {
+  const JointFit& fit = estimate.fit;
+  const ArmModel::Layout at = estimate.model().layout();
+  const Eigen::Index arm = 2 * fit.field_terms();
+  std::vector<Eigen::Index> unknowns;
+  for (const Eigen::Index first : {Eigen::Index{0}, fit.field_terms()})
+    for (Eigen::Index i = 0; i < fit.basis.terms(); ++i) unknowns.push_back(first + i);
+  for (Eigen::Index i = 0; i < 3; ++i) unknowns.push_back(arm + at.height + i);
+  for (Eigen::Index i = 1; i < 3; ++i) unknowns.push_back(arm + at.tool + i);
+  return unknowns;
 }
 
 LampField lamp_field(const JointEstimate& estimate, const std::vector<PoseSample>& samples) {
   const JointFit& fit = estimate.fit;
   const ArmModel model = estimate.model();
   const ArmModel::Layout at = model.layout();
-  const Eigen::Index nb = fit.basis.terms();
   LampField field;
   field.basis = fit.basis;
   field.weights = fit.weights;
@@ -76,12 +105,7 @@ LampField lamp_field(const JointEstimate& estimate, const std::vector<PoseSample
   field.tool = estimate.nominal.tool;
   field.tool.p_TP = fit.arm.segment<2>(at.tool + 1);
   field.tool.p_TS.head<2>() = fit.arm.segment<2>(at.tool + 3);
-  const Eigen::Index arm = 2 * fit.field_terms();
-  std::vector<Eigen::Index> kept;
-  for (const Eigen::Index first : {Eigen::Index{0}, fit.field_terms()})
-    for (Eigen::Index i = 0; i < nb; ++i) kept.push_back(first + i);
-  for (Eigen::Index i = 0; i < 3; ++i) kept.push_back(arm + at.height + i);
-  for (Eigen::Index i = 1; i < 3; ++i) kept.push_back(arm + at.tool + i);
+  const std::vector<Eigen::Index> kept = field_unknowns(estimate);
   field.factor = factor_of(fit.covariance(kept, kept));
   Eigen::Matrix2Xd middles(2, samples.size());
   for (std::size_t i = 0; i < samples.size(); ++i)

@@ -40,6 +40,14 @@ struct CompensatedTip {
 /// section 12); see tip_from_places().
 CompensatedTip compensate(const LampField& field, const std::array<Eigen::Vector2d, 2>& seen_B);
 
+/// Returns d(compensated end point) / d(unknowns), in the order of `factor`, where the lamps are
+/// seen.
+Eigen::Matrix2Xd end_point_rows(const LampField& field,
+                                const std::array<Eigen::Vector2d, 2>& seen_B);
+
+/// Returns the places of a field's unknowns among those of an estimate's fit.
+std::vector<Eigen::Index> field_unknowns(const JointEstimate& estimate);
+
 /// Returns the field of an estimate as it is at time 0, valid in the hull of the lamps' middles in
 /// `samples`. Throws WorkError when its covariance cannot be factored.
 LampField lamp_field(const JointEstimate& estimate, const std::vector<PoseSample>& samples);

@@ -7,20 +7,11 @@
 
 #include "planar_servo/core/fixed.h"
 #include "planar_servo/core/units.h"
-#include "planar_servo/field/arm_terms.h"
 #include "planar_servo/files/map/lamp_field_file.h"
+#include "planar_servo/offline/arm/calibrate_arm.h"
 
 namespace planar {
 namespace {
-
-std::string terms_text(const JointEstimate& estimate) {
-  std::string text = "\nwhat the poses say of the arm\n";
-  for (const ArmTerm& term : arm_terms(estimate))
-    text += fmt::format("{:<24} {:>11} +- {:<9} {}{}\n", term.label,
-                        fixed(term.value / term.unit, 5), fixed(term.sigma / term.unit, 5),
-                        term.unit_text, term.determined ? "" : "  not determined");
-  return text;
-}
 
 std::string judgement_text(const HeldOut& judged) {
   if (judged.n == 0) return "places left out    none: no tracker reading judges this map\n";
@@ -50,15 +41,10 @@ std::string lamp_field_report_text(const LampFieldFit& fit) {
   text += fmt::format(
       "scale, datum, turn  by: {}, {}, {}\n", name_in(kFieldSources, fit.fixed_by.scale),
       name_in(kFieldSources, fit.fixed_by.datum), name_in(kFieldSources, fit.fixed_by.turn));
-  return text + terms_text(fit.estimate);
+  return text + "\n" + arm_terms_text(fit.estimate);
 }
 
 nlohmann::json lamp_field_report_json(const LampFieldFit& fit) {
-  nlohmann::json arm = nlohmann::json::object();
-  for (const ArmTerm& term : arm_terms(fit.estimate))
-    arm[term.key] = {{"value", term.value / term.unit},
-                     {"sigma", term.sigma / term.unit},
-                     {"determined", term.determined}};
   nlohmann::json report{{"method", kLampFieldMethod},
                         {"n_readings", fit.n_readings},
                         {"n_unattended", fit.n_unattended},
@@ -69,7 +55,7 @@ nlohmann::json lamp_field_report_json(const LampFieldFit& fit) {
                          {{"scale", name_in(kFieldSources, fit.fixed_by.scale)},
                           {"datum", name_in(kFieldSources, fit.fixed_by.datum)},
                           {"turn", name_in(kFieldSources, fit.fixed_by.turn)}}},
-                        {"arm", std::move(arm)}};
+                        {"arm", arm_terms_json(fit.estimate)}};
   if (fit.held_out.n > 0) {
     report["raw_rms_mm"] = fit.held_out.raw_rms / kMillimetre;
     report["held_out_rms_mm"] = fit.held_out.rms / kMillimetre;

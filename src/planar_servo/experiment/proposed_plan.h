@@ -1,0 +1,37 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "planar_servo/cell/cell_settings.h"
+#include "planar_servo/files/tables/pair_table.h"
+#include "planar_servo/files/tables/plan_table.h"
+
+namespace planar {
+
+/// A plan of the next tracker readings, and the accuracy to expect of the end point after them,
+/// mean length over the workspace, metres.
+struct ProposedPlan {
+  std::vector<PlanRow> rows;
+  double before{0.0};  ///< by what was read so far
+  double after{0.0};
+  int enough{0};  ///< this many of the readings reach nearly that accuracy
+
+  /// Returns whether further readings gain so little that they are not worth their time.
+  bool worth_reading() const;
+};
+
+/// Proposes `readings` places where the field at the lamps is least certain, as far as the arm
+/// reaches them. Without pairs the plan begins a calibration: views of the board, and the sweeps,
+/// which take their share of the readings. With pairs it goes on from what they tell. Throws
+/// InputError as with_readings(), pose_samples() and estimate_jointly() do, and for a cell in whose
+/// workspace no place can be reached.
+ProposedPlan propose_plan(const CellSettings& cell, int readings,
+                          const std::vector<PairRow>& pairs);
+
+/// Returns what to expect of a plan, in words.
+std::string proposal_text(const ProposedPlan& plan);
+
+}  // namespace planar

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "planar_servo/field/joint_estimate.h"
+
+namespace planar {
+
+/// The reflector where a tracker read it at one commanded pose.
+struct ArmReading {
+  std::string id;
+  std::string place{};                    ///< readings of one place share the word
+  Eigen::Vector3d motors{0.0, 0.0, 0.0};  ///< commanded angles behind the gears, radians
+  Eigen::Vector2d p_B{0.0, 0.0};          ///< metres
+  double sigma{0.0};                      ///< per axis, metres
+};
+
+/// An arm as tracker readings alone show it.
+struct ArmFit {
+  JointEstimate estimate;             ///< without a field; what concerns lamps is not determined
+  std::vector<std::string> left_out;  ///< ids of readings that contradict the others
+  double rms{0.0};                    ///< of the readings used, metres
+  double held_out_rms{0.0};           ///< of readings at places left out, metres
+};
+
+/// Estimates links, zeros, harmonics and the reflector by Gauss-Newton steps from what the files
+/// say. The number of harmonics and the arm's own scatter are those of the largest marginal
+/// likelihood. Throws InputError for fewer than kFewestPoses readings, values that are not finite
+/// or deviations that are not positive, and outliers beyond a fifth. Throws WorkError when the
+/// equations cannot be solved.
+ArmFit fit_arm(const ArmNominal& nominal, const std::vector<ArmReading>& readings);
+
+}  // namespace planar
