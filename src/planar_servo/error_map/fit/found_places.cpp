@@ -13,7 +13,7 @@ namespace planar {
 namespace {
 
 /// The tree takes time with the square of the positions.
-constexpr Eigen::Index kMostSearched = 10000;
+constexpr Eigen::Index kMostSearched = 5000;
 
 /// At least this share of the tree's branches must lie within places, and there must be so many
 /// places; otherwise a few neighbours that are close by chance would count as places.
