@@ -91,13 +91,12 @@ struct MapResult {
 
 /// Fits a map to pairs. Samples of one place are averaged: of a named one, or of one that
 /// with_found_places() finds if the samples there clearly share an error; else those at one
-/// position. A sample that disagrees with the others of its place is left out.
-/// Dense maps of kAuto and kRbf take the
-/// tool's direction into the tail if every sample has it and the leave-one-out error is clearly
-/// smaller with it. Throws InputError for samples that are not finite or not in metres
-/// or share what no camera does (require_one_unit(), require_live_tracker()), too wide places,
-/// fewer than 3 distinct positions, more than kMostDense of them except for kAuto, a hand width
-/// that is not positive, or outliers beyond a fifth of the samples. Throws WorkError when the
+/// position. A sample that disagrees with the others of its place is left out. Dense maps of kAuto
+/// and kRbf take the tool's direction into the tail if every sample has it and the leave-one-out
+/// error is clearly smaller with it. Throws InputError for samples that are not finite or not in
+/// metres or share what no camera does (require_one_unit(), require_live_tracker()), too wide
+/// places, fewer than 3 distinct positions, more than kMostDense of them except for kAuto, a hand
+/// width that is not positive, or outliers beyond a fifth of the samples. Throws WorkError when the
 /// equations are too ill conditioned to be solved.
 MapResult fit_error_map(const MapProblem& problem, const Progress& progress = {});
 
