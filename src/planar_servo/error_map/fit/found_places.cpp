@@ -63,19 +63,17 @@ struct LengthGap {
 
 std::optional<LengthGap> widest_gap(const std::vector<Branch>& tree) {
   std::vector<double> lengths;
+  lengths.reserve(tree.size());
   for (const Branch& branch : tree) lengths.push_back(branch.length);
   std::sort(lengths.begin(), lengths.end());
   const auto count = static_cast<double>(lengths.size());
   const auto overlap = static_cast<std::size_t>(std::ceil(kOverlap * count));
-  LengthGap widest{1.0, kLeastRatio};
-  bool found = false;
+  std::optional<LengthGap> widest;
   for (auto i = static_cast<std::size_t>(kLeastWithin * count); i + overlap < lengths.size(); ++i) {
     const LengthGap gap{lengths[i], lengths[i + overlap]};
-    if (gap.ratio() < widest.ratio()) continue;
-    widest = gap;
-    found = true;
+    if (gap.ratio() >= (widest ? widest->ratio() : kLeastRatio)) widest = gap;
   }
-  return found ? std::optional(widest) : std::nullopt;
+  return widest;
 }
 
 /// Returns the sites that are joined by branches of at most this length.
