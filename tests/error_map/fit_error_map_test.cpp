@@ -232,6 +232,17 @@ TEST_CASE("On a real error field 200 pairs predict the rest better than inverse 
   CHECK(rbf_mm < 0.8 * idw_mm);
 }
 
+TEST_CASE("A map of a whole measured sheet is worth using between its circles") {
+  const auto path = test::shared_data("plane_error_maps/plane_grid_run1.csv");
+  if (!path) return;
+  const MapResult result = fit_error_map({read_samples(*path)});
+  CHECK(result.places == PlaceSource::kPositions);
+  CHECK(result.worth_using);
+  CHECK(result.gain() > 0.8);
+  CHECK(result.gap == Approx(0.028).epsilon(0.1));
+  CHECK(result.blocked.value > 0.9 * result.raw_rms);
+}
+
 TEST_CASE("An error that position does not explain is not sold as a gain, one that it does is") {
   const auto orientations = test::shared_data("tracker_pairs/ur10_grid_orientations_pairs.csv");
   const auto cubes = test::shared_data("tracker_pairs/ur10_iso_cubes_pairs.csv");

@@ -1,10 +1,12 @@
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/offline/map/check_error_map.h"
 #include "planar_servo/offline/map/fit_map_to_pairs.h"
+#include "planar_servo/offline/map/map_fit_report.h"
 #include "support/error_fields.h"
 
 namespace planar {
@@ -64,6 +66,31 @@ TEST_CASE("A map is fitted to the pairs of plan train, and judged on the others"
                     Contains("none of 200 pairs is of plan 'train'"));
   CHECK_THROWS_WITH(pairs_to_check(others, {Plan::kControl}),
                     Contains("is of plan control; their plans are: "));
+}
+
+TEST_CASE(
+    "A fit takes the places of its pairs from their column, and the report tells their noise") {
+  std::vector<PairRow> pairs = lens_pairs(1, {});
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const std::size_t first = i - i % 2;
+    const Eigen::Vector2d shared = pairs[first].error();
+    pairs[i].p_vision = pairs[first].p_vision;
+    pairs[i].p_tracker = pairs[i].p_vision - shared;
+    if (i % 2 == 1) *pairs[i].p_tracker += Eigen::Vector2d(2e-6, 0.0);
+    pairs[i].place = "p" + std::to_string(i / 2);
+  }
+  const FitErrorMapReport report = fit_error_map_to_pairs(pairs, {});
+  CHECK(report.result.places == PlaceSource::kNamed);
+  const std::string text = map_fit_text(report, {});
+  CHECK_THAT(text, Contains("places              100, as named"));
+  CHECK_THAT(text, Contains("mm per axis of a place, 0.0010 mm of a reading"));
+  CHECK_THAT(text, Contains("in a gap") && Contains("mm are without pairs"));
+  const nlohmann::json keys = map_fit_json(report, {});
+  CHECK(keys["places"] == "named");
+  CHECK(keys["n_places"] == 100);
+  CHECK(keys["reading_noise_mm"].get<double>() == Approx(0.001).epsilon(0.01));
+  CHECK(keys["place_noise_mm"].get<double>() > 0.005);
+  CHECK(keys["gap_mm"].get<double>() > 10.0);
 }
 
 TEST_CASE("The check's figures are those of theory") {

@@ -94,6 +94,23 @@ fitted turned "in the tool's frame +0\.(09|10).* -?0\.00.* mm, used"
 expect 2 "good.csv: the map depends on the tool's direction; pairs need a column phi_deg" \
   "$bin/planar-check-error-map" map.yaml good.csv
 
+# Four readings within 3 mm at each of 100 places, with an error that a place shares.
+awk -F, -v OFS=, 'NR % 2 {
+  srand(NR); sx = 0.06 * (rand() - 0.5); sy = 0.06 * (rand() - 0.5)
+  for (i = 0; i < 4; ++i) {
+    x = $2 + 2 * int(i / 2); y = $3 + 2 * (i % 2); ox = 0.01 * (rand() - 0.5); oy = 0.01 * (rand() - 0.5)
+    print $1 "_" i, x, y, x - ($2 - $4) - sx - ox, y - ($3 - $5) - sy - oy, $1
+  }
+}' rows.csv >at_places.csv
+{ echo "$header,place"; cat at_places.csv; } >places_named.csv
+fitted places_named "places +100, as named" "noise +0.0[12].* of a place, 0.00[23].* of a reading" "in a gap"
+cut -d, -f1-5 at_places.csv | table places_found
+fitted places_found "places +(9[5-9]|100), found from the pairs" "pairs used +400"
+sed 's/[^,]*$/hall/; 1s/.*/'"$header"',place/' places_named.csv >one_hall.csv
+refused one_hall "400 pairs have 1 distinct places; a map needs at least 3"
+sed 's/_[0-9],\(.*\),p2$/_9,\1,p198/; 3s/p0$/p198/' places_named.csv >wide_place.csv
+refused wide_place "place 'p198': its .* pairs lie up to .* mm apart, where .* mm is allowed"
+
 sed 's/x_tracker_mm/x_traker_mm/' good.csv >typo.csv
 refused typo "lacks the column x_tracker_mm; needed are .*; it has id,.* x_traker_mm"
 expect 2 "absent/map.yaml: cannot be written: there is no folder 'absent'" \

@@ -2,111 +2,163 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 
-#include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
+#include "planar_servo/error_map/fit/found_places.h"
 #include "planar_servo/error_map/fit/map_sites.h"
-#include "planar_servo/error_map/fit/sparse_fit.h"
+#include "planar_servo/error_map/fit/method_fit.h"
 #include "planar_servo/error_map/judge/cross_validation.h"
-#include "planar_servo/error_map/judge/outliers.h"
+#include "planar_servo/error_map/judge/place_check.h"
 #include "planar_servo/error_map/judge/unit_check.h"
 
 namespace planar {
 namespace {
 
-MapResult result_of(ErrorMap map, const MapSites& used, const Eigen::Matrix2Xd& residuals) {
+/// Samples that lie in groups must be so many more than the groups, as a share of all.
+constexpr double kLeastRepeats = 0.2;
+
+/// The samples of a group share a place if they have more than this share of their noise's variance
+/// in common, or if without the whole group they are missed by so many times the leave-one-out
+/// error. Else they are as good as apart, and averaging them would blur the map.
+constexpr double kClearShare = 0.2;
+constexpr double kClearMiss = 1.25;
+
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+
+/// A fit and what it was fitted to.
+struct FitAtPlaces {
+  MethodFit fit;
+  MapSites sites;
+  double place_share{kUnknown};
+  std::vector<RejectedSample> rejected;  ///< samples that are in no site
+
+  double loo_rms() const { return sites.subset(fit.kept).sample_rms(fit.residuals); }
+};
+
+bool is_tuned(MapMethod method) {
+  return method == MapMethod::kAuto || method == MapMethod::kRbf;
+}
+
+double count_of_repeats(const MapSites& sites) {
+  return sites.counts.sum() - static_cast<double>(sites.size());
+}
+
+/// Returns the share of the noise's variance that the samples of a site have in common, if
+/// `site_sigma` is the standard deviation per axis of their means.
+double place_share(const MapSites& sites, double site_sigma) {
+  const double reading2 = sites.scatter.sum() / (2.0 * count_of_repeats(sites));
+  const double of_means2 = reading2 * sites.counts.cwiseInverse().mean();
+  const double place2 = std::max(0.0, site_sigma * site_sigma - of_means2);
+  return place2 > 0.0 ? place2 / (place2 + reading2) : 0.0;
+}
+
+/// Returns the sites as if all samples of a site were wrong alike.
+MapSites all_alike(MapSites sites) {
+  sites.place_share = 1.0;
+  sites.stated_sigma *= std::sqrt(sites.counts.cwiseInverse().mean());
+  return sites;
+}
+
+/// Fits twice where the method finds the noise: at first as if all samples of a site were wrong
+/// alike, which tells the noise of their means, and then with the share that follows from it.
+FitAtPlaces fit_at_places(MapSites sites, const MapProblem& problem, const Progress& progress) {
+  double share = kUnknown;
+  if (is_tuned(problem.method) && count_of_repeats(sites) > 0.0) {
+    share = place_share(sites, noise_sigma(fit_by_method(all_alike(sites), problem, progress).map));
+    sites.place_share = share;
+  }
+  MethodFit fit = fit_by_method(sites, problem, progress);
+  return {std::move(fit), std::move(sites), share, {}};
+}
+
+RejectedSample rejected_sample(const Outlier& outlier, std::size_t index,
+                               const std::vector<ErrorSample>& samples, const char* by) {
+  return {index, samples[index].id, outlier.residual,
+          fmt::format("{:.4f} mm from {}, where {:.4f} mm is allowed",
+                      outlier.residual / kMillimetre, by, outlier.limit / kMillimetre)};
+}
+
+/// Fits to the samples that agree with the others of their place.
+FitAtPlaces fit_to_agreeing(const MapProblem& problem, const Progress& progress) {
+  const std::vector<ErrorSample>& samples = problem.samples;
+  std::vector<bool> used(samples.size(), true);
+  std::vector<RejectedSample> rejected;
+  for (const auto& [index, outlier] : samples_unlike_their_place(samples, merge_samples(samples))) {
+    const auto i = static_cast<std::size_t>(index);
+    used[i] = false;
+    rejected.push_back(rejected_sample(outlier, i, samples, "the other pairs of its place"));
+  }
+  FitAtPlaces fit = fit_at_places(merge_samples(samples, used), problem, progress);
+  fit.rejected = std::move(rejected);
+  return fit;
+}
+
+/// Fits to the places that the positions show; empty if they show none.
+std::optional<FitAtPlaces> fit_at_found_places(const MapProblem& problem, const MapSites& sites,
+                                               const Progress& progress) {
+  if (!is_tuned(problem.method)) return {};
+  const MapProblem with_places{with_found_places(problem.samples, sites), problem.method,
+                               problem.hand_width};
+  const double repeats = count_of_repeats(merge_samples(with_places.samples));
+  if (repeats < kLeastRepeats * static_cast<double>(problem.samples.size())) return {};
+  return fit_to_agreeing(with_places, progress);
+}
+
+MapResult judged(FitAtPlaces at, PlaceSource places, const std::vector<ErrorSample>& samples,
+                 const Progress& progress) {
+  tell(progress, "judging the map", 0, 1);
+  const MapSites used = at.sites.subset(at.fit.kept);
   MapResult result;
-  result.map = std::move(map);
+  result.map = std::move(at.fit.map);
   result.n_used = static_cast<std::size_t>(used.counts.sum());
+  result.places = places;
+  result.n_places = static_cast<std::size_t>(used.size());
+  result.rejected = std::move(at.rejected);
+  for (const Outlier& outlier : at.fit.outliers)
+    for (const std::size_t i : at.sites.samples[static_cast<std::size_t>(outlier.site)])
+      result.rejected.push_back(
+          rejected_sample(outlier, i, samples, "what the other pairs predict there"));
   result.raw_rms = used.sample_rms(used.errors);
-  result.loo_rms = used.sample_rms(residuals);
+  result.loo_rms = used.sample_rms(at.fit.residuals);
   result.idw_loo_rms = used.size() <= kMostDense
                            ? used.sample_rms(leave_one_out_residuals(idw_map(used)))
-                           : std::numeric_limits<double>::quiet_NaN();
+                           : kUnknown;
   result.noise_sigma = noise_sigma(result.map);
+  result.place_share = at.place_share;
   const CrossValidation validation = cross_validate(result.map, used);
   result.blocked = validation.rms;
-  result.worth_using = validation.worth_using;
+  result.gap = validation.gap;
+  result.worth_using = is_worth_using(used, at.fit.residuals);
   result.cell = diagnose_cell(used);
   return result;
-}
-
-std::vector<RejectedSample> rejected_samples(const std::vector<Outlier>& outliers,
-                                             const MapSites& sites,
-                                             const std::vector<ErrorSample>& samples) {
-  std::vector<RejectedSample> rejected;
-  for (const Outlier& outlier : outliers) {
-    const std::string reason =
-        fmt::format("{:.4f} mm from what the other pairs predict there, where {:.4f} mm is allowed",
-                    outlier.residual / kMillimetre, outlier.limit / kMillimetre);
-    for (const std::size_t i : sites.samples[static_cast<std::size_t>(outlier.site)]) {
-      rejected.push_back({i, samples[i].id, outlier.residual, reason});
-    }
-  }
-  return rejected;
-}
-
-MapResult fit_tuned(const MapSites& sites, const std::vector<RbfFamily>& families,
-                    const std::vector<ErrorSample>& samples) {
-  RobustFit robust = fit_without_outliers(sites, families);
-  MapResult result = result_of(std::move(robust.fit.map), sites.subset(robust.kept),
-                               robust.fit.left_out.residuals);
-  result.rejected = rejected_samples(robust.outliers, sites, samples);
-  return result;
-}
-
-MapResult fit_many(const MapSites& sites, const std::vector<ErrorSample>& samples,
-                   const Progress& progress) {
-  SparseFit fit = fit_sparse(sites, progress);
-  tell(progress, "judging the map", 0, 1);
-  MapResult result = result_of(std::move(fit.map), sites.subset(fit.kept), fit.residuals);
-  result.rejected = rejected_samples(fit.outliers, sites, samples);
-  return result;
-}
-
-void require_dense(const MapSites& sites, MapMethod method) {
-  if (sites.size() <= kMostDense) return;
-  throw InputError(
-      fmt::format("the pairs have {} distinct positions; the method {} takes at most {}; leave "
-                  "some out, or use auto",
-                  sites.size(), name_in(kMapMethods, method), kMostDense));
-}
-
-MapResult fit_by_hand(const MapSites& sites, double width) {
-  if (!(std::isfinite(width) && width > 0.0)) {
-    throw InputError(
-        fmt::format("the map's width is {} mm; it must be a positive number", width / kMillimetre));
-  }
-  RbfFit fit = fit_hand_width(sites, width);
-  return result_of(std::move(fit.map), sites, fit.left_out.residuals);
 }
 
 }  // namespace
 
 MapResult fit_error_map(const MapProblem& problem, const Progress& progress) {
-  const MapSites sites = merge_samples(problem.samples);
+  const auto result_of = [&](FitAtPlaces fit, PlaceSource places) {
+    return judged(std::move(fit), places, problem.samples, progress);
+  };
+  MapSites sites = merge_samples(problem.samples);
   require_one_unit(sites.positions, sites.positions - sites.errors);
   require_live_tracker(problem.samples);
-  switch (problem.method) {
-    case MapMethod::kIdw: {
-      require_dense(sites, problem.method);
-      const IdwMap map = idw_map(sites);
-      return result_of(map, sites, leave_one_out_residuals(map));
-    }
-    case MapMethod::kHandWidth:
-      require_dense(sites, problem.method);
-      return fit_by_hand(sites, problem.hand_width);
-    case MapMethod::kRbf:
-      require_dense(sites, problem.method);
-      return fit_tuned(sites, {kOneWidth}, problem.samples);
-    case MapMethod::kAuto:
-      break;
+  if (names_places(problem.samples)) {
+    require_narrow_places(problem.samples, sites);
+    return result_of(fit_to_agreeing(problem, progress), PlaceSource::kNamed);
   }
-  if (sites.size() > kMostDense) return fit_many(sites, problem.samples, progress);
-  return fit_tuned(sites, {kManyScales, kSmooth}, problem.samples);
+  auto together = fit_at_found_places(problem, sites, progress);
+  if (together && together->place_share > kClearShare)
+    return result_of(*std::move(together), PlaceSource::kFound);
+  MethodFit fit = fit_by_method(sites, problem, progress);
+  FitAtPlaces apart{std::move(fit), std::move(sites), kUnknown, {}};
+  if (together && together->loo_rms() > kClearMiss * apart.loo_rms())
+    return result_of(*std::move(together), PlaceSource::kFound);
+  return result_of(std::move(apart), PlaceSource::kPositions);
 }
 
 }  // namespace planar

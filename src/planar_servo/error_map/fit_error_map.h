@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cmath>
 #include <cstddef>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -27,6 +29,18 @@ constexpr Named<MapMethod> kMapMethods[] = {{MapMethod::kAuto, "auto"},
                                             {MapMethod::kIdw, "idw"},
                                             {MapMethod::kHandWidth, "hand"}};
 
+/// Where the places come from that readings share.
+enum class PlaceSource {
+  kPositions,  ///< every position is a place of its own
+  kNamed,      ///< the samples name their places
+  kFound,      ///< the samples lie in groups, and those of a group share an error
+};
+
+/// The words for them in --json.
+constexpr Named<PlaceSource> kPlaceSources[] = {{PlaceSource::kPositions, "positions"},
+                                                {PlaceSource::kNamed, "named"},
+                                                {PlaceSource::kFound, "found"}};
+
 struct MapProblem {
   std::vector<ErrorSample> samples;
   MapMethod method{MapMethod::kAuto};
@@ -43,34 +57,47 @@ struct RejectedSample {
   std::string reason;
 };
 
-/// A fitted map with its figures, in metres; rms values are over the samples used. Samples at one
-/// position are left out together, so that a repeated row cannot confirm itself.
+/// A fitted map with its figures, in metres; rms values are over the samples used. Samples of one
+/// place are left out together, so that they cannot confirm each other.
 struct MapResult {
   ErrorMap map;
   std::size_t n_used{0};  ///< number of samples
+  PlaceSource places{PlaceSource::kPositions};
+  std::size_t n_places{0};  ///< number of places with samples used
   std::vector<RejectedSample> rejected;
   double raw_rms{0.0};  ///< of |E|
   double loo_rms{0.0};  ///< of the leave-one-out residuals |r_i|
   /// Leave-one-out rms of inverse distance weighting; NaN for a sparse map.
   double idw_loo_rms{0.0};
   double noise_sigma{0.0};  ///< per axis; NaN where the method has none
-  RmsEstimate blocked;      ///< rms with whole blocks of neighbours left out, and its interval
-  /// Whether the map removes more than 5 % of the rms error, and not by chance; see
-  /// CrossValidation.
+  /// The share of the noise's variance that the samples of a place have in common; NaN where no
+  /// place has several samples or the method has no noise.
+  double place_share{std::numeric_limits<double>::quiet_NaN()};
+  RmsEstimate blocked;  ///< rms with whole blocks of neighbours left out, and its interval
+  double gap{0.0};      ///< width of the gap that such a block leaves
+  /// Whether the map removes more than 5 % of the rms error between its places, and not by chance;
+  /// see is_worth_using().
   bool worth_using{false};
   CellDiagnosis cell;  ///< what the pairs say of the cell; not used by the map
 
   /// Returns 1 - loo_rms / raw_rms, or 0 when there is no error to begin with.
   double gain() const { return raw_rms > 0.0 ? 1.0 - loo_rms / raw_rms : 0.0; }
+
+  /// Return the standard deviations per axis of the two parts of the noise: of what the samples of
+  /// a place have in common, and of a single one beside that; NaN where the share is.
+  double place_sigma() const { return noise_sigma * std::sqrt(place_share); }
+  double reading_sigma() const { return noise_sigma * std::sqrt(1.0 - place_share); }
 };
 
-/// Fits a map to pairs. Samples at one position are averaged. Dense maps of kAuto and kRbf take the
-/// tool's direction into the tail if every sample has it and the leave-one-out error is clearly
-/// smaller with it. Throws InputError for samples that are not finite or not in metres
-/// or share what no camera does (require_one_unit(), require_live_tracker()), fewer than 3 distinct
-/// positions, more than kMostDense of them except for kAuto, a hand width that is not positive, or
-/// outliers beyond a fifth of the samples. Throws WorkError when the equations are too ill
-/// conditioned to be solved.
+/// Fits a map to pairs. Samples of one place are averaged: of a named one, or of one that
+/// with_found_places() finds if the samples there clearly share an error; else those at one
+/// position. A sample that disagrees with the others of its place is left out. Dense maps of kAuto
+/// and kRbf take the tool's direction into the tail if every sample has it and the leave-one-out
+/// error is clearly smaller with it. Throws InputError for samples that are not finite or not in
+/// metres or share what no camera does (require_one_unit(), require_live_tracker()), too wide
+/// places, fewer than 3 distinct positions, more than kMostDense of them except for kAuto, a hand
+/// width that is not positive, or outliers beyond a fifth of the samples. Throws WorkError when the
+/// equations are too ill conditioned to be solved.
 MapResult fit_error_map(const MapProblem& problem, const Progress& progress = {});
 
 }  // namespace planar

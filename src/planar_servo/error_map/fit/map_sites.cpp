@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <tuple>
 #include <utility>
 
 #include "planar_servo/core/error.h"
@@ -18,7 +19,7 @@ namespace {
 /// resolves, and centres that are closer would only worsen the condition of the equations.
 constexpr double kSamePosition = 0.1 * kMicrometre;
 
-constexpr Eigen::Index kFewestSites = 3;
+constexpr std::size_t kFewestSites = 3;
 
 void require_finite(const std::vector<ErrorSample>& samples) {
   Faults faults;
@@ -33,40 +34,61 @@ void require_finite(const std::vector<ErrorSample>& samples) {
   faults.throw_if_any();
 }
 
-double stated_sigma_of(const std::vector<ErrorSample>& samples) {
-  double sum = 0.0;
-  for (const ErrorSample& sample : samples) {
-    if (!(sample.sigma > 0.0)) return 0.0;
-    sum += sample.sigma * sample.sigma;
-  }
-  return std::sqrt(sum / static_cast<double>(samples.size()));
+/// What samples of one site have in common: the word of their place, or else their position.
+using SiteKey = std::tuple<std::string, double, double>;
+
+SiteKey key_of(const ErrorSample& sample) {
+  if (!sample.place.empty()) return {sample.place, 0.0, 0.0};
+  const Eigen::Vector2d cell = (sample.p_vision / kSamePosition).array().round();
+  return {"", cell.x(), cell.y()};
 }
 
-Eigen::Matrix2Xd mean_directions(const std::vector<ErrorSample>& samples,
-                                 const std::vector<std::vector<std::size_t>>& groups) {
-  const auto names_phi = [](const ErrorSample& sample) { return sample.phi.has_value(); };
-  if (!std::all_of(samples.begin(), samples.end(), names_phi)) return {};
+using Groups = std::vector<std::vector<std::size_t>>;
+
+Groups group_by_site(const std::vector<ErrorSample>& samples, const std::vector<bool>& used) {
+  Groups groups;
+  std::map<SiteKey, std::size_t> group_of_key;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    if (!used[i]) continue;
+    const auto [found, is_new] = group_of_key.try_emplace(key_of(samples[i]), groups.size());
+    if (is_new) groups.emplace_back();
+    groups[found->second].push_back(i);
+  }
+  return groups;
+}
+
+void require_enough(const Groups& groups, const std::vector<ErrorSample>& samples) {
+  if (groups.size() >= kFewestSites) return;
+  throw InputError(fmt::format(
+      "{} pairs have {} distinct {}; a map needs at least {} distinct positions", samples.size(),
+      groups.size(), names_places(samples) ? "places" : "positions", kFewestSites));
+}
+
+double stated_sigma_of(const std::vector<ErrorSample>& samples, const Groups& groups) {
+  double sum = 0.0;
+  std::size_t count = 0;
+  for (const auto& group : groups) {
+    for (const std::size_t i : group) {
+      if (!(samples[i].sigma > 0.0)) return 0.0;
+      sum += samples[i].sigma * samples[i].sigma;
+    }
+    count += group.size();
+  }
+  return std::sqrt(sum / static_cast<double>(count));
+}
+
+/// Returns no columns where a sample has no direction.
+Eigen::Matrix2Xd mean_directions(const std::vector<ErrorSample>& samples, const Groups& groups) {
   Eigen::Matrix2Xd means = Eigen::Matrix2Xd::Zero(2, static_cast<Eigen::Index>(groups.size()));
   for (std::size_t site = 0; site < groups.size(); ++site) {
     for (const std::size_t i : groups[site]) {
+      if (!samples[i].phi) return {};
       const double phi = *samples[i].phi;
       means.col(static_cast<Eigen::Index>(site)) +=
           Eigen::Vector2d(std::cos(phi), std::sin(phi)) / static_cast<double>(groups[site].size());
     }
   }
   return means;
-}
-
-std::vector<std::vector<std::size_t>> group_by_position(const std::vector<ErrorSample>& samples) {
-  std::vector<std::vector<std::size_t>> groups;
-  std::map<std::pair<double, double>, std::size_t> group_of_cell;
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    const Eigen::Vector2d cell = (samples[i].p_vision / kSamePosition).array().round();
-    const auto [found, is_new] = group_of_cell.try_emplace({cell.x(), cell.y()}, groups.size());
-    if (is_new) groups.emplace_back();
-    groups[found->second].push_back(i);
-  }
-  return groups;
 }
 
 }  // namespace
@@ -78,7 +100,8 @@ MapSites MapSites::subset(const std::vector<Eigen::Index>& kept) const {
                  scatter(kept),
                  {},
                  stated_sigma,
-                 {}};
+                 {},
+                 place_share};
   if (has_directions()) sites.directions = directions(Eigen::all, kept);
   for (const Eigen::Index i : kept) sites.samples.push_back(samples[static_cast<std::size_t>(i)]);
   return sites;
@@ -94,23 +117,32 @@ Eigen::Vector2d MapSites::direction(Eigen::Index site) const {
   return has_directions() ? Eigen::Vector2d(directions.col(site)) : TailBasis::unknown_direction();
 }
 
+Eigen::VectorXd MapSites::weights_for(const Eigen::VectorXd& of_counts) const {
+  return of_counts.array() / (1.0 - place_share + place_share * of_counts.array());
+}
+
 double MapSites::sample_rms(const Eigen::Matrix2Xd& means) const {
   const double sum = means.colwise().squaredNorm().dot(counts) + scatter.sum();
   return std::sqrt(sum / counts.sum());
 }
 
+bool names_places(const std::vector<ErrorSample>& samples) {
+  return std::any_of(samples.begin(), samples.end(),
+                     [](const ErrorSample& sample) { return !sample.place.empty(); });
+}
+
 MapSites merge_samples(const std::vector<ErrorSample>& samples) {
+  return merge_samples(samples, std::vector<bool>(samples.size(), true));
+}
+
+MapSites merge_samples(const std::vector<ErrorSample>& samples, const std::vector<bool>& used) {
   require_finite(samples);
   MapSites sites;
-  sites.samples = group_by_position(samples);
-  sites.stated_sigma = stated_sigma_of(samples);
-  const auto count = static_cast<Eigen::Index>(sites.samples.size());
-  if (count < kFewestSites) {
-    throw InputError(fmt::format(
-        "{} pairs have {} distinct positions; a map needs at least {} distinct positions",
-        samples.size(), count, kFewestSites));
-  }
+  sites.samples = group_by_site(samples, used);
+  require_enough(sites.samples, samples);
+  sites.stated_sigma = stated_sigma_of(samples, sites.samples);
   sites.directions = mean_directions(samples, sites.samples);
+  const auto count = static_cast<Eigen::Index>(sites.samples.size());
   sites.positions.setZero(2, count);
   sites.errors.setZero(2, count);
   sites.counts.setZero(count);

@@ -8,7 +8,7 @@
 
 namespace planar {
 
-/// Calibration points merged by position (sites), as columns of matrices.
+/// Calibration points merged by place or position (sites), as columns of matrices.
 struct MapSites {
   Eigen::Matrix2Xd positions;  ///< metres
   Eigen::Matrix2Xd errors;     ///< mean error of the samples at each site, metres
@@ -21,6 +21,9 @@ struct MapSites {
   /// Mean of (cos phi, sin phi) of the tool over the samples at each site; no columns unless every
   /// sample has a phi.
   Eigen::Matrix2Xd directions;
+  /// The share of a sample's noise variance that it has in common with the others of its site: 0 if
+  /// they are wrong independently of each other, 1 if all are wrong alike.
+  double place_share{0.0};
 
   Eigen::Index size() const { return positions.cols(); }
   MapSites subset(const std::vector<Eigen::Index>& kept) const;
@@ -30,15 +33,24 @@ struct MapSites {
   /// Returns the tool's mean direction at a site, or NaN where directions are unknown.
   Eigen::Vector2d direction(Eigen::Index site) const;
 
+  /// Returns the number of independent samples whose mean would be as noisy as that of each site.
+  Eigen::VectorXd weights() const { return weights_for(counts); }
+  Eigen::VectorXd weights_for(const Eigen::VectorXd& of_counts) const;
+
   /// Returns the root mean square over all samples of deviations whose mean at each site is a
   /// column of `means`.
   double sample_rms(const Eigen::Matrix2Xd& means) const;
 };
 
-/// Merges samples that are closer together than any camera can tell, whatever the tool's direction:
-/// a site is left out as a whole, and a term linear in the direction has its mean at the mean
-/// direction. Throws InputError naming each sample that is not finite, or when fewer than three
-/// sites remain.
+/// Merges the samples of each named place, and of the others those that are closer together than
+/// any camera can tell, whatever the tool's direction: a site is left out as a whole, and a term
+/// linear in the direction has its mean at the mean direction. Throws InputError naming each sample
+/// that is not finite, or when fewer than three sites remain.
 MapSites merge_samples(const std::vector<ErrorSample>& samples);
+/// Merges only the samples that are `used`.
+MapSites merge_samples(const std::vector<ErrorSample>& samples, const std::vector<bool>& used);
+
+/// Returns whether any sample names its place.
+bool names_places(const std::vector<ErrorSample>& samples);
 
 }  // namespace planar

@@ -11,17 +11,19 @@ namespace planar {
 
 double signal_variance(const MapSites& sites, const Eigen::Matrix2Xd& weights, Eigen::Index terms,
                        double ridge) {
+  const double signal = sites.errors.cwiseProduct(weights).sum();
+  if (sites.place_share > 0.0)
+    return std::max(0.0, signal / (2.0 * static_cast<double>(sites.size() - terms)));
   const double freedom = sites.counts.sum() - static_cast<double>(terms);
   const double scatter = ridge > 0.0 ? sites.scatter.sum() / ridge : 0.0;
-  const double sum = sites.errors.cwiseProduct(weights).sum() + scatter;
-  return std::max(0.0, sum / (2.0 * freedom));
+  return std::max(0.0, (signal + scatter) / (2.0 * freedom));
 }
 
 RbfFit fit_rbf(const MapSites& sites, const TailBasis& tail_basis, const RadialKernel& kernel,
                double ridge) {
   RbfParameters parameters;
   parameters.centers = sites.positions;
-  parameters.counts = sites.counts;
+  parameters.counts = sites.weights();
   parameters.tail_basis = tail_basis;
   if (tail_basis.with_direction) parameters.directions = sites.directions;
   parameters.kernel = kernel;
@@ -33,7 +35,7 @@ RbfFit fit_rbf(const MapSites& sites, const TailBasis& tail_basis, const RadialK
   parameters.tail = solution.tail.transpose();
   LeaveOneOut left_out = leave_one_out(*equations, parameters.weights);
 
-  const Eigen::ArrayXd site_noise2 = ridge / sites.counts.array();
+  const Eigen::ArrayXd site_noise2 = ridge / parameters.counts.array();
   const double loneliest2 = (left_out.unit_sigmas.array().square() - site_noise2).maxCoeff();
   parameters.signal_sigma =
       std::sqrt(signal_variance(sites, parameters.weights, tail_basis.terms(), ridge));

@@ -9,7 +9,8 @@
 namespace planar {
 
 /// Returns s_f^2 = E^T w / (N - m) per axis over all N samples, for the weights of a fit whose tail
-/// has m terms. Samples averaged at a site scatter about it with variance ridge s_f^2.
+/// has m terms. Samples averaged at a site scatter about it with variance ridge s_f^2; where they
+/// share a part of their noise, only sites count.
 double signal_variance(const MapSites& sites, const Eigen::Matrix2Xd& weights, Eigen::Index terms,
                        double ridge);
 

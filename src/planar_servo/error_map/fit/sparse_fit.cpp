@@ -166,7 +166,8 @@ Eigen::Matrix2Xd residuals_of(const SparseBasis& basis, const RidgeFit& fit, con
 /// Returns the largest residual of each site with which it is kept.
 Eigen::ArrayXd residual_limits(const Eigen::ArrayXd& residuals, const MapSites& sites,
                                const Cells& cells, const Outliers& dropped) {
-  const Eigen::ArrayXd scaled = residuals * sites.counts.array().sqrt();
+  const Eigen::VectorXd weights = sites.weights();
+  const Eigen::ArrayXd scaled = residuals * weights.array().sqrt();
   const double usual = median({scaled.begin(), scaled.end()}) / residual_length(0.5);
   Eigen::ArrayXd limits = Eigen::ArrayXd::Constant(scaled.size(), usual);
   for (const auto& cell : cells) {
@@ -177,7 +178,7 @@ Eigen::ArrayXd residual_limits(const Eigen::ArrayXd& residuals, const MapSites& 
     const double local = quantile(kept, kLocalShare) / residual_length(1.0 - kLocalShare);
     for (const Eigen::Index i : cell) limits[i] = std::max(usual, local);
   }
-  limits *= outlier_sigmas(sites.size()) * sites.counts.array().rsqrt();
+  limits *= outlier_sigmas(sites.size()) * weights.array().rsqrt();
   return limits.max(kSmallestOutlier);
 }
 

@@ -23,15 +23,19 @@ SparseStatistics empty_statistics(Eigen::Index size) {
 
 void add_rows(const SparseBasis& basis, const MapSites& sites,
               const std::vector<Eigen::Index>& which, SparseStatistics& sum) {
-  const Eigen::VectorXd counts = sites.counts(which);
+  const Eigen::VectorXd weights = sites.weights_for(sites.counts(which));
   const Eigen::Matrix2Xd errors = sites.errors(Eigen::all, which);
   Eigen::MatrixXd rows = basis.at_each(sites.positions(Eigen::all, which));
-  sum.projected.noalias() += rows.transpose() * (errors * counts.asDiagonal()).transpose();
-  rows.array().colwise() *= counts.array().sqrt();
+  sum.projected.noalias() += rows.transpose() * (errors * weights.asDiagonal()).transpose();
+  rows.array().colwise() *= weights.array().sqrt();
   sum.gram.selfadjointView<Eigen::Lower>().rankUpdate(rows.transpose());
-  sum.squares += errors.colwise().squaredNorm().dot(counts);
+  sum.squares += errors.colwise().squaredNorm().dot(weights);
+  if (sites.place_share > 0.0) {
+    sum.count += static_cast<double>(which.size());
+    return;
+  }
   for (const Eigen::Index i : which) sum.squares += sites.scatter[i];
-  sum.count += counts.sum();
+  sum.count += weights.sum();
 }
 
 }  // namespace

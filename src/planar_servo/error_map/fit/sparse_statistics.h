@@ -32,7 +32,7 @@ struct SparseStatistics {
   Eigen::MatrixXd gram;        ///< B^T B with rows b~, lower triangle
   Eigen::MatrixX2d projected;  ///< B^T E, metres
   double squares{0.0};         ///< sum of |E|^2, square metres
-  double count{0.0};           ///< number of samples
+  double count{0.0};           ///< number of samples; of sites where their samples share noise
 
   SparseStatistics& operator+=(const SparseStatistics& other);
   SparseStatistics& operator-=(const SparseStatistics& other);

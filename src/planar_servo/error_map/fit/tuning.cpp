@@ -54,6 +54,7 @@ class LeaveOneOutCost {
       : sites_(sites),
         shape_(shape),
         span_(span),
+        weights_(sites.weights()),
         squared_distances_(squared_distances(sites.positions)),
         tail_(tail_basis.at_each(sites.positions, sites.directions)) {}
 
@@ -101,7 +102,7 @@ class LeaveOneOutCost {
 
   /// Fits with the present kernel; empty where the equations cannot be solved.
   std::optional<Fit> fit_of(double ridge) {
-    kernel_.diagonal() = 1.0 + ridge / sites_.counts.array();
+    kernel_.diagonal() = 1.0 + ridge / weights_.array();
     if (!system_.compute(kernel_, tail_)) return {};
     const Eigen::Matrix2Xd weights = system_.solve(sites_.errors.transpose()).weights.transpose();
     const double noise2 = ridge * signal_variance(sites_, weights, tail_.cols(), ridge);
@@ -113,6 +114,7 @@ class LeaveOneOutCost {
   const MapSites& sites_;
   KernelShape shape_;
   double span_;
+  Eigen::VectorXd weights_;
   Eigen::MatrixXd squared_distances_;
   Eigen::MatrixXd tail_;
   Eigen::MatrixXd kernel_;  ///< the diagonal belongs to the last ridge

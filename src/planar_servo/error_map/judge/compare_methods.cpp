@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "planar_servo/core/error.h"
+#include "planar_servo/error_map/fit/found_places.h"
 #include "planar_servo/error_map/fit/rbf_families.h"
 #include "planar_servo/error_map/judge/cross_validation.h"
 
@@ -16,10 +17,9 @@ namespace {
 MapSites sites_used(const MapProblem& problem, const MapResult& result) {
   std::vector<bool> used(problem.samples.size(), true);
   for (const RejectedSample& sample : result.rejected) used[sample.index] = false;
-  std::vector<ErrorSample> samples;
-  for (std::size_t i = 0; i < used.size(); ++i)
-    if (used[i]) samples.push_back(problem.samples[i]);
-  return merge_samples(samples);
+  if (result.places != PlaceSource::kFound) return merge_samples(problem.samples, used);
+  const MapSites by_position = merge_samples(problem.samples);
+  return merge_samples(with_found_places(problem.samples, by_position), used);
 }
 
 std::string name_of(MapMethod method, double width) {
@@ -62,7 +62,8 @@ MethodFigures figures_of(MapMethod method, double width, const MapSites& sites) 
 
 std::vector<MethodFigures> compare_methods(const MapProblem& problem, const MapResult& result,
                                            const Progress& progress) {
-  const MapSites sites = sites_used(problem, result);
+  MapSites sites = sites_used(problem, result);
+  if (result.place_share > 0.0) sites.place_share = result.place_share;
   const RmsEstimate raw = estimate_rms(sites, sites.errors, spatial_blocks(sites.positions));
   std::vector<MethodFigures> rows{{"raw", raw.value, raw}};
   constexpr std::array kMethods{MapMethod::kIdw, MapMethod::kHandWidth, MapMethod::kRbf,

@@ -1,9 +1,11 @@
 #include "planar_servo/error_map/judge/cross_validation.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "planar_servo/core/error.h"
+#include "planar_servo/core/numerics/statistics.h"
 #include "planar_servo/error_map/fit/sparse_statistics.h"
 #include "planar_servo/error_map/numerics/bordered_system.h"
 
@@ -41,7 +43,7 @@ Eigen::Matrix2Xd predictions(const RbfMap& map, const MapSites& rest, const MapS
   const TailBasis tail = tail_like(settings.tail_basis, rest.positions, rest.directions);
   Eigen::MatrixXd matrix;
   kernel_matrix(settings.kernel, squared_distances(rest.positions), matrix);
-  matrix.diagonal().array() += settings.ridge / rest.counts.array();
+  matrix.diagonal().array() += settings.ridge / rest.weights().array();
   const auto system =
       BorderedSystem::factorize(matrix, tail.at_each(rest.positions, rest.directions));
   if (!system) throw WorkError(kUnsolvable);
@@ -112,8 +114,32 @@ MapSites part_for(const ErrorMap& map, const MapSites& sites) {
   return sites.every(sparse ? sites.size() / kSparsePart + 1 : 1);
 }
 
-bool is_worth_using(const MapSites& sites, const Eigen::Matrix2Xd& residuals,
-                    const Blocks& blocks) {
+double gap_of(const Eigen::Matrix2Xd& positions, const Blocks& blocks) {
+  std::vector<double> gaps;
+  for (std::size_t b = 0; b < blocks.size(); ++b) {
+    const Eigen::Matrix2Xd others = positions(Eigen::all, all_but(blocks, b));
+    double deepest2 = 0.0;
+    for (const Eigen::Index i : blocks[b]) {
+      const Eigen::Vector2d at = positions.col(i);
+      deepest2 = std::max(deepest2, (others.colwise() - at).colwise().squaredNorm().minCoeff());
+    }
+    gaps.push_back(2.0 * std::sqrt(deepest2));
+  }
+  return median(gaps);
+}
+
+}  // namespace
+
+CrossValidation cross_validate(const ErrorMap& map, const MapSites& sites) {
+  const MapSites part = part_for(map, sites);
+  const Blocks blocks = spatial_blocks(part.positions);
+  const Eigen::Matrix2Xd residuals =
+      std::visit([&](const auto& method) { return left_out(method, part, blocks); }, map);
+  return {estimate_rms(part, residuals, blocks), gap_of(part.positions, blocks)};
+}
+
+bool is_worth_using(const MapSites& sites, const Eigen::Matrix2Xd& residuals) {
+  const Blocks blocks = spatial_blocks(sites.positions);
   const double share_left = (1.0 - kSmallestGain) * (1.0 - kSmallestGain);
   const Eigen::VectorXd gains =
       (share_left * sites.errors.colwise().squaredNorm() - residuals.colwise().squaredNorm())
@@ -124,16 +150,6 @@ bool is_worth_using(const MapSites& sites, const Eigen::Matrix2Xd& residuals,
   for (std::size_t b = 0; b < blocks.size(); ++b)
     of_blocks[static_cast<Eigen::Index>(b)] = gains(blocks[b]).sum();
   return is_clearly_positive(of_blocks);
-}
-
-}  // namespace
-
-CrossValidation cross_validate(const ErrorMap& map, const MapSites& sites) {
-  const MapSites part = part_for(map, sites);
-  const Blocks blocks = spatial_blocks(part.positions);
-  const Eigen::Matrix2Xd residuals =
-      std::visit([&](const auto& method) { return left_out(method, part, blocks); }, map);
-  return {estimate_rms(part, residuals, blocks), is_worth_using(part, residuals, blocks)};
 }
 
 }  // namespace planar

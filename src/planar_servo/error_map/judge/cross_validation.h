@@ -6,11 +6,12 @@
 
 namespace planar {
 
+/// What a map is worth in a gap between its sites that is as wide as a block of them.
 struct CrossValidation {
   RmsEstimate rms;  ///< of the residuals of each block predicted by the others, metres
-  /// Whether the map removes more than 5 % of the rms error, and by more than chance. Blocks are
-  /// compared, so that no site is confirmed by its neighbours.
-  bool worth_using{false};
+  /// Diameter of the widest circle about a site of a block that holds no site of the others, median
+  /// over the blocks, metres.
+  double gap{0.0};
 };
 
 /// Predicts every spatial block of the `sites` that `map` was fitted to from the sites of the other
@@ -18,5 +19,10 @@ struct CrossValidation {
 /// others determine it. A sparse map is judged on about ten thousand evenly drawn sites. Throws
 /// WorkError when the equations are too ill conditioned to be solved.
 CrossValidation cross_validate(const ErrorMap& map, const MapSites& sites);
+
+/// Returns whether a map removes more than 5 % of the rms error at sites that it does not know, and
+/// by more than chance. `residuals` are those of the sites when each is left out of the fit. Blocks
+/// count as independent draws.
+bool is_worth_using(const MapSites& sites, const Eigen::Matrix2Xd& residuals);
 
 }  // namespace planar

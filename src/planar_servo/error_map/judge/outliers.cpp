@@ -26,14 +26,14 @@ Judgement judge(const MapSites& sites, const std::vector<Eigen::Index>& kept, co
   Judgement judgement{Eigen::ArrayXd::Zero(sites.size()), Eigen::ArrayXd::Zero(sites.size())};
   judgement.residuals(kept) = fit.left_out.residuals.colwise().norm().transpose().array();
   judgement.unit_sigmas(kept) = fit.left_out.unit_sigmas.array();
-  const double ridge = fit.map.parameters().ridge;
+  const Eigen::ArrayXd noise2 = fit.map.parameters().ridge / sites.weights().array();
   for (Eigen::Index i = 0; i < sites.size(); ++i) {
     if (std::binary_search(kept.begin(), kept.end(), i)) continue;
     const Eigen::Vector2d p = sites.positions.col(i);
     judgement.residuals[i] =
         (sites.errors.col(i) - fit.map.predict_error(p, sites.direction(i))).norm();
     judgement.unit_sigmas[i] =
-        std::hypot(fit.map.unit_sigma(p, sites.direction(i)), std::sqrt(ridge / sites.counts[i]));
+        std::hypot(fit.map.unit_sigma(p, sites.direction(i)), std::sqrt(noise2[i]));
   }
   return judgement;
 }

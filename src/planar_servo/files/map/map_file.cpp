@@ -94,6 +94,11 @@ void add_figures(YamlWriter& yaml, const MapResult& result) {
   yaml.add("raw_rms_mm", result.raw_rms / kMillimetre);
   yaml.add("loo_rms_mm", result.loo_rms / kMillimetre);
   if (std::isfinite(result.noise_sigma)) yaml.add("noise_mm", result.noise_sigma / kMillimetre);
+  if (std::isfinite(result.place_share)) {
+    yaml.add("n_places", static_cast<int>(result.n_places));
+    yaml.add("place_noise_mm", result.place_sigma() / kMillimetre);
+    yaml.add("reading_noise_mm", result.reading_sigma() / kMillimetre);
+  }
   yaml.add("worth_using", result.worth_using);
   std::vector<std::string> rejected;
   for (const RejectedSample& sample : result.rejected) rejected.push_back(sample.id);

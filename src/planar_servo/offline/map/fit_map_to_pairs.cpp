@@ -21,7 +21,8 @@ void add(const PairRow& pair, TrainingPairs& training) {
   else if (!pair.plan || *pair.plan == Plan::kTrain)
     training.problem.samples.push_back(
         {pair.id, pair.p_vision, pair.error(),
-         std::hypot(pair.sigma_vision.value_or(0.0), pair.sigma_tracker.value_or(0.0)), pair.phi});
+         std::hypot(pair.sigma_vision.value_or(0.0), pair.sigma_tracker.value_or(0.0)), pair.phi,
+         pair.place});
   else
     ++training.n_other_plans;
 }

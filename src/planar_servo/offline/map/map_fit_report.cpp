@@ -37,6 +37,26 @@ std::string comparison_text(const std::vector<MethodFigures>& comparison) {
   return text;
 }
 
+/// Says how much of the noise the pairs of a place have in common, if places have several.
+std::string places_text(const MapResult& result) {
+  if (result.places == PlaceSource::kPositions || result.n_places == result.n_used) return "";
+  std::string text =
+      fmt::format("places              {}, {}\n", result.n_places,
+                  result.places == PlaceSource::kFound ? "found from the pairs" : "as named");
+  if (std::isfinite(result.place_sigma()))
+    text +=
+        fmt::format("  noise             {:.4f} mm per axis of a place, {:.4f} mm of a reading\n",
+                    result.place_sigma() / kMillimetre, result.reading_sigma() / kMillimetre);
+  return text;
+}
+
+std::string gap_text(const MapResult& result) {
+  const bool better = result.blocked.value < result.raw_rms;
+  return fmt::format("in a gap            {:.4f} mm rms where {:.1f} mm are without pairs{}\n",
+                     result.blocked.value / kMillimetre, result.gap / kMillimetre,
+                     better ? "" : ", no better than without the map");
+}
+
 std::string fit_text(const FitErrorMapReport& report) {
   const MapResult& result = report.result;
   std::string text;
@@ -56,12 +76,13 @@ std::string fit_text(const FitErrorMapReport& report) {
   if (std::isfinite(result.noise_sigma))
     text +=
         fmt::format("noise               {:.4f} mm per axis\n", result.noise_sigma / kMillimetre);
+  text += places_text(result);
   if (const auto bias = tool_bias(result.map))
     text += fmt::format("in the tool's frame {} +- {:.4f} mm, used\n",
                         fixed(bias->t / kMillimetre, 4, " "), bias->sigma / kMillimetre);
-  return text +
-         fmt::format("gain                {} %, {}\n", fixed(100.0 * result.gain(), 1),
-                     result.worth_using ? "worth using" : "NOT significant: do not use this map");
+  text += fmt::format("gain                {} %, {}\n", fixed(100.0 * result.gain(), 1),
+                      result.worth_using ? "worth using" : "NOT significant: do not use this map");
+  return text + gap_text(result);
 }
 
 nlohmann::json interval_mm(const RmsEstimate& estimate) {
@@ -120,6 +141,11 @@ nlohmann::json map_fit_json(const FitErrorMapReport& report,
                       {"noise_mm", result.noise_sigma / kMillimetre},
                       {"gain", result.gain()},
                       {"worth_using", result.worth_using},
+                      {"n_places", result.n_places},
+                      {"places", name_in(kPlaceSources, result.places)},
+                      {"place_noise_mm", result.place_sigma() / kMillimetre},
+                      {"reading_noise_mm", result.reading_sigma() / kMillimetre},
+                      {"gap_mm", result.gap / kMillimetre},
                       {"n_other_plans", report.n_other_plans},
                       {"n_unattended", report.n_unattended},
                       {"fit_seconds", report.fit_seconds}};
