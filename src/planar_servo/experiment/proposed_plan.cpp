@@ -6,10 +6,12 @@
 #include <cmath>
 #include <set>
 
+#include "planar_servo/calibration/vision_tip.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/experiment/experiment_plan.h"
 #include "planar_servo/field/next_places.h"
+#include "planar_servo/files/provenance.h"
 #include "planar_servo/files/vision_files.h"
 #include "planar_servo/offline/map/pose_samples.h"
 
