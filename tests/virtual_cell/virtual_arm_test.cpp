@@ -143,7 +143,7 @@ TEST_CASE("An arm whose axes lean by nothing stands to the bit where one without
   CHECK(VirtualArm(truth, hardware, clock).X_BT().matrix() == plain.matrix());
 }
 
-TEST_CASE("A place is missed by the arm whenever it rests there, and few places are") {
+TEST_CASE("An arm misses few places, each by as much whenever it comes to rest there") {
   Truth truth = ideal_truth();
   truth.outliers = OutlierTruth{0.02, 0.0002, 0.003};
   const VirtualHardware hardware = test::sample_hardware();
@@ -157,7 +157,8 @@ TEST_CASE("A place is missed by the arm whenever it rests there, and few places 
   };
   std::vector<double> lengths;
   std::int32_t a_missed_place = 0;
-  for (std::int32_t place = 0; place < kPlaces; ++place)
+  const std::int32_t far = 3000;  // pulses, more than a degree
+  for (std::int32_t place = 0; place < kPlaces * far; place += far)
     if (const double length = missed_by(place); length > 0.0) {
       lengths.push_back(length);
       a_missed_place = place;
@@ -168,7 +169,10 @@ TEST_CASE("A place is missed by the arm whenever it rests there, and few places 
   CHECK(*least > 0.0002 * 0.999);
   CHECK(*greatest < 0.003 * 1.001);
   CHECK(*greatest > 5.0 * *least);
+  CHECK(missed_by(a_missed_place + 2 * far) == 0.0);
   CHECK(missed_by(a_missed_place) == lengths.back());
+  // A correction leaves the arm as far off as it was.
+  CHECK(missed_by(a_missed_place + 100) == Approx(lengths.back()).epsilon(1e-9));
 }
 
 TEST_CASE("The tip's direction runs from lamp 1 to lamp 2") {

@@ -2,12 +2,16 @@
 
 #include <cmath>
 
+#include "planar_servo/core/units.h"
 #include "planar_servo/virtual_cell/random.h"
 #include "planar_servo/virtual_cell/stray.h"
 #include "planar_servo/virtual_cell/truth/drawing.h"
 
 namespace planar {
 namespace {
+
+// Corrections of the servo are shorter, ways between places longer.
+constexpr double kNear = 1.0 * kDegree;
 
 /// Returns the lean of an axis whose link before points in this direction.
 Eigen::Matrix3d turned_lean(double direction_rad, const Eigen::Vector2d& lean_rad) {
@@ -41,8 +45,12 @@ VirtualDrive& VirtualArm::drive(int joint) {
   return drives_.at(static_cast<std::size_t>(joint));
 }
 
+Eigen::Vector3d VirtualArm::joints_rad() {
+  return {drives_[0].output_rad(), drives_[1].output_rad(), drives_[2].output_rad()};
+}
+
 Eigen::Vector3d VirtualArm::directions_rad() {
-  Eigen::Vector3d theta(drives_[0].output_rad(), drives_[1].output_rad(), drives_[2].output_rad());
+  Eigen::Vector3d theta = joints_rad();
   if (relative_[0]) theta[1] += theta[0];
   if (relative_[1]) theta[2] += theta[1];
   return sense_ * theta;
@@ -60,8 +68,10 @@ double VirtualArm::sag_m(const Eigen::Vector2d& link1, const Eigen::Vector2d& li
          arm_.beam_sag->twisting_m_per_m2 * across * across;
 }
 
-Eigen::Vector2d VirtualArm::stray_m() const {
+Eigen::Vector2d VirtualArm::miss_m() {
   if (!outliers_) return Eigen::Vector2d::Zero();
+  const Eigen::Vector3d joints = joints_rad();
+  if (rested_rad_ && (joints - *rested_rad_).cwiseAbs().maxCoeff() < kNear) return missed_m_;
   std::uint64_t place = 0;
   for (const VirtualDrive& drive : drives_) {
     const auto pulses = drive.rest_pulses();
@@ -70,7 +80,9 @@ Eigen::Vector2d VirtualArm::stray_m() const {
   }
   Random random(seed_, RandomStream::kStray, place);
   const double length = stray_length(*outliers_, random);
-  return any_direction(random, length, length);
+  missed_m_ = any_direction(random, length, length);
+  rested_rad_ = joints;
+  return missed_m_;
 }
 
 Pose VirtualArm::X_BT() {
@@ -83,7 +95,7 @@ Pose VirtualArm::X_BT() {
   const Eigen::Matrix3d lean2 = lean1 * turned_lean(direction[0], leans[1]);
   const Eigen::Matrix3d lean3 = lean2 * turned_lean(direction[1], leans[2]);
   Pose X_BT = Pose::Identity();
-  X_BT.translation() = lean1 * in_space(link1) + lean2 * in_space(link2) + in_space(stray_m());
+  X_BT.translation() = lean1 * in_space(link1) + lean2 * in_space(link2) + in_space(miss_m());
   X_BT.translation().z() += tool_.lamp_height_m - sag_m(link1, link2);
   X_BT.linear().topLeftCorner<2, 2>() = rotation2d(direction[2]);
   X_BT.linear() = lean3 * X_BT.linear();

@@ -33,12 +33,15 @@ class VirtualArm {
   TipPose tip();
 
  private:
+  /// Returns the angles behind the reducers.
+  Eigen::Vector3d joints_rad();
   /// Returns the directions of link 1, link 2 and the tool from the base's x axis.
   Eigen::Vector3d directions_rad();
   /// Returns by how much the tool hangs lower when the links are these vectors of the plane.
   double sag_m(const Eigen::Vector2d& link1, const Eigen::Vector2d& link2) const;
-  /// Returns by how much the arm misses the place at which it rests.
-  Eigen::Vector2d stray_m() const;
+  /// Returns by how much the arm misses where it came to rest; it stays so while the arm stays
+  /// near.
+  Eigen::Vector2d miss_m();
 
   ArmTruth arm_;
   ToolTruth tool_;
@@ -47,6 +50,8 @@ class VirtualArm {
   double sense_{1.0};
   std::array<bool, 2> relative_{};
   std::vector<VirtualDrive> drives_;
+  std::optional<Eigen::Vector3d> rested_rad_;  ///< joints where `missed_m_` was drawn
+  Eigen::Vector2d missed_m_{0.0, 0.0};
 };
 
 }  // namespace planar

@@ -50,8 +50,9 @@ struct ArmTruth {
   std::optional<std::array<Eigen::Vector2d, 3>> axis_leans_rad;
 };
 
-/// What strays. A share of all places, told apart by the motors' pulses, is missed by the arm, and
-/// of the tracker's readings of the tool as many are off, by a length in the range.
+/// What is off. The arm misses a share of all places, told by the pulses at which it comes to rest,
+/// and stays so until it leaves them; of the tracker's readings of the tool the same share is off.
+/// Lengths lie in the range.
 struct OutlierTruth {
   double share{0.0};
   double from_m{0.0};
