@@ -17,7 +17,7 @@ const ProgramText kText{
     "planar-experiment",
     "Runs the paper's whole experiment on a cell, our chain and the paper's side by side.",
     "planar-experiment --cell cell.yaml --out DIR [--grid circles:COLSxROWS:PITCHmm] [--seed N]\n"
-    "                         [--seeds N | --predict]",
+    "                         [--lays L] [--seeds N | --predict]",
     R"(Table 7: mean true positioning error in mm, 25 targets on each circle of radius 200 mm
   circle about     before  paper's chain    ours  ours, improved by  paper: before  paper: after
   (-200, -200) mm   1.505          0.222  0.0181             98.8 %          1.504         0.185)"};
@@ -27,6 +27,7 @@ struct Options {
   std::string grid{"circles:11x11:50mm"};
   std::uint64_t seed{1};
   int seeds{0};
+  int lays{1};
   bool predict{false};
 };
 
@@ -40,6 +41,12 @@ void add_options(CLI::App& app, Options& options) {
       ->type_name("BOARD")
       ->capture_default_str();
   app.add_option("--seed", options.seed, "draws the training and test positions")
+      ->capture_default_str();
+  app.add_option("--lays", options.lays,
+                 "views of the board laid on the plane: the first in the middle, the others "
+                 "anywhere in view and turned")
+      ->check(CLI::Range(1, 100))
+      ->type_name("L")
       ->capture_default_str();
   auto* seeds =
       app.add_option("--seeds", options.seeds,
@@ -61,8 +68,9 @@ Outcome run_many(const ExperimentRequest& request, const Options& options) {
 }
 
 Outcome run(const Options& options) {
-  const ExperimentRequest request{read_cell(options.cell), parse_board(options.grid), options.seed,
-                                  options.out};
+  ExperimentRequest request{read_cell(options.cell), parse_board(options.grid), options.seed,
+                            options.out};
+  request.size.lays = options.lays;
   if (options.predict) {
     const PositioningPrediction prediction = predict_experiment(request);
     fmt::print("{}", prediction_text(prediction));

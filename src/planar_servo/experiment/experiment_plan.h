@@ -20,6 +20,7 @@ struct ExperimentSize {
   int check_points{24};    ///< on each circle of kCheckRadii_mm
   int run_points{25};      ///< on each circle of kRunRadii_mm, in each of the runs
   int control_points{25};  ///< on each of the four control circles
+  int lays{1};             ///< of the board on the plane
 };
 
 /// Radii of the circles of the paper's tables 2 and 5, which lie about the base's axis.
