@@ -12,6 +12,7 @@
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/offline/pairs/health_of_recording.h"
+#include "planar_servo/offline/pairs/lay_check.h"
 #include "planar_servo/offline/pairs/pair_files.h"
 #include "planar_servo/offline/pairs/pair_tracker.h"
 #include "planar_servo/offline/pairs/pair_tracker_report.h"
@@ -203,6 +204,9 @@ std::string write_lays(const Options& options, const PairTrackerRequest& request
                        const std::vector<LaidBoard>& boards, const WorkplaneFit& fit) {
   const std::vector<LayRow> lays =
       seen_lays(Workplane(request.camera, fit.X_WC), boards, request.dots_height);
+  for (const std::string& doubt :
+       doubts_of_lays(lays, fit.X_WC.translation().z() - request.dots_height))
+    spdlog::warn(doubt);
   write_lays_file(options.lays_out, request.cell, files_of(options), tables_of(options), lays);
   return fmt::format("lays       {} views of the board on the plane, {} dots\n", boards.size(),
                      lays.size());

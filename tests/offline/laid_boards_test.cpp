@@ -1,11 +1,14 @@
 #include "planar_servo/offline/pairs/laid_boards.h"
 
+#include <fmt/format.h>
+
 #include <catch2/catch.hpp>
 #include <cmath>
 
 #include "calibration/synthetic_cell.h"
 #include "planar_servo/calibration/board/dot_eccentricity.h"
 #include "planar_servo/core/error.h"
+#include "planar_servo/offline/pairs/lay_check.h"
 
 namespace planar {
 namespace {
@@ -71,6 +74,31 @@ TEST_CASE("A board of unknown pitch is seen in the same places and says that it 
     CHECK((50.0 * shapes[i].p_board - rows[i].p_board).norm() < kExactlySeen);
     CHECK_FALSE(shapes[i].pitch_known);
   }
+}
+
+TEST_CASE("Boards seen in another size than they have are doubted, all or the one that lies off") {
+  const test::SyntheticCell cell;
+  const Board board = parse_board("circles:5x4:50mm");
+  const double camera_height = cell.X_WC_ref.translation().z();
+  std::vector<LaidBoard> boards;
+  for (const double turn : {0.0, 1.0, 2.0}) {
+    boards.push_back(laid_at(cell, board_lying({0.1, -0.1 * turn}, turn, 0.0), board, board.pitch));
+    boards.back().lay = fmt::format("lay_{:.0f}", turn);
+  }
+  const auto doubts = [&](double stated_height) {
+    return doubts_of_lays(seen_lays(cell.workplane(), boards, stated_height),
+                          camera_height - stated_height);
+  };
+  CHECK(doubts(0.0).empty());
+  CHECK(doubts(0.0005).empty());
+  REQUIRE(doubts(0.0055).size() == 1);
+  CHECK_THAT(doubts(0.0055)[0], Catch::Contains("as if their dots lay 5.5 mm below the plane") &&
+                                    Catch::Contains("check --board-thickness-mm"));
+  boards[1] = laid_at(cell, board_lying({0.1, -0.1}, 1.0, 0.003), board, board.pitch);
+  REQUIRE(doubts(0.0).size() == 1);
+  CHECK_THAT(doubts(0.0)[0], Catch::Contains("'lay' is seen as if it lay 3.0 mm above the others"));
+  for (LaidBoard& laid : boards) laid.board.pitch_known = false;
+  CHECK(doubts(0.0055).empty());
 }
 
 TEST_CASE("A chessboard has no dots to be seen") {
