@@ -18,7 +18,7 @@ const ProgramText kText{
     "planar-experiment",
     "Runs the paper's whole experiment on a cell, our chain and the paper's side by side.",
     "planar-experiment --cell cell.yaml --out DIR [--grid circles:COLSxROWS:PITCHmm] [--seed N]\n"
-    "                         [--train N] [--unattended M] [--seeds N | --predict]",
+    "                         [--train N] [--unattended M] [--lays L] [--seeds N | --predict]",
     R"(Table 7: mean true positioning error in mm, 25 targets on each circle of radius 200 mm
   circle about     before  paper's chain    ours  ours, improved by  paper: before  paper: after
   (-200, -200) mm   1.505          0.222  0.0181             98.8 %          1.504         0.185)"};
@@ -27,7 +27,7 @@ struct Options {
   std::filesystem::path cell, out;
   std::string grid{"circles:11x11:50mm"};
   std::uint64_t seed{1};
-  int seeds{0}, train{0}, unattended{0};
+  int seeds{0}, train{0}, unattended{0}, lays{1};
   bool predict{false};
 };
 
@@ -51,6 +51,12 @@ void add_options(CLI::App& app, Options& options) {
                  "places that only the camera watches, which tell arm and camera apart")
       ->check(CLI::Range(0, 100000))
       ->type_name("M");
+  app.add_option("--lays", options.lays,
+                 "views of the board laid on the plane: the first in the middle, the others "
+                 "anywhere in view and turned")
+      ->check(CLI::Range(1, 100))
+      ->type_name("L")
+      ->capture_default_str();
   auto* seeds =
       app.add_option("--seeds", options.seeds,
                      "run on N virtual cells drawn from the seeds --seed, --seed + 1, ...")
@@ -74,6 +80,7 @@ ExperimentSize size_of(const Options& options) {
   ExperimentSize size;
   if (options.train > 0) size = with_readings(size, options.train);
   size.unattended_poses = options.unattended;
+  size.lays = options.lays;
   return size;
 }
 

@@ -1,15 +1,18 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <optional>
 #include <set>
 
 #include "planar_servo/core/error.h"
+#include "planar_servo/core/units.h"
 #include "planar_servo/files/tool_file.h"
 #include "planar_servo/files/vision_files.h"
 #include "planar_servo/files/workplane_file.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/offline/pairs/health_of_recording.h"
+#include "planar_servo/offline/pairs/lay_check.h"
 #include "planar_servo/offline/pairs/pair_files.h"
 #include "planar_servo/offline/pairs/pair_tracker.h"
 #include "planar_servo/offline/pairs/pair_tracker_report.h"
@@ -23,6 +26,7 @@ const ProgramText kText{
     "Pairs what the camera saw with what a laser tracker measured; finds workplane and tool.",
     "planar-pair-tracker --cell cell.yaml --lamps lamps.csv --recording RECORDING "
     "[--workplane-from pairs|grid] --workplane-out workplane.yaml --tool-out tool.yaml "
+    "[--grid BOARD] [--board-thickness-mm T] [--lays-out lays.csv] "
     "[--health-out health.yaml] -o pairs.csv",
     R"(datum      3 monuments, rms 0.005 mm
 workplane  6 degrees of freedom fitted to 51 places, rms 0.085 mm
@@ -30,12 +34,15 @@ tool       end point (0.058, 0.048) mm, reflector (11.811, -8.139) mm
 rejected   train_17: vision and tracker differ by 4.643 mm; the limit is 0.812 mm
 raw error  train: 39 pairs, mean 0.079 mm, rms 0.094 mm, max 0.231 mm)"};
 
+constexpr double kThickest_mm = 1000.0;
+
 struct Options {
   std::filesystem::path cell, lamps, recording, tracker, workplane_out, tool_out, health_out,
-      pairs_out;
+      lays_out, pairs_out;
   std::string workplane_from{"pairs"}, grid, pair_by{"id"}, columns;
   char separator{','};
   bool decimal_comma{false};
+  double board_thickness_mm{0.0};
 };
 
 void add_options(CLI::App& app, Options& options) {
@@ -50,8 +57,21 @@ void add_options(CLI::App& app, Options& options) {
                  "the source of the plane's height and tilt")
       ->check(CLI::IsMember(names_of(kWorkplaneSources)))
       ->capture_default_str();
-  app.add_option("--grid", options.grid, "board on the plane, circles:COLSxROWS:PITCHmm")
-      ->type_name("BOARD");
+  auto* grid =
+      app.add_option("--grid", options.grid,
+                     "board laid on the plane, circles:COLSxROWS:PITCHmm; ? for an unknown pitch "
+                     "when the pairs give the plane")
+          ->type_name("BOARD");
+  app.add_option("--board-thickness-mm", options.board_thickness_mm,
+                 "by how much the board's dots lie above the plane in which the lamps move; "
+                 "negative for dots below the lamps")
+      ->check(CLI::Range(-kThickest_mm, kThickest_mm))
+      ->type_name("T")
+      ->needs(grid);
+  app.add_option("--lays-out", options.lays_out,
+                 "lays.csv to write: every dot of the boards laid on the plane, where it is seen")
+      ->type_name("FILE")
+      ->needs(grid);
   app.add_option("--pair-by", options.pair_by, "how frames and readings are matched")
       ->check(CLI::IsMember({"id", "time"}))
       ->capture_default_str();
@@ -107,7 +127,8 @@ RecordedTables tables_of(const Options& options) {
 void require_outputs(const Options& options, const CellSettings& cell) {
   std::vector<std::filesystem::path> outputs{options.workplane_out, options.tool_out,
                                              options.pairs_out};
-  if (!options.health_out.empty()) outputs.push_back(options.health_out);
+  for (const auto& wished : {options.health_out, options.lays_out})
+    if (!wished.empty()) outputs.push_back(wished);
   if (std::set<std::filesystem::path>(outputs.begin(), outputs.end()).size() < outputs.size())
     throw InputError("two of the files to write have the same name; give each its own");
   const RecordedTables tables = tables_of(options);
@@ -123,9 +144,24 @@ WorkplaneSource source_of(const Options& options) {
   return value_named(kWorkplaneSources, options.workplane_from).value();
 }
 
+/// Returns the board that was laid on the plane, where one is needed.
+std::optional<Board> board_of(const Options& options) {
+  const bool gives_plane = source_of(options) == WorkplaneSource::kBoard;
+  if (!gives_plane && options.lays_out.empty()) return std::nullopt;
+  if (options.grid.empty())
+    throw InputError("--workplane-from grid needs --grid circles:COLSxROWS:PITCHmm");
+  const Board board =
+      parse_board(options.grid, gives_plane ? BoardUse::kLengths : BoardUse::kShape);
+  if (!options.lays_out.empty() && board.kind != Board::Kind::kCircles)
+    throw InputError("--lays-out needs a board of dots, not '" + options.grid +
+                     "'; lay one such as circles:11x11:50mm");
+  return board;
+}
+
 PairTrackerRequest read_request(const Options& options) {
   if (options.decimal_comma && options.separator == ',')
     throw InputError("--decimal-comma needs another --separator than ',', such as ';'");
+  const std::optional<Board> board = board_of(options);
   PairTrackerRequest request;
   request.cell = read_cell(options.cell);
   require_outputs(options, request.cell);
@@ -137,13 +173,10 @@ PairTrackerRequest read_request(const Options& options) {
       read_tracker(tables_of(options).tracker,
                    {options.separator, options.decimal_comma, renamed_columns(options.columns)});
   request.by = options.pair_by == "time" ? PairBy::kTime : PairBy::kId;
-  if (source_of(options) == WorkplaneSource::kBoard) {
-    if (options.grid.empty()) {
-      throw InputError("--workplane-from grid needs --grid circles:COLSxROWS:PITCHmm");
-    }
-    request.boards_on_plane = boards_on_plane(options.recording, request.frames, request.camera,
-                                              parse_board(options.grid));
-  }
+  request.dots_height = options.board_thickness_mm * kMillimetre;
+  if (source_of(options) == WorkplaneSource::kBoard)
+    request.boards_on_plane =
+        boards_on_plane(options.recording, request.frames, request.camera, *board);
   return request;
 }
 
@@ -166,13 +199,32 @@ void look_at_cell(const Options& options, const PairTrackerRequest& request,
                       health_of(request.cell, seen), kText.name);
 }
 
+/// Writes where the boards' dots are seen on the plane, and returns what is said of it.
+std::string write_lays(const Options& options, const PairTrackerRequest& request,
+                       const std::vector<LaidBoard>& boards, const WorkplaneFit& fit) {
+  const std::vector<LayRow> lays =
+      seen_lays(Workplane(request.camera, fit.X_WC), boards, request.dots_height);
+  for (const std::string& doubt :
+       doubts_of_lays(lays, fit.X_WC.translation().z() - request.dots_height))
+    spdlog::warn(doubt);
+  write_lays_file(options.lays_out, request.cell, files_of(options), tables_of(options), lays);
+  return fmt::format("lays       {} views of the board on the plane, {} dots\n", boards.size(),
+                     lays.size());
+}
+
 Outcome pair(const Options& options) {
   const PairTrackerRequest request = read_request(options);
+  std::vector<LaidBoard> boards = request.boards_on_plane;
+  if (boards.empty() && !options.lays_out.empty())
+    boards = boards_on_plane(options.recording, request.frames, request.camera,
+                             board_of(options).value());
   const PairTrackerReport report = pair_tracker(request);
   write_pair_files(files_of(options), request.cell, tables_of(options), report.workplane,
                    source_of(options), report.pairs, kText.name);
   look_at_cell(options, request, report);
   fmt::print("{}", pair_tracker_text(report));
+  if (!options.lays_out.empty())
+    fmt::print("{}", write_lays(options, request, boards, report.workplane));
   return {pair_tracker_json(report)};
 }
 

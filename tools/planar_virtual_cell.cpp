@@ -6,6 +6,7 @@
 #include <string>
 
 #include "planar_servo/core/error.h"
+#include "planar_servo/core/names.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/experiment/paper_cell.h"
 #include "planar_servo/io/atomic_file.h"
@@ -22,8 +23,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const CommandText kDraw{"draw", "planar-virtual-cell draw --seed N [--like paper|workshop] -o DIR",
+const CommandText kDraw{"draw",
+                        "planar-virtual-cell draw --seed N [--like paper|rough|workshop] -o DIR",
                         "drew cell 7: cells/7/cell.yaml and its truth, cells/7/truth.yaml"};
+
+using Draw = Truth (*)(std::uint32_t seed);
+constexpr Named<Draw> kKinds[] = {
+    {draw_truth, "paper"}, {draw_rough_truth, "rough"}, {draw_workshop_truth, "workshop"}};
+
 const CommandText kServe{
     "serve", "planar-virtual-cell serve --cell cell.yaml [--address ADDRESS]",
     "serving cell.yaml as a GigE Vision camera on 127.0.0.1 until interrupted"};
@@ -52,13 +59,15 @@ std::string reference_lamps_text() {
 }
 
 Outcome draw(const Options& options) {
-  const bool workshop = options.like == "workshop";
+  const Draw draw_truth_like = value_named(kKinds, options.like).value();
   const fs::path cell = options.folder / "cell.yaml", truth = options.folder / "truth.yaml";
   for (const fs::path& path : {cell, truth})
     if (fs::exists(path)) throw InputError(path.string() + ": exists already; name another folder");
   make_folder(options.folder);
-  write_file(cell, paper_cell_text() + (workshop ? reference_lamps_text() : std::string()));
-  Truth drawn = workshop ? draw_workshop_truth(options.seed) : draw_truth(options.seed);
+  write_file(cell,
+             paper_cell_text() +
+                 (draw_truth_like == draw_workshop_truth ? reference_lamps_text() : std::string()));
+  Truth drawn = draw_truth_like(options.seed);
   drawn.build = build_as_stated(virtual_hardware(read_cell(cell)));
   write_truth(truth, drawn);
   fmt::print("drew cell {}: {} and its truth, {}\n", options.seed, cell.string(), truth.string());
@@ -91,8 +100,12 @@ void add_options(CLI::App& app, Options& options) {
       ->capture_default_str();
   CLI::App* command = app.add_subcommand(kDraw.name, "Draws a new random cell with its truth.");
   command->add_option("--seed", options.seed, "the same seed draws the same cell")->required();
-  command->add_option("--like", options.like, "the kind of cell")
-      ->check(CLI::IsMember({"paper", "workshop"}));
+  command
+      ->add_option("--like", options.like,
+                   "the kind of cell: the paper's; one whose arm and readings have what the "
+                   "estimators' models lack; one that warms, with fixed lamps")
+      ->check(CLI::IsMember(names_of(kKinds)))
+      ->capture_default_str();
   command->add_option("-o,--out", options.folder, "folder for cell.yaml and truth.yaml")
       ->required()
       ->type_name("DIR");

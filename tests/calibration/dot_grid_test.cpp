@@ -139,6 +139,46 @@ TEST_CASE("A chessboard's inner corners are found, not mirrored") {
   CHECK(x.x() * y.y() - x.y() * y.x() == Approx(250.0 * 150.0).epsilon(0.01));
 }
 
+TEST_CASE("The stated deviation of a dot's centre is that of its scatter under noise") {
+  const Pose X_CG = test::board_before_camera(kSmallBoard, 0.35, 0.3, 1.0, 0.1);
+  cv::Mat still = test::picture_of_dots(test::small_camera(), kSmallBoard, kDotDiameter, X_CG);
+  cv::GaussianBlur(still, still, {}, 1.0);
+  constexpr int kPictures = 30;
+  constexpr double kNoise = 4.0;  // grey levels
+  cv::RNG random(1);
+  std::vector<BoardSight> sights;
+  for (int i = 0; i < kPictures; ++i) {
+    cv::Mat noise(still.size(), CV_16S), noisy;
+    random.fill(noise, cv::RNG::NORMAL, 0.0, kNoise);
+    cv::add(still, noise, noisy, cv::noArray(), CV_8U);
+    sights.push_back(find_board(noisy, kSmallBoard));
+    REQUIRE(sights.back().found());
+  }
+  double scatter = 0.0, stated = 0.0;
+  for (std::size_t dot = 0; dot < sights[0].pixels.size(); ++dot) {
+    Eigen::Vector2d middle(0.0, 0.0);
+    for (const BoardSight& sight : sights) middle += sight.pixels[dot] / kPictures;
+    for (const BoardSight& sight : sights) {
+      scatter += (sight.pixels[dot] - middle).squaredNorm() / (2.0 * (kPictures - 1.0));
+      stated += sight.dot_sigmas_px[dot] * sight.dot_sigmas_px[dot] / kPictures;
+    }
+  }
+  CHECK(std::sqrt(stated / scatter) > 0.8);
+  CHECK(std::sqrt(stated / scatter) < 1.25);
+}
+
+TEST_CASE("A board of unknown pitch has a shape, and no lengths are taken from it") {
+  const Board board = parse_board("circles:6x5:?", BoardUse::kShape);
+  CHECK(board.columns == 6);
+  CHECK_FALSE(board.pitch_known);
+  CHECK(board.pitch == 0.001);
+  CHECK(parse_board("circles:6x5:34.5mm", BoardUse::kShape).pitch_known);
+  CHECK_THROWS_WITH(parse_board("circles:6x5:?"),
+                    Catch::Contains("'circles:6x5:?' leaves the pitch open") &&
+                        Catch::Contains("measure it and state it"));
+  CHECK_THROWS_AS(parse_board("circles:6x5:?mm", BoardUse::kShape), InputError);
+}
+
 TEST_CASE("A board is described by kind, counts and pitch, and nothing else") {
   const Board board = parse_board("circles:6x5:34.5mm");
   CHECK(board.kind == Board::Kind::kCircles);

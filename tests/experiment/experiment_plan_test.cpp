@@ -7,6 +7,7 @@
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/offline/record/motion_plan.h"
 #include "support/sample_cells.h"
+#include "support/texts.h"
 
 namespace planar {
 namespace {
@@ -27,6 +28,19 @@ TEST_CASE("The experiment records what the paper did, and every position can be 
   CHECK(counts[Plan::kCheck] == 3 * 24 + 3 * 4 * 25);
   CHECK(counts[Plan::kLaidBoard] == 1);
   CHECK_NOTHROW(joints_of_plan(cell, plan));
+}
+
+TEST_CASE("Further lays of the board join the plan and move no other row") {
+  const CellSettings cell = read_cell(test::paper_cell_file());
+  ExperimentSize size;
+  size.lays = 4;
+  const std::string one = plan_text(experiment_plan(cell, 1).rows);
+  const std::string four = plan_text(experiment_plan(cell, 1, size).rows);
+  const std::string first = "plane_grid_00,plane_grid,,,,,,\n";
+  CHECK(four == test::replaced(one, first,
+                               first + "plane_grid_01,plane_grid,,,,,,\n"
+                                       "plane_grid_02,plane_grid,,,,,,\n"
+                                       "plane_grid_03,plane_grid,,,,,,\n"));
 }
 
 TEST_CASE("The same seed draws the same training positions, another seed others") {

@@ -17,6 +17,7 @@
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/files/tables/frame_table.h"
 #include "planar_servo/files/tables/lamp_table.h"
+#include "planar_servo/files/tables/lay_table.h"
 #include "planar_servo/files/tables/pair_table.h"
 #include "planar_servo/files/tables/plan_table.h"
 #include "planar_servo/files/tables/result_table.h"
@@ -63,6 +64,7 @@ const std::map<std::string, Reader>& readers() {
       {"map", {"map.yaml", [](const fs::path& path) { read_map(path); }}},
       {"frames", {"frames.csv", [](const fs::path& path) { read_frames(path.parent_path()); }}},
       {"lamps", {"lamps.csv", [](const fs::path& path) { read_lamps(path); }}},
+      {"lays", {"lays.csv", [](const fs::path& path) { read_lays(path); }}},
       {"pairs", {"pairs.csv", [](const fs::path& path) { read_pairs(path); }}},
       {"plan", {"plan.csv", [](const fs::path& path) { read_plan(path, 0.0); }}},
       {"results", {"results.csv", [](const fs::path& path) { read_results(path); }}},

@@ -68,6 +68,12 @@ PairTrackerRequest recorded(const SyntheticCell& cell) {
   return request;
 }
 
+LaidBoard laid(const Pose& X_CG) {
+  LaidBoard board;
+  board.X_CG = X_CG;
+  return board;
+}
+
 SyntheticCell noiseless() {
   SyntheticCell cell;
   cell.noise_px = cell.noise_tracker = 0.0;
@@ -161,10 +167,26 @@ TEST_CASE("A board on the plane gives its height and tilt") {
   PairTrackerRequest request = recorded(cell);
   Pose X_WG = Pose::Identity();
   X_WG.translation() = Eigen::Vector3d(0.0, 0.0, -3.0 * kMillimetre);
-  request.boards_on_plane = {cell.X_WC_ref.inverse() * X_WG};
+  request.boards_on_plane = {laid(cell.X_WC_ref.inverse() * X_WG)};
   const PairTrackerReport report = pair_tracker(request);
   CHECK(report.workplane.absorbed == 3);
   CHECK(raw_error(report.pairs, Plan::kTrain).rms > 0.3 * kMillimetre);
+}
+
+TEST_CASE("Boards whose dots lie off the lamps' plane give that plane when it is said how far") {
+  const SyntheticCell cell = noiseless();
+  PairTrackerRequest request = recorded(cell);
+  for (const double turn : {0.0, 1.0, 2.5}) {
+    Pose X_WG = Pose::Identity();
+    X_WG.linear() = rotation_from_vector({kPi, 0.0, 0.0}) * rotation_from_vector({0.0, 0.0, turn});
+    X_WG.translation() = Eigen::Vector3d(0.2 - 0.1 * turn, 0.1 * turn, -3.0 * kMillimetre);
+    request.boards_on_plane.push_back(laid(cell.X_WC_ref.inverse() * X_WG));
+  }
+  request.dots_height = -3.0 * kMillimetre;
+  const PairTrackerReport report = pair_tracker(request);
+  CHECK(report.workplane.absorbed == 3);
+  CHECK(report.workplane.X_WC.isApprox(cell.X_WC_ref, kExact));
+  CHECK(raw_error(report.pairs, Plan::kTrain).rms < kExact);
 }
 
 TEST_CASE("Lamps of another recording and readings without monuments are refused") {

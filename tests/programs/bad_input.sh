@@ -127,5 +127,18 @@ expect 2 "^planar-record: --cell is required; not understood: --cel" \
   "$bin/planar-record" --cel cell/cell.yaml --plan plan.csv --out made
 expect 2 "^planar-record: not understood: --cel cell.yaml;" "$bin/planar-record" \
   --cell cell/cell.yaml --plan plan.csv --out made --cel cell.yaml
+# Where lengths are taken from a board, its pitch must be known; lays are of dots.
+expect 2 "grid 'circles:6x6:\\?' leaves the pitch open, but lengths are taken from it here; measure it" \
+  "$bin/planar-calibrate-camera" --grid 'circles:6x6:?' -o made dark.pgm
+lays() {
+  "$bin/planar-pair-tracker" --cell cell/cell.yaml --lamps same.csv --recording cell \
+    --workplane-out made --tool-out made -o made "$@"
+}
+expect 2 "leaves the pitch open" lays --workplane-from grid --grid 'circles:6x6:?'
+expect 2 "--lays-out needs a board of dots, not 'chessboard:6x6:30mm'" \
+  lays --grid chessboard:6x6:30mm --lays-out made
+expect 2 "--lays-out requires --grid" lays --lays-out made
+expect 2 "--board-thickness-mm: .*2000" lays --grid circles:6x6:30mm --board-thickness-mm 2000
+
 expect 2 "'circles:6x6:30' is not circles:COLSxROWS:PITCHmm" \
   "$bin/planar-calibrate-camera" --grid circles:6x6:30 -o made dark.pgm

@@ -45,6 +45,7 @@ calibrate() {
     --json "$out/lamps.json"
   "$bin/planar-pair-tracker" -q --cell "$cell" --lamps "$out/lamps.csv" --recording "$recording" \
     --workplane-out "$out/workplane.yaml" --tool-out "$out/tool.yaml" \
+    --grid circles:11x11:50mm --board-thickness-mm -5.5 --lays-out "$out/lays.csv" \
     --health-out "$out/health.yaml" -o "$out/pairs.csv" \
     --json "$out/pairs.json"
   "$bin/planar-fit-error-map" -q -o "$out/map.yaml" "$out/pairs.csv" --json "$out/map.json"

@@ -113,6 +113,35 @@ TEST_CASE("A truth holds fixed lamps and warming only where it has them") {
         Approx(truth.camera.warming->time_constant_s).epsilon(kUnits));
 }
 
+TEST_CASE("A truth holds beam, leans and outliers only where it has them") {
+  const test::TemporaryFolder folder;
+  const std::string paper = truth_text(draw_truth(1));
+  for (const char* key : {"beam_sag", "axis_leans_deg", "outliers"})
+    CHECK(paper.find(key) == std::string::npos);
+  const Truth truth = draw_rough_truth(1);
+  write_truth(folder / "truth.yaml", truth);
+  const Truth read = read_truth(folder / "truth.yaml");
+  CHECK(read.arm.reducers[2].eccentricity[2].order == 3);
+  CHECK(read.arm.beam_sag->bending_m_per_m2 ==
+        Approx(truth.arm.beam_sag->bending_m_per_m2).epsilon(kUnits));
+  CHECK(read.arm.beam_sag->twisting_m_per_m2 ==
+        Approx(truth.arm.beam_sag->twisting_m_per_m2).epsilon(kUnits));
+  for (std::size_t i = 0; i < 3; ++i)
+    CHECK((*read.arm.axis_leans_rad)[i].isApprox((*truth.arm.axis_leans_rad)[i], kUnits));
+  CHECK(read.outliers->share == truth.outliers->share);
+  CHECK(read.outliers->to_m == Approx(truth.outliers->to_m).epsilon(kUnits));
+
+  const std::string good = truth_text(truth);
+  const auto refused = [&](const std::string& key, const std::string& wrong, const char* message) {
+    CHECK_THROWS_WITH(
+        read_truth(folder.write("bad.yaml", test::replaced(good, line_of(good, key), wrong))),
+        Catch::Contains(message));
+  };
+  refused("share:", "share: 1.5", "share");
+  refused("from_mm:", "from_mm: 4", "outliers.from_mm must not exceed outliers.to_mm");
+  refused("twisting_mm_per_m2:", "twist: 4", "unknown key 'arm.beam_sag.twist'");
+}
+
 TEST_CASE("A workshop is a cell of the paper's kind with lamps in view beyond the tool's reach") {
   const Truth truth = draw_workshop_truth(3), paper = draw_truth(3);
   CHECK(truth.camera.X_CB.isApprox(paper.camera.X_CB, 0.0));

@@ -21,7 +21,55 @@ Eigen::Vector2d reached(const Truth& truth, const Eigen::Vector2d& p) {
   return VirtualArm(truth, hardware, clock).tip().p;
 }
 
+/// The last numbers drawn of a cell's parts, which change when any draw before them does.
+struct LastDraws {
+  std::uint32_t seed;
+  double sag_mm, drift_px_per_h, reflector_mm, bias_wavelength_mm;
+};
+
 }  // namespace
+
+TEST_CASE("A seed draws the cell of the paper's kind that it has always drawn") {
+  const LastDraws kept[] = {
+      {1, 1.0779094226274157, 0.013699508157527586, 19.94837626348284, 688.4363289756174},
+      {7, 1.4566034465517144, 0.0013240315631040422, 20.136932740355174, 641.8540843589049},
+      {99, 1.9930855309829316, -0.02449904401288617, 19.90638873157617, 611.6281250167201}};
+  for (const LastDraws& draws : kept) {
+    const Truth truth = draw_truth(draws.seed);
+    constexpr double kLibrary = 1e-12;  // other libraries' sines and logarithms
+    CHECK(truth.arm.sag_m_per_m2 / kMillimetre == Approx(draws.sag_mm).epsilon(kLibrary));
+    CHECK(truth.camera.drift_px_per_h.x() == Approx(draws.drift_px_per_h).epsilon(kLibrary));
+    CHECK(truth.tool.reflector_m.z() / kMillimetre == Approx(draws.reflector_mm).epsilon(kLibrary));
+    CHECK(truth.tracker.bias_wavelength_m / kMillimetre ==
+          Approx(draws.bias_wavelength_mm).epsilon(kLibrary));
+    CHECK_FALSE(truth.arm.beam_sag.has_value());
+    CHECK_FALSE(truth.arm.axis_leans_rad.has_value());
+    CHECK_FALSE(truth.outliers.has_value());
+    CHECK(truth.arm.reducers[0].eccentricity.size() == 2);
+  }
+}
+
+TEST_CASE("A rough cell has the camera, lamps and tracker of the paper's kind and another arm") {
+  for (std::uint32_t seed = 1; seed <= 10; ++seed) {
+    const Truth rough = draw_rough_truth(seed), paper = draw_truth(seed);
+    CHECK(rough.camera.X_CB.isApprox(paper.camera.X_CB, 0.0));
+    CHECK(rough.lamps[1].peak_level == paper.lamps[1].peak_level);
+    CHECK(rough.tracker.bias_wavelength_m == paper.tracker.bias_wavelength_m);
+    CHECK(rough.arm.link_lengths_m == paper.arm.link_lengths_m);
+    CHECK(rough.arm.sag_m_per_m2 == 0.0);
+    for (const ReducerTruth& reducer : rough.arm.reducers) {
+      REQUIRE(reducer.eccentricity.size() == 3);
+      CHECK(reducer.eccentricity[2].order == 3);
+      CHECK(reducer.eccentricity[2].amplitude > 0.0019 * kDegree);
+      CHECK(reducer.eccentricity[2].amplitude < 0.0041 * kDegree);
+    }
+    for (const Eigen::Vector2d& lean : *rough.arm.axis_leans_rad) {
+      CHECK(lean.norm() > 0.0);
+      CHECK(lean.norm() < 0.051 * kDegree);
+    }
+    CHECK(rough.outliers->share == 0.02);
+  }
+}
 
 TEST_CASE("A drawn arm misses its targets by about 1 to 2 mm") {
   double mean_of_all = 0.0;

@@ -1,8 +1,10 @@
 #include "planar_servo/virtual_cell/motion/virtual_arm.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <stdexcept>
+#include <vector>
 
 #include "planar_servo/virtual_cell/virtual_clock.h"
 #include "virtual_cell/sample_cell.h"
@@ -88,6 +90,89 @@ TEST_CASE("The tool sags with the square of its reach") {
   VirtualArm arm(truth, hardware, clock);
   const Eigen::Vector3d p = arm.X_BT().translation();
   CHECK(p.z() == Approx(0.005 - 0.0015 * p.head<2>().squaredNorm()));
+}
+
+TEST_CASE("A beam sags with both links' reach, which no multiple of the squared reach does") {
+  Truth truth = ideal_truth();
+  truth.arm.beam_sag = BeamSagTruth{0.0015, 0.003};
+  VirtualHardware hardware = test::sample_hardware();
+  const auto sag_at_bend = [&](double bend) {
+    hardware.home_rad << 0.3, 0.3 + bend, 0.0;
+    VirtualClock clock;
+    return 0.005 - VirtualArm(truth, hardware, clock).X_BT().translation().z();
+  };
+  constexpr double kPulses = 1e-8;  // metres: the bend is of whole pulses
+  CHECK(std::abs(sag_at_bend(0.0) - 0.0015 * 0.09 * 7.0 / 3.0) < kPulses);
+  CHECK(std::abs(sag_at_bend(kPi / 2.0) - (0.0015 * 0.03 + 0.003 * 0.09)) < kPulses);
+  CHECK(std::abs(sag_at_bend(-kPi / 2.0) - sag_at_bend(kPi / 2.0)) < kPulses);
+  // At a bend of 90 degrees the squared reach is half of that of the straight arm.
+  CHECK(std::abs(sag_at_bend(kPi / 2.0) - 0.5 * sag_at_bend(0.0)) > 0.1e-3);
+}
+
+TEST_CASE("Leaning axes lift the tool and tilt it, each in the direction of its own link") {
+  constexpr double kLean = 0.001;  // rad
+  constexpr double kSecondOrder = kLean * kLean;
+  const VirtualHardware hardware = test::sample_hardware();
+  const Eigen::Vector3d& home = hardware.home_rad;
+  const auto leaning = [&](std::size_t joint) {
+    Truth truth = ideal_truth();
+    const Eigen::Vector2d none(0.0, 0.0);
+    truth.arm.axis_leans_rad = {none, none, none};
+    (*truth.arm.axis_leans_rad)[joint] = {kLean, 0.0};
+    VirtualClock clock;
+    return VirtualArm(truth, hardware, clock).X_BT();
+  };
+  const double z1 = 0.3 * (std::sin(home[0]) + std::sin(home[1])) * kLean;
+  CHECK(std::abs(leaning(0).translation().z() - 0.005 - z1) < kSecondOrder);
+  CHECK(std::abs(leaning(0).linear()(1, 2) + kLean) < kSecondOrder);
+  const double z2 = 0.3 * std::sin(home[1] - home[0]) * kLean;
+  CHECK(std::abs(leaning(1).translation().z() - 0.005 - z2) < kSecondOrder);
+  CHECK(std::abs(leaning(1).linear()(1, 2) + std::cos(home[0]) * kLean) < kSecondOrder);
+  CHECK(std::abs(leaning(2).translation().z() - 0.005) < kSecondOrder);
+  CHECK(std::abs(leaning(2).linear()(1, 2) + std::cos(home[1]) * kLean) < kSecondOrder);
+}
+
+TEST_CASE("An arm whose axes lean by nothing stands to the bit where one without leans stands") {
+  Truth truth = draw_truth(1);
+  const VirtualHardware hardware = test::sample_hardware();
+  VirtualClock clock;
+  const Pose plain = VirtualArm(truth, hardware, clock).X_BT();
+  const Eigen::Vector2d none(0.0, 0.0);
+  truth.arm.axis_leans_rad = {none, none, none};
+  truth.outliers = OutlierTruth{0.0, 0.001, 0.001};
+  CHECK(VirtualArm(truth, hardware, clock).X_BT().matrix() == plain.matrix());
+}
+
+TEST_CASE("An arm misses few places, each by as much whenever it comes to rest there") {
+  Truth truth = ideal_truth();
+  truth.outliers = OutlierTruth{0.02, 0.0002, 0.003};
+  const VirtualHardware hardware = test::sample_hardware();
+  VirtualClock clock;
+  VirtualArm arm(truth, hardware, clock), true_arm(ideal_truth(), hardware, clock);
+  constexpr int kPlaces = 5000;
+  const auto missed_by = [&](std::int32_t pulses) {
+    arm.drive(0).turn_shaft(pulses);
+    true_arm.drive(0).turn_shaft(pulses);
+    return (arm.tip().p - true_arm.tip().p).norm();
+  };
+  std::vector<double> lengths;
+  std::int32_t a_missed_place = 0;
+  const std::int32_t far = 3000;  // pulses, more than a degree
+  for (std::int32_t place = 0; place < kPlaces * far; place += far)
+    if (const double length = missed_by(place); length > 0.0) {
+      lengths.push_back(length);
+      a_missed_place = place;
+    }
+  const double expected = 0.02 * kPlaces;
+  CHECK(std::abs(static_cast<double>(lengths.size()) - expected) < 5.0 * std::sqrt(expected));
+  const auto [least, greatest] = std::minmax_element(lengths.begin(), lengths.end());
+  CHECK(*least > 0.0002 * 0.999);
+  CHECK(*greatest < 0.003 * 1.001);
+  CHECK(*greatest > 5.0 * *least);
+  CHECK(missed_by(a_missed_place + 2 * far) == 0.0);
+  CHECK(missed_by(a_missed_place) == lengths.back());
+  // A correction leaves the arm as far off as it was.
+  CHECK(missed_by(a_missed_place + 100) == Approx(lengths.back()).epsilon(1e-9));
 }
 
 TEST_CASE("The tip's direction runs from lamp 1 to lamp 2") {

@@ -13,6 +13,7 @@ namespace {
 
 const cv::Size kSensor(5120, 5120);
 constexpr int kViews = 15;
+constexpr int kLays = 20;
 
 }  // namespace
 
@@ -21,7 +22,7 @@ TEST_CASE("Every dot of every view lies wholly within the sensor") {
     const Truth truth = draw_truth(seed);
     const VirtualLens lens(truth.camera);
     VirtualBoard board(truth, lens, kSensor);
-    for (int view = 0; view < kViews + 3; ++view) {
+    for (int view = 0; view < kViews + kLays; ++view) {
       if (view < kViews)
         board.hold_board(view);
       else
@@ -72,6 +73,39 @@ TEST_CASE("Held boards are tilted and above the plane, laid boards lie on it") {
   board.lay_board(0);
   CHECK((*board.X_BG() * Eigen::Vector3d(0.25, 0.25, 0.0)).z() == 0.0);
   CHECK(board.X_BG()->linear()(2, 2) == 1.0);
+}
+
+TEST_CASE("The first board is laid where it has always been, the others anywhere at any turn") {
+  const Truth truth = draw_truth(7);
+  const VirtualLens lens(truth.camera);
+  VirtualBoard board(truth, lens, kSensor);
+  board.lay_board(0);
+  const Eigen::Vector3d first = board.X_BG()->translation();
+  CHECK(first.x() == Approx(0.0109113579).epsilon(1e-8));
+  CHECK(first.y() == Approx(0.0349536322).epsilon(1e-8));
+  std::set<int> sixths_of_turn, sides;
+  for (int view = 1; view < kLays; ++view) {
+    board.lay_board(view);
+    const Pose& X_BG = *board.X_BG();
+    CHECK(X_BG.linear()(2, 2) == Approx(1.0).epsilon(1e-12));
+    CHECK(X_BG.translation().z() == 0.0);
+    const double turn = std::atan2(X_BG.linear()(1, 0), X_BG.linear()(0, 0));
+    sixths_of_turn.insert(static_cast<int>(std::floor(turn / (kPi / 3.0))));
+    const Eigen::Vector2d from_middle = (X_BG.translation() - lens.p_BC()).head<2>();
+    if (from_middle.norm() > 0.1)
+      sides.insert((from_middle.x() > 0.0 ? 1 : 0) + (from_middle.y() > 0.0 ? 2 : 0));
+  }
+  CHECK(sixths_of_turn.size() == 6);
+  CHECK(sides.size() == 4);
+}
+
+TEST_CASE("A board too large to be seen whole is laid at the camera's foot") {
+  Truth truth = draw_truth(7);
+  truth.board.pitch_m = 0.2;
+  const VirtualLens lens(truth.camera);
+  VirtualBoard board(truth, lens, kSensor);
+  board.lay_board(1);
+  CHECK((board.X_BG()->translation() - lens.p_BC()).head<2>().norm() == 0.0);
 }
 
 TEST_CASE("Views repeat for a seed and differ from each other and between seeds") {

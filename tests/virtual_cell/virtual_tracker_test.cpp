@@ -76,6 +76,29 @@ TEST_CASE("The bias varies over the field and stays below the stated length") {
   CHECK(least < 0.7 * greatest);
 }
 
+TEST_CASE(
+    "Few readings of the tool are off, none of a monument, and the others stay as they were") {
+  Truth truth = draw_truth(4);
+  truth.outliers = OutlierTruth{0.02, 0.0002, 0.003};
+  TrackerBench bench(truth), plain(draw_truth(4));
+  const Eigen::Vector3d missed = bench.arm.X_BT().translation() - plain.arm.X_BT().translation();
+  REQUIRE(missed.norm() == 0.0);
+  int off = 0;
+  for (int i = 0; i < kReadings; ++i) {
+    const double length =
+        (bench.tracker.measure_tool()->p_L - plain.tracker.measure_tool()->p_L).norm();
+    if (length == 0.0) continue;
+    ++off;
+    CHECK(length > 0.0002 * 0.999);
+    CHECK(length < 0.003 * 1.001);
+  }
+  const double expected = 0.02 * kReadings;
+  CHECK(std::abs(off - expected) < 5.0 * std::sqrt(expected));
+  for (int i = 0; i < kReadings; ++i)
+    REQUIRE(bench.tracker.measure_monument("datum1")->p_L ==
+            plain.tracker.measure_monument("datum1")->p_L);
+}
+
 TEST_CASE("Readings carry the clock's time and unknown monuments are refused") {
   TrackerBench bench(draw_truth(1));
   bench.clock.sleep_for_s(2.5);

@@ -248,10 +248,10 @@ WorkplaneFit fit_workplane_to_pairs(const CameraModel& camera,
 }
 
 WorkplaneFit fit_workplane_to_board(const CameraModel& camera, const std::vector<Pose>& X_CG,
-                                    const std::vector<ToolSight>& sights) {
+                                    const std::vector<ToolSight>& sights, double points_height) {
   std::vector<CameraPlane> planes;
   planes.reserve(X_CG.size());
-  for (const Pose& pose : X_CG) planes.push_back(board_plane(pose));
+  for (const Pose& pose : X_CG) planes.push_back(board_plane(pose, points_height));
   const CameraPlane plane = mean_plane(planes);
   SightSet set(camera, sights);
   start_from_pairs(set, camera);  // throws for mirrored and collinear positions

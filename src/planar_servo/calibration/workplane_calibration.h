@@ -36,9 +36,11 @@ WorkplaneFit fit_workplane_to_pairs(const CameraModel& camera,
                                     const std::vector<ToolSight>& sights);
 
 /// Fits position and turn in the plane to the pairs, rigidly and without scale. Height and tilt of
-/// the plane come from a board laid on it (one or more X_CG); their covariance is that of the mean
-/// over the views, and zero for a single view. Throws like fit_workplane_to_pairs().
+/// the plane come from a board laid once or several times (X_CG), whose points lie `points_height`
+/// above the lamps' plane (metres, negative below); their covariance is that of the mean over the
+/// views, and zero for a single view. Throws like fit_workplane_to_pairs().
 WorkplaneFit fit_workplane_to_board(const CameraModel& camera, const std::vector<Pose>& X_CG,
-                                    const std::vector<ToolSight>& sights);
+                                    const std::vector<ToolSight>& sights,
+                                    double points_height = 0.0);
 
 }  // namespace planar

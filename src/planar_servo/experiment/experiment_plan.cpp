@@ -128,7 +128,7 @@ ExperimentPlan experiment_plan(const CellSettings& cell, std::uint64_t seed,
   std::mt19937_64 rng(seed);
   PlanBuilder plan(cell.tool_orientation);
   plan.add_board_views(Plan::kHeldBoard, size.board_views);
-  plan.add_board_views(Plan::kLaidBoard, 1);
+  plan.add_board_views(Plan::kLaidBoard, size.lays);
   plan.add_joint1_sweep(cell, size.sweep_points);
   plan.add_joint3_sweep(size.sweep_points);
   plan.add_disc(Plan::kTrain, size.training_points, cell.workspace, rng);

@@ -21,6 +21,7 @@ struct ExperimentSize {
   int run_points{25};       ///< on each circle of kRunRadii_mm, in each of the runs
   int control_points{25};   ///< on each of the four control circles
   int unattended_poses{0};  ///< places over the workspace, with the tool turned anyhow
+  int lays{1};              ///< of the board on the plane
 };
 
 /// Fewer readings than these determine neither plane nor tool.

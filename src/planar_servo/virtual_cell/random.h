@@ -6,7 +6,16 @@
 namespace planar {
 
 /// The use of a random generator. The streams of one seed are independent.
-enum class RandomStream : std::uint64_t { kDraw, kNoiseBank, kFrame, kBoard, kTracker, kWorkshop };
+enum class RandomStream : std::uint64_t {
+  kDraw,
+  kNoiseBank,
+  kFrame,
+  kBoard,
+  kTracker,
+  kWorkshop,
+  kRough,
+  kStray
+};
 
 /// The generator xoshiro256++ [Blackman & Vigna 2019], seeded through splitmix64 from (seed,
 /// stream, index). Frame or reading number `index` thus has the same noise whatever came before it.

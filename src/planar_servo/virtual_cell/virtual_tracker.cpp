@@ -6,6 +6,7 @@
 
 #include "planar_servo/core/units.h"
 #include "planar_servo/virtual_cell/random.h"
+#include "planar_servo/virtual_cell/stray.h"
 
 namespace planar {
 namespace {
@@ -18,19 +19,26 @@ Eigen::Vector3d bias(const Eigen::Vector3d& p_B, double length, double wavelengt
                          std::sin(angles.x() - angles.y()));
 }
 
+Eigen::Vector3d off_by(double length, Random& random) {
+  Eigen::Vector3d direction;
+  for (double& coordinate : direction) coordinate = random.normal();
+  return length * direction.normalized();
+}
+
 }  // namespace
 
 VirtualTracker::VirtualTracker(const Truth& truth, const VirtualHardware& stated, VirtualArm& arm,
                                const Clock& clock)
     : truth_(truth.tracker),
       reflector_T_(truth.tool.reflector_m),
+      outliers_(truth.outliers),
       seed_(truth.seed),
       monuments_B_(as_built(stated, truth.build).monuments_B),
       arm_(arm),
       clock_(clock) {}
 
 std::optional<TrackerReading> VirtualTracker::measure_tool() {
-  return measure(arm_.X_BT() * reflector_T_);
+  return measure(arm_.X_BT() * reflector_T_, outliers_);
 }
 
 std::optional<TrackerReading> VirtualTracker::measure_monument(const std::string& id) {
@@ -38,13 +46,15 @@ std::optional<TrackerReading> VirtualTracker::measure_monument(const std::string
                                      [&](const auto& entry) { return entry.first == id; });
   if (monument == monuments_B_.end())
     throw std::invalid_argument("the virtual cell has no monument '" + id + "'");
-  return measure(monument->second);
+  return measure(monument->second, std::nullopt);
 }
 
-TrackerReading VirtualTracker::measure(const Eigen::Vector3d& p_B) {
+TrackerReading VirtualTracker::measure(const Eigen::Vector3d& p_B,
+                                       const std::optional<OutlierTruth>& outliers) {
   Random random(seed_, RandomStream::kTracker, readings_++);
   Eigen::Vector3d p_L = truth_.X_LB * (p_B + bias(p_B, truth_.bias_m, truth_.bias_wavelength_m));
   for (double& coordinate : p_L) coordinate += truth_.sigma_m * random.normal();
+  if (outliers) p_L += off_by(stray_length(*outliers, random), random);
   return {clock_.now_s(), p_L};
 }
 

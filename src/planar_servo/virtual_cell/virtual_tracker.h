@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "planar_servo/core/clock.h"
@@ -10,7 +11,8 @@
 
 namespace planar {
 
-/// Simulates a tracker with a frame of its own, white noise and a small smooth bias.
+/// Simulates a tracker with a frame of its own, white noise and a small smooth bias. Readings of
+/// the tool may be outliers; those of monuments are not.
 class VirtualTracker final : public Tracker {
  public:
   VirtualTracker(const Truth& truth, const VirtualHardware& stated, VirtualArm& arm,
@@ -21,10 +23,11 @@ class VirtualTracker final : public Tracker {
   std::optional<TrackerReading> measure_monument(const std::string& id) override;
 
  private:
-  TrackerReading measure(const Eigen::Vector3d& p_B);
+  TrackerReading measure(const Eigen::Vector3d& p_B, const std::optional<OutlierTruth>& outliers);
 
   TrackerTruth truth_;
   Eigen::Vector3d reflector_T_;
+  std::optional<OutlierTruth> outliers_;
   std::uint64_t seed_;
   VirtualMonuments monuments_B_;
   VirtualArm& arm_;

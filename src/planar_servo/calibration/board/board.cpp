@@ -25,7 +25,7 @@ BoardSight find_chessboard(const cv::Mat& image, const Board& board) {
   cv::resize(image, small, {}, scale, scale, cv::INTER_AREA);
   std::vector<cv::Point2f> corners;
   if (!cv::findChessboardCorners(small, pattern, corners)) {
-    return {{}, {}, "no chessboard of that size found"};
+    return {{}, {}, {}, "no chessboard of that size found"};
   }
   for (cv::Point2f& corner : corners) {
     corner = (corner + cv::Point2f(0.5F, 0.5F)) / scale - cv::Point2f(0.5F, 0.5F);
@@ -53,8 +53,8 @@ void make_right_handed(const Board& board, std::vector<Eigen::Vector2d>& pixels)
 
 }  // namespace
 
-Board parse_board(const std::string& text) {
-  static const std::regex form(R"((circles|chessboard):(\d{1,3})x(\d{1,3}):(\d+(\.\d+)?)mm)");
+Board parse_board(const std::string& text, BoardUse use) {
+  static const std::regex form(R"((circles|chessboard):(\d{1,3})x(\d{1,3}):(\?|(\d+(\.\d+)?)mm))");
   std::smatch match;
   if (!std::regex_match(text, match, form)) {
     throw InputError("grid '" + text +
@@ -65,7 +65,12 @@ Board parse_board(const std::string& text) {
   board.kind = match[1] == "circles" ? Board::Kind::kCircles : Board::Kind::kChessboard;
   board.columns = std::stoi(match[2]);
   board.rows = std::stoi(match[3]);
-  board.pitch = std::stod(match[4]) * kMillimetre;
+  board.pitch_known = match[4] != "?";
+  if (!board.pitch_known && use == BoardUse::kLengths)
+    throw InputError("grid '" + text +
+                     "' leaves the pitch open, but lengths are taken from it here; measure it and "
+                     "state it, such as circles:11x11:50mm");
+  board.pitch = (board.pitch_known ? std::stod(match[5]) : 1.0) * kMillimetre;
   if (board.columns < 3 || board.rows < 3 || board.pitch <= 0.0) {
     throw InputError("grid '" + text +
                      "': at least 3 x 3 points and a pitch above 0 mm are needed");

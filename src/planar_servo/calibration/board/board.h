@@ -15,11 +15,17 @@ struct Board {
   int columns{0};  ///< of dots, or of the chessboard's inner corners
   int rows{0};
   double pitch{0.0};  ///< metres
+  bool pitch_known{true};
 };
 
-/// Reads `circles:COLSxROWS:PITCHmm` or `chessboard:COLSxROWS:PITCHmm`. Throws InputError unless
-/// both counts are at least 3 and the pitch is positive.
-Board parse_board(const std::string& text);
+/// Says whether lengths are taken from a board's pitch. Where only its shape counts, the pitch may
+/// be unknown.
+enum class BoardUse { kLengths, kShape };
+
+/// Reads `circles:COLSxROWS:PITCHmm` or `chessboard:COLSxROWS:PITCHmm`, with `?` for a pitch that
+/// is not known; the board then has one of 1 mm. Throws InputError unless both counts are at least
+/// 3 and the pitch is positive, and for an unknown one of which lengths are taken.
+Board parse_board(const std::string& text, BoardUse use = BoardUse::kLengths);
 
 /// Returns the board's points in G (metres), row by row, as find_board() orders them.
 std::vector<Eigen::Vector2d> board_points(const Board& board);
@@ -29,6 +35,7 @@ std::vector<Eigen::Vector2d> board_points(const Board& board);
 struct BoardSight {
   std::vector<Eigen::Vector2d> pixels;  ///< centres of dots or corners
   std::vector<double> dot_areas_px2;    ///< of each dot's ellipse; empty for a chessboard
+  std::vector<double> dot_sigmas_px;    ///< of each dot's centre; empty for a chessboard
   std::string reason;                   ///< why the board was not found
 
   bool found() const { return !pixels.empty(); }

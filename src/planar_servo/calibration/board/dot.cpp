@@ -23,6 +23,7 @@ constexpr double kRayEnd = 1.4;
 constexpr double kRayStep_px = 0.5;
 constexpr int kFewestSamples = 8;
 constexpr double kSmallestContrast = 8.0;
+constexpr double kIndependentShare = 2.0 / 3.0;  // of the rays
 
 /// Returns the ellipse with the outline's area moments. Empty for slivers and ragged outlines.
 std::optional<Dot> dot_from_outline(const std::vector<cv::Point>& outline) {
@@ -119,15 +120,23 @@ std::optional<Dot> ellipse_through(const std::vector<cv::Point2f>& points,
   return dot;
 }
 
-/// Returns the points within three robust deviations of the ellipse's outline.
-std::vector<cv::Point2f> without_outliers(const std::vector<cv::Point2f>& points,
-                                          const Eigen::Vector2d& origin, const Dot& dot) {
+/// Returns how far each point lies beyond the ellipse's outline, as a part of the radius.
+std::vector<double> offsets_from(const Dot& dot, const std::vector<cv::Point2f>& points,
+                                 const Eigen::Vector2d& origin) {
   const Eigen::Matrix2d to_circle = dot.shape.inverse();
   std::vector<double> offsets;
+  offsets.reserve(points.size());
   for (const cv::Point2f& point : points) {
     const Eigen::Vector2d p = origin + Eigen::Vector2d(point.x, point.y);
     offsets.push_back((to_circle * (p - dot.center)).norm() - 1.0);
   }
+  return offsets;
+}
+
+/// Returns the points within three robust deviations of the ellipse's outline.
+std::vector<cv::Point2f> without_outliers(const std::vector<cv::Point2f>& points,
+                                          const Eigen::Vector2d& origin, const Dot& dot) {
+  const std::vector<double> offsets = offsets_from(dot, points, origin);
   const double limit = 3.0 * robust_sigma(offsets);
   const double middle = median(offsets);
   std::vector<cv::Point2f> kept;
@@ -135,6 +144,15 @@ std::vector<cv::Point2f> without_outliers(const std::vector<cv::Point2f>& points
     if (std::abs(offsets[i] - middle) <= limit) kept.push_back(points[i]);
   }
   return kept;
+}
+
+/// Returns the deviation of the centre of a circle through n points with these offsets: that of
+/// one of them times sqrt(2 / n), where rays beside each other, which read the same pixels, count
+/// for less.
+double center_sigma(const Dot& dot, const std::vector<double>& offsets) {
+  const double radius = std::sqrt(dot.area() / kPi);
+  const double n = kIndependentShare * static_cast<double>(offsets.size());
+  return radius * rms(offsets) * std::sqrt(2.0 / n);
 }
 
 }  // namespace
@@ -170,7 +188,10 @@ std::optional<Dot> measure_dot(const cv::Mat& image, const Dot& rough) {
   if (static_cast<int>(points.size()) < 3 * rays / 4) return std::nullopt;
   const auto first = ellipse_through(points, rough.center);
   if (!first) return std::nullopt;
-  return ellipse_through(without_outliers(points, rough.center, *first), rough.center);
+  const auto kept = without_outliers(points, rough.center, *first);
+  auto dot = ellipse_through(kept, rough.center);
+  if (dot) dot->sigma = center_sigma(*dot, offsets_from(*dot, kept, rough.center));
+  return dot;
 }
 
 }  // namespace planar

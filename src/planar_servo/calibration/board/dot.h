@@ -12,6 +12,8 @@ namespace planar {
 struct Dot {
   Eigen::Vector2d center{0.0, 0.0};
   Eigen::Matrix2d shape = Eigen::Matrix2d::Zero();
+  /// Standard deviation of the measured centre per axis, from the scatter of the outline.
+  double sigma{0.0};
 
   double area() const;
 };

@@ -69,9 +69,10 @@ BoardSight find_dot_grid(const cv::Mat& image, int columns, int rows) {
   }
   for (const Dot& dot : rough.dots) {
     const auto measured = measure_dot(image, dot);
-    if (!measured) return {{}, {}, "one of the " + wanted + " has no clear outline"};
+    if (!measured) return {{}, {}, {}, "one of the " + wanted + " has no clear outline"};
     sight.pixels.push_back(measured->center);
     sight.dot_areas_px2.push_back(measured->area());
+    sight.dot_sigmas_px.push_back(measured->sigma);
   }
   return sight;
 }

@@ -24,13 +24,14 @@ Pose pose_from_homography(const Eigen::Matrix3d& H_CW) {
   return X_CW.inverse();
 }
 
-CameraPlane board_plane(const Pose& X_CG) {
+CameraPlane board_plane(const Pose& X_CG, double points_height) {
   const Eigen::Vector3d normal = X_CG.linear().col(2);
   const double distance = -normal.dot(X_CG.translation());
   if (!X_CG.matrix().allFinite() || distance == 0.0) {
     throw InputError("workplane: a board on the plane has no usable pose");
   }
-  return distance > 0.0 ? CameraPlane{normal, distance} : CameraPlane{-normal, -distance};
+  return distance > 0.0 ? CameraPlane{normal, distance + points_height}
+                        : CameraPlane{-normal, -distance + points_height};
 }
 
 CameraPlane mean_plane(const std::vector<CameraPlane>& planes) {

@@ -20,9 +20,9 @@ struct CameraPlane {
   double distance{0.0};
 };
 
-/// Returns the plane z_G = 0 of a board seen at X_CG. Throws InputError when the pose is not finite
-/// or the camera lies in the plane.
-CameraPlane board_plane(const Pose& X_CG);
+/// Returns the plane above which a board seen at X_CG has its points, by `points_height` (metres,
+/// negative below). Throws InputError when the pose is not finite or the camera lies in the board.
+CameraPlane board_plane(const Pose& X_CG, double points_height);
 
 /// Returns the mean of planes that are nearly the same; throws InputError when there are none.
 CameraPlane mean_plane(const std::vector<CameraPlane>& planes);

@@ -41,6 +41,15 @@ void write_pair_files(const PairFiles& files, const CellSettings& cell,
   write_file(files.pairs, with_row_hash(pairs_text(pairs, csv_remarks(origins))));
 }
 
+void write_lays_file(const std::filesystem::path& path, const CellSettings& cell,
+                     const PairFiles& files, const RecordedTables& tables,
+                     const std::vector<LayRow>& lays) {
+  const std::vector<Origin> origins = origins_in(cell, {{Role::kCamera, cell.camera_model},
+                                                        {Role::kFrames, tables.frames},
+                                                        {Role::kWorkplane, files.workplane}});
+  write_file(path, with_row_hash(lays_text(lays, csv_remarks(origins))));
+}
+
 void write_health_file(const std::filesystem::path& path, const CellSettings& cell,
                        const PairFiles& files, const HealthRecord& record,
                        const std::string& program) {

@@ -7,6 +7,7 @@
 #include "planar_servo/calibration/workplane_calibration.h"
 #include "planar_servo/cell/cell_settings.h"
 #include "planar_servo/files/provenance.h"
+#include "planar_servo/files/tables/lay_table.h"
 #include "planar_servo/files/tables/pair_table.h"
 #include "planar_servo/files/workplane_file.h"
 #include "planar_servo/health/health_record.h"
@@ -38,6 +39,12 @@ std::vector<StaleFile> stale_tables(const CellSettings& cell, const RecordedTabl
 void write_pair_files(const PairFiles& files, const CellSettings& cell,
                       const RecordedTables& tables, const WorkplaneFit& fit, WorkplaneSource source,
                       const std::vector<PairRow>& pairs, const std::string& program);
+
+/// Writes lays.csv, which is made with the camera from the recording's frames and the workplane of
+/// `files`.
+void write_lays_file(const std::filesystem::path& path, const CellSettings& cell,
+                     const PairFiles& files, const RecordedTables& tables,
+                     const std::vector<LayRow>& lays);
 
 /// Writes health.yaml, which belongs to the camera and to the workplane and tool of `files`.
 void write_health_file(const std::filesystem::path& path, const CellSettings& cell,

@@ -7,13 +7,11 @@
 #include <map>
 #include <set>
 
-#include "planar_servo/calibration/board/board_pose.h"
 #include "planar_servo/calibration/readings/reading_order.h"
 #include "planar_servo/calibration/vision_tip.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/lens/workplane.h"
-#include "planar_servo/offline/camera/board_images.h"
 #include "planar_servo/offline/pairs/recording_check.h"
 
 namespace planar {
@@ -147,7 +145,8 @@ WorkplaneFit fit_workplane(const PairTrackerRequest& request,
                [](const ToolSight& sight) { return serves_fit(sight.plan); });
   return request.boards_on_plane.empty()
              ? fit_workplane_to_pairs(request.camera, fitted)
-             : fit_workplane_to_board(request.camera, request.boards_on_plane, fitted);
+             : fit_workplane_to_board(request.camera, poses_of(request.boards_on_plane), fitted,
+                                      request.dots_height);
 }
 
 /// Moves the lamps' places from the centres of their images to the images of their centres. Returns
@@ -248,35 +247,6 @@ PairTrackerReport pair_tracker(const PairTrackerRequest& request) {
   add_doubt(doubt_of_change(report.pairs), report);
   log(report);
   return report;
-}
-
-std::vector<Pose> boards_on_plane(const std::filesystem::path& recording,
-                                  const std::vector<FrameRow>& frames, const CameraModel& camera,
-                                  const Board& board) {
-  Faults faults;
-  std::vector<Pose> poses;
-  for (const FrameRow& frame : frames) {
-    if (frame.plan != Plan::kLaidBoard) continue;
-    const std::filesystem::path file = recording / frame.image;
-    const cv::Mat image = read_grey(file, faults);
-    if (image.empty()) continue;
-    const BoardSight sight = find_board_on_sensor(image, frame.region_px.tl(), board);
-    const auto pose = sight.found() ? estimate_board_pose(camera, board_points(board), sight.pixels)
-                                    : std::nullopt;
-    if (pose) {
-      poses.push_back(pose->X_CG);
-    } else {
-      faults.add(file.string() +
-                 ": no board on the plane: " + (sight.found() ? "no pose" : sight.reason));
-    }
-  }
-  faults.throw_if_any();
-  if (poses.empty()) {
-    throw InputError(recording.string() +
-                     ": has no frame of plan 'plane_grid'; record one with the board on the plane, "
-                     "or take --workplane-from pairs");
-  }
-  return poses;
 }
 
 Summary raw_error(const std::vector<PairRow>& pairs, std::optional<Plan> plan) {

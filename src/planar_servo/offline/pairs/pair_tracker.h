@@ -3,7 +3,6 @@
 #include <filesystem>
 #include <vector>
 
-#include "planar_servo/calibration/board/board.h"
 #include "planar_servo/calibration/pairing.h"
 #include "planar_servo/calibration/tracker_registration.h"
 #include "planar_servo/calibration/workplane_calibration.h"
@@ -13,6 +12,7 @@
 #include "planar_servo/files/tables/lamp_table.h"
 #include "planar_servo/files/tables/pair_table.h"
 #include "planar_servo/files/tables/tracker_table.h"
+#include "planar_servo/offline/pairs/laid_boards.h"
 
 namespace planar {
 
@@ -24,9 +24,9 @@ struct PairTrackerRequest {
   std::vector<FrameRow> frames;     ///< frames of the recording in which the lamps were located
   std::vector<TrackerRow> tracker;  ///< readings of the tool and of the cell's monuments
   PairBy by{PairBy::kId};
-  /// X_CG of boards laid on the plane, which give its height and tilt. Without boards the pairs
-  /// give them.
-  std::vector<Pose> boards_on_plane;
+  /// Boards laid on the plane, which give its height and tilt. Without boards the pairs give them.
+  std::vector<LaidBoard> boards_on_plane;
+  double dots_height{0.0};  ///< of the boards' dots above the lamps' plane, metres
 };
 
 /// Holds the pairs and what was fitted to make them.
@@ -49,13 +49,6 @@ struct PairTrackerReport {
 /// they were not read before. Throws what these steps throw, InputError naming lamps of images that
 /// the recording lacks, and InputError where readings contradict the cell (recording_check.h).
 PairTrackerReport pair_tracker(const PairTrackerRequest& request);
-
-/// Returns the poses X_CG of the board in the recording's frames of plan plane_grid. Throws
-/// InputError when there is no such frame, and naming each image that cannot be read or in which
-/// the board is not found.
-std::vector<Pose> boards_on_plane(const std::filesystem::path& recording,
-                                  const std::vector<FrameRow>& frames, const CameraModel& camera,
-                                  const Board& board);
 
 /// Returns the figures of |vision - tracker| over the attended pairs of one plan, metres. With an
 /// empty plan all of them count.

@@ -21,6 +21,7 @@ constexpr double kLowestM = 0.05, kHighestM = 0.35;
 constexpr double kGreatestTilt = 30.0 * kDegree;
 constexpr double kGreatestTurn = 15.0 * kDegree;
 constexpr double kFarthestM = 0.6;  // beyond the edge of the field
+constexpr int kAttempts = 10000;    // to lay a board; about one in ten succeeds
 constexpr std::array<std::array<int, 2>, 9> kPlaces{
     {{0, 0}, {-1, -1}, {1, 1}, {1, -1}, {-1, 1}, {-1, 0}, {1, 0}, {0, -1}, {0, 1}}};
 
@@ -95,13 +96,25 @@ void VirtualBoard::lay_board(int view) {
   require_view(view);
   // The complement of the view's number keeps these draws apart from those of hold_board().
   Random random(seed_, RandomStream::kBoard, ~static_cast<std::uint64_t>(view));
+  X_BG_ = view == 0 ? lain(random, 0.04, 10.0) : lain_anywhere(random);
+}
+
+Pose VirtualBoard::lain(Random& random, double farthest_m, double greatest_turn_deg) const {
   Pose X_BG = Pose::Identity();
   X_BG.translation() << lens_.p_BC().head<2>(), 0.0;
-  X_BG.translation().x() += random.uniform(-0.04, 0.04);
-  X_BG.translation().y() += random.uniform(-0.04, 0.04);
-  X_BG.linear() =
-      rotation_from_vector(random.uniform(-10.0, 10.0) * kDegree * Eigen::Vector3d::UnitZ());
-  X_BG_ = X_BG;
+  X_BG.translation().x() += random.uniform(-farthest_m, farthest_m);
+  X_BG.translation().y() += random.uniform(-farthest_m, farthest_m);
+  X_BG.linear() = rotation_from_vector(random.uniform(-greatest_turn_deg, greatest_turn_deg) *
+                                       kDegree * Eigen::Vector3d::UnitZ());
+  return X_BG;
+}
+
+Pose VirtualBoard::lain_anywhere(Random& random) const {
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    const Pose X_BG = lain(random, kFarthestM, 180.0);
+    if (every_dot_in_view(X_BG)) return X_BG;
+  }
+  return lain(random, 0.0, 180.0);
 }
 
 bool VirtualBoard::every_dot_in_view(const Pose& X_BG) const {

@@ -8,6 +8,7 @@
 #include "planar_servo/devices/board_presenter.h"
 #include "planar_servo/virtual_cell/image/virtual_lamps.h"
 #include "planar_servo/virtual_cell/image/virtual_lens.h"
+#include "planar_servo/virtual_cell/random.h"
 #include "planar_servo/virtual_cell/truth/truth.h"
 
 namespace planar {
@@ -22,8 +23,9 @@ class VirtualBoard final : public BoardPresenter {
   /// far out as every dot stays in view. It is 50 to 350 mm above the plane, tilted by up to 30
   /// degrees, with no corner below the plane.
   void hold_board(int view) override;
-  /// Lays the board on z_B = 0, within 40 mm of the camera's foot along each axis, turned by up to
-  /// 10 degrees.
+  /// Lays the board on z_B = 0. View 0 is within 40 mm of the camera's foot along each axis, turned
+  /// by up to 10 degrees. The others are at any place and turn where every dot is in view, unless
+  /// the board is too large for that; then they are at the camera's foot.
   void lay_board(int view) override;
   void remove_board() override { X_BG_.reset(); }
 
@@ -36,6 +38,9 @@ class VirtualBoard final : public BoardPresenter {
   std::vector<std::vector<Eigen::Vector2d>> dot_outlines_px(double t_s) const;
 
  private:
+  /// Returns a place on z_B = 0, this far from the camera's foot along each axis, and turn.
+  Pose lain(Random& random, double farthest_m, double greatest_turn_deg) const;
+  Pose lain_anywhere(Random& random) const;
   bool every_dot_in_view(const Pose& X_BG) const;
   std::vector<Eigen::Vector2d> project(const std::vector<Eigen::Vector2d>& outline_G,
                                        double t_s) const;

@@ -2,6 +2,8 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "planar_servo/core/clock.h"
@@ -22,7 +24,8 @@ class VirtualArm {
   /// Returns the drive of joint 0, 1 or 2; throws std::out_of_range for others.
   VirtualDrive& drive(int joint);
 
-  /// Returns the tool's true pose in the base frame: origin at P in the lamps' plane, with sag.
+  /// Returns the tool's true pose in the base frame: origin at P in the lamps' plane, with sag and
+  /// leaning axes.
   Pose X_BT();
 
   /// Returns P and the direction from lamp 1 to lamp 2, which defines the tool's frame for the
@@ -30,14 +33,25 @@ class VirtualArm {
   TipPose tip();
 
  private:
+  /// Returns the angles behind the reducers.
+  Eigen::Vector3d joints_rad();
   /// Returns the directions of link 1, link 2 and the tool from the base's x axis.
   Eigen::Vector3d directions_rad();
+  /// Returns by how much the tool hangs lower when the links are these vectors of the plane.
+  double sag_m(const Eigen::Vector2d& link1, const Eigen::Vector2d& link2) const;
+  /// Returns by how much the arm misses where it came to rest; it stays so while the arm stays
+  /// near.
+  Eigen::Vector2d miss_m();
 
   ArmTruth arm_;
   ToolTruth tool_;
+  std::optional<OutlierTruth> outliers_;
+  std::uint32_t seed_;
   double sense_{1.0};
   std::array<bool, 2> relative_{};
   std::vector<VirtualDrive> drives_;
+  std::optional<Eigen::Vector3d> rested_rad_;  ///< joints where `missed_m_` was drawn
+  Eigen::Vector2d missed_m_{0.0, 0.0};
 };
 
 }  // namespace planar

@@ -106,6 +106,11 @@ double VirtualDrive::output_rad() {
   return reducer_.output_rad();
 }
 
+std::optional<std::int32_t> VirtualDrive::rest_pulses() const {
+  if (moving()) return std::nullopt;
+  return shaft_pulses();
+}
+
 void VirtualDrive::advance() {
   const double now_s = clock_.now_s();
   for (const double turning_pulses : profile_.turning_points(followed_until_s_, now_s))

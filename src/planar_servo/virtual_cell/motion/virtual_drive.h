@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -44,6 +46,9 @@ class VirtualDrive final : public PulseDrive {
 
   /// Returns the true angle behind the reducer now.
   double output_rad();
+
+  /// Returns where the shaft rests; empty while it moves.
+  std::optional<std::int32_t> rest_pulses() const;
 
  private:
   void require_ready() const;

@@ -4,11 +4,12 @@
 #include "planar_servo/core/units.h"
 #include "planar_servo/virtual_cell/image/virtual_lens.h"
 #include "planar_servo/virtual_cell/random.h"
+#include "planar_servo/virtual_cell/truth/drawing.h"
 #include "planar_servo/virtual_cell/truth/truth.h"
 
-// This file holds every distribution of a drawn cell. They describe cells of the paper's kind. The
-// cell in calib/paper was not drawn from them: its links are truer than any that are drawn, and two
-// of its zero offsets lie outside.
+// This file holds every distribution of a drawn cell of the paper's kind. The cell in calib/paper
+// was not drawn from them: its links are truer than any that are drawn, and two of its zero offsets
+// lie outside.
 
 namespace planar {
 namespace {
@@ -16,21 +17,6 @@ namespace {
 constexpr double kWorkingRadiusM = 0.54;
 constexpr double kMmPerPx = 0.24;  // in the plane of motion
 constexpr int kBumps = 30;
-
-double either_sign(Random& random, double lower, double upper) {
-  const double magnitude = random.uniform(lower, upper);
-  return random.uniform(-1.0, 1.0) < 0.0 ? -magnitude : magnitude;
-}
-
-Eigen::Vector2d any_direction(Random& random, double lower, double upper) {
-  const double length = random.uniform(lower, upper);
-  return length * rotation2d(random.uniform(-kPi, kPi)).col(0);
-}
-
-Harmonic harmonic(Random& random, int order, double lower, double upper) {
-  const double amplitude = random.uniform(lower, upper);
-  return {amplitude, random.uniform(-kPi, kPi), order};
-}
 
 ArmTruth draw_arm(Random& random) {
   ArmTruth arm;

@@ -31,11 +31,32 @@ struct ReducerTruth {
   std::vector<Harmonic> eccentricity;
 };
 
+/// Link 1 as a beam that is held at the base's axis and loaded at the tool. Link 2 reaches a along
+/// link 1 and b across it, so that everything that the tool carries hangs lower by
+///   bending (L1^2 / 3 + L1 a + a^2) + twisting b^2.
+struct BeamSagTruth {
+  double bending_m_per_m2{0.0};
+  double twisting_m_per_m2{0.0};
+};
+
 struct ArmTruth {
   std::array<double, 2> link_lengths_m{0.3, 0.3};
   std::array<ReducerTruth, 3> reducers;
   /// Everything that the tool carries hangs lower by this times |P|^2 (metres per square metre).
   double sag_m_per_m2{0.0};
+  std::optional<BeamSagTruth> beam_sag;
+  /// By how much each joint's axis leans against the one before, the first against z_B: the x and y
+  /// of a rotation vector in the frame of the link before.
+  std::optional<std::array<Eigen::Vector2d, 3>> axis_leans_rad;
+};
+
+/// What is off. The arm misses a share of all places, told by the pulses at which it comes to rest,
+/// and stays so until it leaves them; of the tracker's readings of the tool the same share is off.
+/// Lengths lie in the range.
+struct OutlierTruth {
+  double share{0.0};
+  double from_m{0.0};
+  double to_m{0.0};
 };
 
 /// The displacement amplitude_px * exp(-|w - center_px|^2 / (2 sigma_px^2)) of an image point w.
@@ -137,6 +158,7 @@ struct Truth {
   TrackerTruth tracker;
   NoiseTruth noise;
   BoardTruth board;
+  std::optional<OutlierTruth> outliers;
   std::uint32_t seed{0};  ///< of all noise and of the board's poses
 };
 
@@ -153,6 +175,11 @@ Truth draw_truth(std::uint32_t seed);
 /// Draws a cell in a workshop: one of the paper's kind whose camera drifts and warms, with lamps
 /// that are fixed round the field, each within hundredths of a millimetre of workshop_lamps().
 Truth draw_workshop_truth(std::uint32_t seed);
+
+/// Draws a rough cell: one of the paper's kind whose arm and readings have what the estimators'
+/// models lack. The reducers have third harmonics, link 1 sags like a beam instead of with |P|^2,
+/// the joints' axes lean against each other, and one place or reading in fifty is off.
+Truth draw_rough_truth(std::uint32_t seed);
 
 /// Returns where a workshop's cell file states its reference lamps.
 std::vector<StatedLamp> workshop_lamps();

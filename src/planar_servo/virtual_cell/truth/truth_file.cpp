@@ -72,6 +72,40 @@ void list_monuments(Fields& fields, VirtualMonuments& monuments) {
   });
 }
 
+void list_beam_sag(Fields& fields, ArmTruth& arm) {
+  list_optional(fields, "beam_sag", arm.beam_sag, {}, [&](BeamSagTruth& sag) {
+    fields.map("beam_sag", [&] {
+      fields.number("bending_mm_per_m2", sag.bending_m_per_m2, kMillimetre);
+      fields.number("twisting_mm_per_m2", sag.twisting_m_per_m2, kMillimetre);
+    });
+  });
+}
+
+void list_axis_leans(Fields& fields, ArmTruth& arm) {
+  const Range lean = Range::from_to(-10.0, 10.0);
+  const Eigen::Vector2d none(0.0, 0.0);
+  list_optional(fields, "axis_leans_deg", arm.axis_leans_rad, {none, none, none},
+                [&](std::array<Eigen::Vector2d, 3>& leans) {
+                  fields.map("axis_leans_deg", [&] {
+                    fields.numbers("joint1", leans[0], kDegree, lean);
+                    fields.numbers("joint2", leans[1], kDegree, lean);
+                    fields.numbers("joint3", leans[2], kDegree, lean);
+                  });
+                });
+}
+
+void list_outliers(Fields& fields, std::optional<OutlierTruth>& outliers) {
+  list_optional(fields, "outliers", outliers, {}, [&](OutlierTruth& stray) {
+    fields.map("outliers", [&] {
+      fields.number("share", stray.share, 1.0, Range::from_to(0.0, 1.0));
+      fields.number("from_mm", stray.from_m, kMillimetre, Range::positive());
+      fields.number("to_mm", stray.to_m, kMillimetre, Range::positive());
+      fields.check(stray.from_m <= stray.to_m, "outliers.from_mm must not exceed outliers.to_mm",
+                   "from_mm");
+    });
+  });
+}
+
 void list_fields(Fields& fields, ArmTruth& arm) {
   fields.numbers("link_lengths_mm", arm.link_lengths_m, kMillimetre, Range::positive());
   fields.row("zero_offsets_deg", [&](RowFields& row) {
@@ -86,6 +120,8 @@ void list_fields(Fields& fields, ArmTruth& arm) {
     list_harmonics(fields, "joint2", arm.reducers[1].eccentricity, kDegree);
     list_harmonics(fields, "joint3", arm.reducers[2].eccentricity, kDegree);
   });
+  list_beam_sag(fields, arm);
+  list_axis_leans(fields, arm);
 }
 
 void list_fields(Fields& fields, CameraTruth& camera) {
@@ -189,6 +225,7 @@ void list_fields(Fields& fields, Truth& truth) {
   list_monuments(fields, truth.build.monuments_B);
   fields.map("noise", [&] { list_fields(fields, truth.noise); });
   fields.map("board", [&] { list_fields(fields, truth.board); });
+  list_outliers(fields, truth.outliers);
   fields.whole_number("seed", truth.seed, std::uint32_t{0});
 }
 

@@ -1,0 +1,103 @@
+#include "planar_servo/offline/pairs/laid_boards.h"
+
+#include <cmath>
+#include <optional>
+
+#include "planar_servo/calibration/board/board_pose.h"
+#include "planar_servo/calibration/board/dot_eccentricity.h"
+#include "planar_servo/core/error.h"
+#include "planar_servo/core/numerics/statistics.h"
+#include "planar_servo/offline/camera/board_images.h"
+
+namespace planar {
+namespace {
+
+/// Returns the same camera over the plane that lies `height` above this one.
+Workplane raised(const Workplane& workplane, double height) {
+  Pose X_WC = workplane.X_WC();
+  X_WC.translation().z() -= height;
+  return {workplane.camera(), X_WC};
+}
+
+/// Returns a point of the board, whose z axis points down, with y the other way round.
+Eigen::Vector2d from_above(const Eigen::Vector2d& p_G) {
+  return {p_G.x(), -p_G.y()};
+}
+
+/// Returns the median of the diameters that the dots' images show, in the board's unit.
+double dot_diameter(const CameraModel& camera, const LaidBoard& laid,
+                    const std::vector<Eigen::Vector2d>& points_G) {
+  std::vector<double> diameters;
+  for (std::size_t i = 0; i < points_G.size(); ++i)
+    if (const auto diameter =
+            disc_diameter(camera, laid.X_CG, points_G[i], laid.sight.dot_areas_px2[i]))
+      diameters.push_back(*diameter);
+  return median(diameters);
+}
+
+void add_lay(const Workplane& dots_plane, const LaidBoard& laid, std::vector<LayRow>& rows) {
+  const CameraModel& camera = dots_plane.camera();
+  const std::vector<Eigen::Vector2d> points_G = board_points(laid.board);
+  const double diameter = dot_diameter(camera, laid, points_G);
+  for (std::size_t i = 0; i < points_G.size(); ++i) {
+    const auto shift_px = eccentricity_px(camera, laid.X_CG, points_G[i], diameter);
+    if (!shift_px) continue;
+    Eigen::Matrix2d m_per_px;
+    const auto seen = dots_plane.plane_from_pixel(laid.sight.pixels[i] - *shift_px, &m_per_px);
+    if (!seen) continue;
+    const double sigma = laid.sight.dot_sigmas_px[i] * m_per_px.norm() / std::sqrt(2.0);
+    rows.push_back({laid.lay, from_above(points_G[i]), *seen, sigma, laid.board.pitch_known});
+  }
+}
+
+}  // namespace
+
+std::vector<LaidBoard> boards_on_plane(const std::filesystem::path& recording,
+                                       const std::vector<FrameRow>& frames,
+                                       const CameraModel& camera, const Board& board) {
+  Faults faults;
+  std::vector<LaidBoard> boards;
+  for (const FrameRow& frame : frames) {
+    if (frame.plan != Plan::kLaidBoard) continue;
+    const std::filesystem::path file = recording / frame.image;
+    const cv::Mat image = read_grey(file, faults);
+    if (image.empty()) continue;
+    const BoardSight sight = find_board_on_sensor(image, frame.region_px.tl(), board);
+    const auto pose = sight.found() ? estimate_board_pose(camera, board_points(board), sight.pixels)
+                                    : std::nullopt;
+    if (pose) {
+      boards.push_back({file.stem().string(), pose->X_CG, board, sight});
+    } else {
+      faults.add(file.string() +
+                 ": no board on the plane: " + (sight.found() ? "no pose" : sight.reason));
+    }
+  }
+  faults.throw_if_any();
+  if (boards.empty()) {
+    throw InputError(recording.string() +
+                     ": has no frame of plan 'plane_grid'; record one with the board on the plane, "
+                     "or take --workplane-from pairs without --lays-out");
+  }
+  return boards;
+}
+
+std::vector<Pose> poses_of(const std::vector<LaidBoard>& boards) {
+  std::vector<Pose> poses;
+  poses.reserve(boards.size());
+  for (const LaidBoard& laid : boards) poses.push_back(laid.X_CG);
+  return poses;
+}
+
+std::vector<LayRow> seen_lays(const Workplane& workplane, const std::vector<LaidBoard>& boards,
+                              double dots_height) {
+  const Workplane dots_plane = raised(workplane, dots_height);
+  std::vector<LayRow> rows;
+  for (const LaidBoard& laid : boards) {
+    if (laid.board.kind != Board::Kind::kCircles)
+      throw InputError("lays of a chessboard have no dots; lay a board of circles");
+    add_lay(dots_plane, laid, rows);
+  }
+  return rows;
+}
+
+}  // namespace planar

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "planar_servo/calibration/board/board.h"
+#include "planar_servo/core/pose.h"
+#include "planar_servo/files/tables/frame_table.h"
+#include "planar_servo/files/tables/lay_table.h"
+#include "planar_servo/lens/camera_model.h"
+#include "planar_servo/lens/workplane.h"
+
+namespace planar {
+
+/// A board laid on the plane, as one picture shows it.
+struct LaidBoard {
+  std::string lay;  ///< name of its image
+  Pose X_CG{Pose::Identity()};
+  Board board;
+  BoardSight sight;
+};
+
+/// Finds the board in the recording's frames of plan plane_grid. Throws InputError when there is no
+/// such frame, and naming each image that cannot be read or in which the board is not found.
+std::vector<LaidBoard> boards_on_plane(const std::filesystem::path& recording,
+                                       const std::vector<FrameRow>& frames,
+                                       const CameraModel& camera, const Board& board);
+
+std::vector<Pose> poses_of(const std::vector<LaidBoard>& boards);
+
+/// Returns where the centres of the boards' dots are seen when they lie `dots_height` above the
+/// lamps' plane (metres, negative below), the eccentricity of their images taken off. A dot whose
+/// ray does not meet that plane is left out. Throws InputError for a chessboard, which has no dots.
+std::vector<LayRow> seen_lays(const Workplane& workplane, const std::vector<LaidBoard>& boards,
+                              double dots_height);
+
+}  // namespace planar

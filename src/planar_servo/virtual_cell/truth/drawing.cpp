@@ -1,0 +1,22 @@
+#include "planar_servo/virtual_cell/truth/drawing.h"
+
+#include "planar_servo/core/units.h"
+
+namespace planar {
+
+double either_sign(Random& random, double lower, double upper) {
+  const double magnitude = random.uniform(lower, upper);
+  return random.uniform(-1.0, 1.0) < 0.0 ? -magnitude : magnitude;
+}
+
+Eigen::Vector2d any_direction(Random& random, double lower, double upper) {
+  const double length = random.uniform(lower, upper);
+  return length * rotation2d(random.uniform(-kPi, kPi)).col(0);
+}
+
+Harmonic harmonic(Random& random, int order, double lower, double upper) {
+  const double amplitude = random.uniform(lower, upper);
+  return {amplitude, random.uniform(-kPi, kPi), order};
+}
+
+}  // namespace planar
