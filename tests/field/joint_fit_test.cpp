@@ -50,6 +50,16 @@ TEST_CASE("Readings, and poses that no tracker watched, give the end point to mi
   }
 }
 
+TEST_CASE("Without any sample a fit says what the files say, as uncertain as they are") {
+  const test::BentCell cell;
+  const ArmModel model(cell.nominal(), {2, true});
+  const auto fit = fit_jointly(model, {}, {}, kFieldRadius);
+  REQUIRE(fit);
+  CHECK((fit->arm - model.nominal()).norm() == 0.0);
+  const Eigen::VectorXd sigma = fit->covariance.diagonal().tail(model.terms()).cwiseSqrt();
+  CHECK((sigma - model.prior_sigma()).cwiseQuotient(model.prior_sigma()).norm() < 1e-9);
+}
+
 TEST_CASE("Residuals are as large as the stated noise lets expect") {
   const test::BentCell cell;
   const ArmModel model(cell.nominal(), {2, true});

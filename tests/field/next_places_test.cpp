@@ -36,6 +36,17 @@ TEST_CASE("Places are proposed where nothing was read, and what they promise com
   CHECK(after < 0.5 * next.sigmas.front());
 }
 
+TEST_CASE("What is read in any case counts before the first choice") {
+  const test::BentCell cell;
+  std::mt19937 random(63);
+  const auto samples = cell.samples(20, 0, random), candidates = cell.samples(60, 0, random);
+  const JointEstimate estimate = estimate_of(cell, samples);
+  const auto sigma_with = [&](const std::vector<PoseSample>& first) {
+    return choose_next_places(estimate, candidates, 0, first).sigmas.front();
+  };
+  CHECK(sigma_with(cell.samples(20, 0, random)) < 0.8 * sigma_with({}));
+}
+
 TEST_CASE("No more places are proposed than there are candidates") {
   const test::BentCell cell;
   std::mt19937 random(62);

@@ -58,24 +58,29 @@ bool is_seen(const KnownCell& known, const TipPose& tip) {
                                          known.cell.lamps.layout.separation_m, tip);
 }
 
+/// Returns what will be seen and read at these joint angles.
+PoseSample pose_at(const KnownCell& known, const Joints& theta) {
+  const ArmModel model(known.nominal, {0, true});
+  PoseSample pose;
+  pose.motors = known.planner.transmission().motors_from_joints(theta);
+  const ToolPoints points = model.at(pose.motors, model.nominal());
+  pose.lamps_B = {points.points.col(1), points.points.col(2)};
+  pose.sigma_lamp = kLampSigma_m;
+  pose.sigma_reflector = known.cell.tracker.sigma_m;
+  return pose;
+}
+
 /// Returns places that fill the workspace evenly, as far as arm and camera reach.
 std::vector<Candidate> candidates_of(const KnownCell& known) {
   const Workspace& workspace = known.cell.workspace;
   const double golden_turn = kPi * (3.0 - std::sqrt(5.0));
-  const ArmModel model(known.nominal, {0, true});
   std::vector<Candidate> candidates;
   for (int i = 0; i < kCandidates; ++i) {
     const double radius = workspace.radius_max_m * std::sqrt((i + 0.5) / kCandidates);
     const TipPose tip{radius * rotation2d(i * golden_turn).col(0), known.cell.tool_orientation};
     const JointPlan plan = known.planner.plan(tip, known.cell.arm.home);
     if (plan.refusal || !is_seen(known, tip)) continue;
-    PoseSample pose;
-    pose.motors = known.planner.transmission().motors_from_joints(plan.theta);
-    const ToolPoints points = model.at(pose.motors, model.nominal());
-    pose.lamps_B = {points.points.col(1), points.points.col(2)};
-    pose.sigma_lamp = kLampSigma_m;
-    pose.sigma_reflector = known.cell.tracker.sigma_m;
-    candidates.push_back({pose, tip});
+    candidates.push_back({pose_at(known, plan.theta), tip});
   }
   if (candidates.empty())
     throw InputError(known.cell.file.string() +
@@ -133,6 +138,18 @@ std::vector<PlanRow> first_rows(const CellSettings& cell, ExperimentSize size) {
   return experiment_plan(cell, 0, size).rows;
 }
 
+/// Returns the poses of a plan's rows as far as they have any.
+std::vector<PoseSample> poses_of(const KnownCell& known, const std::vector<PlanRow>& rows) {
+  std::vector<PoseSample> poses;
+  for (const PlanRow& row : rows) {
+    if (const auto* theta = std::get_if<Joints>(&row.where))
+      poses.push_back(pose_at(known, *theta));
+    if (const auto* tip = std::get_if<TipPose>(&row.where))
+      poses.push_back(pose_at(known, known.planner.plan(*tip, known.cell.arm.home).theta));
+  }
+  return poses;
+}
+
 double length_of(double sigma) {
   return sigma * std::sqrt(kPi / 2.0);
 }
@@ -149,14 +166,16 @@ ProposedPlan propose_plan(const CellSettings& cell, int readings,
   const std::vector<Candidate> candidates = candidates_of(known_cell);
   ExperimentSize size;
   size.training_points = readings;
-  if (pairs.empty()) size = with_readings({}, readings);
-  const NextPlaces next =
-      choose_next_places(estimate_of(known_cell, pairs), poses_of(candidates),
-                         static_cast<std::size_t>(std::max(size.training_points, 0)));
+  ProposedPlan plan;
+  if (pairs.empty()) {
+    size = with_readings({}, readings);
+    plan.rows = first_rows(cell, size);
+  }
+  const NextPlaces next = choose_next_places(estimate_of(known_cell, pairs), poses_of(candidates),
+                                             static_cast<std::size_t>(size.training_points),
+                                             poses_of(known_cell, plan.rows));
   std::vector<TipPose> tips;
   for (const std::size_t i : next.chosen) tips.push_back(candidates[i].tip);
-  ProposedPlan plan;
-  if (pairs.empty()) plan.rows = first_rows(cell, size);
   for (PlanRow& row : rows_round_base(known_cell, std::move(tips), next_number(pairs)))
     plan.rows.push_back(std::move(row));
   plan.before = length_of(next.sigmas.front());

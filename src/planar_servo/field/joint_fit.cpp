@@ -132,9 +132,10 @@ class Equations {
       F_.middleRows<kRows>(kRows * i).noalias() = noise_.back().whiten * rows;
     }
     H0_ = Eigen::MatrixXd::Zero(terms(), terms());
-    H0_.topLeftCorner(field_terms(), field_terms())
-        .selfadjointView<Eigen::Lower>()
-        .rankUpdate(F_.transpose());
+    if (n > 0)  // Eigen divides by the number of rows
+      H0_.topLeftCorner(field_terms(), field_terms())
+          .selfadjointView<Eigen::Lower>()
+          .rankUpdate(F_.transpose());
     const Eigen::Index nc = basis_.centers.cols();
     const double field_variance = priors_.field_sigma * priors_.field_sigma;
     for (const Eigen::Index first : {Eigen::Index{0}, nb + 1}) {
@@ -187,8 +188,10 @@ class Equations {
     const auto [J, z] = arm_rows(x);
     const Eigen::VectorXd off = (nominal_ - x).cwiseQuotient(sigma_);
     H_ = H0_;
-    H_.bottomLeftCorner(na, nf).noalias() += J.transpose() * F_;
-    H_.bottomRightCorner(na, na).selfadjointView<Eigen::Lower>().rankUpdate(J.transpose());
+    if (!samples_.empty()) {
+      H_.bottomLeftCorner(na, nf).noalias() += J.transpose() * F_;
+      H_.bottomRightCorner(na, na).selfadjointView<Eigen::Lower>().rankUpdate(J.transpose());
+    }
     right_.resize(terms());
     right_ << F_.transpose() * z, J.transpose() * z + off.cwiseQuotient(sigma_);
     squares_ = z.squaredNorm() + off.squaredNorm();

@@ -59,9 +59,11 @@ class Knowledge {
 }  // namespace
 
 NextPlaces choose_next_places(const JointEstimate& estimate,
-                              const std::vector<PoseSample>& candidates, std::size_t count) {
+                              const std::vector<PoseSample>& candidates, std::size_t count,
+                              const std::vector<PoseSample>& first) {
   NextPlaces next;
   Knowledge knowledge(estimate, candidates);
+  for (const PoseSample& pose : first) knowledge.add(pose);
   std::vector<double> sigmas = knowledge.sigmas();
   next.sigmas.push_back(mean(sigmas));
   std::vector<bool> taken(candidates.size(), false);
