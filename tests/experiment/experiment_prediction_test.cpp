@@ -4,57 +4,57 @@
 #include <cmath>
 
 #include "planar_servo/core/units.h"
-#include "planar_servo/machine/device_kinds.h"
-#include "planar_servo/offline/map/fit_map_to_pairs.h"
-#include "support/sample_cells.h"
 
 namespace planar {
 namespace {
 
-/// Pairs on a grid whose error is a gentle wave, with the noise that their columns state.
-CalibratedChain chain_with(double sigma_tracker, const MapMethodChoice& method) {
-  CalibratedChain chain;
-  chain.cell = read_cell(test::paper_cell_file());
-  for (int i = -5; i <= 5; ++i)
-    for (int j = -5; j <= 5; ++j) {
-      PairRow pair;
-      pair.id = std::to_string(100 * i + j);
-      const Eigen::Vector2d p(0.09 * i, 0.09 * j);
-      pair.p_tracker = p;
-      const double noise = (i * 7 + j * 3) % 2 == 0 ? 5e-6 : -5e-6;
-      pair.p_vision = p + Eigen::Vector2d(1e-4 * std::sin(4.0 * p.x()), noise);
-      pair.sigma_vision = 4e-6;
-      pair.sigma_tracker = sigma_tracker;
-      chain.pairs.push_back(pair);
-    }
-  chain.map = fit_error_map_to_pairs(chain.pairs, method).result;
-  return chain;
+/// A cell whose field is certain, but for the end point's offset from the lamps.
+PredictionInputs known_cell(double sigma_tip) {
+  LampField field;
+  field.basis = basis_over_disc(0.6, 0.3);
+  field.weights.setZero(field.basis.terms(), 2);
+  const Eigen::Index n = LampField::unknowns(field.basis);
+  field.factor.setZero(n, n);
+  field.factor(n - 2, n - 2) = field.factor(n - 1, n - 1) = sigma_tip;
+  const Pinhole camera{{1000.0, 1000.0, 500.0, 500.0}};
+  PredictionInputs known{{{0.04, {0.008, 0.008}}, {camera, Pose::Identity()}, {}, field}, {}, {}};
+  known.servo.tolerance_m = 5e-6;
+  known.servo.frames_per_measurement = 4;
+  return known;
 }
 
 const std::vector<TargetRow> kTargets{{"a", {0.2, 0.1}, {}}, {"b", {-0.1, 0.3}, {}}};
+const double kMeanLength = std::sqrt(kPi / 2.0);
 
-TEST_CASE("No better positioning is predicted than the tracker's own standard deviation") {
-  const PositioningPrediction with_10um =
-      predict_positioning(chain_with(10e-6, {MapMethod::kRbf, 0.0}), kTargets);
-  const PositioningPrediction with_50um =
-      predict_positioning(chain_with(50e-6, {MapMethod::kRbf, 0.0}), kTargets);
-  CHECK(with_10um.mean > 10e-6 * std::sqrt(kPi / 2.0));
-  CHECK(with_10um.mean < 30e-6);
-  CHECK(with_50um.mean > 50e-6 * std::sqrt(kPi / 2.0));
+TEST_CASE("Variances of field, vision and landing add up") {
+  PredictionInputs known = known_cell(3e-6);
+  known.landing_sigma = 1e-6;
+  known.sigma_vision = 4e-6;
+  CHECK(predict_positioning(known, kTargets).mean ==
+        Approx(kMeanLength * std::sqrt(9.0 + 1.0 + 4.0) * 1e-6));
+}
+
+TEST_CASE("An arm that lands beside the tolerance is content within it") {
+  PredictionInputs known = known_cell(0.0);
+  known.landing_sigma = 1e-3;
+  CHECK(predict_positioning(known, kTargets).mean == Approx(kMeanLength * 2.5e-6));
+}
+
+TEST_CASE("Monuments leave a turn that grows with the distance from the base") {
+  PredictionInputs known = known_cell(0.0);
+  known.sigma_tracker = 10e-6;
+  for (const double x : {-0.4, 0.4}) known.datum.push_back({"", {x, 0.0, 0.0}});
+  const double turn = 10e-6 / std::sqrt(5.0 * 2.0 * 0.16);
+  const auto mean_at = [&](double x) {
+    return predict_positioning(known, {{"a", {x, 0.0}, {}}}).mean;
+  };
+  CHECK(mean_at(0.1) == Approx(kMeanLength * 0.1 * turn));
+  CHECK(mean_at(0.3) == Approx(3.0 * mean_at(0.1)));
 }
 
 TEST_CASE("With one place the predicted 95 % is that of Rayleigh's distribution") {
-  const PositioningPrediction prediction =
-      predict_positioning(chain_with(10e-6, {MapMethod::kRbf, 0.0}), {kTargets[0]});
-  CHECK(prediction.p95 / prediction.mean ==
-        Approx(std::sqrt(-2.0 * std::log(0.05)) / std::sqrt(kPi / 2.0)));
-}
-
-TEST_CASE("A map without standard deviations lets nothing be predicted") {
-  const PositioningPrediction prediction =
-      predict_positioning(chain_with(10e-6, {MapMethod::kIdw, 0.0}), kTargets);
-  CHECK(std::isnan(prediction.mean));
-  CHECK(std::isnan(prediction.p95));
+  const PositioningPrediction prediction = predict_positioning(known_cell(2e-6), {kTargets[0]});
+  CHECK(prediction.p95 / prediction.mean == Approx(std::sqrt(-2.0 * std::log(0.05)) / kMeanLength));
 }
 
 }  // namespace

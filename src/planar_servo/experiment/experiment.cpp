@@ -60,7 +60,7 @@ ExperimentReport run_experiment(const ExperimentRequest& request, CellDevices& d
   report.paper_no_map = close_loop(paper, false, targets, request.out, devices);
   report.tables = map_tables(ours, paper, plan.circle_points);
   report.tables.positioning = positioning_table(report.circles, report.ours, report.paper);
-  report.prediction = predict_positioning(ours, targets);
+  report.prediction = predict_positioning(prediction_inputs(ours), targets);
   return report;
 }
 
@@ -72,10 +72,9 @@ PositioningPrediction predict_experiment(const ExperimentRequest& request) {
                      "planar-record");
   ChainSettings settings = our_chain(request.cell);
   settings.name = "prediction";
-  return predict_positioning(
-      calibrate_chain(settings, request.cell, read_recorded_cell(recording, request.board),
-                      request.out),
-      control_targets(request.size));
+  const CalibratedChain chain = calibrate_chain(
+      settings, request.cell, read_recorded_cell(recording, request.board), request.out);
+  return predict_positioning(prediction_inputs(chain), control_targets(request.size));
 }
 
 }  // namespace planar

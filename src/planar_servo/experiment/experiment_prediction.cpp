@@ -56,22 +56,28 @@ double mixture_p95(const std::vector<double>& sigmas) {
 
 }  // namespace
 
-PositioningPrediction predict_positioning(const CalibratedChain& chain,
+PredictionInputs prediction_inputs(const CalibratedChain& chain) {
+  return {read_vision(chain.cell, true),
+          chain.cell.servo,
+          chain.cell.datum,
+          chain.cell.tool_orientation,
+          median_of(chain.pairs, &PairRow::sigma_vision),
+          median_of(chain.pairs, &PairRow::sigma_tracker),
+          chain.field.value().landing_sigma};
+}
+
+PositioningPrediction predict_positioning(const PredictionInputs& known,
                                           const std::vector<TargetRow>& targets) {
-  const VisionCalibration vision = read_vision(chain.cell, true);
-  const ServoSettings& servo = chain.cell.servo;
-  const double sigma_vision =
-      median_of(chain.pairs, &PairRow::sigma_vision) / std::sqrt(servo.frames_per_measurement);
-  const double sigma_tracker = median_of(chain.pairs, &PairRow::sigma_tracker);
-  const double sigma_content = std::min(0.5 * std::max(servo.tolerance_m, 2.0 * sigma_vision),
-                                        chain.field.value().landing_sigma);
+  const double sigma_vision = known.sigma_vision / std::sqrt(known.servo.frames_per_measurement);
+  const double sigma_content =
+      std::min(0.5 * std::max(known.servo.tolerance_m, 2.0 * sigma_vision), known.landing_sigma);
   std::vector<double> sigmas;
   sigmas.reserve(targets.size());
   for (const TargetRow& target : targets) {
-    const double phi = target.phi_d.value_or(chain.cell.tool_orientation);
-    sigmas.push_back(std::sqrt(square(predict_error_at(vision, {target.p_d, phi}).sigma) +
+    const double phi = target.phi_d.value_or(known.tool_orientation);
+    sigmas.push_back(std::sqrt(square(predict_error_at(known.vision, {target.p_d, phi}).sigma) +
                                square(sigma_vision) + square(sigma_content) +
-                               datum_variance(chain.cell.datum, target.p_d, sigma_tracker)));
+                               datum_variance(known.datum, target.p_d, known.sigma_tracker)));
   }
   return {mean(sigmas) * std::sqrt(kPi / 2.0), mixture_p95(sigmas)};
 }
