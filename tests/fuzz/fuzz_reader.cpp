@@ -11,10 +11,12 @@
 #include <string>
 
 #include "planar_servo/core/error.h"
+#include "planar_servo/files/arm_file.h"
 #include "planar_servo/files/board_points_file.h"
 #include "planar_servo/files/camera/camera_file.h"
 #include "planar_servo/files/map/map_file.h"
 #include "planar_servo/files/provenance.h"
+#include "planar_servo/files/tables/arm_sample_table.h"
 #include "planar_servo/files/tables/frame_table.h"
 #include "planar_servo/files/tables/lamp_table.h"
 #include "planar_servo/files/tables/lay_table.h"
@@ -61,6 +63,8 @@ const std::map<std::string, Reader>& readers() {
       {"camera_xml", {"camera.xml", [](const fs::path& path) { read_camera(path); }}},
       {"workplane", {"workplane.yaml", [](const fs::path& path) { read_workplane(path); }}},
       {"tool", {"tool.yaml", [](const fs::path& path) { read_tool(path); }}},
+      {"arm", {"arm.yaml", [](const fs::path& path) { read_found_arm(path); }}},
+      {"arm_samples", {"samples.csv", [](const fs::path& path) { read_arm_samples(path); }}},
       {"map", {"map.yaml", [](const fs::path& path) { read_map(path); }}},
       {"frames", {"frames.csv", [](const fs::path& path) { read_frames(path.parent_path()); }}},
       {"lamps", {"lamps.csv", [](const fs::path& path) { read_lamps(path); }}},

@@ -32,6 +32,13 @@ mv tracker.csv recording/tracker.csv
   --workplane-out workplane.yaml --tool-out tool.yaml -o paired.csv >paired.txt
 expect_sample paired.txt "$bin/planar-pair-tracker"
 
+"$bin/planar-calibrate-arm" -q --cell cell/cell.yaml -o arm.yaml paired.csv >arm.txt
+expect_sample arm.txt "$bin/planar-calibrate-arm"
+"$bin/planar-plan" -q --cell cell/cell.yaml --readings 8 --after paired.csv -o next.csv >next.txt
+expect_sample next.txt "$bin/planar-plan"
+"$bin/planar-fit-error-map" -q --cell cell/cell.yaml -o field.yaml paired.csv >field.txt
+grep -q "^places left out " field.txt || fail "$(cat field.txt)"
+
 awk 'BEGIN {
   srand(1)
   print "id,x_vision_mm,y_vision_mm,x_tracker_mm,y_tracker_mm"

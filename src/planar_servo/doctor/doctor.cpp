@@ -33,7 +33,7 @@ Finding examine_file(const MadeFile& file, bool is_stale) {
 std::vector<Finding> examine_files(const CellSettings& cell) {
   std::vector<Finding> findings;
   const std::vector<StaleFile> all_stale = stale_files(cell, true);
-  for (const MadeFile& file : calibration_files(cell, true)) {
+  for (const MadeFile& file : made_files(cell, true)) {
     std::vector<Finding> reasons;
     for (const StaleFile& stale : all_stale)
       if (stale.path == file.path)

@@ -114,6 +114,13 @@ std::vector<MadeFile> calibration_files(const CellSettings& cell, bool with_erro
   return files;
 }
 
+std::vector<MadeFile> made_files(const CellSettings& cell, bool with_error_map) {
+  std::vector<MadeFile> files = calibration_files(cell, with_error_map);
+  if (cell.health) files.push_back({Role::kHealth, *cell.health});
+  if (cell.arm_found) files.push_back({Role::kArmFound, *cell.arm_found});
+  return files;
+}
+
 Origin origin_of(const MadeFile& file) {
   return {file.role, file.path.filename().string(), content_sha256(file.path)};
 }
@@ -241,9 +248,7 @@ std::vector<StaleFile> contradictions(const std::vector<MadeFile>& files,
 }
 
 std::vector<StaleFile> stale_files(const CellSettings& cell, bool with_error_map) {
-  std::vector<MadeFile> files = calibration_files(cell, with_error_map);
-  if (cell.health) files.push_back({Role::kHealth, *cell.health});
-  if (cell.arm_found) files.push_back({Role::kArmFound, *cell.arm_found});
+  std::vector<MadeFile> files = made_files(cell, with_error_map);
   files.erase(std::remove_if(files.begin(), files.end(),
                              [](const MadeFile& file) { return !fs::exists(file.path); }),
               files.end());

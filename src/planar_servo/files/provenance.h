@@ -58,6 +58,9 @@ const char* program_for(Role role);
 /// Returns the cell's calibration files in the order of their making, whether they exist or not.
 std::vector<MadeFile> calibration_files(const CellSettings& cell, bool with_error_map);
 
+/// Returns these, the health file and the arm that was found, as far as the cell names them.
+std::vector<MadeFile> made_files(const CellSettings& cell, bool with_error_map);
+
 /// Returns the origin that this file is for what is made from it. Throws InputError when it cannot
 /// be read.
 Origin origin_of(const MadeFile& file);

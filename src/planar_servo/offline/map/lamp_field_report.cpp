@@ -32,7 +32,7 @@ std::string lamp_field_report_text(const LampFieldFit& fit) {
       fmt::format("readings used       {}, and {} poses without a reading ({} left out)\n",
                   fit.n_readings, fit.n_unattended, fit.left_out.size());
   if (!fit.left_out.empty())
-    text += fmt::format("  {} contradict the others\n", fmt::join(fit.left_out, ", "));
+    text += fmt::format("  contradicting the others: {}\n", fmt::join(fit.left_out, ", "));
   text += fmt::format("method              {}, {} harmonics of each reducer\n", kLampFieldMethod,
                       fit.estimate.size.harmonics);
   text += judgement_text(fit.held_out);
