@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "planar_servo/core/clock.h"
 #include "planar_servo/error_map/judge/compare_methods.h"
 #include "planar_servo/error_map/judge/unit_check.h"
 #include "planar_servo/files/arm_file.h"
@@ -75,7 +76,10 @@ LampFieldFit fit_field(const Options& options, const CellSettings& cell) {
 /// Learns the error at the lamps together with the arm.
 Outcome fit_with_cell(const Options& options) {
   const CellSettings cell = read_cell(options.cell);
+  const SteadyClock clock;
+  const double begin_s = clock.now_s();
   const LampFieldFit fit = fit_field(options, cell);
+  const double fit_seconds = clock.now_s() - begin_s;
   std::vector<Origin> origins =
       with_origins_of({origin_of({Role::kPairs, options.pairs})}, options.pairs);
   const std::string map = lamp_field_text(fit, origins, kText.name);
@@ -85,7 +89,9 @@ Outcome fit_with_cell(const Options& options) {
                                                origins, kText.name));
   write_file(options.output, map);
   fmt::print("{}", lamp_field_report_text(fit));
-  return {lamp_field_report_json(fit)};
+  nlohmann::json figures = lamp_field_report_json(fit);
+  figures["fit_seconds"] = fit_seconds;
+  return {figures};
 }
 
 Outcome fit(const Options& options) {

@@ -39,7 +39,7 @@ TEST_CASE("A field's file says what it was made from and what fixed it") {
       lamp_field_text(fit_of_bent_cell(), {{Role::kPairs, "pairs.csv", "ab"}}, "test");
   CHECK_THAT(text, Catch::Contains("method: lamp_field") && Catch::Contains("n_readings: 40") &&
                        Catch::Contains("n_unattended: 20") && Catch::Contains("scale: tracker") &&
-                       Catch::Contains("held_out_rms_mm") && Catch::Contains("pairs.csv"));
+                       Catch::Contains("loo_rms_mm") && Catch::Contains("pairs.csv"));
 }
 
 TEST_CASE("A damaged file of a field is refused by name") {

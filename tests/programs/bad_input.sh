@@ -40,6 +40,21 @@ printf '%s\na,.1,.2,100,200\nb,.3,.1,300,100\nc,.2,.4,200,400\n' "$pairs_header"
 expect 2 "look like metres; write both in millimetres" \
   "$bin/planar-fit-error-map" -o made one_unit.csv
 expect 2 "method" "$bin/planar-fit-error-map" --method magic -o made few.csv
+expect 2 "--arm-out requires --cell" "$bin/planar-fit-error-map" --arm-out made -o made few.csv
+expect 2 "--cell excludes --method" \
+  "$bin/planar-fit-error-map" --cell cell/cell.yaml --method rbf -o made few.csv
+expect 2 "camera.yaml: does not exist yet; make it with planar-calibrate-camera" \
+  "$bin/planar-fit-error-map" --cell cell/cell.yaml -o made few.csv
+printf '%s,sigma_tracker_mm\np1,1,2,1,2,0.01\n' "$pairs_header" >no_joints.csv
+expect 2 "pair 'p1' lacks its joints" \
+  "$bin/planar-calibrate-arm" --cell cell/cell.yaml -o made no_joints.csv
+printf 'id,theta1_deg,theta2_deg,theta3_deg,x_mm,y_mm,sigma_mm\na,1,2,3,4,5,0.01\n' >samples.csv
+expect 2 "1 readings are too few to find an arm; 12 are needed" \
+  "$bin/planar-calibrate-arm" --cell cell/cell.yaml -o made samples.csv
+expect 2 "11 tracker readings are too few" \
+  "$bin/planar-plan" --cell cell/cell.yaml --readings 11 -o made
+expect 2 "pair 'p1' lacks its lamps" \
+  "$bin/planar-plan" --cell cell/cell.yaml --readings 5 --after no_joints.csv -o made
 printf 'id,plan,x_mm,y_mm\nfar,train,900,0\nnear,train,10,0\n' >far.csv
 expect 2 "plan row 'far'" "$bin/planar-record" --cell cell/cell.yaml --plan far.csv --out made
 expect 2 "plan row 'near'" "$bin/planar-record" --cell cell/cell.yaml --plan far.csv --out made

@@ -39,6 +39,15 @@ double landing_sigma(const JointEstimate& estimate, const LampField& field,
   return std::sqrt(median(squares) / kMedianOfTwo);
 }
 
+/// The end point lies about midway between the lamps, so their noise counts by half its variance.
+double noise_sigma(const JointEstimate& estimate, const std::vector<PoseSample>& samples) {
+  std::vector<double> sigmas;
+  for (const PoseSample& sample : samples)
+    sigmas.push_back(std::hypot(sample.reflector_B ? sample.sigma_reflector : 0.0,
+                                estimate.priors.lamp_factor * sample.sigma_lamp / std::sqrt(2.0)));
+  return *std::max_element(sigmas.begin(), sigmas.end());
+}
+
 }  // namespace
 
 LampFieldFit fit_lamp_field(const ArmNominal& nominal, const std::vector<PoseSample>& samples,
@@ -55,6 +64,7 @@ LampFieldFit fit_lamp_field(const ArmNominal& nominal, const std::vector<PoseSam
                     [](const PoseSample& sample) { return sample.reflector_B.has_value(); }));
   fit.n_unattended = samples.size() - fit.n_readings;
   fit.landing_sigma = landing_sigma(fit.estimate, fit.field, samples);
+  fit.noise_sigma = noise_sigma(fit.estimate, samples);
   fit.left_out = ids_of(fit.estimate.left_out, samples);
   fit.fixed_by = sources_of(fit.n_readings -
                             static_cast<std::size_t>(std::count_if(

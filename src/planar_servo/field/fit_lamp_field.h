@@ -38,6 +38,7 @@ struct LampFieldFit {
   /// Standard deviation per axis between where the arm that was found puts the end point and where
   /// the field sees it.
   double landing_sigma{0.0};
+  double noise_sigma{0.0};  ///< per axis, of a reading and its lamps together, as the fit found it
 };
 
 /// Estimates field, arm and tool, and judges them on places left out. Throws as estimate_jointly()

@@ -45,12 +45,19 @@ std::string lamp_field_report_text(const LampFieldFit& fit) {
 }
 
 nlohmann::json lamp_field_report_json(const LampFieldFit& fit) {
+  nlohmann::json rejected = nlohmann::json::array();
+  for (const std::string& id : fit.left_out)
+    rejected.push_back({{"id", id}, {"reason", "contradicts the others"}});
   nlohmann::json report{{"method", kLampFieldMethod},
+                        {"n_used", fit.n_readings + fit.n_unattended - fit.left_out.size()},
                         {"n_readings", fit.n_readings},
                         {"n_unattended", fit.n_unattended},
-                        {"left_out", fit.left_out},
+                        {"n_rejected", fit.left_out.size()},
+                        {"rejected", std::move(rejected)},
                         {"harmonics", fit.estimate.size.harmonics},
+                        {"noise_mm", fit.noise_sigma / kMillimetre},
                         {"lamp_noise_factor", fit.estimate.priors.lamp_factor},
+                        {"worth_using", fit.held_out.worth_using()},
                         {"fixed_by",
                          {{"scale", name_in(kFieldSources, fit.fixed_by.scale)},
                           {"datum", name_in(kFieldSources, fit.fixed_by.datum)},
@@ -58,9 +65,9 @@ nlohmann::json lamp_field_report_json(const LampFieldFit& fit) {
                         {"arm", arm_terms_json(fit.estimate)}};
   if (fit.held_out.n > 0) {
     report["raw_rms_mm"] = fit.held_out.raw_rms / kMillimetre;
-    report["held_out_rms_mm"] = fit.held_out.rms / kMillimetre;
+    report["loo_rms_mm"] = fit.held_out.rms / kMillimetre;
+    report["gain"] = 1.0 - fit.held_out.rms / fit.held_out.raw_rms;
     report["coverage_95"] = fit.held_out.coverage_95;
-    report["worth_using"] = fit.held_out.worth_using();
   }
   return report;
 }
