@@ -41,7 +41,7 @@ expect 2 "look like metres; write both in millimetres" \
   "$bin/planar-fit-error-map" -o made one_unit.csv
 expect 2 "method" "$bin/planar-fit-error-map" --method magic -o made few.csv
 expect 2 "--arm-out requires --cell" "$bin/planar-fit-error-map" --arm-out made -o made few.csv
-expect 2 "--cell excludes --method" \
+expect 2 "--method excludes --cell" \
   "$bin/planar-fit-error-map" --cell cell/cell.yaml --method rbf -o made few.csv
 expect 2 "camera.yaml: does not exist yet; make it with planar-calibrate-camera" \
   "$bin/planar-fit-error-map" --cell cell/cell.yaml -o made few.csv

@@ -36,7 +36,11 @@ expect_sample paired.txt "$bin/planar-pair-tracker"
 expect_sample arm.txt "$bin/planar-calibrate-arm"
 "$bin/planar-plan" -q --cell cell/cell.yaml --readings 8 --after paired.csv -o next.csv >next.txt
 expect_sample next.txt "$bin/planar-plan"
-"$bin/planar-fit-error-map" -q --cell cell/cell.yaml -o field.yaml paired.csv >field.txt
+cp -r cell paired_cell
+cp workplane.yaml tool.yaml paired_cell
+rm -f paired_cell/health.yaml
+"$bin/planar-fit-error-map" -q --cell paired_cell/cell.yaml --arm-out paired_cell/arm.yaml \
+  -o paired_cell/map.yaml paired.csv >field.txt
 grep -q "^places left out " field.txt || fail "$(cat field.txt)"
 
 awk 'BEGIN {
@@ -56,6 +60,10 @@ expect_sample fitted.txt "$bin/planar-fit-error-map"
 expect_sample checked.txt "$bin/planar-check-error-map"
 
 printf 'id,x_mm,y_mm\na,200,100\nb,-150,250\n' >targets.csv
+echo "arm_found: arm.yaml" >>paired_cell/cell.yaml
+"$bin/planar-servo" -q --cell paired_cell/cell.yaml --targets targets.csv --no-health --out aimed \
+  >aimed.txt || fail "$(cat aimed.txt)"
+grep -q "against the truth: before 0\.0[01]" aimed.txt || fail "$(cat aimed.txt)"
 "$bin/planar-servo" -q --cell cell/cell.yaml --targets targets.csv --out DIR >servo.txt
 expect_sample servo.txt "$bin/planar-servo"
 printf '%s\n' enable home 'joint 2 10' where 'teach A' |
