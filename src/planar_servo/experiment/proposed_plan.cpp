@@ -91,6 +91,7 @@ std::vector<Candidate> candidates_of(const KnownCell& known) {
 
 std::vector<PoseSample> poses_of(const std::vector<Candidate>& candidates) {
   std::vector<PoseSample> poses;
+  poses.reserve(candidates.size());
   for (const Candidate& candidate : candidates) poses.push_back(candidate.pose);
   return poses;
 }

@@ -106,6 +106,7 @@ Choice choose_size(const ArmNominal& nominal, const std::vector<ArmReading>& rea
 std::vector<double> residual_lengths(const ArmModel& model, const Eigen::VectorXd& x,
                                      const std::vector<ArmReading>& readings) {
   std::vector<double> lengths;
+  lengths.reserve(readings.size());
   for (const ArmReading& reading : readings) lengths.push_back(residual(model, x, reading).norm());
   return lengths;
 }

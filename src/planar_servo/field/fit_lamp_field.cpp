@@ -30,6 +30,7 @@ double landing_sigma(const JointEstimate& estimate, const LampField& field,
                      const std::vector<PoseSample>& samples) {
   const ArmModel model = estimate.model();
   std::vector<double> squares;  // whose median knows no outliers
+  squares.reserve(samples.size());
   for (const PoseSample& sample : samples)
     squares.push_back((compensate(field, sample.lamps_B).tip.p -
                        sample.t_h * estimate.fit.drift_m_per_h -
@@ -42,6 +43,7 @@ double landing_sigma(const JointEstimate& estimate, const LampField& field,
 /// The end point lies about midway between the lamps, so their noise counts by half its variance.
 double noise_sigma(const JointEstimate& estimate, const std::vector<PoseSample>& samples) {
   std::vector<double> sigmas;
+  sigmas.reserve(samples.size());
   for (const PoseSample& sample : samples)
     sigmas.push_back(std::hypot(sample.reflector_B ? sample.sigma_reflector : 0.0,
                                 estimate.priors.lamp_factor * sample.sigma_lamp / std::sqrt(2.0)));
