@@ -97,6 +97,7 @@ const Reader& reader() {
 }  // namespace
 }  // namespace planar
 
+// NOLINTNEXTLINE(readability-identifier-naming): libFuzzer looks for this name.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::filesystem::path file = std::filesystem::absolute(planar::reader().file);
   std::ofstream(file, std::ios::binary)

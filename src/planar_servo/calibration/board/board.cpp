@@ -46,7 +46,7 @@ void make_right_handed(const Board& board, std::vector<Eigen::Vector2d>& pixels)
   const Eigen::Vector2d y = at(0, board.rows - 1) - at(0, 0);
   if (cross2d(x, y) > 0.0) return;
   for (int row = 0; row < board.rows; ++row) {
-    const auto begin = pixels.begin() + row * board.columns;
+    const auto begin = pixels.begin() + std::ptrdiff_t{row} * board.columns;
     std::reverse(begin, begin + board.columns);
   }
 }

@@ -111,7 +111,7 @@ Pose VirtualBoard::lain(Random& random, double farthest_m, double greatest_turn_
 
 Pose VirtualBoard::lain_anywhere(Random& random) const {
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
-    const Pose X_BG = lain(random, kFarthestM, 180.0);
+    Pose X_BG = lain(random, kFarthestM, 180.0);
     if (every_dot_in_view(X_BG)) return X_BG;
   }
   return lain(random, 0.0, 180.0);
