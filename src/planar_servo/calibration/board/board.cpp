@@ -1,6 +1,7 @@
 #include "planar_servo/calibration/board/board.h"
 
 #include <cmath>
+#include <cstddef>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 #include <regex>
