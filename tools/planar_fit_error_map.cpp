@@ -6,13 +6,13 @@
 #include "planar_servo/core/clock.h"
 #include "planar_servo/error_map/judge/compare_methods.h"
 #include "planar_servo/error_map/judge/unit_check.h"
-#include "planar_servo/files/arm_file.h"
-#include "planar_servo/files/map/lamp_field_file.h"
 #include "planar_servo/files/map/map_file.h"
+#include "planar_servo/files/provenance.h"
 #include "planar_servo/files/vision_files.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/offline/map/fit_map_to_pairs.h"
+#include "planar_servo/offline/map/lamp_field_files.h"
 #include "planar_servo/offline/map/lamp_field_report.h"
 #include "planar_servo/offline/map/map_fit_report.h"
 #include "planar_servo/offline/map/pose_samples.h"
@@ -80,14 +80,7 @@ Outcome fit_with_cell(const Options& options) {
   const double begin_s = clock.now_s();
   const LampFieldFit fit = fit_field(options, cell);
   const double fit_seconds = clock.now_s() - begin_s;
-  std::vector<Origin> origins =
-      with_origins_of({origin_of({Role::kPairs, options.pairs})}, options.pairs);
-  const std::string map = lamp_field_text(fit, origins, kText.name);
-  origins.push_back(arm_origin(cell));
-  if (!options.arm_out.empty())
-    write_file(options.arm_out, found_arm_text(found_arm(fit.estimate), arm_terms(fit.estimate),
-                                               origins, kText.name));
-  write_file(options.output, map);
+  write_lamp_field({options.output, options.arm_out}, fit, cell, options.pairs, kText.name);
   fmt::print("{}", lamp_field_report_text(fit));
   nlohmann::json figures = lamp_field_report_json(fit);
   figures["fit_seconds"] = fit_seconds;

@@ -4,9 +4,7 @@
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
-#include "planar_servo/files/arm_file.h"
 #include "planar_servo/files/camera/camera_file.h"
-#include "planar_servo/files/map/lamp_field_file.h"
 #include "planar_servo/files/map/map_file.h"
 #include "planar_servo/files/reference_lamp_fields.h"
 #include "planar_servo/files/tables/lamp_table.h"
@@ -19,6 +17,7 @@
 #include "planar_servo/offline/lamps/locate_lamps.h"
 #include "planar_servo/offline/map/check_error_map.h"
 #include "planar_servo/offline/map/fit_map_to_pairs.h"
+#include "planar_servo/offline/map/lamp_field_files.h"
 #include "planar_servo/offline/map/pose_samples.h"
 #include "planar_servo/offline/pairs/health_of_recording.h"
 #include "planar_servo/offline/pairs/pair_files.h"
@@ -115,13 +114,9 @@ void learn_field(CalibratedChain& chain, const fs::path& pairs) {
   const VisionCalibration vision = read_vision(chain.cell, false);
   chain.field =
       fit_lamp_field(nominal_arm(chain.cell, vision), pose_samples(chain.cell, chain.pairs));
-  std::vector<Origin> origins = with_origins_of({origin_of({Role::kPairs, pairs})}, pairs);
-  write_file(chain.cell.error_map, lamp_field_text(*chain.field, origins, kProgram));
-  origins.push_back(arm_origin(chain.cell));
   chain.cell.arm_found = pairs.parent_path() / "arm.yaml";
-  const JointEstimate& estimate = chain.field->estimate;
-  write_file(*chain.cell.arm_found,
-             found_arm_text(found_arm(estimate), arm_terms(estimate), origins, kProgram));
+  write_lamp_field({chain.cell.error_map, *chain.cell.arm_found}, *chain.field, chain.cell, pairs,
+                   kProgram);
 }
 
 }  // namespace
