@@ -1,4 +1,4 @@
-#include "planar_servo/field/arm_fit.h"
+#include "planar_servo/field/arm/arm_fit.h"
 
 #include <catch2/catch.hpp>
 

@@ -6,7 +6,8 @@
 #include <vector>
 
 #include "planar_servo/core/units.h"
-#include "planar_servo/field/arm_model.h"
+#include "planar_servo/field/arm/arm_model.h"
+#include "planar_servo/field/lay_information.h"
 #include "planar_servo/field/pose_sample.h"
 
 namespace planar::test {
@@ -23,7 +24,7 @@ struct BentCell {
   double height{1.5};
   Eigen::Vector2d lamps_T{0.2e-3, -0.3e-3}, reflector_T{12.1e-3, -8.2e-3};
   double separation{40.02e-3};
-  double noise_lamp{1e-6}, noise_reflector{10e-6};
+  double noise_lamp{1e-6}, noise_reflector{10e-6}, noise_dot{1.5e-6};
 
   struct Truth {
     Eigen::Vector2d tip{0.0, 0.0};
@@ -86,6 +87,31 @@ struct BentCell {
       all.back().id = "p" + std::to_string(i + 1);
     }
     return all;
+  }
+
+  /// A board of 9 x 9 dots, 40 mm apart, laid anywhere; printed narrower by `aspect` and askew.
+  LaidDots lays(int count, double most_turn, double aspect, std::mt19937& random) const {
+    std::uniform_real_distribution<double> place(-0.25, 0.25), turn(-most_turn, most_turn);
+    std::normal_distribution<double> noise(0.0, noise_dot);
+    LaidDots board;
+    Eigen::Matrix2d print;
+    print << 1.0 - 0.5 * aspect, 0.5 * aspect, 0.5 * aspect, 1.0 + 0.5 * aspect;
+    for (int k = 0; k < count; ++k) {
+      const Eigen::Matrix2d R = rotation2d(turn(random));
+      const Eigen::Vector2d shift(place(random), place(random));
+      BoardLay lay{"lay" + std::to_string(k), Eigen::Matrix2Xd(2, 81), Eigen::Matrix2Xd(2, 81),
+                   Eigen::VectorXd::Constant(81, noise_dot)};
+      for (int i = 0; i < 81; ++i) {
+        lay.p_board.col(i) = 0.04 * Eigen::Vector2d(i % 9, i / 9);
+        const Eigen::Vector2d dot =
+            shift + R * print * (lay.p_board.col(i) - Eigen::Vector2d(0.16, 0.16));
+        Eigen::Vector2d s = dot;
+        for (int step = 0; step < 20; ++step) s = dot + field(s);
+        lay.seen_B.col(i) = s + Eigen::Vector2d(noise(random), noise(random));
+      }
+      board.lays.push_back(std::move(lay));
+    }
+    return board;
   }
 
   /// What the cell's files say of it.

@@ -103,6 +103,12 @@ PlanarArm JointPlanner::exact_arm() const {
   return PlanarArm({found_->link_lengths_m, arm_.geometry().positive_rotation});
 }
 
+TipPose JointPlanner::reached(const Joints& commanded) const {
+  if (!found_) return arm_.forward(commanded);
+  return exact_arm().forward(transmission_.joints_from_motors(
+      reducer_outputs(*found_, transmission_.motors_from_joints(commanded))));
+}
+
 JointPlan JointPlanner::plan(const TipPose& target, const Joints& near) const {
   const InverseResult inverse = exact_arm().inverse(target, elbow_, near);
   if (inverse.status != ReachStatus::kOk) return {{}, describe(inverse.status)};

@@ -45,6 +45,10 @@ class JointPlanner {
   /// its limits that lies nearest to `near`.
   JointPlan plan(const TipPose& target, const Joints& near) const;
 
+  /// Returns where these commanded joints bring the end point, by the arm as it was found. It
+  /// undoes plan().
+  TipPose reached(const Joints& commanded) const;
+
   const PlanarArm& arm() const { return arm_; }
   const Transmission& transmission() const { return transmission_; }
 

@@ -118,6 +118,7 @@ MapResult judged(FitAtPlaces at, PlaceSource places, const std::vector<ErrorSamp
   result.n_used = static_cast<std::size_t>(used.counts.sum());
   result.places = places;
   result.n_places = static_cast<std::size_t>(used.size());
+  result.at_places = {used.positions, used.errors, at.fit.residuals};
   result.rejected = std::move(at.rejected);
   for (const Outlier& outlier : at.fit.outliers)
     for (const std::size_t i : at.sites.samples[static_cast<std::size_t>(outlier.site)])

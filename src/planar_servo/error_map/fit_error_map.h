@@ -57,6 +57,13 @@ struct RejectedSample {
   std::string reason;
 };
 
+/// The places that a map was fitted to, columns; metres.
+struct MapPlaces {
+  Eigen::Matrix2Xd positions;
+  Eigen::Matrix2Xd errors;     ///< mean of the samples at each
+  Eigen::Matrix2Xd residuals;  ///< what is left of them when each place is left out of the fit
+};
+
 /// A fitted map with its figures, in metres; rms values are over the samples used. Samples of one
 /// place are left out together, so that they cannot confirm each other.
 struct MapResult {
@@ -64,6 +71,7 @@ struct MapResult {
   std::size_t n_used{0};  ///< number of samples
   PlaceSource places{PlaceSource::kPositions};
   std::size_t n_places{0};  ///< number of places with samples used
+  MapPlaces at_places;
   std::vector<RejectedSample> rejected;
   double raw_rms{0.0};  ///< of |E|
   double loo_rms{0.0};  ///< of the leave-one-out residuals |r_i|

@@ -8,14 +8,6 @@
 namespace planar {
 namespace {
 
-/// One reading fixes the datum, two at different places its turn and scale.
-FixedBy sources_of(std::size_t n_readings) {
-  FixedBy fixed;
-  if (n_readings >= 1) fixed.datum = FieldSource::kTracker;
-  if (n_readings >= 2) fixed.scale = fixed.turn = FieldSource::kTracker;
-  return fixed;
-}
-
 std::vector<std::string> ids_of(const std::vector<JointOutlier>& left_out,
                                 const std::vector<PoseSample>& samples) {
   std::vector<std::string> ids;
@@ -53,25 +45,26 @@ double noise_sigma(const JointEstimate& estimate, const std::vector<PoseSample>&
 }  // namespace
 
 LampFieldFit fit_lamp_field(const ArmNominal& nominal, const std::vector<PoseSample>& samples,
-                            const Progress& progress) {
+                            const LaidDots& board, const Progress& progress) {
   LampFieldFit fit;
   if (progress) progress("field and arm", 0.0);
-  fit.estimate = estimate_jointly(nominal, samples);
+  fit.estimate = estimate_jointly(nominal, samples, board);
   fit.field = lamp_field(fit.estimate, samples);
   if (progress) progress("places left out", 0.7);
-  fit.held_out = hold_out(fit.estimate, samples);
+  fit.held_out = hold_out(fit.estimate, samples, board);
+  fit.certainty = certainty_of(fit.field, samples);
+  fit.sources = worth_of_sources(fit.estimate, samples, board);
   if (progress) progress("places left out", 1.0);
-  fit.n_readings = static_cast<std::size_t>(
-      std::count_if(samples.begin(), samples.end(),
-                    [](const PoseSample& sample) { return sample.reflector_B.has_value(); }));
+  fit.n_readings = readings_in(samples);
   fit.n_unattended = samples.size() - fit.n_readings;
   fit.landing_sigma = landing_sigma(fit.estimate, fit.field, samples);
   fit.noise_sigma = noise_sigma(fit.estimate, samples);
   fit.left_out = ids_of(fit.estimate.left_out, samples);
-  fit.fixed_by = sources_of(fit.n_readings -
-                            static_cast<std::size_t>(std::count_if(
-                                fit.estimate.left_out.begin(), fit.estimate.left_out.end(),
-                                [](const JointOutlier& outlier) { return outlier.reading; })));
+  fit.fixed_by =
+      fixed_by(fit.n_readings - static_cast<std::size_t>(std::count_if(
+                                    fit.estimate.left_out.begin(), fit.estimate.left_out.end(),
+                                    [](const JointOutlier& outlier) { return outlier.reading; })),
+               board);
   return fit;
 }
 

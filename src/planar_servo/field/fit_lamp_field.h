@@ -4,28 +4,13 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/core/names.h"
 #include "planar_servo/core/progress.h"
+#include "planar_servo/field/field_sources.h"
 #include "planar_servo/field/held_out.h"
 #include "planar_servo/field/joint_estimate.h"
 #include "planar_servo/field/lamp_field.h"
 
 namespace planar {
-
-/// What can tell a field its scale, its datum or its turn about the base's axis.
-enum class FieldSource {
-  kTracker,
-  kArm,      ///< the cell file's links, and the axis of joint 1
-  kNothing,  ///< only that the files are about right
-};
-
-constexpr Named<FieldSource> kFieldSources[] = {{FieldSource::kTracker, "tracker"},
-                                                {FieldSource::kArm, "arm"},
-                                                {FieldSource::kNothing, "nothing"}};
-
-struct FixedBy {
-  FieldSource scale{FieldSource::kArm}, datum{FieldSource::kArm}, turn{FieldSource::kNothing};
-};
 
 /// A field at the lamps with what was found together with it.
 struct LampFieldFit {
@@ -35,6 +20,8 @@ struct LampFieldFit {
   std::size_t n_readings{0}, n_unattended{0};  ///< that were given
   std::vector<std::string> left_out;           ///< ids of poses that contradict the others
   FixedBy fixed_by;
+  FieldCertainty certainty;
+  std::vector<SourceWorth> sources;  ///< what it was learned from
   /// Standard deviation per axis between where the arm that was found puts the end point and where
   /// the field sees it.
   double landing_sigma{0.0};
@@ -44,6 +31,6 @@ struct LampFieldFit {
 /// Estimates field, arm and tool, and judges them on places left out. Throws as estimate_jointly()
 /// does.
 LampFieldFit fit_lamp_field(const ArmNominal& nominal, const std::vector<PoseSample>& samples,
-                            const Progress& progress = {});
+                            const LaidDots& board = {}, const Progress& progress = {});
 
 }  // namespace planar

@@ -57,45 +57,48 @@ Eigen::Vector2d stated_variances(const CompensatedTip& found, const JointEstimat
   return covariance.diagonal().array() + sample.sigma_reflector * sample.sigma_reflector;
 }
 
-/// Sums over judged readings.
-struct Sums {
-  double raw{0.0}, compensated{0.0};
-  std::size_t n{0}, covered{0};
-};
-
-void judge_part(const JointEstimate& estimate, const Parts& parts, std::size_t part, Sums& sums) {
+void judge_part(const JointEstimate& estimate, const LaidDots& board, const Parts& parts,
+                std::size_t part, std::vector<HeldOutReading>& readings) {
   std::vector<PoseSample> used, judged;
   for (std::size_t i = 0; i < parts.samples.size(); ++i)
     (parts.part[i] == part ? judged : used).push_back(parts.samples[i]);
   if (judged.empty()) return;
   JointEstimate without = estimate;
-  auto fit = fit_jointly(estimate.model(), estimate.priors, used, estimate.fit.basis.radius);
+  auto fit = fit_jointly(estimate.model(), estimate.priors, used, estimate.fit.basis.radius, board);
   if (!fit) throw WorkError("field and arm cannot be told apart without a tenth of the readings");
   without.fit = std::move(*fit);
   const LampField field = lamp_field(without, used);
   for (const PoseSample& sample : judged) {
     const CompensatedTip found = compensate(field, sample.lamps_B);
     const ToolOffsets& tool = estimate.nominal.tool;
-    const Eigen::Vector2d off = vision_minus_tracker(found.tip, field.tool, sample);
-    const Eigen::Vector2d variances = stated_variances(found, estimate, field, sample);
-    sums.raw +=
-        vision_minus_tracker(tip_from_places(sample.lamps_B, tool), tool, sample).squaredNorm();
-    sums.compensated += off.squaredNorm();
-    sums.covered +=
-        static_cast<std::size_t>((off.array().square() < 1.96 * 1.96 * variances.array()).count());
-    ++sums.n;
+    const TipPose seen = tip_from_places(sample.lamps_B, tool);
+    readings.push_back({seen.p, vision_minus_tracker(seen, tool, sample),
+                        vision_minus_tracker(found.tip, field.tool, sample),
+                        stated_variances(found, estimate, field, sample).cwiseSqrt()});
   }
 }
 
 }  // namespace
 
-HeldOut hold_out(const JointEstimate& estimate, const std::vector<PoseSample>& samples) {
+HeldOut hold_out(const JointEstimate& estimate, const std::vector<PoseSample>& samples,
+                 const LaidDots& board) {
   const Parts parts = parts_of(estimate, samples);
-  Sums sums;
-  for (std::size_t part = 0; part < kParts; ++part) judge_part(estimate, parts, part, sums);
-  const auto n = static_cast<double>(std::max<std::size_t>(sums.n, 1));
-  return {sums.n, std::sqrt(sums.raw / n), std::sqrt(sums.compensated / n),
-          static_cast<double>(sums.covered) / (2.0 * n)};
+  HeldOut judged;
+  for (std::size_t part = 0; part < kParts; ++part)
+    judge_part(estimate, board, parts, part, judged.readings);
+  double raw = 0.0, left = 0.0, covered = 0.0;
+  for (const HeldOutReading& reading : judged.readings) {
+    raw += reading.raw.squaredNorm();
+    left += reading.left.squaredNorm();
+    covered +=
+        static_cast<double>((reading.left.array().abs() < 1.96 * reading.sigma.array()).count());
+  }
+  judged.n = judged.readings.size();
+  const auto n = static_cast<double>(std::max<std::size_t>(judged.n, 1));
+  judged.raw_rms = std::sqrt(raw / n);
+  judged.rms = std::sqrt(left / n);
+  judged.coverage_95 = covered / (2.0 * n);
+  return judged;
 }
 
 }  // namespace planar

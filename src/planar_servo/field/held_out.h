@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <cstddef>
 #include <vector>
 
@@ -7,18 +8,28 @@
 
 namespace planar {
 
+/// A reading that was left out, at the end point as vision sees it without compensation.
+struct HeldOutReading {
+  Eigen::Vector2d p_seen{0.0, 0.0};
+  Eigen::Vector2d raw{0.0, 0.0};    ///< vision minus tracker, uncompensated
+  Eigen::Vector2d left{0.0, 0.0};   ///< the same, compensated
+  Eigen::Vector2d sigma{0.0, 0.0};  ///< of `left` per axis, as it is stated
+};
+
 /// How well places are met whose readings and pictures the fit has not seen. Lengths are in metres.
 struct HeldOut {
   std::size_t n{0};         ///< readings that were judged
   double raw_rms{0.0};      ///< of vision minus tracker at the end point, uncompensated
   double rms{0.0};          ///< the same, compensated
   double coverage_95{0.0};  ///< share of the components within 1.96 stated deviations
+  std::vector<HeldOutReading> readings;
   bool worth_using() const { return n > 0 && rms < raw_rms; }
 };
 
 /// Leaves out the places of `samples` with readings in ten parts, one part after the other, and
 /// meets each by what the others say with the estimate's priors. What the estimate left out is
 /// neither used nor judged. Without readings nothing is judged.
-HeldOut hold_out(const JointEstimate& estimate, const std::vector<PoseSample>& samples);
+HeldOut hold_out(const JointEstimate& estimate, const std::vector<PoseSample>& samples,
+                 const LaidDots& board = {});
 
 }  // namespace planar

@@ -28,48 +28,58 @@ struct Bounds {
   double low, high;
 };
 // Width of the field as a share of its radius; its deviation; factor of the lamps' stated noise;
-// deviation of a pose from the arm's model: repeatability, not what a reducer does.
-constexpr std::array<Bounds, 4> kBounds{{{0.18, 1.0}, {1e-6, 5e-3}, {0.5, 10.0}, {1e-8, 5e-6}}};
+// deviation of a pose from the arm's model: repeatability, not what a reducer does; factor of the
+// dots' stated noise, where there is a board.
+constexpr std::array<Bounds, 5> kBounds{
+    {{0.18, 1.0}, {1e-6, 5e-3}, {0.5, 10.0}, {1e-8, 5e-6}, {0.5, 30.0}}};
+constexpr std::size_t kDotFactor = 4;
 /// Turns of the tool go with shifts of the end point at the end of a link of this length, metres.
 constexpr double kTurnArm = 0.3;
 
 using Logs = std::vector<double>;
-const Logs kFirstLogs{std::log(0.25), std::log(1e-4), 0.0, std::log(1e-6)};
+
+Logs first_logs(const LaidDots& board) {
+  Logs logs{std::log(0.25), std::log(1e-4), 0.0, std::log(1e-6)};
+  if (!board.lays.empty()) logs.push_back(0.0);
+  return logs;
+}
 
 JointPriors priors_at(const Logs& logs, double radius) {
   const double arm_sigma = std::exp(logs[3]);
-  return {radius * std::exp(logs[0]), std::exp(logs[1]), std::exp(logs[2]), arm_sigma,
-          arm_sigma / kTurnArm};
+  return {radius * std::exp(logs[0]), std::exp(logs[1]),
+          std::exp(logs[2]),          arm_sigma,
+          arm_sigma / kTurnArm,       logs.size() > kDotFactor ? std::exp(logs[kDotFactor]) : 1.0};
 }
 
 /// How unlikely the samples are, over the logarithms of the priors.
 struct Unlikeliness {
   const ArmModel& model;
   const std::vector<PoseSample>& samples;
+  const LaidDots& board;
   double radius;
 
   double operator()(const Logs& logs) const {
     constexpr double kImpossible = 1e12;
-    return -joint_log_likelihood(model, priors_at(logs, radius), samples, radius)
+    return -joint_log_likelihood(model, priors_at(logs, radius), samples, radius, board)
                 .value_or(-kImpossible);
   }
 };
 
 /// Improves the logarithms of the priors.
-TriedModel tune(const ArmModel& model, const std::vector<PoseSample>& samples, double radius,
-                int evaluations, Logs& logs) {
-  nlopt::opt search(nlopt::LN_SBPLX, static_cast<unsigned>(kBounds.size()));
+TriedModel tune(const ArmModel& model, const std::vector<PoseSample>& samples,
+                const LaidDots& board, double radius, int evaluations, Logs& logs) {
+  nlopt::opt search(nlopt::LN_SBPLX, static_cast<unsigned>(logs.size()));
   Logs low, high;
-  for (const Bounds& bounds : kBounds) {
-    low.push_back(std::log(bounds.low));
-    high.push_back(std::log(bounds.high));
+  for (std::size_t i = 0; i < logs.size(); ++i) {
+    low.push_back(std::log(kBounds[i].low));
+    high.push_back(std::log(kBounds[i].high));
   }
   search.set_lower_bounds(low);
   search.set_upper_bounds(high);
   search.set_initial_step(0.7);
   search.set_ftol_abs(0.3);
   search.set_maxeval(evaluations);
-  Unlikeliness cost{model, samples, radius};
+  Unlikeliness cost{model, samples, board, radius};
   search.set_min_objective(
       [](const Logs& at, Logs&, void* data) { return (*static_cast<Unlikeliness*>(data))(at); },
       &cost);
@@ -101,14 +111,16 @@ double radius_of(const std::vector<PoseSample>& samples) {
 
 /// Tunes a model of every size, the smallest first.
 std::vector<TriedModel> try_models(const ArmNominal& nominal,
-                                   const std::vector<PoseSample>& samples, double radius) {
+                                   const std::vector<PoseSample>& samples, const LaidDots& board,
+                                   double radius) {
   const std::vector<PoseSample> part = tuning_part(samples);
   std::vector<TriedModel> tried;
-  Logs logs = kFirstLogs;
-  tune(ArmModel(nominal, {2, true}), part, radius, kTuningEvaluations, logs);
+  Logs logs = first_logs(board);
+  tune(ArmModel(nominal, {2, true}), part, board, radius, kTuningEvaluations, logs);
   for (int harmonics = 0; harmonics <= kMostHarmonics; ++harmonics) {
     Logs own = logs;
-    tried.push_back(tune(ArmModel(nominal, {harmonics, true}), part, radius, kFewEvaluations, own));
+    tried.push_back(
+        tune(ArmModel(nominal, {harmonics, true}), part, board, radius, kFewEvaluations, own));
   }
   return tried;
 }
@@ -192,10 +204,10 @@ bool leave_out_worst(const JointFit& fit, Selection& selection) {
 }
 
 /// Fits until nothing that is left contradicts the fit. `n` samples were there at first.
-JointFit fit_what_agrees(const ArmModel& model, const JointPriors& priors, double radius,
-                         std::size_t n, Selection& selection) {
+JointFit fit_what_agrees(const ArmModel& model, const JointPriors& priors, const LaidDots& board,
+                         double radius, std::size_t n, Selection& selection) {
   while (true) {
-    auto fit = fit_jointly(model, priors, selection.samples, radius);
+    auto fit = fit_jointly(model, priors, selection.samples, radius, board);
     if (!fit)
       throw WorkError("the equations of field and arm are too ill conditioned to be solved");
     if (!leave_out_worst(*fit, selection)) return std::move(*fit);
@@ -226,24 +238,45 @@ void check(const std::vector<PoseSample>& samples) {
   }
 }
 
+void require_turned(const LaidDots& board) {
+  if (board.lays.empty()) return;
+  if (const std::string doubt = doubt_of_turns(board); !doubt.empty()) throw InputError(doubt);
+}
+
 }  // namespace
 
-JointEstimate estimate_jointly(const ArmNominal& nominal, const std::vector<PoseSample>& samples) {
+std::size_t readings_in(const std::vector<PoseSample>& samples) {
+  return static_cast<std::size_t>(
+      std::count_if(samples.begin(), samples.end(),
+                    [](const PoseSample& sample) { return sample.reflector_B.has_value(); }));
+}
+
+ArmNominal nominal_for(const ArmNominal& nominal, const std::vector<PoseSample>& samples) {
+  constexpr std::size_t kReadingsForTurn = 2;
+  constexpr double kNoDoubt = 1e-9;  // radians
+  ArmNominal arm = nominal;
+  if (readings_in(samples) < kReadingsForTurn) arm.zero1_sigma = kNoDoubt;
+  return arm;
+}
+
+JointEstimate estimate_jointly(const ArmNominal& nominal, const std::vector<PoseSample>& samples,
+                               const LaidDots& board) {
   check(samples);
+  JointEstimate estimate;
+  estimate.nominal = nominal_for(nominal, samples);
+  if (readings_in(samples) == 0) require_turned(board);
   const double radius = radius_of(samples);
   Selection selection{samples, std::vector<std::size_t>(samples.size()), {}};
   std::iota(selection.indices.begin(), selection.indices.end(), std::size_t{0});
   // Outliers are found before anything is tuned, or the tuning would make room for them.
-  fit_what_agrees(ArmModel(nominal, {kMostHarmonics, true}), priors_at(kFirstLogs, radius), radius,
-                  samples.size(), selection);
-  JointEstimate estimate;
-  estimate.nominal = nominal;
-  estimate.tried = try_models(nominal, selection.samples, radius);
+  fit_what_agrees(ArmModel(estimate.nominal, {kMostHarmonics, true}),
+                  priors_at(first_logs(board), radius), board, radius, samples.size(), selection);
+  estimate.tried = try_models(estimate.nominal, selection.samples, board, radius);
   const TriedModel& chosen = choose(estimate.tried);
   estimate.size = chosen.size;
   estimate.priors = chosen.priors;
   estimate.fit =
-      fit_what_agrees(estimate.model(), estimate.priors, radius, samples.size(), selection);
+      fit_what_agrees(estimate.model(), estimate.priors, board, radius, samples.size(), selection);
   estimate.left_out = std::move(selection.left_out);
   return estimate;
 }

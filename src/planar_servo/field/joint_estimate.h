@@ -35,11 +35,19 @@ struct JointEstimate {
 /// Estimates field, arm and tool. Widths, deviations and the number of harmonics are those of the
 /// largest marginal likelihood; no truth and no sample kept for judging enters. Samples that lie
 /// far beyond the scatter of all are left out, the worst first: their reading, then the whole pose.
-/// Throws InputError for fewer than kFewestPoses samples, for values that are not finite, standard
-/// deviations that are not positive, and for outliers beyond a fifth of the samples. Throws
-/// WorkError when the equations cannot be solved.
-JointEstimate estimate_jointly(const ArmNominal& nominal, const std::vector<PoseSample>& samples);
+/// With less than two readings turn is counted from the zero of motor 1. Throws InputError for
+/// fewer than kFewestPoses samples, for values that are not finite, standard deviations that are
+/// not positive, for outliers beyond a fifth of the samples, and without readings for lays that are
+/// only shifted. Throws WorkError when the equations cannot be solved.
+JointEstimate estimate_jointly(const ArmNominal& nominal, const std::vector<PoseSample>& samples,
+                               const LaidDots& board = {});
 
 constexpr std::size_t kFewestPoses = 12;
+
+std::size_t readings_in(const std::vector<PoseSample>& samples);
+
+/// Returns the arm as its files have it, with the zero of motor 1 beyond doubt when less than two
+/// readings fix the turn about the base's axis.
+ArmNominal nominal_for(const ArmNominal& nominal, const std::vector<PoseSample>& samples);
 
 }  // namespace planar

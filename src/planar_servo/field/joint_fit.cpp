@@ -52,10 +52,11 @@ PoseNoise noise_of(const PoseSample& sample, const JointPriors& priors,
 class Equations {
  public:
   Equations(const ArmModel& model, const JointPriors& priors,
-            const std::vector<PoseSample>& samples, FieldBasis basis)
+            const std::vector<PoseSample>& samples, FieldBasis basis, const LaidDots& board)
       : model_(model),
         samples_(samples),
         basis_(std::move(basis)),
+        board_(lay_information(board, basis_, priors.dot_factor)),
         kernel_(basis_.kernel_matrix()),
         priors_(priors),
         nominal_(model.nominal()),
@@ -105,7 +106,7 @@ class Equations {
                          4.0 * FieldBasis::kQuadratic * std::log(kQuadraticSigma) +
                          4.0 * std::log(kDriftSigma) - 2.0 * kernel;
     const double posterior = 2.0 * L_.diagonal().array().log().sum();
-    double noise = 0.0;
+    double noise = board_.log_determinant;
     for (const PoseNoise& of_pose : noise_) noise += of_pose.log_determinant;
     return -0.5 * (squares_ - half_.squaredNorm() + noise + posterior + prior);
   }
@@ -114,7 +115,7 @@ class Equations {
   Eigen::Index field_terms() const { return 2 * (basis_.terms() + 1); }
   Eigen::Index terms() const { return field_terms() + model_.terms(); }
 
-  /// Whitens the rows of the field, which no step changes, and adds its prior.
+  /// Whitens the rows of the field, which no step changes, and adds its prior and the board.
   void field_rows() {
     const auto n = static_cast<Eigen::Index>(samples_.size());
     F_ = Eigen::MatrixXd::Zero(kRows * n, field_terms());
@@ -145,6 +146,10 @@ class Equations {
       H0_(first + nb, first + nb) += 1.0 / (kDriftSigma * kDriftSigma);
     }
     H0_.diagonal().tail(model_.terms()).array() += sigma_.array().square().inverse();
+    for (const Eigen::Index row : {0, 1})
+      for (const Eigen::Index column : {0, 1})
+        H0_.block(row * (nb + 1), column * (nb + 1), nb, nb) +=
+            board_.H.block(row * nb, column * nb, nb, nb);
   }
 
   /// The whitened rows of the arm about x, and their residuals but for the field.
@@ -194,7 +199,10 @@ class Equations {
     }
     right_.resize(terms());
     right_ << F_.transpose() * z, J.transpose() * z + off.cwiseQuotient(sigma_);
-    squares_ = z.squaredNorm() + off.squaredNorm();
+    const Eigen::Index nb = basis_.terms();
+    right_.head(nb) += board_.right.head(nb);
+    right_.segment(nb + 1, nb) += board_.right.tail(nb);
+    squares_ = z.squaredNorm() + off.squaredNorm() + board_.squares;
   }
 
   PoseRows residual(const PoseSample& sample, const Eigen::VectorXd& x) const {
@@ -208,6 +216,7 @@ class Equations {
   const ArmModel& model_;
   const std::vector<PoseSample>& samples_;
   FieldBasis basis_;
+  LayInformation board_;
   Eigen::MatrixXd kernel_;
   JointPriors priors_;
   Eigen::VectorXd nominal_, sigma_;
@@ -221,16 +230,19 @@ class Equations {
 }  // namespace
 
 std::optional<JointFit> fit_jointly(const ArmModel& model, const JointPriors& priors,
-                                    const std::vector<PoseSample>& samples, double field_radius) {
-  Equations equations(model, priors, samples, basis_over_disc(field_radius, priors.field_width));
+                                    const std::vector<PoseSample>& samples, double field_radius,
+                                    const LaidDots& board) {
+  Equations equations(model, priors, samples, basis_over_disc(field_radius, priors.field_width),
+                      board);
   if (!equations.solve()) return std::nullopt;
   return equations.result();
 }
 
 std::optional<double> joint_log_likelihood(const ArmModel& model, const JointPriors& priors,
                                            const std::vector<PoseSample>& samples,
-                                           double field_radius) {
-  Equations equations(model, priors, samples, basis_over_disc(field_radius, priors.field_width));
+                                           double field_radius, const LaidDots& board) {
+  Equations equations(model, priors, samples, basis_over_disc(field_radius, priors.field_width),
+                      board);
   if (!equations.solve()) return std::nullopt;
   return equations.log_likelihood();
 }

@@ -4,8 +4,9 @@
 #include <optional>
 #include <vector>
 
-#include "planar_servo/field/arm_model.h"
+#include "planar_servo/field/arm/arm_model.h"
 #include "planar_servo/field/field_basis.h"
+#include "planar_servo/field/lay_information.h"
 #include "planar_servo/field/pose_sample.h"
 
 namespace planar {
@@ -17,6 +18,7 @@ struct JointPriors {
   double lamp_factor{1.0};   ///< times the stated deviations of the lamps' places
   double arm_sigma{1e-7};    ///< of a pose from the arm's model, per axis
   double tool_sigma{3e-7};   ///< of the tool's direction from the arm's model, radians
+  double dot_factor{1.0};    ///< times the stated deviations of a board's dots
 };
 
 /// Holds the field, the arm and the tool that explain a set of poses, with their covariance. The
@@ -37,14 +39,16 @@ struct JointFit {
 
 /// Estimates the field e, seen place = place + e + drift t, together with the arm and the tool, by
 /// Gauss-Newton steps with the priors as further observations (theory section 13). The reflector
-/// and both lamps of a pose share its deviation from the arm's model. Every sample counts as it is;
-/// nothing is left out. Empty when the equations cannot be solved.
+/// and both lamps of a pose share its deviation from the arm's model. The lays of a board tell the
+/// field only. Every sample counts as it is; nothing is left out. Empty when the equations cannot
+/// be solved.
 std::optional<JointFit> fit_jointly(const ArmModel& model, const JointPriors& priors,
-                                    const std::vector<PoseSample>& samples, double field_radius);
+                                    const std::vector<PoseSample>& samples, double field_radius,
+                                    const LaidDots& board = {});
 
 /// Returns only the log likelihood of that fit, in less time.
 std::optional<double> joint_log_likelihood(const ArmModel& model, const JointPriors& priors,
                                            const std::vector<PoseSample>& samples,
-                                           double field_radius);
+                                           double field_radius, const LaidDots& board = {});
 
 }  // namespace planar

@@ -18,12 +18,21 @@ struct ArmReading {
   double sigma{0.0};                      ///< per axis, metres
 };
 
+/// A reading at a place that was left out of the fit.
+struct ArmMiss {
+  Eigen::Vector3d motors{0.0, 0.0, 0.0};  ///< commanded, radians
+  Eigen::Vector2d p_B{0.0, 0.0};          ///< metres
+  Eigen::Vector2d miss{0.0, 0.0};         ///< read minus predicted by the others, metres
+};
+
 /// An arm as tracker readings alone show it.
 struct ArmFit {
   JointEstimate estimate;             ///< without a field; what concerns lamps is not determined
   std::vector<std::string> left_out;  ///< ids of readings that contradict the others
   double rms{0.0};                    ///< of the readings used, metres
   double held_out_rms{0.0};           ///< of readings at places left out, metres
+  std::vector<ArmMiss> held_out;      ///< of every reading used
+  double stated_sigma{0.0};           ///< rms of what the readings used state, metres
 };
 
 /// Estimates links, zeros, harmonics and the reflector by Gauss-Newton steps from what the files

@@ -21,7 +21,13 @@ struct ArmNominal {
   double separation{0.04};                    ///< of the lamps, metres
   ToolOffsets tool;
   double reflector_sigma{1e-3};  ///< standard deviation per axis of tool.p_TS, metres
+  /// Of the zero of motor 1, radians. Where nothing fixes the turn about the base's axis, that zero
+  /// is what turn is counted from, and is next to nothing.
+  double zero1_sigma{0.02};
 };
+
+/// Standard deviation per axis of a reflector whose place on the tool nobody knows, metres.
+constexpr double kSomewhereOnTool = 0.1;
 
 /// The points of the tool on the plane, columns: reflector, lamp 1, lamp 2. Lamps stand where an
 /// ideal camera sees them; metres.

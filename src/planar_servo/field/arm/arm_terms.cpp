@@ -1,4 +1,4 @@
-#include "planar_servo/field/arm_terms.h"
+#include "planar_servo/field/arm/arm_terms.h"
 
 #include <fmt/format.h>
 

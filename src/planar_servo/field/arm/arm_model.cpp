@@ -1,4 +1,4 @@
-#include "planar_servo/field/arm_model.h"
+#include "planar_servo/field/arm/arm_model.h"
 
 #include <cmath>
 
@@ -41,7 +41,7 @@ Eigen::VectorXd ArmModel::nominal() const {
 
 Eigen::VectorXd ArmModel::prior_sigma() const {
   Eigen::VectorXd sigma(terms());
-  sigma.head<5>() << 2e-3, 2e-3, 0.02, 0.02, 0.02;
+  sigma.head<5>() << 2e-3, 2e-3, nominal_.zero1_sigma, 0.02, 0.02;
   for (int h = 1; h <= size_.harmonics; ++h) sigma.segment<6>(6 * h - 1).setConstant(2e-3 / h);
   const double height = size_.height ? 2e-3 : kFixed;
   sigma.tail<8>() << height, height, size_.height ? 1e-4 : kFixed, 0.3e-3, 1e-3, 1e-3,

@@ -1,4 +1,4 @@
-#include "planar_servo/field/arm_fit.h"
+#include "planar_servo/field/arm/arm_fit.h"
 
 #include <fmt/format.h>
 
@@ -144,16 +144,16 @@ std::vector<std::string> places_of(const std::vector<ArmReading>& readings) {
   return places;
 }
 
-/// Returns the rms with which the places of each tenth are met by what the others say.
-double held_out_rms(const ArmModel& model, double scatter,
-                    const std::vector<ArmReading>& readings) {
+/// Returns how the readings of each tenth of the places are met by what the others say.
+std::vector<ArmMiss> hold_out_readings(const ArmModel& model, double scatter,
+                                       const std::vector<ArmReading>& readings) {
   const std::vector<std::string> places = places_of(readings);
   const auto part_of = [&](const ArmReading& reading) {
     const auto place =
         std::find(places.begin(), places.end(), reading.place.empty() ? reading.id : reading.place);
     return static_cast<std::size_t>(place - places.begin()) % kHeldOutParts;
   };
-  double squares = 0.0;
+  std::vector<ArmMiss> misses;
   for (std::size_t part = 0; part < kHeldOutParts; ++part) {
     std::vector<ArmReading> used, judged;
     for (const ArmReading& reading : readings)
@@ -161,10 +161,10 @@ double held_out_rms(const ArmModel& model, double scatter,
     if (judged.empty()) continue;
     const auto without = solve(model, used, scatter);
     if (!without) throw WorkError("the arm cannot be found without a tenth of its readings");
-    for (const double length : residual_lengths(model, without->x, judged))
-      squares += length * length;
+    for (const ArmReading& reading : judged)
+      misses.push_back({reading.motors, reading.p_B, residual(model, without->x, reading)});
   }
-  return std::sqrt(squares / static_cast<double>(readings.size()));
+  return misses;
 }
 
 }  // namespace
@@ -189,7 +189,12 @@ ArmFit fit_arm(const ArmNominal& nominal, const std::vector<ArmReading>& reading
   fit.estimate.fit.arm = choice.solution.x;
   fit.estimate.fit.covariance = choice.solution.covariance;
   fit.rms = rms(residual_lengths(model, choice.solution.x, used));
-  fit.held_out_rms = held_out_rms(model, choice.scatter, used);
+  fit.held_out = hold_out_readings(model, choice.scatter, used);
+  std::vector<double> misses, sigmas;
+  for (const ArmMiss& miss : fit.held_out) misses.push_back(miss.miss.norm());
+  for (const ArmReading& reading : used) sigmas.push_back(reading.sigma);
+  fit.held_out_rms = rms(misses);
+  fit.stated_sigma = rms(sigmas);
   return fit;
 }
 

@@ -1,0 +1,111 @@
+#include "planar_servo/field/lay_information.h"
+
+#include <catch2/catch.hpp>
+
+#include "field/bent_cell.h"
+#include "planar_servo/core/numerics/decompositions.h"
+#include "planar_servo/field/fit_lamp_field.h"
+
+namespace planar {
+namespace {
+
+constexpr double kAllRound = 3.0;
+const FieldBasis kBasis = basis_over_disc(0.6, 0.2);
+
+/// Returns the weights of the field that the quadratic's x and y terms of p / radius make.
+Eigen::VectorXd linear_field(const Eigen::Matrix2d& A) {
+  const Eigen::Index nb = kBasis.terms();
+  Eigen::MatrixXd at(200, nb);
+  Eigen::MatrixX2d wanted(200, 2);
+  for (int i = 0; i < 200; ++i) {
+    const Eigen::Vector2d p = 0.5 * Eigen::Vector2d(std::sin(1.7 * i), std::cos(2.9 * i));
+    at.row(i) = kBasis.at(p);
+    wanted.row(i) = A * p;
+  }
+  const Eigen::Index quadratic = FieldBasis::kQuadratic;
+  Eigen::MatrixX2d w = Eigen::MatrixX2d::Zero(nb, 2);
+  const Eigen::MatrixXd tail = at.rightCols(quadratic);
+  w.bottomRows(quadratic) = solve_symmetric(tail.transpose() * tail, tail.transpose() * wanted);
+  return w.reshaped();
+}
+
+/// Returns how many standard deviations of the dots a field is off what they show, squared.
+double sight_of(const LayInformation& told, const Eigen::VectorXd& w) {
+  return w.dot(told.H * w);
+}
+
+Eigen::Matrix2d turn_of(double angle) {
+  return (Eigen::Matrix2d() << 0.0, -angle, angle, 0.0).finished();
+}
+
+TEST_CASE("A board shows a field's bends and, with a known pitch, its scale, but never its turn") {
+  const test::BentCell cell;
+  std::mt19937 random(1);
+  LaidDots board = cell.lays(6, kAllRound, 0.0, random);
+  const LayInformation known = lay_information(board, kBasis, 1.0);
+  board.pitch_known = false;
+  for (BoardLay& lay : board.lays) lay.p_board /= 0.04;
+  const LayInformation unknown = lay_information(board, kBasis, 1.0);
+  constexpr double kLarge = 1e-3;  // as a share; a hundred times what a known pitch leaves open
+  const Eigen::VectorXd turn = linear_field(turn_of(kLarge)),
+                        scale = linear_field(kLarge * Eigen::Matrix2d::Identity());
+  const Eigen::Vector2d bend(kLarge, -kLarge);
+  const Eigen::VectorXd aspect = linear_field(bend.asDiagonal());
+  CHECK(sight_of(known, turn) < 2.0);
+  CHECK(sight_of(known, scale) > 2e3);
+  CHECK(sight_of(unknown, scale) < 2.0);
+  CHECK(sight_of(unknown, aspect) > 9e3);
+}
+
+TEST_CASE("What a board tells does not depend on where its dots are counted from") {
+  const test::BentCell cell;
+  std::mt19937 random(2);
+  LaidDots board = cell.lays(4, kAllRound, 0.0, random);
+  const LayInformation told = lay_information(board, kBasis, 1.0);
+  for (BoardLay& lay : board.lays)
+    lay.p_board = (rotation2d(0.7) * lay.p_board).colwise() + Eigen::Vector2d(0.3, -2.0);
+  const LayInformation moved = lay_information(board, kBasis, 1.0);
+  CHECK(moved.squares == Approx(told.squares).epsilon(1e-3));
+  CHECK((moved.H - told.H).norm() < 1e-6 * told.H.norm());
+}
+
+TEST_CASE("Without a tracker a board and poses give the end point but for the turn") {
+  const test::BentCell cell;
+  double mean_m = 0.0;
+  constexpr int kDraws = 3, kPlaces = 200;
+  for (int draw = 0; draw < kDraws; ++draw) {
+    std::mt19937 random(draw);
+    const auto samples = cell.samples(0, 300, random);
+    const LampFieldFit fit =
+        fit_lamp_field(cell.nominal(), samples, cell.lays(12, kAllRound, 2e-4, random));
+    CHECK(fit.fixed_by.scale == FieldSource::kBoard);
+    CHECK(fit.fixed_by.turn == FieldSource::kNothing);
+    CHECK(fit.sources.size() == 2);
+    double across = 0.0, squares = 0.0;
+    Eigen::Matrix2Xd seen(2, kPlaces), off(2, kPlaces);
+    for (int i = 0; i < kPlaces; ++i) {
+      const PoseSample sample = cell.sample(test::BentCell::random_motors(random), false, random);
+      seen.col(i) = compensate(fit.field, sample.lamps_B).tip.p;
+      off.col(i) = seen.col(i) - cell.truth(sample.motors).tip;
+      across += seen(0, i) * off(1, i) - seen(1, i) * off(0, i);
+      squares += seen.col(i).squaredNorm();
+    }
+    off -= turn_of(across / squares) * seen;
+    mean_m += off.colwise().norm().mean() / kDraws;
+    CHECK(std::abs(across / squares) > 1e-4);  // the turn is there to be taken out
+  }
+  CHECK(mean_m < 6e-6);
+}
+
+TEST_CASE("Lays that are only shifted are refused where no reading helps them") {
+  const test::BentCell cell;
+  std::mt19937 random(3);
+  const LaidDots shifted = cell.lays(6, 0.1, 0.0, random);
+  CHECK_THROWS_WITH(estimate_jointly(cell.nominal(), cell.samples(0, 40, random), shifted),
+                    Catch::Contains("6 lays") && Catch::Contains("only shifted") &&
+                        Catch::Contains("45 to 90 degrees"));
+  CHECK_NOTHROW(estimate_jointly(cell.nominal(), cell.samples(20, 40, random), shifted));
+}
+
+}  // namespace
+}  // namespace planar
