@@ -54,8 +54,8 @@ inline Pose pose_of_view(int i) {
 
 inline CalibrationProblem views_of_board(const CameraModel& camera, int count,
                                          const std::string& model, double dot_diameter = 0.0,
-                                         double noise_px = kNoise_px) {
-  std::mt19937 random(7);
+                                         double noise_px = kNoise_px, unsigned seed = 7) {
+  std::mt19937 random(seed);
   CalibrationProblem problem = problem_of(model);
   for (int i = 0; i < count; ++i) {
     problem.views.push_back(view_of_board(camera, pose_of_view(i), "view" + std::to_string(i),

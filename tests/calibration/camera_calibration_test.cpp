@@ -55,6 +55,44 @@ TEST_CASE("Each model's own camera is found within its standard deviations") {
   }
 }
 
+/// Returns the rms of the errors of fx, fy, cx and cy over several calibrations, in the deviations
+/// that each states.
+double standardised_rms(const CameraModel& camera, const std::string& model,
+                        unsigned calibrations) {
+  double sum = 0.0;
+  for (unsigned seed = 0; seed < calibrations; ++seed) {
+    const auto found =
+        calibrate_camera(views_of_board(camera, 12, model, 0.0, kNoise_px, 100 + seed));
+    const Intrinsics k = intrinsics(found.camera);
+    const Eigen::Array4d off(k.fx - kIntrinsics.fx, k.fy - kIntrinsics.fy, k.cx - kIntrinsics.cx,
+                             k.cy - kIntrinsics.cy);
+    const Eigen::Map<const Eigen::Array4d> sigma(found.standard_deviations.data());
+    sum += (off / sigma).square().mean() / calibrations;
+  }
+  return std::sqrt(sum);
+}
+
+void check_stated(const CameraModel& camera, const std::string& model, unsigned calibrations) {
+  INFO(model);
+  const double rms = standardised_rms(camera, model, calibrations);
+  CAPTURE(rms);
+  CHECK(rms > 0.7);
+  CHECK(rms < 1.4);
+}
+
+const CameraModel kRichLens = PlumbBob{kIntrinsics, -0.2, 0.08, 1e-3, -5e-4, 0.02};
+
+TEST_CASE("Errors of a calibration are as large as the deviations that it states") {
+  check_stated(kRichLens, "plumb_bob", 10);
+}
+
+// Some minutes; run by its name or by [slow].
+TEST_CASE("Over 50 calibrations errors are as large as the stated deviations", "[.slow]") {
+  check_stated(kRichLens, "plumb_bob", 50);
+  check_stated(KannalaBrandt{kIntrinsics, 0.02, -0.01, 0.005, 0.0}, "equidistant", 50);
+  check_stated(PlumbBob{kIntrinsics, -0.15}, "auto", 50);
+}
+
 TEST_CASE("The rational model follows a lens of its kind, whatever its coefficients trade off") {
   const CameraModel truth = Rational{kIntrinsics, 0.3, 0.02, -2e-4, 5e-4, 0.001, 0.42, 0.06, 0.002};
   const auto found = calibrate_camera(views_of_board(truth, 6, "rational_polynomial"));
@@ -209,6 +247,19 @@ TEST_CASE("ViSP's photographs give the camera that ViSP documents") {
   CHECK(k.cx == Approx(163.1810).margin(kTolerance_px));
   CHECK(k.cy == Approx(112.9660).margin(kTolerance_px));
   CHECK(found.rms_px < 0.30090);
+}
+
+TEST_CASE(
+    "Views that do not tell which lens it is widen the principal point until it covers both") {
+  const auto folder = test::shared_data("circle_grids/rct");
+  if (!folder) return;
+  const Board board{Board::Kind::kCircles, 10, 10, 0.0254};
+  CalibrationProblem problem = problem_from_images(*folder, ".png", board);
+  problem.model = "auto";
+  const CameraCalibration found = calibrate_camera(problem);
+  constexpr double kPublished_px = 226.2;  // by k1 k2 p1 p2 k3 on 15 such pictures
+  CHECK(std::abs(intrinsics(found.camera).cy - kPublished_px) < 2.0 * found.standard_deviations[3]);
+  CHECK(found.standard_deviations[3] < 30.0);
 }
 
 TEST_CASE("The grid36 photographs give the camera that vpCalibration finds") {

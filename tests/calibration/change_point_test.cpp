@@ -49,6 +49,20 @@ TEST_CASE("Errors without a step show none, visited at random, row by row, or wi
   CHECK(alarms(kSeeds, Visit::kAtRandom, 0.001 * kMillimetre) <= kMost);
 }
 
+TEST_CASE("Outliers are not taken for a step, not even among the first places") {
+  int found = 0;
+  for (unsigned seed = 0; seed < 500; ++seed) {
+    std::vector<TimedError> errors = healthy_errors(seed, Visit::kAtRandom);
+    std::mt19937 random(seed + 1);
+    std::uniform_int_distribution<int> anywhere(0, kPlaces - 1), early(0, 5);
+    errors[static_cast<std::size_t>(early(random))].error.x() += 3.0 * kMillimetre;
+    for (int i = 0; i < 3; ++i)
+      errors[static_cast<std::size_t>(anywhere(random))].error.y() -= 2.0 * kMillimetre;
+    found += find_change(errors) ? 1 : 0;
+  }
+  CHECK(found <= 4);
+}
+
 TEST_CASE("A reflector bumped midway is found at its place with its size") {
   const Eigen::Vector2d step(0.06 * kMillimetre, -0.08 * kMillimetre);
   for (const Visit visit : {Visit::kAtRandom, Visit::kRowByRow}) {

@@ -11,6 +11,7 @@
 #include "planar_servo/calibration/camera/repeated_views.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/numerics/statistics.h"
+#include "planar_servo/core/parallel.h"
 
 namespace planar {
 namespace {
@@ -69,13 +70,13 @@ class Calibrator {
   }
 
   /// Throws WorkError unless the fit has come to its end and determines the camera.
-  std::vector<double> standard_deviations() const {
+  CameraUncertainty uncertainty() const {
     if (!lens_.converged) {
       throw WorkError("the fit of a camera of the model " + model_.name +
                       " did not converge; take more views, tilted in different directions, or a "
                       "simpler model");
     }
-    return planar::standard_deviations(lens_, views_, model_);
+    return camera_uncertainty(lens_, views_, model_);
   }
 
   const std::vector<CalibrationView>& views() const { return views_; }
@@ -174,40 +175,61 @@ class Calibrator {
   double dot_diameter_{0.0};
 };
 
-/// Whether a simpler model's held-out squares exceed the best model's by more than the standard
-/// error of their mean difference, view by view.
-bool clearly_worse(const std::vector<double>& squares, const std::vector<double>& best) {
+/// A model is taken for as good as the best within so many standard errors, and is ruled out beyond
+/// so many.
+constexpr double kTakenFor = 1.0, kRuledOut = 2.0;
+
+/// Whether a model's held-out squares exceed the best model's by more than so many standard errors
+/// of their mean difference, view by view.
+bool clearly_worse(const std::vector<double>& squares, const std::vector<double>& best,
+                   double standard_errors) {
   const double n = static_cast<double>(best.size());
   std::vector<double> excess(best.size());
   for (std::size_t i = 0; i < best.size(); ++i) excess[i] = squares[i] - best[i];
   double scatter = 0.0;
   for (const double e : excess) scatter += (e - mean(excess)) * (e - mean(excess));
-  return mean(excess) > std::sqrt(scatter / (n * (n - 1.0)));
+  return mean(excess) > standard_errors * std::sqrt(scatter / (n * (n - 1.0)));
 }
 
-std::string choose_model(const CalibrationProblem& problem,
+/// A model that `auto` takes, and the cameras of others that predict views left out as well as any:
+/// the views do not tell which lens it is.
+struct ChosenModel {
+  std::string name;
+  std::vector<CameraModel> as_good{};
+};
+
+ChosenModel choose_model(const CalibrationProblem& problem,
                          const std::vector<RejectedView>& rejected) {
   // Views are judged once, by a model that fits most lenses, so that all models see the same ones.
   CalibrationProblem common = problem;
   common.views = Calibrator(problem, model_named("plumb_bob"), rejected).views();
+  for (CalibrationView& view : common.views) view.dot_areas_px2.clear();  // eccentricity is off
   struct Candidate {
     std::string model;
     std::vector<double> squares;
+    CameraModel camera;
   };
+  constexpr std::array kModels{"pinhole", "plumb_bob_k1", "plumb_bob", "equidistant",
+                               "rational_polynomial"};
+  std::array<std::optional<Candidate>, kModels.size()> fitted;
+  parallel_for(
+      kModels.size(), kModels.size(), [] { return 0; },
+      [&](std::size_t i, int) {
+        // The richest model takes longest and is begun first.
+        const std::size_t k = kModels.size() - 1 - i;
+        try {
+          const Calibrator calibrator(common, model_named(kModels[k]), {});
+          calibrator.uncertainty();
+          auto squares = calibrator.held_out_squares();
+          if (squares && squares->size() == common.views.size())
+            fitted[k] = {kModels[k], std::move(*squares), calibrator.lens().camera};
+        } catch (const WorkError&) {
+          return;  // these views do not determine this model
+        }
+      });
   std::vector<Candidate> candidates;
-  for (const char* model :
-       {"pinhole", "plumb_bob_k1", "plumb_bob", "equidistant", "rational_polynomial"}) {
-    try {
-      const Calibrator calibrator(common, model_named(model), {});
-      calibrator.standard_deviations();
-      auto squares = calibrator.held_out_squares();
-      if (squares && squares->size() == common.views.size()) {
-        candidates.push_back({model, std::move(*squares)});
-      }
-    } catch (const WorkError&) {
-      continue;  // these views do not determine this model
-    }
-  }
+  for (std::optional<Candidate>& candidate : fitted)
+    if (candidate) candidates.push_back(std::move(*candidate));
   if (candidates.empty()) {
     throw WorkError(
         "the views determine a camera of none of the models; take more of them, tilted in "
@@ -217,11 +239,16 @@ std::string choose_model(const CalibrationProblem& problem,
   const auto best = std::min_element(
       candidates.begin(), candidates.end(),
       [](const Candidate& a, const Candidate& b) { return mean(a.squares) < mean(b.squares); });
-  return std::find_if(candidates.begin(), candidates.end(),
-                      [&](const Candidate& candidate) {
-                        return !clearly_worse(candidate.squares, best->squares);
-                      })
-      ->model;
+  const auto simplest =
+      std::find_if(candidates.begin(), candidates.end(), [&](const Candidate& candidate) {
+        return !clearly_worse(candidate.squares, best->squares, kTakenFor);
+      });
+  ChosenModel chosen{simplest->model};
+  for (const Candidate& candidate : candidates)
+    if (candidate.model != chosen.name &&
+        !clearly_worse(candidate.squares, best->squares, kRuledOut))
+      chosen.as_good.push_back(candidate.camera);
+  return chosen;
 }
 
 void describe_views(const Calibrator& calibrator, CameraCalibration& result) {
@@ -233,7 +260,10 @@ void describe_views(const Calibrator& calibrator, CameraCalibration& result) {
   for (std::size_t i = 0; i < calibrator.views().size(); ++i) {
     const CalibrationView& view = calibrator.views()[i];
     const double rms_px = calibrator.lens().view_rms_px[i];
-    result.views.push_back({view.name, calibrator.lens().X_CG[i], rms_px});
+    const Pose& X_CG = calibrator.lens().X_CG[i];
+    result.views.push_back(
+        {view.name, X_CG, rms_px, view.pixels,
+         board_residuals(result.camera, X_CG, view.points_G, view.pixels).value()});
     squares += rms_px * rms_px * static_cast<double>(view.pixels.size());
     points += static_cast<double>(view.pixels.size());
     for (const Eigen::Vector2d& uv : view.pixels) {
@@ -244,14 +274,27 @@ void describe_views(const Calibrator& calibrator, CameraCalibration& result) {
   result.rms_px = std::sqrt(squares / points);
 }
 
+std::vector<Eigen::Vector2d> pixels_of(const std::vector<CalibratedView>& views) {
+  std::vector<Eigen::Vector2d> pixels;
+  for (const CalibratedView& view : views)
+    pixels.insert(pixels.end(), view.pixels.begin(), view.pixels.end());
+  return pixels;
+}
+
+double median_distance(const CameraCalibration& calibration) {
+  std::vector<double> distances;
+  for (const CalibratedView& view : calibration.views)
+    distances.push_back(view.X_CG.translation().z());
+  return median(distances);
+}
+
 void judge_held_out(const Calibrator& calibrator, CameraCalibration& result) {
   const auto squares = calibrator.held_out_squares();
   if (!squares) return;
-  std::vector<double> distances;
-  for (const CalibratedView& view : result.views) distances.push_back(view.X_CG.translation().z());
   const Intrinsics k = intrinsics(result.camera);
   result.held_out_rms_px = std::sqrt(mean(*squares));
-  result.expected_error = *result.held_out_rms_px * median(distances) / std::sqrt(k.fx * k.fy);
+  result.expected_error =
+      *result.held_out_rms_px * median_distance(result) / std::sqrt(k.fx * k.fy);
 }
 
 }  // namespace
@@ -273,16 +316,24 @@ CameraCalibration calibrate_camera(const CalibrationProblem& problem,
   std::vector<RejectedView> rejected = without_board;
   drop_repeated_views(distinct.views, rejected);
   CameraCalibration result;
-  result.model = problem.model == kAuto ? choose_model(distinct, rejected) : problem.model;
+  const ChosenModel chosen =
+      problem.model == kAuto ? choose_model(distinct, rejected) : ChosenModel{problem.model};
+  result.model = chosen.name;
   const Calibrator calibrator(distinct, model_named(result.model), rejected);
   result.camera = calibrator.lens().camera;
   result.width_px = problem.width_px;
   result.height_px = problem.height_px;
-  result.standard_deviations = calibrator.standard_deviations();
+  CameraUncertainty uncertainty = calibrator.uncertainty();
+  uncertainty.as_good = chosen.as_good;
+  const Eigen::VectorXd sigma = deviations(uncertainty, result.camera);
+  result.standard_deviations.assign(sigma.begin(), sigma.end());
+  result.standard_deviations.resize(4 + distortion_coefficients(result.camera).size(), 0.0);
   result.rejected = calibrator.rejected();
   result.dot_diameter = calibrator.dot_diameter();
   describe_views(calibrator, result);
   judge_held_out(calibrator, result);
+  result.plane_error =
+      plane_error(result.camera, uncertainty, pixels_of(result.views), median_distance(result));
   return result;
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "planar_servo/calibration/camera/plane_error.h"
 #include "planar_servo/core/pose.h"
 #include "planar_servo/lens/camera_model.h"
 
@@ -30,6 +31,8 @@ struct CalibratedView {
   std::string name;
   Pose X_CG{Pose::Identity()};
   double rms_px{0.0};
+  std::vector<Eigen::Vector2d> pixels;        ///< as fitted, dots' eccentricity taken off
+  std::vector<Eigen::Vector2d> residuals_px;  ///< seen minus predicted, one per pixel
 };
 
 struct RejectedView {
@@ -57,6 +60,8 @@ struct CameraCalibration {
   /// to.
   Eigen::Vector2d region_from_px{0.0, 0.0};
   Eigen::Vector2d region_to_px{0.0, 0.0};
+  /// At the boards' median distance, over the hull of the pixels used.
+  PlaneError plane_error;
   double dot_diameter{0.0};  ///< metres, from the dots' areas; 0 without them
 };
 

@@ -46,6 +46,19 @@ void require_finite(const std::vector<LampSight>& frames,
   faults.throw_if_any();
 }
 
+using Places = std::map<std::string, Place>;
+
+/// Sorts frames by their id. Returns the ids in the order of the frames.
+std::vector<std::string> sort_frames(const std::vector<LampSight>& frames, Places& places) {
+  std::vector<std::string> order;
+  for (const LampSight& frame : frames) {
+    const auto [place, is_new] = places.try_emplace(frame.id);
+    if (is_new) order.push_back(frame.id);
+    (frame.fault.empty() ? place->second.frames : place->second.failed).push_back(&frame);
+  }
+  return order;
+}
+
 /// Returns the id whose frames are nearest in time; empty beyond the window.
 std::string nearest_in_time(const std::vector<LampSight>& frames, double t_s) {
   double least = kTimeWindow;
@@ -140,8 +153,6 @@ int sweep_number(const Eigen::Vector2d& theta12, std::vector<Eigen::Vector2d>& s
   return number;
 }
 
-using Places = std::map<std::string, Place>;
-
 void add_by_id(const std::vector<ToolReading>& readings, Places& places,
                std::vector<Rejection>& rejected) {
   for (const ToolReading& reading : readings) {
@@ -190,13 +201,8 @@ Pairing pair_sights(const std::vector<LampSight>& frames, const std::vector<Tool
                     PairBy by) {
   require_finite(frames, readings);
   Pairing pairing;
-  std::vector<std::string> order;
   Places places;
-  for (const LampSight& frame : frames) {
-    const auto [place, is_new] = places.try_emplace(frame.id);
-    if (is_new) order.push_back(frame.id);
-    (frame.fault.empty() ? place->second.frames : place->second.failed).push_back(&frame);
-  }
+  const std::vector<std::string> order = sort_frames(frames, places);
   if (by == PairBy::kId)
     add_by_id(readings, places, pairing.rejected);
   else
@@ -216,6 +222,20 @@ Pairing pair_sights(const std::vector<LampSight>& frames, const std::vector<Tool
     pairing.sights.push_back(average(place));
     if (place.plan() == Plan::kSweep3)
       pairing.sights.back().sweep = sweep_number(place.frames.front()->theta.head<2>(), sweeps);
+  }
+  return pairing;
+}
+
+Pairing unattended_sights(const std::vector<LampSight>& frames) {
+  require_finite(frames, {});
+  Pairing pairing;
+  Places places;
+  for (const std::string& id : sort_frames(frames, places)) {
+    const Place& place = places.at(id);
+    if (const std::string fault = fault_of_frames(place); fault.empty())
+      pairing.unattended.push_back(mean_frame(place));
+    else
+      pairing.rejected.push_back({id, fault});
   }
   return pairing;
 }

@@ -47,6 +47,11 @@ struct Pairing {
 Pairing pair_sights(const std::vector<LampSight>& frames, const std::vector<ToolReading>& readings,
                     PairBy by);
 
+/// Returns the places of these frames as poses that no tracker watched, whatever their plans.
+/// Rejected, with the reason, are places without a good frame and where the arm was not at rest.
+/// Throws InputError naming values that are not finite.
+Pairing unattended_sights(const std::vector<LampSight>& frames);
+
 /// Returns the end point by the tracker, reflector - R(phi) p_TS, base plane, metres. `phi` is the
 /// direction of the lamps, radians.
 Eigen::Vector2d end_point_by_tracker(const ToolOffsets& tool, const ToolSight& sight, double phi);

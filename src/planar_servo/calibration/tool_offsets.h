@@ -13,6 +13,7 @@ namespace planar {
 struct ToolOffsets {
   Eigen::Vector2d p_TP{0.0, 0.0};       ///< end point in the lamps' frame
   Eigen::Vector3d p_TS{0.0, 0.0, 0.0};  ///< reflector in T
+  bool reflector_known{true};           ///< false where no tracker saw it; p_TS is zero then
   /// Covariance of (p_TP x, y, p_TS x, y, z), m^2.
   Eigen::Matrix<double, 5, 5> covariance{Eigen::Matrix<double, 5, 5>::Zero()};
 };

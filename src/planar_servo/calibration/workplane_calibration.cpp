@@ -220,21 +220,6 @@ Matrix6d board_covariance(const NormalEquations& sum, const Eigen::Matrix3d& boa
   return covariance;
 }
 
-/// Returns the covariance of (height, rotation about x_W, about y_W) of the mean over several
-/// views.
-Eigen::Matrix3d scatter_of_views(const Pose& X_WC, const std::vector<CameraPlane>& planes) {
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-  if (planes.size() < 2) return covariance;
-  const auto n = static_cast<double>(planes.size());
-  for (const CameraPlane& plane : planes) {
-    const Eigen::Vector3d normal_W = X_WC.linear() * plane.normal_C;
-    const Eigen::Vector3d change(plane.distance - X_WC.translation().z(), normal_W.y(),
-                                 -normal_W.x());
-    covariance += change * change.transpose() / (n * (n - 1.0));
-  }
-  return covariance;
-}
-
 }  // namespace
 
 WorkplaneFit fit_workplane_to_pairs(const CameraModel& camera,
@@ -257,7 +242,7 @@ WorkplaneFit fit_workplane_to_board(const CameraModel& camera, const std::vector
   start_from_pairs(set, camera);  // throws for mirrored and collinear positions
   auto [fit, sum] = fit_in_rounds(set, pose_over_plane(plane), step_in_plane);
   fit.absorbed = 3;
-  fit.covariance = board_covariance(sum, scatter_of_views(fit.X_WC, planes));
+  fit.covariance = board_covariance(sum, scatter_of_planes(fit.X_WC, planes));
   return fit;
 }
 

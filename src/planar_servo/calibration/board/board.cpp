@@ -15,7 +15,7 @@
 namespace planar {
 namespace {
 
-/// Longest side of the image in which a chessboard is looked for.
+/// Longest side of the image in which a chessboard, or any board at a glance, is looked for.
 constexpr int kSearchSize_px = 1280;
 
 BoardSight find_chessboard(const cv::Mat& image, const Board& board) {
@@ -94,6 +94,20 @@ BoardSight find_board(const cv::Mat& image, const Board& board) {
   if (board.kind == Board::Kind::kCircles) return find_dot_grid(image, board.columns, board.rows);
   BoardSight sight = find_chessboard(image, board);
   if (sight.found()) make_right_handed(board, sight.pixels);
+  return sight;
+}
+
+BoardSight glance_at_board(const cv::Mat& image, const Board& board) {
+  int factor = 1;
+  while (std::max(image.cols, image.rows) > kSearchSize_px * factor) factor *= 2;
+  if (factor == 1) return find_board(image, board);
+  cv::Mat small;
+  cv::resize(image, small, {}, 1.0 / factor, 1.0 / factor, cv::INTER_AREA);
+  BoardSight sight = find_board(small, board);
+  const Eigen::Vector2d half(0.5, 0.5);  // pixel centres are at whole numbers
+  for (Eigen::Vector2d& pixel : sight.pixels) pixel = factor * (pixel + half) - half;
+  for (double& area : sight.dot_areas_px2) area *= factor * factor;
+  for (double& sigma : sight.dot_sigmas_px) sigma *= factor;
   return sight;
 }
 

@@ -37,6 +37,7 @@ struct BoardSight {
   std::vector<double> dot_areas_px2;    ///< of each dot's ellipse; empty for a chessboard
   std::vector<double> dot_sigmas_px;    ///< of each dot's centre; empty for a chessboard
   std::string reason;                   ///< why the board was not found
+  std::size_t dots_in_a_grid{0};        ///< where it was not found, of the largest grid seen
 
   bool found() const { return !pixels.empty(); }
 };
@@ -45,5 +46,9 @@ struct BoardSight {
 /// of the points is never mirrored, but a board that looks the same when turned is taken with its x
 /// axis most to the right. Throws std::invalid_argument for an image that is not CV_8UC1.
 BoardSight find_board(const cv::Mat& image, const Board& board);
+
+/// Finds the board like find_board(), but in a reduced image, in a small part of the time: to
+/// follow a board that is moved. The pixels are those of `image`.
+BoardSight glance_at_board(const cv::Mat& image, const Board& board);
 
 }  // namespace planar

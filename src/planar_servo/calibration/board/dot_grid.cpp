@@ -65,6 +65,7 @@ BoardSight find_dot_grid(const cv::Mat& image, int columns, int rows) {
   if (rough.dots.empty()) {
     sight.reason = "no grid of " + wanted + " found (" + std::to_string(rough.most_found) +
                    " dots in the largest lattice)";
+    sight.dots_in_a_grid = rough.most_found;
     return sight;
   }
   for (const Dot& dot : rough.dots) {

@@ -91,17 +91,32 @@ std::optional<FitInformation> fit_information(const LensFit& fit,
     const double points = static_cast<double>(views[i].pixels.size());
     const Eigen::MatrixXd mixed = view->J_CG.transpose() * view->J_K;
     const Eigen::MatrixXd pose = view->J_CG.transpose() * view->J_CG;
-    sum.camera +=
-        view->J_K.transpose() * view->J_K - mixed.transpose() * solve_symmetric(pose, mixed);
     const Eigen::VectorXd pose_gradient = view->J_CG.transpose() * view->residuals;
     const Eigen::VectorXd pose_step = solve_symmetric(pose, pose_gradient);
-    gradient += view->J_K.transpose() * view->residuals - mixed.transpose() * pose_step;
+    sum.views.push_back(
+        {view->J_K.transpose() * view->J_K - mixed.transpose() * solve_symmetric(pose, mixed),
+         view->J_K.transpose() * view->residuals - mixed.transpose() * pose_step});
+    sum.camera += sum.views.back().camera;
+    gradient += sum.views.back().gradient;
     sum.decrease += pose_gradient.dot(pose_step);
     sum.squares += view->rms_px * view->rms_px * points;
     sum.freedom += 2.0 * points;
   }
   sum.decrease += gradient.dot(Eigen::VectorXd(solve_symmetric(sum.camera, gradient)));
   return sum;
+}
+
+std::optional<Eigen::MatrixXd> scatter_over_views(const FitInformation& information) {
+  const auto n = static_cast<double>(information.views.size());
+  Eigen::MatrixXd steps(information.camera.rows(), information.views.size());
+  for (std::size_t i = 0; i < information.views.size(); ++i) {
+    const FitInformation::OfView& view = information.views[i];
+    const auto inverse = covariance_from(information.camera - view.camera);
+    if (!inverse) return std::nullopt;
+    steps.col(static_cast<Eigen::Index>(i)) = *inverse * view.gradient;
+  }
+  steps.colwise() -= steps.rowwise().mean().eval();
+  return Eigen::MatrixXd((n - 1.0) / n * steps * steps.transpose());
 }
 
 std::optional<Eigen::MatrixXd> covariance_from(const Eigen::MatrixXd& information) {

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <vector>
 
 #include "planar_servo/calibration/camera/lens_fit.h"
 
@@ -15,6 +16,13 @@ struct FitInformation {
   double parameters{0.0};  ///< how many there are, those of the poses included
   double freedom{0.0};     ///< coordinates less parameters
   double decrease{0.0};    ///< by which one more Gauss-Newton step would lower `squares`
+
+  /// What one view adds to `camera`, and to the gradient of half the squares.
+  struct OfView {
+    Eigen::MatrixXd camera;
+    Eigen::VectorXd gradient;
+  };
+  std::vector<OfView> views;
 };
 
 /// Returns the normal equations of a fit. Empty when a point lies at the very end of the lens
@@ -22,6 +30,12 @@ struct FitInformation {
 std::optional<FitInformation> fit_information(const LensFit& fit,
                                               const std::vector<CalibrationView>& views,
                                               std::size_t free_coefficients);
+
+/// Returns the covariance of the camera as the views scatter: the jackknife [Efron 1982] over views
+/// left out one by one, each by a Gauss-Newton step. Unlike the inverse of the information times
+/// the mean square residual it holds where a lens of another kind makes all residuals of a view
+/// wrong together. Empty when the views without one of them do not determine the camera.
+std::optional<Eigen::MatrixXd> scatter_over_views(const FitInformation& information);
 
 /// Returns the inverse of an information matrix. Empty when it is singular to working precision.
 std::optional<Eigen::MatrixXd> covariance_from(const Eigen::MatrixXd& information);

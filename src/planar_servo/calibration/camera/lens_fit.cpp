@@ -79,25 +79,21 @@ std::optional<LensFit> fit_lens(const std::vector<CalibrationView>& views, int w
   return fit;
 }
 
-std::vector<double> standard_deviations(const LensFit& fit,
-                                        const std::vector<CalibrationView>& views,
-                                        const FitModel& model) {
+CameraUncertainty camera_uncertainty(const LensFit& fit, const std::vector<CalibrationView>& views,
+                                     const FitModel& model) {
   const bool by_visp = model.lens == kViSP;
   const auto information = fit_information(fit, views, by_visp ? 1 : model.free_coefficients);
   if (!information) refuse(model);
   const auto covariance =
       by_visp ? visp_covariance(fit, views) : covariance_from(information->camera);
   if (!covariance) refuse(model);
-  const Eigen::VectorXd variances =
-      covariance->diagonal() * (information->squares / information->freedom);
-  std::vector<double> deviations(4 + distortion_coefficients(fit.camera).size(), 0.0);
-  for (Eigen::Index i = 0; i < variances.size(); ++i) deviations[i] = std::sqrt(variances[i]);
+  const CameraUncertainty uncertainty{*covariance * (information->squares / information->freedom),
+                                      scatter_over_views(*information)};
+  const Eigen::VectorXd sigma = deviations(uncertainty, fit.camera);
   const Intrinsics k = intrinsics(fit.camera);
-  const double most = kMostUncertain * std::min(k.fx, k.fy);
-  for (std::size_t i = 0; i < deviations.size(); ++i) {
-    if (!std::isfinite(deviations[i]) || (i < 4 && deviations[i] > most)) refuse(model);
-  }
-  return deviations;
+  if (!sigma.allFinite() || sigma.head<4>().maxCoeff() > kMostUncertain * std::min(k.fx, k.fy))
+    refuse(model);
+  return uncertainty;
 }
 
 }  // namespace planar

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "planar_servo/calibration/camera/camera_uncertainty.h"
 #include "planar_servo/calibration/camera_calibration.h"
 
 namespace planar {
@@ -34,13 +35,12 @@ struct LensFit {
 std::optional<LensFit> fit_lens(const std::vector<CalibrationView>& views, int width_px,
                                 int height_px, const FitModel& model);
 
-/// Returns the standard deviations of fx, fy, cx, cy and the distortion coefficients (zero for
-/// those that are not estimated) from the fit's residuals and Jacobian. The poses are eliminated by
-/// their Schur complement. Throws WorkError when the views do not determine the camera: when some
-/// combination of its parameters can change without any effect, or when a focal length or the
+/// Returns how uncertain fx, fy, cx, cy and the distortion coefficients that are estimated are,
+/// from the fit's residuals and Jacobian, with the poses eliminated by their Schur complement, and
+/// from the scatter over views. Throws WorkError when the views do not determine the camera: when
+/// some combination of its parameters can change without any effect, or when a focal length or the
 /// principal point is uncertain by a tenth of the focal length.
-std::vector<double> standard_deviations(const LensFit& fit,
-                                        const std::vector<CalibrationView>& views,
-                                        const FitModel& model);
+CameraUncertainty camera_uncertainty(const LensFit& fit, const std::vector<CalibrationView>& views,
+                                     const FitModel& model);
 
 }  // namespace planar

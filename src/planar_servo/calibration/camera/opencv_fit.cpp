@@ -11,7 +11,7 @@ namespace planar {
 namespace {
 
 constexpr int kIterations = 60;
-constexpr int kRounds = 10;
+constexpr int kFitRounds = 10;
 constexpr double kRelativeChange = 1e-10;
 /// A fit stands still when one more step would move its parameters by less than this share of their
 /// uncertainty, which makes their error larger by an eighth at most. Where parameters trade off, as
@@ -141,7 +141,7 @@ std::optional<LensFit> fit_by_opencv(const std::vector<CalibrationView>& views, 
   OpenCvProblem problem = opencv_problem(views, {width_px, height_px});
   std::optional<LensFit> fit;
   try {
-    for (int round = 0; round < kRounds; ++round) {
+    for (int round = 0; round < kFitRounds; ++round) {
       run(problem, model.name, round == 0);
       LensFit next = fit_from(problem, model.lens);
       const auto information = fit_information(next, seen, model.free_coefficients);

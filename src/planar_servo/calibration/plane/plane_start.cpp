@@ -48,6 +48,19 @@ CameraPlane mean_plane(const std::vector<CameraPlane>& planes) {
   return mean;
 }
 
+Eigen::Matrix3d scatter_of_planes(const Pose& X_WC, const std::vector<CameraPlane>& planes) {
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  if (planes.size() < 2) return covariance;
+  const auto n = static_cast<double>(planes.size());
+  for (const CameraPlane& plane : planes) {
+    const Eigen::Vector3d normal_W = X_WC.linear() * plane.normal_C;
+    const Eigen::Vector3d change(plane.distance - X_WC.translation().z(), normal_W.y(),
+                                 -normal_W.x());
+    covariance += change * change.transpose() / (n * (n - 1.0));
+  }
+  return covariance;
+}
+
 Pose pose_over_plane(const CameraPlane& plane) {
   const Eigen::Vector3d z = plane.normal_C;
   const Eigen::Vector3d x = (Eigen::Vector3d::UnitX() - z.x() * z).normalized();

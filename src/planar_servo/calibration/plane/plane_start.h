@@ -27,6 +27,10 @@ CameraPlane board_plane(const Pose& X_CG, double points_height);
 /// Returns the mean of planes that are nearly the same; throws InputError when there are none.
 CameraPlane mean_plane(const std::vector<CameraPlane>& planes);
 
+/// Returns the covariance of the mean of several planes of a camera at X_WC: of its height and of
+/// its rotations about x_W and y_W. It is zero for a single one.
+Eigen::Matrix3d scatter_of_planes(const Pose& X_WC, const std::vector<CameraPlane>& planes);
+
 /// Returns a camera pose over this plane. Its origin and direction in the plane are arbitrary: the
 /// origin lies under the camera, and x follows the image's rows.
 Pose pose_over_plane(const CameraPlane& plane);

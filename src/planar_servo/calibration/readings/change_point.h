@@ -26,7 +26,8 @@ struct ChangePoint {
 /// follows F with two degrees of freedom above. What neighbours in time share, because the cubic
 /// does not follow the field and neighbours in time are neighbours in space, lowers the number of
 /// independent places: by (1 - r) / (1 + r), with the correlation r of successive remainders. The
-/// false alarm of all k together is at most kFalseAlarm. Empty for fewer than 32 places.
+/// false alarm of all k together is at most kFalseAlarm. Single outliers are not taken for a step.
+/// Empty for fewer than 32 places.
 std::optional<ChangePoint> find_change(const std::vector<TimedError>& errors);
 
 }  // namespace planar

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 #include <string>
 
 #include "planar_servo/core/error.h"
@@ -20,8 +19,6 @@ constexpr Eigen::Index kLeastPlaces = 2 * kViewTerms;
 constexpr double kUnrelatedShare = 0.25;
 constexpr double kRelatedShare = 0.02;
 constexpr int kMostRows = 3;
-constexpr double kMostSeconds = 120.0;
-constexpr double kClockStep = 0.25;  // s, half of the window in which a reading meets a frame
 constexpr double kMovedLampsPx = 1.0;
 
 /// Returns the terms of a smooth view: a cubic of the lamps' middle, and the tool's direction.
@@ -84,44 +81,6 @@ std::optional<int> late_rows(const std::vector<ToolSight>& sights) {
   return std::nullopt;
 }
 
-/// Returns by how many seconds the readings are late, if the lamps follow them then, at more than
-/// twice as many places as `now`.
-std::optional<double> late_seconds(const std::vector<LampSight>& frames,
-                                   std::vector<ToolReading> readings, std::size_t now) {
-  const std::vector<ToolReading> given = readings;
-  std::optional<double> first, last;  // with most places
-  std::size_t most = std::max<std::size_t>(2 * now, kLeastPlaces) + 1;
-  for (double late = -kMostSeconds; late <= kMostSeconds; late += kClockStep) {
-    for (std::size_t i = 0; i < given.size(); ++i) readings[i].t_s = given[i].t_s - late;
-    const std::vector<ToolSight> sights = pair_sights(frames, readings, PairBy::kTime).sights;
-    if (sights.size() < most || share_left(sights) >= kRelatedShare) continue;
-    if (!first || sights.size() > most) first = late;
-    most = sights.size();
-    last = late;
-  }
-  return first ? std::optional((*first + *last) / 2.0) : std::nullopt;
-}
-
-/// Counts the places that ask for a reading.
-std::size_t places_in(const std::vector<LampSight>& frames) {
-  std::set<std::string> ids;
-  for (const LampSight& frame : frames)
-    if (frame.fault.empty() && frame.plan != Plan::kPose) ids.insert(frame.id);
-  return ids.size();
-}
-
-void require_same_clock(const std::vector<ToolSight>& sights, const std::vector<LampSight>& frames,
-                        const std::vector<ToolReading>& readings, bool follow) {
-  if (follow && 2 * sights.size() >= places_in(frames)) return;
-  const auto late = late_seconds(frames, readings, follow ? sights.size() : 0);
-  if (!late) return;
-  throw InputError(
-      fmt::format("tracker: its clock is about {:.1f} s {} the camera's: with times moved by that "
-                  "much the readings "
-                  "follow the lamps; correct t_s in the tracker's table, or pair by id",
-                  std::abs(*late), *late > 0.0 ? "ahead of" : "behind"));
-}
-
 void require_rows_in_order(const std::vector<ToolSight>& sights) {
   const auto rows = late_rows(sights);
   if (!rows) return;
@@ -133,13 +92,10 @@ void require_rows_in_order(const std::vector<ToolSight>& sights) {
 
 }  // namespace
 
-void require_reading_order(const std::vector<ToolSight>& sights,
-                           const std::vector<LampSight>& frames,
-                           const std::vector<ToolReading>& readings, PairBy by) {
+void require_reading_order(const std::vector<ToolSight>& sights, PairBy by) {
   const bool enough = static_cast<Eigen::Index>(sights.size()) > kLeastPlaces;
   const double share = enough ? share_left(sights) : 1.0;
   const bool follow = share < kRelatedShare;
-  if (by == PairBy::kTime) require_same_clock(sights, frames, readings, follow);
   if (follow || !enough) return;
   if (by == PairBy::kId) require_rows_in_order(sights);
   if (share < kUnrelatedShare) return;

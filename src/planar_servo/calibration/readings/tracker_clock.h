@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "planar_servo/calibration/pairing.h"
+
+namespace planar {
+
+/// How the tracker's clock runs beside the camera's: it shows t + offset_s + rate (t - middle_s)
+/// when the camera's shows t.
+struct TrackerClock {
+  double offset_s{0.0};  ///< in the middle of the recording
+  double rate{0.0};      ///< tracker's seconds per camera's second, less one
+  double middle_s{0.0};  ///< of the recording, on the camera's clock
+  double sigma_offset_s{0.0};
+  double sigma_rate{0.0};
+  std::size_t places{0};  ///< places by which the clocks were compared
+
+  /// Returns what the camera's clock shows when the tracker's shows `t_s`.
+  double camera_time_s(double t_s) const {
+    return middle_s + (t_s - offset_s - middle_s) / (1.0 + rate);
+  }
+};
+
+/// Returns the readings in the order of time, those of a tracker that reads all the time only while
+/// the reflector rested.
+std::vector<ToolReading> readings_at_rest(std::vector<ToolReading> readings);
+
+/// Finds how the tracker's clock runs, from when its readings rested and when the camera saw the
+/// tool at rest. `readings` are those of readings_at_rest(). Among the clocks that bring rests and
+/// places together, the one counts with which the reflector follows the lamps, by an affine view of
+/// their middle and direction. Throws InputError when there is none, when several do as well, and
+/// when the clock would run by more than a thousandth too fast or slow.
+TrackerClock estimate_tracker_clock(const std::vector<LampSight>& frames,
+                                    const std::vector<ToolReading>& readings);
+
+}  // namespace planar
