@@ -11,6 +11,7 @@
 #include <cmath>
 #include <csignal>
 #include <ctime>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "planar_servo/cameras/aravis/aravis_camera.h"
@@ -19,7 +20,7 @@
 #include "planar_servo/files/vision_files.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/machine/device_kinds.h"
-#include "planar_servo/served_cell/serve_cell.h"
+#include "planar_servo/served_cell/served_cell.h"
 #include "planar_servo/servo/control_law.h"
 #include "planar_servo/vision/lamp_tip_sensor.h"
 
@@ -45,9 +46,12 @@ class Server {
  public:
   explicit Server(const CellSettings& cell) : child_(fork()) {
     if (child_ == 0) {
-      serve_cell(
-          cell, kAddress, [] {}, [] { return false; });
-      _exit(0);
+      ServeRequest request;
+      request.cell = cell;
+      request.address = kAddress;
+      request.grbl_port = std::filesystem::temp_directory_path() / "bench-grbl";
+      const ServedCell served(request);
+      for (;;) pause();
     }
     SteadyClock().sleep_for_s(kOpeningTime_s);
   }

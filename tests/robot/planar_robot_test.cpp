@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "planar_servo/core/units.h"
+#include "planar_servo/robot/homing.h"
 #include "support/finite_differences.h"
 #include "support/robot_bench.h"
 
@@ -167,6 +168,29 @@ TEST_CASE("A motor without a home switch counts from the mark that it is taught"
   bench.robot.teach_home(0);
   CHECK(bench.robot.unhomed().empty());
   CHECK(bench.robot.commanded_pulses()[0] == std::lround(0.5 * 1e6 / (2.0 * kPi)));
+}
+
+TEST_CASE("Drives that lost their position are homed only when somebody allows it") {
+  TransmissionSettings settings = transmission_settings();
+  settings.drives[1].home = HomeReference::kForwardSwitch;
+  ReadyBench bench(settings);
+  bench.drives[1].knows_position = false;
+  CHECK_THROWS_WITH(home_where_needed(bench.robot, {}), Catch::Contains("position: 2; start with"));
+  std::string asked;
+  const auto answer = [&](bool allowed) {
+    return [&asked, allowed](const std::string& unhomed) {
+      asked = unhomed;
+      return allowed;
+    };
+  };
+  CHECK_THROWS_AS(home_where_needed(bench.robot, answer(false)), DriveError);
+  CHECK(bench.robot.unhomed() == std::vector<int>{1});
+  home_where_needed(bench.robot, answer(true));
+  CHECK(bench.robot.unhomed().empty());
+  CHECK(asked == "drives that have lost their position: 2");
+  asked.clear();
+  home_where_needed(bench.robot, answer(false));
+  CHECK(asked.empty());
 }
 
 TEST_CASE("A search that fails on its way halts all and leaves the motor unhomed") {

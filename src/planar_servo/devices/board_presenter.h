@@ -2,8 +2,8 @@
 
 namespace planar {
 
-/// Puts the calibration board into the camera's view: a person on a real machine, or the virtual
-/// cell itself.
+/// Puts the calibration board into the camera's view. A virtual cell does so by itself; a person is
+/// guided instead.
 class BoardPresenter {
  public:
   virtual ~BoardPresenter() = default;

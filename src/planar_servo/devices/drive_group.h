@@ -2,6 +2,8 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
+#include <string>
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/devices/pulse_drive.h"
@@ -37,6 +39,10 @@ class DriveGroup {
   /// These two command one joint; see PulseDrive.
   virtual void start_homing(int joint, HomeDirection direction) = 0;
   virtual void set_position(int joint, std::int32_t position_pulses) = 0;
+
+  /// Returns in words why new targets every few hundredths of a second do not make one smooth
+  /// motion of these drives; empty when they do.
+  virtual std::optional<std::string> stream_refusal() const { return std::nullopt; }
 
   /// Tries once to open the drives again that do not answer.
   virtual void reconnect() = 0;

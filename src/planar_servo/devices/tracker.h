@@ -1,23 +1,51 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <optional>
 #include <string>
-#include <vector>
 
 namespace planar {
 
+/// A tracker that measures by itself reads each monument so many times in a row.
+constexpr int kMonumentReadings = 5;
+
 struct TrackerReading {
-  double t_s{0.0};
+  double t_s{0.0};                     ///< on the tracker's own clock, where it has one
   Eigen::Vector3d p_L{0.0, 0.0, 0.0};  ///< reflector's centre in the tracker's frame, metres
 };
 
-/// A laser tracker. It returns nothing when the beam is lost or nobody delivers readings.
+enum class TrackerStatus {
+  kOk,
+  kElsewhere,  ///< somebody has measured; the reading stands in a table of the tracker's own
+  kSkipped,    ///< somebody chose to do without a reading
+  kRepeat,     ///< somebody wants the place to be taken once more
+  kFailed,     ///< there is no reading; `fault` says why
+};
+
+struct TrackerAnswer {
+  TrackerStatus status{TrackerStatus::kFailed};
+  TrackerReading reading{};  ///< valid only when status is kOk
+  std::string fault{};       ///< in words, with sizes; empty unless status is kFailed
+
+  static TrackerAnswer of(const TrackerReading& reading) { return {TrackerStatus::kOk, reading}; }
+  static TrackerAnswer failed(const std::string& fault) {
+    return {TrackerStatus::kFailed, {}, fault};
+  }
+};
+
+/// A laser tracker. Its answer is a reading of the reflector at rest, or why there is none.
 class Tracker {
  public:
   virtual ~Tracker() = default;
-  virtual std::optional<TrackerReading> measure_tool() = 0;
-  virtual std::optional<TrackerReading> measure_monument(const std::string& id) = 0;
+
+  /// Measures the reflector on the tool, which rests at `place`, an id of the plan.
+  virtual TrackerAnswer measure_tool(const std::string& place) = 0;
+  virtual TrackerAnswer measure_monument(const std::string& id) = 0;
+
+  /// Waits until somebody has put the reflector from a monument onto the tool, which may move then.
+  /// Throws WorkError when that does not happen in time.
+  virtual void await_tool() {}
+
+  virtual int readings_per_monument() const { return kMonumentReadings; }
 };
 
 }  // namespace planar

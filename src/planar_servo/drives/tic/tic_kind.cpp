@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "planar_servo/core/names.h"
 #include "planar_servo/core/units.h"
+#include "planar_servo/drives/home_fields.h"
 #include "planar_servo/drives/tic/tic_doctor.h"
 #include "planar_servo/drives/tic/tic_drives.h"
 #include "planar_servo/io/fields.h"
@@ -15,10 +15,6 @@ namespace {
 /// long.
 constexpr double kMinCommandTimeout_ms = 100.0;
 constexpr double kMaxCommandTimeout_ms = 2000.0;
-
-constexpr Named<HomeReference> kReferences[] = {{HomeReference::kTaught, "taught"},
-                                                {HomeReference::kReverseSwitch, "reverse_switch"},
-                                                {HomeReference::kForwardSwitch, "forward_switch"}};
 
 struct TicDetails final : DeviceDetails {
   TicSettings settings;
@@ -32,6 +28,15 @@ std::array<TicSettings, 3> all_settings(const CellSettings& cell) {
 
 const TicSettings& tic_settings(const DriveSettings& drive) {
   return static_cast<const TicDetails&>(*drive.details).settings;
+}
+
+std::string TicKind::new_keys(std::size_t joint, double mark_deg) const {
+  return fmt::format(
+             R"(    serial: "0000000{}"             # serial number of this joint's Tic, as ticcmd --list tells
+    command_timeout_ms: 250        # silence after which the Tic stops by itself
+)",
+             joint + 1) +
+         new_home(mark_deg);
 }
 
 void TicKind::read(Fields& drive, CellSettings& cell, std::size_t joint) const {
@@ -48,11 +53,7 @@ void TicKind::read(Fields& drive, CellSettings& cell, std::size_t joint) const {
   drive.number("command_timeout_ms", settings.command_timeout_s, kMillisecond,
                Range::from_to(kMinCommandTimeout_ms, kMaxCommandTimeout_ms));
   cell.drives[joint].details = details;
-  MotorDrive& motor = cell.transmission.drives[joint];
-  drive.map("home", [&] {
-    drive.choice("reference", motor.home, kReferences);
-    drive.number("at_deg", motor.home_rad, kDegree);
-  });
+  list_home(drive, cell.transmission.drives[joint]);
 }
 
 std::shared_ptr<DriveGroup> TicKind::open(const CellSettings& cell,

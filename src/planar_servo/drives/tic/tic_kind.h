@@ -9,6 +9,7 @@ namespace planar {
 class TicKind final : public DriveKind {
  public:
   std::string name() const override { return "tic"; }
+  std::string new_keys(std::size_t joint, double mark_deg) const override;
   /// Serial numbers tell the drives apart, whatever socket they are plugged into.
   void read(Fields& drive, CellSettings& cell, std::size_t joint) const override;
   std::shared_ptr<DriveGroup> open(const CellSettings& cell,

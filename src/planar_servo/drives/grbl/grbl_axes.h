@@ -1,0 +1,96 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "planar_servo/core/clock.h"
+#include "planar_servo/drives/grbl/grbl_board.h"
+#include "planar_servo/drives/grbl/grbl_settings.h"
+#include "planar_servo/drives/grbl/grbl_watch.h"
+#include "planar_servo/drives/grbl/jog_path.h"
+
+namespace planar {
+
+/// The axes X, Y, Z of a board, in pulses of its own count. They go straight to a target, and
+/// together. poll() hands a move to the board in pieces, never more than it travels in
+/// grbl::kLongestRun_s, so that it stops when its caller does.
+///
+/// What the board says and should not ends the move: the board brakes to rest, and faults() says
+/// why until it is unlocked. All but the queries throw WorkError when the board is out of touch.
+class GrblAxes {
+ public:
+  /// Opens the board, which resets it; moves nothing. Throws WorkError with the remedy when it
+  /// cannot be used.
+  explicit GrblAxes(const GrblSettings& settings);
+  /// Brakes; ends a search abruptly.
+  ~GrblAxes();
+  GrblAxes(const GrblAxes&) = delete;
+  GrblAxes& operator=(const GrblAxes&) = delete;
+
+  /// Hears what the board says, judges it, and hands it the next pieces.
+  void poll();
+  /// Ends a hold, and the lock after an alarm by a reset. Forgets the faults.
+  void unlock();
+  /// During a move the axes go on from the end of what is queued if the target lies beyond it, and
+  /// otherwise brake first.
+  void go_to(const AxisPulses& target, const std::array<AxisLimits, 3>& limits);
+  /// Lets the board search the switches of all axes at once.
+  void search_switches();
+  /// Brakes to rest, by which the place stays certain, and waits for it. A search ends abruptly.
+  void halt();
+  /// Says no more to a board that is out of touch than that it should brake.
+  void abandon();
+
+  const AxisPulses& here() const { return watch_.here(); }
+  AxisPulses target() const { return goal_.value_or(here()); }
+  bool moving() const { return may_move_; }
+  bool searching() const { return searching_; }
+  /// Returns whether the last search has found the switches; the axes stand at them.
+  bool found_switches() const { return found_switches_; }
+  /// Returns whether the board takes moves: it was unlocked and no alarm or reset came since.
+  bool unlocked() const { return unlocked_; }
+  /// Returns the board's state as a fault, in words. Empty when it can take moves.
+  std::string state_words() const { return grbl::state_words(watch_.state()); }
+  /// Returns how often the count of the axes was lost.
+  int losses() const { return losses_; }
+  /// Returns what is wrong with an axis, 0 for X to 2 for Z.
+  const std::vector<std::string>& faults(std::size_t axis) const { return faults_.at(axis); }
+
+ private:
+  bool hear_report();
+  void take(const grbl::Line& line);
+  void take_report(const grbl::Report& report);
+  void judge();
+  void follow();
+  bool has_ended();
+  void feed();
+  void end_search();
+  /// Polls until the condition holds; returns false when it does not after a while.
+  template <typename Condition>
+  bool poll_until(const Condition& holds, double patience_s);
+
+  void begin_path(const AxisPulses& from);
+  void brake();
+  void brake_for(const std::string& words);
+  void lose_state();
+  void lose_place();
+  void reset();
+
+  SteadyClock clock_;
+  Eigen::Vector3d pulses_per_mm_;
+  GrblWatch watch_;
+  GrblBoard board_;
+  std::array<std::vector<std::string>, 3> faults_;
+  int losses_{0};
+  bool unlocked_{false}, may_move_{false}, braking_{false};
+  bool searching_{false}, found_switches_{false};
+  bool stopped_seen_{false};  ///< by the last report
+  double sent_s_{0.0};        ///< when the last move was sent
+  std::optional<AxisPulses> goal_;
+  std::array<AxisLimits, 3> limits_;
+  std::optional<JogPath> path_;
+};
+
+}  // namespace planar

@@ -1,0 +1,82 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+
+namespace planar {
+
+/// The lines and bytes of Grbl 1.1 and grblHAL [Grbl wiki, Interface, Jogging and Configuration].
+/// Lengths are in millimetres, as the board counts them; N pulses are N / pulses_per_mm.
+namespace grbl {
+
+/// Converts speeds: a board's are in millimetres per minute.
+constexpr double kMinute_s = 60.0;
+
+// Bytes that a board obeys at once, whatever else it is doing.
+constexpr char kAskStatus = '?';
+constexpr char kResume = '~';
+constexpr char kReset = '\x18';
+constexpr char kCancelJog = '\x85';  ///< brakes to rest, keeps the position and forgets all jogs
+
+enum class State { kIdle, kRun, kHold, kJog, kAlarm, kDoor, kCheck, kHome, kSleep, kToolChange };
+
+/// A board's answer to kAskStatus.
+struct Report {
+  State state{State::kIdle};
+  std::optional<std::array<double, 3>> position_mm;  ///< in the machine's coordinates, X to Z
+  std::string pins;                                  ///< letters of the inputs that are pressed
+  double speed_mm_min{0.0};                          ///< along the way
+  bool turns{false};                                 ///< whether the motors turn, be it to a stop
+
+  bool pressed(char axis) const { return pins.find(axis) != std::string::npos; }
+};
+
+/// The board has taken a line.
+struct Accepted {};
+struct Rejected {
+  int error{0};
+};
+struct Alarm {
+  int number{0};
+};
+/// What a board says first after a reset.
+struct Banner {
+  std::string version;  ///< "Grbl 1.1h"
+  double number{0.0};   ///< 1.1
+};
+struct StoredSetting {
+  int number{0};
+  double value{0.0};
+};
+/// Nothing that matters here: a message in brackets, an empty line, a setting that is a text.
+struct Remark {};
+/// What no Grbl board says.
+struct Garbage {
+  std::string text;    ///< printable, and cut where it is long
+  bool report{false};  ///< whether it may have been a report
+};
+
+using Line =
+    std::variant<Report, Accepted, Rejected, Alarm, Banner, StoredSetting, Remark, Garbage>;
+using Settings = std::map<int, double>;
+
+/// Understands one line of a board without its end. It never throws.
+Line parse_line(std::string_view text);
+
+/// Returns what an alarm or an error means, with its number: "alarm 1: a limit switch was hit".
+std::string alarm_words(int number);
+std::string error_words(int number);
+/// Returns the state as a fault, in words. Empty for states in which a board can take moves.
+std::string state_words(State state);
+
+/// Returns the line that starts a straight move to a position in the machine's coordinates at a
+/// speed along the way. A board refuses speeds of 0, so that slow ones become 1 mm/min.
+std::string jog_line(const std::array<double, 3>& target_mm, double speed_mm_s);
+
+}  // namespace grbl
+}  // namespace planar

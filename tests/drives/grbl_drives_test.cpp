@@ -1,0 +1,227 @@
+#include "planar_servo/drives/grbl/grbl_drives.h"
+
+#include <catch2/catch.hpp>
+#include <random>
+
+#include "planar_servo/drives/grbl/grbl_doctor.h"
+#include "support/eventually.h"
+#include "support/grbl_bench.h"
+
+namespace planar {
+namespace {
+
+using Catch::Contains;
+using test::eventually;
+using test::GrblBench;
+using Targets = std::array<std::int32_t, 3>;
+
+bool all_rest(GrblDrives& drives) {
+  return eventually([&] { return !drives.status()[0].moving; });
+}
+
+Targets positions(GrblDrives& drives) {
+  const auto status = drives.status();
+  return {status[0].position_pulses, status[1].position_pulses, status[2].position_pulses};
+}
+
+/// A board that is switched on and knows where it stands: at 0.
+struct ReadyBench : GrblBench {
+  ReadyBench() : drives(settings) {
+    drives.energize();
+    for (int i = 0; i < 3; ++i) drives.set_position(i, 0);
+  }
+  GrblDrives drives;
+};
+
+TEST_CASE("A board is opened, switched on and homed before it is trusted") {
+  GrblBench bench;
+  GrblDrives drives(bench.settings);
+  CHECK_THROWS_WITH(drives.set_targets({1, 1, 1}), Contains("it is not switched on"));
+  CHECK_FALSE(drives.status()[0].energized);
+  drives.energize();
+  for (const DriveStatus& status : drives.status()) {
+    CHECK(status.energized);
+    CHECK_FALSE(status.position_certain);
+    CHECK(status.faults.empty());
+  }
+  drives.set_position(1, -70);
+  CHECK(drives.status()[1].position_certain);
+  CHECK(drives.status()[1].position_pulses == -70);
+  CHECK(bench.board.shafts() == EmulatedGrbl::Pulses(0, 0, 0));
+}
+
+TEST_CASE("Each joint moves its own axis, counted from where it was said to stand") {
+  ReadyBench bench;
+  bench.drives.set_position(1, 1000);
+  bench.drives.set_targets({300, 900, -50});
+  CHECK(bench.drives.status()[0].moving);
+  CHECK(bench.drives.status()[1].target_pulses == 900);
+  REQUIRE(all_rest(bench.drives));
+  CHECK(positions(bench.drives) == Targets{300, 900, -50});
+  CHECK(bench.board.shafts() == EmulatedGrbl::Pulses(300, -50, -100));
+}
+
+TEST_CASE("Pulses made equal pulses commanded after many random moves") {
+  ReadyBench bench;
+  std::mt19937 random(11);
+  std::uniform_int_distribution<int> pulses(-300, 300);
+  for (int i = 0; i < 30; ++i) {
+    const Targets targets{pulses(random), pulses(random), pulses(random)};
+    bench.drives.set_targets(targets);
+    REQUIRE(all_rest(bench.drives));
+    REQUIRE(positions(bench.drives) == targets);
+    REQUIRE(bench.board.shafts() == EmulatedGrbl::Pulses(targets[0], targets[2], targets[1]));
+  }
+}
+
+TEST_CASE("A caller that goes silent lets the arm rest soon, with its positions certain") {
+  ReadyBench bench;
+  bench.drives.set_targets({40000, 0, 0});
+  REQUIRE(eventually([&] { return bench.drives.status()[0].position_pulses > 1000; }));
+  std::this_thread::sleep_for(std::chrono::milliseconds(400));
+  const int here = bench.board.shafts().x();
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  CHECK(bench.board.shafts().x() == here);
+  CHECK(here < 39000);
+  CHECK(bench.drives.status()[0].position_certain);
+  CHECK(bench.drives.status()[0].position_pulses == here);
+}
+
+TEST_CASE("A move begins with its command, not with the next question") {
+  ReadyBench bench;
+  for (const int target : {100, 0}) {
+    bench.drives.set_targets({target, 0, 0});
+    CHECK(eventually([&] { return bench.board.shafts().x() == target; }));
+    REQUIRE(all_rest(bench.drives));
+  }
+}
+
+TEST_CASE("A new target ahead is gone to without a stop, one behind after braking") {
+  ReadyBench bench;
+  bench.drives.set_targets({3000, 0, 0});
+  REQUIRE(eventually([&] { return bench.drives.status()[0].position_pulses > 1000; }));
+  bench.drives.set_targets({5000, 700, 0});
+  REQUIRE(all_rest(bench.drives));
+  CHECK(positions(bench.drives) == Targets{5000, 700, 0});
+  CHECK(bench.board.last_cancel_s() == 0.0);
+  bench.drives.set_targets({15000, 700, 0});
+  REQUIRE(eventually([&] { return bench.drives.status()[0].position_pulses > 7000; }));
+  bench.drives.set_targets({6000, 0, 0});
+  CHECK(bench.drives.status()[0].moving);
+  REQUIRE(all_rest(bench.drives));
+  CHECK(bench.board.last_cancel_s() > 0.0);
+  CHECK(positions(bench.drives) == Targets{6000, 0, 0});
+}
+
+TEST_CASE("A halt brakes to rest and keeps the positions") {
+  ReadyBench bench;
+  bench.drives.set_targets({40000, 0, 100});
+  REQUIRE(eventually([&] { return bench.drives.status()[0].position_pulses > 1000; }));
+  bench.drives.halt();
+  const auto status = bench.drives.status();
+  CHECK_FALSE(status[0].moving);
+  CHECK(status[0].position_certain);
+  CHECK(status[0].faults.empty());
+  CHECK(status[0].position_pulses == bench.board.shafts().x());
+  CHECK(status[0].position_pulses < 10000);
+}
+
+TEST_CASE("Lower speeds are kept, and limits beyond the cell's refused") {
+  ReadyBench bench;
+  CHECK_THROWS_WITH(bench.drives.set_limits({DriveLimits{9000.0, 40000.0}, {1.0, 1.0}, {1.0, 1.0}}),
+                    Contains("drive 1 cannot keep 9000 pulses/s"));
+  bench.drives.set_limits({DriveLimits{400.0, 40000.0}, {400.0, 400.0}, {400.0, 400.0}});
+  bench.drives.set_targets({200, 0, 0});
+  REQUIRE(all_rest(bench.drives));
+  CHECK_THAT(bench.board.last_jog(), Contains("X0.800") && Contains("F96.000"));
+}
+
+TEST_CASE("Targets so far off that Grbl would lose pulses are refused") {
+  ReadyBench bench;
+  CHECK_THROWS_WITH(bench.drives.set_targets({3000000, 0, 0}), Contains("Grbl loses pulses"));
+  CHECK(bench.board.last_jog().empty());
+}
+
+TEST_CASE("One search finds the switches of all joints, each of which is then homed") {
+  GrblBench bench(HomeReference::kReverseSwitch);
+  GrblDrives drives(bench.settings);
+  drives.energize();
+  drives.start_homing(1, HomeDirection::kReverse);
+  CHECK(drives.status()[1].homing);
+  REQUIRE(eventually([&] { return !drives.status()[1].homing; }));
+  CHECK(drives.status()[1].position_certain);
+  CHECK(drives.status()[1].position_pulses == 0);
+  CHECK_FALSE(drives.status()[0].position_certain);
+  const auto found = bench.board.shafts();
+  CHECK(found == EmulatedGrbl::Pulses(-1000, -2000, -500));
+  drives.start_homing(0, HomeDirection::kReverse);
+  CHECK(drives.status()[0].position_certain);
+  CHECK(bench.board.shafts() == found);
+}
+
+TEST_CASE("A search that is halted ends at once, and nothing is certain") {
+  GrblBench bench(HomeReference::kForwardSwitch);
+  bench.board.place_switches(Eigen::Vector3d(1000.0, 1000.0, 1000.0));
+  GrblDrives drives(bench.settings);
+  drives.energize();
+  drives.start_homing(0, HomeDirection::kForward);
+  REQUIRE(eventually([&] { return bench.board.shafts().x() > 100; }));
+  drives.halt();
+  const auto here = bench.board.shafts();
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  CHECK(bench.board.shafts() == here);
+  CHECK_FALSE(drives.status()[0].homing);
+  CHECK_FALSE(drives.status()[0].position_certain);
+}
+
+TEST_CASE("A search that finds no switch says so") {
+  GrblBench bench(HomeReference::kForwardSwitch);
+  GrblDrives drives(bench.settings);
+  bench.board.place_switches(std::nullopt);
+  drives.energize();
+  drives.start_homing(2, HomeDirection::kForward);
+  REQUIRE(eventually([&] { return !drives.status()[2].homing; }));
+  CHECK_THAT(drives.status()[0].faults.at(0), Contains("alarm 9: no home switch was found"));
+  CHECK_FALSE(drives.status()[2].position_certain);
+  CHECK_FALSE(drives.status()[2].moving);
+}
+
+TEST_CASE("A board whose settings differ is not opened and does not move") {
+  GrblBench bench;
+  bench.board.set(100, 80.0);
+  CHECK_THROWS_WITH(GrblDrives(bench.settings),
+                    Contains("the board at") && Contains("$100 is 80") && Contains("$100=250"));
+  CHECK(bench.board.last_jog().empty());
+}
+
+TEST_CASE("Two programs do not share a port") {
+  ReadyBench bench;
+  CHECK_THROWS_WITH(GrblDrives(bench.settings), Contains("is in use by another program"));
+}
+
+TEST_CASE("A port that is absent, silent or not a board's is refused with the remedy") {
+  GrblBench bench;
+  GrblSettings absent = bench.settings;
+  absent.port = "/dev/serial/by-id/none";
+  CHECK_THROWS_WITH(GrblDrives(absent),
+                    Contains("does not exist") && Contains("plug the board in"));
+  GrblSettings file = bench.settings;
+  file.port = bench.folder.write("file", "").string();
+  CHECK_THROWS_WITH(GrblDrives(file), Contains("cannot be opened"));
+  bench.board.be_silent(true);
+  CHECK_THROWS_WITH(GrblDrives(bench.settings), Contains("says nothing at 115200 baud"));
+}
+
+TEST_CASE("The doctor tells a well board from one that differs or is absent") {
+  GrblBench bench;
+  CHECK(examine_grbl(bench.settings).at(0).verdict == Finding::Verdict::kWell);
+  CHECK_THAT(examine_grbl(bench.settings).at(0).what, Contains("Grbl 1.1h"));
+  bench.board.set(120, 10.0);
+  CHECK(examine_grbl(bench.settings).at(0).verdict == Finding::Verdict::kFaulty);
+  CHECK_THAT(examine_grbl(bench.settings).at(0).remedy, Contains("$120=160"));
+  bench.board.unplug();
+  CHECK_THAT(examine_grbl(bench.settings).at(0).what, Contains("does not exist"));
+}
+
+}  // namespace
+}  // namespace planar
