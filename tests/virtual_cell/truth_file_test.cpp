@@ -113,14 +113,16 @@ TEST_CASE("A truth holds fixed lamps and warming only where it has them") {
         Approx(truth.camera.warming->time_constant_s).epsilon(kUnits));
 }
 
-TEST_CASE("A truth holds beam, leans and outliers only where it has them") {
+TEST_CASE("A truth holds beam, leans, outliers and mixed-up readings only where it has them") {
   const test::TemporaryFolder folder;
   const std::string paper = truth_text(draw_truth(1));
-  for (const char* key : {"beam_sag", "axis_leans_deg", "outliers"})
+  for (const char* key : {"beam_sag", "axis_leans_deg", "outliers", "mispaired_share"})
     CHECK(paper.find(key) == std::string::npos);
-  const Truth truth = draw_rough_truth(1);
+  Truth truth = draw_rough_truth(1);
+  truth.tracker.mispaired_share = 0.02;
   write_truth(folder / "truth.yaml", truth);
   const Truth read = read_truth(folder / "truth.yaml");
+  CHECK(read.tracker.mispaired_share == truth.tracker.mispaired_share);
   CHECK(read.arm.reducers[2].eccentricity[2].order == 3);
   CHECK(read.arm.beam_sag->bending_m_per_m2 ==
         Approx(truth.arm.beam_sag->bending_m_per_m2).epsilon(kUnits));

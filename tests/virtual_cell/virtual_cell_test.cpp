@@ -64,7 +64,7 @@ TEST_CASE("The same truth and the same calls give the same bytes, another seed d
     const Frame frame = cell.camera().next_frame().frame;
     cell.board_presenter().lay_board(0);
     const Frame board = cell.camera().next_frame().frame;
-    return std::make_tuple(frame.image, board.image, cell.tracker().measure_tool()->p_L);
+    return std::make_tuple(frame.image, board.image, cell.tracker().measure_tool("").reading.p_L);
   };
   const auto [frame, board, p_L] = run(7);
   const auto [frame_again, board_again, p_L_again] = run(7);
@@ -233,6 +233,35 @@ TEST_CASE("Frames and true tip follow the drives") {
       truth.camera.focal_px.cwiseProduct(p_C.head<2>() / p_C.z()) + truth.camera.center_px;
   constexpr double kDistortionPx = 30.0;  // lens and warp at most, over the field
   CHECK((seen.center_px - pinhole).norm() < kDistortionPx);
+}
+
+TEST_CASE("A lamp that moves while it is exposed is smeared along its way and seen in the middle") {
+  constexpr double kTaken_s = 2.0 / 15.0, kExposure_s = 0.010;
+  const auto moving_for = [](VirtualCell& cell, double duration_s) {
+    cell.drives().energize();
+    cell.drives().set_targets({100000, 0, 0});
+    cell.clock().sleep_for_s(duration_s);
+  };
+  const auto seen_at = [&](double t_s) {
+    VirtualCell cell(one_lamp_truth(), test::sample_hardware());
+    moving_for(cell, t_s);
+    return bright({cell.expose(kWhole, 1.0, 7), kWhole, 0.0, 0});
+  };
+  VirtualCell cell(one_lamp_truth(), test::sample_hardware());
+  moving_for(cell, kTaken_s - 1e-3);
+  const Frame frame = cell.camera().next_frame().frame;
+  CHECK(frame.t_s == Approx(kTaken_s));
+  CHECK(cell.clock().now_s() == Approx(kTaken_s + kExposure_s));
+  const Bright smeared = bright(frame), sharp = seen_at(kTaken_s + 0.5 * kExposure_s);
+  const double way_px =
+      (seen_at(kTaken_s + kExposure_s).center_px - seen_at(kTaken_s).center_px).norm();
+  REQUIRE(way_px > 3.0);
+  CHECK((smeared.center_px - sharp.center_px).norm() < 0.1 * way_px);
+  // The union of all discs grows by the way times the diameter. Its dim ends, a fifth of the way
+  // each, are below the threshold, and a sharp disc is larger there by its blur.
+  const double diameter_px = std::sqrt(4.0 * sharp.count / kPi);
+  CHECK(smeared.count - sharp.count > 0.15 * way_px * diameter_px);
+  CHECK(smeared.count - sharp.count < way_px * diameter_px);
 }
 
 TEST_CASE("A faulty drive of the cell refuses until it is healed") {

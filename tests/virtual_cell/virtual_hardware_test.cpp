@@ -129,7 +129,7 @@ TEST_CASE("A monument is read where it truly stands, and where it is stated unle
   Truth truth;
   truth.build.monuments_B = {{"datum2", {0.451, 0.45, 0.0}}, {"unknown to the cell", {0, 0, 0.1}}};
   VirtualCell cell(truth, test::sample_hardware());
-  const auto read = [&](const char* id) { return cell.tracker().measure_monument(id)->p_L; };
+  const auto read = [&](const char* id) { return cell.tracker().measure_monument(id).reading.p_L; };
   CHECK(read("datum1") == Eigen::Vector3d(-0.45, -0.45, 0.0));
   CHECK(read("datum2") == Eigen::Vector3d(0.451, 0.45, 0.0));
   CHECK(read("unknown to the cell") == Eigen::Vector3d(0.0, 0.0, 0.1));

@@ -1,8 +1,11 @@
 #include "planar_servo/virtual_cell/virtual_tracker.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 #include "planar_servo/virtual_cell/virtual_clock.h"
 #include "virtual_cell/sample_cell.h"
@@ -33,10 +36,10 @@ TEST_CASE("Readings of a resting tool scatter by the stated sigma on every axis"
   const Truth truth = draw_truth(1);
   TrackerBench bench(truth);
   TrackerBench quiet(noiseless(1));
-  const Eigen::Vector3d middle = quiet.tracker.measure_tool()->p_L;
+  const Eigen::Vector3d middle = quiet.tracker.measure_tool("").reading.p_L;
   Eigen::Array3d sum(0.0, 0.0, 0.0), squares(0.0, 0.0, 0.0);
   for (int i = 0; i < kReadings; ++i) {
-    const Eigen::Array3d deviation = bench.tracker.measure_tool()->p_L - middle;
+    const Eigen::Array3d deviation = bench.tracker.measure_tool("").reading.p_L - middle;
     sum += deviation;
     squares += deviation.square();
   }
@@ -52,7 +55,7 @@ TEST_CASE("The reflector is seen where arm, tool offset and tracker pose put it"
   truth.tracker.bias_m = 0.0;
   TrackerBench bench(truth);
   const Eigen::Vector3d expected = truth.tracker.X_LB * (bench.arm.X_BT() * truth.tool.reflector_m);
-  CHECK((bench.tracker.measure_tool()->p_L - expected).norm() == 0.0);
+  CHECK((bench.tracker.measure_tool("").reading.p_L - expected).norm() == 0.0);
 }
 
 TEST_CASE("The bias varies over the field and stays below the stated length") {
@@ -66,7 +69,8 @@ TEST_CASE("The bias varies over the field and stays below the stated length") {
   TrackerBench bench(truth, hardware);
   double least = 1.0, greatest = 0.0;
   for (const auto& [id, p_B] : hardware.monuments_B) {
-    const double bias = (bench.tracker.measure_monument(id)->p_L - truth.tracker.X_LB * p_B).norm();
+    const double bias =
+        (bench.tracker.measure_monument(id).reading.p_L - truth.tracker.X_LB * p_B).norm();
     least = std::min(least, bias);
     greatest = std::max(greatest, bias);
   }
@@ -86,7 +90,8 @@ TEST_CASE(
   int off = 0;
   for (int i = 0; i < kReadings; ++i) {
     const double length =
-        (bench.tracker.measure_tool()->p_L - plain.tracker.measure_tool()->p_L).norm();
+        (bench.tracker.measure_tool("").reading.p_L - plain.tracker.measure_tool("").reading.p_L)
+            .norm();
     if (length == 0.0) continue;
     ++off;
     CHECK(length > 0.0002 * 0.999);
@@ -95,15 +100,42 @@ TEST_CASE(
   const double expected = 0.02 * kReadings;
   CHECK(std::abs(off - expected) < 5.0 * std::sqrt(expected));
   for (int i = 0; i < kReadings; ++i)
-    REQUIRE(bench.tracker.measure_monument("datum1")->p_L ==
-            plain.tracker.measure_monument("datum1")->p_L);
+    REQUIRE(bench.tracker.measure_monument("datum1").reading.p_L ==
+            plain.tracker.measure_monument("datum1").reading.p_L);
+}
+
+TEST_CASE("Few places get the readings of an earlier one, whatever is read there") {
+  Truth truth = noiseless(5);
+  truth.tracker.mispaired_share = 0.02;
+  TrackerBench bench(truth), plain(noiseless(5));
+  for (TrackerBench* each : {&bench, &plain})
+    for (int joint = 0; joint < 3; ++joint) each->arm.drive(joint).energize();
+  std::vector<Eigen::Vector3d> earlier;
+  int mixed_up = 0;
+  for (int place = 0; place < kReadings; ++place) {
+    const Eigen::Vector3i target = place * Eigen::Vector3i(3, 2, 1);
+    for (TrackerBench* each : {&bench, &plain})
+      for (int joint = 0; joint < 3; ++joint) each->arm.drive(joint).set_target(target[joint]);
+    for (TrackerBench* each : {&bench, &plain}) each->clock.sleep_for_s(1.0);
+    const std::string id = std::to_string(place);
+    const Eigen::Vector3d p_L = bench.tracker.measure_tool(id).reading.p_L;
+    REQUIRE(bench.tracker.measure_tool(id).reading.p_L == p_L);
+    const Eigen::Vector3d here = plain.tracker.measure_tool(id).reading.p_L;
+    if (p_L != here) {
+      ++mixed_up;
+      CHECK(std::find(earlier.begin(), earlier.end(), p_L) != earlier.end());
+    }
+    earlier.push_back(here);
+  }
+  const double expected = 0.02 * kReadings;
+  CHECK(std::abs(mixed_up - expected) < 5.0 * std::sqrt(expected));
 }
 
 TEST_CASE("Readings carry the clock's time and unknown monuments are refused") {
   TrackerBench bench(draw_truth(1));
   bench.clock.sleep_for_s(2.5);
-  CHECK(bench.tracker.measure_tool()->t_s == 2.5);
-  CHECK(bench.tracker.measure_monument("datum1"));
+  CHECK(bench.tracker.measure_tool("").reading.t_s == 2.5);
+  CHECK(bench.tracker.measure_monument("datum1").status == TrackerStatus::kOk);
   CHECK_THROWS_AS(bench.tracker.measure_monument("datum9"), std::invalid_argument);
 }
 

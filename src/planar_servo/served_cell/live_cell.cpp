@@ -3,9 +3,20 @@
 #include <algorithm>
 
 namespace planar {
+namespace {
+
+constexpr char kTool[] = "tool";
+
+}  // namespace
 
 LiveCell::LiveCell(const Truth& truth, const VirtualHardware& hardware, double age_s)
-    : cell_(truth, hardware), sensor_px_(hardware.sensor_px), offset_s_(age_s - steady_.now_s()) {}
+    : cell_(truth, hardware),
+      sensor_px_(hardware.sensor_px),
+      offset_s_(age_s - steady_.now_s()),
+      reflector_places_{kTool},
+      reflector_(kTool) {
+  for (const auto& monument : hardware.monuments_B) reflector_places_.push_back(monument.first);
+}
 
 void LiveCell::set_mover(std::function<void(VirtualCell&)> mover) {
   const std::lock_guard<std::mutex> lock(mutex_);
@@ -24,9 +35,22 @@ cv::Mat LiveCell::expose(const cv::Rect& region_px, double brightness) {
 }
 
 TipPose LiveCell::true_tip() {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  catch_up();
-  return cell_.true_tip();
+  return now([](VirtualCell& cell) { return cell.true_tip(); });
+}
+
+bool LiveCell::place_reflector(const std::string& where) {
+  const auto& places = reflector_places_;
+  if (std::find(places.begin(), places.end(), where) == places.end()) return false;
+  now([&](VirtualCell& /*cell*/) { reflector_ = where; });
+  return true;
+}
+
+TrackerReading LiveCell::read_reflector() {
+  return now([this](VirtualCell& cell) {
+    Tracker& tracker = cell.tracker();
+    return (reflector_ == kTool ? tracker.measure_tool("") : tracker.measure_monument(reflector_))
+        .reading;
+  });
 }
 
 void LiveCell::catch_up() {

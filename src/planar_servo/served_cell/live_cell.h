@@ -4,6 +4,8 @@
 #include <functional>
 #include <mutex>
 #include <opencv2/core.hpp>
+#include <string>
+#include <vector>
 
 #include "planar_servo/core/clock.h"
 #include "planar_servo/core/pose.h"
@@ -28,6 +30,22 @@ class LiveCell {
   /// Returns the tool's true pose now, for the scorer only.
   TipPose true_tip();
 
+  /// Places the reflector on a monument, or on the "tool", where it is at first. Returns false
+  /// where there is no such place.
+  bool place_reflector(const std::string& where);
+  /// Returns "tool" and the monuments.
+  const std::vector<std::string>& reflector_places() const { return reflector_places_; }
+  /// Returns what the tracker reads of the reflector now, on the cell's own clock.
+  TrackerReading read_reflector();
+
+  /// Does something with the cell as it is now, while nobody else does, and returns its result.
+  template <typename Act>
+  auto now(const Act& act) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    catch_up();
+    return act(cell_);
+  }
+
  private:
   void catch_up();
 
@@ -38,6 +56,8 @@ class LiveCell {
   double offset_s_;
   std::uint64_t exposures_{0};
   std::function<void(VirtualCell&)> mover_;
+  std::vector<std::string> reflector_places_;
+  std::string reflector_;
 };
 
 }  // namespace planar

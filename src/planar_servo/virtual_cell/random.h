@@ -14,7 +14,8 @@ enum class RandomStream : std::uint64_t {
   kTracker,
   kWorkshop,
   kRough,
-  kStray
+  kStray,
+  kMispaired
 };
 
 /// The generator xoshiro256++ [Blackman & Vigna 2019], seeded through splitmix64 from (seed,

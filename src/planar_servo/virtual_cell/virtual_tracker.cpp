@@ -37,11 +37,22 @@ VirtualTracker::VirtualTracker(const Truth& truth, const VirtualHardware& stated
       arm_(arm),
       clock_(clock) {}
 
-std::optional<TrackerReading> VirtualTracker::measure_tool() {
-  return measure(arm_.X_BT() * reflector_T_, outliers_);
+TrackerAnswer VirtualTracker::measure_tool(const std::string& place) {
+  if (places_B_.empty() || place != place_) places_B_.emplace_back();
+  place_ = place;
+  places_B_.back() = arm_.X_BT() * reflector_T_;
+  return measure(places_B_[paired_place()], outliers_);
 }
 
-std::optional<TrackerReading> VirtualTracker::measure_monument(const std::string& id) {
+std::size_t VirtualTracker::paired_place() const {
+  const std::size_t newest = places_B_.size() - 1;
+  if (!truth_.mispaired_share) return newest;
+  Random random(seed_, RandomStream::kMispaired, newest);
+  if (random.uniform(0.0, 1.0) >= *truth_.mispaired_share) return newest;
+  return static_cast<std::size_t>(random.uniform(0.0, static_cast<double>(newest)));
+}
+
+TrackerAnswer VirtualTracker::measure_monument(const std::string& id) {
   const auto monument = std::find_if(monuments_B_.begin(), monuments_B_.end(),
                                      [&](const auto& entry) { return entry.first == id; });
   if (monument == monuments_B_.end())
@@ -49,13 +60,13 @@ std::optional<TrackerReading> VirtualTracker::measure_monument(const std::string
   return measure(monument->second, std::nullopt);
 }
 
-TrackerReading VirtualTracker::measure(const Eigen::Vector3d& p_B,
-                                       const std::optional<OutlierTruth>& outliers) {
+TrackerAnswer VirtualTracker::measure(const Eigen::Vector3d& p_B,
+                                      const std::optional<OutlierTruth>& outliers) {
   Random random(seed_, RandomStream::kTracker, readings_++);
   Eigen::Vector3d p_L = truth_.X_LB * (p_B + bias(p_B, truth_.bias_m, truth_.bias_wavelength_m));
   for (double& coordinate : p_L) coordinate += truth_.sigma_m * random.normal();
   if (outliers) p_L += off_by(stray_length(*outliers, random), random);
-  return {clock_.now_s(), p_L};
+  return TrackerAnswer::of({clock_.now_s(), p_L});
 }
 
 }  // namespace planar

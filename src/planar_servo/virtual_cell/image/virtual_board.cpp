@@ -14,6 +14,7 @@ namespace planar {
 namespace {
 
 constexpr int kDotPoints = 256;
+constexpr double kSame_s = 1.0;        // a lens drifts by less than 0.001 px meanwhile
 constexpr int kEdgePoints = 64;        // per side of the sheet, because the lens bends it
 constexpr double kRimPitches = 0.75;   // from the outer dots' centres to the sheet's edge
 constexpr double kDotMarginPx = 80.0;  // larger than any dot's radius in the image
@@ -89,14 +90,14 @@ void VirtualBoard::hold_board(int view) {
       if (every_dot_in_view(X_BG)) break;
     }
   }
-  X_BG_ = X_BG;
+  put(X_BG);
 }
 
 void VirtualBoard::lay_board(int view) {
   require_view(view);
   // The complement of the view's number keeps these draws apart from those of hold_board().
   Random random(seed_, RandomStream::kBoard, ~static_cast<std::uint64_t>(view));
-  X_BG_ = view == 0 ? lain(random, 0.04, 10.0) : lain_anywhere(random);
+  put(view == 0 ? lain(random, 0.04, 10.0) : lain_anywhere(random));
 }
 
 Pose VirtualBoard::lain(Random& random, double farthest_m, double greatest_turn_deg) const {
@@ -144,8 +145,18 @@ std::vector<std::vector<Eigen::Vector2d>> VirtualBoard::dot_outlines_px(double t
   return outlines;
 }
 
+void VirtualBoard::put(const std::optional<Pose>& X_BG) {
+  X_BG_ = X_BG;
+  rendering_.reset();
+}
+
 std::optional<Light> VirtualBoard::render(double t_s) const {
   if (!X_BG_) return std::nullopt;
+  if (!rendering_ || t_s - rendering_->t_s > kSame_s) rendering_ = {t_s, rendered(t_s)};
+  return rendering_->light;
+}
+
+Light VirtualBoard::rendered(double t_s) const {
   const auto sheet_px = project(rectangle(half_sheet(board_)), t_s);
   const cv::Rect window_px =
       window_around(sheet_px, 4.0 * blur_px_) & cv::Rect(cv::Point(), sensor_px_);
@@ -158,7 +169,7 @@ std::optional<Light> VirtualBoard::render(double t_s) const {
                  part);
   }
   cv::GaussianBlur(levels, levels, cv::Size(), blur_px_);
-  return Light{window_px, levels};
+  return {window_px, levels};
 }
 
 }  // namespace planar

@@ -27,17 +27,25 @@ class VirtualBoard final : public BoardPresenter {
   /// by up to 10 degrees. The others are at any place and turn where every dot is in view, unless
   /// the board is too large for that; then they are at the camera's foot.
   void lay_board(int view) override;
-  void remove_board() override { X_BG_.reset(); }
+  void remove_board() override { put({}); }
 
   const std::optional<Pose>& X_BG() const { return X_BG_; }
 
-  /// Renders the board before noise, within the sensor; empty when no board is in view.
+  /// Renders the board before noise, within the sensor; empty when no board is in view. A board
+  /// that stays is rendered anew after a second, because the lens drifts.
   std::optional<Light> render(double t_s) const;
 
   /// Returns the outlines of the board's dots in sensor pixels, row by row.
   std::vector<std::vector<Eigen::Vector2d>> dot_outlines_px(double t_s) const;
 
  private:
+  struct Rendering {
+    double t_s;
+    Light light;
+  };
+
+  void put(const std::optional<Pose>& X_BG);
+  Light rendered(double t_s) const;
   /// Returns a place on z_B = 0, this far from the camera's foot along each axis, and turn.
   Pose lain(Random& random, double farthest_m, double greatest_turn_deg) const;
   Pose lain_anywhere(Random& random) const;
@@ -52,6 +60,7 @@ class VirtualBoard final : public BoardPresenter {
   std::uint64_t seed_;
   std::vector<Eigen::Vector2d> dot_centers_G_;
   std::optional<Pose> X_BG_;
+  mutable std::optional<Rendering> rendering_;  ///< of the board at X_BG_
 };
 
 }  // namespace planar

@@ -39,7 +39,29 @@ FrameResult VirtualCamera::next_frame() {
   ++taken_;
   const double brightness =
       exposure_.time_s / kUsualTime_s * std::pow(10.0, exposure_.gain_db / 20.0);
-  return {FrameStatus::kOk, {expose(region_px_, brightness, exposure), region_px_, t_s, exposure}};
+  const cv::Mat image =
+      arm_.moves() ? expose_moving(brightness, exposure) : expose(region_px_, brightness, exposure);
+  return {FrameStatus::kOk, {image, region_px_, t_s, exposure}};
+}
+
+cv::Mat VirtualCamera::expose_moving(double brightness, std::uint64_t exposure) {
+  const double begin_s = clock_.now_s();
+  cv::Mat1f levels(region_px_.size(), 0.0F);
+  for (int i = 0; i < kMomentsOfExposure; ++i) {
+    clock_.advance_to(begin_s + (i + 0.5) / kMomentsOfExposure * exposure_.time_s);
+    for (const Light& seen : lights(clock_.now_s())) {
+      const cv::Rect lit_px = seen.window_px & region_px_;
+      if (lit_px.empty()) continue;
+      cv::Mat1f sum = levels(lit_px - region_px_.tl());
+      cv::scaleAdd(seen.levels(lit_px - seen.window_px.tl()), brightness / kMomentsOfExposure, sum,
+                   sum);
+    }
+  }
+  clock_.advance_to(begin_s + exposure_.time_s);
+  cv::Mat image(region_px_.size(), CV_8UC1);
+  Random random(seed_, RandomStream::kFrame, exposure);
+  noise_.expose(levels, image, random);
+  return image;
 }
 
 cv::Mat VirtualCamera::expose(const cv::Rect& region_px, double brightness,

@@ -15,8 +15,8 @@
 namespace planar {
 
 /// Renders frames of the lamps, or of the calibration board, which hides them while it is in view.
-/// Exposures are short and begin at whole multiples of the frame period; waiting for one advances
-/// the clock.
+/// Exposures begin at whole multiples of the frame period; waiting for one advances the clock. An
+/// arm that moves is smeared over the exposure, which takes its time; one at rest is seen at once.
 class VirtualCamera final : public FrameSource {
  public:
   VirtualCamera(const Truth& truth, const VirtualHardware& hardware, const VirtualLens& lens,
@@ -36,7 +36,11 @@ class VirtualCamera final : public FrameSource {
 
  private:
   static constexpr double kUsualTime_s = 0.010;
+  /// At 50 mm/s a lamp moves by a quarter of a pixel from one of these to the next.
+  static constexpr int kMomentsOfExposure = 8;
 
+  /// Exposes while the clock advances by the exposure's time.
+  cv::Mat expose_moving(double brightness, std::uint64_t exposure);
   std::vector<Light> lights(double t_s);
 
   cv::Size sensor_px_;

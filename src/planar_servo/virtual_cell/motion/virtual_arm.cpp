@@ -1,5 +1,6 @@
 #include "planar_servo/virtual_cell/motion/virtual_arm.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "planar_servo/core/units.h"
@@ -43,6 +44,11 @@ VirtualArm::VirtualArm(const Truth& truth, const VirtualHardware& stated, const 
 
 VirtualDrive& VirtualArm::drive(int joint) {
   return drives_.at(static_cast<std::size_t>(joint));
+}
+
+bool VirtualArm::moves() const {
+  return std::any_of(drives_.begin(), drives_.end(),
+                     [](const VirtualDrive& drive) { return !drive.rest_pulses(); });
 }
 
 Eigen::Vector3d VirtualArm::joints_rad() {

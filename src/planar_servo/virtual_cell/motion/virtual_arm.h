@@ -24,6 +24,9 @@ class VirtualArm {
   /// Returns the drive of joint 0, 1 or 2; throws std::out_of_range for others.
   VirtualDrive& drive(int joint);
 
+  /// Returns true while a drive turns.
+  bool moves() const;
+
   /// Returns the tool's true pose in the base frame: origin at P in the lamps' plane, with sag and
   /// leaning axes.
   Pose X_BT();

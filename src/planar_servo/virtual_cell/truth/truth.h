@@ -130,6 +130,8 @@ struct TrackerTruth {
   double sigma_m{0.0};  ///< white noise, standard deviation per axis
   double bias_m{0.0};   ///< greatest length of the smooth systematic error
   double bias_wavelength_m{1.0};
+  /// Share of the places whose readings are mixed up: they are those of a place measured earlier.
+  std::optional<double> mispaired_share;
 };
 
 struct NoiseTruth {

@@ -190,6 +190,9 @@ void list_fields(Fields& fields, TrackerTruth& tracker) {
   fields.number("sigma_mm", tracker.sigma_m, kMillimetre, Range::at_least(0.0));
   fields.number("bias_mm", tracker.bias_m, kMillimetre, Range::at_least(0.0));
   fields.number("bias_wavelength_mm", tracker.bias_wavelength_m, kMillimetre, Range::positive());
+  list_optional(fields, "mispaired_share", tracker.mispaired_share, 0.0, [&](double& share) {
+    fields.number("mispaired_share", share, 1.0, Range::from_to(0.0, 1.0));
+  });
 }
 
 void list_fields(Fields& fields, NoiseTruth& noise) {

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <string>
+
+#include "planar_servo/served_cell/live_cell.h"
+
+namespace planar {
+
+/// The commands that obey_command() knows, for --help.
+constexpr char kCellCommands[] =
+    "'board hold N', 'board lay N' and 'board remove', N from 0; 'reflector tool' and 'reflector "
+    "MONUMENT'";
+
+/// Does what a person at the cell would do with their hands, told by one line: 'board hold N' holds
+/// the calibration board tilted into the camera's view and 'board lay N' lays it on the plane of
+/// motion, N from 0 (see BoardPresenter); 'board remove' takes it away; 'reflector tool' and
+/// 'reflector MONUMENT' place the tracker's reflector. Returns what was done in one line, or
+/// beginning with "not understood" what is allowed instead.
+std::string obey_command(const std::string& line, LiveCell& cell);
+
+}  // namespace planar

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <random>
+#include <string>
+
+#include "planar_servo/devices/tracker.h"
+
+namespace planar {
+
+/// How a served tracker writes and what is wrong with it.
+struct ReflectorDialect {
+  double clock_offset_s{0.0};  ///< by which its clock is ahead of the computer's at first
+  double clock_ppm{0.0};       ///< by which its clock runs fast
+  bool decimal_comma{false};   ///< 1,5 instead of 1.5, and ; between columns
+  double broken_percent{0.0};  ///< share of the time in which its beam is broken
+};
+
+/// Writes the lines of a tracker that measures the reflector all the time.
+class ReflectorLines {
+ public:
+  static constexpr double kPeriod_s = 0.05;
+  /// How long a broken beam stays so. While it is broken, nothing is sent.
+  static constexpr double kBreak_s = 6.0;
+
+  /// `start_s` is a time of the computer's clock at which the tracker's has its offset alone.
+  /// Throws InputError for a clock that cannot be one and a share that is none or leaves no
+  /// readings.
+  ReflectorLines(const ReflectorDialect& dialect, double start_s, std::uint32_t seed);
+
+  /// Names the columns. Lines have no end.
+  std::string header() const;
+  /// Returns the line of a reading taken at this time of the computer's clock, kPeriod_s after the
+  /// one before; empty while the beam is broken. The reading's own time is not used.
+  std::optional<std::string> next(double now_s, const TrackerReading& reading);
+
+ private:
+  bool beam_is_broken();
+  std::string joined(const std::array<std::string, 4>& fields) const;
+
+  ReflectorDialect dialect_;
+  double start_s_;
+  std::mt19937 random_;
+  int left_broken_{0};  ///< readings
+};
+
+}  // namespace planar

@@ -1,0 +1,48 @@
+#include "planar_servo/trackers/ask/asked_tracker.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "planar_servo/core/clock.h"
+#include "planar_servo/core/error.h"
+
+namespace planar {
+
+AskedTracker::AskedTracker(TrackerDialect dialect, Terminal terminal)
+    : dialect_(std::move(dialect)), terminal_(terminal) {
+  dialect_.csv.renamed_columns = {{"x_mm", "1"}, {"y_mm", "2"}, {"z_mm", "3"}};
+}
+
+TrackerAnswer AskedTracker::measure_tool(const std::string& place) {
+  return ask(fmt::format("measure the reflector on the tool at '{}'", place));
+}
+
+TrackerAnswer AskedTracker::measure_monument(const std::string& id) {
+  return ask(fmt::format("place the reflector on '{}', measure it", id));
+}
+
+void AskedTracker::await_tool() {
+  if (terminal_.is_attended())
+    terminal_.ask("place the reflector back on the tool and press Enter; the arm will move: ");
+}
+
+TrackerAnswer AskedTracker::ask(const std::string& what) {
+  const std::string question = fmt::format(
+      "{} and press Enter, or type x{}y{}z in {}; s skips, r repeats: ", what,
+      dialect_.csv.separator, dialect_.csv.separator, dialect_.unit == kMillimetre ? "mm" : "m");
+  for (std::string hint;;) {
+    const std::string word = terminal_.ask(hint + question);
+    if (word.empty()) return {TrackerStatus::kElsewhere};
+    if (word == "s") return {TrackerStatus::kSkipped};
+    if (word == "r") return {TrackerStatus::kRepeat};
+    try {
+      if (const auto reading = TrackerLines("typed", dialect_).next(word))
+        return TrackerAnswer::of({SteadyClock().now_s(), reading->p_L});
+    } catch (const InputError& error) {
+      hint = fmt::format("{}\n", error.what());
+    }
+  }
+}
+
+}  // namespace planar

@@ -1,0 +1,112 @@
+#include "planar_servo/trackers/stream/stream_tracker.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <utility>
+
+#include "planar_servo/core/clock.h"
+#include "planar_servo/core/error.h"
+#include "planar_servo/trackers/stream/rest_window.h"
+
+namespace planar {
+namespace {
+
+constexpr char kFrozen[] =
+    "the tracker is frozen: its readings are the same to the last digit, which is finer than "
+    "tracker.sigma_mm";
+
+constexpr char kBackOnTool[] = "place the reflector back on the tool";
+
+}  // namespace
+
+StreamTracker::StreamTracker(const CellSettings& cell, bool has_ids,
+                             std::shared_ptr<ReadingStream> stream,
+                             std::unique_ptr<StreamFeed> feed, Terminal terminal,
+                             const StreamPatience& patience)
+    : tracker_(cell.tracker),
+      has_ids_(has_ids),
+      stream_(std::move(stream)),
+      feed_(std::move(feed)),
+      terminal_(terminal),
+      patience_(patience) {
+  for (const Monument& monument : cell.datum) monuments_.insert(monument.id);
+}
+
+TrackerAnswer StreamTracker::measure_tool(const std::string& /*place*/) {
+  return measure([&](const StreamedReading& reading) { return is_of_tool(reading); });
+}
+
+TrackerAnswer StreamTracker::measure_monument(const std::string& id) {
+  if (has_ids_) {
+    spdlog::info(fmt::format(
+        "place the reflector on '{0}': it is read once it rests there and {1} calls it '{0}'", id,
+        stream_->source()));
+    return wait_for([&](const StreamedReading& reading) { return reading.id == id; });
+  }
+  const std::string word = terminal_.ask(
+      fmt::format("place the reflector on '{}' and press Enter; s skips, r repeats: ", id));
+  if (word == "s") return {TrackerStatus::kSkipped};
+  if (word == "r") return {TrackerStatus::kRepeat};
+  return measure([](const StreamedReading& /*reading*/) { return true; });
+}
+
+void StreamTracker::await_tool() {
+  if (has_ids_) {
+    spdlog::info(fmt::format("{}: the work goes on once it rests there", kBackOnTool));
+    const TrackerAnswer answer =
+        wait_for([&](const StreamedReading& reading) { return is_of_tool(reading); });
+    if (answer.status != TrackerStatus::kOk)
+      throw WorkError("the reflector was not placed back on the tool: " + answer.fault);
+  }
+  if (!has_ids_ || terminal_.is_attended())
+    terminal_.ask(fmt::format("{} and press Enter; the arm will move: ", kBackOnTool));
+}
+
+bool StreamTracker::is_of_tool(const StreamedReading& reading) const {
+  return monuments_.count(reading.id) == 0;
+}
+
+TrackerAnswer StreamTracker::measure(const Wanted& wanted) {
+  const SteadyClock clock;
+  const double end_s = clock.now_s() + patience_.rest_s;
+  RestWindow window(tracker_);
+  stream_->forget();
+  while (clock.now_s() < end_s) {
+    const auto event = stream_->next(patience_.silence_s);
+    if (!event) return silent(patience_.silence_s);
+    if (!event->reading)
+      return TrackerAnswer::failed("a line is no reading (a broken beam?): " + event->fault);
+    if (!wanted(*event->reading)) continue;
+    window.add(*event->reading, event->arrived_s);
+    if (window.is_frozen()) return TrackerAnswer::failed(kFrozen);
+    if (const auto reading = window.at_rest()) return TrackerAnswer::of(*reading);
+  }
+  return TrackerAnswer::failed(fmt::format("the reflector did not come to rest within {} s: {}",
+                                           patience_.rest_s, window.scatter_text()));
+}
+
+/// The beam is broken while somebody carries the reflector, and the program may be silent.
+TrackerAnswer StreamTracker::wait_for(const Wanted& wanted) {
+  const SteadyClock clock;
+  const double end_s = clock.now_s() + patience_.carried_s;
+  RestWindow window(tracker_);
+  stream_->forget();
+  for (double left_s = patience_.carried_s; left_s > 0.0; left_s = end_s - clock.now_s()) {
+    const auto event = stream_->next(left_s);
+    if (!event || !event->reading || !wanted(*event->reading)) continue;
+    window.add(*event->reading, event->arrived_s);
+    if (window.is_frozen()) return TrackerAnswer::failed(kFrozen);
+    if (const auto reading = window.at_rest()) return TrackerAnswer::of(*reading);
+  }
+  return silent(patience_.carried_s);
+}
+
+TrackerAnswer StreamTracker::silent(double waited_s) const {
+  const std::string loss = stream_->loss();
+  return TrackerAnswer::failed(fmt::format("{}: no reading came for {} s (a broken beam?){}",
+                                           stream_->source(), waited_s,
+                                           loss.empty() ? "" : "; " + loss));
+}
+
+}  // namespace planar
