@@ -20,6 +20,7 @@ using Catch::Contains;
 TEST_CASE("The paper's cell is read in SI") {
   const CellSettings cell = read_cell(test::paper_cell_file());
   CHECK(cell.camera.width_px == 5120);
+  CHECK(cell.camera.pixel_pitch_m.value() == Approx(2.5e-6));
   CHECK(cell.arm.geometry.link_lengths_m == Eigen::Vector2d(0.3, 0.3));
   CHECK(cell.transmission.drives[2].gear_ratio == 50.0);
   CHECK(cell.transmission.drives[0].max_speed_rad_s == Approx(60.0 * kDegree));

@@ -24,6 +24,20 @@ TEST_CASE("Tool offsets come back as they were written") {
   CHECK(back.covariance.isApprox(tool.covariance, kToolRounding));
 }
 
+TEST_CASE("A tool whose reflector no tracker saw has none in its file, and comes back so") {
+  ToolOffsets tool;
+  tool.p_TP = Eigen::Vector2d(0.0004, -0.0007);
+  tool.reflector_known = false;
+  tool.covariance.diagonal() << 1e-12, 4e-12, 0.0, 0.0, 0.0;
+  const test::TemporaryFolder folder;
+  const std::string text = tool_text(tool, "test", {});
+  CHECK_THAT(text, !Catch::Matchers::Contains("p_TS"));
+  const ToolOffsets back = read_tool(folder.write("tool.yaml", text));
+  CHECK_FALSE(back.reflector_known);
+  CHECK(back.p_TP.isApprox(tool.p_TP, kToolRounding));
+  CHECK(back.covariance.isApprox(tool.covariance, kToolRounding));
+}
+
 TEST_CASE("A tool file with a missing coordinate is refused by its place") {
   const test::TemporaryFolder folder;
   const auto path =

@@ -32,6 +32,18 @@ TEST_CASE("The figures of a run carry the suffix of who judged them, in millimet
   CHECK(json["seconds_per_target"] == 1.5);
 }
 
+TEST_CASE("The stated interval is held against the truth, component by component") {
+  TargetResult a = reached("a", 1e-3, 1e-5), b = reached("b", 1e-3, 1e-5);
+  CHECK_FALSE(figures_of({a}).coverage_95);
+  a.uncertainty_m = b.uncertainty_m = 1e-6;
+  a.vision_compensated = Eigen::Vector2d(1.9e-6, -1.9e-6);
+  b.vision_compensated = Eigen::Vector2d(-2.1e-6, 0.0);
+  const ServoFigures figures = figures_of({a, b});
+  CHECK(figures.coverage_95 == 0.75);
+  CHECK(servo_json(figures)["coverage_95_truth"] == 0.75);
+  CHECK_THAT(servo_text(figures), Catch::Contains("75.0 % of the components"));
+}
+
 TEST_CASE("Without a truth no figure claims one") {
   TargetResult result = reached("a", 1e-3, 1e-5);
   result.before_truth = result.after_truth = std::nullopt;

@@ -6,7 +6,7 @@
 
 #include "planar_servo/arm/found_arm.h"
 #include "planar_servo/cell/cell_settings.h"
-#include "planar_servo/field/arm_terms.h"
+#include "planar_servo/field/arm/arm_terms.h"
 #include "planar_servo/files/provenance.h"
 
 namespace planar {

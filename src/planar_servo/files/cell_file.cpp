@@ -51,9 +51,11 @@ void read_camera(Fields& fields, CameraSettings& camera, const DeviceKinds& kind
   fields.number("timeout_ms", camera.timeout_s, kMillisecond, Range::positive());
   fields.whole_number("follow_region_px", camera.follow_region_px, kLeastRegion_px,
                       kMaxSensorPixels);
+  if (fields.given("pixel_pitch_um", false))
+    fields.number("pixel_pitch_um", camera.pixel_pitch_m.emplace(), kMicrometre, Range::positive());
   double unused{0.0};
-  for (const char* data_sheet : {"pixel_pitch_um", "gain_e_per_level"})
-    if (fields.given(data_sheet, false)) fields.number(data_sheet, unused, 1.0, Range::positive());
+  if (fields.given("gain_e_per_level", false))
+    fields.number("gain_e_per_level", unused, 1.0, Range::positive());
   if (camera.kind != nullptr) camera.details = camera.kind->read(fields);
 }
 
@@ -167,10 +169,12 @@ void read_tracker(Fields& fields, CellSettings& cell, const DeviceKinds& kinds) 
   const bool in_virtual_cell = cell.camera.kind != nullptr && cell.camera.kind->is_virtual();
   TrackerSettings& tracker = cell.tracker;
   for (const TrackerKind* kind : kinds.trackers)
-    if (kind->is_virtual() == in_virtual_cell) tracker.kind = kind;
+    if (kind->is_virtual() == in_virtual_cell && kind->measures() == in_virtual_cell)
+      tracker.kind = kind;
   if (fields.given("source", true)) read_kind(fields, "source", kinds.trackers, tracker.kind);
   fields.number("sigma_mm", tracker.sigma_m, kMillimetre, Range::at_least(0.0));
   fields.number("sigma_mm_per_m", tracker.sigma_m_per_m, kMillimetre, Range::at_least(0.0));
+  if (tracker.kind != nullptr) tracker.details = tracker.kind->read(fields);
 }
 
 void read_datum(Fields& fields, std::vector<Monument>& datum) {

@@ -23,6 +23,7 @@ enum class Role {
   kErrorMap,
   kHealth,
   kArmFound,
+  kLays,
   kLampLayout,  ///< `lamps` of the cell file, without the method
   kImageSize,   ///< `camera` of the cell file, its size only
   kDatum,       ///< `datum` of the cell file
@@ -30,14 +31,21 @@ enum class Role {
 };
 
 /// All roles with the words that files have for them.
-constexpr Named<Role> kRoles[] = {
-    {Role::kCamera, "camera"},         {Role::kFrames, "frames"},
-    {Role::kLamps, "lamps"},           {Role::kTracker, "tracker"},
-    {Role::kWorkplane, "workplane"},   {Role::kTool, "tool"},
-    {Role::kPairs, "pairs"},           {Role::kErrorMap, "error_map"},
-    {Role::kLampLayout, "cell_lamps"}, {Role::kImageSize, "cell_image_size"},
-    {Role::kDatum, "cell_datum"},      {Role::kHealth, "health"},
-    {Role::kArmFound, "arm_found"},    {Role::kArm, "cell_arm"}};
+constexpr Named<Role> kRoles[] = {{Role::kCamera, "camera"},
+                                  {Role::kFrames, "frames"},
+                                  {Role::kLamps, "lamps"},
+                                  {Role::kTracker, "tracker"},
+                                  {Role::kWorkplane, "workplane"},
+                                  {Role::kTool, "tool"},
+                                  {Role::kPairs, "pairs"},
+                                  {Role::kErrorMap, "error_map"},
+                                  {Role::kLampLayout, "cell_lamps"},
+                                  {Role::kImageSize, "cell_image_size"},
+                                  {Role::kDatum, "cell_datum"},
+                                  {Role::kHealth, "health"},
+                                  {Role::kArmFound, "arm_found"},
+                                  {Role::kArm, "cell_arm"},
+                                  {Role::kLays, "lays"}};
 
 /// Holds one thing that a file was made from.
 struct Origin {

@@ -7,14 +7,24 @@
 namespace planar {
 namespace {
 
+constexpr double kSquareMillimetre = kMillimetre * kMillimetre;
+
+/// Visits the covariance of the end point alone, which is all where no tracker saw the reflector.
+void list_end_point_covariance(Fields& fields, ToolOffsets& tool) {
+  Eigen::Matrix2d in_file = tool.covariance.topLeftCorner<2, 2>() / kSquareMillimetre;
+  list_covariance(fields, {"p_TP_x_mm", "p_TP_y_mm"}, in_file);
+  if (fields.reading()) tool.covariance.topLeftCorner<2, 2>() = in_file * kSquareMillimetre;
+}
+
 void list_fields(Fields& fields, ToolOffsets& tool) {
-  constexpr double kSquareMillimetre = kMillimetre * kMillimetre;
   fields.numbers("p_TP_mm", tool.p_TP, kMillimetre);
+  tool.reflector_known = fields.given("p_TS_mm", tool.reflector_known);
+  if (!tool.reflector_known) return list_end_point_covariance(fields, tool);
   fields.numbers("p_TS_mm", tool.p_TS, kMillimetre);
   Eigen::Matrix<double, 5, 5> in_file = tool.covariance / kSquareMillimetre;
   list_covariance(fields, {"p_TP_x_mm", "p_TP_y_mm", "p_TS_x_mm", "p_TS_y_mm", "p_TS_z_mm"},
                   in_file);
-  if (fields.reading()) tool.covariance = in_file * kMillimetre * kMillimetre;
+  if (fields.reading()) tool.covariance = in_file * kSquareMillimetre;
 }
 
 }  // namespace

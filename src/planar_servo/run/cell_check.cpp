@@ -1,6 +1,7 @@
 #include "planar_servo/run/cell_check.h"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <cmath>
@@ -167,6 +168,7 @@ std::vector<HealthFinding> CellCheck::revisit(const HealthRecord& record) {
   const Transmission& transmission = planner_.transmission();
   std::vector<HealthPlace> left = record.places;
   std::vector<Revisit> revisits;
+  std::vector<HealthPlace> visited_places;
   while (!left.empty()) {
     const Eigen::Vector3d present = transmission.motors_from_joints(robot_.commanded_joints());
     const auto distance = [&](const HealthPlace& place) {
@@ -178,12 +180,32 @@ std::vector<HealthFinding> CellCheck::revisit(const HealthRecord& record) {
     const auto visited = visit(*nearest);
     if (const auto* finding = std::get_if<HealthFinding>(&visited)) return {*finding};
     revisits.push_back(std::get<Revisit>(visited));
+    visited_places.push_back(*nearest);
     left.erase(nearest);
   }
   if (revisits.empty()) return {};
+  if (auto finding = leave_out_stray(visited_places, revisits)) return {*finding};
   // Play that has grown displaces the arm on either side, as a lost zero would.
   std::vector<HealthFinding> play = play_at(revisits.back());
   return play.empty() ? find_changes(model_, revisits) : play;
+}
+
+std::optional<HealthFinding> CellCheck::leave_out_stray(const std::vector<HealthPlace>& places,
+                                                        std::vector<Revisit>& revisits) {
+  const auto stray = stray_place(revisits);
+  if (!stray) return std::nullopt;
+  // An arm that slipped on its way there would be off at any other place by now.
+  const std::size_t other = *stray == 0 ? 1 : 0;
+  const auto visited = visit(places[other]);
+  if (const auto* finding = std::get_if<HealthFinding>(&visited)) return *finding;
+  revisits[other] = std::get<Revisit>(visited);
+  if (stray_place(revisits) != stray) return std::nullopt;
+  spdlog::warn(
+      fmt::format("place '{}' is not where it was, but all others are: the arm strayed there, now "
+                  "or when it was recorded; the place is left out of the check",
+                  places[*stray].id));
+  revisits.erase(revisits.begin() + static_cast<std::ptrdiff_t>(*stray));
+  return std::nullopt;
 }
 
 std::vector<HealthFinding> CellCheck::play_at(const Revisit& from_below) {

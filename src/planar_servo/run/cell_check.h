@@ -47,6 +47,10 @@ class CellCheck {
   std::optional<Joints> start() const;
   /// Visits a place again. Returns why it was not seen, if it was not.
   std::variant<Revisit, HealthFinding> visit(const HealthPlace& place);
+  /// Takes out a place at which the arm strayed, once another place shows that the arm has not
+  /// slipped. Returns why that was not seen, if it was not.
+  std::optional<HealthFinding> leave_out_stray(const std::vector<HealthPlace>& places,
+                                               std::vector<Revisit>& revisits);
   /// Approaches the present place, which was reached from below, from above.
   std::vector<HealthFinding> play_at(const Revisit& from_below);
   /// Throws WorkError unless the camera comes back.

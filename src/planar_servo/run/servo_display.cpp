@@ -1,12 +1,9 @@
 #include "planar_servo/run/servo_display.h"
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
-#include <cstdlib>
-
-#include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
+#include "planar_servo/report/live/servo_view.h"
 
 namespace planar {
 namespace {
@@ -23,24 +20,8 @@ std::string title_of(const ServoSight& sight) {
 
 }  // namespace
 
-DisplayPolicy display_policy_named(const std::string& name) {
-  if (name == "none") return DisplayPolicy::kNone;
-  if (name == "auto") return DisplayPolicy::kAuto;
-  if (name == "x") return DisplayPolicy::kX;
-  throw InputError("--display is '" + name + "'; allowed are auto, x, none");
-}
-
-ServoDisplay::ServoDisplay(DisplayPolicy policy, const std::filesystem::path& picture) {
-  if (policy == DisplayPolicy::kNone) return;
-  const bool window = x_server_answers();
-  if (!window && policy == DisplayPolicy::kX) {
-    const char* display = std::getenv("DISPLAY");
-    throw InputError(fmt::format(
-        "--display x: no X server answers at DISPLAY '{}'; start one, or use --display auto",
-        display == nullptr ? "" : display));
-  }
-  view_ = std::make_unique<LiveView>(picture, window);
-}
+ServoDisplay::ServoDisplay(DisplayPolicy policy, const std::filesystem::path& picture)
+    : view_(open_display(policy, picture, "planar-servo")) {}
 
 void ServoDisplay::show(const ServoSight& sight) {
   if (!view_) return;
@@ -57,13 +38,11 @@ void ServoDisplay::show(const ServoSight& sight) {
   view.frame = sight.frame;
   view.errors_m = errors_m_;
   view.stop_below_m = sight.step.stop_below_m;
-  view_->show(std::move(view));
+  view_->show(drawing_of(std::move(view)));
 }
 
 void ServoDisplay::close() {
-  if (!view_) return;
-  if (const auto failure = view_->close())
-    spdlog::warn(fmt::format("the display failed: {}", *failure));
+  close_display(view_.get());
 }
 
 }  // namespace planar

@@ -2,23 +2,12 @@
 
 #include <filesystem>
 #include <memory>
-#include <string>
 #include <vector>
 
-#include "planar_servo/report/live_view.h"
+#include "planar_servo/report/live/display.h"
 #include "planar_servo/run/servo_run.h"
 
 namespace planar {
-
-/// Says what `--display` asks for.
-enum class DisplayPolicy {
-  kNone,  ///< nothing is drawn
-  kAuto,  ///< a picture file, and a window where an X server answers
-  kX,     ///< both; it is an error when no X server answers
-};
-
-/// Returns the policy of the name "none", "auto" or "x". Throws InputError for any other name.
-DisplayPolicy display_policy_named(const std::string& name);
 
 /// Shows every step of a servo as it is measured.
 class ServoDisplay {

@@ -11,6 +11,18 @@ std::optional<Summary> summary_of(const std::vector<TargetResult>& results, Targ
   return summarize(lengths);
 }
 
+std::optional<double> coverage_of(const std::vector<TargetResult>& results) {
+  constexpr double kSigmas = 1.96;
+  Eigen::Index within = 0, all = 0;
+  for (const TargetResult& result : results) {
+    if (!result.vision_compensated || !result.uncertainty_m) continue;
+    within += (result.vision_compensated->array().abs() < kSigmas * *result.uncertainty_m).count();
+    all += 2;
+  }
+  if (all == 0) return std::nullopt;
+  return static_cast<double>(within) / static_cast<double>(all);
+}
+
 }  // namespace
 
 std::vector<double> error_lengths(const std::vector<TargetResult>& results, TargetError error) {
@@ -41,6 +53,7 @@ ServoFigures figures_of(const std::vector<TargetResult>& results) {
   figures.after_own = summary_of(results, &TargetResult::after_own);
   figures.before_truth = summary_of(results, &TargetResult::before_truth);
   figures.after_truth = summary_of(results, &TargetResult::after_truth);
+  figures.coverage_95 = coverage_of(results);
   return figures;
 }
 

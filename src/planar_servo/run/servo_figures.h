@@ -27,6 +27,8 @@ struct ServoFigures {
   double iterations_median{0.0};
   double seconds_per_target{0.0};
   std::optional<Summary> before_own, after_own, before_truth, after_truth;  ///< metres
+  /// Share of the components of compensated vision minus truth within 1.96 stated deviations.
+  std::optional<double> coverage_95;
   std::optional<FrameCounts> frames;  ///< of the camera; added by whoever has the camera
 };
 

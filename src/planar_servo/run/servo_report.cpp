@@ -68,6 +68,7 @@ nlohmann::json servo_json(const ServoFigures& figures) {
                       {"seconds_per_target", figures.seconds_per_target}};
   add_figures(json, "_own_view", figures.before_own, figures.after_own);
   add_figures(json, "_truth", figures.before_truth, figures.after_truth);
+  if (figures.coverage_95) json["coverage_95_truth"] = *figures.coverage_95;
   if (figures.frames) {
     json["frames_complete"] = figures.frames->complete;
     json["frames_incomplete"] = figures.frames->incomplete;
@@ -83,6 +84,11 @@ std::string servo_text(const ServoFigures& figures) {
                      figures.iterations_median == 1.0 ? "" : "s", figures.seconds_per_target) +
          figures_line("against the truth", figures.before_truth, figures.after_truth) +
          figures_line("by its own view", figures.before_own, figures.after_own) +
+         (figures.coverage_95
+              ? fmt::format(
+                    "vision: {:.1f} % of the components within their stated 95 % interval\n",
+                    100.0 * *figures.coverage_95)
+              : "") +
          (figures.frames ? "camera: " + describe(*figures.frames) + "\n" : "");
 }
 
@@ -98,6 +104,8 @@ std::string servo_page(const ServoRequest& request, const std::vector<TargetResu
   if (!before.points.empty()) {
     page.add_html(quiver_svg({before, after}));
     page.add_paragraph(kQuiverCaption);
+    page.add_html(quiver_svg({after}));
+    page.add_paragraph("The last panel once more, at scales of its own.");
   }
   TextTable table("Targets", {"target", "x mm", "y mm", "status", "corrections", "own view mm",
                               "uncertainty mm", "truth mm"});
@@ -133,16 +141,22 @@ std::string run_text(const ServoRequest& request, const ServoRun& run, const Ser
 
 }  // namespace
 
-void write_run(const ServoRequest& request, const ServoRun& run, const ServoFigures& figures,
-               const std::filesystem::path& targets) {
-  if (!run.has_new_results() && std::filesystem::exists(request.out / "run.yaml")) return;
+std::vector<std::filesystem::path> run_inputs(const ServoRequest& request,
+                                              const std::filesystem::path& wanted) {
   const CellSettings& cell = request.cell;
   std::vector<std::filesystem::path> inputs{cell.file, cell.camera_model, cell.workplane,
                                             cell.tool};
-  if (!targets.empty()) inputs.push_back(targets);
+  if (!wanted.empty()) inputs.push_back(wanted);
   if (request.use_error_map) inputs.push_back(cell.error_map);
   if (cell.arm_found) inputs.push_back(*cell.arm_found);
-  write_file(request.out / "run.yaml", run_text(request, run, figures, inputs));
+  return inputs;
+}
+
+void write_run(const ServoRequest& request, const ServoRun& run, const ServoFigures& figures,
+               const std::filesystem::path& targets) {
+  if (!run.has_new_results() && std::filesystem::exists(request.out / "run.yaml")) return;
+  write_file(request.out / "run.yaml",
+             run_text(request, run, figures, run_inputs(request, targets)));
   write_file(request.out / "report.html", servo_page(request, run.results()));
 }
 

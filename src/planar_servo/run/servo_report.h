@@ -25,6 +25,11 @@ QuiverPanel error_panel(const std::string& what, const std::vector<TargetResult>
 /// Returns the text of report.html of one run.
 std::string servo_page(const ServoRequest& request, const std::vector<TargetResult>& results);
 
+/// Returns the files that a run uses: those of its cell, and what it moves to or along, if that is
+/// a file.
+std::vector<std::filesystem::path> run_inputs(const ServoRequest& request,
+                                              const std::filesystem::path& wanted);
+
 /// Writes run.yaml and report.html into the run's folder. The run used the files of its cell and
 /// the table `targets`, which is empty when the targets came on standard input.
 void write_run(const ServoRequest& request, const ServoRun& run, const ServoFigures& figures,

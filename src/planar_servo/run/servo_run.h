@@ -1,45 +1,19 @@
 #pragma once
 
-#include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "planar_servo/cell/cell_settings.h"
 #include "planar_servo/files/tables/result_table.h"
 #include "planar_servo/files/tables/target_table.h"
-#include "planar_servo/health/cause.h"
-#include "planar_servo/health/health_record.h"
 #include "planar_servo/io/folder_lock.h"
 #include "planar_servo/io/growing_file.h"
-#include "planar_servo/machine/cell_devices.h"
-#include "planar_servo/robot/planar_robot.h"
-#include "planar_servo/servo/position_servo.h"
-#include "planar_servo/vision/lamp_tip_sensor.h"
+#include "planar_servo/run/ready_cell.h"
 
 namespace planar {
 
-/// Says how a cell closes its loop, and where the run's files go.
-struct ServoRequest {
-  CellSettings cell;
-  CenterMethod center{CenterMethod::kAuto};  ///< the way in which lamps' centres are measured
-  bool use_error_map{true};
-  std::filesystem::path out;  ///< steps.csv and results.csv grow here, a line at a time
-  bool resume{false};         ///< continues the run that the folder holds
-  bool accept_stale{false};   ///< moves even with files that do not belong together
-  bool check_health{true};    ///< looks, before the first target, whether the cell is as it was
-  bool keep_going{false};     ///< tries the next target even when the cell itself is in doubt
-  /// Is asked whether drives that lost their position may be homed now, which moves the arm. Its
-  /// argument names the drives in words. Empty: they may not.
-  std::function<bool(const std::string& unhomed)> may_home{};
-  std::function<bool()> stop{};  ///< asked during every move; see PlanarRobot::stop_when()
-};
-
-/// Returns the sentences on calibration files that do not belong together, and shows them in the
-/// log. Throws InputError with them unless they are accepted.
-std::vector<std::string> accept_stale_files(const CellSettings& cell, bool with_error_map,
-                                            bool accepted);
+class TargetScorer;
 
 /// Shows an observer one look of the servo at the tool.
 struct ServoSight {
@@ -84,44 +58,23 @@ class ServoRun {
   /// Removes the tables of a run without any result, as when no target could be read.
   void discard_if_empty();
   /// Returns the sentences on files that do not belong together and were accepted.
-  const std::vector<std::string>& accepted_stale() const { return accepted_stale_; }
+  const std::vector<std::string>& accepted_stale() const { return cell_.accepted_stale(); }
   /// Returns the results so far. Those of a resumed run begin with those that the folder holds.
   const std::vector<TargetResult>& results() const { return results_; }
 
  private:
-  bool must_examine() const;
-  /// Throws WorkError when the cell is not well, and says so when nothing is known of its health.
-  void examine();
-  /// Makes one attempt at a target, or a check, and makes it again after a drive that failed is
-  /// back, but at most `recoveries_left` times.
-  template <typename Attempt>
-  auto with_drives(const std::string& id, int& recoveries_left, const Attempt& attempt)
-      -> decltype(attempt());
-  /// Waits for the drives. Throws DriveError when they are not back in time or may not be homed.
-  void recover_drives(const std::string& id, const std::string& reason);
-  /// Waits for the camera. Returns false when it is not back in time.
-  bool wait_for_camera(const std::string& id, const std::string& reason, double deadline_s);
+  ServoResult attempt(const TargetRow& target, TargetScorer& scorer);
 
-  CellSettings cell_;
-  FrameSource& camera_;
-  Clock& clock_;
   Observer observer_;
-  std::function<bool(const std::string&)> may_home_;
   std::function<TipPose()> true_tip_;
-  bool check_health_, keep_going_;
-  std::optional<double> examined_s_;  ///< when the cell was last looked at
+  bool keep_going_;
   std::optional<std::string> ended_by_;
-  VisionCalibration vision_;
-  std::optional<HealthRecord> health_;
-  LampTipSensor sensor_;
-  std::vector<std::string> accepted_stale_;
+  ReadyCell cell_;
   FolderLock lock_;
   std::vector<TargetResult> results_;
   std::size_t results_before_;
   GrowingFile steps_;
   GrowingFile table_;
-  PlanarRobot robot_;
-  PositionServo servo_;
 };
 
 /// Moves to every target in turn, except those that a resumed run has a result of, until the run is

@@ -26,4 +26,8 @@ std::optional<std::string> approach_refusal(const JointPlanner& planner,
   return std::nullopt;
 }
 
+double play_allowance_m(const PlanarArm& arm, const ServoSettings& settings) {
+  return settings.approach_margin_rad * arm.geometry().link_lengths_m.sum();
+}
+
 }  // namespace planar

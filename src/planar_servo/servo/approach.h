@@ -20,4 +20,8 @@ std::optional<std::string> approach_refusal(const JointPlanner& planner,
                                             const ServoSettings& settings, const Joints& from,
                                             const Joints& theta);
 
+/// Returns by how much play may move the end point when motors arrive from either side, metres:
+/// what the settings' approach margin, which exceeds the play, comes to at full reach.
+double play_allowance_m(const PlanarArm& arm, const ServoSettings& settings);
+
 }  // namespace planar

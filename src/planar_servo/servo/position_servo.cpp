@@ -6,6 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "planar_servo/servo/approach.h"
 #include "planar_servo/servo/control_law.h"
 
 namespace planar {
@@ -49,7 +50,7 @@ PositionServo::PositionServo(const ServoSettings& settings, const GuardLimits& l
       clock_(clock) {
   check(settings);
   if (settings.approach == Approach::kDirect)
-    limits_.play_m += settings.approach_margin_rad * planner.arm().geometry().link_lengths_m.sum();
+    limits_.play_m += play_allowance_m(planner.arm(), settings);
 }
 
 ServoResult PositionServo::move_to(const TipPose& target, const Observer& observer) {

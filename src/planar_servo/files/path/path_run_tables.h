@@ -1,0 +1,45 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "planar_servo/core/numerics/statistics.h"
+#include "planar_servo/servo/path/path_follower.h"
+
+namespace planar {
+
+/// Holds how far the end point was off its path, and behind its time, at every look that counts.
+struct PathErrors {
+  Summary across_m;                        ///< distance from the path
+  double lag_mean_m{0.0}, lag_max_m{0.0};  ///< mean, and largest size; late is positive
+};
+
+/// Holds how a path went at one speed, a row of path_results.csv.
+struct PathSpeedResult {
+  double speed_m_s{0.0};
+  ServoStatus status{ServoStatus::kRefused};
+  std::string reason;
+  int looks{0};
+  double seconds{0.0};
+  std::optional<PathErrors> own_view, truth;
+};
+
+/// Holds a look on the path, a row of path_looks.csv.
+struct PathLookRow {
+  double speed_m_s{0.0};
+  PathLook look;
+  std::optional<PathOffset> truth;  ///< where a truth watches: where it was when this was reported
+
+  /// Return how far the end point was behind its time, metres.
+  double lag_m() const { return look.along_m - look.seen.along_m; }
+  std::optional<double> lag_truth_m() const;
+};
+
+// Both tables grow: the header first, then a line at a time.
+std::string path_looks_header();
+std::string path_look_line(const PathLookRow& row);
+std::string path_results_header(const std::vector<std::string>& remarks);
+std::string path_result_line(const PathSpeedResult& result);
+
+}  // namespace planar

@@ -1,0 +1,160 @@
+#include "planar_servo/run/path/path_run.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include "planar_servo/core/error.h"
+#include "planar_servo/core/fixed.h"
+#include "planar_servo/core/units.h"
+#include "planar_servo/files/arm_file.h"
+#include "planar_servo/files/path/path_table.h"
+#include "planar_servo/files/provenance.h"
+#include "planar_servo/run/path/path_figures.h"
+#include "planar_servo/run/resumed_run.h"
+#include "planar_servo/servo/arrival.h"
+#include "planar_servo/servo/path/path_check.h"
+#include "planar_servo/servo/path/play_probe.h"
+
+namespace planar {
+namespace {
+
+/// The error map is smooth over this length of a path, metres.
+constexpr double kMapStep_m = 5e-3;
+
+/// Returns the devices of a cell that can follow a path.
+CellDevices& able_to_follow(CellDevices& devices, const CellSettings& cell) {
+  if (const auto refusal = devices.drives().stream_refusal())
+    throw InputError(fmt::format("{}: its drives cannot follow a path: {}; go to targets instead",
+                                 cell.file.string(), *refusal));
+  return devices;
+}
+
+const std::filesystem::path& folder_for_path(const ServoRequest& request) {
+  for (const char* name : {"path_looks.csv", "results.csv"})
+    if (std::filesystem::exists(request.out / name))
+      throw InputError((request.out / name).string() +
+                       ": holds a run already; name another folder");
+  make_folder(request.out);
+  return request.out;
+}
+
+ExposureTiming exposures_of(const CellSettings& cell, const FrameSource& camera) {
+  return {1.0 / cell.camera.frame_rate_hz, camera.exposure().time_s};
+}
+
+}  // namespace
+
+PathRequest read_path_request(const std::filesystem::path& file, const CellSettings& cell,
+                              const std::vector<double>& speeds_mm_s, bool by_vision) {
+  PathRequest request{file, read_path(file, cell.tool_orientation), {}, by_vision};
+  for (const double speed_mm_s : speeds_mm_s) {
+    const double speed_m_s = speed_mm_s * kMillimetre;
+    if (!(speed_m_s >= kSlowest_m_s && speed_m_s <= kFastest_m_s))
+      throw InputError(fmt::format("--speed-mm-s {:g}: a path is followed at {:g} to {:g} mm/s",
+                                   speed_mm_s, kSlowest_m_s / kMillimetre,
+                                   kFastest_m_s / kMillimetre));
+    request.speeds_m_s.push_back(speed_m_s);
+  }
+  return request;
+}
+
+std::vector<PathDemand> require_followable(const CellSettings& cell, const PathRequest& request) {
+  const JointPlanner planner = servo_planner(cell);
+  std::vector<PathDemand> demands;
+  for (const double speed_m_s : request.speeds_m_s) {
+    const PathTiming timing(request.path, speed_m_s);
+    demands.push_back(path_demand(planner, request.path, timing, cell.arm.home));
+    if (demands.back().refusal)
+      throw InputError(fmt::format("{}: cannot be followed at {:g} mm/s: {}", request.file.string(),
+                                   speed_m_s / kMillimetre, *demands.back().refusal));
+  }
+  return demands;
+}
+
+void require_inside_map(const VisionCalibration& vision, const PathRequest& request) {
+  if (!vision.error_map) return;
+  for (double along_m = 0.0; along_m < request.path.length_m(); along_m += kMapStep_m) {
+    const TipPose pose = request.path.at(along_m).pose;
+    if (predict_error_at(vision, pose).inside) continue;
+    throw InputError(
+        fmt::format("{}: {:.1f} mm along the path, at {}: the error map is not valid here: record "
+                    "training positions around this place",
+                    request.file.string(), along_m / kMillimetre, place_mm(pose.p)));
+  }
+}
+
+PathRun::PathRun(const ServoRequest& request, const PathRequest& path, CellDevices& devices)
+    : path_(path),
+      true_tip_(devices.true_tip()),
+      keep_going_(request.keep_going),
+      cell_(request, able_to_follow(devices, request.cell)),
+      follower_(cell_.settings().servo, cell_.limits(), cell_.planner(), cell_.robot(),
+                cell_.sensor(), devices.clock(), exposures_of(cell_.settings(), devices.camera())),
+      lock_(folder_for_path(request)),
+      look_table_(request.out / "path_looks.csv", path_looks_header()),
+      result_table_(request.out / "path_results.csv",
+                    path_results_header(csv_remarks(run_origins(request)))) {
+  cell_.switch_on();
+}
+
+const PathSpeedResult& PathRun::follow(double speed_m_s) {
+  cell_.examine_if_due();
+  const std::size_t first = looks_.size();
+  const PathTiming timing(path_.path, speed_m_s);
+  const PathResult outcome = follow_timed(timing, speed_m_s);
+  PathSpeedResult result = path_figures({looks_.begin() + static_cast<long>(first), looks_.end()});
+  result.speed_m_s = speed_m_s;
+  result.status = outcome.status;
+  result.reason = outcome.reason;
+  result.seconds = outcome.duration_s;
+  results_.push_back(result);
+  result_table_.append(path_result_line(result));
+  if (outcome.cell_in_doubt && !keep_going_)
+    ended_by_ = fmt::format("{}: {}", name(outcome.status), outcome.reason);
+  return results_.back();
+}
+
+PathResult PathRun::follow_timed(const PathTiming& timing, double speed_m_s) {
+  const PathDemand demand =
+      path_demand(cell_.planner(), path_.path, timing, cell_.robot().commanded_joints());
+  if (demand.refusal) return {ServoStatus::kRefused, *demand.refusal};
+  if (auto missed = go_to_beginning(demand)) {
+    missed->reason = "on the way to the path's beginning: " + missed->reason;
+    return *missed;
+  }
+  return follower_.follow(path_.path, timing, path_.by_vision,
+                          [&](const PathLook& look) { record(look, speed_m_s); });
+}
+
+std::optional<PathResult> PathRun::go_to_beginning(const PathDemand& demand) {
+  if (!path_.by_vision) {
+    const auto obstacle = arrive(cell_.robot(), cell_.planner(), cell_.settings().servo,
+                                 demand.start, [&] { return cell_.sensor().fault(); });
+    if (!obstacle) return std::nullopt;
+    return PathResult{obstacle->refused ? ServoStatus::kRefused : ServoStatus::kLostCamera,
+                      obstacle->reason};
+  }
+  const ServoResult servo = cell_.servo().move_to(path_.path.at(0.0).pose);
+  if (servo.status != ServoStatus::kReached && servo.status != ServoStatus::kOutsideMap)
+    return PathResult{servo.status, servo.reason, servo.cell_in_doubt};
+  if (!play_rad_) find_play();
+  return std::nullopt;
+}
+
+void PathRun::find_play() {
+  play_rad_ = measure_play(cell_.robot(), cell_.planner(), cell_.settings().servo, cell_.sensor(),
+                           cell_.clock());
+  if (!play_rad_) return spdlog::warn("the play could not be measured at the path's beginning");
+  spdlog::info(fmt::format("the play of motors 1 and 2 is {:.4f} and {:.4f} deg",
+                           play_rad_->x() / kDegree, play_rad_->y() / kDegree));
+  follower_.set_play(*play_rad_);
+}
+
+void PathRun::record(const PathLook& look, double speed_m_s) {
+  PathLookRow row{speed_m_s, look, std::nullopt};
+  if (true_tip_) row.truth = path_.path.offset(true_tip_().p, look.along_now_m);
+  look_table_.append(path_look_line(row));
+  looks_.push_back(row);
+}
+
+}  // namespace planar

@@ -1,0 +1,79 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "planar_servo/files/path/path_run_tables.h"
+#include "planar_servo/io/folder_lock.h"
+#include "planar_servo/io/growing_file.h"
+#include "planar_servo/run/ready_cell.h"
+#include "planar_servo/servo/path/path_check.h"
+
+namespace planar {
+
+/// Says which path is to be followed, and how.
+struct PathRequest {
+  std::filesystem::path file;
+  Path path;
+  std::vector<double> speeds_m_s;  ///< the path is followed once at each
+  bool by_vision{true};            ///< else by the arm's model alone, and vision only watches
+};
+
+/// Reads a path, to be followed in this cell. Throws InputError for a bad file and for speeds
+/// beyond kSlowest_m_s to kFastest_m_s.
+PathRequest read_path_request(const std::filesystem::path& file, const CellSettings& cell,
+                              const std::vector<double>& speeds_mm_s, bool by_vision);
+
+/// Returns what the path asks of the arm at each speed, beginning at the cell's home position.
+/// Throws InputError, naming the place on the path, when the arm cannot follow it.
+std::vector<PathDemand> require_followable(const CellSettings& cell, const PathRequest& request);
+
+/// Throws InputError naming the first place on the path at which the error map is not valid.
+void require_inside_map(const VisionCalibration& vision, const PathRequest& request);
+
+/// Leads the end point of a cell along a path, once at every speed, and logs every look.
+class PathRun {
+ public:
+  /// Switches the drives on. Throws as ServoRun() does, and InputError when the folder holds a run.
+  PathRun(const ServoRequest& request, const PathRequest& path, CellDevices& devices);
+
+  /// Looks whether the cell is well, goes to the path's beginning and follows it. A path that ends
+  /// early has a result like the others. When a drive fails or somebody stops the arm, it throws
+  /// WorkError; all looks so far are in the file then.
+  const PathSpeedResult& follow(double speed_m_s);
+
+  /// Returns why the path may not be followed again: the cell itself is in doubt.
+  const std::optional<std::string>& ended_by() const { return ended_by_; }
+  const std::vector<PathSpeedResult>& results() const { return results_; }
+  const std::vector<PathLookRow>& looks() const { return looks_; }
+  const std::vector<std::string>& accepted_stale() const { return cell_.accepted_stale(); }
+
+ private:
+  PathResult follow_timed(const PathTiming& timing, double speed_m_s);
+  /// Brings the end point to the path's beginning. Returns why it is not there, if it is not.
+  std::optional<PathResult> go_to_beginning(const PathDemand& demand);
+  /// Measures the play, which is led through from now on.
+  void find_play();
+  void record(const PathLook& look, double speed_m_s);
+
+  const PathRequest& path_;
+  std::function<TipPose()> true_tip_;
+  bool keep_going_;
+  std::optional<std::string> ended_by_;
+  std::optional<Eigen::Vector3d> play_rad_;  ///< once it was measured
+  ReadyCell cell_;
+  PathFollower follower_;
+  FolderLock lock_;
+  std::vector<PathSpeedResult> results_;
+  std::vector<PathLookRow> looks_;
+  GrowingFile look_table_;
+  GrowingFile result_table_;
+};
+
+constexpr double kSlowest_m_s = 1e-3;
+constexpr double kFastest_m_s = 50e-3;
+
+}  // namespace planar

@@ -1,0 +1,127 @@
+#include "planar_servo/run/ready_cell.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include "planar_servo/core/error.h"
+#include "planar_servo/files/arm_file.h"
+#include "planar_servo/files/provenance.h"
+#include "planar_servo/files/vision_files.h"
+#include "planar_servo/run/cell_check.h"
+#include "planar_servo/vision/guard_limits.h"
+
+namespace planar {
+namespace {
+
+constexpr double kCameraPoll_s = 0.05;
+constexpr double kDrivePatience_s = 60.0;
+/// A camera that drifts by 0.1 mm an hour is noticed in this time.
+constexpr double kExamineEvery_s = 600.0;
+/// The most waits for the camera while the cell is looked at. One that fails more often is broken.
+constexpr int kMaxCameraWaits = 20;
+constexpr char kChecking[] = "looking at the cell";
+
+GuardLimits limits_of(const CellSettings& cell, const VisionCalibration& vision,
+                      const std::optional<HealthRecord>& health) {
+  const GuardLimits limits = guard_limits(vision, cell.workspace, cell.tool_orientation);
+  return health ? with_health(limits, *health) : limits;
+}
+
+}  // namespace
+
+std::vector<std::string> accept_stale_files(const CellSettings& cell, bool with_error_map,
+                                            bool accepted) {
+  const std::vector<StaleFile> stale = stale_files(cell, with_error_map);
+  if (!accepted) require_belonging(stale);
+  std::vector<std::string> texts;
+  texts.reserve(stale.size());
+  for (const StaleFile& file : stale) texts.push_back(file.refusal.text());
+  for (const std::string& text : texts) spdlog::warn("accepted: " + text);
+  return texts;
+}
+
+ReadyCell::ReadyCell(const ServoRequest& request, CellDevices& devices)
+    : cell_(request.cell),
+      camera_(devices.camera()),
+      clock_(devices.clock()),
+      may_home_(request.may_home),
+      check_health_(request.check_health),
+      vision_(read_vision(cell_, request.use_error_map)),
+      health_(read_cell_health(cell_)),
+      limits_(limits_of(cell_, vision_, health_)),
+      sensor_(vision_, request.center, devices.camera(), cell_.camera.follow_region_px),
+      accepted_stale_(accept_stale_files(cell_, request.use_error_map, request.accept_stale)),
+      planner_(servo_planner(cell_)),
+      robot_(PlanarArm(cell_.arm.geometry), Transmission(cell_.transmission), devices.drives(),
+             devices.clock()),
+      servo_(cell_.servo, limits_, planner_, robot_, sensor_, devices.clock()) {
+  robot_.stop_when(request.stop);
+}
+
+void ReadyCell::switch_on() {
+  robot_.energize();
+  sensor_.aim(robot_.arm().forward(robot_.commanded_joints()));
+}
+
+void ReadyCell::examine_if_due() {
+  if (must_examine()) examine();
+}
+
+void ReadyCell::examine() {
+  const bool first = !examined_s_;
+  examined_s_ = clock_.now_s();
+  if (!check_health_) return spdlog::warn("the cell's health is not looked at (--no-health)");
+  if (!health_)
+    spdlog::warn(cell_.file.string() +
+                 ": names no health file that exists, so nobody can say what has moved since the "
+                 "calibration; planar-pair-tracker --health-out makes one");
+  int waits_left = kMaxCameraWaits;
+  CellCheck check(cell_, vision_, robot_, sensor_, clock_, [&](const std::string& reason) {
+    return waits_left-- > 0 &&
+           wait_for_camera(kChecking, reason, clock_.now_s() + kCameraPatience_s);
+  });
+  int recoveries_left = kMaxDriveRecoveries;
+  const std::vector<HealthFinding> found = with_drives(kChecking, recoveries_left, [&] {
+    return first ? check_cell(check, health_) : check.revisit(*health_);
+  });
+  for (const HealthFinding& finding : found)
+    if (finding.cost_m > kTolerable_m)
+      throw WorkError("the cell is not well: " + findings_text(found));
+  if (!found.empty()) spdlog::warn(findings_text(found));
+}
+
+bool ReadyCell::must_examine() const {
+  if (!examined_s_) return true;
+  return check_health_ && health_ && clock_.now_s() > *examined_s_ + kExamineEvery_s;
+}
+
+void ReadyCell::recover_drives(const std::string& id, const std::string& reason) {
+  spdlog::warn(fmt::format("{}: {}; the arm stands and waits", id, reason));
+  robot_.recover(kDrivePatience_s);
+  const std::vector<int> unhomed = robot_.unhomed();
+  if (!unhomed.empty()) {
+    std::string text = "drives that have lost their position:";
+    for (const int joint : unhomed) text += fmt::format(" {}", joint + 1);
+    if (!may_home_ || !may_home_(text))
+      throw DriveError(text + "; home them with planar-jog, then go on with --resume");
+    for (const int joint : unhomed) robot_.search_home(joint);
+  }
+  spdlog::info(fmt::format("{}: the drives are ready again; going on", id));
+}
+
+bool ReadyCell::wait_for_camera(const std::string& id, const std::string& reason,
+                                double deadline_s) {
+  const double lost_s = clock_.now_s();
+  spdlog::warn(fmt::format("{}: {}; the arm stands and waits", id, reason));
+  while (camera_.fault()) {
+    if (clock_.now_s() > deadline_s) return false;
+    robot_.throw_if_stopped();
+    clock_.sleep_for_s(kCameraPoll_s);
+  }
+  if (clock_.now_s() > deadline_s) return false;
+  spdlog::info(fmt::format("{}: the camera delivers again after {:.1f} s; going on", id,
+                           clock_.now_s() - lost_s));
+  return true;
+}
+
+}  // namespace planar

@@ -1,0 +1,114 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "planar_servo/cell/cell_settings.h"
+#include "planar_servo/health/health_record.h"
+#include "planar_servo/machine/cell_devices.h"
+#include "planar_servo/robot/planar_robot.h"
+#include "planar_servo/servo/position_servo.h"
+#include "planar_servo/vision/lamp_tip_sensor.h"
+
+namespace planar {
+
+/// Says how a cell closes its loop, and where the run's files go.
+struct ServoRequest {
+  CellSettings cell;
+  CenterMethod center{CenterMethod::kAuto};  ///< the way in which lamps' centres are measured
+  bool use_error_map{true};
+  std::filesystem::path out;  ///< steps.csv and results.csv grow here, a line at a time
+  bool resume{false};         ///< continues the run that the folder holds
+  bool accept_stale{false};   ///< moves even with files that do not belong together
+  bool check_health{true};    ///< looks, before the first target, whether the cell is as it was
+  bool keep_going{false};     ///< tries the next target even when the cell itself is in doubt
+  /// Is asked whether drives that lost their position may be homed now, which moves the arm. Its
+  /// argument names the drives in words. Empty: they may not.
+  std::function<bool(const std::string& unhomed)> may_home{};
+  std::function<bool()> stop{};  ///< asked during every move; see PlanarRobot::stop_when()
+};
+
+/// Returns the sentences on calibration files that do not belong together, and shows them in the
+/// log. Throws InputError with them unless they are accepted.
+std::vector<std::string> accept_stale_files(const CellSettings& cell, bool with_error_map,
+                                            bool accepted);
+
+/// A cell that is about to move by vision: its files are read and belong together, and it is looked
+/// at before anything depends on it. Lost devices are waited for.
+class ReadyCell {
+ public:
+  /// Reads the files; nothing moves or is switched on. Throws InputError for files that are faulty
+  /// or do not belong together, unless the request accepts that.
+  ReadyCell(const ServoRequest& request, CellDevices& devices);
+
+  /// Switches the drives on and moves the camera's region to the lamps.
+  void switch_on();
+
+  /// Looks, before the first motion and every ten minutes after it, whether the cell still is as
+  /// its files say and as it was at its calibration. Throws WorkError when it is not.
+  void examine_if_due();
+
+  /// The most recoveries of drives for one target. A drive that fails more often is broken.
+  static constexpr int kMaxDriveRecoveries = 3;
+  /// The longest wait for a camera that fails, counted from the beginning of a target.
+  static constexpr double kCameraPatience_s = 60.0;
+
+  /// Makes one attempt at what `id` names, and makes it again after a drive that failed is back,
+  /// but at most `recoveries_left` times.
+  template <typename Attempt>
+  auto with_drives(const std::string& id, int& recoveries_left, const Attempt& attempt)
+      -> decltype(attempt());
+  /// Waits for the camera. Returns false when it is not back in time.
+  bool wait_for_camera(const std::string& id, const std::string& reason, double deadline_s);
+
+  const CellSettings& settings() const { return cell_; }
+  const VisionCalibration& vision() const { return vision_; }
+  const GuardLimits& limits() const { return limits_; }
+  const JointPlanner& planner() const { return planner_; }
+  Clock& clock() { return clock_; }
+  PlanarRobot& robot() { return robot_; }
+  LampTipSensor& sensor() { return sensor_; }
+  PositionServo& servo() { return servo_; }
+  /// Returns the sentences on files that do not belong together and were accepted.
+  const std::vector<std::string>& accepted_stale() const { return accepted_stale_; }
+
+ private:
+  bool must_examine() const;
+  /// Throws WorkError when the cell is not well, and says so when nothing is known of its health.
+  void examine();
+  /// Waits for the drives. Throws DriveError when they are not back in time or may not be homed.
+  void recover_drives(const std::string& id, const std::string& reason);
+
+  CellSettings cell_;
+  FrameSource& camera_;
+  Clock& clock_;
+  std::function<bool(const std::string&)> may_home_;
+  bool check_health_;
+  std::optional<double> examined_s_;  ///< when the cell was last looked at
+  VisionCalibration vision_;
+  std::optional<HealthRecord> health_;
+  GuardLimits limits_;
+  LampTipSensor sensor_;
+  std::vector<std::string> accepted_stale_;
+  JointPlanner planner_;
+  PlanarRobot robot_;
+  PositionServo servo_;
+};
+
+template <typename Attempt>
+auto ReadyCell::with_drives(const std::string& id, int& recoveries_left, const Attempt& attempt)
+    -> decltype(attempt()) {
+  while (true) {
+    try {
+      return attempt();
+    } catch (const DriveError& error) {
+      if (recoveries_left-- == 0) throw;
+      recover_drives(id, error.what());
+    }
+  }
+}
+
+}  // namespace planar

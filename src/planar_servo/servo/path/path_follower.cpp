@@ -1,0 +1,176 @@
+#include "planar_servo/servo/path/path_follower.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "planar_servo/core/fixed.h"
+#include "planar_servo/core/units.h"
+#include "planar_servo/servo/approach.h"
+#include "planar_servo/servo/path/path_check.h"
+
+namespace planar {
+namespace {
+
+/// What a joint is off its way is made good in this time, or in that between the last two commands
+/// if it was longer: a joint that went on for longer would go beyond its way.
+constexpr double kCatchUp_s = 0.1;
+/// After its time is over, the end of a path is held so long for the joints to catch up.
+constexpr double kEnd_s = 5.0 * kCatchUp_s;
+/// The share by which each look changes the disturbance. It halves the noise of one picture.
+constexpr double kLearning = 0.5;
+/// A look is asked for so long before the next exposure.
+constexpr double kBeforeExposure_s = 0.005;
+
+}  // namespace
+
+PathFollower::PathFollower(const ServoSettings& settings, const GuardLimits& limits,
+                           const JointPlanner& planner, PlanarRobot& robot, TipSensor& sensor,
+                           Clock& clock, const ExposureTiming& exposures)
+    : limits_(limits),
+      planner_(planner),
+      robot_(robot),
+      sensor_(sensor),
+      clock_(clock),
+      exposures_(exposures) {
+  limits_.play_m += play_allowance_m(planner.arm(), settings);
+}
+
+Eigen::Vector2d PathFollower::Run::correction() const {
+  if (!by_vision || !disturbance) return Eigen::Vector2d::Zero();
+  return -*disturbance;
+}
+
+PathResult PathFollower::follow(const Path& path, const PathTiming& timing, bool by_vision,
+                                const Observer& observer) {
+  double fastest = 0.0;
+  for (const MotorDrive& drive : planner_.transmission().settings().drives)
+    fastest += drive.max_speed_rad_s;
+  robot_.setMaxRotationVelocity(fastest);
+  const double now_s = clock_.now_s();
+  const Joints here = robot_.commanded_joints();
+  Run run{path,
+          timing,
+          by_vision,
+          std::numeric_limits<double>::infinity(),
+          now_s,
+          here,
+          GearPlay(planner_.transmission(), play_rad_, here)};
+  robot_.setRobotState(vpRobot::STATE_VELOCITY_CONTROL);
+  std::optional<PathResult> early = move_along(run, observer);
+  robot_.setRobotState(vpRobot::STATE_POSITION_CONTROL);
+  PathResult result = early.value_or(PathResult{});
+  if (!early && !run.inside_map)
+    result = {ServoStatus::kOutsideMap,
+              "the error map is not valid on the whole path: record training positions around it"};
+  result.duration_s = clock_.now_s() - now_s;
+  return result;
+}
+
+std::optional<PathResult> PathFollower::move_along(Run& run, const Observer& observer) {
+  take_joints(run);
+  if (auto end = look(run, observer)) return end;
+  run.start_s = run.commanded_s = clock_.now_s();
+  while (clock_.now_s() < run.start_s + run.timing.duration_s() + kEnd_s) {
+    if (auto end = move_until_exposure(run)) return end;
+    if (auto end = look(run, observer)) return end;
+  }
+  return std::nullopt;
+}
+
+std::optional<PathResult> PathFollower::look(Run& run, const Observer& observer) {
+  PathLook look = measure(run);
+  auto end = objection(run, look);
+  const TipMeasurement& measurement = look.measurement;
+  if (measurement.ok() && !end) {
+    const Eigen::Vector2d missed = measurement.tip.p - planner_.reached(look.theta).p;
+    run.disturbance =
+        run.disturbance ? *run.disturbance + kLearning * (missed - *run.disturbance) : missed;
+    run.last_look = GuardedLook{measurement, planner_.arm().forward(look.theta), measurement.t_s};
+    run.seen_s = measurement.t_s;
+    run.inside_map = run.inside_map && measurement.inside_map;
+    look.correction = run.correction();
+  }
+  if (observer) observer(look);
+  return end;
+}
+
+PathLook PathFollower::measure(Run& run) {
+  const JointPlan soon = joints_at(run, clock_.now_s() + exposures_.period_s);
+  PathLook look;
+  look.measurement = sensor_.measure(planner_.arm().forward(soon.theta), 1);
+  if (look.measurement.ok() && !look.measurement.tip.p.allFinite())
+    look.measurement = failed_look(TipStatus::kNotFinite, "not_finite", look.measurement.t_s);
+  take_joints(run);
+  run.exposed_s = look.measurement.ok() ? look.measurement.t_s : clock_.now_s();
+  const double middle_s = look.measurement.t_s + exposures_.exposure_s / 2.0;
+  look.t_s = std::max(0.0, middle_s - run.start_s);
+  look.along_m = run.along_m(middle_s);
+  look.along_now_m = run.along_m(clock_.now_s());
+  look.desired = run.path.at(look.along_m).pose;
+  look.theta = run.history.at(middle_s);
+  look.correction = run.correction();
+  if (look.measurement.ok()) look.seen = run.path.offset(look.measurement.tip.p, look.along_m);
+  return look;
+}
+
+std::optional<PathResult> PathFollower::objection(Run& run, const PathLook& look) const {
+  const TipMeasurement& measurement = look.measurement;
+  if (!measurement.ok()) {
+    const double blind_s = clock_.now_s() - run.seen_s;
+    if (run.last_look && blind_s < kLongestBlind_s) return std::nullopt;
+    return PathResult{
+        measurement.status == TipStatus::kNoPicture ? ServoStatus::kLostCamera
+                                                    : ServoStatus::kLostLamp,
+        fmt::format("the tool has not been seen for {:.1f} s: {}", blind_s, measurement.word)};
+  }
+  const GuardedLook guarded{measurement, planner_.arm().forward(look.theta), measurement.t_s};
+  const auto found = doubt(limits_, guarded, run.last_look ? &*run.last_look : nullptr);
+  if (!found) return std::nullopt;
+  return PathResult{ServoStatus::kHeld, found->reason, found->of_cell};
+}
+
+std::optional<PathResult> PathFollower::move_until_exposure(Run& run) {
+  const double next_s = run.exposed_s + exposures_.period_s - kBeforeExposure_s;
+  for (;;) {
+    if (auto failed = command(run)) return failed;
+    if (clock_.now_s() + kPathStep_s > next_s) return std::nullopt;
+    clock_.sleep_for_s(kPathStep_s);
+  }
+}
+
+std::optional<PathResult> PathFollower::command(Run& run) {
+  if (const auto fault = sensor_.fault()) return PathResult{ServoStatus::kLostCamera, *fault};
+  const Joints theta = take_joints(run);
+  const double now_s = clock_.now_s();
+  const JointPlan here = joints_at(run, now_s), next = joints_at(run, now_s + kPathStep_s);
+  for (const JointPlan& plan : {here, next})
+    if (plan.refusal)
+      return PathResult{ServoStatus::kRefused,
+                        fmt::format("{:.1f} mm along the path: {}",
+                                    run.along_m(now_s) / kMillimetre, *plan.refusal)};
+  run.near = here.theta;
+  const double catch_up_s = std::max(kCatchUp_s, now_s - run.commanded_s);
+  run.commanded_s = now_s;
+  const Joints velocity =
+      (next.theta - here.theta) / kPathStep_s + (run.play.command(here.theta) - theta) / catch_up_s;
+  robot_.setVelocity(vpRobot::JOINT_STATE, {velocity[0], velocity[1], velocity[2]});
+  return std::nullopt;
+}
+
+JointPlan PathFollower::joints_at(const Run& run, double t_s) const {
+  TipPose pose = run.path.at(run.along_m(t_s)).pose;
+  pose.p += run.correction();
+  return planner_.plan(pose, run.near);
+}
+
+Joints PathFollower::take_joints(Run& run) {
+  vpColVector joints;
+  robot_.getPosition(vpRobot::JOINT_STATE, joints);
+  const Joints theta(joints[0], joints[1], joints[2]);
+  run.history.add(clock_.now_s(), run.play.behind(theta));
+  return theta;
+}
+
+}  // namespace planar

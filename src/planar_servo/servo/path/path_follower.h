@@ -1,0 +1,115 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "planar_servo/arm/joint_planner.h"
+#include "planar_servo/cell/servo_settings.h"
+#include "planar_servo/core/clock.h"
+#include "planar_servo/robot/planar_robot.h"
+#include "planar_servo/servo/motion_guard.h"
+#include "planar_servo/servo/path/gear_play.h"
+#include "planar_servo/servo/path/joint_history.h"
+#include "planar_servo/servo/path/path_timing.h"
+#include "planar_servo/servo/position_servo.h"
+#include "planar_servo/servo/tip_sensor.h"
+
+namespace planar {
+
+/// Records one look at the tool while it moves.
+struct PathLook {
+  double t_s{0.0};      ///< the middle of the exposure, since the path was begun
+  double along_m{0.0};  ///< how far along the path the end point should have been then
+  TipPose desired;      ///< the place there
+  TipMeasurement measurement;
+  PathOffset seen;                       ///< where it was seen; valid with the measurement
+  Joints theta{0.0, 0.0, 0.0};           ///< joints then, by the drives' counts and the play known
+  Eigen::Vector2d correction{0.0, 0.0};  ///< added to the path from now on
+  double along_now_m{0.0};               ///< how far along it should be when this is reported
+};
+
+/// Says how a path ended.
+struct PathResult {
+  ServoStatus status{ServoStatus::kReached};
+  std::string reason{};       ///< in words; empty when the path's end was reached
+  bool cell_in_doubt{false};  ///< as in ServoResult
+  double duration_s{0.0};
+};
+
+/// When a camera's pictures are exposed.
+struct ExposureTiming {
+  double period_s{0.0};    ///< from the beginning of one exposure to that of the next
+  double exposure_s{0.0};  ///< a moving lamp is seen where it was in the middle of this time
+};
+
+/// Leads the end point along a path. The joints follow the inverse kinematics of the arm that was
+/// found, by velocities; a motor that turns back is first led through its play. Each look while
+/// moving is held against the joints at its exposure: what the arm missed there is a disturbance
+/// d = p - reached(theta), which changes slowly, and the path minus d is commanded. As d does not
+/// depend on the command, a late picture makes the correction late but never unstable.
+class PathFollower {
+ public:
+  using Observer = std::function<void(const PathLook&)>;
+
+  /// Takes robot, sensor and clock, which must outlive the follower.
+  PathFollower(const ServoSettings& settings, const GuardLimits& limits,
+               const JointPlanner& planner, PlanarRobot& robot, TipSensor& sensor, Clock& clock,
+               const ExposureTiming& exposures);
+
+  /// Sets the play of the motors' gears, radians; it is 0 at first.
+  void set_play(const Eigen::Vector3d& play_rad) { play_rad_ = play_rad; }
+
+  /// Follows the path from its beginning, where the arm has arrived from below, and reports every
+  /// look to `observer`. Without `by_vision` the looks correct nothing. The arm slows down to rest
+  /// when the camera fails, the lamps are not seen for kLongestBlind_s, or a look is doubted.
+  /// Throws what PlanarRobot::setVelocity() throws.
+  PathResult follow(const Path& path, const PathTiming& timing, bool by_vision,
+                    const Observer& observer = {});
+
+  static constexpr double kLongestBlind_s{0.5};
+
+ private:
+  /// One way along a path. Times are those of the clock.
+  struct Run {
+    const Path& path;
+    const PathTiming& timing;
+    bool by_vision;
+    double start_s;
+    double seen_s;  ///< when the tool was seen last
+    Joints near;    ///< the joints wanted last, which choose the turns of the motors
+    GearPlay play;
+    double commanded_s{0.0};  ///< when the joints were commanded last
+    double exposed_s{0.0};    ///< when the exposure of the last picture began
+    JointHistory history{};   ///< of the joints behind the play
+    std::optional<Eigen::Vector2d> disturbance{};
+    std::optional<GuardedLook> last_look{};
+    bool inside_map{true};
+
+    double along_m(double t_s) const { return timing.along_m(t_s - start_s); }
+    Eigen::Vector2d correction() const;
+  };
+
+  std::optional<PathResult> move_along(Run& run, const Observer& observer);
+  /// Looks once and learns from it. Returns why the path ends here, if it does.
+  std::optional<PathResult> look(Run& run, const Observer& observer);
+  PathLook measure(Run& run);
+  std::optional<PathResult> objection(Run& run, const PathLook& look) const;
+  /// Lets the joints go on until the next exposure is about to begin.
+  std::optional<PathResult> move_until_exposure(Run& run);
+  std::optional<PathResult> command(Run& run);
+  /// Returns the joints that bring the end point, corrected, to its place at a time.
+  JointPlan joints_at(const Run& run, double t_s) const;
+  /// Reads where the drives stand now.
+  Joints take_joints(Run& run);
+
+  Eigen::Vector3d play_rad_{0.0, 0.0, 0.0};
+  GuardLimits limits_;
+  JointPlanner planner_;
+  PlanarRobot& robot_;
+  TipSensor& sensor_;
+  Clock& clock_;
+  ExposureTiming exposures_;
+};
+
+}  // namespace planar

@@ -1,0 +1,45 @@
+#include "planar_servo/files/tables/tracker_lines.h"
+
+#include <catch2/catch.hpp>
+
+#include "planar_servo/core/error.h"
+
+namespace planar {
+namespace {
+
+using Catch::Contains;
+
+TEST_CASE("Lines of a tracker have names only where their column is told") {
+  TrackerLines plain("wire", {});
+  CHECK_FALSE(plain.next("id,t_s,x_mm,y_mm,z_mm"));
+  const auto reading = plain.next("M1,3,1000,0,0");
+  REQUIRE(reading);
+  CHECK(reading->id.empty());
+  CHECK_FALSE(reading->t_s);
+  TrackerLines named("wire", {{',', false, {{"id", "id"}, {"t_s", "t_s"}}}});
+  named.next("id,t_s,x_mm,y_mm,z_mm");
+  CHECK(named.next("M1,3,1000,0,0")->id == "M1");
+  CHECK(named.next("M1,3,1000,0,0")->t_s == 3.0);
+}
+
+TEST_CASE("Half a line of counted columns is a fault, and a longer one is read") {
+  TrackerLines lines("wire", {{' ', false, {{"x_mm", "1"}, {"y_mm", "2"}, {"z_mm", "3"}}}});
+  CHECK_THROWS_WITH(lines.next("1.5 2"), Contains("wire:1: has 2 fields; the header has 3"));
+  CHECK(lines.next("1.5 2 3 ok 7")->p_L.isApprox(Eigen::Vector3d(0.0015, 0.002, 0.003)));
+}
+
+TEST_CASE("A header without the coordinates is refused, and a later one is taken") {
+  TrackerLines lines("wire", {});
+  CHECK_THROWS_WITH(lines.next("a,b,c"), Contains("lacks the columns x_mm, y_mm, z_mm"));
+  CHECK_FALSE(lines.next("z_mm,y_mm,x_mm"));
+  CHECK(lines.next("1,2,3")->p_L.x() == 0.003);
+}
+
+TEST_CASE("Columns are told as x=X, and what is no column is named") {
+  CHECK(renamed_tracker_columns("x=X,id=Point").at("id") == "Point");
+  CHECK_THROWS_WITH(renamed_tracker_columns("w=X"), Contains("'w=X'"));
+  CHECK_THROWS_WITH(renamed_tracker_columns("x"), Contains("such as x=X"));
+}
+
+}  // namespace
+}  // namespace planar

@@ -1,0 +1,168 @@
+#include "planar_servo/servo/path/path_follower.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "planar_servo/core/units.h"
+#include "planar_servo/servo/path/path_check.h"
+#include "planar_servo/servo/path/play_probe.h"
+#include "servo/path/moving_bench.h"
+
+namespace planar {
+namespace {
+
+using test::MovingBench;
+using test::sample_circle;
+
+constexpr double kSpeed_m_s = 0.02;
+
+/// Follows a circle on which something happens after one second.
+PathResult follow_with(MovingBench& bench, const std::function<void(TipMeasurement&)>& spoil) {
+  double begun_s = -1.0;
+  bench.sensor.spoil = [=](TipMeasurement& m) mutable {
+    if (begun_s < 0.0) begun_s = m.t_s;
+    if (m.t_s > begun_s + 1.0) spoil(m);
+  };
+  return bench.follow(sample_circle(), kSpeed_m_s, true);
+}
+
+}  // namespace
+
+TEST_CASE("Vision keeps the end point on a circle that the arm alone misses") {
+  MovingBench alone, seeing;
+  CHECK(alone.follow(sample_circle(), kSpeed_m_s, false).status == ServoStatus::kReached);
+  const PathResult result = seeing.follow(sample_circle(), kSpeed_m_s, true);
+  CHECK(result.status == ServoStatus::kReached);
+  CHECK(result.reason.empty());
+  CHECK(alone.share_below(0.1e-3) < 0.3);
+  CHECK(seeing.share_below(0.05e-3) > 0.95);
+  CHECK(seeing.rests());
+  CHECK((seeing.cell.true_tip().p - Eigen::Vector2d(0.30, 0.15)).norm() < 0.02e-3);
+  CHECK(result.duration_s > 0.1 * kPi / kSpeed_m_s);
+  CHECK(result.duration_s < 0.1 * kPi / kSpeed_m_s + 2.0);
+}
+
+TEST_CASE(
+    "Pictures that are understood 40 ms late correct as well, and much later ones do no harm") {
+  MovingBench bench;
+  bench.sensor.delay_s = 0.04;
+  CHECK(bench.follow(sample_circle(), kSpeed_m_s, true).status == ServoStatus::kReached);
+  CHECK(bench.share_below(0.03e-3) > 0.9);
+  MovingBench slow, alone;
+  slow.sensor.delay_s = alone.sensor.delay_s = 0.3;
+  CHECK(slow.follow(sample_circle(), kSpeed_m_s, true).status == ServoStatus::kReached);
+  alone.follow(sample_circle(), kSpeed_m_s, false);
+  CHECK(slow.largest_m() < alone.largest_m());
+}
+
+TEST_CASE("A motor that is led through a known play does not leave the path where it turns back") {
+  constexpr double kPlay_rad = 1e-3;
+  MovingBench unknown(kPlay_rad), known(kPlay_rad);
+  known.play_rad = {kPlay_rad, kPlay_rad, 0.0};
+  unknown.follow(sample_circle(), kSpeed_m_s, true);
+  known.follow(sample_circle(), kSpeed_m_s, true);
+  CHECK(known.largest_m() < 0.5 * unknown.largest_m());
+}
+
+TEST_CASE("The play is measured where the path begins, and the arm rests there as before") {
+  MovingBench bench(1e-3);
+  bench.go_to(sample_circle());
+  const Joints before = bench.robot.commanded_joints();
+  const Eigen::Vector2d p = bench.cell.true_tip().p;
+  const auto play =
+      measure_play(bench.robot, bench.planner, bench.settings, bench.sensor, bench.cell.clock());
+  REQUIRE(play);
+  CHECK(play->x() == Approx(1e-3).margin(3e-5));
+  CHECK(play->y() == Approx(1e-3).margin(3e-5));
+  CHECK(play->z() == 0.0);
+  CHECK(bench.robot.commanded_joints() == before);
+  CHECK((bench.cell.true_tip().p - p).norm() < 1e-6);
+  bench.sensor.spoil = [](TipMeasurement& m) {
+    m = failed_look(TipStatus::kNoLamps, "no_lamp", m.t_s);
+  };
+  CHECK_FALSE(
+      measure_play(bench.robot, bench.planner, bench.settings, bench.sensor, bench.cell.clock()));
+}
+
+TEST_CASE("Some lost pictures are borne, half a second without any ends the path at rest") {
+  MovingBench bench;
+  int lost = 0;
+  const auto result = follow_with(bench, [&](TipMeasurement& m) {
+    if (++lost <= 5) m = failed_look(TipStatus::kNoPicture, "no_frame", m.t_s);
+  });
+  CHECK(result.status == ServoStatus::kReached);
+  MovingBench blind;
+  const auto ended = follow_with(
+      blind, [](TipMeasurement& m) { m = failed_look(TipStatus::kNoLamps, "one_lamp", m.t_s); });
+  CHECK(ended.status == ServoStatus::kLostLamp);
+  CHECK_THAT(ended.reason, Catch::Contains("not been seen for 0.5 s: one_lamp"));
+  CHECK(blind.rests());
+  CHECK(blind.last.along_m < 0.04);
+}
+
+TEST_CASE("An arm whose tool is not seen at the path's beginning does not move") {
+  MovingBench bench;
+  bench.go_to(sample_circle());
+  bench.sensor.spoil = [](TipMeasurement& m) {
+    m = failed_look(TipStatus::kNoLamps, "no_lamp", m.t_s);
+  };
+  const Joints before = bench.robot.commanded_joints();
+  CHECK(bench.follow(sample_circle(), kSpeed_m_s, true).status == ServoStatus::kLostLamp);
+  CHECK(bench.sensor.looks == 1);
+  CHECK(bench.robot.commanded_joints() == before);
+}
+
+TEST_CASE("A camera at fault and a look that contradicts the command end the path at rest") {
+  MovingBench bench;
+  const auto lost =
+      follow_with(bench, [&](TipMeasurement&) { bench.sensor.broken = "it is gone"; });
+  CHECK(lost.status == ServoStatus::kLostCamera);
+  CHECK(lost.reason == "it is gone");
+  CHECK(bench.rests());
+  MovingBench other;
+  const auto held =
+      follow_with(other, [](TipMeasurement& m) { m.tip.p += Eigen::Vector2d(0.02, 0.0); });
+  CHECK(held.status == ServoStatus::kHeld);
+  CHECK(held.cell_in_doubt);
+  CHECK(other.rests());
+  CHECK(other.last.along_m < 0.03);
+}
+
+TEST_CASE("Somebody who stops the arm finds it at rest on the path, and its position kept") {
+  MovingBench bench;
+  int looks = 0;
+  bench.sensor.spoil = [&](TipMeasurement&) { ++looks; };
+  bench.go_to(sample_circle());
+  bench.robot.stop_when([&] { return looks > 20; });
+  CHECK_THROWS_AS(bench.follow(sample_circle(), kSpeed_m_s, true), StopRequested);
+  CHECK(bench.rests());
+  CHECK(bench.robot.unhomed().empty());
+}
+
+TEST_CASE("A look outside the error map's region is said at the end") {
+  MovingBench bench;
+  const auto result = follow_with(bench, [](TipMeasurement& m) { m.inside_map = false; });
+  CHECK(result.status == ServoStatus::kOutsideMap);
+}
+
+TEST_CASE("What an arm cannot follow is refused with its place on the path") {
+  const MovingBench bench;
+  const auto demand = [&](const Path& path, double speed_m_s) {
+    return path_demand(bench.planner, path, PathTiming(path, speed_m_s), {0.3, 1.2, 0.0});
+  };
+  const PathDemand circle = demand(sample_circle(), kSpeed_m_s);
+  CHECK_FALSE(circle.refusal);
+  CHECK(circle.speed_share > 0.05);
+  CHECK(circle.speed_share < 0.3);
+  const Path outwards({{{{0.5, 0.0}, 0.0}}, {{{0.6, 0.0}, 0.0}}});
+  const auto outside = demand(outwards, kSpeed_m_s).refusal;
+  REQUIRE(outside);
+  CHECK_THAT(*outside, Catch::Contains("40.") && Catch::Contains("mm along the path, at (540."));
+  const Path inwards({{{{0.2, 0.061}, 0.0}}, {{{-0.2, 0.061}, 0.0}}});
+  const auto too_fast = demand(inwards, 0.3).refusal;
+  REQUIRE(too_fast);
+  CHECK_THAT(*too_fast, Catch::Contains("motor 1 would have to turn at") &&
+                            Catch::Contains("at most 51.6 deg/s"));
+}
+
+}  // namespace planar
