@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 
 #include "calibration/synthetic_cell.h"
+#include "planar_servo/arm/planar_arm.h"
 #include "planar_servo/calibration/vision_tip.h"
 #include "planar_servo/core/error.h"
 
@@ -187,6 +188,39 @@ TEST_CASE("Boards whose dots lie off the lamps' plane give that plane when it is
   CHECK(report.workplane.absorbed == 3);
   CHECK(report.workplane.X_WC.isApprox(cell.X_WC_ref, kExact));
   CHECK(raw_error(report.pairs, Plan::kTrain).rms < kExact);
+}
+
+TEST_CASE(
+    "Without a reading of the tool a board and the arm give rows that only the camera tells") {
+  const SyntheticCell cell = noiseless();
+  PairTrackerRequest request = recorded(cell);
+  request.tracker.resize(request.cell.datum.size());  // monuments alone
+  CHECK_THROWS_WITH(pair_tracker(request), Contains("--workplane-from grid"));
+  const PlanarArm arm(request.cell.arm.geometry);
+  std::mt19937 random(4);
+  request.frames.resize(1);
+  request.lamps.resize(1);
+  for (int i = 0; i < 40; ++i) {
+    const Joints theta(0.15 * i, 0.15 * i + 1.0, 0.4 * i);
+    const TipPose tip = arm.forward(theta);
+    add_place(request, cell.sight("p" + std::to_string(i), tip.p, tip.phi, random), Plan::kTrain);
+    request.frames.back().theta = theta;
+    request.tracker.pop_back();
+  }
+  request.lamps[5].status = LampStatus::kSaturated;
+  Pose X_WG = Pose::Identity();
+  X_WG.linear() = rotation_from_vector({kPi, 0.0, 0.0});
+  request.boards_on_plane = {laid(cell.X_WC_ref.inverse() * X_WG)};
+  const PairTrackerReport report = pair_tracker(request);
+  CHECK_FALSE(report.datum);
+  CHECK(report.workplane.X_WC.isApprox(cell.X_WC_ref, kExact));
+  REQUIRE(report.pairs.size() == 39);
+  for (const PairRow& pair : report.pairs) {
+    CHECK_FALSE(pair.is_attended());
+    CHECK((pair.p_vision - arm.forward(*pair.theta).p).norm() < kExact);
+  }
+  REQUIRE(report.rejected.size() == 1);
+  CHECK(report.rejected[0].id == "p4");
 }
 
 TEST_CASE("Lamps of another recording and readings without monuments are refused") {

@@ -45,6 +45,24 @@ TEST_CASE("Places kept for checks tell nothing, and times count from the last of
   CHECK((samples[0].motors - Eigen::Vector3d(0.1, 0.2, 0.3)).norm() < 1e-15);
 }
 
+TEST_CASE("Dots are sorted into their lays, of one board each with a standard deviation") {
+  std::vector<LayRow> rows{{"b", {1.0, 2.0}, {0.1, 0.2}, 1e-6, true},
+                           {"a", {3.0, 4.0}, {0.3, 0.4}, 2e-6, true},
+                           {"b", {5.0, 6.0}, {0.5, 0.6}, 3e-6, true}};
+  const LaidDots board = laid_dots(rows);
+  REQUIRE(board.lays.size() == 2);
+  CHECK(board.dots() == 3);
+  CHECK(board.lays[0].id == "b");
+  CHECK(board.lays[0].p_board.col(1) == Eigen::Vector2d(5.0, 6.0));
+  CHECK(board.lays[0].seen_B.col(1) == Eigen::Vector2d(0.5, 0.6));
+  CHECK(board.lays[0].sigma[1] == 3e-6);
+  CHECK(board.pitch_known);
+  rows[2].pitch_known = false;
+  CHECK_THROWS_WITH(laid_dots(rows), Contains("pitch is known of some lays only"));
+  rows[1].sigma = 0.0;
+  CHECK_THROWS_WITH(laid_dots(rows), Contains("'a'") && Contains("--lays-out"));
+}
+
 TEST_CASE("A pair without lamps, joints or deviations is named") {
   const CellSettings cell = read_cell(test::paper_cell_file());
   for (const auto& spoil :

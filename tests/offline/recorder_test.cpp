@@ -34,7 +34,7 @@ class NotingDevices final : public CellDevices,
   FrameSource& camera() override { return *this; }
   DriveGroup& drives() override { return group_; }
   Tracker& tracker() override { return *this; }
-  BoardPresenter& board_presenter() override { return *this; }
+  BoardPresenter* board_presenter() override { return this; }
   std::function<TipPose()> true_tip() override { return {}; }
 
   cv::Size sensor_size_px() const override { return {64, 64}; }
@@ -52,9 +52,21 @@ class NotingDevices final : public CellDevices,
   CameraExposure exposure() const override { return {}; }
   void set_exposure(const CameraExposure& /*exposure*/) override {}
 
-  std::optional<TrackerReading> measure_tool() override { return TrackerReading{}; }
-  std::optional<TrackerReading> measure_monument(const std::string& /*id*/) override {
-    return TrackerReading{};
+  /// What the tracker says of the tool, one after the other; then readings that follow it.
+  std::vector<TrackerAnswer> answers;
+  std::vector<std::string> asked;  ///< places and monuments, in their order
+
+  TrackerAnswer measure_tool(const std::string& place) override {
+    asked.push_back(place);
+    readings_ += 1.0;
+    if (answers.empty()) return TrackerAnswer::of({0.0, {readings_, 0.0, 0.0}});
+    TrackerAnswer answer = answers.front();
+    answers.erase(answers.begin());
+    return answer;
+  }
+  TrackerAnswer measure_monument(const std::string& id) override {
+    asked.push_back(id);
+    return TrackerAnswer::of({});
   }
 
   void hold_board(int view) override { held.push_back(view); }
@@ -62,6 +74,7 @@ class NotingDevices final : public CellDevices,
   void remove_board() override {}
 
  private:
+  double readings_{0.0};
   test::ManualClock clock_;
   std::array<test::MockPulseDrive, 3> drives_{
       test::MockPulseDrive(clock_), test::MockPulseDrive(clock_), test::MockPulseDrive(clock_)};
@@ -190,6 +203,94 @@ TEST_CASE("A recording is not gone on with by another plan or another cell") {
                       r.cell.datum.push_back({"d9", {0.0, 0.0, 0.0}});
                     }),
                     Catch::Contains("no reading of the monument 'd9'"));
+}
+
+RecordRequest two_places(const test::TemporaryFolder& folder) {
+  RecordRequest request{small_cell(), {}, folder.path() / "recording"};
+  request.plan.push_back({"t0", Plan::kTrain, TipPose{{-0.2, 0.3}, 0.0}});
+  request.plan.push_back({"t1", Plan::kTrain, TipPose{{0.2, 0.3}, 0.0}});
+  return request;
+}
+
+std::vector<std::string> ids_in_tables(const RecordRequest& request) {
+  std::vector<std::string> ids;
+  for (const FrameRow& row : read_frames(request.recording))
+    if (ids.empty() || ids.back() != row.id) ids.push_back(row.id);
+  for (const TrackerRow& row : read_tracker(request.recording / "tracker.csv"))
+    if (row.id[0] == 't') ids.push_back(row.id);
+  return ids;
+}
+
+using Ids = std::vector<std::string>;
+
+TEST_CASE("A place without a good reading is taken again, and the third failure ends the work") {
+  const test::TemporaryFolder folder;
+  const RecordRequest request = two_places(folder);
+  NotingDevices devices;
+  devices.answers = {TrackerAnswer::failed("the beam is broken"),
+                     TrackerAnswer::failed("the beam is broken")};
+  CHECK(record(request, devices).recorded == 2);
+  CHECK(ids_in_tables(request) == Ids{"t0", "t1", "t0", "t1"});
+
+  const test::TemporaryFolder other;
+  NotingDevices blind;
+  blind.answers.assign(3, TrackerAnswer::failed("the beam is broken"));
+  CHECK_THROWS_WITH(record(two_places(other), blind),
+                    Catch::Contains("'t0': the beam is broken") && Catch::Contains("start again"));
+  CHECK_FALSE(blind.moves());
+}
+
+TEST_CASE("A place is left out on request, and the next run takes it") {
+  const test::TemporaryFolder folder;
+  RecordRequest request = two_places(folder);
+  request.on_bad_reading = BadReading::kSkip;
+  NotingDevices devices;
+  devices.answers = {TrackerAnswer::failed("the beam is broken")};
+  CHECK(record(request, devices).skipped == Ids{"t0"});
+  CHECK(ids_in_tables(request) == Ids{"t1", "t1"});
+  NotingDevices again;
+  CHECK(record(request, again).recorded == 1);
+  CHECK(ids_in_tables(request) == Ids{"t1", "t0", "t1", "t0"});
+  request.on_bad_reading = BadReading::kStop;
+  request.plan.push_back({"t2", Plan::kTrain, TipPose{{0.1, 0.3}, 0.0}});
+  again.answers = {TrackerAnswer::failed("the beam is broken")};
+  CHECK_THROWS_WITH(record(request, again), Catch::Contains("no reading of the place 't2'"));
+}
+
+TEST_CASE("A reading that stays while the tool moves is a repeated one and named") {
+  const test::TemporaryFolder folder;
+  const RecordRequest request = two_places(folder);
+  NotingDevices devices;
+  devices.answers.assign(4, TrackerAnswer::of({0.0, {2.5, 0.0, 0.0}}));
+  CHECK_THROWS_WITH(record(request, devices),
+                    Catch::Contains("'t1': the reading repeats that of 't0'") &&
+                        Catch::Contains("while the tool moved 400.0 mm"));
+}
+
+TEST_CASE("Somebody who measures by hand may skip a place, repeat it, or keep the reading") {
+  const test::TemporaryFolder folder;
+  const RecordRequest request = two_places(folder);
+  NotingDevices devices;
+  devices.answers = {
+      {TrackerStatus::kRepeat}, {TrackerStatus::kElsewhere}, {TrackerStatus::kSkipped}};
+  CHECK(record(request, devices).skipped == Ids{"t1"});
+  CHECK(ids_in_tables(request) == Ids{"t0"});
+}
+
+TEST_CASE("Without a tracker what asks for a reading is refused, and the rest is recorded") {
+  const test::TemporaryFolder folder;
+  RecordRequest request = two_places(folder);
+  for (const TrackerKind* kind : device_kinds().trackers)
+    if (!kind->measures()) request.cell.tracker.kind = kind;
+  NotingDevices devices;
+  CHECK_THROWS_WITH(record(request, devices),
+                    Catch::Contains("2 rows of the plan ask for a tracker reading, 't0'") &&
+                        Catch::Contains("the plan pose"));
+  CHECK_FALSE(std::filesystem::exists(request.recording));
+  request.plan = {{"g0", Plan::kHeldBoard, std::monostate()},
+                  {"u0", Plan::kPose, TipPose{{-0.2, 0.3}, 0.0}}};
+  CHECK(record(request, devices).recorded == 2);
+  CHECK(devices.asked.empty());
 }
 
 }  // namespace

@@ -1,11 +1,16 @@
 #include "planar_servo/offline/pairs/recording_check.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <random>
 
 #include "calibration/synthetic_cell.h"
 #include "planar_servo/core/error.h"
+#include "planar_servo/offline/pairs/pair_tracker_report.h"
+#include "support/temporary_folder.h"
 
 namespace planar {
 namespace {
@@ -174,13 +179,43 @@ TEST_CASE("Readings shifted by a row, of another clock or frozen are named as th
   bench.request.by = PairBy::kTime;
   CHECK(bench.refusal().empty());
   for (TrackerRow* row : bench.tool_readings()) row->t_s += 30.0;
-  CHECK_THAT(bench.refusal(),
-             Contains("its clock is about 30.") && Contains("ahead of the camera's"));
+  CHECK(bench.refusal().empty());
+  for (TrackerRow* row : bench.tool_readings()) row->t_s *= 1000.0;  // milliseconds
+  CHECK_THAT(bench.refusal(), Contains("how its clock runs") && Contains("which counts seconds"));
 
   bench = RecordedBench();
   rows = bench.tool_readings();
   for (std::size_t i = 60; i < 70; ++i) rows[i]->p_L = rows[60]->p_L;
   CHECK_THAT(bench.refusal(), Contains("doubt: tracker: it was frozen at 9 places, 'train_13'"));
+}
+
+TEST_CASE("A tracker's own clock is found in a table with decimal commas, and pairs it by time") {
+  RecordedBench bench;
+  const auto with_comma = [](double value) {
+    std::string text = fmt::format("{:.6f}", value);
+    text[text.find('.')] = ',';
+    return text;
+  };
+  std::string table = "Point;Time;X;Y;Z\n";
+  for (const TrackerRow& row : bench.request.tracker) {
+    const Eigen::Vector3d p_mm = row.p_L / kMillimetre;
+    const bool is_monument = row.id.size() == 2;
+    table += fmt::format("{};{};{};{};{}\n", is_monument ? row.id : "scan",
+                         with_comma(row.t_s + 37.0 + 50e-6 * row.t_s), with_comma(p_mm.x()),
+                         with_comma(p_mm.y()), with_comma(p_mm.z()));
+  }
+  const test::TemporaryFolder folder;
+  bench.request.tracker = read_tracker(
+      folder.write("leica.csv", table),
+      {';', true, {{"id", "Point"}, {"t_s", "Time"}, {"x_mm", "X"}, {"y_mm", "Y"}, {"z_mm", "Z"}}});
+  bench.request.by = PairBy::kTime;
+  const PairTrackerReport report = pair_tracker(bench.request);
+  REQUIRE(report.clock);
+  const double expected_s = 37.0 + 50e-6 * report.clock->middle_s;
+  CHECK(std::abs(report.clock->offset_s - expected_s) < report.clock->sigma_offset_s);
+  CHECK(report.clock->rate == Approx(50e-6).epsilon(0.01));
+  CHECK(report.pairs.size() == 128);
+  CHECK_THAT(pair_tracker_text(report), Contains("clock      the tracker's is 37."));
 }
 
 TEST_CASE("Readings of another recording are said not to follow the lamps") {

@@ -2,6 +2,8 @@
 
 #include <catch2/catch.hpp>
 
+#include "support/well_formed.h"
+
 namespace planar {
 namespace {
 
@@ -21,13 +23,32 @@ TEST_CASE("A page holds its parts in order and refers to no other file") {
 TEST_CASE("A figure and its per cent sign stay on one line") {
   HtmlPage page("t");
   page.add_paragraph("98.9 % and 90 %");
-  CHECK_THAT(page.text(), Catch::Contains("<p>98.9&nbsp;% and 90&nbsp;%</p>"));
+  CHECK_THAT(page.text(), Catch::Contains("<p>98.9&#160;% and 90&#160;%</p>"));
 }
 
 TEST_CASE("Lines of a paragraph stay lines") {
   HtmlPage page("t");
   page.add_paragraph("one\ntwo\n");
-  CHECK_THAT(page.text(), Catch::Contains("<p>one<br>two</p>"));
+  CHECK_THAT(page.text(), Catch::Contains("<p>one<br/>two</p>"));
+}
+
+TEST_CASE("A page is well-formed XML and known as ours again") {
+  HtmlPage page("a & b");
+  page.add_paragraph("90 % of <these>\nand those");
+  page.add_verdict({"well", {}});
+  CHECK(test::fault_of_xml(page.text()).empty());
+  CHECK(is_page(page.text()));
+  CHECK_FALSE(is_page("<html><title>planar-servo</title></html>"));
+}
+
+TEST_CASE("A verdict is one sentence, with what to do where it is bad") {
+  HtmlPage good("t"), bad("t");
+  good.add_verdict({"all is < 1 px", {}});
+  CHECK_THAT(good.text(), Catch::Contains("<b>Good:</b> all is &lt; 1 px.</p></div>"));
+  bad.add_verdict({"all is well", {{"a is off", "mend a"}, {"b is off", "mend b"}}});
+  CHECK_THAT(bad.text(), Catch::Contains("<b>To be mended:</b> a is off; b is off.</p>") &&
+                             Catch::Contains("<li>mend a.</li><li>mend b.</li>"));
+  CHECK_THAT(bad.text(), !Catch::Contains("all is well"));
 }
 
 }  // namespace

@@ -1,10 +1,11 @@
-#include "planar_servo/report/live_view.h"
+#include "planar_servo/report/live/live_view.h"
 
 #include <visp3/io/vpImageIo.h>
 
 #include <catch2/catch.hpp>
 
-#include "planar_servo/report/view_picture.h"
+#include "planar_servo/report/live/board_view.h"
+#include "planar_servo/report/live/servo_view.h"
 #include "support/temporary_folder.h"
 
 namespace planar {
@@ -39,47 +40,66 @@ std::size_t green_pixels(const vpImage<vpRGBa>& picture, unsigned from_x, unsign
 }
 
 TEST_CASE("A lamp's cross stands where the lamp is in the frame, one off the frame is left out") {
-  const ViewPainter painter;
   vpImage<vpRGBa> picture;
   // A quarter of the way across and half of the way down the panel of 512 pixels at (16, 48).
-  painter.paint(view_with_lamp_at({1063.5, 2127.5}), picture);
+  drawing_of(view_with_lamp_at({1063.5, 2127.5}))(picture);
   REQUIRE(picture.getWidth() == kViewWidth);
   REQUIRE(picture.getHeight() == kViewHeight);
   CHECK(is_green(picture[48 + 256][16 + 128]));
   CHECK(green_pixels(picture, 16, 528, 48, 560) == green_pixels(picture, 134, 154, 294, 314));
-  painter.paint(view_with_lamp_at({999.0, 2127.5}), picture);
+  drawing_of(view_with_lamp_at({999.0, 2127.5}))(picture);
   CHECK(green_pixels(picture, 16, 528, 48, 560) == 0);
 }
 
 TEST_CASE("Errors of nothing, of kilometres and without a frame can be drawn") {
-  const ViewPainter painter;
   vpImage<vpRGBa> picture;
   ServoView view;
   view.errors_m = {{0.0, 0.0}, {1e6, -1e6}};
-  painter.paint(view, picture);
+  drawing_of(view)(picture);
   CHECK(picture.getWidth() == kViewWidth);
 }
 
 TEST_CASE("The picture file shows the newest view, however many came before") {
   const test::TemporaryFolder folder;
   const auto file = folder.path() / "view.png";
-  LiveView live(file, false);
-  for (int i = 0; i < 50; ++i) live.show(view_with_lamp_at({1010.0 + i, 2100.0}));
+  LiveView live(file, false, "view");
+  for (int i = 0; i < 50; ++i) live.show(drawing_of(view_with_lamp_at({1010.0 + i, 2100.0})));
   const ServoView last = view_with_lamp_at({1200.0, 2200.0});
-  live.show(last);
+  live.show(drawing_of(last));
   CHECK_FALSE(live.close());
   vpImage<vpRGBa> saved, expected;
   vpImageIo::read(saved, file.string());
-  ViewPainter().paint(last, expected);
+  drawing_of(last)(expected);
   const bool same = saved == expected;
   CHECK(same);
   CHECK(std::distance(std::filesystem::directory_iterator(folder.path()), {}) == 1);
 }
 
 TEST_CASE("A picture that cannot be written is told at the end") {
-  LiveView live("/nowhere/at/all/view.png", false);
-  live.show(view_with_lamp_at({1010.0, 2100.0}));
+  LiveView live("/nowhere/at/all/view.png", false, "view");
+  live.show(drawing_of(view_with_lamp_at({1010.0, 2100.0})));
   CHECK(live.close());
+}
+
+TEST_CASE("The picture of a board has its dots where they are, green once it stands still") {
+  BoardView view;
+  view.picture = cv::Mat(400, 800, CV_8UC1, cv::Scalar(128));
+  view.dots_px = {{399.5, 199.5}};
+  view.open_px = {{0.0, 0.0, 100.0, 50.0}};
+  vpImage<vpRGBa> picture;
+  drawing_of(view)(picture);
+  CHECK(green_pixels(picture, 16, 528, 48, 560) == 0);
+  view.good = true;
+  drawing_of(view)(picture);
+  // The picture is 512 pixels wide in the panel, and 256 high.
+  CHECK(is_green(picture[48 + 128][16 + 256]));
+  CHECK(green_pixels(picture, 16, 528, 48, 560) == green_pixels(picture, 262, 282, 166, 186));
+  // The lower edge of the open place, 50 pixels down, is orange.
+  const auto is_orange = [&](unsigned y) {
+    return picture[y][16 + 30].R > 2 * picture[y][16 + 30].B;
+  };
+  CHECK((is_orange(48 + 31) || is_orange(48 + 32)));
+  CHECK_FALSE(is_orange(48 + 40));
 }
 
 }  // namespace

@@ -11,9 +11,18 @@ padding:0 1rem;color:#1a1a1a;background:#fff}h1{font-size:1.6rem}h2{font-size:1.
 table{border-collapse:collapse;margin:1rem 0;font-variant-numeric:tabular-nums}
 caption{text-align:left;font-weight:600;padding:.3rem 0}
 th,td{padding:.25rem .8rem;border-bottom:1px solid #ddd;text-align:right}
-th:first-child,td:first-child{text-align:left}svg{max-width:100%;height:auto})";
+th:first-child,td:first-child{text-align:left}svg{max-width:100%;height:auto}
+.verdict{border-left:.5rem solid #2e7d32;background:#f1f7f1;padding:.6rem 1rem;margin:1rem 0}
+.verdict p,.verdict ul{margin:.2rem 0}.verdict.bad{border-color:#b3541e;background:#fbf3ee}
+@media print{body{margin:0}h2,svg{break-inside:avoid}})";
+
+constexpr char kGenerator[] = "<meta name=\"generator\" content=\"planar-servo\"/>\n";
 
 }  // namespace
+
+bool is_page(const std::string& text) {
+  return text.find(kGenerator) != std::string::npos;
+}
 
 std::string html_escaped(const std::string& text) {
   std::string escaped;
@@ -38,6 +47,21 @@ std::string html_escaped(const std::string& text) {
   return escaped;
 }
 
+namespace {
+
+/// Returns text for a paragraph, in which lines stay lines and a figure keeps its per cent sign.
+std::string flowing(const std::string& text) {
+  std::string html = html_escaped(text);
+  while (!html.empty() && html.back() == '\n') html.pop_back();
+  for (std::size_t at = html.find('\n'); at != std::string::npos; at = html.find('\n', at + 5))
+    html.replace(at, 1, "<br/>");
+  for (std::size_t at = html.find(" %"); at != std::string::npos; at = html.find(" %", at))
+    html.replace(at, 1, "&#160;");
+  return html;
+}
+
+}  // namespace
+
 HtmlPage::HtmlPage(const std::string& title)
     : title_(title), body_(fmt::format("<h1>{}</h1>\n", html_escaped(title))) {}
 
@@ -46,21 +70,28 @@ void HtmlPage::add_heading(const std::string& text) {
 }
 
 void HtmlPage::add_paragraph(const std::string& text) {
-  std::string html = html_escaped(text);
-  while (!html.empty() && html.back() == '\n') html.pop_back();
-  for (std::size_t at = html.find('\n'); at != std::string::npos; at = html.find('\n', at + 4))
-    html.replace(at, 1, "<br>");
-  for (std::size_t at = html.find(" %"); at != std::string::npos; at = html.find(" %", at))
-    html.replace(at, 1, "&nbsp;");
-  body_ += fmt::format("<p>{}</p>\n", html);
+  body_ += fmt::format("<p>{}</p>\n", flowing(text));
+}
+
+void HtmlPage::add_verdict(const Verdict& verdict) {
+  std::string sentence, remedies;
+  for (const Verdict::Fault& fault : verdict.faults) {
+    sentence += (sentence.empty() ? "" : "; ") + fault.what;
+    remedies += fmt::format("<li>{}.</li>", flowing(fault.remedy));
+  }
+  const bool good = verdict.faults.empty();
+  body_ +=
+      fmt::format("<div class=\"verdict{}\"><p><b>{}</b> {}.</p>{}</div>\n", good ? "" : " bad",
+                  good ? "Good:" : "To be mended:", flowing(good ? verdict.good : sentence),
+                  good ? "" : "<ul>" + remedies + "</ul>");
 }
 
 std::string HtmlPage::text() const {
   return fmt::format(
-      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-      "<title>{}</title>\n<style>{}</style>\n</head>\n<body>\n{}</body>\n</html>\n",
-      html_escaped(title_), kStyle, body_);
+      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n"
+      "{}<title>{}</title>\n<style>{}</style>\n</head>\n<body>\n{}</body>\n</html>\n",
+      kGenerator, html_escaped(title_), kStyle, body_);
 }
 
 }  // namespace planar

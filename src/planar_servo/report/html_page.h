@@ -1,13 +1,29 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 namespace planar {
 
 /// Replaces `&`, `<`, `>` and quotes by HTML entities.
 std::string html_escaped(const std::string& text);
 
-/// Builds one self-contained page from style, text, tables and inline SVG.
+/// Returns whether a text is a page that HtmlPage has made.
+bool is_page(const std::string& text);
+
+/// Says in one sentence whether a result is good, and what to do where it is not.
+struct Verdict {
+  struct Fault {
+    std::string what;    ///< a clause without a full stop
+    std::string remedy;  ///< a clause without a full stop
+  };
+
+  std::string good;  ///< what is said when there is no fault; a clause without a full stop
+  std::vector<Fault> faults{};
+};
+
+/// Builds one self-contained page from style, text, tables and inline SVG, which
+/// is well-formed XML as well.
 class HtmlPage {
  public:
   explicit HtmlPage(const std::string& title);
@@ -15,6 +31,8 @@ class HtmlPage {
   void add_heading(const std::string& text);
   /// Adds a paragraph; line ends in the text stay line ends on the page.
   void add_paragraph(const std::string& text);
+  /// Adds the verdict's sentence, and the remedies as a list.
+  void add_verdict(const Verdict& verdict);
   /// Adds a piece that is HTML already: a table or an SVG figure.
   void add_html(const std::string& html) { body_ += html; }
 

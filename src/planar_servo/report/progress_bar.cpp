@@ -1,11 +1,9 @@
 #include "planar_servo/report/progress_bar.h"
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cstdio>
+#include <utility>
 
 namespace planar {
 namespace {
@@ -17,14 +15,7 @@ constexpr std::size_t kWidth = 40;
 }  // namespace
 
 ProgressBar::ProgressBar(std::string label)
-    : label_(std::move(label)),
-      wanted_(isatty(STDERR_FILENO) != 0 && spdlog::should_log(spdlog::level::info)),
-      draw_after_s_(clock_.now_s() + kShortWork_s) {}
-
-ProgressBar::~ProgressBar() {
-  if (drawn_ == 0) return;
-  std::fprintf(stderr, "\r%*s\r", static_cast<int>(drawn_), "");
-}
+    : label_(std::move(label)), draw_after_s_(clock_.now_s() + kShortWork_s) {}
 
 void ProgressBar::show(std::size_t done, std::size_t all) {
   if (all == 0) return;
@@ -37,12 +28,10 @@ void ProgressBar::show(const std::string& phase, double share) {
 }
 
 void ProgressBar::draw(const std::string& label, double share, const std::string& figure) {
-  if (!wanted_ || clock_.now_s() < draw_after_s_) return;
+  if (!line_.is_shown() || clock_.now_s() < draw_after_s_) return;
   const auto filled = static_cast<std::size_t>(kWidth * std::clamp(share, 0.0, 1.0));
-  const std::string bar = fmt::format("{} [{}{}] {}", label, std::string(filled, '='),
-                                      std::string(kWidth - filled, ' '), figure);
-  fmt::print(stderr, "\r{:<{}}", bar, drawn_);
-  drawn_ = std::max(drawn_, bar.size());
+  line_.show(fmt::format("{} [{}{}] {}", label, std::string(filled, '='),
+                         std::string(kWidth - filled, ' '), figure));
   draw_after_s_ = clock_.now_s() + kBetweenDrawings_s;
 }
 

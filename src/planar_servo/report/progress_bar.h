@@ -4,6 +4,7 @@
 #include <string>
 
 #include "planar_servo/core/clock.h"
+#include "planar_servo/report/status_line.h"
 
 namespace planar {
 
@@ -12,9 +13,6 @@ namespace planar {
 class ProgressBar {
  public:
   explicit ProgressBar(std::string label = {});
-  ~ProgressBar();
-  ProgressBar(const ProgressBar&) = delete;
-  ProgressBar& operator=(const ProgressBar&) = delete;
 
   void show(std::size_t done, std::size_t all);
   /// Shows a phase of work, as a `Progress` reports it.
@@ -24,10 +22,9 @@ class ProgressBar {
   void draw(const std::string& label, double share, const std::string& figure);
 
   std::string label_;
-  bool wanted_;
+  StatusLine line_;
   SteadyClock clock_;
   double draw_after_s_;
-  std::size_t drawn_{0};  ///< characters on the terminal now
 };
 
 }  // namespace planar

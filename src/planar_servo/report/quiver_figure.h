@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "planar_servo/report/figure/panel.h"
+
 namespace planar {
 
 /// Errors, drawn as arrows from the points where they were found, in the base frame.
@@ -15,14 +17,16 @@ struct QuiverPanel {
 
 /// Explains the figure of quiver_svg() to a reader.
 constexpr char kQuiverCaption[] =
-    "Each line leads from a place into the direction of its error, as long as the bar below its "
-    "panel says; a colour is the same size of error in all panels. The grey disc is the base, x "
-    "points to the right, y up.";
+    "Each line leads from a place into the direction of its error. The panels share axes, length "
+    "of the lines and colours, so that they can be compared; the colour tells small errors whose "
+    "lines are too short to be seen.";
 
-/// Draws the panels side by side as one SVG element: x to the right, y up, the base in the middle.
-/// Positions have one scale in all panels, and a colour means one length of error. Arrows have a
-/// scale per panel, shown by the bar below it, next to the width of the field. Throws
-/// std::invalid_argument for panels without points or with unequal numbers of points and errors.
+/// Draws the errors: x to the right, y up, in millimetres. Axes, lengths of arrows and colours
+/// (logarithmic) are common to all panels. Throws std::invalid_argument for panels without points
+/// or with unequal numbers of points and errors.
+std::vector<Panel> quiver_panels(const std::vector<QuiverPanel>& panels);
+
+/// Draws these panels side by side as one SVG element.
 std::string quiver_svg(const std::vector<QuiverPanel>& panels);
 
 }  // namespace planar

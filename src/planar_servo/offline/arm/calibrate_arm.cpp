@@ -10,16 +10,13 @@
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/fixed.h"
 #include "planar_servo/core/units.h"
-#include "planar_servo/field/arm_terms.h"
+#include "planar_servo/field/arm/arm_terms.h"
 #include "planar_servo/files/tables/arm_sample_table.h"
 #include "planar_servo/files/tables/pair_table.h"
 #include "planar_servo/files/tool_file.h"
 
 namespace planar {
 namespace {
-
-/// A reflector whose place nobody knows is on the tool.
-constexpr double kSomewhereOnTool_m = 0.1;
 
 bool is_table_of_pairs(const std::filesystem::path& path) {
   std::ifstream in(path);
@@ -60,10 +57,9 @@ ArmNominal arm_of_files(const CellSettings& cell) {
   nominal.geometry = cell.arm.geometry;
   nominal.joints_per_motor = Transmission(cell.transmission).coupling_matrix().inverse();
   nominal.separation = cell.lamps.layout.separation_m;
-  if (std::filesystem::exists(cell.tool))
-    nominal.tool = read_tool(cell.tool);
-  else
-    nominal.reflector_sigma = kSomewhereOnTool_m;
+  nominal.tool.reflector_known = false;
+  if (std::filesystem::exists(cell.tool)) nominal.tool = read_tool(cell.tool);
+  if (!nominal.tool.reflector_known) nominal.reflector_sigma = kSomewhereOnTool;
   return nominal;
 }
 

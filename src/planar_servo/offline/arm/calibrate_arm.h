@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "planar_servo/cell/cell_settings.h"
-#include "planar_servo/field/arm_fit.h"
+#include "planar_servo/field/arm/arm_fit.h"
 
 namespace planar {
 

@@ -37,6 +37,9 @@ std::string calibration_text(const CameraCalibration& found) {
   text += "distortion         ";
   for (const double c : distortion_coefficients(found.camera)) text += fmt::format(" {:.4g}", c);
   text += fmt::format("\nresiduals           {:.3f} px rms", found.rms_px) + judged_text(found);
+  text += fmt::format("over that plane     {:.4f} mm by the camera's model, at most {:.4f} mm\n",
+                      found.plane_error.mean() / kMillimetre,
+                      found.plane_error.largest() / kMillimetre);
   for (const CalibratedView& view : found.views)
     text += fmt::format("  {:<18}  {:.3f} px\n", view.name, view.rms_px);
   return text;
@@ -61,6 +64,8 @@ nlohmann::json calibration_json(const CameraCalibration& found) {
           {"standard_deviations", found.standard_deviations},
           {"held_out_rms_px", number_or_null(found.held_out_rms_px)},
           {"expected_error_mm", number_or_null(expected_error_mm)},
+          {"plane_error_mean_mm", found.plane_error.mean() / kMillimetre},
+          {"plane_error_max_mm", found.plane_error.largest() / kMillimetre},
           {"views", views},
           {"rejected", rejected}};
 }

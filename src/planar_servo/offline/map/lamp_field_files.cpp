@@ -2,14 +2,31 @@
 
 #include "planar_servo/files/arm_file.h"
 #include "planar_servo/files/map/lamp_field_file.h"
+#include "planar_servo/files/tables/lay_table.h"
+#include "planar_servo/files/tables/pair_table.h"
 #include "planar_servo/io/atomic_file.h"
+#include "planar_servo/offline/map/pose_samples.h"
 
 namespace planar {
 
+std::vector<MadeFile> LampFieldFiles::inputs() const {
+  std::vector<MadeFile> files{{Role::kPairs, pairs}};
+  if (!lays.empty()) files.push_back({Role::kLays, lays});
+  return files;
+}
+
+LampFieldFit learn_lamp_field(const LampFieldFiles& files, const CellSettings& cell,
+                              const VisionCalibration& vision, const Progress& progress) {
+  const LaidDots board = files.lays.empty() ? LaidDots() : laid_dots(read_lays(files.lays));
+  return fit_lamp_field(nominal_arm(cell, vision), pose_samples(cell, read_pairs(files.pairs)),
+                        board, progress);
+}
+
 void write_lamp_field(const LampFieldFiles& files, const LampFieldFit& fit,
-                      const CellSettings& cell, const std::filesystem::path& pairs,
-                      const std::string& program) {
-  std::vector<Origin> origins = with_origins_of({origin_of({Role::kPairs, pairs})}, pairs);
+                      const CellSettings& cell, const std::string& program) {
+  std::vector<Origin> origins;
+  for (const MadeFile& input : files.inputs()) origins.push_back(origin_of(input));
+  origins = with_origins_of(std::move(origins), files.pairs);
   const std::string map = lamp_field_text(fit, origins, program);
   if (!files.arm.empty()) {
     origins.push_back(arm_origin(cell));

@@ -25,6 +25,39 @@ std::string judgement_text(const HeldOut& judged) {
                      judged.worth_using() ? "worth using" : "NOT significant: do not use this map");
 }
 
+/// Says what each source added and what fixed the field as a whole.
+std::string sources_text(const LampFieldFit& fit) {
+  const auto source_line = [](const std::string& name, const std::string& amount, double sigma) {
+    return fmt::format("{:<20}{:<26}{:.4f} mm\n", name, amount, sigma / kMillimetre);
+  };
+  const auto fixed_line = [](const char* what, FieldSource source, const std::string& sigma) {
+    return fmt::format("{:<20}{:<26}{}\n", what, name_in(kFieldSources, source), sigma);
+  };
+  std::string text =
+      "source              how much                  end point known without it to\n";
+  for (const SourceWorth& source : fit.sources)
+    text += source_line(source.name, source.amount, source.end_point_without);
+  text += source_line("(with all)", "", fit.certainty.end_point);
+  text += "as a whole          fixed by                  standard deviation\n";
+  text +=
+      fixed_line("scale", fit.fixed_by.scale, fmt::format("{:.1f} ppm", 1e6 * fit.certainty.scale));
+  text += fixed_line("datum", fit.fixed_by.datum,
+                     fmt::format("{:.4f} mm", fit.certainty.shift / kMillimetre));
+  return text + fixed_line("turn", fit.fixed_by.turn,
+                           fit.fixed_by.turn == FieldSource::kNothing
+                               ? "counted from the cell file's zero of joint 1"
+                               : fmt::format("{:.5f} deg", fit.certainty.turn / kDegree));
+}
+
+nlohmann::json sources_json(const LampFieldFit& fit) {
+  nlohmann::json sources = nlohmann::json::array();
+  for (const SourceWorth& source : fit.sources)
+    sources.push_back({{"source", source.name},
+                       {"amount", source.amount},
+                       {"end_point_without_mm", source.end_point_without / kMillimetre}});
+  return sources;
+}
+
 }  // namespace
 
 std::string lamp_field_report_text(const LampFieldFit& fit) {
@@ -38,10 +71,7 @@ std::string lamp_field_report_text(const LampFieldFit& fit) {
   text += judgement_text(fit.held_out);
   text += fmt::format("noise of a lamp     {} times what the pairs state\n",
                       fixed(fit.estimate.priors.lamp_factor, 2));
-  text += fmt::format(
-      "scale, datum, turn  by: {}, {}, {}\n", name_in(kFieldSources, fit.fixed_by.scale),
-      name_in(kFieldSources, fit.fixed_by.datum), name_in(kFieldSources, fit.fixed_by.turn));
-  return text + "\n" + arm_terms_text(fit.estimate);
+  return text + "\n" + sources_text(fit) + "\n" + arm_terms_text(fit.estimate);
 }
 
 nlohmann::json lamp_field_report_json(const LampFieldFit& fit) {
@@ -62,7 +92,13 @@ nlohmann::json lamp_field_report_json(const LampFieldFit& fit) {
                          {{"scale", name_in(kFieldSources, fit.fixed_by.scale)},
                           {"datum", name_in(kFieldSources, fit.fixed_by.datum)},
                           {"turn", name_in(kFieldSources, fit.fixed_by.turn)}}},
+                        {"scale_sigma_ppm", 1e6 * fit.certainty.scale},
+                        {"datum_sigma_mm", fit.certainty.shift / kMillimetre},
+                        {"end_point_sigma_mm", fit.certainty.end_point / kMillimetre},
+                        {"sources", sources_json(fit)},
                         {"arm", arm_terms_json(fit.estimate)}};
+  if (fit.fixed_by.turn != FieldSource::kNothing)
+    report["turn_sigma_deg"] = fit.certainty.turn / kDegree;
   if (fit.held_out.n > 0) {
     report["raw_rms_mm"] = fit.held_out.raw_rms / kMillimetre;
     report["loo_rms_mm"] = fit.held_out.rms / kMillimetre;

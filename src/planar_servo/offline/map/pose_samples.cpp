@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <string>
 
 #include "planar_servo/arm/transmission.h"
 #include "planar_servo/core/error.h"
@@ -45,6 +47,18 @@ PoseSample pose_sample(const Transmission& transmission, const PairRow& pair, do
   return sample;
 }
 
+BoardLay lay_of(const std::string& id, const std::vector<const LayRow*>& rows) {
+  const auto n = static_cast<Eigen::Index>(rows.size());
+  BoardLay lay{id, Eigen::Matrix2Xd(2, n), Eigen::Matrix2Xd(2, n), Eigen::VectorXd(n)};
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const LayRow& row = *rows[static_cast<std::size_t>(i)];
+    lay.p_board.col(i) = row.p_board;
+    lay.seen_B.col(i) = row.p_seen;
+    lay.sigma[i] = row.sigma;
+  }
+  return lay;
+}
+
 }  // namespace
 
 ArmNominal nominal_arm(const CellSettings& cell, const VisionCalibration& vision) {
@@ -54,6 +68,7 @@ ArmNominal nominal_arm(const CellSettings& cell, const VisionCalibration& vision
   nominal.p_camera_B = vision.workplane.X_WC().translation();
   nominal.separation = cell.lamps.layout.separation_m;
   nominal.tool = vision.tool;
+  if (!vision.tool.reflector_known) nominal.reflector_sigma = kSomewhereOnTool;
   return nominal;
 }
 
@@ -64,6 +79,25 @@ std::vector<PoseSample> pose_samples(const CellSettings& cell, const std::vector
   for (const PairRow& pair : pairs)
     if (tells_field(pair)) samples.push_back(pose_sample(transmission, pair, now_s));
   return samples;
+}
+
+LaidDots laid_dots(const std::vector<LayRow>& rows) {
+  std::vector<std::string> order;
+  std::map<std::string, std::vector<const LayRow*>> lays;
+  for (const LayRow& row : rows) {
+    if (!(row.sigma > 0.0))
+      throw InputError("lays: a dot of '" + row.lay +
+                       "' has sigma_mm 0; make the table with planar-pair-tracker --lays-out");
+    if (row.pitch_known != rows.front().pitch_known)
+      throw InputError("lays: the pitch is known of some lays only; all must be of one board");
+    const auto [lay, is_new] = lays.try_emplace(row.lay);
+    if (is_new) order.push_back(row.lay);
+    lay->second.push_back(&row);
+  }
+  LaidDots board;
+  for (const std::string& id : order) board.lays.push_back(lay_of(id, lays.at(id)));
+  board.pitch_known = rows.empty() || rows.front().pitch_known;
+  return board;
 }
 
 }  // namespace planar

@@ -3,8 +3,10 @@
 #include <vector>
 
 #include "planar_servo/cell/cell_settings.h"
-#include "planar_servo/field/arm_model.h"
+#include "planar_servo/field/arm/arm_model.h"
+#include "planar_servo/field/lay_information.h"
 #include "planar_servo/field/pose_sample.h"
+#include "planar_servo/files/tables/lay_table.h"
 #include "planar_servo/files/tables/pair_table.h"
 #include "planar_servo/vision/see_tool.h"
 
@@ -18,5 +20,9 @@ ArmNominal nominal_arm(const CellSettings& cell, const VisionCalibration& vision
 /// counted from the last of all pairs. Throws InputError naming a pair without lamps, joints or
 /// standard deviations.
 std::vector<PoseSample> pose_samples(const CellSettings& cell, const std::vector<PairRow>& pairs);
+
+/// Returns the lays of lays.csv. Throws InputError for a dot without a standard deviation, and for
+/// lays of which only some have a known pitch.
+LaidDots laid_dots(const std::vector<LayRow>& rows);
 
 }  // namespace planar

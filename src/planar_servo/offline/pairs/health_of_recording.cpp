@@ -10,6 +10,7 @@
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/health/arm_check.h"
+#include "planar_servo/offline/pairs/recorded_drift.h"
 #include "planar_servo/vision/seen_cell.h"
 
 namespace planar {
@@ -77,6 +78,7 @@ std::vector<SeenPlace> seen_places(const CellSettings& cell, const VisionCalibra
     if (!place) continue;
     const double sigma_m = std::sqrt(0.5 * place->covariance.trace());
     seen.push_back({{id, sight.frame->theta, place->lamps_B, sigma_m},
+                    sight.frame->t_s,
                     arm.forward(sight.frame->theta),
                     place->seen});
   }
@@ -98,6 +100,7 @@ HealthRecord health_of(const CellSettings& cell, const std::vector<SeenPlace>& s
   });
   HealthRecord record = health_record_of(seen);
   if (near.size() >= kHealthPlaces) record.places = health_record_of(near).places;
+  bring_to_end(seen, record.places);
   return record;
 }
 

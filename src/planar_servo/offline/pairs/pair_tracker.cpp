@@ -12,6 +12,8 @@
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/lens/workplane.h"
+#include "planar_servo/offline/pairs/lamp_places.h"
+#include "planar_servo/offline/pairs/pair_without_tracker.h"
 #include "planar_servo/offline/pairs/recording_check.h"
 
 namespace planar {
@@ -19,47 +21,6 @@ namespace {
 
 bool serves_fit(Plan plan) {
   return plan == Plan::kTrain || plan == Plan::kSweep1 || plan == Plan::kSweep3;
-}
-
-/// Joins the lamps' rows with what the recording knows of their frames. Views of boards are left
-/// out.
-std::vector<LampSight> lamp_sights(const std::vector<LampRow>& lamps,
-                                   const std::vector<FrameRow>& frames) {
-  std::map<std::string, const FrameRow*> by_image, by_id;
-  for (const FrameRow& frame : frames) {
-    by_image.emplace(frame.image, &frame);
-    by_id.emplace(frame.id, &frame);
-  }
-  Faults faults;
-  std::vector<LampSight> sights;
-  for (const LampRow& row : lamps) {
-    const auto& index = row.image.empty() ? by_id : by_image;
-    const auto found = index.find(row.image.empty() ? row.id : row.image);
-    if (found == index.end() || found->second->id != row.id) {
-      faults.add(fmt::format("lamps: id '{}', image '{}' is not in the recording's frames.csv",
-                             row.id, row.image));
-      continue;
-    }
-    const FrameRow& frame = *found->second;
-    if (shows_board(frame.plan)) continue;
-    LampSight sight;
-    sight.id = row.id;
-    sight.t_s = frame.t_s;
-    sight.plan = frame.plan;
-    sight.theta = frame.theta;
-    if (row.status != LampStatus::kOk) {
-      sight.fault = name(row.status);
-    } else if (row.uv_px.size() != 2) {
-      sight.fault = name(LampStatus::kOneLamp);
-    } else {
-      std::copy(row.uv_px.begin(), row.uv_px.end(), sight.uv_px.begin());
-      std::copy(row.covariance_px2.begin(), row.covariance_px2.end(),
-                sight.covariances_px2.begin());
-    }
-    sights.push_back(std::move(sight));
-  }
-  faults.throw_if_any();
-  return sights;
 }
 
 struct SortedReadings {
@@ -120,11 +81,21 @@ DatumRegistration registered(const std::vector<Monument>& datum, const SortedRea
   return registration;
 }
 
+/// Pairs frames and readings by the clocks of both, which it compares first.
+Pairing paired_by_time(const std::vector<LampSight>& frames,
+                       const std::vector<ToolReading>& readings, PairTrackerReport& report) {
+  std::vector<ToolReading> resting = readings_at_rest(readings);
+  report.clock = estimate_tracker_clock(frames, resting);
+  for (ToolReading& reading : resting) reading.t_s = report.clock->camera_time_s(reading.t_s);
+  return pair_sights(frames, resting, PairBy::kTime);
+}
+
 /// Pairs frames and readings and takes out those of a frozen tracker.
 Pairing paired(const PairTrackerRequest& request, const std::vector<ToolReading>& readings,
                PairTrackerReport& report) {
   const std::vector<LampSight> frames = lamp_sights(request.lamps, request.frames);
-  Pairing pairing = pair_sights(frames, readings, request.by);
+  Pairing pairing = request.by == PairBy::kTime ? paired_by_time(frames, readings, report)
+                                                : pair_sights(frames, readings, PairBy::kId);
   reject(pairing.rejected, report);
   const std::vector<Rejection> frozen = take_out_frozen(pairing.sights);
   reject(frozen, report);
@@ -134,7 +105,7 @@ Pairing paired(const PairTrackerRequest& request, const std::vector<ToolReading>
                     "change while the "
                     "lamps moved; they are left out; record them again",
                     frozen.size(), frozen.front().id));
-  require_reading_order(pairing.sights, frames, readings, request.by);
+  require_reading_order(pairing.sights, request.by);
   return pairing;
 }
 
@@ -149,51 +120,17 @@ WorkplaneFit fit_workplane(const PairTrackerRequest& request,
                                       request.dots_height);
 }
 
-/// Moves the lamps' places from the centres of their images to the images of their centres. Returns
-/// the largest shift, pixels.
-template <typename Sight>
-double remove_eccentricity(const Workplane& workplane, const std::array<double, 2>& diameters,
-                           std::vector<Sight>& sights) {
-  double largest_px = 0.0;
-  for (Sight& sight : sights) {
-    const auto shifts_px = lamp_eccentricities_px(workplane, sight.lamps_px, diameters);
-    for (std::size_t k = 0; k < 2; ++k) {
-      sight.lamps_px[k] -= shifts_px[k];
-      largest_px = std::max(largest_px, shifts_px[k].norm());
-    }
-  }
-  return largest_px;
-}
-
-/// Returns what vision says of a place; empty when a lamp's ray does not meet the plane.
-std::optional<PairRow> seen_row(const Workplane& workplane, const ToolOffsets& tool,
-                                const PoseSight& sight) {
-  const auto seen = tip_from_lamps(workplane, tool, sight.lamps_px, sight.covariances_px2);
-  if (!seen) return std::nullopt;
-  PairRow row;
-  row.id = sight.id;
-  row.plan = sight.plan;
-  row.theta = sight.theta;
-  row.t_s = sight.t_s;
-  row.p_vision = seen->tip.p;
-  row.phi = seen->tip.phi;
-  row.lamps_B = seen->lamps_B;
-  row.sigma_vision = std::sqrt(0.5 * seen->covariance.trace());
-  return row;
-}
-
 /// Adds a row for each place that the plane's fit has not left out: the attended ones, then the
 /// unattended.
 void add_rows(const Pairing& places, const Workplane& workplane, const WorkplaneFit& fit,
               PairTrackerReport& report) {
-  const std::string unseen = "a lamp's ray does not meet the plane";
   std::set<std::string> outliers;
   for (const Rejection& rejection : fit.rejected) outliers.insert(rejection.id);
   for (const ToolSight& sight : places.sights) {
     if (outliers.count(sight.id) != 0) continue;
     auto row = seen_row(workplane, fit.tool, sight);
     if (!row) {
-      report.rejected.push_back({sight.id, unseen});
+      report.rejected.push_back({sight.id, kUnseen});
       continue;
     }
     row->p_tracker = end_point_by_tracker(fit.tool, sight, *row->phi);
@@ -201,18 +138,12 @@ void add_rows(const Pairing& places, const Workplane& workplane, const Workplane
     row->sigma_tracker = sight.sigma_tracker;
     report.pairs.push_back(std::move(*row));
   }
-  for (const PoseSight& sight : places.unattended) {
-    auto row = seen_row(workplane, fit.tool, sight);
-    if (row)
-      report.pairs.push_back(std::move(*row));
-    else
-      report.rejected.push_back({sight.id, unseen});
-  }
+  add_unattended(workplane, fit, places.unattended, report);
 }
 
 /// Tells who asks for it what was decided.
 void log(const PairTrackerReport& report) {
-  for (const MonumentResidual& monument : report.datum.residuals)
+  for (const MonumentResidual& monument : report.datum->residuals)
     spdlog::debug(fmt::format("monument {}: {:.4f} mm off in {} readings", monument.id,
                               monument.residual_B.norm() / kMillimetre, monument.readings));
   spdlog::debug(fmt::format("the workplane is fitted to {} places", report.workplane.n_used));
@@ -224,13 +155,15 @@ void log(const PairTrackerReport& report) {
 }  // namespace
 
 PairTrackerReport pair_tracker(const PairTrackerRequest& request) {
+  if (!has_tool_readings(request)) return pair_without_tracker(request);
   PairTrackerReport report;
   const SortedReadings readings = sort_readings(request);
-  report.datum = registered(request.cell.datum, readings, report);
+  const DatumRegistration datum = registered(request.cell.datum, readings, report);
+  report.datum = datum;
   std::vector<ToolReading> tool_readings;
   for (const TrackerRow& row : readings.tool) {
-    tool_readings.push_back({row.id, row.t_s, report.datum.X_BL * row.p_L,
-                             request.cell.tracker.sigma_at(row.p_L.norm())});
+    tool_readings.push_back(
+        {row.id, row.t_s, datum.X_BL * row.p_L, request.cell.tracker.sigma_at(row.p_L.norm())});
   }
   Pairing places = paired(request, tool_readings, report);
   require_axis_in_origin(request.cell, places.sights);
@@ -242,7 +175,7 @@ PairTrackerReport pair_tracker(const PairTrackerRequest& request) {
   report.workplane = fit_workplane(request, places.sights);
   reject(report.workplane.rejected, report);
   add_rows(places, Workplane(request.camera, report.workplane.X_WC), report.workplane, report);
-  require_upright_tracker(report.datum, report.workplane.tool);
+  require_upright_tracker(datum, report.workplane.tool);
   require_lamps_in_order(request.cell, request.frames, report.pairs);
   add_doubt(doubt_of_change(report.pairs), report);
   log(report);

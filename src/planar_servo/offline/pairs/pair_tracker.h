@@ -1,9 +1,11 @@
 #pragma once
 
-#include <filesystem>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "planar_servo/calibration/pairing.h"
+#include "planar_servo/calibration/readings/tracker_clock.h"
 #include "planar_servo/calibration/tracker_registration.h"
 #include "planar_servo/calibration/workplane_calibration.h"
 #include "planar_servo/cell/cell_settings.h"
@@ -33,8 +35,9 @@ struct PairTrackerRequest {
 struct PairTrackerReport {
   std::vector<PairRow> pairs;  ///< of all plans, the unattended poses last
   std::vector<Rejection> rejected;
-  DatumRegistration datum;
+  std::optional<DatumRegistration> datum;  ///< none without a tracker
   WorkplaneFit workplane;
+  std::optional<TrackerClock> clock;    ///< of the tracker, where it was paired by time
   double largest_eccentricity_px{0.0};  ///< largest shift taken from a lamp's place
   std::vector<std::string> doubts;      ///< what the readings leave open, in words
 };
@@ -44,6 +47,8 @@ struct PairTrackerReport {
 /// sweep3, never to those kept for judging. It then takes off the eccentricity that the lamps'
 /// discs have on that plane and fits again, and writes every place as a pair of end points, those
 /// of plan pose without the tracker's.
+///
+/// Without a reading of the tool it does as pair_without_tracker() does.
 ///
 /// Monuments read after the first reading of the tool serve to show what moved meanwhile, unless
 /// they were not read before. Throws what these steps throw, InputError naming lamps of images that

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "planar_servo/core/fixed.h"
 #include "planar_servo/core/units.h"
@@ -25,24 +26,44 @@ std::string raw_error_text(const std::vector<PairRow>& pairs) {
   return text;
 }
 
+std::string clock_text(const TrackerClock& clock) {
+  return fmt::format(
+      "clock      the tracker's is {:.3f} s ahead of the camera's, +- {:.3f}, and runs {:.1f} +- "
+      "{:.1f} ppm fast, by {} places\n",
+      clock.offset_s, clock.sigma_offset_s, 1e6 * clock.rate, 1e6 * clock.sigma_rate, clock.places);
+}
+
 std::size_t unattended(const std::vector<PairRow>& pairs) {
   return static_cast<std::size_t>(
       std::count_if(pairs.begin(), pairs.end(), [](const PairRow& p) { return !p.is_attended(); }));
+}
+
+std::string datum_text(const std::optional<DatumRegistration>& datum) {
+  if (!datum)
+    return "datum      no tracker reading: place and turn are those of the commanded arm\n";
+  return fmt::format("datum      {} monuments, rms {:.3f} mm\n", datum->residuals.size(),
+                     datum->rms / kMillimetre);
+}
+
+std::string tool_line(const ToolOffsets& tool) {
+  return fmt::format("tool       end point ({}) mm, reflector {}\n",
+                     fixed(tool.p_TP / kMillimetre, 3, ", "),
+                     tool.reflector_known
+                         ? fmt::format("({}) mm", fixed(tool.p_TS.head<2>() / kMillimetre, 3, ", "))
+                         : "not known");
 }
 
 }  // namespace
 
 std::string pair_tracker_text(const PairTrackerReport& report) {
   const WorkplaneFit& fit = report.workplane;
-  std::string text = fmt::format("datum      {} monuments, rms {:.3f} mm\n",
-                                 report.datum.residuals.size(), report.datum.rms / kMillimetre);
+  std::string text = datum_text(report.datum);
   text += fmt::format("workplane  {} degrees of freedom fitted to {} places, rms {:.3f} mm\n",
                       fit.absorbed, fit.n_used, fit.rms / kMillimetre);
-  text += fmt::format("tool       end point ({}) mm, reflector ({}) mm\n",
-                      fixed(fit.tool.p_TP / kMillimetre, 3, ", "),
-                      fixed(fit.tool.p_TS.head<2>() / kMillimetre, 3, ", "));
+  text += tool_line(fit.tool);
   text += fmt::format("lamps      eccentricity of their discs up to {:.4f} px, taken off\n",
                       report.largest_eccentricity_px);
+  if (report.clock) text += clock_text(*report.clock);
   for (const Rejection& rejection : report.rejected)
     text += fmt::format("rejected   {}: {}\n", rejection.id, rejection.reason);
   text += raw_error_text(report.pairs);
@@ -54,24 +75,31 @@ std::string pair_tracker_text(const PairTrackerReport& report) {
 nlohmann::json pair_tracker_json(const PairTrackerReport& report) {
   const WorkplaneFit& fit = report.workplane;
   const Eigen::Vector2d p_TP = fit.tool.p_TP / kMillimetre;
-  const Eigen::Vector3d p_TS = fit.tool.p_TS / kMillimetre;
   auto rejected = nlohmann::json::array();
   for (const Rejection& rejection : report.rejected)
     rejected.push_back({{"id", rejection.id}, {"reason", rejection.reason}});
-  const Summary raw = raw_error(report.pairs);
   const auto n_unattended = unattended(report.pairs);
-  return {{"pairs", report.pairs.size() - n_unattended},
-          {"unattended", n_unattended},
-          {"rejected", rejected},
-          {"doubts", report.doubts},
-          {"datum_rms_mm", report.datum.rms / kMillimetre},
-          {"workplane_rms_mm", fit.rms / kMillimetre},
-          {"workplane_absorbed", fit.absorbed},
-          {"eccentricity_px_max", report.largest_eccentricity_px},
-          {"p_TP_mm", {p_TP.x(), p_TP.y()}},
-          {"p_TS_mm", {p_TS.x(), p_TS.y(), p_TS.z()}},
-          {"raw_mean_mm", raw.mean / kMillimetre},
-          {"raw_rms_mm", raw.rms / kMillimetre}};
+  nlohmann::json json{{"pairs", report.pairs.size() - n_unattended},
+                      {"unattended", n_unattended},
+                      {"rejected", rejected},
+                      {"doubts", report.doubts},
+                      {"workplane_rms_mm", fit.rms / kMillimetre},
+                      {"workplane_absorbed", fit.absorbed},
+                      {"eccentricity_px_max", report.largest_eccentricity_px},
+                      {"p_TP_mm", {p_TP.x(), p_TP.y()}}};
+  if (!report.datum) return json;
+  const Eigen::Vector3d p_TS = fit.tool.p_TS / kMillimetre;
+  const Summary raw = raw_error(report.pairs);
+  json["datum_rms_mm"] = report.datum->rms / kMillimetre;
+  json["p_TS_mm"] = {p_TS.x(), p_TS.y(), p_TS.z()};
+  json["raw_mean_mm"] = raw.mean / kMillimetre;
+  json["raw_rms_mm"] = raw.rms / kMillimetre;
+  if (report.clock)
+    json["clock"] = {{"offset_s", report.clock->offset_s},
+                     {"sigma_offset_s", report.clock->sigma_offset_s},
+                     {"rate_ppm", 1e6 * report.clock->rate},
+                     {"sigma_rate_ppm", 1e6 * report.clock->sigma_rate}};
+  return json;
 }
 
 }  // namespace planar

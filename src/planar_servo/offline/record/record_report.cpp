@@ -1,6 +1,7 @@
 #include "planar_servo/offline/record/record_report.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <nlohmann/json.hpp>
 
@@ -8,11 +9,15 @@ namespace planar {
 
 std::string record_text(const RecordReport& report, const FrameCounts& frames,
                         const std::filesystem::path& folder) {
-  return fmt::format(
+  std::string text = fmt::format(
       "{} positions recorded ({} were there before): {} frames, {} of them full, in {}\n"
       "camera: {}\n",
       report.recorded, report.present, report.frames, report.full_frames, folder.string(),
       describe(frames));
+  if (!report.skipped.empty())
+    text += fmt::format("left out for want of a reading: {}; start again to record them\n",
+                        fmt::join(report.skipped, ", "));
+  return text;
 }
 
 nlohmann::json record_json(const RecordReport& report, const FrameCounts& frames) {
@@ -23,7 +28,8 @@ nlohmann::json record_json(const RecordReport& report, const FrameCounts& frames
           {"frames_incomplete", frames.incomplete},
           {"frames_frozen", frames.frozen},
           {"camera_reopened", frames.reopened},
-          {"without_lamps", report.without_lamps}};
+          {"without_lamps", report.without_lamps},
+          {"skipped", report.skipped}};
 }
 
 }  // namespace planar

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <limits>
 #include <map>
+#include <memory>
 #include <opencv2/imgcodecs.hpp>
 #include <optional>
 #include <set>
@@ -19,7 +20,10 @@
 #include "planar_servo/io/growing_file.h"
 #include "planar_servo/lamps/lamp_tracker.h"
 #include "planar_servo/offline/record/begun_recording.h"
+#include "planar_servo/offline/record/board_source.h"
+#include "planar_servo/offline/record/guided_board.h"
 #include "planar_servo/offline/record/motion_plan.h"
+#include "planar_servo/robot/homing.h"
 #include "planar_servo/robot/planar_robot.h"
 #include "planar_servo/servo/arrival.h"
 #include "planar_servo/vision/follow_region.h"
@@ -32,9 +36,15 @@ namespace fs = std::filesystem;
 
 constexpr int kLostFrameRetries = 3;
 
+/// Returns whether a person shows the board.
+bool is_guided(const RecordRequest& request, CellDevices& devices) {
+  return devices.board_presenter() == nullptr && request.board;
+}
+
 class Recorder {
  public:
-  Recorder(const RecordRequest& request, CellDevices& devices)
+  Recorder(const RecordRequest& request, const std::set<std::string>& present, CellDevices& devices,
+           LiveView* display)
       : cell_(request.cell),
         devices_(devices),
         folder_(request.recording),
@@ -43,19 +53,35 @@ class Recorder {
         lamps_(CenterMethod::kCannyKasa),
         lock_(folder_),
         frames_table_(folder_ / "frames.csv", frames_header()),
-        tracker_table_(folder_ / "tracker.csv", tracker_header()) {
+        tracker_table_(folder_ / "tracker.csv", tracker_header()),
+        readings_(cell_, devices.tracker(), tracker_table_, request.on_bad_reading, request.stop),
+        may_home_(request.may_home) {
     robot_.stop_when(request.stop);
+    if (devices.board_presenter() != nullptr)
+      board_source_ = std::make_unique<PresentedBoard>(*devices.board_presenter(), [this] {
+        devices_.camera().set_region(full_region());
+        return grab();
+      });
+    else if (is_guided(request, devices))
+      board_source_ = std::make_unique<GuidedBoard>(request, present, devices.camera(),
+                                                    devices.clock(), operator_line_, display);
     if (!cell_.reference_lamps.empty())
       expectation_.diameter_over_separation = cell_.lamps.layout.diameter_over_separation();
   }
 
   /// Records the rows of the plan but those that are `present`.
   RecordReport run(const std::vector<PlanRow>& plan, const std::vector<Joints>& joints,
-                   const std::set<std::string>& present) {
-    if (present.empty()) measure_monuments();
+                   const std::set<std::string>& present, bool has_monuments) {
+    const bool reads = std::any_of(plan.begin(), plan.end(), [&](const PlanRow& row) {
+      return needs_reading(row.plan) && present.count(row.id) == 0;
+    });
+    if (reads && !has_monuments) {
+      readings_.read_monuments();
+      if (!cell_.datum.empty()) devices_.tracker().await_tool();
+    }
     for (std::size_t i = 0; i < plan.size(); ++i) {
       const bool board = shows_board(plan[i].plan);
-      const int view = board ? board_views_[plan[i].plan]++ : 0;
+      const int view = board ? board_rows_[plan[i].plan]++ : 0;
       if (present.count(plan[i].id) != 0) {
         ++report_.present;
         continue;
@@ -64,45 +90,49 @@ class Recorder {
         record_board(plan[i], view);
       else
         record_position(plan[i], joints[i]);
-      ++report_.recorded;
     }
-    if (energized_) measure_monuments();
+    if (reads) readings_.read_monuments();
     return report_;
   }
 
  private:
-  void measure_monuments() {
-    for (const Monument& monument : cell_.datum)
-      for (int i = 0; i < kMonumentReadings; ++i) {
-        const auto reading = devices_.tracker().measure_monument(monument.id);
-        if (!reading)
-          throw WorkError(
-              fmt::format("the tracker gives no reading of the monument '{}'; clear its view, or "
-                          "check tracker.source in the cell file",
-                          monument.id));
-        tracker_table_.append(tracker_line({monument.id, reading->t_s, reading->p_L}));
-      }
-  }
-
-  void read_tracker(const std::string& id) {
-    if (const auto reading = devices_.tracker().measure_tool())
-      tracker_table_.append(tracker_line({id, reading->t_s, reading->p_L}));
-  }
+  /// The pictures of one place, saved already, and their rows.
+  struct Pictures {
+    std::string lines;
+    int frames{0}, full_frames{0};
+  };
 
   void record_board(const PlanRow& row, int view) {
-    if (row.plan == Plan::kHeldBoard)
-      devices_.board_presenter().hold_board(view);
-    else
-      devices_.board_presenter().lay_board(view);
-    devices_.camera().set_region(full_region());
-    const std::string line = save(grab(), row, 0);
-    devices_.board_presenter().remove_board();
-    frames_table_.append(line);
+    Pictures pictures;
+    save(board_source_->take(row, view), row, pictures);
+    board_in_field_ = true;
+    keep(pictures);
   }
 
   void record_position(const PlanRow& row, const Joints& theta) {
-    if (!energized_) robot_.energize();
+    for (PlaceEnd end = PlaceEnd::kRepeat; end == PlaceEnd::kRepeat;) {
+      approach(row, theta);
+      const TipPose tip = planner_.arm().forward(robot_.commanded_joints());
+      const Pictures pictures = pictures_at(row, tip.p);
+      end = needs_reading(row.plan) ? readings_.read_tool(row.id, tip) : PlaceEnd::kKeep;
+      if (end == PlaceEnd::kKeep) keep(pictures);
+      if (end == PlaceEnd::kSkip) report_.skipped.push_back(row.id);
+    }
+  }
+
+  void make_ready() {
+    robot_.energize();
+    home_where_needed(robot_, may_home_);
     energized_ = true;
+  }
+
+  void approach(const PlanRow& row, const Joints& theta) {
+    if (board_in_field_) board_source_->clear_field();
+    board_in_field_ = false;
+    if (!energized_) make_ready();
+    // On the way frames only tell that the camera is well; the link carries small ones easily.
+    devices_.camera().set_region(
+        region_round({0.5 * full_region().width, 0.5 * full_region().height}));
     if (const auto obstacle = arrive(robot_, planner_, cell_.servo, theta,
                                      [this] { return devices_.camera().fault(); }))
       throw WorkError(fmt::format(
@@ -110,16 +140,24 @@ class Recorder {
           obstacle->refused ? "move the place in the plan"
                             : "the arm has stopped; mend the camera, then start again to go on"));
     devices_.clock().sleep_for_s(cell_.servo.settle_s);
-    const Eigen::Vector2d p = planner_.arm().forward(robot_.commanded_joints()).p;
-    std::string lines;
+  }
+
+  Pictures pictures_at(const PlanRow& row, const Eigen::Vector2d& p) {
+    Pictures pictures;
     set_region_for(p);
     for (int i = 0; i < cell_.servo.frames_per_measurement; ++i) {
       Frame frame = grab();
       if (i == 0) frame = with_lamps(std::move(frame), p, row.id);
-      lines += save(frame, row, i);
+      save(frame, row, pictures);
     }
-    if (row.plan != Plan::kPose) read_tracker(row.id);
-    frames_table_.append(lines);
+    return pictures;
+  }
+
+  void keep(const Pictures& pictures) {
+    frames_table_.append(pictures.lines);
+    report_.frames += pictures.frames;
+    report_.full_frames += pictures.full_frames;
+    ++report_.recorded;
   }
 
   /// Where lamps are fixed to the base, a whole frame is taken from time to time to show them.
@@ -167,19 +205,20 @@ class Recorder {
     throw WorkError(fmt::format("the camera delivered no frame in {} attempts", kLostFrameRetries));
   }
 
-  std::string save(const Frame& frame, const PlanRow& row, int index) {
-    const std::string image = fmt::format("images/{}_{}.pgm", row.id, index);
+  void save(const Frame& frame, const PlanRow& row, Pictures& pictures) {
+    const std::string image = fmt::format("images/{}_{}.pgm", row.id, pictures.frames);
     std::vector<unsigned char> bytes;
     cv::imencode(".pgm", frame.image, bytes);
     write_file(folder_ / image, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
-    ++report_.frames;
+    ++pictures.frames;
     if (frame.region_px == full_region()) {
-      ++report_.full_frames;
+      ++pictures.full_frames;
       if (!shows_board(row.plan)) whole_frame_s_ = frame.t_s;
     }
     const Joints theta = energized_ ? robot_.commanded_joints() : cell_.arm.home;
-    return frame_line({row.id, image, frame.t_s, row.plan, theta,
-                       planner_.transmission().pulses_from_joints(theta), frame.region_px});
+    pictures.lines +=
+        frame_line({row.id, image, frame.t_s, row.plan, theta,
+                    planner_.transmission().pulses_from_joints(theta), frame.region_px});
   }
 
   cv::Rect region_round(const Eigen::Vector2d& center_px) const {
@@ -197,23 +236,72 @@ class Recorder {
   FolderLock lock_;
   GrowingFile frames_table_;
   GrowingFile tracker_table_;
+  ReflectorReadings readings_;
   PairExpectation expectation_;  ///< of lamps among others; empty where there are no others
   std::vector<CoarseViewRow> sights_;
   double whole_frame_s_{-std::numeric_limits<double>::infinity()};  ///< time of the last one
-  std::map<Plan, int> board_views_;
+  OperatorLine operator_line_;
+  std::unique_ptr<BoardSource> board_source_;  ///< null where nobody shows the board
+  std::map<Plan, int> board_rows_;
+  bool board_in_field_{false};
+  MayHome may_home_;
   bool energized_{false};
   RecordReport report_;
 };
 
+/// Throws when rows of the plan ask for readings that nobody takes.
+void require_tracker(const RecordRequest& request) {
+  if (request.cell.tracker.kind->measures()) return;
+  const auto needs = [](const PlanRow& row) { return needs_reading(row.plan); };
+  const auto count = std::count_if(request.plan.begin(), request.plan.end(), needs);
+  if (count == 0) return;
+  const PlanRow& first = *std::find_if(request.plan.begin(), request.plan.end(), needs);
+  throw InputError(fmt::format(
+      "{}: tracker.source is none, but {} row{} of the plan ask{} for a tracker reading, '{}' of "
+      "plan "
+      "{} first; name the tracker's source (file, tcp or ask), or give these rows the plan pose",
+      request.cell.file.string(), count, count == 1 ? "" : "s", count == 1 ? "s" : "", first.id,
+      name(first.plan)));
+}
+
+/// Throws when rows that are not present ask for views of a board that nobody can show.
+void require_board(const RecordRequest& request, const std::set<std::string>& present,
+                   CellDevices& devices) {
+  if (devices.board_presenter() != nullptr || request.board) return;
+  const auto count = std::count_if(
+      request.plan.begin(), request.plan.end(),
+      [&](const PlanRow& row) { return shows_board(row.plan) && present.count(row.id) == 0; });
+  if (count == 0) return;
+  throw InputError(fmt::format(
+      "the plan asks for {} view{} of the calibration board, which a person shows to the camera of "
+      "{}; say which board it is, such as --grid circles:11x11:50mm",
+      count, count == 1 ? "" : "s", request.cell.file.string()));
+}
+
+/// A recording that was broken off among its first monuments reads them again.
+bool has_monuments(const RecordRequest& request, const std::set<std::string>& present) {
+  const fs::path table = request.recording / "tracker.csv";
+  return !present.empty() && fs::exists(table) && read_file(table) != tracker_header();
+}
+
 }  // namespace
 
 RecordReport record(const RecordRequest& request, CellDevices& devices) {
+  require_tracker(request);
   const std::vector<Joints> joints = joints_of_plan(request.cell, request.plan);
   drop_torn_line(request.recording / "frames.csv");
   drop_torn_line(request.recording / "tracker.csv");
   const std::set<std::string> present = ids_of_begun_recording(request, joints);
+  require_board(request, present, devices);
+  const auto display =
+      open_display(is_guided(request, devices) ? request.display : DisplayPolicy::kNone,
+                   request.recording / "view.png", "planar-record");
   make_folder(request.recording / "images");
-  return Recorder(request, devices).run(request.plan, joints, present);
+  const bool read_before = has_monuments(request, present);
+  RecordReport report = Recorder(request, present, devices, display.get())
+                            .run(request.plan, joints, present, read_before);
+  close_display(display.get());
+  return report;
 }
 
 }  // namespace planar

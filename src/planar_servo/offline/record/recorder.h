@@ -2,16 +2,18 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
+#include <string>
 #include <vector>
 
+#include "planar_servo/calibration/board/board.h"
 #include "planar_servo/cell/cell_settings.h"
 #include "planar_servo/files/tables/plan_table.h"
 #include "planar_servo/machine/cell_devices.h"
+#include "planar_servo/offline/record/reflector_readings.h"
+#include "planar_servo/report/live/display.h"
 
 namespace planar {
-
-/// Each monument is read so many times before the places, and again after them.
-constexpr int kMonumentReadings = 5;
 
 /// Says what is to be recorded, and where.
 struct RecordRequest {
@@ -19,6 +21,11 @@ struct RecordRequest {
   std::vector<PlanRow> plan;
   std::filesystem::path recording;  ///< made when absent; continued when it holds a part
   std::function<bool()> stop{};     ///< asked during every move; see PlanarRobot::stop_when()
+  BadReading on_bad_reading{BadReading::kRepeat};
+  std::optional<Board> board{};                 ///< that a person shows to a real cell's camera
+  DisplayPolicy display{DisplayPolicy::kNone};  ///< of what the camera sees of it
+  /// Is asked whether drives that do not know their position may be homed, which moves the arm.
+  std::function<bool(const std::string& unhomed)> may_home{};
 };
 
 /// Says what a recording holds.
@@ -28,17 +35,22 @@ struct RecordReport {
   int frames{0};
   int full_frames{0};
   std::vector<std::string> without_lamps;  ///< ids where no pair of lamps was seen
+  std::vector<std::string> skipped;        ///< ids left out for want of a reading
 };
 
 /// Drives the cell through the plan. At each position it moves, settles, grabs frames and takes a
-/// tracker reading; for board views it asks for the board. Regions are placed from the commanded
-/// pose by a coarse view learned from the first full frames. Where the lamps are not in the region,
-/// a full frame is taken instead. The monuments are read before all and, when the arm has moved,
-/// once more at the end.
+/// tracker reading; board views are shown by the cell itself or by a person who is guided. Regions
+/// are placed from the commanded pose by a coarse view learned from the first full frames. Where
+/// the lamps are not in the region, a full frame is taken instead. The monuments are read before
+/// all and, when the arm has moved, once more at the end; a plan whose rows ask for no reading
+/// needs no tracker. A place without a good reading is repeated or left out as requested; what is
+/// left out, the next run records.
 ///
-/// Throws InputError naming every position out of reach, workspace or joint limits, and what a
-/// recording that was begun has of another plan or cell, before anything moves. Throws WorkError
-/// when the camera fails or somebody stops the arm: the arm then rests, and what is recorded stays.
+/// Throws InputError when rows ask for readings and the cell has no tracker, or for views of a
+/// board that nobody has named, and naming every position out of reach, workspace or joint limits,
+/// and what a recording that was begun has of another plan or cell, before anything moves. Throws
+/// WorkError when the camera or the tracker fails or somebody stops the arm: the arm then rests,
+/// and what is recorded stays.
 RecordReport record(const RecordRequest& request, CellDevices& devices);
 
 }  // namespace planar

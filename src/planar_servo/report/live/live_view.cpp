@@ -1,4 +1,4 @@
-#include "planar_servo/report/live_view.h"
+#include "planar_servo/report/live/live_view.h"
 
 #include <visp3/io/vpImageIo.h>
 
@@ -8,18 +8,16 @@
 #include <thread>
 #include <utility>
 
-#include "planar_servo/report/view_picture.h"
-#include "planar_servo/report/x_window.h"
+#include "planar_servo/report/live/x_window.h"
 
 namespace planar {
 
-bool x_server_answers() {
-  return XWindow::server_answers();
-}
-
 struct LiveView::Impl {
-  Impl(std::filesystem::path picture, bool with_window)
-      : file(std::move(picture)), windowed(with_window), thread([this] { run(); }) {}
+  Impl(std::filesystem::path picture, bool with_window, std::string window_title)
+      : file(std::move(picture)),
+        windowed(with_window),
+        title(std::move(window_title)),
+        thread([this] { run(); }) {}
 
   void run() {
     try {
@@ -30,22 +28,21 @@ struct LiveView::Impl {
   }
 
   void draw_views() {
-    const ViewPainter painter;
     vpImage<vpRGBa> picture(kViewHeight, kViewWidth);
     std::optional<XWindow> window;
-    if (windowed) window.emplace("planar-servo", kViewWidth, kViewHeight);
-    while (const std::optional<ServoView> view = wait_for_view()) {
-      painter.paint(*view, picture);
+    if (windowed) window.emplace(title, kViewWidth, kViewHeight);
+    while (const Drawing draw = wait_for_drawing()) {
+      draw(picture);
       save(picture);
       if (window) window->show(picture);
     }
   }
 
   /// Waits for the next view; empty when there will be none.
-  std::optional<ServoView> wait_for_view() {
+  Drawing wait_for_drawing() {
     std::unique_lock<std::mutex> lock(mutex);
     changed.wait(lock, [&] { return newest || closing; });
-    return std::exchange(newest, std::nullopt);
+    return std::exchange(newest, nullptr);
   }
 
   void save(const vpImage<vpRGBa>& picture) const {
@@ -57,25 +54,26 @@ struct LiveView::Impl {
 
   std::filesystem::path file;
   bool windowed;
+  std::string title;
   std::mutex mutex;
   std::condition_variable changed;
-  std::optional<ServoView> newest;
+  Drawing newest;
   bool closing{false};
   std::optional<std::string> failure;  ///< read only after the thread has ended
   std::thread thread;                  ///< declared last, because it uses all other members
 };
 
-LiveView::LiveView(std::filesystem::path picture, bool with_window)
-    : impl_(std::make_unique<Impl>(std::move(picture), with_window)) {}
+LiveView::LiveView(std::filesystem::path picture, bool with_window, std::string title)
+    : impl_(std::make_unique<Impl>(std::move(picture), with_window, std::move(title))) {}
 
 LiveView::~LiveView() {
   close();
 }
 
-void LiveView::show(ServoView view) {
+void LiveView::show(Drawing drawing) {
   {
     const std::lock_guard<std::mutex> lock(impl_->mutex);
-    impl_->newest = std::move(view);
+    impl_->newest = std::move(drawing);
   }
   impl_->changed.notify_one();
 }

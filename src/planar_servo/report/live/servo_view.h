@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "planar_servo/devices/frame.h"
+#include "planar_servo/report/live/live_view.h"
 
 namespace planar {
 
@@ -19,5 +20,9 @@ struct ServoView {
   std::vector<Eigen::Vector2d> errors_m;   ///< from target to end point, one per step
   double stop_below_m{0.0};                ///< the error below which the servo stops
 };
+
+/// Draws a view: the frame with the lamps (crosses) and their wanted positions (rings), the errors
+/// as points about the target with a logarithmic radius, and their lengths over the steps.
+Drawing drawing_of(ServoView view);
 
 }  // namespace planar

@@ -1,16 +1,22 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 
-#include "planar_servo/report/servo_view.h"
+template <class Type>
+class vpImage;
+class vpRGBa;
 
 namespace planar {
 
-/// Returns whether an X server answers at DISPLAY.
-bool x_server_answers();
+constexpr unsigned kViewWidth = 1000;
+constexpr unsigned kViewHeight = 580;
+
+/// Draws a view on a picture of kViewWidth x kViewHeight pixels.
+using Drawing = std::function<void(vpImage<vpRGBa>& picture)>;
 
 /// Shows the newest view in a picture file and, on request, in a window. A thread of its own draws:
 /// show() never waits for it, and views that come faster than they can be drawn are skipped. A
@@ -18,13 +24,14 @@ bool x_server_answers();
 class LiveView {
  public:
   /// `picture` (.png) is replaced as a whole, so that it is never half written.
-  LiveView(std::filesystem::path picture, bool with_window);
+  LiveView(std::filesystem::path picture, bool with_window, std::string title);
   /// Draws the newest view before it ends.
   ~LiveView();
   LiveView(const LiveView&) = delete;
   LiveView& operator=(const LiveView&) = delete;
 
-  void show(ServoView view);
+  /// `drawing` is called by the thread that draws.
+  void show(Drawing drawing);
 
   /// Draws the newest view and ends. Returns what went wrong, if anything did.
   std::optional<std::string> close();

@@ -1,4 +1,4 @@
-#include "planar_servo/report/x_window.h"
+#include "planar_servo/report/live/x_window.h"
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>

@@ -1,0 +1,124 @@
+#include "planar_servo/offline/arm/arm_page.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "planar_servo/core/fixed.h"
+#include "planar_servo/core/units.h"
+#include "planar_servo/field/arm/arm_terms.h"
+#include "planar_servo/offline/page/page_of_file.h"
+#include "planar_servo/report/figure/figure.h"
+#include "planar_servo/report/figure/places.h"
+#include "planar_servo/report/quiver_figure.h"
+#include "planar_servo/report/text_table.h"
+
+namespace planar {
+namespace {
+
+/// Places left out may be met so many times worse than the readings fitted.
+constexpr double kWorseAtPlacesLeftOut = 1.5;
+/// Links, and zeros of the motors that carry them, come first among the terms.
+constexpr std::size_t kLinksAndZeros = 4;
+
+std::vector<Eigen::Vector2d> misses_mm(const ArmFit& fit) {
+  std::vector<Eigen::Vector2d> misses;
+  for (const ArmMiss& miss : fit.held_out) misses.emplace_back(miss.miss / kMillimetre);
+  return misses;
+}
+
+/// Misses over the angle of a motor; what is periodic there is a reducer's eccentricity that the
+/// model lacks.
+Panel motor_panel(const ArmFit& fit, int motor, const Axis& miss_axis) {
+  std::vector<double> angles;
+  for (const ArmMiss& miss : fit.held_out) angles.push_back(miss.motors[motor] / kDegree);
+  return component_panel(fmt::format("Over the angle of motor {}", motor + 1),
+                         axis_over(fmt::format("motor {}, deg", motor + 1), angles), miss_axis,
+                         angles, misses_mm(fit));
+}
+
+std::string motor_figure(const ArmFit& fit) {
+  const Axis axis = axis_over("read minus predicted, mm", components_of(misses_mm(fit)));
+  return figure_svg(
+      {motor_panel(fit, 0, axis), motor_panel(fit, 1, axis), motor_panel(fit, 2, axis)});
+}
+
+std::string place_figure(const ArmFit& fit) {
+  QuiverPanel panel{
+      fmt::format("Places left out: {:.4f} mm rms", fit.held_out_rms / kMillimetre), {}, {}};
+  for (const ArmMiss& miss : fit.held_out) {
+    panel.points.push_back(miss.p_B);
+    panel.errors.push_back(miss.miss);
+  }
+  std::vector<Panel> panels = quiver_panels({panel});
+  panels.push_back(histogram("Their components", "read minus predicted, mm",
+                             components_of(misses_mm(fit)),
+                             {fit.stated_sigma / kMillimetre, "the tracker's deviation"}));
+  return figure_svg(panels);
+}
+
+TextTable term_table(const ArmFit& fit) {
+  TextTable table("What was found", {"", "value", "± standard deviation", "unit", ""});
+  for (const ArmTerm& term : arm_terms(fit.estimate))
+    table.add_row({term.label, fixed(term.value / term.unit, 5), fixed(term.sigma / term.unit, 5),
+                   term.unit_text, term.determined ? "" : "not determined"});
+  return table;
+}
+
+void judge_terms(const ArmFit& fit, Verdict& verdict) {
+  const std::vector<ArmTerm> terms = arm_terms(fit.estimate);
+  std::vector<std::string> open;
+  for (std::size_t i = 0; i < kLinksAndZeros; ++i)
+    if (!terms[i].determined) open.push_back(terms[i].label);
+  if (!open.empty())
+    verdict.faults.push_back(
+        {fmt::format("the readings do not determine {}", fmt::join(open, ", ")),
+         "read places all over the workspace, with the joints in many different positions"});
+}
+
+}  // namespace
+
+Verdict arm_verdict(const ArmFit& fit) {
+  Verdict verdict;
+  judge_terms(fit, verdict);
+  if (fit.held_out_rms > kWorseAtPlacesLeftOut * fit.rms)
+    verdict.faults.push_back(
+        {fmt::format("places left out are met to {:.4f} mm rms, those fitted to {:.4f} mm",
+                     fit.held_out_rms / kMillimetre, fit.rms / kMillimetre),
+         "read more places, spread all over the workspace"});
+  const std::size_t readings = fit.held_out.size() + fit.left_out.size();
+  if (static_cast<double>(fit.left_out.size()) > kFewLeftOut * static_cast<double>(readings))
+    verdict.faults.push_back(
+        {fmt::format("{} of {} readings contradict the others", fit.left_out.size(), readings),
+         "look at the readings that are named under 'Left out', and read these places again"});
+  verdict.good = fmt::format(
+      "{} readings are met to {:.4f} mm rms and places left out to {:.4f} mm, where the tracker's "
+      "deviation is {:.4f} mm per axis; links and the zeros of motors 1 and 2 are "
+      "determined",
+      fit.held_out.size(), fit.rms / kMillimetre, fit.held_out_rms / kMillimetre,
+      fit.stated_sigma / kMillimetre);
+  return verdict;
+}
+
+std::string arm_page(const ArmFit& fit, const std::filesystem::path& file) {
+  HtmlPage page = page_about("Arm", file);
+  page.add_verdict(arm_verdict(fit));
+  page.add_heading("Readings at places left out");
+  page.add_html(place_figure(fit));
+  page.add_paragraph(
+      "From each reading of the reflector, how far it lies from where the others predict it. Lines "
+      "in all directions are noise; neighbours that point the same way show what the model of the "
+      "arm lacks.");
+  page.add_html(motor_figure(fit));
+  page.add_paragraph(
+      "A wave over the angle of a motor is an eccentricity of its reducer that the model lacks.");
+  page.add_html(term_table(fit).html());
+  if (!fit.left_out.empty()) {
+    TextTable left_out("Left out", {"reading", "why"});
+    for (const std::string& id : fit.left_out) left_out.add_row({id, "contradicts the others"});
+    page.add_html(left_out.html());
+  }
+  add_provenance(page, file);
+  return page.text();
+}
+
+}  // namespace planar

@@ -1,0 +1,224 @@
+#include "planar_servo/offline/camera/calibration_page.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "planar_servo/core/numerics/statistics.h"
+#include "planar_servo/core/units.h"
+#include "planar_servo/offline/camera/image_coverage.h"
+#include "planar_servo/offline/page/page_of_file.h"
+#include "planar_servo/report/figure/figure.h"
+#include "planar_servo/report/figure/places.h"
+#include "planar_servo/report/text_table.h"
+
+namespace planar {
+namespace {
+
+/// Views left out may be met so many times worse than those fitted.
+constexpr double kWorseLeftOut = 1.5;
+/// A view may have so many times the median residual.
+constexpr double kUnusualView = 2.0;
+constexpr double kMostRejected = 0.2;
+
+std::vector<double> view_residuals(const CameraCalibration& found) {
+  std::vector<double> rms;
+  for (const CalibratedView& view : found.views) rms.push_back(view.rms_px);
+  return rms;
+}
+
+void judge_views(const CameraCalibration& found, Verdict& verdict) {
+  const double usual = median(view_residuals(found));
+  for (const CalibratedView& view : found.views)
+    if (view.rms_px > kUnusualView * usual)
+      verdict.faults.push_back(
+          {fmt::format("{} is met to {:.3f} px only, the others to {:.3f} px", view.name,
+                       view.rms_px, usual),
+           "look at " + view.name + ": if it is blurred or the board bent, leave it out"});
+  const std::size_t pictures = found.views.size() + found.rejected.size();
+  if (static_cast<double>(found.rejected.size()) > kMostRejected * static_cast<double>(pictures))
+    verdict.faults.push_back(
+        {fmt::format("{} of {} pictures were not used", found.rejected.size(), pictures),
+         "take new pictures in place of those under 'Not used', which says why"});
+}
+
+void judge_left_out(const CameraCalibration& found, Verdict& verdict) {
+  if (!found.held_out_rms_px)
+    verdict.faults.push_back({fmt::format("{} views are too few to judge the camera by views left "
+                                          "out of the fit",
+                                          found.views.size()),
+                              "take 10 or more views, tilted in different directions"});
+  else if (*found.held_out_rms_px > kWorseLeftOut * found.rms_px)
+    verdict.faults.push_back(
+        {fmt::format("views left out of the fit are met to {:.3f} px, those fitted to {:.3f} px",
+                     *found.held_out_rms_px, found.rms_px),
+         "take more views, tilted in different directions, or a simpler --model"});
+}
+
+TextTable camera_table(const CameraCalibration& found) {
+  const Intrinsics k = intrinsics(found.camera);
+  const auto& sigma = found.standard_deviations;
+  TextTable table("What was found", {"", "value", "± standard deviation"});
+  const auto add = [&](const std::string& label, double value, std::size_t i) {
+    table.add_row({label, fmt::format("{:.2f}", value), fmt::format("{:.2f}", sigma[i])});
+  };
+  add("focal length fx, px", k.fx, 0);
+  add("focal length fy, px", k.fy, 1);
+  add("principal point cx, px", k.cx, 2);
+  add("principal point cy, px", k.cy, 3);
+  const std::vector<double> distortion = distortion_coefficients(found.camera);
+  for (std::size_t i = 0; i < distortion.size(); ++i)
+    table.add_row({fmt::format("distortion coefficient {}", i + 1),
+                   fmt::format("{:.4g}", distortion[i]), fmt::format("{:.2g}", sigma[4 + i])});
+  return table;
+}
+
+TextTable figures_table(const CameraCalibration& found, const ImageCoverage& coverage) {
+  TextTable table("How well", {"", ""});
+  table.add_row({"model", found.model});
+  table.add_row({"views used", std::to_string(found.views.size())});
+  table.add_row({"residuals, px rms", fmt::format("{:.3f}", found.rms_px)});
+  table.add_row(
+      {"of that common to neighbours, px rms", fmt::format("{:.3f}", coverage.common_px)});
+  table.add_row({"residuals in views left out, px rms",
+                 found.held_out_rms_px ? fmt::format("{:.3f}", *found.held_out_rms_px) : "–"});
+  table.add_row({"uncertainty over the plane, mean, mm",
+                 fmt::format("{:.4f}", found.plane_error.mean() / kMillimetre)});
+  table.add_row({"uncertainty over the plane, largest, mm",
+                 fmt::format("{:.4f}", found.plane_error.largest() / kMillimetre)});
+  table.add_row({"distance of that plane, mm",
+                 fmt::format("{:.1f}", found.plane_error.distance / kMillimetre)});
+  table.add_row(
+      {"share of the picture with points", fmt::format("{:.0f} %", 100.0 * coverage.share())});
+  return table;
+}
+
+/// A panel of the whole picture, as it is seen: u to the right, v down.
+Panel picture_panel(const std::string& title, const CameraCalibration& found) {
+  return {title,
+          {"u, px", 0.0, static_cast<double>(found.width_px)},
+          {"v, px", static_cast<double>(found.height_px), 0.0},
+          Panel::Aspect::kEqual};
+}
+
+Panel residual_panel(const CameraCalibration& found) {
+  std::vector<Eigen::Vector2d> pixels, residuals;
+  for (const CalibratedView& view : found.views) {
+    pixels.insert(pixels.end(), view.pixels.begin(), view.pixels.end());
+    residuals.insert(residuals.end(), view.residuals_px.begin(), view.residuals_px.end());
+  }
+  Panel panel = picture_panel("Residuals", found);
+  panel.add_arrows(pixels, residuals, arrows_over(residuals, "px"));
+  return panel;
+}
+
+Panel coverage_panel(const CameraCalibration& found, const ImageCoverage& coverage) {
+  Panel panel = picture_panel("Points seen", found);
+  std::vector<double> counts;
+  for (const Eigen::Vector2d& uv : panel.field_places()) counts.push_back(coverage.points_at(uv));
+  const ColorScale colors("points in a cell", counts);
+  panel.add_field(counts, colors);
+  panel.add_color_bar(colors);
+  return panel;
+}
+
+Panel plane_panel(const CameraCalibration& found) {
+  Panel panel = picture_panel("Uncertainty over the plane", found);
+  std::vector<double> sigmas;
+  for (const Eigen::Vector2d& uv : panel.field_places())
+    sigmas.push_back(found.plane_error.at(uv) / kMillimetre);
+  const ColorScale colors("uncertainty, mm", sigmas);
+  panel.add_field(sigmas, colors);
+  panel.add_color_bar(colors);
+  return panel;
+}
+
+Panel view_panel(const CameraCalibration& found) {
+  std::vector<Eigen::Vector2d> dots;
+  double most = found.held_out_rms_px.value_or(0.0);
+  for (const CalibratedView& view : found.views) {
+    dots.emplace_back(static_cast<double>(dots.size() + 1), view.rms_px);
+    most = std::max(most, view.rms_px);
+  }
+  const double last = static_cast<double>(dots.size()) + 0.5;
+  Panel panel("Residuals of each view", {"view, in the order of the table", 0.5, last},
+              {"rms, px", 0.0, 1.1 * most});
+  panel.add_dots(dots, {}, 4.0);
+  if (found.held_out_rms_px) {
+    panel.add_line({{0.5, *found.held_out_rms_px}, {last, *found.held_out_rms_px}},
+                   Panel::Stroke::kDashed);
+    panel.add_note("dashed: views left out of the fit");
+  }
+  return panel;
+}
+
+Panel residual_histogram(const CameraCalibration& found) {
+  std::vector<double> components;
+  for (const CalibratedView& view : found.views)
+    for (const double component : components_of(view.residuals_px)) components.push_back(component);
+  return histogram("Residuals of all coordinates", "residual, px", components,
+                   {found.rms_px / std::sqrt(2.0), "their rms"});
+}
+
+void add_tables(HtmlPage& page, const CameraCalibration& found, const ImageCoverage& coverage) {
+  page.add_html(figures_table(found, coverage).html());
+  page.add_html(camera_table(found).html());
+  TextTable views("Views", {"view", "rms, px"});
+  for (const CalibratedView& view : found.views)
+    views.add_row({view.name, fmt::format("{:.3f}", view.rms_px)});
+  page.add_html(views.html());
+  if (found.rejected.empty()) return;
+  TextTable rejected("Not used", {"picture", "why"});
+  for (const auto& [name, reason] : found.rejected) rejected.add_row({name, reason});
+  page.add_html(rejected.html());
+}
+
+}  // namespace
+
+Verdict camera_verdict(const CameraCalibration& found) {
+  Verdict verdict;
+  judge_views(found, verdict);
+  judge_left_out(found, verdict);
+  const std::vector<std::string> corners = coverage_of(found).empty_corners();
+  if (!corners.empty())
+    verdict.faults.push_back(
+        {fmt::format("no view reaches the picture's corner {}", fmt::join(corners, ", ")),
+         "hold the board into these corners for two or three more views each, unless the lamps "
+         "never come there"});
+  if (verdict.faults.empty())
+    verdict.good = fmt::format(
+        "{} views agree to {:.3f} px, views left out of the fit to {:.3f} px, all corners of the "
+        "picture are seen, and the camera's model places points of the plane to {:.4f} mm in "
+        "the mean and {:.4f} mm at worst",
+        found.views.size(), found.rms_px, *found.held_out_rms_px,
+        found.plane_error.mean() / kMillimetre, found.plane_error.largest() / kMillimetre);
+  return verdict;
+}
+
+std::string camera_page(const CameraCalibration& found, const std::filesystem::path& file,
+                        const std::vector<std::filesystem::path>& inputs) {
+  const ImageCoverage coverage = coverage_of(found);
+  HtmlPage page = page_about("Camera", file);
+  page.add_verdict(camera_verdict(found));
+  page.add_heading("Where the boards were seen");
+  page.add_html(figure_svg({residual_panel(found), coverage_panel(found, coverage)}));
+  page.add_paragraph(
+      "Left: how far each point of the boards was seen from where the model puts it; a line begins "
+      "at the dot. Lines in all directions are noise; neighbours that point the same way show a "
+      "lens that is not of this model, which the error map takes up. Right: how many points each "
+      "part of the picture has; white has none.");
+  page.add_heading("What it is worth");
+  page.add_html(figure_svg({plane_panel(found), view_panel(found), residual_histogram(found)}));
+  page.add_paragraph(fmt::format(
+      "Left: how far a point of a plane {:.0f} mm away may be off because the camera's model is "
+      "uncertain (one standard deviation, both axes together), once the plane's pose has been "
+      "fitted; it is shown where boards were seen, beyond which the model extrapolates. Middle: a "
+      "view far above the others is blurred, or its board bent.",
+      found.plane_error.distance / kMillimetre));
+  add_tables(page, found, coverage);
+  add_provenance(page, file, input_records(inputs));
+  return page.text();
+}
+
+}  // namespace planar

@@ -1,0 +1,197 @@
+#include "planar_servo/offline/pairs/pair_page.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+
+#include "planar_servo/core/fixed.h"
+#include "planar_servo/core/units.h"
+#include "planar_servo/offline/page/page_of_file.h"
+#include "planar_servo/report/figure/figure.h"
+#include "planar_servo/report/figure/places.h"
+#include "planar_servo/report/quiver_figure.h"
+#include "planar_servo/report/text_table.h"
+
+namespace planar {
+namespace {
+
+/// Readings of one place may scatter by so many times the tracker's stated deviation.
+constexpr double kShaking = 1.5;
+constexpr double kMinute = 60.0;
+
+/// How readings of one place or monument scatter, per axis.
+struct RestSpread {
+  double rms{0.0}, stated{0.0};  ///< metres
+  std::size_t readings{0};
+};
+
+/// Returns the spread of readings that share an id; empty where none do.
+std::optional<RestSpread> rest_spread(const PairTrackerRequest& request) {
+  std::map<std::string, std::vector<Eigen::Vector3d>> places;
+  for (const TrackerRow& row : request.tracker) places[row.id].push_back(row.p_L);
+  double squares = 0.0, freedom = 0.0, variances = 0.0;
+  RestSpread spread;
+  for (const auto& [id, readings] : places) {
+    if (readings.size() < 2) continue;
+    Eigen::Vector3d mean(0.0, 0.0, 0.0);
+    for (const Eigen::Vector3d& p : readings) mean += p / static_cast<double>(readings.size());
+    for (const Eigen::Vector3d& p : readings) squares += (p - mean).squaredNorm();
+    const double free = 3.0 * static_cast<double>(readings.size() - 1);
+    freedom += free;
+    variances += free * std::pow(request.cell.tracker.sigma_at(mean.norm()), 2);
+    spread.readings += readings.size();
+  }
+  if (freedom == 0.0) return std::nullopt;
+  spread.rms = std::sqrt(squares / freedom);
+  spread.stated = std::sqrt(variances / freedom);
+  return spread;
+}
+
+/// Makes a fault of a doubt, whose words end with what to do, behind a semicolon.
+Verdict::Fault fault_of(const std::string& doubt) {
+  const std::size_t end = doubt.rfind("; ");
+  if (end == std::string::npos) return {doubt, "look at it before you use the pairs"};
+  return {doubt.substr(0, end), doubt.substr(end + 2)};
+}
+
+std::vector<PairRow> attended(const std::vector<PairRow>& pairs) {
+  std::vector<PairRow> with_tracker;
+  std::copy_if(pairs.begin(), pairs.end(), std::back_inserter(with_tracker),
+               [](const PairRow& pair) { return pair.is_attended(); });
+  return with_tracker;
+}
+
+/// The errors of pairs, over their time where it is known.
+Panel series_panel(const std::vector<PairRow>& pairs,
+                   const std::vector<Eigen::Vector2d>& errors_mm) {
+  const bool timed = std::all_of(pairs.begin(), pairs.end(),
+                                 [](const PairRow& pair) { return pair.t_s.has_value(); });
+  std::vector<double> at;
+  for (std::size_t i = 0; i < pairs.size(); ++i)
+    at.push_back(timed ? *pairs[i].t_s / kMinute : static_cast<double>(i + 1));
+  const double first = *std::min_element(at.begin(), at.end());
+  if (timed)
+    for (double& time : at) time -= first;
+  return component_panel(
+      "The error over time", axis_over(timed ? "time, min" : "pair, in the order of the table", at),
+      axis_over("vision minus tracker, mm", components_of(errors_mm)), at, errors_mm);
+}
+
+std::string error_figures(const std::vector<PairRow>& pairs, const Summary& raw) {
+  QuiverPanel errors{"Vision minus tracker", {}, {}};
+  for (const PairRow& pair : pairs) {
+    errors.points.push_back(pair.p_vision);
+    errors.errors.push_back(pair.error());
+  }
+  const std::vector<Eigen::Vector2d> mm = in_mm(errors.errors);
+  const double rms_mm = raw.rms / kMillimetre / std::sqrt(2.0);
+  std::vector<Panel> panels = quiver_panels({errors});
+  panels.push_back(series_panel(pairs, mm));
+  return figure_svg(panels) +
+         figure_svg({histogram("The error's components", "vision minus tracker, mm",
+                               components_of(mm), {rms_mm, "their rms"})});
+}
+
+TextTable monument_table(const DatumRegistration& datum) {
+  TextTable table("Monuments: read minus known",
+                  {"monument", "readings", "x, mm", "y, mm", "z, mm"});
+  for (const MonumentResidual& monument : datum.residuals) {
+    const Eigen::Vector3d off = monument.residual_B / kMillimetre;
+    table.add_row({monument.id, std::to_string(monument.readings), fixed(off.x(), 4),
+                   fixed(off.y(), 4), fixed(off.z(), 4)});
+  }
+  return table;
+}
+
+TextTable fit_table(const PairTrackerRequest& request, const PairTrackerReport& report) {
+  const WorkplaneFit& fit = report.workplane;
+  TextTable table("What was found", {"", ""});
+  table.add_row({"places of the workplane's fit", std::to_string(fit.n_used)});
+  table.add_row({"its rms, mm", fixed(fit.rms / kMillimetre, 4)});
+  table.add_row({"height of the camera, mm", fixed(fit.X_WC.translation().z() / kMillimetre, 2)});
+  table.add_row({"end point in the tool's frame, mm", fixed(fit.tool.p_TP / kMillimetre, 4, ", ")});
+  if (fit.tool.reflector_known)
+    table.add_row({"reflector in the tool's frame, mm",
+                   fixed(fit.tool.p_TS.head<2>() / kMillimetre, 4, ", ")});
+  if (report.datum)
+    table.add_row({"monuments, rms, mm", fixed(report.datum->rms / kMillimetre, 4)});
+  if (const auto spread = rest_spread(request)) {
+    table.add_row({"spread of readings at rest per axis, mm", fixed(spread->rms / kMillimetre, 4)});
+    table.add_row({"what the cell file states for it, mm", fixed(spread->stated / kMillimetre, 4)});
+  }
+  if (report.clock) {
+    table.add_row({"tracker's clock ahead of the camera's, s", fixed(report.clock->offset_s, 3)});
+    table.add_row({"and fast by, ppm", fixed(1e6 * report.clock->rate, 1)});
+  }
+  return table;
+}
+
+void judge_rest(const PairTrackerRequest& request, Verdict& verdict) {
+  const auto spread = rest_spread(request);
+  if (!spread || spread->rms <= kShaking * spread->stated) return;
+  verdict.faults.push_back(
+      {fmt::format(
+           "the tracker's readings of a place at rest scatter by {:.4f} mm, where {:.4f} mm "
+           "is stated",
+           spread->rms / kMillimetre, spread->stated / kMillimetre),
+       "find what shakes the reflector or the tracker, or correct tracker.sigma_mm in the cell "
+       "file"});
+}
+
+}  // namespace
+
+Verdict pair_verdict(const PairTrackerRequest& request, const PairTrackerReport& report) {
+  Verdict verdict;
+  for (const std::string& doubt : report.doubts) verdict.faults.push_back(fault_of(doubt));
+  judge_rest(request, verdict);
+  const std::size_t places = report.pairs.size() + report.rejected.size();
+  if (static_cast<double>(report.rejected.size()) > kFewLeftOut * static_cast<double>(places))
+    verdict.faults.push_back(
+        {fmt::format("{} of {} places were left out", report.rejected.size(), places),
+         "look at the images and readings under 'Left out', which says why, and record these "
+         "places again"});
+  if (!verdict.faults.empty()) return verdict;
+  const std::vector<PairRow> pairs = attended(report.pairs);
+  if (!report.datum || pairs.empty()) {
+    verdict.good =
+        fmt::format("{} poses were seen; no tracker reading judges them", report.pairs.size());
+    return verdict;
+  }
+  const Summary raw = raw_error(report.pairs);
+  verdict.good = fmt::format(
+      "{} pairs; the monuments are met to {:.4f} mm, where the tracker's deviation is {:.4f} mm "
+      "per axis, and vision without a map is {:.4f} mm off in the mean",
+      pairs.size(), report.datum->rms / kMillimetre, request.cell.tracker.sigma_m / kMillimetre,
+      raw.mean / kMillimetre);
+  return verdict;
+}
+
+std::string pair_page(const PairTrackerRequest& request, const PairTrackerReport& report,
+                      const std::filesystem::path& file) {
+  HtmlPage page = page_about("Pairs", file);
+  page.add_verdict(pair_verdict(request, report));
+  const std::vector<PairRow> pairs = attended(report.pairs);
+  if (!pairs.empty()) {
+    page.add_html(error_figures(pairs, raw_error(report.pairs)));
+    page.add_paragraph(
+        "Left: from each place, the error of vision there, which the error map is to learn; "
+        "neighbours should point the same way. A line that differs from all around it is a wrong "
+        "pair. Right: a step or a trend over time means that the camera, a monument or the tracker "
+        "has moved.");
+  }
+  page.add_html(fit_table(request, report).html());
+  if (report.datum) page.add_html(monument_table(*report.datum).html());
+  if (!report.rejected.empty()) {
+    TextTable rejected("Left out", {"place", "why"});
+    for (const Rejection& rejection : report.rejected)
+      rejected.add_row({rejection.id, rejection.reason});
+    page.add_html(rejected.html());
+  }
+  add_provenance(page, file);
+  return page.text();
+}
+
+}  // namespace planar

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "planar_servo/offline/pairs/pair_tracker.h"
+#include "planar_servo/report/html_page.h"
+
+namespace planar {
+
+/// Judges pairs by what was left out, what the readings leave open, and their scatter at rest.
+Verdict pair_verdict(const PairTrackerRequest& request, const PairTrackerReport& report);
+
+/// Returns the page about pairs.csv.
+std::string pair_page(const PairTrackerRequest& request, const PairTrackerReport& report,
+                      const std::filesystem::path& file);
+
+}  // namespace planar

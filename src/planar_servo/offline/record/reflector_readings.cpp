@@ -1,0 +1,113 @@
+#include "planar_servo/offline/record/reflector_readings.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "planar_servo/core/error.h"
+#include "planar_servo/core/units.h"
+#include "planar_servo/files/tables/tracker_table.h"
+#include "planar_servo/io/growing_file.h"
+
+namespace planar {
+namespace {
+
+constexpr int kAttempts = 3;
+constexpr int kLeastMonuments = 3;
+// Moves from which on a reading must have followed the tool, which is not turned meanwhile.
+constexpr double kMoved = 1.0 * kMillimetre;
+constexpr double kUnturned = 0.1 * kDegree;
+
+constexpr char kGoOn[] =
+    "clear the tracker's view and look at its program, then start again to go on";
+
+}  // namespace
+
+ReflectorReadings::ReflectorReadings(const CellSettings& cell, Tracker& tracker, GrowingFile& table,
+                                     BadReading on_bad, std::function<bool()> stop)
+    : cell_(cell), tracker_(tracker), table_(table), on_bad_(on_bad), stop_(std::move(stop)) {}
+
+void ReflectorReadings::read_monuments() {
+  int read = 0;
+  for (const Monument& monument : cell_.datum)
+    if (read_monument(monument.id)) ++read;
+  const int needed = std::min(kLeastMonuments, static_cast<int>(cell_.datum.size()));
+  if (read < needed)
+    throw WorkError(
+        fmt::format("{} of {} monuments were read; at least {} tie the tracker to the "
+                    "base; read the others, too",
+                    read, cell_.datum.size(), needed));
+}
+
+bool ReflectorReadings::read_monument(const std::string& id) {
+  int left = tracker_.readings_per_monument();
+  for (int failures = 0; left > 0;) {
+    if (stop_ && stop_()) throw WorkError("stopped while the monuments were read");
+    const TrackerAnswer answer = tracker_.measure_monument(id);
+    switch (answer.status) {
+      case TrackerStatus::kOk:
+        table_.append(tracker_line({id, answer.reading.t_s, answer.reading.p_L}));
+        [[fallthrough]];
+      case TrackerStatus::kElsewhere:
+        --left;
+        break;
+      case TrackerStatus::kSkipped:
+        return false;
+      case TrackerStatus::kRepeat:
+        break;
+      case TrackerStatus::kFailed:
+        spdlog::warn(fmt::format("monument '{}': {}", id, answer.fault));
+        if (++failures == kAttempts)
+          throw WorkError(fmt::format("the tracker gives no reading of the monument '{}': {}; {}",
+                                      id, answer.fault, kGoOn));
+    }
+  }
+  return true;
+}
+
+PlaceEnd ReflectorReadings::read_tool(const std::string& id, const TipPose& tip) {
+  TrackerAnswer answer = tracker_.measure_tool(id);
+  switch (answer.status) {
+    case TrackerStatus::kElsewhere:
+      return PlaceEnd::kKeep;
+    case TrackerStatus::kSkipped:
+      return PlaceEnd::kSkip;
+    case TrackerStatus::kRepeat:
+      return PlaceEnd::kRepeat;
+    case TrackerStatus::kFailed:
+      return end_of_bad(id, answer.fault);
+    case TrackerStatus::kOk:
+      break;
+  }
+  const std::string fault = fault_of(answer.reading, tip);
+  if (!fault.empty()) return end_of_bad(id, fault);
+  table_.append(tracker_line({id, answer.reading.t_s, answer.reading.p_L}));
+  last_ = {id, answer.reading, tip};
+  return PlaceEnd::kKeep;
+}
+
+std::string ReflectorReadings::fault_of(const TrackerReading& reading, const TipPose& tip) const {
+  if (!last_) return "";
+  const double moved = (tip.p - last_->tip.p).norm();
+  const double followed = (reading.p_L - last_->reading.p_L).norm();
+  const bool is_turned = std::abs(wrap_angle(tip.phi - last_->tip.phi)) > kUnturned;
+  if (moved < kMoved || is_turned || followed > 0.5 * moved) return "";
+  return fmt::format(
+      "the reading repeats that of '{}': it lies {:.3f} mm from it, while the tool moved {:.1f} mm",
+      last_->id, followed / kMillimetre, moved / kMillimetre);
+}
+
+PlaceEnd ReflectorReadings::end_of_bad(const std::string& id, const std::string& fault) {
+  spdlog::warn(fmt::format("{}: {}", id, fault));
+  attempts_ = id == bad_id_ ? attempts_ + 1 : 1;
+  bad_id_ = id;
+  if (on_bad_ == BadReading::kSkip) return PlaceEnd::kSkip;
+  if (on_bad_ == BadReading::kRepeat && attempts_ < kAttempts) return PlaceEnd::kRepeat;
+  throw WorkError(
+      fmt::format("the tracker gives no reading of the place '{}': {}; {}", id, fault, kGoOn));
+}
+
+}  // namespace planar

@@ -1,0 +1,52 @@
+#include "planar_servo/offline/pairs/recorded_drift.h"
+
+#include <catch2/catch.hpp>
+#include <random>
+#include <string>
+
+namespace planar {
+namespace {
+
+constexpr double kNoise_m = 2e-6;
+const Eigen::Vector2d kDrift_m_per_s(15e-9, -8e-9);
+
+/// Twenty places in a row, so many times, 1.5 s each, under a camera that drifts.
+std::vector<SeenPlace> rounds(int count, const Eigen::Vector2d& drift) {
+  std::mt19937 random(3);
+  std::normal_distribution<double> noise(0.0, kNoise_m);
+  std::vector<SeenPlace> seen;
+  for (int i = 0; i < 20 * count; ++i) {
+    SeenPlace look;
+    look.place.id = std::to_string(i);
+    look.place.theta = Joints(0.1 * (i % 20), 0.5, 0.0);
+    look.t_s = 1.5 * i;
+    for (std::size_t k = 0; k < 2; ++k)
+      look.place.lamps_B[k] = Eigen::Vector2d(0.01 * (i % 20), 0.04 * static_cast<double>(k)) +
+                              look.t_s * drift + Eigen::Vector2d(noise(random), noise(random));
+    seen.push_back(look);
+  }
+  return seen;
+}
+
+TEST_CASE("Places that were visited again tell how the camera drifted") {
+  const Eigen::Vector2d found = recorded_drift(rounds(10, kDrift_m_per_s));
+  CHECK((found - kDrift_m_per_s).norm() < 0.1 * kDrift_m_per_s.norm());
+}
+
+TEST_CASE("No drift is found without a second visit, nor in noise") {
+  CHECK(recorded_drift(rounds(1, kDrift_m_per_s)).norm() == 0.0);
+  CHECK(recorded_drift(rounds(10, {0.0, 0.0})).norm() == 0.0);
+  CHECK(recorded_drift({}).norm() == 0.0);
+}
+
+TEST_CASE("Places that are kept are brought to the end of the recording") {
+  const std::vector<SeenPlace> seen = rounds(10, kDrift_m_per_s);
+  std::vector<HealthPlace> kept{seen[4].place};
+  bring_to_end(seen, kept);
+  const Eigen::Vector2d moved = kept[0].lamps_B[0] - seen[4].place.lamps_B[0];
+  const double later_s = seen.back().t_s - seen[4].t_s;
+  CHECK((moved - later_s * kDrift_m_per_s).norm() < 0.1 * later_s * kDrift_m_per_s.norm());
+}
+
+}  // namespace
+}  // namespace planar
