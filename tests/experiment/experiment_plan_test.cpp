@@ -1,5 +1,6 @@
 #include "planar_servo/experiment/experiment_plan.h"
 
+#include <array>
 #include <catch2/catch.hpp>
 #include <map>
 #include <set>
@@ -55,12 +56,25 @@ TEST_CASE("The same seed draws the same training positions, another seed others"
 }
 
 TEST_CASE("The control targets lie on the paper's four circles") {
-  const std::vector<ControlCircle> circles = control_circles();
+  const Workspace workspace = read_cell(test::paper_cell_file()).workspace;
+  const std::vector<ControlCircle> circles = control_circles(workspace);
   REQUIRE(circles.size() == 4);
-  CHECK(control_targets().size() == 100);
+  CHECK(control_targets(workspace).size() == 100);
   for (const ControlCircle& circle : circles)
     for (const TargetRow& target : circle.targets)
       CHECK((target.p_d - circle.center).norm() == Approx(0.2).margin(kRounding));
+}
+
+TEST_CASE("The paper's circles are those of the paper's workspace, and shrink with it") {
+  const auto paper = circles_within({0.060, 0.540, {}});
+  CHECK(paper.check_mm == ExperimentCircles().check_mm);
+  CHECK(paper.run_mm == ExperimentCircles().run_mm);
+  CHECK(paper.sweep_mm == 300);
+  CHECK(paper.control_mm == 200);
+  CHECK(paper.control_offset_mm == 200);
+  const Workspace small{0.060, 0.240, {}};
+  CHECK(circles_within(small).run_mm == std::array<int, 4>{75, 113, 150, 188});
+  for (const TargetRow& target : control_targets(small)) CHECK(!small.violation(target.p_d));
 }
 
 TEST_CASE("A plan beyond reach is refused whole, every bad row by its id") {

@@ -42,10 +42,10 @@ TEST_CASE("A small experiment fills every table of the paper, and our chain beat
   const test::TemporaryFolder folder;
   const ExperimentReport report = run_small_experiment(folder.path());
   const PaperTables& tables = report.tables;
-  check_rows(tables.run_correlation, kRunRadii_mm.size(), 0.95, 1.0 + 1e-9);
-  check_rows(tables.idw_accuracy, kCheckRadii_mm.size(), -1.0, 1.0);
-  check_rows(tables.repeatability, kRunRadii_mm.size(), 0.0, 1e-6);
-  check_rows(tables.rbf_accuracy, kCheckRadii_mm.size(), 0.8, 1.0);
+  check_rows(tables.run_correlation, ExperimentCircles().run_mm.size(), 0.95, 1.0 + 1e-9);
+  check_rows(tables.idw_accuracy, ExperimentCircles().check_mm.size(), -1.0, 1.0);
+  check_rows(tables.repeatability, ExperimentCircles().run_mm.size(), 0.0, 1e-6);
+  check_rows(tables.rbf_accuracy, ExperimentCircles().check_mm.size(), 0.8, 1.0);
   check_rows(tables.mean_accuracy, 2, 0.0, 1.0);
   check_rows(tables.positioning, report.circles.size(), 0.0, kPaperBelow_m);
   REQUIRE(tables.map_sources.size() == 4);
@@ -59,7 +59,7 @@ TEST_CASE("A small experiment fills every table of the paper, and our chain beat
                3.0));
 
   const ServoFigures ours = figures_of(report.ours), paper = figures_of(report.paper);
-  CHECK(ours.targets == control_targets(kSmall).size());
+  CHECK(ours.targets == 4 * static_cast<std::size_t>(kSmall.control_points));
   CHECK(ours.reached == ours.targets);
   CHECK(paper.before_truth->mean > kBeforeAbove_m);
   CHECK(ours.before_truth->mean < 0.1 * paper.before_truth->mean);  // by the arm that was found
@@ -72,6 +72,26 @@ TEST_CASE("A small experiment fills every table of the paper, and our chain beat
   for (int table = 1; table <= 7; ++table) CHECK(!json["table" + std::to_string(table)].empty());
   CHECK(json["table7"][0]["ours"].get<double>() ==
         Approx(tables.positioning[0].ours / kMillimetre));
+}
+
+TEST_CASE("Without a tracker reading a laid board and poses place the tool, but for the turn") {
+  const test::TemporaryFolder folder;
+  const CellSettings cell = read_cell(test::paper_cell_file());
+  ExperimentRequest request{cell, parse_board("circles:11x11:50mm"), 1, folder / "run"};
+  request.size = kSmall;
+  request.size.unattended_poses = 150;
+  request.size.lays = 8;
+  request.uses_tracker = false;
+  request.dots_height = -5.5 * kMillimetre;
+  const auto devices = open_cell(cell);
+  const ExperimentReport report = run_experiment(request, *devices);
+  const ServoFigures ours = figures_of(report.ours);
+  CHECK(ours.reached == control_targets(cell.workspace, kSmall).size());
+  CHECK(ours.after_truth->mean < 0.03 * kMillimetre);
+  REQUIRE(report.turn_taken_out);
+  CHECK(std::abs(*report.turn_taken_out) > 0.1 * kDegree);  // joint 1's zero is off by 0.2
+  CHECK(experiment_json(report)["table1"].empty());
+  CHECK_THAT(experiment_text(report), Catch::Contains("no tracker reading fixed the turn"));
 }
 
 }  // namespace

@@ -41,8 +41,8 @@ Shown shown_by(CellDevices& devices) {
   devices.drives().energize();
   devices.drives().set_targets({40000, 200000, 30000});
   devices.clock().sleep_for_s(30.0);
-  return {devices.camera().next_frame().frame.image, devices.tracker().measure_tool()->p_L,
-          devices.tracker().measure_monument("datum1")->p_L};
+  return {devices.camera().next_frame().frame.image, devices.tracker().measure_tool("").reading.p_L,
+          devices.tracker().measure_monument("datum1").reading.p_L};
 }
 
 TEST_CASE("Virtual devices behave as the truth says, whatever the cell file says") {

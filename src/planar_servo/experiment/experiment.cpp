@@ -3,13 +3,18 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <cmath>
 #include <functional>
+#include <future>
+#include <utility>
 
 #include "planar_servo/core/error.h"
+#include "planar_servo/core/plane_geometry.h"
+#include "planar_servo/experiment/begun_experiment.h"
 #include "planar_servo/experiment/experiment_plan.h"
 #include "planar_servo/io/atomic_file.h"
-#include "planar_servo/io/growing_file.h"
 #include "planar_servo/offline/record/recorder.h"
+#include "planar_servo/run/resumed_run.h"
 
 namespace planar {
 namespace {
@@ -23,12 +28,58 @@ std::vector<TargetResult> close_loop(const CalibratedChain& chain, bool with_map
   request.cell = chain.cell;
   request.center = chain.settings.center;
   request.use_error_map = with_map;
+  request.check_health = chain.settings.checks_health;
+  request.keep_going = true;  // a target that fails is a result, too
   request.out = out / chain.settings.name / (with_map ? "run" : "run_without_map");
+  request.resume = fs::exists(results_file(request));
   spdlog::info(fmt::format("closing the loop over {} targets: {}, {}", targets.size(),
                            chain.settings.name,
                            with_map ? "with its error map" : "without an error map"));
   ServoRun run(request, devices);
   return run_servo(run, targets);
+}
+
+ChainSettings our_settings(const ExperimentRequest& request) {
+  ChainSettings settings = our_chain(request.cell);
+  settings.uses_tracker = request.uses_tracker;
+  settings.dots_height = request.dots_height;
+  return settings;
+}
+
+/// Calibrates our chain and the paper's at the same time.
+std::pair<CalibratedChain, CalibratedChain> calibrate_both(const ExperimentRequest& request,
+                                                           const RecordedCell& recording) {
+  const auto calibrate = [&](const ChainSettings& settings) {
+    return calibrate_chain(settings, request.cell, recording, request.out);
+  };
+  auto paper = std::async(std::launch::async, calibrate, paper_chain(request.cell));
+  CalibratedChain ours = calibrate(our_settings(request));
+  return {std::move(ours), paper.get()};
+}
+
+/// Turns all true places about the base's axis by the angle that brings them nearest to their
+/// targets, and returns it, radians.
+double take_out_turn(std::vector<TargetResult>& results) {
+  Eigen::Vector2d sum(0.0, 0.0);
+  for (const TargetResult& result : results) {
+    if (!result.after_truth) continue;
+    const Eigen::Vector2d p = result.p_d + *result.after_truth;
+    sum += Eigen::Vector2d(p.dot(result.p_d), p.x() * result.p_d.y() - p.y() * result.p_d.x());
+  }
+  const double turn = std::atan2(sum.y(), sum.x());
+  for (TargetResult& result : results) {
+    if (!result.after_truth) continue;
+    const auto moved_by = [&](const Eigen::Vector2d& error) -> Eigen::Vector2d {
+      const Eigen::Vector2d p = result.p_d + error;
+      return rotation2d(turn) * p - p;
+    };
+    const Eigen::Vector2d shift = moved_by(*result.after_truth);
+    if (result.before_truth) *result.before_truth += moved_by(*result.before_truth);
+    *result.after_truth += shift;
+    for (auto* error : {&result.vision_raw, &result.vision_compensated})
+      if (*error) **error -= shift;
+  }
+  return turn;
 }
 
 }  // namespace
@@ -38,27 +89,27 @@ ExperimentReport run_experiment(const ExperimentRequest& request, CellDevices& d
     throw InputError(
         request.cell.file.string() +
         ": is no virtual cell; this experiment needs the truth of one to judge itself");
-  if (fs::exists(request.out / "recording"))
-    throw InputError(request.out.string() + ": holds an experiment already; name another folder");
-  make_folder(request.out);
+  begin_experiment(request);
   const ExperimentPlan plan = experiment_plan(request.cell, request.seed, request.size);
   write_file(request.out / "plan.csv", plan_text(plan.rows));
   spdlog::info(fmt::format("recording {} positions and board views", plan.rows.size()));
-  const RecordReport recorded =
-      record({request.cell, plan.rows, request.out / "recording"}, devices);
-  spdlog::info(fmt::format("{} frames, {} of them full", recorded.frames, recorded.full_frames));
+  RecordRequest to_record{request.cell, plan.rows, request.out / "recording"};
+  to_record.on_bad_reading = BadReading::kSkip;
+  const RecordReport recorded = record(to_record, devices);
+  spdlog::info(fmt::format("{} frames, {} of them full; {} places were there before",
+                           recorded.frames, recorded.full_frames, recorded.present));
   const RecordedCell recording = read_recorded_cell(request.out / "recording", request.board);
-  const CalibratedChain ours =
-      calibrate_chain(our_chain(request.cell), request.cell, recording, request.out);
-  const CalibratedChain paper =
-      calibrate_chain(paper_chain(request.cell), request.cell, recording, request.out);
-  const std::vector<TargetRow> targets = control_targets(request.size);
+  const auto [ours, paper] = calibrate_both(request, recording);
+  const std::vector<TargetRow> targets = control_targets(request.cell.workspace, request.size);
   ExperimentReport report;
-  report.circles = control_circles(request.size);
+  report.circles = control_circles(request.cell.workspace, request.size);
   report.ours = close_loop(ours, true, targets, request.out, devices);
   report.paper = close_loop(paper, true, targets, request.out, devices);
   report.paper_no_map = close_loop(paper, false, targets, request.out, devices);
-  report.tables = map_tables(ours, paper, plan.circle_points);
+  if (request.uses_tracker)
+    report.tables = map_tables(ours, paper, plan);
+  else
+    report.turn_taken_out = take_out_turn(report.ours);
   report.tables.positioning = positioning_table(report.circles, report.ours, report.paper);
   report.prediction = predict_positioning(prediction_inputs(ours), targets);
   return report;
@@ -70,11 +121,12 @@ PositioningPrediction predict_experiment(const ExperimentRequest& request) {
     throw InputError(recording.string() +
                      ": does not exist; --predict needs a recording there, of an experiment or of "
                      "planar-record");
-  ChainSettings settings = our_chain(request.cell);
+  ChainSettings settings = our_settings(request);
   settings.name = "prediction";
   const CalibratedChain chain = calibrate_chain(
       settings, request.cell, read_recorded_cell(recording, request.board), request.out);
-  return predict_positioning(prediction_inputs(chain), control_targets(request.size));
+  return predict_positioning(prediction_inputs(chain),
+                             control_targets(request.cell.workspace, request.size));
 }
 
 }  // namespace planar

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,8 +20,10 @@ struct ExperimentReport {
   std::vector<TargetResult> ours;          ///< our chain with its error map
   std::vector<TargetResult> paper;         ///< the paper's chain with its map
   std::vector<TargetResult> paper_no_map;  ///< the paper's chain without a map
-  PaperTables tables;
-  PositioningPrediction prediction;  ///< of our chain, from its calibration alone
+  PaperTables tables;                      ///< without a tracker only `positioning`
+  PositioningPrediction prediction;        ///< of our chain, from its calibration alone
+  /// By which `ours` was turned about the base's axis, radians, where nothing had fixed the turn.
+  std::optional<double> turn_taken_out{};
 };
 
 /// Says on which cell an experiment is made, and where its files go.
@@ -30,11 +33,14 @@ struct ExperimentRequest {
   std::uint64_t seed{0};      ///< draws the training and test positions
   std::filesystem::path out;  ///< folder for plan, recording and each chain's files
   ExperimentSize size{};
+  bool uses_tracker{true};  ///< in our chain; see ChainSettings
+  std::optional<double> dots_height{};
 };
 
 /// Runs the paper's experiment: it records a plan, calibrates both chains from what was recorded,
-/// and closes the loop over the control targets with each. Throws what its parts throw, and
-/// InputError when `out` holds a run already.
+/// and closes the loop over the control targets with each. What an experiment with the same request
+/// left in `out` is gone on with: positions recorded and targets moved to are not gone to again.
+/// Throws what its parts throw, and InputError when `out` holds something else.
 ExperimentReport run_experiment(const ExperimentRequest& request, CellDevices& devices);
 
 /// Predicts positioning at the control targets from the recording in `out`. It opens neither a

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <utility>
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
@@ -12,15 +13,13 @@
 namespace planar {
 namespace {
 
-constexpr double kControlOffset = 0.2;
-/// Distance of the end point from the base's axis while joint 3 turns, metres.
-constexpr double kSweepRadius = 0.3;
-/// The training disc ends this far inside the workspace, metres.
-constexpr double kRimMargin = 0.020;
-
 class PlanBuilder {
  public:
-  explicit PlanBuilder(double phi) : phi_(phi) {}
+  explicit PlanBuilder(const CellSettings& cell) : phi_(cell.tool_orientation) {
+    plan_.circles = circles_within(cell.workspace);
+  }
+
+  const ExperimentCircles& circles() const { return plan_.circles; }
 
   void add_board_views(Plan plan, int count) {
     for (int i = 0; i < count; ++i)
@@ -48,14 +47,15 @@ class PlanBuilder {
     }
   }
   /// Turns joint 3 alone: the end point stays.
-  void add_joint3_sweep(int count) {
+  void add_joint3_sweep(double radius, int count) {
     for (int i = 0; i < count; ++i)
       plan_.rows.push_back({fmt::format("sweep3_{:02}", i), Plan::kSweep3,
-                            TipPose{{0.0, kSweepRadius}, phi_ + 2.0 * kPi * i / count - kPi}});
+                            TipPose{{0.0, radius}, phi_ + 2.0 * kPi * i / count - kPi}});
   }
   void add_disc(Plan plan, int count, const Workspace& workspace, std::mt19937_64& rng) {
-    const double inner = std::pow(workspace.radius_min_m + kRimMargin, 2);
-    const double outer = std::pow(workspace.radius_max_m - kRimMargin, 2);
+    const double rim = circles().rim_mm * kMillimetre;
+    const double inner = std::pow(workspace.radius_min_m + rim, 2);
+    const double outer = std::pow(workspace.radius_max_m - rim, 2);
     for (int i = 0; i < count; ++i) {
       const double radius = std::sqrt(inner + (outer - inner) * uniform(rng));
       const double angle = 2.0 * kPi * uniform(rng);
@@ -83,30 +83,25 @@ class PlanBuilder {
 
 }  // namespace
 
-std::vector<Eigen::Vector2d> circle_points(const Eigen::Vector2d& center, double radius,
-                                           int count) {
-  std::vector<Eigen::Vector2d> points;
-  for (int i = 0; i < count; ++i) {
-    const double angle = 2.0 * kPi * i / count;
-    points.emplace_back(center + radius * Eigen::Vector2d(std::cos(angle), std::sin(angle)));
-  }
-  return points;
-}
-
-std::vector<ControlCircle> control_circles(const ExperimentSize& size) {
-  const double d = kControlOffset;
-  std::vector<ControlCircle> circles{{{-d, -d}, {}}, {{-d, d}, {}}, {{d, d}, {}}, {{d, -d}, {}}};
-  for (std::size_t k = 0; k < circles.size(); ++k) {
-    const auto points = circle_points(circles[k].center, kControlRadius, size.control_points);
+std::vector<ControlCircle> control_circles(const Workspace& workspace, const ExperimentSize& size) {
+  const ExperimentCircles radii = circles_within(workspace);
+  const double d = radii.control_offset_mm * kMillimetre;
+  std::vector<ControlCircle> circles;
+  for (const Eigen::Vector2d& center : {Eigen::Vector2d(-d, -d), Eigen::Vector2d(-d, d),
+                                        Eigen::Vector2d(d, d), Eigen::Vector2d(d, -d)}) {
+    ControlCircle circle{center, radii.control_mm, {}};
+    const auto points = circle_points(center, radii.control_mm * kMillimetre, size.control_points);
     for (std::size_t i = 0; i < points.size(); ++i)
-      circles[k].targets.push_back({fmt::format("c{}_{:02}", k + 1, i), points[i], std::nullopt});
+      circle.targets.push_back(
+          {fmt::format("c{}_{:02}", circles.size() + 1, i), points[i], std::nullopt});
+    circles.push_back(std::move(circle));
   }
   return circles;
 }
 
-std::vector<TargetRow> control_targets(const ExperimentSize& size) {
+std::vector<TargetRow> control_targets(const Workspace& workspace, const ExperimentSize& size) {
   std::vector<TargetRow> targets;
-  for (const ControlCircle& circle : control_circles(size))
+  for (const ControlCircle& circle : control_circles(workspace, size))
     targets.insert(targets.end(), circle.targets.begin(), circle.targets.end());
   return targets;
 }
@@ -126,17 +121,18 @@ ExperimentSize with_readings(ExperimentSize size, int readings) {
 ExperimentPlan experiment_plan(const CellSettings& cell, std::uint64_t seed,
                                const ExperimentSize& size) {
   std::mt19937_64 rng(seed);
-  PlanBuilder plan(cell.tool_orientation);
+  PlanBuilder plan(cell);
   plan.add_board_views(Plan::kHeldBoard, size.board_views);
   plan.add_board_views(Plan::kLaidBoard, size.lays);
   plan.add_joint1_sweep(cell, size.sweep_points);
-  plan.add_joint3_sweep(size.sweep_points);
+  plan.add_joint3_sweep(plan.circles().sweep_mm * kMillimetre, size.sweep_points);
   plan.add_disc(Plan::kTrain, size.training_points, cell.workspace, rng);
   plan.add_disc(Plan::kTest, size.test_points, cell.workspace, rng);
   plan.add_poses(size.unattended_poses, cell.workspace, rng);
-  for (const int radius_mm : kCheckRadii_mm) plan.add_circle("", radius_mm, 0, size.check_points);
+  for (const int radius_mm : plan.circles().check_mm)
+    plan.add_circle("", radius_mm, 0, size.check_points);
   for (int run = 1; run <= kRuns; ++run)
-    for (const int radius_mm : kRunRadii_mm)
+    for (const int radius_mm : plan.circles().run_mm)
       plan.add_circle(fmt::format("run{}_", run), radius_mm, run, size.run_points);
   return plan.take();
 }

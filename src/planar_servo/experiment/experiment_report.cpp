@@ -44,8 +44,8 @@ TextTable correlation_table(const ExperimentReport& report) {
 TextTable control_table(const ExperimentReport& report) {
   TextTable table(
       fmt::format("Table 7: mean true positioning error in mm, {} targets on each circle of radius "
-                  "{:.0f} mm",
-                  report.circles.front().targets.size(), kControlRadius / kMillimetre),
+                  "{} mm",
+                  report.circles.front().targets.size(), report.circles.front().radius_mm),
       {"circle about", "before", "paper's chain", "ours", "ours, improved by", "paper: before",
        "paper: after"});
   const auto row = [&](const std::string& label, double before, double paper_chain, double ours,
@@ -81,6 +81,7 @@ TextTable number_table(const std::string& title, const std::vector<ComparisonRow
 }
 
 std::vector<TextTable> accuracy_tables(const ExperimentReport& report) {
+  if (report.tables.run_correlation.empty()) return {};
   return {
       correlation_table(report),
       fraction_table("Table 2: accuracy of inverse distance weighting on circles about the base",
@@ -105,6 +106,15 @@ nlohmann::json rows_json(const std::vector<ComparisonRow>& rows, double unit) {
   return json;
 }
 
+/// Says what the scorer has done where nothing had fixed the turn.
+std::string turn_text(const ExperimentReport& report) {
+  if (!report.turn_taken_out) return "";
+  return fmt::format(
+      "no tracker reading fixed the turn about the base's axis: the scorer turned all true places "
+      "by {:.4f} deg to meet the targets best\n",
+      *report.turn_taken_out / kDegree);
+}
+
 /// Says what the tables do not say.
 std::string summary_text(const ExperimentReport& report) {
   return fmt::format(
@@ -115,7 +125,7 @@ std::string summary_text(const ExperimentReport& report) {
       mean_mm(report.paper_no_map, &TargetResult::vision_raw),
       mean_mm(report.ours, &TargetResult::vision_compensated),
       mean_mm(report.paper_no_map, &TargetResult::after_truth),
-      servo_text(figures_of(report.ours)) + prediction_text(report.prediction));
+      servo_text(figures_of(report.ours)) + turn_text(report) + prediction_text(report.prediction));
 }
 
 }  // namespace
@@ -134,6 +144,7 @@ nlohmann::json experiment_json(const ExperimentReport& report) {
   json["table5"] = rows_json(tables.rbf_accuracy, 1.0);
   json["table6"] = rows_json(tables.mean_accuracy, 1.0);
   json["table7"] = rows_json(tables.positioning, kMillimetre);
+  if (report.turn_taken_out) json["turn_taken_out_deg"] = *report.turn_taken_out / kDegree;
   json.update(prediction_json(report.prediction));
   return json;
 }
@@ -167,6 +178,8 @@ std::string experiment_page(const ExperimentReport& report, const std::string& c
       "Both chains were calibrated from the same recording and saw nothing else.");
   page.add_html(experiment_figure(report));
   page.add_paragraph(kQuiverCaption);
+  page.add_html(quiver_svg({error_panel("planar-servo", report.ours, &TargetResult::after_truth)}));
+  page.add_paragraph("The last panel once more, at scales of its own.");
   page.add_html(control_table(report).html());
   page.add_paragraph(summary_text(report));
   for (const TextTable& table : accuracy_tables(report)) page.add_html(table.html());

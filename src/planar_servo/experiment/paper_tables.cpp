@@ -100,7 +100,7 @@ double prediction_repeatability(const JudgedChain& judged, int radius_mm) {
     Eigen::Vector3d lengths;
     for (std::size_t run = 0; run < pairs.size(); ++run)
       lengths[static_cast<int>(run)] =
-          predict(judged.chain.map.map, pairs[run]->p_vision, pairs[run]->phi).error.norm();
+          predict(judged.chain.map->map, pairs[run]->p_vision, pairs[run]->phi).error.norm();
     const double sigma = std::sqrt((lengths.array() - lengths.mean()).square().sum() / 2.0);
     largest = std::max(largest, sigma);
   }
@@ -116,11 +116,11 @@ double circle_accuracy(const JudgedChain& judged, const ErrorMap& map, int radiu
 std::vector<ComparisonRow> map_sources(const CalibratedChain& ours, const CalibratedChain& paper) {
   constexpr double kNotPrinted = std::numeric_limits<double>::quiet_NaN();
   const auto test = [](const CalibratedChain& chain) {
-    return check_error_map(chain.map.map, pairs_to_check(chain.pairs, {Plan::kTest}));
+    return check_error_map(chain.map->map, pairs_to_check(chain.pairs, {Plan::kTest}));
   };
   const MapCheck our_test = test(ours), paper_test = test(paper);
-  return {{"training positions", static_cast<double>(ours.map.n_used),
-           static_cast<double>(paper.map.n_used), kPaperTrainingPlaces},
+  return {{"training positions", static_cast<double>(ours.map->n_used),
+           static_cast<double>(paper.map->n_used), kPaperTrainingPlaces},
           {"test positions", static_cast<double>(our_test.raw.n),
            static_cast<double>(paper_test.raw.n), kPaperTestPlaces},
           {"vision error at the test positions, mm rms", our_test.raw.rms / kMillimetre,
@@ -144,24 +144,24 @@ ComparisonRow mean_row(const std::string& label, const std::vector<ComparisonRow
 }  // namespace
 
 PaperTables map_tables(const CalibratedChain& ours, const CalibratedChain& paper,
-                       const std::vector<CirclePoint>& points) {
-  const JudgedChain our(ours, points), their(paper, points);
+                       const ExperimentPlan& plan) {
+  const JudgedChain our(ours, plan.circle_points), their(paper, plan.circle_points);
   PaperTables tables;
-  for (std::size_t i = 0; i < kRunRadii_mm.size(); ++i) {
-    const int radius_mm = kRunRadii_mm[i];
+  for (std::size_t i = 0; i < plan.circles.run_mm.size(); ++i) {
+    const int radius_mm = plan.circles.run_mm[i];
     tables.run_correlation.push_back({label_of(radius_mm), run_correlation(our, radius_mm),
                                       run_correlation(their, radius_mm), kPaperCorrelation[i]});
     tables.repeatability.push_back({label_of(radius_mm), prediction_repeatability(our, radius_mm),
                                     prediction_repeatability(their, radius_mm),
                                     kPaperRepeatability_mm * kMillimetre});
   }
-  for (std::size_t i = 0; i < kCheckRadii_mm.size(); ++i) {
-    const int radius_mm = kCheckRadii_mm[i];
+  for (std::size_t i = 0; i < plan.circles.check_mm.size(); ++i) {
+    const int radius_mm = plan.circles.check_mm[i];
     tables.idw_accuracy.push_back({label_of(radius_mm), circle_accuracy(our, our.idw, radius_mm),
                                    circle_accuracy(their, their.idw, radius_mm), kPaperIdw[i]});
-    tables.rbf_accuracy.push_back({label_of(radius_mm),
-                                   circle_accuracy(our, ours.map.map, radius_mm),
-                                   circle_accuracy(their, paper.map.map, radius_mm), kPaperRbf[i]});
+    tables.rbf_accuracy.push_back(
+        {label_of(radius_mm), circle_accuracy(our, ours.map->map, radius_mm),
+         circle_accuracy(their, paper.map->map, radius_mm), kPaperRbf[i]});
   }
   tables.map_sources = map_sources(ours, paper);
   tables.mean_accuracy = {mean_row("IDW", tables.idw_accuracy),

@@ -30,10 +30,10 @@ struct PaperTables {
   std::vector<ComparisonRow> positioning;      ///< mean true error per control circle, metres
 };
 
-/// Fills the tables that the recording decides: all but `positioning`. Throws WorkError when a
-/// circle has no place with both lamps and a tracker reading.
+/// Fills the tables that the recording decides: all but `positioning`. Both chains must have used
+/// the tracker. Throws WorkError when a circle has no place with both lamps and a tracker reading.
 PaperTables map_tables(const CalibratedChain& ours, const CalibratedChain& paper,
-                       const std::vector<CirclePoint>& points);
+                       const ExperimentPlan& plan);
 
 /// Returns the table of the closed loop with a row for each control circle.
 std::vector<ComparisonRow> positioning_table(const std::vector<ControlCircle>& circles,

@@ -1,11 +1,13 @@
 #include "planar_servo/experiment/vision_chain.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/files/camera/camera_file.h"
 #include "planar_servo/files/map/map_file.h"
+#include "planar_servo/files/provenance.h"
 #include "planar_servo/files/reference_lamp_fields.h"
 #include "planar_servo/files/tables/lamp_table.h"
 #include "planar_servo/files/tool_file.h"
@@ -18,8 +20,8 @@
 #include "planar_servo/offline/map/check_error_map.h"
 #include "planar_servo/offline/map/fit_map_to_pairs.h"
 #include "planar_servo/offline/map/lamp_field_files.h"
-#include "planar_servo/offline/map/pose_samples.h"
 #include "planar_servo/offline/pairs/health_of_recording.h"
+#include "planar_servo/offline/pairs/laid_boards.h"
 #include "planar_servo/offline/pairs/pair_files.h"
 #include "planar_servo/offline/pairs/pair_tracker.h"
 
@@ -44,6 +46,20 @@ CellSettings with_files_in(CellSettings cell, const fs::path& folder) {
   return cell;
 }
 
+fs::path lays_file(const fs::path& folder) {
+  return folder / "lays.csv";
+}
+
+/// Keeps the frames of a recording that watch the arm alone: poses and the sweep of joint 1.
+std::vector<FrameRow> watched_by_camera(std::vector<FrameRow> frames) {
+  frames.erase(std::remove_if(frames.begin(), frames.end(),
+                              [](const FrameRow& frame) {
+                                return frame.plan != Plan::kPose && frame.plan != Plan::kSweep1;
+                              }),
+               frames.end());
+  return frames;
+}
+
 CameraCalibration make_camera(const ChainSettings& settings, const CellSettings& cell,
                               const RecordedCell& recorded) {
   CalibrationProblem problem = recorded.boards.problem;
@@ -59,28 +75,34 @@ std::vector<PairRow> make_pairs(const ChainSettings& settings, const CellSetting
   PairTrackerRequest request;
   request.cell = cell;
   request.camera = camera;
+  request.frames = settings.uses_tracker ? recorded.frames : watched_by_camera(recorded.frames);
   const LocateReport located =
-      locate_lamps_of_recording(cell, recorded.folder, recorded.frames, settings.center);
+      locate_lamps_of_recording(cell, recorded.folder, request.frames, settings.center);
   request.lamps = located.rows;
   const RecordedTables tables{folder / "lamps.csv", recorded.folder / "frames.csv",
-                              recorded.folder / "tracker.csv"};
+                              settings.uses_tracker ? recorded.folder / "tracker.csv" : ""};
   write_file(tables.lamps,
              lamps_text(request.lamps, lamp_remarks(origins_of_lamps(cell, tables.frames, false),
                                                     located.reference_lamps)));
-  request.frames = recorded.frames;
-  request.tracker = recorded.tracker;
-  if (settings.plane_from_board)
-    request.boards_on_plane =
-        boards_on_plane(recorded.folder, recorded.frames, camera, recorded.board);
+  if (settings.uses_tracker) request.tracker = recorded.tracker;
+  request.dots_height = settings.dots_height.value_or(0.0);
+  const bool plane_from_board = settings.plane_from_board || !settings.uses_tracker;
+  std::vector<LaidBoard> boards;
+  if (plane_from_board || settings.dots_height)
+    boards = boards_on_plane(recorded.folder, recorded.frames, camera, recorded.board);
+  if (plane_from_board) request.boards_on_plane = boards;
   const PairTrackerReport report = pair_tracker(request);
   const WorkplaneSource source =
-      settings.plane_from_board ? WorkplaneSource::kBoard : WorkplaneSource::kPairs;
+      plane_from_board ? WorkplaneSource::kBoard : WorkplaneSource::kPairs;
   const PairFiles files{cell.workplane, cell.tool, folder / "pairs.csv"};
   write_pair_files(files, cell, tables, report.workplane, source, report.pairs, kProgram);
   const VisionCalibration vision{cell.lamps.layout, Workplane(camera, report.workplane.X_WC),
                                  report.workplane.tool};
+  if (settings.dots_height)
+    write_lays_file(lays_file(folder), cell, files, tables,
+                    seen_lays(vision.workplane, boards, *settings.dots_height));
   write_health_file(*cell.health, cell, files,
-                    health_of(cell, seen_places(cell, vision, recorded.frames, request.lamps)),
+                    health_of(cell, seen_places(cell, vision, request.frames, request.lamps)),
                     kProgram);
   return read_pairs(files.pairs);
 }
@@ -110,13 +132,12 @@ MapResult map_by_hand(const std::vector<PairRow>& pairs) {
 }
 
 /// Learns the field at the lamps and the arm, and writes both files.
-void learn_field(CalibratedChain& chain, const fs::path& pairs) {
-  const VisionCalibration vision = read_vision(chain.cell, false);
-  chain.field =
-      fit_lamp_field(nominal_arm(chain.cell, vision), pose_samples(chain.cell, chain.pairs));
-  chain.cell.arm_found = pairs.parent_path() / "arm.yaml";
-  write_lamp_field({chain.cell.error_map, *chain.cell.arm_found}, *chain.field, chain.cell, pairs,
-                   kProgram);
+void learn_field(CalibratedChain& chain, const fs::path& folder) {
+  LampFieldFiles files{folder / "pairs.csv", {}, chain.cell.error_map, folder / "arm.yaml"};
+  if (chain.settings.dots_height) files.lays = lays_file(folder);
+  chain.field = learn_lamp_field(files, chain.cell, read_vision(chain.cell, false));
+  chain.cell.arm_found = files.arm;
+  write_lamp_field(files, *chain.field, chain.cell, kProgram);
 }
 
 }  // namespace
@@ -141,6 +162,7 @@ ChainSettings paper_chain(const CellSettings& cell) {
   chain.servo = cell.servo;
   chain.servo.law = ServoLaw::kInverse;
   chain.servo.approach = Approach::kDirect;
+  chain.checks_health = false;  // the paper has no such check, and play would fail it
   chain.servo.frames_per_measurement = 1;
   return chain;
 }
@@ -158,16 +180,19 @@ CalibratedChain calibrate_chain(const ChainSettings& settings, const CellSetting
   chain.settings = settings;
   chain.cell = with_files_in(cell, own_folder);
   chain.cell.servo = settings.servo;
+  // An experiment that is gone on with must see the lamps as the first time, without these.
+  for (const MadeFile& file : calibration_files(chain.cell, true)) fs::remove(file.path);
   chain.camera = make_camera(settings, chain.cell, recorded);
   chain.pairs = make_pairs(settings, chain.cell, recorded, chain.camera.camera, own_folder);
-  chain.map = settings.hand_width
-                  ? map_by_hand(chain.pairs)
-                  : fit_error_map_to_pairs(chain.pairs, {MapMethod::kAuto, 0.0}).result;
-  const fs::path pairs = own_folder / "pairs.csv";
+  if (settings.hand_width)
+    chain.map = map_by_hand(chain.pairs);
+  else if (settings.uses_tracker)
+    chain.map = fit_error_map_to_pairs(chain.pairs, {MapMethod::kAuto, 0.0}).result;
   if (settings.field_at_lamps)
-    learn_field(chain, pairs);
+    learn_field(chain, own_folder);
   else
-    write_file(chain.cell.error_map, map_text(chain.map, pairs, kProgram));
+    write_file(chain.cell.error_map,
+               map_text(chain.map.value(), own_folder / "pairs.csv", kProgram));
   return chain;
 }
 

@@ -28,6 +28,14 @@ struct ChainSettings {
   bool hand_width{false};
   /// Learns the error at the lamps, together with the arm, and aims with the arm that was found.
   bool field_at_lamps{false};
+  /// Else plane and scale are the board's, place and turn the arm's, and only unattended poses and
+  /// the sweep of joint 1 are looked at.
+  bool uses_tracker{true};
+  /// Height of the laid boards' dots above the lamps' plane, metres. With it the lays tell the
+  /// field at the lamps, too.
+  std::optional<double> dots_height{};
+  /// Looks before the first target whether the cell is as it was.
+  bool checks_health{true};
   ServoSettings servo;
 };
 
@@ -58,7 +66,8 @@ struct CalibratedChain {
   CellSettings cell;
   CameraCalibration camera;
   std::vector<PairRow> pairs;
-  MapResult map;                        ///< at the end point, as the paper's tables judge maps
+  /// At the end point, as the paper's tables judge maps; none without a tracker.
+  std::optional<MapResult> map;
   std::optional<LampFieldFit> field{};  ///< what the loop uses instead, where there is one
 };
 

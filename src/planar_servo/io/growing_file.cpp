@@ -38,7 +38,7 @@ GrowingFile::GrowingFile(std::filesystem::path path, const std::string& header)
     : path_(std::move(path)) {
   require_growable(path_);
   drop_torn_line(path_);
-  if (!std::filesystem::exists(path_) || std::filesystem::is_empty(path_))
+  if (!std::filesystem::exists(path_) || (std::filesystem::is_empty(path_) && !header.empty()))
     write_file(path_, header);
 }
 

@@ -2,9 +2,8 @@
 
 #include <openssl/evp.h>
 
+#include <algorithm>
 #include <array>
-#include <istream>
-#include <sstream>
 #include <stdexcept>
 
 #include "planar_servo/io/atomic_file.h"
@@ -51,29 +50,24 @@ std::string sha256(std::string_view bytes) {
   return hash.digits();
 }
 
-namespace {
-
-std::string content_of(std::istream& in) {
-  Sha256 hash;
-  std::string line;
-  while (std::getline(in, line)) {
-    if (line.rfind("created:", 0) == 0) continue;
-    hash.add(line);
-    if (!in.eof()) hash.add("\n");
-  }
-  return hash.digits();
-}
-
-}  // namespace
-
 std::string content_sha256(const std::filesystem::path& path) {
-  std::ifstream in = open_file(path);
-  return content_of(in);
+  return content_sha256_of(read_file(path));
 }
 
 std::string content_sha256_of(const std::string& text) {
-  std::istringstream in(text);
-  return content_of(in);
+  constexpr std::string_view kLeftOut = "created:", kLaterLine = "\ncreated:";
+  Sha256 hash;
+  std::string_view rest = text;
+  while (!rest.empty()) {
+    if (rest.substr(0, kLeftOut.size()) != kLeftOut) {
+      const std::size_t before = rest.find(kLaterLine);
+      const std::size_t length = before == std::string_view::npos ? rest.size() : before + 1;
+      hash.add(rest.substr(0, length));
+      rest.remove_prefix(length);
+    }
+    if (!rest.empty()) rest.remove_prefix(std::min(rest.find('\n'), rest.size() - 1) + 1);
+  }
+  return hash.digits();
 }
 
 }  // namespace planar

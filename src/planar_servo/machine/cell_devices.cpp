@@ -10,20 +10,6 @@
 namespace planar {
 namespace {
 
-/// The presenter of a real cell. Nobody holds its calibration board, so asking for the board is an
-/// error.
-class NoPresenter final : public BoardPresenter {
- public:
-  void hold_board(int /*view*/) override { refuse(); }
-  void lay_board(int /*view*/) override { refuse(); }
-  void remove_board() override {}
-
- private:
-  [[noreturn]] static void refuse() {
-    throw WorkError("nobody presents the calibration board to a real cell; photograph it by hand");
-  }
-};
-
 class OpenedDevices final : public CellDevices {
  public:
   OpenedDevices(const CellSettings& cell, const std::shared_ptr<VirtualCell>& world)
@@ -36,8 +22,8 @@ class OpenedDevices final : public CellDevices {
   FrameSource& camera() override { return *camera_; }
   DriveGroup& drives() override { return *drives_; }
   Tracker& tracker() override { return *tracker_; }
-  BoardPresenter& board_presenter() override {
-    return world_ ? world_->board_presenter() : presenter_;
+  BoardPresenter* board_presenter() override {
+    return world_ ? &world_->board_presenter() : nullptr;
   }
   std::function<TipPose()> true_tip() override {
     if (!world_) return {};
@@ -47,7 +33,6 @@ class OpenedDevices final : public CellDevices {
  private:
   std::shared_ptr<VirtualCell> world_;  ///< null for a real cell
   SteadyClock clock_;
-  NoPresenter presenter_;
   std::shared_ptr<FrameSource> camera_;
   std::shared_ptr<DriveGroup> drives_;
   std::shared_ptr<Tracker> tracker_;

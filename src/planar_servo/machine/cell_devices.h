@@ -23,7 +23,8 @@ class CellDevices {
   virtual FrameSource& camera() = 0;
   virtual DriveGroup& drives() = 0;
   virtual Tracker& tracker() = 0;
-  virtual BoardPresenter& board_presenter() = 0;
+  /// Returns null where only a person can show the calibration board.
+  virtual BoardPresenter* board_presenter() = 0;
 
   /// Returns a function that tells the true end point in the base frame, or an empty one unless the
   /// cell is virtual. It serves the scorer of `_truth` figures only.

@@ -11,10 +11,11 @@ constexpr char kVirtual[] = "is virtual; there is no device to examine";
 
 class NoTracker final : public Tracker {
  public:
-  std::optional<TrackerReading> measure_tool() override { return std::nullopt; }
-  std::optional<TrackerReading> measure_monument(const std::string& /*id*/) override {
-    return std::nullopt;
-  }
+  TrackerAnswer measure_tool(const std::string& /*place*/) override { return refused(); }
+  TrackerAnswer measure_monument(const std::string& /*id*/) override { return refused(); }
+
+ private:
+  static TrackerAnswer refused() { return TrackerAnswer::failed("tracker.source is none"); }
 };
 
 }  // namespace
@@ -75,9 +76,18 @@ std::shared_ptr<Tracker> VirtualTrackerKind::open(const CellSettings& /*cell*/,
   return {world, &world->tracker()};
 }
 
+std::vector<Finding> VirtualTrackerKind::examine(const CellSettings& /*cell*/) const {
+  return {{Finding::Verdict::kWell, "tracker", kVirtual}};
+}
+
 std::shared_ptr<Tracker> NoTrackerKind::open(const CellSettings& /*cell*/,
                                              const std::shared_ptr<VirtualCell>& /*world*/) const {
   return std::make_shared<NoTracker>();
+}
+
+std::vector<Finding> NoTrackerKind::examine(const CellSettings& /*cell*/) const {
+  return {{Finding::Verdict::kWell, "tracker",
+           "there is none (tracker.source); planar-record takes poses and board views only"}};
 }
 
 }  // namespace planar

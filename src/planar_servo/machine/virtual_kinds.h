@@ -38,14 +38,17 @@ class VirtualTrackerKind final : public TrackerKind {
   bool is_virtual() const override { return true; }
   std::shared_ptr<Tracker> open(const CellSettings& cell,
                                 const std::shared_ptr<VirtualCell>& world) const override;
+  std::vector<Finding> examine(const CellSettings& cell) const override;
 };
 
-/// The kind `source: none`: no tracker at all. What it opens never returns a reading.
+/// The kind `source: none`: no tracker at all.
 class NoTrackerKind final : public TrackerKind {
  public:
   std::string name() const override { return "none"; }
+  bool measures() const override { return false; }
   std::shared_ptr<Tracker> open(const CellSettings& cell,
                                 const std::shared_ptr<VirtualCell>& world) const override;
+  std::vector<Finding> examine(const CellSettings& cell) const override;
 };
 
 }  // namespace planar

@@ -1,0 +1,68 @@
+#include "planar_servo/experiment/campaign/campaign.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <nlohmann/json.hpp>
+
+#include "planar_servo/core/error.h"
+#include "planar_servo/experiment/begun_experiment.h"
+#include "planar_servo/experiment/campaign/campaign_report.h"
+#include "planar_servo/experiment/experiment_report.h"
+#include "planar_servo/io/growing_file.h"
+#include "planar_servo/virtual_cell/truth/truth_file.h"
+
+namespace planar {
+namespace {
+
+namespace fs = std::filesystem;
+
+nlohmann::json run_drawn_cell(const ExperimentRequest& request, std::uint32_t seed) {
+  ExperimentRequest drawn = request;
+  drawn.seed = seed;
+  drawn.out = request.out / fmt::format("seed_{}", seed);
+  fs::remove_all(drawn.out);
+  make_folder(drawn.out);
+  drawn.cell.truth = drawn.out / "truth.yaml";
+  write_truth(*drawn.cell.truth, draw_truth(seed));
+  const auto devices = open_cell(drawn.cell);
+  nlohmann::json figures = experiment_json(run_experiment(drawn, *devices));
+  fs::remove_all(drawn.out);
+  return figures;
+}
+
+}  // namespace
+
+std::vector<nlohmann::json> work_through(
+    CampaignRows& rows, const SeedRange& seeds,
+    const std::function<nlohmann::json(std::uint32_t seed)>& experiment) {
+  const auto seed_at = [&](int i) { return seeds.first + static_cast<std::uint32_t>(i); };
+  const auto work = [&](std::uint32_t seed, const std::optional<Claim>& claim) {
+    if (claim && !rows.has(seed)) rows.append(seed, experiment(seed));
+  };
+  for (int i = 0; i < seeds.count; ++i)
+    if (!rows.has(seed_at(i))) work(seed_at(i), rows.try_claim(seed_at(i)));
+  for (int i = 0; i < seeds.count; ++i)
+    if (!rows.has(seed_at(i))) work(seed_at(i), rows.claim(seed_at(i)));
+  std::vector<nlohmann::json> found;
+  for (int i = 0; i < seeds.count; ++i) {
+    rows.has(seed_at(i));
+    found.push_back(rows.rows().at(seed_at(i)));
+  }
+  return found;
+}
+
+std::vector<nlohmann::json> run_campaign(const ExperimentRequest& request, const SeedRange& seeds) {
+  if (fs::exists(request.out / "recording"))
+    throw InputError(request.out.string() +
+                     ": holds a single experiment; name another folder for the campaign");
+  make_folder(request.out);
+  CampaignRows rows(request.out / "rows.jsonl", making_of_campaign(request));
+  return work_through(rows, seeds, [&](std::uint32_t seed) {
+    nlohmann::json figures = run_drawn_cell(request, seed);
+    spdlog::info(fmt::format("seed {}: {}", seed, campaign_row_text(figures)));
+    return figures;
+  });
+}
+
+}  // namespace planar
