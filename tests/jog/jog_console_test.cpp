@@ -71,7 +71,7 @@ class FailingCamera final : public CellDevices, public FrameSource {
   FrameSource& camera() override { return *this; }
   DriveGroup& drives() override { return whole_->drives(); }
   Tracker& tracker() override { return whole_->tracker(); }
-  BoardPresenter& board_presenter() override { return whole_->board_presenter(); }
+  BoardPresenter* board_presenter() override { return whole_->board_presenter(); }
   std::function<TipPose()> true_tip() override { return whole_->true_tip(); }
 
   cv::Size sensor_size_px() const override { return whole_->camera().sensor_size_px(); }

@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
+#include <vector>
 
 #include "planar_servo/core/units.h"
 #include "support/rendered_lamp.h"
@@ -67,6 +68,52 @@ TEST_CASE("fit_rim leaves out a dark speck on the rim and a hair across it") {
   CHECK((rim->center - kCenter).norm() < kDefect_px);
   CHECK(rim->largest_gap > 5.0 * kDegree);
   CHECK(rim->largest_gap < 60.0 * kDegree);
+}
+
+/// A lamp whose rim is bent all round, by a fiftieth of the radius in every harmonic from 2 to 9,
+/// and whose light falls to a third from one side to the other.
+cv::Mat bent_scene() {
+  constexpr double kRadius_px = 17.0, kBend = 0.025;
+  constexpr int kFine = 8;
+  cv::Mat fine = test::background({128 * kFine, 128 * kFine});
+  for (int v = 0; v < fine.rows; ++v) {
+    for (int u = 0; u < fine.cols; ++u) {
+      const Eigen::Vector2d d = (Eigen::Vector2d(u, v).array() + 0.5).matrix() / kFine - kCenter -
+                                Eigen::Vector2d(.5, .5);
+      double radius = 1.0;
+      for (int order = 2; order <= 9; ++order)
+        radius += kBend * std::sin(order * std::atan2(d.y(), d.x()) + order * order);
+      if (d.norm() < kRadius_px * radius)
+        fine.at<float>(v, u) += static_cast<float>(100.0 * (1.0 + 0.5 * d.x() / kRadius_px));
+    }
+  }
+  cv::Mat scene;
+  cv::resize(fine, scene, {128, 128}, 0.0, 0.0, cv::INTER_AREA);
+  cv::GaussianBlur(scene, scene, cv::Size(), 0.75);
+  return scene;
+}
+
+TEST_CASE(
+    "fit_rim mostly follows a rim that is bent all round and unevenly lit, and as well as it "
+    "says") {
+  const cv::Mat scene = bent_scene();
+  constexpr unsigned kSeeds = 40;
+  std::vector<Eigen::Vector2d> centers;
+  double stated = 0.0;
+  Eigen::Vector2d mean(0.0, 0.0);
+  for (unsigned seed = 0; seed < kSeeds; ++seed) {
+    const auto rim = fit(scene, seed);
+    if (!rim || rim->largest_gap > 30.0 * kDegree) continue;
+    stated += rim->center_covariance.trace();
+    mean += rim->center;
+    centers.push_back(rim->center);
+  }
+  const auto n = static_cast<double>(centers.size());
+  REQUIRE(n >= 0.9 * kSeeds);
+  double variance = 0.0;
+  for (const Eigen::Vector2d& center : centers) variance += (center - mean / n).squaredNorm();
+  CHECK(variance / (n - 1.0) < 2.0 * stated / n);
+  CHECK(variance / (n - 1.0) > 0.25 * stated / n);
 }
 
 TEST_CASE("fit_rim tells how wide a straight cut is") {

@@ -26,8 +26,9 @@ struct CameraSettings {
   int width_px{0};   ///< width of the whole sensor
   int height_px{0};  ///< height of the whole sensor
   double frame_rate_hz{0.0};
-  double timeout_s{0.0};    ///< the longest wait for a frame
-  int follow_region_px{0};  ///< side of the region of the sensor that follows the lamps
+  double timeout_s{0.0};                ///< the longest wait for a frame
+  int follow_region_px{0};              ///< side of the region of the sensor that follows the lamps
+  std::optional<double> pixel_pitch_m;  ///< as the data sheet has it; only the doctor looks at it
   std::shared_ptr<const DeviceDetails> details;  ///< the settings that only this kind has
 };
 
@@ -56,6 +57,7 @@ struct TrackerSettings {
   const TrackerKind* kind{nullptr};
   double sigma_m{0.0};        ///< standard deviation per axis at the tracker itself
   double sigma_m_per_m{0.0};  ///< growth of it per metre of distance
+  std::shared_ptr<const DeviceDetails> details;  ///< the settings that only this kind has
 
   /// Returns the standard deviation per axis of a reading at this distance from the tracker,
   /// metres.

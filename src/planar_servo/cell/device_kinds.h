@@ -60,6 +60,11 @@ class CameraKind : public DeviceKind {
 /// them for the doctor. The three joints of a cell have drives of one kind.
 class DriveKind : public DeviceKind {
  public:
+  /// Returns the lines of an item of `drives` in a new cell file that hold the keys which only this
+  /// kind has, indented by four, each with a comment. Joints count from 0. `mark_deg` is the
+  /// motor's angle behind its gear in the new cell's home pose.
+  virtual std::string new_keys(std::size_t /*joint*/, double /*mark_deg*/) const { return ""; }
+
   /// Reads the keys that only this kind has from an item of `drives` into the settings of a joint.
   /// Joints count from 0. Faults go to the document.
   virtual void read(Fields& /*drive*/, CellSettings& /*cell*/, std::size_t /*joint*/) const {}
@@ -77,13 +82,23 @@ class DriveKind : public DeviceKind {
   virtual std::vector<Finding> examine(const CellSettings& cell) const = 0;
 };
 
-/// One kind of tracker. It opens the tracker.
+/// One kind of tracker. It reads its own keys of a cell file's `tracker` block, opens the tracker,
+/// and examines it for the doctor.
 class TrackerKind : public DeviceKind {
  public:
+  /// Returns false when what this kind opens never gives a reading.
+  virtual bool measures() const { return true; }
+
+  /// Reads the keys that only this kind has. Faults go to the document.
+  virtual std::shared_ptr<const DeviceDetails> read(Fields& /*tracker*/) const { return nullptr; }
+
   /// Opens the tracker of a cell whose tracker is of this kind. `world` is as in
-  /// CameraKind::open().
+  /// CameraKind::open(). Throws WorkError when the tracker cannot be heard at all.
   virtual std::shared_ptr<Tracker> open(const CellSettings& cell,
                                         const std::shared_ptr<VirtualCell>& world) const = 0;
+
+  /// Says what is well with the tracker and what is not.
+  virtual std::vector<Finding> examine(const CellSettings& cell) const = 0;
 };
 
 /// Lists the kinds of devices that a cell file may ask for.

@@ -10,4 +10,8 @@ bool shows_board(Plan plan) {
   return plan == Plan::kHeldBoard || plan == Plan::kLaidBoard;
 }
 
+bool needs_reading(Plan plan) {
+  return !shows_board(plan) && plan != Plan::kPose;
+}
+
 }  // namespace planar

@@ -29,4 +29,7 @@ const char* name(Plan plan);
 /// Returns true for a plan whose pictures show the calibration board instead of the lamps.
 bool shows_board(Plan plan);
 
+/// Returns true for a plan whose places ask for a tracker reading.
+bool needs_reading(Plan plan);
+
 }  // namespace planar

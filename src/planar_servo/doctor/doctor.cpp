@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "planar_servo/doctor/camera_field.h"
+#include "planar_servo/doctor/plausibility.h"
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/machine/cell_devices.h"
 #include "planar_servo/machine/device_kinds.h"
@@ -52,10 +54,13 @@ std::vector<Finding> examine_cell(const std::filesystem::path& cell_file) {
   require_devices(cell);
   std::vector<Finding> findings{
       {Finding::Verdict::kWell, "cell file", cell_file.string() + " is in order"}};
+  for (Finding& finding : question_values(cell)) findings.push_back(std::move(finding));
   for (Finding& finding : examine_files(cell)) findings.push_back(std::move(finding));
+  for (Finding& finding : question_camera_field(cell)) findings.push_back(std::move(finding));
   for (Finding& finding : cell.drives[0].kind->examine(cell))
     findings.push_back(std::move(finding));
   for (Finding& finding : cell.camera.kind->examine(cell)) findings.push_back(std::move(finding));
+  for (Finding& finding : cell.tracker.kind->examine(cell)) findings.push_back(std::move(finding));
   return findings;
 }
 

@@ -35,6 +35,7 @@ constexpr std::size_t kHealthPlaces = 4;
 /// Holds a look at the tool in a recording.
 struct SeenPlace {
   HealthPlace place;
+  double t_s{0.0};
   TipPose commanded, seen;  ///< base frame; seen without compensation
 };
 

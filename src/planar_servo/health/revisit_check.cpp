@@ -86,14 +86,31 @@ double cost_of(const std::vector<Revisit>& revisits) {
   return most;
 }
 
+/// Returns whether all lamps are where they were, as far as it matters.
+bool nothing_changed(const std::vector<Revisit>& revisits) {
+  const Eigen::VectorXd d = differences(revisits);
+  return is_noise(d.squaredNorm(), d.size()) || cost_of(revisits) < kHarmless_m;
+}
+
 }  // namespace
+
+std::optional<std::size_t> stray_place(const std::vector<Revisit>& revisits) {
+  constexpr std::size_t kFewestPlaces = 4;
+  if (revisits.size() < kFewestPlaces || nothing_changed(revisits)) return std::nullopt;
+  const auto stray = std::max_element(
+      revisits.begin(), revisits.end(),
+      [](const Revisit& a, const Revisit& b) { return cost_of({a}) < cost_of({b}); });
+  std::vector<Revisit> others(revisits.begin(), stray);
+  others.insert(others.end(), stray + 1, revisits.end());
+  if (!nothing_changed(others)) return std::nullopt;
+  return static_cast<std::size_t>(stray - revisits.begin());
+}
 
 std::vector<HealthFinding> find_changes(const CellModel& model,
                                         const std::vector<Revisit>& revisits) {
-  if (revisits.empty()) return {};
+  if (revisits.empty() || nothing_changed(revisits)) return {};
   const Eigen::VectorXd d = differences(revisits);
   const double cost_m = cost_of(revisits);
-  if (is_noise(d.squaredNorm(), d.size()) || cost_m < kHarmless_m) return {};
   const Eigen::MatrixXd J = displacements(model, revisits);
   std::vector<ChangeFit> fits;
   for (const Suspect& suspect : suspects()) fits.push_back(fit_change(suspect, J, d));

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "planar_servo/health/cause.h"
@@ -25,6 +27,11 @@ constexpr double kHarmless_m = 10e-6;
 /// changes that cost less than kHarmless_m. Where no single cause explains them, kSeveral is.
 std::vector<HealthFinding> find_changes(const CellModel& model,
                                         const std::vector<Revisit>& revisits);
+
+/// Returns the one place where the lamps are not where they were, when all others are: the arm
+/// strayed there, now or at the calibration, and no cause moves one place alone. Fewer than four
+/// places tell nothing.
+std::optional<std::size_t> stray_place(const std::vector<Revisit>& revisits);
 
 /// Finds motors whose play is more than `allowed` (radians, behind the gear) at a place where the
 /// lamps were seen first with all motors coming from below and then with all coming from above.

@@ -28,15 +28,33 @@ double rms(const std::vector<double>& values) {
 double quantile(std::vector<double> values, double fraction) {
   require_values(values);
   if (!(fraction >= 0.0 && fraction <= 1.0)) throw std::invalid_argument("fraction not in [0, 1]");
-  std::sort(values.begin(), values.end());
   const double position = fraction * static_cast<double>(values.size() - 1);
-  const auto below = static_cast<std::size_t>(position);
-  const std::size_t above = std::min(below + 1, values.size() - 1);
-  return values[below] + (position - static_cast<double>(below)) * (values[above] - values[below]);
+  const auto below = values.begin() + static_cast<std::ptrdiff_t>(position);
+  std::nth_element(values.begin(), below, values.end());
+  const auto above = below + 1 == values.end() ? below : std::min_element(below + 1, values.end());
+  return *below + (position - std::floor(position)) * (*above - *below);
 }
 
 double median(std::vector<double> values) {
   return quantile(std::move(values), 0.5);
+}
+
+std::optional<std::pair<double, double>> median_interval(std::vector<double> values,
+                                                         double confidence) {
+  require_values(values);
+  std::sort(values.begin(), values.end());
+  const std::size_t n = values.size();
+  // As many values lie below the median as heads fall in n throws of a coin.
+  const auto heads = [all = static_cast<double>(n)](double k) {
+    return std::exp(std::lgamma(all + 1.0) - std::lgamma(k + 1.0) - std::lgamma(all - k + 1.0) -
+                    all * std::log(2.0));
+  };
+  std::size_t low = 0;
+  for (double tail = heads(0.0); tail <= 0.5 * (1.0 - confidence);
+       tail += heads(static_cast<double>(low)))
+    ++low;
+  if (low == 0) return std::nullopt;
+  return std::pair(values[low - 1], values[n - low]);
 }
 
 double robust_sigma(const std::vector<double>& values) {

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
+#include <utility>
 #include <vector>
 
 namespace planar {
@@ -22,6 +24,12 @@ double median(std::vector<double> values);
 
 /// Interpolates linearly between order statistics; `fraction` lies in [0, 1].
 double quantile(std::vector<double> values, double fraction);
+
+/// Returns two of the values between which the median of what they are drawn from lies with at
+/// least this confidence, whatever its distribution [Conover 1999, 3.2]: the innermost order
+/// statistics that do. Empty when even the smallest and the largest value do not.
+std::optional<std::pair<double, double>> median_interval(std::vector<double> values,
+                                                         double confidence);
 
 /// The standard deviation of normal data divided by their median absolute deviation.
 constexpr double kNormalPerMad = 1.4826;

@@ -100,8 +100,8 @@ class EdgeFits {
 
 }  // namespace
 
-std::optional<CoarseOutline> find_outline(const RimBand& band, const Outline& from,
-                                          const Blob& blob, const PixelNoise& noise) {
+std::optional<CoarseOutlines> find_outlines(const RimBand& band, const Outline& from,
+                                            const Blob& blob, const PixelNoise& noise) {
   constexpr double kOrdinaryWave = 0.005, kLargeWave = 0.02;  // per harmonic, of the radius
   constexpr double kClearlyLess = 0.5;
   constexpr double kNeighbours = 2.0;  // neighbouring edges share pixels and err together
@@ -109,22 +109,24 @@ std::optional<CoarseOutline> find_outline(const RimBand& band, const Outline& fr
   if (2 * edges.found.count() < band.normals.count()) return std::nullopt;
   const double radius = 0.5 * from.diameter();
   const EdgeFits fits(band.normals, edges, coarse_sigma_px(noise, blob));
-  CoarseOutline coarse{from, edges.found, Eigen::Matrix2d::Zero()};
-  OutlineFit fit = fits.fit(coarse.use, 0.0);
-  if (!fits.explains(fit)) fit = fits.fit(coarse.use, kLargeWave * radius);
-  if (!fits.explains(fit)) {
-    const NormalFlags use = fits.without_arc(kOrdinaryWave * radius);
-    const OutlineFit rest = fits.fit(use, kOrdinaryWave * radius);
-    if (2 * use.count() > use.size() &&
-        fits.scatter(rest, use) < kClearlyLess * fits.scatter(fit, coarse.use)) {
-      coarse.use = use;
-      fit = rest;
-    }
-  }
-  coarse.outline.change(fit.terms);
-  coarse.center_covariance = kNeighbours * std::max(1.0, fits.scatter(fit, coarse.use)) *
-                             fit.covariance.topLeftCorner<2, 2>();
-  return coarse;
+  const auto outline = [&](const OutlineFit& fit, const NormalFlags& use) {
+    CoarseOutline coarse{
+        from, use,
+        kNeighbours * std::max(1.0, fits.scatter(fit, use)) * fit.covariance.topLeftCorner<2, 2>()};
+    coarse.outline.change(fit.terms);
+    return coarse;
+  };
+  const OutlineFit even = fits.fit(edges.found, 0.0);
+  if (fits.explains(even)) return CoarseOutlines{outline(even, edges.found), std::nullopt};
+  const OutlineFit wavy = fits.fit(edges.found, kLargeWave * radius);
+  const CoarseOutline bent = outline(wavy, edges.found);
+  if (fits.explains(wavy)) return CoarseOutlines{bent, std::nullopt};
+  const NormalFlags use = fits.without_arc(kOrdinaryWave * radius);
+  const OutlineFit rest = fits.fit(use, kOrdinaryWave * radius);
+  if (2 * use.count() > use.size() &&
+      fits.scatter(rest, use) < kClearlyLess * fits.scatter(wavy, edges.found))
+    return CoarseOutlines{outline(rest, use), bent};
+  return CoarseOutlines{bent, std::nullopt};
 }
 
 }  // namespace planar

@@ -17,12 +17,19 @@ struct CoarseOutline {
   Eigen::Matrix2d center_covariance;  ///< from the scatter of the edges
 };
 
-/// Fits outlines to the half-level edges in a band that was sampled along `from`, and returns the
-/// first one that explains them: an ellipse, then an ellipse with large waves. If neither does, an
+/// What half-level edges can be. They cannot tell a covered rim from a bent one that is unevenly
+/// lit.
+struct CoarseOutlines {
+  CoarseOutline likely;
+  std::optional<CoarseOutline> bent;  ///< through all edges, where `likely` leaves some out
+};
+
+/// Fits outlines to the half-level edges in a band that was sampled along `from`. The first one
+/// that explains them is likely: an ellipse, then an ellipse with large waves. If neither does, an
 /// outline with ordinary waves is fitted to all but a quarter of the rim and to what agrees with
-/// that; it is returned if its residuals are clearly smaller, else the one with large waves. Empty
-/// when less than half of the rim has edges.
-std::optional<CoarseOutline> find_outline(const RimBand& band, const Outline& from,
-                                          const Blob& blob, const PixelNoise& noise);
+/// that; it is likely if its residuals are clearly smaller than those of the one with large waves.
+/// Empty when less than half of the rim has edges.
+std::optional<CoarseOutlines> find_outlines(const RimBand& band, const Outline& from,
+                                            const Blob& blob, const PixelNoise& noise);
 
 }  // namespace planar

@@ -74,6 +74,7 @@ void sample_coarsely(const cv::Mat& image, const Outline& outline, double reach_
 /// The result of one round of the measurement along an outline's normals.
 struct Round {
   OutlineFit fit;
+  double scatter;  ///< mean square of the residuals of all normals divided by their variance
   Eigen::Matrix2d center_covariance;
   NormalFlags use;
   double blur_px;
@@ -96,19 +97,34 @@ std::optional<Round> measure(const cv::Mat& image, const Outline& outline, const
   const OutlineFit fit = fit_outline(band.normals, edges->offset_px, edges->information);
   if (!fit.terms.allFinite()) return std::nullopt;
   const double sigma_px = 1.0 / std::sqrt(edges->information.maxCoeff());
-  return Round{fit, center_covariance(fit, band.normals, *edges),
+  const PerNormal residual = edges->offset_px - band.normals.moved(fit.terms);
+  const double scatter = edges->information.dot(residual.cwiseAbs2()) / band.normals.count();
+  return Round{fit, scatter, center_covariance(fit, band.normals, *edges),
                agreeing(band.normals, edges->offset_px, fit, {sigma_px, edges->blur_px},
                         edges->readable, use),
                edges->blur_px};
 }
 
+/// An outline along whose normals the levels were measured.
+struct Refined {
+  RimFit rim;
+  double scatter;  ///< as in Round
+
+  /// Returns whether nearly the whole rim is where the outline has it.
+  bool is_whole() const {
+    constexpr double kMostGap = 20.0 * kDegree, kMostScatter = 3.0;
+    return rim.largest_gap < kMostGap && scatter < kMostScatter;
+  }
+};
+
 /// Repeats the measurement from the start until the outline settles.
-std::optional<RimFit> refine(const cv::Mat& image, const Blob& blob, const CoarseOutline& start,
-                             const PixelNoise& noise, double reach_px, RimBand& band) {
+std::optional<Refined> refine(const cv::Mat& image, const Blob& blob, const CoarseOutline& start,
+                              const PixelNoise& noise, double reach_px, RimBand& band) {
   constexpr int kRounds = 3;
   Outline outline = start.outline;
   NormalFlags use = start.use;
   RimFit rim;
+  double scatter = 0.0;
   for (int i = 0; i < kRounds; ++i) {
     if (!is_near(outline, blob)) return std::nullopt;
     const std::optional<Round> round = measure(image, outline, noise, reach_px, use, band);
@@ -118,6 +134,7 @@ std::optional<RimFit> refine(const cv::Mat& image, const Blob& blob, const Coars
     outline.change(round->fit.terms);
     const bool is_settled = round->is_settled(use);
     use = round->use;
+    scatter = round->scatter;
     rim.center_covariance = round->center_covariance;
     // The blur of a bent edge moves it inwards by half its variance divided by the radius.
     rim.diameter = outline.diameter() + 2.0 * round->blur_px * round->blur_px / outline.diameter();
@@ -126,7 +143,20 @@ std::optional<RimFit> refine(const cv::Mat& image, const Blob& blob, const Coars
   if (!is_near(outline, blob)) return std::nullopt;
   rim.center = outline.center;
   rim.largest_gap = largest_gap(use);
-  return rim;
+  return Refined{rim, scatter};
+}
+
+/// Refines the likely outline, or the bent one where only that is the whole rim.
+std::optional<RimFit> refine_either(const cv::Mat& image, const Blob& blob,
+                                    const CoarseOutlines& starts, const PixelNoise& noise,
+                                    double reach_px, RimBand& band) {
+  const auto likely = refine(image, blob, starts.likely, noise, reach_px, band);
+  if (starts.bent && !(likely && likely->is_whole())) {
+    const auto bent = refine(image, blob, *starts.bent, noise, reach_px, band);
+    if (bent && bent->is_whole()) return bent->rim;
+  }
+  if (!likely) return std::nullopt;
+  return likely->rim;
 }
 
 bool is_measurement(const RimFit& rim) {
@@ -142,12 +172,13 @@ std::optional<RimFit> fit_rim(const cv::Mat& image, const Blob& blob, double rea
   const PixelNoise noise = estimate_noise(image, outline);
   static thread_local RimBand band;  // large; half of it serves the next lamp of this size
   sample_coarsely(image, outline, reach_px, band);
-  const std::optional<CoarseOutline> start = find_outline(band, outline, blob, noise);
-  if (!start) return std::nullopt;
-  std::optional<RimFit> rim = refine(image, blob, *start, noise, reach_px, band);
-  if (!rim && is_near(start->outline, blob)) {
-    rim = RimFit{start->outline.center, start->center_covariance, start->outline.diameter(),
-                 largest_gap(start->use)};
+  const std::optional<CoarseOutlines> starts = find_outlines(band, outline, blob, noise);
+  if (!starts) return std::nullopt;
+  std::optional<RimFit> rim = refine_either(image, blob, *starts, noise, reach_px, band);
+  const CoarseOutline& start = starts->likely;
+  if (!rim && is_near(start.outline, blob)) {
+    rim = RimFit{start.outline.center, start.center_covariance, start.outline.diameter(),
+                 largest_gap(start.use)};
   }
   if (rim && !is_measurement(*rim)) rim.reset();
   return rim;

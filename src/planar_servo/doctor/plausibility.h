@@ -1,0 +1,15 @@
+#pragma once
+
+#include <vector>
+
+#include "planar_servo/cell/cell_settings.h"
+#include "planar_servo/cell/finding.h"
+
+namespace planar {
+
+/// Questions values of a cell file that may be read but hardly be meant: links, angles, lamps,
+/// pixels and workspace in another unit, or too large for each other. No findings where all is
+/// plausible.
+std::vector<Finding> question_values(const CellSettings& cell);
+
+}  // namespace planar

@@ -1,0 +1,78 @@
+#include "planar_servo/doctor/new_cell.h"
+
+#include <catch2/catch.hpp>
+
+#include <sstream>
+
+#include "planar_servo/core/error.h"
+#include "planar_servo/doctor/doctor.h"
+#include "planar_servo/doctor/doctor_report.h"
+#include "planar_servo/doctor/plausibility.h"
+#include "planar_servo/io/atomic_file.h"
+#include "planar_servo/machine/cell_devices.h"
+#include "planar_servo/machine/device_kinds.h"
+#include "support/temporary_folder.h"
+
+namespace planar {
+namespace {
+
+using Catch::Contains;
+
+TEST_CASE("A new cell is read as it is, for every kind of drives, and its values are plausible") {
+  const test::TemporaryFolder folder;
+  for (const std::string& kind : new_cell_drives()) {
+    INFO(kind);
+    const auto file = folder / (kind + ".yaml");
+    write_new_cell(file, kind);
+    const CellSettings cell = read_cell(file);
+    CHECK_NOTHROW(require_devices(cell));
+    CHECK(question_values(cell).empty());
+    for (const DriveSettings& drive : cell.drives) CHECK(drive.kind->name() == kind);
+    CHECK(cell.truth.has_value() == (kind == "virtual"));
+  }
+}
+
+TEST_CASE("The doctor finds a new virtual cell in order, but for what is not made yet") {
+  const test::TemporaryFolder folder;
+  const auto file = folder / "cell.yaml";
+  write_new_cell(file, "virtual");
+  const auto findings = examine_cell(file);
+  CHECK(is_sound(findings));
+  for (const Finding& finding : findings)
+    if (finding.verdict == Finding::Verdict::kDoubtful) CHECK(finding.what == "does not exist yet");
+}
+
+/// Returns whether a line of a cell file has a value without a comment.
+bool lacks_comment(const std::string& line) {
+  const bool has_value = line.find(": ") != std::string::npos || line.find("- ") == 4;
+  return has_value && line.find('#') == std::string::npos && line.find("format:") != 0;
+}
+
+TEST_CASE("A new cell has a comment at every value, and no line is long") {
+  constexpr std::size_t kLongest = 100;
+  const test::TemporaryFolder folder;
+  for (const std::string& kind : new_cell_drives()) {
+    const auto file = folder / (kind + ".yaml");
+    write_new_cell(file, kind);
+    std::istringstream lines(read_file(file));
+    for (std::string line; std::getline(lines, line);) {
+      INFO(kind << ": " << line);
+      CHECK_FALSE(lacks_comment(line));
+      CHECK(line.size() <= kLongest);
+    }
+  }
+}
+
+TEST_CASE("A new cell replaces nothing, and needs a folder and drives of a known kind") {
+  const test::TemporaryFolder folder;
+  const auto file = folder.write("cell.yaml", "mine");
+  CHECK_THROWS_WITH(write_new_cell(file, "virtual"), Contains("cell.yaml: exists already"));
+  CHECK(read_file(file) == "mine");
+  CHECK_THROWS_AS(write_new_cell(folder / "absent" / "cell.yaml", "virtual"), InputError);
+  CHECK_THROWS_WITH(write_new_cell(folder / "new.yaml", "magic"),
+                    Contains("'magic'") && Contains("virtual, tic"));
+  CHECK_FALSE(std::filesystem::exists(folder / "new.yaml"));
+}
+
+}  // namespace
+}  // namespace planar
