@@ -2,12 +2,14 @@
 
 #include <nlohmann/json.hpp>
 
-#include "planar_servo/field/arm_terms.h"
+#include "planar_servo/field/arm/arm_terms.h"
 #include "planar_servo/files/arm_file.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/machine/device_kinds.h"
+#include "planar_servo/offline/arm/arm_page.h"
 #include "planar_servo/offline/arm/calibrate_arm.h"
 #include "program.h"
+#include "report_option.h"
 
 namespace planar {
 namespace {
@@ -15,7 +17,8 @@ namespace {
 const ProgramText kText{
     "planar-calibrate-arm",
     "Finds links, zeros and eccentricities of an arm from a tracker's readings of its tool.",
-    "planar-calibrate-arm --cell cell.yaml -o arm.yaml pairs.csv | samples.csv",
+    "planar-calibrate-arm --cell cell.yaml [--report FILE.html|none] -o arm.yaml "
+    "pairs.csv | samples.csv",
     R"(readings met        0.0172 mm rms, 2 harmonics of each reducer
 places left out     0.0192 mm rms
 
@@ -25,23 +28,27 @@ link 2                     300.17470 +- 0.00319   mm)"};
 
 struct Options {
   std::filesystem::path cell, output, table;
+  std::string report;
 };
 
 Outcome calibrate(const Options& options) {
   require_writable(options.output);
   require_not_input(options.output, options.table);
+  const auto page = page_for(options.report, options.output);
   const CellSettings cell = read_cell(options.cell);
   const ArmFit fit = fit_arm(arm_of_files(cell), read_arm_readings(cell, options.table));
   const std::vector<Origin> origins{origin_of({Role::kPairs, options.table}), arm_origin(cell)};
   write_file(options.output,
              found_arm_text(found_arm(fit.estimate), arm_terms(fit.estimate), origins, kText.name));
   fmt::print("{}", arm_report_text(fit));
+  if (page) write_page(*page, arm_page(fit, options.output));
   return {arm_report_json(fit)};
 }
 
 void add_options(CLI::App& app, Options& options) {
   app.add_option("--cell", options.cell, "the cell")->required()->type_name("FILE");
   app.add_option("-o,--out", options.output, "the arm to write")->required()->type_name("arm.yaml");
+  add_report_option(app, options.report);
   app.add_option("table", options.table,
                  "pairs.csv of planar-pair-tracker, or a table id,theta1_deg,theta2_deg,"
                  "theta3_deg,x_mm,y_mm,sigma_mm")

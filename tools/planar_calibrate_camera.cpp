@@ -6,8 +6,10 @@
 #include "planar_servo/files/camera/camera_file.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/offline/camera/calibrate_camera.h"
+#include "planar_servo/offline/camera/calibration_page.h"
 #include "planar_servo/offline/camera/calibration_report.h"
 #include "program.h"
+#include "report_option.h"
 
 namespace planar {
 namespace {
@@ -16,7 +18,7 @@ const ProgramText kText{
     "planar-calibrate-camera",
     "Calibrates a camera from pictures of a flat grid of dots or squares.",
     "planar-calibrate-camera --grid circles|chessboard:COLSxROWS:PITCHmm [--model M] "
-    "-o camera.yaml IMAGE|RECORDING...",
+    "[--report FILE.html|none] -o camera.yaml IMAGE|RECORDING...",
     R"(images used         6 (0 rejected)
 model               plumb_bob_k1
 focal lengths       6397.80 +- 3.02, 6396.93 +- 3.04 px
@@ -24,6 +26,7 @@ principal point     2538.91 +- 0.94, 2551.15 +- 1.21 px
 distortion          -0.01664 0 0 0 0
 residuals           0.361 px rms, 0.390 px in views left out of the fit
 expected error      0.085 mm in a plane at the grid's distance
+over that plane     0.0096 mm by the camera's model, at most 0.0246 mm
   recording/images/grid_1_0.pgm  0.338 px
   recording/images/grid_2_0.pgm  0.345 px)"};
 
@@ -33,6 +36,7 @@ struct Options {
   std::filesystem::path points;
   std::string image_size;
   std::filesystem::path output;
+  std::string report;
   std::vector<std::filesystem::path> images;
 };
 
@@ -58,12 +62,14 @@ BoardViews read_views(const Options& options) {
 Outcome calibrate(const Options& options) {
   require_camera_name(options.output);
   require_writable(options.output);
+  const auto page = page_for(options.report, options.output);
   BoardViews views = read_views(options);
   for (const auto& input : views.inputs) require_not_input(options.output, input);
   views.problem.model = options.model;
   CameraCalibration found = calibrate_camera(views.problem, views.rejected);
   write_camera(options.output, found, kText.name, views.inputs);
   fmt::print("{}", calibration_text(found));
+  if (page) write_page(*page, camera_page(found, options.output, views.inputs));
   return {calibration_json(found)};
 }
 
@@ -93,6 +99,7 @@ void add_options(CLI::App& app, Options& options) {
                  "the camera file to write: .yaml, .xml for ViSP or .yml for OpenCV")
       ->required()
       ->type_name("camera.yaml");
+  add_report_option(app, options.report);
   app.add_option("images", options.images, "images, or a recording with frames of plan grid")
       ->type_name("IMAGE|RECORDING");
 }

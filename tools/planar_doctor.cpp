@@ -1,9 +1,12 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <string>
 
+#include "planar_servo/core/error.h"
 #include "planar_servo/doctor/doctor.h"
 #include "planar_servo/doctor/doctor_report.h"
+#include "planar_servo/doctor/new_cell.h"
 #include "program.h"
 
 namespace planar {
@@ -11,20 +14,43 @@ namespace {
 
 const ProgramText kText{"planar-doctor",
                         "Looks at a cell's file and devices and says what mends each fault.",
-                        "planar-doctor --cell cell.yaml",
+                        fmt::format("planar-doctor --cell cell.yaml\n"
+                                    "       planar-doctor --new cell.yaml --drives {}",
+                                    fmt::join(new_cell_drives(), "|")),
                         R"(well      cell file: cell.yaml is in order
 well      drive 1: Tic 36v4 00411111 at /dev/bus/usb/001/002, firmware 1.09, supply 24.0 V
 well      camera: answers at 127.0.0.1 over lo)"};
 
 struct Options {
   std::filesystem::path cell;
+  std::filesystem::path new_cell;
+  std::string drives;
 };
 
 void add_options(CLI::App& app, Options& options) {
-  app.add_option("--cell", options.cell, "the cell")->required()->type_name("FILE");
+  CLI::Option* cell = app.add_option("--cell", options.cell, "the cell")->type_name("FILE");
+  CLI::Option* new_cell =
+      app.add_option("--new", options.new_cell, "write a commented cell file to fill in")
+          ->type_name("FILE")
+          ->excludes(cell);
+  CLI::Option* drives =
+      app.add_option("--drives", options.drives, "the kind of drives of the new cell")
+          ->check(CLI::IsMember(new_cell_drives()))
+          ->needs(new_cell);
+  new_cell->needs(drives);
+}
+
+Outcome write_new(const Options& options) {
+  write_new_cell(options.new_cell, options.drives);
+  const std::string file = options.new_cell.string();
+  fmt::print("wrote {}; replace its values by your own, then planar-doctor --cell {}\n", file,
+             file);
+  return {{{"cell", file}, {"drives", options.drives}}};
 }
 
 Outcome work(const Options& options) {
+  if (!options.new_cell.empty()) return write_new(options);
+  if (options.cell.empty()) throw InputError("--cell or --new is required; --help tells of both");
   const auto findings = examine_cell(options.cell);
   fmt::print("{}", findings_text(findings));
   return {findings_json(findings), is_sound(findings)};

@@ -2,11 +2,16 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 
+#include "crew.h"
+#include "planar_servo/core/error.h"
+#include "planar_servo/core/units.h"
+#include "planar_servo/experiment/campaign/campaign.h"
+#include "planar_servo/experiment/campaign/campaign_report.h"
 #include "planar_servo/experiment/experiment.h"
 #include "planar_servo/experiment/experiment_plan.h"
 #include "planar_servo/experiment/experiment_report.h"
-#include "planar_servo/experiment/experiment_series.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "program.h"
@@ -18,7 +23,9 @@ const ProgramText kText{
     "planar-experiment",
     "Runs the paper's whole experiment on a cell, our chain and the paper's side by side.",
     "planar-experiment --cell cell.yaml --out DIR [--grid circles:COLSxROWS:PITCHmm] [--seed N]\n"
-    "                         [--train N] [--unattended M] [--lays L] [--seeds N | --predict]",
+    "                         [--train N] [--unattended M] [--lays L [--board-thickness-mm T]]\n"
+    "                         [--predict | --seeds N [--jobs J]]\n"
+    "       mpirun -n RANKS planar-experiment ... --seeds N",
     R"(Table 7: mean true positioning error in mm, 25 targets on each circle of radius 200 mm
   circle about     before  paper's chain    ours  ours, improved by  paper: before  paper: after
   (-200, -200) mm   1.505          0.222  0.0181             98.8 %          1.504         0.185)"};
@@ -27,14 +34,18 @@ struct Options {
   std::filesystem::path cell, out;
   std::string grid{"circles:11x11:50mm"};
   std::uint64_t seed{1};
-  int seeds{0}, train{0}, unattended{0}, lays{1};
+  int seeds{0}, unattended{0}, lays{1};
+  std::optional<int> jobs;
+  std::optional<int> train;
+  std::optional<double> board_thickness_mm;
   bool predict{false};
 };
 
 void add_options(CLI::App& app, Options& options) {
   app.add_option("--cell", options.cell, "the cell")->required()->type_name("FILE");
   app.add_option("--out", options.out,
-                 "folder for the recording, each chain's files and the report")
+                 "folder for the recording, each chain's files and the report; what the same "
+                 "command left there unfinished is gone on with")
       ->required()
       ->type_name("DIR");
   app.add_option("--grid", options.grid, "the calibration board")
@@ -43,9 +54,10 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--seed", options.seed, "draws the training and test positions")
       ->capture_default_str();
   app.add_option("--train", options.train,
-                 "tracker readings that the calibration takes, sweeps included; without it the "
-                 "paper's 200 places and two sweeps of 24")
-      ->check(CLI::Range(kFewestReadings, 100000))
+                 "tracker readings that our calibration takes, sweeps included; without the option "
+                 "the paper's 200 places and two sweeps of 24; with 0 lays of the board give the "
+                 "scale, and only the paper's chain has readings")
+      ->check(CLI::Range(0, 100000))
       ->type_name("N");
   app.add_option("--unattended", options.unattended,
                  "places that only the camera watches, which tell arm and camera apart")
@@ -57,36 +69,62 @@ void add_options(CLI::App& app, Options& options) {
       ->check(CLI::Range(1, 100))
       ->type_name("L")
       ->capture_default_str();
+  app.add_option("--board-thickness-mm", options.board_thickness_mm,
+                 "height of the laid board's dots above the lamps' plane, negative below: the lays "
+                 "tell the vision error, too")
+      ->type_name("T");
   auto* seeds =
       app.add_option("--seeds", options.seeds,
-                     "run on N virtual cells drawn from the seeds --seed, --seed + 1, ...")
+                     "run on N virtual cells drawn from the seeds --seed, --seed + 1, ...; each "
+                     "has its row in DIR/rows.jsonl as soon as it is done")
           ->check(CLI::Range(1, 10000))
           ->type_name("N");
+  app.add_option("--jobs", options.jobs,
+                 "processes that share the cells; without the option as many as there are cores, "
+                 "and under mpirun its ranks")
+      ->check(CLI::Range(1, 1000))
+      ->needs(seeds)
+      ->type_name("J");
   app.add_flag("--predict", options.predict,
                "predict the true error from the recording in DIR alone; nothing moves")
       ->excludes(seeds);
 }
 
 Outcome run_many(const ExperimentRequest& request, const Options& options) {
-  const std::vector<SeriesRow> rows = run_series(request, options.seeds);
-  const nlohmann::json figures = series_json(rows);
-  write_file(options.out / "report.html", series_page(rows, options.cell.string()));
+  const Crew crew(options.jobs);
+  const auto rows =
+      run_campaign(request, {static_cast<std::uint32_t>(options.seed), options.seeds});
+  if (!crew.leads()) return {};
+  const nlohmann::json figures = campaign_json(rows);
+  write_file(options.out / "report.html", campaign_page(rows, options.cell.string()));
   write_file(options.out / "figures.json", figures.dump(2) + "\n");
-  fmt::print("{}report: {}\n", series_text(rows), (options.out / "report.html").string());
+  fmt::print("{}report: {}\n", campaign_text(rows), (options.out / "report.html").string());
   return {figures};
 }
 
 ExperimentSize size_of(const Options& options) {
   ExperimentSize size;
-  if (options.train > 0) size = with_readings(size, options.train);
+  if (options.train.value_or(0) > 0) size = with_readings(size, *options.train);
   size.unattended_poses = options.unattended;
   size.lays = options.lays;
   return size;
 }
 
+ExperimentRequest request_of(const Options& options) {
+  ExperimentRequest request{read_cell(options.cell), parse_board(options.grid), options.seed,
+                            options.out, size_of(options)};
+  request.uses_tracker = options.train != 0;
+  if (options.board_thickness_mm) request.dots_height = *options.board_thickness_mm * kMillimetre;
+  if (!request.uses_tracker && !request.dots_height)
+    throw InputError(
+        "--train 0 takes the scale from the laid board; say with --board-thickness-mm how far its "
+        "dots lie above the lamps' plane (negative below), and lay it with --lays");
+  return request;
+}
+
 Outcome run(const Options& options) {
-  const ExperimentRequest request{read_cell(options.cell), parse_board(options.grid), options.seed,
-                                  options.out, size_of(options)};
+  if (options.seeds == 0) require_no_ranks();
+  const ExperimentRequest request = request_of(options);
   if (options.predict) {
     const PositioningPrediction prediction = predict_experiment(request);
     fmt::print("{}", prediction_text(prediction));

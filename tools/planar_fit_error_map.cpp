@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <optional>
 #include <utility>
 
 #include "planar_servo/core/clock.h"
@@ -15,9 +16,10 @@
 #include "planar_servo/offline/map/lamp_field_files.h"
 #include "planar_servo/offline/map/lamp_field_report.h"
 #include "planar_servo/offline/map/map_fit_report.h"
-#include "planar_servo/offline/map/pose_samples.h"
+#include "planar_servo/offline/map/map_page.h"
 #include "planar_servo/report/progress_bar.h"
 #include "program.h"
+#include "report_option.h"
 
 namespace planar {
 namespace {
@@ -25,8 +27,10 @@ namespace {
 const ProgramText kText{
     "planar-fit-error-map",
     "Fits a map of the vision error to pairs of vision and tracker positions.",
-    "planar-fit-error-map [--method auto|rbf|idw|hand:WIDTH_MM] -o map.yaml pairs.csv\n"
-    "       planar-fit-error-map --cell cell.yaml [--arm-out arm.yaml] -o map.yaml pairs.csv",
+    "planar-fit-error-map [--method auto|rbf|idw|hand:WIDTH_MM] [--report FILE.html|none]\n"
+    "                            -o map.yaml pairs.csv\n"
+    "       planar-fit-error-map --cell cell.yaml [--lays lays.csv] [--arm-out arm.yaml]\n"
+    "                            [--report FILE.html|none] -o map.yaml pairs.csv",
     R"(pairs used          199 (1 rejected)
   p17: 3.0047 mm from what the other pairs predict there, where 0.0276 mm is allowed
 method              gaussian_rbf
@@ -43,9 +47,9 @@ raw                   0.0775     0.0775  (0.0740 to 0.0812)
 auto                  0.0097     0.0148  (0.0111 to 0.0197))"};
 
 struct Options {
-  std::string method{"auto"};
+  std::string method{"auto"}, report;
   std::filesystem::path output;
-  std::filesystem::path pairs, cell, arm_out;
+  std::filesystem::path pairs, cell, lays, arm_out;
 };
 
 struct Fitted {
@@ -63,25 +67,27 @@ Fitted fit_and_compare(const std::filesystem::path& file, const MapMethodChoice&
   return {std::move(report), doubt_of_shared_error(pairs.problem.samples), std::move(comparison)};
 }
 
-LampFieldFit fit_field(const Options& options, const CellSettings& cell) {
-  const VisionCalibration vision = read_vision(cell, false);
-  require_belonging(contradictions({{Role::kPairs, options.pairs}},
-                                   origins_in(cell, calibration_files(cell, false)),
-                                   values_of(kRoles)));
-  ProgressBar bar;
-  return fit_lamp_field(nominal_arm(cell, vision), pose_samples(cell, read_pairs(options.pairs)),
-                        [&](const char* phase, double share) { bar.show(phase, share); });
+LampFieldFiles files_of(const Options& options) {
+  return {options.pairs, options.lays, options.output, options.arm_out};
 }
 
 /// Learns the error at the lamps together with the arm.
-Outcome fit_with_cell(const Options& options) {
+Outcome fit_with_cell(const Options& options, const std::optional<std::filesystem::path>& page) {
+  const LampFieldFiles files = files_of(options);
   const CellSettings cell = read_cell(options.cell);
+  const VisionCalibration vision = read_vision(cell, false);
+  require_belonging(contradictions(files.inputs(), origins_in(cell, calibration_files(cell, false)),
+                                   values_of(kRoles)));
+  ProgressBar bar;
   const SteadyClock clock;
   const double begin_s = clock.now_s();
-  const LampFieldFit fit = fit_field(options, cell);
+  const LampFieldFit fit = learn_lamp_field(
+      files, cell, vision, [&](const char* phase, double share) { bar.show(phase, share); });
   const double fit_seconds = clock.now_s() - begin_s;
-  write_lamp_field({options.output, options.arm_out}, fit, cell, options.pairs, kText.name);
-  fmt::print("{}", lamp_field_report_text(fit));
+  write_lamp_field(files, fit, cell, kText.name);
+  const std::string text = lamp_field_report_text(fit);
+  fmt::print("{}", text);
+  if (page) write_page(*page, map_page(view_of(fit, text), options.output));
   nlohmann::json figures = lamp_field_report_json(fit);
   figures["fit_seconds"] = fit_seconds;
   return {figures};
@@ -91,14 +97,17 @@ Outcome fit(const Options& options) {
   for (const std::filesystem::path& output : {options.output, options.arm_out}) {
     if (output.empty()) continue;
     require_writable(output);
-    require_not_input(output, options.pairs);
+    for (const MadeFile& input : files_of(options).inputs()) require_not_input(output, input.path);
   }
-  if (!options.cell.empty()) return fit_with_cell(options);
+  const auto page = page_for(options.report, options.output);
+  if (!options.cell.empty()) return fit_with_cell(options, page);
   const MapMethodChoice choice = parse_map_method(options.method);
   const auto [report, doubt, comparison] = fit_and_compare(options.pairs, choice);
   write_file(options.output, map_text(report.result, options.pairs, kText.name));
   if (!doubt.empty()) spdlog::warn(doubt);
-  fmt::print("{}", map_fit_text(report, comparison));
+  const std::string text = map_fit_text(report, comparison);
+  fmt::print("{}", text);
+  if (page) write_page(*page, map_page(view_of(report, text), options.output));
   return {map_fit_json(report, comparison)};
 }
 
@@ -115,9 +124,15 @@ void add_options(CLI::App& app, Options& options) {
                      "and from poses without one")
           ->excludes(method)
           ->type_name("cell.yaml");
+  app.add_option("--lays", options.lays,
+                 "dots of a board laid on the plane, by planar-pair-tracker --lays-out: they tell "
+                 "the field's shape and, with a known pitch, its scale")
+      ->needs(cell)
+      ->type_name("lays.csv");
   app.add_option("--arm-out", options.arm_out, "the arm that was found")
       ->needs(cell)
       ->type_name("arm.yaml");
+  add_report_option(app, options.report);
   app.add_option("-o,--out", options.output, "the map to write")->required()->type_name("map.yaml");
   app.add_option("pairs", options.pairs, "the pairs")->required()->type_name("pairs.csv");
 }

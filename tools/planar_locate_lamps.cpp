@@ -8,11 +8,13 @@
 #include "planar_servo/files/vision_files.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/machine/device_kinds.h"
+#include "planar_servo/offline/lamps/lamps_page.h"
 #include "planar_servo/offline/lamps/locate_lamps.h"
 #include "planar_servo/offline/lamps/locate_report.h"
 #include "planar_servo/offline/pairs/pair_files.h"
 #include "planar_servo/report/progress_bar.h"
 #include "program.h"
+#include "report_option.h"
 
 namespace planar {
 namespace {
@@ -23,14 +25,14 @@ const ProgramText kText{
     "planar-locate-lamps",
     "Finds lamps in images and measures their centres, on the cell's plane where it has one.",
     "planar-locate-lamps [--cell cell.yaml] [--lamps 1|2] [--centre METHOD] [--start U,V] "
-    "-o lamps.csv RECORDING | IMAGE...",
+    "[--report FILE.html|none] -o lamps.csv RECORDING | IMAGE...",
     "163 images: 156 ok, 7 board_view; 0.46 ms per image; direction to 0.0034 deg"};
 
 struct Options {
   fs::path cell, out;
   std::vector<fs::path> inputs;
   std::string method;  ///< empty: the cell's lamps.method, or auto without a cell
-  std::string start;
+  std::string start, report;
   int lamps{2};
 };
 
@@ -48,6 +50,7 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--start", options.start, "pixel of the disc in the first image")
       ->type_name("U,V");
   app.add_option("-o,--out", options.out, "lamps.csv to write")->required()->type_name("FILE");
+  add_report_option(app, options.report);
   app.add_option("images", options.inputs, "a recording's folder, or images in their order")
       ->required()
       ->type_name("RECORDING | IMAGE...");
@@ -127,6 +130,7 @@ LocateJob read_job(const Options& options) {
 }
 
 Outcome locate(const Options& options) {
+  const auto page = page_for(options.report, options.out);
   auto [request, origins] = read_job(options);
   ProgressBar bar("locating");
   request.progress = [&](std::size_t done, std::size_t all) { bar.show(done, all); };
@@ -135,6 +139,10 @@ Outcome locate(const Options& options) {
   write_file(options.out, lamps_text(report.rows, lamp_remarks(origins, report.reference_lamps)));
   const LocateFigures figures = figures_of(report);
   fmt::print("{}", locate_text(figures));
+  if (page)
+    write_page(*page,
+               lamps_page(report, options.out,
+                          request.scene ? std::optional(request.scene->sensor_px) : std::nullopt));
   const std::string doubt =
       request.scene ? distance_doubt(report, request.scene->lamps.separation_m) : "";
   if (!doubt.empty()) spdlog::warn(doubt);

@@ -6,6 +6,7 @@
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
+#include "planar_servo/files/tables/tracker_lines.h"
 #include "planar_servo/files/tool_file.h"
 #include "planar_servo/files/vision_files.h"
 #include "planar_servo/files/workplane_file.h"
@@ -14,9 +15,11 @@
 #include "planar_servo/offline/pairs/health_of_recording.h"
 #include "planar_servo/offline/pairs/lay_check.h"
 #include "planar_servo/offline/pairs/pair_files.h"
+#include "planar_servo/offline/pairs/pair_page.h"
 #include "planar_servo/offline/pairs/pair_tracker.h"
 #include "planar_servo/offline/pairs/pair_tracker_report.h"
 #include "program.h"
+#include "report_option.h"
 
 namespace planar {
 namespace {
@@ -27,7 +30,7 @@ const ProgramText kText{
     "planar-pair-tracker --cell cell.yaml --lamps lamps.csv --recording RECORDING "
     "[--workplane-from pairs|grid] --workplane-out workplane.yaml --tool-out tool.yaml "
     "[--grid BOARD] [--board-thickness-mm T] [--lays-out lays.csv] "
-    "[--health-out health.yaml] -o pairs.csv",
+    "[--health-out health.yaml] [--report FILE.html|none] -o pairs.csv",
     R"(datum      3 monuments, rms 0.005 mm
 workplane  6 degrees of freedom fitted to 51 places, rms 0.085 mm
 tool       end point (0.058, 0.048) mm, reflector (11.811, -8.139) mm
@@ -39,7 +42,7 @@ constexpr double kThickest_mm = 1000.0;
 struct Options {
   std::filesystem::path cell, lamps, recording, tracker, workplane_out, tool_out, health_out,
       lays_out, pairs_out;
-  std::string workplane_from{"pairs"}, grid, pair_by{"id"}, columns;
+  std::string workplane_from{"pairs"}, grid, pair_by{"id"}, columns, report;
   char separator{','};
   bool decimal_comma{false};
   double board_thickness_mm{0.0};
@@ -95,28 +98,10 @@ void add_options(CLI::App& app, Options& options) {
                  "health.yaml to write: places and measures by which planar-check-cell and "
                  "planar-servo see later what has changed")
       ->type_name("FILE");
+  add_report_option(app, options.report);
   app.add_option("-o,--out", options.pairs_out, "pairs.csv to write")
       ->required()
       ->type_name("FILE");
-}
-
-/// Reads x=X,y=Y and returns for each of our columns (with its unit, if it has one) the name that
-/// it has in the tracker's table.
-std::map<std::string, std::string> renamed_columns(const std::string& text) {
-  static const std::map<std::string, std::string> ours{
-      {"id", "id"}, {"t", "t_s"}, {"x", "x_mm"}, {"y", "y_mm"}, {"z", "z_mm"}};
-  std::map<std::string, std::string> renamed;
-  for (const std::string& item : CLI::detail::split(text, ',')) {
-    const std::size_t equals = item.find('=');
-    const auto known = ours.find(item.substr(0, equals));
-    if (item.empty()) continue;
-    if (equals == std::string::npos || known == ours.end()) {
-      throw InputError("--tracker-columns has '" + item +
-                       "'; needed are items such as x=X, for id, t, x, y or z");
-    }
-    renamed[known->second] = item.substr(equals + 1);
-  }
-  return renamed;
 }
 
 RecordedTables tables_of(const Options& options) {
@@ -169,9 +154,10 @@ PairTrackerRequest read_request(const Options& options) {
   request.lamps = read_lamps(options.lamps);
   request.frames = read_frames(options.recording);
   require_belonging(stale_tables(request.cell, tables_of(options)));
-  request.tracker =
-      read_tracker(tables_of(options).tracker,
-                   {options.separator, options.decimal_comma, renamed_columns(options.columns)});
+  if (!options.tracker.empty() || std::filesystem::exists(tables_of(options).tracker))
+    request.tracker = read_tracker(
+        tables_of(options).tracker,
+        {options.separator, options.decimal_comma, renamed_tracker_columns(options.columns)});
   request.by = options.pair_by == "time" ? PairBy::kTime : PairBy::kId;
   request.dots_height = options.board_thickness_mm * kMillimetre;
   if (source_of(options) == WorkplaneSource::kBoard)
@@ -213,6 +199,7 @@ std::string write_lays(const Options& options, const PairTrackerRequest& request
 }
 
 Outcome pair(const Options& options) {
+  const auto page = page_for(options.report, options.pairs_out);
   const PairTrackerRequest request = read_request(options);
   std::vector<LaidBoard> boards = request.boards_on_plane;
   if (boards.empty() && !options.lays_out.empty())
@@ -223,6 +210,7 @@ Outcome pair(const Options& options) {
                    source_of(options), report.pairs, kText.name);
   look_at_cell(options, request, report);
   fmt::print("{}", pair_tracker_text(report));
+  if (page) write_page(*page, pair_page(request, report, options.pairs_out));
   if (!options.lays_out.empty())
     fmt::print("{}", write_lays(options, request, boards, report.workplane));
   return {pair_tracker_json(report)};

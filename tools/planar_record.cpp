@@ -12,13 +12,19 @@ namespace {
 
 const ProgramText kText{
     "planar-record", "Drives a cell through a plan and records frames and tracker readings.",
-    "planar-record --cell cell.yaml --plan plan.csv --out RECORDING",
+    "planar-record --cell cell.yaml --plan plan.csv --out RECORDING [--home]\n"
+    "                     [--grid circles:COLSxROWS:PITCHmm] [--display auto|x|none]\n"
+    "                     [--on-bad-reading repeat|skip|stop]",
     "1 positions recorded (0 were there before): 3 frames, 1 of them full, in RECORDING\n"
     "camera: 3 whole frames; left out: 0 with parts missing, 0 repeated; the camera was lost and "
     "found 0 times"};
 
 struct Options {
   std::filesystem::path cell, plan, recording;
+  std::string grid;  ///< empty: none
+  std::string display{"none"};
+  std::string on_bad_reading{"repeat"};
+  bool home{false};
 };
 
 void add_options(CLI::App& app, Options& options) {
@@ -30,12 +36,43 @@ void add_options(CLI::App& app, Options& options) {
                  "folder of the recording; a recording that was begun is continued")
       ->required()
       ->type_name("DIR");
+  app.add_flag("--home", options.home,
+               "home drives that do not know their position, which moves the arm; without it the "
+               "program asks, on a terminal");
+  app.add_option(
+         "--grid", options.grid,
+         "the board that a person shows to a real cell's camera: circles or chessboard, such "
+         "as circles:11x11:50mm; ? for a pitch that is not known")
+      ->type_name("BOARD");
+  app.add_option(
+         "--display", options.display,
+         "auto: draw what the camera sees of the board and what is missing into RECORDING/view.png "
+         "and, where an X server answers, a window; x: insist on the window; none")
+      ->check(CLI::IsMember(names_of(kDisplayPolicies)))
+      ->capture_default_str();
+  app.add_option("--on-bad-reading", options.on_bad_reading,
+                 "what happens to a place of which the tracker gives no good reading: it is taken "
+                 "again up to twice, left out, or the recording stops")
+      ->check(CLI::IsMember(names_of(kBadReadings)))
+      ->capture_default_str();
+}
+
+std::optional<Board> board_of(const Options& options) {
+  if (options.grid.empty()) return std::nullopt;
+  return parse_board(options.grid, BoardUse::kShape);
 }
 
 Outcome run(const Options& options) {
   const CellSettings cell = read_cell(options.cell);
-  const RecordRequest request{cell, read_plan(options.plan, cell.tool_orientation),
-                              options.recording, interrupted};
+  const RecordRequest request{
+      cell,
+      read_plan(options.plan, cell.tool_orientation),
+      options.recording,
+      interrupted,
+      value_named(kBadReadings, options.on_bad_reading).value(),
+      board_of(options),
+      value_named(kDisplayPolicies, options.display).value(),
+      [home = options.home](const std::string& unhomed) { return may_home(home, unhomed); }};
   heed_interrupts();
   const auto devices = open_cell(request.cell);
   const RecordReport report = record(request, *devices);

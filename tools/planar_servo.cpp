@@ -1,16 +1,17 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
-#include <unistd.h>
 
 #include <iostream>
 #include <set>
 
 #include "planar_servo/core/error.h"
+#include "planar_servo/core/units.h"
 #include "planar_servo/files/vision_files.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/report/progress_bar.h"
 #include "planar_servo/run/cell_check.h"
 #include "planar_servo/run/dry_run_report.h"
+#include "planar_servo/run/path/path_report.h"
 #include "planar_servo/run/servo_display.h"
 #include "planar_servo/run/servo_report.h"
 #include "planar_servo/run/servo_run.h"
@@ -23,12 +24,15 @@ namespace {
 namespace fs = std::filesystem;
 
 const ProgramText kText{
-    "planar-servo", "Positions the end point at targets by vision and logs every step.",
+    "planar-servo",
+    "Positions the end point at targets, or leads it along a path, by vision and logs every step.",
     "planar-servo --cell cell.yaml --targets targets.csv --out DIR [--no-error-map] [--resume]\n"
     "                    [--centre METHOD] [--display auto|x|none] [--home]\n"
     "                    [--accept-stale] [--no-health] [--keep-going]\n"
     "       planar-servo --cell cell.yaml --targets targets.csv --dry-run | --check\n"
-    "       ... | planar-servo --cell cell.yaml --targets - --out DIR",
+    "       ... | planar-servo --cell cell.yaml --targets - --out DIR\n"
+    "       planar-servo --cell cell.yaml --path path.csv --out DIR [--speed-mm-s V,...] "
+    "[--no-vision]",
     R"(2 of 2 targets reached, 1 correction and 2.87 s each
 against the truth: before 0.924 mm mean; after 0.0130 mm mean, 0.0130 rms, 0.0134 at 95 %, 0.0135 max; improvement 98.6 %
 log and report: DIR)"};
@@ -36,20 +40,41 @@ log and report: DIR)"};
 constexpr char kStdin[] = "standard input";
 
 struct Options {
-  fs::path cell, targets, out;
+  fs::path cell, targets, path, out;
+  std::vector<double> speeds_mm_s{10.0};
   std::string display{"none"};
   std::string center;  ///< empty: the cell's lamps.method
   bool no_error_map{false}, dry_run{false}, check{false}, resume{false}, home{false};
-  bool accept_stale{false}, no_health{false}, keep_going{false};
+  bool accept_stale{false}, no_health{false}, keep_going{false}, no_vision{false};
 };
+
+/// Adds where the end point is to go: targets or a path.
+void add_goals(CLI::App& app, Options& options) {
+  auto* goals = app.add_option_group("where to");
+  goals
+      ->add_option("--targets", options.targets,
+                   "table of targets; '-' reads lines id,x_mm,y_mm[,phi_deg] from standard input "
+                   "and answers each with one line of JSON")
+      ->type_name("FILE");
+  auto* path = goals
+                   ->add_option("--path", options.path,
+                                "table of the places that a path goes through, straight or on arcs")
+                   ->type_name("FILE");
+  goals->require_option(1);
+  app.add_option("--speed-mm-s", options.speeds_mm_s,
+                 "speeds along the path, 1 to 50; it is followed once at each")
+      ->delimiter(',')
+      ->needs(path)
+      ->type_name("V,...")
+      ->capture_default_str();
+  app.add_flag("--no-vision", options.no_vision,
+               "follow the path by the arm's model alone; vision watches and corrects nothing")
+      ->needs(path);
+}
 
 void add_options(CLI::App& app, Options& options) {
   app.add_option("--cell", options.cell, "the cell")->required()->type_name("FILE");
-  app.add_option("--targets", options.targets,
-                 "table of targets; '-' reads lines id,x_mm,y_mm[,phi_deg] from standard input and "
-                 "answers each with one line of JSON")
-      ->required()
-      ->type_name("FILE");
+  add_goals(app, options);
   auto* out = app.add_option("--out", options.out, "folder for log and report")->type_name("DIR");
   app.add_flag("--no-error-map", options.no_error_map, "use vision without the error map");
   app.add_option("--centre", options.center,
@@ -65,12 +90,15 @@ void add_options(CLI::App& app, Options& options) {
   app.add_flag("--keep-going", options.keep_going,
                "try the next target even when the cell itself is in doubt: after a look that "
                "contradicts the command or the calibration, or an error that grew");
-  app.add_flag("--resume", options.resume, "continue the run in DIR")->needs(out);
+  app.add_flag("--resume", options.resume, "continue the run in DIR")
+      ->needs(out)
+      ->excludes("--path");
   app.add_option(
          "--display", options.display,
          "auto: draw every step into DIR/view.png and, where an X server answers, a window; "
          "x: insist on the window; none")
-      ->check(CLI::IsMember({"auto", "x", "none"}))
+      ->check(CLI::IsMember(names_of(kDisplayPolicies)))
+      ->excludes("--path")
       ->capture_default_str();
   auto* dry = app.add_flag("--dry-run", options.dry_run,
                            "print the first move to each target; nothing moves")
@@ -82,15 +110,6 @@ void add_options(CLI::App& app, Options& options) {
 
 bool from_stdin(const Options& options) {
   return options.targets == "-";
-}
-
-bool may_home(const Options& options, const std::string& unhomed) {
-  if (options.home) return true;
-  if (from_stdin(options) || isatty(STDIN_FILENO) == 0) return false;
-  fmt::print(stderr, "{}. Search their home switches now? The arm will move. [y/N] ", unhomed);
-  std::string answer;
-  std::getline(std::cin, answer);
-  return answer == "y" || answer == "Y";
 }
 
 Outcome print_dry_run(const CellSettings& cell, const std::vector<TargetRow>& targets) {
@@ -169,40 +188,83 @@ Outcome report(const ServoRequest& request, const Options& options, const ServoR
           figures.reached == figures.targets && bad_lines == 0 && !run.ended_by()};
 }
 
-Outcome work(const Options& options) {
-  const CellSettings cell = read_cell(options.cell);
+ServoRequest request_of(const Options& options, const CellSettings& cell) {
+  if (options.out.empty())
+    throw InputError("--out is needed to move the arm; only --dry-run and --check do without it");
   const CenterMethod center =
       options.center.empty() ? cell.lamps.method : *value_named(kCenterMethods, options.center);
+  return {cell,
+          center,
+          !options.no_error_map,
+          options.out,
+          options.resume,
+          options.accept_stale,
+          !options.no_health,
+          options.keep_going,
+          [options](const std::string& unhomed) {
+            return (options.home || !from_stdin(options)) && may_home(options.home, unhomed);
+          },
+          interrupted};
+}
+
+/// Reads and checks every file that a run would use.
+VisionCalibration check_files(const Options& options, const CellSettings& cell) {
+  require_devices(cell);
+  VisionCalibration vision = read_vision(cell, !options.no_error_map);
+  read_cell_health(cell);
+  accept_stale_files(cell, !options.no_error_map, options.accept_stale);
+  return vision;
+}
+
+Outcome reach_targets(const Options& options, const CellSettings& cell) {
   const std::vector<TargetRow> targets =
       from_stdin(options) ? std::vector<TargetRow>() : read_targets(options.targets);
   if (options.check) {
-    require_devices(cell);
-    const VisionCalibration vision = read_vision(cell, !options.no_error_map);
-    read_cell_health(cell);
-    accept_stale_files(cell, !options.no_error_map, options.accept_stale);
+    const VisionCalibration vision = check_files(options, cell);
     return from_stdin(options) ? plan_stream(cell) : print_check(cell, vision, targets);
   }
   if (options.dry_run)
     return from_stdin(options) ? plan_stream(cell) : print_dry_run(cell, targets);
-  if (options.out.empty())
-    throw InputError("--out is needed to move the arm; only --dry-run and --check do without it");
-  const ServoRequest request{cell,
-                             center,
-                             !options.no_error_map,
-                             options.out,
-                             options.resume,
-                             options.accept_stale,
-                             !options.no_health,
-                             options.keep_going,
-                             [&](const std::string& unhomed) { return may_home(options, unhomed); },
-                             interrupted};
+  const ServoRequest request = request_of(options, cell);
   heed_interrupts();
   const auto devices = open_cell(request.cell);
-  ServoDisplay display(display_policy_named(options.display), options.out / "view.png");
+  ServoDisplay display(value_named(kDisplayPolicies, options.display).value(),
+                       options.out / "view.png");
   ServoRun run(request, *devices, [&](const ServoSight& sight) { display.show(sight); });
   const std::size_t bad_lines = move(run, options, targets);
   display.close();
   return report(request, options, run, devices->camera().counts(), bad_lines);
+}
+
+Outcome follow_path(const Options& options, const CellSettings& cell) {
+  const PathRequest path =
+      read_path_request(options.path, cell, options.speeds_mm_s, !options.no_vision);
+  const std::vector<PathDemand> demands = require_followable(cell, path);
+  if (options.check) require_inside_map(check_files(options, cell), path);
+  if (options.check || options.dry_run) {
+    fmt::print("{}", path_demand_text(path, demands));
+    return {path_demand_json(path, demands), true};
+  }
+  const ServoRequest request = request_of(options, cell);
+  heed_interrupts();
+  const auto devices = open_cell(request.cell);
+  PathRun run(request, path, *devices);
+  bool reached = true;
+  for (std::size_t i = 0; i < path.speeds_m_s.size() && !run.ended_by(); ++i) {
+    const PathSpeedResult& result = run.follow(path.speeds_m_s[i]);
+    if (result.status == ServoStatus::kReached) continue;
+    reached = false;
+    spdlog::error(fmt::format("at {:g} mm/s: {}: {}", result.speed_m_s / kMillimetre,
+                              name(result.status), result.reason));
+  }
+  write_path_run(request, path, run);
+  fmt::print("{}log and report: {}\n", path_text(path, run.results()), request.out.string());
+  return {path_json(path, run.results()), reached};
+}
+
+Outcome work(const Options& options) {
+  const CellSettings cell = read_cell(options.cell);
+  return options.path.empty() ? reach_targets(options, cell) : follow_path(options, cell);
 }
 
 }  // namespace

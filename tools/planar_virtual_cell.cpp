@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <cstdint>
@@ -13,7 +14,9 @@
 #include "planar_servo/io/growing_file.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/machine/virtual_kinds.h"
-#include "planar_servo/served_cell/serve_cell.h"
+#include "planar_servo/served_cell/cell_commands.h"
+#include "planar_servo/served_cell/line_input.h"
+#include "planar_servo/served_cell/served_cell.h"
 #include "planar_servo/virtual_cell/truth/truth.h"
 #include "planar_servo/virtual_cell/truth/truth_file.h"
 #include "program.h"
@@ -32,20 +35,34 @@ constexpr Named<Draw> kKinds[] = {
     {draw_truth, "paper"}, {draw_rough_truth, "rough"}, {draw_workshop_truth, "workshop"}};
 
 const CommandText kServe{
-    "serve", "planar-virtual-cell serve --cell cell.yaml [--address ADDRESS]",
-    "serving cell.yaml as a GigE Vision camera on 127.0.0.1 until interrupted"};
+    "serve",
+    "planar-virtual-cell serve --cell cell.yaml [--out live.yaml] [--address ADDRESS]\n"
+    "                                 [--tracker tcp|file] [--tracker-clock OFFSET_S,PPM]\n"
+    "                                 [--decimal-comma] [--broken-beams PERCENT]\n"
+    "                                 [--truth-log FILE]",
+    "serving cell.yaml until interrupted; live.yaml describes it as a real cell\n"
+    "camera   GigE Vision on 127.0.0.1\n"
+    "drives   Grbl at /home/me/grbl\n"
+    "tracker  on 127.0.0.1:7701\n"
+    "the board is held, view 0"};
 const ProgramText kText{"planar-virtual-cell",
-                        "Makes virtual cells, and serves their cameras.",
+                        "Makes virtual cells, and serves them as real ones.",
                         kDraw.synopsis + "\n       " + kServe.synopsis,
                         kDraw.sample,
                         {kDraw, kServe}};
+
+constexpr double kInputPeriod_s = 0.1;
+constexpr char kTcp[] = "tcp", kFile[] = "file";
 
 struct Options {
   std::uint32_t seed{0};
   std::string like{"paper"};
   fs::path folder;
-  fs::path cell;
-  std::string address{"127.0.0.1"};
+  fs::path cell, live_cell, truth_log;
+  std::string address{"127.0.0.1"}, tracker{kTcp};
+  std::vector<double> tracker_clock{0.0, 0.0};
+  bool decimal_comma{false};
+  double broken_percent{0.0};
 };
 
 /// Names the reference lamps of a workshop's cell file, with the diameter of the tool's.
@@ -74,15 +91,42 @@ Outcome draw(const Options& options) {
   return {{{"seed", options.seed}, {"cell", cell.string()}, {"truth", truth.string()}}};
 }
 
+ServeRequest serve_request(const Options& options) {
+  const fs::path folder = fs::absolute(options.cell).parent_path();
+  ServeRequest request;
+  request.cell = read_cell(options.cell);
+  request.address = options.address;
+  request.grbl_port = folder / "grbl";
+  if (options.tracker == kFile) request.tracker_file = folder / "tracker.txt";
+  request.tracker = {options.tracker_clock[0], options.tracker_clock[1], options.decimal_comma,
+                     options.broken_percent};
+  if (!options.truth_log.empty()) request.truth_log = options.truth_log;
+  return request;
+}
+
+void say(const std::string& text) {
+  fmt::print("{}\n", text);
+  std::fflush(stdout);
+}
+
 Outcome serve(const Options& options) {
-  const CellSettings cell = read_cell(options.cell);
+  const ServeRequest request = serve_request(options);
+  const bool writes_cell = !options.live_cell.empty();
+  if (writes_cell && fs::exists(options.live_cell))
+    throw InputError(options.live_cell.string() +
+                     ": exists already; name another file, or leave out --out, since served cells "
+                     "are found at the same places again");
+  if (writes_cell) require_writable(options.live_cell);
   heed_interrupts();
-  const auto started = [&] {
-    fmt::print("serving {} as a GigE Vision camera on {} until interrupted\n",
-               options.cell.string(), options.address);
-    std::fflush(stdout);
-  };
-  serve_cell(cell, options.address, started, interrupted);
+  ServedCell served(request);
+  if (writes_cell) write_file(options.live_cell, served.live_text());
+  say(fmt::format("serving {} until interrupted{}", options.cell.string(),
+                  writes_cell
+                      ? fmt::format("; {} describes it as a real cell", options.live_cell.string())
+                      : ""));
+  say(served.description());
+  for (LineInput input(STDIN_FILENO); !interrupted(); served.require_well())
+    for (const std::string& line : input.lines_within(kInputPeriod_s)) say(served.obey(line));
   return {};
 }
 
@@ -90,14 +134,51 @@ Outcome work(const Options& options) {
   return options.cell.empty() ? draw(options) : serve(options);
 }
 
+void add_serve_options(CLI::App& server, Options& options) {
+  server.add_option("--cell", options.cell, "the virtual cell")->required()->type_name("FILE");
+  server
+      .add_option("--out", options.live_cell,
+                  "a cell file to be written, which describes the served devices as real ones")
+      ->type_name("FILE");
+  server.add_option("--address", options.address, "an address of this machine")
+      ->capture_default_str();
+  server
+      .add_option("--tracker", options.tracker,
+                  "the tracker's lines come from port 7701, or in tracker.txt beside the cell")
+      ->check(CLI::IsMember({kTcp, kFile}))
+      ->capture_default_str();
+  server
+      .add_option(
+          "--tracker-clock", options.tracker_clock,
+          "seconds by which the tracker's clock is ahead of this computer's, and parts in a "
+          "million by which it runs fast")
+      ->delimiter(',')
+      ->expected(2)
+      ->type_name("OFFSET_S,PPM");
+  server.add_flag("--decimal-comma", options.decimal_comma,
+                  "the tracker writes 1,5 for 1.5, and ; between columns");
+  server
+      .add_option(
+          "--broken-beams", options.broken_percent,
+          "share of the time in which the tracker's beam is broken, and nothing sent, for 6 "
+          "s at a time")
+      ->type_name("PERCENT");
+  server
+      .add_option("--truth-log", options.truth_log,
+                  "where the tool really is, whenever it has moved; for scoring only")
+      ->type_name("FILE");
+}
+
 void add_options(CLI::App& app, Options& options) {
   app.require_subcommand(1);
   app.fallthrough();
-  CLI::App* server = app.add_subcommand(
-      kServe.name, "Serves a cell's camera as a GigE Vision camera of this machine.");
-  server->add_option("--cell", options.cell, "the virtual cell")->required()->type_name("FILE");
-  server->add_option("--address", options.address, "an address of this machine")
-      ->capture_default_str();
+  add_serve_options(*app.add_subcommand(
+                        kServe.name,
+                        "Serves a cell as real devices of this machine until interrupted: a GigE "
+                        "Vision camera, drives on a Grbl board, a tracker. Lines on standard input "
+                        "say what a person would do at the cell: " +
+                            std::string(kCellCommands) + ". When they end, the cell goes on."),
+                    options);
   CLI::App* command = app.add_subcommand(kDraw.name, "Draws a new random cell with its truth.");
   command->add_option("--seed", options.seed, "the same seed draws the same cell")->required();
   command

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <Eigen/Core>
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
@@ -22,6 +23,8 @@ namespace {
 
 constexpr int kWorkFailed = 1;
 constexpr int kWrongInput = 2;
+/// Ends a message on a terminal, where it may be written over a status line.
+constexpr char kEraseToEnd[] = "\033[K";
 
 class HelpFormatter : public CLI::Formatter {
  public:
@@ -86,7 +89,7 @@ void require_figures_file(const std::filesystem::path& file) {
 
 void start_log(const std::string& name, bool quiet, bool verbose) {
   auto logger = spdlog::stderr_color_mt(name);
-  logger->set_pattern("%n: %^%v%$");
+  logger->set_pattern(std::string("%n: %^%v%$") + (isatty(STDERR_FILENO) != 0 ? kEraseToEnd : ""));
   logger->set_level(quiet     ? spdlog::level::err
                     : verbose ? spdlog::level::debug
                               : spdlog::level::info);
@@ -98,12 +101,16 @@ int failure(int status, const std::exception& e) {
   return status;
 }
 
-/// Occupies standard streams that were closed, so that no file is opened in their place and filled
-/// with messages. What is printed fails as it did.
+/// Occupies standard streams that were closed, so that no file or device is opened in their place,
+/// filled with messages or read as what the user types. What is printed or read fails as it did.
 void occupy_closed_streams() {
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
     if (fcntl(stream, F_GETFD) < 0) open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY);
 }
+
+/// Runs before main() and before the libraries' own beginnings, of which some open sockets.
+[[gnu::section(".preinit_array"),
+  gnu::used]] void (*const occupy_before_all)() = occupy_closed_streams;
 
 /// Throws when what was printed could not be written, as into a full disk.
 void require_printed() {
@@ -127,6 +134,15 @@ bool interrupted() {
   return interrupts != 0;
 }
 
+bool may_home(bool option, const std::string& unhomed) {
+  if (option) return true;
+  if (isatty(STDIN_FILENO) == 0) return false;
+  fmt::print(stderr, "{}. Search their home switches now? The arm will move. [y/N] ", unhomed);
+  std::string answer;
+  std::getline(std::cin, answer);
+  return answer == "y" || answer == "Y";
+}
+
 int run_program(const ProgramText& text, int argc, char** argv,
                 const std::function<void(CLI::App&)>& add_options,
                 const std::function<Outcome()>& work) {
@@ -142,7 +158,6 @@ int run_program(const ProgramText& text, int argc, char** argv,
   CLI::Option* quiet_flag = app.add_flag("-q,--quiet", quiet, "errors only");
   app.add_flag("-v,--verbose", verbose, "also log each look, each file read and each decision")
       ->excludes(quiet_flag);
-  occupy_closed_streams();
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
@@ -150,12 +165,16 @@ int run_program(const ProgramText& text, int argc, char** argv,
     return std::cout.flush() ? 0 : kWorkFailed;
   }
   start_log(text.name, quiet, verbose);
+  // Products of matrices gain nothing from two threads here, and lose all where others compute,
+  // too.
+  Eigen::setNbThreads(1);
   cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);  // our messages say it all
   try {
     require_figures_file(json_file);
     const Outcome outcome = work();
     require_figures_file(json_file);
-    if (!json_file.empty()) write_file(json_file, outcome.figures.dump(2) + "\n");
+    if (!json_file.empty() && !outcome.figures.is_null())
+      write_file(json_file, outcome.figures.dump(2) + "\n");
     require_printed();
     return outcome.success ? 0 : kWorkFailed;
   } catch (const InputError& e) {

@@ -26,8 +26,9 @@ struct ProgramText {
 
 /// Says how a program's work ended.
 struct Outcome {
-  nlohmann::json figures;  ///< every printed figure, for --json
-  bool success{true};      ///< false when the work was done but failed (exit status 1)
+  /// Every printed figure, for --json; null where another process of the same work prints them.
+  nlohmann::json figures;
+  bool success{true};  ///< false when the work was done but failed (exit status 1)
 };
 
 /// Makes the next Ctrl-C or SIGTERM only ask the program to stop, and ends its input as well. A
@@ -35,6 +36,10 @@ struct Outcome {
 void heed_interrupts();
 /// Returns true once the program was asked to stop.
 bool interrupted();
+
+/// Returns whether drives may be homed, as RecordRequest::may_home is asked: because an option says
+/// so, or because somebody at the terminal does.
+bool may_home(bool option, const std::string& unhomed);
 
 /// Parses the options (those of `add_options` besides --help, --version, --json, -q and -v), does
 /// the work and returns the exit status: 0 when it is done, 1 when the work failed or standard

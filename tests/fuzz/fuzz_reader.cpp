@@ -11,10 +11,12 @@
 #include <string>
 
 #include "planar_servo/core/error.h"
+#include "planar_servo/drives/grbl/grbl_protocol.h"
 #include "planar_servo/files/arm_file.h"
 #include "planar_servo/files/board_points_file.h"
 #include "planar_servo/files/camera/camera_file.h"
 #include "planar_servo/files/map/map_file.h"
+#include "planar_servo/files/path/path_table.h"
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/files/tables/arm_sample_table.h"
 #include "planar_servo/files/tables/frame_table.h"
@@ -24,6 +26,7 @@
 #include "planar_servo/files/tables/plan_table.h"
 #include "planar_servo/files/tables/result_table.h"
 #include "planar_servo/files/tables/target_table.h"
+#include "planar_servo/files/tables/tracker_lines.h"
 #include "planar_servo/files/tables/tracker_table.h"
 #include "planar_servo/files/tool_file.h"
 #include "planar_servo/files/workplane_file.h"
@@ -50,6 +53,28 @@ void read_stream(const fs::path& path) {
   }
 }
 
+/// A tracker's program writes lines; a bad one does not end the stream. The first byte chooses
+/// between columns with names and counted ones.
+void read_tracker_stream(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  TrackerDialect dialect;
+  if (in.get() == '#')
+    dialect = {{';', true, {{"x_mm", "2"}, {"y_mm", "3"}, {"z_mm", "4"}, {"t_s", "1"}}}};
+  TrackerLines lines("stream", dialect);
+  for (std::string line; std::getline(in, line);) {
+    try {
+      lines.next(line);
+    } catch (const InputError&) {
+    }
+  }
+}
+
+/// A board's lines are understood one by one.
+void read_board_lines(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  for (std::string line; std::getline(in, line);) grbl::parse_line(line);
+}
+
 struct Reader {
   const char* file;  ///< the name under which the reader is given its bytes
   std::function<void(const fs::path&)> read;
@@ -70,11 +95,14 @@ const std::map<std::string, Reader>& readers() {
       {"lamps", {"lamps.csv", [](const fs::path& path) { read_lamps(path); }}},
       {"lays", {"lays.csv", [](const fs::path& path) { read_lays(path); }}},
       {"pairs", {"pairs.csv", [](const fs::path& path) { read_pairs(path); }}},
+      {"path", {"path.csv", [](const fs::path& path) { read_path(path, 0.0); }}},
       {"plan", {"plan.csv", [](const fs::path& path) { read_plan(path, 0.0); }}},
       {"results", {"results.csv", [](const fs::path& path) { read_results(path); }}},
       {"targets", {"targets.csv", [](const fs::path& path) { read_targets(path); }}},
       {"tracker", {"tracker.csv", [](const fs::path& path) { read_tracker(path, {}); }}},
+      {"tracker_stream", {"stream.txt", read_tracker_stream}},
       {"stream", {"stream.csv", read_stream}},
+      {"grbl", {"grbl.txt", read_board_lines}},
       {"board_points", {"points.txt", [](const fs::path& path) { read_board_pixels(path); }}},
       {"origins", {"map.yaml", [](const fs::path& path) { read_origins(path); }}},
       {"image", {"image.png", [](const fs::path& path) { read_grey_image(path); }}}};

@@ -36,6 +36,20 @@ grep -q "2 of 3 targets reached" err.txt || fail "no summary on standard error: 
 grep -q "^targets: 3" run/run.yaml || fail "no report of the session"
 [ -e run/report.html ] || fail "no report.html"
 
+# Standard streams that were closed are nobody else's: what is read there is not a device's.
+mkfifo later
+"$bin/planar-servo" --cell cell/cell.yaml --targets later --out closed <&- >&- 2>&- &
+servo=$!
+for stream in 0 1 2; do
+  for _ in $(seq 100); do
+    if [ "$(readlink "/proc/$servo/fd/$stream")" = /dev/null ]; then break; fi
+    sleep 0.1
+  done
+  is=$(readlink "/proc/$servo/fd/$stream") || true
+  [ "$is" = /dev/null ] || fail "the closed stream $stream became '$is'"
+done
+kill "$servo"
+
 # Planning only, and a header in other units: nothing moves.
 printf 'id,x_mm,y_mm\na,200,100\n' |
   "$bin/planar-servo" --cell cell/cell.yaml --targets - --dry-run >plans 2>err.txt

@@ -1,0 +1,61 @@
+#!/usr/bin/env bash
+# A campaign's figures are the same whoever found them: one process, several, the ranks of mpirun, or the same
+# command again after some were killed.
+source "$(dirname "$0")/common.sh"
+
+cp -r "$2/cell" .
+campaign=("$bin/planar-experiment" -q --cell cell/cell.yaml --train 40 --seed 501 --seeds 2)
+export ASAN_OPTIONS=detect_leaks=0  # of mpirun's libraries
+ranks=(mpirun --allow-run-as-root --oversubscribe -n 3 "${campaign[@]}")
+has_mpi=false
+if command -v mpirun >/dev/null && ldd "$bin/planar-experiment" | grep -q libmpi; then has_mpi=true; fi
+
+# until_recording FOLDER: waits until a cell of the campaign is being recorded.
+until_recording() {
+  for _ in $(seq 600); do
+    if compgen -G "$1/seed_*/recording/images/*_0.pgm" >/dev/null; then return; fi
+    sleep 0.1
+  done
+  fail "no cell of $1 was recorded in a minute"
+}
+
+"${campaign[@]}" --jobs 1 --out one --json one.json >one.txt
+grep -q "^ *seed 502 " one.txt || fail "$(cat one.txt)"
+[ "$(ls one)" = "$(printf 'figures.json\nreport.html\nrows.jsonl')" ] || fail "left over: $(ls one)"
+
+# Killed with all its processes, a campaign leaves nobody at work and goes on by the same command.
+"${campaign[@]}" --jobs 2 --out shared >/dev/null &
+until_recording shared
+kill -KILL $!
+wait $! 2>/dev/null || true
+if $has_mpi; then
+  "${ranks[@]}" --out shared >/dev/null 2>killed.err &
+  mpirun=$!
+  rank=
+  for _ in $(seq 100); do
+    rank=$(pgrep -P "$mpirun" | tail -n 1) || true
+    if [ -n "$rank" ]; then break; fi
+    sleep 0.1
+  done
+  kill -KILL "$rank"
+  if wait "$mpirun"; then fail "a rank was killed, and mpirun ended well"; fi
+  "${ranks[@]}" --out shared --json shared.json >shared.txt
+  expect 2 "--jobs does not go with mpirun" "${ranks[@]}" --out made --jobs 2
+else
+  "${campaign[@]}" --jobs 2 --out shared --json shared.json >shared.txt
+  expect 2 "was built without MPI" env PMI_SIZE=2 "${campaign[@]}" --out made
+fi
+cmp one.json shared.json || fail "the figures depend on who found them"
+diff one.txt <(sed 's#shared/#one/#' shared.txt) || fail "the table depends on who found it"
+[ ! -e shared/seed_501 ] && [ ! -e shared/seed_502 ] || fail "a cell stayed: $(ls shared)"
+
+# What is there is not run again, and only the same campaign is gone on with.
+"${campaign[@]}" --out one --json again.json >/dev/null
+cmp one.json again.json || fail "a finished campaign changed"
+expect 2 "rows.jsonl: was begun with another cell or other options: lays 1, now 2; give the same" \
+  "${campaign[@]}" --out one --lays 2
+expect 2 "holds a recording or a campaign already" \
+  "$bin/planar-experiment" --cell cell/cell.yaml --out one
+expect 2 "--jobs" "${campaign[@]}" --out made --jobs 0
+expect 2 "mpirun shares the cells of --seeds" \
+  env PMI_SIZE=2 "$bin/planar-experiment" --cell cell/cell.yaml --out made

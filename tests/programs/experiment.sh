@@ -1,0 +1,34 @@
+#!/usr/bin/env bash
+# One experiment: killed while it records and while it moves, it goes on by the same command; its --help shows
+# what it prints.
+source "$(dirname "$0")/common.sh"
+
+cp -r "$2/cell" .
+experiment=("$bin/planar-experiment" -q --cell cell/cell.yaml --train 40 --out DIR)
+
+# killed_at FILE LINES: begins or goes on, and is killed once the file has so many lines.
+killed_at() {
+  "${experiment[@]}" >/dev/null &
+  for _ in $(seq 3000); do
+    if [ -e "$1" ] && [ "$(wc -l <"$1")" -ge "$2" ]; then break; fi
+    sleep 0.1
+  done
+  kill -KILL $! || fail "the experiment ended before $1 had $2 lines"
+  wait $! 2>/dev/null || true
+}
+
+killed_at DIR/recording/frames.csv 200
+head -n 190 DIR/recording/frames.csv >recorded.csv
+killed_at DIR/paper/run/results.csv 20
+head -n 190 DIR/recording/frames.csv | cmp - recorded.csv || fail "positions were recorded again"
+cp DIR/recording/frames.csv recorded.csv
+cp DIR/ours/run/results.csv ours.csv
+"${experiment[@]}" --json figures.json >printed.txt
+cmp DIR/recording/frames.csv recorded.csv || fail "a finished recording was changed"
+cmp DIR/ours/run/results.csv ours.csv || fail "targets were moved to again"
+grep -q '"targets": 100' figures.json || fail "$(cat figures.json)"
+expect_sample printed.txt "$bin/planar-experiment"
+"${experiment[@]}" --json again.json >again.txt
+diff printed.txt again.txt || fail "a finished experiment prints something else"
+expect 2 "begun.json: was begun with .*: seed 1, now 2; give the same" \
+  "${experiment[@]}" --seed 2

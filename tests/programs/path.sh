@@ -1,0 +1,38 @@
+#!/usr/bin/env bash
+# A path: what is refused before anything moves, what is left behind, and that vision helps.
+source "$(dirname "$0")/common.sh"
+
+cp -r "$2/cell" .
+printf 'x_mm,y_mm,via_x_mm,via_y_mm\n260,200,,\n220,200,240,220\n240,180,,\n' >path.csv
+servo=("$bin/planar-servo" -q --cell cell/cell.yaml)
+
+# Wrong usage, wrong rows, ways that lead nowhere.
+expect 2 "--targets|--path" "${servo[@]}" --path path.csv --targets path.csv --out made
+expect 2 "--speed-mm-s requires --path" "${servo[@]}" --targets path.csv --speed-mm-s 5 --out made
+expect 2 "--speed-mm-s 0.05: a path is followed at 1 to 50 mm/s" \
+  "${servo[@]}" --path path.csv --speed-mm-s 10,0.05 --out made
+expect 2 "--out is needed" "${servo[@]}" --path path.csv
+expect 2 "absent.csv" "${servo[@]}" --path absent.csv --out made
+printf 'x_mm,y_mm\n0.2,0.2\n0.3,0.2\n' >metres.csv
+expect 2 "metres.csv: cannot be followed at 10 mm/s: 0.0 mm along the path" \
+  "${servo[@]}" --path metres.csv --out made
+printf 'x_mm,y_mm\n400,0\n700,0\n' >far.csv
+expect 2 "far.csv: cannot be followed at 10 mm/s: 1[0-9][0-9].[0-9] mm along the path, at \(5" \
+  "${servo[@]}" --path far.csv --out made
+[ ! -e made ] || fail "a refused path left a folder"
+
+"${servo[@]}" --path path.csv --speed-mm-s 10,50 --check >checked.txt
+grep -q "^at 50 mm/s: .* s; motor [123] needs [0-9]* % of its speed" checked.txt ||
+  fail "$(cat checked.txt)"
+
+"${servo[@]}" --path path.csv --speed-mm-s 20 --out seen --json seen.json >seen.txt
+"${servo[@]}" --path path.csv --speed-mm-s 20 --no-vision --out alone --json alone.json >alone.txt
+for file in path_looks.csv path_results.csv run.yaml report.html; do
+  [ -s "seen/$file" ] || fail "no $file"
+done
+grep -q "by vision; deviation from the path, mm" seen.txt || fail "$(cat seen.txt)"
+figure() { grep -o "\"deviation_mean_mm_truth\": [0-9.e-]*" "$1" | cut -d' ' -f2; }
+awk -v seen="$(figure seen.json)" -v alone="$(figure alone.json)" \
+  'BEGIN { exit !(seen > 0 && seen < 0.5 * alone) }' ||
+  fail "vision does not help: $(cat seen.txt alone.txt)"
+expect 2 "path_looks.csv: holds a run already" "${servo[@]}" --path path.csv --out seen

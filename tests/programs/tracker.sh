@@ -1,0 +1,25 @@
+#!/usr/bin/env bash
+# A tracker that somebody works by hand, none at all, and a file that is not there: tracker.sh BIN_DIR CELL_DIR.
+source "$(dirname "$0")/common.sh"
+cp "$2/cell/cell.yaml" "$2/cell/truth.yaml" .
+printf '%s\n' id,plan,x_mm,y_mm,phi_deg t0,train,200,100,0 t1,train,-150,250,0 u0,pose,0,300,0 >plan.csv
+with_source() { sed -E "s/^tracker: \{/tracker: {source: $1, /" cell.yaml >"$2.yaml"; }
+with_source ask asked
+with_source none none
+with_source "file, path: nowhere.csv" file
+
+record() { timeout 60 "$bin/planar-record" --plan plan.csv "$@"; }
+
+# Three monuments, two places of which one is skipped, three monuments.
+printf '\n\n\n1000,1,1\ns\n\n\n\n' | record --cell asked.yaml --out asked >asked.txt 2>asked.err
+grep -q "left out for want of a reading: t1" asked.txt || fail "what was skipped is not named"
+grep -q "^t0,.*,1000.00000,1.00000,1.00000$" asked/tracker.csv || fail "the typed reading is lost"
+grep -q "^t1," asked/frames.csv && fail "a place that was skipped is kept"
+grep -q "^u0," asked/frames.csv || fail "the pose is not recorded"
+
+expect 1 "nobody answers 'place the reflector on .*standard input" record --cell asked.yaml --out ended </dev/null
+expect 1 "nobody answers 'place the reflector on .*standard input" record --cell asked.yaml --out closed <&-
+expect 2 "2 rows of the plan ask for a tracker reading, 't0' of plan train first" record --cell none.yaml --out made
+expect 1 "nowhere.csv: cannot be read .*tracker.path" record --cell file.yaml --out made
+"$bin/planar-doctor" --cell file.yaml >out.txt 2>err.txt && fail "a missing file is well"
+grep -q "faulty *tracker: .*nowhere.csv" out.txt || fail "the doctor does not name the file"

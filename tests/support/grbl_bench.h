@@ -1,0 +1,44 @@
+#pragma once
+
+#include <map>
+
+#include "planar_servo/drives/grbl/grbl_drives.h"
+#include "planar_servo/emulation/emulated_grbl.h"
+#include "support/temporary_folder.h"
+
+namespace planar::test {
+
+/// Returns a board whose axes make up to 4000 pulses/s and 40 000 pulses/s^2, for joints on axes X,
+/// Z and Y.
+inline GrblSettings grbl_settings_of(const std::string& port,
+                                     HomeReference home = HomeReference::kTaught) {
+  GrblSettings settings{port, 115200, {}};
+  settings.axes = {GrblAxis{'X', 250.0, 4000.0, 40000.0, home},
+                   GrblAxis{'Z', 250.0, 4000.0, 40000.0, home},
+                   GrblAxis{'Y', 250.0, 4000.0, 40000.0, home}};
+  return settings;
+}
+
+/// Returns the settings that such a board has stored.
+inline std::map<int, double> stored_settings() {
+  return {{1, 255},   {25, 3000}, {110, 960}, {111, 960},
+          {112, 960}, {120, 160}, {121, 160}, {122, 160}};
+}
+
+/// An emulated board on a serial port in a folder of its own.
+struct GrblBench {
+  explicit GrblBench(HomeReference home = HomeReference::kTaught)
+      : board((folder / "port").string(), stored_settings()),
+        settings(grbl_settings_of(board.port(), home)) {
+    if (home == HomeReference::kTaught) return;
+    board.set(22, 1);
+    board.set(23, home == HomeReference::kReverseSwitch ? 7 : 0);
+    board.place_switches(Eigen::Vector3d(-4.0, -8.0, -2.0));
+  }
+
+  TemporaryFolder folder;
+  EmulatedGrbl board;
+  GrblSettings settings;
+};
+
+}  // namespace planar::test
