@@ -138,16 +138,17 @@ set(must_match --warn NoTests)
 # What tests/support/shared_data.cpp prints when a case ends for want of its data, which is no success.
 set(lacks_data SKIP_REGULAR_EXPRESSION "skipped: no ")
 
-# planar_test(ROOM SOURCES ... LINKS ...): the test program of one room, every case known to ctest.
+# planar_test(ROOM SOURCES ... LINKS ... [PROPERTIES ...]): the test program of one room, every case
+# known to ctest, with these properties.
 function(planar_test room)
-  cmake_parse_arguments(TEST "" "" "SOURCES;LINKS" ${ARGN})
+  cmake_parse_arguments(TEST "" "" "SOURCES;LINKS;PROPERTIES" ${ARGN})
   add_executable(${room}_test ${TEST_SOURCES})
   set_target_properties(${room}_test PROPERTIES CXX_STANDARD 17 CXX_EXTENSIONS OFF
                         UNITY_BUILD ${PLANAR_UNITY} UNITY_BUILD_BATCH_SIZE 10)
   target_link_libraries(${room}_test PRIVATE planar_test_main ${TEST_LINKS})
   planar_precompile(${room}_test planar_test_headers)
   catch_discover_tests(${room}_test TEST_PREFIX "${room}: " EXTRA_ARGS ${must_match}
-                       PROPERTIES TIMEOUT 300 ${lacks_data})
+                       PROPERTIES TIMEOUT 300 ${lacks_data} ${TEST_PROPERTIES})
 endfunction()
 
 # planar_wire_test(NAME SOURCES ... LINKS ...): a test program that talks to USB devices emulated
