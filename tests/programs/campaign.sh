@@ -12,11 +12,11 @@ if command -v mpirun >/dev/null && ldd "$bin/planar-experiment" | grep -q libmpi
 
 # until_recording FOLDER: waits until a cell of the campaign is being recorded.
 until_recording() {
-  for _ in $(seq 600); do
+  for _ in $(seq 3000); do
     if compgen -G "$1/seed_*/recording/images/*_0.pgm" >/dev/null; then return; fi
     sleep 0.1
   done
-  fail "no cell of $1 was recorded in a minute"
+  fail "no cell of $1 was recorded in five minutes"
 }
 
 "${campaign[@]}" --jobs 1 --out one --json one.json >one.txt
@@ -32,7 +32,7 @@ if $has_mpi; then
   "${ranks[@]}" --out shared >/dev/null 2>killed.err &
   mpirun=$!
   rank=
-  for _ in $(seq 100); do
+  for _ in $(seq 600); do
     rank=$(pgrep -P "$mpirun" | tail -n 1) || true
     if [ -n "$rank" ]; then break; fi
     sleep 0.1
