@@ -18,7 +18,8 @@ constexpr double kStreamPeriod_s = 0.05;
 /// A recording of places at random, and the tracker's readings by a clock of its own.
 class ClockBench {
  public:
-  explicit ClockBench(int places, unsigned seed = 1) : random_(seed) {
+  /// At the last `broken` places the beam is broken, and the arm waits until it is mended.
+  explicit ClockBench(int places, unsigned seed = 1, int broken = 0) : random_(seed) {
     std::uniform_real_distribution<double> place(-0.4, 0.4), wait_s(0.0, 0.3);
     Eigen::Vector2d last(0.3, 0.0);
     double t_s = 1000.0;
@@ -33,7 +34,8 @@ class ClockBench {
         frame.uv_px = sight.lamps_px;
         frames.push_back(frame);
       }
-      const double leave_s = frames.back().t_s + 0.5 + wait_s(random_);
+      const double mended_s = i < places - broken ? 0.0 : 8.0;
+      const double leave_s = frames.back().t_s + 0.5 + wait_s(random_) + mended_s;
       stops_.push_back({arrival_s, leave_s, sight.p_reflector_B});
       t_s = leave_s;
       last = p;
@@ -110,6 +112,15 @@ TEST_CASE("The clock of a tracker that reads all the time is found to tenths of 
     const TrackerClock clock = estimate_tracker_clock(bench.frames, resting);
     CHECK(clock.places > 110);
     require_clock(bench, clock, 0.4, 40e-6);
+  }
+}
+
+TEST_CASE("Places where the arm waited for a broken beam do not turn the clock") {
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    ClockBench bench(60, seed, 3);
+    const TrackerClock clock =
+        estimate_tracker_clock(bench.frames, readings_at_rest(bench.stream()));
+    require_clock(bench, clock, 0.4, 100e-6);
   }
 }
 
