@@ -47,7 +47,8 @@ class PlanBuilder {
     }
   }
   /// Turns joint 3 alone: the end point stays.
-  void add_joint3_sweep(double radius, int count) {
+  void add_joint3_sweep(int count) {
+    const double radius = circles().sweep_mm * kMillimetre;
     for (int i = 0; i < count; ++i)
       plan_.rows.push_back({fmt::format("sweep3_{:02}", i), Plan::kSweep3,
                             TipPose{{0.0, radius}, phi_ + 2.0 * kPi * i / count - kPi}});
@@ -125,7 +126,7 @@ ExperimentPlan experiment_plan(const CellSettings& cell, std::uint64_t seed,
   plan.add_board_views(Plan::kHeldBoard, size.board_views);
   plan.add_board_views(Plan::kLaidBoard, size.lays);
   plan.add_joint1_sweep(cell, size.sweep_points);
-  plan.add_joint3_sweep(plan.circles().sweep_mm * kMillimetre, size.sweep_points);
+  plan.add_joint3_sweep(size.sweep_points);
   plan.add_disc(Plan::kTrain, size.training_points, cell.workspace, rng);
   plan.add_disc(Plan::kTest, size.test_points, cell.workspace, rng);
   plan.add_poses(size.unattended_poses, cell.workspace, rng);

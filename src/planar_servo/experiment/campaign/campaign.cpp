@@ -45,10 +45,7 @@ std::vector<nlohmann::json> work_through(
   for (int i = 0; i < seeds.count; ++i)
     if (!rows.has(seed_at(i))) work(seed_at(i), rows.claim(seed_at(i)));
   std::vector<nlohmann::json> found;
-  for (int i = 0; i < seeds.count; ++i) {
-    rows.has(seed_at(i));
-    found.push_back(rows.rows().at(seed_at(i)));
-  }
+  for (int i = 0; i < seeds.count; ++i) found.push_back(rows.rows().at(seed_at(i)));
   return found;
 }
 

@@ -54,6 +54,7 @@ void CampaignRows::append(std::uint32_t seed, nlohmann::json figures) {
   const Claim writing = claims_.claim(kWriting);
   drop_torn_line(file_);
   GrowingFile(file_, "").append(line_of(figures));
+  read_new_rows();
 }
 
 void CampaignRows::read_new_rows() {
