@@ -175,7 +175,8 @@ TEST_CASE("Drives that lost their position are homed only when somebody allows i
   settings.drives[1].home = HomeReference::kForwardSwitch;
   ReadyBench bench(settings);
   bench.drives[1].knows_position = false;
-  CHECK_THROWS_WITH(home_where_needed(bench.robot, {}), Catch::Contains("position: 2; start with"));
+  CHECK_THROWS_WITH(home_where_needed(bench.robot, {}, "home it"),
+                    Catch::Contains("position: 2; home it"));
   std::string asked;
   const auto answer = [&](bool allowed) {
     return [&asked, allowed](const std::string& unhomed) {
@@ -183,13 +184,13 @@ TEST_CASE("Drives that lost their position are homed only when somebody allows i
       return allowed;
     };
   };
-  CHECK_THROWS_AS(home_where_needed(bench.robot, answer(false)), DriveError);
+  CHECK_THROWS_AS(home_where_needed(bench.robot, answer(false), ""), DriveError);
   CHECK(bench.robot.unhomed() == std::vector<int>{1});
-  home_where_needed(bench.robot, answer(true));
+  home_where_needed(bench.robot, answer(true), "");
   CHECK(bench.robot.unhomed().empty());
   CHECK(asked == "drives that have lost their position: 2");
   asked.clear();
-  home_where_needed(bench.robot, answer(false));
+  home_where_needed(bench.robot, answer(false), "");
   CHECK(asked.empty());
 }
 

@@ -12,8 +12,8 @@ namespace planar {
 using MayHome = std::function<bool(const std::string& unhomed)>;
 
 /// Searches the home switches of the drives that have lost their position, if that is allowed; an
-/// empty `may_home` forbids it. Throws DriveError when it is not, and as
+/// empty `may_home` forbids it. Throws DriveError with the remedy when it is not, and as
 /// PlanarRobot::search_home() does.
-void home_where_needed(PlanarRobot& robot, const MayHome& may_home);
+void home_where_needed(PlanarRobot& robot, const MayHome& may_home, const std::string& remedy);
 
 }  // namespace planar

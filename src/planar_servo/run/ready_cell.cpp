@@ -98,14 +98,7 @@ bool ReadyCell::must_examine() const {
 void ReadyCell::recover_drives(const std::string& id, const std::string& reason) {
   spdlog::warn(fmt::format("{}: {}; the arm stands and waits", id, reason));
   robot_.recover(kDrivePatience_s);
-  const std::vector<int> unhomed = robot_.unhomed();
-  if (!unhomed.empty()) {
-    std::string text = "drives that have lost their position:";
-    for (const int joint : unhomed) text += fmt::format(" {}", joint + 1);
-    if (!may_home_ || !may_home_(text))
-      throw DriveError(text + "; home them with planar-jog, then go on with --resume");
-    for (const int joint : unhomed) robot_.search_home(joint);
-  }
+  home_where_needed(robot_, may_home_, "home them with planar-jog, then go on with --resume");
   spdlog::info(fmt::format("{}: the drives are ready again; going on", id));
 }
 

@@ -9,6 +9,7 @@
 #include "planar_servo/cell/cell_settings.h"
 #include "planar_servo/health/health_record.h"
 #include "planar_servo/machine/cell_devices.h"
+#include "planar_servo/robot/homing.h"
 #include "planar_servo/robot/planar_robot.h"
 #include "planar_servo/servo/position_servo.h"
 #include "planar_servo/vision/lamp_tip_sensor.h"
@@ -25,9 +26,8 @@ struct ServoRequest {
   bool accept_stale{false};   ///< moves even with files that do not belong together
   bool check_health{true};    ///< looks, before the first target, whether the cell is as it was
   bool keep_going{false};     ///< tries the next target even when the cell itself is in doubt
-  /// Is asked whether drives that lost their position may be homed now, which moves the arm. Its
-  /// argument names the drives in words. Empty: they may not.
-  std::function<bool(const std::string& unhomed)> may_home{};
+  /// Is asked about drives that lost their position on the way, too. Empty: they may not be homed.
+  MayHome may_home{};
   std::function<bool()> stop{};  ///< asked during every move; see PlanarRobot::stop_when()
 };
 
@@ -85,7 +85,7 @@ class ReadyCell {
   CellSettings cell_;
   FrameSource& camera_;
   Clock& clock_;
-  std::function<bool(const std::string&)> may_home_;
+  MayHome may_home_;
   bool check_health_;
   std::optional<double> examined_s_;  ///< when the cell was last looked at
   VisionCalibration vision_;

@@ -122,7 +122,7 @@ class Recorder {
 
   void make_ready() {
     robot_.energize();
-    home_where_needed(robot_, may_home_);
+    home_where_needed(robot_, may_home_, "start with --home, or home them with planar-jog");
     energized_ = true;
   }
 

@@ -12,6 +12,7 @@
 #include "planar_servo/machine/cell_devices.h"
 #include "planar_servo/offline/record/reflector_readings.h"
 #include "planar_servo/report/live/display.h"
+#include "planar_servo/robot/homing.h"
 
 namespace planar {
 
@@ -24,8 +25,8 @@ struct RecordRequest {
   BadReading on_bad_reading{BadReading::kRepeat};
   std::optional<Board> board{};                 ///< that a person shows to a real cell's camera
   DisplayPolicy display{DisplayPolicy::kNone};  ///< of what the camera sees of it
-  /// Is asked whether drives that do not know their position may be homed, which moves the arm.
-  std::function<bool(const std::string& unhomed)> may_home{};
+  /// Is asked about drives that do not know their position. Empty: they may not be homed.
+  MayHome may_home{};
 };
 
 /// Says what a recording holds.
