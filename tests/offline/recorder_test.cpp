@@ -64,6 +64,7 @@ class NotingDevices final : public CellDevices,
     answers.erase(answers.begin());
     return answer;
   }
+  void await_tool() override { asked.push_back("tool"); }
   TrackerAnswer measure_monument(const std::string& id) override {
     asked.push_back(id);
     return TrackerAnswer::of({});
@@ -80,6 +81,8 @@ class NotingDevices final : public CellDevices,
       test::MockPulseDrive(clock_), test::MockPulseDrive(clock_), test::MockPulseDrive(clock_)};
   SeparateDrives group_{{&drives_[0], &drives_[1], &drives_[2]}};
 };
+
+using Ids = std::vector<std::string>;
 
 /// The paper's cell with the camera of NotingDevices.
 CellSettings small_cell() {
@@ -155,6 +158,30 @@ TEST_CASE("The monuments are read before the arm moves and once more at the end"
   CHECK(order == std::string(15, 'm') + 't' + std::string(15, 'm'));
 }
 
+TEST_CASE("Who left after the monuments is asked for the reflector on the tool, later nobody is") {
+  const test::TemporaryFolder folder;
+  RecordRequest request{small_cell(), {}, folder.path() / "recording"};
+  request.plan = {{"u0", Plan::kPose, TipPose{{-0.2, 0.3}, 0.0}}};
+  NotingDevices unattended;
+  record(request, unattended);
+  request.plan.push_back({"t0", Plan::kTrain, TipPose{{-0.2, 0.3}, 0.0}});
+  const auto asked_before_a_failure = [&](double camera_dies_s) {
+    NotingDevices devices;
+    devices.camera_dies_s = camera_dies_s;
+    CHECK_THROWS_AS(record(request, devices), WorkError);
+    return devices.asked;
+  };
+  CHECK(asked_before_a_failure(0.0).back() == "tool");
+  CHECK(asked_before_a_failure(0.0) == Ids{"tool"});
+  NotingDevices devices;
+  record(request, devices);
+  CHECK(devices.asked.front() == "tool");
+  request.plan.push_back({"t1", Plan::kTrain, TipPose{{0.2, 0.3}, 0.0}});
+  NotingDevices later;
+  record(request, later);
+  CHECK(later.asked.front() == "t1");
+}
+
 TEST_CASE("No reading is asked for at a pose that only the camera watches") {
   const test::TemporaryFolder folder;
   RecordRequest request{small_cell(), {}, folder.path() / "recording"};
@@ -220,8 +247,6 @@ std::vector<std::string> ids_in_tables(const RecordRequest& request) {
     if (row.id[0] == 't') ids.push_back(row.id);
   return ids;
 }
-
-using Ids = std::vector<std::string>;
 
 TEST_CASE("A place without a good reading is taken again, and the third failure ends the work") {
   const test::TemporaryFolder folder;

@@ -72,13 +72,15 @@ class Recorder {
   /// Records the rows of the plan but those that are `present`.
   RecordReport run(const std::vector<PlanRow>& plan, const std::vector<Joints>& joints,
                    const std::set<std::string>& present, bool has_monuments) {
-    const bool reads = std::any_of(plan.begin(), plan.end(), [&](const PlanRow& row) {
-      return needs_reading(row.plan) && present.count(row.id) == 0;
-    });
-    if (reads && !has_monuments) {
-      readings_.read_monuments();
-      if (!cell_.datum.empty()) devices_.tracker().await_tool();
-    }
+    const auto any_to_read = [&](bool there) {
+      return std::any_of(plan.begin(), plan.end(), [&](const PlanRow& row) {
+        return needs_reading(row.plan) && (present.count(row.id) != 0) == there;
+      });
+    };
+    const bool reads = any_to_read(false);
+    if (reads && !has_monuments) readings_.read_monuments();
+    // Who left after the monuments may have left the reflector there.
+    if (reads && !any_to_read(true) && !cell_.datum.empty()) devices_.tracker().await_tool();
     for (std::size_t i = 0; i < plan.size(); ++i) {
       const bool board = shows_board(plan[i].plan);
       const int view = board ? board_rows_[plan[i].plan]++ : 0;
