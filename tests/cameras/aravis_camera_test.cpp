@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <chrono>
 #include <memory>
+#include <thread>
 
 #include "planar_servo/cameras/aravis/camera_inspection.h"
 #include "planar_servo/core/clock.h"
@@ -264,6 +265,21 @@ TEST_CASE("A camera that is not the one asked for is refused by name") {
   settings.sensor_px = {640, 480};
   CHECK_THROWS_WITH(AravisCamera(settings),
                     Catch::Contains("320 x 240 pixels; the cell says 640 x 480"));
+}
+
+TEST_CASE("A camera obeys one program at a time, and the next as soon as that one is gone") {
+  test::SceneSensor sensor;
+  const Server server(sensor);
+  auto first = std::make_unique<AravisCamera>(settings_with(CameraTrigger::kSoftware));
+  CHECK_THROWS_WITH(AravisCamera(settings_with(CameraTrigger::kSoftware)),
+                    Catch::Contains("another program controls the GigE camera at 127.0.0.1"));
+  std::thread leaving([&] {
+    SteadyClock().sleep_for_s(0.5);
+    first.reset();
+  });
+  AravisCamera next(settings_with(CameraTrigger::kSoftware));
+  leaving.join();
+  CHECK(next.next_frame().status == FrameStatus::kOk);
 }
 
 TEST_CASE("What a camera cannot do is said when it is opened") {

@@ -3,20 +3,39 @@
 #include <fmt/format.h>
 
 #include "planar_servo/cameras/aravis/camera_path.h"
+#include "planar_servo/core/clock.h"
 #include "planar_servo/core/error.h"
 
 namespace planar {
+namespace {
 
-GObjectPtr<ArvCamera> open_gige(const std::string& address) {
+/// A camera obeys one program at a time. It waits so long, by the standard's default [GigE Vision
+/// 2.0, GevHeartbeatTimeout], for a sign of life of one that ended without taking leave; seconds.
+constexpr double kLeave_s = 3.0;
+constexpr double kPatience_s = kLeave_s + 1.0, kPoll_s = 0.2;
+
+void take_control(ArvDevice* device, const std::string& address) {
+  SteadyClock clock;
+  const double end_s = clock.now_s() + kPatience_s;
+  while (arv_gv_device_is_controller(ARV_GV_DEVICE(device)) == FALSE) {
+    if (clock.now_s() > end_s)
+      throw WorkError(Refusal{"another program controls the GigE camera at " + address,
+                              "end that program; a camera obeys one at a time"});
+    clock.sleep_for_s(kPoll_s);
+    GError* refusal = nullptr;
+    arv_gv_device_take_control(ARV_GV_DEVICE(device), &refusal);
+    g_clear_error(&refusal);
+  }
+}
+
+GObjectPtr<ArvDevice> reach_gige(const std::string& address) {
   const std::string local = local_address_towards(address);
   const GObjectPtr<GInetAddress> ours(g_inet_address_new_from_string(local.c_str()));
   const GObjectPtr<GInetAddress> theirs(g_inet_address_new_from_string(address.c_str()));
-  const std::string what = "no GigE camera answers at " + address;
   try {
-    const GObjectPtr<ArvDevice> device(
-        ask(what, [&](GError** e) { return arv_gv_device_new(ours.get(), theirs.get(), e); }));
-    return GObjectPtr<ArvCamera>(
-        ask(what, [&](GError** e) { return arv_camera_new_with_device(device.get(), e); }));
+    return GObjectPtr<ArvDevice>(ask("no GigE camera answers at " + address, [&](GError** e) {
+      return arv_gv_device_new(ours.get(), theirs.get(), e);
+    }));
   } catch (const WorkError& error) {
     throw WorkError(
         Refusal{error.what(), fmt::format("ping {0}; if nothing answers, check that the camera "
@@ -24,6 +43,16 @@ GObjectPtr<ArvCamera> open_gige(const std::string& address) {
                                           "network (ip route get {0})",
                                           address)});
   }
+}
+
+}  // namespace
+
+GObjectPtr<ArvCamera> open_gige(const std::string& address) {
+  const GObjectPtr<ArvDevice> device = reach_gige(address);
+  take_control(device.get(), address);
+  return GObjectPtr<ArvCamera>(
+      ask("the GigE camera at " + address + " does not open",
+          [&](GError** e) { return arv_camera_new_with_device(device.get(), e); }));
 }
 
 GObjectPtr<ArvCamera> open_usb(const std::string& serial) {
