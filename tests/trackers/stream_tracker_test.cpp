@@ -119,6 +119,14 @@ TEST_CASE("After named monuments the work goes on once the reflector rests on th
   CHECK(lines > 100);
 }
 
+TEST_CASE("A wait for the tracker ends when it is stopped") {
+  StreamBench bench(true);
+  bench.tracker.stop_when([] { return true; });
+  CHECK_THROWS_WITH(bench.tracker.measure_monument("M1"), Contains("stopped while the tracker"));
+  CHECK_THROWS_WITH(bench.tracker.measure_tool("t"), Contains("stopped while the tracker"));
+  CHECK_THROWS_WITH(bench.tracker.await_tool(), Contains("stopped while the tracker"));
+}
+
 TEST_CASE("Without names somebody says when the reflector is on a monument") {
   std::array<int, 2> answers{}, questions{};
   REQUIRE((pipe(answers.data()) == 0 && pipe(questions.data()) == 0));

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <string>
 
 namespace planar {
@@ -44,6 +45,10 @@ class Tracker {
   /// Waits until somebody has put the reflector from a monument onto the tool, which may move then.
   /// Throws WorkError when that does not happen in time.
   virtual void await_tool() {}
+
+  /// Gives up waiting, by a WorkError, once `stop` answers true; it is asked several times a second
+  /// where a wait may last.
+  virtual void stop_when(std::function<bool()> /*stop*/) {}
 
   virtual int readings_per_monument() const { return kMonumentReadings; }
 };

@@ -28,7 +28,9 @@ constexpr char kGoOn[] =
 
 ReflectorReadings::ReflectorReadings(const CellSettings& cell, Tracker& tracker, GrowingFile& table,
                                      BadReading on_bad, std::function<bool()> stop)
-    : cell_(cell), tracker_(tracker), table_(table), on_bad_(on_bad), stop_(std::move(stop)) {}
+    : cell_(cell), tracker_(tracker), table_(table), on_bad_(on_bad), stop_(std::move(stop)) {
+  tracker_.stop_when(stop_);
+}
 
 void ReflectorReadings::read_monuments() {
   int read = 0;

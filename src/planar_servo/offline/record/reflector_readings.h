@@ -31,7 +31,8 @@ enum class PlaceEnd { kKeep, kSkip, kRepeat };
 /// tracker.csv.
 class ReflectorReadings {
  public:
-  /// `table` is the recording's tracker.csv. `stop` is asked between two attempts and may be empty.
+  /// `table` is the recording's tracker.csv. `stop` is asked between two attempts
+  /// and while the tracker waits; it may be empty.
   ReflectorReadings(const CellSettings& cell, Tracker& tracker, GrowingFile& table,
                     BadReading on_bad, std::function<bool()> stop);
 

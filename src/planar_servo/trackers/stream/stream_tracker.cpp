@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "planar_servo/core/clock.h"
@@ -16,6 +17,7 @@ constexpr char kFrozen[] =
     "the tracker is frozen: its readings are the same to the last digit, which is finer than "
     "tracker.sigma_mm";
 
+constexpr double kStopPeriod_s = 0.2;
 constexpr char kBackOnTool[] = "place the reflector back on the tool";
 
 }  // namespace
@@ -73,7 +75,7 @@ TrackerAnswer StreamTracker::measure(const Wanted& wanted) {
   RestWindow window(tracker_);
   stream_->forget();
   while (clock.now_s() < end_s) {
-    const auto event = stream_->next(patience_.silence_s);
+    const auto event = hear(patience_.silence_s);
     if (!event) return silent(patience_.silence_s);
     if (!event->reading)
       return TrackerAnswer::failed("a line is no reading (a broken beam?): " + event->fault);
@@ -93,13 +95,23 @@ TrackerAnswer StreamTracker::wait_for(const Wanted& wanted) {
   RestWindow window(tracker_);
   stream_->forget();
   for (double left_s = patience_.carried_s; left_s > 0.0; left_s = end_s - clock.now_s()) {
-    const auto event = stream_->next(left_s);
+    const auto event = hear(left_s);
     if (!event || !event->reading || !wanted(*event->reading)) continue;
     window.add(*event->reading, event->arrived_s);
     if (window.is_frozen()) return TrackerAnswer::failed(kFrozen);
     if (const auto reading = window.at_rest()) return TrackerAnswer::of(*reading);
   }
   return silent(patience_.carried_s);
+}
+
+std::optional<StreamEvent> StreamTracker::hear(double patience_s) {
+  const SteadyClock clock;
+  const double end_s = clock.now_s() + patience_s;
+  for (double left_s = patience_s; left_s > 0.0; left_s = end_s - clock.now_s()) {
+    if (stop_ && stop_()) throw WorkError("stopped while the tracker was waited for");
+    if (auto event = stream_->next(std::min(left_s, kStopPeriod_s))) return event;
+  }
+  return std::nullopt;
 }
 
 TrackerAnswer StreamTracker::silent(double waited_s) const {

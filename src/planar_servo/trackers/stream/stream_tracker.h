@@ -2,8 +2,10 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
+#include <utility>
 
 #include "planar_servo/cell/cell_settings.h"
 #include "planar_servo/devices/tracker.h"
@@ -34,6 +36,7 @@ class StreamTracker final : public Tracker {
   // Both throw WorkError when somebody is to be asked and nobody can answer.
   TrackerAnswer measure_monument(const std::string& id) override;
   void await_tool() override;
+  void stop_when(std::function<bool()> stop) override { stop_ = std::move(stop); }
   int readings_per_monument() const override { return 1; }
 
  private:
@@ -42,6 +45,8 @@ class StreamTracker final : public Tracker {
   /// Waits, while the beam may break, for readings at rest.
   TrackerAnswer wait_for(const Wanted& wanted);
   bool is_of_tool(const StreamedReading& reading) const;
+  /// Returns what the stream says next, or nothing after `patience_s`.
+  std::optional<StreamEvent> hear(double patience_s);
   TrackerAnswer silent(double waited_s) const;
 
   TrackerSettings tracker_;
@@ -51,6 +56,7 @@ class StreamTracker final : public Tracker {
   std::unique_ptr<StreamFeed> feed_;  ///< ends before the stream does
   Terminal terminal_;
   StreamPatience patience_;
+  std::function<bool()> stop_;
 };
 
 }  // namespace planar
