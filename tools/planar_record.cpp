@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include "homing_options.h"
 #include "planar_servo/files/tables/plan_table.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/offline/record/record_report.h"
@@ -12,7 +13,7 @@ namespace {
 
 const ProgramText kText{
     "planar-record", "Drives a cell through a plan and records frames and tracker readings.",
-    "planar-record --cell cell.yaml --plan plan.csv --out RECORDING [--home]\n"
+    "planar-record --cell cell.yaml --plan plan.csv --out RECORDING [--home] [--at-marks]\n"
     "                     [--grid circles:COLSxROWS:PITCHmm] [--display auto|x|none]\n"
     "                     [--on-bad-reading repeat|skip|stop]",
     "1 positions recorded (0 were there before): 3 frames, 1 of them full, in RECORDING\n"
@@ -24,7 +25,7 @@ struct Options {
   std::string grid;  ///< empty: none
   std::string display{"none"};
   std::string on_bad_reading{"repeat"};
-  bool home{false};
+  HomingOptions homing;
 };
 
 void add_options(CLI::App& app, Options& options) {
@@ -36,9 +37,7 @@ void add_options(CLI::App& app, Options& options) {
                  "folder of the recording; a recording that was begun is continued")
       ->required()
       ->type_name("DIR");
-  app.add_flag("--home", options.home,
-               "home drives that do not know their position, which moves the arm; without it the "
-               "program asks, on a terminal");
+  add_homing_options(app, options.homing);
   app.add_option(
          "--grid", options.grid,
          "the board that a person shows to a real cell's camera: circles or chessboard, such "
@@ -64,15 +63,14 @@ std::optional<Board> board_of(const Options& options) {
 
 Outcome run(const Options& options) {
   const CellSettings cell = read_cell(options.cell);
-  const RecordRequest request{
-      cell,
-      read_plan(options.plan, cell.tool_orientation),
-      options.recording,
-      interrupted,
-      value_named(kBadReadings, options.on_bad_reading).value(),
-      board_of(options),
-      value_named(kDisplayPolicies, options.display).value(),
-      [home = options.home](const std::string& unhomed) { return may_home(home, unhomed); }};
+  const RecordRequest request{cell,
+                              read_plan(options.plan, cell.tool_orientation),
+                              options.recording,
+                              interrupted,
+                              value_named(kBadReadings, options.on_bad_reading).value(),
+                              board_of(options),
+                              value_named(kDisplayPolicies, options.display).value(),
+                              may_home(options.homing)};
   heed_interrupts();
   const auto devices = open_cell(request.cell);
   const RecordReport report = record(request, *devices);

@@ -4,6 +4,7 @@
 #include <iostream>
 #include <set>
 
+#include "homing_options.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/files/vision_files.h"
@@ -27,7 +28,7 @@ const ProgramText kText{
     "planar-servo",
     "Positions the end point at targets, or leads it along a path, by vision and logs every step.",
     "planar-servo --cell cell.yaml --targets targets.csv --out DIR [--no-error-map] [--resume]\n"
-    "                    [--centre METHOD] [--display auto|x|none] [--home]\n"
+    "                    [--centre METHOD] [--display auto|x|none] [--home] [--at-marks]\n"
     "                    [--accept-stale] [--no-health] [--keep-going]\n"
     "       planar-servo --cell cell.yaml --targets targets.csv --dry-run | --check\n"
     "       ... | planar-servo --cell cell.yaml --targets - --out DIR\n"
@@ -44,7 +45,8 @@ struct Options {
   std::vector<double> speeds_mm_s{10.0};
   std::string display{"none"};
   std::string center;  ///< empty: the cell's lamps.method
-  bool no_error_map{false}, dry_run{false}, check{false}, resume{false}, home{false};
+  bool no_error_map{false}, dry_run{false}, check{false}, resume{false};
+  HomingOptions homing;
   bool accept_stale{false}, no_health{false}, keep_going{false}, no_vision{false};
 };
 
@@ -80,9 +82,7 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--centre", options.center,
                  "how a lamp's centre is measured; by default the cell's lamps.method")
       ->check(CLI::IsMember(names_of(kCenterMethods)));
-  app.add_flag("--home", options.home,
-               "home drives that lost their position, which moves the arm; without it the program "
-               "asks on a terminal");
+  add_homing_options(app, options.homing);
   app.add_flag("--accept-stale", options.accept_stale,
                "move even with files that were not made from one another; the run says which");
   app.add_flag("--no-health", options.no_health,
@@ -201,9 +201,7 @@ ServoRequest request_of(const Options& options, const CellSettings& cell) {
           options.accept_stale,
           !options.no_health,
           options.keep_going,
-          [options](const std::string& unhomed) {
-            return (options.home || !from_stdin(options)) && may_home(options.home, unhomed);
-          },
+          may_home(options.homing, !from_stdin(options)),
           interrupted};
 }
 

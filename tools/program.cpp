@@ -134,15 +134,6 @@ bool interrupted() {
   return interrupts != 0;
 }
 
-bool may_home(bool option, const std::string& unhomed) {
-  if (option) return true;
-  if (isatty(STDIN_FILENO) == 0) return false;
-  fmt::print(stderr, "{}. Search their home switches now? The arm will move. [y/N] ", unhomed);
-  std::string answer;
-  std::getline(std::cin, answer);
-  return answer == "y" || answer == "Y";
-}
-
 int run_program(const ProgramText& text, int argc, char** argv,
                 const std::function<void(CLI::App&)>& add_options,
                 const std::function<Outcome()>& work) {

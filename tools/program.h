@@ -37,10 +37,6 @@ void heed_interrupts();
 /// Returns true once the program was asked to stop.
 bool interrupted();
 
-/// Returns whether drives may be homed, as RecordRequest::may_home is asked: because an option says
-/// so, or because somebody at the terminal does.
-bool may_home(bool option, const std::string& unhomed);
-
 /// Parses the options (those of `add_options` besides --help, --version, --json, -q and -v), does
 /// the work and returns the exit status: 0 when it is done, 1 when the work failed or standard
 /// output could not be written, 2 for wrong usage or input. This is the only place that catches

@@ -179,7 +179,8 @@ TEST_CASE("Drives that lost their position are homed only when somebody allows i
                     Catch::Contains("position: 2; home it"));
   std::string asked;
   const auto answer = [&](bool allowed) {
-    return [&asked, allowed](const std::string& unhomed) {
+    return [&asked, allowed](Homing way, const std::string& unhomed) {
+      CHECK(way == Homing::kSearch);
       asked = unhomed;
       return allowed;
     };
@@ -192,6 +193,29 @@ TEST_CASE("Drives that lost their position are homed only when somebody allows i
   asked.clear();
   home_where_needed(bench.robot, answer(false), "");
   CHECK(asked.empty());
+}
+
+TEST_CASE("A drive without a home switch counts from its mark once somebody says it is there") {
+  TransmissionSettings settings = transmission_settings();
+  settings.drives[0].home_rad = 0.5;
+  settings.drives[1].home = HomeReference::kForwardSwitch;
+  ReadyBench bench(settings);
+  bench.drives[0].knows_position = bench.drives[1].knows_position = false;
+  std::vector<std::string> asked;
+  const auto answer = [&](bool at_mark) {
+    return [&asked, at_mark](Homing way, const std::string& unhomed) {
+      asked.push_back(unhomed);
+      return way == Homing::kSearch || at_mark;
+    };
+  };
+  CHECK_THROWS_WITH(home_where_needed(bench.robot, answer(false), ""),
+                    Catch::Contains("no home switch: 1 (mark at 28.648 deg); turn them to their "
+                                    "marks, then start with --at-marks"));
+  CHECK(bench.nothing_was_sent());
+  home_where_needed(bench.robot, answer(true), "");
+  CHECK(asked.size() == 3);
+  CHECK(bench.robot.unhomed().empty());
+  CHECK(bench.robot.commanded_pulses()[0] == std::lround(0.5 * 1e6 / (2.0 * kPi)));
 }
 
 TEST_CASE("A search that fails on its way halts all and leaves the motor unhomed") {

@@ -2,15 +2,35 @@
 
 #include <fmt/format.h>
 
+#include "planar_servo/core/units.h"
+
 namespace planar {
+namespace {
+
+void ask(const MayHome& may_home, Homing way, const std::string& unhomed,
+         const std::string& remedy) {
+  if (!may_home || !may_home(way, unhomed)) throw DriveError(unhomed + "; " + remedy);
+}
+
+}  // namespace
 
 void home_where_needed(PlanarRobot& robot, const MayHome& may_home, const std::string& remedy) {
-  const std::vector<int> unhomed = robot.unhomed();
-  if (unhomed.empty()) return;
-  std::string text = "drives that have lost their position:";
-  for (const int joint : unhomed) text += fmt::format(" {}", joint + 1);
-  if (!may_home || !may_home(text)) throw DriveError(text + "; " + remedy);
-  for (const int joint : unhomed) robot.search_home(joint);
+  std::vector<int> to_search, at_mark;
+  std::string with_switch = "drives that have lost their position:";
+  std::string with_mark = "drives that have lost their position and have no home switch:";
+  for (const int joint : robot.unhomed()) {
+    const auto mark = robot.home_mark(joint);
+    (mark ? at_mark : to_search).push_back(joint);
+    if (mark)
+      with_mark += fmt::format(" {} (mark at {:.3f} deg)", joint + 1, *mark / kDegree);
+    else
+      with_switch += fmt::format(" {}", joint + 1);
+  }
+  if (!at_mark.empty())
+    ask(may_home, Homing::kMark, with_mark, "turn them to their marks, then start with --at-marks");
+  if (!to_search.empty()) ask(may_home, Homing::kSearch, with_switch, remedy);
+  for (const int joint : at_mark) robot.teach_home(joint);
+  for (const int joint : to_search) robot.search_home(joint);
 }
 
 }  // namespace planar

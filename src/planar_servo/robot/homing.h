@@ -7,13 +7,18 @@
 
 namespace planar {
 
-/// Is asked whether drives that lost their position may be homed now, which moves the arm. Its text
-/// says which.
-using MayHome = std::function<bool(const std::string& unhomed)>;
+/// How a drive that does not know its position comes to know it.
+enum class Homing {
+  kSearch,  ///< it searches its home switch, which moves the arm
+  kMark,    ///< it has no switch and stands at its mark already
+};
 
-/// Searches the home switches of the drives that have lost their position, if that is allowed; an
-/// empty `may_home` forbids it. Throws DriveError with the remedy when it is not, and as
-/// PlanarRobot::search_home() does.
+/// Is asked whether the drives that a text names may be homed in this way now.
+using MayHome = std::function<bool(Homing way, const std::string& unhomed)>;
+
+/// Homes the drives that have lost their position, if that is allowed; an empty `may_home` forbids
+/// it. All is asked before the first drive moves. Throws DriveError when it is not allowed, for
+/// switches with `remedy`, and as PlanarRobot::search_home() does.
 void home_where_needed(PlanarRobot& robot, const MayHome& may_home, const std::string& remedy);
 
 }  // namespace planar

@@ -67,13 +67,19 @@ std::vector<int> PlanarRobot::unhomed() {
   return joints;
 }
 
+std::optional<double> PlanarRobot::home_mark(int joint) const {
+  const MotorDrive& motor = motor_drive(joint);
+  if (motor.home != HomeReference::kTaught) return std::nullopt;
+  return motor.home_rad;
+}
+
 void PlanarRobot::search_home(int joint) {
   const MotorDrive& motor = motor_drive(joint);
-  if (motor.home == HomeReference::kTaught)
+  if (const auto mark = home_mark(joint))
     throw DriveError(
         fmt::format("drive {0} has no home switch; turn it to its mark at {1:.3f} deg, then say so "
                     "(mark {0} in planar-jog)",
-                    joint + 1, motor.home_rad / kDegree));
+                    joint + 1, *mark / kDegree));
   throw_if_stopped();
   require_well();
   try {

@@ -57,6 +57,10 @@ class PlanarRobot final : public vpRobot {
   /// has no switch, does not find it or fails; all motors halt then.
   void search_home(int joint);
 
+  /// Returns the motor's angle behind its gear at its mark, radians; empty where a home switch is
+  /// searched instead.
+  std::optional<double> home_mark(int joint) const;
+
   /// Declares that a motor stands at its mark now.
   void teach_home(int joint);
 

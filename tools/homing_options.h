@@ -1,0 +1,22 @@
+#pragma once
+
+#include <CLI/App.hpp>
+
+#include "planar_servo/robot/homing.h"
+
+namespace planar {
+
+/// What a program's options say of drives that do not know their position.
+struct HomingOptions {
+  bool home{false};      ///< they may search their home switches
+  bool at_marks{false};  ///< those without a switch stand at their marks when the program starts
+};
+
+/// Adds --home and --at-marks.
+void add_homing_options(CLI::App& app, HomingOptions& options);
+
+/// Returns the answers that the options give; --at-marks holds once, because drives that lose their
+/// position later stand anywhere. What they leave open is asked at a terminal if `asks` is set.
+MayHome may_home(HomingOptions options, bool asks = true);
+
+}  // namespace planar
