@@ -110,7 +110,7 @@ void occupy_closed_streams() {
 
 /// Runs before main() and before the libraries' own beginnings, of which some open sockets.
 [[gnu::section(".preinit_array"),
-  gnu::used]] void (*const occupy_before_all)() = occupy_closed_streams;
+  gnu::used]] void (*const kOccupyBeforeAll)() = occupy_closed_streams;
 
 /// Throws when what was printed could not be written, as into a full disk.
 void require_printed() {

@@ -48,7 +48,7 @@ class Tracker {
 
   /// Gives up waiting, by a WorkError, once `stop` answers true; it is asked several times a second
   /// where a wait may last.
-  virtual void stop_when(std::function<bool()> /*stop*/) {}
+  virtual void stop_when(const std::function<bool()>& /*stop*/) {}
 
   virtual int readings_per_monument() const { return kMonumentReadings; }
 };

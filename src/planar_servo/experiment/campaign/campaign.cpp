@@ -45,6 +45,7 @@ std::vector<nlohmann::json> work_through(
   for (int i = 0; i < seeds.count; ++i)
     if (!rows.has(seed_at(i))) work(seed_at(i), rows.claim(seed_at(i)));
   std::vector<nlohmann::json> found;
+  found.reserve(static_cast<std::size_t>(seeds.count));
   for (int i = 0; i < seeds.count; ++i) found.push_back(rows.rows().at(seed_at(i)));
   return found;
 }

@@ -5,7 +5,6 @@
 #include <optional>
 #include <set>
 #include <string>
-#include <utility>
 
 #include "planar_servo/cell/cell_settings.h"
 #include "planar_servo/devices/tracker.h"
@@ -36,7 +35,7 @@ class StreamTracker final : public Tracker {
   // Both throw WorkError when somebody is to be asked and nobody can answer.
   TrackerAnswer measure_monument(const std::string& id) override;
   void await_tool() override;
-  void stop_when(std::function<bool()> stop) override { stop_ = std::move(stop); }
+  void stop_when(const std::function<bool()>& stop) override { stop_ = stop; }
   int readings_per_monument() const override { return 1; }
 
  private:
