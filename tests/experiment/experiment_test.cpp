@@ -38,24 +38,44 @@ void check_rows(const std::vector<ComparisonRow>& rows, std::size_t count, doubl
   }
 }
 
+void check_rows(const std::vector<AccuracyRow>& rows, std::size_t count, double low, double high) {
+  std::vector<ComparisonRow> a1, a2;
+  for (const AccuracyRow& row : rows) {
+    a1.push_back({row.label, row.ours.a1, row.paper_chain.a1, row.paper});
+    a2.push_back({row.label, row.ours.a2, row.paper_chain.a2, row.paper});
+    CHECK(row.ours.a1 <= row.ours.a2);  // A2 does not see what points the wrong way
+    CHECK(row.paper_chain.a1 <= row.paper_chain.a2);
+  }
+  check_rows(a1, count, low - 0.4, high);
+  check_rows(a2, count, low, high);
+}
+
 TEST_CASE("A small experiment fills every table of the paper, and our chain beats the paper's") {
   const test::TemporaryFolder folder;
   const ExperimentReport report = run_small_experiment(folder.path());
   const PaperTables& tables = report.tables;
   check_rows(tables.run_correlation, ExperimentCircles().run_mm.size(), 0.95, 1.0 + 1e-9);
   check_rows(tables.idw_accuracy, ExperimentCircles().check_mm.size(), -1.0, 1.0);
-  check_rows(tables.repeatability, ExperimentCircles().run_mm.size(), 0.0, 1e-6);
+  check_rows(tables.repeatability, ExperimentCircles().check_mm.size(), 0.0, 1e-6);
   check_rows(tables.rbf_accuracy, ExperimentCircles().check_mm.size(), 0.8, 1.0);
   check_rows(tables.mean_accuracy, 2, 0.0, 1.0);
-  check_rows(tables.positioning, report.circles.size(), 0.0, kPaperBelow_m);
-  REQUIRE(tables.map_sources.size() == 4);
+  REQUIRE(tables.positioning.size() == report.circles.size() + 1);
+  for (const PositioningRow& row : tables.positioning) {
+    INFO(row.label);
+    CHECK((row.ours > 0.0 && row.ours < row.paper_chain && row.paper_chain < kPaperBelow_m));
+    CHECK(row.paper_before ==
+          Approx(row.paper_after / (1.0 - row.paper_improvement)).epsilon(0.01));
+  }
+  REQUIRE(tables.map_sources.size() == 6);
   CHECK(tables.map_sources[0].ours > 0.9 * kSmall.training_points);
   CHECK(tables.map_sources[0].ours <= kSmall.training_points);
   CHECK(tables.map_sources[1].ours == kSmall.test_points);
   CHECK(tables.map_sources[3].ours < 0.5 * tables.map_sources[2].ours);
-  CHECK(tables.mean_accuracy[1].ours ==
-        Approx((tables.rbf_accuracy[0].ours + tables.rbf_accuracy[1].ours +
-                tables.rbf_accuracy[2].ours) /
+  CHECK(tables.map_sources[4].paper_chain == tables.map_sources[0].paper_chain);  // a centre each
+  CHECK((tables.map_sources[5].paper_chain > 20.0 && tables.map_sources[5].paper_chain < 320.0));
+  CHECK(tables.mean_accuracy[1].ours.a2 ==
+        Approx((tables.rbf_accuracy[0].ours.a2 + tables.rbf_accuracy[1].ours.a2 +
+                tables.rbf_accuracy[2].ours.a2) /
                3.0));
 
   const ServoFigures ours = figures_of(report.ours), paper = figures_of(report.paper);
@@ -72,6 +92,10 @@ TEST_CASE("A small experiment fills every table of the paper, and our chain beat
   for (int table = 1; table <= 7; ++table) CHECK(!json["table" + std::to_string(table)].empty());
   CHECK(json["table7"][0]["ours"].get<double>() ==
         Approx(tables.positioning[0].ours / kMillimetre));
+  CHECK(json["table7"].size() == report.circles.size());
+  CHECK(json["table7"][0]["ours_improvement"].get<double>() ==
+        Approx(1.0 - tables.positioning[0].ours / tables.positioning[0].before));
+  CHECK(json["table5"][0]["paper_chain_a1"].get<double>() == tables.rbf_accuracy[0].paper_chain.a1);
 }
 
 TEST_CASE("Without a tracker reading a laid board and poses place the tool, but for the turn") {
