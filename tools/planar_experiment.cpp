@@ -134,13 +134,10 @@ Outcome run(const Options& options) {
   if (options.seeds > 0) return run_many(request, options);
   const auto devices = open_cell(request.cell);
   const ExperimentReport report = run_experiment(request, *devices);
-  const std::filesystem::path page = options.out / "report.html";
-  write_file(page, experiment_page(report, options.cell.string()));
-  write_file(options.out / "errors.svg", experiment_figure(report));
-  const nlohmann::json figures = experiment_json(report);
-  write_file(options.out / "figures.json", figures.dump(2) + "\n");
+  const std::filesystem::path page =
+      write_experiment_report(report, options.cell.string(), options.out);
   fmt::print("{}report: {}\n", experiment_text(report), page.string());
-  return {figures};
+  return {experiment_json(report)};
 }
 
 }  // namespace

@@ -1,17 +1,24 @@
 #include "planar_servo/experiment/experiment.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "planar_servo/core/units.h"
 #include "planar_servo/experiment/experiment_report.h"
+#include "planar_servo/experiment/page/experiment_page.h"
+#include "planar_servo/files/tables/lamp_table.h"
+#include "planar_servo/io/atomic_file.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "support/sample_cells.h"
 #include "support/temporary_folder.h"
+#include "support/well_formed.h"
 
 namespace planar {
 namespace {
+
+using Catch::Matchers::Contains;
 
 /// A fifth of the paper's places.
 constexpr ExperimentSize kSmall{8, 12, 60, 10, 8, 6, 3};
@@ -48,6 +55,95 @@ void check_rows(const std::vector<AccuracyRow>& rows, std::size_t count, double 
   }
   check_rows(a1, count, low - 0.4, high);
   check_rows(a2, count, low, high);
+}
+
+/// Figure 6 shows the edges that the chain's own centre was fitted to.
+void check_lamps(const FigureData& data, const std::filesystem::path& lamps_csv) {
+  REQUIRE(data.lamps.size() == 2);
+  for (const LampRow& row : read_lamps(lamps_csv)) {
+    if (row.image != data.lamps[0].image) continue;
+    for (std::size_t k = 0; k < 2; ++k) {
+      CHECK((data.lamps[k].circle.center - row.uv_px[k]).norm() < 1e-4);
+      CHECK(data.lamps[k].edges_px.size() > 80);
+      CHECK(data.lamps[k].grey.rows > 1.5 * data.lamps[k].circle.radius);
+    }
+    return;
+  }
+  FAIL("lamps.csv lacks the image " << data.lamps[0].image);
+}
+
+/// Figures 8 to 11: the error grows with the radius, and comes back from run to run.
+void check_circles(const FigureData& data) {
+  REQUIRE(data.circles.size() == 3 * ExperimentCircles().run_mm.size() * kSmall.run_points);
+  double before = 0.0;
+  for (const int radius_mm : ExperimentCircles().run_mm) {
+    double sum = 0.0;
+    for (const CirclePlace& place : data.circles) {
+      CHECK(place.p_plan.norm() == Approx(place.radius_mm * kMillimetre));
+      if (place.radius_mm == radius_mm) sum += place.vision_error().norm();
+      if (place.run == 1) continue;
+      const auto first =
+          std::find_if(data.circles.begin(), data.circles.end(), [&](const CirclePlace& other) {
+            return other.run == 1 && other.radius_mm == place.radius_mm &&
+                   other.index == place.index;
+          });
+      REQUIRE(first != data.circles.end());
+      CHECK((first->vision_error() - place.vision_error()).norm() < 0.1 * kMillimetre);
+    }
+    CHECK(sum > before);
+    before = sum;
+  }
+}
+
+/// Figures 14 and 16 show the errors from which Tables 2 and 5 have their accuracies.
+void check_predictions(const FigureData& data, const PaperTables& tables) {
+  for (std::size_t i = 0; i < ExperimentCircles().check_mm.size(); ++i) {
+    double raw = 0.0, left_by_idw = 0.0, left_by_rbf = 0.0;
+    for (const PredictedPlace& place : data.checks) {
+      if (place.radius_mm != ExperimentCircles().check_mm.at(i)) continue;
+      raw += place.measured.norm();
+      left_by_idw += (place.measured - place.by_idw).norm();
+      left_by_rbf += (place.measured - place.by_rbf).norm();
+    }
+    CHECK(tables.idw_accuracy[i].paper_chain.a1 == Approx(1.0 - left_by_idw / raw));
+    CHECK(tables.rbf_accuracy[i].paper_chain.a1 == Approx(1.0 - left_by_rbf / raw));
+  }
+}
+
+/// Returns what the links of a page name.
+std::vector<std::string> links_of(const std::string& page) {
+  std::vector<std::string> links;
+  const std::string begin = "href=\"";
+  for (std::size_t at = page.find(begin); at != std::string::npos; at = page.find(begin, at + 1)) {
+    const std::size_t from = at + begin.size();
+    links.push_back(page.substr(from, page.find('"', from) - from));
+  }
+  return links;
+}
+
+/// The report has the paper's figures, and links to what exists.
+void check_report(const ExperimentReport& report, const std::filesystem::path& out) {
+  const auto page = [&] { return read_file(write_experiment_report(report, "cell.yaml", out)); };
+  const std::string text = page();
+  CHECK(test::fault_of_xml(text).empty());
+  for (const char* number :
+       {"06", "07", "08", "09", "10", "11", "13", "14", "15", "16", "18", "19"}) {
+    const std::string file = std::string("figures/figure_") + number + ".svg";
+    const std::string svg = read_file(out / file);
+    INFO(file);
+    CHECK(test::fault_of_xml(svg).empty());
+    CHECK(test::is_self_contained(svg));
+    CHECK_THAT(svg, Contains("class=\"dot\"") && !Contains("nan") && !Contains("inf"));
+    CHECK_THAT(text, Contains(svg) && Contains("href=\"" + file + "\""));
+  }
+  for (const std::string& link : links_of(text)) {
+    INFO(link);
+    CHECK(std::filesystem::exists(out / link));
+  }
+  CHECK_THAT(text, Contains("href=\"recording/frames.csv\"") && Contains("<b>Good:</b>"));
+  CHECK_THAT(read_file(out / "figures/convergence.svg"), Contains(">12 targets, "));
+  std::filesystem::remove_all(out / "recording");
+  CHECK_THAT(page(), !Contains("recording/frames.csv"));
 }
 
 TEST_CASE("A small experiment fills every table of the paper, and our chain beats the paper's") {
@@ -95,6 +191,11 @@ TEST_CASE("A small experiment fills every table of the paper, and our chain beat
   CHECK(json["table7"].size() == report.circles.size());
   CHECK(json["table7"][0]["ours_improvement"].get<double>() ==
         Approx(1.0 - tables.positioning[0].ours / tables.positioning[0].before));
+  REQUIRE(report.recorded);
+  check_lamps(*report.recorded, folder / "run/paper/lamps.csv");
+  check_circles(*report.recorded);
+  check_predictions(*report.recorded, tables);
+  check_report(report, folder / "run");
   CHECK(json["table5"][0]["paper_chain_a1"].get<double>() == tables.rbf_accuracy[0].paper_chain.a1);
 }
 
