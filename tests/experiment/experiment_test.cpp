@@ -216,7 +216,10 @@ TEST_CASE("Without a tracker reading a laid board and poses place the tool, but 
   REQUIRE(report.turn_taken_out);
   CHECK(std::abs(*report.turn_taken_out) > 0.1 * kDegree);  // joint 1's zero is off by 0.2
   CHECK(experiment_json(report)["table1"].empty());
-  CHECK_THAT(experiment_text(report), Catch::Contains("no tracker reading fixed the turn"));
+  CHECK_THAT(experiment_text(report), Contains("no tracker reading fixed the turn"));
+  const std::string page = read_file(write_experiment_report(report, "cell.yaml", folder / "run"));
+  CHECK_THAT(page, Contains("Table 7:") && !Contains("Table 5:") && !Contains("A1 takes"));
+  CHECK_THAT(page, Contains("Figure 16:") && Contains("no tracker reading fixed the turn"));
 }
 
 }  // namespace
