@@ -19,7 +19,8 @@ LEAST_MARKS = 12  # of data: axes and frames do not count
 LEAST_SHARE_INSIDE = 0.9
 SCREEN = "1100,800"
 
-# Counts the marks of each figure that have a size, and those of them that lie in their figure.
+# Counts the marks of each figure that have a size and those of them that lie in their figure, and lists the words
+# that do not.
 COUNT_MARKS = """<script>
 addEventListener("load", () => {
   const inside = (a, b) => a.left >= b.left - 1 && a.right <= b.right + 1 && a.top >= b.top - 1 && a.bottom <= b.bottom + 1;
@@ -28,7 +29,8 @@ addEventListener("load", () => {
     const boxes = svg ? [...svg.querySelectorAll(".dot,.line,.arrow,.bar,g[shape-rendering] rect")]
       .map(mark => mark.getBoundingClientRect()).filter(box => box.width + box.height > 0) : [];
     const frame = svg ? svg.getBoundingClientRect() : null;
-    return {caption: figure.querySelector("figcaption").textContent,
+    const words = svg ? [...svg.querySelectorAll("text")].filter(text => !inside(text.getBoundingClientRect(), frame)) : [];
+    return {caption: figure.querySelector("figcaption").textContent, cut: words.map(text => text.textContent),
             marks: boxes.length, inside: boxes.filter(box => inside(box, frame)).length};
   });
   const note = document.createElement("pre");
@@ -56,6 +58,8 @@ def faults_of_figures(figures):
             yield f"{title}: only {figure['marks']} marks are drawn"
         elif figure["inside"] < LEAST_SHARE_INSIDE * figure["marks"]:
             yield f"{title}: only {figure['inside']} of {figure['marks']} marks lie within it"
+        for words in figure["cut"]:
+            yield f"{title}: '{words}' is cut off"
 
 
 def faults_of_links(text, folder):
