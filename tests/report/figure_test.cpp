@@ -147,6 +147,37 @@ TEST_CASE("Of very many marks some are drawn, and the panel says so") {
   CHECK_THAT(panel.svg(0.0), Contains("drawn is one of 4, of 10000 in all"));
 }
 
+TEST_CASE("An axis of decades gives each ratio its length, with ticks at round values") {
+  const Axis axis{"error, mm", 0.001, 10.0, Spacing::kDecades};
+  CHECK(axis.share(0.001) == Approx(0.0));
+  CHECK(axis.share(0.1) == Approx(0.5));
+  CHECK(axis.share(10.0) == Approx(1.0));
+  CHECK(axis.share(0.0) == Approx(0.0));
+  CHECK(axis.ticks(5).values.size() == 5);
+  CHECK(decade_ticks(0.9, 25.0).values == std::vector<double>{1.0, 2.0, 5.0, 10.0, 20.0});
+  CHECK(axis.ticks(5).text(0.001) == "0.001");
+  Panel panel("p", {"x", 0.0, 2.0}, axis);
+  panel.add_dots({{1.0, 0.1}});
+  CHECK_THAT(panel.svg(0.0), Contains("cx=\"207.0\" cy=\"179.0\"") && Contains(">0.01<"));
+}
+
+TEST_CASE("Decades hold the values above zero, and without any there are none") {
+  const Axis axis = decades_over("x", {0.0, 0.02, -1.0, 3.0});
+  CHECK((axis.from < 0.02 && axis.from > 0.01));
+  CHECK((axis.to > 3.0 && axis.to < 6.0));
+  CHECK_THROWS_AS(decades_over("x", {0.0, -1.0}), std::invalid_argument);
+}
+
+TEST_CASE("Lines have their colours, and a key says what a colour is") {
+  Panel panel = unit_panel();
+  panel.add_line({{0.0, 0.0}, {2.0, 1.0}}, Panel::Stroke::kSolid, "#123456");
+  const double before = panel.height();
+  panel.add_key("#123456", "the mean");
+  CHECK_THAT(panel.svg(0.0), Contains("stroke=\"#123456\" d=\"M62.0 324.0 L352.0 34.0\"") &&
+                                 Contains("fill=\"#123456\"") && Contains(">the mean<"));
+  CHECK(panel.height() > before);
+}
+
 TEST_CASE("The bars of a histogram have round edges and count every value that they span") {
   std::vector<double> values;
   for (int i = -50; i <= 50; ++i) values.push_back(0.01 * i);

@@ -110,6 +110,7 @@ ExperimentReport run_experiment(const ExperimentRequest& request, CellDevices& d
     report.tables = map_tables(ours, paper, plan);
   else
     report.turn_taken_out = take_out_turn(report.ours);
+  report.recorded = figure_data(paper, plan, recording);
   report.tables.positioning = positioning_table(report.circles, report.ours, report.paper);
   report.prediction = predict_positioning(prediction_inputs(ours), targets);
   return report;

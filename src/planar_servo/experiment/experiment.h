@@ -7,6 +7,7 @@
 
 #include "planar_servo/experiment/experiment_plan.h"
 #include "planar_servo/experiment/experiment_prediction.h"
+#include "planar_servo/experiment/figures/figure_data.h"
 #include "planar_servo/experiment/paper_tables.h"
 #include "planar_servo/experiment/vision_chain.h"
 #include "planar_servo/machine/cell_devices.h"
@@ -21,6 +22,7 @@ struct ExperimentReport {
   std::vector<TargetResult> paper;         ///< the paper's chain with its map
   std::vector<TargetResult> paper_no_map;  ///< the paper's chain without a map
   PaperTables tables;                      ///< without a tracker only `positioning`
+  std::optional<FigureData> recorded{};    ///< what the paper's figures are drawn from
   PositioningPrediction prediction;        ///< of our chain, from its calibration alone
   /// By which `ours` was turned about the base's axis, radians, where nothing had fixed the turn.
   std::optional<double> turn_taken_out{};

@@ -2,98 +2,17 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "planar_servo/core/fixed.h"
 #include "planar_servo/core/units.h"
-#include "planar_servo/experiment/experiment_plan.h"
-#include "planar_servo/experiment/paper_figures.h"
-#include "planar_servo/report/html_page.h"
-#include "planar_servo/report/quiver_figure.h"
-#include "planar_servo/report/text_table.h"
+#include "planar_servo/experiment/tables/table_texts.h"
 #include "planar_servo/run/servo_report.h"
 
 namespace planar {
 namespace {
 
-constexpr double kNanometre = 1e-3 * kMicrometre;
-
 double mean_mm(const std::vector<TargetResult>& results, TargetError error) {
   return mean_error(results, error) / kMillimetre;
-}
-
-TextTable fraction_table(const std::string& title, const std::vector<ComparisonRow>& rows) {
-  TextTable table(title, {"", "ours", "the paper's chain here", "the paper"});
-  for (const ComparisonRow& row : rows)
-    table.add_row({row.label, fmt::format("{:.1f} %", 100.0 * row.ours),
-                   fmt::format("{:.1f} %", 100.0 * row.paper_chain),
-                   fmt::format("{:.1f} %", 100.0 * row.paper)});
-  return table;
-}
-
-TextTable correlation_table(const ExperimentReport& report) {
-  TextTable table("Table 1: correlation of the vision error between three runs",
-                  {"", "ours", "the paper's chain here", "the paper"});
-  for (const ComparisonRow& row : report.tables.run_correlation)
-    table.add_row({row.label, fmt::format("{:.4f}", row.ours),
-                   fmt::format("{:.4f}", row.paper_chain), fmt::format("{:.3f}", row.paper)});
-  return table;
-}
-
-TextTable control_table(const ExperimentReport& report) {
-  TextTable table(
-      fmt::format("Table 7: mean true positioning error in mm, {} targets on each circle of radius "
-                  "{} mm",
-                  report.circles.front().targets.size(), report.circles.front().radius_mm),
-      {"circle about", "before", "paper's chain", "ours", "ours, improved by", "paper: before",
-       "paper: after"});
-  const auto row = [&](const std::string& label, double before, double paper_chain, double ours,
-                       double paper_before, double paper_after) {
-    table.add_row({label, fmt::format("{:.3f}", before), fmt::format("{:.3f}", paper_chain),
-                   fmt::format("{:.4f}", ours), fixed(100.0 * (1.0 - ours / before), 1) + " %",
-                   fmt::format("{:.3f}", paper_before), fmt::format("{:.3f}", paper_after)});
-  };
-  for (std::size_t i = 0; i < report.tables.positioning.size(); ++i) {
-    const ComparisonRow& circle = report.tables.positioning[i];
-    row(circle.label,
-        mean_mm(results_on(report.circles[i], report.paper), &TargetResult::before_truth),
-        circle.paper_chain / kMillimetre, circle.ours / kMillimetre, kPaperBefore_mm[i],
-        circle.paper / kMillimetre);
-  }
-  row("all four", mean_mm(report.paper, &TargetResult::before_truth),
-      mean_mm(report.paper, &TargetResult::after_truth),
-      mean_mm(report.ours, &TargetResult::after_truth), kPaperBeforeMean_mm, kPaperAfterMean_mm);
-  return table;
-}
-
-/// Makes a table of figures in a unit, with four digits each. What the paper does not print is left
-/// out.
-TextTable number_table(const std::string& title, const std::vector<ComparisonRow>& rows,
-                       double unit) {
-  TextTable table(title, {"", "ours", "the paper's chain here", "the paper"});
-  const auto cell = [&](double value) {
-    return std::isfinite(value) ? fmt::format("{:.4g}", value / unit) : "–";
-  };
-  for (const ComparisonRow& row : rows)
-    table.add_row({row.label, cell(row.ours), cell(row.paper_chain), cell(row.paper)});
-  return table;
-}
-
-std::vector<TextTable> accuracy_tables(const ExperimentReport& report) {
-  if (report.tables.run_correlation.empty()) return {};
-  return {
-      correlation_table(report),
-      fraction_table("Table 2: accuracy of inverse distance weighting on circles about the base",
-                     report.tables.idw_accuracy),
-      number_table("Table 3: what the error maps were made of", report.tables.map_sources, 1.0),
-      number_table(
-          "Table 4: standard deviation of three predictions in nm, the largest of the circle's "
-          "points (the paper: less than)",
-          report.tables.repeatability, kNanometre),
-      fraction_table("Table 5: accuracy of the radial basis functions on the same circles",
-                     report.tables.rbf_accuracy),
-      fraction_table("Table 6: accuracy, mean of the three circles", report.tables.mean_accuracy)};
 }
 
 nlohmann::json rows_json(const std::vector<ComparisonRow>& rows, double unit) {
@@ -106,6 +25,33 @@ nlohmann::json rows_json(const std::vector<ComparisonRow>& rows, double unit) {
   return json;
 }
 
+nlohmann::json rows_json(const std::vector<AccuracyRow>& rows) {
+  nlohmann::json json = nlohmann::json::array();
+  for (const AccuracyRow& row : rows)
+    json.push_back({{"label", row.label},
+                    {"ours", row.ours.a2},
+                    {"ours_a1", row.ours.a1},
+                    {"paper_chain", row.paper_chain.a2},
+                    {"paper_chain_a1", row.paper_chain.a1},
+                    {"paper", row.paper}});
+  return json;
+}
+
+/// Lists the control circles without the row of all of them.
+nlohmann::json rows_json(const std::vector<PositioningRow>& rows) {
+  nlohmann::json json = nlohmann::json::array();
+  for (auto row = rows.begin(); row + 1 < rows.end(); ++row)
+    json.push_back({{"label", row->label},
+                    {"before", row->before / kMillimetre},
+                    {"ours", row->ours / kMillimetre},
+                    {"ours_improvement", row->improvement(row->ours)},
+                    {"paper_chain", row->paper_chain / kMillimetre},
+                    {"paper_chain_improvement", row->improvement(row->paper_chain)},
+                    {"paper", row->paper_after / kMillimetre},
+                    {"paper_improvement", row->paper_improvement}});
+  return json;
+}
+
 /// Says what the scorer has done where nothing had fixed the turn.
 std::string turn_text(const ExperimentReport& report) {
   if (!report.turn_taken_out) return "";
@@ -115,7 +61,8 @@ std::string turn_text(const ExperimentReport& report) {
       *report.turn_taken_out / kDegree);
 }
 
-/// Says what the tables do not say.
+}  // namespace
+
 std::string summary_text(const ExperimentReport& report) {
   return fmt::format(
       "vision error at the control targets: {:.3f} mm mean by the paper's chain without a map, "
@@ -128,8 +75,6 @@ std::string summary_text(const ExperimentReport& report) {
       servo_text(figures_of(report.ours)) + turn_text(report) + prediction_text(report.prediction));
 }
 
-}  // namespace
-
 nlohmann::json experiment_json(const ExperimentReport& report) {
   nlohmann::json json = servo_json(figures_of(report.ours));
   json["vision_raw_mean_mm"] = mean_mm(report.paper_no_map, &TargetResult::vision_raw);
@@ -138,12 +83,12 @@ nlohmann::json experiment_json(const ExperimentReport& report) {
   json["paper_chain_no_map"] = servo_json(figures_of(report.paper_no_map));
   const PaperTables& tables = report.tables;
   json["table1"] = rows_json(tables.run_correlation, 1.0);
-  json["table2"] = rows_json(tables.idw_accuracy, 1.0);
+  json["table2"] = rows_json(tables.idw_accuracy);
   json["table3"] = rows_json(tables.map_sources, 1.0);
   json["table4"] = rows_json(tables.repeatability, kMillimetre);
-  json["table5"] = rows_json(tables.rbf_accuracy, 1.0);
-  json["table6"] = rows_json(tables.mean_accuracy, 1.0);
-  json["table7"] = rows_json(tables.positioning, kMillimetre);
+  json["table5"] = rows_json(tables.rbf_accuracy);
+  json["table6"] = rows_json(tables.mean_accuracy);
+  json["table7"] = rows_json(tables.positioning);
   if (report.turn_taken_out) json["turn_taken_out_deg"] = *report.turn_taken_out / kDegree;
   json.update(prediction_json(report.prediction));
   return json;
@@ -161,29 +106,8 @@ std::string prediction_text(const PositioningPrediction& prediction) {
 
 std::string experiment_text(const ExperimentReport& report) {
   std::string text;
-  for (const TextTable& table : accuracy_tables(report)) text += table.plain_text() + '\n';
-  return text + control_table(report).plain_text() + '\n' + summary_text(report);
-}
-
-std::string experiment_figure(const ExperimentReport& report) {
-  return quiver_svg({error_panel("Open loop", report.paper, &TargetResult::before_truth),
-                     error_panel("Paper's chain", report.paper, &TargetResult::after_truth),
-                     error_panel("planar-servo", report.ours, &TargetResult::after_truth)});
-}
-
-std::string experiment_page(const ExperimentReport& report, const std::string& cell_name) {
-  HtmlPage page("The paper's experiment on " + cell_name);
-  page.add_paragraph(
-      "Mean true error of the end point at the control targets, by the scorer of the virtual cell. "
-      "Both chains were calibrated from the same recording and saw nothing else.");
-  page.add_html(experiment_figure(report));
-  page.add_paragraph(kQuiverCaption);
-  page.add_html(quiver_svg({error_panel("planar-servo", report.ours, &TargetResult::after_truth)}));
-  page.add_paragraph("The last panel once more, at scales of its own.");
-  page.add_html(control_table(report).html());
-  page.add_paragraph(summary_text(report));
-  for (const TextTable& table : accuracy_tables(report)) page.add_html(table.html());
-  return page.text();
+  for (const ShownTable& shown : shown_tables(report)) text += shown.table.plain_text() + '\n';
+  return text + marks_text(report) + '\n' + summary_text(report);
 }
 
 }  // namespace planar

@@ -18,10 +18,7 @@ std::string prediction_text(const PositioningPrediction& prediction);
 /// Returns the tables for a terminal.
 std::string experiment_text(const ExperimentReport& report);
 
-/// Returns the errors before and after at the control targets as one SVG.
-std::string experiment_figure(const ExperimentReport& report);
-
-/// Returns the text of report.html.
-std::string experiment_page(const ExperimentReport& report, const std::string& cell_name);
+/// Returns what the tables do not say, in lines.
+std::string summary_text(const ExperimentReport& report);
 
 }  // namespace planar

@@ -8,77 +8,52 @@
 #include <limits>
 #include <map>
 
-#include "planar_servo/core/error.h"
+#include "planar_servo/core/numerics/statistics.h"
 #include "planar_servo/core/units.h"
-#include "planar_servo/experiment/paper_figures.h"
+#include "planar_servo/experiment/tables/pairs_on_circles.h"
+#include "planar_servo/experiment/tables/paper_values.h"
+#include "planar_servo/files/tables/lamp_table.h"
+#include "planar_servo/files/vision_files.h"
 #include "planar_servo/offline/map/check_error_map.h"
 #include "planar_servo/offline/map/fit_map_to_pairs.h"
 
 namespace planar {
 namespace {
 
-[[noreturn]] void refuse_empty_circle(int radius_mm) {
-  throw WorkError(
-      fmt::format("no place on the circle of radius {} mm has both lamps and a tracker "
-                  "reading; lamps.csv says why",
-                  radius_mm));
-}
+constexpr double kNotPrinted = std::numeric_limits<double>::quiet_NaN();
 
 std::string label_of(int radius_mm) {
   return fmt::format("radius {} mm", radius_mm);
 }
 
-/// Finds the pairs of a recording by their place.
-class PairsOnCircles {
- public:
-  PairsOnCircles(const std::vector<PairRow>& pairs, const std::vector<CirclePoint>& points)
-      : points_(points) {
-    for (const PairRow& pair : pairs) by_id_.emplace(pair.id, &pair);
+/// Returns the lengths of the errors that a chain's map predicts from each frame alone, by the id
+/// of the place.
+std::map<std::string, std::vector<double>> predictions_by_frame(const CalibratedChain& chain) {
+  const VisionCalibration vision = read_vision(chain.cell, false);
+  std::map<std::string, std::vector<double>> lengths;
+  for (const LampRow& row : read_lamps(chain.folder / "lamps.csv")) {
+    if (row.status != LampStatus::kOk || row.uv_px.size() != 2) continue;
+    const auto place = place_tool(vision, {row.uv_px[0], row.uv_px[1]},
+                                  {row.covariance_px2[0], row.covariance_px2[1]});
+    if (!place) continue;
+    const TipPose& seen = place->seen;
+    lengths[row.id].push_back(predict_error(chain.map->map, seen.p, seen.phi).norm());
   }
-
-  /// Returns the pairs of a circle that checks the maps, in its order.
-  std::vector<PairRow> check_circle(int radius_mm) const {
-    std::vector<PairRow> pairs;
-    for (const CirclePoint& point : points_)
-      if (point.run == 0 && point.radius_mm == radius_mm)
-        if (const PairRow* pair = pair_at(point)) pairs.push_back(*pair);
-    if (pairs.empty()) refuse_empty_circle(radius_mm);
-    return pairs;
-  }
-
-  /// Returns the places of one circle that every run has.
-  std::vector<std::array<const PairRow*, kRuns>> of_all_runs(int radius_mm) const {
-    std::map<int, std::array<const PairRow*, kRuns>> by_index;
-    for (const CirclePoint& point : points_)
-      if (point.run > 0 && point.radius_mm == radius_mm)
-        by_index[point.index].at(static_cast<std::size_t>(point.run - 1)) = pair_at(point);
-    std::vector<std::array<const PairRow*, kRuns>> complete;
-    for (const auto& [index, pairs] : by_index)
-      if (std::count(pairs.begin(), pairs.end(), nullptr) == 0) complete.push_back(pairs);
-    if (complete.empty()) refuse_empty_circle(radius_mm);
-    return complete;
-  }
-
- private:
-  const PairRow* pair_at(const CirclePoint& point) const {
-    const auto found = by_id_.find(point.id);
-    return found == by_id_.end() ? nullptr : found->second;
-  }
-
-  const std::vector<CirclePoint>& points_;
-  std::map<std::string, const PairRow*> by_id_;
-};
+  return lengths;
+}
 
 /// Holds a calibrated chain and its pairs on the circles.
 struct JudgedChain {
   JudgedChain(const CalibratedChain& judged, const std::vector<CirclePoint>& points)
       : chain(judged),
         idw(fit_error_map_to_pairs(judged.pairs, {MapMethod::kIdw, 0.0}).result.map),
-        circles(judged.pairs, points) {}
+        circles(judged.pairs, points),
+        by_frame(predictions_by_frame(judged)) {}
 
   const CalibratedChain& chain;
   ErrorMap idw;
   PairsOnCircles circles;
+  std::map<std::string, std::vector<double>> by_frame;  ///< see predictions_by_frame()
 };
 
 /// Returns the mean correlation between the error components of the three runs over one circle.
@@ -92,33 +67,48 @@ double run_correlation(const JudgedChain& judged, int radius_mm) {
          3.0;
 }
 
-/// Returns the largest standard deviation over the points of one circle, metres. At each point it
-/// is that of the lengths of the errors that the map predicts from the three runs.
+/// Returns the standard deviation of a few values; NaN for fewer than two.
+double standard_deviation(const std::vector<double>& values) {
+  const double middle = mean(values);
+  double sum = 0.0;
+  for (const double value : values) sum += (value - middle) * (value - middle);
+  return std::sqrt(sum / (static_cast<double>(values.size()) - 1.0));
+}
+
+/// Returns the largest standard deviation over the points of one check circle, metres. At each
+/// point it is that of what the map predicts from each of its frames. NaN where no point has two.
 double prediction_repeatability(const JudgedChain& judged, int radius_mm) {
-  double largest = 0.0;
-  for (const auto& pairs : judged.circles.of_all_runs(radius_mm)) {
-    Eigen::Vector3d lengths;
-    for (std::size_t run = 0; run < pairs.size(); ++run)
-      lengths[static_cast<int>(run)] =
-          predict(judged.chain.map->map, pairs[run]->p_vision, pairs[run]->phi).error.norm();
-    const double sigma = std::sqrt((lengths.array() - lengths.mean()).square().sum() / 2.0);
-    largest = std::max(largest, sigma);
-  }
+  double largest = kNotPrinted;
+  for (const PairRow& pair : judged.circles.check_circle(radius_mm))
+    if (const auto found = judged.by_frame.find(pair.id); found != judged.by_frame.end())
+      largest = std::fmax(largest, standard_deviation(found->second));
   return largest;
 }
 
-/// Returns the paper's accuracy, which is blind to direction, of a map on one of the check circles.
-double circle_accuracy(const JudgedChain& judged, const ErrorMap& map, int radius_mm) {
-  return check_error_map(map, judged.circles.check_circle(radius_mm)).a2;
+Accuracy circle_accuracy(const JudgedChain& judged, const ErrorMap& map, int radius_mm) {
+  const MapCheck check = check_error_map(map, judged.circles.check_circle(radius_mm));
+  return {check.a1, check.a2};
+}
+
+/// Returns how many radial functions a map has, and their width in mm; NaN for a map without.
+std::array<double, 2> functions_of(const ErrorMap& map) {
+  if (const auto* rbf = std::get_if<RbfMap>(&map))
+    return {static_cast<double>(rbf->parameters().centers.cols()),
+            rbf->parameters().kernel.width / kMillimetre};
+  if (const auto* sparse = std::get_if<SparseRbfMap>(&map))
+    return {static_cast<double>(sparse->parameters().centers.cols()),
+            sparse->parameters().width / kMillimetre};
+  return {kNotPrinted, kNotPrinted};
 }
 
 /// Says what went into the maps, and how they judge places that they were not fitted to.
 std::vector<ComparisonRow> map_sources(const CalibratedChain& ours, const CalibratedChain& paper) {
-  constexpr double kNotPrinted = std::numeric_limits<double>::quiet_NaN();
   const auto test = [](const CalibratedChain& chain) {
     return check_error_map(chain.map->map, pairs_to_check(chain.pairs, {Plan::kTest}));
   };
   const MapCheck our_test = test(ours), paper_test = test(paper);
+  const auto [our_count, our_width_mm] = functions_of(ours.map->map);
+  const auto [paper_count, paper_width_mm] = functions_of(paper.map->map);
   return {{"training positions", static_cast<double>(ours.map->n_used),
            static_cast<double>(paper.map->n_used), kPaperTrainingPlaces},
           {"test positions", static_cast<double>(our_test.raw.n),
@@ -126,16 +116,20 @@ std::vector<ComparisonRow> map_sources(const CalibratedChain& ours, const Calibr
           {"vision error at the test positions, mm rms", our_test.raw.rms / kMillimetre,
            paper_test.raw.rms / kMillimetre, kNotPrinted},
           {"with the map, mm rms", our_test.compensated.rms / kMillimetre,
-           paper_test.compensated.rms / kMillimetre, kNotPrinted}};
+           paper_test.compensated.rms / kMillimetre, kNotPrinted},
+          {"centres of the radial functions", our_count, paper_count, kNotPrinted},
+          {"their width, mm", our_width_mm, paper_width_mm, kNotPrinted}};
 }
 
 /// Returns the mean over the circles of a table.
-ComparisonRow mean_row(const std::string& label, const std::vector<ComparisonRow>& rows) {
-  ComparisonRow sum{label, 0.0, 0.0, 0.0};
+AccuracyRow mean_row(const std::string& label, const std::vector<AccuracyRow>& rows) {
+  AccuracyRow sum{label, {}, {}, 0.0};
   const double n = static_cast<double>(rows.size());
-  for (const ComparisonRow& row : rows) {
-    sum.ours += row.ours / n;
-    sum.paper_chain += row.paper_chain / n;
+  for (const AccuracyRow& row : rows) {
+    sum.ours.a1 += row.ours.a1 / n;
+    sum.ours.a2 += row.ours.a2 / n;
+    sum.paper_chain.a1 += row.paper_chain.a1 / n;
+    sum.paper_chain.a2 += row.paper_chain.a2 / n;
     sum.paper += row.paper / n;
   }
   return sum;
@@ -151,9 +145,6 @@ PaperTables map_tables(const CalibratedChain& ours, const CalibratedChain& paper
     const int radius_mm = plan.circles.run_mm[i];
     tables.run_correlation.push_back({label_of(radius_mm), run_correlation(our, radius_mm),
                                       run_correlation(their, radius_mm), kPaperCorrelation[i]});
-    tables.repeatability.push_back({label_of(radius_mm), prediction_repeatability(our, radius_mm),
-                                    prediction_repeatability(their, radius_mm),
-                                    kPaperRepeatability_mm * kMillimetre});
   }
   for (std::size_t i = 0; i < plan.circles.check_mm.size(); ++i) {
     const int radius_mm = plan.circles.check_mm[i];
@@ -162,6 +153,9 @@ PaperTables map_tables(const CalibratedChain& ours, const CalibratedChain& paper
     tables.rbf_accuracy.push_back(
         {label_of(radius_mm), circle_accuracy(our, ours.map->map, radius_mm),
          circle_accuracy(their, paper.map->map, radius_mm), kPaperRbf[i]});
+    tables.repeatability.push_back({label_of(radius_mm), prediction_repeatability(our, radius_mm),
+                                    prediction_repeatability(their, radius_mm),
+                                    kPaperRepeatability_mm * kMillimetre});
   }
   tables.map_sources = map_sources(ours, paper);
   tables.mean_accuracy = {mean_row("IDW", tables.idw_accuracy),
@@ -179,17 +173,28 @@ std::vector<TargetResult> results_on(const ControlCircle& circle,
   return found;
 }
 
-std::vector<ComparisonRow> positioning_table(const std::vector<ControlCircle>& circles,
-                                             const std::vector<TargetResult>& ours,
-                                             const std::vector<TargetResult>& paper) {
-  std::vector<ComparisonRow> rows;
+std::vector<PositioningRow> positioning_table(const std::vector<ControlCircle>& circles,
+                                              const std::vector<TargetResult>& ours,
+                                              const std::vector<TargetResult>& paper) {
+  const auto row = [](const std::string& label, const std::vector<TargetResult>& our,
+                      const std::vector<TargetResult>& their) {
+    return PositioningRow{label, mean_error(their, &TargetResult::before_truth),
+                          mean_error(our, &TargetResult::after_truth),
+                          mean_error(their, &TargetResult::after_truth)};
+  };
+  std::vector<PositioningRow> rows;
   for (std::size_t i = 0; i < circles.size(); ++i) {
     const Eigen::Vector2d center_mm = circles[i].center / kMillimetre;
-    rows.push_back({fmt::format("({:.0f}, {:.0f}) mm", center_mm.x(), center_mm.y()),
-                    mean_error(results_on(circles[i], ours), &TargetResult::after_truth),
-                    mean_error(results_on(circles[i], paper), &TargetResult::after_truth),
-                    kPaperAfter_mm[i] * kMillimetre});
+    rows.push_back(row(fmt::format("({:.0f}, {:.0f}) mm", center_mm.x(), center_mm.y()),
+                       results_on(circles[i], ours), results_on(circles[i], paper)));
+    rows.back().paper_after = kPaperAfter_mm[i] * kMillimetre;
+    rows.back().paper_improvement = kPaperImprovement[i];
+    rows.back().paper_before = rows.back().paper_after / (1.0 - kPaperImprovement[i]);
   }
+  rows.push_back(row("all four", ours, paper));
+  rows.back().paper_before = kPaperBeforeMean_mm * kMillimetre;
+  rows.back().paper_after = kPaperAfterMean_mm * kMillimetre;
+  rows.back().paper_improvement = kPaperImprovementMean;
   return rows;
 }
 

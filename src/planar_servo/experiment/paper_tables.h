@@ -19,15 +19,42 @@ struct ComparisonRow {
   double paper{0.0};
 };
 
+/// Says how well a map predicts the errors of vision on a circle; see MapCheck.
+struct Accuracy {
+  double a1{0.0};  ///< by the length of what is left of each error
+  double a2{0.0};  ///< the paper's: by the mean lengths alone
+};
+
+/// One row of a table of accuracies, which are fractions.
+struct AccuracyRow {
+  std::string label;
+  Accuracy ours, paper_chain;
+  double paper{0.0};
+};
+
+/// One row of table 7: mean true errors, metres.
+struct PositioningRow {
+  std::string label;
+  double before{0.0};  ///< where the paper's chain ends before feedback
+  double ours{0.0};
+  double paper_chain{0.0};
+  double paper_before{0.0};
+  double paper_after{0.0};
+  double paper_improvement{0.0};  ///< a fraction
+
+  /// Returns the share of the error before that is gone after.
+  double improvement(double after) const { return 1.0 - after / before; }
+};
+
 /// The paper's tables 1 to 7, in their order.
 struct PaperTables {
   std::vector<ComparisonRow> run_correlation;  ///< correlation of the vision error between the runs
-  std::vector<ComparisonRow> idw_accuracy;     ///< accuracy on the check circles, a fraction
+  std::vector<AccuracyRow> idw_accuracy;       ///< on the check circles
   std::vector<ComparisonRow> map_sources;      ///< what the maps were made of, in mixed units
-  std::vector<ComparisonRow> repeatability;    ///< scatter of predictions over the runs, metres
-  std::vector<ComparisonRow> rbf_accuracy;     ///< accuracy on the check circles, a fraction
-  std::vector<ComparisonRow> mean_accuracy;    ///< accuracy of both methods, mean over the circles
-  std::vector<ComparisonRow> positioning;      ///< mean true error per control circle, metres
+  std::vector<ComparisonRow> repeatability;    ///< scatter of predictions on them, metres
+  std::vector<AccuracyRow> rbf_accuracy;       ///< on the check circles
+  std::vector<AccuracyRow> mean_accuracy;      ///< of both methods, mean over the circles
+  std::vector<PositioningRow> positioning;     ///< per control circle, and of all of them
 };
 
 /// Fills the tables that the recording decides: all but `positioning`. Both chains must have used
@@ -35,10 +62,10 @@ struct PaperTables {
 PaperTables map_tables(const CalibratedChain& ours, const CalibratedChain& paper,
                        const ExperimentPlan& plan);
 
-/// Returns the table of the closed loop with a row for each control circle.
-std::vector<ComparisonRow> positioning_table(const std::vector<ControlCircle>& circles,
-                                             const std::vector<TargetResult>& ours,
-                                             const std::vector<TargetResult>& paper);
+/// Returns the table of the closed loop with a row for each control circle, and one for all.
+std::vector<PositioningRow> positioning_table(const std::vector<ControlCircle>& circles,
+                                              const std::vector<TargetResult>& ours,
+                                              const std::vector<TargetResult>& paper);
 
 /// Returns the results at the targets of one control circle.
 std::vector<TargetResult> results_on(const ControlCircle& circle,

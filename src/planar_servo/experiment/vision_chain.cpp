@@ -178,6 +178,7 @@ CalibratedChain calibrate_chain(const ChainSettings& settings, const CellSetting
   make_folder(own_folder);
   CalibratedChain chain;
   chain.settings = settings;
+  chain.folder = own_folder;
   chain.cell = with_files_in(cell, own_folder);
   chain.cell.servo = settings.servo;
   // An experiment that is gone on with must see the lamps as the first time, without these.

@@ -59,10 +59,11 @@ struct RecordedCell {
 /// Reads a recording. Throws InputError when it lacks a table.
 RecordedCell read_recorded_cell(const std::filesystem::path& recording, const Board& board);
 
-/// Holds a chain calibrated from what was recorded only. Its files are in `folder/name`, as the
-/// programs write them, and `cell` names them.
+/// Holds a chain calibrated from what was recorded only. Its files are in `folder`, as the programs
+/// write them, and `cell` names them.
 struct CalibratedChain {
   ChainSettings settings;
+  std::filesystem::path folder;
   CellSettings cell;
   CameraCalibration camera;
   std::vector<PairRow> pairs;
@@ -71,7 +72,7 @@ struct CalibratedChain {
   std::optional<LampFieldFit> field{};  ///< what the loop uses instead, where there is one
 };
 
-/// Calibrates a chain from a recording and writes its files.
+/// Calibrates a chain from a recording and writes its files to `folder/name`.
 CalibratedChain calibrate_chain(const ChainSettings& settings, const CellSettings& cell,
                                 const RecordedCell& recorded, const std::filesystem::path& folder);
 

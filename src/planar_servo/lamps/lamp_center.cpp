@@ -1,13 +1,11 @@
 #include "planar_servo/lamps/lamp_center.h"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <opencv2/imgproc.hpp>
 #include <vector>
 
 #include "planar_servo/core/units.h"
-#include "planar_servo/lamps/paper/grey_moment_edges.h"
+#include "planar_servo/lamps/paper/canny_edges.h"
 #include "planar_servo/lamps/paper/kasa_circle.h"
 #include "planar_servo/lamps/rim/edge_noise.h"
 #include "planar_servo/lamps/rim/light_centroid.h"
@@ -17,45 +15,13 @@
 namespace planar {
 namespace {
 
-constexpr double kMostSaturated = 0.5;     // share of the lamp's pixels
-constexpr double kWideDiameter_px = 24.0;  // from here a rim is straight enough for 7 x 7 pixels
+constexpr double kMostSaturated = 0.5;  // share of the lamp's pixels
 constexpr double kLargestGap = 100.0 * kDegree;
 constexpr double kCannySpacing_px = 1.11;  // mean length of a step to a neighbour in 8 directions
-
-// Thresholds of Canny's gradient (Sobel, 4 x a step) and of a step itself, over the lamp's
-// contrast: half of a rim blurred by 1 px, and a margin for a lamp that is uneven.
-constexpr double kCannyHigh = 1.2, kCannyLow = 0.6, kLeastEdge = 0.3;
-constexpr double kRimInside = 0.6, kRimOutside = 1.4;  // of the blob's ellipse
-
-const GreyMoments& window_for(const Blob& blob) {
-  static const GreyMoments narrow(2), wide(3);
-  return blob.diameter_px() < kWideDiameter_px ? narrow : wide;
-}
 
 /// How far apart along the rim, in edges, two windows still share pixels.
 int reach(const GreyMoments& moments) {
   return static_cast<int>(std::lround(2.0 * moments.radius_px() / kCannySpacing_px));
-}
-
-std::vector<Eigen::Vector2d> rim_edges(const cv::Mat& image, const Blob& blob,
-                                       const cv::Rect& window, const GreyMoments& moments) {
-  cv::Mat canny;
-  cv::Canny(image(window), canny, kCannyLow * blob.contrast(), kCannyHigh * blob.contrast(), 3,
-            true);
-  const Eigen::Matrix2d shape = (4.0 * blob.second_moments_px2).inverse();
-  std::vector<Eigen::Vector2d> edges;
-  for (int v = 0; v < canny.rows; ++v) {
-    for (int u = 0; u < canny.cols; ++u) {
-      if (canny.at<std::uint8_t>(v, u) == 0) continue;
-      const cv::Point pixel(window.x + u, window.y + v);
-      const Eigen::Vector2d d = Eigen::Vector2d(pixel.x, pixel.y) - blob.uv_px;
-      const double radius = std::sqrt(d.dot(shape * d));
-      if (radius < kRimInside || radius > kRimOutside) continue;
-      const auto edge = moments.edge(image, pixel, kLeastEdge * blob.contrast());
-      if (edge) edges.push_back(*edge);
-    }
-  }
-  return edges;
 }
 
 /// vpDot2's edges are whole pixels: uniform over one pixel, one per pixel of the rim.
@@ -121,18 +87,13 @@ int margin_px(const cv::Size& image, const cv::Rect& box) {
   return std::min({box.x, box.y, image.width - box.br().x, image.height - box.br().y});
 }
 
-/// How many pixels must lie beyond a blob's box.
-int least_margin_px(const GreyMoments& moments) {
-  return static_cast<int>(std::ceil(moments.radius_px())) + 1;
-}
-
 /// The lamp before it is measured: kNotRound unless it cannot be measured at all.
 LampCenter unmeasured(const cv::Mat& image, const Blob& blob) {
   LampCenter lamp;
   lamp.uv_px = blob.uv_px;
   lamp.diameter_px = blob.diameter_px();
   lamp.status = LampStatus::kNotRound;
-  if (margin_px(image.size(), blob.box_px) < least_margin_px(window_for(blob))) {
+  if (margin_px(image.size(), blob.box_px) < least_margin_px(moments_for(blob))) {
     lamp.status = LampStatus::kAtBorder;
   } else if (blob.contrast() <= 0.0) {
     lamp.status = LampStatus::kLowContrast;
@@ -160,11 +121,7 @@ LampCenter measure_lamp(const cv::Mat& image, const Blob& blob, CenterMethod met
     lamp.status = LampStatus::kSaturated;
     return lamp;
   }
-  const GreyMoments& moments = window_for(blob);
-  const int margin = least_margin_px(moments);
-  const cv::Rect window(blob.box_px.x - margin, blob.box_px.y - margin,
-                        blob.box_px.width + 2 * margin, blob.box_px.height + 2 * margin);
-  return by_kasa(rim_edges(image, blob, window, moments), moments, lamp);
+  return by_kasa(canny_edges(image, blob), moments_for(blob), lamp);
 }
 
 LampCenter lamp_at_dot(const cv::Mat& image, const VpDot& dot) {

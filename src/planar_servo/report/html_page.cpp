@@ -11,7 +11,8 @@ padding:0 1rem;color:#1a1a1a;background:#fff}h1{font-size:1.6rem}h2{font-size:1.
 table{border-collapse:collapse;margin:1rem 0;font-variant-numeric:tabular-nums}
 caption{text-align:left;font-weight:600;padding:.3rem 0}
 th,td{padding:.25rem .8rem;border-bottom:1px solid #ddd;text-align:right}
-th:first-child,td:first-child{text-align:left}svg{max-width:100%;height:auto}
+th:first-child,td:first-child{text-align:left}td:first-child{white-space:nowrap}svg{max-width:100%;height:auto}
+figure{margin:1.5rem 0}figcaption{margin-bottom:.4rem}
 .verdict{border-left:.5rem solid #2e7d32;background:#f1f7f1;padding:.6rem 1rem;margin:1rem 0}
 .verdict p,.verdict ul{margin:.2rem 0}.verdict.bad{border-color:#b3541e;background:#fbf3ee}
 @media print{body{margin:0}h2,svg{break-inside:avoid}})";

@@ -13,7 +13,7 @@ struct StepRow {
   ServoStep step;
 };
 
-/// Lists the columns that only a measured step fills. No program reads them back.
+/// Lists the columns that only a measured step fills. They are only written.
 void list_measured(Columns& columns, const ServoStep& step) {
   const TipMeasurement& m = step.measurement;
   const auto number = [&](const char* column, double value, double unit, int decimals) {
@@ -57,6 +57,17 @@ const TableSchema<StepRow>& step_schema() {
   return steps;
 }
 
+/// Lists the columns that are read back.
+const TableSchema<StepError>& step_error_schema() {
+  static const TableSchema<StepError> errors{
+      "steps", [](Columns& columns, StepError& row) {
+        columns.text("target", row.target);
+        columns.whole_number("step", row.step);
+        columns.optional_number("error_mm", row.error, kMillimetre, 6, Column::kRequired);
+      }};
+  return errors;
+}
+
 }  // namespace
 
 std::string steps_header() {
@@ -65,6 +76,14 @@ std::string steps_header() {
 
 std::string step_line(const std::string& id, const ServoStep& step) {
   return step_schema().line({id, step});
+}
+
+std::vector<StepError> read_step_errors(const std::filesystem::path& path) {
+  TableFile<StepError> table(path, step_error_schema());
+  std::vector<StepError> steps;
+  for (StepError step; table.next(step);) steps.push_back(step);
+  table.throw_if_faulty_or_empty();
+  return steps;
 }
 
 }  // namespace planar

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <stdexcept>
 
 #include "planar_servo/core/fixed.h"
@@ -25,6 +26,26 @@ Axis axis_over(const std::string& label, const std::vector<double>& values) {
   return {label, *least - room, *most + room};
 }
 
+Axis decades_over(const std::string& label, const std::vector<double>& values) {
+  constexpr double kRatioOfRoom = 1.25;
+  std::vector<double> positive;
+  std::copy_if(values.begin(), values.end(), std::back_inserter(positive),
+               [](double value) { return value > 0.0; });
+  if (positive.empty()) throw std::invalid_argument("an axis of decades needs a value above zero");
+  const auto [least, most] = std::minmax_element(positive.begin(), positive.end());
+  return {label, *least / kRatioOfRoom, *most * kRatioOfRoom, Spacing::kDecades};
+}
+
+double Axis::share(double value) const {
+  if (spacing == Spacing::kEven) return (value - from) / (to - from);
+  return std::log(std::max(value, lowest()) / from) / std::log(to / from);
+}
+
+Ticks Axis::ticks(int most) const {
+  return spacing == Spacing::kEven ? round_ticks(lowest(), highest(), most)
+                                   : decade_ticks(lowest(), highest());
+}
+
 std::string Ticks::text(double value) const {
   const double decade = std::floor(std::log10(step) + kRounding);
   if (decade < -6.0 || decade > 5.0) return fmt::format("{:g}", value);
@@ -43,6 +64,18 @@ Ticks round_ticks(double lowest, double highest, int most) {
     for (double i = first; i <= last; ++i) ticks.values.push_back(i * ticks.step);
     break;
   }
+  return ticks;
+}
+
+Ticks decade_ticks(double lowest, double highest) {
+  constexpr double kFewDecades = 300.0;  // the ratio up to which ticks within decades have room
+  Ticks ticks;
+  ticks.step = 0.0;
+  for (double decade = std::pow(10.0, std::floor(std::log10(lowest))); decade <= highest;
+       decade *= 10.0)
+    for (const double digits : {1.0, 2.0, 5.0})
+      if (const double value = digits * decade; value >= lowest && value <= highest)
+        if (highest / lowest < kFewDecades || digits == 1.0) ticks.values.push_back(value);
   return ticks;
 }
 

@@ -5,21 +5,8 @@
 
 namespace planar {
 
-/// An axis of a panel: what it shows, with its unit, and the values at its two ends. `from` lies at
-/// the left or at the bottom, and may be the larger one: rows of an image count downwards.
-struct Axis {
-  std::string label;
-  double from{0.0}, to{1.0};
-
-  double lowest() const { return from < to ? from : to; }
-  double highest() const { return from < to ? to : from; }
-};
-
-/// Returns an axis over all values with a little room at both ends. Values that do not differ get
-/// room of their own size. Throws std::invalid_argument for no values.
-Axis axis_over(const std::string& label, const std::vector<double>& values);
-
-/// Ticks at whole multiples of a step that is 1, 2 or 5 times a power of ten.
+/// Ticks at whole multiples of a step that is 1, 2 or 5 times a power of ten, or at round values of
+/// each decade, whose step is 0.
 struct Ticks {
   double step{1.0};
   std::vector<double> values;
@@ -28,9 +15,41 @@ struct Ticks {
   std::string text(double value) const;
 };
 
+/// Says whether equal lengths are equal differences or, kDecades, equal ratios.
+enum class Spacing { kEven, kDecades };
+
+/// An axis of a panel: what it shows, with its unit, and the values at its two ends. `from` lies at
+/// the left or at the bottom, and may be the larger one: rows of an image count downwards. The ends
+/// of an axis of decades are above zero.
+struct Axis {
+  std::string label;
+  double from{0.0}, to{1.0};
+  Spacing spacing{Spacing::kEven};
+
+  double lowest() const { return from < to ? from : to; }
+  double highest() const { return from < to ? to : from; }
+  /// Returns where a value lies: 0 at `from`, 1 at `to`. Zero and less lie at the lower end of an
+  /// axis of decades.
+  double share(double value) const;
+  /// Returns ticks between the ends; at most `most` of them on an even axis.
+  Ticks ticks(int most) const;
+};
+
+/// Returns an axis over all values with a little room at both ends. Values that do not differ get
+/// room of their own size. Throws std::invalid_argument for no values.
+Axis axis_over(const std::string& label, const std::vector<double>& values);
+
+/// Returns an axis of decades over the values above zero, with a little room at both ends. Throws
+/// std::invalid_argument where there are none.
+Axis decades_over(const std::string& label, const std::vector<double>& values);
+
 /// Returns at most `most` ticks from `lowest` to `highest`, both included, and at least one unless
 /// the range is shorter than any step. Throws std::invalid_argument for an empty range.
 Ticks round_ticks(double lowest, double highest, int most);
+
+/// Returns ticks at 1, 2 and 5 times the powers of ten within a range above zero; over more than
+/// two decades at the powers alone.
+Ticks decade_ticks(double lowest, double highest);
 
 /// Returns the longest length not above `most` that is 1, 2 or 5 times a power of ten.
 double round_length(double most);

@@ -63,14 +63,7 @@ std::string ColorScale::color(double value) const {
 }
 
 Ticks ColorScale::bar_ticks() const {
-  if (steps_ == Steps::kEven) return round_ticks(from_, to_, kMostTicks);
-  Ticks ticks;
-  const bool narrow = to_ / from_ < 10.0;
-  for (double decade = std::pow(10.0, std::floor(std::log10(from_))); decade <= to_; decade *= 10.0)
-    for (const double digits : {1.0, 2.0, 5.0})
-      if (const double value = digits * decade; value >= from_ && value <= to_)
-        if (narrow || to_ / from_ < 300.0 || digits == 1.0) ticks.values.push_back(value);
-  return ticks;
+  return steps_ == Steps::kEven ? round_ticks(from_, to_, kMostTicks) : decade_ticks(from_, to_);
 }
 
 std::string ColorScale::bar_svg(double left, double top, double height) const {
@@ -89,9 +82,9 @@ std::string ColorScale::bar_svg(double left, double top, double height) const {
       top, kBar, height);
   const Ticks ticks = bar_ticks();
   for (const double value : ticks.values)
-    svg += fmt::format("<text class=\"tick\" x=\"{:.1f}\" y=\"{:.1f}\">{}</text>\n",
-                       left + kBar + 4.0, top + height * (1.0 - share(value)) + 4.0,
-                       steps_ == Steps::kEven ? ticks.text(value) : fmt::format("{:g}", value));
+    svg +=
+        fmt::format("<text class=\"tick\" x=\"{:.1f}\" y=\"{:.1f}\">{}</text>\n", left + kBar + 4.0,
+                    top + height * (1.0 - share(value)) + 4.0, ticks.text(value));
   const double x = left + kColorBarWidth - 8.0, y = top + 0.5 * height;
   return svg + fmt::format(
                    "<text class=\"label\" text-anchor=\"middle\" x=\"{0:.1f}\" y=\"{1:.1f}\" "

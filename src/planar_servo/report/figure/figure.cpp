@@ -17,7 +17,7 @@ constexpr char kFigureStyle[] =
     "svg .tick{font-size:12px;fill:#444}"
     "svg .frame{fill:none;stroke:#777}svg .halo{stroke-width:3.6;stroke-linecap:round}"
     "svg .arrow{stroke-width:1.5;stroke-linecap:round}svg .dot{stroke:#fff;stroke-width:.5}"
-    "svg .line{fill:none;stroke:#222;stroke-width:1.3}svg .dashed{stroke-dasharray:5 4}"
+    "svg .line{fill:none;stroke-width:1.3}svg .dashed{stroke-dasharray:5 4}"
     "svg .bar{fill:#7fa8c9;stroke:#fff;stroke-width:.6}";
 
 constexpr double kBetweenPanels = 10.0;

@@ -96,8 +96,7 @@ Panel::Panel(std::string title, Axis x, Axis y, Aspect aspect)
 }
 
 Eigen::Vector2d Panel::at(const Eigen::Vector2d& p) const {
-  return {kLeft + plot_width_ * (p.x() - x_.from) / (x_.to - x_.from),
-          kTop + plot_height_ * (y_.to - p.y()) / (y_.to - y_.from)};
+  return {kLeft + plot_width_ * x_.share(p.x()), kTop + plot_height_ * (1.0 - y_.share(p.y()))};
 }
 
 std::size_t Panel::stride(std::size_t marks) {
@@ -167,12 +166,13 @@ void Panel::add_dots(const std::vector<Eigen::Vector2d>& points, const Paint& pa
     marks_ += dot_svg(at(points[i]), radius, paint.of(i));
 }
 
-void Panel::add_line(const std::vector<Eigen::Vector2d>& points, Stroke stroke) {
+void Panel::add_line(const std::vector<Eigen::Vector2d>& points, Stroke stroke,
+                     const std::string& color) {
   std::vector<Eigen::Vector2d> placed;
   placed.reserve(points.size());
   for (const Eigen::Vector2d& p : points) placed.push_back(at(p));
-  marks_ += fmt::format("<path class=\"line{}\" d=\"{}\"/>\n",
-                        stroke == Stroke::kDashed ? " dashed" : "", path_through(placed));
+  marks_ += fmt::format("<path class=\"line{}\" stroke=\"{}\" d=\"{}\"/>\n",
+                        stroke == Stroke::kDashed ? " dashed" : "", color, path_through(placed));
 }
 
 void Panel::add_bars(const std::vector<double>& edges, const std::vector<double>& heights) {
@@ -194,15 +194,19 @@ void Panel::add_note(const std::string& note) {
   legend_.push_back(text("tick", 0.0, 0.0, "start", note));
 }
 
+void Panel::add_key(const std::string& color, const std::string& what) {
+  legend_.push_back(dot_svg({5.0, -4.0}, 4.0, color) + text("tick", 15.0, 0.0, "start", what));
+}
+
 std::string Panel::axes() const {
   std::string lines, numbers;
-  const Ticks along_x = round_ticks(x_.lowest(), x_.highest(), most_ticks(plot_width_));
+  const Ticks along_x = x_.ticks(most_ticks(plot_width_));
   for (const double value : along_x.values) {
     const double x = at({value, y_.from}).x();
     lines += line_svg("grid", {x, kTop}, {x, kTop + plot_height_}, "#e4e4e0") + '\n';
     numbers += text("tick", x, kTop + plot_height_ + 15.0, "middle", along_x.text(value));
   }
-  const Ticks along_y = round_ticks(y_.lowest(), y_.highest(), most_ticks(plot_height_));
+  const Ticks along_y = y_.ticks(most_ticks(plot_height_));
   for (const double value : along_y.values) {
     const double y = at({x_.from, value}).y();
     lines += line_svg("grid", {kLeft, y}, {kLeft + plot_width_, y}, "#e4e4e0") + '\n';

@@ -55,13 +55,16 @@ class Panel {
   void add_dots(const std::vector<Eigen::Vector2d>& points, const Paint& paint = {},
                 double radius = 2.2);
   enum class Stroke { kSolid, kDashed };
-  void add_line(const std::vector<Eigen::Vector2d>& points, Stroke stroke = Stroke::kSolid);
+  void add_line(const std::vector<Eigen::Vector2d>& points, Stroke stroke = Stroke::kSolid,
+                const std::string& color = "#222");
   /// Draws bars from zero, from one edge to the next: one more edge than heights.
   void add_bars(const std::vector<double>& edges, const std::vector<double>& heights);
   /// Draws a colour bar beside the panel.
   void add_color_bar(const ColorScale& scale);
   /// Writes a line below the panel, as a legend.
   void add_note(const std::string& note);
+  /// Says in the legend what the marks of a colour are.
+  void add_key(const std::string& color, const std::string& what);
 
   /// Draws the panel, its outer upper left corner at (left, 0).
   std::string svg(double left) const;

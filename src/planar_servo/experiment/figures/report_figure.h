@@ -1,0 +1,23 @@
+#pragma once
+
+#include <string>
+
+namespace planar {
+
+/// A figure of the report, which is a file of its own as well.
+struct ReportFigure {
+  std::string file;  ///< the file's name
+  std::string title;
+  std::string caption;  ///< what it shows, on what data, and what to look at
+  std::string svg;
+};
+
+/// Returns a figure of the paper, named by its number there.
+ReportFigure paper_figure(int number, const std::string& what, const std::string& caption,
+                          const std::string& svg);
+
+/// Colours of series that are told apart in one panel [Okabe and Ito 2008, darkened for thin
+/// lines].
+constexpr const char* kSeriesColors[] = {"#1f4e79", "#c77f1a", "#2e8b57", "#a23b72"};
+
+}  // namespace planar
