@@ -66,19 +66,27 @@ PredictionInputs prediction_inputs(const CalibratedChain& chain) {
           chain.field.value().landing_sigma};
 }
 
+double PositioningTerms::combined() const {
+  return std::sqrt(square(field) + square(vision) + square(content()) + square(datum));
+}
+
+PositioningTerms positioning_terms(const PredictionInputs& known, const TargetRow& target) {
+  const double phi = target.phi_d.value_or(known.tool_orientation);
+  PositioningTerms terms;
+  terms.field = predict_error_at(known.vision, {target.p_d, phi}).sigma;
+  terms.vision = known.sigma_vision / std::sqrt(known.servo.frames_per_measurement);
+  terms.stop = 0.5 * std::max(known.servo.tolerance_m, 2.0 * terms.vision);
+  terms.landing = known.landing_sigma;
+  terms.datum = std::sqrt(datum_variance(known.datum, target.p_d, known.sigma_tracker));
+  return terms;
+}
+
 PositioningPrediction predict_positioning(const PredictionInputs& known,
                                           const std::vector<TargetRow>& targets) {
-  const double sigma_vision = known.sigma_vision / std::sqrt(known.servo.frames_per_measurement);
-  const double sigma_content =
-      std::min(0.5 * std::max(known.servo.tolerance_m, 2.0 * sigma_vision), known.landing_sigma);
   std::vector<double> sigmas;
   sigmas.reserve(targets.size());
-  for (const TargetRow& target : targets) {
-    const double phi = target.phi_d.value_or(known.tool_orientation);
-    sigmas.push_back(std::sqrt(square(predict_error_at(known.vision, {target.p_d, phi}).sigma) +
-                               square(sigma_vision) + square(sigma_content) +
-                               datum_variance(known.datum, target.p_d, known.sigma_tracker)));
-  }
+  for (const TargetRow& target : targets)
+    sigmas.push_back(positioning_terms(known, target).combined());
   return {mean(sigmas) * std::sqrt(kPi / 2.0), mixture_p95(sigmas)};
 }
 

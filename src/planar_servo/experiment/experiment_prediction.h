@@ -28,10 +28,25 @@ struct PredictionInputs {
 /// Returns what is known of a chain that has a field at the lamps, from its files.
 PredictionInputs prediction_inputs(const CalibratedChain& chain);
 
+/// What makes an error of positioning at one target: standard uncertainties per axis, metres.
+struct PositioningTerms {
+  double field{0.0};    ///< as the map states it; NaN where it states none
+  double vision{0.0};   ///< of a look, over the frames averaged
+  double stop{0.0};     ///< of a servo that is content anywhere within its stop rule
+  double landing{0.0};  ///< of where the first move ends
+  double datum{0.0};    ///< of the turn that the tracker's registration to the monuments leaves
+
+  /// Returns what the servo leaves standing: it is content within its stop rule, or where the first
+  /// move lands in it.
+  double content() const { return stop < landing ? stop : landing; }
+  /// Returns the root of the sum of squares of field, vision, content and datum.
+  double combined() const;
+};
+
+PositioningTerms positioning_terms(const PredictionInputs& known, const TargetRow& target);
+
 /// Predicts the error of positioning. At each target the error is taken as normal in two axes. Its
-/// variance [GUM 2008, 5.1] is the sum of those of the field, of vision over the frames averaged,
-/// of where the servo is content (evenly over a disc, or where the arm that was found lands in it),
-/// and of the turn that the tracker's registration to the monuments leaves.
+/// variance [GUM 2008, 5.1] is that of PositioningTerms::combined().
 PositioningPrediction predict_positioning(const PredictionInputs& known,
                                           const std::vector<TargetRow>& targets);
 

@@ -92,7 +92,7 @@ std::string HtmlPage::text() const {
       "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n"
       "{}<title>{}</title>\n<style>{}</style>\n</head>\n<body>\n{}</body>\n</html>\n",
-      kGenerator, html_escaped(title_), kStyle, body_);
+      kGenerator, html_escaped(title_), kStyle + style_, body_);
 }
 
 }  // namespace planar

@@ -35,11 +35,14 @@ class HtmlPage {
   void add_verdict(const Verdict& verdict);
   /// Adds a piece that is HTML already: a table or an SVG figure.
   void add_html(const std::string& html) { body_ += html; }
+  /// Adds rules of CSS, which overrule those that every page has.
+  void add_style(const std::string& css) { style_ += css; }
 
   std::string text() const;
 
  private:
   std::string title_;
+  std::string style_;
   std::string body_;
 };
 

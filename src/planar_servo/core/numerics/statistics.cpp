@@ -39,22 +39,29 @@ double median(std::vector<double> values) {
   return quantile(std::move(values), 0.5);
 }
 
-std::optional<std::pair<double, double>> median_interval(std::vector<double> values,
-                                                         double confidence) {
+std::optional<std::pair<double, double>> quantile_interval(std::vector<double> values,
+                                                           double fraction, double confidence) {
   require_values(values);
+  if (!(fraction > 0.0 && fraction < 1.0)) throw std::invalid_argument("fraction not in (0, 1)");
   std::sort(values.begin(), values.end());
   const std::size_t n = values.size();
-  // As many values lie below the median as heads fall in n throws of a coin.
-  const auto heads = [all = static_cast<double>(n)](double k) {
-    return std::exp(std::lgamma(all + 1.0) - std::lgamma(k + 1.0) - std::lgamma(all - k + 1.0) -
-                    all * std::log(2.0));
+  // As many values lie below the quantile as heads fall in n throws of a coin that is so biased.
+  const auto heads = [&](std::size_t count) {
+    const auto all = static_cast<double>(n), k = static_cast<double>(count);
+    return std::exp(std::lgamma(all + 1.0) - std::lgamma(k + 1.0) - std::lgamma(all - k + 1.0) +
+                    k * std::log(fraction) + (all - k) * std::log1p(-fraction));
   };
-  std::size_t low = 0;
-  for (double tail = heads(0.0); tail <= 0.5 * (1.0 - confidence);
-       tail += heads(static_cast<double>(low)))
-    ++low;
-  if (low == 0) return std::nullopt;
-  return std::pair(values[low - 1], values[n - low]);
+  const double most = 0.5 * (1.0 - confidence);
+  std::size_t low = 0, high = 0;
+  for (double tail = heads(0); tail <= most && low < n; tail += heads(low)) ++low;
+  for (double tail = heads(n); tail <= most && high < n; tail += heads(n - high)) ++high;
+  if (low == 0 || high == 0) return std::nullopt;
+  return std::pair(values[low - 1], values[n - high]);
+}
+
+std::optional<std::pair<double, double>> median_interval(std::vector<double> values,
+                                                         double confidence) {
+  return quantile_interval(std::move(values), 0.5, confidence);
 }
 
 double robust_sigma(const std::vector<double>& values) {

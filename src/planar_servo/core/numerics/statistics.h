@@ -25,9 +25,14 @@ double median(std::vector<double> values);
 /// Interpolates linearly between order statistics; `fraction` lies in [0, 1].
 double quantile(std::vector<double> values, double fraction);
 
-/// Returns two of the values between which the median of what they are drawn from lies with at
+/// Returns two of the values between which this quantile of what they are drawn from lies with at
 /// least this confidence, whatever its distribution [Conover 1999, 3.2]: the innermost order
-/// statistics that do. Empty when even the smallest and the largest value do not.
+/// statistics that do. Empty when even the smallest and the largest value do not. `fraction` lies
+/// in (0, 1).
+std::optional<std::pair<double, double>> quantile_interval(std::vector<double> values,
+                                                           double fraction, double confidence);
+
+/// Returns quantile_interval() of the median.
 std::optional<std::pair<double, double>> median_interval(std::vector<double> values,
                                                          double confidence);
 

@@ -1,0 +1,160 @@
+#include "planar_servo/certificate/certify.h"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <ctime>
+#include <set>
+
+#include "planar_servo/core/error.h"
+#include "planar_servo/core/units.h"
+#include "planar_servo/files/vision_files.h"
+#include "planar_servo/io/atomic_file.h"
+#include "planar_servo/io/growing_file.h"
+#include "planar_servo/io/sha256.h"
+
+namespace planar {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path cycles_file(const CertificateRequest& request) {
+  return request.servo.out / "cycles.csv";
+}
+
+/// Returns what decides the moves and how they are made, as comment lines. The calibration's files
+/// are those of results.csv.
+std::string header_of(const CertificateRequest& request, JudgeKind judge) {
+  return cycles_header({fmt::format("# cycles: {}", request.size.cycles),
+                        fmt::format("# targets: {}", request.size.targets),
+                        fmt::format("# judge: {}", name_in(kJudgeKinds, judge)),
+                        fmt::format("# cell: {}", content_sha256(request.servo.cell.file))});
+}
+
+/// Returns the moves that the folder holds. Throws InputError when they are of another certificate.
+std::vector<JudgedMove> moves_so_far(const CertificateRequest& request, const std::string& header) {
+  const fs::path file = cycles_file(request), results = request.servo.out / "results.csv";
+  if (!fs::exists(file)) {
+    if (fs::exists(results) && !read_results(results).empty())
+      throw InputError(results.string() +
+                       ": is a run that is no certificate's; name another folder for --out");
+    return {};
+  }
+  drop_torn_line(file);
+  const std::string text = read_file(file);
+  if (text.compare(0, header.size(), header) == 0) return read_cycles(file);
+  throw InputError(fmt::format(
+      "{}: was begun with other --cycles or --targets, with another judge or before the "
+      "cell file was changed; its first lines say with which; give the same ones to go "
+      "on, or name another folder",
+      file.string()));
+}
+
+/// Drives a cell through the moves of its certificate.
+class CertificateDriver {
+ public:
+  CertificateDriver(const CertificateRequest& request, CellDevices& devices)
+      : phi_d_(request.servo.cell.tool_orientation),
+        run_(request.servo, devices, [this](const ServoSight& sight) { watch(sight.step); }) {}
+
+  ServoRun& run() { return run_; }
+
+  /// Makes a move, from where it is to be made, and has its end judged.
+  JudgedMove make(const CertificateMove& move, Judge& judge) {
+    if (move.p_before && arm_at_ != move.p_before) go(move.id + ".from", *move.p_before);
+    JudgedMove made;
+    made.move = move;
+    if (run_.ended_by()) return made;
+    const TargetResult& result = go(move.id, move.p_d);
+    made.status = result.status;
+    made.seconds = result.seconds;
+    made.utc = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
+    made.landing_own = result.before_own;
+    made.error_own = result.after_own;
+    if (!last_ || !last_->measurement.ok()) return made;
+    made.sigma_vision = last_->measurement.sigma_vision_m;
+    made.stop_below = last_->stop_below_m;
+    if (const auto tip = judge.judge(move.id, last_->measurement.tip)) {
+      made.judge_sigma = judge.sigma();
+      made.error = tip->p - move.p_d;
+      if (tip->phi) made.turn_error = wrap_angle(*tip->phi - phi_d_);
+    }
+    return made;
+  }
+
+ private:
+  void watch(const ServoStep& step) { last_ = step; }
+
+  /// Moves to a place. A name that a killed program has used already gets a stroke.
+  const TargetResult& go(std::string id, const Eigen::Vector2d& p) {
+    while (run_.has(id)) id += '\'';
+    last_.reset();
+    arm_at_ = p;
+    return run_.move_to({id, p, std::nullopt});
+  }
+
+  double phi_d_;
+  std::optional<ServoStep> last_;          ///< of the move that is being made
+  std::optional<Eigen::Vector2d> arm_at_;  ///< where this program has sent the arm
+  ServoRun run_;
+};
+
+/// Returns the moves that are yet to be made.
+std::vector<CertificateMove> moves_left(const CertificateRun& certificate) {
+  std::set<std::string> made;
+  for (const JudgedMove& move : certificate.moves) made.insert(move.move.id);
+  std::vector<CertificateMove> left;
+  for (CertificateMove& move :
+       certificate_moves(certificate.places, certificate.request.size.cycles))
+    if (made.count(move.id) == 0) left.push_back(std::move(move));
+  return left;
+}
+
+void make_moves(CertificateRun& certificate, const std::vector<CertificateMove>& moves,
+                const std::string& header, CellDevices& devices,
+                const std::function<void(std::size_t done, std::size_t all)>& progress) {
+  CertificateRequest request = certificate.request;
+  request.servo.resume = fs::exists(request.servo.out / "results.csv");
+  CertificateDriver driver(request, devices);
+  const auto judge = make_judge(certificate.judge, request.servo.cell, certificate.vision.tool,
+                                devices, request.servo.out / "tracker.csv", request.servo.stop);
+  GrowingFile table(cycles_file(request), header);
+  const std::size_t all = certificate.moves.size() + moves.size();
+  for (const CertificateMove& move : moves) {
+    const JudgedMove made = driver.make(move, *judge);
+    if (driver.run().ended_by()) {
+      certificate.ended_by = *driver.run().ended_by();
+      return;
+    }
+    certificate.moves.push_back(made);
+    table.append(cycle_line(made));
+    if (progress) progress(certificate.moves.size(), all);
+  }
+}
+
+}  // namespace
+
+CertificateRun run_certificate(
+    const CertificateRequest& request, const OpenDevices& open,
+    const std::function<void(std::size_t done, std::size_t all)>& progress) {
+  const CellSettings& cell = request.servo.cell;
+  VisionCalibration vision = read_vision(cell, true);
+  const JudgeKind judge = judge_of(cell, vision.tool);
+  const std::string header = header_of(request, judge);
+  std::vector<JudgedMove> moves = moves_so_far(request, header);
+  std::vector<std::string> accepted = accept_stale_files(cell, true, request.servo.accept_stale);
+  TestPlaces places =
+      find_test_places(cell, vision, static_cast<std::size_t>(request.size.targets));
+  CertificateRun certificate{request, std::move(vision), std::move(places),
+                             judge,   std::move(moves),  std::move(accepted)};
+  const std::vector<CertificateMove> left = moves_left(certificate);
+  if (left.empty()) return certificate;
+  const auto devices = open(cell);
+  make_moves(certificate, left, header, *devices, progress);
+  certificate.moves = read_cycles(cycles_file(request));  // to its digits, as when it is read again
+  return certificate;
+}
+
+}  // namespace planar

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "planar_servo/certificate/certificate_plan.h"
+#include "planar_servo/certificate/judge.h"
+#include "planar_servo/certificate/judged_move.h"
+#include "planar_servo/run/servo_run.h"
+
+namespace planar {
+
+/// Says which cell is certified, and where the files go.
+struct CertificateRequest {
+  ServoRequest servo;  ///< `resume` is not used: the same request goes on with what there is
+  CertificateSize size;
+};
+
+/// What a certificate is made of.
+struct CertificateRun {
+  CertificateRequest request;
+  VisionCalibration vision;
+  TestPlaces places;
+  JudgeKind judge{JudgeKind::kTruth};
+  std::vector<JudgedMove> moves;
+  std::vector<std::string> accepted{};  ///< sentences on files that do not belong together
+  std::string ended_by{};               ///< why no further move was made; empty when complete
+};
+
+/// Opens the devices of a cell.
+using OpenDevices = std::function<std::unique_ptr<CellDevices>(const CellSettings&)>;
+
+/// Moves a cell through certificate_moves() and has the end of each judged. Each judged move is
+/// appended to cycles.csv in servo.out at once, beside steps.csv and results.csv of all moves; the
+/// same request goes on where they end. Throws InputError before anything moves when nobody can
+/// judge the cell, when find_test_places() fails, and when the folder holds something else or a
+/// certificate that was begun with other files, sizes or settings. Throws what ServoRun throws.
+/// `progress` may be empty.
+CertificateRun run_certificate(
+    const CertificateRequest& request, const OpenDevices& open,
+    const std::function<void(std::size_t done, std::size_t all)>& progress = {});
+
+}  // namespace planar

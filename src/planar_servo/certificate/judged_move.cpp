@@ -1,0 +1,53 @@
+#include "planar_servo/certificate/judged_move.h"
+
+#include "planar_servo/core/units.h"
+#include "planar_servo/io/columns.h"
+
+namespace planar {
+namespace {
+
+const TableSchema<JudgedMove>& cycle_schema() {
+  static const TableSchema<JudgedMove> cycles{
+      "cycles", [](Columns& columns, JudgedMove& row) {
+        columns.text("id", row.move.id);
+        columns.choice("part", row.move.part, kCertificateParts);
+        columns.text("pose", row.move.pose);
+        columns.text("from", row.move.from);
+        columns.whole_number("cycle", row.move.cycle);
+        columns.point("x_mm", "y_mm", row.move.p_d, kMillimetre, 6);
+        columns.choice("status", row.status, kServoStatuses);
+        columns.text("utc", row.utc);
+        columns.number("seconds", row.seconds, 1.0, 3);
+        columns.optional_point("dx_mm", "dy_mm", row.error, kMillimetre, 6, Column::kRequired);
+        columns.optional_number("dphi_deg", row.turn_error, kDegree, 6, Column::kRequired);
+        columns.number("judge_sigma_mm", row.judge_sigma, kMillimetre, 6);
+        columns.optional_point("landing_dx_mm", "landing_dy_mm", row.landing_own, kMillimetre, 6,
+                               Column::kRequired);
+        columns.optional_point("own_view_dx_mm", "own_view_dy_mm", row.error_own, kMillimetre, 6,
+                               Column::kRequired);
+        columns.optional_number("sigma_vision_mm", row.sigma_vision, kMillimetre, 6,
+                                Column::kRequired);
+        columns.optional_number("stop_below_mm", row.stop_below, kMillimetre, 6, Column::kRequired);
+      }};
+  return cycles;
+}
+
+}  // namespace
+
+std::string cycles_header(const std::vector<std::string>& remarks) {
+  return cycle_schema().header(remarks);
+}
+
+std::string cycle_line(const JudgedMove& move) {
+  return cycle_schema().line(move);
+}
+
+std::vector<JudgedMove> read_cycles(const std::filesystem::path& path) {
+  TableFile<JudgedMove> table(path, cycle_schema());
+  std::vector<JudgedMove> rows;
+  for (JudgedMove row; table.next(row);) rows.push_back(row);
+  table.throw_if_faulty();
+  return rows;
+}
+
+}  // namespace planar

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "planar_servo/certificate/certificate_plan.h"
+#include "planar_servo/servo/position_servo.h"
+
+namespace planar {
+
+/// A move and how its end was judged: a row of cycles.csv. Metres and radians, base frame.
+struct JudgedMove {
+  CertificateMove move;  ///< p_before is not in the table
+  ServoStatus status{ServoStatus::kRefused};
+  std::string utc;  ///< when it ended, "2026-11-23T02:00:00Z"
+  double seconds{0.0};
+  /// By the judge: attained minus commanded. Empty where the judge said nothing.
+  std::optional<Eigen::Vector2d> error;
+  std::optional<double> turn_error;  ///< the same for the tool's direction, where it is judged
+  double judge_sigma{0.0};           ///< standard uncertainty of the judge per axis
+  /// By the cell's own view: attained minus commanded, after the first move and at the end.
+  std::optional<Eigen::Vector2d> landing_own, error_own;
+  std::optional<double> sigma_vision;  ///< of one frame at the last look, per axis
+  std::optional<double> stop_below;    ///< the servo was content below this error
+
+  /// Returns whether the move counts: it reached its target and was judged.
+  bool counts() const { return status == ServoStatus::kReached && error; }
+};
+
+// The table grows: the header first, then a line at a time.
+std::string cycles_header(const std::vector<std::string>& remarks);
+std::string cycle_line(const JudgedMove& move);
+
+/// Reads cycles.csv. Throws InputError naming FILE:LINE of each bad row. A table without rows is a
+/// run that has just begun.
+std::vector<JudgedMove> read_cycles(const std::filesystem::path& path);
+
+}  // namespace planar

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include "planar_servo/cell/cell_settings.h"
+#include "planar_servo/vision/see_tool.h"
+
+namespace planar {
+
+/// The largest square, sides along x and y of the base frame, at which a cell can position its
+/// end point. Metres.
+struct TestSquare {
+  Eigen::Vector2d centre{0.0, 0.0};
+  double side{0.0};
+};
+
+/// Says where a cell is examined. Base frame, metres.
+struct TestPlaces {
+  TestSquare square;
+  double raster{0.0};  ///< the square's corners lie on a raster of this spacing
+  double usable{1.0};  ///< share of the workspace's raster where the cell can position
+  std::array<Eigen::Vector2d, 5> poses{};  ///< P1 to P5
+  std::vector<Eigen::Vector2d> targets;    ///< spread over what is usable of the workspace
+};
+
+/// Returns the poses P1 to P5 of a square: its centre, and points on its diagonals a tenth of their
+/// length from the corners, from the corner at least x and y anticlockwise [ISO 9283:1998, 6.8,
+/// where the plane is the diagonal one of a cube].
+std::array<Eigen::Vector2d, 5> square_poses(const TestSquare& square);
+
+/// Returns the corner (column, row) and the side, in cells, of the squares of a raster whose nodes
+/// are all free, the largest first; at most one for each node at its upper right corner.
+struct RasterSquare {
+  std::size_t column{0}, row{0}, side{0};
+};
+std::vector<RasterSquare> free_squares(const std::vector<std::vector<bool>>& free);
+
+/// Returns where a cell is examined: places that the arm reaches within its workspace, that the
+/// camera sees and where the error map is valid. The targets follow the sequence of Halton (bases 2
+/// and 3), evenly over the area of the workspace's ring; they are in the order of their angle about
+/// the base. The ways to poses and targets in their order are free. Throws InputError when there is no square or there are fewer targets than
+/// wanted.
+TestPlaces find_test_places(const CellSettings& cell, const VisionCalibration& vision,
+                            std::size_t targets);
+
+}  // namespace planar

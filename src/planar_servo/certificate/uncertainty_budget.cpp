@@ -1,0 +1,189 @@
+#include "planar_servo/certificate/uncertainty_budget.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "planar_servo/calibration/plane/plane_sight.h"
+#include "planar_servo/core/numerics/statistics.h"
+#include "planar_servo/core/units.h"
+#include "planar_servo/experiment/experiment_prediction.h"
+#include "planar_servo/files/provenance.h"
+#include "planar_servo/files/tables/pair_table.h"
+#include "planar_servo/files/workplane_file.h"
+#include "planar_servo/io/sha256.h"
+
+namespace planar {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The middles of the first and last third of a run lie this share of it apart.
+constexpr double kShareBetweenThirds = 2.0 / 3.0;
+
+std::vector<const JudgedMove*> targets_of(const std::vector<JudgedMove>& moves) {
+  std::vector<const JudgedMove*> targets;
+  for (const JudgedMove& move : moves)
+    if (move.move.part == CertificatePart::kWorkspace && move.counts()) targets.push_back(&move);
+  return targets;
+}
+
+/// Returns the median of what all moves say; 0 when none does.
+double median_over(const std::vector<JudgedMove>& moves,
+                   std::optional<double> JudgedMove::*figure) {
+  std::vector<double> values;
+  for (const JudgedMove& move : moves)
+    if (move.*figure) values.push_back(*(move.*figure));
+  return values.empty() ? 0.0 : median(values);
+}
+
+/// Returns per axis how far beside the targets the first moves ended, by the cell's own view.
+double landing_of(const std::vector<const JudgedMove*>& targets) {
+  std::vector<double> lengths;
+  for (const JudgedMove* target : targets)
+    if (target->landing_own) lengths.push_back(target->landing_own->norm());
+  return lengths.empty() ? 0.0 : rms(lengths) / std::sqrt(2.0);
+}
+
+/// A tracker's standard deviation per axis, and where it was found.
+struct TrackerNoise {
+  double sigma{0.0};
+  std::string source;
+};
+
+/// Takes it from the pairs that the map was made from, if they stand beside it unchanged.
+TrackerNoise calibration_tracker(const CellSettings& cell) {
+  for (const Origin& origin : read_origins(cell.error_map)) {
+    const fs::path pairs = cell.error_map.parent_path() / origin.name;
+    if (origin.role != Role::kPairs || !fs::exists(pairs)) continue;
+    if (content_sha256(pairs) != origin.sha256) continue;
+    std::vector<double> sigmas;
+    for (const PairRow& pair : read_pairs(pairs))
+      if (pair.sigma_tracker) sigmas.push_back(*pair.sigma_tracker);
+    if (!sigmas.empty()) return {median(sigmas), origin.name + ", monuments"};
+  }
+  return {cell.tracker.sigma_m, "cell file (at the tracker), monuments"};
+}
+
+/// Returns the variance per axis at `p_W` that the covariance of a workplane makes.
+double plane_variance(const WorkplaneRecord& plane, const Eigen::Vector2d& p_W) {
+  const Eigen::Vector3d ray_C = plane.X_WC.inverse() * Eigen::Vector3d(p_W.x(), p_W.y(), 0.0);
+  PoseJacobian<2> J = PoseJacobian<2>::Zero();
+  if (!meet_plane(plane.X_WC, ray_C, &J)) return 0.0;
+  return 0.5 * (J * plane.covariance * J.transpose()).trace();
+}
+
+/// Returns per axis what an even drift adds in the mean of a run, or 0 where chance explains it.
+double drift_sigma(const std::optional<PoseDrift>& drift) {
+  if (!drift || drift->shift <= drift->shift_chance) return 0.0;
+  return drift->shift / kShareBetweenThirds / std::sqrt(12.0) / std::sqrt(2.0);
+}
+
+/// Sums of squares over the targets.
+struct BudgetSums {
+  double field{0.0}, plane{0.0}, datum{0.0};
+  std::size_t targets{0};
+
+  double root_mean(double sum) const { return std::sqrt(sum / static_cast<double>(targets)); }
+};
+
+}  // namespace
+
+const BudgetTerm& UncertaintyBudget::largest() const {
+  return *std::max_element(terms.begin(), terms.end(),
+                           [](const BudgetTerm& a, const BudgetTerm& b) {
+                             return (a.counts ? a.sigma : -1.0) < (b.counts ? b.sigma : -1.0);
+                           });
+}
+
+double UncertaintyBudget::expected_without(const BudgetTerm& term) const {
+  return std::sqrt(std::max(0.0, expected * expected - 2.0 * term.sigma * term.sigma));
+}
+
+UncertaintyBudget uncertainty_budget(const CellSettings& cell, const VisionCalibration& vision,
+                                     const std::vector<JudgedMove>& moves,
+                                     const CellAccuracy& accuracy) {
+  const std::vector<const JudgedMove*> targets = targets_of(moves);
+  const TrackerNoise tracker = calibration_tracker(cell);
+  const WorkplaneRecord plane = read_workplane(cell.workplane);
+  PredictionInputs known{vision,
+                         cell.servo,
+                         cell.datum,
+                         cell.tool_orientation,
+                         median_over(moves, &JudgedMove::sigma_vision),
+                         tracker.sigma,
+                         landing_of(targets)};
+  known.servo.tolerance_m = median_over(moves, &JudgedMove::stop_below);
+  PositioningTerms terms;
+  BudgetSums sums;
+  sums.targets = targets.size();
+  for (const JudgedMove* target : targets) {
+    terms = positioning_terms(known, {"", target->move.p_d, {}});
+    sums.field += terms.field * terms.field;
+    sums.datum += terms.datum * terms.datum;
+    sums.plane += plane_variance(plane, target->move.p_d);
+  }
+  const double field = sums.root_mean(sums.field);
+  const bool field_known = std::isfinite(field);
+  const bool stops = terms.stop < terms.landing;
+  const std::string map = cell.error_map.filename().string();
+  UncertaintyBudget budget;
+  budget.terms = {
+      {"lamps: noise of a look", terms.vision, true,
+       fmt::format("run, {} frames", cell.servo.frames_per_measurement),
+       "average more frames (servo.frames_per_measurement), or expose the lamps better"},
+      {"field: error map", field_known ? field : 0.0, field_known,
+       field_known ? map : map + " states none",
+       "read the tracker at more places (planar-plan proposes them) and fit the map again"},
+      {"plane: pose of the camera", sums.root_mean(sums.plane), false,
+       fmt::format("{}; in the field, which is learned over it",
+                   cell.workplane.filename().string()),
+       ""},
+      {"tracker: turn by monuments", sums.root_mean(sums.datum), true, tracker.source,
+       "set the monuments farther apart, or read them more often"},
+      {"arm: landing of the first move", terms.landing, !stops,
+       stops ? "run; corrected down to the stop rule" : "run, own view",
+       "find the arm anew (planar-fit-error-map --arm-out)"},
+      {"stop rule: content within it", terms.stop, stops,
+       stops ? "run" : "run; the arm lands within it",
+       "lower servo.tolerance_mm, as far as noise and pulses allow"},
+      {"drift during the run", drift_sigma(accuracy.drift), true, "run, poses P1 to P5",
+       "let the cell warm up, or fix lamps to the base (doc/fixed_lamps.md)"},
+      {"judge: who measured", accuracy.judge_sigma, true,
+       accuracy.judge_sigma > 0.0 ? "cell file, tool" : "the truth is exact",
+       "judge with a better tracker, or from nearer"}};
+  double sum = 0.0;
+  for (const BudgetTerm& term : budget.terms)
+    if (term.counts) sum += term.sigma * term.sigma;
+  budget.expected = std::sqrt(2.0 * sum);
+  budget.found = accuracy.workspace.value().errors.rms;
+  budget.found_95 = accuracy.workspace->rms;
+  return budget;
+}
+
+std::string budget_words(const UncertaintyBudget& budget) {
+  const BudgetTerm& largest = budget.largest();
+  const double low = budget.found_95 ? budget.found_95->first : budget.found;
+  const double high = budget.found_95 ? budget.found_95->second : budget.found;
+  const double share = 1.0 - std::pow(budget.expected / budget.found, 2);
+  std::string words;
+  if (budget.expected < low)
+    words = fmt::format(
+        "More was found than expected: {:.0f} % of the mean square has no term in the budget, such "
+        "as what "
+        "all readings of a calibration have in common. ",
+        100.0 * share);
+  else if (budget.expected > high)
+    words = "Less was found than expected: the terms are upper bounds here. ";
+  else
+    words = "The budget explains what was found. ";
+  return words + fmt::format(
+                     "Most would be gained at the {}: without it {:.4f} mm would be expected "
+                     "instead of {:.4f} mm; {}.",
+                     largest.name.substr(0, largest.name.find(':')),
+                     budget.expected_without(largest) / kMillimetre, budget.expected / kMillimetre,
+                     largest.remedy);
+}
+
+}  // namespace planar

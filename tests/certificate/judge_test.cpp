@@ -1,0 +1,142 @@
+#include "planar_servo/certificate/judge.h"
+
+#include <catch2/catch.hpp>
+
+#include "planar_servo/core/error.h"
+#include "planar_servo/core/pose.h"
+#include "planar_servo/core/units.h"
+#include "planar_servo/machine/device_kinds.h"
+#include "planar_servo/machine/virtual_kinds.h"
+#include "support/sample_cells.h"
+#include "support/temporary_folder.h"
+
+namespace planar {
+namespace {
+
+ToolOffsets sample_tool() {
+  ToolOffsets tool;
+  tool.p_TS = {30e-3, -10e-3, 5e-3};
+  return tool;
+}
+
+/// An exact tracker in a frame of its own, on a tool that rests at `tip`.
+class ExactTracker final : public Tracker {
+ public:
+  explicit ExactTracker(const std::vector<Monument>& datum) : datum_(datum) {}
+
+  TipPose tip;
+  TrackerStatus answer{TrackerStatus::kOk};
+  int failures{0};  ///< so many answers fail first
+  int asked{0};
+
+  TrackerAnswer measure_tool(const std::string& /*place*/) override {
+    ++asked;
+    if (failures-- > 0) return TrackerAnswer::failed("the beam is broken");
+    Eigen::Vector3d p(tip.p.x(), tip.p.y(), 0.0);
+    const ToolOffsets tool = sample_tool();
+    p.head<2>() += rotation2d(tip.phi) * tool.p_TS.head<2>();
+    p.z() += tool.p_TS.z();
+    return reading(p);
+  }
+  TrackerAnswer measure_monument(const std::string& id) override {
+    for (const Monument& monument : datum_)
+      if (monument.id == id) return reading(monument.p_B);
+    return TrackerAnswer::failed("no such monument");
+  }
+
+ private:
+  TrackerAnswer reading(const Eigen::Vector3d& p_B) const {
+    Pose X_LB = Pose::Identity();
+    X_LB.linear() = rotation_from_vector({0.1, -0.2, 1.3});
+    X_LB.translation() = Eigen::Vector3d(2.0, -1.0, 0.7);
+    TrackerAnswer given = TrackerAnswer::of({0.0, X_LB * p_B});
+    given.status = answer;
+    return given;
+  }
+
+  std::vector<Monument> datum_;
+};
+
+/// A cell of which a judge may only ask tracker and truth.
+class JudgedCell final : public CellDevices {
+ public:
+  explicit JudgedCell(const std::vector<Monument>& datum) : exact(datum) {}
+
+  ExactTracker exact;
+
+  Clock& clock() override { throw WorkError("no clock"); }
+  FrameSource& camera() override { throw WorkError("no camera"); }
+  DriveGroup& drives() override { throw WorkError("no drives"); }
+  Tracker& tracker() override { return exact; }
+  BoardPresenter* board_presenter() override { return nullptr; }
+  std::function<TipPose()> true_tip() override {
+    return [] { return TipPose{{0.25, 0.125}, 0.5}; };
+  }
+};
+
+CellSettings real_cell() {
+  CellSettings cell = read_cell(test::workshop_cell_file());
+  cell.truth.reset();
+  return cell;
+}
+
+TEST_CASE("A tracker judges the end point by the reflector and the tool's direction") {
+  const test::TemporaryFolder folder;
+  const CellSettings cell = real_cell();
+  JudgedCell devices(cell.datum);
+  const auto judge = make_judge(judge_of(cell, sample_tool()), cell, sample_tool(), devices,
+                                folder / "tracker.csv", {});
+  for (const double phi : {0.0, 1.0, -2.5}) {
+    devices.exact.tip = {{0.3, -0.1}, phi};
+    const JudgedTip tip = judge->judge("a", devices.exact.tip).value();
+    CHECK((tip.p - devices.exact.tip.p).norm() < 1e-9);
+    CHECK_FALSE(tip.phi);
+  }
+  CHECK(judge->sigma() == Approx(cell.tracker.sigma_m));
+}
+
+TEST_CASE("A tracker that fails is asked three times, and its tool's uncertainty counts") {
+  const test::TemporaryFolder folder;
+  const CellSettings cell = real_cell();
+  JudgedCell devices(cell.datum);
+  ToolOffsets tool = sample_tool();
+  tool.covariance(2, 2) = tool.covariance(3, 3) = cell.tracker.sigma_m * cell.tracker.sigma_m;
+  const auto judge =
+      make_judge(JudgeKind::kTracker, cell, tool, devices, folder / "tracker.csv", {});
+  CHECK(judge->sigma() == Approx(std::sqrt(2.0) * cell.tracker.sigma_m));
+  devices.exact.failures = 2;
+  CHECK(judge->judge("a", {}));
+  devices.exact.failures = 3;
+  CHECK_FALSE(judge->judge("b", {}));
+  CHECK(devices.exact.asked == 6);
+  devices.exact.answer = TrackerStatus::kElsewhere;
+  CHECK_THROWS_WITH(judge->judge("c", {}), Catch::Contains("a table of its own"));
+}
+
+TEST_CASE("The truth judges a virtual cell, the tool's direction as well") {
+  const test::TemporaryFolder folder;
+  const CellSettings cell = read_cell(test::workshop_cell_file());
+  REQUIRE(judge_of(cell, sample_tool()) == JudgeKind::kTruth);
+  JudgedCell devices(cell.datum);
+  const auto judge =
+      make_judge(JudgeKind::kTruth, cell, sample_tool(), devices, folder / "tracker.csv", {});
+  const JudgedTip tip = judge->judge("a", {}).value();
+  CHECK(tip.p == Eigen::Vector2d(0.25, 0.125));
+  CHECK(tip.phi.value() == 0.5);
+  CHECK(judge->sigma() == 0.0);
+}
+
+TEST_CASE("A cell that nobody can judge is refused with a remedy") {
+  const NoTrackerKind none;
+  CellSettings cell = real_cell();
+  ToolOffsets unseen;
+  unseen.reflector_known = false;
+  CHECK_THROWS_WITH(judge_of(cell, unseen), Catch::Contains("calibrate with the tracker"));
+  cell.datum.pop_back();
+  CHECK_THROWS_WITH(judge_of(cell, sample_tool()), Catch::Contains("it has 2 monuments"));
+  cell.tracker.kind = &none;
+  CHECK_THROWS_WITH(judge_of(cell, sample_tool()), Catch::Contains("no tracker; set up"));
+}
+
+}  // namespace
+}  // namespace planar

@@ -1,0 +1,67 @@
+#include "planar_servo/certificate/test_places.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "planar_servo/core/error.h"
+#include "planar_servo/core/units.h"
+#include "planar_servo/files/vision_files.h"
+#include "planar_servo/machine/device_kinds.h"
+#include "support/sample_cells.h"
+
+namespace planar {
+namespace {
+
+TEST_CASE("The largest free square of a raster comes first") {
+  const std::vector<std::vector<bool>> free{{true, true, false, true},
+                                            {true, true, true, true},
+                                            {false, true, true, true},
+                                            {false, true, true, true}};
+  const auto squares = free_squares(free);
+  REQUIRE_FALSE(squares.empty());
+  CHECK(squares[0].side == 2);
+  CHECK(squares[0].column == 3);
+  CHECK(squares[0].row == 3);
+  CHECK(squares[1].side == 1);
+  CHECK(free_squares({{true, false}, {false, true}}).empty());
+}
+
+TEST_CASE("The square and the targets lie where the cell can position") {
+  CellSettings cell = read_cell(test::workshop_cell_file());
+  const VisionCalibration vision = read_vision(cell, true);
+  const TestPlaces places = find_test_places(cell, vision, 40);
+  CHECK(places.targets.size() == 40);
+  CHECK(places.square.side > 0.3);
+  CHECK(places.usable > 0.5);
+  std::vector<Eigen::Vector2d> all(places.poses.begin(), places.poses.end());
+  all.insert(all.end(), places.targets.begin(), places.targets.end());
+  for (const Eigen::Vector2d& p : all) {
+    CHECK_FALSE(cell.workspace.violation(p));
+    CHECK(predict_error_at(vision, {p, cell.tool_orientation}).inside);
+  }
+
+  SECTION("The targets go once round the base and fill the workspace") {
+    double turned = -kPi;
+    int far = 0;
+    for (const Eigen::Vector2d& p : places.targets) {
+      const double angle = std::atan2(p.y(), p.x());
+      CHECK(angle > turned);
+      turned = angle;
+      if (p.norm() > cell.workspace.radius_max_m / std::sqrt(2.0)) ++far;
+    }
+    CHECK(far == Approx(20).margin(6));  // half of the area
+  }
+  SECTION("A keep-out disc on the square moves it away") {
+    cell.workspace.keep_out.push_back({places.square.centre, 0.02});
+    const TestPlaces beside = find_test_places(cell, vision, 1);
+    const Eigen::Vector2d apart = beside.square.centre - places.square.centre;
+    CHECK(apart.cwiseAbs().maxCoeff() > 0.5 * beside.square.side);
+  }
+  SECTION("A workspace that the camera does not see is refused") {
+    cell.workspace.keep_out.push_back({{0.0, 0.0}, 0.6});
+    CHECK_THROWS_AS(find_test_places(cell, vision, 1), InputError);
+  }
+}
+
+}  // namespace
+}  // namespace planar

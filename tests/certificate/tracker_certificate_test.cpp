@@ -1,0 +1,65 @@
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "planar_servo/certificate/certificate_page.h"
+#include "planar_servo/certificate/certificate_report.h"
+#include "planar_servo/core/error.h"
+#include "planar_servo/machine/device_kinds.h"
+#include "support/sample_cells.h"
+#include "support/temporary_folder.h"
+
+namespace planar {
+namespace {
+
+/// A virtual cell that tells nobody its truth.
+class SilentCell final : public CellDevices {
+ public:
+  explicit SilentCell(const CellSettings& cell) : devices_(open_cell(cell)) {}
+
+  Clock& clock() override { return devices_->clock(); }
+  FrameSource& camera() override { return devices_->camera(); }
+  DriveGroup& drives() override { return devices_->drives(); }
+  Tracker& tracker() override { return devices_->tracker(); }
+  BoardPresenter* board_presenter() override { return nullptr; }
+  std::function<TipPose()> true_tip() override { return {}; }
+
+ private:
+  std::unique_ptr<CellDevices> devices_;
+};
+
+TEST_CASE("A cell without a truth is certified by its tracker, whose uncertainty is stated") {
+  const test::TemporaryFolder folder;
+  const CellSettings whole = read_cell(test::workshop_cell_file());
+  CertificateRequest request;
+  request.servo.cell = whole;
+  request.servo.cell.truth.reset();
+  request.servo.out = folder / "out";
+  request.servo.check_health = false;
+  request.size = {2, 2};
+  int opened = 0;
+  const auto open = [&](const CellSettings& /*cell*/) {
+    ++opened;
+    return std::make_unique<SilentCell>(whole);
+  };
+  const Certificate certificate = certificate_of(run_certificate(request, open));
+  CHECK(certificate.run.judge == JudgeKind::kTracker);
+  CHECK(certificate.all_count());
+  CHECK(certificate.accuracy.judge_sigma >= whole.tracker.sigma_m);
+  CHECK(certificate.accuracy.workspace.value().errors.max < 0.2e-3);
+  CHECK_FALSE(certificate.accuracy.poses.at(0).turn);
+  const auto json = certificate_json(certificate);
+  CHECK(json.contains("poses_tracker"));
+  CHECK_FALSE(json.contains("poses_truth"));
+  CHECK_THAT(certificate_page(certificate), Catch::Contains("the cell's laser tracker"));
+
+  // The same command again moves nothing and finds the same.
+  const Certificate again = certificate_of(run_certificate(request, open));
+  CHECK(opened == 1);
+  CHECK(certificate_json(again) == json);
+  request.size.cycles = 3;
+  CHECK_THROWS_WITH(run_certificate(request, open),
+                    Catch::Contains("was begun with other --cycles"));
+}
+
+}  // namespace
+}  // namespace planar
