@@ -1,5 +1,6 @@
 #include "planar_servo/calibration/board/board_stance.h"
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
