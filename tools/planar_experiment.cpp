@@ -22,7 +22,7 @@ namespace {
 
 const ProgramText kText{
     "planar-experiment",
-    "Runs the paper's whole experiment on a cell, our chain and the paper's side by side.",
+    "Runs the paper's whole experiment on a cell: our chain, the paper's and ViSP's side by side.",
     "planar-experiment --cell cell.yaml --out DIR [--grid circles:COLSxROWS:PITCHmm] [--seed N]\n"
     "                         [--train N] [--unattended M] [--lays L [--board-thickness-mm T]]\n"
     "                         [--predict | --seeds N [--jobs J]]\n"

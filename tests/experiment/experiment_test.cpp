@@ -181,6 +181,12 @@ TEST_CASE("A small experiment fills every table of the paper, and our chain beat
   CHECK(ours.before_truth->mean < 0.1 * paper.before_truth->mean);  // by the arm that was found
   CHECK(ours.after_truth->mean < kOursBelow_m);
   CHECK(ours.after_truth->mean < paper.after_truth->mean);
+  const ServoFigures visp = figures_of(report.visp), unmapped = figures_of(report.paper_no_map);
+  CHECK(visp.reached == visp.targets);
+  CHECK(visp.after_truth->mean < visp.before_truth->mean);
+  CHECK(visp.after_truth->mean ==
+        Approx(unmapped.after_truth->mean).epsilon(0.2));  // no map either
+  CHECK_THAT(experiment_text(report), Contains("vpCalibration"));
   CHECK(report.prediction.mean > 0.5 * ours.after_truth->mean);
   CHECK(report.prediction.mean < 2.0 * ours.after_truth->mean);
 

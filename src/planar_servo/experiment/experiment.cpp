@@ -6,7 +6,6 @@
 #include <cmath>
 #include <functional>
 #include <future>
-#include <utility>
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/plane_geometry.h"
@@ -46,15 +45,20 @@ ChainSettings our_settings(const ExperimentRequest& request) {
   return settings;
 }
 
-/// Calibrates our chain and the paper's at the same time.
-std::pair<CalibratedChain, CalibratedChain> calibrate_both(const ExperimentRequest& request,
-                                                           const RecordedCell& recording) {
+struct CalibratedChains {
+  CalibratedChain ours, visp, paper;
+};
+
+/// Calibrates the paper's chain at the same time as our chain and then ViSP's. These two may both
+/// use vpCalibration, whose settings are global.
+CalibratedChains calibrate_chains(const ExperimentRequest& request, const RecordedCell& recording) {
   const auto calibrate = [&](const ChainSettings& settings) {
     return calibrate_chain(settings, request.cell, recording, request.out);
   };
   auto paper = std::async(std::launch::async, calibrate, paper_chain(request.cell));
   CalibratedChain ours = calibrate(our_settings(request));
-  return {std::move(ours), paper.get()};
+  CalibratedChain visp = calibrate(visp_chain(request.cell));
+  return {std::move(ours), std::move(visp), paper.get()};
 }
 
 /// Turns all true places about the base's axis by the angle that brings them nearest to their
@@ -99,13 +103,14 @@ ExperimentReport run_experiment(const ExperimentRequest& request, CellDevices& d
   spdlog::info(fmt::format("{} frames, {} of them full; {} places were there before",
                            recorded.frames, recorded.full_frames, recorded.present));
   const RecordedCell recording = read_recorded_cell(request.out / "recording", request.board);
-  const auto [ours, paper] = calibrate_both(request, recording);
+  const auto [ours, visp, paper] = calibrate_chains(request, recording);
   const std::vector<TargetRow> targets = control_targets(request.cell.workspace, request.size);
   ExperimentReport report;
   report.circles = control_circles(request.cell.workspace, request.size);
   report.ours = close_loop(ours, true, targets, request.out, devices);
   report.paper = close_loop(paper, true, targets, request.out, devices);
   report.paper_no_map = close_loop(paper, false, targets, request.out, devices);
+  report.visp = close_loop(visp, false, targets, request.out, devices);
   if (request.uses_tracker)
     report.tables = map_tables(ours, paper, plan);
   else

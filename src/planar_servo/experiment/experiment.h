@@ -21,6 +21,7 @@ struct ExperimentReport {
   std::vector<TargetResult> ours;          ///< our chain with its error map
   std::vector<TargetResult> paper;         ///< the paper's chain with its map
   std::vector<TargetResult> paper_no_map;  ///< the paper's chain without a map
+  std::vector<TargetResult> visp;          ///< ViSP's chain, which has no map
   PaperTables tables;                      ///< without a tracker only `positioning`
   std::optional<FigureData> recorded{};    ///< what the paper's figures are drawn from
   PositioningPrediction prediction;        ///< of our chain, from its calibration alone
@@ -39,7 +40,7 @@ struct ExperimentRequest {
   std::optional<double> dots_height{};
 };
 
-/// Runs the paper's experiment: it records a plan, calibrates both chains from what was recorded,
+/// Runs the paper's experiment: it records a plan, calibrates the chains from what was recorded,
 /// and closes the loop over the control targets with each. What an experiment with the same request
 /// left in `out` is gone on with: positions recorded and targets moved to are not gone to again.
 /// Throws what its parts throw, and InputError when `out` holds something else.

@@ -81,6 +81,7 @@ nlohmann::json experiment_json(const ExperimentReport& report) {
   json["vision_after_mean_mm"] = mean_mm(report.ours, &TargetResult::vision_compensated);
   json["paper_chain"] = servo_json(figures_of(report.paper));
   json["paper_chain_no_map"] = servo_json(figures_of(report.paper_no_map));
+  json["visp_chain"] = servo_json(figures_of(report.visp));
   const PaperTables& tables = report.tables;
   json["table1"] = rows_json(tables.run_correlation, 1.0);
   json["table2"] = rows_json(tables.idw_accuracy);

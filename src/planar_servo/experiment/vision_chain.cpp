@@ -37,8 +37,10 @@ constexpr double kHandWidthFrom = 20.0 * kMillimetre;
 constexpr double kHandWidthTo = 320.0 * kMillimetre;
 constexpr int kHandWidths = 25;
 
-CellSettings with_files_in(CellSettings cell, const fs::path& folder) {
-  cell.camera_model = folder / "camera.yaml";
+constexpr char kViSPModel[] = "visp";  // which has a file format of its own
+
+CellSettings with_files_in(CellSettings cell, const fs::path& folder, const ChainSettings& chain) {
+  cell.camera_model = folder / (chain.camera_model == kViSPModel ? "camera.xml" : "camera.yaml");
   cell.workplane = folder / "workplane.yaml";
   cell.tool = folder / "tool.yaml";
   cell.error_map = folder / "map.yaml";
@@ -167,6 +169,17 @@ ChainSettings paper_chain(const CellSettings& cell) {
   return chain;
 }
 
+ChainSettings visp_chain(const CellSettings& cell) {
+  ChainSettings chain = paper_chain(cell);
+  chain.name = "visp";
+  chain.camera_model = kViSPModel;
+  chain.center = CenterMethod::kVpDot2;
+  chain.hand_width = false;
+  chain.learns_map = false;
+  chain.servo.law = ServoLaw::kJacobian;
+  return chain;
+}
+
 RecordedCell read_recorded_cell(const fs::path& recording, const Board& board) {
   return {recording, read_frames(recording), read_tracker(recording / "tracker.csv"), board,
           find_board_views({recording}, board)};
@@ -179,12 +192,13 @@ CalibratedChain calibrate_chain(const ChainSettings& settings, const CellSetting
   CalibratedChain chain;
   chain.settings = settings;
   chain.folder = own_folder;
-  chain.cell = with_files_in(cell, own_folder);
+  chain.cell = with_files_in(cell, own_folder, settings);
   chain.cell.servo = settings.servo;
   // An experiment that is gone on with must see the lamps as the first time, without these.
   for (const MadeFile& file : calibration_files(chain.cell, true)) fs::remove(file.path);
   chain.camera = make_camera(settings, chain.cell, recorded);
   chain.pairs = make_pairs(settings, chain.cell, recorded, chain.camera.camera, own_folder);
+  if (!settings.learns_map) return chain;
   if (settings.hand_width)
     chain.map = map_by_hand(chain.pairs);
   else if (settings.uses_tracker)

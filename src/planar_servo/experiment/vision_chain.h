@@ -24,6 +24,8 @@ struct ChainSettings {
   std::string camera_model;  ///< one of calibration_model_names()
   CenterMethod center{CenterMethod::kAuto};
   bool plane_from_board{false};  ///< takes the plane from a board laid on it, else from the pairs
+  /// Learns an error map; else vision is taken as it is.
+  bool learns_map{true};
   /// Takes a Gaussian without ridge whose width is turned by hand on the test positions.
   bool hand_width{false};
   /// Learns the error at the lamps, together with the arm, and aims with the arm that was found.
@@ -47,6 +49,11 @@ ChainSettings our_chain(const CellSettings& cell);
 /// width by hand, and its inverse law with single frames from wherever the arm comes.
 ChainSettings paper_chain(const CellSettings& cell);
 
+/// Returns a chain of what ViSP brings: vpCalibration's camera model, vpDot2's centres and
+/// vpServo's law. ViSP has no error map; the plane is from a board as in the paper's chain, and so
+/// is how it approaches and looks.
+ChainSettings visp_chain(const CellSettings& cell);
+
 /// Holds what was recorded, read once for every chain.
 struct RecordedCell {
   std::filesystem::path folder;
@@ -67,7 +74,8 @@ struct CalibratedChain {
   CellSettings cell;
   CameraCalibration camera;
   std::vector<PairRow> pairs;
-  /// At the end point, as the paper's tables judge maps; none without a tracker.
+  /// At the end point, as the paper's tables judge maps; none without a tracker or where none is
+  /// learned.
   std::optional<MapResult> map;
   std::optional<LampFieldFit> field{};  ///< what the loop uses instead, where there is one
 };

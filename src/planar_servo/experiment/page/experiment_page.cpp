@@ -43,7 +43,8 @@ constexpr LeftFile kLeftFiles[] = {
     {"paper/pairs.csv", "the end point by vision and by the tracker, the paper's chain"},
     {"paper/run/results.csv", "the errors at the targets, the paper's chain"},
     {"paper/run/steps.csv", "every step of the loop, the paper's chain"},
-    {"paper/run_without_map/results.csv", "the errors at the targets, the paper's chain unmapped"}};
+    {"paper/run_without_map/results.csv", "the errors at the targets, the paper's chain unmapped"},
+    {"visp/run_without_map/results.csv", "the errors at the targets, ViSP's chain"}};
 
 std::vector<StepError> steps_of(const fs::path& run) {
   const fs::path file = run / "steps.csv";
