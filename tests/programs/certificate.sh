@@ -11,6 +11,8 @@ expect_sample certified.txt "$bin/planar-certify"
 cmp figures.json DIR/certificate.json || fail "--json is not certificate.json"
 # Three cycles at five poses, at three poses from four sides, and the targets.
 [ "$(grep -c '^[cvw][0-9]' DIR/cycles.csv)" -eq 63 ] || fail "$(cat DIR/cycles.csv)"
+# The first pose and every direction have a place from which they begin.
+[ "$(grep -c '^[cv][0-9.P+xy-]*\.from,' DIR/results.csv)" -eq 37 ] || fail "$(cut -d, -f1 DIR/results.csv)"
 grep -q '"judge": "truth"' figures.json || fail "$(cat figures.json)"
 sha=$(sha256sum cell/cell.yaml | cut -c1-64)
 grep -q "$sha" figures.json || fail "the cell file's hash is missing: $(cat figures.json)"
@@ -79,6 +81,9 @@ expect 2 "map.yaml: does not exist yet; make it with planar-fit-error-map" "${ce
 mv map.yaml cell/map.yaml
 sed -i 's/^rms_px: .*/rms_px: 0.1/' cell/camera.yaml
 expect 2 "workplane.yaml: was made with camera.yaml" "${certify[@]}" --out made
+"${certify[@]}" --accept-stale --out stale >/dev/null 2>err.txt || fail "$(cat err.txt)"
+[ "$(grep -c "accepted: .*workplane.yaml" err.txt)" -eq 1 ] || fail "$(cat err.txt)"
+grep -q "<b>To be mended:</b>.*workplane.yaml: was made with camera.yaml" stale/certificate.html || fail "the page hides it"
 
 # A real cell that nobody can judge.
 cp "$2/cell/camera.yaml" cell/camera.yaml

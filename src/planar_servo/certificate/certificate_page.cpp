@@ -93,8 +93,12 @@ Verdict verdict_of(const Certificate& certificate) {
     verdict.faults.push_back({fmt::format("{} moves were not judged and are in no figure",
                                           accuracy.reached - accuracy.judged),
                               "clear the tracker's view and certify the cell into another folder"});
-  for (const std::string& accepted : certificate.run.accepted)
-    verdict.faults.push_back({accepted, "make the cell's files anew from one another"});
+  const std::vector<std::string>& accepted = certificate.run.accepted;
+  if (!accepted.empty())
+    verdict.faults.push_back(
+        {fmt::format("files that do not belong together were accepted, {} in all: {}",
+                     accepted.size(), accepted.front()),
+         "make the cell's files anew from one another; certificate.json lists them all"});
   return verdict;
 }
 
