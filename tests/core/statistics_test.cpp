@@ -55,6 +55,16 @@ TEST_CASE("The interval of a median is that of the tables of order statistics") 
   CHECK(median_interval(numbers_to(10000), 0.95) == Interval(4902.0, 5099.0));
 }
 
+TEST_CASE("The interval of a quantile is that of the binomial distribution") {
+  using Interval = std::pair<double, double>;
+  CHECK_FALSE(quantile_interval(numbers_to(71), 0.95, 0.95));  // 0.95^71 > 0.025
+  CHECK(quantile_interval(numbers_to(72), 0.95, 0.95) == Interval(64.0, 72.0));
+  CHECK(quantile_interval(numbers_to(100), 0.95, 0.95) == Interval(90.0, 100.0));
+  CHECK(quantile_interval(numbers_to(200), 0.95, 0.95) == Interval(184.0, 197.0));
+  CHECK(quantile_interval(numbers_to(100), 0.05, 0.95) == Interval(1.0, 11.0));
+  CHECK_THROWS_AS(quantile_interval({1.0}, 1.0, 0.95), std::invalid_argument);
+}
+
 TEST_CASE("The interval of a median holds it as often as it says") {
   std::mt19937 random(3);
   std::exponential_distribution<double> skew(1.0);

@@ -15,6 +15,7 @@
 #include "planar_servo/files/arm_file.h"
 #include "planar_servo/files/board_points_file.h"
 #include "planar_servo/files/camera/camera_file.h"
+#include "planar_servo/files/certificate/cycle_table.h"
 #include "planar_servo/files/map/map_file.h"
 #include "planar_servo/files/path/path_table.h"
 #include "planar_servo/files/provenance.h"
@@ -83,6 +84,7 @@ struct Reader {
 const std::map<std::string, Reader>& readers() {
   static const std::map<std::string, Reader> all{
       {"cell", {"cell.yaml", [](const fs::path& path) { read_cell(path); }}},
+      {"cycles", {"cycles.csv", [](const fs::path& path) { read_cycles(path); }}},
       {"truth", {"truth.yaml", [](const fs::path& path) { read_truth(path); }}},
       {"camera", {"camera.yaml", [](const fs::path& path) { read_camera(path); }}},
       {"camera_xml", {"camera.xml", [](const fs::path& path) { read_camera(path); }}},

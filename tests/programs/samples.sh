@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # The sample in each program's --help is what the program prints, but for the numbers. live_loop.sh,
-# whose cell has devices, checks that of planar-doctor, and experiment.sh that of planar-experiment.
+# whose cell has devices, checks that of planar-doctor, experiment.sh that of planar-experiment, and certificate.sh that
+# of planar-certify.
 source "$(dirname "$0")/common.sh"
 
 cp -r "$2/cell" "$2/recording" .

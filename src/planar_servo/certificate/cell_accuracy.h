@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "planar_servo/certificate/certainty.h"
-#include "planar_servo/certificate/judged_move.h"
 #include "planar_servo/certificate/pose_drift.h"
 #include "planar_servo/certificate/pose_statistics.h"
 #include "planar_servo/core/numerics/statistics.h"
+#include "planar_servo/files/certificate/cycle_table.h"
 
 namespace planar {
 

@@ -14,7 +14,7 @@
 namespace planar {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = nlohmann::json;
 
 double mm(double metres) {
   return metres / kMillimetre;
@@ -144,7 +144,7 @@ std::string certifying_program() {
   return "planar-certify " PLANAR_VERSION;
 }
 
-nlohmann::ordered_json certificate_json(const Certificate& certificate) {
+nlohmann::json certificate_json(const Certificate& certificate) {
   const CertificateRun& run = certificate.run;
   const CellAccuracy& accuracy = certificate.accuracy;
   const std::string judge = std::string("_") + name_in(kJudgeKinds, run.judge);

@@ -29,7 +29,7 @@ std::string certifying_program();
 
 /// Returns every figure, in millimetres and degrees. Keys of what was found end with who judged it:
 /// `poses_truth`, `poses_tracker`.
-nlohmann::ordered_json certificate_json(const Certificate& certificate);
+nlohmann::json certificate_json(const Certificate& certificate);
 
 /// Returns the figures as lines for a terminal.
 std::string certificate_text(const Certificate& certificate);

@@ -10,6 +10,7 @@
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
+#include "planar_servo/files/provenance.h"
 #include "planar_servo/files/vision_files.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/io/growing_file.h"
@@ -50,6 +51,16 @@ std::vector<JudgedMove> moves_so_far(const CertificateRequest& request, const st
       "cell file was changed; its first lines say with which; give the same ones to go "
       "on, or name another folder",
       file.string()));
+}
+
+/// Returns the sentences on files that do not belong together. Throws InputError with them unless
+/// they are accepted.
+std::vector<std::string> stale_words(const CertificateRequest& request) {
+  const std::vector<StaleFile> stale = stale_files(request.servo.cell, true);
+  if (!request.servo.accept_stale) require_belonging(stale);
+  std::vector<std::string> words;
+  for (const StaleFile& file : stale) words.push_back(file.refusal.text());
+  return words;
 }
 
 /// Drives a cell through the moves of its certificate.
@@ -144,7 +155,7 @@ CertificateRun run_certificate(
   const JudgeKind judge = judge_of(cell, vision.tool);
   const std::string header = header_of(request, judge);
   std::vector<JudgedMove> moves = moves_so_far(request, header);
-  std::vector<std::string> accepted = accept_stale_files(cell, true, request.servo.accept_stale);
+  std::vector<std::string> accepted = stale_words(request);
   TestPlaces places =
       find_test_places(cell, vision, static_cast<std::size_t>(request.size.targets));
   CertificateRun certificate{request, std::move(vision), std::move(places),

@@ -7,7 +7,7 @@
 
 #include "planar_servo/certificate/certificate_plan.h"
 #include "planar_servo/certificate/judge.h"
-#include "planar_servo/certificate/judged_move.h"
+#include "planar_servo/files/certificate/cycle_table.h"
 #include "planar_servo/run/servo_run.h"
 
 namespace planar {

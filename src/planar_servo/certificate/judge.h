@@ -8,6 +8,8 @@
 #include <string>
 
 #include "planar_servo/calibration/tool_offsets.h"
+#include "planar_servo/cell/cell_settings.h"
+#include "planar_servo/core/names.h"
 #include "planar_servo/machine/cell_devices.h"
 
 namespace planar {

@@ -41,8 +41,8 @@ std::vector<RasterSquare> free_squares(const std::vector<std::vector<bool>>& fre
 /// Returns where a cell is examined: places that the arm reaches within its workspace, that the
 /// camera sees and where the error map is valid. The targets follow the sequence of Halton (bases 2
 /// and 3), evenly over the area of the workspace's ring; they are in the order of their angle about
-/// the base. The ways to poses and targets in their order are free. Throws InputError when there is no square or there are fewer targets than
-/// wanted.
+/// the base. The ways to poses and targets in their order are free. Throws InputError when there is
+/// no square or there are fewer targets than wanted.
 TestPlaces find_test_places(const CellSettings& cell, const VisionCalibration& vision,
                             std::size_t targets);
 

@@ -1,4 +1,6 @@
-#include "planar_servo/certificate/judged_move.h"
+#include "planar_servo/files/certificate/cycle_table.h"
+
+#include <set>
 
 #include "planar_servo/core/units.h"
 #include "planar_servo/io/columns.h"
@@ -6,12 +8,20 @@
 namespace planar {
 namespace {
 
+bool has_its_pose(const CertificateMove& move) {
+  if (move.part == CertificatePart::kWorkspace) return move.pose.empty();
+  return move.pose.size() == 2 && move.pose[0] == 'P' && move.pose[1] >= '1' && move.pose[1] <= '5';
+}
+
 const TableSchema<JudgedMove>& cycle_schema() {
   static const TableSchema<JudgedMove> cycles{
       "cycles", [](Columns& columns, JudgedMove& row) {
         columns.text("id", row.move.id);
         columns.choice("part", row.move.part, kCertificateParts);
         columns.text("pose", row.move.pose);
+        columns.check(has_its_pose(row.move),
+                      "pose is '" + row.move.pose +
+                          "'; P1 to P5 is needed, and none for a target of the workspace");
         columns.text("from", row.move.from);
         columns.whole_number("cycle", row.move.cycle);
         columns.point("x_mm", "y_mm", row.move.p_d, kMillimetre, 6);
@@ -45,7 +55,12 @@ std::string cycle_line(const JudgedMove& move) {
 std::vector<JudgedMove> read_cycles(const std::filesystem::path& path) {
   TableFile<JudgedMove> table(path, cycle_schema());
   std::vector<JudgedMove> rows;
-  for (JudgedMove row; table.next(row);) rows.push_back(row);
+  std::set<std::string> taken;
+  for (JudgedMove row; table.next(row);) {
+    table.require_id_not_in(taken);
+    taken.insert(row.move.id);
+    rows.push_back(row);
+  }
   table.throw_if_faulty();
   return rows;
 }

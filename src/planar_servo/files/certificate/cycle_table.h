@@ -6,10 +6,33 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/certificate/certificate_plan.h"
+#include "planar_servo/core/names.h"
 #include "planar_servo/servo/position_servo.h"
 
 namespace planar {
+
+/// What a move of a certificate is judged for.
+enum class CertificatePart {
+  kPose,       ///< the poses in their order, for AP, RP and drift
+  kDirection,  ///< a pose from one of several directions, for vAP
+  kWorkspace,  ///< a target somewhere in the workspace
+};
+
+constexpr Named<CertificatePart> kCertificateParts[] = {{CertificatePart::kPose, "pose"},
+                                                        {CertificatePart::kDirection, "direction"},
+                                                        {CertificatePart::kWorkspace, "workspace"}};
+
+/// One move whose end is judged.
+struct CertificateMove {
+  std::string id;
+  CertificatePart part{CertificatePart::kPose};
+  std::string pose;  ///< "P1"; empty in the workspace
+  std::string from;  ///< direction of the approach, "+x"; empty unless it is examined
+  int cycle{0};      ///< from 1; 0 in the workspace
+  Eigen::Vector2d p_d{0.0, 0.0};
+  /// Where the arm comes from. It goes there first unless it stands there.
+  std::optional<Eigen::Vector2d> p_before{};
+};
 
 /// A move and how its end was judged: a row of cycles.csv. Metres and radians, base frame.
 struct JudgedMove {
@@ -34,8 +57,8 @@ struct JudgedMove {
 std::string cycles_header(const std::vector<std::string>& remarks);
 std::string cycle_line(const JudgedMove& move);
 
-/// Reads cycles.csv. Throws InputError naming FILE:LINE of each bad row. A table without rows is a
-/// run that has just begun.
+/// Reads cycles.csv. A move outside the workspace has a pose from P1 to P5. Throws InputError
+/// naming FILE:LINE of each bad row. A table without rows is a run that has just begun.
 std::vector<JudgedMove> read_cycles(const std::filesystem::path& path);
 
 }  // namespace planar
