@@ -83,4 +83,3 @@ for run in ours/run paper/run paper/run_without_map; do
       exit !(targets == 4 && !bad && judged - truth < 0.02 && truth - judged < 0.02)
     }' truth.csv "DIR/$run/steps.csv" "DIR/$run/results.csv" >>compared.txt || fail "$(cat compared.txt)"
 done
-cat compared.txt
