@@ -17,15 +17,16 @@ expect 2 "live.yaml: is no virtual cell; --seeds" \
   "$bin/planar-experiment" --cell live.yaml --out made --seeds 2
 [ "$(wc -l <truth.csv)" -eq 3 ] || fail "the arm moved: $(cat truth.csv)"
 
-# A camera on a busy machine may stop the experiment; the same command goes on.
+# On a busy machine camera or drives may stop the experiment; the same command goes on.
 experiment=("$bin/planar-experiment" --cell live.yaml --train 12 --loop-only 1 --home --out DIR)
 worked() {
   until operated said.err bash -c 'echo $$ >pid; exec "$@"' sh "${experiment[@]}" "$@" >said.txt; do
-    grep -q "start again to go on" said.err || return 1
+    grep -q "start again to go on\|have not arrived\|does not answer" said.err || return 1
   done
 }
 
-# killed_at FILE PATTERN COUNT: a person works with the experiment, which is killed once so many lines of the file match.
+# killed_at FILE PATTERN COUNT: a person works with the experiment, which is killed once so many lines of the file
+# match.
 killed_at() {
   worked &
   local working=$!
@@ -34,7 +35,7 @@ killed_at() {
     kill -0 "$working" 2>/dev/null || fail "the experiment ended before $1 had $3 lines of '$2': $(cat said.err)"
     sleep 0.05
   done
-  kill -KILL "$(cat pid)"
+  kill -KILL "$(cat pid)" || true
   wait "$working" 2>/dev/null || true
 }
 
@@ -53,12 +54,16 @@ cp DIR/ours/run/results.csv ours.csv
 worked --json figures.json || fail "$(cat said.err)"
 cmp DIR/recording/tracker.csv recorded.csv || fail "a complete recording was changed"
 head -n "$(wc -l <ours.csv)" DIR/ours/run/results.csv | cmp - ours.csv || fail "targets were moved to again"
-[ "$(grep -c "^datum" DIR/judge.csv)" -eq 6 ] || fail "the monuments were not read anew: $(cat DIR/judge.csv)"
+[ "$(grep -c "^datum" DIR/judge.csv)" -ge 6 ] || fail "the monuments were not read anew: $(cat DIR/judge.csv)"
 
 # A finished experiment asks nobody for anything.
 "${experiment[@]}" </dev/null >again.txt 2>again.err || fail "$(cat again.err)"
 diff said.txt again.txt || fail "a finished experiment prints something else"
 grep -q "^judged by the cell's tracker: 4 of 4 targets with our chain, 4 of 4" said.txt || fail "$(cat said.txt)"
+for figure in '"judged": 4' '"not_judged": \[\]' '"sigma_mm_truth": 0.00' '"after_rms_net_mm_truth": 0' \
+  '"reflector_offset_sigma_mm": 0.0'; do
+  grep -q "$figure" figures.json || fail "no $figure in $(cat figures.json)"
+done
 
 # What the tracker judged lies where the truth had the end point, but for its noise, its bias and what the arm's sag
 # tilts the reflector: bounds of 0.04 mm for a target and 0.02 mm for the mean of four.

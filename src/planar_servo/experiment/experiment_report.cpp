@@ -41,6 +41,13 @@ TextTable correlation_table(const ExperimentReport& report) {
   return table;
 }
 
+/// Nobody has judged any target of a circle.
+constexpr char kNobodyJudged[] = "–";
+
+std::string judged_mm(double mean, int decimals) {
+  return std::isfinite(mean) ? fmt::format("{:.{}f}", mean, decimals) : kNobodyJudged;
+}
+
 TextTable control_table(const ExperimentReport& report) {
   TextTable table(
       fmt::format("Table 7: mean {} positioning error in mm, {} targets on each circle of radius "
@@ -51,8 +58,9 @@ TextTable control_table(const ExperimentReport& report) {
        "paper: after"});
   const auto row = [&](const std::string& label, double before, double paper_chain, double ours,
                        double paper_before, double paper_after) {
-    table.add_row({label, fmt::format("{:.3f}", before), fmt::format("{:.3f}", paper_chain),
-                   fmt::format("{:.4f}", ours), fixed(100.0 * (1.0 - ours / before), 1) + " %",
+    table.add_row({label, judged_mm(before, 3), judged_mm(paper_chain, 3), judged_mm(ours, 4),
+                   std::isfinite(ours / before) ? fixed(100.0 * (1.0 - ours / before), 1) + " %"
+                                                : kNobodyJudged,
                    fmt::format("{:.3f}", paper_before), fmt::format("{:.3f}", paper_after)});
   };
   for (std::size_t i = 0; i < report.tables.positioning.size(); ++i) {

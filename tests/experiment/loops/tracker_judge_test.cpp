@@ -92,6 +92,7 @@ TEST_CASE("Where there is no truth the tracker judges every target, through a br
   const ExperimentRequest request = short_experiment(folder);
   RealDevices devices(request.cell);
   WatchedTracker& tracker = devices.tracker();
+  tracker.broken_at = "train_003";
   tracker.dead_at = "ours run c3_01";
   CHECK_THROWS_AS(run_experiment(request, devices), WorkError);
   CHECK(tracker.rounds == 2);  // before and after the recording; the second ties the judge
@@ -100,6 +101,7 @@ TEST_CASE("Where there is no truth the tracker judges every target, through a br
   tracker.broken_at = "paper run c1_00";
   tracker.carried_off_at = "paper run c2_01";
   const std::string recorded = read_file(request.out / "recording/tracker.csv");
+  CHECK_THAT(recorded, !Contains("train_003"));
   const ExperimentReport report = run_experiment(request, devices);
   CHECK(read_file(request.out / "recording/tracker.csv") == recorded);
   CHECK(tracker.rounds == 3);  // nobody knows what happened to the tracker meanwhile
