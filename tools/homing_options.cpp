@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <iostream>
+#include <memory>
 #include <utility>
 
 namespace planar {
@@ -19,22 +20,25 @@ bool says_yes(const std::string& question) {
 
 }  // namespace
 
-void add_homing_options(CLI::App& app, HomingOptions& options) {
-  app.add_flag("--home", options.home,
-               "let drives that do not know their position search their home switches, which moves "
-               "the arm; without it the program asks, on a terminal");
-  app.add_flag(
-      "--at-marks", options.at_marks,
-      "drives without a home switch stand at their marks now; without it the program asks, "
-      "on a terminal");
+std::array<CLI::Option*, 2> add_homing_options(CLI::App& app, HomingOptions& options) {
+  return {app.add_flag(
+              "--home", options.home,
+              "let drives that do not know their position search their home switches, which moves "
+              "the arm; without it the program asks, on a terminal"),
+          app.add_flag(
+              "--at-marks", options.at_marks,
+              "drives without a home switch stand at their marks now; without it the program asks, "
+              "on a terminal")};
 }
 
-MayHome may_home(HomingOptions options, bool asks) {
-  return [options, asks](Homing way, const std::string& unhomed) mutable {
+MayHome may_home(const HomingOptions& options, bool asks) {
+  // Copies of the answers share it.
+  const auto at_marks = std::make_shared<bool>(options.at_marks);
+  return [home = options.home, at_marks, asks](Homing way, const std::string& unhomed) {
     if (way == Homing::kSearch)
-      return options.home ||
+      return home ||
              (asks && says_yes(unhomed + ". Search their home switches now? The arm will move."));
-    return std::exchange(options.at_marks, false) ||
+    return std::exchange(*at_marks, false) ||
            (asks && says_yes(unhomed + ". Do they stand at their marks now?"));
   };
 }

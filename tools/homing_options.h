@@ -1,6 +1,7 @@
 #pragma once
 
 #include <CLI/App.hpp>
+#include <array>
 
 #include "planar_servo/robot/homing.h"
 
@@ -12,11 +13,11 @@ struct HomingOptions {
   bool at_marks{false};  ///< those without a switch stand at their marks when the program starts
 };
 
-/// Adds --home and --at-marks.
-void add_homing_options(CLI::App& app, HomingOptions& options);
+/// Adds --home and --at-marks, and returns them.
+std::array<CLI::Option*, 2> add_homing_options(CLI::App& app, HomingOptions& options);
 
 /// Returns the answers that the options give; --at-marks holds once, because drives that lose their
 /// position later stand anywhere. What they leave open is asked at a terminal if `asks` is set.
-MayHome may_home(HomingOptions options, bool asks = true);
+MayHome may_home(const HomingOptions& options, bool asks = true);
 
 }  // namespace planar

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include "homing_options.h"
 #include "planar_servo/certificate/certificate_report.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/machine/device_kinds.h"
@@ -14,7 +15,7 @@ const ProgramText kText{
     "planar-certify",
     "Says how accurate a calibrated cell is, by ISO 9283 and over its workspace, on a page to "
     "sign.",
-    "planar-certify --cell cell.yaml --out DIR [--cycles N] [--targets N] [--home]\n"
+    "planar-certify --cell cell.yaml --out DIR [--cycles N] [--targets N] [--home] [--at-marks]\n"
     "                      [--accept-stale]",
     R"(moves               610 of 610 moves reached and judged by the truth
 pose accuracy       0.0250 mm AP at P4, the worst of 5
@@ -28,7 +29,8 @@ certificate: DIR/certificate.html)"};
 struct Options {
   std::filesystem::path cell, out;
   CertificateSize size;
-  bool home{false}, accept_stale{false};
+  bool accept_stale{false};
+  HomingOptions homing;
 };
 
 void add_options(CLI::App& app, Options& options) {
@@ -49,9 +51,7 @@ void add_options(CLI::App& app, Options& options) {
       ->check(CLI::Range(1, 10000))
       ->type_name("N")
       ->capture_default_str();
-  app.add_flag("--home", options.home,
-               "home drives that lost their position, which moves the arm; without it the program "
-               "asks on a terminal");
+  add_homing_options(app, options.homing);
   app.add_flag("--accept-stale", options.accept_stale,
                "move even with files that were not made from one another; the page says which");
 }
@@ -62,9 +62,7 @@ CertificateRequest request_of(const Options& options) {
   request.servo.center = request.servo.cell.lamps.method;
   request.servo.out = options.out;
   request.servo.accept_stale = options.accept_stale;
-  request.servo.may_home = [home = options.home](const std::string& unhomed) {
-    return may_home(home, unhomed);
-  };
+  request.servo.may_home = may_home(options.homing);
   request.servo.stop = interrupted;
   request.size = options.size;
   return request;

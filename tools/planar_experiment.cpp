@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "crew.h"
+#include "homing_options.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/experiment/campaign/campaign.h"
@@ -22,10 +23,12 @@ namespace {
 
 const ProgramText kText{
     "planar-experiment",
-    "Runs the paper's whole experiment on a cell: our chain, the paper's and ViSP's side by side.",
+    "Runs the paper's whole experiment on a virtual or a real cell: our chain, the paper's and "
+    "ViSP's side by side.",
     "planar-experiment --cell cell.yaml --out DIR [--grid circles:COLSxROWS:PITCHmm] [--seed N]\n"
     "                         [--train N] [--unattended M] [--lays L [--board-thickness-mm T]]\n"
-    "                         [--predict | --seeds N [--jobs J]]\n"
+    "                         [--loop-only N] [--predict | --seeds N [--jobs J]]\n"
+    "                         [--home] [--at-marks] [--display auto|x|none]\n"
     "       mpirun -n RANKS planar-experiment ... --seeds N",
     R"(Table 7: mean true positioning error in mm, 25 targets on each circle of radius 200 mm
   circle about     before *  paper's chain +  improved    ours  improved  paper: before ~  after  improved
@@ -37,9 +40,11 @@ struct Options {
   std::uint64_t seed{1};
   int seeds{0}, unattended{0}, lays{1};
   std::optional<int> jobs;
-  std::optional<int> train;
+  std::optional<int> train, loop_only;
   std::optional<double> board_thickness_mm;
+  std::string display{"none"};
   bool predict{false};
+  HomingOptions homing;
 };
 
 void add_options(CLI::App& app, Options& options) {
@@ -59,6 +64,12 @@ void add_options(CLI::App& app, Options& options) {
                  "the paper's 200 places and two sweeps of 24; with 0 lays of the board give the "
                  "scale, and only the paper's chain has readings")
       ->check(CLI::Range(0, 100000))
+      ->type_name("N");
+  app.add_option("--loop-only", options.loop_only,
+                 "a short experiment: so many targets on each of the four control circles and as "
+                 "many test positions in all, without the places of tables 1 to 6; without the "
+                 "option the paper's 25 targets and all its circles")
+      ->check(CLI::Range(1, 1000))
       ->type_name("N");
   app.add_option("--unattended", options.unattended,
                  "places that only the camera watches, which tell arm and camera apart")
@@ -89,6 +100,13 @@ void add_options(CLI::App& app, Options& options) {
   app.add_flag("--predict", options.predict,
                "predict the true error from the recording in DIR alone; nothing moves")
       ->excludes(seeds);
+  for (CLI::Option* homing : add_homing_options(app, options.homing)) homing->excludes(seeds);
+  app.add_option("--display", options.display,
+                 "what a real cell's camera sees of the board that a person shows to it: auto: "
+                 "DIR/recording/view.png and, where an X server answers, a window; x: insist on "
+                 "the window; none")
+      ->check(CLI::IsMember(names_of(kDisplayPolicies)))
+      ->capture_default_str();
 }
 
 Outcome run_many(const ExperimentRequest& request, const Options& options) {
@@ -106,6 +124,7 @@ Outcome run_many(const ExperimentRequest& request, const Options& options) {
 ExperimentSize size_of(const Options& options) {
   ExperimentSize size;
   if (options.train.value_or(0) > 0) size = with_readings(size, *options.train);
+  if (options.loop_only) size = with_loop_only(size, *options.loop_only);
   size.unattended_poses = options.unattended;
   size.lays = options.lays;
   return size;
@@ -115,6 +134,9 @@ ExperimentRequest request_of(const Options& options) {
   ExperimentRequest request{read_cell(options.cell), parse_board(options.grid), options.seed,
                             options.out, size_of(options)};
   request.uses_tracker = options.train != 0;
+  request.display = value_named(kDisplayPolicies, options.display).value();
+  request.may_home = may_home(options.homing);
+  request.stop = interrupted;
   if (options.board_thickness_mm) request.dots_height = *options.board_thickness_mm * kMillimetre;
   if (!request.uses_tracker && !request.dots_height)
     throw InputError(
@@ -132,6 +154,7 @@ Outcome run(const Options& options) {
     return {prediction_json(prediction)};
   }
   if (options.seeds > 0) return run_many(request, options);
+  heed_interrupts();
   const auto devices = open_cell(request.cell);
   const ExperimentReport report = run_experiment(request, *devices);
   const std::filesystem::path page =

@@ -31,6 +31,19 @@ TEST_CASE("The experiment records what the paper did, and every position can be 
   CHECK_NOTHROW(joints_of_plan(cell, plan));
 }
 
+TEST_CASE(
+    "A short experiment keeps its readings, a few targets and as many test positions in all") {
+  const CellSettings cell = read_cell(test::paper_cell_file());
+  const ExperimentSize size = with_loop_only(with_readings({}, 12), 2);
+  const ExperimentPlan plan = experiment_plan(cell, 1, size);
+  std::map<Plan, int> counts;
+  for (const PlanRow& row : plan.rows) ++counts[row.plan];
+  CHECK(counts[Plan::kTrain] + counts[Plan::kSweep1] + counts[Plan::kSweep3] == 12);
+  CHECK(counts[Plan::kTest] == 8);
+  CHECK(plan.circle_points.empty());
+  CHECK(control_targets(cell.workspace, size).size() == 8);
+}
+
 TEST_CASE("Further lays of the board join the plan and move no other row") {
   const CellSettings cell = read_cell(test::paper_cell_file());
   ExperimentSize size;

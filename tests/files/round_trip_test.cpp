@@ -172,6 +172,8 @@ TEST_CASE("Every table comes back as it was written, whatever its texts contain"
       for (const ResultError& error : result_errors())
         result.*error.error = random.optional_point();
       result.uncertainty_m = random.optional_number();
+      result.sigma_truth_m = random.optional_number();
+      result.not_judged = random.text();
       return result;
     };
     check_table<TargetResult>(draw, lines(results_header, result_line), read_results);

@@ -29,10 +29,12 @@ at_cell() {
   fail "the served cell does not answer '$1'"
 }
 
-# operated MESSAGES COMMAND...: a command whose messages go to a file, and a person who places the reflector
-# where they ask for it and presses Enter.
+views_shown=0 # of the board; each is another pose
+
+# operated MESSAGES COMMAND...: a command whose messages go to a file, and a person who does what they ask for:
+# shows the board, another view after ten seconds, and takes it away; places the reflector and presses Enter.
 operated() {
-  local messages=$1 answered=0 asked where status=0
+  local messages=$1 answered=0 shows="" shown_s=0 asked status=0
   shift
   rm -f keys
   mkfifo keys
@@ -40,13 +42,25 @@ operated() {
   local command=$!
   exec 4>keys
   while kill -0 "$command" 2>/dev/null; do
-    asked=$(grep -ao "place the reflector \(on '[^']*'\|back on the tool\)" "$messages" |
-      sed -n "$((answered + 1))p")
-    if [ -n "$asked" ]; then
-      answered=$((answered + 1))
-      where=$(sed "s/.* on '\(.*\)'/\1/; s/.* on the //" <<<"$asked")
-      at_cell "reflector $where"
+    asked=$(grep -ao "place the reflector \(on '[^']*'\|back on the tool\)\|more \(view\|lay\)\|arm's way" \
+      "$messages" | sed -n "$((answered + 1))p")
+    case $asked in
+    "") ;;
+    *reflector*)
+      at_cell "reflector $(sed "s/.* on '\(.*\)'/\1/; s/.* on the //" <<<"$asked")"
       echo >&4
+      ;;
+    *view) shows="board hold" shown_s=0 ;;
+    *lay) shows="board lay" shown_s=0 ;;
+    *)
+      at_cell "board remove"
+      shows=""
+      ;;
+    esac
+    [ -z "$asked" ] || answered=$((answered + 1))
+    if [ -n "$shows" ] && [ "$SECONDS" -ge "$shown_s" ]; then
+      at_cell "$shows $((views_shown++))"
+      shown_s=$((SECONDS + 10))
     fi
     sleep 0.1
   done

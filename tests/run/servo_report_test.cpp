@@ -1,6 +1,7 @@
 #include "planar_servo/run/servo_report.h"
 
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 namespace planar {
@@ -51,6 +52,38 @@ TEST_CASE("Without a truth no figure claims one") {
   CHECK_FALSE(json.contains("after_mean_mm_truth"));
   CHECK(json.contains("after_mean_mm_own_view"));
   CHECK_THAT(servo_text(figures_of({result})), !Catch::Contains("truth"));
+}
+
+TEST_CASE("Where a tracker judges, its uncertainty stands beside the errors and is taken out") {
+  TargetResult a = reached("a", 1e-3, 5e-5), b = reached("b", 1e-3, 5e-5), c = a;
+  a.sigma_truth_m = b.sigma_truth_m = 3e-5;
+  c.id = "c";
+  c.before_truth = c.after_truth = std::nullopt;
+  c.not_judged = "a broken beam";
+  const ServoFigures figures = figures_of({a, b, c});
+  const auto json = servo_json(figures);
+  CHECK(json["after_rms_mm_truth"].get<double>() == Approx(0.05));
+  CHECK(json["sigma_mm_truth"].get<double>() == Approx(0.03));
+  CHECK(json["after_rms_net_mm_truth"].get<double>() ==
+        Approx(0.01 * std::sqrt(7.0)));  // 25 - 2 x 9
+  CHECK(json["judged"] == 2);
+  CHECK(json["not_judged"] ==
+        nlohmann::json::array({{{"target", "c"}, {"reason", "a broken beam"}}}));
+  CHECK_THAT(servo_text(figures), Catch::Contains("against the tracker: before") &&
+                                      Catch::Contains("known to 0.0300 mm per axis") &&
+                                      Catch::Contains("not judged: c: a broken beam") &&
+                                      !Catch::Contains("against the truth"));
+  a.sigma_truth_m = 1e-4;
+  CHECK(servo_json(figures_of({a}))["after_rms_net_mm_truth"] == 0.0);
+}
+
+TEST_CASE("The stated interval allows for the tracker that judges it") {
+  TargetResult a = reached("a", 1e-3, 1e-5);
+  a.uncertainty_m = 3e-6;
+  a.vision_compensated = Eigen::Vector2d(9e-6, 0.0);
+  CHECK(figures_of({a}).coverage_95 == 0.5);
+  a.sigma_truth_m = 4e-6;
+  CHECK(figures_of({a}).coverage_95 == 1.0);
 }
 
 TEST_CASE("A run says how many of the camera's frames it left out") {

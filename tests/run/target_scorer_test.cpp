@@ -54,5 +54,86 @@ TEST_CASE("An end point is judged by the truth where there is one") {
   CHECK((*result.vision_compensated - Eigen::Vector2d(-3e-4, 0.0)).norm() < kRounding_m);
 }
 
+/// Judges every look at the next of some places.
+struct JudgeOfPlaces {
+  std::vector<JudgedPoint> places;
+  std::size_t asked{0};
+
+  EndPointJudge judge() {
+    return [this](const std::string&, const Joints&) { return places.at(asked++); };
+  }
+};
+
+ServoResult ended(ServoStatus status) {
+  ServoResult last;
+  last.status = status;
+  return last;
+}
+
+ServoStep seen_step(int iteration) {
+  ServoStep step = step_with(iteration, {1e-3, 0.0});
+  step.measurement.p_vision = {0.2005, 0.1};
+  step.measurement.tip.p = {0.2001, 0.1};
+  return step;
+}
+
+TEST_CASE("A judge is asked at the first look and at the end, once where the arm did not move on") {
+  const test::TemporaryFolder folder;
+  GrowingFile steps(folder.path() / "steps.csv", steps_header());
+  constexpr double kRounding_m = 1e-15;
+  TargetScorer scorer({"A", {0.2, 0.1}, {}}, steps, {});
+  SECTION("a target that needs a correction") {
+    JudgeOfPlaces at{{{Eigen::Vector2d(0.203, 0.1), 1e-5, ""}, {{{0.2, 0.1004}}, 2e-5, ""}}};
+    scorer.set_judge(at.judge());
+    scorer.observe(seen_step(0));
+    scorer.observe(seen_step(1));
+    const TargetResult result = scorer.finish(ended(ServoStatus::kReached), 1.0);
+    CHECK(at.asked == 2);
+    CHECK((*result.before_truth - Eigen::Vector2d(3e-3, 0.0)).norm() < kRounding_m);
+    CHECK((*result.after_truth - Eigen::Vector2d(0.0, 4e-4)).norm() < kRounding_m);
+    CHECK(result.sigma_truth_m == 2e-5);
+    CHECK((*result.vision_raw - Eigen::Vector2d(5e-4, -4e-4)).norm() < kRounding_m);
+    CHECK((*result.vision_compensated - Eigen::Vector2d(1e-4, -4e-4)).norm() < kRounding_m);
+  }
+  SECTION("a target that is reached at once") {
+    JudgeOfPlaces at{{{Eigen::Vector2d(0.203, 0.1), 1e-5, ""}}};
+    scorer.set_judge(at.judge());
+    scorer.observe(seen_step(0));
+    const TargetResult result = scorer.finish(ended(ServoStatus::kReached), 1.0);
+    CHECK(at.asked == 1);
+    CHECK(result.after_truth == result.before_truth);
+  }
+  SECTION("a camera that is lost on the way: the arm rests elsewhere") {
+    JudgeOfPlaces at{{{Eigen::Vector2d(0.203, 0.1), 1e-5, ""}, {{{0.202, 0.1}}, 1e-5, ""}}};
+    scorer.set_judge(at.judge());
+    scorer.observe(seen_step(0));
+    const TargetResult result = scorer.finish(ended(ServoStatus::kLostCamera), 1.0);
+    CHECK((*result.after_truth - Eigen::Vector2d(2e-3, 0.0)).norm() < kRounding_m);
+    CHECK_FALSE(result.vision_raw);
+  }
+}
+
+TEST_CASE("A target that nobody could judge says why and has no true error") {
+  const test::TemporaryFolder folder;
+  GrowingFile steps(folder.path() / "steps.csv", steps_header());
+  TargetScorer scorer({"A", {0.2, 0.1}, {}}, steps, {});
+  JudgeOfPlaces at{{{{}, 0.0, "a broken beam"}, {{}, 0.0, "a broken beam"}}};
+  scorer.set_judge(at.judge());
+  TargetResult result;
+  SECTION("the beam is broken") {
+    scorer.observe(seen_step(0));
+    scorer.observe(seen_step(1));
+    result = scorer.finish(ended(ServoStatus::kReached), 1.0);
+    CHECK(result.not_judged == "a broken beam");
+  }
+  SECTION("the arm was never there") {
+    result = scorer.finish(ended(ServoStatus::kRefused), 1.0);
+    CHECK_THAT(result.not_judged, Catch::Contains("did not arrive"));
+    CHECK(at.asked == 0);
+  }
+  CHECK_FALSE(result.after_truth);
+  CHECK_FALSE(result.before_truth);
+}
+
 }  // namespace
 }  // namespace planar

@@ -63,6 +63,7 @@ TEST_CASE("A reflector at rest is read as the mean of half a second, not earlier
   const auto reading = bench.window.at_rest();
   REQUIRE(reading);
   CHECK((reading->p_L - bench.kPlace).norm() < kSigma);
+  CHECK(reading->averaged == Approx(0.5 / kPeriod_s + 1.0).margin(1.1));
   CHECK(reading->t_s == Approx(bench.now_s - 0.25).margin(0.02));
 }
 

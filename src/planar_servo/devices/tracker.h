@@ -12,6 +12,7 @@ constexpr int kMonumentReadings = 5;
 struct TrackerReading {
   double t_s{0.0};                     ///< on the tracker's own clock, where it has one
   Eigen::Vector3d p_L{0.0, 0.0, 0.0};  ///< reflector's centre in the tracker's frame, metres
+  int averaged{1};                     ///< so many independent readings it is the mean of
 };
 
 enum class TrackerStatus {

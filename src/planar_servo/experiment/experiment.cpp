@@ -1,42 +1,27 @@
 #include "planar_servo/experiment/experiment.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
-#include <functional>
 #include <future>
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/plane_geometry.h"
 #include "planar_servo/experiment/begun_experiment.h"
 #include "planar_servo/experiment/experiment_plan.h"
+#include "planar_servo/experiment/loops/control_loop.h"
+#include "planar_servo/experiment/loops/tracker_judge.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/offline/record/recorder.h"
-#include "planar_servo/run/resumed_run.h"
 
 namespace planar {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::vector<TargetResult> close_loop(const CalibratedChain& chain, bool with_map,
-                                     const std::vector<TargetRow>& targets, const fs::path& out,
-                                     CellDevices& devices) {
-  ServoRequest request;
-  request.cell = chain.cell;
-  request.center = chain.settings.center;
-  request.use_error_map = with_map;
-  request.check_health = chain.settings.checks_health;
-  request.keep_going = true;  // a target that fails is a result, too
-  request.out = out / chain.settings.name / (with_map ? "run" : "run_without_map");
-  request.resume = fs::exists(results_file(request));
-  spdlog::info(fmt::format("closing the loop over {} targets: {}, {}", targets.size(),
-                           chain.settings.name,
-                           with_map ? "with its error map" : "without an error map"));
-  ServoRun run(request, devices);
-  return run_servo(run, targets);
-}
 
 ChainSettings our_settings(const ExperimentRequest& request) {
   ChainSettings settings = our_chain(request.cell);
@@ -86,38 +71,80 @@ double take_out_turn(std::vector<TargetResult>& results) {
   return turn;
 }
 
+/// Throws InputError for a cell without a truth that its tracker cannot judge.
+void require_judge(const ExperimentRequest& request) {
+  require_judging_tracker(request.cell);
+  if (!request.uses_tracker)
+    throw InputError(request.cell.file.string() +
+                     ": --train 0 is for virtual cells, whose truth judges it; give a cell that "
+                     "its tracker judges readings to learn from, such as --train 40");
+}
+
+/// Records what is missing of the plan, unless the loop has begun: nothing may join the recording
+/// then.
+RecordReport record_plan(const ExperimentRequest& request, const ExperimentPlan& plan,
+                         CellDevices& devices) {
+  if (has_begun_loop(request)) return {};
+  spdlog::info(fmt::format("recording {} positions and board views", plan.rows.size()));
+  RecordRequest to_record{request.cell, plan.rows, request.out / "recording"};
+  to_record.stop = request.stop;
+  to_record.on_bad_reading = BadReading::kSkip;
+  to_record.board = request.board;
+  to_record.display = request.display;
+  to_record.may_home = request.may_home;
+  RecordReport recorded = record(to_record, devices);
+  spdlog::info(fmt::format("{} frames, {} of them full; {} places were there before",
+                           recorded.frames, recorded.full_frames, recorded.present));
+  if (!recorded.skipped.empty())
+    spdlog::warn(
+        fmt::format("left out for want of a reading: {}", fmt::join(recorded.skipped, ", ")));
+  return recorded;
+}
+
+/// Closes the loop with every chain, with the paper's without its map as well. `monuments` are
+/// those that nobody used to calibrate, if there are any.
+void close_loops(const ExperimentRequest& request, const CalibratedChains& chains,
+                 const std::vector<MonumentSeen>& monuments, CellDevices& devices,
+                 ExperimentReport& report) {
+  const std::vector<TargetRow> targets = control_targets(request.cell.workspace, request.size);
+  const std::array<ServoRequest, 4> loops{
+      control_loop(chains.ours, true, request), control_loop(chains.paper, true, request),
+      control_loop(chains.paper, false, request), control_loop(chains.visp, false, request)};
+  std::optional<TrackerJudge> judge;
+  if (!devices.true_tip()) {
+    judge.emplace(chains.ours, devices.tracker(), request.out / "judge.csv", request.stop);
+    report.reflector_sigma = judge->reflector_sigma();
+    const auto done = [&](const ServoRequest& loop) { return is_done(loop, targets); };
+    if (!std::all_of(loops.begin(), loops.end(), done)) judge->make_ready(monuments);
+  }
+  TrackerJudge* const by_tracker = judge ? &*judge : nullptr;
+  report.ours = close_loop(loops[0], targets, devices, by_tracker);
+  report.paper = close_loop(loops[1], targets, devices, by_tracker);
+  report.paper_no_map = close_loop(loops[2], targets, devices, by_tracker);
+  report.visp = close_loop(loops[3], targets, devices, by_tracker);
+}
+
 }  // namespace
 
 ExperimentReport run_experiment(const ExperimentRequest& request, CellDevices& devices) {
-  if (!devices.true_tip())
-    throw InputError(
-        request.cell.file.string() +
-        ": is no virtual cell; this experiment needs the truth of one to judge itself");
+  if (!devices.true_tip()) require_judge(request);
   begin_experiment(request);
   const ExperimentPlan plan = experiment_plan(request.cell, request.seed, request.size);
   write_file(request.out / "plan.csv", plan_text(plan.rows));
-  spdlog::info(fmt::format("recording {} positions and board views", plan.rows.size()));
-  RecordRequest to_record{request.cell, plan.rows, request.out / "recording"};
-  to_record.on_bad_reading = BadReading::kSkip;
-  const RecordReport recorded = record(to_record, devices);
-  spdlog::info(fmt::format("{} frames, {} of them full; {} places were there before",
-                           recorded.frames, recorded.full_frames, recorded.present));
+  const RecordReport recorded = record_plan(request, plan, devices);
   const RecordedCell recording = read_recorded_cell(request.out / "recording", request.board);
-  const auto [ours, visp, paper] = calibrate_chains(request, recording);
-  const std::vector<TargetRow> targets = control_targets(request.cell.workspace, request.size);
+  const CalibratedChains chains = calibrate_chains(request, recording);
   ExperimentReport report;
   report.circles = control_circles(request.cell.workspace, request.size);
-  report.ours = close_loop(ours, true, targets, request.out, devices);
-  report.paper = close_loop(paper, true, targets, request.out, devices);
-  report.paper_no_map = close_loop(paper, false, targets, request.out, devices);
-  report.visp = close_loop(visp, false, targets, request.out, devices);
-  if (request.uses_tracker)
-    report.tables = map_tables(ours, paper, plan);
-  else
+  close_loops(request, chains, recorded.monuments, devices, report);
+  if (!request.uses_tracker)
     report.turn_taken_out = take_out_turn(report.ours);
-  report.recorded = figure_data(paper, plan, recording);
+  else if (!plan.circle_points.empty())
+    report.tables = map_tables(chains.ours, chains.paper, plan);
+  report.recorded = figure_data(chains.paper, plan, recording);
   report.tables.positioning = positioning_table(report.circles, report.ours, report.paper);
-  report.prediction = predict_positioning(prediction_inputs(ours), targets);
+  report.prediction = predict_positioning(prediction_inputs(chains.ours),
+                                          control_targets(request.cell.workspace, request.size));
   return report;
 }
 

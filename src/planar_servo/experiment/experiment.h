@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -11,6 +12,7 @@
 #include "planar_servo/experiment/paper_tables.h"
 #include "planar_servo/experiment/vision_chain.h"
 #include "planar_servo/machine/cell_devices.h"
+#include "planar_servo/report/live/display.h"
 #include "planar_servo/run/servo_run.h"
 
 namespace planar {
@@ -27,6 +29,9 @@ struct ExperimentReport {
   PositioningPrediction prediction;        ///< of our chain, from its calibration alone
   /// By which `ours` was turned about the base's axis, radians, where nothing had fixed the turn.
   std::optional<double> turn_taken_out{};
+  /// Standard deviation per axis of the reflector's offset, metres, where a tracker judged in place
+  /// of a truth: no figure shows that error.
+  std::optional<double> reflector_sigma{};
 };
 
 /// Says on which cell an experiment is made, and where its files go.
@@ -38,12 +43,18 @@ struct ExperimentRequest {
   ExperimentSize size{};
   bool uses_tracker{true};  ///< in our chain; see ChainSettings
   std::optional<double> dots_height{};
+  // These are for a real cell, as in RecordRequest.
+  DisplayPolicy display{DisplayPolicy::kNone};
+  MayHome may_home{};
+  std::function<bool()> stop{};
 };
 
 /// Runs the paper's experiment: it records a plan, calibrates the chains from what was recorded,
 /// and closes the loop over the control targets with each. What an experiment with the same request
 /// left in `out` is gone on with: positions recorded and targets moved to are not gone to again.
-/// Throws what its parts throw, and InputError when `out` holds something else.
+/// A cell without a truth is judged by its tracker, after a person has done what record() and
+/// TrackerJudge ask for. Throws what its parts throw, and InputError when `out` holds something
+/// else and, before anything moves, for a cell that nobody can judge.
 ExperimentReport run_experiment(const ExperimentRequest& request, CellDevices& devices);
 
 /// Predicts positioning at the control targets from the recording in `out`. It opens neither a

@@ -119,6 +119,15 @@ ExperimentSize with_readings(ExperimentSize size, int readings) {
   return size;
 }
 
+ExperimentSize with_loop_only(ExperimentSize size, int control_points) {
+  constexpr int kCircles = 4;
+  size.control_points = control_points;
+  size.test_points = kCircles * control_points;
+  size.check_points = 0;
+  size.run_points = 0;
+  return size;
+}
+
 ExperimentPlan experiment_plan(const CellSettings& cell, std::uint64_t seed,
                                const ExperimentSize& size) {
   std::mt19937_64 rng(seed);

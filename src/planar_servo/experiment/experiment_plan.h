@@ -32,6 +32,10 @@ constexpr int kFewestReadings = 12;
 /// InputError for fewer than kFewestReadings.
 ExperimentSize with_readings(ExperimentSize size, int readings);
 
+/// Returns the size of an experiment that only closes the loop: so many targets on each control
+/// circle and as many test positions in all, and no place that the tables about maps alone need.
+ExperimentSize with_loop_only(ExperimentSize size, int control_points);
+
 /// Each run circle is gone round so often.
 constexpr int kRuns = 3;
 

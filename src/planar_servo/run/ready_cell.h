@@ -11,6 +11,7 @@
 #include "planar_servo/machine/cell_devices.h"
 #include "planar_servo/robot/homing.h"
 #include "planar_servo/robot/planar_robot.h"
+#include "planar_servo/run/end_point_judge.h"
 #include "planar_servo/servo/position_servo.h"
 #include "planar_servo/vision/lamp_tip_sensor.h"
 
@@ -29,6 +30,8 @@ struct ServoRequest {
   /// Is asked about drives that lost their position on the way, too. Empty: they may not be homed.
   MayHome may_home{};
   std::function<bool()> stop{};  ///< asked during every move; see PlanarRobot::stop_when()
+  /// Judges the first look and the end at every target of a cell without a truth. May be empty.
+  EndPointJudge judge{};
 };
 
 /// Returns the sentences on calibration files that do not belong together, and shows them in the

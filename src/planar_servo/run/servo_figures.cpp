@@ -1,5 +1,7 @@
 #include "planar_servo/run/servo_figures.h"
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace planar {
@@ -16,11 +18,29 @@ std::optional<double> coverage_of(const std::vector<TargetResult>& results) {
   Eigen::Index within = 0, all = 0;
   for (const TargetResult& result : results) {
     if (!result.vision_compensated || !result.uncertainty_m) continue;
-    within += (result.vision_compensated->array().abs() < kSigmas * *result.uncertainty_m).count();
+    const double sigma = std::hypot(*result.uncertainty_m, result.sigma_truth_m.value_or(0.0));
+    within += (result.vision_compensated->array().abs() < kSigmas * sigma).count();
     all += 2;
   }
   if (all == 0) return std::nullopt;
   return static_cast<double>(within) / static_cast<double>(all);
+}
+
+std::optional<TrackerFigures> tracker_figures(const std::vector<TargetResult>& results) {
+  TrackerFigures figures;
+  double squares = 0.0, variances = 0.0;
+  for (const TargetResult& result : results) {
+    if (!result.not_judged.empty()) figures.not_judged.emplace_back(result.id, result.not_judged);
+    if (!result.sigma_truth_m || !result.after_truth) continue;
+    ++figures.judged;
+    squares += result.after_truth->squaredNorm();
+    variances += *result.sigma_truth_m * *result.sigma_truth_m;
+  }
+  if (figures.judged == 0 && figures.not_judged.empty()) return std::nullopt;
+  const double n = static_cast<double>(std::max<std::size_t>(figures.judged, 1));
+  figures.sigma = std::sqrt(variances / n);
+  figures.after_net = std::sqrt(std::max(0.0, (squares - 2.0 * variances) / n));
+  return figures;
 }
 
 }  // namespace
@@ -54,6 +74,7 @@ ServoFigures figures_of(const std::vector<TargetResult>& results) {
   figures.before_truth = summary_of(results, &TargetResult::before_truth);
   figures.after_truth = summary_of(results, &TargetResult::after_truth);
   figures.coverage_95 = coverage_of(results);
+  figures.tracker = tracker_figures(results);
   return figures;
 }
 

@@ -3,6 +3,8 @@
 #include <cstddef>
 #include <functional>
 #include <optional>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "planar_servo/core/numerics/statistics.h"
@@ -20,6 +22,14 @@ std::vector<double> error_lengths(const std::vector<TargetResult>& results, Targ
 /// Returns the mean of error_lengths(), or NaN when there are none.
 double mean_error(const std::vector<TargetResult>& results, TargetError error);
 
+/// Says how a cell's tracker judged the ends of a run.
+struct TrackerFigures {
+  std::size_t judged{0};
+  std::vector<std::pair<std::string, std::string>> not_judged;  ///< targets, and why
+  double sigma{0.0};      ///< of a judged error per axis, rms over the targets, metres
+  double after_net{0.0};  ///< rms of the errors once that variance is taken out, metres
+};
+
 /// Holds the figures of a run over the targets that were measured. A figure is empty when there is
 /// none.
 struct ServoFigures {
@@ -27,9 +37,11 @@ struct ServoFigures {
   double iterations_median{0.0};
   double seconds_per_target{0.0};
   std::optional<Summary> before_own, after_own, before_truth, after_truth;  ///< metres
-  /// Share of the components of compensated vision minus truth within 1.96 stated deviations.
+  /// Share of the components of compensated vision minus truth within 1.96 stated deviations, to
+  /// which those of the tracker are added where it judges.
   std::optional<double> coverage_95;
-  std::optional<FrameCounts> frames;  ///< of the camera; added by whoever has the camera
+  std::optional<TrackerFigures> tracker;  ///< where the tracker judged in place of a truth
+  std::optional<FrameCounts> frames;      ///< of the camera; added by whoever has the camera
 };
 
 /// Computes the figures of a run without those of its camera.

@@ -43,6 +43,28 @@ std::string figures_line(const char* judge, const std::optional<Summary>& before
       fixed(100.0 * improvement(*before, *after), 1));
 }
 
+void add_tracker(nlohmann::json& json, const TrackerFigures& tracker) {
+  json["judged"] = tracker.judged;
+  json["not_judged"] = nlohmann::json::array();
+  for (const auto& [target, reason] : tracker.not_judged)
+    json["not_judged"].push_back({{"target", target}, {"reason", reason}});
+  if (tracker.judged == 0) return;
+  json["sigma_mm_truth"] = mm(tracker.sigma);
+  json["after_rms_net_mm_truth"] = mm(tracker.after_net);
+}
+
+std::string tracker_text(const TrackerFigures& tracker) {
+  std::string text;
+  if (tracker.judged > 0)
+    text = fmt::format(
+        "the tracker's word is known to {:.4f} mm per axis; with that taken out: after {:.4f} "
+        "rms\n",
+        mm(tracker.sigma), mm(tracker.after_net));
+  for (const auto& [target, reason] : tracker.not_judged)
+    text += fmt::format("not judged: {}: {}\n", target, reason);
+  return text;
+}
+
 std::string in_mm(const std::optional<Eigen::Vector2d>& error) {
   return error ? fmt::format("{:.4f}", mm(error->norm())) : "–";
 }
@@ -68,6 +90,7 @@ nlohmann::json servo_json(const ServoFigures& figures) {
                       {"seconds_per_target", figures.seconds_per_target}};
   add_figures(json, "_own_view", figures.before_own, figures.after_own);
   add_figures(json, "_truth", figures.before_truth, figures.after_truth);
+  if (figures.tracker) add_tracker(json, *figures.tracker);
   if (figures.coverage_95) json["coverage_95_truth"] = *figures.coverage_95;
   if (figures.frames) {
     json["frames_complete"] = figures.frames->complete;
@@ -82,7 +105,9 @@ std::string servo_text(const ServoFigures& figures) {
   return fmt::format("{} of {} targets reached, {:g} correction{} and {:.2f} s each\n",
                      figures.reached, figures.targets, figures.iterations_median,
                      figures.iterations_median == 1.0 ? "" : "s", figures.seconds_per_target) +
-         figures_line("against the truth", figures.before_truth, figures.after_truth) +
+         figures_line(figures.tracker ? "against the tracker" : "against the truth",
+                      figures.before_truth, figures.after_truth) +
+         (figures.tracker ? tracker_text(*figures.tracker) : "") +
          figures_line("by its own view", figures.before_own, figures.after_own) +
          (figures.coverage_95
               ? fmt::format(

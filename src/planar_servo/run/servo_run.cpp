@@ -17,6 +17,7 @@ namespace planar {
 ServoRun::ServoRun(const ServoRequest& request, CellDevices& devices, Observer observer)
     : observer_(std::move(observer)),
       true_tip_(devices.true_tip()),
+      judge_(request.judge),
       keep_going_(request.keep_going),
       cell_(request, devices),
       lock_(folder_for(request)),
@@ -46,6 +47,14 @@ const TargetResult& ServoRun::move_to(const TargetRow& target) {
   cell_.examine_if_due();
   TargetScorer scorer(target, steps_, true_tip_);
   const double start_s = cell_.clock().now_s();
+  double judging_s = 0.0;
+  if (judge_ && !true_tip_)
+    scorer.set_judge([&](const std::string& id, const Joints& commanded) {
+      const double begun_s = cell_.clock().now_s();
+      JudgedPoint point = judge_(id, commanded);
+      judging_s += cell_.clock().now_s() - begun_s;
+      return point;
+    });
   int recoveries_left = ReadyCell::kMaxDriveRecoveries;
   ServoResult outcome;
   do {
@@ -54,7 +63,7 @@ const TargetResult& ServoRun::move_to(const TargetRow& target) {
   } while (
       outcome.status == ServoStatus::kLostCamera &&
       cell_.wait_for_camera(target.id, outcome.reason, start_s + ReadyCell::kCameraPatience_s));
-  results_.push_back(scorer.finish(outcome, cell_.clock().now_s() - start_s));
+  results_.push_back(scorer.finish(outcome, cell_.clock().now_s() - start_s - judging_s));
   if (outcome.cell_in_doubt && !keep_going_)
     ended_by_ = fmt::format("{}: {}: {}", target.id, name(outcome.status), outcome.reason);
   table_.append(result_line(results_.back()));

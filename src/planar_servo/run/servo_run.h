@@ -67,6 +67,7 @@ class ServoRun {
 
   Observer observer_;
   std::function<TipPose()> true_tip_;
+  EndPointJudge judge_;
   bool keep_going_;
   std::optional<std::string> ended_by_;
   ReadyCell cell_;

@@ -20,17 +20,42 @@ void TargetScorer::observe(const ServoStep& step) {
     result_.uncertainty_m = step.measurement.uncertainty_m;
   }
   if (true_tip_) compare_to_truth(step.measurement);
+  look_ = step;
+  standing_.reset();
   if (step.iteration > 0) ++result_.iterations;
   if (step.iteration > 0 || result_.before_own) return;
   result_.before_own = result_.after_own;
   result_.before_truth = result_.after_truth;
+  if (!judge_) return;
+  standing_ = judged();
+  if (standing_->p) result_.before_truth = *standing_->p - result_.p_d;
 }
 
 TargetResult TargetScorer::finish(const ServoResult& last_attempt, double seconds) {
   result_.status = last_attempt.status;
   result_.reason = last_attempt.reason;
   result_.seconds = seconds;
+  if (judge_) judge_end(last_attempt.status);
   return result_;
+}
+
+JudgedPoint TargetScorer::judged() const {
+  if (!look_) return {{}, 0.0, "the arm did not arrive"};
+  return judge_(result_.id, look_->theta_c);
+}
+
+void TargetScorer::judge_end(ServoStatus status) {
+  // Only a target that was reached is known to end where the last look was.
+  if (!standing_ || status != ServoStatus::kReached) standing_ = judged();
+  result_.not_judged = standing_->fault;
+  if (!standing_->p) return;
+  result_.after_truth = *standing_->p - result_.p_d;
+  result_.sigma_truth_m = standing_->sigma;
+  // Without the camera the arm may have moved since the look.
+  const TipMeasurement& seen = look_->measurement;
+  if (status == ServoStatus::kLostCamera || !seen.ok()) return;
+  result_.vision_raw = seen.p_vision - *standing_->p;
+  result_.vision_compensated = seen.tip.p - *standing_->p;
 }
 
 void TargetScorer::compare_to_truth(const TipMeasurement& measurement) {

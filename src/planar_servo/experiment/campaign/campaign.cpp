@@ -51,6 +51,10 @@ std::vector<nlohmann::json> work_through(
 }
 
 std::vector<nlohmann::json> run_campaign(const ExperimentRequest& request, const SeedRange& seeds) {
+  if (!request.cell.camera.kind->is_virtual())
+    throw InputError(request.cell.file.string() +
+                     ": is no virtual cell; --seeds draws cells, which only a virtual one can "
+                     "stand for");
   if (fs::exists(request.out / "recording"))
     throw InputError(request.out.string() +
                      ": holds a single experiment; name another folder for the campaign");

@@ -136,10 +136,13 @@ std::string experiment_page(const ExperimentReport& report, const std::string& c
   add_first_words(page, report);
   page.add_html(experiment_figure(report));
   page.add_paragraph(
-      std::string("True errors of the end point at the control targets, by the scorer of the "
-                  "virtual cell, which alone sees the truth. Both chains were calibrated from the "
-                  "same recording. ") +
-      kQuiverCaption);
+      fmt::format("{} Both chains were calibrated from the same recording. {}",
+                  report.reflector_sigma
+                      ? "Errors of the end point at the control targets, as the cell's tracker "
+                        "measured them after the servo had ended."
+                      : "True errors of the end point at the control targets, by the scorer of the "
+                        "virtual cell, which alone sees the truth.",
+                  kQuiverCaption));
   page.add_heading("The paper's tables");
   for (const ShownTable& shown : shown_tables(report)) {
     page.add_html(shown.table.html());

@@ -12,8 +12,15 @@
 namespace planar {
 namespace {
 
+/// Stands for what the paper does not print and what nobody has judged.
+constexpr char kNone[] = "–";
+
 std::string percent(double fraction) {
-  return fixed(100.0 * fraction, 1) + " %";
+  return std::isfinite(fraction) ? fixed(100.0 * fraction, 1) + " %" : kNone;
+}
+
+std::string millimetres(double metres, int decimals) {
+  return std::isfinite(metres) ? fixed(metres / kMillimetre, decimals) : kNone;
 }
 
 TextTable accuracy_table(const std::string& title, const std::vector<AccuracyRow>& rows) {
@@ -33,12 +40,11 @@ TextTable correlation_table(const std::vector<ComparisonRow>& rows) {
   return table;
 }
 
-/// What the paper does not print is left out.
 TextTable source_table(const std::vector<ComparisonRow>& rows) {
   TextTable table("Table 3: what the error maps were made of",
                   {"", "ours", "the paper's chain here", "the paper"});
   const auto cell = [](double value) {
-    return std::isfinite(value) ? fmt::format("{:.4g}", value) : "–";
+    return std::isfinite(value) ? fmt::format("{:.4g}", value) : kNone;
   };
   for (const ComparisonRow& row : rows)
     table.add_row({row.label, cell(row.ours), cell(row.paper_chain), cell(row.paper)});
@@ -48,40 +54,39 @@ TextTable source_table(const std::vector<ComparisonRow>& rows) {
 TextTable repeatability_table(const std::vector<ComparisonRow>& rows) {
   TextTable table("Table 4: standard deviation of three predictions in mm, the largest of a circle",
                   {"", "ours", "the paper's chain here", "the paper: below"});
-  const auto cell = [](double metres) {
-    return std::isfinite(metres) ? fmt::format("{:.6f}", metres / kMillimetre) : "–";
-  };
   for (const ComparisonRow& row : rows)
-    table.add_row({row.label, cell(row.ours), cell(row.paper_chain),
-                   fmt::format("{:.3f}", row.paper / kMillimetre)});
+    table.add_row({row.label, millimetres(row.ours, 6), millimetres(row.paper_chain, 6),
+                   millimetres(row.paper, 3)});
   return table;
 }
 
 TextTable positioning_table_of(const ExperimentReport& report) {
   TextTable table(
-      fmt::format("Table 7: mean true positioning error in mm, {} targets on each circle of radius "
+      fmt::format("Table 7: mean {} positioning error in mm, {} targets on each circle of radius "
                   "{} mm",
+                  report.reflector_sigma ? "measured" : "true",
                   report.circles.front().targets.size(), report.circles.front().radius_mm),
       {"circle about", "before *", "paper's chain +", "improved", "ours", "improved",
        "paper: before ~", "after", "improved"});
   for (const PositioningRow& row : report.tables.positioning)
-    table.add_row(
-        {row.label, fmt::format("{:.3f}", row.before / kMillimetre),
-         fmt::format("{:.3f}", row.paper_chain / kMillimetre),
-         percent(row.improvement(row.paper_chain)), fmt::format("{:.4f}", row.ours / kMillimetre),
-         percent(row.improvement(row.ours)), fmt::format("{:.3f}", row.paper_before / kMillimetre),
-         fmt::format("{:.3f}", row.paper_after / kMillimetre), percent(row.paper_improvement)});
+    table.add_row({row.label, millimetres(row.before, 3), millimetres(row.paper_chain, 3),
+                   percent(row.improvement(row.paper_chain)), millimetres(row.ours, 4),
+                   percent(row.improvement(row.ours)), millimetres(row.paper_before, 3),
+                   millimetres(row.paper_after, 3), percent(row.paper_improvement)});
   return table;
 }
 
 TextTable chain_table(const ExperimentReport& report) {
-  TextTable table("Chains side by side on this recording: true errors at the targets in mm",
-                  {"chain", "camera", "lamps", "error map", "law", "vision, mean", "after, mean",
-                   "95 %", "largest"});
+  TextTable table(
+      fmt::format("Chains side by side on this recording: {} errors at the targets in mm",
+                  report.reflector_sigma ? "measured" : "true"),
+      {"chain", "camera", "lamps", "error map", "law", "vision, mean", "after, mean", "95 %",
+       "largest"});
   const auto row = [&](std::vector<std::string> cells, const std::vector<TargetResult>& results) {
     const auto after = figures_of(results).after_truth;
     const auto cell = [](std::optional<double> metres) {
-      return metres && std::isfinite(*metres) ? fmt::format("{:#.3g}", *metres / kMillimetre) : "–";
+      return metres && std::isfinite(*metres) ? fmt::format("{:#.3g}", *metres / kMillimetre)
+                                              : kNone;
     };
     cells.push_back(cell(mean_error(results, &TargetResult::vision_compensated)));
     for (const auto figure : {&Summary::mean, &Summary::p95, &Summary::max})

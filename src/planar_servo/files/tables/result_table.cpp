@@ -31,6 +31,9 @@ const TableSchema<TargetResult>& result_schema() {
         columns.optional_number("uncertainty_mm", result.uncertainty_m, kMillimetre, 6,
                                 Column::kRequired);
         for (const ResultError& error : result_errors()) list_error(columns, error, result);
+        columns.optional_number("sigma_truth_mm", result.sigma_truth_m, kMillimetre, 6,
+                                Column::kOptional);
+        columns.text("not_judged", result.not_judged, Column::kOptional);
       }};
   return results;
 }

@@ -21,10 +21,12 @@ struct TargetResult {
   int iterations{0};
   double seconds{0.0};
   std::optional<Eigen::Vector2d> before_own, after_own;      ///< by the compensated vision
-  std::optional<Eigen::Vector2d> before_truth, after_truth;  ///< where a truth watches
+  std::optional<Eigen::Vector2d> before_truth, after_truth;  ///< where truth or tracker watches
   /// Vision minus truth at the last measurement, before and after compensation.
   std::optional<Eigen::Vector2d> vision_raw, vision_compensated;
   std::optional<double> uncertainty_m;  ///< of the last measurement, per axis
+  std::optional<double> sigma_truth_m;  ///< of `after_truth` per axis, where a tracker watches
+  std::string not_judged;               ///< why the tracker watched in vain; empty otherwise
 };
 
 /// Names one of the errors of a result. Each has three columns: its length and its components.

@@ -93,7 +93,7 @@ class Recorder {
       else
         record_position(plan[i], joints[i]);
     }
-    if (reads) readings_.read_monuments();
+    if (reads) report_.monuments = readings_.read_monuments();
     return report_;
   }
 

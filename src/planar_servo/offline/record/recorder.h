@@ -37,6 +37,7 @@ struct RecordReport {
   int full_frames{0};
   std::vector<std::string> without_lamps;  ///< ids where no pair of lamps was seen
   std::vector<std::string> skipped;        ///< ids left out for want of a reading
+  std::vector<MonumentSeen> monuments;  ///< as they were read at the end; none where they were not
 };
 
 /// Drives the cell through the plan. At each position it moves, settles, grabs frames and takes a

@@ -32,19 +32,21 @@ ReflectorReadings::ReflectorReadings(const CellSettings& cell, Tracker& tracker,
   tracker_.stop_when(stop_);
 }
 
-void ReflectorReadings::read_monuments() {
+std::vector<MonumentSeen> ReflectorReadings::read_monuments() {
+  std::vector<MonumentSeen> seen;
   int read = 0;
   for (const Monument& monument : cell_.datum)
-    if (read_monument(monument.id)) ++read;
+    if (read_monument(monument.id, seen)) ++read;
   const int needed = std::min(kLeastMonuments, static_cast<int>(cell_.datum.size()));
   if (read < needed)
     throw WorkError(
         fmt::format("{} of {} monuments were read; at least {} tie the tracker to the "
                     "base; read the others, too",
                     read, cell_.datum.size(), needed));
+  return seen;
 }
 
-bool ReflectorReadings::read_monument(const std::string& id) {
+bool ReflectorReadings::read_monument(const std::string& id, std::vector<MonumentSeen>& seen) {
   int left = tracker_.readings_per_monument();
   for (int failures = 0; left > 0;) {
     if (stop_ && stop_()) throw WorkError("stopped while the monuments were read");
@@ -52,6 +54,7 @@ bool ReflectorReadings::read_monument(const std::string& id) {
     switch (answer.status) {
       case TrackerStatus::kOk:
         table_.append(tracker_line({id, answer.reading.t_s, answer.reading.p_L}));
+        seen.push_back({id, answer.reading});
         [[fallthrough]];
       case TrackerStatus::kElsewhere:
         --left;
@@ -70,24 +73,29 @@ bool ReflectorReadings::read_monument(const std::string& id) {
   return true;
 }
 
-PlaceEnd ReflectorReadings::read_tool(const std::string& id, const TipPose& tip) {
+TrackerAnswer ReflectorReadings::take_tool(const std::string& id, const TipPose& tip) {
   TrackerAnswer answer = tracker_.measure_tool(id);
+  if (answer.status != TrackerStatus::kOk) return answer;
+  const std::string fault = fault_of(answer.reading, tip);
+  if (!fault.empty()) return TrackerAnswer::failed(fault);
+  table_.append(tracker_line({id, answer.reading.t_s, answer.reading.p_L}));
+  last_ = {id, answer.reading, tip};
+  return answer;
+}
+
+PlaceEnd ReflectorReadings::read_tool(const std::string& id, const TipPose& tip) {
+  const TrackerAnswer answer = take_tool(id, tip);
   switch (answer.status) {
+    case TrackerStatus::kOk:
     case TrackerStatus::kElsewhere:
-      return PlaceEnd::kKeep;
+      break;
     case TrackerStatus::kSkipped:
       return PlaceEnd::kSkip;
     case TrackerStatus::kRepeat:
       return PlaceEnd::kRepeat;
     case TrackerStatus::kFailed:
       return end_of_bad(id, answer.fault);
-    case TrackerStatus::kOk:
-      break;
   }
-  const std::string fault = fault_of(answer.reading, tip);
-  if (!fault.empty()) return end_of_bad(id, fault);
-  table_.append(tracker_line({id, answer.reading.t_s, answer.reading.p_L}));
-  last_ = {id, answer.reading, tip};
   return PlaceEnd::kKeep;
 }
 

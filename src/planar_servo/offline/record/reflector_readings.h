@@ -27,6 +27,12 @@ constexpr Named<BadReading> kBadReadings[] = {
 /// Says what is to be done with a place once the tracker was asked.
 enum class PlaceEnd { kKeep, kSkip, kRepeat };
 
+/// A reading of a monument.
+struct MonumentSeen {
+  std::string id;
+  TrackerReading reading;
+};
+
 /// Takes a recording's tracker readings: asks the tracker, judges its answer, and writes
 /// tracker.csv.
 class ReflectorReadings {
@@ -36,16 +42,21 @@ class ReflectorReadings {
   ReflectorReadings(const CellSettings& cell, Tracker& tracker, GrowingFile& table,
                     BadReading on_bad, std::function<bool()> stop);
 
-  /// Reads every monument of the cell. Throws WorkError when one cannot be read in three attempts,
-  /// when fewer than three are left because somebody skipped the others, and when asked to stop.
-  void read_monuments();
+  /// Reads every monument of the cell and returns what was read. Throws WorkError when one cannot
+  /// be read in three attempts, when fewer than three are left because somebody skipped the others,
+  /// and when asked to stop.
+  std::vector<MonumentSeen> read_monuments();
 
-  /// Reads the tool, which was sent to `tip` for the place `id`. A reading that has not moved
-  /// although the tool has is bad. Throws WorkError when the recording is to stop.
+  /// Reads the tool, which stands at `tip` for the place `id`, once. A reading that has not moved
+  /// although the tool has is a failed one.
+  TrackerAnswer take_tool(const std::string& id, const TipPose& tip);
+
+  /// Does as take_tool(), and decides what becomes of the place. Throws WorkError when the
+  /// recording is to stop.
   PlaceEnd read_tool(const std::string& id, const TipPose& tip);
 
  private:
-  bool read_monument(const std::string& id);
+  bool read_monument(const std::string& id, std::vector<MonumentSeen>& seen);
   PlaceEnd end_of_bad(const std::string& id, const std::string& fault);
   std::string fault_of(const TrackerReading& reading, const TipPose& tip) const;
 

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <vector>
+
+#include "planar_servo/experiment/experiment.h"
+#include "planar_servo/experiment/loops/tracker_judge.h"
+
+namespace planar {
+
+/// Returns how the loop is closed with a chain. It goes on with the run that the experiment's
+/// folder holds.
+ServoRequest control_loop(const CalibratedChain& chain, bool with_map,
+                          const ExperimentRequest& experiment);
+
+/// Returns whether an experiment has begun to close the loop with our chain. Its recording is
+/// complete then, and must not grow any more: the chains were calibrated from it.
+bool has_begun_loop(const ExperimentRequest& experiment);
+
+/// Returns whether the run of a loop has a result of every target.
+bool is_done(const ServoRequest& loop, const std::vector<TargetRow>& targets);
+
+/// Moves to the targets that have no result yet and returns the results of all. `judge` is null
+/// where a truth judges.
+std::vector<TargetResult> close_loop(ServoRequest loop, const std::vector<TargetRow>& targets,
+                                     CellDevices& devices, TrackerJudge* judge);
+
+}  // namespace planar
