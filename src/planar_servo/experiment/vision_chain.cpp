@@ -52,13 +52,14 @@ fs::path lays_file(const fs::path& folder) {
   return folder / "lays.csv";
 }
 
-/// Keeps the frames of a recording that watch the arm alone: poses and the sweep of joint 1.
-std::vector<FrameRow> watched_by_camera(std::vector<FrameRow> frames) {
-  frames.erase(std::remove_if(frames.begin(), frames.end(),
-                              [](const FrameRow& frame) {
-                                return frame.plan != Plan::kPose && frame.plan != Plan::kSweep1;
-                              }),
-               frames.end());
+/// Returns the frames that a chain is calibrated from: without a tracker those that watch the arm
+/// alone, poses and the sweep of joint 1; without a map all but those that only judge maps.
+std::vector<FrameRow> frames_for(const ChainSettings& settings, std::vector<FrameRow> frames) {
+  const auto unused = [&](const FrameRow& frame) {
+    if (!settings.uses_tracker) return frame.plan != Plan::kPose && frame.plan != Plan::kSweep1;
+    return !settings.learns_map && (frame.plan == Plan::kTest || frame.plan == Plan::kCheck);
+  };
+  frames.erase(std::remove_if(frames.begin(), frames.end(), unused), frames.end());
   return frames;
 }
 
@@ -77,7 +78,7 @@ std::vector<PairRow> make_pairs(const ChainSettings& settings, const CellSetting
   PairTrackerRequest request;
   request.cell = cell;
   request.camera = camera;
-  request.frames = settings.uses_tracker ? recorded.frames : watched_by_camera(recorded.frames);
+  request.frames = frames_for(settings, recorded.frames);
   const LocateReport located =
       locate_lamps_of_recording(cell, recorded.folder, request.frames, settings.center);
   request.lamps = located.rows;
