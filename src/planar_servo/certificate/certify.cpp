@@ -59,6 +59,7 @@ std::vector<std::string> stale_words(const CertificateRequest& request) {
   const std::vector<StaleFile> stale = stale_files(request.servo.cell, true);
   if (!request.servo.accept_stale) require_belonging(stale);
   std::vector<std::string> words;
+  words.reserve(stale.size());
   for (const StaleFile& file : stale) words.push_back(file.refusal.text());
   return words;
 }

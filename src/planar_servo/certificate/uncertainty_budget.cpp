@@ -80,13 +80,68 @@ double drift_sigma(const std::optional<PoseDrift>& drift) {
   return drift->shift / kShareBetweenThirds / std::sqrt(12.0) / std::sqrt(2.0);
 }
 
-/// Sums of squares over the targets.
-struct BudgetSums {
-  double field{0.0}, plane{0.0}, datum{0.0};
-  std::size_t targets{0};
-
-  double root_mean(double sum) const { return std::sqrt(sum / static_cast<double>(targets)); }
+/// Standard uncertainties per axis: those of the prediction and that of the plane, each the rms
+/// over the targets.
+struct TermsOverTargets {
+  PositioningTerms terms;
+  double plane{0.0};
 };
+
+TermsOverTargets terms_over(const std::vector<const JudgedMove*>& targets,
+                            const PredictionInputs& known, const WorkplaneRecord& plane) {
+  TermsOverTargets over;
+  double field = 0.0, datum = 0.0, plane_sum = 0.0;
+  for (const JudgedMove* target : targets) {
+    over.terms = positioning_terms(known, {"", target->move.p_d, {}});
+    field += over.terms.field * over.terms.field;
+    datum += over.terms.datum * over.terms.datum;
+    plane_sum += plane_variance(plane, target->move.p_d);
+  }
+  const auto n = static_cast<double>(targets.size());
+  over.terms.field = std::sqrt(field / n);
+  over.terms.datum = std::sqrt(datum / n);
+  over.plane = std::sqrt(plane_sum / n);
+  return over;
+}
+
+BudgetTerm field_term(const CellSettings& cell, double sigma) {
+  const std::string map = cell.error_map.filename().string();
+  const bool known = std::isfinite(sigma);
+  return {"field: error map", known ? sigma : 0.0, known, known ? map : map + " states none",
+          "read the tracker at more places (planar-plan proposes them) and fit the map again"};
+}
+
+/// Of landing and stop rule the smaller one counts, as in PositioningTerms::content().
+std::vector<BudgetTerm> content_terms(const PositioningTerms& terms) {
+  const bool stops = terms.stop < terms.landing;
+  return {{"arm: landing of the first move", terms.landing, !stops,
+           stops ? "run; corrected down to the stop rule" : "run, own view",
+           "find the arm anew (planar-fit-error-map --arm-out)"},
+          {"stop rule: content within it", terms.stop, stops,
+           stops ? "run" : "run; the arm lands within it",
+           "lower servo.tolerance_mm, as far as noise and pulses allow"}};
+}
+
+std::vector<BudgetTerm> vision_terms(const CellSettings& cell, const TermsOverTargets& over,
+                                     const std::string& tracker_source) {
+  return {{"lamps: noise of a look", over.terms.vision, true,
+           fmt::format("run, {} frames", cell.servo.frames_per_measurement),
+           "average more frames (servo.frames_per_measurement), or expose the lamps better"},
+          field_term(cell, over.terms.field),
+          {"plane: pose of the camera", over.plane, false,
+           cell.workplane.filename().string() + "; in the field, which is learned over it", ""},
+          {"tracker: turn by monuments", over.terms.datum, true, tracker_source,
+           "set the monuments farther apart, or read them more often"}};
+}
+
+std::vector<BudgetTerm> run_terms(const CellAccuracy& accuracy) {
+  const double judge = accuracy.judge_sigma;
+  return {
+      {"drift during the run", drift_sigma(accuracy.drift), true, "run, poses P1 to P5",
+       "let the cell warm up, or fix lamps to the base (doc/fixed_lamps.md)"},
+      {"judge: who measured", judge, true, judge > 0.0 ? "cell file, tool" : "the truth is exact",
+       "judge with a better tracker, or from nearer"}};
+}
 
 }  // namespace
 
@@ -106,7 +161,6 @@ UncertaintyBudget uncertainty_budget(const CellSettings& cell, const VisionCalib
                                      const CellAccuracy& accuracy) {
   const std::vector<const JudgedMove*> targets = targets_of(moves);
   const TrackerNoise tracker = calibration_tracker(cell);
-  const WorkplaneRecord plane = read_workplane(cell.workplane);
   PredictionInputs known{vision,
                          cell.servo,
                          cell.datum,
@@ -115,44 +169,11 @@ UncertaintyBudget uncertainty_budget(const CellSettings& cell, const VisionCalib
                          tracker.sigma,
                          landing_of(targets)};
   known.servo.tolerance_m = median_over(moves, &JudgedMove::stop_below);
-  PositioningTerms terms;
-  BudgetSums sums;
-  sums.targets = targets.size();
-  for (const JudgedMove* target : targets) {
-    terms = positioning_terms(known, {"", target->move.p_d, {}});
-    sums.field += terms.field * terms.field;
-    sums.datum += terms.datum * terms.datum;
-    sums.plane += plane_variance(plane, target->move.p_d);
-  }
-  const double field = sums.root_mean(sums.field);
-  const bool field_known = std::isfinite(field);
-  const bool stops = terms.stop < terms.landing;
-  const std::string map = cell.error_map.filename().string();
+  const TermsOverTargets over = terms_over(targets, known, read_workplane(cell.workplane));
   UncertaintyBudget budget;
-  budget.terms = {
-      {"lamps: noise of a look", terms.vision, true,
-       fmt::format("run, {} frames", cell.servo.frames_per_measurement),
-       "average more frames (servo.frames_per_measurement), or expose the lamps better"},
-      {"field: error map", field_known ? field : 0.0, field_known,
-       field_known ? map : map + " states none",
-       "read the tracker at more places (planar-plan proposes them) and fit the map again"},
-      {"plane: pose of the camera", sums.root_mean(sums.plane), false,
-       fmt::format("{}; in the field, which is learned over it",
-                   cell.workplane.filename().string()),
-       ""},
-      {"tracker: turn by monuments", sums.root_mean(sums.datum), true, tracker.source,
-       "set the monuments farther apart, or read them more often"},
-      {"arm: landing of the first move", terms.landing, !stops,
-       stops ? "run; corrected down to the stop rule" : "run, own view",
-       "find the arm anew (planar-fit-error-map --arm-out)"},
-      {"stop rule: content within it", terms.stop, stops,
-       stops ? "run" : "run; the arm lands within it",
-       "lower servo.tolerance_mm, as far as noise and pulses allow"},
-      {"drift during the run", drift_sigma(accuracy.drift), true, "run, poses P1 to P5",
-       "let the cell warm up, or fix lamps to the base (doc/fixed_lamps.md)"},
-      {"judge: who measured", accuracy.judge_sigma, true,
-       accuracy.judge_sigma > 0.0 ? "cell file, tool" : "the truth is exact",
-       "judge with a better tracker, or from nearer"}};
+  for (const auto& terms :
+       {vision_terms(cell, over, tracker.source), content_terms(over.terms), run_terms(accuracy)})
+    budget.terms.insert(budget.terms.end(), terms.begin(), terms.end());
   double sum = 0.0;
   for (const BudgetTerm& term : budget.terms)
     if (term.counts) sum += term.sigma * term.sigma;
