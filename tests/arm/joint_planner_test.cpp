@@ -49,6 +49,23 @@ TEST_CASE("Round the base the plan unwinds a motor rather than leave its limits"
   CHECK(unwound);
 }
 
+TEST_CASE("A plan leaves room for corrections between a motor and its limits") {
+  const JointPlanner planner = make_planner(Elbow::kRight);
+  const auto motors = [&](const Joints& theta) {
+    return planner.transmission().motors_from_joints(theta);
+  };
+  Joints near = planner.plan(at(0.4, 1.0), Joints::Zero()).theta;
+  for (const double limit : {-360.0 * kDegree, 360.0 * kDegree}) {
+    const double toward_zero = limit > 0.0 ? -1.0 : 1.0;
+    near[2] += limit - motors(near)[2];  // motor 3 stands at its limit
+    TipPose target = at(0.4, 1.0);
+    target.phi = planner.arm().forward(near).phi;
+    const JointPlan plan = planner.plan(target, near);
+    REQUIRE_FALSE(plan.refusal);
+    CHECK(motors(plan.theta)[2] == Approx(limit + 2.0 * kPi * toward_zero).margin(1e-9));
+  }
+}
+
 TEST_CASE("A plan is refused with its reason: reach, workspace or motor limits") {
   const JointPlanner planner = make_planner(Elbow::kLeft);
   CHECK_THAT(*planner.plan(at(0.7, 0.0), Joints::Zero()).refusal,

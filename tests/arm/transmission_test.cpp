@@ -130,7 +130,7 @@ TEST_CASE("Among the turns of a motor the one within its limits and nearest is t
   const Joints pose(0.5, 1.0, 1.5);
   // Motor 3 may turn to +-6.2: near +6 the angle 0.5 stays, and -5.78 is nearer to -6.
   for (const double near3 : {6.0, -6.0}) {
-    const auto found = transmission.branch_within_limits(pose, Joints(0.5, 1.0, 1.0 + near3));
+    const auto found = transmission.branch_within_limits(pose, Joints(0.5, 1.0, 1.0 + near3), {});
     REQUIRE(found.has_value());
     CHECK((*found)[2] == Approx(near3 > 0 ? 1.5 : 1.5 - 2.0 * kPi));
   }
@@ -138,17 +138,18 @@ TEST_CASE("Among the turns of a motor the one within its limits and nearest is t
   for (const double turns : {-3.0, -1.0, 1.0, 3.0}) {
     const Joints turned = pose.array() + turns * 2.0 * kPi;
     for (const Joints& near : {pose, turned}) {
-      const auto found = transmission.branch_within_limits(turned, near);
+      const auto found = transmission.branch_within_limits(turned, near, {});
       REQUIRE(found.has_value());
       CHECK((*found - pose).norm() < 1e-12);
     }
   }
   // At -6.18 motor 3 is within its limit, but has no room of 0.05 left above it.
   const Joints low(0.5, 1.0, 1.0 - 6.18);
-  CHECK((*transmission.branch_within_limits(low, low) - low).norm() < 1e-12);
-  CHECK((*transmission.branch_within_limits(low, low, 0.05))[2] == Approx(low[2] + 2.0 * kPi));
+  CHECK((*transmission.branch_within_limits(low, low, {}) - low).norm() < 1e-12);
+  CHECK((*transmission.branch_within_limits(low, low, {0.05, 0.0}))[2] ==
+        Approx(low[2] + 2.0 * kPi));
   // Motor 1 stops at +-3: there is no turn on which it stands at 3.1.
-  CHECK_FALSE(transmission.branch_within_limits(Joints(3.1, 3.1, 3.1), pose).has_value());
+  CHECK_FALSE(transmission.branch_within_limits(Joints(3.1, 3.1, 3.1), pose, {}).has_value());
 }
 
 TEST_CASE("The transmission refuses what is not finite or beyond 32 bits") {

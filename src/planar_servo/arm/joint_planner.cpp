@@ -12,6 +12,10 @@
 namespace planar {
 namespace {
 
+/// Corrections that vision asks for at a place may turn a motor so much further, radians: at 0.3 m
+/// five millimetres.
+constexpr double kCorrectionRoom = 1.0 * kDegree;
+
 /// The way of the end point while every motor makes its own move.
 class Way {
  public:
@@ -112,11 +116,11 @@ TipPose JointPlanner::reached(const Joints& commanded) const {
 JointPlan JointPlanner::plan(const TipPose& target, const Joints& near) const {
   const InverseResult inverse = exact_arm().inverse(target, elbow_, near);
   if (inverse.status != ReachStatus::kOk) return {{}, describe(inverse.status)};
-  const auto branch = [&](double room) {
+  const auto branch = [&](const Transmission::Room& room) {
     return transmission_.branch_within_limits(inverse.theta, near, room);
   };
-  const std::optional<Joints> roomy = branch(approach_margin_);
-  const Joints theta = roomy ? *roomy : branch(0.0).value_or(inverse.theta);
+  const std::optional<Joints> roomy = branch({approach_margin_ + kCorrectionRoom, kCorrectionRoom});
+  const Joints theta = roomy ? *roomy : branch({}).value_or(inverse.theta);
   if (!found_) return {theta, refusal(theta)};
   const Joints commanded = transmission_.joints_from_motors(
       motors_for_outputs(*found_, transmission_.motors_from_joints(theta)));

@@ -21,7 +21,7 @@ struct JointPlan {
 /// at the end and on the way there. Throws std::invalid_argument for numbers that are not finite.
 class JointPlanner {
  public:
-  /// With an `approach_margin` (radians), plan() leaves every motor that much room below.
+  /// With an `approach_margin` (radians), plan() leaves every motor that much more room below.
   JointPlanner(const PlanarArm& arm, const Transmission& transmission, const Workspace& workspace,
                Elbow elbow, double approach_margin = 0.0);
 
@@ -42,7 +42,7 @@ class JointPlanner {
   static constexpr double kWayResolution_m{1e-5};
 
   /// Returns the joint angles for `target` with the planner's elbow, each motor on the turn within
-  /// its limits that lies nearest to `near`.
+  /// its limits that lies nearest to `near`. Turns are preferred that leave room for corrections.
   JointPlan plan(const TipPose& target, const Joints& near) const;
 
   /// Returns where these commanded joints bring the end point, by the arm as it was found. It

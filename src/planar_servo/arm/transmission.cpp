@@ -88,12 +88,13 @@ std::optional<std::string> Transmission::limit_violation(const Joints& theta) co
 }
 
 std::optional<Joints> Transmission::branch_within_limits(const Joints& theta, const Joints& near,
-                                                         double room) const {
+                                                         const Room& room) const {
   constexpr double kTurn = 2.0 * kPi;
   const Eigen::Vector3d motors_near = motors_from_joints(near);
   Eigen::Vector3d motors = motors_from_joints(theta);
   for (int i = 0; i < 3; ++i) {
-    const Eigen::Vector2d limits = settings_.limits_rad[i] + Eigen::Vector2d(room, 0.0);
+    const Eigen::Vector2d limits =
+        settings_.limits_rad[i] + Eigen::Vector2d(room.below, -room.above);
     double angle = nearest_branch(motors[i], motors_near[i]);
     if (angle > limits[1]) angle -= kTurn * std::ceil((angle - limits[1]) / kTurn);
     if (angle < limits[0]) angle += kTurn * std::ceil((limits[0] - angle) / kTurn);

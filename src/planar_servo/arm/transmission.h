@@ -59,10 +59,15 @@ class Transmission {
   /// they break none.
   std::optional<std::string> limit_violation(const Joints& theta) const;
 
-  /// Returns the same pose with each motor on the turn within its limits, and at least `room` above
-  /// the lower one, that lies nearest to its angle at `near`; empty when a motor has no such turn.
+  /// What is left free between a motor and its limits, radians.
+  struct Room {
+    double below{0.0}, above{0.0};
+  };
+
+  /// Returns the same pose with each motor on the turn within its limits, with at least `room`,
+  /// that lies nearest to its angle at `near`; empty when a motor has no such turn.
   std::optional<Joints> branch_within_limits(const Joints& theta, const Joints& near,
-                                             double room = 0.0) const;
+                                             const Room& room) const;
 
   /// Returns C of the equations.
   const Eigen::Matrix3d& coupling_matrix() const { return C_; }
