@@ -33,7 +33,7 @@ killed_at() {
   for _ in $(seq 6000); do
     if [ "$(grep -c "$2" "$1" 2>/dev/null || true)" -ge "$3" ] 2>/dev/null; then break; fi
     kill -0 "$working" 2>/dev/null || fail "the experiment ended before $1 had $3 lines of '$2': $(cat said.err)"
-    sleep 0.05
+    sleep 0.2
   done
   kill -KILL "$(cat pid)" || true
   wait "$working" 2>/dev/null || true
@@ -55,10 +55,6 @@ worked --json figures.json || fail "$(cat said.err)"
 cmp DIR/recording/tracker.csv recorded.csv || fail "a complete recording was changed"
 head -n "$(wc -l <ours.csv)" DIR/ours/run/results.csv | cmp - ours.csv || fail "targets were moved to again"
 [ "$(grep -c "^datum" DIR/judge.csv)" -ge 6 ] || fail "the monuments were not read anew: $(cat DIR/judge.csv)"
-
-# A finished experiment asks nobody for anything.
-"${experiment[@]}" </dev/null >again.txt 2>again.err || fail "$(cat again.err)"
-diff said.txt again.txt || fail "a finished experiment prints something else"
 grep -q "^judged by the cell's tracker: 4 of 4 targets with our chain, 4 of 4" said.txt || fail "$(cat said.txt)"
 for figure in '"judged": 4' '"not_judged": \[\]' '"sigma_mm_truth": 0.00' '"after_rms_net_mm_truth": 0' \
   '"reflector_offset_sigma_mm": 0.0'; do
