@@ -4,7 +4,7 @@
 source "$(dirname "$0")/common.sh"
 
 cp -r "$2/cell" .
-experiment=("$bin/planar-experiment" -q --cell cell/cell.yaml --train 40 --out DIR)
+experiment=("$bin/planar-experiment" -q --cell cell/cell.yaml --train 40 --loop-only 5 --out DIR)
 
 # killed_at FILE LINES: begins or goes on, and is killed once the file has so many lines.
 killed_at() {
@@ -19,14 +19,14 @@ killed_at() {
 
 killed_at DIR/recording/frames.csv 200
 head -n 190 DIR/recording/frames.csv >recorded.csv
-killed_at DIR/paper/run/results.csv 20
+killed_at DIR/paper/run/results.csv 12
 head -n 190 DIR/recording/frames.csv | cmp - recorded.csv || fail "positions were recorded again"
 cp DIR/recording/frames.csv recorded.csv
 cp DIR/ours/run/results.csv ours.csv
 "${experiment[@]}" --json figures.json >printed.txt
 cmp DIR/recording/frames.csv recorded.csv || fail "a finished recording was changed"
 cmp DIR/ours/run/results.csv ours.csv || fail "targets were moved to again"
-grep -q '"targets": 100' figures.json || fail "$(cat figures.json)"
+grep -q '"targets": 20' figures.json || fail "$(cat figures.json)"
 expect_sample printed.txt "$bin/planar-experiment"
 "${experiment[@]}" --json again.json >again.txt
 diff printed.txt again.txt || fail "a finished experiment prints something else"
