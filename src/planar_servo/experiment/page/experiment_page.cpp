@@ -136,7 +136,7 @@ std::string experiment_page(const ExperimentReport& report, const std::string& c
   add_first_words(page, report);
   page.add_html(experiment_figure(report));
   page.add_paragraph(
-      fmt::format("{} Both chains were calibrated from the same recording. {}",
+      fmt::format("{} All chains were calibrated from the same recording. {}",
                   report.reflector_sigma
                       ? "Errors of the end point at the control targets, as the cell's tracker "
                         "measured them after the servo had ended."

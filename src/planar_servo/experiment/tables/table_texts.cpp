@@ -132,7 +132,7 @@ std::vector<ShownTable> shown_tables(const ExperimentReport& report) {
   if (!report.tables.run_correlation.empty()) shown = map_tables_of(report.tables);
   shown.push_back(
       {positioning_table_of(report),
-       "Both chains move to the same targets on the same cell. \"Before\" is where the arm ends "
+       "All chains move to the same targets on the same cell. \"Before\" is where the arm ends "
        "by the cell file's lengths and zeros, without vision. Ours is aimed by the arm that was "
        "found, so its first move ends close already."});
   shown.push_back(
