@@ -44,6 +44,7 @@ class TrackerJudge final : public Judge {
         tracker_(tracker),
         table_(readings, tracker_header()),
         stop_(std::move(stop)) {
+    tracker_.stop_when(stop_);
     register_to(cell.datum);
     tracker_.await_tool();
   }
