@@ -11,16 +11,17 @@ killed_at() {
   "${experiment[@]}" >/dev/null &
   for _ in $(seq 3000); do
     if [ -e "$1" ] && [ "$(wc -l <"$1")" -ge "$2" ]; then break; fi
+    kill -0 $! 2>/dev/null || break
     sleep 0.1
   done
   kill -KILL $! || fail "the experiment ended before $1 had $2 lines"
   wait $! 2>/dev/null || true
 }
 
-killed_at DIR/recording/frames.csv 200
-head -n 190 DIR/recording/frames.csv >recorded.csv
+killed_at DIR/recording/frames.csv 120
+head -n 110 DIR/recording/frames.csv >recorded.csv
 killed_at DIR/paper/run/results.csv 12
-head -n 190 DIR/recording/frames.csv | cmp - recorded.csv || fail "positions were recorded again"
+head -n 110 DIR/recording/frames.csv | cmp - recorded.csv || fail "positions were recorded again"
 cp DIR/recording/frames.csv recorded.csv
 cp DIR/ours/run/results.csv ours.csv
 "${experiment[@]}" --json figures.json >printed.txt
