@@ -51,6 +51,7 @@ const char* color_of(const std::set<int>& radii_mm, int radius_mm) {
 
 std::vector<double> lengths_mm(const std::vector<CirclePlace>& places, const PlaceError& error) {
   std::vector<double> lengths;
+  lengths.reserve(places.size());
   for (const CirclePlace& place : places) lengths.push_back(error(place).norm() / kMillimetre);
   return lengths;
 }
