@@ -23,10 +23,6 @@ struct TrackerClock {
   }
 };
 
-/// Returns the readings in the order of time, those of a tracker that reads all the time only while
-/// the reflector rested.
-std::vector<ToolReading> readings_at_rest(std::vector<ToolReading> readings);
-
 /// Finds how the tracker's clock runs, from when its readings rested and when the camera saw the
 /// tool at rest. `readings` are those of readings_at_rest(). Among the clocks that bring rests and
 /// places together, the one counts with which the reflector follows the lamps, by an affine view of

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "planar_servo/calibration/readings/reading_order.h"
+#include "planar_servo/calibration/readings/rests.h"
 #include "planar_servo/calibration/vision_tip.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
