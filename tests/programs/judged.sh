@@ -9,7 +9,7 @@ source "$repository/tests/programs/served.sh"
 serve --cell cell/cell.yaml --out live.yaml --truth-log truth.csv
 
 sed 's/^tracker: .*/tracker: {source: none, sigma_mm: 0.01, sigma_mm_per_m: 0}/' live.yaml >untracked.yaml
-expect 2 "untracked.yaml: tracker.source is none, .* name the tracker's source" \
+expect 2 "untracked.yaml: nobody can judge this cell, .*tracker.source is none; .* name its source" \
   "$bin/planar-experiment" --cell untracked.yaml --out made
 expect 2 "live.yaml: --train 0 is for virtual cells" \
   "$bin/planar-experiment" --cell live.yaml --out made --train 0 --board-thickness-mm 0

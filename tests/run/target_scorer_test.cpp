@@ -56,7 +56,7 @@ TEST_CASE("An end point is judged by the truth where there is one") {
 
 /// Judges every look at the next of some places.
 struct JudgeOfPlaces {
-  std::vector<JudgedPoint> places;
+  std::vector<JudgedTip> places;
   std::size_t asked{0};
 
   EndPointJudge judge() {

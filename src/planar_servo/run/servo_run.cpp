@@ -51,9 +51,9 @@ const TargetResult& ServoRun::move_to(const TargetRow& target) {
   if (judge_ && !true_tip_)
     scorer.set_judge([&](const std::string& id, const Joints& commanded) {
       const double begun_s = cell_.clock().now_s();
-      JudgedPoint point = judge_(id, commanded);
+      JudgedTip tip = judge_(id, commanded);
       judging_s += cell_.clock().now_s() - begun_s;
-      return point;
+      return tip;
     });
   int recoveries_left = ReadyCell::kMaxDriveRecoveries;
   ServoResult outcome;

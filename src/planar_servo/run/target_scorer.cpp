@@ -39,7 +39,7 @@ TargetResult TargetScorer::finish(const ServoResult& last_attempt, double second
   return result_;
 }
 
-JudgedPoint TargetScorer::judged() const {
+JudgedTip TargetScorer::judged() const {
   if (!look_) return {{}, 0.0, "the arm did not arrive"};
   return judge_(result_.id, look_->theta_c);
 }
