@@ -103,14 +103,6 @@ TEST_CASE("A judge is asked at the first look and at the end, once where the arm
     CHECK(at.asked == 1);
     CHECK(result.after_truth == result.before_truth);
   }
-  SECTION("a camera that is lost on the way: the arm rests elsewhere") {
-    JudgeOfPlaces at{{{Eigen::Vector2d(0.203, 0.1), 1e-5, ""}, {{{0.202, 0.1}}, 1e-5, ""}}};
-    scorer.set_judge(at.judge());
-    scorer.observe(seen_step(0));
-    const TargetResult result = scorer.finish(ended(ServoStatus::kLostCamera), 1.0);
-    CHECK((*result.after_truth - Eigen::Vector2d(2e-3, 0.0)).norm() < kRounding_m);
-    CHECK_FALSE(result.vision_raw);
-  }
 }
 
 TEST_CASE("A target that nobody could judge says why and has no true error") {

@@ -51,9 +51,8 @@ void TargetScorer::judge_end(ServoStatus status) {
   if (!standing_->p) return;
   result_.after_truth = *standing_->p - result_.p_d;
   result_.sigma_truth_m = standing_->sigma;
-  // Without the camera the arm may have moved since the look.
   const TipMeasurement& seen = look_->measurement;
-  if (status == ServoStatus::kLostCamera || !seen.ok()) return;
+  if (!seen.ok()) return;
   result_.vision_raw = seen.p_vision - *standing_->p;
   result_.vision_compensated = seen.tip.p - *standing_->p;
 }

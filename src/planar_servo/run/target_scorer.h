@@ -39,7 +39,7 @@ class TargetScorer {
   std::function<TipPose()> true_tip_;
   EndPointJudge judge_;
   TargetResult result_;
-  std::optional<ServoStep> look_;        ///< the last one; not every look measures the tool
+  std::optional<ServoStep> look_;      ///< the last one; not every look measures the tool
   std::optional<JudgedTip> standing_;  ///< judged where the last look was
 };
 
