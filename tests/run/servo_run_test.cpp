@@ -128,7 +128,7 @@ TEST_CASE("A drive is waited for three times on the way to a target, whatever th
   CHECK_FALSE(run.has("a"));
 }
 
-TEST_CASE("A camera that is not back within a minute ends the run; the target has no result") {
+TEST_CASE("A camera that is not back within a minute ends the run without a result of the target") {
   const test::TemporaryFolder folder;
   FlakyCell devices;
   devices.lost.takes_drive_along = false;

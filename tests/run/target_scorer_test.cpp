@@ -60,7 +60,7 @@ struct JudgeOfPlaces {
   std::size_t asked{0};
 
   EndPointJudge judge() {
-    return [this](const std::string&, const Joints&) { return places.at(asked++); };
+    return [this](const std::string&, const ServoStep&) { return places.at(asked++); };
   }
 };
 

@@ -123,8 +123,8 @@ void close_loops(const ExperimentRequest& request, const CalibratedChains& chain
   const JointPlanner planner = servo_planner(chains.ours.cell);
   EndPointJudge by_tracker;
   if (judge)
-    by_tracker = [&](const std::string& place, const Joints& commanded) {
-      return judge->judge(place, planner.reached(commanded));
+    by_tracker = [&](const std::string& place, const ServoStep& look) {
+      return judge->judge(place, planner.reached(look.theta_c));
     };
   report.ours = close_loop(loops[0], targets, devices, by_tracker);
   report.paper = close_loop(loops[1], targets, devices, by_tracker);

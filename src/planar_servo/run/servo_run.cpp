@@ -50,9 +50,9 @@ const TargetResult& ServoRun::move_to(const TargetRow& target) {
   const double start_s = cell_.clock().now_s();
   double judging_s = 0.0;
   if (judge_ && !true_tip_)
-    scorer.set_judge([&](const std::string& id, const Joints& commanded) {
+    scorer.set_judge([&](const std::string& id, const ServoStep& look) {
       const double begun_s = cell_.clock().now_s();
-      JudgedTip tip = judge_(id, commanded);
+      JudgedTip tip = judge_(id, look);
       judging_s += cell_.clock().now_s() - begun_s;
       return tip;
     });

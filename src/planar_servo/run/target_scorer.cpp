@@ -41,7 +41,7 @@ TargetResult TargetScorer::finish(const ServoResult& last_attempt, double second
 
 JudgedTip TargetScorer::judged() const {
   if (!look_) return {{}, 0.0, "the arm did not arrive"};
-  return judge_(result_.id, look_->theta_c);
+  return judge_(result_.id, *look_);
 }
 
 void TargetScorer::judge_end(ServoStatus status) {

@@ -48,8 +48,8 @@ std::vector<TargetResult> close_loop(ServoRequest loop, const std::vector<Target
   const std::string map = loop.use_error_map ? "with its error map" : "without an error map";
   spdlog::info(fmt::format("closing the loop over {} targets: {}, {}", targets.size(), chain, map));
   if (judge)
-    loop.judge = [&](const std::string& id, const Joints& commanded) {
-      return judge(fmt::format("{} {} {}", chain, loop.out.filename().string(), id), commanded);
+    loop.judge = [&](const std::string& id, const ServoStep& look) {
+      return judge(fmt::format("{} {} {}", chain, loop.out.filename().string(), id), look);
     };
   ServoRun run(loop, devices);
   return run_servo(run, targets);
