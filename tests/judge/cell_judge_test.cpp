@@ -29,7 +29,10 @@ class ExactTracker final : public Tracker {
   int failures{0};  ///< so many answers fail first
   int asked{0}, tool_awaited{0};
 
+  std::function<bool()> stop;
+
   void await_tool() override { ++tool_awaited; }
+  void stop_when(const std::function<bool()>& asked_to_stop) override { stop = asked_to_stop; }
   TrackerAnswer measure_tool(const std::string& /*place*/) override {
     ++asked;
     if (failures-- > 0) return TrackerAnswer::failed("the beam is broken");
@@ -135,6 +138,18 @@ TEST_CASE("A tracker that fails is asked three times, and then says why nothing 
     CHECK_THAT(judge->judge("a", {}).fault, Catch::Contains("300.0 mm"));
   }
   CHECK(tracker.asked == 3);
+}
+
+TEST_CASE("Whoever stops the program ends the round over the monuments and the tracker's waits") {
+  const test::TemporaryFolder folder;
+  const CellSettings cell = real_cell();
+  JudgedCell devices(cell.datum);
+  const auto stop = [] { return true; };
+  CHECK_THROWS_WITH(
+      make_judge(JudgeKind::kTracker, cell, sample_tool(), devices, folder / "tracker.csv", stop),
+      Catch::Contains("stopped while the monuments were read"));
+  CHECK(devices.exact.stop());
+  CHECK(devices.exact.tool_awaited == 0);
 }
 
 TEST_CASE("Somebody who chooses to do without a reading is not asked for it again") {
