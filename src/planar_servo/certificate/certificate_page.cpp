@@ -25,7 +25,7 @@ caption{padding:.2mm 0}th,td{padding:.1mm 1mm}th:first-child,td:first-child{padd
 .sheet{display:grid;grid-template-columns:1.25fr 1fr;column-gap:6mm}
 .verdict{padding:.6mm 3mm;margin:.8mm 0;border-left-width:2mm}
 .words td:last-child,.words th:last-child{text-align:left}.figure{text-align:center}
-.figure svg{height:66mm;width:auto}.verdict.bad~.figure svg{height:46mm}
+.figure svg{height:66mm;width:auto}.verdict.bad~.figure svg{height:38mm}
 .sign{display:grid;grid-template-columns:1fr 1fr 1fr;column-gap:6mm;margin-top:11mm}
 .sign div{border-top:1px solid #333;padding-top:.6mm}@media print{body{margin:0}}
 )";
