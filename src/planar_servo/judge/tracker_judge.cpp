@@ -61,8 +61,8 @@ JudgedTip TrackerJudge::judge(const std::string& id, const TipPose& supposed) {
   std::string fault;
   for (int attempt = 0; attempt < kAttemptsToJudge; ++attempt) {
     const TrackerAnswer answer = readings_.take_tool(id, supposed);
-    const JudgedTip tip = answer.status == TrackerStatus::kOk ? tip_of(answer.reading, supposed)
-                                                              : not_judged(fault_of(answer));
+    JudgedTip tip = answer.status == TrackerStatus::kOk ? tip_of(answer.reading, supposed)
+                                                        : not_judged(fault_of(answer));
     if (tip.p || answer.status == TrackerStatus::kSkipped) return tip;
     spdlog::warn(fmt::format("{}: {}", id, tip.fault));
     fault = tip.fault;
