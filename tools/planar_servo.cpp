@@ -29,7 +29,7 @@ const ProgramText kText{
     "Positions the end point at targets, or leads it along a path, by vision and logs every step.",
     "planar-servo --cell cell.yaml --targets targets.csv --out DIR [--no-error-map] [--resume]\n"
     "                    [--centre METHOD] [--display auto|x|none] [--home] [--at-marks]\n"
-    "                    [--accept-stale] [--no-health] [--keep-going]\n"
+    "                    [--accept-stale] [--no-health] [--keep-going] [--judged]\n"
     "       planar-servo --cell cell.yaml --targets targets.csv --dry-run | --check\n"
     "       ... | planar-servo --cell cell.yaml --targets - --out DIR\n"
     "       planar-servo --cell cell.yaml --path path.csv --out DIR [--speed-mm-s V,...] "
@@ -47,7 +47,7 @@ struct Options {
   std::string center;  ///< empty: the cell's lamps.method
   bool no_error_map{false}, dry_run{false}, check{false}, resume{false};
   HomingOptions homing;
-  bool accept_stale{false}, no_health{false}, keep_going{false}, no_vision{false};
+  bool accept_stale{false}, no_health{false}, keep_going{false}, no_vision{false}, judged{false};
 };
 
 /// Adds where the end point is to go: targets or a path.
@@ -90,6 +90,12 @@ void add_options(CLI::App& app, Options& options) {
   app.add_flag("--keep-going", options.keep_going,
                "try the next target even when the cell itself is in doubt: after a look that "
                "contradicts the command or the calibration, or an error that grew");
+  app.add_flag(
+         "--judged", options.judged,
+         "let the tracker of a real cell judge every target: it asks for the reflector on the "
+         "monuments, then on the tool, and its readings stand in judge.csv")
+      ->needs(out)
+      ->excludes("--path");
   app.add_flag("--resume", options.resume, "continue the run in DIR")
       ->needs(out)
       ->excludes("--path");
@@ -189,6 +195,10 @@ Outcome report(const ServoRequest& request, const Options& options, const ServoR
 }
 
 ServoRequest request_of(const Options& options, const CellSettings& cell) {
+  if (options.judged && from_stdin(options))
+    throw InputError(
+        "--judged asks a person at the terminal, but --targets - reads targets there; name a table "
+        "of targets");
   if (options.out.empty())
     throw InputError("--out is needed to move the arm; only --dry-run and --check do without it");
   const CenterMethod center =
@@ -223,9 +233,12 @@ Outcome reach_targets(const Options& options, const CellSettings& cell) {
   }
   if (options.dry_run)
     return from_stdin(options) ? plan_stream(cell) : print_dry_run(cell, targets);
-  const ServoRequest request = request_of(options, cell);
+  ServoRequest request = request_of(options, cell);
   heed_interrupts();
   const auto devices = open_cell(request.cell);
+  if (options.judged)
+    request.judge =
+        judge_by_tracker(request.cell, *devices, request.out / "judge.csv", request.stop);
   ServoDisplay display(value_named(kDisplayPolicies, options.display).value(),
                        options.out / "view.png");
   ServoRun run(request, *devices, [&](const ServoSight& sight) { display.show(sight); });

@@ -2,11 +2,12 @@
 """Does the whole afternoon on a served cell, and scores it by the log of the truth.
 
     tests/support/loopback_only.sh bench/afternoon/afternoon.py BIN_DIR OUT [--seed N] [--train N]
-        [--pair-by id|time] [--serve OPTION ...]
+        [--pair-by id|time] [--certify CYCLES TARGETS] [--serve OPTION ...]
 
 One terminal serves the cell, the other runs the programs of doc/served_cell.md; this script types what they ask
 for, and nothing else of the simulation reaches them. The same cell is calibrated and run in process as well.
-OUT gets the logs and recordings of both, and afternoon.json the mean true errors.
+OUT gets the logs and recordings of both, and afternoon.json the mean true errors. With --certify the served cell
+gets a certificate, which its tracker judges; its figures are printed beside those of the truth.
 """
 
 import argparse
@@ -17,11 +18,15 @@ import pathlib
 import re
 import statistics
 import subprocess
+import sys
 import threading
 import time
 
+import true_certificate
+
 TARGETS = 24
 ATTEMPTS = 30
+TRY_AGAIN = "start again|no frame|does not answer|have not arrived"
 BOARD = "circles:11x11:50mm"
 
 
@@ -106,24 +111,25 @@ class Afternoon:
         if answer is None or answer.group().startswith("not"):
             raise SystemExit(f"the served cell does not obey '{line}'")
 
-    def record(self, folder):
-        """Records, and starts again when the program says so, as when the computer lost too many frames."""
+    def operate(self, folder, program, *arguments):
+        """Runs a program that asks for a person, and starts it again when it says so, as when the computer lost too
+        many frames."""
+        command = [self.bin / program, *map(str, arguments)]
         for attempt in range(ATTEMPTS):
-            program = self.record_once(folder)
-            if program.end() == 0:
-                self.log.write(f"(planar-record was started {attempt + 1} times)\n")
-                return
-            if "start again" not in program.heard and "no frame" not in program.heard:
+            operated = self.operate_once(folder, command)
+            if operated.end() == 0:
+                self.log.write(f"({program} was started {attempt + 1} times)\n")
+                return operated
+            if not re.search(TRY_AGAIN, operated.heard):
                 break
             time.sleep(5)  # in which the camera forgets who controlled it
-        raise SystemExit(f"planar-record has failed: {program.heard[-2000:]}")
+        raise SystemExit(f"{program} has failed: {operated.heard[-2000:]}")
 
-    def record_once(self, folder):
+    def operate_once(self, folder, command):
         """Does what the program asks of a person."""
         asks = [r"place the reflector on '(?P<monument>[^']*)'", r"reflector back on the tool",
                 r"more views? of the board", r"more lays? of the board", r"is taken", r"arm's way"]
-        program = Program([self.bin / "planar-record", "--cell", "cell.yaml", "--plan", "plan.csv", "--out",
-                           "recording", "--grid", BOARD, "--home"], self.log, folder)
+        program = Program(command, self.log, folder)
         verb = None
         while program.thread.is_alive():
             said = program.next(asks, 20 if verb else 3600)
@@ -182,10 +188,15 @@ class Afternoon:
             if self.served.next([r"tracker .*\n"], 60) is None:
                 raise SystemExit(f"nothing is served: {self.served.heard}")
             self.run(folder, "planar-doctor", "--cell", "cell.yaml")
-            self.record(folder)
+            self.operate(folder, "planar-record", "--cell", "cell.yaml", "--plan", "plan.csv", "--out", "recording",
+                         "--grid", BOARD, "--home")
             self.calibrate(folder, self.options.pair_by)
             self.run(folder, "planar-servo", "--cell", "cell.yaml", "--targets", "targets.csv", "--out", "run",
                      "--home")
+            if self.options.certify:
+                cycles, targets = self.options.certify
+                self.operate(folder, "planar-certify", "--cell", "cell.yaml", "--out", "certificate", "--cycles",
+                             cycles, "--targets", targets, "--home")
         finally:
             self.served.process.terminate()
             self.served.end()
@@ -213,8 +224,11 @@ def main():
     parser.add_argument("--seed", type=int, default=7)
     parser.add_argument("--train", type=int, default=60, help="places to which the map is fitted")
     parser.add_argument("--pair-by", choices=["id", "time"], default="id", help="of the served cell's readings")
+    parser.add_argument("--certify", nargs=2, type=int, metavar=("CYCLES", "TARGETS"),
+                        help="size of a certificate of the served cell")
     parser.add_argument("--serve", nargs=argparse.REMAINDER, default=[], help="options of planar-virtual-cell serve")
-    afternoon = Afternoon(parser.parse_args())
+    options = parser.parse_args()
+    afternoon = Afternoon(options)
     in_process = afternoon.in_process()
     live, live_sigma = afternoon.live()
     figures = {"in_process_mean_mm_truth": in_process, "live_mean_mm_truth": live,
@@ -222,6 +236,10 @@ def main():
     (afternoon.out / "afternoon.json").write_text(json.dumps(figures, indent=2) + "\n")
     print(f"mean true error of {TARGETS} targets: in process {in_process:.4f} mm, served {live:.4f} "
           f"+- {live_sigma:.4f} mm, ratio {live / in_process:.2f}")
+    if options.certify:
+        text, agree = true_certificate.compare(afternoon.out / "truth.csv", afternoon.out / "live" / "certificate")
+        print(text)
+        sys.exit(0 if agree else 1)
 
 
 if __name__ == "__main__":

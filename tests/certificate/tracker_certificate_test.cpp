@@ -6,26 +6,11 @@
 #include "planar_servo/core/error.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "support/sample_cells.h"
+#include "support/silent_cell.h"
 #include "support/temporary_folder.h"
 
 namespace planar {
 namespace {
-
-/// A virtual cell that tells nobody its truth.
-class SilentCell final : public CellDevices {
- public:
-  explicit SilentCell(const CellSettings& cell) : devices_(open_cell(cell)) {}
-
-  Clock& clock() override { return devices_->clock(); }
-  FrameSource& camera() override { return devices_->camera(); }
-  DriveGroup& drives() override { return devices_->drives(); }
-  Tracker& tracker() override { return devices_->tracker(); }
-  BoardPresenter* board_presenter() override { return nullptr; }
-  std::function<TipPose()> true_tip() override { return {}; }
-
- private:
-  std::unique_ptr<CellDevices> devices_;
-};
 
 TEST_CASE("A cell without a truth is certified by its tracker, whose uncertainty is stated") {
   const test::TemporaryFolder folder;
@@ -39,7 +24,7 @@ TEST_CASE("A cell without a truth is certified by its tracker, whose uncertainty
   int opened = 0;
   const auto open = [&](const CellSettings& /*cell*/) {
     ++opened;
-    return std::make_unique<SilentCell>(whole);
+    return std::make_unique<test::SilentCell>(whole);
   };
   const Certificate certificate = certificate_of(run_certificate(request, open));
   CHECK(certificate.run.judge == JudgeKind::kTracker);
@@ -50,7 +35,9 @@ TEST_CASE("A cell without a truth is certified by its tracker, whose uncertainty
   const auto json = certificate_json(certificate);
   CHECK(json.contains("poses_tracker"));
   CHECK_FALSE(json.contains("poses_truth"));
-  CHECK_THAT(certificate_page(certificate), Catch::Contains("the cell's laser tracker"));
+  const std::string page = certificate_page(certificate);
+  CHECK_THAT(page, Catch::Contains("the cell's laser tracker") && Catch::Contains("mm of RP"));
+  CHECK_THAT(page, !Catch::Contains("AP °"));
 
   // The same command again moves nothing and finds the same.
   const Certificate again = certificate_of(run_certificate(request, open));

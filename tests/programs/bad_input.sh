@@ -96,6 +96,10 @@ sed 's/source: virtual/source: aravis/' cell/cell.yaml >cell/aravis.yaml
 expect 2 "camera lacks the key 'exposure_us'" \
   "$bin/planar-servo" --cell cell/aravis.yaml --targets targets.csv --check
 
+# Nobody can type targets and stand at the tracker.
+expect 2 "--judged asks a person at the terminal" \
+  "$bin/planar-servo" --cell cell/cell.yaml --targets - --judged --out made
+
 # A target beyond reach is refused without motion.
 printf 'id,x_mm,y_mm\nfar,900,0\n' >far_target.csv
 status=0

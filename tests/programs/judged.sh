@@ -9,7 +9,7 @@ source "$repository/tests/programs/served.sh"
 serve --cell cell/cell.yaml --out live.yaml --truth-log truth.csv
 
 sed 's/^tracker: .*/tracker: {source: none, sigma_mm: 0.01, sigma_mm_per_m: 0}/' live.yaml >untracked.yaml
-expect 2 "untracked.yaml: tracker.source is none, .* name the tracker's source" \
+expect 2 "untracked.yaml: nobody can judge this cell, .*tracker.source is none; .* name its source" \
   "$bin/planar-experiment" --cell untracked.yaml --out made
 expect 2 "live.yaml: --train 0 is for virtual cells" \
   "$bin/planar-experiment" --cell live.yaml --out made --train 0 --board-thickness-mm 0
@@ -84,3 +84,15 @@ for run in ours/run paper/run paper/run_without_map; do
       exit !(targets == 4 && !bad && judged - truth < 0.02 && truth - judged < 0.02)
     }' truth.csv "DIR/$run/steps.csv" "DIR/$run/results.csv" >>compared.txt || fail "$(cat compared.txt)"
 done
+
+# With the files of our chain the tracker judges planar-servo, too, where that is asked for.
+cp DIR/ours/{camera,workplane,tool,map,health,arm}.yaml .
+echo "arm_found: arm.yaml" | tee -a live.yaml >>untracked.yaml
+printf 'id,x_mm,y_mm\na,200,100\n' >targets.csv
+expect 2 "untracked.yaml: nobody can judge this cell" \
+  "$bin/planar-servo" --cell untracked.yaml --targets targets.csv --out made --judged
+operated said.err "$bin/planar-servo" --cell live.yaml --targets targets.csv --out run --home --judged --json run.json \
+  >said.txt || fail "$(cat said.err)"
+grep -q "^the tracker's word is known to 0.0" said.txt || fail "$(cat said.txt)"
+grep -q '"judged": 1' run.json || fail "$(cat run.json)"
+[ "$(grep -c "^datum" run/judge.csv)" -ge 3 ] || fail "the monuments were not read: $(cat run/judge.csv)"

@@ -52,12 +52,13 @@ class LostCamera final : public FrameSource {
   explicit LostCamera(FlakyDrive& drive) : drive_(drive) {}
 
   int asked{0};
+  bool takes_drive_along{true};
 
   cv::Size sensor_size_px() const override { return {5120, 5120}; }
   void set_region(const cv::Rect& /*region_px*/) override {}
   FrameResult next_frame() override {
     ++asked;
-    drive_.fails = true;
+    drive_.fails = takes_drive_along;
     return {FrameStatus::kLost, {}};
   }
   std::optional<std::string> fault() const override { return std::nullopt; }
@@ -124,6 +125,21 @@ TEST_CASE("A drive is waited for three times on the way to a target, whatever th
   CHECK_THROWS_AS(run.move_to({"a", {0.3, 0.2}, std::nullopt}), DriveError);
   CHECK(devices.lost.asked == 1);
   CHECK(devices.flaky.failures == 4);
+  CHECK_FALSE(run.has("a"));
+}
+
+TEST_CASE("A camera that is not back within a minute ends the run without a result of the target") {
+  const test::TemporaryFolder folder;
+  FlakyCell devices;
+  devices.lost.takes_drive_along = false;
+  ServoRequest request = ideal_request(folder);
+  request.check_health = false;
+  request.keep_going = true;
+  ServoRun run(request, devices);
+  const double start_s = devices.clock().now_s();
+  CHECK_THROWS_WITH(run.move_to({"a", {0.3, 0.2}, std::nullopt}),
+                    Catch::Contains("not back within 60 s") && Catch::Contains("start again"));
+  CHECK(devices.clock().now_s() - start_s >= 60.0);
   CHECK_FALSE(run.has("a"));
 }
 

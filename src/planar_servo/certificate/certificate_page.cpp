@@ -25,13 +25,16 @@ caption{padding:.2mm 0}th,td{padding:.1mm 1mm}th:first-child,td:first-child{padd
 .sheet{display:grid;grid-template-columns:1.25fr 1fr;column-gap:6mm}
 .verdict{padding:.6mm 3mm;margin:.8mm 0;border-left-width:2mm}
 .words td:last-child,.words th:last-child{text-align:left}.figure{text-align:center}
-.figure svg{height:66mm;width:auto}
+.figure svg{height:66mm;width:auto}.verdict.bad~.figure svg{height:38mm}
 .sign{display:grid;grid-template-columns:1fr 1fr 1fr;column-gap:6mm;margin-top:11mm}
 .sign div{border-top:1px solid #333;padding-top:.6mm}@media print{body{margin:0}}
 )";
 
 constexpr char kNone[] = "–";
 constexpr std::size_t kDigitsOfHash = 16;
+/// RP = mean + 3 S of distances that only normal scatter of unit deviation per axis makes: those of
+/// Rayleigh's distribution, sqrt(pi / 2) + 3 sqrt(2 - pi / 2).
+constexpr double kRepeatabilityOfScatter = 3.2187;
 /// Of P1 to P5; told apart by people who do not see all colours [Okabe and Ito 2008].
 constexpr const char* kPoseColors[][2] = {{"#0072b2", "blue"},
                                           {"#e69f00", "orange"},
@@ -58,8 +61,10 @@ std::string judge_words(const Certificate& certificate) {
     return "the truth of the virtual cell, which has no uncertainty";
   return fmt::format(
       "the cell's laser tracker, its reflector's reading moved to the end point by tool.yaml; "
-      "standard uncertainty {} mm per axis, besides what the monuments' places are wrong by",
-      mm_text(certificate.accuracy.judge_sigma));
+      "standard uncertainty {} mm per axis, besides what the monuments' places are wrong by. All "
+      "figures hold its noise, which makes up to {} mm of RP by itself",
+      mm_text(certificate.accuracy.judge_sigma),
+      mm_text(kRepeatabilityOfScatter * certificate.accuracy.judge_sigma));
 }
 
 void add_opening(HtmlPage& page, const Certificate& certificate) {
@@ -103,21 +108,29 @@ Verdict verdict_of(const Certificate& certificate) {
 }
 
 std::string pose_table(const CellAccuracy& accuracy) {
-  TextTable table("Pose accuracy AP and repeatability RP, ISO 9283, in the plane",
-                  {"pose", "x, y mm", "n", "AP mm", "95 %", "RP mm", "95 %", "AP °", "RP °"});
+  std::vector<std::string> columns{"pose", "x, y mm", "n", "AP mm", "95 %", "RP mm", "95 %"};
+  const bool sees_turns = std::any_of(accuracy.poses.begin(), accuracy.poses.end(),
+                                      [](const PoseFigures& pose) { return pose.turn; });
+  if (sees_turns) columns.insert(columns.end(), {"AP °", "RP °"});
+  TextTable table("Pose accuracy AP and repeatability RP, ISO 9283, in the plane", columns);
   for (const PoseFigures& pose : accuracy.poses) {
     std::optional<Interval> ap, rp;
     if (pose.intervals) {
       ap = pose.intervals->accuracy;
       rp = pose.intervals->repeatability;
     }
-    table.add_row(
-        {pose.name,
-         fmt::format("{:.1f}, {:.1f}", pose.p.x() / kMillimetre, pose.p.y() / kMillimetre),
-         std::to_string(pose.cycles), mm_text(pose.position.accuracy), range_mm(ap),
-         mm_text(pose.position.repeatability), range_mm(rp),
-         deg_text(pose.turn, &PoseAccuracy::accuracy),
-         deg_text(pose.turn, &PoseAccuracy::repeatability)});
+    std::vector<std::string> row{
+        pose.name,
+        fmt::format("{:.1f}, {:.1f}", pose.p.x() / kMillimetre, pose.p.y() / kMillimetre),
+        std::to_string(pose.cycles),
+        mm_text(pose.position.accuracy),
+        range_mm(ap),
+        mm_text(pose.position.repeatability),
+        range_mm(rp)};
+    if (sees_turns)
+      row.insert(row.end(), {deg_text(pose.turn, &PoseAccuracy::accuracy),
+                             deg_text(pose.turn, &PoseAccuracy::repeatability)});
+    table.add_row(row);
   }
   return table.html();
 }
@@ -245,19 +258,21 @@ Panel pose_panel(const CertificateRun& run) {
 }
 
 std::string place_words(const TestPlaces& places) {
+  const std::string reached =
+      places.usable < 1.0
+          ? fmt::format("{:.1f} % of the workspace; the rest is not reached", 100.0 * places.usable)
+          : "the whole workspace";
   return fmt::format(
       "P1 is the centre and P2 to P5 lie on the diagonals, a tenth of their length from the "
       "corners, of the largest square with sides along x and y of the base that arm, camera and "
       "error map reach: {:.0f} mm wide about ({:.0f}, {:.0f}) mm, on a raster of {:.0f} mm. They "
-      "are "
-      "visited in the order P1 to P5. The standard's cube is cut down to a square and z is left "
+      "are visited in the order P1 to P5. The standard's cube is cut down to a square and z is "
+      "left "
       "out, because the arm is planar. vAP compares approaches along +x, -x, +y and -y. Targets "
-      "are spread by Halton's sequence over {:.0f} % of the workspace; the rest is not reached. "
-      "Intervals hold with 95 %, and chance alone keeps vAP and drift below their last column in "
-      "95 "
-      "of 100 runs.",
+      "are spread by Halton's sequence over {}. Intervals hold with 95 %, and chance alone keeps "
+      "vAP and drift below their last column in 95 of 100 runs.",
       places.square.side / kMillimetre, places.square.centre.x() / kMillimetre,
-      places.square.centre.y() / kMillimetre, places.raster / kMillimetre, 100.0 * places.usable);
+      places.square.centre.y() / kMillimetre, places.raster / kMillimetre, reached);
 }
 
 }  // namespace

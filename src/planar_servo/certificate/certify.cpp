@@ -5,6 +5,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <cmath>
 #include <ctime>
 #include <set>
 
@@ -88,11 +89,11 @@ class CertificateDriver {
     if (!last_ || !last_->measurement.ok()) return made;
     made.sigma_vision = last_->measurement.sigma_vision_m;
     made.stop_below = last_->stop_below_m;
-    if (const auto tip = judge.judge(move.id, last_->measurement.tip)) {
-      made.judge_sigma = judge.sigma();
-      made.error = tip->p - move.p_d;
-      if (tip->phi) made.turn_error = wrap_angle(*tip->phi - phi_d_);
-    }
+    const JudgedTip tip = judge.judge(move.id, last_->measurement.tip);
+    if (!tip.p) return made;
+    made.judge_sigma = std::hypot(tip.sigma, judge.common_sigma());
+    made.error = *tip.p - move.p_d;
+    if (tip.phi) made.turn_error = wrap_angle(*tip.phi - phi_d_);
     return made;
   }
 

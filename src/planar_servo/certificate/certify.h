@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "planar_servo/certificate/certificate_plan.h"
-#include "planar_servo/certificate/judge.h"
 #include "planar_servo/files/certificate/cycle_table.h"
+#include "planar_servo/judge/cell_judge.h"
 #include "planar_servo/run/servo_run.h"
 
 namespace planar {

@@ -14,8 +14,9 @@
 #include "planar_servo/experiment/begun_experiment.h"
 #include "planar_servo/experiment/experiment_plan.h"
 #include "planar_servo/experiment/loops/control_loop.h"
-#include "planar_servo/experiment/loops/tracker_judge.h"
+#include "planar_servo/files/arm_file.h"
 #include "planar_servo/io/atomic_file.h"
+#include "planar_servo/judge/tracker_judge.h"
 #include "planar_servo/offline/record/recorder.h"
 
 namespace planar {
@@ -112,12 +113,19 @@ void close_loops(const ExperimentRequest& request, const CalibratedChains& chain
       control_loop(chains.paper, false, request), control_loop(chains.visp, false, request)};
   std::optional<TrackerJudge> judge;
   if (!devices.true_tip()) {
-    judge.emplace(chains.ours, devices.tracker(), request.out / "judge.csv", request.stop);
-    report.reflector_sigma = judge->reflector_sigma();
+    judge.emplace(request.cell, chains.ours.field.value().field.tool, devices.tracker(),
+                  request.out / "judge.csv", request.stop);
+    report.reflector_sigma = judge->common_sigma();
     const auto done = [&](const ServoRequest& loop) { return is_done(loop, targets); };
     if (!std::all_of(loops.begin(), loops.end(), done)) judge->make_ready(monuments);
   }
-  TrackerJudge* const by_tracker = judge ? &*judge : nullptr;
+  // No camera takes part: the tool is supposed to be where the arm that our chain found has it.
+  const JointPlanner planner = servo_planner(chains.ours.cell);
+  EndPointJudge by_tracker;
+  if (judge)
+    by_tracker = [&](const std::string& place, const ServoStep& look) {
+      return judge->judge(place, planner.reached(look.theta_c));
+    };
   report.ours = close_loop(loops[0], targets, devices, by_tracker);
   report.paper = close_loop(loops[1], targets, devices, by_tracker);
   report.paper_no_map = close_loop(loops[2], targets, devices, by_tracker);

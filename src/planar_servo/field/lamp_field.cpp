@@ -105,6 +105,8 @@ LampField lamp_field(const JointEstimate& estimate, const std::vector<PoseSample
   field.tool = estimate.nominal.tool;
   field.tool.p_TP = fit.arm.segment<2>(at.tool + 1);
   field.tool.p_TS.head<2>() = fit.arm.segment<2>(at.tool + 3);
+  const Eigen::Index tool = 2 * fit.field_terms() + at.tool + 1;
+  field.tool.covariance.topLeftCorner<4, 4>() = fit.covariance.block<4, 4>(tool, tool);
   const std::vector<Eigen::Index> kept = field_unknowns(estimate);
   field.factor = factor_of(fit.covariance(kept, kept));
   Eigen::Matrix2Xd middles(2, samples.size());

@@ -1,23 +1,25 @@
 #pragma once
 
-#include <Eigen/Core>
+#include <filesystem>
 #include <functional>
-#include <optional>
 #include <string>
 
-#include "planar_servo/arm/planar_arm.h"
+#include "planar_servo/cell/cell_settings.h"
+#include "planar_servo/judge/judge.h"
+#include "planar_servo/machine/cell_devices.h"
+#include "planar_servo/servo/position_servo.h"
 
 namespace planar {
 
-/// Where the end point is by somebody who is not the servo's own camera.
-struct JudgedPoint {
-  std::optional<Eigen::Vector2d> p;  ///< base frame, metres; empty where nobody could tell
-  double sigma{0.0};                 ///< of p per axis, metres
-  std::string fault;                 ///< why nobody could tell; empty where somebody could
-};
+/// Judges the arm, which rests where the servo has looked last, on its way to the target `id` or at
+/// it.
+using EndPointJudge = std::function<JudgedTip(const std::string& id, const ServoStep& look)>;
 
-/// Measures the end point of the arm, which rests at the joints commanded last, on its way to the
-/// target `id` or at it.
-using EndPointJudge = std::function<JudgedPoint(const std::string& id, const Joints& commanded)>;
+/// Returns a judge of a run by the cell's tracker, which takes the tool's direction from the look;
+/// empty for a cell that its truth judges. It reads the monuments when it is asked first.
+/// `readings` and `stop` are as in make_judge(). Throws InputError as judge_of() does.
+EndPointJudge judge_by_tracker(const CellSettings& cell, CellDevices& devices,
+                               const std::filesystem::path& readings,
+                               const std::function<bool()>& stop);
 
 }  // namespace planar

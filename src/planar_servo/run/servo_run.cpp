@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/files/tables/step_table.h"
@@ -49,11 +50,11 @@ const TargetResult& ServoRun::move_to(const TargetRow& target) {
   const double start_s = cell_.clock().now_s();
   double judging_s = 0.0;
   if (judge_ && !true_tip_)
-    scorer.set_judge([&](const std::string& id, const Joints& commanded) {
+    scorer.set_judge([&](const std::string& id, const ServoStep& look) {
       const double begun_s = cell_.clock().now_s();
-      JudgedPoint point = judge_(id, commanded);
+      JudgedTip tip = judge_(id, look);
       judging_s += cell_.clock().now_s() - begun_s;
-      return point;
+      return tip;
     });
   int recoveries_left = ReadyCell::kMaxDriveRecoveries;
   ServoResult outcome;
@@ -63,6 +64,10 @@ const TargetResult& ServoRun::move_to(const TargetRow& target) {
   } while (
       outcome.status == ServoStatus::kLostCamera &&
       cell_.wait_for_camera(target.id, outcome.reason, start_s + ReadyCell::kCameraPatience_s));
+  if (outcome.status == ServoStatus::kLostCamera)
+    throw WorkError(fmt::format(
+        "{}: {}; the camera was not back within {:.0f} s; mend it, then start again to go on",
+        target.id, outcome.reason, ReadyCell::kCameraPatience_s));
   results_.push_back(scorer.finish(outcome, cell_.clock().now_s() - start_s - judging_s));
   if (outcome.cell_in_doubt && !keep_going_)
     ended_by_ = fmt::format("{}: {}: {}", target.id, name(outcome.status), outcome.reason);

@@ -45,7 +45,8 @@ class ServoRun {
   ///
   /// When the camera fails, the arm stops and waits up to a minute for it, then goes on with the
   /// same target. It does the same for a drive, which may have to be homed then, but at most three
-  /// times for one target. The result counts the corrections and the time of all attempts.
+  /// times for one target. The result counts the corrections and the time of all attempts. A target
+  /// at which a device has failed for good has no result, so that a resumed run moves there again.
   const TargetResult& move_to(const TargetRow& target);
 
   /// Returns why no further target may be tried: the cell itself is in doubt. Empty with

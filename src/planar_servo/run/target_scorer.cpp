@@ -39,9 +39,9 @@ TargetResult TargetScorer::finish(const ServoResult& last_attempt, double second
   return result_;
 }
 
-JudgedPoint TargetScorer::judged() const {
+JudgedTip TargetScorer::judged() const {
   if (!look_) return {{}, 0.0, "the arm did not arrive"};
-  return judge_(result_.id, look_->theta_c);
+  return judge_(result_.id, *look_);
 }
 
 void TargetScorer::judge_end(ServoStatus status) {
@@ -51,9 +51,8 @@ void TargetScorer::judge_end(ServoStatus status) {
   if (!standing_->p) return;
   result_.after_truth = *standing_->p - result_.p_d;
   result_.sigma_truth_m = standing_->sigma;
-  // Without the camera the arm may have moved since the look.
   const TipMeasurement& seen = look_->measurement;
-  if (status == ServoStatus::kLostCamera || !seen.ok()) return;
+  if (!seen.ok()) return;
   result_.vision_raw = seen.p_vision - *standing_->p;
   result_.vision_compensated = seen.tip.p - *standing_->p;
 }

@@ -32,15 +32,15 @@ class TargetScorer {
 
  private:
   void compare_to_truth(const TipMeasurement& measurement);
-  JudgedPoint judged() const;
+  JudgedTip judged() const;
   void judge_end(ServoStatus status);
 
   GrowingFile& steps_;
   std::function<TipPose()> true_tip_;
   EndPointJudge judge_;
   TargetResult result_;
-  std::optional<ServoStep> look_;        ///< the last one; not every look measures the tool
-  std::optional<JudgedPoint> standing_;  ///< judged where the last look was
+  std::optional<ServoStep> look_;      ///< the last one; not every look measures the tool
+  std::optional<JudgedTip> standing_;  ///< judged where the last look was
 };
 
 }  // namespace planar

@@ -43,14 +43,13 @@ bool is_done(const ServoRequest& loop, const std::vector<TargetRow>& targets) {
 }
 
 std::vector<TargetResult> close_loop(ServoRequest loop, const std::vector<TargetRow>& targets,
-                                     CellDevices& devices, TrackerJudge* judge) {
+                                     CellDevices& devices, const EndPointJudge& judge) {
   const std::string chain = loop.out.parent_path().filename().string();
   const std::string map = loop.use_error_map ? "with its error map" : "without an error map";
   spdlog::info(fmt::format("closing the loop over {} targets: {}, {}", targets.size(), chain, map));
-  if (judge != nullptr)
-    loop.judge = [&](const std::string& id, const Joints& commanded) {
-      return judge->judge(fmt::format("{} {} {}", chain, loop.out.filename().string(), id),
-                          commanded);
+  if (judge)
+    loop.judge = [&](const std::string& id, const ServoStep& look) {
+      return judge(fmt::format("{} {} {}", chain, loop.out.filename().string(), id), look);
     };
   ServoRun run(loop, devices);
   return run_servo(run, targets);

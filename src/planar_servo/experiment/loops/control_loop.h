@@ -3,7 +3,6 @@
 #include <vector>
 
 #include "planar_servo/experiment/experiment.h"
-#include "planar_servo/experiment/loops/tracker_judge.h"
 
 namespace planar {
 
@@ -19,9 +18,9 @@ bool has_begun_loop(const ExperimentRequest& experiment);
 /// Returns whether the run of a loop has a result of every target.
 bool is_done(const ServoRequest& loop, const std::vector<TargetRow>& targets);
 
-/// Moves to the targets that have no result yet and returns the results of all. `judge` is null
+/// Moves to the targets that have no result yet and returns the results of all. `judge` is empty
 /// where a truth judges.
 std::vector<TargetResult> close_loop(ServoRequest loop, const std::vector<TargetRow>& targets,
-                                     CellDevices& devices, TrackerJudge* judge);
+                                     CellDevices& devices, const EndPointJudge& judge);
 
 }  // namespace planar

@@ -54,7 +54,8 @@ class Recorder {
         lock_(folder_),
         frames_table_(folder_ / "frames.csv", frames_header()),
         tracker_table_(folder_ / "tracker.csv", tracker_header()),
-        readings_(cell_, devices.tracker(), tracker_table_, request.on_bad_reading, request.stop),
+        reflector_(cell_, devices.tracker(), tracker_table_, request.stop),
+        places_(reflector_, request.on_bad_reading),
         may_home_(request.may_home) {
     robot_.stop_when(request.stop);
     if (devices.board_presenter() != nullptr)
@@ -78,7 +79,7 @@ class Recorder {
       });
     };
     const bool reads = any_to_read(false);
-    if (reads && !has_monuments) readings_.read_monuments();
+    if (reads && !has_monuments) reflector_.read_monuments();
     // Who left after the monuments may have left the reflector there.
     if (reads && !any_to_read(true) && !cell_.datum.empty()) devices_.tracker().await_tool();
     for (std::size_t i = 0; i < plan.size(); ++i) {
@@ -93,7 +94,7 @@ class Recorder {
       else
         record_position(plan[i], joints[i]);
     }
-    if (reads) report_.monuments = readings_.read_monuments();
+    if (reads) report_.monuments = reflector_.read_monuments();
     return report_;
   }
 
@@ -116,7 +117,7 @@ class Recorder {
       approach(row, theta);
       const TipPose tip = planner_.arm().forward(robot_.commanded_joints());
       const Pictures pictures = pictures_at(row, tip.p);
-      end = needs_reading(row.plan) ? readings_.read_tool(row.id, tip) : PlaceEnd::kKeep;
+      end = needs_reading(row.plan) ? places_.read(row.id, tip) : PlaceEnd::kKeep;
       if (end == PlaceEnd::kKeep) keep(pictures);
       if (end == PlaceEnd::kSkip) report_.skipped.push_back(row.id);
     }
@@ -238,7 +239,8 @@ class Recorder {
   FolderLock lock_;
   GrowingFile frames_table_;
   GrowingFile tracker_table_;
-  ReflectorReadings readings_;
+  ReflectorReadings reflector_;
+  PlaceReadings places_;
   PairExpectation expectation_;  ///< of lamps among others; empty where there are no others
   std::vector<CoarseViewRow> sights_;
   double whole_frame_s_{-std::numeric_limits<double>::infinity()};  ///< time of the last one

@@ -10,7 +10,7 @@
 #include "planar_servo/cell/cell_settings.h"
 #include "planar_servo/files/tables/plan_table.h"
 #include "planar_servo/machine/cell_devices.h"
-#include "planar_servo/offline/record/reflector_readings.h"
+#include "planar_servo/offline/record/place_readings.h"
 #include "planar_servo/report/live/display.h"
 #include "planar_servo/robot/homing.h"
 

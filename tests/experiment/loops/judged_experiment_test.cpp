@@ -1,5 +1,3 @@
-#include "planar_servo/experiment/loops/tracker_judge.h"
-
 #include <catch2/catch.hpp>
 #include <map>
 #include <nlohmann/json.hpp>

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "planar_servo/cell/cell_settings.h"
-#include "planar_servo/core/names.h"
+#include "planar_servo/core/error.h"
 #include "planar_servo/core/pose.h"
 #include "planar_servo/devices/tracker.h"
 
@@ -14,33 +14,23 @@ namespace planar {
 
 class GrowingFile;
 
-/// Says what happens to a place that the tracker gives no reading of.
-enum class BadReading {
-  kRepeat,  ///< it is taken again, three times in all; then the recording stops
-  kSkip,    ///< it is left out of the recording
-  kStop,    ///< the recording stops
-};
-
-constexpr Named<BadReading> kBadReadings[] = {
-    {BadReading::kRepeat, "repeat"}, {BadReading::kSkip, "skip"}, {BadReading::kStop, "stop"}};
-
-/// Says what is to be done with a place once the tracker was asked.
-enum class PlaceEnd { kKeep, kSkip, kRepeat };
-
 /// A reading of a monument.
 struct MonumentSeen {
   std::string id;
   TrackerReading reading;
 };
 
-/// Takes a recording's tracker readings: asks the tracker, judges its answer, and writes
-/// tracker.csv.
+/// Returns the error that ends a program whose tracker gives no reading of `what`, such as
+/// "monument 'datum1'".
+WorkError no_reading_of(const std::string& what, const std::string& fault);
+
+/// Takes readings of the reflector: asks the tracker, doubts its answer, and writes tracker.csv.
 class ReflectorReadings {
  public:
-  /// `table` is the recording's tracker.csv. `stop` is asked between two attempts
-  /// and while the tracker waits; it may be empty.
+  /// `table` is a tracker.csv. `stop` is asked between two attempts at a monument and while the
+  /// tracker waits; it may be empty.
   ReflectorReadings(const CellSettings& cell, Tracker& tracker, GrowingFile& table,
-                    BadReading on_bad, std::function<bool()> stop);
+                    std::function<bool()> stop);
 
   /// Reads every monument of the cell and returns what was read. Throws WorkError when one cannot
   /// be read in three attempts, when fewer than three are left because somebody skipped the others,
@@ -51,13 +41,8 @@ class ReflectorReadings {
   /// although the tool has is a failed one.
   TrackerAnswer take_tool(const std::string& id, const TipPose& tip);
 
-  /// Does as take_tool(), and decides what becomes of the place. Throws WorkError when the
-  /// recording is to stop.
-  PlaceEnd read_tool(const std::string& id, const TipPose& tip);
-
  private:
   bool read_monument(const std::string& id, std::vector<MonumentSeen>& seen);
-  PlaceEnd end_of_bad(const std::string& id, const std::string& fault);
   std::string fault_of(const TrackerReading& reading, const TipPose& tip) const;
 
   struct Taken {
@@ -69,11 +54,8 @@ class ReflectorReadings {
   const CellSettings& cell_;
   Tracker& tracker_;
   GrowingFile& table_;
-  BadReading on_bad_;
   std::function<bool()> stop_;
   std::optional<Taken> last_;  ///< reading of the tool
-  std::string bad_id_;         ///< the place that is being repeated
-  int attempts_{0};            ///< made there
 };
 
 }  // namespace planar

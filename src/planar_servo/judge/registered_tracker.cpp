@@ -1,4 +1,4 @@
-#include "planar_servo/experiment/loops/registered_tracker.h"
+#include "planar_servo/judge/registered_tracker.h"
 
 #include <cmath>
 #include <map>
@@ -14,6 +14,7 @@ using MotionJacobian = Eigen::Matrix<double, 3, 6>;
 std::vector<MonumentReading> monument_readings(const CellSettings& cell,
                                                const std::vector<MonumentSeen>& seen) {
   std::vector<MonumentReading> readings;
+  readings.reserve(seen.size());
   for (const MonumentSeen& monument : seen)
     readings.push_back(
         {monument.id, monument.reading.p_L, cell.tracker.sigma_at(monument.reading.p_L.norm())});

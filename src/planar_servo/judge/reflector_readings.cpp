@@ -1,4 +1,4 @@
-#include "planar_servo/offline/record/reflector_readings.h"
+#include "planar_servo/judge/reflector_readings.h"
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
@@ -21,14 +21,18 @@ constexpr int kLeastMonuments = 3;
 constexpr double kMoved = 1.0 * kMillimetre;
 constexpr double kUnturned = 0.1 * kDegree;
 
-constexpr char kGoOn[] =
-    "clear the tracker's view and look at its program, then start again to go on";
-
 }  // namespace
 
+WorkError no_reading_of(const std::string& what, const std::string& fault) {
+  return WorkError(fmt::format(
+      "the tracker gives no reading of the {}: {}; clear the tracker's view and look at "
+      "its program, then start again to go on",
+      what, fault));
+}
+
 ReflectorReadings::ReflectorReadings(const CellSettings& cell, Tracker& tracker, GrowingFile& table,
-                                     BadReading on_bad, std::function<bool()> stop)
-    : cell_(cell), tracker_(tracker), table_(table), on_bad_(on_bad), stop_(std::move(stop)) {
+                                     std::function<bool()> stop)
+    : cell_(cell), tracker_(tracker), table_(table), stop_(std::move(stop)) {
   tracker_.stop_when(stop_);
 }
 
@@ -66,8 +70,7 @@ bool ReflectorReadings::read_monument(const std::string& id, std::vector<Monumen
       case TrackerStatus::kFailed:
         spdlog::warn(fmt::format("monument '{}': {}", id, answer.fault));
         if (++failures == kAttempts)
-          throw WorkError(fmt::format("the tracker gives no reading of the monument '{}': {}; {}",
-                                      id, answer.fault, kGoOn));
+          throw no_reading_of(fmt::format("monument '{}'", id), answer.fault);
     }
   }
   return true;
@@ -83,22 +86,6 @@ TrackerAnswer ReflectorReadings::take_tool(const std::string& id, const TipPose&
   return answer;
 }
 
-PlaceEnd ReflectorReadings::read_tool(const std::string& id, const TipPose& tip) {
-  const TrackerAnswer answer = take_tool(id, tip);
-  switch (answer.status) {
-    case TrackerStatus::kOk:
-    case TrackerStatus::kElsewhere:
-      break;
-    case TrackerStatus::kSkipped:
-      return PlaceEnd::kSkip;
-    case TrackerStatus::kRepeat:
-      return PlaceEnd::kRepeat;
-    case TrackerStatus::kFailed:
-      return end_of_bad(id, answer.fault);
-  }
-  return PlaceEnd::kKeep;
-}
-
 std::string ReflectorReadings::fault_of(const TrackerReading& reading, const TipPose& tip) const {
   if (!last_) return "";
   const double moved = (tip.p - last_->tip.p).norm();
@@ -108,16 +95,6 @@ std::string ReflectorReadings::fault_of(const TrackerReading& reading, const Tip
   return fmt::format(
       "the reading repeats that of '{}': it lies {:.3f} mm from it, while the tool moved {:.1f} mm",
       last_->id, followed / kMillimetre, moved / kMillimetre);
-}
-
-PlaceEnd ReflectorReadings::end_of_bad(const std::string& id, const std::string& fault) {
-  spdlog::warn(fmt::format("{}: {}", id, fault));
-  attempts_ = id == bad_id_ ? attempts_ + 1 : 1;
-  bad_id_ = id;
-  if (on_bad_ == BadReading::kSkip) return PlaceEnd::kSkip;
-  if (on_bad_ == BadReading::kRepeat && attempts_ < kAttempts) return PlaceEnd::kRepeat;
-  throw WorkError(
-      fmt::format("the tracker gives no reading of the place '{}': {}; {}", id, fault, kGoOn));
 }
 
 }  // namespace planar

@@ -5,7 +5,7 @@
 
 #include "planar_servo/calibration/tracker_registration.h"
 #include "planar_servo/cell/cell_settings.h"
-#include "planar_servo/offline/record/reflector_readings.h"
+#include "planar_servo/judge/reflector_readings.h"
 
 namespace planar {
 

@@ -1,4 +1,4 @@
-#include "planar_servo/certificate/judge.h"
+#include "planar_servo/judge/cell_judge.h"
 
 #include <catch2/catch.hpp>
 
@@ -27,8 +27,12 @@ class ExactTracker final : public Tracker {
   TipPose tip;
   TrackerStatus answer{TrackerStatus::kOk};
   int failures{0};  ///< so many answers fail first
-  int asked{0};
+  int asked{0}, tool_awaited{0};
 
+  std::function<bool()> stop;
+
+  void await_tool() override { ++tool_awaited; }
+  void stop_when(const std::function<bool()>& asked_to_stop) override { stop = asked_to_stop; }
   TrackerAnswer measure_tool(const std::string& /*place*/) override {
     ++asked;
     if (failures-- > 0) return TrackerAnswer::failed("the beam is broken");
@@ -80,37 +84,83 @@ CellSettings real_cell() {
   return cell;
 }
 
-TEST_CASE("A tracker judges the end point by the reflector and the tool's direction") {
+TEST_CASE("A tracker judges the end point by the reflector and the tool's supposed direction") {
   const test::TemporaryFolder folder;
   const CellSettings cell = real_cell();
   JudgedCell devices(cell.datum);
   const auto judge = make_judge(judge_of(cell, sample_tool()), cell, sample_tool(), devices,
                                 folder / "tracker.csv", {});
+  CHECK(devices.exact.tool_awaited == 1);
   for (const double phi : {0.0, 1.0, -2.5}) {
     devices.exact.tip = {{0.3, -0.1}, phi};
-    const JudgedTip tip = judge->judge("a", devices.exact.tip).value();
-    CHECK((tip.p - devices.exact.tip.p).norm() < 1e-9);
+    const JudgedTip tip = judge->judge("a", devices.exact.tip);
+    REQUIRE(tip.p);
+    CHECK((*tip.p - devices.exact.tip.p).norm() < 1e-9);
     CHECK_FALSE(tip.phi);
+    CHECK(tip.sigma >= cell.tracker.sigma_m);
   }
-  CHECK(judge->sigma() == Approx(cell.tracker.sigma_m));
+  CHECK(judge->common_sigma() == 0.0);
 }
 
-TEST_CASE("A tracker that fails is asked three times, and its tool's uncertainty counts") {
+TEST_CASE("The reflector's place on the tool is what a tracker's answers have in common") {
   const test::TemporaryFolder folder;
   const CellSettings cell = real_cell();
   JudgedCell devices(cell.datum);
   ToolOffsets tool = sample_tool();
-  tool.covariance(2, 2) = tool.covariance(3, 3) = cell.tracker.sigma_m * cell.tracker.sigma_m;
+  tool.covariance(2, 2) = 1e-12;
+  tool.covariance(3, 3) = 4e-12;
   const auto judge =
       make_judge(JudgeKind::kTracker, cell, tool, devices, folder / "tracker.csv", {});
-  CHECK(judge->sigma() == Approx(std::sqrt(2.0) * cell.tracker.sigma_m));
-  devices.exact.failures = 2;
-  CHECK(judge->judge("a", {}));
-  devices.exact.failures = 3;
-  CHECK_FALSE(judge->judge("b", {}));
-  CHECK(devices.exact.asked == 6);
-  devices.exact.answer = TrackerStatus::kElsewhere;
-  CHECK_THROWS_WITH(judge->judge("c", {}), Catch::Contains("a table of its own"));
+  CHECK(judge->common_sigma() == Approx(2e-6));
+}
+
+TEST_CASE("A tracker that fails is asked three times, and then says why nothing was judged") {
+  const test::TemporaryFolder folder;
+  const CellSettings cell = real_cell();
+  JudgedCell devices(cell.datum);
+  ExactTracker& tracker = devices.exact;
+  const auto judge =
+      make_judge(JudgeKind::kTracker, cell, sample_tool(), devices, folder / "tracker.csv", {});
+  SECTION("twice") {
+    tracker.failures = 2;
+    CHECK(judge->judge("a", {}).p);
+  }
+  SECTION("every time") {
+    tracker.failures = 3;
+    CHECK(judge->judge("a", {}).fault == "the beam is broken");
+  }
+  SECTION("because its readings stand elsewhere") {
+    tracker.answer = TrackerStatus::kElsewhere;
+    CHECK_THAT(judge->judge("a", {}).fault, Catch::Contains("a table of the tracker's own"));
+  }
+  SECTION("because the reflector is not on the tool") {
+    tracker.tip.p.x() = 0.3;
+    CHECK_THAT(judge->judge("a", {}).fault, Catch::Contains("300.0 mm"));
+  }
+  CHECK(tracker.asked == 3);
+}
+
+TEST_CASE("Whoever stops the program ends the round over the monuments and the tracker's waits") {
+  const test::TemporaryFolder folder;
+  const CellSettings cell = real_cell();
+  JudgedCell devices(cell.datum);
+  const auto stop = [] { return true; };
+  CHECK_THROWS_WITH(
+      make_judge(JudgeKind::kTracker, cell, sample_tool(), devices, folder / "tracker.csv", stop),
+      Catch::Contains("stopped while the monuments were read"));
+  CHECK(devices.exact.stop());
+  CHECK(devices.exact.tool_awaited == 0);
+}
+
+TEST_CASE("Somebody who chooses to do without a reading is not asked for it again") {
+  const test::TemporaryFolder folder;
+  const CellSettings cell = real_cell();
+  JudgedCell devices(cell.datum);
+  const auto judge =
+      make_judge(JudgeKind::kTracker, cell, sample_tool(), devices, folder / "tracker.csv", {});
+  devices.exact.answer = TrackerStatus::kSkipped;
+  CHECK_THAT(judge->judge("a", {}).fault, Catch::Contains("left its reading out"));
+  CHECK(devices.exact.asked == 1);
 }
 
 TEST_CASE("The truth judges a virtual cell, the tool's direction as well") {
@@ -120,10 +170,11 @@ TEST_CASE("The truth judges a virtual cell, the tool's direction as well") {
   JudgedCell devices(cell.datum);
   const auto judge =
       make_judge(JudgeKind::kTruth, cell, sample_tool(), devices, folder / "tracker.csv", {});
-  const JudgedTip tip = judge->judge("a", {}).value();
+  const JudgedTip tip = judge->judge("a", {});
   CHECK(tip.p == Eigen::Vector2d(0.25, 0.125));
-  CHECK(tip.phi.value() == 0.5);
-  CHECK(judge->sigma() == 0.0);
+  CHECK(tip.phi == 0.5);
+  CHECK(tip.sigma == 0.0);
+  CHECK(judge->common_sigma() == 0.0);
 }
 
 TEST_CASE("A cell that nobody can judge is refused with a remedy") {
@@ -133,9 +184,9 @@ TEST_CASE("A cell that nobody can judge is refused with a remedy") {
   unseen.reflector_known = false;
   CHECK_THROWS_WITH(judge_of(cell, unseen), Catch::Contains("calibrate with the tracker"));
   cell.datum.pop_back();
-  CHECK_THROWS_WITH(judge_of(cell, sample_tool()), Catch::Contains("it has 2 monuments"));
+  CHECK_THROWS_WITH(judge_of(cell, sample_tool()), Catch::Contains("datum has 2 monuments"));
   cell.tracker.kind = &none;
-  CHECK_THROWS_WITH(judge_of(cell, sample_tool()), Catch::Contains("no tracker; set up"));
+  CHECK_THROWS_WITH(judge_of(cell, sample_tool()), Catch::Contains("name its source"));
 }
 
 }  // namespace

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+
+#include "planar_servo/core/pose.h"
+
+namespace planar {
+
+/// Where the tool is by somebody who is not the cell's own camera, base frame.
+struct JudgedTip {
+  std::optional<Eigen::Vector2d> p;  ///< the end point, metres; empty where nobody could tell
+  double sigma{0.0};                 ///< of p per axis, without what all answers have in common
+  std::string fault;                 ///< why nobody could tell; empty where somebody could
+  std::optional<double> phi{};       ///< empty where the judge does not see the tool's direction
+};
+
+/// Says where the end point really is, by other means than the cell's own vision.
+class Judge {
+ public:
+  virtual ~Judge() = default;
+
+  /// Judges the tool, which rests on its way to the target `id` or at it. `supposed` is where it is
+  /// thought to be; a judge that does not see the tool's direction takes that from there.
+  virtual JudgedTip judge(const std::string& id, const TipPose& supposed) = 0;
+
+  /// Returns the standard deviation per axis of the error that all answers have in common, metres.
+  virtual double common_sigma() const = 0;
+};
+
+}  // namespace planar

@@ -1,0 +1,105 @@
+#include "planar_servo/judge/tracker_judge.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "planar_servo/core/error.h"
+#include "planar_servo/core/units.h"
+#include "planar_servo/files/tables/tracker_table.h"
+
+namespace planar {
+namespace {
+
+/// An arm whose loop is closed ends within fractions of a millimetre of where it is supposed to be.
+constexpr double kElsewhere = 20.0 * kMillimetre;
+constexpr std::size_t kMonumentsToJudge = 3;
+constexpr int kAttemptsToJudge = 3;
+
+JudgedTip not_judged(const std::string& fault) {
+  return {std::nullopt, 0.0, fault};
+}
+
+/// Returns why an answer without a reading does not judge.
+std::string fault_of(const TrackerAnswer& answer) {
+  switch (answer.status) {
+    case TrackerStatus::kElsewhere:
+      return "its reading stands in a table of the tracker's own; three numbers are judged";
+    case TrackerStatus::kSkipped:
+    case TrackerStatus::kRepeat:
+      return "somebody left its reading out";
+    case TrackerStatus::kFailed:
+    case TrackerStatus::kOk:
+      break;
+  }
+  return answer.fault;
+}
+
+}  // namespace
+
+TrackerJudge::TrackerJudge(const CellSettings& cell, const ToolOffsets& tool, Tracker& tracker,
+                           const std::filesystem::path& file, const std::function<bool()>& stop)
+    : cell_(cell),
+      tool_(tool),
+      tracker_(tracker),
+      table_(file, tracker_header()),
+      readings_(cell_, tracker, table_, stop) {}
+
+void TrackerJudge::make_ready(const std::vector<MonumentSeen>& seen) {
+  std::vector<MonumentSeen> monuments = seen;
+  for (const MonumentSeen& monument : seen)
+    table_.append(tracker_line({monument.id, monument.reading.t_s, monument.reading.p_L}));
+  if (monuments.empty()) monuments = readings_.read_monuments();
+  registered_.emplace(cell_, monuments);
+  if (!registered_->doubt().empty()) spdlog::warn(registered_->doubt());
+  tracker_.await_tool();
+}
+
+JudgedTip TrackerJudge::judge(const std::string& id, const TipPose& supposed) {
+  std::string fault;
+  for (int attempt = 0; attempt < kAttemptsToJudge; ++attempt) {
+    const TrackerAnswer answer = readings_.take_tool(id, supposed);
+    JudgedTip tip = answer.status == TrackerStatus::kOk ? tip_of(answer.reading, supposed)
+                                                        : not_judged(fault_of(answer));
+    if (tip.p || answer.status == TrackerStatus::kSkipped) return tip;
+    spdlog::warn(fmt::format("{}: {}", id, tip.fault));
+    fault = tip.fault;
+  }
+  return not_judged(fault);
+}
+
+JudgedTip TrackerJudge::tip_of(const TrackerReading& reading, const TipPose& supposed) const {
+  const Eigen::Vector2d reflector = registered_.value().place(reading).head<2>();
+  const Eigen::Vector2d p = reflector - rotation2d(supposed.phi) * tool_.p_TS.head<2>();
+  const double off = (p - supposed.p).norm();
+  if (off > kElsewhere)
+    return not_judged(
+        fmt::format("the reading lies {:.1f} mm from where the tool is supposed to be; is the "
+                    "reflector on the tool?",
+                    off / kMillimetre));
+  return {p, registered_->sigma(reading), ""};
+}
+
+double TrackerJudge::common_sigma() const {
+  return std::sqrt(tool_.covariance.diagonal().segment<2>(2).maxCoeff());
+}
+
+void require_judging_tracker(const CellSettings& cell) {
+  const auto refuse = [&](const std::string& why_and_remedy) {
+    throw InputError(fmt::format("{}: nobody can judge this cell, which has no virtual truth: {}",
+                                 cell.file.string(), why_and_remedy));
+  };
+  if (!cell.tracker.kind->measures())
+    refuse(
+        "tracker.source is none; set up the tracker and name its source (file, tcp or ask), see "
+        "doc/tracker.md");
+  if (cell.datum.size() < kMonumentsToJudge)
+    refuse(
+        fmt::format("datum has {} monument{}, but at least {} that are not on one line tie the "
+                    "tracker to the base; measure them and write them there",
+                    cell.datum.size(), cell.datum.size() == 1 ? "" : "s", kMonumentsToJudge));
+}
+
+}  // namespace planar

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "planar_servo/calibration/tool_offsets.h"
+#include "planar_servo/cell/cell_settings.h"
+#include "planar_servo/devices/tracker.h"
+#include "planar_servo/io/growing_file.h"
+#include "planar_servo/judge/judge.h"
+#include "planar_servo/judge/reflector_readings.h"
+#include "planar_servo/judge/registered_tracker.h"
+
+namespace planar {
+
+/// Judges the end point by the cell's tracker: P = X_BL reading - R(phi) p_TS, with the direction
+/// phi of the supposed pose.
+class TrackerJudge final : public Judge {
+ public:
+  /// `tool` says where the reflector sits. What is read grows in `file`, a tracker.csv. `stop` is
+  /// as in ReflectorReadings.
+  TrackerJudge(const CellSettings& cell, const ToolOffsets& tool, Tracker& tracker,
+               const std::filesystem::path& file, const std::function<bool()>& stop);
+
+  /// Ties the tracker to the base by `seen`, which no fit has used, or, where that is empty, by a
+  /// new round over the monuments. Then waits until the reflector is back on the tool. Throws what
+  /// ReflectorReadings and RegisteredTracker throw, and what Tracker::await_tool() throws.
+  void make_ready(const std::vector<MonumentSeen>& seen = {});
+
+  /// Reads the reflector, up to three times until a reading is good: at rest, moved as the tool
+  /// has, and near the supposed pose. Nobody is asked again who chose to do without. Call
+  /// make_ready() before.
+  JudgedTip judge(const std::string& id, const TipPose& supposed) override;
+
+  /// Returns the standard deviation of the reflector's offset, the larger one of both axes.
+  double common_sigma() const override;
+
+ private:
+  JudgedTip tip_of(const TrackerReading& reading, const TipPose& supposed) const;
+
+  CellSettings cell_;
+  ToolOffsets tool_;
+  Tracker& tracker_;
+  GrowingFile table_;
+  ReflectorReadings readings_;
+  std::optional<RegisteredTracker> registered_;
+};
+
+/// Throws InputError with a remedy when the tracker of a cell without a truth cannot judge it:
+/// there is none, or fewer than three monuments tie it to the base.
+void require_judging_tracker(const CellSettings& cell);
+
+}  // namespace planar
