@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Prints how far the end point is from its path by speed, with and without vision, on calib/paper: the true
-distance from a circle with a radius of 200 mm about (200, 200) mm. Ends with status 1 unless 95 % at 10 mm/s are
-within 0.05 mm with vision.
+distance from a circle with a radius of 200 mm about (200, 200) mm; OUT_DIR/followed/report.html draws it. Ends with
+status 1 unless 95 % at 10 mm/s are within 0.05 mm with vision.
 
     bench/paths.py BIN_DIR OUT_DIR [--calibrated DIR]
 
@@ -45,14 +45,11 @@ def main():
     out.mkdir(parents=True, exist_ok=True)
     (out / "circle.csv").write_text(CIRCLE)
 
-    def follow(name, *more):
-        folder = out / name
-        shutil.rmtree(folder, ignore_errors=True)
-        program("planar-servo", "--cell", cell_file, "--path", out / "circle.csv", "--speed-mm-s", SPEEDS,
-                "--out", folder, "--json", out / f"{name}.json", *more)
-        return json.loads((out / f"{name}.json").read_text())["speeds"]
-
-    seeing, alone = follow("by_vision"), follow("by_arm", "--no-vision")
+    shutil.rmtree(out / "followed", ignore_errors=True)
+    program("planar-servo", "--cell", cell_file, "--path", out / "circle.csv", "--speed-mm-s", SPEEDS, "--compare",
+            "--out", out / "followed", "--json", out / "followed.json")
+    followed = json.loads((out / "followed.json").read_text())["speeds"]
+    seeing, alone = ([row for row in followed if row["guided_by"] == guide] for guide in ("vision", "arm"))
     print("| mm/s | by vision: mean | 95 % | max | by the arm alone: mean | 95 % | max |\n" + "|---" * 7 + "|")
     for rows in zip(seeing, alone):
         cells = [f"{row[f'deviation_{figure}_mm_truth']:.4f}" for row in rows for figure in ("mean", "p95", "max")]

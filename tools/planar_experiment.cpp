@@ -27,7 +27,7 @@ const ProgramText kText{
     "ViSP's side by side.",
     "planar-experiment --cell cell.yaml --out DIR [--grid circles:COLSxROWS:PITCHmm] [--seed N]\n"
     "                         [--train N] [--unattended M] [--lays L [--board-thickness-mm T]]\n"
-    "                         [--loop-only N] [--predict | --seeds N [--jobs J]]\n"
+    "                         [--loop-only N] [--predict | --seeds N [--like KIND] [--jobs J]]\n"
     "                         [--home] [--at-marks] [--display auto|x|none]\n"
     "       mpirun -n RANKS planar-experiment ... --seeds N",
     R"(Table 7: mean true positioning error in mm, 25 targets on each circle of radius 200 mm
@@ -42,7 +42,7 @@ struct Options {
   std::optional<int> jobs;
   std::optional<int> train, loop_only;
   std::optional<double> board_thickness_mm;
-  std::string display{"none"};
+  std::string like{"paper"}, display{"none"};
   bool predict{false};
   HomingOptions homing;
 };
@@ -91,6 +91,11 @@ void add_options(CLI::App& app, Options& options) {
                      "has its row in DIR/rows.jsonl as soon as it is done")
           ->check(CLI::Range(1, 10000))
           ->type_name("N");
+  app.add_option("--like", options.like,
+                 "the kind of cells that --seeds draws, as planar-virtual-cell draw knows them")
+      ->check(CLI::IsMember(names_of(kCellKinds)))
+      ->needs(seeds)
+      ->capture_default_str();
   app.add_option("--jobs", options.jobs,
                  "processes that share the cells; without the option as many as there are cores, "
                  "and under mpirun its ranks")
@@ -111,8 +116,8 @@ void add_options(CLI::App& app, Options& options) {
 
 Outcome run_many(const ExperimentRequest& request, const Options& options) {
   const Crew crew(options.jobs);
-  const auto rows =
-      run_campaign(request, {static_cast<std::uint32_t>(options.seed), options.seeds});
+  const auto rows = run_campaign(request, {static_cast<std::uint32_t>(options.seed), options.seeds},
+                                 value_named(kCellKinds, options.like).value());
   if (!crew.leads()) return {};
   const nlohmann::json figures = campaign_json(rows);
   write_file(options.out / "report.html", campaign_page(rows, options.cell.string()));

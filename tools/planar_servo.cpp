@@ -33,7 +33,7 @@ const ProgramText kText{
     "       planar-servo --cell cell.yaml --targets targets.csv --dry-run | --check\n"
     "       ... | planar-servo --cell cell.yaml --targets - --out DIR\n"
     "       planar-servo --cell cell.yaml --path path.csv --out DIR [--speed-mm-s V,...] "
-    "[--no-vision]",
+    "[--no-vision|--compare]",
     R"(2 of 2 targets reached, 1 correction and 2.87 s each
 against the truth: before 0.924 mm mean; after 0.0130 mm mean, 0.0130 rms, 0.0134 at 95 %, 0.0135 max; improvement 98.6 %
 log and report: DIR)"};
@@ -47,7 +47,8 @@ struct Options {
   std::string center;  ///< empty: the cell's lamps.method
   bool no_error_map{false}, dry_run{false}, check{false}, resume{false};
   HomingOptions homing;
-  bool accept_stale{false}, no_health{false}, keep_going{false}, no_vision{false}, judged{false};
+  bool accept_stale{false}, no_health{false}, keep_going{false}, judged{false};
+  bool no_vision{false}, compare{false};
 };
 
 /// Adds where the end point is to go: targets or a path.
@@ -69,9 +70,14 @@ void add_goals(CLI::App& app, Options& options) {
       ->needs(path)
       ->type_name("V,...")
       ->capture_default_str();
-  app.add_flag("--no-vision", options.no_vision,
-               "follow the path by the arm's model alone; vision watches and corrects nothing")
-      ->needs(path);
+  auto* no_vision =
+      app.add_flag("--no-vision", options.no_vision,
+                   "follow the path by the arm's model alone; vision watches and corrects nothing")
+          ->needs(path);
+  app.add_flag("--compare", options.compare,
+               "follow the path at each speed without vision first, then with it")
+      ->needs(path)
+      ->excludes(no_vision);
 }
 
 void add_options(CLI::App& app, Options& options) {
@@ -247,9 +253,29 @@ Outcome reach_targets(const Options& options, const CellSettings& cell) {
   return report(request, options, run, devices->camera().counts(), bad_lines);
 }
 
+std::vector<Guidance> guidances_of(const Options& options) {
+  if (options.compare) return {Guidance::kArm, Guidance::kVision};
+  return {options.no_vision ? Guidance::kArm : Guidance::kVision};
+}
+
+/// Follows the path until the cell is in doubt. Returns whether its end was reached every time.
+bool follow(PathRun& run, const PathRequest& path) {
+  bool reached = true;
+  for (const Guidance guidance : path.guidances)
+    for (const double speed_m_s : path.speeds_m_s) {
+      if (run.ended_by()) return false;
+      const PathSpeedResult& result = run.follow(speed_m_s, guidance);
+      if (result.status == ServoStatus::kReached) continue;
+      reached = false;
+      spdlog::error(fmt::format("at {:g} mm/s: {}: {}", speed_m_s / kMillimetre,
+                                name(result.status), result.reason));
+    }
+  return reached;
+}
+
 Outcome follow_path(const Options& options, const CellSettings& cell) {
   const PathRequest path =
-      read_path_request(options.path, cell, options.speeds_mm_s, !options.no_vision);
+      read_path_request(options.path, cell, options.speeds_mm_s, guidances_of(options));
   const std::vector<PathDemand> demands = require_followable(cell, path);
   if (options.check) require_inside_map(check_files(options, cell), path);
   if (options.check || options.dry_run) {
@@ -260,14 +286,7 @@ Outcome follow_path(const Options& options, const CellSettings& cell) {
   heed_interrupts();
   const auto devices = open_cell(request.cell);
   PathRun run(request, path, *devices);
-  bool reached = true;
-  for (std::size_t i = 0; i < path.speeds_m_s.size() && !run.ended_by(); ++i) {
-    const PathSpeedResult& result = run.follow(path.speeds_m_s[i]);
-    if (result.status == ServoStatus::kReached) continue;
-    reached = false;
-    spdlog::error(fmt::format("at {:g} mm/s: {}: {}", result.speed_m_s / kMillimetre,
-                              name(result.status), result.reason));
-  }
+  const bool reached = follow(run, path);
   write_path_run(request, path, run);
   fmt::print("{}log and report: {}\n", path_text(path, run.results()), request.out.string());
   return {path_json(path, run.results()), reached};

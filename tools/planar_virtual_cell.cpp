@@ -30,10 +30,6 @@ const CommandText kDraw{"draw",
                         "planar-virtual-cell draw --seed N [--like paper|rough|workshop] -o DIR",
                         "drew cell 7: cells/7/cell.yaml and its truth, cells/7/truth.yaml"};
 
-using Draw = Truth (*)(std::uint32_t seed);
-constexpr Named<Draw> kKinds[] = {
-    {draw_truth, "paper"}, {draw_rough_truth, "rough"}, {draw_workshop_truth, "workshop"}};
-
 const CommandText kServe{
     "serve",
     "planar-virtual-cell serve --cell cell.yaml [--out live.yaml] [--address ADDRESS]\n"
@@ -76,7 +72,7 @@ std::string reference_lamps_text() {
 }
 
 Outcome draw(const Options& options) {
-  const Draw draw_truth_like = value_named(kKinds, options.like).value();
+  const DrawTruth draw_truth_like = value_named(kCellKinds, options.like).value();
   const fs::path cell = options.folder / "cell.yaml", truth = options.folder / "truth.yaml";
   for (const fs::path& path : {cell, truth})
     if (fs::exists(path)) throw InputError(path.string() + ": exists already; name another folder");
@@ -185,7 +181,7 @@ void add_options(CLI::App& app, Options& options) {
       ->add_option("--like", options.like,
                    "the kind of cell: the paper's; one whose arm and readings have what the "
                    "estimators' models lack; one that warms, with fixed lamps")
-      ->check(CLI::IsMember(names_of(kKinds)))
+      ->check(CLI::IsMember(names_of(kCellKinds)))
       ->capture_default_str();
   command->add_option("-o,--out", options.folder, "folder for cell.yaml and truth.yaml")
       ->required()

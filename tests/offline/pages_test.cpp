@@ -269,6 +269,16 @@ TEST_CASE("A map of noise is called useless, with what to do") {
   CHECK_THAT(verdict.faults[0].remedy, Contains("--no-error-map"));
 }
 
+TEST_CASE("A map that fails in gaps is said to help close to its places alone") {
+  FitErrorMapReport report = fitted(test::lens_field, test::kFieldNoise);
+  report.result.gap = 43.4e-3;
+  report.result.blocked.value = 1.25 * report.result.raw_rms;
+  const Verdict verdict = map_verdict(report);
+  CHECK(has_fault(verdict, "helps only close to its places"));
+  CHECK_THAT(verdict.faults[0].what, Contains("43 mm wide and has no place"));
+  CHECK_THAT(verdict.faults[0].remedy, Contains("no such gap stays"));
+}
+
 TEST_CASE("A map without uncertainty has a page without that panel") {
   const test::TemporaryFolder folder;
   std::vector<PairRow> pairs;

@@ -6,6 +6,7 @@
 #include "planar_servo/devices/separate_drives.h"
 #include "planar_servo/files/tables/frame_table.h"
 #include "planar_servo/files/tables/tracker_table.h"
+#include "planar_servo/io/atomic_file.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/vision/reference_lamps.h"
 #include "support/manual_clock.h"
@@ -29,6 +30,9 @@ class NotingDevices final : public CellDevices,
     const auto status = group_.status();
     return std::any_of(status.begin(), status.end(), [](const auto& s) { return s.moving; });
   }
+
+  /// Lets a drive move for ever without arriving.
+  void stall() { drives_[1].stalls = true; }
 
   Clock& clock() override { return clock_; }
   FrameSource& camera() override { return *this; }
@@ -156,6 +160,41 @@ TEST_CASE("The monuments are read before the arm moves and once more at the end"
   for (const TrackerRow& row : read_tracker(request.recording / "tracker.csv"))
     order += row.id == "t0" ? 't' : 'm';
   CHECK(order == std::string(15, 'm') + 't' + std::string(15, 'm'));
+}
+
+TEST_CASE("What is missing of the monuments at the end is read by the next run, and no more") {
+  const test::TemporaryFolder folder;
+  RecordRequest request{small_cell(), {}, folder.path() / "recording"};
+  request.plan.push_back({"t0", Plan::kTrain, TipPose{{-0.2, 0.3}, 0.0}});
+  NotingDevices devices;
+  record(request, devices);
+  const std::filesystem::path table = request.recording / "tracker.csv";
+  const std::string whole = read_file(table);
+  std::string torn = whole;
+  for (int i = 0; i < 7; ++i) torn.erase(torn.rfind('\n', torn.size() - 2) + 1);
+  write_file(table, torn + "datum");
+  NotingDevices again;
+  const RecordReport report = record(request, again);
+  CHECK(report.recorded == 0);
+  CHECK(report.monuments.empty());
+  CHECK(again.asked.size() == 7);
+  CHECK(read_file(table) == whole);
+  NotingDevices third;
+  record(request, third);
+  CHECK(third.asked.empty());
+}
+
+TEST_CASE("Drives that do not arrive name the place, and the recording can be gone on with") {
+  const test::TemporaryFolder folder;
+  RecordRequest request{small_cell(), {}, folder.path() / "recording"};
+  request.plan.push_back({"t0", Plan::kTrain, TipPose{{-0.2, 0.3}, 0.0}});
+  NotingDevices devices;
+  devices.stall();
+  CHECK_THROWS_WITH(record(request, devices),
+                    Catch::StartsWith("t0: the drives have not arrived after ") &&
+                        Catch::EndsWith("start again to go on"));
+  NotingDevices mended;
+  CHECK(record(request, mended).recorded == 1);
 }
 
 TEST_CASE("Who left after the monuments is asked for the reflector on the tool, later nobody is") {

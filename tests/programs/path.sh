@@ -25,14 +25,21 @@ expect 2 "far.csv: cannot be followed at 10 mm/s: 1[0-9][0-9].[0-9] mm along the
 grep -q "^at 50 mm/s: .* s; motor [123] needs [0-9]* % of its speed" checked.txt ||
   fail "$(cat checked.txt)"
 
-"${servo[@]}" --path path.csv --speed-mm-s 20 --out seen --json seen.json >seen.txt
-"${servo[@]}" --path path.csv --speed-mm-s 20 --no-vision --out alone --json alone.json >alone.txt
+"${servo[@]}" --path path.csv --speed-mm-s 20 --compare --out both --json both.json >both.txt
 for file in path_looks.csv path_results.csv run.yaml report.html; do
-  [ -s "seen/$file" ] || fail "no $file"
+  [ -s "both/$file" ] || fail "no $file"
 done
-grep -q "by vision; deviation from the path, mm" seen.txt || fail "$(cat seen.txt)"
-figure() { grep -o "\"deviation_mean_mm_truth\": [0-9.e-]*" "$1" | cut -d' ' -f2; }
-awk -v seen="$(figure seen.json)" -v alone="$(figure alone.json)" \
-  'BEGIN { exit !(seen > 0 && seen < 0.5 * alone) }' ||
-  fail "vision does not help: $(cat seen.txt alone.txt)"
-expect 2 "path_looks.csv: holds a run already" "${servo[@]}" --path path.csv --out seen
+grep -q "path.csv: .* mm; deviation from the path, mm" both.txt || fail "$(cat both.txt)"
+grep -q "^status_by_arm_at_20_mm_s: reached" both/run.yaml || fail "$(cat both/run.yaml)"
+for panel in "By vision, in truth" "By the arm alone, as seen" "deviation drawn [0-9]* times its size"; do
+  grep -q "$panel" both/report.html || fail "the page has no '$panel'"
+done
+# The arm alone comes first, then vision.
+read -r alone seen < <(grep -o '"deviation_mean_mm_truth": [0-9.e-]*' both.json | cut -d' ' -f2 | paste -s -d' ')
+awk -v seen="$seen" -v alone="$alone" 'BEGIN { exit !(seen > 0 && seen < 0.5 * alone) }' ||
+  fail "vision does not help: $(cat both.txt)"
+"${servo[@]}" --path path.csv --speed-mm-s 50 --no-vision --out alone >alone.txt
+if grep -q "vision" alone/path_results.csv; then fail "$(cat alone.txt)"; fi
+expect 2 "--compare excludes --no-vision" \
+  "${servo[@]}" --path path.csv --no-vision --compare --out made
+expect 2 "path_looks.csv: holds a run already" "${servo[@]}" --path path.csv --out both

@@ -36,8 +36,7 @@ ReflectorReadings::ReflectorReadings(const CellSettings& cell, Tracker& tracker,
   tracker_.stop_when(stop_);
 }
 
-std::vector<MonumentSeen> ReflectorReadings::read_monuments() {
-  std::vector<MonumentSeen> seen;
+std::vector<MonumentSeen> ReflectorReadings::read_monuments(std::vector<MonumentSeen> seen) {
   int read = 0;
   for (const Monument& monument : cell_.datum)
     if (read_monument(monument.id, seen)) ++read;
@@ -51,7 +50,9 @@ std::vector<MonumentSeen> ReflectorReadings::read_monuments() {
 }
 
 bool ReflectorReadings::read_monument(const std::string& id, std::vector<MonumentSeen>& seen) {
-  int left = tracker_.readings_per_monument();
+  const auto present = std::count_if(seen.begin(), seen.end(),
+                                     [&](const MonumentSeen& reading) { return reading.id == id; });
+  int left = tracker_.readings_per_monument() - static_cast<int>(present);
   for (int failures = 0; left > 0;) {
     if (stop_ && stop_()) throw WorkError("stopped while the monuments were read");
     const TrackerAnswer answer = tracker_.measure_monument(id);

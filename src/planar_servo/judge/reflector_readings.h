@@ -32,10 +32,10 @@ class ReflectorReadings {
   ReflectorReadings(const CellSettings& cell, Tracker& tracker, GrowingFile& table,
                     std::function<bool()> stop);
 
-  /// Reads every monument of the cell and returns what was read. Throws WorkError when one cannot
-  /// be read in three attempts, when fewer than three are left because somebody skipped the others,
-  /// and when asked to stop.
-  std::vector<MonumentSeen> read_monuments();
+  /// Reads every monument of the cell, but for what this round has `seen` already, and returns the
+  /// whole round. Throws WorkError when one cannot be read in three attempts, when fewer than three
+  /// are left because somebody skipped the others, and when asked to stop.
+  std::vector<MonumentSeen> read_monuments(std::vector<MonumentSeen> seen = {});
 
   /// Reads the tool, which stands at `tip` for the place `id`, once. A reading that has not moved
   /// although the tool has is a failed one.

@@ -127,11 +127,25 @@ TEST_CASE("The folder of a single experiment takes no campaign, nor that of a ca
   ExperimentRequest request{read_cell(test::paper_cell_file()), parse_board("circles:11x11:50mm"),
                             1, folder / "single"};
   std::filesystem::create_directories(request.out / "recording");
-  CHECK_THROWS_WITH(run_campaign(request, {}), Catch::Contains("holds a single experiment"));
+  CHECK_THROWS_WITH(run_campaign(request, {}, draw_truth),
+                    Catch::Contains("holds a single experiment"));
   request.out = folder / "campaign";
   std::filesystem::create_directory(request.out);
   CampaignRows(request.out / "rows.jsonl", kMaking);
   CHECK_THROWS_WITH(begin_experiment(request), Catch::Contains("recording or a campaign already"));
+}
+
+TEST_CASE("A campaign draws its cells like one kind, and refuses the rows of another") {
+  const test::TemporaryFolder folder;
+  ExperimentRequest request{read_cell(test::paper_cell_file()), parse_board("circles:11x11:50mm"),
+                            1, folder / "campaign"};
+  CHECK(run_campaign(request, {501, 0}, draw_rough_truth).empty());
+  CHECK_THROWS_WITH(
+      run_campaign(request, {501, 0}, draw_truth),
+      Catch::Contains("rows.jsonl: was begun") && Catch::Contains("like rough, now paper;"));
+  CHECK_THROWS_WITH(run_campaign(request, {501, 0}, draw_workshop_truth),
+                    Catch::Contains("names no reference_lamps") &&
+                        Catch::Contains("planar-virtual-cell draw --like workshop"));
 }
 
 TEST_CASE("An experiment goes on only with the seed and the cell that it was begun with") {

@@ -17,18 +17,30 @@ namespace {
 
 namespace fs = std::filesystem;
 
-nlohmann::json run_drawn_cell(const ExperimentRequest& request, std::uint32_t seed) {
+nlohmann::json run_drawn_cell(const ExperimentRequest& request, std::uint32_t seed,
+                              DrawTruth draw) {
   ExperimentRequest drawn = request;
   drawn.seed = seed;
   drawn.out = request.out / fmt::format("seed_{}", seed);
   fs::remove_all(drawn.out);
   make_folder(drawn.out);
   drawn.cell.truth = drawn.out / "truth.yaml";
-  write_truth(*drawn.cell.truth, draw_truth(seed));
+  write_truth(*drawn.cell.truth, draw(seed));
   const auto devices = open_cell(drawn.cell);
   nlohmann::json figures = experiment_json(run_experiment(drawn, *devices));
   fs::remove_all(drawn.out);
   return figures;
+}
+
+/// Throws unless the cell file names reference lamps where cells of this kind have them.
+void require_same_lamps(const CellSettings& cell, DrawTruth draw, std::uint32_t seed) {
+  const bool drawn = !draw(seed).reference_lamps.empty();
+  if (drawn != cell.reference_lamps.empty()) return;
+  const char* kind = name_in(kCellKinds, draw);
+  throw InputError(fmt::format(
+      "{0}: names {1} reference_lamps, while cells of the kind {2} have {3}; give the cell.yaml "
+      "that planar-virtual-cell draw --like {2} writes",
+      cell.file.string(), drawn ? "no" : "some", kind, drawn ? "some" : "none"));
 }
 
 }  // namespace
@@ -50,18 +62,22 @@ std::vector<nlohmann::json> work_through(
   return found;
 }
 
-std::vector<nlohmann::json> run_campaign(const ExperimentRequest& request, const SeedRange& seeds) {
+std::vector<nlohmann::json> run_campaign(const ExperimentRequest& request, const SeedRange& seeds,
+                                         DrawTruth draw) {
   if (!request.cell.camera.kind->is_virtual())
     throw InputError(request.cell.file.string() +
                      ": is no virtual cell; --seeds draws cells, which only a virtual one can "
                      "stand for");
+  require_same_lamps(request.cell, draw, seeds.first);
   if (fs::exists(request.out / "recording"))
     throw InputError(request.out.string() +
                      ": holds a single experiment; name another folder for the campaign");
   make_folder(request.out);
-  CampaignRows rows(request.out / "rows.jsonl", making_of_campaign(request));
+  nlohmann::json making = making_of_campaign(request);
+  making["like"] = name_in(kCellKinds, draw);
+  CampaignRows rows(request.out / "rows.jsonl", making);
   return work_through(rows, seeds, [&](std::uint32_t seed) {
-    nlohmann::json figures = run_drawn_cell(request, seed);
+    nlohmann::json figures = run_drawn_cell(request, seed, draw);
     spdlog::info(fmt::format("seed {}: {}", seed, campaign_row_text(figures)));
     return figures;
   });

@@ -8,6 +8,7 @@
 
 #include "planar_servo/experiment/campaign/campaign_rows.h"
 #include "planar_servo/experiment/experiment.h"
+#include "planar_servo/virtual_cell/truth/truth.h"
 
 namespace planar {
 
@@ -25,11 +26,14 @@ std::vector<nlohmann::json> work_through(
     CampaignRows& rows, const SeedRange& seeds,
     const std::function<nlohmann::json(std::uint32_t seed)>& experiment);
 
-/// Runs the experiment on virtual cells that differ from the request's in their truth alone, drawn
-/// from the seeds; request.seed is not used. Rows go to `rows.jsonl` in request.out. The folder
-/// `seed_N` of a cell, with a recording of about a gigabyte, lasts until its row is there; what a
-/// killed program left of it is begun anew, so that the rows do not tell who found them and when.
-/// Throws what run_experiment() throws, and InputError when the folder holds something else.
-std::vector<nlohmann::json> run_campaign(const ExperimentRequest& request, const SeedRange& seeds);
+/// Runs the experiment on virtual cells that differ from the request's in their truth alone, which
+/// `draw` of kCellKinds draws from the seeds; request.seed is not used. Rows go to `rows.jsonl` in
+/// request.out. The folder `seed_N` of a cell, with a recording of about a gigabyte, lasts until
+/// its row is there; what a killed program left of it is begun anew, so that the rows do not tell
+/// who found them and when. Throws what run_experiment() throws, and InputError when the folder
+/// holds something else, or rows of another kind, and when either the cell file or the kind alone
+/// has reference lamps.
+std::vector<nlohmann::json> run_campaign(const ExperimentRequest& request, const SeedRange& seeds,
+                                         DrawTruth draw);
 
 }  // namespace planar

@@ -16,8 +16,4 @@ struct ReportFigure {
 ReportFigure paper_figure(int number, const std::string& what, const std::string& caption,
                           const std::string& svg);
 
-/// Colours of series that are told apart in one panel [Okabe and Ito 2008, darkened for thin
-/// lines].
-constexpr const char* kSeriesColors[] = {"#1f4e79", "#c77f1a", "#2e8b57", "#a23b72"};
-
 }  // namespace planar

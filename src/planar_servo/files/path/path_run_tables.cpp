@@ -33,6 +33,7 @@ const TableSchema<PathLookRow>& look_schema() {
   static const TableSchema<PathLookRow> schema{
       "path_looks", [](Columns& columns, PathLookRow& row) {
         PathLook& look = row.look;
+        columns.choice("guided_by", row.guidance, kGuidances);
         columns.number("speed_mm_s", row.speed_m_s, kMillimetre, 6);
         columns.number("t_s", look.t_s, 1.0, 6);
         columns.text("status", look.measurement.word);
@@ -70,6 +71,7 @@ void list_errors(Columns& columns, const std::optional<PathErrors>& errors,
 const TableSchema<PathSpeedResult>& result_schema_of_paths() {
   static const TableSchema<PathSpeedResult> schema{
       "path_results", [](Columns& columns, PathSpeedResult& result) {
+        columns.choice("guided_by", result.guidance, kGuidances);
         columns.number("speed_mm_s", result.speed_m_s, kMillimetre, 6);
         columns.choice("status", result.status, kServoStatuses);
         columns.text("reason", result.reason);

@@ -4,10 +4,16 @@
 #include <string>
 #include <vector>
 
+#include "planar_servo/core/names.h"
 #include "planar_servo/core/numerics/statistics.h"
 #include "planar_servo/servo/path/path_follower.h"
 
 namespace planar {
+
+/// Says what leads the end point along a path: the arm's model alone, or vision as well.
+enum class Guidance { kArm, kVision };
+
+constexpr Named<Guidance> kGuidances[] = {{Guidance::kArm, "arm"}, {Guidance::kVision, "vision"}};
 
 /// Holds how far the end point was off its path, and behind its time, at every look that counts.
 struct PathErrors {
@@ -17,6 +23,7 @@ struct PathErrors {
 
 /// Holds how a path went at one speed, a row of path_results.csv.
 struct PathSpeedResult {
+  Guidance guidance{Guidance::kVision};
   double speed_m_s{0.0};
   ServoStatus status{ServoStatus::kRefused};
   std::string reason;
@@ -27,6 +34,7 @@ struct PathSpeedResult {
 
 /// Holds a look on the path, a row of path_looks.csv.
 struct PathLookRow {
+  Guidance guidance{Guidance::kVision};
   double speed_m_s{0.0};
   PathLook look;
   std::optional<PathOffset> truth;  ///< where a truth watches: where it was when this was reported

@@ -66,9 +66,14 @@ Verdict map_verdict(const FitErrorMapReport& report) {
   if (!result.worth_using) verdict.faults.push_back(kUseless);
   if (result.worth_using && result.blocked.value >= result.raw_rms)
     verdict.faults.push_back(
-        {fmt::format("where {:.1f} mm are without pairs the map is no better than none",
-                     result.gap / kMillimetre),
-         "record places in the dark parts of the right panel, and keep to the others until then"});
+        {fmt::format(
+             "the map helps only close to its places: in the middle of a part of the field that is "
+             "{:.0f} mm wide and has no place, {:.4f} mm rms are left of the error, {:.4f} mm "
+             "without a map",
+             result.gap / kMillimetre, result.blocked.value / kMillimetre,
+             result.raw_rms / kMillimetre),
+         "record places so near to one another that no such gap stays, first in the dark parts of "
+         "the right panel; until then work close to places that were recorded"});
   judge_left_out_pairs(result.rejected.size(), result.n_used + result.rejected.size(), verdict);
   verdict.good = fmt::format(
       "worth using: at places left out the error falls from {:.4f} mm rms to {:.4f}, and in a gap "

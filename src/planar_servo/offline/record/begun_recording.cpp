@@ -106,4 +106,19 @@ std::set<std::string> ids_of_begun_recording(const RecordRequest& request,
   return ids;
 }
 
+std::optional<std::vector<MonumentSeen>> monuments_after_places(const RecordRequest& request) {
+  const fs::path file = request.recording / "tracker.csv";
+  if (holds_no_row(file, tracker_header())) return std::nullopt;
+  std::optional<std::vector<MonumentSeen>> seen;
+  for (const TrackerRow& row : read_tracker(file)) {
+    const bool is_place = std::none_of(request.cell.datum.begin(), request.cell.datum.end(),
+                                       [&](const Monument& m) { return m.id == row.id; });
+    if (is_place)
+      seen.emplace();
+    else if (seen)
+      seen->push_back({row.id, {row.t_s, row.p_L}});
+  }
+  return seen;
+}
+
 }  // namespace planar

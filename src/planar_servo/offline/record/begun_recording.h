@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -14,5 +15,9 @@ namespace planar {
 /// cell's drives, its images are not of this cell's sensor, or a monument of the cell was not read.
 std::set<std::string> ids_of_begun_recording(const RecordRequest& request,
                                              const std::vector<Joints>& joints);
+
+/// Returns the readings of the cell's monuments that follow the last reading of a place in a
+/// recording; nothing when no place was read.
+std::optional<std::vector<MonumentSeen>> monuments_after_places(const RecordRequest& request);
 
 }  // namespace planar

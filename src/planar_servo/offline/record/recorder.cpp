@@ -35,6 +35,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kLostFrameRetries = 3;
+constexpr char kMendCamera[] = "the arm has stopped; mend the camera, then start again to go on";
 
 /// Returns whether a person shows the board.
 bool is_guided(const RecordRequest& request, CellDevices& devices) {
@@ -70,9 +71,11 @@ class Recorder {
       expectation_.diameter_over_separation = cell_.lamps.layout.diameter_over_separation();
   }
 
-  /// Records the rows of the plan but those that are `present`.
+  /// Records the rows of the plan but those that are `present`. `last_monuments` are those that
+  /// were read after the last place.
   RecordReport run(const std::vector<PlanRow>& plan, const std::vector<Joints>& joints,
-                   const std::set<std::string>& present, bool has_monuments) {
+                   const std::set<std::string>& present, bool has_monuments,
+                   const std::optional<std::vector<MonumentSeen>>& last_monuments) {
     const auto any_to_read = [&](bool there) {
       return std::any_of(plan.begin(), plan.end(), [&](const PlanRow& row) {
         return needs_reading(row.plan) && (present.count(row.id) != 0) == there;
@@ -94,7 +97,10 @@ class Recorder {
       else
         record_position(plan[i], joints[i]);
     }
-    if (reads) report_.monuments = reflector_.read_monuments();
+    if (reads)
+      report_.monuments = reflector_.read_monuments();
+    else if (last_monuments)
+      reflector_.read_monuments(*last_monuments);
     return report_;
   }
 
@@ -136,13 +142,22 @@ class Recorder {
     // On the way frames only tell that the camera is well; the link carries small ones easily.
     devices_.camera().set_region(
         region_round({0.5 * full_region().width, 0.5 * full_region().height}));
-    if (const auto obstacle = arrive(robot_, planner_, cell_.servo, theta,
-                                     [this] { return devices_.camera().fault(); }))
-      throw WorkError(fmt::format(
-          "{}: {}; {}", row.id, obstacle->reason,
-          obstacle->refused ? "move the place in the plan"
-                            : "the arm has stopped; mend the camera, then start again to go on"));
+    move_to(row.id, theta);
     devices_.clock().sleep_for_s(cell_.servo.settle_s);
+  }
+
+  void move_to(const std::string& id, const Joints& theta) {
+    std::optional<Obstacle> obstacle;
+    try {
+      obstacle = arrive(robot_, planner_, cell_.servo, theta,
+                        [this] { return devices_.camera().fault(); });
+    } catch (const DriveError& error) {
+      throw DriveError(
+          fmt::format("{}: {}; mend the drives, then start again to go on", id, error.what()));
+    }
+    if (obstacle)
+      throw WorkError(fmt::format("{}: {}; {}", id, obstacle->reason,
+                                  obstacle->refused ? "move the place in the plan" : kMendCamera));
   }
 
   Pictures pictures_at(const PlanRow& row, const Eigen::Vector2d& p) {
@@ -205,7 +220,8 @@ class Recorder {
       if (result.status == FrameStatus::kOk) return std::move(result.frame);
     }
     robot_.halt();
-    throw WorkError(fmt::format("the camera delivered no frame in {} attempts", kLostFrameRetries));
+    throw WorkError(fmt::format("the camera delivered no frame in {} attempts; {}",
+                                kLostFrameRetries, kMendCamera));
   }
 
   void save(const Frame& frame, const PlanRow& row, Pictures& pictures) {
@@ -302,8 +318,9 @@ RecordReport record(const RecordRequest& request, CellDevices& devices) {
                    request.recording / "view.png", "planar-record");
   make_folder(request.recording / "images");
   const bool read_before = has_monuments(request, present);
-  RecordReport report = Recorder(request, present, devices, display.get())
-                            .run(request.plan, joints, present, read_before);
+  RecordReport report =
+      Recorder(request, present, devices, display.get())
+          .run(request.plan, joints, present, read_before, monuments_after_places(request));
   close_display(display.get());
   return report;
 }

@@ -37,16 +37,17 @@ struct RecordReport {
   int full_frames{0};
   std::vector<std::string> without_lamps;  ///< ids where no pair of lamps was seen
   std::vector<std::string> skipped;        ///< ids left out for want of a reading
-  std::vector<MonumentSeen> monuments;  ///< as they were read at the end; none where they were not
+  /// As they were read at the end, all by this run; none where they were not.
+  std::vector<MonumentSeen> monuments;
 };
 
 /// Drives the cell through the plan. At each position it moves, settles, grabs frames and takes a
 /// tracker reading; board views are shown by the cell itself or by a person who is guided. Regions
 /// are placed from the commanded pose by a coarse view learned from the first full frames. Where
 /// the lamps are not in the region, a full frame is taken instead. The monuments are read before
-/// all and, when the arm has moved, once more at the end; a plan whose rows ask for no reading
-/// needs no tracker. A place without a good reading is repeated or left out as requested; what is
-/// left out, the next run records.
+/// all and, when the arm has moved, once more at the end, where a run that was broken off among
+/// them is gone on with; a plan whose rows ask for no reading needs no tracker. A place without a
+/// good reading is repeated or left out as requested; what is left out, the next run records.
 ///
 /// Throws InputError when rows ask for readings and the cell has no tracker, or for views of a
 /// board that nobody has named, and naming every position out of reach, workspace or joint limits,

@@ -38,6 +38,10 @@ class ColorScale {
   double from_{0.0}, to_{1.0};
 };
 
+/// Colours of series that are told apart in one panel [Okabe and Ito 2008, darkened for thin
+/// lines].
+constexpr const char* kSeriesColors[] = {"#1f4e79", "#c77f1a", "#2e8b57", "#a23b72"};
+
 /// Width of what bar_svg() draws, with its ticks and label.
 constexpr double kColorBarWidth = 90.0;
 

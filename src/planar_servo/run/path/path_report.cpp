@@ -12,6 +12,7 @@
 #include "planar_servo/io/yaml_writer.h"
 #include "planar_servo/report/html_page.h"
 #include "planar_servo/report/text_table.h"
+#include "planar_servo/run/path/path_drawing.h"
 #include "planar_servo/run/servo_report.h"
 
 namespace planar {
@@ -22,15 +23,16 @@ double in_mm(double metres) {
 }
 
 std::string headline(const PathRequest& path) {
-  return fmt::format("{}: {:.1f} mm, {}", path.file.string(), in_mm(path.path.length_m()),
-                     path.by_vision ? "by vision" : "by the arm alone");
+  return fmt::format("{}: {:.1f} mm", path.file.string(), in_mm(path.path.length_m()));
 }
 
-TextTable speed_table(const std::string& title, const std::vector<PathSpeedResult>& results) {
-  TextTable table(title, {"mm/s", "looks", "own view: mean", "95 %", "max", "lag", "truth: mean",
-                          "95 %", "max", "lag", "status"});
+TextTable speed_table(const PathRequest& path, const std::vector<PathSpeedResult>& results) {
+  TextTable table(headline(path) + "; deviation from the path, mm",
+                  {"mm/s", "guided by", "looks", "own view: mean", "95 %", "max", "lag",
+                   "truth: mean", "95 %", "max", "lag", "status"});
   for (const PathSpeedResult& result : results) {
     std::vector<std::string> cells{fmt::format("{:g}", in_mm(result.speed_m_s)),
+                                   name_in(kGuidances, result.guidance),
                                    std::to_string(result.looks)};
     for (const auto& errors : {result.own_view, result.truth})
       for (const double value :
@@ -77,13 +79,14 @@ nlohmann::json path_demand_json(const PathRequest& path, const std::vector<PathD
 }
 
 std::string path_text(const PathRequest& path, const std::vector<PathSpeedResult>& results) {
-  return speed_table(headline(path) + "; deviation from the path, mm", results).plain_text();
+  return speed_table(path, results).plain_text();
 }
 
 nlohmann::json path_json(const PathRequest& path, const std::vector<PathSpeedResult>& results) {
   nlohmann::json speeds = nlohmann::json::array();
   for (const PathSpeedResult& result : results) {
-    nlohmann::json row{{"speed_mm_s", in_mm(result.speed_m_s)},
+    nlohmann::json row{{"guided_by", name_in(kGuidances, result.guidance)},
+                       {"speed_mm_s", in_mm(result.speed_m_s)},
                        {"status", name(result.status)},
                        {"reason", result.reason},
                        {"looks", result.looks},
@@ -92,22 +95,26 @@ nlohmann::json path_json(const PathRequest& path, const std::vector<PathSpeedRes
     add_errors(row, "_truth", result.truth);
     speeds.push_back(row);
   }
-  return {{"path_length_mm", in_mm(path.path.length_m())},
-          {"by_vision", path.by_vision},
-          {"speeds", speeds}};
+  return {{"path_length_mm", in_mm(path.path.length_m())}, {"speeds", speeds}};
 }
 
 void write_path_run(const ServoRequest& request, const PathRequest& path, const PathRun& run) {
   YamlWriter yaml = YamlWriter::with_header("run", "planar-servo");
   yaml.add_inputs(input_records(run_inputs(request, path.file)));
   yaml.add("error_map_used", request.use_error_map);
-  yaml.add("by_vision", path.by_vision);
   if (!run.accepted_stale().empty()) yaml.add("accepted_stale", run.accepted_stale());
   for (const PathSpeedResult& result : run.results())
-    yaml.add(fmt::format("status_at_{:g}_mm_s", in_mm(result.speed_m_s)), name(result.status));
+    yaml.add(fmt::format("status_by_{}_at_{:g}_mm_s", name_in(kGuidances, result.guidance),
+                         in_mm(result.speed_m_s)),
+             name(result.status));
   HtmlPage page("planar-servo: " + path.file.filename().string());
-  page.add_html(
-      speed_table(headline(path) + "; deviation from the path, mm", run.results()).html());
+  page.add_html(speed_table(path, run.results()).html());
+  for (const PathSpeedResult& result : run.results())
+    if (!result.reason.empty())
+      page.add_paragraph(fmt::format("At {:g} mm/s, guided by {}: {}: {}.", in_mm(result.speed_m_s),
+                                     name_in(kGuidances, result.guidance), name(result.status),
+                                     result.reason));
+  add_path_figures(page, path.path, run.looks(), run.results());
   write_file(request.out / "run.yaml", yaml.text());
   write_file(request.out / "report.html", page.text());
 }

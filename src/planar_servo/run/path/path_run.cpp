@@ -45,8 +45,9 @@ ExposureTiming exposures_of(const CellSettings& cell, const FrameSource& camera)
 }  // namespace
 
 PathRequest read_path_request(const std::filesystem::path& file, const CellSettings& cell,
-                              const std::vector<double>& speeds_mm_s, bool by_vision) {
-  PathRequest request{file, read_path(file, cell.tool_orientation), {}, by_vision};
+                              const std::vector<double>& speeds_mm_s,
+                              const std::vector<Guidance>& guidances) {
+  PathRequest request{file, read_path(file, cell.tool_orientation), guidances};
   for (const double speed_mm_s : speeds_mm_s) {
     const double speed_m_s = speed_mm_s * kMillimetre;
     if (!(speed_m_s >= kSlowest_m_s && speed_m_s <= kFastest_m_s))
@@ -97,12 +98,13 @@ PathRun::PathRun(const ServoRequest& request, const PathRequest& path, CellDevic
   cell_.switch_on();
 }
 
-const PathSpeedResult& PathRun::follow(double speed_m_s) {
+const PathSpeedResult& PathRun::follow(double speed_m_s, Guidance guidance) {
   cell_.examine_if_due();
   const std::size_t first = looks_.size();
   const PathTiming timing(path_.path, speed_m_s);
-  const PathResult outcome = follow_timed(timing, speed_m_s);
+  const PathResult outcome = follow_timed(timing, speed_m_s, guidance);
   PathSpeedResult result = path_figures({looks_.begin() + static_cast<long>(first), looks_.end()});
+  result.guidance = guidance;
   result.speed_m_s = speed_m_s;
   result.status = outcome.status;
   result.reason = outcome.reason;
@@ -114,20 +116,26 @@ const PathSpeedResult& PathRun::follow(double speed_m_s) {
   return results_.back();
 }
 
-PathResult PathRun::follow_timed(const PathTiming& timing, double speed_m_s) {
+PathResult PathRun::follow_timed(const PathTiming& timing, double speed_m_s, Guidance guidance) {
   const PathDemand demand =
       path_demand(cell_.planner(), path_.path, timing, cell_.robot().commanded_joints());
   if (demand.refusal) return {ServoStatus::kRefused, *demand.refusal};
-  if (auto missed = go_to_beginning(demand)) {
+  if (auto missed = go_to_beginning(demand, guidance)) {
     missed->reason = "on the way to the path's beginning: " + missed->reason;
     return *missed;
   }
-  return follower_.follow(path_.path, timing, path_.by_vision,
-                          [&](const PathLook& look) { record(look, speed_m_s); });
+  return follower_.follow(path_.path, timing, guidance == Guidance::kVision,
+                          [&](const PathLook& look) {
+                            PathLookRow row{guidance, speed_m_s, look, std::nullopt};
+                            if (true_tip_)
+                              row.truth = path_.path.offset(true_tip_().p, look.along_now_m);
+                            look_table_.append(path_look_line(row));
+                            looks_.push_back(row);
+                          });
 }
 
-std::optional<PathResult> PathRun::go_to_beginning(const PathDemand& demand) {
-  if (!path_.by_vision) {
+std::optional<PathResult> PathRun::go_to_beginning(const PathDemand& demand, Guidance guidance) {
+  if (guidance == Guidance::kArm) {
     const auto obstacle = arrive(cell_.robot(), cell_.planner(), cell_.settings().servo,
                                  demand.start, [&] { return cell_.sensor().fault(); });
     if (!obstacle) return std::nullopt;
@@ -148,13 +156,6 @@ void PathRun::find_play() {
   spdlog::info(fmt::format("the play of motors 1 and 2 is {:.4f} and {:.4f} deg",
                            play_rad_->x() / kDegree, play_rad_->y() / kDegree));
   follower_.set_play(*play_rad_);
-}
-
-void PathRun::record(const PathLook& look, double speed_m_s) {
-  PathLookRow row{speed_m_s, look, std::nullopt};
-  if (true_tip_) row.truth = path_.path.offset(true_tip_().p, look.along_now_m);
-  look_table_.append(path_look_line(row));
-  looks_.push_back(row);
 }
 
 }  // namespace planar

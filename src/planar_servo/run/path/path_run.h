@@ -18,14 +18,15 @@ namespace planar {
 struct PathRequest {
   std::filesystem::path file;
   Path path;
-  std::vector<double> speeds_m_s;  ///< the path is followed once at each
-  bool by_vision{true};            ///< else by the arm's model alone, and vision only watches
+  std::vector<Guidance> guidances;
+  std::vector<double> speeds_m_s{};  ///< the path is followed once at each, under each guidance
 };
 
 /// Reads a path, to be followed in this cell. Throws InputError for a bad file and for speeds
 /// beyond kSlowest_m_s to kFastest_m_s.
 PathRequest read_path_request(const std::filesystem::path& file, const CellSettings& cell,
-                              const std::vector<double>& speeds_mm_s, bool by_vision);
+                              const std::vector<double>& speeds_mm_s,
+                              const std::vector<Guidance>& guidances);
 
 /// Returns what the path asks of the arm at each speed, beginning at the cell's home position.
 /// Throws InputError, naming the place on the path, when the arm cannot follow it.
@@ -34,16 +35,17 @@ std::vector<PathDemand> require_followable(const CellSettings& cell, const PathR
 /// Throws InputError naming the first place on the path at which the error map is not valid.
 void require_inside_map(const VisionCalibration& vision, const PathRequest& request);
 
-/// Leads the end point of a cell along a path, once at every speed, and logs every look.
+/// Leads the end point of a cell along a path, and logs every look.
 class PathRun {
  public:
   /// Switches the drives on. Throws as ServoRun() does, and InputError when the folder holds a run.
   PathRun(const ServoRequest& request, const PathRequest& path, CellDevices& devices);
 
   /// Looks whether the cell is well, goes to the path's beginning and follows it. A path that ends
-  /// early has a result like the others. When a drive fails or somebody stops the arm, it throws
+  /// early has a result like the others. Guided by vision for the first time, it measures the play,
+  /// which is led through from then on. When a drive fails or somebody stops the arm, it throws
   /// WorkError; all looks so far are in the file then.
-  const PathSpeedResult& follow(double speed_m_s);
+  const PathSpeedResult& follow(double speed_m_s, Guidance guidance);
 
   /// Returns why the path may not be followed again: the cell itself is in doubt.
   const std::optional<std::string>& ended_by() const { return ended_by_; }
@@ -52,12 +54,11 @@ class PathRun {
   const std::vector<std::string>& accepted_stale() const { return cell_.accepted_stale(); }
 
  private:
-  PathResult follow_timed(const PathTiming& timing, double speed_m_s);
+  PathResult follow_timed(const PathTiming& timing, double speed_m_s, Guidance guidance);
   /// Brings the end point to the path's beginning. Returns why it is not there, if it is not.
-  std::optional<PathResult> go_to_beginning(const PathDemand& demand);
+  std::optional<PathResult> go_to_beginning(const PathDemand& demand, Guidance guidance);
   /// Measures the play, which is led through from now on.
   void find_play();
-  void record(const PathLook& look, double speed_m_s);
 
   const PathRequest& path_;
   std::function<TipPose()> true_tip_;

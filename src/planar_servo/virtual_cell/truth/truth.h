@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "planar_servo/core/names.h"
 #include "planar_servo/core/pose.h"
 #include "planar_servo/virtual_cell/truth/build_truth.h"
 
@@ -182,6 +183,12 @@ Truth draw_workshop_truth(std::uint32_t seed);
 /// models lack. The reducers have third harmonics, link 1 sags like a beam instead of with |P|^2,
 /// the joints' axes lean against each other, and one place or reading in fifty is off.
 Truth draw_rough_truth(std::uint32_t seed);
+
+using DrawTruth = Truth (*)(std::uint32_t seed);
+
+/// The kinds of cells, by the words that ask for them.
+constexpr Named<DrawTruth> kCellKinds[] = {
+    {draw_truth, "paper"}, {draw_rough_truth, "rough"}, {draw_workshop_truth, "workshop"}};
 
 /// Returns where a workshop's cell file states its reference lamps.
 std::vector<StatedLamp> workshop_lamps();
