@@ -57,6 +57,13 @@ struct FirmwareBench {
     REQUIRE(eventually([&] { return drives->status()[0].position_pulses > 1000; }));
   }
 
+  /// Says something to the firmware behind the drives' back.
+  void say(const char* byte) const {
+    const int port = open(firmware.port().c_str(), O_WRONLY | O_NOCTTY);
+    REQUIRE(write(port, byte, 1) == 1);
+    close(port);
+  }
+
   /// Ends both and holds the steps made by joints 1 to 3 against what they should be.
   void check_steps(const Steps& expected) {
     drives.reset();
@@ -122,14 +129,28 @@ TEST_CASE("Real firmware rests soon when its caller goes silent, on its way") {
   bench.drives->halt();
 }
 
+TEST_CASE("Real firmware that is told to hold by hand rests, and its driver says so") {
+  const auto path = simulator("grbl_sim");
+  if (!path) return;
+  FirmwareBench bench(*path);
+  bench.begin_long_move();
+  bench.say("!");
+  CHECK(eventually([&] { return !bench.drives->status()[0].faults.empty(); }));
+  CHECK(bench.drives->status()[0].faults.front() ==
+        "it has stopped on its way (was it told to hold?)");
+  CHECK(eventually([&] { return !bench.drives->status()[0].moving; }));
+  CHECK(bench.drives->status()[0].position_pulses < 20000);
+  CHECK(bench.drives->status()[0].position_certain);
+  bench.drives->energize();
+  bench.go({bench.drives->status()[0].position_pulses + 100, 5, 5});
+}
+
 TEST_CASE("Real firmware that was reset on its way asks for homing") {
   const auto path = simulator(GENERATE("grbl_sim", "grblHAL_sim"));
   if (!path) return;
   FirmwareBench bench(*path);
   bench.begin_long_move();
-  const int port = open(bench.firmware.port().c_str(), O_WRONLY | O_NOCTTY);
-  REQUIRE(write(port, "\x18", 1) == 1);
-  close(port);
+  bench.say("\x18");
   CHECK(eventually([&] { return !bench.drives->status()[0].faults.empty(); }));
   CHECK_FALSE(bench.drives->status()[0].position_certain);
   CHECK_THROWS_AS(bench.drives->set_targets({0, 0, 0}), DriveError);
