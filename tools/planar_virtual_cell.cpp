@@ -35,7 +35,7 @@ const CommandText kServe{
     "planar-virtual-cell serve --cell cell.yaml [--out live.yaml] [--address ADDRESS]\n"
     "                                 [--tracker tcp|file] [--tracker-clock OFFSET_S,PPM]\n"
     "                                 [--decimal-comma] [--broken-beams PERCENT]\n"
-    "                                 [--truth-log FILE]",
+    "                                 [--truth-log FILE] [--grbl-firmware PROGRAM]",
     "serving cell.yaml until interrupted; live.yaml describes it as a real cell\n"
     "camera   GigE Vision on 127.0.0.1\n"
     "drives   Grbl at /home/me/grbl\n"
@@ -54,7 +54,7 @@ struct Options {
   std::uint32_t seed{0};
   std::string like{"paper"};
   fs::path folder;
-  fs::path cell, live_cell, truth_log;
+  fs::path cell, live_cell, truth_log, firmware;
   std::string address{"127.0.0.1"}, tracker{kTcp};
   std::vector<double> tracker_clock{0.0, 0.0};
   bool decimal_comma{false};
@@ -93,6 +93,7 @@ ServeRequest serve_request(const Options& options) {
   request.cell = read_cell(options.cell);
   request.address = options.address;
   request.grbl_port = folder / "grbl";
+  if (!options.firmware.empty()) request.grbl_firmware = options.firmware;
   if (options.tracker == kFile) request.tracker_file = folder / "tracker.txt";
   request.tracker = {options.tracker_clock[0], options.tracker_clock[1], options.decimal_comma,
                      options.broken_percent};
@@ -163,6 +164,11 @@ void add_serve_options(CLI::App& server, Options& options) {
       .add_option("--truth-log", options.truth_log,
                   "where the tool really is, whenever it has moved; for scoring only")
       ->type_name("FILE");
+  server
+      .add_option("--grbl-firmware", options.firmware,
+                  "the simulator of Grbl 1.1, which is the drives' board instead of an emulated "
+                  "one; it has no home switches")
+      ->type_name("PROGRAM");
 }
 
 void add_options(CLI::App& app, Options& options) {

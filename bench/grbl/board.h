@@ -3,10 +3,8 @@
 #include <cmath>
 #include <filesystem>
 #include <optional>
-#include <string>
-#include <vector>
 
-#include "support/firmware_process.h"
+#include "support/counted_firmware.h"
 #include "support/grbl_bench.h"
 
 namespace planar {
@@ -18,19 +16,18 @@ class BenchBoard {
   /// many pulses/s^2.
   BenchBoard(const std::filesystem::path& simulator, double speed_pulses_s) {
     settings_ = test::grbl_settings_of("");
-    std::vector<std::string> commands{"$1=255"};
+    EmulatedGrbl::Settings stored{{1, 255}};
     const double per_minute = speed_pulses_s / settings_.axes[0].pulses_per_mm * grbl::kMinute_s;
     for (const int i : {0, 1, 2}) {
       settings_.axes[i].speed_pulses_s = speed_pulses_s;
       settings_.axes[i].acceleration_pulses_s2 = 10.0 * speed_pulses_s;
-      commands.push_back("$11" + std::to_string(i) + "=" + std::to_string(std::lround(per_minute)));
-      commands.push_back("$12" + std::to_string(i) + "=" +
-                         std::to_string(std::lround(per_minute / 6.0)));
+      stored[110 + i] = std::round(per_minute);
+      stored[120 + i] = std::round(per_minute / 6.0);
     }
     if (simulator.empty())
       emulated_.emplace();
     else
-      firmware_.emplace(simulator, commands);
+      firmware_.emplace(simulator, stored);
     settings_.port = emulated_ ? emulated_->board.port() : firmware_->port();
   }
 
@@ -42,7 +39,7 @@ class BenchBoard {
  private:
   GrblSettings settings_;
   std::optional<test::GrblBench> emulated_;
-  std::optional<test::FirmwareProcess> firmware_;
+  std::optional<test::CountedFirmware> firmware_;
 };
 
 }  // namespace planar

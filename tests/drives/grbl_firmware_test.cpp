@@ -11,8 +11,8 @@
 #include <thread>
 
 #include "planar_servo/drives/grbl/grbl_drives.h"
+#include "support/counted_firmware.h"
 #include "support/eventually.h"
-#include "support/firmware_process.h"
 #include "support/grbl_bench.h"
 
 namespace planar {
@@ -22,8 +22,8 @@ using Catch::Contains;
 using test::eventually;
 using Steps = std::array<int, 3>;
 
-const std::vector<std::string> kStored{"$1=255",   "$110=960", "$111=960", "$112=960",
-                                       "$120=160", "$121=160", "$122=160"};
+const EmulatedGrbl::Settings kStored{{1, 255},   {110, 960}, {111, 960}, {112, 960},
+                                     {120, 160}, {121, 160}, {122, 160}};
 
 /// Returns the simulator of this name. When it is absent, a skip is printed and nothing is
 /// returned.
@@ -57,6 +57,13 @@ struct FirmwareBench {
     REQUIRE(eventually([&] { return drives->status()[0].position_pulses > 1000; }));
   }
 
+  /// Says something to the firmware behind the drives' back.
+  void say(const char* byte) const {
+    const int port = open(firmware.port().c_str(), O_WRONLY | O_NOCTTY);
+    REQUIRE(write(port, byte, 1) == 1);
+    close(port);
+  }
+
   /// Ends both and holds the steps made by joints 1 to 3 against what they should be.
   void check_steps(const Steps& expected) {
     drives.reset();
@@ -64,14 +71,14 @@ struct FirmwareBench {
     CHECK(Steps{steps[0], steps[2], steps[1]} == expected);
   }
 
-  test::FirmwareProcess firmware;
+  test::CountedFirmware firmware;
   std::unique_ptr<GrblDrives> drives;
 };
 
 TEST_CASE("Real firmware is refused with its factory's settings, and taken with the cell's") {
   const auto path = simulator(GENERATE("grbl_sim", "grblHAL_sim"));
   if (!path) return;
-  const test::FirmwareProcess factory(*path, {});
+  const test::CountedFirmware factory(*path, {});
   CHECK_THROWS_WITH(GrblDrives(test::grbl_settings_of(factory.port())),
                     Contains("$1=255 and $110=960 and $120=160"));
   FirmwareBench bench(*path);
@@ -122,14 +129,28 @@ TEST_CASE("Real firmware rests soon when its caller goes silent, on its way") {
   bench.drives->halt();
 }
 
+TEST_CASE("Real firmware that is told to hold by hand rests, and its driver says so") {
+  const auto path = simulator("grbl_sim");
+  if (!path) return;
+  FirmwareBench bench(*path);
+  bench.begin_long_move();
+  bench.say("!");
+  CHECK(eventually([&] { return !bench.drives->status()[0].faults.empty(); }));
+  CHECK(bench.drives->status()[0].faults.front() ==
+        "it has stopped on its way (was it told to hold?)");
+  CHECK(eventually([&] { return !bench.drives->status()[0].moving; }));
+  CHECK(bench.drives->status()[0].position_pulses < 20000);
+  CHECK(bench.drives->status()[0].position_certain);
+  bench.drives->energize();
+  bench.go({bench.drives->status()[0].position_pulses + 100, 5, 5});
+}
+
 TEST_CASE("Real firmware that was reset on its way asks for homing") {
   const auto path = simulator(GENERATE("grbl_sim", "grblHAL_sim"));
   if (!path) return;
   FirmwareBench bench(*path);
   bench.begin_long_move();
-  const int port = open(bench.firmware.port().c_str(), O_WRONLY | O_NOCTTY);
-  REQUIRE(write(port, "\x18", 1) == 1);
-  close(port);
+  bench.say("\x18");
   CHECK(eventually([&] { return !bench.drives->status()[0].faults.empty(); }));
   CHECK_FALSE(bench.drives->status()[0].position_certain);
   CHECK_THROWS_AS(bench.drives->set_targets({0, 0, 0}), DriveError);
@@ -141,8 +162,9 @@ TEST_CASE("Real firmware that was reset on its way asks for homing") {
 TEST_CASE("Real firmware keeps whole pulses far from its origin") {
   const auto path = simulator(GENERATE("grbl_sim", "grblHAL_sim"));
   if (!path) return;
-  const test::FirmwareProcess firmware(*path, {"$1=255", "$110=48000", "$111=48000", "$112=48000",
-                                               "$120=8000", "$121=8000", "$122=8000"});
+  const test::CountedFirmware firmware(
+      *path,
+      {{1, 255}, {110, 48000}, {111, 48000}, {112, 48000}, {120, 8000}, {121, 8000}, {122, 8000}});
   GrblSettings settings = test::grbl_settings_of(firmware.port());
   for (GrblAxis& axis : settings.axes) {
     axis.speed_pulses_s = 200000.0;

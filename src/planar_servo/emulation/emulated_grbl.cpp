@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <utility>
 
 namespace planar {
 namespace {
@@ -91,7 +92,9 @@ void EmulatedGrbl::hear(char byte) {
   }
 }
 
+/// A board that brakes for a hold or a cancelled jog reads no line until it rests.
 void EmulatedGrbl::obey_line(const std::string& line) {
+  if (cancelling_) return held_lines_.push_back(line);
   const std::string answer = answer_to(line);
   if (answers_to_lose_ > 0) {
     --answers_to_lose_;
@@ -206,6 +209,7 @@ void EmulatedGrbl::step_jog(double dt_s) {
     cancelling_ = false;
     state_ = State::kIdle;
     counted_mm_ = pulses(counted_mm_).cast<double>().cwiseQuotient(of_axes(100));
+    for (const std::string& line : std::exchange(held_lines_, {})) obey_line(line);
     return;
   }
   const Eigen::Vector3d leg = queue_.front().target_mm - counted_mm_;
@@ -244,6 +248,7 @@ void EmulatedGrbl::tell_position() {
 
 void EmulatedGrbl::stop_abruptly() {
   queue_.clear();
+  held_lines_.clear();
   speed_ = 0.0;
   cancelling_ = false;
 }

@@ -11,6 +11,7 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "planar_servo/core/clock.h"
 #include "planar_servo/emulation/pty_port.h"
@@ -100,6 +101,7 @@ class EmulatedGrbl {
   State state_{State::kIdle};
   bool cancelling_{false}, silent_{false};
   std::string line_, pins_;
+  std::vector<std::string> held_lines_;
   std::deque<Piece> queue_;
   Eigen::Vector3d counted_mm_{0.0, 0.0, 0.0};
   Eigen::Vector3d offset_mm_{0.0, 0.0, 0.0};  ///< the shafts' lengths minus the counted ones

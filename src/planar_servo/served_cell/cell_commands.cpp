@@ -56,12 +56,16 @@ std::string handle_reflector(const Words& words, LiveCell& live) {
 
 }  // namespace
 
-std::string obey_command(const std::string& line, LiveCell& live) {
+std::string obey_command(const std::string& line, LiveCell& live,
+                         const std::function<bool()>& put_at_marks) {
   const Words words = words_of(line);
   std::string done;
   if (!words.empty() && words[0] == "board")
     done = live.now([&](VirtualCell& cell) { return handle_board(words, cell.board_presenter()); });
   if (!words.empty() && words[0] == "reflector") done = handle_reflector(words, live);
+  if (words == Words{"arm", "marks"})
+    done = put_at_marks() ? "the arm stands at its marks"
+                          : "the arm is not put at its marks: it moves, or has home switches";
   if (!done.empty()) return done;
   return fmt::format("not understood: '{}'; there are {}; places of the reflector are {}", line,
                      kCellCommands, fmt::join(live.reflector_places(), ", "));

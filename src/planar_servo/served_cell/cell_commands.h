@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <string>
 
 #include "planar_servo/served_cell/live_cell.h"
@@ -9,13 +10,15 @@ namespace planar {
 /// The commands that obey_command() knows, for --help.
 constexpr char kCellCommands[] =
     "'board hold N', 'board lay N' and 'board remove', N from 0; 'reflector tool' and 'reflector "
-    "MONUMENT'";
+    "MONUMENT'; 'arm marks' where drives have no home switches";
 
 /// Does what a person at the cell would do with their hands, told by one line: 'board hold N' holds
 /// the calibration board tilted into the camera's view and 'board lay N' lays it on the plane of
 /// motion, N from 0 (see BoardPresenter); 'board remove' takes it away; 'reflector tool' and
-/// 'reflector MONUMENT' place the tracker's reflector. Returns what was done in one line, or
-/// beginning with "not understood" what is allowed instead.
-std::string obey_command(const std::string& line, LiveCell& cell);
+/// 'reflector MONUMENT' place the tracker's reflector; 'arm marks' calls `put_at_marks`, which
+/// returns whether it could. Returns what was done in one line, or beginning with "not understood"
+/// what is allowed instead.
+std::string obey_command(const std::string& line, LiveCell& cell,
+                         const std::function<bool()>& put_at_marks);
 
 }  // namespace planar

@@ -41,9 +41,9 @@ void make_real(YAML::Node drive, const MotorDrive& motor, char axis, const Serve
   drive["axis"] = axis;
   drive["pulses_per_mm"] = shortest(kServedPulsesPerMm);
   drive["home"] = flow_map();
-  drive["home"]["reference"] = "reverse_switch";
+  drive["home"]["reference"] = places.firmware ? "taught" : "reverse_switch";
   drive["home"]["at_deg"] = shortest(motor.home_rad / kDegree);
-  drive["max_speed_deg_s"] = shortest(served_speed_deg_s(motor));
+  drive["max_speed_deg_s"] = shortest(served_speed_deg_s(motor, places.firmware));
 }
 
 void make_real_tracker(YAML::Node tracker, const ServedPlaces& places) {

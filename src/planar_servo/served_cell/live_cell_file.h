@@ -14,6 +14,7 @@ struct ServedPlaces {
   std::filesystem::path grbl_port;
   TrackerOutlet tracker;
   bool decimal_comma{false};  ///< in the tracker's lines
+  bool firmware{false};       ///< real one is the board, which has no home switches
 };
 
 /// Returns the text of a cell file that states of the devices where they are found and of the rest

@@ -29,8 +29,12 @@ const CellSettings& checked(const CellSettings& cell) {
 }
 
 ServedPlaces places_of(const ServeRequest& request) {
-  ServedPlaces places{request.address, kCameraSerial, request.grbl_port,
-                      TrackerPort{request.address, kTrackerPort}, request.tracker.decimal_comma};
+  ServedPlaces places{request.address,
+                      kCameraSerial,
+                      request.grbl_port,
+                      TrackerPort{request.address, kTrackerPort},
+                      request.tracker.decimal_comma,
+                      request.grbl_firmware.has_value()};
   if (request.tracker_file) places.tracker = *request.tracker_file;
   return places;
 }
@@ -57,7 +61,7 @@ struct ServedCell::Impl {
                [this](const cv::Rect& region_px, double brightness) {
                  return live.expose(region_px, brightness);
                }),
-        motors(cell, places.grbl_port, live),
+        motors(cell, places.grbl_port, live, request.grbl_firmware),
         tracker(places.tracker, request.tracker, truth.seed, live) {
     if (request.truth_log) truth_log.emplace(*request.truth_log, live);
   }
@@ -90,10 +94,11 @@ std::string ServedCell::live_text() const {
 }
 
 std::string ServedCell::obey(const std::string& line) {
-  return obey_command(line, impl_->live);
+  return obey_command(line, impl_->live, [this] { return impl_->motors.put_at_marks(); });
 }
 
 void ServedCell::require_well() const {
+  impl_->motors.require_well();
   impl_->tracker.require_well();
   if (impl_->truth_log) impl_->truth_log->require_well();
 }

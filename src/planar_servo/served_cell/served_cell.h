@@ -16,6 +16,9 @@ struct ServeRequest {
   std::string address{"127.0.0.1"};  ///< of this machine, for camera and tracker
   /// Where to put the link to the board's serial port; its folder serves one cell at a time.
   std::filesystem::path grbl_port;
+  /// A simulator of Grbl 1.1 that is the board, which has no home switches then; without it the
+  /// board is emulated.
+  std::optional<std::filesystem::path> grbl_firmware;
   /// The file to which the tracker appends its lines; without it they come from a port.
   std::optional<std::filesystem::path> tracker_file;
   ReflectorDialect tracker;

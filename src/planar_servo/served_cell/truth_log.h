@@ -4,9 +4,9 @@
 #include <optional>
 
 #include "planar_servo/core/clock.h"
+#include "planar_servo/core/repeater.h"
 #include "planar_servo/io/growing_file.h"
 #include "planar_servo/served_cell/live_cell.h"
-#include "planar_servo/served_cell/repeater.h"
 
 namespace planar {
 

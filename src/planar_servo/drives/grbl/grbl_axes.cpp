@@ -15,6 +15,9 @@ using grbl::State;
 constexpr double kAnswerPatience_s = 1.0;
 /// It is asked again after this time, because simulators read on only when more comes.
 constexpr double kAskPeriod_s = 0.05;
+/// A board that jogs answers a piece within some milliseconds. While it brakes for a hold it reads
+/// none.
+constexpr double kReadingPatience_s = 0.03;
 constexpr double kStatePatience_s = 1.0;
 /// A board that was told to brake rests by then, or is reset.
 constexpr double kRestPatience_s = 2.0;
@@ -22,6 +25,7 @@ constexpr double kPollPause_s = 5e-3;
 /// So many lines are under way at once that they fit into the smallest board's memory of 128 bytes.
 constexpr std::size_t kLinesUnderWay = 2;
 constexpr std::size_t kMostFaults = 4;
+constexpr const char* kStoppedWords = "it has stopped on its way (was it told to hold?)";
 
 Eigen::Vector3d scales(const GrblSettings& settings) {
   Eigen::Vector3d pulses_per_mm(1.0, 1.0, 1.0);
@@ -112,7 +116,15 @@ void GrblAxes::judge() {
     brake();
   }
   if (may_move_ && !state_words().empty()) brake();
+  if (reads_no_longer()) brake_for(kStoppedWords);
   follow();
+}
+
+/// Returns whether the board brakes on its way for a hold. The last piece tells nothing: every move
+/// slows down at its end, and an answer may have been lost.
+bool GrblAxes::reads_no_longer() const {
+  return path_ && !path_->all_sent() && watch_.slows() && board_.unanswered() > 0 &&
+         clock_.now_s() - sent_s_ > kReadingPatience_s;
 }
 
 /// Notices where a move or its braking ends.
@@ -139,7 +151,7 @@ bool GrblAxes::has_ended() {
   const bool stopped_before = stopped_seen_;
   stopped_seen_ = path_ && here() != path_->sent();
   if (stopped_seen_ && !stopped_before) return false;
-  if (stopped_seen_) brake_for("it has stopped on its way (was it told to hold?)");
+  if (stopped_seen_) brake_for(kStoppedWords);
   return !path_ || path_->all_sent();
 }
 

@@ -63,6 +63,7 @@ class GrblAxes {
   void take(const grbl::Line& line);
   void take_report(const grbl::Report& report);
   void judge();
+  bool reads_no_longer() const;
   void follow();
   bool has_ended();
   void feed();

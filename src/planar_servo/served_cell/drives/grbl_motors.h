@@ -1,10 +1,11 @@
 #pragma once
 
 #include <filesystem>
-#include <string>
+#include <optional>
 
 #include "planar_servo/cell/cell_settings.h"
 #include "planar_servo/emulation/emulated_grbl.h"
+#include "planar_servo/emulation/firmware_board.h"
 #include "planar_servo/served_cell/drives/motor_trail.h"
 #include "planar_servo/served_cell/live_cell.h"
 
@@ -14,25 +15,40 @@ namespace planar {
 constexpr double kServedPulsesPerMm = 250.0;
 
 /// Returns the speed that a motor's Grbl board is set to: the motor's own, but no more than what
-/// lets the board rest within 0.15 s (see doc/drives.md), in steps of 0.001 deg/s.
-double served_speed_deg_s(const MotorDrive& motor);
+/// lets the board rest within 0.15 s, or real firmware within 0.07 s (see doc/drives.md), in steps
+/// of 0.001 deg/s.
+double served_speed_deg_s(const MotorDrive& motor, bool firmware);
 
-/// Puts the motors of a virtual cell behind an emulated Grbl board, joints 1 to 3 on its axes X to
-/// Z. The board makes pulses; gears, directions and coupling are those of the truth. Its home
-/// switches stand where the arm stands at first, at the cell's home.
+/// Puts the motors of a virtual cell behind a Grbl board, joints 1 to 3 on its axes X to Z. The
+/// board makes pulses; gears, directions and coupling are those of the truth. The board is emulated
+/// and has home switches where the arm stands at first, at the cell's home; or it is run by real
+/// firmware, which has none.
 class GrblMotors {
  public:
-  /// `port` is the link to the board's serial port, as PtyPort has it. `live` must outlive this
-  /// object.
-  GrblMotors(const CellSettings& cell, const std::filesystem::path& port, LiveCell& live);
+  /// `port` is the link to the board's serial port, as PtyPort has it, `firmware` a simulator of
+  /// Grbl 1.1. `live` must outlive this object. Throws like PtyPort and FirmwareBoard.
+  GrblMotors(const CellSettings& cell, const std::filesystem::path& port, LiveCell& live,
+             const std::optional<std::filesystem::path>& firmware = std::nullopt);
   ~GrblMotors();
   GrblMotors(const GrblMotors&) = delete;
   GrblMotors& operator=(const GrblMotors&) = delete;
 
+  /// Turns the arm by hand to the marks of its motors, at the cell's home. Returns false when it
+  /// moves, or finds its home by switches.
+  bool put_at_marks();
+  /// Throws WorkError when the firmware has ended.
+  void require_well() const;
+
  private:
+  void follow(VirtualCell& virtual_cell);
+
   LiveCell& live_;
   MotorTrail trail_;
-  EmulatedGrbl board_;
+  MotorTrail::Pulses home_;               ///< as the truth counts
+  MotorTrail::Pulses counted_{0, 0, 0};   ///< by the board where the arm stands
+  MotorTrail::Pulses at_marks_{0, 0, 0};  ///< by the board at the marks
+  std::optional<EmulatedGrbl> emulated_;
+  std::optional<FirmwareBoard> firmware_;
 };
 
 }  // namespace planar

@@ -6,8 +6,8 @@
 #include <variant>
 
 #include "planar_servo/core/clock.h"
+#include "planar_servo/core/repeater.h"
 #include "planar_servo/served_cell/live_cell.h"
-#include "planar_servo/served_cell/repeater.h"
 #include "planar_servo/served_cell/tracker/reflector_lines.h"
 
 namespace planar {

@@ -1,4 +1,4 @@
-#include "planar_servo/served_cell/repeater.h"
+#include "planar_servo/core/repeater.h"
 
 #include <algorithm>
 #include <utility>
