@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <limits>
 
 #include "planar_servo/devices/separate_drives.h"
 #include "planar_servo/files/tables/frame_table.h"
@@ -25,6 +26,7 @@ class NotingDevices final : public CellDevices,
  public:
   std::vector<int> held, laid;
   std::optional<double> camera_dies_s;  ///< on the clock
+  double camera_is_back_s{std::numeric_limits<double>::infinity()};
 
   bool moves() {
     const auto status = group_.status();
@@ -44,11 +46,14 @@ class NotingDevices final : public CellDevices,
   cv::Size sensor_size_px() const override { return {64, 64}; }
   void set_region(const cv::Rect& /*region_px*/) override {}
   FrameResult next_frame() override {
+    clock_.sleep_for_s(0.1);
+    if (fault()) return {FrameStatus::kTimeout, {}};
     return {FrameStatus::kOk, {cv::Mat::zeros(64, 64, CV_8UC1), {0, 0, 64, 64}, 0.0, 0}};
   }
 
   std::optional<std::string> fault() const override {
-    if (!camera_dies_s || clock_.now_s() < *camera_dies_s) return std::nullopt;
+    const double now_s = clock_.now_s();
+    if (!camera_dies_s || now_s < *camera_dies_s || now_s >= camera_is_back_s) return std::nullopt;
     return "the camera is dead";
   }
   FrameCounts counts() const override { return {}; }
@@ -116,18 +121,33 @@ TEST_CASE("A recording that was broken off goes on with the board's next views")
   CHECK(second.laid.empty());
 }
 
-TEST_CASE("A camera that fails stops the arm on its way, and what was recorded stays") {
+TEST_CASE(
+    "A camera that is not back within a minute ends the recording, which can be gone on with") {
   const test::TemporaryFolder folder;
   RecordRequest request{small_cell(), {}, folder.path() / "recording"};
   request.plan.push_back({"g0", Plan::kHeldBoard, std::monostate()});
   request.plan.push_back({"t0", Plan::kTrain, TipPose{{-0.2, 0.3}, 0.0}});
   NotingDevices devices;
   devices.camera_dies_s = devices.clock().now_s() + 0.5;  // the move takes seconds
-  CHECK_THROWS_WITH(record(request, devices), Catch::Contains("t0: the camera is dead"));
-  CHECK(devices.clock().now_s() < *devices.camera_dies_s + 1.0);
+  CHECK_THROWS_WITH(record(request, devices),
+                    Catch::Contains("t0: the camera is dead") &&
+                        Catch::Contains("not back within 60 s; mend it, then start again"));
+  CHECK(devices.clock().now_s() < *devices.camera_dies_s + 62.0);
   CHECK_FALSE(devices.moves());
   NotingDevices again;
   CHECK(record(request, again).present == 1);
+}
+
+TEST_CASE("A camera that fails on the way or at a place is waited for, and the recording goes on") {
+  const test::TemporaryFolder folder;
+  RecordRequest request{small_cell(), {}, folder.path() / "recording"};
+  request.plan.push_back({"g0", Plan::kHeldBoard, std::monostate()});
+  request.plan.push_back({"t0", Plan::kTrain, TipPose{{-0.2, 0.3}, 0.0}});
+  NotingDevices devices;
+  devices.camera_dies_s = devices.clock().now_s() + GENERATE(-1.0, 0.5);
+  devices.camera_is_back_s = *devices.camera_dies_s + 30.0;
+  CHECK(record(request, devices).recorded == 2);
+  CHECK(devices.clock().now_s() >= devices.camera_is_back_s);
 }
 
 TEST_CASE("A cell with fixed lamps is recorded with a whole frame twice a minute") {

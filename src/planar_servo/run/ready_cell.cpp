@@ -13,7 +13,6 @@
 namespace planar {
 namespace {
 
-constexpr double kCameraPoll_s = 0.05;
 constexpr double kDrivePatience_s = 60.0;
 /// A camera that drifts by 0.1 mm an hour is noticed in this time.
 constexpr double kExamineEvery_s = 600.0;
@@ -104,17 +103,7 @@ void ReadyCell::recover_drives(const std::string& id, const std::string& reason)
 
 bool ReadyCell::wait_for_camera(const std::string& id, const std::string& reason,
                                 double deadline_s) {
-  const double lost_s = clock_.now_s();
-  spdlog::warn(fmt::format("{}: {}; the arm stands and waits", id, reason));
-  while (camera_.fault()) {
-    if (clock_.now_s() > deadline_s) return false;
-    robot_.throw_if_stopped();
-    clock_.sleep_for_s(kCameraPoll_s);
-  }
-  if (clock_.now_s() > deadline_s) return false;
-  spdlog::info(fmt::format("{}: the camera delivers again after {:.1f} s; going on", id,
-                           clock_.now_s() - lost_s));
-  return true;
+  return planar::wait_for_camera(camera_, robot_, clock_, id, reason, deadline_s);
 }
 
 }  // namespace planar

@@ -56,15 +56,13 @@ class ReadyCell {
 
   /// The most recoveries of drives for one target. A drive that fails more often is broken.
   static constexpr int kMaxDriveRecoveries = 3;
-  /// The longest wait for a camera that fails, counted from the beginning of a target.
-  static constexpr double kCameraPatience_s = 60.0;
 
   /// Makes one attempt at what `id` names, and makes it again after a drive that failed is back,
   /// but at most `recoveries_left` times.
   template <typename Attempt>
   auto with_drives(const std::string& id, int& recoveries_left, const Attempt& attempt)
       -> decltype(attempt());
-  /// Waits for the camera. Returns false when it is not back in time.
+  /// As the function of this name in servo/camera_wait.h does.
   bool wait_for_camera(const std::string& id, const std::string& reason, double deadline_s);
 
   const CellSettings& settings() const { return cell_; }

@@ -61,13 +61,12 @@ const TargetResult& ServoRun::move_to(const TargetRow& target) {
   do {
     outcome =
         cell_.with_drives(target.id, recoveries_left, [&] { return attempt(target, scorer); });
-  } while (
-      outcome.status == ServoStatus::kLostCamera &&
-      cell_.wait_for_camera(target.id, outcome.reason, start_s + ReadyCell::kCameraPatience_s));
+  } while (outcome.status == ServoStatus::kLostCamera &&
+           cell_.wait_for_camera(target.id, outcome.reason, start_s + kCameraPatience_s));
   if (outcome.status == ServoStatus::kLostCamera)
     throw WorkError(fmt::format(
         "{}: {}; the camera was not back within {:.0f} s; mend it, then start again to go on",
-        target.id, outcome.reason, ReadyCell::kCameraPatience_s));
+        target.id, outcome.reason, kCameraPatience_s));
   results_.push_back(scorer.finish(outcome, cell_.clock().now_s() - start_s - judging_s));
   if (outcome.cell_in_doubt && !keep_going_)
     ended_by_ = fmt::format("{}: {}: {}", target.id, name(outcome.status), outcome.reason);

@@ -7,11 +7,11 @@
 #include "planar_servo/files/tables/frame_table.h"
 #include "planar_servo/offline/image/grey_image.h"
 #include "planar_servo/report/live/board_view.h"
+#include "planar_servo/servo/camera_wait.h"
 
 namespace planar {
 namespace {
 
-constexpr double kCameraPatience_s = 60.0;
 constexpr double kSilence_s = 2.0;  // after which it is shown
 constexpr double kBoardPatience_s = 600.0;
 constexpr double kUnseen_s = 10.0;  // after which it is said

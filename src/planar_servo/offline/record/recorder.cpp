@@ -26,6 +26,7 @@
 #include "planar_servo/robot/homing.h"
 #include "planar_servo/robot/planar_robot.h"
 #include "planar_servo/servo/arrival.h"
+#include "planar_servo/servo/camera_wait.h"
 #include "planar_servo/vision/follow_region.h"
 #include "planar_servo/vision/reference_lamps.h"
 
@@ -35,7 +36,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kLostFrameRetries = 3;
-constexpr char kMendCamera[] = "the arm has stopped; mend the camera, then start again to go on";
 
 /// Returns whether a person shows the board.
 bool is_guided(const RecordRequest& request, CellDevices& devices) {
@@ -92,6 +92,7 @@ class Recorder {
         ++report_.present;
         continue;
       }
+      place_ = plan[i].id;
       if (board)
         record_board(plan[i], view);
       else
@@ -120,7 +121,7 @@ class Recorder {
 
   void record_position(const PlanRow& row, const Joints& theta) {
     for (PlaceEnd end = PlaceEnd::kRepeat; end == PlaceEnd::kRepeat;) {
-      approach(row, theta);
+      approach(theta);
       const TipPose tip = planner_.arm().forward(robot_.commanded_joints());
       const Pictures pictures = pictures_at(row, tip.p);
       end = needs_reading(row.plan) ? places_.read(row.id, tip) : PlaceEnd::kKeep;
@@ -135,29 +136,43 @@ class Recorder {
     energized_ = true;
   }
 
-  void approach(const PlanRow& row, const Joints& theta) {
+  void approach(const Joints& theta) {
     if (board_in_field_) board_source_->clear_field();
     board_in_field_ = false;
     if (!energized_) make_ready();
     // On the way frames only tell that the camera is well; the link carries small ones easily.
     devices_.camera().set_region(
         region_round({0.5 * full_region().width, 0.5 * full_region().height}));
-    move_to(row.id, theta);
+    move_to(theta);
     devices_.clock().sleep_for_s(cell_.servo.settle_s);
   }
 
-  void move_to(const std::string& id, const Joints& theta) {
-    std::optional<Obstacle> obstacle;
+  void move_to(const Joints& theta) {
+    const double deadline_s = devices_.clock().now_s() + kCameraPatience_s;
+    while (const auto obstacle = try_to_arrive(theta)) {
+      if (obstacle->refused)
+        throw WorkError(
+            fmt::format("{}: {}; move the place in the plan", place_, obstacle->reason));
+      await_camera(obstacle->reason, deadline_s);
+    }
+  }
+
+  std::optional<Obstacle> try_to_arrive(const Joints& theta) {
     try {
-      obstacle = arrive(robot_, planner_, cell_.servo, theta,
-                        [this] { return devices_.camera().fault(); });
+      return arrive(robot_, planner_, cell_.servo, theta,
+                    [this] { return devices_.camera().fault(); });
     } catch (const DriveError& error) {
       throw DriveError(
-          fmt::format("{}: {}; mend the drives, then start again to go on", id, error.what()));
+          fmt::format("{}: {}; mend the drives, then start again to go on", place_, error.what()));
     }
-    if (obstacle)
-      throw WorkError(fmt::format("{}: {}; {}", id, obstacle->reason,
-                                  obstacle->refused ? "move the place in the plan" : kMendCamera));
+  }
+
+  /// The arm stands. Throws when the camera is not back in time.
+  void await_camera(const std::string& reason, double deadline_s) {
+    if (!wait_for_camera(devices_.camera(), robot_, devices_.clock(), place_, reason, deadline_s))
+      throw WorkError(fmt::format(
+          "{}: {}; the camera was not back within {:.0f} s; mend it, then start again to go on",
+          place_, reason, kCameraPatience_s));
   }
 
   Pictures pictures_at(const PlanRow& row, const Eigen::Vector2d& p) {
@@ -165,7 +180,7 @@ class Recorder {
     set_region_for(p);
     for (int i = 0; i < cell_.servo.frames_per_measurement; ++i) {
       Frame frame = grab();
-      if (i == 0) frame = with_lamps(std::move(frame), p, row.id);
+      if (i == 0) frame = with_lamps(std::move(frame), p);
       save(frame, row, pictures);
     }
     return pictures;
@@ -190,10 +205,11 @@ class Recorder {
 
   /// Returns the frame itself when both lamps are in it, and otherwise a full frame. The camera's
   /// region follows the lamps from then on.
-  Frame with_lamps(Frame frame, const Eigen::Vector2d& p, const std::string& id) {
+  Frame with_lamps(Frame frame, const Eigen::Vector2d& p) {
     std::optional<Eigen::Vector2d> middle = middle_of_lamps(frame);
     if (!middle && frame.region_px != full_region()) {
-      spdlog::debug(fmt::format("{}: the lamps are not in the region; taking a full frame", id));
+      spdlog::debug(
+          fmt::format("{}: the lamps are not in the region; taking a full frame", place_));
       devices_.camera().set_region(full_region());
       frame = grab();
       middle = middle_of_lamps(frame);
@@ -202,7 +218,7 @@ class Recorder {
       sights_.push_back({p, *middle});
       devices_.camera().set_region(region_round(*middle));
     } else {
-      report_.without_lamps.push_back(id);
+      report_.without_lamps.push_back(place_);
     }
     return frame;
   }
@@ -215,13 +231,15 @@ class Recorder {
   }
 
   Frame grab() {
-    for (int attempt = 0; attempt < kLostFrameRetries; ++attempt) {
-      FrameResult result = devices_.camera().next_frame();
-      if (result.status == FrameStatus::kOk) return std::move(result.frame);
+    const double deadline_s = devices_.clock().now_s() + kCameraPatience_s;
+    while (true) {
+      for (int attempt = 0; attempt < kLostFrameRetries; ++attempt) {
+        FrameResult result = devices_.camera().next_frame();
+        if (result.status == FrameStatus::kOk) return std::move(result.frame);
+      }
+      await_camera(fmt::format("the camera delivered no frame in {} attempts", kLostFrameRetries),
+                   deadline_s);
     }
-    robot_.halt();
-    throw WorkError(fmt::format("the camera delivered no frame in {} attempts; {}",
-                                kLostFrameRetries, kMendCamera));
   }
 
   void save(const Frame& frame, const PlanRow& row, Pictures& pictures) {
@@ -266,6 +284,7 @@ class Recorder {
   bool board_in_field_{false};
   MayHome may_home_;
   bool energized_{false};
+  std::string place_;  ///< what is recorded now, the id of its row
   RecordReport report_;
 };
 
