@@ -135,7 +135,7 @@ TEST_CASE("Real firmware that is told to hold by hand rests, and its driver says
   FirmwareBench bench(*path);
   bench.begin_long_move();
   bench.say("!");
-  CHECK(eventually([&] { return !bench.drives->status()[0].faults.empty(); }));
+  REQUIRE(eventually([&] { return !bench.drives->status()[0].faults.empty(); }));
   CHECK(bench.drives->status()[0].faults.front() ==
         "it has stopped on its way (was it told to hold?)");
   CHECK(eventually([&] { return !bench.drives->status()[0].moving; }));

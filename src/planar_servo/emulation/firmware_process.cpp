@@ -23,7 +23,7 @@ constexpr double kPause_s = 0.02;
 constexpr char kEnd = '\x06';
 
 fs::path checked_program(const fs::path& simulator) {
-  const fs::path program = fs::absolute(simulator);
+  fs::path program = fs::absolute(simulator);
   if (fs::is_regular_file(program) && access(program.c_str(), X_OK) == 0) return program;
   throw InputError(simulator.string() +
                    ": is no program that can be run; name Grbl's simulator, such as grbl_sim");
@@ -68,6 +68,7 @@ FirmwareProcess::FirmwareProcess(const fs::path& simulator, const std::vector<st
   std::vector<std::string> words{"stdbuf", "-i0", simulator_.string(), "-n", "-b", "/dev/null"};
   words.insert(words.end(), options.begin(), options.end());
   std::vector<char*> arguments;
+  arguments.reserve(words.size() + 1);
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
   posix_spawn_file_actions_t files;
@@ -94,7 +95,7 @@ std::string FirmwareProcess::wait_for(std::string_view beginning, const std::str
   while (clock.now_s() < deadline_s) {
     require_running();
     for (auto end = heard_.find('\n'); end != std::string::npos; end = heard_.find('\n')) {
-      const std::string line = heard_.substr(0, heard_.find_last_not_of('\r', end - 1) + 1);
+      std::string line = heard_.substr(0, heard_.find_last_not_of('\r', end - 1) + 1);
       heard_.erase(0, end + 1);
       if (line.rfind(beginning, 0) == 0) return line;
     }

@@ -16,8 +16,9 @@ constexpr double kAnswerPatience_s = 1.0;
 /// It is asked again after this time, because simulators read on only when more comes.
 constexpr double kAskPeriod_s = 0.05;
 /// A board that jogs answers a piece within some milliseconds. While it brakes for a hold it reads
-/// none.
+/// none, for so long and in so many reports.
 constexpr double kReadingPatience_s = 0.03;
+constexpr int kUnreadReports = 3;
 constexpr double kStatePatience_s = 1.0;
 /// A board that was told to brake rests by then, or is reset.
 constexpr double kRestPatience_s = 2.0;
@@ -122,9 +123,12 @@ void GrblAxes::judge() {
 
 /// Returns whether the board brakes on its way for a hold. The last piece tells nothing: every move
 /// slows down at its end, and an answer may have been lost.
-bool GrblAxes::reads_no_longer() const {
-  return path_ && !path_->all_sent() && watch_.slows() && board_.unanswered() > 0 &&
-         clock_.now_s() - sent_s_ > kReadingPatience_s;
+bool GrblAxes::reads_no_longer() {
+  const double now_s = clock_.now_s();
+  const bool unread = path_ && !path_->all_sent() && watch_.slows() && board_.unanswered() > 0;
+  unread_reports_ = unread ? unread_reports_ + 1 : 0;
+  if (unread_reports_ <= 1) unread_since_s_ = now_s;
+  return unread_reports_ >= kUnreadReports && now_s - unread_since_s_ > kReadingPatience_s;
 }
 
 /// Notices where a move or its braking ends.

@@ -63,7 +63,7 @@ class GrblAxes {
   void take(const grbl::Line& line);
   void take_report(const grbl::Report& report);
   void judge();
-  bool reads_no_longer() const;
+  bool reads_no_longer();
   void follow();
   bool has_ended();
   void feed();
@@ -89,6 +89,8 @@ class GrblAxes {
   bool searching_{false}, found_switches_{false};
   bool stopped_seen_{false};  ///< by the last report
   double sent_s_{0.0};        ///< when the last move was sent
+  int unread_reports_{0};     ///< in a row, in which the board slows down and leaves a piece unread
+  double unread_since_s_{0.0};
   std::optional<AxisPulses> goal_;
   std::array<AxisLimits, 3> limits_;
   std::optional<JogPath> path_;

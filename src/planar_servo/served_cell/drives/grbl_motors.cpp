@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <vector>
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
