@@ -8,6 +8,7 @@
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/files/vision_files.h"
 #include "planar_servo/run/cell_check.h"
+#include "planar_servo/servo/camera_wait.h"
 #include "planar_servo/vision/guard_limits.h"
 
 namespace planar {

@@ -12,6 +12,7 @@
 #include "planar_servo/run/dry_run.h"
 #include "planar_servo/run/resumed_run.h"
 #include "planar_servo/run/target_scorer.h"
+#include "planar_servo/servo/camera_wait.h"
 
 namespace planar {
 
