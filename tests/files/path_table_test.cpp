@@ -52,7 +52,7 @@ TEST_CASE(
   row.truth = PathOffset{0.1, -3e-5};
   CHECK(*row.lag_truth_m() == Approx(0.1e-3));
   const std::string line = path_look_line(row);
-  CHECK_THAT(line, Catch::StartsWith("10.000000,"));
+  CHECK_THAT(line, Catch::StartsWith("vision,10.000000,"));
   CHECK_THAT(line, Catch::Contains(",0.020000,0.200000,"));
   CHECK_THAT(line, Catch::EndsWith(",-0.030000,0.100000\n"));
   row.look.measurement = failed_look(TipStatus::kNoLamps, "one_lamp", 1.0);
