@@ -40,6 +40,6 @@ awk -v seen="$seen" -v alone="$alone" 'BEGIN { exit !(seen > 0 && seen < 0.5 * a
   fail "vision does not help: $(cat both.txt)"
 "${servo[@]}" --path path.csv --speed-mm-s 50 --no-vision --out alone >alone.txt
 if grep -q "vision" alone/path_results.csv; then fail "$(cat alone.txt)"; fi
-expect 2 "--compare excludes --no-vision" \
+expect 2 "--no-vision excludes --compare" \
   "${servo[@]}" --path path.csv --no-vision --compare --out made
 expect 2 "path_looks.csv: holds a run already" "${servo[@]}" --path path.csv --out both
