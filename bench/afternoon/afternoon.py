@@ -2,7 +2,8 @@
 """Does the whole afternoon on a served cell, and scores it by the log of the truth.
 
     tests/support/loopback_only.sh bench/afternoon/afternoon.py BIN_DIR OUT [--seed N] [--train N]
-        [--pair-by id|time] [--certify CYCLES TARGETS] [--serve OPTION ...]
+        [--pair-by id|time] [--crash] [--certify CYCLES TARGETS]
+        [--serve OPTION ...]
 
 One terminal serves the cell, the other runs the programs of doc/served_cell.md; this script types what they ask
 for, and nothing else of the simulation reaches them. The same cell is calibrated and run in process as well.
@@ -16,6 +17,7 @@ import json
 import math
 import pathlib
 import re
+import signal
 import statistics
 import subprocess
 import sys
@@ -94,6 +96,7 @@ class Afternoon:
     def __init__(self, options):
         self.bin, self.out, self.options = options.bin.resolve(), options.out.resolve(), options
         self.out.mkdir(parents=True)
+        self.crash = options.crash
         self.views = {}  # how often the board was held and laid
         self.log = open(self.out / "afternoon.log", "w", buffering=1)
 
@@ -117,10 +120,11 @@ class Afternoon:
         command = [self.bin / program, *map(str, arguments)]
         for attempt in range(ATTEMPTS):
             operated = self.operate_once(folder, command)
-            if operated.end() == 0:
+            status = operated.end()
+            if status == 0:
                 self.log.write(f"({program} was started {attempt + 1} times)\n")
                 return operated
-            if not re.search(TRY_AGAIN, operated.heard):
+            if status != -signal.SIGKILL and not re.search(TRY_AGAIN, operated.heard):
                 break
             time.sleep(5)  # in which the camera forgets who controlled it
         raise SystemExit(f"{program} has failed: {operated.heard[-2000:]}")
@@ -130,6 +134,8 @@ class Afternoon:
         asks = [r"place the reflector on '(?P<monument>[^']*)'", r"reflector back on the tool",
                 r"more views? of the board", r"more lays? of the board", r"is taken", r"arm's way"]
         program = Program(command, self.log, folder)
+        if self.crash:
+            threading.Thread(target=self.kill_midway, args=(program, folder), daemon=True).start()
         verb = None
         while program.thread.is_alive():
             said = program.next(asks, 20 if verb else 3600)
@@ -151,6 +157,16 @@ class Afternoon:
                 self.views[verb] = self.views.get(verb, -1) + 1
                 self.at_cell(f"board {verb} {self.views[verb]}")
         return program
+
+    def kill_midway(self, program, folder):
+        """Kills the recording, once, when it has half of the places."""
+        half, frames = f"\ntrain_{self.options.train // 2:03d},", folder / "recording" / "frames.csv"
+        while program.thread.is_alive():
+            if frames.exists() and half in frames.read_text():
+                self.crash = False
+                program.process.kill()
+                return
+            time.sleep(0.2)
 
     def calibrate(self, folder, pair_by):
         self.run(folder, "planar-calibrate-camera", "--grid", BOARD, "--model", "auto", "-o", "camera.yaml",
@@ -224,6 +240,7 @@ def main():
     parser.add_argument("--seed", type=int, default=7)
     parser.add_argument("--train", type=int, default=60, help="places to which the map is fitted")
     parser.add_argument("--pair-by", choices=["id", "time"], default="id", help="of the served cell's readings")
+    parser.add_argument("--crash", action="store_true", help="kill the recording once, when it has half of the places")
     parser.add_argument("--certify", nargs=2, type=int, metavar=("CYCLES", "TARGETS"),
                         help="size of a certificate of the served cell")
     parser.add_argument("--serve", nargs=argparse.REMAINDER, default=[], help="options of planar-virtual-cell serve")
