@@ -5,6 +5,7 @@
 
 #include "calibration/board_views.h"
 #include "field/bent_cell.h"
+#include "planar_servo/calibration/vision_tip.h"
 #include "planar_servo/core/fixed.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/offline/arm/arm_page.h"
@@ -110,11 +111,12 @@ LocateReport located(int places, double noise_px) {
   LocateReport report;
   for (int i = 0; i < 3 * places; ++i) {
     LampRow row;
-    row.id = "p" + std::to_string(i / 3);
+    const int place = i / 3;
+    row.id = "p" + std::to_string(place);
     row.image = "images/" + std::to_string(i) + ".png";
     row.status = LampStatus::kOk;
     for (const double u : {100.0, 200.0})
-      row.uv_px.emplace_back(u + 10.0 * (i / 3) + noise(random), 300.0 + noise(random));
+      row.uv_px.emplace_back(u + 10.0 * place + noise(random), 300.0 + noise(random));
     row.covariance_px2.assign(2, 4e-4 * Eigen::Matrix2d::Identity());
     report.rows.push_back(row);
   }
@@ -135,8 +137,8 @@ TEST_CASE("Lamps are judged by images without them and by what moves at rest") {
   CHECK(lamps_verdict(report).faults.empty());
   CHECK_THAT(lamps_verdict(report).good, Contains("90 of 90 images"));
   CHECK(has_fault(lamps_verdict(located(30, 0.06)), "scatter by"));
-  for (int i = 0; i < 9; ++i) {
-    LampRow& row = report.rows[static_cast<std::size_t>(10 * i)];
+  for (std::size_t i = 0; i < 9; ++i) {
+    LampRow& row = report.rows[10 * i];
     row.status = LampStatus::kSaturated;
     row.uv_px.clear();
     row.covariance_px2.clear();

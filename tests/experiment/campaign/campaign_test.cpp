@@ -3,6 +3,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <array>
 #include <catch2/catch.hpp>
 #include <csignal>
 #include <nlohmann/json.hpp>
@@ -52,8 +53,8 @@ void check_whole(const std::filesystem::path& file) {
 TEST_CASE("Three processes find every row once, the same as one, in the order of the seeds") {
   const test::TemporaryFolder folder;
   const auto file = folder / "rows.jsonl";
-  std::vector<pid_t> processes;
-  for (int i = 0; i < 3; ++i) processes.push_back(begin_process(file, slow_square));
+  std::array<pid_t, 3> processes;
+  for (pid_t& process : processes) process = begin_process(file, slow_square);
   for (const pid_t process : processes) {
     int status = 1;
     waitpid(process, &status, 0);
@@ -103,7 +104,7 @@ TEST_CASE("A torn last row is found again, the rows before it are not") {
 TEST_CASE("Rows begun with other options are refused by the name of each") {
   const test::TemporaryFolder folder;
   const auto file = folder / "rows.jsonl";
-  CampaignRows(file, {{"lays", 1}, {"board", "circles:6x6:30mm"}});
+  const CampaignRows begun(file, {{"lays", 1}, {"board", "circles:6x6:30mm"}});
   CHECK_THROWS_WITH(
       CampaignRows(file, {{"lays", 4}, {"board", "circles:6x6:30mm"}, {"more", 1}}),
       Catch::Contains("lays 1, now 4; more none, now 1;") && !Catch::Contains("board"));
@@ -131,7 +132,7 @@ TEST_CASE("The folder of a single experiment takes no campaign, nor that of a ca
                     Catch::Contains("holds a single experiment"));
   request.out = folder / "campaign";
   std::filesystem::create_directory(request.out);
-  CampaignRows(request.out / "rows.jsonl", kMaking);
+  const CampaignRows begun(request.out / "rows.jsonl", kMaking);
   CHECK_THROWS_WITH(begin_experiment(request), Catch::Contains("recording or a campaign already"));
 }
 
