@@ -9,7 +9,7 @@
 namespace planar::test {
 
 /// A virtual cell that tells nobody its truth, and so passes for a real one.
-class SilentCell final : public CellDevices {
+class SilentCell : public CellDevices {
  public:
   explicit SilentCell(const CellSettings& cell) : devices_(open_cell(cell)) {}
 
@@ -19,6 +19,9 @@ class SilentCell final : public CellDevices {
   Tracker& tracker() override { return devices_->tracker(); }
   BoardPresenter* board_presenter() override { return nullptr; }
   std::function<TipPose()> true_tip() override { return {}; }
+
+ protected:
+  CellDevices& virtual_devices() { return *devices_; }
 
  private:
   std::unique_ptr<CellDevices> devices_;

@@ -16,7 +16,6 @@ namespace planar {
 namespace {
 
 constexpr int kAttempts = 3;
-constexpr int kLeastMonuments = 3;
 // Moves from which on a reading must have followed the tool, which is not turned meanwhile.
 constexpr double kMoved = 1.0 * kMillimetre;
 constexpr double kUnturned = 0.1 * kDegree;
@@ -37,10 +36,10 @@ ReflectorReadings::ReflectorReadings(const CellSettings& cell, Tracker& tracker,
 }
 
 std::vector<MonumentSeen> ReflectorReadings::read_monuments(std::vector<MonumentSeen> seen) {
-  int read = 0;
+  std::size_t read = 0;
   for (const Monument& monument : cell_.datum)
     if (read_monument(monument.id, seen)) ++read;
-  const int needed = std::min(kLeastMonuments, static_cast<int>(cell_.datum.size()));
+  const std::size_t needed = std::min(kLeastMonuments, cell_.datum.size());
   if (read < needed)
     throw WorkError(
         fmt::format("{} of {} monuments were read; at least {} tie the tracker to the "

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <functional>
 #include <optional>
 #include <string>
@@ -13,6 +14,9 @@
 namespace planar {
 
 class GrowingFile;
+
+/// The fewest monuments that tie a tracker to the base.
+constexpr std::size_t kLeastMonuments = 3;
 
 /// A reading of a monument.
 struct MonumentSeen {

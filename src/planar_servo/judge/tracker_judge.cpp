@@ -15,7 +15,6 @@ namespace {
 
 /// An arm whose loop is closed ends within fractions of a millimetre of where it is supposed to be.
 constexpr double kElsewhere = 20.0 * kMillimetre;
-constexpr std::size_t kMonumentsToJudge = 3;
 constexpr int kAttemptsToJudge = 3;
 
 JudgedTip not_judged(const std::string& fault) {
@@ -95,11 +94,11 @@ void require_judging_tracker(const CellSettings& cell) {
     refuse(
         "tracker.source is none; set up the tracker and name its source (file, tcp or ask), see "
         "doc/tracker.md");
-  if (cell.datum.size() < kMonumentsToJudge)
+  if (cell.datum.size() < kLeastMonuments)
     refuse(
         fmt::format("datum has {} monument{}, but at least {} that are not on one line tie the "
                     "tracker to the base; measure them and write them there",
-                    cell.datum.size(), cell.datum.size() == 1 ? "" : "s", kMonumentsToJudge));
+                    cell.datum.size(), cell.datum.size() == 1 ? "" : "s", kLeastMonuments));
 }
 
 }  // namespace planar

@@ -9,6 +9,7 @@
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "support/sample_cells.h"
+#include "support/silent_cell.h"
 #include "support/temporary_folder.h"
 
 namespace planar {
@@ -49,21 +50,16 @@ class WatchedTracker final : public Tracker {
   std::string last_monument_;
 };
 
-/// A virtual cell that passes for a real one: nobody tells its truth.
-class RealDevices final : public CellDevices {
+/// Passes for a real cell, although its board is shown by itself.
+class RealDevices final : public test::SilentCell {
  public:
-  explicit RealDevices(const CellSettings& cell) : cell_(open_cell(cell)) {}
+  using SilentCell::SilentCell;
 
-  Clock& clock() override { return cell_->clock(); }
-  FrameSource& camera() override { return cell_->camera(); }
-  DriveGroup& drives() override { return cell_->drives(); }
   WatchedTracker& tracker() override { return tracker_; }
-  BoardPresenter* board_presenter() override { return cell_->board_presenter(); }
-  std::function<TipPose()> true_tip() override { return {}; }
+  BoardPresenter* board_presenter() override { return virtual_devices().board_presenter(); }
 
  private:
-  std::unique_ptr<CellDevices> cell_;
-  WatchedTracker tracker_{*cell_};
+  WatchedTracker tracker_{virtual_devices()};
 };
 
 ExperimentRequest short_experiment(const test::TemporaryFolder& folder) {

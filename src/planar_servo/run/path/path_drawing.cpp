@@ -27,14 +27,14 @@ struct DrawnWay {
 };
 
 /// Who says where the end point was.
-struct Judge {
+struct Witness {
   const char* words;
   Points DrawnWay::*points;
   std::optional<PathErrors> PathSpeedResult::*errors;
 };
 
-constexpr Judge kJudges[] = {{"as seen", &DrawnWay::seen, &PathSpeedResult::own_view},
-                             {"in truth", &DrawnWay::truth, &PathSpeedResult::truth}};
+constexpr Witness kWitnesses[] = {{"as seen", &DrawnWay::seen, &PathSpeedResult::own_view},
+                                  {"in truth", &DrawnWay::truth, &PathSpeedResult::truth}};
 
 /// How a guidance is named and drawn.
 struct DrawnGuidance {
@@ -66,24 +66,24 @@ std::vector<DrawnWay> ways_along(const std::vector<PathLookRow>& looks) {
 std::vector<double> deviations_mm(const std::vector<DrawnWay>& ways) {
   std::vector<double> deviations;
   for (const DrawnWay& way : ways)
-    for (const Judge& judge : kJudges)
-      for (const Eigen::Vector2d& point : way.*judge.points) deviations.push_back(point.y());
+    for (const Witness& witness : kWitnesses)
+      for (const Eigen::Vector2d& point : way.*witness.points) deviations.push_back(point.y());
   return deviations;
 }
 
-/// Draws on `blank` a panel for each judge of a guidance, with a line for each speed: `placed` says
-/// where points along and across the path lie in it.
+/// Draws on `blank` a panel for each witness of a guidance, with a line for each speed: `placed`
+/// says where points along and across the path lie in it.
 std::string panels_of(const DrawnGuidance& drawn, const std::vector<DrawnWay>& ways,
                       const std::function<Panel(const std::string& title)>& blank,
                       const std::function<Points(const Points&)>& placed) {
   std::vector<Panel> panels;
-  for (const Judge& judge : kJudges) {
-    Panel panel = blank(fmt::format("{}, {}", drawn.words, judge.words));
+  for (const Witness& witness : kWitnesses) {
+    Panel panel = blank(fmt::format("{}, {}", drawn.words, witness.words));
     std::size_t speeds = 0;
     for (const DrawnWay& way : ways) {
-      if (way.guidance != drawn.guidance || (way.*judge.points).empty()) continue;
+      if (way.guidance != drawn.guidance || (way.*witness.points).empty()) continue;
       const char* color = kSeriesColors[speeds++ % std::size(kSeriesColors)];
-      panel.add_line(placed(way.*judge.points), Panel::Stroke::kSolid, color);
+      panel.add_line(placed(way.*witness.points), Panel::Stroke::kSolid, color);
       panel.add_key(color, fmt::format("{:g} mm/s", way.speed_m_s / kMillimetre));
     }
     if (speeds > 0) panels.push_back(panel);
@@ -131,11 +131,11 @@ class Map {
 };
 
 /// One guidance's deviation over speed: 95 % and mean.
-void add_curve(Panel& panel, const DrawnGuidance& drawn, const Judge& judge,
+void add_curve(Panel& panel, const DrawnGuidance& drawn, const Witness& witness,
                const std::vector<PathSpeedResult>& results) {
   Points p95, mean;
   for (const PathSpeedResult& result : results) {
-    const auto& errors = result.*judge.errors;
+    const auto& errors = result.*witness.errors;
     if (result.guidance != drawn.guidance || !errors) continue;
     p95.emplace_back(result.speed_m_s / kMillimetre, errors->across_m.p95 / kMillimetre);
     mean.emplace_back(result.speed_m_s / kMillimetre, errors->across_m.mean / kMillimetre);
@@ -154,19 +154,19 @@ void add_curve(Panel& panel, const DrawnGuidance& drawn, const Judge& judge,
 std::string speed_svg(const std::vector<PathSpeedResult>& results) {
   std::vector<double> speeds, deviations{0.0};
   for (const PathSpeedResult& result : results)
-    for (const Judge& judge : kJudges)
-      if (const auto& errors = result.*judge.errors) {
+    for (const Witness& witness : kWitnesses)
+      if (const auto& errors = result.*witness.errors) {
         speeds.push_back(result.speed_m_s / kMillimetre);
         deviations.push_back(errors->across_m.p95 / kMillimetre);
       }
   std::vector<Panel> panels;
-  for (const Judge& judge : kJudges) {
-    const auto judged = [&](const PathSpeedResult& r) { return (r.*judge.errors).has_value(); };
+  for (const Witness& witness : kWitnesses) {
+    const auto judged = [&](const PathSpeedResult& r) { return (r.*witness.errors).has_value(); };
     if (std::none_of(results.begin(), results.end(), judged)) continue;
-    Panel panel(fmt::format("Deviation by speed, {}", judge.words),
+    Panel panel(fmt::format("Deviation by speed, {}", witness.words),
                 decades_over("speed, mm/s", speeds),
                 axis_over("distance from the path, mm", deviations));
-    for (const DrawnGuidance& drawn : kDrawnGuidances) add_curve(panel, drawn, judge, results);
+    for (const DrawnGuidance& drawn : kDrawnGuidances) add_curve(panel, drawn, witness, results);
     panel.add_note("solid: 95 % are below; dashed: mean");
     panels.push_back(panel);
   }
