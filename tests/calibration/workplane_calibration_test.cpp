@@ -145,6 +145,14 @@ TEST_CASE("Recordings that do not determine the workplane say what is missing") 
   CHECK_THROWS_WITH(fit_workplane_to_pairs(cell.lens, line), Contains("one line"));
 }
 
+TEST_CASE("A board of another pitch than was told is refused, and the pitch is named") {
+  const SyntheticCell cell;
+  Pose X_CG = board(cell, 0.0, 0.3);
+  X_CG.translation() *= 0.5;
+  CHECK_THROWS_WITH(fit_workplane_to_board(cell.lens, {X_CG}, cell.recording()),
+                    Contains("check the pitch in --grid"));
+}
+
 TEST_CASE("Values that are not finite are refused by the name of their sight") {
   const SyntheticCell cell = noiseless();
   std::vector<ToolSight> sights = cell.recording(20, 8);

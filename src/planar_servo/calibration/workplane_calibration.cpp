@@ -28,6 +28,7 @@ constexpr int kMaxRounds = 8;
 constexpr double kSettled = 1e-10;  // in m and rad
 // A vision error is some thousandths of the field. Data that differ by more do not belong together.
 constexpr double kMaxRmsShare = 0.02;
+constexpr double kMostHeightShare = 0.05;
 
 /// Both offsets, fitted to the joint-3 sweeps.
 struct SweepFits {
@@ -206,6 +207,16 @@ Settled fit_in_rounds(SightSet& sights, const Pose& start, const Step& step) {
   return settled;
 }
 
+/// Throws InputError when the board's lengths put the camera at another height than the tracker's.
+void require_same_lengths(const Pose& by_board, const Pose& by_tracker) {
+  const double board = by_board.translation().z(), tracker = by_tracker.translation().z();
+  if (std::abs(board - tracker) <= kMostHeightShare * tracker) return;
+  throw InputError(fmt::format(
+      "workplane: the camera stands {:.0f} mm above the plane by the board, and {:.0f} mm by the "
+      "tracker's readings; check the pitch in --grid and the unit of the tracker's lengths",
+      board / kMillimetre, tracker / kMillimetre));
+}
+
 /// Returns the covariance of the camera pose when position and turn in the plane come from the
 /// pairs, and height and tilt from the board. The pairs make good a part of the board's error.
 Matrix6d board_covariance(const NormalEquations& sum, const Eigen::Matrix3d& board) {
@@ -237,10 +248,10 @@ WorkplaneFit fit_workplane_to_board(const CameraModel& camera, const std::vector
   std::vector<CameraPlane> planes;
   planes.reserve(X_CG.size());
   for (const Pose& pose : X_CG) planes.push_back(board_plane(pose, points_height));
-  const CameraPlane plane = mean_plane(planes);
+  const Pose over_plane = pose_over_plane(mean_plane(planes));
   SightSet set(camera, sights);
-  start_from_pairs(set, camera);  // throws for mirrored and collinear positions
-  auto [fit, sum] = fit_in_rounds(set, pose_over_plane(plane), step_in_plane);
+  require_same_lengths(over_plane, start_from_pairs(set, camera));
+  auto [fit, sum] = fit_in_rounds(set, over_plane, step_in_plane);
   fit.absorbed = 3;
   fit.covariance = board_covariance(sum, scatter_of_planes(fit.X_WC, planes));
   return fit;
