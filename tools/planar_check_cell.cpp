@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "homing_options.h"
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/files/vision_files.h"
 #include "planar_servo/machine/cell_devices.h"
@@ -15,15 +16,17 @@ namespace {
 const ProgramText kText{
     "planar-check-cell",
     "Moves a little, visits places of the calibration again, and says what has changed since.",
-    "planar-check-cell --cell cell.yaml",
+    "planar-check-cell --cell cell.yaml [--home] [--at-marks]",
     R"(the camera has shifted by 0.998 mm; what still holds: camera.yaml and tool.yaml; what to do: put the camera back, or record the places again and run planar-pair-tracker and planar-fit-error-map)"};
 
 struct Options {
   std::filesystem::path cell;
+  HomingOptions homing;
 };
 
 void add_options(CLI::App& app, Options& options) {
   app.add_option("--cell", options.cell, "the cell")->required()->type_name("FILE");
+  add_homing_options(app, options.homing);
 }
 
 Outcome check(const Options& options) {
@@ -43,6 +46,8 @@ Outcome check(const Options& options) {
                     devices->drives(), devices->clock());
   robot.stop_when(interrupted);
   robot.energize();
+  home_where_needed(robot, may_home(options.homing),
+                    "start with --home, or home them with planar-jog");
   LampTipSensor sensor(vision, cell.lamps.method, devices->camera(), cell.camera.follow_region_px);
   CellCheck procedure(cell, vision, robot, sensor, devices->clock());
   const std::vector<HealthFinding> found = check_cell(procedure, health);
