@@ -245,6 +245,10 @@ def main():
                         help="size of a certificate of the served cell")
     parser.add_argument("--serve", nargs=argparse.REMAINDER, default=[], help="options of planar-virtual-cell serve")
     options = parser.parse_args()
+    if not (options.bin / "planar-record").exists():
+        parser.error(f"{options.bin} has no planar-record; give the folder of the built programs, build/release/bin")
+    if options.out.exists():
+        parser.error(f"{options.out} exists already; name a new folder")
     afternoon = Afternoon(options)
     in_process = afternoon.in_process()
     live, live_sigma = afternoon.live()
