@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "planar_servo/certificate/certificate_plan.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/files/vision_files.h"
@@ -56,6 +57,14 @@ TEST_CASE("The square and the targets lie where the cell can position") {
     const TestPlaces beside = find_test_places(cell, vision, 1);
     const Eigen::Vector2d apart = beside.square.centre - places.square.centre;
     CHECK(apart.cwiseAbs().maxCoeff() > 0.5 * beside.square.side);
+  }
+  SECTION("A keep-out disc where a pose is approached from moves the square, too") {
+    const double way = kApproachShare * places.square.side;
+    const Eigen::Vector2d from = places.poses[0] + Eigen::Vector2d(way, 0.0);
+    cell.workspace.keep_out.push_back({from, 0.003});
+    const TestPlaces beside = find_test_places(cell, vision, 1);
+    for (const CertificateMove& move : certificate_moves(beside, 1))
+      CHECK_FALSE(cell.workspace.violation(move.p_before.value_or(move.p_d)));
   }
   SECTION("A workspace that the camera does not see is refused") {
     cell.workspace.keep_out.push_back({{0.0, 0.0}, 0.6});

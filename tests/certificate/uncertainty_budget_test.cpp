@@ -72,12 +72,17 @@ TEST_CASE("An arm that lands within the stop rule counts in its place") {
 }
 
 TEST_CASE("A drift counts when chance does not explain it, and so does the judge") {
-  const SampleRun run;
+  SampleRun run;
+  run.moves.push_back(run.moves[0]);
+  run.moves[0].judge_sigma = 3e-6;
+  run.moves[1].judge_sigma = 5e-6;
+  JudgedMove& pose = run.moves.emplace_back(run.moves[0]);
+  pose.move = {"c01.P1", CertificatePart::kPose, "P1", "", 1, {0.3, 0.1}};
+  pose.judge_sigma = 90e-6;  // which tells nothing of the targets
   CellAccuracy accuracy = cell_accuracy(run.moves);
-  accuracy.judge_sigma = 7e-6;
   accuracy.drift = PoseDrift{10, 6e-6, 1e-6, {}, {}};
   UncertaintyBudget budget = run.budget(accuracy);
-  CHECK(term(budget, "judge").sigma == 7e-6);
+  CHECK(term(budget, "judge").sigma == Approx(std::sqrt(17.0) * 1e-6));
   CHECK(term(budget, "drift").sigma == Approx(9e-6 / std::sqrt(24.0)));
   accuracy.drift->shift_chance = 7e-6;
   CHECK(term(run.budget(accuracy), "drift").sigma == 0.0);

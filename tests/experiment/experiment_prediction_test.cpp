@@ -50,6 +50,8 @@ TEST_CASE("Monuments leave a turn that grows with the distance from the base") {
   };
   CHECK(mean_at(0.1) == Approx(kMeanLength * 0.1 * turn));
   CHECK(mean_at(0.3) == Approx(3.0 * mean_at(0.1)));
+  known.monument_readings = 1;
+  CHECK(mean_at(0.1) == Approx(kMeanLength * 0.1 * std::sqrt(5.0) * turn));
 }
 
 TEST_CASE("With one place the predicted 95 % is that of Rayleigh's distribution") {

@@ -81,6 +81,8 @@ expect 2 "map.yaml: does not exist yet; make it with planar-fit-error-map" "${ce
 mv map.yaml cell/map.yaml
 sed -i 's/^rms_px: .*/rms_px: 0.1/' cell/camera.yaml
 expect 2 "workplane.yaml: was made with camera.yaml" "${certify[@]}" --out made
+expect 2 "results.csv: the run was begun with camera.yaml .* now it would go on with" \
+  "${certify[@]}" --accept-stale --out DIR
 "${certify[@]}" --accept-stale --out stale >/dev/null 2>err.txt || fail "$(cat err.txt)"
 [ "$(grep -c "accepted: .*workplane.yaml" err.txt)" -eq 1 ] || fail "$(cat err.txt)"
 grep -q "<b>To be mended:</b>.*workplane.yaml: was made with camera.yaml" stale/certificate.html || fail "the page hides it"

@@ -89,6 +89,9 @@ class TrackerKind : public DeviceKind {
   /// Returns false when what this kind opens never gives a reading.
   virtual bool measures() const { return true; }
 
+  /// Returns whether a person takes the readings, of each monument but one.
+  virtual bool by_hand() const { return false; }
+
   /// Reads the keys that only this kind has. Faults go to the document.
   virtual std::shared_ptr<const DeviceDetails> read(Fields& /*tracker*/) const { return nullptr; }
 

@@ -16,6 +16,7 @@
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/io/growing_file.h"
 #include "planar_servo/io/sha256.h"
+#include "planar_servo/run/resumed_run.h"
 
 namespace planar {
 namespace {
@@ -35,6 +36,12 @@ std::string header_of(const CertificateRequest& request, JudgeKind judge) {
                         fmt::format("# cell: {}", content_sha256(request.servo.cell.file))});
 }
 
+/// Throws InputError when the folder's moves were made with other calibration files.
+void require_same_files(ServoRequest servo) {
+  servo.resume = true;
+  results_so_far(servo);
+}
+
 /// Returns the moves that the folder holds. Throws InputError when they are of another certificate.
 std::vector<JudgedMove> moves_so_far(const CertificateRequest& request, const std::string& header) {
   const fs::path file = cycles_file(request), results = request.servo.out / "results.csv";
@@ -46,7 +53,10 @@ std::vector<JudgedMove> moves_so_far(const CertificateRequest& request, const st
   }
   drop_torn_line(file);
   const std::string text = read_file(file);
-  if (text.compare(0, header.size(), header) == 0) return read_cycles(file);
+  if (text.compare(0, header.size(), header) == 0) {
+    require_same_files(request.servo);
+    return read_cycles(file);
+  }
   throw InputError(fmt::format(
       "{}: was begun with other --cycles or --targets, with another judge or before the "
       "cell file was changed; its first lines say with which; give the same ones to go "
@@ -65,6 +75,10 @@ std::vector<std::string> stale_words(const CertificateRequest& request) {
   return words;
 }
 
+std::string utc_now() {
+  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
+}
+
 /// Drives a cell through the moves of its certificate.
 class CertificateDriver {
  public:
@@ -74,16 +88,20 @@ class CertificateDriver {
 
   ServoRun& run() { return run_; }
 
-  /// Makes a move, from where it is to be made, and has its end judged.
+  /// Makes a move, from where it is to be made, and has its end judged. A move whose beginning is
+  /// refused is not made.
   JudgedMove make(const CertificateMove& move, Judge& judge) {
-    if (move.p_before && arm_at_ != move.p_before) go(move.id + ".from", *move.p_before);
     JudgedMove made;
     made.move = move;
-    if (run_.ended_by()) return made;
+    made.utc = utc_now();
+    if (move.p_before && arm_at_ != move.p_before) {
+      made.status = go(move.id + ".from", *move.p_before).status;
+      if (run_.ended_by() || made.status == ServoStatus::kRefused) return made;
+    }
     const TargetResult& result = go(move.id, move.p_d);
     made.status = result.status;
     made.seconds = result.seconds;
-    made.utc = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
+    made.utc = utc_now();
     made.landing_own = result.before_own;
     made.error_own = result.after_own;
     if (!last_ || !last_->measurement.ok()) return made;
@@ -104,8 +122,9 @@ class CertificateDriver {
   const TargetResult& go(std::string id, const Eigen::Vector2d& p) {
     while (run_.has(id)) id += '\'';
     last_.reset();
-    arm_at_ = p;
-    return run_.move_to({id, p, std::nullopt});
+    const TargetResult& result = run_.move_to({id, p, std::nullopt});
+    if (result.status != ServoStatus::kRefused) arm_at_ = p;
+    return result;
   }
 
   double phi_d_;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "planar_servo/certificate/certificate_plan.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/files/arm_file.h"
@@ -89,11 +90,14 @@ TestSquare square_at(const Raster& raster, const RasterSquare& found) {
   return {raster.node(found.column, found.row) - Eigen::Vector2d::Constant(0.5 * side), side};
 }
 
-/// Plans the poses' cycle twice, so that the way back to the first is looked at, too.
-bool can_cycle(DryRun dry, const std::array<Eigen::Vector2d, 5>& poses) {
+/// Plans a cycle of all moves twice, so that the way back to the first is looked at, too.
+bool can_cycle(DryRun dry, const TestPlaces& places) {
+  const auto refused = [&](const Eigen::Vector2d& p) {
+    return dry.plan({"", p, {}}).plan.refusal.has_value();
+  };
   for (int cycle = 0; cycle < 2; ++cycle)
-    for (const Eigen::Vector2d& pose : poses)
-      if (dry.plan({"", pose, {}}).plan.refusal) return false;
+    for (const CertificateMove& move : certificate_moves(places, 1))
+      if ((move.p_before && refused(*move.p_before)) || refused(move.p_d)) return false;
   return true;
 }
 
@@ -166,10 +170,10 @@ TestPlaces find_test_places(const CellSettings& cell, const VisionCalibration& v
   const DryRun dry(cell);
   for (const RasterSquare& found : free_squares(raster.free)) {
     const TestSquare square = square_at(raster, found);
-    const auto poses = square_poses(square);
-    if (!can_cycle(dry, poses)) continue;
-    return {square, raster.spacing, raster.usable, poses,
-            spread_targets(cell, usable, dry, targets)};
+    TestPlaces places{square, raster.spacing, raster.usable, square_poses(square), {}};
+    if (!can_cycle(dry, places)) continue;
+    places.targets = spread_targets(cell, usable, dry, targets);
+    return places;
   }
   throw InputError(cell.file.string() +
                    ": no square of the workspace is reached by arm, camera and error map; look "

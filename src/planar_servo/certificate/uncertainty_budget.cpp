@@ -46,6 +46,14 @@ double landing_of(const std::vector<const JudgedMove*>& targets) {
   return lengths.empty() ? 0.0 : rms(lengths) / std::sqrt(2.0);
 }
 
+/// Returns the judge's standard uncertainty per axis, the rms over the targets.
+double judge_over(const std::vector<const JudgedMove*>& targets) {
+  std::vector<double> sigmas;
+  sigmas.reserve(targets.size());
+  for (const JudgedMove* target : targets) sigmas.push_back(target->judge_sigma);
+  return rms(sigmas);
+}
+
 /// A tracker's standard deviation per axis, and where it was found.
 struct TrackerNoise {
   double sigma{0.0};
@@ -134,9 +142,8 @@ std::vector<BudgetTerm> vision_terms(const CellSettings& cell, const TermsOverTa
            "set the monuments farther apart, or read them more often"}};
 }
 
-std::vector<BudgetTerm> run_terms(const CellAccuracy& accuracy) {
-  const double judge = accuracy.judge_sigma;
-  return {{"drift during the run", drift_sigma(accuracy.drift), true, "run, poses P1 to P5",
+std::vector<BudgetTerm> run_terms(const std::optional<PoseDrift>& drift, double judge) {
+  return {{"drift during the run", drift_sigma(drift), true, "run, poses P1 to P5",
            "let the cell warm up, or fix lamps to the base (doc/fixed_lamps.md)"},
           {"judge: who measured", judge, true,
            judge > 0.0 ? "cell file, monuments, tool" : "the truth is exact",
@@ -167,12 +174,14 @@ UncertaintyBudget uncertainty_budget(const CellSettings& cell, const VisionCalib
                          cell.tool_orientation,
                          median_over(moves, &JudgedMove::sigma_vision),
                          tracker.sigma,
-                         landing_of(targets)};
+                         landing_of(targets),
+                         monument_readings(cell.tracker)};
   known.servo.tolerance_m = median_over(moves, &JudgedMove::stop_below);
   const TermsOverTargets over = terms_over(targets, known, read_workplane(cell.workplane));
   UncertaintyBudget budget;
   for (const auto& terms :
-       {vision_terms(cell, over, tracker.source), content_terms(over.terms), run_terms(accuracy)})
+       {vision_terms(cell, over, tracker.source), content_terms(over.terms),
+        run_terms(accuracy.drift, judge_over(targets))})
     budget.terms.insert(budget.terms.end(), terms.begin(), terms.end());
   double sum = 0.0;
   for (const BudgetTerm& term : budget.terms)

@@ -7,7 +7,6 @@
 #include "planar_servo/core/numerics/statistics.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/files/vision_files.h"
-#include "planar_servo/offline/record/recorder.h"
 
 namespace planar {
 namespace {
@@ -24,17 +23,18 @@ double median_of(const std::vector<PairRow>& pairs, std::optional<double> PairRo
 }
 
 /// Returns the variance per axis at `p` that a registration to monuments leaves, whose readings
-/// have `sigma` per axis. The axis of joint 1, about which the arm is seen to turn, fixes the
+/// have a variance of sigma^2 per axis. The axis of joint 1, about which the arm is seen to turn, fixes the
 /// shift; the turn about it remains: sigma^2 |p|^2 / sum |d_i - c|^2 and the number of readings of
 /// each, with c the centre of the monuments d_i.
-double datum_variance(const std::vector<Monument>& datum, const Eigen::Vector2d& p, double sigma) {
-  if (datum.empty()) return 0.0;
-  const double n = static_cast<double>(datum.size());
+double datum_variance(const PredictionInputs& known, const Eigen::Vector2d& p) {
+  if (known.datum.empty()) return 0.0;
+  const double n = static_cast<double>(known.datum.size());
   Eigen::Vector2d center(0.0, 0.0);
-  for (const Monument& monument : datum) center += monument.p_B.head<2>() / n;
+  for (const Monument& monument : known.datum) center += monument.p_B.head<2>() / n;
   double spread = 0.0;
-  for (const Monument& monument : datum) spread += (monument.p_B.head<2>() - center).squaredNorm();
-  return square(sigma) / kMonumentReadings * p.squaredNorm() / spread;
+  for (const Monument& monument : known.datum)
+    spread += (monument.p_B.head<2>() - center).squaredNorm();
+  return square(known.sigma_tracker) / known.monument_readings * p.squaredNorm() / spread;
 }
 
 /// Returns the length below which the share 0.95 of a mixture of Rayleigh distributions lies.
@@ -56,6 +56,10 @@ double mixture_p95(const std::vector<double>& sigmas) {
 
 }  // namespace
 
+int monument_readings(const TrackerSettings& tracker) {
+  return tracker.kind->by_hand() ? 1 : kMonumentReadings;
+}
+
 PredictionInputs prediction_inputs(const CalibratedChain& chain) {
   return {read_vision(chain.cell, true),
           chain.cell.servo,
@@ -63,7 +67,8 @@ PredictionInputs prediction_inputs(const CalibratedChain& chain) {
           chain.cell.tool_orientation,
           median_of(chain.pairs, &PairRow::sigma_vision),
           median_of(chain.pairs, &PairRow::sigma_tracker),
-          chain.field.value().landing_sigma};
+          chain.field.value().landing_sigma,
+          monument_readings(chain.cell.tracker)};
 }
 
 double PositioningTerms::combined() const {
@@ -77,7 +82,7 @@ PositioningTerms positioning_terms(const PredictionInputs& known, const TargetRo
   terms.vision = known.sigma_vision / std::sqrt(known.servo.frames_per_measurement);
   terms.stop = 0.5 * std::max(known.servo.tolerance_m, 2.0 * terms.vision);
   terms.landing = known.landing_sigma;
-  terms.datum = std::sqrt(datum_variance(known.datum, target.p_d, known.sigma_tracker));
+  terms.datum = std::sqrt(datum_variance(known, target.p_d));
   return terms;
 }
 

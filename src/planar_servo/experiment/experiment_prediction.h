@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "planar_servo/devices/tracker.h"
 #include "planar_servo/experiment/vision_chain.h"
 #include "planar_servo/files/tables/target_table.h"
 #include "planar_servo/vision/see_tool.h"
@@ -23,7 +24,11 @@ struct PredictionInputs {
   double sigma_vision{0.0};   ///< of one frame, per axis
   double sigma_tracker{0.0};  ///< of a reading, per axis
   double landing_sigma{0.0};  ///< see LampFieldFit
+  int monument_readings{kMonumentReadings};
 };
+
+/// Returns how many readings, or lines that make one, the place of each monument rests on.
+int monument_readings(const TrackerSettings& tracker);
 
 /// Returns what is known of a chain that has a field at the lamps, from its files.
 PredictionInputs prediction_inputs(const CalibratedChain& chain);

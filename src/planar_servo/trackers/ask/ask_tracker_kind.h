@@ -8,6 +8,7 @@ namespace planar {
 class AskTrackerKind final : public TrackerKind {
  public:
   std::string name() const override { return "ask"; }
+  bool by_hand() const override { return true; }
   std::shared_ptr<const DeviceDetails> read(Fields& tracker) const override;
   std::shared_ptr<Tracker> open(const CellSettings& cell,
                                 const std::shared_ptr<VirtualCell>& world) const override;
