@@ -1,3 +1,4 @@
+#include <atomic>
 #include <catch2/catch.hpp>
 #include <functional>
 #include <thread>
@@ -231,6 +232,25 @@ TEST_CASE("A board that falls silent runs no further than what it has queued") {
   CHECK(eventually([&] { return bench.nothing_turns(); }));
   bench.board.be_silent(false);
   bench.check_recovery(false);
+}
+
+TEST_CASE("A board that says everything but its status is out of touch") {
+  BoardRobot bench;
+  std::atomic<bool> chatting{true};
+  std::thread chatter([&] {
+    while (chatting) {
+      bench.board.say("[MSG:Caution]\r\n");
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+  });
+  bench.board.be_silent(true);
+  const double begin_s = bench.clock.now_s();
+  const auto status = bench.drives.status();
+  const double took_s = bench.clock.now_s() - begin_s;
+  chatting = false;
+  chatter.join();
+  for (const DriveStatus& drive : status) CHECK_FALSE(drive.answers);
+  CHECK(took_s < 10.0);
 }
 
 TEST_CASE("A board that is unplugged runs no further than what it has queued") {

@@ -328,7 +328,7 @@ void EmulatedGrbl::press_hold() {
 
 void EmulatedGrbl::say(const std::string& bytes) {
   const std::lock_guard lock(mutex_);
-  write(bytes);
+  port_.write(bytes);
 }
 
 void EmulatedGrbl::be_silent(bool silent) {

@@ -54,7 +54,7 @@ class EmulatedGrbl {
   void raise_alarm(int number);
   void press_reset();
   void press_hold();
-  /// Says something of its own accord.
+  /// Says something of its own accord, even while it is silent.
   void say(const std::string& bytes);
   /// Obeys and answers nothing while it is silent.
   void be_silent(bool silent);

@@ -72,6 +72,7 @@ bool GrblAxes::hear_report() {
     while (const auto line = board_.hear(kAskPeriod_s)) {
       take(*line);
       if (std::holds_alternative<grbl::Report>(*line)) return true;
+      if (clock_.now_s() > deadline_s) return false;
     }
   } while (clock_.now_s() < deadline_s);
   return false;

@@ -53,19 +53,22 @@ std::optional<grbl::Banner> GrblBoard::hear_banner(double timeout_s, std::string
 
 void GrblBoard::read_settings() {
   send("$$");
-  for (int silences = 0; silences < kSettingsAttempts;) {
+  for (int failures = 0; failures < kSettingsAttempts;) {
     const auto line = hear(kSettingsPatience_s);
     // A question makes boards read on that take bytes in bunches, as simulators do.
     if (!line) tell(grbl::kAskStatus);
     if (!line || std::holds_alternative<grbl::Report>(*line)) {
-      ++silences;
+      ++failures;
       continue;
     }
     if (const auto* setting = std::get_if<grbl::StoredSetting>(&*line))
       settings_[setting->number] = setting->value;
     const bool answered = std::holds_alternative<grbl::Accepted>(*line);
     if (answered && !settings_.empty()) return;
-    if (answered || std::holds_alternative<grbl::Banner>(*line)) send("$$");
+    if (answered || std::holds_alternative<grbl::Banner>(*line)) {
+      ++failures;
+      send("$$");
+    }
     if (const auto* rejected = std::get_if<grbl::Rejected>(&*line))
       throw WorkError("it does not tell its settings: " + grbl::error_words(rejected->error));
   }
