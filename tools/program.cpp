@@ -137,6 +137,8 @@ bool interrupted() {
 int run_program(const ProgramText& text, int argc, char** argv,
                 const std::function<void(CLI::App&)>& add_options,
                 const std::function<Outcome()>& work) {
+  // Who reads what is printed may leave; that must not end the program while the arm moves.
+  std::signal(SIGPIPE, SIG_IGN);
   CLI::App app(text.sentence, text.name);
   app.formatter(std::make_shared<HelpFormatter>(text));
   app.failure_message(usage_fault);

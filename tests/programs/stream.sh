@@ -36,6 +36,16 @@ grep -q "2 of 3 targets reached" err.txt || fail "no summary on standard error: 
 grep -q "^targets: 3" run/run.yaml || fail "no report of the session"
 [ -e run/report.html ] || fail "no report.html"
 
+# A reader who leaves ends the session at the first answer that nobody can read, not the program at once.
+{
+  status=0
+  printf 'a,200,100\nb,-150,250\nc,100,300\n' |
+    "$bin/planar-servo" --cell cell/cell.yaml --targets - --out left 2>left.err || status=$?
+  echo "$status" >left.status
+} | head -n 1 >left.answers
+[ "$(cat left.status)" -eq 1 ] || fail "with nobody to read it ended with $(cat left.status): $(cat left.err)"
+grep -q "the answers cannot be written" left.err || fail "$(cat left.err)"
+
 # Standard streams that were closed are nobody else's: what is read there is not a device's.
 mkfifo later
 "$bin/planar-servo" --cell cell/cell.yaml --targets later --out closed <&- >&- 2>&- &
