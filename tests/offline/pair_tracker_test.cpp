@@ -1,11 +1,14 @@
 #include "planar_servo/offline/pairs/pair_tracker.h"
 
 #include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
 
 #include "calibration/synthetic_cell.h"
 #include "planar_servo/arm/planar_arm.h"
 #include "planar_servo/calibration/vision_tip.h"
 #include "planar_servo/core/error.h"
+#include "planar_servo/core/units.h"
+#include "planar_servo/offline/pairs/pair_tracker_report.h"
 
 namespace planar {
 namespace {
@@ -230,6 +233,17 @@ TEST_CASE("Lamps of another recording and readings without monuments are refused
   request = recorded(noiseless());
   request.tracker.erase(request.tracker.begin(), request.tracker.begin() + 2);
   CHECK_THROWS_WITH(pair_tracker(request), Contains("1 of the cell's monuments"));
+}
+
+TEST_CASE("Every printed figure of pairs stands in the JSON, by plan") {
+  const PairTrackerReport report = pair_tracker(recorded(SyntheticCell()));
+  const nlohmann::json json = pair_tracker_json(report);
+  const Summary raw = raw_error(report.pairs, Plan::kTrain);
+  REQUIRE(json["raw"].contains("train"));
+  CHECK(json["raw"]["train"]["pairs"] == raw.n);
+  CHECK(json["raw"]["train"]["max_mm"].get<double>() == Approx(raw.max / kMillimetre));
+  CHECK(json["monuments"] == 3);
+  CHECK(json["workplane_places"] == report.workplane.n_used);
 }
 
 }  // namespace planar

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <utility>
 
 #include "planar_servo/core/fixed.h"
 #include "planar_servo/core/units.h"
@@ -12,18 +13,33 @@
 namespace planar {
 namespace {
 
+/// Returns the raw error of the pairs of each plan that has some.
+std::vector<std::pair<Plan, Summary>> raw_errors(const std::vector<PairRow>& pairs) {
+  std::vector<std::pair<Plan, Summary>> raw;
+  for (const Plan plan : values_of(kPlans))
+    if (std::any_of(pairs.begin(), pairs.end(),
+                    [&](const PairRow& pair) { return pair.is_attended() && pair.plan == plan; }))
+      raw.emplace_back(plan, raw_error(pairs, plan));
+  return raw;
+}
+
 std::string raw_error_text(const std::vector<PairRow>& pairs) {
   std::string text;
-  for (const Plan plan : values_of(kPlans)) {
-    if (std::none_of(pairs.begin(), pairs.end(),
-                     [&](const PairRow& pair) { return pair.is_attended() && pair.plan == plan; }))
-      continue;
-    const Summary raw = raw_error(pairs, plan);
+  for (const auto& [plan, raw] : raw_errors(pairs))
     text += fmt::format("raw error  {}: {} pairs, mean {:.3f} mm, rms {:.3f} mm, max {:.3f} mm\n",
                         name(plan), raw.n, raw.mean / kMillimetre, raw.rms / kMillimetre,
                         raw.max / kMillimetre);
-  }
   return text;
+}
+
+nlohmann::json raw_error_json(const std::vector<PairRow>& pairs) {
+  auto by_plan = nlohmann::json::object();
+  for (const auto& [plan, raw] : raw_errors(pairs))
+    by_plan[std::string(name(plan))] = {{"pairs", raw.n},
+                                        {"mean_mm", raw.mean / kMillimetre},
+                                        {"rms_mm", raw.rms / kMillimetre},
+                                        {"max_mm", raw.max / kMillimetre}};
+  return by_plan;
 }
 
 std::string clock_text(const TrackerClock& clock) {
@@ -85,20 +101,24 @@ nlohmann::json pair_tracker_json(const PairTrackerReport& report) {
                       {"doubts", report.doubts},
                       {"workplane_rms_mm", fit.rms / kMillimetre},
                       {"workplane_absorbed", fit.absorbed},
+                      {"workplane_places", fit.n_used},
                       {"eccentricity_px_max", report.largest_eccentricity_px},
                       {"p_TP_mm", {p_TP.x(), p_TP.y()}}};
   if (!report.datum) return json;
   const Eigen::Vector3d p_TS = fit.tool.p_TS / kMillimetre;
   const Summary raw = raw_error(report.pairs);
   json["datum_rms_mm"] = report.datum->rms / kMillimetre;
+  json["monuments"] = report.datum->residuals.size();
   json["p_TS_mm"] = {p_TS.x(), p_TS.y(), p_TS.z()};
   json["raw_mean_mm"] = raw.mean / kMillimetre;
   json["raw_rms_mm"] = raw.rms / kMillimetre;
+  json["raw"] = raw_error_json(report.pairs);
   if (report.clock)
     json["clock"] = {{"offset_s", report.clock->offset_s},
                      {"sigma_offset_s", report.clock->sigma_offset_s},
                      {"rate_ppm", 1e6 * report.clock->rate},
-                     {"sigma_rate_ppm", 1e6 * report.clock->sigma_rate}};
+                     {"sigma_rate_ppm", 1e6 * report.clock->sigma_rate},
+                     {"places", report.clock->places}};
   return json;
 }
 
