@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <optional>
 
 #include "crew.h"
@@ -33,6 +34,9 @@ const ProgramText kText{
     R"(Table 7: mean true positioning error in mm, 25 targets on each circle of radius 200 mm
   circle about     before *  paper's chain +  improved    ours  improved  paper: before ~  after  improved
   (-200, -200) mm     1.546            0.222    85.7 %  0.0048    99.7 %            1.504  0.185    87.7 %)"};
+
+/// Cells are drawn from numbers of 32 bits.
+constexpr std::uint64_t kLargestSeed = std::numeric_limits<std::uint32_t>::max();
 
 struct Options {
   std::filesystem::path cell, out;
@@ -115,6 +119,9 @@ void add_options(CLI::App& app, Options& options) {
 }
 
 Outcome run_many(const ExperimentRequest& request, const Options& options) {
+  if (options.seed > kLargestSeed - static_cast<std::uint64_t>(options.seeds - 1))
+    throw InputError(fmt::format("--seed {}: the last of {} seeds would be beyond {}; begin lower",
+                                 options.seed, options.seeds, kLargestSeed));
   const Crew crew(options.jobs);
   const auto rows = run_campaign(request, {static_cast<std::uint32_t>(options.seed), options.seeds},
                                  value_named(kCellKinds, options.like).value());

@@ -94,6 +94,7 @@ Outcome fit_with_cell(const Options& options, const std::optional<std::filesyste
 }
 
 Outcome fit(const Options& options) {
+  require_own_names({options.output, options.arm_out});
   for (const std::filesystem::path& output : {options.output, options.arm_out}) {
     if (output.empty()) continue;
     require_writable(output);

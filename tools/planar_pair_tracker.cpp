@@ -2,7 +2,6 @@
 #include <spdlog/spdlog.h>
 
 #include <optional>
-#include <set>
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
@@ -114,8 +113,7 @@ void require_outputs(const Options& options, const CellSettings& cell) {
                                              options.pairs_out};
   for (const auto& wished : {options.health_out, options.lays_out})
     if (!wished.empty()) outputs.push_back(wished);
-  if (std::set<std::filesystem::path>(outputs.begin(), outputs.end()).size() < outputs.size())
-    throw InputError("two of the files to write have the same name; give each its own");
+  require_own_names(outputs);
   const RecordedTables tables = tables_of(options);
   for (const auto& output : outputs) {
     require_writable(output);

@@ -33,6 +33,14 @@ TEST_CASE("A row that was torn by a crash is cut off, and only that") {
   CHECK_NOTHROW(drop_torn_line(folder.path() / "absent.csv"));
 }
 
+TEST_CASE("A file that begins otherwise is not continued where its header is asked for") {
+  const test::TemporaryFolder folder;
+  CHECK_NOTHROW(require_header(folder / "absent.csv", "id\n"));
+  CHECK_NOTHROW(require_header(folder.write("steps.csv", "id\na\n"), "id\n"));
+  CHECK_THROWS_WITH(require_header(folder.write("other.csv", "name\na\n"), "id\n"),
+                    Contains("other.csv: holds something else already"));
+}
+
 TEST_CASE("What cannot grow is refused before the first line is there") {
   const test::TemporaryFolder folder;
   CHECK_THROWS_WITH(GrowingFile(folder.path(), "id\n"),

@@ -65,5 +65,7 @@ grep -q "^outliers:" rough/seed_1/truth.yaml || fail "no rough cell was drawn: $
 expect 2 "holds a recording or a campaign already" \
   "$bin/planar-experiment" --cell cell/cell.yaml --out one
 expect 2 "--jobs" "${campaign[@]}" --out made --jobs 0
+expect 2 "--seed 4294967295: the last of 2 seeds would be beyond 4294967295" \
+  "$bin/planar-experiment" --cell cell/cell.yaml --out made --seed 4294967295 --seeds 2
 expect 2 "mpirun shares the cells of --seeds" \
   env PMI_SIZE=2 "$bin/planar-experiment" --cell cell/cell.yaml --out made

@@ -118,6 +118,9 @@ expect 2 "absent/map.yaml: cannot be written: there is no folder 'absent'" \
 tr ',' ';' <good.csv >semicolons.csv
 refused semicolons "it has id;x_vision_mm;"
 
+expect 2 "./out.yaml: two outputs have this name" \
+  "$bin/planar-fit-error-map" --cell cell.yaml -o out.yaml --arm-out ./out.yaml good.csv
+
 # same_with_threads NAME: the map does not depend on how many there are.
 same_with_threads() {
   for threads in 1 2 3; do

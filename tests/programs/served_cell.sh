@@ -15,6 +15,10 @@ expect 2 "live.yaml: exists already" \
   "$bin/planar-virtual-cell" serve --cell cell/cell.yaml --out cell/live.yaml
 expect 2 "there is no folder 'absent'" \
   "$bin/planar-virtual-cell" serve --cell cell/cell.yaml --out absent/live.yaml
+cp cell/cell.yaml kept.yaml
+expect 2 "kept.yaml: holds something else already" \
+  "$bin/planar-virtual-cell" serve --cell cell/cell.yaml --out made --truth-log kept.yaml
+cmp cell/cell.yaml kept.yaml || fail "a cell file was added to"
 expect 2 "live.yaml: is no virtual cell" "$bin/planar-virtual-cell" serve --cell cell/live.yaml --out made
 expect 2 "another program writes there" "$bin/planar-virtual-cell" serve --cell cell/cell.yaml --out made
 "$bin/planar-virtual-cell" -q draw --seed 6 -o other >/dev/null

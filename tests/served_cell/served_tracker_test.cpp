@@ -104,7 +104,7 @@ TEST_CASE("A served tracker goes on in its own file, and touches no other") {
     CHECK(test::eventually([&] { return lines() >= least; }));
   }
   CHECK_THROWS_WITH(ServedTracker(folder / "tracker.txt", {0.0, 0.0, true}, 1, live),
-                    Catch::Contains("holds other lines"));
+                    Catch::Contains("holds something else already"));
 }
 
 }  // namespace

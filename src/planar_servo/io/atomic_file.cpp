@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <set>
 #include <sstream>
 #include <system_error>
 
@@ -129,6 +130,13 @@ void require_not_input(const fs::path& output, const fs::path& input) {
   std::error_code error;
   if (fs::exists(output, error) && fs::equivalent(output, input, error))
     throw InputError(output.string() + ": is an input of this program; name another output");
+}
+
+void require_own_names(const std::vector<fs::path>& outputs) {
+  std::set<fs::path> files;
+  for (const fs::path& output : outputs)
+    if (!output.empty() && !files.insert(fs::weakly_canonical(output)).second)
+      throw InputError(output.string() + ": two outputs have this name; give each its own");
 }
 
 void require_writable(const fs::path& output) {

@@ -4,6 +4,7 @@
 #include <fstream>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace planar {
 
@@ -21,6 +22,9 @@ std::string read_file(const std::filesystem::path& path);
 
 /// Throws InputError when `output` is the same file as `input`.
 void require_not_input(const std::filesystem::path& output, const std::filesystem::path& input);
+
+/// Throws InputError when two of the files to write are one; empty names are left out.
+void require_own_names(const std::vector<std::filesystem::path>& outputs);
 
 /// Throws InputError when write_file() could not write `output`, because it is a folder, or because
 /// its folder is missing or closed to this user, or because a file stands there that people write:

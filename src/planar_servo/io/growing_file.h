@@ -16,6 +16,9 @@ void require_growable(const std::filesystem::path& path);
 /// cannot be read or cut.
 void drop_torn_line(const std::filesystem::path& path);
 
+/// Throws InputError when a file is there that does not begin with this header.
+void require_header(const std::filesystem::path& path, const std::string& header);
+
 /// Writes a table that grows during a run by whole lines. What was written survives a crash.
 class GrowingFile {
  public:

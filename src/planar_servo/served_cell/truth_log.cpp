@@ -10,10 +10,15 @@ namespace {
 constexpr double kLookPeriod_s = 0.02;
 constexpr char kTruthLogHeader[] = "# format: planar-servo/truth-log/1\nt_s,x_mm,y_mm,phi_deg\n";
 
+GrowingFile log_file(const std::filesystem::path& path) {
+  require_header(path, kTruthLogHeader);
+  return {path, kTruthLogHeader};
+}
+
 }  // namespace
 
 TruthLog::TruthLog(const std::filesystem::path& file, LiveCell& live)
-    : live_(live), file_(file, kTruthLogHeader), repeater_(kLookPeriod_s, [this] { look(); }) {}
+    : live_(live), file_(log_file(file)), repeater_(kLookPeriod_s, [this] { look(); }) {}
 
 void TruthLog::look() {
   const TipPose tip = live_.true_tip();

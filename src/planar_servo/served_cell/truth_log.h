@@ -15,7 +15,7 @@ namespace planar {
 /// camera's frames are stamped; a row holds until the next one.
 class TruthLog {
  public:
-  /// Continues a file that is there. Throws as GrowingFile does.
+  /// Continues a truth log that is there. Throws as require_header() and GrowingFile do.
   TruthLog(const std::filesystem::path& file, LiveCell& live);
 
   /// Throws what has kept it from writing.

@@ -2,8 +2,6 @@
 
 #include <memory>
 
-#include "planar_servo/core/error.h"
-#include "planar_servo/io/atomic_file.h"
 #include "planar_servo/io/growing_file.h"
 #include "planar_servo/served_cell/tracker/line_port.h"
 
@@ -18,8 +16,7 @@ Send opened(const TrackerPort& port, const std::string& header) {
 }
 
 Send opened(const std::filesystem::path& path, const std::string& header) {
-  if (std::filesystem::exists(path) && read_file(path).rfind(header, 0) != 0)
-    throw InputError(path.string() + ": holds other lines than a served tracker's; move it away");
+  require_header(path, header);
   const auto file = std::make_shared<GrowingFile>(path, header);
   return [file](const std::string& text) { file->append(text); };
 }
