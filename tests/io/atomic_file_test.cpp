@@ -89,5 +89,10 @@ TEST_CASE("An output that is an input is refused") {
   CHECK_NOTHROW(require_not_input(folder / "out.csv", input));
 }
 
+TEST_CASE("Two outputs that are one file are refused, however they are spelt") {
+  CHECK_THROWS_WITH(require_own_names({"map.yaml", "./map.yaml"}), Contains("two outputs"));
+  CHECK_NOTHROW(require_own_names({"map.yaml", "arm.yaml", "", ""}));
+}
+
 }  // namespace
 }  // namespace planar

@@ -64,6 +64,8 @@ expect 2 "motor 1 would turn to .* its limits are" \
 grep -q "^outliers:" rough/seed_1/truth.yaml || fail "no rough cell was drawn: $(cat rough/seed_1/truth.yaml)"
 expect 2 "holds a recording or a campaign already" \
   "$bin/planar-experiment" --cell cell/cell.yaml --out one
+expect 2 "states links of 150 and 100 mm and a sensor of .*; the cells that --seeds draws have links of about 300" \
+  "$bin/planar-experiment" --cell "$repository/calib/small/cell.yaml" --out made --seeds 2
 expect 2 "--jobs" "${campaign[@]}" --out made --jobs 0
 expect 2 "--seed 4294967295: the last of 2 seeds would be beyond 4294967295" \
   "$bin/planar-experiment" --cell cell/cell.yaml --out made --seed 4294967295 --seeds 2

@@ -135,7 +135,7 @@ void require_not_input(const fs::path& output, const fs::path& input) {
 void require_own_names(const std::vector<fs::path>& outputs) {
   std::set<fs::path> files;
   for (const fs::path& output : outputs)
-    if (!output.empty() && !files.insert(fs::weakly_canonical(output)).second)
+    if (!output.empty() && !files.insert(fs::weakly_canonical(fs::absolute(output))).second)
       throw InputError(output.string() + ": two outputs have this name; give each its own");
 }
 

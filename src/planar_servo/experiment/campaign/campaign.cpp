@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "planar_servo/core/error.h"
+#include "planar_servo/core/units.h"
 #include "planar_servo/experiment/begun_experiment.h"
 #include "planar_servo/experiment/campaign/campaign_report.h"
 #include "planar_servo/experiment/experiment_report.h"
@@ -43,6 +44,25 @@ void require_same_lamps(const CellSettings& cell, DrawTruth draw, std::uint32_t 
       cell.file.string(), drawn ? "no" : "some", kind, drawn ? "some" : "none"));
 }
 
+/// Throws unless a drawn cell has about the links and the sensor that the cell file states.
+void require_same_machine(const CellSettings& cell, const Truth& drawn) {
+  constexpr double kAbout = 0.1;
+  const Eigen::Vector2d links_m(drawn.arm.link_lengths_m.data());
+  const Eigen::Vector2d sensor_px(cell.camera.width_px, cell.camera.height_px);
+  const Eigen::Vector2d& stated_m = cell.arm.geometry.link_lengths_m;
+  if ((links_m - stated_m).norm() < kAbout * stated_m.norm() &&
+      (2.0 * drawn.camera.center_px - sensor_px).norm() < kAbout * sensor_px.norm())
+    return;
+  throw InputError(fmt::format(
+      "{}: states links of {:.0f} and {:.0f} mm and a sensor of {} x {} px; the cells that --seeds "
+      "draws have links of about {:.0f} and {:.0f} mm and a sensor of about {:.0f} x {:.0f} px; "
+      "give a cell.yaml such as planar-virtual-cell draw writes",
+      cell.file.string(), stated_m[0] / kMillimetre, stated_m[1] / kMillimetre,
+      cell.camera.width_px, cell.camera.height_px, links_m[0] / kMillimetre,
+      links_m[1] / kMillimetre, 2.0 * drawn.camera.center_px.x(),
+      2.0 * drawn.camera.center_px.y()));
+}
+
 }  // namespace
 
 std::vector<nlohmann::json> work_through(
@@ -69,6 +89,7 @@ std::vector<nlohmann::json> run_campaign(const ExperimentRequest& request, const
                      ": is no virtual cell; --seeds draws cells, which only a virtual one can "
                      "stand for");
   require_same_lamps(request.cell, draw, seeds.first);
+  require_same_machine(request.cell, draw(seeds.first));
   if (fs::exists(request.out / "recording"))
     throw InputError(request.out.string() +
                      ": holds a single experiment; name another folder for the campaign");

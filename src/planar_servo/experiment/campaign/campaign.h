@@ -31,8 +31,8 @@ std::vector<nlohmann::json> work_through(
 /// request.out. The folder `seed_N` of a cell, with a recording of about a gigabyte, lasts until
 /// its row is there; what a killed program left of it is begun anew, so that the rows do not tell
 /// who found them and when. Throws what run_experiment() throws, and InputError when the folder
-/// holds something else, or rows of another kind, and when either the cell file or the kind alone
-/// has reference lamps.
+/// holds something else, or rows of another kind, when either the cell file or the kind alone has
+/// reference lamps, and when the cell's links or sensor are not about those of the kind.
 std::vector<nlohmann::json> run_campaign(const ExperimentRequest& request, const SeedRange& seeds,
                                          DrawTruth draw);
 
