@@ -5,6 +5,11 @@ source "$(dirname "$0")/common.sh"
 source "$repository/tests/programs/served.sh"
 
 "$bin/planar-virtual-cell" -q draw --seed 5 -o cell >/dev/null
+cp cell/cell.yaml kept.yaml
+expect 2 "kept.yaml: holds something else already" \
+  "$bin/planar-virtual-cell" serve --cell cell/cell.yaml --out made --truth-log kept.yaml
+cmp cell/cell.yaml kept.yaml || fail "a cell file was added to"
+[ ! -e made ] || fail "a cell that is not served has a cell file"
 serve --cell cell/cell.yaml --out cell/live.yaml --truth-log truth.csv --tracker-clock=37,50
 if grep -qi "truth\|virtual\|simul" cell/live.yaml; then fail "$(cat cell/live.yaml)"; fi
 at_cell "bord hold 1"
@@ -15,10 +20,6 @@ expect 2 "live.yaml: exists already" \
   "$bin/planar-virtual-cell" serve --cell cell/cell.yaml --out cell/live.yaml
 expect 2 "there is no folder 'absent'" \
   "$bin/planar-virtual-cell" serve --cell cell/cell.yaml --out absent/live.yaml
-cp cell/cell.yaml kept.yaml
-expect 2 "kept.yaml: holds something else already" \
-  "$bin/planar-virtual-cell" serve --cell cell/cell.yaml --out made --truth-log kept.yaml
-cmp cell/cell.yaml kept.yaml || fail "a cell file was added to"
 expect 2 "live.yaml: is no virtual cell" "$bin/planar-virtual-cell" serve --cell cell/live.yaml --out made
 expect 2 "another program writes there" "$bin/planar-virtual-cell" serve --cell cell/cell.yaml --out made
 "$bin/planar-virtual-cell" -q draw --seed 6 -o other >/dev/null
