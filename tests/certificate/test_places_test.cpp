@@ -59,12 +59,13 @@ TEST_CASE("The square and the targets lie where the cell can position") {
     CHECK(apart.cwiseAbs().maxCoeff() > 0.5 * beside.square.side);
   }
   SECTION("A keep-out disc where a pose is approached from moves the square, too") {
-    const double way = kApproachShare * places.square.side;
-    const Eigen::Vector2d from = places.poses[0] + Eigen::Vector2d(way, 0.0);
-    cell.workspace.keep_out.push_back({from, 0.003});
-    const TestPlaces beside = find_test_places(cell, vision, 1);
-    for (const CertificateMove& move : certificate_moves(beside, 1))
-      CHECK_FALSE(cell.workspace.violation(move.p_before.value_or(move.p_d)));
+    for (const CertificateMove& approached : certificate_moves(places, 1)) {
+      if (approached.from.empty()) continue;
+      cell.workspace.keep_out = {{*approached.p_before, 0.002}};
+      const TestPlaces beside = find_test_places(cell, vision, 1);
+      for (const CertificateMove& move : certificate_moves(beside, 1))
+        CHECK_FALSE(cell.workspace.violation(move.p_before.value_or(move.p_d)));
+    }
   }
   SECTION("A workspace that the camera does not see is refused") {
     cell.workspace.keep_out.push_back({{0.0, 0.0}, 0.6});
