@@ -165,7 +165,7 @@ ChainSettings paper_chain(const CellSettings& cell) {
   chain.servo = cell.servo;
   chain.servo.law = ServoLaw::kInverse;
   chain.servo.approach = Approach::kDirect;
-  chain.checks_health = false;  // the paper has no such check, and play would fail it
+  chain.is_guarded = false;  // the paper has no such checks, and play would fail them
   chain.servo.frames_per_measurement = 1;
   return chain;
 }

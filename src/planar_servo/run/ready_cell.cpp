@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <limits>
+
 #include "planar_servo/core/error.h"
 #include "planar_servo/files/arm_file.h"
 #include "planar_servo/files/provenance.h"
@@ -21,9 +23,11 @@ constexpr double kExamineEvery_s = 600.0;
 constexpr int kMaxCameraWaits = 20;
 constexpr char kChecking[] = "looking at the cell";
 
-GuardLimits limits_of(const CellSettings& cell, const VisionCalibration& vision,
+GuardLimits limits_of(const ServoRequest& request, const VisionCalibration& vision,
                       const std::optional<HealthRecord>& health) {
-  const GuardLimits limits = guard_limits(vision, cell.workspace, cell.tool_orientation);
+  GuardLimits limits =
+      guard_limits(vision, request.cell.workspace, request.cell.tool_orientation);
+  if (!request.guard_noise) limits.noise_m = std::numeric_limits<double>::infinity();
   return health ? with_health(limits, *health) : limits;
 }
 
@@ -48,7 +52,7 @@ ReadyCell::ReadyCell(const ServoRequest& request, CellDevices& devices)
       check_health_(request.check_health),
       vision_(read_vision(cell_, request.use_error_map)),
       health_(read_cell_health(cell_)),
-      limits_(limits_of(cell_, vision_, health_)),
+      limits_(limits_of(request, vision_, health_)),
       sensor_(vision_, request.center, devices.camera(), cell_.camera.follow_region_px),
       accepted_stale_(accept_stale_files(cell_, request.use_error_map, request.accept_stale)),
       planner_(servo_planner(cell_)),

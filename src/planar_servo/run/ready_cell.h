@@ -26,6 +26,7 @@ struct ServoRequest {
   bool resume{false};         ///< continues the run that the folder holds
   bool accept_stale{false};   ///< moves even with files that do not belong together
   bool check_health{true};    ///< looks, before the first target, whether the cell is as it was
+  bool guard_noise{true};     ///< holds the arm where vision is uncertain
   bool keep_going{false};     ///< tries the next target even when the cell itself is in doubt
   /// Is asked about drives that lost their position on the way, too. Empty: they may not be homed.
   MayHome may_home{};
