@@ -1,6 +1,7 @@
 #include "planar_servo/health/health_record.h"
 
 #include <catch2/catch.hpp>
+#include <cmath>
 
 #include "planar_servo/core/plane_geometry.h"
 #include "planar_servo/core/units.h"
@@ -30,6 +31,24 @@ TEST_CASE("A record holds the greatest deviations from command and mean") {
   CHECK(record.separation_spread_m == Approx(0.15e-3));
   CHECK(record.distance_m == Approx(2e-3));
   CHECK(record.turn == Approx(0.5 * kDegree));
+}
+
+TEST_CASE("One place at which the arm strayed does not widen a record, an arm that is off does") {
+  std::vector<SeenPlace> seen;
+  for (int i = 0; i < 40; ++i) {
+    const double angle = 9.0 * i * kDegree;
+    seen.push_back(place_at("p" + std::to_string(i), 0.4 * rotation2d(angle).col(0), 0.0, 0.04));
+    seen.back().seen.p.x() += 25e-6 * i;
+  }
+  seen[20].seen.p.y() += 30e-3;
+  seen[20].seen.phi += 10.0 * kDegree;
+  CHECK(health_record_of(seen).distance_m == Approx(0.975e-3));
+  CHECK(health_record_of(seen).turn == 0.0);
+  // What an arm may be off anywhere is kept, and so is one that is off by far everywhere.
+  seen[20].seen.p.y() -= 26e-3;
+  CHECK(health_record_of(seen).distance_m == Approx(std::hypot(4e-3, 0.5e-3)));
+  for (SeenPlace& place : seen) place.seen.p.x() += 12e-3;
+  CHECK(health_record_of(seen).distance_m == Approx(13e-3).epsilon(0.01));
 }
 
 TEST_CASE("The places kept are far apart, and one has its tool turned") {

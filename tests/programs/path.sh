@@ -43,3 +43,9 @@ if grep -q "vision" alone/path_results.csv; then fail "$(cat alone.txt)"; fi
 expect 2 "--no-vision excludes --compare" \
   "${servo[@]}" --path path.csv --no-vision --compare --out made
 expect 2 "path_looks.csv: holds a run already" "${servo[@]}" --path path.csv --out both
+sha256sum both/* >before.txt
+printf 'id,x_mm,y_mm\na,260,200\n' >targets.csv
+expect 2 "path_looks.csv: the folder holds the run of a path; name another folder" \
+  "${servo[@]}" --targets targets.csv --out both
+sha256sum --check --quiet before.txt || fail "a refused run changed the path's folder"
+[ "$(ls both | wc -l)" -eq "$(wc -l <before.txt)" ] || fail "a refused run added to the path's: $(ls both)"

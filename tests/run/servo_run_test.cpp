@@ -8,6 +8,7 @@
 #include "planar_servo/files/tool_file.h"
 #include "planar_servo/files/workplane_file.h"
 #include "planar_servo/machine/device_kinds.h"
+#include "run/hiccup_cell.h"
 #include "support/manual_clock.h"
 #include "support/mock_pulse_drive.h"
 #include "support/sample_cells.h"
@@ -19,12 +20,16 @@ namespace {
 /// A drive that fails on its first move and, once the camera was asked, on every further one.
 class FlakyDrive final : public PulseDrive {
  public:
-  explicit FlakyDrive(const Clock& clock) : drive_(clock) {}
+  explicit FlakyDrive(Clock& clock) : clock_(clock), drive_(clock) {}
 
   bool fails{true};
   int failures{0};
+  double recovery_s{0.0};  ///< what it takes to switch it on after a failure
 
-  void energize() override { drive_.energize(); }
+  void energize() override {
+    if (failures > 0) clock_.sleep_for_s(recovery_s);
+    drive_.energize();
+  }
   void set_limits(const DriveLimits& limits) override { drive_.set_limits(limits); }
   void set_target(std::int32_t target_pulses) override { drive_.set_target(target_pulses); }
   void halt() override {
@@ -42,6 +47,7 @@ class FlakyDrive final : public PulseDrive {
   void set_position(std::int32_t position_pulses) override { drive_.set_position(position_pulses); }
 
  private:
+  Clock& clock_;
   test::MockPulseDrive drive_;
   bool failing_{false};
 };
@@ -52,22 +58,27 @@ class LostCamera final : public FrameSource {
   explicit LostCamera(FlakyDrive& drive) : drive_(drive) {}
 
   int asked{0};
-  bool takes_drive_along{true};
+  int takes_drive_along{1000};  ///< at so many looks the drive fails, too
+  bool flaps{false};            ///< is at fault every other time that it is asked
 
   cv::Size sensor_size_px() const override { return {5120, 5120}; }
   void set_region(const cv::Rect& /*region_px*/) override {}
   FrameResult next_frame() override {
     ++asked;
-    drive_.fails = takes_drive_along;
+    drive_.fails = asked <= takes_drive_along;
     return {FrameStatus::kLost, {}};
   }
-  std::optional<std::string> fault() const override { return std::nullopt; }
+  std::optional<std::string> fault() const override {
+    faulty_ = flaps && !faulty_;
+    return faulty_ ? std::optional<std::string>("a loose plug") : std::nullopt;
+  }
   FrameCounts counts() const override { return {}; }
   CameraExposure exposure() const override { return {}; }
   void set_exposure(const CameraExposure& /*exposure*/) override {}
 
  private:
   FlakyDrive& drive_;
+  mutable bool faulty_{false};
 };
 
 class FlakyCell final : public CellDevices {
@@ -131,7 +142,7 @@ TEST_CASE("A drive is waited for three times on the way to a target, whatever th
 TEST_CASE("A camera that is not back within a minute ends the run without a result of the target") {
   const test::TemporaryFolder folder;
   FlakyCell devices;
-  devices.lost.takes_drive_along = false;
+  devices.lost.takes_drive_along = 0;
   ServoRequest request = ideal_request(folder);
   request.check_health = false;
   request.keep_going = true;
@@ -140,6 +151,58 @@ TEST_CASE("A camera that is not back within a minute ends the run without a resu
   CHECK_THROWS_WITH(run.move_to({"a", {0.3, 0.2}, std::nullopt}),
                     Catch::Contains("not back within 60 s") && Catch::Contains("start again"));
   CHECK(devices.clock().now_s() - start_s >= 60.0);
+  CHECK_FALSE(run.has("a"));
+}
+
+TEST_CASE("A camera is waited for in full after a drive was waited for") {
+  for (const bool drive_first : {true, false}) {
+    const test::TemporaryFolder folder;
+    FlakyCell devices;
+    devices.flaky.fails = drive_first;
+    devices.lost.takes_drive_along = drive_first ? 0 : 1;
+    devices.flaky.recovery_s = 70.0;
+    ServoRequest request = ideal_request(folder);
+    request.check_health = false;
+    ServoRun run(request, devices);
+    const double start_s = devices.clock().now_s();
+    CHECK_THROWS_WITH(run.move_to({"a", {0.3, 0.2}, std::nullopt}),
+                      Catch::Contains("not back within 60 s"));
+    CHECK(devices.flaky.failures == 1);
+    CHECK(devices.clock().now_s() - start_s >= 130.0);
+  }
+}
+
+TEST_CASE("A camera is waited for in full after a long judgement") {
+  const test::TemporaryFolder folder;
+  const CellSettings cell = read_cell(test::workshop_cell_file());
+  test::HiccupCell devices(cell);
+  double well_s = 0.0;
+  devices.hiccup.fails = [&] { return devices.clock().now_s() < well_s; };
+  ServoRequest request;
+  request.cell = cell;
+  request.out = folder / "run";
+  request.check_health = false;
+  int judged = 0;
+  request.judge = [&](const std::string& /*id*/, const ServoStep& look) {
+    devices.clock().sleep_for_s(70.0);
+    if (++judged == 1) well_s = devices.clock().now_s() + 2.0;
+    return JudgedTip{look.measurement.tip.p, 1e-6, "", std::nullopt};
+  };
+  ServoRun run(request, devices);
+  CHECK(run.move_to({"a", {0.2, 0.1}, std::nullopt}).status == ServoStatus::kReached);
+  CHECK(judged == 2);
+}
+
+TEST_CASE("A camera that comes and goes is waited for twenty times at a target") {
+  const test::TemporaryFolder folder;
+  FlakyCell devices;
+  devices.flaky.fails = false;
+  devices.lost.flaps = true;
+  ServoRequest request = ideal_request(folder);
+  request.check_health = false;
+  ServoRun run(request, devices);
+  CHECK_THROWS_WITH(run.move_to({"a", {0.3, 0.2}, std::nullopt}),
+                    Catch::Contains("the camera has failed 21 times at this target"));
   CHECK_FALSE(run.has("a"));
 }
 

@@ -6,12 +6,27 @@
 
 #include "planar_servo/core/numerics/statistics.h"
 #include "planar_servo/core/plane_geometry.h"
+#include "planar_servo/core/units.h"
 
 namespace planar {
 namespace {
 
 double separation(const LampPlaces& lamps_B) {
   return (lamps_B[1] - lamps_B[0]).norm();
+}
+
+/// Nothing below half of what a guard without a record allows is taken for a stray.
+constexpr double kNeverStray_m = 5e-3;
+constexpr double kNeverStrayTurn = 1.5 * kDegree;
+
+/// Returns the largest value, without those that are more than three times as large as nine of ten
+/// values are.
+double largest_without_strays(const std::vector<double>& values, double never_stray) {
+  const double limit = std::max(never_stray, 3.0 * quantile(values, 0.9));
+  double largest = 0.0;
+  for (const double value : values)
+    if (value <= limit) largest = std::max(largest, value);
+  return largest;
 }
 
 /// How far two places are apart for a check: a turn counts by the circle of the lamps.
@@ -41,13 +56,15 @@ std::vector<std::size_t> spread_places(const std::vector<SeenPlace>& seen) {
 
 HealthRecord health_record_of(const std::vector<SeenPlace>& seen) {
   HealthRecord record;
-  std::vector<double> separations;
+  if (seen.empty()) return record;
+  std::vector<double> separations, distances_m, turns;
   for (const SeenPlace& look : seen) {
     separations.push_back(separation(look.place.lamps_B));
-    record.distance_m = std::max(record.distance_m, (look.seen.p - look.commanded.p).norm());
-    record.turn = std::max(record.turn, std::abs(wrap_angle(look.seen.phi - look.commanded.phi)));
+    distances_m.push_back((look.seen.p - look.commanded.p).norm());
+    turns.push_back(std::abs(wrap_angle(look.seen.phi - look.commanded.phi)));
   }
-  if (seen.empty()) return record;
+  record.distance_m = largest_without_strays(distances_m, kNeverStray_m);
+  record.turn = largest_without_strays(turns, kNeverStrayTurn);
   record.separation_m = mean(separations);
   for (const double value : separations)
     record.separation_spread_m =

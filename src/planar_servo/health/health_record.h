@@ -23,7 +23,7 @@ struct HealthRecord {
   double separation_m{0.0};
   double separation_spread_m{0.0};
   /// The farthest that the end point was seen from where it was commanded, and the most that the
-  /// tool was seen turned from there.
+  /// tool was seen turned from there, without places at which the arm strayed.
   double distance_m{0.0};
   double turn{0.0};
   std::vector<HealthPlace> places;  ///< to be visited again

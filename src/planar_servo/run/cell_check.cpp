@@ -91,7 +91,8 @@ TipMeasurement CellCheck::measure(const TipPose& expected, int frames) {
 }
 
 bool CellCheck::allows(const Joints& theta) const {
-  return !planner_.refusal(theta) && sensor_.lamps_at(planner_.arm().forward(theta));
+  return !approach_refusal(planner_, cell_.servo, robot_.commanded_joints(), theta) &&
+         sensor_.lamps_at(planner_.arm().forward(theta));
 }
 
 /// Returns the present joints if they are allowed, or those of an allowed place on a ring in the
@@ -107,9 +108,7 @@ std::optional<Joints> CellCheck::start() const {
     const double turn = (i % 2 == 0 ? steps : -steps) * 2.0 * kPi / kRingPlaces;
     const JointPlan plan = planner_.plan(
         {radius_m * rotation2d(direction + turn).col(0), cell_.tool_orientation}, present);
-    if (!plan.refusal && allows(plan.theta) &&
-        !approach_refusal(planner_, cell_.servo, present, plan.theta))
-      return plan.theta;
+    if (!plan.refusal && allows(plan.theta)) return plan.theta;
   }
   return std::nullopt;
 }
@@ -186,7 +185,7 @@ std::vector<HealthFinding> CellCheck::revisit(const HealthRecord& record) {
   if (revisits.empty()) return {};
   if (auto finding = leave_out_stray(visited_places, revisits)) return {*finding};
   // Play that has grown displaces the arm on either side, as a lost zero would.
-  std::vector<HealthFinding> play = play_at(revisits.back());
+  std::vector<HealthFinding> play = play_here(revisits);
   return play.empty() ? find_changes(model_, revisits) : play;
 }
 
@@ -208,12 +207,20 @@ std::optional<HealthFinding> CellCheck::leave_out_stray(const std::vector<Health
   return std::nullopt;
 }
 
-std::vector<HealthFinding> CellCheck::play_at(const Revisit& from_below) {
+std::vector<HealthFinding> CellCheck::play_here(const std::vector<Revisit>& revisits) {
   const Transmission& transmission = planner_.transmission();
+  const Joints here = robot_.commanded_joints();
+  const Eigen::Vector3d present = transmission.motors_from_joints(here);
+  const Revisit& from_below =
+      *std::min_element(revisits.begin(), revisits.end(), [&](const Revisit& a, const Revisit& b) {
+        return (a.motors - present).norm() < (b.motors - present).norm();
+      });
   const Joints theta = transmission.joints_from_motors(from_below.motors);
   const Eigen::Vector3d margin = Eigen::Vector3d::Constant(cell_.servo.approach_margin_rad);
   const Joints above = transmission.joints_from_motors(from_below.motors + margin);
-  if (planner_.refusal(above)) return {};
+  if (planner_.refusal(above) || planner_.way_refusal(here, above) ||
+      planner_.way_refusal(above, theta))
+    return {};
   for (const Joints& stop : {above, theta})
     while (const auto objection = robot_.move_to(stop, [this] { return sensor_.fault(); }))
       wait_for_camera(*objection);

@@ -51,10 +51,12 @@ class CellCheck {
   /// slipped. Returns why that was not seen, if it was not.
   std::optional<HealthFinding> leave_out_stray(const std::vector<HealthPlace>& places,
                                                std::vector<Revisit>& revisits);
-  /// Approaches the present place, which was reached from below, from above.
-  std::vector<HealthFinding> play_at(const Revisit& from_below);
+  /// Approaches the present place, which is one of those revisited and was reached from below, from
+  /// above. Nothing moves where the arm must not do that.
+  std::vector<HealthFinding> play_here(const std::vector<Revisit>& revisits);
   /// Throws WorkError unless the camera comes back.
   void wait_for_camera(const std::string& reason) const;
+  /// Returns whether the arm may arrive at these joints from where it stands and is seen there.
   bool allows(const Joints& theta) const;
   /// Returns the joints with one motor turned as far as the first moves want and the cell allows.
   Joints with_motor_turned(const Joints& theta, int motor) const;
@@ -76,7 +78,8 @@ constexpr double kTolerable_m = 20e-6;
 /// Returns the cell's health record, or nothing when there is none yet.
 std::optional<HealthRecord> read_cell_health(const CellSettings& cell);
 
-/// Narrows the limits to what the calibration saw, and half as much again.
+/// Sets the limits of place, direction and separation to what the calibration saw and half as much
+/// again, whatever they were.
 GuardLimits with_health(GuardLimits limits, const HealthRecord& record);
 
 /// Runs the first moves and, when they are in order, revisits the places of `record`, if there is

@@ -19,8 +19,6 @@ namespace {
 constexpr double kDrivePatience_s = 60.0;
 /// A camera that drifts by 0.1 mm an hour is noticed in this time.
 constexpr double kExamineEvery_s = 600.0;
-/// The most waits for the camera while the cell is looked at. One that fails more often is broken.
-constexpr int kMaxCameraWaits = 20;
 constexpr char kChecking[] = "looking at the cell";
 
 GuardLimits limits_of(const ServoRequest& request, const VisionCalibration& vision,
@@ -79,7 +77,7 @@ void ReadyCell::examine() {
     spdlog::warn(cell_.file.string() +
                  ": names no health file that exists, so nobody can say what has moved since the "
                  "calibration; planar-pair-tracker --health-out makes one");
-  int waits_left = kMaxCameraWaits;
+  int waits_left = kMaxCameraFailures;
   CellCheck check(cell_, vision_, robot_, sensor_, clock_, [&](const std::string& reason) {
     return waits_left-- > 0 &&
            wait_for_camera(kChecking, reason, clock_.now_s() + kCameraPatience_s);

@@ -57,6 +57,9 @@ class ReadyCell {
 
   /// The most recoveries of drives for one target. A drive that fails more often is broken.
   static constexpr int kMaxDriveRecoveries = 3;
+  /// The most failures of the camera at one target or while the cell is looked at. One that fails
+  /// more often is broken.
+  static constexpr int kMaxCameraFailures = 20;
 
   /// Makes one attempt at what `id` names, and makes it again after a drive that failed is back,
   /// but at most `recoveries_left` times.

@@ -27,6 +27,7 @@ void require_same_origins(const fs::path& results, const std::vector<Origin>& pr
     return;
   const auto names = [](const std::vector<Origin>& origins) {
     std::vector<std::string> texts;
+    texts.reserve(origins.size());
     for (const Origin& origin : origins)
       texts.push_back(fmt::format("{} {}", origin.name, origin.sha256.substr(0, 8)));
     return fmt::format("{}", fmt::join(texts, ", "));
@@ -57,6 +58,10 @@ const fs::path& folder_for(const ServoRequest& request) {
     throw InputError(request.out.string() +
                      ": holds no run to go on with; name the folder of one, or leave out --resume "
                      "to begin one there");
+  // A run would put its own report in the place of the path's.
+  const fs::path looks = request.out / "path_looks.csv";
+  if (fs::exists(looks))
+    throw InputError(looks.string() + ": the folder holds the run of a path; name another folder");
   make_folder(request.out);
   return request.out;
 }

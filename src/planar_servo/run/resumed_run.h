@@ -17,7 +17,7 @@ std::filesystem::path results_file(const ServoRequest& request);
 std::vector<Origin> run_origins(const ServoRequest& request);
 
 /// Returns the run's folder, which is there then. Throws InputError when there is no run to go on
-/// with.
+/// with, and when the folder holds that of a path.
 const std::filesystem::path& folder_for(const ServoRequest& request);
 
 /// Returns the results that the folder holds. Throws InputError when it holds some although no run

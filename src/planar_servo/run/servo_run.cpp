@@ -15,6 +15,21 @@
 #include "planar_servo/servo/camera_wait.h"
 
 namespace planar {
+namespace {
+
+/// Returns whether the camera, once the arm had arrived, gave no picture at all.
+bool saw_nothing(const ServoResult& attempt) {
+  return !attempt.steps.empty() &&
+         attempt.steps.front().measurement.status == TipStatus::kNoPicture;
+}
+
+[[noreturn]] void give_up(const TargetRow& target, const std::string& reason,
+                          const std::string& camera) {
+  throw WorkError(fmt::format("{}: {}; the camera {}; mend it, then start again to go on",
+                              target.id, reason, camera));
+}
+
+}  // namespace
 
 ServoRun::ServoRun(const ServoRequest& request, CellDevices& devices, Observer observer)
     : observer_(std::move(observer)),
@@ -45,6 +60,28 @@ ServoResult ServoRun::attempt(const TargetRow& target, TargetScorer& scorer) {
   });
 }
 
+ServoResult ServoRun::attempts(const TargetRow& target, TargetScorer& scorer) {
+  int recoveries_left = ReadyCell::kMaxDriveRecoveries;
+  int failures = 0;
+  double deadline_s = 0.0;
+  while (true) {
+    const int recoveries_before = recoveries_left;
+    ServoResult outcome =
+        cell_.with_drives(target.id, recoveries_left, [&] { return attempt(target, scorer); });
+    if (outcome.status != ServoStatus::kLostCamera) return outcome;
+    // Patience is whole for a camera that had been back, and after a wait for drives.
+    if (failures == 0 || recoveries_left != recoveries_before || !saw_nothing(outcome)) {
+      ++failures;
+      deadline_s = cell_.clock().now_s() + kCameraPatience_s;
+    }
+    if (failures > ReadyCell::kMaxCameraFailures)
+      give_up(target, outcome.reason, fmt::format("has failed {} times at this target", failures));
+    if (!cell_.wait_for_camera(target.id, outcome.reason, deadline_s))
+      give_up(target, outcome.reason,
+              fmt::format("was not back within {:.0f} s", kCameraPatience_s));
+  }
+}
+
 const TargetResult& ServoRun::move_to(const TargetRow& target) {
   cell_.examine_if_due();
   TargetScorer scorer(target, steps_, true_tip_);
@@ -57,17 +94,7 @@ const TargetResult& ServoRun::move_to(const TargetRow& target) {
       judging_s += cell_.clock().now_s() - begun_s;
       return tip;
     });
-  int recoveries_left = ReadyCell::kMaxDriveRecoveries;
-  ServoResult outcome;
-  do {
-    outcome =
-        cell_.with_drives(target.id, recoveries_left, [&] { return attempt(target, scorer); });
-  } while (outcome.status == ServoStatus::kLostCamera &&
-           cell_.wait_for_camera(target.id, outcome.reason, start_s + kCameraPatience_s));
-  if (outcome.status == ServoStatus::kLostCamera)
-    throw WorkError(fmt::format(
-        "{}: {}; the camera was not back within {:.0f} s; mend it, then start again to go on",
-        target.id, outcome.reason, kCameraPatience_s));
+  const ServoResult outcome = attempts(target, scorer);
   results_.push_back(scorer.finish(outcome, cell_.clock().now_s() - start_s - judging_s));
   if (outcome.cell_in_doubt && !keep_going_)
     ended_by_ = fmt::format("{}: {}: {}", target.id, name(outcome.status), outcome.reason);

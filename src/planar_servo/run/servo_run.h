@@ -44,9 +44,10 @@ class ServoRun {
   /// is in the files then.
   ///
   /// When the camera fails, the arm stops and waits up to a minute for it, then goes on with the
-  /// same target. It does the same for a drive, which may have to be homed then, but at most three
-  /// times for one target. The result counts the corrections and the time of all attempts. A target
-  /// at which a device has failed for good has no result, so that a resumed run moves there again.
+  /// same target, but at most twenty times for one target. It does the same for a drive, which may
+  /// have to be homed then, but at most three times. The result counts the corrections and the time
+  /// of all attempts. A target at which a device has failed for good has no result, so that a
+  /// resumed run moves there again.
   const TargetResult& move_to(const TargetRow& target);
 
   /// Returns why no further target may be tried: the cell itself is in doubt. Empty with
@@ -65,6 +66,9 @@ class ServoRun {
 
  private:
   ServoResult attempt(const TargetRow& target, TargetScorer& scorer);
+  /// Makes attempts until one ends by something else than camera or drives. Throws WorkError when a
+  /// device has failed for good.
+  ServoResult attempts(const TargetRow& target, TargetScorer& scorer);
 
   Observer observer_;
   std::function<TipPose()> true_tip_;

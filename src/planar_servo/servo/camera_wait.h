@@ -8,7 +8,7 @@
 
 namespace planar {
 
-/// The longest wait for a camera that fails, counted from the beginning of what it failed at.
+/// The longest wait for a camera that fails.
 constexpr double kCameraPatience_s = 60.0;
 
 /// Waits, while the arm stands, until the camera's frames come as they should, and says so in the

@@ -11,8 +11,9 @@
 
 namespace planar {
 
-/// Holds what a calibrated cell promises about every look at its tool. The defaults hold for a cell
-/// that kept no measure of itself; health_limits() makes them narrower.
+/// Holds what a calibrated cell promises about every look at its tool. The defaults of place,
+/// direction and separation hold for a cell that kept no measure of itself; with_health() puts what
+/// its calibration saw in their place.
 struct GuardLimits {
   /// The tool is seen no farther than this from where it was commanded, and turned by no more.
   double distance_m{10e-3};

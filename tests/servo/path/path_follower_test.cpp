@@ -16,6 +16,10 @@ using test::sample_circle;
 
 constexpr double kSpeed_m_s = 0.02;
 
+PlayProbe probe_play(MovingBench& bench) {
+  return measure_play(bench.robot, bench.planner, bench.settings, bench.sensor, bench.cell.clock());
+}
+
 /// Follows a circle on which something happens after one second.
 PathResult follow_with(MovingBench& bench, const std::function<void(TipMeasurement&)>& spoil) {
   double begun_s = -1.0;
@@ -69,19 +73,71 @@ TEST_CASE("The play is measured where the path begins, and the arm rests there a
   bench.go_to(sample_circle());
   const Joints before = bench.robot.commanded_joints();
   const Eigen::Vector2d p = bench.cell.true_tip().p;
-  const auto play =
-      measure_play(bench.robot, bench.planner, bench.settings, bench.sensor, bench.cell.clock());
-  REQUIRE(play);
-  CHECK(play->x() == Approx(1e-3).margin(3e-5));
-  CHECK(play->y() == Approx(1e-3).margin(3e-5));
-  CHECK(play->z() == 0.0);
+  const PlayProbe probe = probe_play(bench);
+  REQUIRE(probe.play_rad);
+  CHECK(probe.play_rad->x() == Approx(1e-3).margin(3e-5));
+  CHECK(probe.play_rad->y() == Approx(1e-3).margin(3e-5));
+  CHECK(probe.play_rad->z() == 0.0);
+  CHECK_FALSE(probe.not_back);
   CHECK(bench.robot.commanded_joints() == before);
   CHECK((bench.cell.true_tip().p - p).norm() < 1e-6);
   bench.sensor.spoil = [](TipMeasurement& m) {
     m = failed_look(TipStatus::kNoLamps, "no_lamp", m.t_s);
   };
-  CHECK_FALSE(
-      measure_play(bench.robot, bench.planner, bench.settings, bench.sensor, bench.cell.clock()));
+  const PlayProbe blind = probe_play(bench);
+  CHECK_FALSE(blind.play_rad);
+  CHECK_FALSE(blind.not_back);
+  CHECK(blind.unknown == "the tool was not measured: no_lamp");
+  CHECK(bench.robot.commanded_joints() == before);
+}
+
+TEST_CASE("A probe of the play that breaks off on its way says that the arm is not back") {
+  for (const bool downwards : {false, true}) {
+    MovingBench bench;
+    bench.settings.approach_margin_rad = 1e-2;
+    bench.go_to(sample_circle());
+    const Joints before = bench.robot.commanded_joints();
+    const Eigen::Vector2d p = bench.cell.true_tip().p;
+    bench.robot.stop_when([&] {
+      const bool on_its_way = (bench.cell.true_tip().p - p).norm() > 0.3e-3;
+      if (on_its_way && bench.sensor.looks == (downwards ? 1 : 0))
+        bench.sensor.broken = "it is gone";
+      return false;
+    });
+    const PlayProbe probe = probe_play(bench);
+    CHECK_FALSE(probe.play_rad);
+    REQUIRE(probe.not_back);
+    CHECK_FALSE(probe.not_back->refused);
+    CHECK(probe.not_back->reason == "it is gone");
+    CHECK_FALSE(bench.robot.commanded_joints() == before);
+  }
+}
+
+TEST_CASE("Looks that differ by more than play can show tell nothing of it") {
+  for (const double off_m : {3e-3, -3e-3}) {
+    MovingBench bench(1e-3);
+    bench.go_to(sample_circle());
+    const Joints before = bench.robot.commanded_joints();
+    bench.sensor.spoil = [&](TipMeasurement& m) {
+      if (bench.sensor.looks == 1) m.tip.p.x() += off_m;
+    };
+    const PlayProbe probe = probe_play(bench);
+    CHECK_FALSE(probe.play_rad);
+    CHECK_FALSE(probe.not_back);
+    CHECK_THAT(probe.unknown, Catch::Contains("cannot show more than the approach margin"));
+    CHECK(bench.robot.commanded_joints() == before);
+  }
+}
+
+TEST_CASE("No play is looked for where the place above must not be reached") {
+  MovingBench bench;
+  bench.go_to(sample_circle());
+  bench.settings.approach_margin_rad = 7.0;
+  const PlayProbe probe = probe_play(bench);
+  CHECK_FALSE(probe.play_rad);
+  CHECK_FALSE(probe.not_back);
+  CHECK_THAT(probe.unknown, Catch::Contains("motor 1"));
+  CHECK(bench.sensor.looks == 0);
 }
 
 TEST_CASE("Some lost pictures are borne, half a second without any ends the path at rest") {

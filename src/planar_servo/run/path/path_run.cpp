@@ -38,6 +38,10 @@ const std::filesystem::path& folder_for_path(const ServoRequest& request) {
   return request.out;
 }
 
+PathResult ended_at(const Obstacle& obstacle) {
+  return {obstacle.refused ? ServoStatus::kRefused : ServoStatus::kLostCamera, obstacle.reason};
+}
+
 ExposureTiming exposures_of(const CellSettings& cell, const FrameSource& camera) {
   return {1.0 / cell.camera.frame_rate_hz, camera.exposure().time_s};
 }
@@ -138,24 +142,27 @@ std::optional<PathResult> PathRun::go_to_beginning(const PathDemand& demand, Gui
   if (guidance == Guidance::kArm) {
     const auto obstacle = arrive(cell_.robot(), cell_.planner(), cell_.settings().servo,
                                  demand.start, [&] { return cell_.sensor().fault(); });
-    if (!obstacle) return std::nullopt;
-    return PathResult{obstacle->refused ? ServoStatus::kRefused : ServoStatus::kLostCamera,
-                      obstacle->reason};
+    return obstacle ? std::optional(ended_at(*obstacle)) : std::nullopt;
   }
   const ServoResult servo = cell_.servo().move_to(path_.path.at(0.0).pose);
   if (servo.status != ServoStatus::kReached && servo.status != ServoStatus::kOutsideMap)
     return PathResult{servo.status, servo.reason, servo.cell_in_doubt};
-  if (!play_rad_) find_play();
-  return std::nullopt;
+  return play_rad_ ? std::nullopt : find_play();
 }
 
-void PathRun::find_play() {
-  play_rad_ = measure_play(cell_.robot(), cell_.planner(), cell_.settings().servo, cell_.sensor(),
-                           cell_.clock());
-  if (!play_rad_) return spdlog::warn("the play could not be measured at the path's beginning");
+std::optional<PathResult> PathRun::find_play() {
+  const PlayProbe probe = measure_play(cell_.robot(), cell_.planner(), cell_.settings().servo,
+                                       cell_.sensor(), cell_.clock());
+  play_rad_ = probe.play_rad;
+  if (probe.not_back) return ended_at(*probe.not_back);
+  if (!play_rad_) {
+    spdlog::warn("the play could not be measured at the path's beginning: " + probe.unknown);
+    return std::nullopt;
+  }
   spdlog::info(fmt::format("the play of motors 1 and 2 is {:.4f} and {:.4f} deg",
                            play_rad_->x() / kDegree, play_rad_->y() / kDegree));
   follower_.set_play(*play_rad_);
+  return std::nullopt;
 }
 
 }  // namespace planar

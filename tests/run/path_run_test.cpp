@@ -1,0 +1,60 @@
+#include "planar_servo/run/path/path_run.h"
+
+#include <catch2/catch.hpp>
+
+#include "planar_servo/machine/device_kinds.h"
+#include "run/hiccup_cell.h"
+#include "support/sample_cells.h"
+#include "support/temporary_folder.h"
+
+namespace planar {
+namespace {
+
+/// Returns the direction into which the end point goes when every motor turns up a little.
+Eigen::Vector2d upwards(const CellSettings& cell, const TipPose& from) {
+  const JointPlanner planner = joint_planner(cell);
+  const Joints theta = planner.plan(from, cell.arm.home).theta;
+  const Transmission& transmission = planner.transmission();
+  const Eigen::Vector3d up = Eigen::Vector3d::Constant(1e-4);
+  const Joints above = transmission.joints_from_motors(transmission.motors_from_joints(theta) + up);
+  return (planner.arm().forward(above).p - planner.arm().forward(theta).p).normalized();
+}
+
+TEST_CASE("A path does not begin beside its beginning when the look for play breaks off") {
+  const test::TemporaryFolder folder;
+  const CellSettings cell = read_cell(test::workshop_cell_file());
+  test::HiccupCell devices(cell);
+  ServoRequest request;
+  request.cell = cell;
+  request.out = folder / "run";
+  request.check_health = false;
+  const TipPose start{{0.26, 0.20}, cell.tool_orientation};
+  const PathRequest path{"path.csv",
+                         Path({{start}, {{{0.25, 0.20}, cell.tool_orientation}}}),
+                         {Guidance::kVision},
+                         {0.02}};
+  // The camera fails for a second when the arm, which was seen at the beginning, goes above it.
+  const Eigen::Vector2d up = upwards(cell, start);
+  bool seen = false;
+  std::optional<double> failed_s;
+  devices.hiccup.at_frame = [&] { seen = seen || (devices.tip() - start.p).norm() < 2e-3; };
+  devices.hiccup.fails = [&] {
+    const double now_s = devices.clock().now_s();
+    if (seen && !failed_s && up.dot(devices.tip() - start.p) > 1e-3) failed_s = now_s;
+    return failed_s && now_s < *failed_s + 1.0;
+  };
+  PathRun run(request, path, devices);
+  const PathSpeedResult broken_off = run.follow(0.02, Guidance::kVision);
+  REQUIRE(failed_s);
+  CHECK(broken_off.status == ServoStatus::kLostCamera);
+  CHECK(broken_off.reason == "on the way to the path's beginning: the camera has a hiccup");
+  CHECK(run.looks().empty());
+  CHECK_FALSE(run.ended_by());
+  // The next one finds the play and follows.
+  devices.clock().sleep_for_s(1.0);
+  CHECK(run.follow(0.02, Guidance::kVision).status == ServoStatus::kReached);
+  CHECK(run.looks().size() > 5);
+}
+
+}  // namespace
+}  // namespace planar
