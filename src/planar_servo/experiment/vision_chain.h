@@ -36,8 +36,8 @@ struct ChainSettings {
   /// Height of the laid boards' dots above the lamps' plane, metres. With it the lays tell the
   /// field at the lamps, too.
   std::optional<double> dots_height{};
-  /// Looks before the first target whether the cell is as it was, and holds the arm where vision is
-  /// uncertain.
+  /// Looks before the first target whether the cell is as it was, and holds the arm where a look is
+  /// not what the calibration promises.
   bool is_guarded{true};
   ServoSettings servo;
 };

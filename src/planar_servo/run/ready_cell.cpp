@@ -23,9 +23,13 @@ constexpr char kChecking[] = "looking at the cell";
 
 GuardLimits limits_of(const ServoRequest& request, const VisionCalibration& vision,
                       const std::optional<HealthRecord>& health) {
-  GuardLimits limits =
+  if (!request.guards_looks) {
+    GuardLimits widest;
+    widest.noise_m = std::numeric_limits<double>::infinity();
+    return widest;
+  }
+  const GuardLimits limits =
       guard_limits(vision, request.cell.workspace, request.cell.tool_orientation);
-  if (!request.guard_noise) limits.noise_m = std::numeric_limits<double>::infinity();
   return health ? with_health(limits, *health) : limits;
 }
 

@@ -26,13 +26,15 @@ struct ServoRequest {
   bool resume{false};         ///< continues the run that the folder holds
   bool accept_stale{false};   ///< moves even with files that do not belong together
   bool check_health{true};    ///< looks, before the first target, whether the cell is as it was
-  bool guard_noise{true};     ///< holds the arm where vision is uncertain
   bool keep_going{false};     ///< tries the next target even when the cell itself is in doubt
   /// Is asked about drives that lost their position on the way, too. Empty: they may not be homed.
   MayHome may_home{};
   std::function<bool()> stop{};  ///< asked during every move; see PlanarRobot::stop_when()
   /// Judges the first look and the end at every target of a cell without a truth. May be empty.
   EndPointJudge judge{};
+  /// Holds the arm where a look is uncertain or is not what the calibration promises. Without it
+  /// only what no cell can be holds the arm: GuardLimits as they begin, whatever the noise.
+  bool guards_looks{true};
 };
 
 /// Returns the sentences on calibration files that do not belong together, and shows them in the

@@ -1,0 +1,30 @@
+#include "planar_servo/run/ready_cell.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "planar_servo/machine/cell_devices.h"
+#include "planar_servo/machine/device_kinds.h"
+#include "support/sample_cells.h"
+
+namespace planar {
+namespace {
+
+TEST_CASE("The calibration narrows the guard, but not that of a chain that has no guard") {
+  ServoRequest request;
+  request.cell = read_cell(test::workshop_cell_file());
+  const auto devices = open_cell(request.cell);
+  const GuardLimits widest;
+  const GuardLimits guarded = ReadyCell(request, *devices).limits();
+  CHECK(guarded.noise_m == widest.noise_m);
+  CHECK(guarded.distance_m < widest.distance_m);
+  CHECK(std::isfinite(guarded.correction_m));
+  request.guards_looks = false;
+  const GuardLimits unguarded = ReadyCell(request, *devices).limits();
+  CHECK(std::isinf(unguarded.noise_m));
+  CHECK(std::isinf(unguarded.correction_m));
+  CHECK(unguarded.distance_m == widest.distance_m);
+}
+
+}  // namespace
+}  // namespace planar
