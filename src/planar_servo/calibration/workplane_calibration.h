@@ -38,8 +38,8 @@ WorkplaneFit fit_workplane_to_pairs(const CameraModel& camera,
 /// Fits position and turn in the plane to the pairs, rigidly and without scale. Height and tilt of
 /// the plane come from a board laid once or several times (X_CG), whose points lie `points_height`
 /// above the lamps' plane (metres, negative below); their covariance is that of the mean over the
-/// views, and zero for a single view. Throws like fit_workplane_to_pairs(), and InputError when board
-/// and tracker say heights of the camera that differ by more than 5 %.
+/// views, and zero for a single view. Throws like fit_workplane_to_pairs(), and InputError when
+/// board and tracker say heights of the camera that differ by more than 5 %.
 WorkplaneFit fit_workplane_to_board(const CameraModel& camera, const std::vector<Pose>& X_CG,
                                     const std::vector<ToolSight>& sights,
                                     double points_height = 0.0);

@@ -179,9 +179,8 @@ UncertaintyBudget uncertainty_budget(const CellSettings& cell, const VisionCalib
   known.servo.tolerance_m = median_over(moves, &JudgedMove::stop_below);
   const TermsOverTargets over = terms_over(targets, known, read_workplane(cell.workplane));
   UncertaintyBudget budget;
-  for (const auto& terms :
-       {vision_terms(cell, over, tracker.source), content_terms(over.terms),
-        run_terms(accuracy.drift, judge_over(targets))})
+  for (const auto& terms : {vision_terms(cell, over, tracker.source), content_terms(over.terms),
+                            run_terms(accuracy.drift, judge_over(targets))})
     budget.terms.insert(budget.terms.end(), terms.begin(), terms.end());
   double sum = 0.0;
   for (const BudgetTerm& term : budget.terms)

@@ -23,9 +23,9 @@ double median_of(const std::vector<PairRow>& pairs, std::optional<double> PairRo
 }
 
 /// Returns the variance per axis at `p` that a registration to monuments leaves, whose readings
-/// have a variance of sigma^2 per axis. The axis of joint 1, about which the arm is seen to turn, fixes the
-/// shift; the turn about it remains: sigma^2 |p|^2 / sum |d_i - c|^2 and the number of readings of
-/// each, with c the centre of the monuments d_i.
+/// have a variance of sigma^2 per axis. The axis of joint 1, about which the arm is seen to turn,
+/// fixes the shift; the turn about it remains: sigma^2 |p|^2 / sum |d_i - c|^2 and the number of
+/// readings of each, with c the centre of the monuments d_i.
 double datum_variance(const PredictionInputs& known, const Eigen::Vector2d& p) {
   if (known.datum.empty()) return 0.0;
   const double n = static_cast<double>(known.datum.size());

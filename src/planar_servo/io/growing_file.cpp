@@ -36,7 +36,8 @@ void drop_torn_line(const std::filesystem::path& path) {
 
 void require_header(const std::filesystem::path& path, const std::string& header) {
   if (!std::filesystem::exists(path) || read_file(path).rfind(header, 0) == 0) return;
-  throw InputError(path.string() + ": holds something else already; move it away, or name another file");
+  throw InputError(path.string() +
+                   ": holds something else already; move it away, or name another file");
 }
 
 GrowingFile::GrowingFile(std::filesystem::path path, const std::string& header)

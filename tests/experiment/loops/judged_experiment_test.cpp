@@ -66,6 +66,7 @@ ExperimentRequest short_experiment(const test::TemporaryFolder& folder) {
   ExperimentRequest request{read_cell(test::paper_cell_file()), parse_board("circles:11x11:50mm"),
                             1, folder / "run"};
   request.size = with_loop_only(with_readings({}, 30), 2);
+  request.size.board_views = 8;
   return request;
 }
 
