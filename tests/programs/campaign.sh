@@ -8,7 +8,7 @@ campaign=("$bin/planar-experiment" -q --cell cell/cell.yaml --train 40 --loop-on
 export ASAN_OPTIONS=detect_leaks=0  # of mpirun's libraries
 ranks=(mpirun --allow-run-as-root --oversubscribe -n 3 "${campaign[@]}")
 has_mpi=false
-if command -v mpirun >/dev/null && ldd "$bin/planar-experiment" | grep -q libmpi; then has_mpi=true; fi
+if command -v mpirun >/dev/null && [[ $(ldd "$bin/planar-experiment") == *libmpi* ]]; then has_mpi=true; fi
 
 # until_recording FOLDER: waits until a cell of the campaign is being recorded.
 until_recording() {
