@@ -25,10 +25,10 @@ SyntheticCell noiseless() {
   return cell;
 }
 
-Eigen::Matrix<double, 6, 1> pose_error(const Pose& X, const Pose& X_ref) {
-  const Eigen::AngleAxisd turn(X.linear() * X_ref.linear().transpose());
+Eigen::Matrix<double, 6, 1> pose_error(const Pose& X, const Pose& reference) {
+  const Eigen::AngleAxisd turn(X.linear() * reference.linear().transpose());
   Eigen::Matrix<double, 6, 1> error;
-  error << X.translation() - X_ref.translation(), turn.angle() * turn.axis();
+  error << X.translation() - reference.translation(), turn.angle() * turn.axis();
   return error;
 }
 
@@ -43,6 +43,7 @@ Pose board(const SyntheticCell& cell, double below, double turn) {
 
 std::vector<std::string> ids(const std::vector<Rejection>& rejected) {
   std::vector<std::string> names;
+  names.reserve(rejected.size());
   for (const Rejection& rejection : rejected) names.push_back(rejection.id);
   return names;
 }
@@ -139,6 +140,7 @@ TEST_CASE("Recordings that do not determine the workplane say what is missing") 
 
   std::mt19937 random(1);
   std::vector<ToolSight> line;
+  line.reserve(20);
   for (int i = 0; i < 20; ++i) {
     line.push_back(cell.sight("l" + std::to_string(i), {0.02 * i, 0.01 * i}, 0.0, random));
   }
