@@ -28,6 +28,7 @@ constexpr int kMaxRounds = 8;
 constexpr double kSettled = 1e-10;  // in m and rad
 // A vision error is some thousandths of the field. Data that differ by more do not belong together.
 constexpr double kMaxRmsShare = 0.02;
+// Height errs by less, whatever the lens. A board of another pitch differs by more.
 constexpr double kMostHeightShare = 0.05;
 
 /// Both offsets, fitted to the joint-3 sweeps.

@@ -89,7 +89,7 @@ class TrackerKind : public DeviceKind {
   /// Returns false when what this kind opens never gives a reading.
   virtual bool measures() const { return true; }
 
-  /// Returns whether a person takes the readings, of each monument but one.
+  /// Returns whether a person takes the readings, who reads each monument only once.
   virtual bool by_hand() const { return false; }
 
   /// Reads the keys that only this kind has. Faults go to the document.

@@ -34,10 +34,9 @@ nlohmann::json run_drawn_cell(const ExperimentRequest& request, std::uint32_t se
 }
 
 /// Throws unless the cell file names reference lamps where cells of this kind have them.
-void require_same_lamps(const CellSettings& cell, DrawTruth draw, std::uint32_t seed) {
-  const bool drawn = !draw(seed).reference_lamps.empty();
+void require_same_lamps(const CellSettings& cell, const Truth& truth, const char* kind) {
+  const bool drawn = !truth.reference_lamps.empty();
   if (drawn != cell.reference_lamps.empty()) return;
-  const char* kind = name_in(kCellKinds, draw);
   throw InputError(fmt::format(
       "{0}: names {1} reference_lamps, while cells of the kind {2} have {3}; give the cell.yaml "
       "that planar-virtual-cell draw --like {2} writes",
@@ -88,8 +87,9 @@ std::vector<nlohmann::json> run_campaign(const ExperimentRequest& request, const
     throw InputError(request.cell.file.string() +
                      ": is no virtual cell; --seeds draws cells, which only a virtual one can "
                      "stand for");
-  require_same_lamps(request.cell, draw, seeds.first);
-  require_same_machine(request.cell, draw(seeds.first));
+  const Truth first = draw(seeds.first);
+  require_same_lamps(request.cell, first, name_in(kCellKinds, draw));
+  require_same_machine(request.cell, first);
   if (fs::exists(request.out / "recording"))
     throw InputError(request.out.string() +
                      ": holds a single experiment; name another folder for the campaign");
