@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include "planar_servo/arm/motor_move.h"
 #include "planar_servo/core/fixed.h"
@@ -81,6 +83,15 @@ JointPlanner::JointPlanner(const PlanarArm& arm, const Transmission& transmissio
       elbow_(elbow),
       approach_margin_(approach_margin) {}
 
+void JointPlanner::plan_for(FoundArm found) {
+  found.form.sense = arm_.sense();
+  found.form.joints_per_motor = transmission_.coupling_matrix().inverse();
+  for (int i = 0; i < 3; ++i)
+    found.form.gear_ratios[i] =
+        transmission_.settings().drives[static_cast<std::size_t>(i)].gear_ratio;
+  found_ = std::move(found);
+}
+
 std::optional<std::string> JointPlanner::refusal(const Joints& theta) const {
   if (auto outside = workspace_.violation(arm_.forward(theta).p)) return outside;
   return transmission_.limit_violation(theta);
@@ -102,19 +113,13 @@ std::optional<std::string> JointPlanner::way_refusal(const Joints& from, const J
   return std::nullopt;
 }
 
-PlanarArm JointPlanner::exact_arm() const {
-  if (!found_) return arm_;
-  return PlanarArm({found_->link_lengths_m, arm_.geometry().positive_rotation});
-}
-
 TipPose JointPlanner::reached(const Joints& commanded) const {
   if (!found_) return arm_.forward(commanded);
-  return exact_arm().forward(transmission_.joints_from_motors(
-      reducer_outputs(*found_, transmission_.motors_from_joints(commanded))));
+  return found_->tip(transmission_.motors_from_joints(commanded));
 }
 
 JointPlan JointPlanner::plan(const TipPose& target, const Joints& near) const {
-  const InverseResult inverse = exact_arm().inverse(target, elbow_, near);
+  const InverseResult inverse = arm_.inverse(target, elbow_, near);
   if (inverse.status != ReachStatus::kOk) return {{}, describe(inverse.status)};
   const auto branch = [&](const Transmission::Room& room) {
     return transmission_.branch_within_limits(inverse.theta, near, room);
@@ -122,10 +127,23 @@ JointPlan JointPlanner::plan(const TipPose& target, const Joints& near) const {
   const std::optional<Joints> roomy = branch({approach_margin_ + kCorrectionRoom, kCorrectionRoom});
   const Joints theta = roomy ? *roomy : branch({}).value_or(inverse.theta);
   if (!found_) return {theta, refusal(theta)};
-  const Joints commanded = transmission_.joints_from_motors(
-      motors_for_outputs(*found_, transmission_.motors_from_joints(theta)));
-  if (auto outside = workspace_.violation(target.p)) return {commanded, outside};
-  return {commanded, transmission_.limit_violation(commanded)};
+  if (auto outside = workspace_.violation(target.p)) return {theta, outside};
+  const JointPlan plan = plan_as_found(target, theta);
+  return {plan.theta, plan.refusal ? plan.refusal : transmission_.limit_violation(plan.theta)};
+}
+
+JointPlan JointPlanner::plan_as_found(const TipPose& target, Joints theta) const {
+  constexpr int kSteps = 12;  // each is at least ten times nearer than the one before
+  TipPose aim = target;
+  for (int step = 0; step < kSteps; ++step) {
+    const TipPose now = reached(theta);
+    aim.p += target.p - now.p;
+    aim.phi += wrap_angle(target.phi - now.phi);
+    const InverseResult inverse = arm_.inverse(aim, elbow_, theta);
+    if (inverse.status != ReachStatus::kOk) return {{}, describe(inverse.status)};
+    theta = inverse.theta;
+  }
+  return {theta, std::nullopt};
 }
 
 }  // namespace planar

@@ -2,7 +2,6 @@
 
 #include <optional>
 #include <string>
-#include <utility>
 
 #include "planar_servo/arm/found_arm.h"
 #include "planar_servo/arm/planar_arm.h"
@@ -27,7 +26,7 @@ class JointPlanner {
 
   /// Lets plan() return the joint angles to command so that an arm as it was found reaches the
   /// target. Everything else stays with the arm as its files have it.
-  void plan_for(FoundArm found) { found_ = std::move(found); }
+  void plan_for(FoundArm found);
 
   /// Returns the rule that forbids these joint angles, in words; empty when none does.
   std::optional<std::string> refusal(const Joints& theta) const;
@@ -49,12 +48,14 @@ class JointPlanner {
   /// undoes plan().
   TipPose reached(const Joints& commanded) const;
 
+  /// Returns that arm, with the sense, the coupling and the gears of the files.
+  const std::optional<FoundArm>& found() const { return found_; }
   const PlanarArm& arm() const { return arm_; }
   const Transmission& transmission() const { return transmission_; }
 
  private:
-  /// Returns the arm with the links that were found.
-  PlanarArm exact_arm() const;
+  /// Returns the joint angles, near `theta`, by which the arm as it was found reaches the target.
+  JointPlan plan_as_found(const TipPose& target, Joints theta) const;
 
   PlanarArm arm_;
   Transmission transmission_;

@@ -65,7 +65,7 @@ PoseSample pose_at(const KnownCell& known, const Joints& theta) {
   const ArmModel model(known.nominal, {0, true});
   PoseSample pose;
   pose.motors = known.planner.transmission().motors_from_joints(theta);
-  const ToolPoints points = model.at(pose.motors, model.nominal());
+  const ToolPoints points = model.at({pose.motors, 0.0}, model.nominal());
   pose.lamps_B = {points.points.col(1), points.points.col(2)};
   pose.sigma_lamp = kLampSigma_m;
   pose.sigma_reflector = known.cell.tracker.sigma_m;

@@ -20,17 +20,20 @@ constexpr double kJitter = 1e-8;
 
 Eigen::RowVectorXd FieldBasis::at(const Eigen::Vector2d& p) const {
   Eigen::RowVectorXd row(terms());
-  row.head(centers.cols()) =
-      ((centers.colwise() - p).colwise().squaredNorm() / (-2.0 * width * width)).array().exp();
+  row.head(centers.cols()) = gaussians(p);
   const double x = p.x() / radius, y = p.y() / radius;
   row.tail<kQuadratic>() << 1.0, x, y, x * x, x * y, y * y;
   return row;
 }
 
+Eigen::RowVectorXd FieldBasis::gaussians(const Eigen::Vector2d& p) const {
+  return ((centers.colwise() - p).colwise().squaredNorm() / (-2.0 * width * width)).array().exp();
+}
+
 Eigen::MatrixXd FieldBasis::kernel_matrix() const {
   Eigen::MatrixXd K(centers.cols(), centers.cols());
   for (Eigen::Index j = 0; j < centers.cols(); ++j)
-    K.col(j) = at(centers.col(j)).head(centers.cols()).transpose();
+    K.row(j) = gaussians(centers.col(j));
   K.diagonal().array() += kJitter;
   return K;
 }

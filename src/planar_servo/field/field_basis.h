@@ -15,6 +15,8 @@ struct FieldBasis {
 
   Eigen::Index terms() const { return centers.cols() + kQuadratic; }
   Eigen::RowVectorXd at(const Eigen::Vector2d& p) const;
+  /// Returns the first of these, without the quadratic.
+  Eigen::RowVectorXd gaussians(const Eigen::Vector2d& p) const;
   /// Returns the matrix whose inverse is the prior covariance of the Gaussians' weights, for a
   /// field of unit variance.
   Eigen::MatrixXd kernel_matrix() const;

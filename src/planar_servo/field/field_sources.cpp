@@ -53,7 +53,7 @@ FieldCertainty certainty_of(const LampField& field, const std::vector<PoseSample
     rows.middleRows<2>(2 * at) = end_point_rows(field, lamps_B);
     tips.col(at) = compensate(field, lamps_B).tip.p;
   }
-  const Eigen::MatrixXd scaled = rows * field.factor.triangularView<Eigen::Lower>();
+  const Eigen::MatrixXd scaled = rows * field.factor;
   const Eigen::MatrixXd A = common_motions(tips);
   const Eigen::MatrixXd motions = solve_symmetric(A.transpose() * A, A.transpose() * scaled);
   const Eigen::VectorXd sigma = motions.rowwise().norm();

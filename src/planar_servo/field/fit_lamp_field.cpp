@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "planar_servo/core/numerics/statistics.h"
 
@@ -26,7 +27,7 @@ double landing_sigma(const JointEstimate& estimate, const LampField& field,
   for (const PoseSample& sample : samples)
     squares.push_back((compensate(field, sample.lamps_B).tip.p -
                        sample.t_h * estimate.fit.drift_m_per_h -
-                       model.at(sample.motors, estimate.fit.arm).tip.p)
+                       model.at({sample.motors, sample.t_h}, estimate.fit.arm).tip.p)
                           .squaredNorm());
   constexpr double kMedianOfTwo = 1.386;
   return std::sqrt(median(squares) / kMedianOfTwo);
@@ -49,7 +50,9 @@ LampFieldFit fit_lamp_field(const ArmNominal& nominal, const std::vector<PoseSam
   LampFieldFit fit;
   if (progress) progress("field and arm", 0.0);
   fit.estimate = estimate_jointly(nominal, samples, board);
-  fit.field = lamp_field(fit.estimate, samples);
+  FieldAndArm found = field_and_arm(fit.estimate, samples);
+  fit.field = std::move(found.field);
+  fit.arm = std::move(found.arm);
   if (progress) progress("places left out", 0.7);
   fit.held_out = hold_out(fit.estimate, samples, board);
   fit.certainty = certainty_of(fit.field, samples);

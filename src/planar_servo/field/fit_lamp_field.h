@@ -16,6 +16,7 @@ namespace planar {
 struct LampFieldFit {
   JointEstimate estimate;
   LampField field;
+  FoundArm arm;
   HeldOut held_out;
   std::size_t n_readings{0}, n_unattended{0};  ///< that were given
   std::vector<std::string> left_out;           ///< ids of poses that contradict the others

@@ -3,89 +3,119 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <limits>
 #include <nlopt.hpp>
 #include <numeric>
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/numerics/statistics.h"
+#include "planar_servo/field/joint_equations.h"
 
 namespace planar {
 namespace {
 
 /// A part of the samples tunes as well as all of them.
 constexpr std::size_t kTuningSamples = 300;
-constexpr int kTuningEvaluations = 40, kFewEvaluations = 8;
-constexpr int kMostHarmonics = 3;
+constexpr int kTuningEvaluations = 150, kFewEvaluations = 20;
+constexpr int kMostHarmonics = 3, kMostRipples = 2;
 /// A larger model must be likelier by this factor's logarithm.
 constexpr double kClearlyLikelier = 3.0;
 /// What chi squared of four and of six numbers exceeds by chance once in ten million samples.
 constexpr double kMostOfFour = 38.24, kMostOfSix = 43.34;
 constexpr double kMedianOfFour = 3.357, kMedianOfSix = 5.348;
+/// Widths of the arm's smooth deviation, in the coordinates of PostureBasis, and of the lamps'
+/// height, as a share of the field's radius.
+constexpr double kPostureWidth = 0.6, kWaveWidth = 0.3;
 
-struct Bounds {
-  double low, high;
+/// A prior that is searched for, over its logarithm.
+struct SearchedPrior {
+  double JointPriors::*prior;
+  double first, low, high;
 };
-// Width of the field as a share of its radius; its deviation; factor of the lamps' stated noise;
-// deviation of a pose from the arm's model: repeatability, not what a reducer does; factor of the
-// dots' stated noise, where there is a board.
-constexpr std::array<Bounds, 5> kBounds{
-    {{0.18, 1.0}, {1e-6, 5e-3}, {0.5, 10.0}, {1e-8, 5e-6}, {0.5, 30.0}}};
-constexpr std::size_t kDotFactor = 4;
+
+/// Hobby arms repeat to 0.2 mm, the best machines to some tenths of a micrometre. `radius` is that
+/// of the field.
+std::vector<SearchedPrior> searched_priors(double radius, bool with_board) {
+  std::vector<SearchedPrior> priors{
+      {&JointPriors::field_width, 0.25 * radius, 0.18 * radius, radius},
+      {&JointPriors::field_sigma, 1e-4, 1e-6, 5e-3},
+      {&JointPriors::lamp_factor, 1.0, 0.5, 10.0},
+      {&JointPriors::arm_sigma, 3e-6, 1e-8, 1e-3},
+      {&JointPriors::deviation_sigma, 3e-6, 1e-7, 1e-3},
+      {&JointPriors::wave_sigma, 1e-5, 1e-7, 1e-3}};
+  if (with_board) priors.push_back({&JointPriors::dot_factor, 1.0, 0.5, 30.0});
+  return priors;
+}
+
 /// Turns of the tool go with shifts of the end point at the end of a link of this length, metres.
 constexpr double kTurnArm = 0.3;
 
 using Logs = std::vector<double>;
 
-Logs first_logs(const LaidDots& board) {
-  Logs logs{std::log(0.25), std::log(1e-4), 0.0, std::log(1e-6)};
-  if (!board.lays.empty()) logs.push_back(0.0);
-  return logs;
+JointPriors priors_at(const std::vector<SearchedPrior>& searched, const Logs& logs) {
+  JointPriors priors;
+  for (std::size_t i = 0; i < searched.size(); ++i) priors.*searched[i].prior = std::exp(logs[i]);
+  priors.tool_sigma = priors.arm_sigma / kTurnArm;
+  return priors;
 }
 
-JointPriors priors_at(const Logs& logs, double radius) {
-  const double arm_sigma = std::exp(logs[3]);
-  return {radius * std::exp(logs[0]), std::exp(logs[1]),
-          std::exp(logs[2]),          arm_sigma,
-          arm_sigma / kTurnArm,       logs.size() > kDotFactor ? std::exp(logs[kDotFactor]) : 1.0};
+JointPriors first_priors(double radius, const LaidDots& board) {
+  const auto searched = searched_priors(radius, !board.lays.empty());
+  Logs logs;
+  for (const SearchedPrior& prior : searched) logs.push_back(std::log(prior.first));
+  return priors_at(searched, logs);
 }
 
 /// How unlikely the samples are, over the logarithms of the priors.
 struct Unlikeliness {
-  const ArmModel& model;
-  const std::vector<PoseSample>& samples;
-  const LaidDots& board;
-  double radius;
+  JointEquations& equations;
+  const std::vector<SearchedPrior>& searched;
 
   double operator()(const Logs& logs) const {
     constexpr double kImpossible = 1e12;
-    return -joint_log_likelihood(model, priors_at(logs, radius), samples, radius, board)
-                .value_or(-kImpossible);
+    return equations.solve(priors_at(searched, logs)) ? -equations.log_likelihood() : kImpossible;
   }
 };
 
-/// Improves the logarithms of the priors.
-TriedModel tune(const ArmModel& model, const std::vector<PoseSample>& samples,
-                const LaidDots& board, double radius, int evaluations, Logs& logs) {
-  nlopt::opt search(nlopt::LN_SBPLX, static_cast<unsigned>(logs.size()));
-  Logs low, high;
-  for (std::size_t i = 0; i < logs.size(); ++i) {
-    low.push_back(std::log(kBounds[i].low));
-    high.push_back(std::log(kBounds[i].high));
+/// What a search for priors starts from.
+struct TuningProblem {
+  const ArmNominal& nominal;
+  const std::vector<PoseSample>& samples;
+  const LaidDots& board;
+  double radius;
+};
+
+/// Improves priors by the likelihood of the model, linearised about the arm that they lead to.
+TriedModel tune(const TuningProblem& problem, const ArmModelSize& size, const JointPriors& first,
+                int evaluations) {
+  const ArmModel model(problem.nominal, size);
+  const auto start =
+      arm_under(model, first, problem.samples, problem.radius, problem.board);
+  if (!start) return {size, first, -std::numeric_limits<double>::infinity()};
+  JointEquations equations(model, problem.samples, problem.radius, problem.board);
+  equations.linearize(*start);
+  const auto searched = searched_priors(problem.radius, !problem.board.lays.empty());
+  Logs logs, low, high;
+  for (const SearchedPrior& prior : searched) {
+    low.push_back(std::log(prior.low));
+    high.push_back(std::log(prior.high));
+    logs.push_back(std::clamp(std::log(first.*prior.prior), low.back(), high.back()));
   }
+  nlopt::opt search(nlopt::LN_SBPLX, static_cast<unsigned>(logs.size()));
   search.set_lower_bounds(low);
   search.set_upper_bounds(high);
   search.set_initial_step(0.7);
   search.set_ftol_abs(0.3);
   search.set_maxeval(evaluations);
-  Unlikeliness cost{model, samples, board, radius};
+  Unlikeliness cost{equations, searched};
   search.set_min_objective(
       [](const Logs& at, Logs&, void* data) { return (*static_cast<Unlikeliness*>(data))(at); },
       &cost);
   double least = 0.0;
-  search.optimize(logs, least);
-  return {model.size(), priors_at(logs, radius), -least};
+  const int result = search.optimize(logs, least);
+  if (getenv("DBG")) { fprintf(stderr, "h%d r%d w%d post%ld wave%ld L=%.1f evals %d(%d):", size.harmonics, size.ripples, size.warms, long(size.posture.terms()), long(size.wave.centers.cols()), -least, search.get_numevals(), result); for (double l : logs) fprintf(stderr, " %.3g", std::exp(l)); fprintf(stderr, "\n"); }
+  return {size, priors_at(searched, logs), -least};
 }
 
 /// Returns a part of the samples: the attended ones first, then evenly among the others.
@@ -109,31 +139,47 @@ double radius_of(const std::vector<PoseSample>& samples) {
   return radius;
 }
 
-/// Tunes a model of every size, the smallest first.
+/// Returns the largest model of these samples.
+ArmModelSize largest_size(const ArmNominal& nominal, const std::vector<PoseSample>& samples,
+                          double radius) {
+  std::vector<Joints> postures;
+  postures.reserve(samples.size());
+  for (const PoseSample& sample : samples)
+    postures.emplace_back(nominal.joints_per_motor * sample.motors);
+  ArmModelSize size;
+  size.harmonics = kMostHarmonics;
+  size.ripples = kMostRipples;
+  size.warms = true;
+  size.posture = basis_over_postures(postures, kPostureWidth);
+  size.wave = basis_over_disc(radius, kWaveWidth * radius);
+  return size;
+}
+
+/// Tunes the largest model, then smaller ones: each leaves out what does not make the samples
+/// clearly likelier.
 std::vector<TriedModel> try_models(const ArmNominal& nominal,
                                    const std::vector<PoseSample>& samples, const LaidDots& board,
                                    double radius) {
   const std::vector<PoseSample> part = tuning_part(samples);
-  std::vector<TriedModel> tried;
-  Logs logs = first_logs(board);
-  tune(ArmModel(nominal, {2, true}), part, board, radius, kTuningEvaluations, logs);
-  for (int harmonics = 0; harmonics <= kMostHarmonics; ++harmonics) {
-    Logs own = logs;
-    tried.push_back(
-        tune(ArmModel(nominal, {harmonics, true}), part, board, radius, kFewEvaluations, own));
-  }
-  return tried;
-}
-
-/// Returns the smallest model that is not clearly less likely than the best.
-const TriedModel& choose(const std::vector<TriedModel>& tried) {
-  const auto by_likelihood = [](const TriedModel& a, const TriedModel& b) {
-    return a.log_likelihood < b.log_likelihood;
+  const TuningProblem problem{nominal, part, board, radius};
+  std::vector<TriedModel> tried{tune(problem, largest_size(nominal, samples, radius),
+                                     first_priors(radius, board), kTuningEvaluations)};
+  const auto try_without = [&](const auto& leave_out) {
+    ArmModelSize smaller = tried.back().size;
+    leave_out(smaller);
+    TriedModel other = tune(problem, smaller, tried.back().priors, kFewEvaluations);
+    const bool as_likely =
+        other.log_likelihood >= tried.back().log_likelihood - kClearlyLikelier;
+    tried.insert(as_likely ? tried.end() : tried.end() - 1, std::move(other));
+    return as_likely;
   };
-  const double best = std::max_element(tried.begin(), tried.end(), by_likelihood)->log_likelihood;
-  return *std::find_if(tried.begin(), tried.end(), [&](const TriedModel& model) {
-    return model.log_likelihood >= best - kClearlyLikelier;
-  });
+  try_without([](ArmModelSize& size) { size.posture = {}; });
+  try_without([](ArmModelSize& size) { size.wave = {{}, 1.0}; });
+  try_without([](ArmModelSize& size) { size.ripples = 0; });
+  try_without([](ArmModelSize& size) { size.warms = false; });
+  while (tried.back().size.harmonics > 0 && try_without([](ArmModelSize& size) { --size.harmonics; }))
+    continue;
+  return tried;
 }
 
 /// The samples that are still used, and what is not.
@@ -269,10 +315,10 @@ JointEstimate estimate_jointly(const ArmNominal& nominal, const std::vector<Pose
   Selection selection{samples, std::vector<std::size_t>(samples.size()), {}};
   std::iota(selection.indices.begin(), selection.indices.end(), std::size_t{0});
   // Outliers are found before anything is tuned, or the tuning would make room for them.
-  fit_what_agrees(ArmModel(estimate.nominal, {kMostHarmonics, true}),
-                  priors_at(first_logs(board), radius), board, radius, samples.size(), selection);
+  fit_what_agrees(ArmModel(estimate.nominal, largest_size(estimate.nominal, samples, radius)),
+                  first_priors(radius, board), board, radius, samples.size(), selection);
   estimate.tried = try_models(estimate.nominal, selection.samples, board, radius);
-  const TriedModel& chosen = choose(estimate.tried);
+  const TriedModel& chosen = estimate.tried.back();
   estimate.size = chosen.size;
   estimate.priors = chosen.priors;
   estimate.fit =

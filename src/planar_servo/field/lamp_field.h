@@ -14,18 +14,18 @@ namespace planar {
 /// together with it. Lengths are in metres, places in the base frame.
 struct LampField {
   FieldBasis basis;
-  Eigen::MatrixX2d weights;         ///< of the field's x and y
-  Eigen::Vector3d height{0, 0, 0};  ///< k1, k2, g of ArmModel
-  double reach{1.0};                ///< length of both links
+  Eigen::MatrixX2d weights;  ///< of the field's x and y
+  HeightForm height_form;
+  Eigen::VectorXd height{Eigen::VectorXd::Zero(3)};  ///< terms of the form
   Eigen::Vector3d p_camera_B{0, 0, 1};
   ToolOffsets tool;
-  /// Lower triangular L of the covariance L L^T of weights of x, weights of y, height and p_TP, in
-  /// this order.
+  /// U of the covariance U U^T of weights of x, weights of y, height and p_TP, in this order, as
+  /// far as it can be seen where the field is valid.
   Eigen::MatrixXd factor;
   ValidRegion region;  ///< of the lamps' middle as seen
 
   /// Returns the number of rows of `factor`.
-  static Eigen::Index unknowns(const FieldBasis& basis) { return 2 * basis.terms() + 5; }
+  Eigen::Index unknowns() const { return 2 * basis.terms() + height_form.terms() + 2; }
 };
 
 /// The end point by lamps whose errors are taken off.
@@ -48,8 +48,17 @@ Eigen::Matrix2Xd end_point_rows(const LampField& field,
 /// Returns the places of a field's unknowns among those of an estimate's fit.
 std::vector<Eigen::Index> field_unknowns(const JointEstimate& estimate);
 
-/// Returns the field of an estimate as it is at time 0, valid in the hull of the lamps' middles in
-/// `samples`. Throws WorkError when its covariance cannot be factored.
+/// A field and the arm that was found with it; the columns of their factors are the same.
+struct FieldAndArm {
+  LampField field;
+  FoundArm arm;
+};
+
+/// Returns field and arm of an estimate as they are at time 0, the field valid in the hull of the
+/// lamps' middles in `samples`. Throws WorkError when their covariance cannot be factored.
+FieldAndArm field_and_arm(const JointEstimate& estimate, const std::vector<PoseSample>& samples);
+
+/// Returns the field alone, with its whole covariance.
 LampField lamp_field(const JointEstimate& estimate, const std::vector<PoseSample>& samples);
 
 }  // namespace planar

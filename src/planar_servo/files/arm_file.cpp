@@ -1,22 +1,99 @@
 #include "planar_servo/files/arm_file.h"
 
+#include <algorithm>
+#include <array>
+#include <vector>
+
 #include "planar_servo/core/units.h"
 #include "planar_servo/files/cell_file.h"
+#include "planar_servo/files/map/map_fields.h"
 #include "planar_servo/io/yaml_fields.h"
 
 namespace planar {
 namespace {
 
-void list_harmonic(RowFields& row, ReducerHarmonic& harmonic) {
-  for (Eigen::Vector3d* wave : {&harmonic.sine, &harmonic.cosine})
-    for (double& amplitude : *wave) row.number(amplitude, kDegree);
+using Wave = std::array<double, 6>;
+
+/// Rows of sines of motors 1 to 3, then cosines; one row for each order.
+void list_waves(Fields& fields, const char* key, std::vector<Wave>& waves) {
+  fields.rows(key, waves, [](RowFields& row, Wave& wave) {
+    for (double& amplitude : wave) row.number(amplitude, kDegree);
+  });
+}
+
+/// The terms of an arm by their names in a file.
+struct NamedTerms {
+  explicit NamedTerms(const FoundArm& arm)
+      : links(arm.x.head<2>()),
+        zeros(arm.x.segment<3>(2)),
+        runout(arm.x.segment<2>(arm.form.runout())),
+        deviation(arm.x.tail(2 * arm.form.posture.terms())) {
+    for (int i = 0; i < arm.form.waves(); ++i) {
+      Wave wave{};
+      const auto first = arm.x.begin() + ArmForm::kFirstWave + 6 * i;
+      std::copy(first, first + 6, wave.begin());
+      (i < arm.form.harmonics ? eccentricity : ripple).push_back(wave);
+    }
+  }
+
+  Eigen::VectorXd x() const {
+    Eigen::VectorXd all(7 + 6 * (eccentricity.size() + ripple.size()) + deviation.size());
+    all.head<5>() << links, zeros;
+    Eigen::Index at = ArmForm::kFirstWave;
+    for (const auto* waves : {&eccentricity, &ripple})
+      for (const Wave& wave : *waves) {
+        all.segment<6>(at) = Eigen::Map<const Eigen::Matrix<double, 6, 1>>(wave.data());
+        at += 6;
+      }
+    all.segment<2>(at) = runout;
+    all.tail(deviation.size()) = deviation;
+    return all;
+  }
+
+  Eigen::Vector2d links;
+  Eigen::Vector3d zeros;
+  Eigen::Vector2d runout;
+  Eigen::VectorXd deviation;
+  std::vector<Wave> eccentricity{}, ripple{};
+};
+
+void list_deviation(Fields& fields, PostureBasis& posture, Eigen::VectorXd& weights) {
+  using Center = std::array<double, 3>;
+  std::vector<Center> centers;
+  for (const auto& center : posture.centers.colwise())
+    centers.push_back({center.x(), center.y(), center.z()});
+  fields.number("width", posture.width, 1.0, Range::positive());
+  fields.rows("centers", centers, [](RowFields& row, Center& center) {
+    for (double& coordinate : center) row.number(coordinate);
+  });
+  if (fields.reading()) {
+    posture.centers.resize(3, static_cast<Eigen::Index>(centers.size()));
+    for (std::size_t i = 0; i < centers.size(); ++i)
+      posture.centers.col(static_cast<Eigen::Index>(i)) = Eigen::Vector3d(centers[i].data());
+    weights.resize(2 * posture.terms());
+  }
+  fields.numbers("weights_mm", weights, kMillimetre);
 }
 
 void list_fields(Fields& fields, FoundArm& arm) {
-  fields.numbers("link_lengths_mm", arm.link_lengths_m, kMillimetre, Range::positive());
-  fields.numbers("zero_offsets_deg", arm.zero_offsets_rad, kDegree);
-  // Sines of motors 1 to 3, then cosines; one row for each order.
-  fields.rows("eccentricity_deg", arm.harmonics, list_harmonic);
+  NamedTerms terms(arm);
+  fields.numbers("link_lengths_mm", terms.links, kMillimetre, Range::positive());
+  fields.numbers("zero_offsets_deg", terms.zeros, kDegree);
+  list_waves(fields, "eccentricity_deg", terms.eccentricity);
+  if (fields.given("ripple_deg", !terms.ripple.empty()))
+    list_waves(fields, "ripple_deg", terms.ripple);
+  if (fields.given("runout3_mm", !terms.runout.isZero(0.0)))
+    fields.numbers("runout3_mm", terms.runout, kMillimetre);
+  if (fields.given("deviation", arm.form.posture.terms() > 0))
+    fields.map("deviation",
+               [&] { list_deviation(fields, arm.form.posture, terms.deviation); });
+  if (fields.given("scatter_mm", arm.scatter_m > 0.0))
+    fields.number("scatter_mm", arm.scatter_m, kMillimetre, Range::positive());
+  arm.form.harmonics = static_cast<int>(terms.eccentricity.size());
+  arm.form.ripples = static_cast<int>(terms.ripple.size());
+  arm.x = terms.x();
+  if (fields.given("factor", arm.factor.size() > 0))
+    list_columns(fields, "factor", arm.factor, arm.x.size());
 }
 
 void add_terms(YamlWriter& yaml, const std::vector<ArmTerm>& terms) {

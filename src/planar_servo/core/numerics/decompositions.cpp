@@ -38,6 +38,13 @@ Eigen::VectorXd solve_least_squares(const Eigen::MatrixXd& A, const Eigen::Vecto
   return A.colPivHouseholderQr().solve(b);
 }
 
+Eigen::MatrixXd orthonormal_span(const Eigen::MatrixXd& A, double threshold) {
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr;
+  qr.setThreshold(threshold);
+  qr.compute(A);
+  return qr.householderQ() * Eigen::MatrixXd::Identity(A.rows(), qr.rank());
+}
+
 std::optional<Eigen::VectorXd> leverages(const Eigen::MatrixXd& A, double threshold) {
   Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr;
   qr.setThreshold(threshold);

@@ -35,6 +35,10 @@ std::optional<Eigen::MatrixXd> lower_factor(const Eigen::MatrixXd& A);
 /// Returns the x with the least |A x - b|.
 Eigen::VectorXd solve_least_squares(const Eigen::MatrixXd& A, const Eigen::VectorXd& b);
 
+/// Returns orthonormal columns that span the columns of A, but for what is smaller than `threshold`
+/// times the longest of them.
+Eigen::MatrixXd orthonormal_span(const Eigen::MatrixXd& A, double threshold);
+
 /// Returns the leverage of each row, the diagonal of A (A^T A)^-1 A^T. Empty when a column lies
 /// within `threshold` of the span of the others.
 std::optional<Eigen::VectorXd> leverages(const Eigen::MatrixXd& A, double threshold);

@@ -33,7 +33,7 @@ struct Solution {
 
 Eigen::Vector2d residual(const ArmModel& model, const Eigen::VectorXd& x,
                          const ArmReading& reading) {
-  return reading.p_B - model.at(reading.motors, x).points.col(0);
+  return reading.p_B - model.at({reading.motors, 0.0}, x).points.col(0);
 }
 
 /// Fits the model with a scatter of the arm beside the readings' noise. Empty when the steps do not
@@ -51,7 +51,7 @@ std::optional<Solution> solve(const ArmModel& model, const std::vector<ArmReadin
     for (const ArmReading& reading : readings) {
       const double variance = reading.sigma * reading.sigma + scatter * scatter;
       const Eigen::Vector2d z = residual(model, solution.x, reading);
-      const Eigen::MatrixXd J = model.jacobian(reading.motors, solution.x).topRows<2>();
+      const Eigen::MatrixXd J = model.jacobian({reading.motors, 0.0}, solution.x).topRows<2>();
       H.noalias() += J.transpose() * J / variance;
       right.noalias() += J.transpose() * z / variance;
       squares += z.squaredNorm() / variance;

@@ -1,20 +1,11 @@
 #include "planar_servo/field/arm/arm_model.h"
 
-#include <cmath>
-
 namespace planar {
 namespace {
 
 /// What is not estimated stays where it is.
 constexpr double kFixed = 1e-9;
-
-Eigen::Vector2d along(double psi) {
-  return {std::cos(psi), std::sin(psi)};
-}
-
-Eigen::Vector2d across(double psi) {
-  return {-std::sin(psi), std::cos(psi)};
-}
+constexpr Eigen::Index kLinksAndZeros = 5;
 
 /// Returns the offsets of reflector, lamp 1 and lamp 2 from the end point in the tool's frame.
 Eigen::Matrix<double, 2, 3> tool_offsets(const Eigen::VectorXd& x, Eigen::Index tool) {
@@ -24,98 +15,140 @@ Eigen::Matrix<double, 2, 3> tool_offsets(const Eigen::VectorXd& x, Eigen::Index 
   return offsets;
 }
 
+/// Returns d(where the tracker reads a point) / d(its terms).
+Eigen::Matrix<double, 2, 6> tracker_rows(const Eigen::Vector2d& p, double reach) {
+  const Eigen::Vector2d q = p / reach;
+  Eigen::Matrix<double, 2, 6> rows;
+  rows << 1.0, 0.0, -q.y(), q.x(), 0.0, q.y(), 0.0, 1.0, q.x(), 0.0, q.y(), q.x();
+  return rows;
+}
+
+ArmForm form_of(const ArmNominal& nominal, const ArmModelSize& size) {
+  return {PlanarArm(nominal.geometry).sense(),
+          nominal.joints_per_motor,
+          nominal.gear_ratios,
+          size.harmonics,
+          size.ripples,
+          size.posture};
+}
+
 }  // namespace
+
+Eigen::RowVectorXd HeightForm::at(const Eigen::Vector2d& tip) const {
+  const double r2 = tip.squaredNorm();
+  Eigen::RowVectorXd row(terms());
+  row.head<3>() << -r2, -r2 * (r2 / (reach * reach) - 0.5), 0.0;
+  row.tail(wave.centers.cols()) = wave.gaussians(tip);
+  return row;
+}
 
 ArmModel::ArmModel(const ArmNominal& nominal, const ArmModelSize& size)
     : nominal_(nominal),
       size_(size),
-      sense_(PlanarArm(nominal.geometry).sense()),
-      reach_(nominal.geometry.link_lengths_m.sum()) {}
+      form_(form_of(nominal, size)),
+      height_{size.wave, nominal.geometry.link_lengths_m.sum()} {}
+
+ArmModel::Layout ArmModel::layout() const {
+  Layout at{};
+  at.warming = form_.terms();
+  at.height = at.warming + (size_.warms ? kWarmingTerms : 0);
+  at.tool = at.height + height_.terms();
+  at.tracker = at.tool + kToolTerms;
+  return at;
+}
 
 Eigen::VectorXd ArmModel::nominal() const {
   Eigen::VectorXd x = Eigen::VectorXd::Zero(terms());
   x.head<2>() = nominal_.geometry.link_lengths_m;
-  x.tail<5>() << nominal_.separation, nominal_.tool.p_TP, nominal_.tool.p_TS.head<2>();
+  x.segment<kToolTerms>(layout().tool) << nominal_.separation, nominal_.tool.p_TP,
+      nominal_.tool.p_TS.head<2>();
   return x;
 }
 
 Eigen::VectorXd ArmModel::prior_sigma() const {
-  Eigen::VectorXd sigma(terms());
-  sigma.head<5>() << 2e-3, 2e-3, nominal_.zero1_sigma, 0.02, 0.02;
-  for (int h = 1; h <= size_.harmonics; ++h) sigma.segment<6>(6 * h - 1).setConstant(2e-3 / h);
+  // A strain-wave gear errs by up to 1.5', belts and planetary gears by up to 5', once or twice per
+  // turn of the motor; axes run out by 2 to 10 um.
+  constexpr double kRipple = 1e-3, kRunout = 10e-6;
+  // Motors warm links by 3 to 15 K in an hour: aluminium grows by up to 350 um/m.
+  constexpr double kGrowth = 1.5e-4, kZeroShift = 5e-5;
+  Eigen::VectorXd sigma = Eigen::VectorXd::Ones(terms());
+  const Layout at = layout();
+  sigma.head<kLinksAndZeros>() << 2e-3, 2e-3, nominal_.zero1_sigma, 0.02, 0.02;
+  for (int wave = 0; wave < form_.waves(); ++wave)
+    sigma.segment<6>(ArmForm::kFirstWave + Eigen::Index{6} * wave)
+        .setConstant(wave < size_.harmonics ? 2e-3 / (wave + 1) : kRipple);
+  sigma.segment<2>(form_.runout()).setConstant(kRunout);
+  if (size_.warms)
+    sigma.segment<kWarmingTerms>(at.warming) << kGrowth, kGrowth, kZeroShift, kZeroShift,
+        kZeroShift, kGrowth, kGrowth, kZeroShift, kZeroShift, kZeroShift;
   const double height = size_.height ? 2e-3 : kFixed;
-  sigma.tail<8>() << height, height, size_.height ? 1e-4 : kFixed, 0.3e-3, 1e-3, 1e-3,
-      nominal_.reflector_sigma, nominal_.reflector_sigma;
+  sigma.segment<3>(at.height) << height, height, size_.height ? 1e-4 : kFixed;
+  sigma.segment<kToolTerms>(at.tool) << 0.3e-3, 1e-3, 1e-3, nominal_.reflector_sigma,
+      nominal_.reflector_sigma;
+  const double turn = nominal_.registration_turn * height_.reach;
+  sigma.tail<kTrackerTerms>() << nominal_.registration_shift, nominal_.registration_shift,
+      std::hypot(turn, nominal_.tracker_bias), nominal_.tracker_bias, nominal_.tracker_bias,
+      nominal_.tracker_bias;
   return sigma;
 }
 
-Eigen::Vector3d ArmModel::directions(const Eigen::Vector3d& motors,
-                                     const Eigen::VectorXd& x) const {
-  Eigen::Vector3d turned = motors + x.segment<3>(2);
-  for (int h = 1; h <= size_.harmonics; ++h) {
-    const Eigen::Array3d angle = h * motors.array();
-    const Eigen::Index first = 6 * h - 1;
-    turned.array() +=
-        x.segment<3>(first).array() * angle.sin() + x.segment<3>(first + 3).array() * angle.cos();
-  }
-  return sense_ * (nominal_.joints_per_motor * turned);
+Eigen::VectorXd ArmModel::arm_at(double t_h, const Eigen::VectorXd& x) const {
+  Eigen::VectorXd arm = x.head(form_.terms());
+  if (!size_.warms) return arm;
+  const auto slow = x.segment<kWarmingTerms>(layout().warming);
+  Eigen::VectorXd change = t_h * (slow.head<kLinksAndZeros>() + t_h * slow.tail<kLinksAndZeros>());
+  change.head<2>().array() *= x.head<2>().array();
+  arm.head<kLinksAndZeros>() += change;
+  return arm;
 }
 
-Eigen::Vector2d height_terms(const Eigen::Vector2d& tip, double reach) {
-  const double r2 = tip.squaredNorm();
-  return {-r2, -r2 * (r2 / (reach * reach) - 0.5)};
-}
-
-ToolPoints ArmModel::at(const Eigen::Vector3d& motors, const Eigen::VectorXd& x) const {
-  const Eigen::Vector3d psi = directions(motors, x);
+ToolPoints ArmModel::at(const PosedAt& pose, const Eigen::VectorXd& x) const {
+  const Layout at = layout();
   ToolPoints seen;
-  seen.tip = {x[0] * along(psi[0]) + x[1] * along(psi[1]), psi[2]};
-  seen.points = (rotation2d(psi[2]) * tool_offsets(x, layout().tool)).colwise() + seen.tip.p;
-  const Eigen::Index k = layout().height;
-  const double middle = height_terms(seen.tip.p, reach_).dot(x.segment<2>(k));
+  seen.tip = form_.tip(pose.motors, arm_at(pose.t_h, x));
+  seen.points = (rotation2d(seen.tip.phi) * tool_offsets(x, at.tool)).colwise() + seen.tip.p;
+  seen.points.col(0) +=
+      tracker_rows(seen.points.col(0), height_.reach) * x.tail<kTrackerTerms>();
+  const double middle = height_.at(seen.tip.p).dot(x.segment(at.height, height_.terms()));
   for (int lamp = 1; lamp <= 2; ++lamp) {
-    const double height = middle + (lamp == 1 ? -0.5 : 0.5) * x[k + 2];
+    const double height = middle + (lamp == 1 ? -0.5 : 0.5) * x[at.height + 2];
     seen.points.col(lamp) +=
         height / nominal_.p_camera_B.z() * (seen.points.col(lamp) - nominal_.p_camera_B.head<2>());
   }
   return seen;
 }
 
-ArmModel::Jacobian ArmModel::jacobian(const Eigen::Vector3d& motors,
-                                      const Eigen::VectorXd& x) const {
-  const Eigen::Vector3d psi = directions(motors, x);
-  const Eigen::Matrix<double, 2, 3> offsets = tool_offsets(x, layout().tool);
-  const Eigen::Matrix2d R = rotation2d(psi[2]);
-  const ToolPoints now = at(motors, x);
-  const Eigen::Vector2d terms_at_tip = height_terms(now.tip.p, reach_);
+ArmModel::Jacobian ArmModel::jacobian(const PosedAt& pose, const Eigen::VectorXd& x) const {
+  const Layout at = layout();
+  const ToolPoints now = this->at(pose, x);
+  const Eigen::Matrix<double, 2, 3> offsets = tool_offsets(x, at.tool);
+  const Eigen::Matrix2d R = rotation2d(now.tip.phi);
+  const ArmForm::Jacobian by_arm = form_.jacobian(pose.motors, arm_at(pose.t_h, x));
+  const Eigen::RowVectorXd by_height = height_.at(now.tip.p);
   Jacobian J = Jacobian::Zero(6, terms());
   for (Eigen::Index point = 0; point < 3; ++point) {
     auto rows = J.middleRows<2>(2 * point);
-    rows.col(0) = along(psi[0]);
-    rows.col(1) = along(psi[1]);
-    Eigen::Matrix<double, 2, 3> by_psi;
-    by_psi << x[0] * across(psi[0]), x[1] * across(psi[1]),
-        across(psi[2]) * offsets(0, point) - along(psi[2]) * offsets(1, point);
-    const Eigen::Matrix<double, 2, 3> by_motor = sense_ * by_psi * nominal_.joints_per_motor;
-    rows.middleCols<3>(2) = by_motor;
-    for (int h = 1; h <= size_.harmonics; ++h) {
-      const Eigen::Array3d angle = h * motors.array();
-      rows.middleCols<3>(6 * h - 1) = by_motor * angle.sin().matrix().asDiagonal();
-      rows.middleCols<3>(6 * h + 2) = by_motor * angle.cos().matrix().asDiagonal();
+    const Eigen::Vector2d arm = R * offsets.col(point), turned(-arm.y(), arm.x());
+    rows.leftCols(form_.terms()) = by_arm.topRows<2>() + turned * by_arm.row(2);
+    if (size_.warms) {
+      Eigen::Matrix<double, 2, kLinksAndZeros> slow = rows.leftCols<kLinksAndZeros>();
+      slow.leftCols<2>() *= x.head<2>().asDiagonal();
+      rows.middleCols<kLinksAndZeros>(at.warming) = pose.t_h * slow;
+      rows.middleCols<kLinksAndZeros>(at.warming + kLinksAndZeros) = pose.t_h * pose.t_h * slow;
     }
-    const Eigen::Index k = layout().height, tool = layout().tool;
     if (point == 0) {
-      rows.middleCols<2>(tool + 3) = R;
+      rows.middleCols<2>(at.tool + 3) = R;
+      rows.rightCols<kTrackerTerms>() = tracker_rows(now.points.col(0), height_.reach);
       continue;
     }
     // The height's own change with the other unknowns is of second order.
     const Eigen::Vector2d off =
         (now.points.col(point) - nominal_.p_camera_B.head<2>()) / nominal_.p_camera_B.z();
     const double side = point == 1 ? -0.5 : 0.5;
-    rows.middleCols<2>(k) = off * terms_at_tip.transpose();
-    rows.col(k + 2) = side * off;
-    rows.col(tool) = side * R.col(0);
-    rows.middleCols<2>(tool + 1) = -R;
+    rows.middleCols(at.height, height_.terms()) = off * by_height;
+    rows.col(at.height + 2) = side * off;
+    rows.col(at.tool) = side * R.col(0);
+    rows.middleCols<2>(at.tool + 1) = -R;
   }
   return J;
 }

@@ -2,21 +2,27 @@
 
 #include <Eigen/Core>
 
-#include "planar_servo/arm/planar_arm.h"
+#include "planar_servo/arm/found_arm.h"
 #include "planar_servo/calibration/tool_offsets.h"
+#include "planar_servo/field/field_basis.h"
 
 namespace planar {
 
 /// Says how much of an arm and its tool is estimated.
 struct ArmModelSize {
-  int harmonics{2};   ///< orders of eccentricity of each reducer
-  bool height{true};  ///< the lamps' height falls with the reach
+  int harmonics{2};          ///< orders of eccentricity of each reducer
+  bool height{true};         ///< the lamps' height changes with the end point
+  int ripples{0};            ///< orders of each motor's own turn
+  bool warms{false};         ///< links and zeros change with time
+  PostureBasis posture{};    ///< of the deviation that no other term says
+  FieldBasis wave{{}, 0.1};  ///< of the lamps' height; only its Gaussians are used
 };
 
-/// The arm, its camera and its tool as the cell's files have them.
+/// The arm, its camera, its tool and its tracker as the cell's files have them.
 struct ArmNominal {
   ArmGeometry geometry;
   Eigen::Matrix3d joints_per_motor{Eigen::Matrix3d::Identity()};  ///< theta = C^-1 m
+  Eigen::Vector3d gear_ratios{100.0, 100.0, 50.0};                ///< motor turns per turn
   Eigen::Vector3d p_camera_B{0.0, 0.0, 1.0};  ///< over the plane of the lamps, metres
   double separation{0.04};                    ///< of the lamps, metres
   ToolOffsets tool;
@@ -24,67 +30,86 @@ struct ArmNominal {
   /// Of the zero of motor 1, radians. Where nothing fixes the turn about the base's axis, that zero
   /// is what turn is counted from, and is next to nothing.
   double zero1_sigma{0.02};
+  /// What all readings have in common, standard deviations: the tracker's registration, as a shift
+  /// per axis (metres) and a turn (radians), and its systematic error at full reach (metres).
+  double registration_shift{2e-6}, registration_turn{5e-6}, tracker_bias{2e-6};
 };
 
 /// Standard deviation per axis of a reflector whose place on the tool nobody knows, metres.
 constexpr double kSomewhereOnTool = 0.1;
 
+/// A commanded posture and when it was taken.
+struct PosedAt {
+  Eigen::Vector3d motors{0.0, 0.0, 0.0};  ///< behind the gears, radians
+  double t_h{0.0};                        ///< hours; the arm is as found at time 0
+};
+
 /// The points of the tool on the plane, columns: reflector, lamp 1, lamp 2. Lamps stand where an
-/// ideal camera sees them; metres.
+/// ideal camera sees them, the reflector where the tracker reads it; metres.
 struct ToolPoints {
   TipPose tip;
   Eigen::Matrix<double, 2, 3> points{Eigen::Matrix<double, 2, 3>::Zero()};
 };
 
-/// Returns the factors of k1 and k2 in the lamps' height at an end point, with L = `reach`; see
-/// ArmModel.
-Eigen::Vector2d height_terms(const Eigen::Vector2d& tip, double reach);
+/// The height of the lamps over their plane at an end point P,
+///
+///     -|P|^2 (k1 + k2 (|P|^2 / L^2 - 1/2)) + sum_j b_j(P) w_j,
+///
+/// with L = `reach` and the Gaussians b_j of `wave`; lamp 2 stands g higher than lamp 1. The terms
+/// are k1, k2, g, w.
+struct HeightForm {
+  FieldBasis wave{{}, 0.1};
+  double reach{1.0};
 
-/// Predicts the tool's points of a planar arm that is not quite as its files say. With motor angles
-/// m, orders h and the sense s of theory section 7,
-///
-///     o = m + z + sum_h (a_h sin(h m) + b_h cos(h m)),   psi = s C^-1 o,
-///     P = L1 u(psi_1) + L2 u(psi_2),   point = P + R(psi_3) offset.
-///
-/// The lamps stand at the height -|P|^2 (k1 + k2 (|P|^2 / L^2 - 1/2)) over their plane, with L the
-/// length of both links, and lamp 2 stands g higher than lamp 1; a camera at height H over its foot
-/// f sees a lamp at height h moved by (h / H) (p - f). The unknowns x are, in this order: L1, L2,
-/// z (3), a_h and b_h of each order (6), k1, k2, g, separation, p_TP (2), p_TS x and y.
+  Eigen::Index terms() const { return 3 + wave.centers.cols(); }
+  /// Returns d(height between the lamps) / d(terms).
+  Eigen::RowVectorXd at(const Eigen::Vector2d& tip) const;
+};
+
+/// Predicts the tool's points of a planar arm that is not quite as its files say. Its end point and
+/// its tool's direction are those of ArmForm; point = P + R(psi_3) offset. A camera at height H
+/// over its foot f sees a lamp at height h moved by (h / H) (p - f). The tracker reads the
+/// reflector at p + shift + (turn and stretch of p). Warming changes links and zeros x by
+/// x_1 t + x_2 t^2, a share of the length for links.
+/// The unknowns x are, in this order: those of ArmForm, the warming's, the height's, separation,
+/// p_TP (2), p_TS x and y, and the tracker's: shift (2), turn, stretch along x, along y and shear.
 class ArmModel {
  public:
   using Jacobian = Eigen::Matrix<double, 6, Eigen::Dynamic>;
 
   ArmModel(const ArmNominal& nominal, const ArmModelSize& size);
 
-  Eigen::Index terms() const { return kFixedTerms + harmonic_terms(); }
+  Eigen::Index terms() const { return layout().tracker + kTrackerTerms; }
   /// Returns the unknowns of the arm as its files have it.
   Eigen::VectorXd nominal() const;
   /// Returns how far the unknowns of a machine may be from its files, standard deviations. What is
-  /// not estimated has next to none.
+  /// not estimated has next to none; that of the Gaussians' weights is 1.
   Eigen::VectorXd prior_sigma() const;
 
-  ToolPoints at(const Eigen::Vector3d& motors, const Eigen::VectorXd& x) const;
+  ToolPoints at(const PosedAt& pose, const Eigen::VectorXd& x) const;
   /// Returns d(points, column by column) / dx.
-  Jacobian jacobian(const Eigen::Vector3d& motors, const Eigen::VectorXd& x) const;
+  Jacobian jacobian(const PosedAt& pose, const Eigen::VectorXd& x) const;
 
   const ArmModelSize& size() const { return size_; }
+  const ArmForm& form() const { return form_; }
+  const HeightForm& height() const { return height_; }
 
   /// Places of the unknowns in x.
   struct Layout {
-    Eigen::Index height, tool;
+    Eigen::Index warming, height, tool, tracker;
   };
-  Layout layout() const { return {5 + harmonic_terms(), 8 + harmonic_terms()}; }
+  Layout layout() const;
 
  private:
-  static constexpr Eigen::Index kFixedTerms = 13;
+  static constexpr Eigen::Index kWarmingTerms = 10, kToolTerms = 5, kTrackerTerms = 6;
 
-  Eigen::Index harmonic_terms() const { return Eigen::Index{6} * size_.harmonics; }
-  Eigen::Vector3d directions(const Eigen::Vector3d& motors, const Eigen::VectorXd& x) const;
+  /// Returns the terms of the arm at a time.
+  Eigen::VectorXd arm_at(double t_h, const Eigen::VectorXd& x) const;
 
   ArmNominal nominal_;
   ArmModelSize size_;
-  double sense_;
-  double reach_;
+  ArmForm form_;
+  HeightForm height_;
 };
 
 }  // namespace planar

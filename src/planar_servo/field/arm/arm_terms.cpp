@@ -25,11 +25,20 @@ class TermList {
     sigma_ = estimate.fit.covariance.diagonal().tail(prior_.size()).cwiseSqrt();
   }
 
-  void add(const std::string& key, const std::string& label, const Unit& unit) {
+  /// Names unknown i.
+  void add(Eigen::Index i, const std::string& key, const std::string& label, const Unit& unit) {
     constexpr double kMuchBetter = 0.5;
-    const auto i = static_cast<Eigen::Index>(terms_.size());
     terms_.push_back({key + unit.suffix, label, estimate_.fit.arm[i], sigma_[i], unit.value,
                       unit.text, sigma_[i] < kMuchBetter * prior_[i]});
+  }
+
+  /// Names the sines and cosines of a wave for each motor.
+  void add_wave(int wave, const std::string& key, const std::string& label) {
+    Eigen::Index i = ArmForm::kFirstWave + Eigen::Index{6} * wave;
+    for (const char* part : {"sine", "cosine"})
+      for (int motor = 1; motor <= 3; ++motor)
+        add(i++, fmt::format("{}_{}_{}", key, part, motor),
+            fmt::format("motor {}, {} {}", motor, label, part), kAngle);
   }
 
   std::vector<ArmTerm> take() { return std::move(terms_); }
@@ -44,34 +53,31 @@ class TermList {
 
 std::vector<ArmTerm> arm_terms(const JointEstimate& estimate) {
   TermList list(estimate);
+  const ArmModel::Layout at = estimate.model().layout();
   for (int i = 1; i <= 2; ++i)
-    list.add(fmt::format("link_length_{}", i), fmt::format("link {}", i), kLength);
+    list.add(i - 1, fmt::format("link_length_{}", i), fmt::format("link {}", i), kLength);
   for (int i = 1; i <= 3; ++i)
-    list.add(fmt::format("zero_offset_{}", i), fmt::format("zero of motor {}", i), kAngle);
-  for (int h = 1; h <= estimate.size.harmonics; ++h)
-    for (const char* wave : {"sine", "cosine"})
-      for (int i = 1; i <= 3; ++i)
-        list.add(fmt::format("harmonic_{}_{}_{}", h, wave, i),
-                 fmt::format("motor {}, {} {}", i, h, wave), kAngle);
-  list.add("height_1", "height with |P|^2", kBend);
-  list.add("height_2", "height with |P|^4", kBend);
-  list.add("height_difference", "lamp 2 above lamp 1", kLength);
-  list.add("separation", "lamps apart", kLength);
-  for (const char* axis : {"x", "y"})
-    list.add(fmt::format("p_TP_{}", axis), fmt::format("end point {}", axis), kLength);
-  for (const char* axis : {"x", "y"})
-    list.add(fmt::format("p_TS_{}", axis), fmt::format("reflector {}", axis), kLength);
+    list.add(i + 1, fmt::format("zero_offset_{}", i), fmt::format("zero of motor {}", i), kAngle);
+  const int harmonics = estimate.size.harmonics;
+  for (int h = 1; h <= harmonics; ++h)
+    list.add_wave(h - 1, fmt::format("harmonic_{}", h), fmt::format("{}", h));
+  for (int h = 1; h <= estimate.size.ripples; ++h)
+    list.add_wave(harmonics + h - 1, fmt::format("ripple_{}", h),
+                  fmt::format("{} per motor turn", h));
+  list.add(at.height, "height_1", "height with |P|^2", kBend);
+  list.add(at.height + 1, "height_2", "height with |P|^4", kBend);
+  list.add(at.height + 2, "height_difference", "lamp 2 above lamp 1", kLength);
+  list.add(at.tool, "separation", "lamps apart", kLength);
+  list.add(at.tool + 1, "p_TP_x", "end point x", kLength);
+  list.add(at.tool + 2, "p_TP_y", "end point y", kLength);
+  list.add(at.tool + 3, "p_TS_x", "reflector x", kLength);
+  list.add(at.tool + 4, "p_TS_y", "reflector y", kLength);
   return list.take();
 }
 
 FoundArm found_arm(const JointEstimate& estimate) {
-  const Eigen::VectorXd& x = estimate.fit.arm;
-  FoundArm arm{x.head<2>(), x.segment<3>(2), {}};
-  for (int h = 1; h <= estimate.size.harmonics; ++h) {
-    const Eigen::Index first = 6 * h - 1;
-    arm.harmonics.push_back({x.segment<3>(first), x.segment<3>(first + 3)});
-  }
-  return arm;
+  const ArmForm form = estimate.model().form();
+  return {form, estimate.fit.arm.head(form.terms()), {}, estimate.priors.arm_sigma};
 }
 
 }  // namespace planar

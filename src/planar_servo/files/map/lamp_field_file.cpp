@@ -11,9 +11,26 @@ void list_tool(Fields& fields, ToolOffsets& tool) {
   fields.numbers("p_TS_m", tool.p_TS);
 }
 
+void list_wave(Fields& fields, LampField& field) {
+  FieldBasis& wave = field.height_form.wave;
+  if (!fields.given("wave", wave.centers.cols() > 0)) return;
+  Eigen::VectorXd weights = field.height.tail(wave.centers.cols());
+  fields.map("wave", [&] {
+    fields.number("width_m", wave.width, 1.0, Range::positive());
+    const auto size = list_centers(fields, wave.centers);
+    if (fields.reading()) weights.resize(size.value_or(0));
+    fields.numbers("weights_m", weights);
+  });
+  field.height.conservativeResize(3 + weights.size());
+  field.height.tail(weights.size()) = weights;
+}
+
 void list_height(Fields& fields, LampField& field) {
-  fields.numbers("terms_m", field.height);
-  fields.number("reach_m", field.reach, 1.0, Range::positive());
+  Eigen::Vector3d terms = field.height.head<3>();
+  fields.numbers("terms_m", terms);
+  field.height.head<3>() = terms;
+  list_wave(fields, field);
+  fields.number("reach_m", field.height_form.reach, 1.0, Range::positive());
   fields.numbers("p_camera_B_m", field.p_camera_B);
   fields.check(field.p_camera_B.z() > 0.0, "p_camera_B_m has a height that is not positive",
                "p_camera_B_m");
@@ -30,7 +47,7 @@ void list_fields(Fields& fields, LampField& field) {
   field.weights = weights.transpose();
   fields.map("lamps_height", [&] { list_height(fields, field); });
   fields.map("tool", [&] { list_tool(fields, field.tool); });
-  list_factor(fields, field.factor, LampField::unknowns(field.basis));
+  list_columns(fields, "factor", field.factor, field.unknowns());
 }
 
 void add_figures(YamlWriter& yaml, const LampFieldFit& fit) {

@@ -41,6 +41,16 @@ void list_region(Fields& fields, ValidRegion& region) {
   fields.number("hull_margin_m", region.margin, 1.0, Range::at_least(0.0));
 }
 
+void list_columns(Fields& fields, const std::string& key, Eigen::MatrixXd& matrix,
+                  Eigen::Index rows) {
+  std::vector<double> values(matrix.reshaped().begin(), matrix.reshaped().end());
+  if (!fields.numbers(key, values, 0) || !fields.reading()) return;
+  const auto n = static_cast<Eigen::Index>(values.size());
+  if (fields.check(rows > 0 && n % rows == 0,
+                   fmt::format("{} has {} numbers; a multiple of {} is needed", key, n, rows), key))
+    matrix = Eigen::Map<const Eigen::MatrixXd>(values.data(), rows, n / rows);
+}
+
 void list_factor(Fields& fields, Eigen::MatrixXd& lower, Eigen::Index size) {
   std::vector<double> values;
   for (Eigen::Index i = 0; i < lower.rows(); ++i)

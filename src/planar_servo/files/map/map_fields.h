@@ -23,6 +23,10 @@ std::optional<Eigen::Index> list_centers(Fields& fields, Eigen::Matrix2Xd& cente
 
 void list_region(Fields& fields, ValidRegion& region);
 
+/// Visits a matrix of so many rows and any number of columns, column after column.
+void list_columns(Fields& fields, const std::string& key, Eigen::MatrixXd& matrix,
+                  Eigen::Index rows);
+
 /// Visits the lower triangle of a matrix of so many rows, row after row.
 void list_factor(Fields& fields, Eigen::MatrixXd& lower, Eigen::Index size);
 

@@ -31,7 +31,7 @@ void write_lamp_field(const LampFieldFiles& files, const LampFieldFit& fit,
   if (!files.arm.empty()) {
     origins.push_back(arm_origin(cell));
     write_file(files.arm,
-               found_arm_text(found_arm(fit.estimate), arm_terms(fit.estimate), origins, program));
+               found_arm_text(fit.arm, arm_terms(fit.estimate), origins, program));
   }
   write_file(files.map, map);
 }

@@ -65,6 +65,8 @@ ArmNominal nominal_arm(const CellSettings& cell, const VisionCalibration& vision
   ArmNominal nominal;
   nominal.geometry = cell.arm.geometry;
   nominal.joints_per_motor = Transmission(cell.transmission).coupling_matrix().inverse();
+  for (int i = 0; i < 3; ++i)
+    nominal.gear_ratios[i] = cell.transmission.drives[static_cast<std::size_t>(i)].gear_ratio;
   nominal.p_camera_B = vision.workplane.X_WC().translation();
   nominal.separation = cell.lamps.layout.separation_m;
   nominal.tool = vision.tool;
