@@ -26,9 +26,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const CommandText kDraw{"draw",
-                        "planar-virtual-cell draw --seed N [--like paper|rough|workshop] -o DIR",
-                        "drew cell 7: cells/7/cell.yaml and its truth, cells/7/truth.yaml"};
+const CommandText kDraw{
+    "draw", "planar-virtual-cell draw --seed N [--like paper|rough|workshop|ordinary|cheap] -o DIR",
+    "drew cell 7: cells/7/cell.yaml and its truth, cells/7/truth.yaml"};
 
 const CommandText kServe{
     "serve",
@@ -71,15 +71,27 @@ std::string reference_lamps_text() {
   return text;
 }
 
+/// Returns the paper's cell file with the tolerance that cells of this kind are worked with.
+std::string with_tolerance_of(DrawTruth kind, std::string text) {
+  const std::string paper = "tolerance_mm: 0.005";
+  const auto stated = text.find(paper);
+  if (kind == draw_ordinary_truth) text.replace(stated, paper.size(), "tolerance_mm: 0.010");
+  if (kind == draw_cheap_truth) text.replace(stated, paper.size(), "tolerance_mm: 0.030");
+  return text;
+}
+
+std::string cell_text_like(DrawTruth kind) {
+  const std::string text = with_tolerance_of(kind, paper_cell_text());
+  return kind == draw_workshop_truth ? text + reference_lamps_text() : text;
+}
+
 Outcome draw(const Options& options) {
   const DrawTruth draw_truth_like = value_named(kCellKinds, options.like).value();
   const fs::path cell = options.folder / "cell.yaml", truth = options.folder / "truth.yaml";
   for (const fs::path& path : {cell, truth})
     if (fs::exists(path)) throw InputError(path.string() + ": exists already; name another folder");
   make_folder(options.folder);
-  write_file(cell,
-             paper_cell_text() +
-                 (draw_truth_like == draw_workshop_truth ? reference_lamps_text() : std::string()));
+  write_file(cell, cell_text_like(draw_truth_like));
   Truth drawn = draw_truth_like(options.seed);
   drawn.build = build_as_stated(virtual_hardware(read_cell(cell)));
   write_truth(truth, drawn);
@@ -186,7 +198,8 @@ void add_options(CLI::App& app, Options& options) {
   command
       ->add_option("--like", options.like,
                    "the kind of cell: the paper's; one whose arm and readings have what the "
-                   "estimators' models lack; one that warms, with fixed lamps")
+                   "estimators' models lack; one that warms, with fixed lamps; one with an "
+                   "ordinary or a cheap real arm")
       ->check(CLI::IsMember(names_of(kCellKinds)))
       ->capture_default_str();
   command->add_option("-o,--out", options.folder, "folder for cell.yaml and truth.yaml")

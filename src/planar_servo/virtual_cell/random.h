@@ -15,7 +15,10 @@ enum class RandomStream : std::uint64_t {
   kWorkshop,
   kRough,
   kStray,
-  kMispaired
+  kMispaired,
+  kRealArm,
+  kScatter,
+  kAir
 };
 
 /// The generator xoshiro256++ [Blackman & Vigna 2019], seeded through splitmix64 from (seed,

@@ -33,7 +33,7 @@ const VirtualHardware& checked(const VirtualHardware& hardware) {
 
 struct VirtualCell::Impl {
   Impl(const Truth& truth, const VirtualHardware& hardware)
-      : lens(truth.camera),
+      : lens(truth.camera, truth.seed),
         arm(truth, checked(hardware), clock),
         board(truth, lens, hardware.sensor_px),
         camera(truth, hardware, lens, arm, board, clock),

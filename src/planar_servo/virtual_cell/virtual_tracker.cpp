@@ -19,6 +19,28 @@ Eigen::Vector3d bias(const Eigen::Vector3d& p_B, double length, double wavelengt
                          std::sin(angles.x() - angles.y()));
 }
 
+double sum_at(const std::vector<Harmonic>& harmonics, double angle_rad) {
+  double sum = 0.0;
+  for (const Harmonic& h : harmonics)
+    sum += h.amplitude * std::sin(h.order * angle_rad + h.phase_rad);
+  return sum;
+}
+
+/// Returns a point as a tracker sees it whose angles have these errors.
+Eigen::Vector3d misread(const Eigen::Vector3d& p_L, const TrackerTruth& truth) {
+  if (truth.azimuth_errors.empty() && truth.elevation_errors.empty()) return p_L;
+  const double azimuth = std::atan2(p_L.y(), p_L.x());
+  const double elevation = std::atan2(p_L.z(), p_L.head<2>().norm());
+  const double read_azimuth = azimuth + sum_at(truth.azimuth_errors, azimuth);
+  const double read_elevation = elevation + sum_at(truth.elevation_errors, elevation);
+  const Eigen::Vector2d level = std::cos(read_elevation) * rotation2d(read_azimuth).col(0);
+  return p_L.norm() * Eigen::Vector3d(level.x(), level.y(), std::sin(read_elevation));
+}
+
+Eigen::Vector3d drifted_m(const StationDriftTruth& drift, double t_s) {
+  return drift.velocity_m_s * t_s + drift.settling_m * (t_s / (t_s + drift.half_time_s));
+}
+
 Eigen::Vector3d off_by(double length, Random& random) {
   Eigen::Vector3d direction;
   for (double& coordinate : direction) coordinate = random.normal();
@@ -63,7 +85,9 @@ TrackerAnswer VirtualTracker::measure_monument(const std::string& id) {
 TrackerAnswer VirtualTracker::measure(const Eigen::Vector3d& p_B,
                                       const std::optional<OutlierTruth>& outliers) {
   Random random(seed_, RandomStream::kTracker, readings_++);
-  Eigen::Vector3d p_L = truth_.X_LB * (p_B + bias(p_B, truth_.bias_m, truth_.bias_wavelength_m));
+  Eigen::Vector3d p_L =
+      misread(truth_.X_LB * (p_B + bias(p_B, truth_.bias_m, truth_.bias_wavelength_m)), truth_);
+  if (truth_.drift) p_L += drifted_m(*truth_.drift, clock_.now_s());
   for (double& coordinate : p_L) coordinate += truth_.sigma_m * random.normal();
   if (outliers) p_L += off_by(stray_length(*outliers, random), random);
   return TrackerAnswer::of({clock_.now_s(), p_L});

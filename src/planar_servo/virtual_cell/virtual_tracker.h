@@ -13,8 +13,9 @@
 
 namespace planar {
 
-/// Simulates a tracker with a frame of its own, white noise and a small smooth bias. Readings of
-/// the tool may be outliers or mixed up with those of an earlier place; those of monuments are not.
+/// Simulates a tracker with a frame of its own, white noise, a small smooth bias, errors of its
+/// angles and a station that drifts. Readings of the tool may be outliers or mixed up with those of
+/// an earlier place; those of monuments are not.
 class VirtualTracker final : public Tracker {
  public:
   VirtualTracker(const Truth& truth, const VirtualHardware& stated, VirtualArm& arm,

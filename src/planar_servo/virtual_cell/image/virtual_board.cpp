@@ -14,7 +14,6 @@ namespace planar {
 namespace {
 
 constexpr int kDotPoints = 256;
-constexpr double kSame_s = 1.0;        // a lens drifts by less than 0.001 px meanwhile
 constexpr int kEdgePoints = 64;        // per side of the sheet, because the lens bends it
 constexpr double kRimPitches = 0.75;   // from the outer dots' centres to the sheet's edge
 constexpr double kDotMarginPx = 80.0;  // larger than any dot's radius in the image
@@ -152,7 +151,7 @@ void VirtualBoard::put(const std::optional<Pose>& X_BG) {
 
 std::optional<Light> VirtualBoard::render(double t_s) const {
   if (!X_BG_) return std::nullopt;
-  if (!rendering_ || t_s - rendering_->t_s > kSame_s) rendering_ = {t_s, rendered(t_s)};
+  if (!rendering_ || t_s - rendering_->t_s > lens_.still_s()) rendering_ = {t_s, rendered(t_s)};
   return rendering_->light;
 }
 

@@ -32,7 +32,7 @@ class VirtualBoard final : public BoardPresenter {
   const std::optional<Pose>& X_BG() const { return X_BG_; }
 
   /// Renders the board before noise, within the sensor; empty when no board is in view. A board
-  /// that stays is rendered anew after a second, because the lens drifts.
+  /// that stays is rendered anew when the lens or the air has moved.
   std::optional<Light> render(double t_s) const;
 
   /// Returns the outlines of the board's dots in sensor pixels, row by row.

@@ -1,5 +1,6 @@
 #include "planar_servo/virtual_cell/image/virtual_lens.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace planar {
@@ -26,8 +27,15 @@ Eigen::Matrix2d inverse_jacobian(const CameraTruth& truth, const Eigen::Vector2d
 
 }  // namespace
 
-VirtualLens::VirtualLens(const CameraTruth& truth)
-    : truth_(truth), p_BC_(truth.X_CB.inverse().translation()) {}
+VirtualLens::VirtualLens(const CameraTruth& truth, std::uint64_t seed)
+    : truth_(truth), p_BC_(truth.X_CB.inverse().translation()) {
+  if (truth.air) air_.emplace(*truth.air, seed);
+}
+
+double VirtualLens::still_s() const {
+  constexpr double kWithoutAir_s = 1.0;
+  return air_ ? std::min(air_->still_s(), kWithoutAir_s) : kWithoutAir_s;
+}
 
 Eigen::Vector2d VirtualLens::ideal_from_distorted(const Eigen::Vector2d& d) const {
   const double s = d.squaredNorm();
@@ -67,7 +75,9 @@ std::optional<Eigen::Vector2d> VirtualLens::project(const Eigen::Vector3d& p_B, 
   if (!distorted) return std::nullopt;
   const Eigen::Vector2d w_px = truth_.focal_px.cwiseProduct(*distorted) + truth_.center_px;
   const Eigen::Vector2d drifted_px = w_px + warp_px(w_px) + truth_.drift_px_per_h * (t_s / 3600.0);
-  return truth_.warming ? warmed_px(drifted_px, *truth_.warming, t_s) : drifted_px;
+  const Eigen::Vector2d uv_px =
+      truth_.warming ? warmed_px(drifted_px, *truth_.warming, t_s) : drifted_px;
+  return air_ ? uv_px + air_->shift_px(uv_px, t_s) : uv_px;
 }
 
 Eigen::Vector2d VirtualLens::warmed_px(const Eigen::Vector2d& w_px, const WarmingTruth& warming,

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <optional>
 
+#include "planar_servo/virtual_cell/image/moving_air.h"
 #include "planar_servo/virtual_cell/truth/truth.h"
 
 namespace planar {
@@ -10,7 +11,8 @@ namespace planar {
 /// Projects points as the true camera does; see CameraTruth.
 class VirtualLens {
  public:
-  explicit VirtualLens(const CameraTruth& truth);
+  /// The seed is that of the air before the lens.
+  explicit VirtualLens(const CameraTruth& truth, std::uint64_t seed = 0);
 
   /// Returns the pixel of a point of the base frame at the time `t_s`; empty when the point is
   /// behind the camera or beyond the lens's reach.
@@ -25,12 +27,16 @@ class VirtualLens {
   /// Returns the camera's centre in the base frame, metres.
   const Eigen::Vector3d& p_BC() const { return p_BC_; }
 
+  /// Returns a time in which the image moves by less than 0.001 px.
+  double still_s() const;
+
  private:
   Eigen::Vector2d warmed_px(const Eigen::Vector2d& w_px, const WarmingTruth& warming,
                             double t_s) const;
 
   CameraTruth truth_;
   Eigen::Vector3d p_BC_;
+  std::optional<MovingAir> air_;
 };
 
 }  // namespace planar

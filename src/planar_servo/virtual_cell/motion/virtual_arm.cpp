@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "planar_servo/core/units.h"
+#include "planar_servo/virtual_cell/motion/arm_errors.h"
 #include "planar_servo/virtual_cell/random.h"
 #include "planar_servo/virtual_cell/stray.h"
 #include "planar_servo/virtual_cell/truth/drawing.h"
@@ -20,6 +22,11 @@ Eigen::Matrix3d turned_lean(double direction_rad, const Eigen::Vector2d& lean_ra
   return rotation_from_vector({lean.x(), lean.y(), 0.0});
 }
 
+Eigen::Vector2d wobbling(const AxisErrorTruth& wobble, std::size_t joint, double joint_rad) {
+  const int i = static_cast<int>(joint);
+  return wobble_rad(joint_rad, wobble.sizes[i], wobble.phases_rad[i]);
+}
+
 Eigen::Vector3d in_space(const Eigen::Vector2d& p) {
   return {p.x(), p.y(), 0.0};
 }
@@ -27,7 +34,12 @@ Eigen::Vector3d in_space(const Eigen::Vector2d& p) {
 }  // namespace
 
 VirtualArm::VirtualArm(const Truth& truth, const VirtualHardware& stated, const Clock& clock)
-    : arm_(truth.arm), tool_(truth.tool), outliers_(truth.outliers), seed_(truth.seed) {
+    : arm_(truth.arm),
+      tool_(truth.tool),
+      outliers_(truth.outliers),
+      seed_(truth.seed),
+      clock_(clock) {
+  if (arm_.scatter) scatter_.emplace(*arm_.scatter, truth.seed);
   const VirtualHardware built = as_built(stated, truth.build);
   sense_ = built.sense;
   relative_ = built.relative;
@@ -37,8 +49,10 @@ VirtualArm::VirtualArm(const Truth& truth, const VirtualHardware& stated, const 
     const MotionLimits limits{rated[joint] * stated.max_speed_rad_s[joint],
                               rated[joint] * stated.max_acceleration_rad_s2[joint]};
     drives_.emplace_back(clock,
-                         VirtualDrive::Settings{scales[joint], limits, home[joint], counted[joint]},
+                         VirtualDrive::Settings{scales[joint], limits, home[joint], counted[joint],
+                                                built.gear_ratios[joint], arm_.warming},
                          arm_.reducers[static_cast<std::size_t>(joint)]);
+    drives_.back().before_turning([this] { leave_rest(); });
   }
 }
 
@@ -52,14 +66,55 @@ bool VirtualArm::moves() const {
 }
 
 Eigen::Vector3d VirtualArm::joints_rad() {
-  return {drives_[0].output_rad(), drives_[1].output_rad(), drives_[2].output_rad()};
+  Eigen::Vector3d joints(drives_[0].output_rad(), drives_[1].output_rad(), drives_[2].output_rad());
+  if (arm_.warming)
+    for (int i = 0; i < 3; ++i)
+      joints[i] += arm_.warming->zero_shifts_rad[i] * drive(i).warmth().motor;
+  return joints;
 }
 
-Eigen::Vector3d VirtualArm::directions_rad() {
-  Eigen::Vector3d theta = joints_rad();
-  if (relative_[0]) theta[1] += theta[0];
-  if (relative_[1]) theta[2] += theta[1];
-  return sense_ * theta;
+Eigen::Vector3d VirtualArm::directions_rad(Eigen::Vector3d joints_rad) const {
+  if (relative_[0]) joints_rad[1] += joints_rad[0];
+  if (relative_[1]) joints_rad[2] += joints_rad[1];
+  return sense_ * joints_rad;
+}
+
+Eigen::Vector2d VirtualArm::link_lengths_m() const {
+  Eigen::Vector2d lengths(arm_.link_lengths_m[0], arm_.link_lengths_m[1]);
+  if (!arm_.warming) return lengths;
+  // Each link carries the motor of the joint after it and is held at that of the joint before.
+  for (std::size_t i = 0; i < 2; ++i)
+    lengths[static_cast<int>(i)] *=
+        1.0 +
+        arm_.warming->growth * 0.5 * (drives_[i].warmth().link + drives_[i + 1].warmth().link);
+  return lengths;
+}
+
+std::array<Eigen::Matrix3d, 3> VirtualArm::axes(const Eigen::Vector3d& direction_rad) const {
+  std::array<Eigen::Matrix3d, 3> axes;
+  Eigen::Matrix3d before = Eigen::Matrix3d::Identity();
+  double before_rad = 0.0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double next_rad = direction_rad[static_cast<int>(i)];
+    Eigen::Vector2d lean(0.0, 0.0);
+    if (arm_.axis_leans_rad) lean += (*arm_.axis_leans_rad)[i];
+    if (arm_.wobble) lean += wobbling(*arm_.wobble, i, next_rad - before_rad);
+    before = axes[i] = before * turned_lean(before_rad, lean);
+    before_rad = next_rad;
+  }
+  return axes;
+}
+
+Eigen::Vector2d VirtualArm::all_runout_m(const Eigen::Vector3d& direction_rad) const {
+  Eigen::Vector2d sum(0.0, 0.0);
+  if (!arm_.runout) return sum;
+  double before_rad = 0.0;
+  for (int i = 0; i < 3; ++i) {
+    sum += rotation2d(before_rad) * runout_m(direction_rad[i] - before_rad, arm_.runout->sizes[i],
+                                             arm_.runout->phases_rad[i]);
+    before_rad = direction_rad[i];
+  }
+  return sum;
 }
 
 double VirtualArm::sag_m(const Eigen::Vector2d& link1, const Eigen::Vector2d& link2) const {
@@ -91,20 +146,43 @@ Eigen::Vector2d VirtualArm::miss_m() {
   return missed_m_;
 }
 
+Eigen::Vector2d VirtualArm::scatter_m() {
+  if (!scatter_) return Eigen::Vector2d::Zero();
+  if (moves()) return scatter_->moving();
+  return scatter_->at_rest(led_m(), drives_[0].turned_negative());
+}
+
+void VirtualArm::leave_rest() {
+  if (!scatter_ || moves()) return;
+  double rested_s = std::numeric_limits<double>::infinity();
+  for (const VirtualDrive& drive : drives_)
+    rested_s = std::min(rested_s, clock_.now_s() - drive.rests_since_s());
+  if (rested_s > 0.0) scatter_->leave(led_m(), drives_[0].turned_negative(), rested_s);
+}
+
+Eigen::Vector2d VirtualArm::led_m() const {
+  const Eigen::Vector3d direction =
+      directions_rad({drives_[0].motor_rad(), drives_[1].motor_rad(), drives_[2].motor_rad()});
+  return arm_.link_lengths_m[0] * rotation2d(direction[0]).col(0) +
+         arm_.link_lengths_m[1] * rotation2d(direction[1]).col(0);
+}
+
 Pose VirtualArm::X_BT() {
-  const Eigen::Vector3d direction = directions_rad();
-  const Eigen::Vector2d link1 = arm_.link_lengths_m[0] * rotation2d(direction[0]).col(0);
-  const Eigen::Vector2d link2 = arm_.link_lengths_m[1] * rotation2d(direction[1]).col(0);
-  const Eigen::Vector2d none(0.0, 0.0);
-  const auto leans = arm_.axis_leans_rad.value_or(std::array<Eigen::Vector2d, 3>{none, none, none});
-  const Eigen::Matrix3d lean1 = turned_lean(0.0, leans[0]);
-  const Eigen::Matrix3d lean2 = lean1 * turned_lean(direction[0], leans[1]);
-  const Eigen::Matrix3d lean3 = lean2 * turned_lean(direction[1], leans[2]);
+  const Eigen::Vector3d direction = directions_rad(joints_rad());
+  const Eigen::Vector2d lengths = link_lengths_m();
+  const Eigen::Vector2d link1 = lengths[0] * rotation2d(direction[0]).col(0);
+  const Eigen::Vector2d link2 = lengths[1] * rotation2d(direction[1]).col(0);
+  Eigen::Vector2d besides = all_runout_m(direction) + scatter_m();
+  if (arm_.bending) besides += bending_m(*arm_.bending, direction[0], direction[1]);
+  const auto [axis1, axis2, axis3] = axes(direction);
   Pose X_BT = Pose::Identity();
-  X_BT.translation() = lean1 * in_space(link1) + lean2 * in_space(link2) + in_space(miss_m());
+  X_BT.translation() =
+      axis1 * in_space(link1) + axis2 * in_space(link2) + in_space(miss_m()) + in_space(besides);
   X_BT.translation().z() += tool_.lamp_height_m - sag_m(link1, link2);
+  if (arm_.height_wave)
+    X_BT.translation().z() += height_wave_m(*arm_.height_wave, X_BT.translation().head<2>());
   X_BT.linear().topLeftCorner<2, 2>() = rotation2d(direction[2]);
-  X_BT.linear() = lean3 * X_BT.linear();
+  X_BT.linear() = axis3 * X_BT.linear();
   return X_BT;
 }
 

@@ -7,6 +7,12 @@
 #include "planar_servo/core/error.h"
 
 namespace planar {
+namespace {
+
+// A shaft that is turned from outside turns on until the next small step, if that comes so soon.
+constexpr double kNextStep_s = 0.1;
+
+}  // namespace
 
 VirtualDrive::VirtualDrive(const Clock& clock, const Settings& settings,
                            const ReducerTruth& reducer)
@@ -14,13 +20,16 @@ VirtualDrive::VirtualDrive(const Clock& clock, const Settings& settings,
       settings_(settings),
       limits_(settings.rated_pulses),
       profile_(settings.home_pulses),
-      reducer_(reducer, settings.home_pulses / settings.pulses_per_rad),
+      reducer_(reducer, settings.home_pulses / settings.pulses_per_rad, settings.gear_ratio),
       followed_until_s_(clock.now_s()),
       target_pulses_(settings.home_pulses),
-      counter_offset_pulses_(settings.counted_pulses - settings.home_pulses) {}
+      counter_offset_pulses_(settings.counted_pulses - settings.home_pulses) {
+  if (settings.warming) warmth_.emplace(*settings.warming);
+}
 
 void VirtualDrive::energize() {
   energized_ = true;
+  if (warmth_) warmth_->work(clock_.now_s(), rests_since_s_, true);
 }
 
 void VirtualDrive::set_limits(const DriveLimits& limits) {
@@ -40,7 +49,10 @@ void VirtualDrive::set_target(std::int32_t target_pulses) {
 
 void VirtualDrive::halt() {
   advance();
-  if (moving()) position_certain_ = homing_ = false;
+  if (moving()) {
+    position_certain_ = homing_ = false;
+    note_turning(clock_.now_s());
+  }
   target_pulses_ = shaft_pulses();
   profile_ = MotionProfile(target_pulses_);
 }
@@ -83,7 +95,10 @@ void VirtualDrive::require_ready() const {
 void VirtualDrive::turn_to(std::int32_t shaft_target_pulses) {
   advance();
   const double now_s = clock_.now_s();
+  const bool turns = moving() || shaft_target_pulses != shaft_pulses();
+  if (turns) before_turning_();
   profile_ = MotionProfile(now_s, profile_.state_at(now_s), shaft_target_pulses, limits_);
+  if (turns) note_turning(profile_.end_s());
   target_pulses_ = shaft_target_pulses;
 }
 
@@ -97,6 +112,11 @@ void VirtualDrive::set_fault(const std::string& fault) {
 void VirtualDrive::turn_shaft(std::int32_t pulses) {
   advance();
   target_pulses_ = pulses - (settings_.counted_pulses - settings_.home_pulses);
+  if (target_pulses_ != shaft_pulses()) {
+    before_turning_();
+    rests_since_s_ = clock_.now_s();
+    if (warmth_) warmth_->work(rests_since_s_, rests_since_s_ + kNextStep_s, true);
+  }
   profile_ = MotionProfile(target_pulses_);
   advance();
 }
@@ -109,6 +129,20 @@ double VirtualDrive::output_rad() {
 std::optional<std::int32_t> VirtualDrive::rest_pulses() const {
   if (moving()) return std::nullopt;
   return shaft_pulses();
+}
+
+bool VirtualDrive::turned_negative() {
+  advance();
+  return reducer_.turned_negative();
+}
+
+Warmth VirtualDrive::warmth() const {
+  return warmth_ ? warmth_->at(clock_.now_s()) : Warmth();
+}
+
+void VirtualDrive::note_turning(double until_s) {
+  rests_since_s_ = until_s;
+  if (warmth_) warmth_->work(clock_.now_s(), until_s, energized_);
 }
 
 void VirtualDrive::advance() {

@@ -9,6 +9,10 @@ double either_sign(Random& random, double lower, double upper) {
   return random.uniform(-1.0, 1.0) < 0.0 ? -magnitude : magnitude;
 }
 
+double near_median(Random& random, double median) {
+  return median * random.uniform(0.7, 1.3);
+}
+
 Eigen::Vector2d any_direction(Random& random, double lower, double upper) {
   const double length = random.uniform(lower, upper);
   return length * rotation2d(random.uniform(-kPi, kPi)).col(0);

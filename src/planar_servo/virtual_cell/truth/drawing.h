@@ -10,6 +10,9 @@ namespace planar {
 /// Draws a number whose magnitude lies in the range, of either sign.
 double either_sign(Random& random, double lower, double upper);
 
+/// Draws a number within 30 % of the median.
+double near_median(Random& random, double median);
+
 /// Draws a vector of any direction whose length lies in the range.
 Eigen::Vector2d any_direction(Random& random, double lower, double upper);
 

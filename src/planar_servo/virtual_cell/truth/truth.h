@@ -9,47 +9,13 @@
 
 #include "planar_servo/core/names.h"
 #include "planar_servo/core/pose.h"
+#include "planar_servo/virtual_cell/truth/arm_truth.h"
 #include "planar_servo/virtual_cell/truth/build_truth.h"
 
 namespace planar {
 
 // These structs hold what a virtual cell is in reality and a real cell would hide, in SI units. In
 // truth.yaml (truth_file.h) the keys name other units.
-
-/// The function amplitude * sin(order * angle + phase).
-struct Harmonic {
-  double amplitude{0.0};  ///< in radians for a reducer, as a fraction of the radius for a rim
-  double phase_rad{0.0};
-  int order{1};
-};
-
-/// The gear between a motor and its joint. With the motor's angle m, divided by the gear ratio,
-///   q = play(m) + sum of the harmonics at play(m) + zero offset,   theta = C^-1 q,
-/// where C is the coupling of the motors (transmission.h).
-struct ReducerTruth {
-  double zero_offset_rad{0.0};
-  double backlash_rad{0.0};  ///< full width of the play
-  std::vector<Harmonic> eccentricity;
-};
-
-/// Link 1 as a beam that is held at the base's axis and loaded at the tool. Link 2 reaches a along
-/// link 1 and b across it, so that everything that the tool carries hangs lower by
-///   bending (L1^2 / 3 + L1 a + a^2) + twisting b^2.
-struct BeamSagTruth {
-  double bending_m_per_m2{0.0};
-  double twisting_m_per_m2{0.0};
-};
-
-struct ArmTruth {
-  std::array<double, 2> link_lengths_m{0.3, 0.3};
-  std::array<ReducerTruth, 3> reducers;
-  /// Everything that the tool carries hangs lower by this times |P|^2 (metres per square metre).
-  double sag_m_per_m2{0.0};
-  std::optional<BeamSagTruth> beam_sag;
-  /// By how much each joint's axis leans against the one before, the first against z_B: the x and y
-  /// of a rotation vector in the frame of the link before.
-  std::optional<std::array<Eigen::Vector2d, 3>> axis_leans_rad;
-};
 
 /// What is off. The arm misses a share of all places, told by the pulses at which it comes to rest,
 /// and stays so until it leaves them; of the tracker's readings of the tool the same share is off.
@@ -76,10 +42,19 @@ struct WarmingTruth {
   double time_constant_s{3600.0};
 };
 
+/// Air that moves in the light's path shifts every image point. The shift has a normal
+/// distribution, is smooth over the picture, and forgets itself in time as an Ornstein-Uhlenbeck
+/// process does.
+struct AirTruth {
+  double sigma_px{0.0};   ///< per axis
+  double time_s{1.0};     ///< in which the correlation falls to 1/e
+  double length_px{1.0};  ///< at which the correlation has fallen to exp(-1/2)
+};
+
 /// The camera. Its lens takes the ideal image point x = X/Z to the distorted point x_d, where
 ///   x = x_d (1 + a1 r^2 + a2 r^4 + a3 r^6) + decentring(x_d),   r = |x_d|.
 /// This is an inverse polynomial, unlike any of the calibrated models. The pixel is w = f x_d + c,
-/// displaced by the warp and then by the drift and the warming.
+/// displaced by the warp and then by the drift, the warming and the air.
 struct CameraTruth {
   Pose X_CB{Pose::Identity()};
   Eigen::Vector2d focal_px{1.0, 1.0};
@@ -90,6 +65,7 @@ struct CameraTruth {
   double blur_px{0.8};  ///< standard deviation of the Gaussian blur
   Eigen::Vector2d drift_px_per_h{0.0, 0.0};
   std::optional<WarmingTruth> warming;
+  std::optional<AirTruth> air;
 };
 
 /// The uneven light of a lamp. Gradient and halo have a vector l = tool + view * tan(viewing
@@ -126,6 +102,13 @@ struct ToolTruth {
   Eigen::Vector3d reflector_m{0.0, 0.0, 0.0};
 };
 
+/// The tracker's station moves by velocity * t + settling * t / (t + half_time).
+struct StationDriftTruth {
+  Eigen::Vector3d velocity_m_s{0.0, 0.0, 0.0};  ///< tracker's frame, as is the settling
+  Eigen::Vector3d settling_m{0.0, 0.0, 0.0};
+  double half_time_s{3600.0};
+};
+
 struct TrackerTruth {
   Pose X_LB{Pose::Identity()};
   double sigma_m{0.0};  ///< white noise, standard deviation per axis
@@ -133,6 +116,9 @@ struct TrackerTruth {
   double bias_wavelength_m{1.0};
   /// Share of the places whose readings are mixed up: they are those of a place measured earlier.
   std::optional<double> mispaired_share;
+  /// Errors of its own angles, radians, over the azimuth and over the elevation.
+  std::vector<Harmonic> azimuth_errors, elevation_errors;
+  std::optional<StationDriftTruth> drift;
 };
 
 struct NoiseTruth {
@@ -184,11 +170,19 @@ Truth draw_workshop_truth(std::uint32_t seed);
 /// the joints' axes lean against each other, and one place or reading in fifty is off.
 Truth draw_rough_truth(std::uint32_t seed);
 
+/// Draws a cell of the paper's kind whose arm, air and tracker have what real ones have and no
+/// estimator models; see draw_real_arms.cpp. Such an arm is an industrial one, or a hobbyist's.
+Truth draw_ordinary_truth(std::uint32_t seed);
+Truth draw_cheap_truth(std::uint32_t seed);
+
 using DrawTruth = Truth (*)(std::uint32_t seed);
 
 /// The kinds of cells, by the words that ask for them.
-constexpr Named<DrawTruth> kCellKinds[] = {
-    {draw_truth, "paper"}, {draw_rough_truth, "rough"}, {draw_workshop_truth, "workshop"}};
+constexpr Named<DrawTruth> kCellKinds[] = {{draw_truth, "paper"},
+                                           {draw_rough_truth, "rough"},
+                                           {draw_workshop_truth, "workshop"},
+                                           {draw_ordinary_truth, "ordinary"},
+                                           {draw_cheap_truth, "cheap"}};
 
 /// Returns where a workshop's cell file states its reference lamps.
 std::vector<StatedLamp> workshop_lamps();

@@ -10,34 +10,15 @@
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/io/pose_fields.h"
 #include "planar_servo/io/yaml_fields.h"
+#include "planar_servo/virtual_cell/truth/arm_fields.h"
+#include "planar_servo/virtual_cell/truth/field_lists.h"
+#include "planar_servo/virtual_cell/truth/truth_units.h"
 
 namespace planar {
 namespace {
 
-constexpr double kHour = 3600.0;  // seconds
 constexpr Named<double> kSenses[] = {{1.0, "counterclockwise"}, {-1.0, "clockwise"}};
 constexpr Named<bool> kRides[] = {{true, "relative"}, {false, "absolute"}};
-
-/// Rows of [amplitude, phase_deg, harmonic].
-void list_harmonics(Fields& fields, const std::string& key, std::vector<Harmonic>& harmonics,
-                    double unit) {
-  constexpr int kMaxOrder = 1000;
-  fields.rows(key, harmonics, [&](RowFields& row, Harmonic& harmonic) {
-    row.number(harmonic.amplitude, unit);
-    row.number(harmonic.phase_rad, kDegree);
-    row.whole_number(harmonic.order, 0, kMaxOrder);
-  });
-}
-
-/// Visits a key that a file may leave out; `list(Value&)` visits its value.
-template <typename Value, typename List>
-void list_optional(Fields& fields, const std::string& key, std::optional<Value>& field,
-                   const Value& first, const List& list) {
-  if (!fields.given(key, field.has_value())) return;
-  Value value = field.value_or(first);
-  list(value);
-  field = value;
-}
 
 void list_directions(Fields& fields, Eigen::Vector3d& directions) {
   const char* const key = "directions";
@@ -72,28 +53,6 @@ void list_monuments(Fields& fields, VirtualMonuments& monuments) {
   });
 }
 
-void list_beam_sag(Fields& fields, ArmTruth& arm) {
-  list_optional(fields, "beam_sag", arm.beam_sag, {}, [&](BeamSagTruth& sag) {
-    fields.map("beam_sag", [&] {
-      fields.number("bending_mm_per_m2", sag.bending_m_per_m2, kMillimetre);
-      fields.number("twisting_mm_per_m2", sag.twisting_m_per_m2, kMillimetre);
-    });
-  });
-}
-
-void list_axis_leans(Fields& fields, ArmTruth& arm) {
-  const Range lean = Range::from_to(-10.0, 10.0);
-  const Eigen::Vector2d none(0.0, 0.0);
-  list_optional(fields, "axis_leans_deg", arm.axis_leans_rad, {none, none, none},
-                [&](std::array<Eigen::Vector2d, 3>& leans) {
-                  fields.map("axis_leans_deg", [&] {
-                    fields.numbers("joint1", leans[0], kDegree, lean);
-                    fields.numbers("joint2", leans[1], kDegree, lean);
-                    fields.numbers("joint3", leans[2], kDegree, lean);
-                  });
-                });
-}
-
 void list_outliers(Fields& fields, std::optional<OutlierTruth>& outliers) {
   list_optional(fields, "outliers", outliers, {}, [&](OutlierTruth& stray) {
     fields.map("outliers", [&] {
@@ -106,22 +65,14 @@ void list_outliers(Fields& fields, std::optional<OutlierTruth>& outliers) {
   });
 }
 
-void list_fields(Fields& fields, ArmTruth& arm) {
-  fields.numbers("link_lengths_mm", arm.link_lengths_m, kMillimetre, Range::positive());
-  fields.row("zero_offsets_deg", [&](RowFields& row) {
-    for (ReducerTruth& reducer : arm.reducers) row.number(reducer.zero_offset_rad, kDegree);
+void list_air(Fields& fields, std::optional<AirTruth>& air) {
+  list_optional(fields, "air", air, {}, [&](AirTruth& moving) {
+    fields.map("air", [&] {
+      fields.number("sigma_px", moving.sigma_px, 1.0, Range::at_least(0.0));
+      fields.number("time_s", moving.time_s, 1.0, Range::positive());
+      fields.number("length_px", moving.length_px, 1.0, Range::positive());
+    });
   });
-  fields.row("backlash_deg", [&](RowFields& row) {
-    for (ReducerTruth& reducer : arm.reducers)
-      row.number(reducer.backlash_rad, kDegree, Range::at_least(0.0));
-  });
-  fields.map("eccentricity", [&] {
-    list_harmonics(fields, "joint1", arm.reducers[0].eccentricity, kDegree);
-    list_harmonics(fields, "joint2", arm.reducers[1].eccentricity, kDegree);
-    list_harmonics(fields, "joint3", arm.reducers[2].eccentricity, kDegree);
-  });
-  list_beam_sag(fields, arm);
-  list_axis_leans(fields, arm);
 }
 
 void list_fields(Fields& fields, CameraTruth& camera) {
@@ -138,6 +89,7 @@ void list_fields(Fields& fields, CameraTruth& camera) {
     row.number(bump.sigma_px, 1.0, Range::positive());
     for (double& coordinate : bump.amplitude_px) row.number(coordinate);
   });
+  list_air(fields, camera.air);
 }
 
 void list_fields(Fields& fields, GlowTruth& glow) {
@@ -185,6 +137,16 @@ void list_fields(Fields& fields, ToolTruth& tool) {
   fields.numbers("reflector_mm", tool.reflector_m, kMillimetre);
 }
 
+void list_station_drift(Fields& fields, std::optional<StationDriftTruth>& drift) {
+  list_optional(fields, "station_drift", drift, {}, [&](StationDriftTruth& station) {
+    fields.map("station_drift", [&] {
+      fields.numbers("um_per_h", station.velocity_m_s, kMicrometre / kHour);
+      fields.numbers("settling_um", station.settling_m, kMicrometre);
+      fields.number("half_time_h", station.half_time_s, kHour, Range::positive());
+    });
+  });
+}
+
 void list_fields(Fields& fields, TrackerTruth& tracker) {
   fields.map("X_LB", [&] { list_pose(fields, tracker.X_LB); });
   fields.number("sigma_mm", tracker.sigma_m, kMillimetre, Range::at_least(0.0));
@@ -193,6 +155,9 @@ void list_fields(Fields& fields, TrackerTruth& tracker) {
   list_optional(fields, "mispaired_share", tracker.mispaired_share, 0.0, [&](double& share) {
     fields.number("mispaired_share", share, 1.0, Range::from_to(0.0, 1.0));
   });
+  list_given_harmonics(fields, "azimuth_errors_urad", tracker.azimuth_errors, kMicroradian);
+  list_given_harmonics(fields, "elevation_errors_urad", tracker.elevation_errors, kMicroradian);
+  list_station_drift(fields, tracker.drift);
 }
 
 void list_fields(Fields& fields, NoiseTruth& noise) {

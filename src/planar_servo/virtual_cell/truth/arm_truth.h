@@ -1,0 +1,95 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <optional>
+#include <vector>
+
+namespace planar {
+
+// What arms are in reality, in SI units; doc/virtual_cell.md says where the forms come from.
+
+/// The function amplitude * sin(order * angle + phase).
+struct Harmonic {
+  double amplitude{0.0};  ///< in radians for a reducer, as a fraction of the radius for a rim
+  double phase_rad{0.0};
+  int order{1};
+};
+
+/// The gear between a motor and its joint. With the motor's angle m, divided by the gear ratio,
+///   q = play(m) + sum of the harmonics at play(m) + zero offset,   theta = C^-1 q,
+/// where C is the coupling of the motors (transmission.h). What follows the eccentricity is what
+/// real reducers have besides; motion/reducer.cpp has its forms.
+struct ReducerTruth {
+  double zero_offset_rad{0.0};
+  double backlash_rad{0.0};  ///< full width of the play
+  std::vector<Harmonic> eccentricity;
+  std::vector<Harmonic> ripple;      ///< transmission error, radians, over the motor's own turn
+  double ripple_modulation{0.0};     ///< by which share it swells and fades over the output's turn
+  double ripple_skew{0.0};           ///< 0 for sines
+  std::vector<Harmonic> microsteps;  ///< error of the motor's own angle, radians, over its turn
+  double hysteresis_rad{0.0};        ///< half the width of the loop, behind the gear
+  double forgetting_rad{1.0};        ///< the turn that leaves 1/e of what was before
+};
+
+/// Link 1 as a beam that is held at the base's axis and loaded at the tool. Link 2 reaches a along
+/// link 1 and b across it, so that everything that the tool carries hangs lower by
+///   bending (L1^2 / 3 + L1 a + a^2) + twisting b^2.
+struct BeamSagTruth {
+  double bending_m_per_m2{0.0};
+  double twisting_m_per_m2{0.0};
+};
+
+/// By how much the tip misses where it comes to rest, drawn anew at every stop: see StopScatter.
+struct ScatterTruth {
+  double sigma_m{0.0};            ///< rms per axis
+  double short_move_factor{1.0};  ///< after a move of the tip by less than a millimetre
+  double negative_factor{1.0};    ///< where motor 1 arrives turning backwards
+};
+
+/// What turns with each joint, of a size and with a phase of its own: see arm_errors.h.
+struct AxisErrorTruth {
+  Eigen::Vector3d sizes{0.0, 0.0, 0.0};  ///< metres of runout, radians of wobble
+  Eigen::Vector3d phases_rad{0.0, 0.0, 0.0};
+};
+
+/// What the motors' warmth does to the arm; see MotorWarmth. Growth and shifts are those after an
+/// hour of regular work from cold.
+struct ArmWarmingTruth {
+  double growth{0.0};                              ///< of the links, relative
+  Eigen::Vector3d zero_shifts_rad{0.0, 0.0, 0.0};  ///< of the motors behind their gears
+  double motor_time_s{1500.0};                     ///< in which a motor goes 1 - 1/e of its way
+  double link_time_s{4000.0};                      ///< in which a link follows; another time
+  double holding_share{0.0};  ///< the heat of a motor at rest, of that of one that turns
+};
+
+/// The tool's height waves in rings about a place that shrink outwards, so that nothing repeats.
+struct HeightWaveTruth {
+  double amplitude_m{0.0};
+  Eigen::Vector2d center_m{0.0, 0.0};  ///< base frame
+};
+
+/// The arm bends in the plane as its cables pull: see bending_m().
+struct BendingTruth {
+  double largest_m{0.0};  ///< displacement of the tip
+  double slack_rad{0.0};  ///< direction of link 1, from home on, at which the cables pull nowhere
+};
+
+struct ArmTruth {
+  std::array<double, 2> link_lengths_m{0.3, 0.3};
+  std::array<ReducerTruth, 3> reducers;
+  /// Everything that the tool carries hangs lower by this times |P|^2 (metres per square metre).
+  double sag_m_per_m2{0.0};
+  std::optional<BeamSagTruth> beam_sag;
+  /// By how much each joint's axis leans against the one before, the first against z_B: the x and y
+  /// of a rotation vector in the frame of the link before.
+  std::optional<std::array<Eigen::Vector2d, 3>> axis_leans_rad;
+  std::optional<ScatterTruth> scatter;
+  std::optional<AxisErrorTruth> runout;
+  std::optional<AxisErrorTruth> wobble;
+  std::optional<ArmWarmingTruth> warming;
+  std::optional<HeightWaveTruth> height_wave;
+  std::optional<BendingTruth> bending;
+};
+
+}  // namespace planar
