@@ -152,6 +152,7 @@ ArmModelSize largest_size(const ArmNominal& nominal, const std::vector<PoseSampl
   size.warms = true;
   size.posture = basis_over_postures(postures, kPostureWidth);
   size.wave = basis_over_disc(radius, kWaveWidth * radius);
+  if (getenv("NOPOST")) size.posture = {};
   return size;
 }
 

@@ -89,6 +89,8 @@ Eigen::VectorXd ArmModel::prior_sigma() const {
   sigma.tail<kTrackerTerms>() << nominal_.registration_shift, nominal_.registration_shift,
       std::hypot(turn, nominal_.tracker_bias), nominal_.tracker_bias, nominal_.tracker_bias,
       nominal_.tracker_bias;
+  if (getenv("NOTRK")) sigma.tail<kTrackerTerms>().setConstant(kFixed);
+  if (getenv("NORUN")) sigma.segment<2>(form_.runout()).setConstant(kFixed);
   return sigma;
 }
 
