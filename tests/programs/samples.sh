@@ -10,7 +10,7 @@ cp -r "$2/cell" "$2/recording" .
 expect_sample drawn.txt "$bin/planar-virtual-cell"
 expect_sample drawn.txt "$bin/planar-virtual-cell" draw
 for kind in paper:0.005 ordinary:0.010 cheap:0.030; do
-  "$bin/planar-virtual-cell" -q draw --seed 7 --like "${kind%:*}" -o "${kind%:*}"
+  "$bin/planar-virtual-cell" -q draw --seed 7 --like "${kind%:*}" -o "${kind%:*}" >/dev/null
   grep -q "tolerance_mm: ${kind#*:}," "${kind%:*}/cell.yaml" || fail "cells like ${kind%:*} state another tolerance"
 done
 echo "board hold 0" | timeout -s INT 5 "$repository/tests/support/loopback_only.sh" "$bin/planar-virtual-cell" serve \
