@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The sample in each program's --help is what the program prints, but for the numbers. live_loop.sh,
 # whose cell has devices, checks that of planar-doctor, experiment.sh that of planar-experiment, and certificate.sh that
-# of planar-certify.
+# of planar-certify. Drawn cells state the tolerance of their kind.
 source "$(dirname "$0")/common.sh"
 
 cp -r "$2/cell" "$2/recording" .
@@ -9,6 +9,10 @@ cp -r "$2/cell" "$2/recording" .
 "$bin/planar-virtual-cell" draw --seed 7 -o cells/7 >drawn.txt
 expect_sample drawn.txt "$bin/planar-virtual-cell"
 expect_sample drawn.txt "$bin/planar-virtual-cell" draw
+for kind in paper:0.005 ordinary:0.010 cheap:0.030; do
+  "$bin/planar-virtual-cell" -q draw --seed 7 --like "${kind%:*}" -o "${kind%:*}" >/dev/null
+  grep -q "tolerance_mm: ${kind#*:}," "${kind%:*}/cell.yaml" || fail "cells like ${kind%:*} state another tolerance"
+done
 echo "board hold 0" | timeout -s INT 5 "$repository/tests/support/loopback_only.sh" "$bin/planar-virtual-cell" serve \
   --cell cell/cell.yaml --out live.yaml >served.txt 2>err.txt || true
 if [ -s served.txt ]; then

@@ -131,6 +131,42 @@ TEST_CASE("Few places get the readings of an earlier one, whatever is read there
   CHECK(std::abs(mixed_up - expected) < 5.0 * std::sqrt(expected));
 }
 
+TEST_CASE("Errors of the tracker's angles move a reading across its beam, by its range") {
+  Truth truth = noiseless(6);
+  truth.tracker.azimuth_errors = {{2e-6, 0.3, 1}, {1.5e-6, 0.8, 2}};
+  truth.tracker.elevation_errors = {{2e-6, 1.2, 1}};
+  TrackerBench bench(truth), plain(noiseless(6));
+  const Eigen::Vector3d read = bench.tracker.measure_tool("").reading.p_L;
+  const Eigen::Vector3d p_L = plain.tracker.measure_tool("").reading.p_L;
+  const double azimuth = std::atan2(p_L.y(), p_L.x());
+  const double elevation = std::asin(p_L.z() / p_L.norm());
+  const double off_azimuth =
+      2e-6 * std::sin(azimuth + 0.3) + 1.5e-6 * std::sin(2.0 * azimuth + 0.8);
+  const double off_elevation = 2e-6 * std::sin(elevation + 1.2);
+  const Eigen::Vector3d moved = read - p_L;
+  constexpr double kSecondOrder_m = 1e-10;
+  CHECK(std::abs(moved.dot(p_L.normalized())) < kSecondOrder_m);
+  const double across = moved.dot(Eigen::Vector3d(-std::sin(azimuth), std::cos(azimuth), 0.0));
+  CHECK(std::abs(across - off_azimuth * p_L.head<2>().norm()) < kSecondOrder_m);
+  CHECK(std::abs(moved.z() - off_elevation * p_L.head<2>().norm()) < kSecondOrder_m);
+}
+
+TEST_CASE("A tracker's station drifts by the hour, and settles half of its way in the half time") {
+  Truth truth = noiseless(6);
+  StationDriftTruth drift;
+  drift.velocity_m_s << 2e-6 / 3600.0, 0.0, 0.0;
+  drift.settling_m << 0.0, 4e-6, 0.0;
+  drift.half_time_s = 1800.0;
+  truth.tracker.drift = drift;
+  TrackerBench bench(truth), plain(noiseless(6));
+  const Eigen::Vector3d p_L = plain.tracker.measure_monument("datum1").reading.p_L;
+  constexpr double kRoundOff = 1e-14;
+  CHECK((bench.tracker.measure_monument("datum1").reading.p_L - p_L).norm() < kRoundOff);
+  bench.clock.sleep_for_s(1800.0);
+  const Eigen::Vector3d moved = bench.tracker.measure_monument("datum1").reading.p_L - p_L;
+  CHECK((moved - Eigen::Vector3d(1e-6, 2e-6, 0.0)).norm() < kRoundOff);
+}
+
 TEST_CASE("Readings carry the clock's time and unknown monuments are refused") {
   TrackerBench bench(draw_truth(1));
   bench.clock.sleep_for_s(2.5);

@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "planar_servo/virtual_cell/truth/field_lists.h"
+#include "planar_servo/io/fields.h"
+#include "planar_servo/virtual_cell/truth/optional_fields.h"
 #include "planar_servo/virtual_cell/truth/truth_units.h"
 
 namespace planar {
@@ -178,6 +179,16 @@ void list_fields(Fields& fields, ArmTruth& arm) {
   list_warming(fields, arm.warming);
   list_height_wave(fields, arm.height_wave);
   list_bending(fields, arm.bending);
+}
+
+void list_harmonics(Fields& fields, const std::string& key, std::vector<Harmonic>& harmonics,
+                    double unit) {
+  constexpr int kMaxOrder = 1000;
+  fields.rows(key, harmonics, [&](RowFields& row, Harmonic& harmonic) {
+    row.number(harmonic.amplitude, unit);
+    row.number(harmonic.phase_rad, kDegree);
+    row.whole_number(harmonic.order, 0, kMaxOrder);
+  });
 }
 
 }  // namespace planar

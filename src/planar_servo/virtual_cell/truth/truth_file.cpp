@@ -11,7 +11,7 @@
 #include "planar_servo/io/pose_fields.h"
 #include "planar_servo/io/yaml_fields.h"
 #include "planar_servo/virtual_cell/truth/arm_fields.h"
-#include "planar_servo/virtual_cell/truth/field_lists.h"
+#include "planar_servo/virtual_cell/truth/optional_fields.h"
 #include "planar_servo/virtual_cell/truth/truth_units.h"
 
 namespace planar {
@@ -19,6 +19,12 @@ namespace {
 
 constexpr Named<double> kSenses[] = {{1.0, "counterclockwise"}, {-1.0, "clockwise"}};
 constexpr Named<bool> kRides[] = {{true, "relative"}, {false, "absolute"}};
+
+/// Visits rows of [amplitude, phase_deg, order] that a file may leave out.
+void list_given_harmonics(Fields& fields, const std::string& key, std::vector<Harmonic>& harmonics,
+                          double unit) {
+  if (fields.given(key, !harmonics.empty())) list_harmonics(fields, key, harmonics, unit);
+}
 
 void list_directions(Fields& fields, Eigen::Vector3d& directions) {
   const char* const key = "directions";
