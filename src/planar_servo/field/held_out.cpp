@@ -42,9 +42,10 @@ Parts parts_of(const JointEstimate& estimate, const std::vector<PoseSample>& sam
   return parts;
 }
 
+/// Returns where vision has the reflector less where it is by a reading.
 Eigen::Vector2d vision_minus_tracker(const TipPose& tip, const ToolOffsets& tool,
-                                     const PoseSample& sample) {
-  return tip.p + rotation2d(tip.phi) * tool.p_TS.head<2>() - *sample.reflector_B;
+                                     const Eigen::Vector2d& p_reflector) {
+  return tip.p + rotation2d(tip.phi) * tool.p_TS.head<2>() - p_reflector;
 }
 
 /// Returns the variances per axis of that difference, as they are stated.
@@ -69,12 +70,15 @@ void judge_part(const JointEstimate& estimate, const LaidDots& board, const Part
   if (!fit) throw WorkError("field and arm cannot be told apart without a tenth of the readings");
   without.fit = std::move(*fit);
   const LampField field = lamp_field(without, used);
+  const ArmModel model = estimate.model();
   for (const PoseSample& sample : judged) {
     const CompensatedTip found = compensate(field, sample.lamps_B);
     const ToolOffsets& tool = estimate.nominal.tool;
     const TipPose seen = tip_from_places(sample.lamps_B, tool);
-    readings.push_back({seen.p, vision_minus_tracker(seen, tool, sample),
-                        vision_minus_tracker(found.tip, field.tool, sample),
+    const Eigen::Vector2d p = *sample.reflector_B;
+    const Eigen::Vector2d beside = model.tracker_error(sample.motors, p, without.fit.arm);
+    readings.push_back({seen.p, vision_minus_tracker(seen, tool, p),
+                        vision_minus_tracker(found.tip, field.tool, p - beside),
                         stated_variances(found, estimate, field, sample).cwiseSqrt()});
   }
 }

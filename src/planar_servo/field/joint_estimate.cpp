@@ -10,6 +10,7 @@
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/numerics/statistics.h"
+#include "planar_servo/field/arm/axis_leans.h"
 #include "planar_servo/field/joint_equations.h"
 
 namespace planar {
@@ -17,10 +18,10 @@ namespace {
 
 /// A part of the samples tunes as well as all of them.
 constexpr std::size_t kTuningSamples = 300;
-constexpr int kTuningEvaluations = 150, kFewEvaluations = 20;
+constexpr int kTuningEvaluations = 80, kFewEvaluations = 8;
 constexpr int kMostHarmonics = 3, kMostRipples = 2;
 /// A larger model must be likelier by this factor's logarithm.
-constexpr double kClearlyLikelier = 3.0;
+constexpr double kClearlyLikelier = 10.0;
 /// What chi squared of four and of six numbers exceeds by chance once in ten million samples.
 constexpr double kMostOfFour = 38.24, kMostOfSix = 43.34;
 constexpr double kMedianOfFour = 3.357, kMedianOfSix = 5.348;
@@ -303,6 +304,7 @@ ArmNominal nominal_for(const ArmNominal& nominal, const std::vector<PoseSample>&
   constexpr double kNoDoubt = 1e-9;  // radians
   ArmNominal arm = nominal;
   if (readings_in(samples) < kReadingsForTurn) arm.zero1_sigma = kNoDoubt;
+  arm.leans = axis_leans(nominal, samples);
   return arm;
 }
 

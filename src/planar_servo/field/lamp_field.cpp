@@ -124,7 +124,7 @@ LampField bare_field(const JointEstimate& estimate, const std::vector<PoseSample
 Eigen::MatrixXd telling_directions(const FieldAndArm& found, const Eigen::MatrixXd& factor,
                                    const std::vector<PoseSample>& samples) {
   constexpr std::size_t kPoses = 150;
-  constexpr double kNothing = 5e-3;
+  constexpr double kNothing = 2e-2;
   const std::size_t n = std::min(samples.size(), kPoses);
   const Eigen::Index fields = found.field.unknowns(), arms = found.arm.form.terms();
   Eigen::MatrixXd shown(factor.cols(), 4 * n);

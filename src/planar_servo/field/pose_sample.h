@@ -19,6 +19,7 @@ struct PoseSample {
   double sigma_lamp{0.0};                      ///< of each lamp's place, per axis
   std::optional<Eigen::Vector2d> reflector_B;  ///< by the tracker; none for an unattended pose
   double sigma_reflector{0.0};                 ///< per axis
+  std::optional<double> reflector_z{};         ///< its height, as far as the tracker told it
 };
 
 }  // namespace planar

@@ -1,5 +1,7 @@
 #include "planar_servo/field/arm/arm_model.h"
 
+#include <cmath>
+
 namespace planar {
 namespace {
 
@@ -15,11 +17,13 @@ Eigen::Matrix<double, 2, 3> tool_offsets(const Eigen::VectorXd& x, Eigen::Index 
   return offsets;
 }
 
-/// Returns d(where the tracker reads a point) / d(its terms).
-Eigen::Matrix<double, 2, 6> tracker_rows(const Eigen::Vector2d& p, double reach) {
+/// Returns d(where the tracker reads a point) / d(its terms), with links in directions psi.
+Eigen::Matrix<double, 2, 10> tracker_rows(const Eigen::Vector2d& p, double reach,
+                                          const Eigen::Vector3d& psi) {
   const Eigen::Vector2d q = p / reach;
-  Eigen::Matrix<double, 2, 6> rows;
-  rows << 1.0, 0.0, -q.y(), q.x(), 0.0, q.y(), 0.0, 1.0, q.x(), 0.0, q.y(), q.x();
+  Eigen::Matrix<double, 2, 10> rows;
+  rows.leftCols<6>() << 1.0, 0.0, -q.y(), q.x(), 0.0, q.y(), 0.0, 1.0, q.x(), 0.0, q.y(), q.x();
+  rows.rightCols<4>() << rotation2d(psi[0]), rotation2d(psi[1]);
   return rows;
 }
 
@@ -62,6 +66,8 @@ Eigen::VectorXd ArmModel::nominal() const {
   x.head<2>() = nominal_.geometry.link_lengths_m;
   x.segment<kToolTerms>(layout().tool) << nominal_.separation, nominal_.tool.p_TP,
       nominal_.tool.p_TS.head<2>();
+  x.segment<2>(layout().tracker) = nominal_.leans.shift.head<2>();
+  x.tail<4>() = nominal_.leans.shift.tail<4>();
   return x;
 }
 
@@ -85,10 +91,14 @@ Eigen::VectorXd ArmModel::prior_sigma() const {
   sigma.segment<3>(at.height) << height, height, size_.height ? 1e-4 : kFixed;
   sigma.segment<kToolTerms>(at.tool) << 0.3e-3, 1e-3, 1e-3, nominal_.reflector_sigma,
       nominal_.reflector_sigma;
+  const Eigen::Array<double, 6, 1> lean = nominal_.leans.sigma.array() + kFixed;
   const double turn = nominal_.registration_turn * height_.reach;
-  sigma.tail<kTrackerTerms>() << nominal_.registration_shift, nominal_.registration_shift,
+  sigma.segment<6>(at.tracker) << nominal_.registration_shift, nominal_.registration_shift,
       std::hypot(turn, nominal_.tracker_bias), nominal_.tracker_bias, nominal_.tracker_bias,
       nominal_.tracker_bias;
+  for (int i = 0; i < 2; ++i)
+    sigma[at.tracker + i] = std::hypot(sigma[at.tracker + i], lean[i]);
+  sigma.tail<4>() = lean.tail<4>();
   if (getenv("NOTRK")) sigma.tail<kTrackerTerms>().setConstant(kFixed);
   if (getenv("NORUN")) sigma.segment<2>(form_.runout()).setConstant(kFixed);
   return sigma;
@@ -104,13 +114,18 @@ Eigen::VectorXd ArmModel::arm_at(double t_h, const Eigen::VectorXd& x) const {
   return arm;
 }
 
+Eigen::Vector2d ArmModel::tracker_error(const Eigen::Vector3d& motors, const Eigen::Vector2d& p,
+                                        const Eigen::VectorXd& x) const {
+  return tracker_rows(p, height_.reach, form_.sense * form_.joints_per_motor * motors) *
+         x.tail<kTrackerTerms>();
+}
+
 ToolPoints ArmModel::at(const PosedAt& pose, const Eigen::VectorXd& x) const {
   const Layout at = layout();
   ToolPoints seen;
   seen.tip = form_.tip(pose.motors, arm_at(pose.t_h, x));
   seen.points = (rotation2d(seen.tip.phi) * tool_offsets(x, at.tool)).colwise() + seen.tip.p;
-  seen.points.col(0) +=
-      tracker_rows(seen.points.col(0), height_.reach) * x.tail<kTrackerTerms>();
+  seen.points.col(0) += tracker_error(pose.motors, seen.points.col(0), x);
   const double middle = height_.at(seen.tip.p).dot(x.segment(at.height, height_.terms()));
   for (int lamp = 1; lamp <= 2; ++lamp) {
     const double height = middle + (lamp == 1 ? -0.5 : 0.5) * x[at.height + 2];
@@ -140,7 +155,9 @@ ArmModel::Jacobian ArmModel::jacobian(const PosedAt& pose, const Eigen::VectorXd
     }
     if (point == 0) {
       rows.middleCols<2>(at.tool + 3) = R;
-      rows.rightCols<kTrackerTerms>() = tracker_rows(now.points.col(0), height_.reach);
+      rows.rightCols<kTrackerTerms>() = 
+          tracker_rows(now.points.col(0), height_.reach,
+                       form_.sense * form_.joints_per_motor * pose.motors);
       continue;
     }
     // The height's own change with the other unknowns is of second order.

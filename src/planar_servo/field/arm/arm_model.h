@@ -18,6 +18,13 @@ struct ArmModelSize {
   FieldBasis wave{{}, 0.1};  ///< of the lamps' height; only its Gaussians are used
 };
 
+/// By how much the leans of axes 1 to 3 displace the reflector, which stands above the lamps: in
+/// the base frame and in those of link 1 and link 2; metres.
+struct AxisLeans {
+  Eigen::Matrix<double, 6, 1> shift{Eigen::Matrix<double, 6, 1>::Zero()};
+  Eigen::Matrix<double, 6, 1> sigma{Eigen::Matrix<double, 6, 1>::Zero()};
+};
+
 /// The arm, its camera, its tool and its tracker as the cell's files have them.
 struct ArmNominal {
   ArmGeometry geometry;
@@ -33,6 +40,7 @@ struct ArmNominal {
   /// What all readings have in common, standard deviations: the tracker's registration, as a shift
   /// per axis (metres) and a turn (radians), and its systematic error at full reach (metres).
   double registration_shift{2e-6}, registration_turn{5e-6}, tracker_bias{2e-6};
+  AxisLeans leans;
 };
 
 /// Standard deviation per axis of a reflector whose place on the tool nobody knows, metres.
@@ -69,10 +77,12 @@ struct HeightForm {
 /// Predicts the tool's points of a planar arm that is not quite as its files say. Its end point and
 /// its tool's direction are those of ArmForm; point = P + R(psi_3) offset. A camera at height H
 /// over its foot f sees a lamp at height h moved by (h / H) (p - f). The tracker reads the
-/// reflector at p + shift + (turn and stretch of p). Warming changes links and zeros x by
-/// x_1 t + x_2 t^2, a share of the length for links.
+/// reflector, which stands above the lamps on axes that lean, at
+/// p + shift + (turn and stretch of p) + R(psi_1) lean_2 + R(psi_2) lean_3. Warming changes links
+/// and zeros x by x_1 t + x_2 t^2, a share of the length for links.
 /// The unknowns x are, in this order: those of ArmForm, the warming's, the height's, separation,
-/// p_TP (2), p_TS x and y, and the tracker's: shift (2), turn, stretch along x, along y and shear.
+/// p_TP (2), p_TS x and y, and the tracker's: shift (2), turn, stretch along x, along y, shear,
+/// lean_2 (2) and lean_3 (2).
 class ArmModel {
  public:
   using Jacobian = Eigen::Matrix<double, 6, Eigen::Dynamic>;
@@ -90,6 +100,10 @@ class ArmModel {
   /// Returns d(points, column by column) / dx.
   Jacobian jacobian(const PosedAt& pose, const Eigen::VectorXd& x) const;
 
+  /// Returns by how much the tracker reads a point beside where it is.
+  Eigen::Vector2d tracker_error(const Eigen::Vector3d& motors, const Eigen::Vector2d& p,
+                                const Eigen::VectorXd& x) const;
+
   const ArmModelSize& size() const { return size_; }
   const ArmForm& form() const { return form_; }
   const HeightForm& height() const { return height_; }
@@ -101,7 +115,7 @@ class ArmModel {
   Layout layout() const;
 
  private:
-  static constexpr Eigen::Index kWarmingTerms = 10, kToolTerms = 5, kTrackerTerms = 6;
+  static constexpr Eigen::Index kWarmingTerms = 10, kToolTerms = 5, kTrackerTerms = 10;
 
   /// Returns the terms of the arm at a time.
   Eigen::VectorXd arm_at(double t_h, const Eigen::VectorXd& x) const;

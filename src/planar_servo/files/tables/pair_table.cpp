@@ -39,6 +39,8 @@ const TableSchema<PairRow>& pair_schema() {
         list_lamps(columns, row.lamps_B);
         columns.optional_point("x_reflector_mm", "y_reflector_mm", row.p_reflector, kMillimetre, 6,
                                Column::kOptional);
+        columns.optional_number("z_reflector_mm", row.z_reflector, kMillimetre, 6,
+                                Column::kOptional);
         list_joints(columns, row.theta);
         columns.optional_number("t_s", row.t_s, 1.0, 6, Column::kOptional);
       }};

@@ -27,6 +27,7 @@ struct PairRow {
   /// Where lamps 1 and 2 are seen on the plane, base frame, uncompensated.
   std::optional<std::array<Eigen::Vector2d, 2>> lamps_B{};
   std::optional<Eigen::Vector2d> p_reflector{};  ///< base frame
+  std::optional<double> z_reflector{};           ///< base frame
   std::optional<Joints> theta{};                 ///< commanded
   std::optional<double> t_s{};                   ///< when it was seen
 

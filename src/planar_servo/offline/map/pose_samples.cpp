@@ -43,6 +43,7 @@ PoseSample pose_sample(const Transmission& transmission, const PairRow& pair, do
   // The end point lies about midway between the lamps.
   sample.sigma_lamp = *pair.sigma_vision * std::sqrt(2.0);
   sample.reflector_B = pair.p_reflector;
+  sample.reflector_z = pair.z_reflector;
   sample.sigma_reflector = pair.sigma_tracker.value_or(0.0);
   return sample;
 }

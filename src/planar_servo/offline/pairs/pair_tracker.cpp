@@ -136,6 +136,7 @@ void add_rows(const Pairing& places, const Workplane& workplane, const Workplane
     }
     row->p_tracker = end_point_by_tracker(fit.tool, sight, *row->phi);
     row->p_reflector = sight.p_reflector_B.head<2>();
+    row->z_reflector = sight.p_reflector_B.z();
     row->sigma_tracker = sight.sigma_tracker;
     report.pairs.push_back(std::move(*row));
   }
