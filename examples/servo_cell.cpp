@@ -20,9 +20,11 @@ bool reach_targets(const planar::CellSettings& cell, planar::CellDevices& device
   const planar::VisionCalibration vision = planar::read_vision(cell, true);
   planar::LampTipSensor sensor(vision, cell.lamps.method, devices.camera(),
                                cell.camera.follow_region_px);
-  planar::PositionServo servo(cell.servo,
-                              planar::guard_limits(vision, cell.workspace, cell.tool_orientation),
-                              planar::joint_planner(cell), robot, sensor, devices.clock());
+  const planar::GuardLimits limits =
+      planar::guard_limits(vision, cell.workspace, cell.tool_orientation);
+  planar::UnknownLandings landings(limits.distance_m);
+  planar::PositionServo servo(cell.servo, limits, planar::joint_planner(cell), robot, sensor,
+                              devices.clock(), &landings);
   bool all_reached = true;
   for (const Eigen::Vector2d& p :
        {Eigen::Vector2d(0.15, 0.25), Eigen::Vector2d(-0.2, 0.3), Eigen::Vector2d(0.05, -0.35)}) {

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <random>
 #include <string>
 
 #include "planar_servo/devices/separate_drives.h"
@@ -29,6 +30,7 @@ class SimulatedCell {
     bool relative{true};                      ///< motor 2 rides on link 1
     Eigen::Vector3d pulses_per_rad{1, 1, 1};  ///< signed
     double play_rad{0.0};                     ///< play of each motor, behind its gear
+    double scatter_m{0.0};                    ///< of every stop, per axis
   };
 
   explicit SimulatedCell(const Truth& truth) : truth_(truth) {}
@@ -50,12 +52,22 @@ class SimulatedCell {
     const double a = m1 + truth_.zero1_rad;
     const double b = (truth_.relative ? m1 + m2 : m2) + truth_.zero2_rad;
     const double c = b - truth_.zero2_rad + output_rad(2) + truth_.zero3_rad;
-    return {{truth_.link1_m * std::cos(a) + truth_.link2_m * std::cos(b),
-             truth_.sense * (truth_.link1_m * std::sin(a) + truth_.link2_m * std::sin(b))},
-            truth_.sense * c};
+    const Eigen::Vector2d p(
+        truth_.link1_m * std::cos(a) + truth_.link2_m * std::cos(b),
+        truth_.sense * (truth_.link1_m * std::sin(a) + truth_.link2_m * std::sin(b)));
+    return {p + scatter(), truth_.sense * c};
   }
 
  private:
+  /// Returns how far the arm has stopped beside its place; it stays there until the next move.
+  Eigen::Vector2d scatter() const {
+    std::seed_seq seed{targets_sent()};
+    std::mt19937 random(seed);
+    std::normal_distribution<double> normal;
+    const double x = normal(random);
+    return truth_.scatter_m * Eigen::Vector2d(x, normal(random));
+  }
+
   /// Returns the gear's output, which follows its motor once the play is taken up.
   double output_rad(int i) const {
     double output = 0.0;

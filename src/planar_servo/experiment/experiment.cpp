@@ -66,7 +66,7 @@ double take_out_turn(std::vector<TargetResult>& results) {
     const Eigen::Vector2d shift = moved_by(*result.after_truth);
     if (result.before_truth) *result.before_truth += moved_by(*result.before_truth);
     *result.after_truth += shift;
-    for (auto* error : {&result.vision_raw, &result.vision_compensated})
+    for (auto* error : {&result.vision_raw, &result.vision_compensated, &result.believed})
       if (*error) **error -= shift;
   }
   return turn;

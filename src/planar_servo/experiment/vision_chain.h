@@ -39,6 +39,8 @@ struct ChainSettings {
   /// Looks before the first target whether the cell is as it was, and holds the arm where a look is
   /// not what the calibration promises.
   bool is_guarded{true};
+  /// Positions by all looks at a target; else the whole error of the last look is corrected.
+  bool estimates_landings{true};
   ServoSettings servo;
 };
 

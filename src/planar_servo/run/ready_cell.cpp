@@ -33,6 +33,11 @@ GuardLimits limits_of(const ServoRequest& request, const VisionCalibration& visi
   return health ? with_health(limits, *health) : limits;
 }
 
+std::unique_ptr<LandingModel> landings_of(const ServoRequest& request, const GuardLimits& limits) {
+  if (!request.estimates_landings) return nullptr;
+  return std::make_unique<UnknownLandings>(limits.distance_m);
+}
+
 }  // namespace
 
 std::vector<std::string> accept_stale_files(const CellSettings& cell, bool with_error_map,
@@ -60,7 +65,8 @@ ReadyCell::ReadyCell(const ServoRequest& request, CellDevices& devices)
       planner_(servo_planner(cell_)),
       robot_(PlanarArm(cell_.arm.geometry), Transmission(cell_.transmission), devices.drives(),
              devices.clock()),
-      servo_(cell_.servo, limits_, planner_, robot_, sensor_, devices.clock()) {
+      landings_(landings_of(request, limits_)),
+      servo_(cell_.servo, limits_, planner_, robot_, sensor_, devices.clock(), landings_.get()) {
   robot_.stop_when(request.stop);
 }
 

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -35,6 +36,9 @@ struct ServoRequest {
   /// Holds the arm where a look is uncertain or is not what the calibration promises. Without it
   /// only what no cell can be holds the arm: GuardLimits as they begin, whatever the noise.
   bool guards_looks{true};
+  /// Positions by all looks at a target and what is known of arm and vision; else the whole error
+  /// of the last look is corrected.
+  bool estimates_landings{true};
 };
 
 /// Returns the sentences on calibration files that do not belong together, and shows them in the
@@ -102,6 +106,7 @@ class ReadyCell {
   std::vector<std::string> accepted_stale_;
   JointPlanner planner_;
   PlanarRobot robot_;
+  std::unique_ptr<LandingModel> landings_;  ///< none where landings are not estimated
   PositionServo servo_;
 };
 

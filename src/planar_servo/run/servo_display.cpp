@@ -14,7 +14,7 @@ std::string title_of(const ServoSight& sight) {
   if (!step.measurement.ok())
     return fmt::format("{}   not measured: {}", what, step.measurement.word);
   return fmt::format("{}   {:.4f} mm from the target, +- {:.4f} mm{}", what,
-                     step.error.norm() / kMillimetre, step.measurement.uncertainty_m / kMillimetre,
+                     step.miss_m() / kMillimetre, step.uncertainty_m() / kMillimetre,
                      step.measurement.inside_map ? "" : "   outside the error map");
 }
 
@@ -30,7 +30,7 @@ void ServoDisplay::show(const ServoSight& sight) {
   view.title = title_of(sight);
   view.measured = sight.step.measurement.ok();
   if (view.measured) {
-    errors_m_.emplace_back(-sight.step.error);
+    errors_m_.emplace_back(sight.step.believed_p() - sight.step.target.p);
     const auto& lamps_px = sight.step.measurement.lamps_px;
     view.lamps_px.assign(lamps_px.begin(), lamps_px.end());
   }

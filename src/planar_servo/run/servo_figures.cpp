@@ -17,9 +17,10 @@ std::optional<double> coverage_of(const std::vector<TargetResult>& results) {
   constexpr double kSigmas = 1.96;
   Eigen::Index within = 0, all = 0;
   for (const TargetResult& result : results) {
-    if (!result.vision_compensated || !result.uncertainty_m) continue;
+    const auto& believed = result.believed ? result.believed : result.vision_compensated;
+    if (!believed || !result.uncertainty_m) continue;
     const double sigma = std::hypot(*result.uncertainty_m, result.sigma_truth_m.value_or(0.0));
-    within += (result.vision_compensated->array().abs() < kSigmas * sigma).count();
+    within += (believed->array().abs() < kSigmas * sigma).count();
     all += 2;
   }
   if (all == 0) return std::nullopt;

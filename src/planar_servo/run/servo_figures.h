@@ -37,7 +37,7 @@ struct ServoFigures {
   double iterations_median{0.0};
   double seconds_per_target{0.0};
   std::optional<Summary> before_own, after_own, before_truth, after_truth;  ///< metres
-  /// Share of the components of compensated vision minus truth within 1.96 stated deviations, to
+  /// Share of the components of the believed place minus truth within 1.96 stated deviations, to
   /// which those of the tracker are added where it judges.
   std::optional<double> coverage_95;
   std::optional<TrackerFigures> tracker;  ///< where the tracker judged in place of a truth

@@ -17,9 +17,9 @@ void TargetScorer::observe(const ServoStep& step) {
   steps_.append(step_line(result_.id, step));
   if (step.measurement.ok()) {
     result_.after_own = -step.error;
-    result_.uncertainty_m = step.measurement.uncertainty_m;
+    result_.uncertainty_m = step.uncertainty_m();
   }
-  if (true_tip_) compare_to_truth(step.measurement);
+  if (true_tip_) compare_to_truth(step);
   look_ = step;
   standing_.reset();
   if (step.iteration > 0) ++result_.iterations;
@@ -55,14 +55,17 @@ void TargetScorer::judge_end(ServoStatus status) {
   if (!seen.ok()) return;
   result_.vision_raw = seen.p_vision - *standing_->p;
   result_.vision_compensated = seen.tip.p - *standing_->p;
+  result_.believed = look_->believed_p() - *standing_->p;
 }
 
-void TargetScorer::compare_to_truth(const TipMeasurement& measurement) {
+void TargetScorer::compare_to_truth(const ServoStep& step) {
+  const TipMeasurement& measurement = step.measurement;
   const Eigen::Vector2d p_truth = true_tip_().p;
   result_.after_truth = p_truth - result_.p_d;
   if (!measurement.ok()) return;
   result_.vision_raw = measurement.p_vision - p_truth;
   result_.vision_compensated = measurement.tip.p - p_truth;
+  result_.believed = step.believed_p() - p_truth;
 }
 
 }  // namespace planar

@@ -31,7 +31,7 @@ class TargetScorer {
   TargetResult finish(const ServoResult& last_attempt, double seconds);
 
  private:
-  void compare_to_truth(const TipMeasurement& measurement);
+  void compare_to_truth(const ServoStep& step);
   JudgedTip judged() const;
   void judge_end(ServoStatus status);
 

@@ -25,7 +25,7 @@ std::optional<Doubt> old(const GuardedLook& look) {
 }
 
 std::optional<Doubt> noisy(const GuardLimits& limits, const TipMeasurement& m) {
-  const double noise_m = 2.0 * m.sigma_vision_m / std::sqrt(std::max(m.frames, 1));
+  const double noise_m = 2.0 * m.noise_m();
   if (noise_m <= limits.noise_m) return std::nullopt;
   return Doubt{
       fmt::format("vision is uncertain by +- {:.3f} mm; allowed is {:.3f} mm: are the "
@@ -80,7 +80,8 @@ std::optional<Doubt> jumped(const GuardLimits& limits, const GuardedLook& look,
   const Eigen::Vector2d commanded = look.commanded.p - before.commanded.p;
   const Eigen::Vector2d seen = look.measurement.tip.p - before.measurement.tip.p;
   const double off_m = (seen - commanded).norm();
-  if (off_m <= limits.play_m + kMotionShare * commanded.norm()) return std::nullopt;
+  if (off_m <= limits.play_m + limits.scatter_m + kMotionShare * commanded.norm())
+    return std::nullopt;
   return Doubt{
       fmt::format("the tool was seen to move by {}, the command was {}; they differ by {:.3f} mm: "
                   "does the camera see a reflection, has it been touched, or does a joint slip? {}",

@@ -25,6 +25,8 @@ struct GuardLimits {
   double correction_m{std::numeric_limits<double>::infinity()};
   /// What play and noise may add to a motion or take from it.
   double play_m{0.1e-3};
+  /// By how much two stops may differ from their commands by scatter alone.
+  double scatter_m{0.0};
   /// The greatest uncertainty, of two standard deviations, by which a look may move the arm.
   double noise_m{50e-6};
 };

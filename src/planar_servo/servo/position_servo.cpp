@@ -1,10 +1,9 @@
 #include "planar_servo/servo/position_servo.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <string>
 
 #include "planar_servo/servo/approach.h"
 #include "planar_servo/servo/control_law.h"
@@ -35,13 +34,9 @@ std::vector<double> errors_m(const std::vector<ServoStep>& steps) {
 
 }  // namespace
 
-const char* name(ServoStatus status) {
-  return name_in(kServoStatuses, status);
-}
-
 PositionServo::PositionServo(const ServoSettings& settings, const GuardLimits& limits,
                              const JointPlanner& planner, PlanarRobot& robot, TipSensor& sensor,
-                             Clock& clock)
+                             Clock& clock, LandingModel* landings)
     : settings_(settings),
       limits_(limits),
       planner_(planner),
@@ -49,8 +44,10 @@ PositionServo::PositionServo(const ServoSettings& settings, const GuardLimits& l
       sensor_(sensor),
       clock_(clock) {
   check(settings);
-  if (settings.approach == Approach::kDirect)
-    limits_.play_m += play_allowance_m(planner.arm(), settings);
+  const double play_m =
+      settings.approach == Approach::kDirect ? play_allowance_m(planner.arm(), settings) : 0.0;
+  limits_.play_m += play_m;
+  if (landings != nullptr) estimator_.emplace(*landings, play_m);
 }
 
 ServoResult PositionServo::move_to(const TipPose& target, const Observer& observer) {
@@ -63,22 +60,26 @@ ServoResult PositionServo::move_to(const TipPose& target, const Observer& observ
     result.duration_s = clock_.now_s() - start_s;
     return result;
   };
+  if (estimator_) estimator_->begin();
   JointPlan plan = planner_.plan(target, robot_.commanded_joints());
   for (;; ++result.iterations) {
     if (plan.refusal) return finish(ServoStatus::kRefused, *plan.refusal);
     if (const auto obstacle = command(plan.theta))
       return finish(obstacle->refused ? ServoStatus::kRefused : ServoStatus::kLostCamera,
                     obstacle->reason);
-    const ServoStep& step = result.steps.emplace_back(measure(target, result.iterations));
+    ServoStep& step = result.steps.emplace_back(measure(target, result.iterations));
+    const auto found = doubt_of(step);
+    if (!found) estimate(step);
     if (observer) observer(step);
-    if (const auto found = doubt_of(step)) {
+    if (found) {
       result.cell_in_doubt = found->of_cell;
       return finish(ServoStatus::kHeld, found->reason);
     }
     if (const auto status = verdict(result.steps)) {
       result.cell_in_doubt = *status == ServoStatus::kDiverged;
       if (result.cell_in_doubt) robot_.halt();
-      return finish(*status, reason_for(*status, step));
+      return finish(*status, reason_for(*status, step, settings_.orientation_tolerance,
+                                        settings_.max_iterations));
     }
     plan = corrected_joints(step);
   }
@@ -97,9 +98,8 @@ ServoStep PositionServo::measure(const TipPose& target, int iteration) {
     measurement = failed_look(TipStatus::kNotFinite, "not_finite", measurement.t_s);
   step.error = target.p - measurement.tip.p;
   step.turn_error = wrap_angle(target.phi - measurement.tip.phi);
-  step.stop_below_m =
-      std::max({settings_.tolerance_m, pulse_size_m(),
-                2.0 * measurement.sigma_vision_m / std::sqrt(std::max(measurement.frames, 1))});
+  step.stop_below_m = std::max(settings_.tolerance_m, pulse_size_m());
+  if (!estimator_) step.stop_below_m = std::max(step.stop_below_m, 2.0 * measurement.noise_m());
   return step;
 }
 
@@ -108,55 +108,53 @@ std::optional<ServoStatus> PositionServo::verdict(const std::vector<ServoStep>& 
   if (!last.measurement.ok())
     return last.measurement.status == TipStatus::kNoPicture ? ServoStatus::kLostCamera
                                                             : ServoStatus::kLostLamp;
+  if (diverges_at(steps)) return ServoStatus::kDiverged;
   if (content(last))
     return last.measurement.inside_map ? ServoStatus::kReached : ServoStatus::kOutsideMap;
-  if (diverges(errors_m(steps), last.stop_below_m)) return ServoStatus::kDiverged;
-  if (last.iteration == settings_.max_iterations) return ServoStatus::kNotConverged;
+  if (last.iteration == settings_.max_iterations || hopeless(last))
+    return ServoStatus::kNotConverged;
   return std::nullopt;
 }
 
+bool PositionServo::diverges_at(const std::vector<ServoStep>& steps) const {
+  const ServoStep& last = steps.back();
+  return last.estimate ? last.estimate->is_contradicted
+                       : diverges(errors_m(steps), last.stop_below_m);
+}
+
 bool PositionServo::content(const ServoStep& step) const {
-  return step.error.norm() < step.stop_below_m &&
-         std::abs(step.turn_error) <= settings_.orientation_tolerance;
+  return step.miss_m() < step.stop_below_m && points_right(step);
+}
+
+bool PositionServo::points_right(const ServoStep& step) const {
+  return std::abs(step.turn_error) <= settings_.orientation_tolerance;
+}
+
+bool PositionServo::hopeless(const ServoStep& step) const {
+  return step.estimate && points_right(step) &&
+         step.miss_m() <=
+             nearest_expected_m(step.estimate->spread, settings_.max_iterations - step.iteration);
 }
 
 std::optional<Doubt> PositionServo::doubt_of(const ServoStep& step) {
   if (!step.measurement.ok()) return std::nullopt;
   const GuardedLook look{step.measurement, planner_.arm().forward(step.theta_c), arrived_s_};
-  auto found = doubt(limits_, look, last_look_ ? &*last_look_ : nullptr);
+  GuardLimits limits = limits_;
+  if (estimator_) limits.scatter_m = estimator_->longest_jump_m();
+  auto found = doubt(limits, look, last_look_ ? &*last_look_ : nullptr);
   if (!found) last_look_ = look;
   return found;
 }
 
-std::string PositionServo::reason_for(ServoStatus status, const ServoStep& last) const {
-  const double error_mm = last.error.norm() / kMillimetre;
-  switch (status) {
-    case ServoStatus::kReached:
-      return "";
-    case ServoStatus::kOutsideMap:
-      return "the error map is not valid here: record training positions around this target";
-    case ServoStatus::kLostLamp:
-    case ServoStatus::kLostCamera:
-      return fmt::format("the tool was not measured: {}", last.measurement.word);
-    case ServoStatus::kDiverged:
-      return fmt::format("the error grew twice in a row, to {:.3f} mm", error_mm);
-    case ServoStatus::kNotConverged:
-      return fmt::format(
-          "the error is {:.4f} mm and {:.3f} deg after {} corrections; allowed is {:.4f} mm and "
-          "{:.3f} deg",
-          error_mm, std::abs(last.turn_error) / kDegree, last.iteration,
-          last.stop_below_m / kMillimetre, settings_.orientation_tolerance / kDegree);
-    case ServoStatus::kHeld:
-    case ServoStatus::kRefused:
-      break;
-  }
-  throw std::invalid_argument("a doubt and a refusal have reasons of their own");
+void PositionServo::estimate(ServoStep& step) {
+  if (!estimator_ || !step.measurement.ok()) return;
+  step.estimate = estimator_->take(step, planner_.reached(step.theta_c).p);
 }
 
 JointPlan PositionServo::corrected_joints(const ServoStep& step) const {
-  const double length = step.error.norm();
-  const Eigen::Vector2d dp = step.error * std::min(1.0, settings_.max_step_m / length);
-  const Eigen::Vector2d& p = step.measurement.tip.p;
+  const Eigen::Vector2d& wanted = step.estimate ? step.estimate->correction : step.error;
+  const Eigen::Vector2d dp = wanted * std::min(1.0, settings_.max_step_m / wanted.norm());
+  const Eigen::Vector2d p = step.believed_p();
   const LawInput input{step.theta_c, p, p + dp};
   const auto law = settings_.law == ServoLaw::kJacobian ? jacobian_law : inverse_law;
   const LawStep correction = law(planner_.arm(), input, settings_.gain);

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
 #include <string>
 
@@ -39,6 +41,8 @@ struct TipMeasurement {
 
   /// Returns true when the position is valid.
   bool ok() const { return status == TipStatus::kOk; }
+  /// Returns the standard deviation per axis that the frames' noise leaves in the position.
+  double noise_m() const { return sigma_vision_m / std::sqrt(std::max(frames, 1)); }
 };
 
 /// Returns a look that gave no position.

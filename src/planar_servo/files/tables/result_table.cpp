@@ -34,6 +34,8 @@ const TableSchema<TargetResult>& result_schema() {
         columns.optional_number("sigma_truth_mm", result.sigma_truth_m, kMillimetre, 6,
                                 Column::kOptional);
         columns.text("not_judged", result.not_judged, Column::kOptional);
+        columns.optional_point("believed_dx_mm", "believed_dy_mm", result.believed, kMillimetre, 6,
+                               Column::kOptional);
       }};
   return results;
 }

@@ -24,7 +24,9 @@ struct TargetResult {
   std::optional<Eigen::Vector2d> before_truth, after_truth;  ///< where truth or tracker watches
   /// Vision minus truth at the last measurement, before and after compensation.
   std::optional<Eigen::Vector2d> vision_raw, vision_compensated;
-  std::optional<double> uncertainty_m;  ///< of the last measurement, per axis
+  /// Where the servo believed the end point at the last measurement, minus truth.
+  std::optional<Eigen::Vector2d> believed;
+  std::optional<double> uncertainty_m;  ///< of that place, per axis
   std::optional<double> sigma_truth_m;  ///< of `after_truth` per axis, where a tracker watches
   std::string not_judged;               ///< why the tracker watched in vain; empty otherwise
 };

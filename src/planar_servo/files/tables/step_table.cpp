@@ -32,9 +32,11 @@ void list_measured(Columns& columns, const ServoStep& step) {
   number("phi_deg", m.tip.phi, kDegree, 6);
   point("dx_map_mm", "dy_map_mm", m.correction, kMillimetre, 6);
   point("x_mm", "y_mm", m.tip.p, kMillimetre, 6);
-  number("uncertainty_mm", m.uncertainty_m, kMillimetre, 6);
+  number("uncertainty_mm", step.uncertainty_m(), kMillimetre, 6);
   point("dx_mm", "dy_mm", step.error, kMillimetre, 6);
   number("error_mm", step.error.norm(), kMillimetre, 6);
+  point("x_believed_mm", "y_believed_mm", step.believed_p(), kMillimetre, 6);
+  number("miss_mm", step.miss_m(), kMillimetre, 6);
 }
 
 const TableSchema<StepRow>& step_schema() {

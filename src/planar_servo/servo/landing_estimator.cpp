@@ -1,0 +1,165 @@
+#include "planar_servo/servo/landing_estimator.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace planar {
+namespace {
+
+// The factors of the model's scatter that are tried are powers of the root of 2, from 1/4 to 64.
+constexpr int kLeastPower = -4;
+constexpr int kGreatestPower = 12;
+/// The model's scatter counts like so many stops along one axis that were seen with it.
+constexpr double kPseudoCounts = 4.0;
+/// Now and then a stop scatters ten times as far: something stuck, or somebody touched the arm.
+constexpr double kOutlierShare = 0.01;
+constexpr double kOutlierFactor = 10.0;
+/// So much of what earlier looks said of the scatter remains with each: it changes with wear and
+/// warmth, and the last two hundred looks tell.
+constexpr double kMemory = 0.995;
+
+/// Returns how credible a factor is before any look, but for a constant: the density of an inverse
+/// gamma distribution of its square, over its logarithm.
+double log_credibility(double factor) {
+  const double square = factor * factor;
+  return -0.5 * kPseudoCounts * (std::log(square) + 1.0 / square);
+}
+
+}  // namespace
+
+LandingEstimator::LandingEstimator(LandingModel& model, double play_m)
+    : model_(model), play_m_(play_m) {
+  for (int i = kLeastPower; i <= kGreatestPower; ++i) {
+    for (int j = kLeastPower; j <= kGreatestPower; ++j) {
+      Member& member = members_.emplace_back();
+      member.factor = std::exp2(0.5 * i);
+      member.short_factor = std::exp2(0.5 * j);
+    }
+  }
+  share_weights();
+}
+
+void LandingEstimator::share_weights() {
+  const auto log_weight = [](const Member& member) {
+    return log_credibility(member.factor) + log_credibility(member.short_factor) +
+           member.log_likelihood;
+  };
+  double greatest = log_weight(members_.front()), sum = 0.0;
+  for (const Member& member : members_) greatest = std::max(greatest, log_weight(member));
+  for (Member& member : members_) sum += member.weight = std::exp(log_weight(member) - greatest);
+  for (Member& member : members_) member.weight /= sum;
+}
+
+double LandingEstimator::scatter_m(const Member& member, bool is_short) const {
+  const double after_long_m = member.factor * prior_->scatter_m;
+  return is_short ? std::min(after_long_m, member.short_factor * prior_->short_scatter_m)
+                  : after_long_m;
+}
+
+void LandingEstimator::start(const ServoStep& step) {
+  prior_ = model_.at(step.theta_c, step.measurement);
+  if (!(prior_->scatter_m > 0.0 && prior_->short_scatter_m > 0.0))
+    throw std::invalid_argument("a landing's scatter must be positive");
+  for (Member& member : members_) member.filter = LandingFilter(prior_->covariance);
+  was_unexpected_ = false;
+}
+
+LandingEstimate LandingEstimator::take(const ServoStep& step, const Eigen::Vector2d& p_c) {
+  if (looks_ == 0) start(step);
+  const bool is_short = looks_ > 0 && (p_c - p_c_).norm() < kShortMove_m;
+  const LandingLook look{p_c, step.measurement.tip.p, step.measurement.noise_m(), 0.0};
+  const bool is_unexpected = is_beyond_play(look) && chance_of(look, is_short) < kNoChance;
+  weigh(look, is_short);
+  LandingEstimate estimate = mixture(step.target.p, look);
+  estimate.is_contradicted = is_unexpected && was_unexpected_;
+  was_unexpected_ = is_unexpected;
+  p_c_ = p_c;
+  ++looks_;
+  model_.learn(*prior_, step.theta_c, step.measurement);
+  return estimate;
+}
+
+bool LandingEstimator::is_beyond_play(const LandingLook& look) const {
+  const auto likeliest =
+      std::max_element(members_.begin(), members_.end(),
+                       [](const Member& a, const Member& b) { return a.weight < b.weight; });
+  return likeliest->filter.innovation(look).value.norm() > play_m_;
+}
+
+double LandingEstimator::chance_of(const LandingLook& look, bool is_short) const {
+  double chance = 0.0;
+  for (const Member& member : members_) {
+    LandingLook supposed = look;
+    supposed.scatter_m = scatter_m(member, is_short);
+    // The length of an innovation in two dimensions exceeds chi with this chance.
+    chance += member.weight * std::exp(-0.5 * member.filter.innovation(supposed).chi_squared());
+  }
+  return chance;
+}
+
+void LandingEstimator::weigh(LandingLook look, bool is_short) {
+  const bool is_far = is_beyond_play(look);
+  for (Member& member : members_) {
+    look.scatter_m = scatter_m(member, is_short);
+    LandingLook outlier = look;
+    outlier.scatter_m *= kOutlierFactor;
+    const double usual =
+        std::log(1.0 - kOutlierShare) + member.filter.innovation(look).log_likelihood();
+    const double unusual =
+        std::log(kOutlierShare) + member.filter.innovation(outlier).log_likelihood();
+    // What is unusual in a first look may be the arm's persistent error; play lasts, too.
+    const bool has_slipped = looks_ > 0 && is_far && unusual > usual;
+    member.filter.take(has_slipped ? outlier : look);
+    member.log_likelihood = kMemory * member.log_likelihood + std::max(usual, unusual) +
+                            std::log1p(std::exp(-std::abs(usual - unusual)));
+  }
+  share_weights();
+}
+
+LandingEstimate LandingEstimator::mixture(const Eigen::Vector2d& p_d,
+                                          const LandingLook& look) const {
+  LandingEstimate all;
+  Eigen::Vector2d next = Eigen::Vector2d::Zero();
+  for (const Member& member : members_) {
+    all.p += member.weight * member.filter.landing().mean;
+    next += member.weight * member.filter.next_command(p_d);
+  }
+  all.correction = next - look.p_c;
+  const bool is_short = all.correction.norm() < kShortMove_m;
+  double variance = 0.0;
+  for (const Member& member : members_) {
+    const PlaneEstimate& landing = member.filter.landing();
+    variance +=
+        0.5 * member.weight * (landing.covariance.trace() + (landing.mean - all.p).squaredNorm());
+    const double next_scatter_m = scatter_m(member, is_short);
+    all.scatter_m += member.weight * next_scatter_m;
+    const Spread spread = member.filter.spread({next, {}, look.noise_m, next_scatter_m});
+    all.spread.next_m += member.weight * spread.next_m;
+    all.spread.later_m += member.weight * spread.later_m;
+  }
+  all.deviation_m = std::sqrt(variance);
+  return all;
+}
+
+double LandingEstimator::longest_jump_m() const {
+  if (!prior_) return 0.0;
+  const auto chance_beyond = [&](double jump_m) {
+    double chance = 0.0;
+    for (const Member& member : members_) {
+      const double two_stops_m2 = 2.0 * std::pow(scatter_m(member, false), 2);
+      chance += member.weight * std::exp(-0.5 * jump_m * jump_m / two_stops_m2);
+    }
+    return chance;
+  };
+  double within_m = 0.0, beyond_m = prior_->scatter_m;
+  while (chance_beyond(beyond_m) > kNoChance) beyond_m *= 2.0;
+  constexpr int kHalvings = 20;
+  for (int i = 0; i < kHalvings; ++i) {
+    const double middle_m = 0.5 * (within_m + beyond_m);
+    (chance_beyond(middle_m) > kNoChance ? within_m : beyond_m) = middle_m;
+  }
+  return beyond_m;
+}
+
+}  // namespace planar

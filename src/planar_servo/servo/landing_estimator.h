@@ -1,0 +1,66 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "planar_servo/servo/landing_filter.h"
+#include "planar_servo/servo/landing_model.h"
+#include "planar_servo/servo/servo_result.h"
+
+namespace planar {
+
+/// A chance that is taken for none: one in a million.
+constexpr double kNoChance = 1e-6;
+
+/// Estimates landings at one target after the other, and from all of them how much stops scatter.
+/// It runs a LandingFilter for each of many scatters after long and after short moves, each a
+/// factor times what the model says, and weighs them by how well they have foreseen the looks.
+class LandingEstimator {
+ public:
+  /// Takes a model that must outlive it, and by how much play may move a stop, metres.
+  explicit LandingEstimator(LandingModel& model, double play_m = 0.0);
+
+  /// Begins the way to another target. What is known of the scatter stays.
+  void begin() { looks_ = 0; }
+
+  /// Takes a look that nobody doubts. `p_c` is the place that was commanded for it, by the arm as
+  /// it was found. Throws std::invalid_argument when the model's scatter is not positive.
+  LandingEstimate take(const ServoStep& step, const Eigen::Vector2d& p_c);
+
+  /// Returns the distance, metres, by which two stops differ from their commands by scatter with a
+  /// chance of kNoChance; 0 before the first look.
+  double longest_jump_m() const;
+
+ private:
+  struct Member {
+    double factor{1.0};          ///< of the model's scatter
+    double short_factor{1.0};    ///< of its scatter after short moves
+    double log_likelihood{0.0};  ///< of the looks so far
+    double weight{0.0};          ///< all add up to 1
+    LandingFilter filter{Eigen::Matrix4d::Zero()};
+  };
+
+  /// Returns the scatter that a member supposes, which is no larger after a short move.
+  double scatter_m(const Member& member, bool is_short) const;
+  void start(const ServoStep& step);
+  /// Sets the weights by what is credible and by the looks so far.
+  void share_weights();
+  /// Returns whether a look is farther from what was to be expected than play explains.
+  bool is_beyond_play(const LandingLook& look) const;
+  /// Returns how likely a look is to be this far or farther from what was to be expected.
+  double chance_of(const LandingLook& look, bool is_short) const;
+  /// Lets every member take a look and weighs it by how well it has foreseen it.
+  void weigh(LandingLook look, bool is_short);
+  /// Returns what the members say together once they have taken a look.
+  LandingEstimate mixture(const Eigen::Vector2d& p_d, const LandingLook& look) const;
+
+  LandingModel& model_;
+  double play_m_;
+  std::vector<Member> members_;
+  std::optional<LandingPrior> prior_;  ///< of the last target
+  int looks_{0};                       ///< at the present one
+  Eigen::Vector2d p_c_{0.0, 0.0};      ///< of the last look
+  bool was_unexpected_{false};         ///< the last look
+};
+
+}  // namespace planar

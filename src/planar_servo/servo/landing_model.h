@@ -1,0 +1,48 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "planar_servo/arm/planar_arm.h"
+#include "planar_servo/servo/tip_sensor.h"
+
+namespace planar {
+
+/// Holds what is known of a landing before the first look at it. Base frame, metres.
+struct LandingPrior {
+  /// Of (d, v): the arm's persistent error at this place, and the error that vision, compensated,
+  /// has left there. Both have zero mean.
+  Eigen::Matrix4d covariance{Eigen::Matrix4d::Zero()};
+  /// Deviations per axis of a stop after a long move and after one below kShortMove_m, positive.
+  double scatter_m{0.0};
+  double short_scatter_m{0.0};
+};
+
+/// After a move of the end point below this a stop scatters as after a short one.
+constexpr double kShortMove_m = 1e-3;
+
+/// Knows how far an arm lands from where it is sent, and how far vision sees beside it.
+class LandingModel {
+ public:
+  virtual ~LandingModel() = default;
+
+  /// Returns the prior at the place of a first look, for these commanded joints.
+  virtual LandingPrior at(const Joints& theta_c, const TipMeasurement& look) const = 0;
+
+  /// Is told every look at a target that the guard let through, with the prior of its first one.
+  virtual void learn(const LandingPrior& /*used*/, const Joints& /*theta_c*/,
+                     const TipMeasurement& /*look*/) {}
+};
+
+/// The landings of an arm of which nobody has found out anything. Vision is as certain as it says.
+class UnknownLandings final : public LandingModel {
+ public:
+  /// Takes the greatest distance between command and sight that the guard allows.
+  explicit UnknownLandings(double distance_m) : distance_m_(distance_m) {}
+
+  LandingPrior at(const Joints& theta_c, const TipMeasurement& look) const override;
+
+ private:
+  double distance_m_;
+};
+
+}  // namespace planar
