@@ -39,6 +39,8 @@ struct ChainSettings {
   /// Looks before the first target whether the cell is as it was, and holds the arm where a look is
   /// not what the calibration promises.
   bool is_guarded{true};
+  /// Uses pairs between which something seems to have moved.
+  bool accept_step{false};
   ServoSettings servo;
 };
 
