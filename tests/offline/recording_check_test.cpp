@@ -171,10 +171,9 @@ TEST_CASE("A recording without monuments at its end, or with them at its end onl
 TEST_CASE("A reflector bumped midway is refused with place, size, cost and the way on") {
   RecordedBench bench;
   bench.bump(0.2 * kMillimetre);
-  CHECK_THAT(bench.refusal(),
-             Contains("from place 'train_40' on, 40 of 80") && Contains("bumped") &&
-                 Contains("which costs up to 0.1") && Contains("--accept-step") &&
-                 !Contains("doubt"));
+  CHECK_THAT(bench.refusal(), Contains("from place 'train_40' on, 40 of 80") &&
+                                  Contains("bumped") && Contains("which costs up to 0.1") &&
+                                  Contains("--accept-step") && !Contains("doubt"));
 }
 
 TEST_CASE("A step that a person accepts is doubted, keeps all pairs and is drawn on the page") {

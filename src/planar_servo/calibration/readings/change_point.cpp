@@ -14,7 +14,7 @@ constexpr Eigen::Index kFewestOnASide = 5;
 /// Terms that every explanation has: a quadratic of the place, a trend and the step itself.
 constexpr double kTerms = 8.0;
 /// The tool's directions differ by about half a degree at least, or frames cannot be told apart.
-constexpr double kLeastSpread = 1e-4;
+constexpr double kLeastTurn = 1e-4;
 
 /// A step and what it takes away from the squares of the weighted errors.
 struct Gain {
@@ -77,7 +77,7 @@ std::vector<StepFrame> frames_of(const std::vector<TimedError>& errors) {
   Eigen::Vector2d mean(0.0, 0.0);
   for (const TimedError& e : errors)
     mean += Eigen::Vector2d(std::cos(e.phi), std::sin(e.phi)) / static_cast<double>(errors.size());
-  if (1.0 - mean.norm() < kLeastSpread) return {StepFrame::kBase};
+  if (1.0 - mean.norm() < kLeastTurn) return {StepFrame::kBase};
   return {StepFrame::kBase, StepFrame::kTool};
 }
 

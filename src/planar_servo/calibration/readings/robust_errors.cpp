@@ -35,8 +35,7 @@ SmoothErrors::Outliers outliers_beside(const SmoothErrors& errors, const Explana
 void leave_out_outliers(const SmoothErrors& errors, Explanation& found) {
   constexpr int kRounds = 12;
   for (int round = 0; round < kRounds; ++round) {
-    const SmoothRemainders left =
-        errors.remainders(found.fit.tuning, found.outliers, found.step);
+    const SmoothRemainders left = errors.remainders(found.fit.tuning, found.outliers, found.step);
     SmoothErrors::Outliers outliers = outliers_beside(errors, found, left);
     if (outliers == found.outliers) return;
     found.outliers = std::move(outliers);

@@ -106,10 +106,11 @@ std::string step_figure(const RecordedStep& step) {
       component_panel(fmt::format("A step from '{}' on", step.id), order,
                       axis_over("what the field leaves, mm", components_of(left_mm)), at, left_mm);
   const double first = static_cast<double>(change.first) + 0.5;
-  for (const double size : {change.step.x(), change.step.y()})
-    panel.add_line({{order.from, 0.0}, {first, 0.0}, {first, size / kMillimetre},
-                    {order.to, size / kMillimetre}},
+  for (const double size : {change.step.x(), change.step.y()}) {
+    const double size_mm = size / kMillimetre;
+    panel.add_line({{order.from, 0.0}, {first, 0.0}, {first, size_mm}, {order.to, size_mm}},
                    Panel::Stroke::kDashed);
+  }
   return figure_svg({panel});
 }
 

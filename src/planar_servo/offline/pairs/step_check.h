@@ -25,7 +25,7 @@ struct RecordedStep {
 /// Looks for a step as find_change() does.
 std::optional<RecordedStep> find_step(const std::vector<PairRow>& pairs);
 
-/// Returns what is doubted: place, size, deviation, cost, causes, and behind a semicolon what to do.
+/// Returns what is doubted: place, size, deviation, cost, causes, and what to do.
 std::string step_doubt(const RecordedStep& step);
 
 }  // namespace planar
