@@ -29,7 +29,7 @@ const ProgramText kText{
     "planar-experiment --cell cell.yaml --out DIR [--grid circles:COLSxROWS:PITCHmm] [--seed N]\n"
     "                         [--train N] [--unattended M] [--lays L [--board-thickness-mm T]]\n"
     "                         [--loop-only N] [--predict | --seeds N [--like KIND] [--jobs J]]\n"
-    "                         [--home] [--at-marks] [--display auto|x|none]\n"
+    "                         [--accept-step] [--home] [--at-marks] [--display auto|x|none]\n"
     "       mpirun -n RANKS planar-experiment ... --seeds N",
     R"(Table 7: mean true positioning error in mm, 25 targets on each circle of radius 200 mm
   circle about     before *  paper's chain +  improved    ours  improved  paper: before ~  after  improved
@@ -47,7 +47,7 @@ struct Options {
   std::optional<int> train, loop_only;
   std::optional<double> board_thickness_mm;
   std::string like{"paper"}, display{"none"};
-  bool predict{false};
+  bool predict{false}, accept_step{false};
   HomingOptions homing;
 };
 
@@ -106,6 +106,9 @@ void add_options(CLI::App& app, Options& options) {
       ->check(CLI::Range(1, 1000))
       ->needs(seeds)
       ->type_name("J");
+  app.add_flag("--accept-step", options.accept_step,
+               "calibrate from the recording although something seems to have moved while it was "
+               "made, which would cost more than 0.05 mm at the end point");
   app.add_flag("--predict", options.predict,
                "predict the true error from the recording in DIR alone; nothing moves")
       ->excludes(seeds);
@@ -149,6 +152,7 @@ ExperimentRequest request_of(const Options& options) {
   request.display = value_named(kDisplayPolicies, options.display).value();
   request.may_home = may_home(options.homing);
   request.stop = interrupted;
+  request.accept_step = options.accept_step;
   if (options.board_thickness_mm) request.dots_height = *options.board_thickness_mm * kMillimetre;
   if (!request.uses_tracker && !request.dots_height)
     throw InputError(

@@ -29,7 +29,7 @@ const ProgramText kText{
     "planar-pair-tracker --cell cell.yaml --lamps lamps.csv --recording RECORDING "
     "[--workplane-from pairs|grid] --workplane-out workplane.yaml --tool-out tool.yaml "
     "[--grid BOARD] [--board-thickness-mm T] [--lays-out lays.csv] "
-    "[--health-out health.yaml] [--report FILE.html|none] -o pairs.csv",
+    "[--accept-step] [--health-out health.yaml] [--report FILE.html|none] -o pairs.csv",
     R"(datum      3 monuments, rms 0.005 mm
 workplane  6 degrees of freedom fitted to 51 places, rms 0.085 mm
 tool       end point (0.058, 0.048) mm, reflector (11.811, -8.139) mm
@@ -43,7 +43,7 @@ struct Options {
       lays_out, pairs_out;
   std::string workplane_from{"pairs"}, grid, pair_by{"id"}, columns, report;
   char separator{','};
-  bool decimal_comma{false};
+  bool decimal_comma{false}, accept_step{false};
   double board_thickness_mm{0.0};
 };
 
@@ -87,6 +87,9 @@ void add_options(CLI::App& app, Options& options) {
       ->capture_default_str();
   app.add_flag("--decimal-comma", options.decimal_comma,
                "numbers in the tracker's table are written as 1,5");
+  app.add_flag("--accept-step", options.accept_step,
+               "write the pairs although something seems to have moved between them, which would "
+               "cost more than 0.05 mm at the end point");
   app.add_option("--workplane-out", options.workplane_out, "workplane.yaml to write")
       ->required()
       ->type_name("FILE");
@@ -157,6 +160,7 @@ PairTrackerRequest read_request(const Options& options) {
         tables_of(options).tracker,
         {options.separator, options.decimal_comma, renamed_tracker_columns(options.columns)});
   request.by = options.pair_by == "time" ? PairBy::kTime : PairBy::kId;
+  request.accept_step = options.accept_step;
   request.dots_height = options.board_thickness_mm * kMillimetre;
   if (source_of(options) == WorkplaneSource::kBoard)
     request.boards_on_plane =

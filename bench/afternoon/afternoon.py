@@ -16,6 +16,7 @@ import csv
 import json
 import math
 import pathlib
+import random
 import re
 import signal
 import statistics
@@ -43,7 +44,9 @@ def write_plan(path, train):
     rows += [f"board_{i:02d},grid,,," for i in range(12)]
     rows += [f"laid_{i},plane_grid,,," for i in range(2)]
     rows += [f"turn_{i:02d},sweep3,0,300,{30 * i - 180}" for i in range(12)]
-    rows += [f"train_{i:03d},train,{x:.3f},{y:.3f},0" for i, (x, y) in enumerate(spiral(train, 80, 520, 0))]
+    places = list(spiral(train, 80, 520, 0))
+    random.Random(1).shuffle(places)  # so that a step in time is none in space
+    rows += [f"train_{i:03d},train,{x:.3f},{y:.3f},0" for i, (x, y) in enumerate(places)]
     path.write_text("\n".join(rows) + "\n")
 
 

@@ -5,6 +5,7 @@
 #include <map>
 #include <set>
 
+#include "experiment/training_order.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/offline/record/motion_plan.h"
 #include "support/sample_cells.h"
@@ -66,6 +67,12 @@ TEST_CASE("The same seed draws the same training positions, another seed others"
   };
   CHECK(first_training_point(3) == first_training_point(3));
   CHECK(first_training_point(3) != first_training_point(4));
+}
+
+TEST_CASE("Training places that follow each other in time are no neighbours in space") {
+  const CellSettings cell = read_cell(test::paper_cell_file());
+  for (std::uint64_t seed = 1; seed <= 20; ++seed)
+    CHECK(test::step_over_distance(experiment_plan(cell, seed).rows) > 0.85);
 }
 
 TEST_CASE("The control targets lie on the paper's four circles") {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 
+#include "experiment/training_order.h"
 #include "planar_servo/experiment/experiment_plan.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/offline/record/motion_plan.h"
@@ -27,6 +28,14 @@ TEST_CASE("A first plan has views, sweeps and places, and the arm can make all o
   CHECK(plan.after < 0.2 * plan.before);
   CHECK(plan.worth_reading());
   CHECK(plan.enough <= rows_of(plan, Plan::kTrain));
+}
+
+TEST_CASE("The order of a plan's places is random in space, and the same every time") {
+  const CellSettings cell = read_cell(test::paper_cell_file());
+  const ProposedPlan plan = propose_plan(cell, 100, {});
+  CHECK(rows_of(plan, Plan::kTrain) == 76);
+  CHECK(test::step_over_distance(plan.rows) > 0.85);
+  CHECK(plan_text(plan.rows) == plan_text(propose_plan(cell, 100, {}).rows));
 }
 
 TEST_CASE("More readings promise more, until they are not worth their time") {

@@ -9,6 +9,7 @@
 
 #include "calibration/synthetic_cell.h"
 #include "planar_servo/core/error.h"
+#include "planar_servo/offline/pairs/pair_page.h"
 #include "planar_servo/offline/pairs/pair_tracker_report.h"
 #include "support/temporary_folder.h"
 
@@ -65,6 +66,12 @@ class RecordedBench {
     for (TrackerRow& row : request.tracker)
       if (row.id.size() > 2) rows.push_back(&row);
     return rows;
+  }
+
+  /// Moves the reflector before the training place with number 40.
+  void bump(double x) {
+    const auto rows = tool_readings();
+    for (std::size_t i = rows.size() - 40; i < rows.size(); ++i) rows[i]->p_L.x() += x;
   }
 
   void read_monuments() {
@@ -161,12 +168,34 @@ TEST_CASE("A recording without monuments at its end, or with them at its end onl
   CHECK(bench.refusal().empty());
 }
 
-TEST_CASE("A reflector bumped midway is named with place and size") {
+TEST_CASE("A reflector bumped midway is refused with place, size, cost and the way on") {
   RecordedBench bench;
-  const auto rows = bench.tool_readings();
-  for (std::size_t i = 88; i < rows.size(); ++i) rows[i]->p_L.x() += 0.2 * kMillimetre;
-  CHECK_THAT(bench.refusal(),
-             Contains("from place 'train_40' on") && Contains("bumped") && !Contains("doubt"));
+  bench.bump(0.2 * kMillimetre);
+  CHECK_THAT(bench.refusal(), Contains("from place 'train_40' on, 40 of 80") &&
+                                  Contains("bumped") && Contains("which costs up to 0.1") &&
+                                  Contains("--accept-step") && !Contains("doubt"));
+}
+
+TEST_CASE("A step that a person accepts is doubted, keeps all pairs and is drawn on the page") {
+  RecordedBench bench;
+  bench.bump(0.2 * kMillimetre);
+  bench.request.accept_step = true;
+  const PairTrackerReport report = pair_tracker(bench.request);
+  CHECK(report.pairs.size() == 128);
+  REQUIRE(report.step);
+  CHECK(report.step->id == "train_40");
+  CHECK(report.step->change.step.norm() == Approx(0.2 * kMillimetre).margin(0.02 * kMillimetre));
+  REQUIRE(report.doubts.size() == 1);
+  const test::TemporaryFolder folder;
+  const std::string page = pair_page(bench.request, report, folder.write("pairs.csv", "\n"));
+  CHECK_THAT(page, Contains("A step from 'train_40' on") && Contains("The dashed step costs"));
+}
+
+TEST_CASE("A step that costs less than 0.05 mm is doubted and refuses nothing") {
+  RecordedBench bench;
+  bench.bump(0.07 * kMillimetre);
+  CHECK_THAT(bench.refusal(), Contains("doubt: pairs: from place 'train_40' on") &&
+                                  Contains("which costs up to 0.03") && !Contains("--accept-step"));
 }
 
 TEST_CASE("Readings shifted by a row, of another clock or frozen are named as that") {

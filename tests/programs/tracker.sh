@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# A tracker that somebody works by hand, none at all, and a file that is not there: tracker.sh BIN_DIR CELL_DIR.
+# A tracker that somebody works by hand, none at all, a file that is not there, and a reflector that was bumped:
+# tracker.sh BIN_DIR CELL_DIR.
 source "$(dirname "$0")/common.sh"
 cp "$2/cell/cell.yaml" "$2/cell/truth.yaml" .
 printf '%s\n' id,plan,x_mm,y_mm,phi_deg t0,train,200,100,0 t1,train,-150,250,0 u0,pose,0,300,0 >plan.csv
@@ -23,3 +24,17 @@ expect 2 "2 rows of the plan ask for a tracker reading, 't0' of plan train first
 expect 1 "nowhere.csv: cannot be read .*tracker.path" record --cell file.yaml --out made
 "$bin/planar-doctor" --cell file.yaml >out.txt 2>err.txt && fail "a missing file is well"
 grep -q "faulty *tracker: .*nowhere.csv" out.txt || fail "the doctor does not name the file"
+
+# A reflector that was bumped by 0.4 mm midway: nothing is written until a person accepts the step.
+cp -r "$2/cell" calibrated
+awk -F, -v OFS=, '/^train_/ { sub("train_", "", $1); if ($1 >= 20) $3 += 0.4; $1 = "train_" $1 } { print }' \
+  "$2/recording/tracker.csv" >bumped.csv
+pair() {
+  "$bin/planar-pair-tracker" --cell calibrated/cell.yaml --lamps calibrated/lamps.csv --recording "$1" \
+    --tracker bumped.csv --workplane-out w.yaml --tool-out t.yaml -o made "${@:2}"
+}
+expect 2 "from place 'train_20' on, 20 of 40, .* mm at the end point: .* continue with --accept-step" pair "$2/recording"
+expect 2 "accept-step" pair "$2/recording" --accept-step=maybe
+pair "$2/recording" --accept-step >out.txt 2>err.txt || fail "$(cat err.txt)"
+grep -q "from place 'train_20' on" err.txt || fail "an accepted step is not said: $(cat err.txt)"
+grep -q "^train_39," made || fail "an accepted step costs pairs"

@@ -28,6 +28,7 @@ ChainSettings our_settings(const ExperimentRequest& request) {
   ChainSettings settings = our_chain(request.cell);
   settings.uses_tracker = request.uses_tracker;
   settings.dots_height = request.dots_height;
+  settings.accept_step = request.accept_step;
   return settings;
 }
 
@@ -38,7 +39,8 @@ struct CalibratedChains {
 /// Calibrates the paper's chain at the same time as our chain and then ViSP's. These two may both
 /// use vpCalibration, whose settings are global.
 CalibratedChains calibrate_chains(const ExperimentRequest& request, const RecordedCell& recording) {
-  const auto calibrate = [&](const ChainSettings& settings) {
+  const auto calibrate = [&](ChainSettings settings) {
+    settings.accept_step = request.accept_step;
     return calibrate_chain(settings, request.cell, recording, request.out);
   };
   auto paper = std::async(std::launch::async, calibrate, paper_chain(request.cell));

@@ -43,6 +43,7 @@ struct ExperimentRequest {
   ExperimentSize size{};
   bool uses_tracker{true};  ///< in our chain; see ChainSettings
   std::optional<double> dots_height{};
+  bool accept_step{false};  ///< see PairTrackerRequest; in every chain
   // These are for a real cell, as in RecordRequest.
   DisplayPolicy display{DisplayPolicy::kNone};
   MayHome may_home{};

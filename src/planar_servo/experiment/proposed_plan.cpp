@@ -4,9 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <random>
 #include <set>
+#include <utility>
 
 #include "planar_servo/calibration/vision_tip.h"
 #include "planar_servo/core/error.h"
@@ -21,6 +24,7 @@ namespace planar {
 namespace {
 
 constexpr int kCandidates = 300;
+constexpr std::uint64_t kOrderSeed = 1;
 /// Noise of a lamp's place before anybody has seen one, metres.
 constexpr double kLampSigma_m = 2e-6;
 /// Readings that bring the accuracy within this share of what all bring are enough.
@@ -109,19 +113,38 @@ JointEstimate estimate_of(const KnownCell& known, const std::vector<PairRow>& pa
   return estimate;
 }
 
-/// Orders places so that the arm goes round its base, and leaves out those whose way is forbidden.
-std::vector<PlanRow> rows_round_base(const KnownCell& known, std::vector<TipPose> tips,
-                                     std::size_t first) {
-  std::sort(tips.begin(), tips.end(), [](const TipPose& a, const TipPose& b) {
-    return std::atan2(a.p.y(), a.p.x()) < std::atan2(b.p.y(), b.p.x());
-  });
+/// Mixes places in the same way on every platform.
+void mix(std::vector<TipPose>& tips) {
+  std::mt19937_64 rng(kOrderSeed);
+  for (std::size_t left = tips.size(); left > 1; --left)
+    std::swap(tips[left - 1], tips[rng() % left]);
+}
+
+/// Returns the joint angles at a place if the arm may go there from others.
+std::optional<Joints> way_to(const KnownCell& known, const Joints& from, const TipPose& tip) {
+  const JointPlan plan = known.planner.plan(tip, from);
+  if (plan.refusal || known.planner.way_refusal(from, plan.theta)) return std::nullopt;
+  return plan.theta;
+}
+
+/// Orders places at random, because a step in time can be told from the field only where places
+/// that follow each other are no neighbours. A place to which the way is forbidden is tried again
+/// after the next one; those to which none leads are left out.
+std::vector<PlanRow> rows_at_random(const KnownCell& known, std::vector<TipPose> tips,
+                                    std::size_t first) {
+  mix(tips);
   std::vector<PlanRow> rows;
-  Joints near = known.cell.arm.home;
-  for (const TipPose& tip : tips) {
-    const JointPlan plan = known.planner.plan(tip, near);
-    if (plan.refusal || known.planner.way_refusal(near, plan.theta)) continue;
-    near = plan.theta;
-    rows.push_back({fmt::format("train_{:03}", first + rows.size()), Plan::kTrain, tip});
+  Joints at = known.cell.arm.home;
+  for (std::size_t i = 0; i < tips.size();) {
+    const auto theta = way_to(known, at, tips[i]);
+    if (!theta) {
+      ++i;
+      continue;
+    }
+    at = *theta;
+    rows.push_back({fmt::format("train_{:03}", first + rows.size()), Plan::kTrain, tips[i]});
+    tips.erase(tips.begin() + static_cast<std::ptrdiff_t>(i));
+    i = 0;
   }
   return rows;
 }
@@ -179,7 +202,7 @@ ProposedPlan propose_plan(const CellSettings& cell, int readings,
                                              poses_of(known_cell, plan.rows));
   std::vector<TipPose> tips;
   for (const std::size_t i : next.chosen) tips.push_back(candidates[i].tip);
-  for (PlanRow& row : rows_round_base(known_cell, std::move(tips), next_number(pairs)))
+  for (PlanRow& row : rows_at_random(known_cell, std::move(tips), next_number(pairs)))
     plan.rows.push_back(std::move(row));
   plan.before = length_of(next.sigmas.front());
   plan.after = length_of(next.sigmas.back());

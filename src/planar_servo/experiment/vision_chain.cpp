@@ -94,6 +94,7 @@ std::vector<PairRow> make_pairs(const ChainSettings& settings, const CellSetting
   if (plane_from_board || settings.dots_height)
     boards = boards_on_plane(recorded.folder, recorded.frames, camera, recorded.board);
   if (plane_from_board) request.boards_on_plane = boards;
+  request.accept_step = settings.accept_step;
   const PairTrackerReport report = pair_tracker(request);
   const WorkplaneSource source =
       plane_from_board ? WorkplaneSource::kBoard : WorkplaneSource::kPairs;

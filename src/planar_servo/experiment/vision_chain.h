@@ -41,6 +41,8 @@ struct ChainSettings {
   bool is_guarded{true};
   /// Positions by all looks at a target; else the whole error of the last look is corrected.
   bool estimates_landings{true};
+  /// Uses pairs between which something seems to have moved.
+  bool accept_step{false};
   ServoSettings servo;
 };
 

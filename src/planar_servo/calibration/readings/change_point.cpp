@@ -3,121 +3,134 @@
 #include <algorithm>
 #include <cmath>
 
+#include "planar_servo/calibration/readings/robust_errors.h"
 #include "planar_servo/core/numerics/chance.h"
-#include "planar_servo/core/numerics/decompositions.h"
-#include "planar_servo/core/numerics/statistics.h"
 
 namespace planar {
 namespace {
 
-constexpr Eigen::Index kTerms = 11;
-constexpr std::size_t kFewestPlaces = 32;
-/// One place is an outlier, not a step.
+constexpr std::size_t kFewestPlaces = 32, kMostPlaces = 500;
 constexpr Eigen::Index kFewestOnASide = 5;
+/// Terms that every explanation has: a quadratic of the place, a trend and the step itself.
+constexpr double kTerms = 8.0;
+/// The tool's directions differ by about half a degree at least, or frames cannot be told apart.
+constexpr double kLeastTurn = 1e-4;
 
-/// Returns an orthonormal basis of the cubics of the place and the trend in time.
-Eigen::MatrixXd smooth_basis(const std::vector<TimedError>& errors) {
-  const auto n = static_cast<Eigen::Index>(errors.size());
-  Eigen::Vector2d centre = Eigen::Vector2d::Zero();
-  for (const TimedError& e : errors) centre += e.p / static_cast<double>(n);
-  double size = 0.0;
-  for (const TimedError& e : errors) size = std::max(size, (e.p - centre).norm());
-  Eigen::MatrixXd A(n, kTerms);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const Eigen::Vector2d at = (errors[static_cast<std::size_t>(i)].p - centre) / size;
-    const double x = at.x(), y = at.y();
-    A.row(i) << 1.0, x, y, x * x, x * y, y * y, x * x * x, x * x * y, x * y * y, y * y * y,
-        2.0 * static_cast<double>(i) / static_cast<double>(n) - 1.0;
-  }
-  return singular_values(A).U;
-}
-
-/// Returns the factor by which correlated remainders, in the order of time, make a mean less
-/// certain.
-double loss_by_correlation(const Eigen::MatrixX2d& left) {
-  const Eigen::Index n = left.rows();
-  const double together = left.topRows(n - 1).cwiseProduct(left.bottomRows(n - 1)).sum();
-  const double r = std::clamp(together / left.squaredNorm(), 0.0, 0.99);
-  return (1.0 + r) / (1.0 - r);
-}
-
-using ErrorRows = Eigen::MatrixX2d;
-
-/// Returns what the smooth functions leave of errors.
-ErrorRows smooth_remainders(const Eigen::MatrixXd& Q, const ErrorRows& errors) {
-  return errors - Q * (Q.transpose() * errors).eval();
-}
-
-/// Moves outliers to where they stop being any, because one of them beside a few sound places looks
-/// like a step.
-ErrorRows with_outliers_moved(const Eigen::MatrixXd& Q, ErrorRows errors) {
-  constexpr int kRounds = 10;
-  constexpr double kMostMedians = 4.0;
-  for (int round = 0; round < kRounds; ++round) {
-    const ErrorRows left = smooth_remainders(Q, errors);
-    const Eigen::VectorXd lengths = left.rowwise().norm();
-    const double most = kMostMedians * median({lengths.begin(), lengths.end()});
-    for (Eigen::Index i = 0; i < left.rows(); ++i)
-      if (lengths[i] > most) errors.row(i) -= (1.0 - most / lengths[i]) * left.row(i);
-  }
-  return errors;
-}
-
-/// A step from place `first` on. Less its smooth part it has the square `part`.
-struct Step {
-  Eigen::Index first{0};
-  double part{0.0};
-  Eigen::RowVector2d size{0.0, 0.0};
+/// A step and what it takes away from the squares of the weighted errors.
+struct Gain {
+  StepShape step;
+  double squares{-1.0};
 };
 
-/// Returns the step that takes most away from the remainders' squares; `first` is 0 for none.
-Step best_step(const Eigen::MatrixXd& Q, const ErrorRows& left) {
-  const Eigen::Index n = left.rows();
-  Eigen::RowVector2d sum = Eigen::RowVector2d::Zero();
-  Eigen::RowVectorXd smooth = Eigen::RowVectorXd::Zero(kTerms);
-  Step best;
+/// Returns the step in this frame that takes most away.
+Gain largest_gain(const SmoothErrors& errors, const SmoothRemainders& left, StepFrame frame) {
+  const Eigen::Index n = errors.size();
+  const Eigen::MatrixX2d u = errors.shape({0, frame});
+  Eigen::Vector2d sum(0.0, 0.0);
+  double part = 0.0;
+  Gain best;
   for (Eigen::Index k = n - 1; k >= kFewestOnASide; --k) {
-    sum += left.row(k);
-    smooth += Q.row(k);
-    const double part = static_cast<double>(n - k) - smooth.squaredNorm();
-    if (n - k < kFewestOnASide || part <= 1e-6 * static_cast<double>(n)) continue;
-    if (sum.squaredNorm() / part <= best.part * best.size.squaredNorm()) continue;
-    best = {k, part, sum / part};
+    const Eigen::Index after = n - 1 - k;
+    const Eigen::VectorXd beside = left.precision.col(k).tail(after);
+    part += left.precision(k, k) + 2.0 * beside.dot(u.bottomRows(after) * u.row(k).transpose());
+    sum += Eigen::Vector2d(u.row(k).dot(left.weighted.row(k)),
+                           u(k, 0) * left.weighted(k, 1) - u(k, 1) * left.weighted(k, 0));
+    constexpr double kLeastPart = 1e-6;
+    if (n - k < kFewestOnASide || part < kLeastPart) continue;
+    if (sum.squaredNorm() / part > best.squares) best = {{k, frame}, sum.squaredNorm() / part};
   }
   return best;
 }
 
-/// Returns the step's shape without its smooth part.
-Eigen::VectorXd shape_of(const Eigen::MatrixXd& Q, Eigen::Index first) {
-  Eigen::VectorXd shape = Eigen::VectorXd::Zero(Q.rows());
-  shape.tail(Q.rows() - first).setOnes();
-  return shape - Q * (Q.transpose() * shape).eval();
+/// Returns the step that takes most away from what is left with this tuning.
+StepShape likeliest_step(SmoothErrors errors, const std::vector<StepFrame>& frames,
+                         const Explanation& by) {
+  errors.set_errors(with_outliers_moved(errors, by));
+  const SmoothRemainders left = errors.remainders(by.fit.tuning, no_outliers(errors), {});
+  Gain best;
+  for (const StepFrame frame : frames) {
+    const Gain gain = largest_gain(errors, left, frame);
+    if (gain.squares > best.squares) best = gain;
+  }
+  return best.step;
+}
+
+/// Returns the most likely explanation with a step: where it stands depends on the tuning, and the
+/// tuning on the step.
+Explanation with_best_step(const SmoothErrors& errors, const std::vector<StepFrame>& frames,
+                           const Explanation& without) {
+  constexpr int kRounds = 3;
+  StepShape step = likeliest_step(errors, frames, without);
+  Explanation best = with_step(errors, step, without);
+  for (int round = 1; round < kRounds; ++round) {
+    const StepShape next = likeliest_step(errors, frames, best);
+    if (next.first == step.first && next.frame == step.frame) break;
+    step = next;
+    Explanation found = with_step(errors, step, best);
+    if (found.fit.log_likelihood > best.fit.log_likelihood) best = std::move(found);
+  }
+  return best;
+}
+
+/// Returns the frames in which a step may be constant, as far as they can be told apart.
+std::vector<StepFrame> frames_of(const std::vector<TimedError>& errors) {
+  Eigen::Vector2d mean(0.0, 0.0);
+  for (const TimedError& e : errors)
+    mean += Eigen::Vector2d(std::cos(e.phi), std::sin(e.phi)) / static_cast<double>(errors.size());
+  if (1.0 - mean.norm() < kLeastTurn) return {StepFrame::kBase};
+  return {StepFrame::kBase, StepFrame::kTool};
+}
+
+/// Returns whether a step explains the errors so much better that chance does not, wherever it may
+/// stand.
+bool is_step(const Explanation& with, const Explanation& without, std::size_t candidates) {
+  const auto n = static_cast<double>(with.outliers.size());
+  const double gain = with.fit.log_likelihood - without.fit.log_likelihood;
+  return gain * (n - kTerms) / n > std::log(static_cast<double>(candidates) / kFalseAlarm);
+}
+
+/// Returns what is left of the errors beside the step, in the step's frame and with the step.
+std::vector<Eigen::Vector2d> remainders_with_step(const SmoothErrors& errors,
+                                                  const Explanation& found) {
+  const SmoothRemainders left = errors.remainders(found.fit.tuning, found.outliers, found.step);
+  const Eigen::MatrixX2d u = errors.shape({0, found.step->frame});
+  std::vector<Eigen::Vector2d> remainders;
+  for (Eigen::Index i = 0; i < errors.size(); ++i) {
+    const bool is_out = found.outliers[static_cast<std::size_t>(i)];
+    const Eigen::RowVector2d r = (is_out ? SmoothErrors::kNoWeight : 1.0) * left.weighted.row(i);
+    remainders.emplace_back(u.row(i).dot(r), u(i, 0) * r.y() - u(i, 1) * r.x());
+    if (i >= found.step->first) remainders.back() += found.fit.step;
+  }
+  return remainders;
 }
 
 }  // namespace
 
+double ChangePoint::cost(std::size_t count) const {
+  const std::size_t larger = std::max(first, count - first);
+  return step.norm() * static_cast<double>(larger) / static_cast<double>(count);
+}
+
 std::optional<ChangePoint> find_change(const std::vector<TimedError>& errors) {
   if (errors.size() < kFewestPlaces) return std::nullopt;
-  const auto n = static_cast<Eigen::Index>(errors.size());
-  const Eigen::MatrixXd Q = smooth_basis(errors);
-  ErrorRows all(n, 2);
-  for (Eigen::Index i = 0; i < n; ++i)
-    all.row(i) = errors[static_cast<std::size_t>(i)].error.transpose();
-  ErrorRows left = smooth_remainders(Q, with_outliers_moved(Q, all));
-  const Step step = best_step(Q, left);
-  if (step.first == 0) return std::nullopt;
-  const Eigen::VectorXd shape = shape_of(Q, step.first);
-  left -= shape * step.size;
-
-  const double loss = loss_by_correlation(left);
-  const double degrees = (2.0 * static_cast<double>(n - kTerms) - 2.0) / loss;
-  const double variance = left.squaredNorm() / (2.0 * static_cast<double>(n - kTerms) - 2.0);
-  const double explained = step.part * step.size.squaredNorm();
-  const double chance = f_tail_of_two(0.5 * explained / (loss * variance), degrees);
-  if (!(chance * static_cast<double>(n) < kFalseAlarm)) return std::nullopt;
-  const Eigen::Vector2d size = smooth_remainders(Q, all).transpose() * shape / step.part;
-  return ChangePoint{static_cast<std::size_t>(step.first), size,
-                     std::sqrt(loss * variance / step.part), std::sqrt(variance)};
+  const std::size_t stride = (errors.size() + kMostPlaces - 1) / kMostPlaces;
+  ChangePoint change;
+  std::vector<TimedError> asked;
+  for (std::size_t i = 0; i < errors.size(); i += stride) {
+    change.places.push_back(i);
+    asked.push_back(errors[i]);
+  }
+  const std::vector<StepFrame> frames = frames_of(asked);
+  const SmoothErrors smooth(asked);
+  const Explanation without = without_step(smooth);
+  const Explanation with = with_best_step(smooth, frames, without);
+  if (!is_step(with, without, frames.size() * asked.size())) return std::nullopt;
+  change.first = change.places[static_cast<std::size_t>(with.step->first)];
+  change.step = with.fit.step;
+  change.sigma = with.fit.step_sigma;
+  if (frames.size() > 1) change.frame = with.step->frame;
+  change.left = remainders_with_step(smooth, with);
+  return change;
 }
 
 }  // namespace planar

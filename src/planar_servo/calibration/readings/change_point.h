@@ -5,29 +5,32 @@
 #include <optional>
 #include <vector>
 
-namespace planar {
+#include "planar_servo/calibration/readings/smooth_errors.h"
 
-/// The vision error at one place, in the order of time; metres.
-struct TimedError {
-  Eigen::Vector2d p{0.0, 0.0};
-  Eigen::Vector2d error{0.0, 0.0};
-};
+namespace planar {
 
 /// A place from which on all errors differ by the same amount.
 struct ChangePoint {
   std::size_t first{0};  ///< the first place after the change
   Eigen::Vector2d step{0.0, 0.0};
-  double sigma{0.0};    ///< of the step per axis
-  double scatter{0.0};  ///< per axis, of the errors that step, place and time leave
+  double sigma{0.0};  ///< of the step per axis
+  /// The frame in which the step is constant; empty where the tool always points the same way.
+  std::optional<StepFrame> frame{};
+  /// What neither field nor drift explains of the errors at `places`, in the step's frame and with
+  /// the step.
+  std::vector<Eigen::Vector2d> left{};
+  std::vector<std::size_t> places{};  ///< those that were asked, in the order of time
+
+  /// Returns by how much a map of all `count` places misses the end point in the mean over the
+  /// field, metres. Which state lasts is not known; it is the one that fewer places show.
+  double cost(std::size_t count) const;
 };
 
-/// Looks for one step in time. The errors are a cubic of the place, a trend in time and noise; a
-/// step from place k on is held against none by the ratio of the mean squares, which for noise
-/// follows F with two degrees of freedom above. What neighbours in time share, because the cubic
-/// does not follow the field and neighbours in time are neighbours in space, lowers the number of
-/// independent places: by (1 - r) / (1 + r), with the correlation r of successive remainders. The
-/// false alarm of all k together is at most kFalseAlarm. Single outliers are not taken for a step.
-/// Empty for fewer than 32 places.
+/// Looks for one step in time. The errors are explained with and without a step, with the tuning
+/// and the outliers of the largest likelihood in either case (robust_errors.h); the ratio of the
+/// likelihoods decides. The false alarm of all places together is at most kFalseAlarm. Each
+/// side of a step has at least five places. Of more than 500 places only every second, third, ...
+/// is asked. Empty for fewer than 32 places.
 std::optional<ChangePoint> find_change(const std::vector<TimedError>& errors);
 
 }  // namespace planar

@@ -95,6 +95,25 @@ std::string error_figures(const std::vector<PairRow>& pairs, const Summary& raw)
                                components_of(mm), {rms_mm, "their rms"})});
 }
 
+/// What neither field nor drift explains of the errors, and the step that does, dashed.
+std::string step_figure(const RecordedStep& step) {
+  const ChangePoint& change = step.change;
+  const std::vector<Eigen::Vector2d> left_mm = in_mm(change.left);
+  std::vector<double> at;
+  for (const std::size_t place : change.places) at.push_back(static_cast<double>(place + 1));
+  const Axis order = axis_over("training place, in the order of time", at);
+  Panel panel =
+      component_panel(fmt::format("A step from '{}' on", step.id), order,
+                      axis_over("what the field leaves, mm", components_of(left_mm)), at, left_mm);
+  const double first = static_cast<double>(change.first) + 0.5;
+  for (const double size : {change.step.x(), change.step.y()}) {
+    const double size_mm = size / kMillimetre;
+    panel.add_line({{order.from, 0.0}, {first, 0.0}, {first, size_mm}, {order.to, size_mm}},
+                   Panel::Stroke::kDashed);
+  }
+  return figure_svg({panel});
+}
+
 TextTable monument_table(const DatumRegistration& datum) {
   TextTable table("Monuments: read minus known",
                   {"monument", "readings", "x, mm", "y, mm", "z, mm"});
@@ -181,6 +200,15 @@ std::string pair_page(const PairTrackerRequest& request, const PairTrackerReport
         "neighbours should point the same way. A line that differs from all around it is a wrong "
         "pair. Right: a step or a trend over time means that the camera, a monument or the tracker "
         "has moved.");
+  }
+  if (report.step) {
+    page.add_html(step_figure(*report.step));
+    page.add_paragraph(fmt::format(
+        "The training places without the field and its slow drift{}. The dashed step costs up to "
+        "{:.3f} mm at the end point. Where nothing has moved, the dots scatter about zero all "
+        "along.",
+        report.step->change.frame == StepFrame::kTool ? ", in the tool's frame" : "",
+        report.step->cost() / kMillimetre));
   }
   page.add_html(fit_table(request, report).html());
   if (report.datum) page.add_html(monument_table(*report.datum).html());

@@ -143,6 +143,15 @@ void add_rows(const Pairing& places, const Workplane& workplane, const Workplane
   add_unattended(workplane, fit, places.unattended, report);
 }
 
+/// Doubts pairs between which something moved; throws when that would cost too much.
+void look_for_step(const PairTrackerRequest& request, PairTrackerReport& report) {
+  report.step = find_step(report.pairs);
+  if (!report.step) return;
+  const std::string doubt = step_doubt(*report.step);
+  if (report.step->is_dear() && !request.accept_step) throw InputError(doubt);
+  report.doubts.push_back(doubt);
+}
+
 /// Tells who asks for it what was decided.
 void log(const PairTrackerReport& report) {
   for (const MonumentResidual& monument : report.datum->residuals)
@@ -179,7 +188,7 @@ PairTrackerReport pair_tracker(const PairTrackerRequest& request) {
   add_rows(places, Workplane(request.camera, report.workplane.X_WC), report.workplane, report);
   require_upright_tracker(datum, report.workplane.tool);
   require_lamps_in_order(request.cell, request.frames, report.pairs);
-  add_doubt(doubt_of_change(report.pairs), report);
+  look_for_step(request, report);
   log(report);
   return report;
 }

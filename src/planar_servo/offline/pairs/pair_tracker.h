@@ -15,6 +15,7 @@
 #include "planar_servo/files/tables/pair_table.h"
 #include "planar_servo/files/tables/tracker_table.h"
 #include "planar_servo/offline/pairs/laid_boards.h"
+#include "planar_servo/offline/pairs/step_check.h"
 
 namespace planar {
 
@@ -29,6 +30,7 @@ struct PairTrackerRequest {
   /// Boards laid on the plane, which give its height and tilt. Without boards the pairs give them.
   std::vector<LaidBoard> boards_on_plane;
   double dots_height{0.0};  ///< of the boards' dots above the lamps' plane, metres
+  bool accept_step{false};  ///< a step in the vision error is doubted, however large it is
 };
 
 /// Holds the pairs and what was fitted to make them.
@@ -39,6 +41,7 @@ struct PairTrackerReport {
   WorkplaneFit workplane;
   std::optional<TrackerClock> clock;    ///< of the tracker, where it was paired by time
   double largest_eccentricity_px{0.0};  ///< largest shift taken from a lamp's place
+  std::optional<RecordedStep> step;     ///< in the vision error of the training pairs
   std::vector<std::string> doubts;      ///< what the readings leave open, in words
 };
 

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <map>
 
-#include "planar_servo/calibration/readings/change_point.h"
 #include "planar_servo/calibration/readings/joint1_axis.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/fixed.h"
@@ -76,27 +75,6 @@ void require_lamps_in_order(const CellSettings& cell, const std::vector<FrameRow
       "lamp 2 are exchanged in lamps.csv, or joint 3's zero is off by half a turn; run "
       "planar-locate-lamps again with this cell, and look at which lamp is which",
       n, std::abs(std::atan2(sum.y(), sum.x())) / kDegree));
-}
-
-std::string doubt_of_change(const std::vector<PairRow>& pairs) {
-  std::vector<TimedError> errors;
-  std::vector<const PairRow*> rows;
-  for (const PairRow& pair : pairs) {
-    if (pair.plan != Plan::kTrain || !pair.is_attended()) continue;
-    errors.push_back({pair.p_vision, pair.error()});
-    rows.push_back(&pair);
-  }
-  const auto change = find_change(errors);
-  if (!change) return "";
-  std::string text = fmt::format(
-      "pairs: from place '{}' on, {} of {}, vision and tracker differ by another ({}) mm +- "
-      "{:.3f}: "
-      "the reflector was bumped or seated anew, or a lamp, the camera or the tracker moved there; "
-      "record again, with one seating, or leave out one of the two parts",
-      rows[change->first]->id, rows.size() - change->first, rows.size(),
-      fixed(change->step / kMillimetre, 3, ", "), change->sigma / kMillimetre);
-  if (change->step.norm() > change->scatter) throw InputError(text);
-  return text;
 }
 
 }  // namespace planar

@@ -27,8 +27,4 @@ void require_upright_tracker(const DatumRegistration& datum, const ToolOffsets& 
 void require_lamps_in_order(const CellSettings& cell, const std::vector<FrameRow>& frames,
                             const std::vector<PairRow>& pairs);
 
-/// Looks for a step in the vision error of the training pairs, in the order of time; see
-/// find_change(). Throws when it is larger than the scatter of single errors.
-std::string doubt_of_change(const std::vector<PairRow>& pairs);
-
 }  // namespace planar
