@@ -49,7 +49,8 @@ Outcome check(const Options& options) {
   home_where_needed(robot, may_home(options.homing),
                     "start with --home, or home them with planar-jog");
   LampTipSensor sensor(vision, cell.lamps.method, devices->camera(), cell.camera.follow_region_px);
-  CellCheck procedure(cell, vision, robot, sensor, devices->clock());
+  CellCheck procedure(cell, vision, robot, sensor, devices->clock(),
+                      servo_planner(cell).scatter_m());
   const std::vector<HealthFinding> found = check_cell(procedure, health);
   fmt::print("{}",
              found.empty() ? "the cell is as it was at its calibration\n" : findings_text(found));

@@ -32,11 +32,11 @@ Eigen::VectorXd differences(const std::vector<Revisit>& revisits) {
   for (std::size_t i = 0; i < revisits.size(); ++i)
     for (std::size_t lamp = 0; lamp < 2; ++lamp)
       d.segment<2>(static_cast<Eigen::Index>(kCoordinates * i + 2 * lamp)) =
-          (revisits[i].now_B[lamp] - revisits[i].then_B[lamp]) / revisits[i].sigma_m;
+          revisits[i].now_B[lamp] - revisits[i].then_B[lamp];
   return d;
 }
 
-/// Returns what a number displaces in each coordinate, to first order, in standard deviations.
+/// Returns what a number displaces in each coordinate, to first order.
 Eigen::MatrixXd displacements(const CellModel& model, const std::vector<Revisit>& revisits) {
   constexpr double kStep = 1e-6;
   Eigen::MatrixXd J(kCoordinates * static_cast<Eigen::Index>(revisits.size()), kNumbers);
@@ -46,12 +46,45 @@ Eigen::MatrixXd displacements(const CellModel& model, const std::vector<Revisit>
     for (Eigen::Index k = 0; k < kNumbers; ++k) {
       const LampPlaces after = lamps_seen(model, at.motors, kStep * Numbers::Unit(k));
       const auto row = static_cast<Eigen::Index>(kCoordinates * i);
-      J.block<2, 1>(row, k) = (after[0] - before[0]) / (kStep * at.sigma_m);
-      J.block<2, 1>(row + 2, k) = (after[1] - before[1]) / (kStep * at.sigma_m);
+      J.block<2, 1>(row, k) = (after[0] - before[0]) / kStep;
+      J.block<2, 1>(row + 2, k) = (after[1] - before[1]) / kStep;
     }
   }
   return J;
 }
+
+/// What a sound arm does between two visits, as columns of one standard deviation each: motors warm
+/// its links by some kelvins, which aluminium answers by 23 um/m each, and shift its zeros.
+Eigen::MatrixXd warmth(const CellModel& model, const Eigen::MatrixXd& J) {
+  constexpr double kGrowth = 1e-4, kZeroShift = 0.001 * kDegree;
+  Eigen::MatrixXd columns(J.rows(), 4);
+  columns << kGrowth * J.middleCols<2>(kLinkOff) * model.links_m,
+      kZeroShift * J.middleCols<3>(kZeroOff);
+  return columns;
+}
+
+/// Differences and displacements in standard deviations of what a sound cell does.
+struct Whitened {
+  Whitened(const CellModel& model, const std::vector<Revisit>& revisits)
+      : J(displacements(model, revisits)), d(differences(revisits)) {
+    const Eigen::MatrixXd warm = warmth(model, J);
+    Eigen::MatrixXd covariance = warm * warm.transpose();
+    for (std::size_t i = 0; i < revisits.size(); ++i) {
+      const auto at = static_cast<Eigen::Index>(kCoordinates * i);
+      const double scattered = 2.0 * revisits[i].scatter_m * revisits[i].scatter_m;
+      for (Eigen::Index k = 0; k < kCoordinates; ++k) {
+        covariance(at + k, at + k) += revisits[i].sigma_m * revisits[i].sigma_m + scattered;
+        covariance(at + k, at + (k + 2) % kCoordinates) += scattered;  // the other lamp's
+      }
+    }
+    const Eigen::MatrixXd L = *lower_factor(covariance);
+    L.triangularView<Eigen::Lower>().solveInPlace(J);
+    L.triangularView<Eigen::Lower>().solveInPlace(d);
+  }
+
+  Eigen::MatrixXd J;
+  Eigen::VectorXd d;
+};
 
 ChangeFit fit_change(const Suspect& suspect, const Eigen::MatrixXd& J, const Eigen::VectorXd& d) {
   const auto count = static_cast<Eigen::Index>(suspect.numbers.size());
@@ -87,31 +120,31 @@ double cost_of(const std::vector<Revisit>& revisits) {
 }
 
 /// Returns whether all lamps are where they were, as far as it matters.
-bool nothing_changed(const std::vector<Revisit>& revisits) {
-  const Eigen::VectorXd d = differences(revisits);
+bool nothing_changed(const CellModel& model, const std::vector<Revisit>& revisits) {
+  const Eigen::VectorXd d = Whitened(model, revisits).d;
   return is_noise(d.squaredNorm(), d.size()) || cost_of(revisits) < kHarmless_m;
 }
 
 }  // namespace
 
-std::optional<std::size_t> stray_place(const std::vector<Revisit>& revisits) {
+std::optional<std::size_t> stray_place(const CellModel& model,
+                                       const std::vector<Revisit>& revisits) {
   constexpr std::size_t kFewestPlaces = 4;
-  if (revisits.size() < kFewestPlaces || nothing_changed(revisits)) return std::nullopt;
+  if (revisits.size() < kFewestPlaces || nothing_changed(model, revisits)) return std::nullopt;
   const auto stray = std::max_element(
       revisits.begin(), revisits.end(),
       [](const Revisit& a, const Revisit& b) { return cost_of({a}) < cost_of({b}); });
   std::vector<Revisit> others(revisits.begin(), stray);
   others.insert(others.end(), stray + 1, revisits.end());
-  if (!nothing_changed(others)) return std::nullopt;
+  if (!nothing_changed(model, others)) return std::nullopt;
   return static_cast<std::size_t>(stray - revisits.begin());
 }
 
 std::vector<HealthFinding> find_changes(const CellModel& model,
                                         const std::vector<Revisit>& revisits) {
-  if (revisits.empty() || nothing_changed(revisits)) return {};
-  const Eigen::VectorXd d = differences(revisits);
+  if (revisits.empty() || nothing_changed(model, revisits)) return {};
+  const auto [J, d] = Whitened(model, revisits);
   const double cost_m = cost_of(revisits);
-  const Eigen::MatrixXd J = displacements(model, revisits);
   std::vector<ChangeFit> fits;
   for (const Suspect& suspect : suspects()) fits.push_back(fit_change(suspect, J, d));
   const double little = kLittleLeft * d.squaredNorm();

@@ -57,12 +57,13 @@ double repeatability_m(const CellSettings& cell) {
 }  // namespace
 
 CellCheck::CellCheck(const CellSettings& cell, const VisionCalibration& vision, PlanarRobot& robot,
-                     LampTipSensor& sensor, Clock& clock, CameraWait wait)
+                     LampTipSensor& sensor, Clock& clock, double scatter_m, CameraWait wait)
     : cell_(cell),
       vision_(vision),
       robot_(robot),
       sensor_(sensor),
       clock_(clock),
+      scatter_m_(scatter_m),
       wait_(std::move(wait)),
       planner_(joint_planner(cell)),
       model_(model_of_cell(planner_, cell.arm.home, vision)) {}
@@ -160,7 +161,8 @@ std::variant<Revisit, HealthFinding> CellCheck::visit(const HealthPlace& place) 
   const double now_m = seen.sigma_vision_m / std::sqrt(seen.frames);
   return Revisit{
       planner_.transmission().motors_from_joints(place.theta), place.lamps_B, seen.lamps_B,
-      std::hypot(std::sqrt(2.0) * std::hypot(place.sigma_m, now_m), repeatability_m(cell_))};
+      std::hypot(std::sqrt(2.0) * std::hypot(place.sigma_m, now_m), repeatability_m(cell_)),
+      scatter_m_};
 }
 
 std::vector<HealthFinding> CellCheck::revisit(const HealthRecord& record) {
@@ -191,14 +193,14 @@ std::vector<HealthFinding> CellCheck::revisit(const HealthRecord& record) {
 
 std::optional<HealthFinding> CellCheck::leave_out_stray(const std::vector<HealthPlace>& places,
                                                         std::vector<Revisit>& revisits) {
-  const auto stray = stray_place(revisits);
+  const auto stray = stray_place(model_, revisits);
   if (!stray) return std::nullopt;
   // An arm that slipped on its way there would be off at any other place by now.
   const std::size_t other = *stray == 0 ? 1 : 0;
   const auto visited = visit(places[other]);
   if (const auto* finding = std::get_if<HealthFinding>(&visited)) return *finding;
   revisits[other] = std::get<Revisit>(visited);
-  if (stray_place(revisits) != stray) return std::nullopt;
+  if (stray_place(model_, revisits) != stray) return std::nullopt;
   spdlog::warn(
       fmt::format("place '{}' is not where it was, but all others are: the arm strayed there, now "
                   "or when it was recorded; the place is left out of the check",

@@ -25,11 +25,12 @@ class CellCheck {
   /// Is told why the camera failed, and returns true when it is back.
   using CameraWait = std::function<bool(const std::string& reason)>;
 
-  /// Takes robot, sensor and clock, which must outlive it. The drives must be on. Both checks go on
+  /// Takes robot, sensor and clock, which must outlive it, and the scatter that the arm was found to
+  /// have, per axis; 0 where it is not known. The drives must be on. Both checks go on
   /// after a `wait` for the camera; without one they throw WorkError. They throw what
   /// PlanarRobot::move_to() throws.
   CellCheck(const CellSettings& cell, const VisionCalibration& vision, PlanarRobot& robot,
-            LampTipSensor& sensor, Clock& clock, CameraWait wait = {});
+            LampTipSensor& sensor, Clock& clock, double scatter_m, CameraWait wait = {});
 
   /// Moves each motor a little, near where the arm stands, and holds what is seen against what was
   /// commanded. Returns what is not as the files say.
@@ -67,6 +68,7 @@ class CellCheck {
   PlanarRobot& robot_;
   LampTipSensor& sensor_;
   Clock& clock_;
+  double scatter_m_;
   CameraWait wait_;
   JointPlanner planner_;
   CellModel model_;

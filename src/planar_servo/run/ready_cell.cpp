@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 
 #include <limits>
+#include <variant>
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/files/arm_file.h"
@@ -11,6 +12,7 @@
 #include "planar_servo/files/vision_files.h"
 #include "planar_servo/run/cell_check.h"
 #include "planar_servo/servo/camera_wait.h"
+#include "planar_servo/vision/found_landings.h"
 #include "planar_servo/vision/guard_limits.h"
 
 namespace planar {
@@ -33,8 +35,15 @@ GuardLimits limits_of(const ServoRequest& request, const VisionCalibration& visi
   return health ? with_health(limits, *health) : limits;
 }
 
-std::unique_ptr<LandingModel> landings_of(const ServoRequest& request, const GuardLimits& limits) {
+std::unique_ptr<LandingModel> landings_of(const ServoRequest& request,
+                                          const VisionCalibration& vision,
+                                          const JointPlanner& planner, const GuardLimits& limits) {
   if (!request.estimates_landings) return nullptr;
+  const LampField* field =
+      vision.error_map ? std::get_if<LampField>(&*vision.error_map) : nullptr;
+  const auto& arm = planner.found();
+  if (field != nullptr && arm && arm->factor.cols() == field->factor.cols())
+    return std::make_unique<FoundLandings>(*field, *arm, planner.transmission());
   return std::make_unique<UnknownLandings>(limits.distance_m);
 }
 
@@ -65,7 +74,7 @@ ReadyCell::ReadyCell(const ServoRequest& request, CellDevices& devices)
       planner_(servo_planner(cell_)),
       robot_(PlanarArm(cell_.arm.geometry), Transmission(cell_.transmission), devices.drives(),
              devices.clock()),
-      landings_(landings_of(request, limits_)),
+      landings_(landings_of(request, vision_, planner_, limits_)),
       servo_(cell_.servo, limits_, planner_, robot_, sensor_, devices.clock(), landings_.get()) {
   robot_.stop_when(request.stop);
 }
@@ -88,10 +97,11 @@ void ReadyCell::examine() {
                  ": names no health file that exists, so nobody can say what has moved since the "
                  "calibration; planar-pair-tracker --health-out makes one");
   int waits_left = kMaxCameraFailures;
-  CellCheck check(cell_, vision_, robot_, sensor_, clock_, [&](const std::string& reason) {
-    return waits_left-- > 0 &&
-           wait_for_camera(kChecking, reason, clock_.now_s() + kCameraPatience_s);
-  });
+  CellCheck check(cell_, vision_, robot_, sensor_, clock_, planner_.scatter_m(),
+                  [&](const std::string& reason) {
+                    return waits_left-- > 0 &&
+                           wait_for_camera(kChecking, reason, clock_.now_s() + kCameraPatience_s);
+                  });
   int recoveries_left = kMaxDriveRecoveries;
   const std::vector<HealthFinding> found = with_drives(kChecking, recoveries_left, [&] {
     return first ? check_cell(check, health_) : check.revisit(*health_);

@@ -1,0 +1,24 @@
+#pragma once
+
+#include "planar_servo/arm/joint_planner.h"
+#include "planar_servo/field/lamp_field.h"
+#include "planar_servo/servo/landing_model.h"
+
+namespace planar {
+
+/// The landings of an arm that was found together with the field of its camera. What is known of
+/// both has one covariance.
+class FoundLandings final : public LandingModel {
+ public:
+  /// Takes field and arm, which have the same columns in their factors.
+  FoundLandings(LampField field, FoundArm arm, const Transmission& transmission);
+
+  LandingPrior at(const Joints& theta_c, const TipMeasurement& look) const override;
+
+ private:
+  LampField field_;
+  FoundArm arm_;
+  Transmission transmission_;
+};
+
+}  // namespace planar
