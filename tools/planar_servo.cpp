@@ -35,7 +35,7 @@ const ProgramText kText{
     "       planar-servo --cell cell.yaml --path path.csv --out DIR [--speed-mm-s V,...] "
     "[--no-vision|--compare]",
     R"(2 of 2 targets reached, 1 correction and 2.87 s each
-against the truth: before 0.924 mm mean; after 0.0130 mm mean, 0.0130 rms, 0.0134 at 95 %, 0.0135 max; improvement 98.6 %
+against the truth: the arm alone 0.9240 mm mean; with vision 0.0130 mm mean, 0.0130 rms, 0.0134 at 95 %, 0.0135 max
 log and report: DIR)"};
 
 constexpr char kStdin[] = "standard input";

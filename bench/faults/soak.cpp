@@ -47,7 +47,7 @@ class Soak {
         planner_(PlanarArm({{0.3, 0.3}, Rotation::kCounterclockwise}),
                  Transmission(transmission_settings()), {0.06, 0.54, {}}, Elbow::kLeft, 0.01),
         robot_(planner_.arm(), planner_.transmission(), cell_.drives(), cell_.clock()),
-        servo_({}, {}, planner_, robot_, sensor_, cell_.clock()) {
+        servo_({}, {}, planner_, robot_, sensor_, cell_.clock(), &landings_) {
     robot_.energize();
     robot_.stop_when([this] { return cell_.now_s() > stop_s_; });
   }
@@ -127,6 +127,7 @@ class Soak {
   double stop_s_{std::numeric_limits<double>::infinity()};
   JointPlanner planner_;
   PlanarRobot robot_;
+  UnknownLandings landings_{GuardLimits().distance_m};
   PositionServo servo_;
 };
 

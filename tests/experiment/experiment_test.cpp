@@ -7,6 +7,7 @@
 
 #include "planar_servo/core/units.h"
 #include "planar_servo/experiment/experiment_report.h"
+#include "planar_servo/experiment/loops/control_loop.h"
 #include "planar_servo/experiment/page/experiment_page.h"
 #include "planar_servo/files/tables/lamp_table.h"
 #include "planar_servo/io/atomic_file.h"
@@ -140,10 +141,26 @@ void check_report(const ExperimentReport& report, const std::filesystem::path& o
     INFO(link);
     CHECK(std::filesystem::exists(out / link));
   }
-  CHECK_THAT(text, Contains("href=\"recording/frames.csv\"") && Contains("<b>Good:</b>"));
+  CHECK_THAT(text, Contains("href=\"recording/frames.csv\"") &&
+                       Contains(figures_of(report.ours).made_worse
+                                    ? "vision made the arm worse than it lands alone"
+                                    : "<b>Good:</b>"));
   CHECK_THAT(read_file(out / "figures/convergence.svg"), Contains(">12 targets, "));
   std::filesystem::remove_all(out / "recording");
   CHECK_THAT(page(), !Contains("recording/frames.csv"));
+}
+
+TEST_CASE("Only our chain estimates landings, the paper's and ViSP's correct by the last look") {
+  const CellSettings cell = read_cell(test::paper_cell_file());
+  const ExperimentRequest request{cell, {}, 1, "out"};
+  const auto estimates = [&](const ChainSettings& settings) {
+    CalibratedChain chain;
+    chain.settings = settings;
+    return control_loop(chain, false, request).estimates_landings;
+  };
+  CHECK(estimates(our_chain(cell)));
+  CHECK_FALSE(estimates(paper_chain(cell)));
+  CHECK_FALSE(estimates(visp_chain(cell)));
 }
 
 TEST_CASE("A small experiment fills every table of the paper, and our chain beats the paper's") {

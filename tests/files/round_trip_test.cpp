@@ -174,6 +174,7 @@ TEST_CASE("Every table comes back as it was written, whatever its texts contain"
       result.uncertainty_m = random.optional_number();
       result.sigma_truth_m = random.optional_number();
       result.not_judged = random.text();
+      result.believed = random.optional_point();
       return result;
     };
     check_table<TargetResult>(draw, lines(results_header, result_line), read_results);

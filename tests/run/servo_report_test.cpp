@@ -45,6 +45,50 @@ TEST_CASE("The stated interval is held against the truth, component by component
   CHECK_THAT(servo_text(figures), Catch::Contains("75.0 % of the components"));
 }
 
+TEST_CASE("The interval is that of the place that the servo believed in, where it had one") {
+  TargetResult a = reached("a", 1e-3, 1e-5);
+  a.uncertainty_m = 1e-6;
+  a.vision_compensated = Eigen::Vector2d(9e-6, 9e-6);
+  a.believed = Eigen::Vector2d(0.5e-6, 9e-6);
+  CHECK(figures_of({a}).coverage_95 == 0.5);
+  CHECK_THAT(landing_words(figures_of({a})), Catch::Contains("hold 50.0 % of the components"));
+  a.believed = a.vision_compensated = std::nullopt;
+  CHECK_THAT(landing_words(figures_of({a})), !Catch::Contains("components"));
+}
+
+TEST_CASE("A run says where the arm alone landed and what vision added, without a percentage") {
+  const ServoFigures figures = figures_of({reached("a", 3.2e-6, 3.1e-6)});
+  CHECK(landing_words(figures) ==
+        "against the truth the arm alone lands 0.0032 mm from its targets in the mean, with vision "
+        "0.0031 mm");
+  CHECK_THAT(
+      servo_text(figures),
+      Catch::Contains("against the truth: the arm alone 0.0032 mm mean; with vision 0.0031") &&
+          !Catch::Contains("improvement"));
+}
+
+TEST_CASE("Vision that makes the arm worse by more than chance is a fault of the run") {
+  std::vector<TargetResult> results;
+  for (const double change_m : {1e-6, 2e-6, 3e-6, -0.5e-6, 2e-6})
+    results.push_back(reached("a", 5e-6, 5e-6 + change_m));
+  CHECK(figures_of(results).made_worse);
+  CHECK_THAT(servo_text(figures_of(results)), Catch::Contains("vision made the arm worse"));
+  CHECK_THAT(servo_page({}, results), Catch::Contains("verdict bad"));
+  results.push_back(reached("b", 9e-6, 1e-6));
+  CHECK_FALSE(figures_of(results).made_worse);
+  CHECK_THAT(servo_page({}, results), Catch::Contains("class=\"verdict\""));
+}
+
+TEST_CASE("A run in which targets were not reached is said to be one") {
+  TargetResult missed = reached("far", 1e-3, 1e-3);
+  missed.status = ServoStatus::kNotConverged;
+  const ServoFigures figures = figures_of({reached("a", 1e-3, 1e-5), missed});
+  const auto faults = run_faults(figures, "results.csv");
+  REQUIRE(faults.size() == 1);
+  CHECK(faults[0].what == "1 of 2 targets were not reached");
+  CHECK(faults[0].remedy == "results.csv has the reason of each");
+}
+
 TEST_CASE("Without a truth no figure claims one") {
   TargetResult result = reached("a", 1e-3, 1e-5);
   result.before_truth = result.after_truth = std::nullopt;
@@ -69,7 +113,7 @@ TEST_CASE("Where a tracker judges, its uncertainty stands beside the errors and 
   CHECK(json["judged"] == 2);
   CHECK(json["not_judged"] ==
         nlohmann::json::array({{{"target", "c"}, {"reason", "a broken beam"}}}));
-  CHECK_THAT(servo_text(figures), Catch::Contains("against the tracker: before") &&
+  CHECK_THAT(servo_text(figures), Catch::Contains("against the tracker: the arm alone") &&
                                       Catch::Contains("known to 0.0300 mm per axis") &&
                                       Catch::Contains("not judged: c: a broken beam") &&
                                       !Catch::Contains("against the truth"));

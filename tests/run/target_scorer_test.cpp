@@ -46,12 +46,18 @@ TEST_CASE("An end point is judged by the truth where there is one") {
   ServoStep step = step_with(0, {0.0, 0.0});
   step.measurement.p_vision = {0.201, 0.1};
   step.measurement.tip.p = {0.2, 0.1};
+  step.measurement.uncertainty_m = 9e-6;
+  step.estimate = LandingEstimate{};
+  step.estimate->p = {0.2001, 0.1};
+  step.estimate->deviation_m = 4e-6;
   scorer.observe(step);
   const TargetResult result = scorer.finish({}, 1.0);
   constexpr double kRounding_m = 1e-15;
   CHECK((*result.after_truth - Eigen::Vector2d(3e-4, 0.0)).norm() < kRounding_m);
   CHECK((*result.vision_raw - Eigen::Vector2d(7e-4, 0.0)).norm() < kRounding_m);
   CHECK((*result.vision_compensated - Eigen::Vector2d(-3e-4, 0.0)).norm() < kRounding_m);
+  CHECK((*result.believed - Eigen::Vector2d(-2e-4, 0.0)).norm() < kRounding_m);
+  CHECK(result.uncertainty_m == 4e-6);
 }
 
 /// Judges every look at the next of some places.

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "planar_servo/core/units.h"
+#include "planar_servo/servo/control_law.h"
 #include "planar_servo/servo/position_servo.h"
 #include "servo/servo_bench.h"
 
@@ -57,6 +58,24 @@ TEST_CASE("Without a model of landings the same scatter puts the cell in doubt")
   bool in_doubt = false;
   for (int i = 0; i < 100; ++i) in_doubt |= bench.move_to(test::on_circle(i)).cell_in_doubt;
   CHECK(in_doubt);
+}
+
+TEST_CASE("Without a model each step is the law's for the whole error of the last look") {
+  test::ServoBench bench(scattering(10e-6));
+  for (int i = 0; i < 12; ++i) {
+    const std::vector<ServoStep> steps = bench.move_to(test::on_circle(i)).steps;
+    for (std::size_t k = 0; k + 1 < steps.size(); ++k) {
+      const TipMeasurement& seen = steps[k].measurement;
+      const LawStep law = jacobian_law(bench.planner.arm(),
+                                       {steps[k].theta_c, seen.tip.p, seen.tip.p + steps[k].error},
+                                       bench.settings.gain);
+      Joints theta = steps[k].theta_c;
+      theta.head<2>() += law.delta_theta;
+      theta[2] += steps[k].turn_error;
+      CHECK(steps[k + 1].pulses_c == bench.planner.transmission().pulses_from_joints(theta));
+    }
+    CHECK_FALSE(steps.back().estimate);
+  }
 }
 
 TEST_CASE("A tolerance far below the scatter ends early and says why") {

@@ -27,6 +27,22 @@ std::optional<double> coverage_of(const std::vector<TargetResult>& results) {
   return static_cast<double>(within) / static_cast<double>(all);
 }
 
+/// Returns whether vision made the true errors longer in the mean, by more than two standard
+/// deviations of that mean.
+bool made_worse(const std::vector<TargetResult>& results) {
+  constexpr std::size_t kEnoughTargets = 5;
+  constexpr double kSigmas = 2.0;
+  std::vector<double> changes;
+  for (const TargetResult& result : results)
+    if (result.before_truth && result.after_truth)
+      changes.push_back(result.after_truth->norm() - result.before_truth->norm());
+  if (changes.size() < kEnoughTargets) return false;
+  const auto n = static_cast<double>(changes.size());
+  const double change = mean(changes);
+  const double variance = (rms(changes) * rms(changes) - change * change) / (n - 1.0);
+  return change > kSigmas * std::sqrt(std::max(0.0, variance));
+}
+
 std::optional<TrackerFigures> tracker_figures(const std::vector<TargetResult>& results) {
   TrackerFigures figures;
   double squares = 0.0, variances = 0.0;
@@ -75,6 +91,7 @@ ServoFigures figures_of(const std::vector<TargetResult>& results) {
   figures.before_truth = summary_of(results, &TargetResult::before_truth);
   figures.after_truth = summary_of(results, &TargetResult::after_truth);
   figures.coverage_95 = coverage_of(results);
+  figures.made_worse = made_worse(results);
   figures.tracker = tracker_figures(results);
   return figures;
 }

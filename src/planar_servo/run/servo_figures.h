@@ -40,6 +40,9 @@ struct ServoFigures {
   /// Share of the components of the believed place minus truth within 1.96 stated deviations, to
   /// which those of the tracker are added where it judges.
   std::optional<double> coverage_95;
+  /// By truth or tracker, vision has brought the end point farther from its targets than the arm
+  /// alone would have, and scatter among the targets does not explain it.
+  bool made_worse{false};
   std::optional<TrackerFigures> tracker;  ///< where the tracker judged in place of a truth
   std::optional<FrameCounts> frames;      ///< of the camera; added by whoever has the camera
 };

@@ -37,10 +37,9 @@ std::string figures_line(const char* judge, const std::optional<Summary>& before
                          const std::optional<Summary>& after) {
   if (!before || !after) return "";
   return fmt::format(
-      "{}: before {:.3f} mm mean; after {:.4f} mm mean, {:.4f} rms, {:.4f} at 95 %, {:.4f} max; "
-      "improvement {} %\n",
-      judge, mm(before->mean), mm(after->mean), mm(after->rms), mm(after->p95), mm(after->max),
-      fixed(100.0 * improvement(*before, *after), 1));
+      "{}: the arm alone {:.4f} mm mean; with vision {:.4f} mm mean, {:.4f} rms, {:.4f} at 95 %, "
+      "{:.4f} max\n",
+      judge, mm(before->mean), mm(after->mean), mm(after->rms), mm(after->p95), mm(after->max));
 }
 
 void add_tracker(nlohmann::json& json, const TrackerFigures& tracker) {
@@ -63,6 +62,21 @@ std::string tracker_text(const TrackerFigures& tracker) {
   for (const auto& [target, reason] : tracker.not_judged)
     text += fmt::format("not judged: {}: {}\n", target, reason);
   return text;
+}
+
+constexpr char kMadeWorse[] = "vision made the arm worse than it lands alone";
+
+const char* judge_of(const ServoFigures& figures) {
+  return figures.tracker ? "against the tracker" : "against the truth";
+}
+
+std::string coverage_words(const ServoFigures& figures) {
+  constexpr double kLeast = 0.90, kMost = 0.98;
+  if (!figures.coverage_95) return "";
+  const double share = *figures.coverage_95;
+  if (share >= kLeast && share <= kMost) return "";
+  return fmt::format("; the stated 95 % intervals hold {:.1f} % of the components: they are too {}",
+                     100.0 * share, share < kLeast ? "narrow" : "wide");
 }
 
 std::string in_mm(const std::optional<Eigen::Vector2d>& error) {
@@ -105,8 +119,8 @@ std::string servo_text(const ServoFigures& figures) {
   return fmt::format("{} of {} targets reached, {:g} correction{} and {:.2f} s each\n",
                      figures.reached, figures.targets, figures.iterations_median,
                      figures.iterations_median == 1.0 ? "" : "s", figures.seconds_per_target) +
-         figures_line(figures.tracker ? "against the tracker" : "against the truth",
-                      figures.before_truth, figures.after_truth) +
+         figures_line(judge_of(figures), figures.before_truth, figures.after_truth) +
+         (figures.made_worse ? std::string(kMadeWorse) + "\n" : "") +
          (figures.tracker ? tracker_text(*figures.tracker) : "") +
          figures_line("by its own view", figures.before_own, figures.after_own) +
          (figures.coverage_95
@@ -117,14 +131,42 @@ std::string servo_text(const ServoFigures& figures) {
          (figures.frames ? "camera: " + describe(*figures.frames) + "\n" : "");
 }
 
+std::string landing_words(const ServoFigures& figures) {
+  const bool is_judged = figures.before_truth && figures.after_truth;
+  const auto& before = is_judged ? figures.before_truth : figures.before_own;
+  const auto& after = is_judged ? figures.after_truth : figures.after_own;
+  if (!before || !after) return "";
+  return fmt::format(
+      "{} the arm alone lands {:.4f} mm from its targets in the mean, with vision "
+      "{:.4f} mm{}",
+      is_judged ? judge_of(figures) : "by its own view", mm(before->mean), mm(after->mean),
+      coverage_words(figures));
+}
+
+std::vector<Verdict::Fault> run_faults(const ServoFigures& figures, const std::string& results) {
+  std::vector<Verdict::Fault> faults;
+  if (figures.reached < figures.targets)
+    faults.push_back({fmt::format("{} of {} targets were not reached",
+                                  figures.targets - figures.reached, figures.targets),
+                      results + " has the reason of each"});
+  if (figures.made_worse)
+    faults.push_back({kMadeWorse,
+                      "planar-check-cell says what has moved since the calibration; if nothing "
+                      "has, record more training places and fit the error map again"});
+  return faults;
+}
+
 std::string servo_page(const ServoRequest& request, const std::vector<TargetResult>& results) {
   HtmlPage page("planar-servo: " + request.cell.file.filename().string());
-  page.add_paragraph(servo_text(figures_of(results)));
+  const ServoFigures figures = figures_of(results);
+  if (const std::string words = landing_words(figures); !words.empty())
+    page.add_verdict({words, run_faults(figures, "the table below")});
+  page.add_paragraph(servo_text(figures));
   const bool truth = !results.empty() && results.front().before_truth.has_value();
   const QuiverPanel before = error_panel(
-      "Open loop", results, truth ? &TargetResult::before_truth : &TargetResult::before_own);
+      "The arm alone", results, truth ? &TargetResult::before_truth : &TargetResult::before_own);
   const QuiverPanel after = error_panel(
-      "By vision", results, truth ? &TargetResult::after_truth : &TargetResult::after_own);
+      "With vision", results, truth ? &TargetResult::after_truth : &TargetResult::after_own);
   page.add_heading(truth ? "Errors against the truth" : "Errors by the servo's own view");
   if (!before.points.empty()) {
     page.add_html(quiver_svg({before, after}));

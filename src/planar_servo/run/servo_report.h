@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "planar_servo/report/html_page.h"
 #include "planar_servo/report/quiver_figure.h"
 #include "planar_servo/run/servo_figures.h"
 #include "planar_servo/run/servo_run.h"
@@ -17,6 +18,15 @@ nlohmann::json servo_json(const ServoFigures& figures);
 /// Returns the figures as lines for a terminal. The figures against the truth come first where
 /// there are any.
 std::string servo_text(const ServoFigures& figures);
+
+/// Returns where the arm alone landed, in the mean, and where it ended with vision, by who judged;
+/// a clause. Stated intervals that hold too little or too much are mentioned. Empty where nothing
+/// was measured.
+std::string landing_words(const ServoFigures& figures);
+
+/// Says what is wrong with a run by its figures: targets that were not reached, and vision that
+/// made the arm worse. `results` says where each target's reason stands.
+std::vector<Verdict::Fault> run_faults(const ServoFigures& figures, const std::string& results);
 
 /// Returns a panel with an error at each target where it is known, under a title with its mean.
 QuiverPanel error_panel(const std::string& what, const std::vector<TargetResult>& results,

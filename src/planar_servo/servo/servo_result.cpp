@@ -34,7 +34,7 @@ std::string hopeless_words(const ServoStep& last) {
       "not expected to end nearer, because stops scatter by {:.4f} mm per axis: allow a larger "
       "tolerance_mm",
       last.miss_m() / kMillimetre, last.iteration, last.stop_below_m / kMillimetre,
-      last.estimate->spread.later_m / kMillimetre);
+      last.estimate->scatter_m / kMillimetre);
 }
 
 }  // namespace

@@ -55,21 +55,16 @@ std::vector<StepError> steps_of(const fs::path& run) {
 std::string found_and_predicted(const ServoFigures& ours, const ServoFigures& paper,
                                 const PositioningPrediction& prediction) {
   return fmt::format(
-      "after feedback the end point is {:.4f} mm from its target in the mean and {:.4f} mm at "
-      "95 %, where the calibration alone had predicted {:.4f} and {:.4f} mm; the paper's chain on "
-      "the same cell ends at {:.3f} mm, in the paper at {:.3f} mm",
-      ours.after_truth->mean / kMillimetre, ours.after_truth->p95 / kMillimetre,
-      prediction.mean / kMillimetre, prediction.p95 / kMillimetre,
-      paper.after_truth->mean / kMillimetre, kPaperAfterMean_mm);
+      "{}; {:.4f} mm at 95 %, where the calibration alone had predicted {:.4f} and {:.4f} mm; the "
+      "paper's chain on the same cell ends at {:.3f} mm, in the paper at {:.3f} mm",
+      landing_words(ours), ours.after_truth->p95 / kMillimetre, prediction.mean / kMillimetre,
+      prediction.p95 / kMillimetre, paper.after_truth->mean / kMillimetre, kPaperAfterMean_mm);
 }
 
 void add_first_words(HtmlPage& page, const ExperimentReport& report) {
   const ServoFigures ours = figures_of(report.ours), paper = figures_of(report.paper);
   Verdict verdict;
-  if (ours.reached < ours.targets)
-    verdict.faults.push_back({fmt::format("{} of {} targets were not reached",
-                                          ours.targets - ours.reached, ours.targets),
-                              "ours/run/results.csv has the reason of each"});
+  verdict.faults = run_faults(ours, "ours/run/results.csv");
   if (!ours.after_truth || !paper.after_truth) return page.add_verdict(verdict);
   if (ours.after_truth->mean >= paper.after_truth->mean)
     verdict.faults.push_back({"our chain ends no nearer than the paper's",
