@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "homing_options.h"
+#include "planar_servo/files/arm_file.h"
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/files/vision_files.h"
 #include "planar_servo/machine/cell_devices.h"

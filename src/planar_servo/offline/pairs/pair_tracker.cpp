@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <map>
 #include <set>
+#include <utility>
 
 #include "planar_servo/calibration/readings/reading_order.h"
 #include "planar_servo/calibration/readings/rests.h"
@@ -122,30 +123,40 @@ WorkplaneFit fit_workplane(const PairTrackerRequest& request,
 }
 
 /// Adds a row for each place that the plane's fit has not left out: the attended ones, then the
-/// unattended.
-void add_rows(const Pairing& places, const Workplane& workplane, const WorkplaneFit& fit,
-              PairTrackerReport& report) {
+/// unattended. Returns the attended ones with those that it has left out.
+std::vector<PairRow> add_rows(const Pairing& places, const Workplane& workplane,
+                              const WorkplaneFit& fit, PairTrackerReport& report) {
   std::set<std::string> outliers;
   for (const Rejection& rejection : fit.rejected) outliers.insert(rejection.id);
+  std::vector<PairRow> in_time;
   for (const ToolSight& sight : places.sights) {
-    if (outliers.count(sight.id) != 0) continue;
+    const bool is_outlier = outliers.count(sight.id) != 0;
     auto row = seen_row(workplane, fit.tool, sight);
     if (!row) {
-      report.rejected.push_back({sight.id, kUnseen});
+      if (!is_outlier) report.rejected.push_back({sight.id, kUnseen});
       continue;
     }
     row->p_tracker = end_point_by_tracker(fit.tool, sight, *row->phi);
     row->p_reflector = sight.p_reflector_B.head<2>();
     row->z_reflector = sight.p_reflector_B.z();
     row->sigma_tracker = sight.sigma_tracker;
-    report.pairs.push_back(std::move(*row));
+    if (!is_outlier) report.pairs.push_back(*row);
+    in_time.push_back(std::move(*row));
   }
   add_unattended(workplane, fit, places.unattended, report);
+  return in_time;
 }
 
-/// Doubts pairs between which something moved; throws when that would cost too much.
-void look_for_step(const PairTrackerRequest& request, PairTrackerReport& report) {
-  report.step = find_step(report.pairs);
+/// Doubts pairs between which something moved; throws when that would cost too much. Places that
+/// the plane's fit has left out are asked as well, because after a step near the end of a
+/// recording they may be most of those that show it.
+void look_for_step(const PairTrackerRequest& request, std::vector<PairRow> in_time,
+                   PairTrackerReport& report) {
+  constexpr double kFarOff_m = 3.0 * kMillimetre;
+  in_time.erase(std::remove_if(in_time.begin(), in_time.end(),
+                               [&](const PairRow& row) { return row.error().norm() > kFarOff_m; }),
+                in_time.end());
+  report.step = find_step(in_time);
   if (!report.step) return;
   const std::string doubt = step_doubt(*report.step);
   if (report.step->is_dear() && !request.accept_step) throw InputError(doubt);
@@ -185,10 +196,11 @@ PairTrackerReport pair_tracker(const PairTrackerRequest& request) {
   remove_eccentricity(first, diameters, places.unattended);
   report.workplane = fit_workplane(request, places.sights);
   reject(report.workplane.rejected, report);
-  add_rows(places, Workplane(request.camera, report.workplane.X_WC), report.workplane, report);
+  std::vector<PairRow> in_time =
+      add_rows(places, Workplane(request.camera, report.workplane.X_WC), report.workplane, report);
   require_upright_tracker(datum, report.workplane.tool);
   require_lamps_in_order(request.cell, request.frames, report.pairs);
-  look_for_step(request, report);
+  look_for_step(request, std::move(in_time), report);
   log(report);
   return report;
 }
