@@ -43,21 +43,18 @@ std::vector<SearchedPrior> searched_priors(double radius, bool with_board) {
       {&JointPriors::field_sigma, 1e-4, 1e-6, 5e-3},
       {&JointPriors::lamp_factor, 1.0, 0.5, 10.0},
       {&JointPriors::arm_sigma, 3e-6, 1e-8, 1e-3},
+      {&JointPriors::tool_sigma, 1e-5, 1e-8, 3e-3},
       {&JointPriors::deviation_sigma, 3e-6, 1e-7, 1e-3},
       {&JointPriors::wave_sigma, 1e-5, 1e-7, 1e-3}};
   if (with_board) priors.push_back({&JointPriors::dot_factor, 1.0, 0.5, 30.0});
   return priors;
 }
 
-/// Turns of the tool go with shifts of the end point at the end of a link of this length, metres.
-constexpr double kTurnArm = 0.3;
-
 using Logs = std::vector<double>;
 
 JointPriors priors_at(const std::vector<SearchedPrior>& searched, const Logs& logs) {
   JointPriors priors;
   for (std::size_t i = 0; i < searched.size(); ++i) priors.*searched[i].prior = std::exp(logs[i]);
-  priors.tool_sigma = priors.arm_sigma / kTurnArm;
   return priors;
 }
 

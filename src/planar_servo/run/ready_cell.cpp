@@ -21,6 +21,8 @@ namespace {
 constexpr double kDrivePatience_s = 60.0;
 /// A camera that drifts by 0.1 mm an hour is noticed in this time.
 constexpr double kExamineEvery_s = 600.0;
+/// A guard's distance is half as long again as any that was seen at the calibration.
+constexpr double kDeviationsInDistance = 3.0;
 constexpr char kChecking[] = "looking at the cell";
 
 GuardLimits limits_of(const ServoRequest& request, const VisionCalibration& vision,
@@ -43,7 +45,8 @@ std::unique_ptr<LandingModel> landings_of(const ServoRequest& request,
       vision.error_map ? std::get_if<LampField>(&*vision.error_map) : nullptr;
   const auto& arm = planner.found();
   if (field != nullptr && arm && arm->factor.cols() == field->factor.cols())
-    return std::make_unique<FoundLandings>(*field, *arm, planner.transmission());
+    return std::make_unique<FoundLandings>(*field, *arm, planner.transmission(),
+                                           limits.distance_m / kDeviationsInDistance);
   return std::make_unique<UnknownLandings>(limits.distance_m);
 }
 

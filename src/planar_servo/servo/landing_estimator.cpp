@@ -65,10 +65,29 @@ void LandingEstimator::start(const ServoStep& step) {
   was_unexpected_ = false;
 }
 
+void LandingEstimator::allow_for_stray(const LandingLook& look) {
+  if (prior_->stray_m == 0.0) return;
+  Eigen::Matrix4d strayed = prior_->covariance;
+  strayed.topRightCorner<2, 2>().setZero();
+  strayed.bottomLeftCorner<2, 2>().setZero();
+  strayed.diagonal().head<2>().array() += prior_->stray_m * prior_->stray_m;
+  const double likelihood = std::exp(LandingFilter(strayed).innovation(look).log_likelihood());
+  double expected = 0.0;
+  for (const Member& member : members_) {
+    LandingLook supposed = look;
+    supposed.scatter_m = scatter_m(member, false);
+    expected += member.weight * std::exp(member.filter.innovation(supposed).log_likelihood());
+  }
+  if (kOutlierShare * likelihood < (1.0 - kOutlierShare) * expected) return;
+  prior_->covariance = strayed;
+  for (Member& member : members_) member.filter = LandingFilter(strayed);
+}
+
 LandingEstimate LandingEstimator::take(const ServoStep& step, const Eigen::Vector2d& p_c) {
   if (looks_ == 0) start(step);
   const bool is_short = looks_ > 0 && (p_c - p_c_).norm() < kShortMove_m;
   const LandingLook look{p_c, step.measurement.tip.p, step.measurement.noise_m(), 0.0};
+  if (looks_ == 0) allow_for_stray(look);
   const bool is_unexpected = is_beyond_play(look) && chance_of(look, is_short) < kNoChance;
   weigh(look, is_short);
   LandingEstimate estimate = mixture(step.target.p, look);

@@ -43,6 +43,8 @@ class LandingEstimator {
   /// Returns the scatter that a member supposes, which is no larger after a short move.
   double scatter_m(const Member& member, bool is_short) const;
   void start(const ServoStep& step);
+  /// Widens the prior where a first look makes it likelier that the arm has strayed.
+  void allow_for_stray(const LandingLook& look);
   /// Sets the weights by what is credible and by the looks so far.
   void share_weights();
   /// Returns whether a look is farther from what was to be expected than play explains.

@@ -15,6 +15,9 @@ struct LandingPrior {
   /// Deviations per axis of a stop after a long move and after one below kShortMove_m, positive.
   double scatter_m{0.0};
   double short_scatter_m{0.0};
+  /// Deviation per axis of d where the arm has strayed, as one in a hundred may: something stuck or
+  /// slipped. 0 where the covariance leaves room for that.
+  double stray_m{0.0};
 };
 
 /// After a move of the end point below this a stop scatters as after a short one.

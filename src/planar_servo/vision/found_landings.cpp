@@ -1,5 +1,6 @@
 #include "planar_servo/vision/found_landings.h"
 
+#include <algorithm>
 #include <stdexcept>
 #include <utility>
 
@@ -11,8 +12,12 @@ constexpr double kLeastScatter_m = 0.1e-6;
 
 }  // namespace
 
-FoundLandings::FoundLandings(LampField field, FoundArm arm, const Transmission& transmission)
-    : field_(std::move(field)), arm_(std::move(arm)), transmission_(transmission) {
+FoundLandings::FoundLandings(LampField field, FoundArm arm, const Transmission& transmission,
+                             double stray_m)
+    : field_(std::move(field)),
+      arm_(std::move(arm)),
+      transmission_(transmission),
+      stray_m_(stray_m) {
   if (field_.factor.cols() != arm_.factor.cols())
     throw std::invalid_argument("a field and an arm were not found together");
 }
@@ -29,6 +34,7 @@ LandingPrior FoundLandings::at(const Joints& theta_c, const TipMeasurement& look
   LandingPrior prior;
   prior.covariance = rows * rows.transpose();
   prior.scatter_m = prior.short_scatter_m = std::max(arm_.scatter_m, kLeastScatter_m);
+  prior.stray_m = stray_m_;
   return prior;
 }
 

@@ -10,8 +10,9 @@ namespace planar {
 /// both has one covariance.
 class FoundLandings final : public LandingModel {
  public:
-  /// Takes field and arm, which have the same columns in their factors.
-  FoundLandings(LampField field, FoundArm arm, const Transmission& transmission);
+  /// Takes field and arm, which have the same columns in their factors, and how far an arm that
+  /// strayed may be off, per axis.
+  FoundLandings(LampField field, FoundArm arm, const Transmission& transmission, double stray_m);
 
   LandingPrior at(const Joints& theta_c, const TipMeasurement& look) const override;
 
@@ -19,6 +20,7 @@ class FoundLandings final : public LandingModel {
   LampField field_;
   FoundArm arm_;
   Transmission transmission_;
+  double stray_m_;
 };
 
 }  // namespace planar

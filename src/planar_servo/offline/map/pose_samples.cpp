@@ -8,7 +8,9 @@
 #include <string>
 
 #include "planar_servo/arm/transmission.h"
+#include "planar_servo/cell/device_kinds.h"
 #include "planar_servo/core/error.h"
+#include "planar_servo/devices/tracker.h"
 
 namespace planar {
 namespace {
@@ -48,6 +50,25 @@ PoseSample pose_sample(const Transmission& transmission, const PairRow& pair, do
   return sample;
 }
 
+/// Says what all readings have in common: the tracker's registration to the monuments, and its
+/// systematic error. Most of that is common to a whole cell and goes into the registration; a tenth
+/// of the noise is left.
+void set_tracker(ArmNominal& nominal, const CellSettings& cell) {
+  constexpr double kLeftOfNoise = 0.1;
+  nominal.tracker_bias = kLeftOfNoise * cell.tracker.sigma_m;
+  if (cell.datum.empty()) return;
+  const auto n = static_cast<double>(cell.datum.size());
+  Eigen::Vector2d center(0.0, 0.0);
+  for (const Monument& monument : cell.datum) center += monument.p_B.head<2>() / n;
+  double spread = 0.0;
+  for (const Monument& monument : cell.datum)
+    spread += (monument.p_B.head<2>() - center).squaredNorm();
+  const double readings = cell.tracker.kind->by_hand() ? 1.0 : kMonumentReadings;
+  const double sigma = cell.tracker.sigma_m / std::sqrt(readings);
+  nominal.registration_shift = sigma / std::sqrt(n);
+  nominal.registration_turn = sigma / std::sqrt(spread);
+}
+
 BoardLay lay_of(const std::string& id, const std::vector<const LayRow*>& rows) {
   const auto n = static_cast<Eigen::Index>(rows.size());
   BoardLay lay{id, Eigen::Matrix2Xd(2, n), Eigen::Matrix2Xd(2, n), Eigen::VectorXd(n)};
@@ -71,6 +92,7 @@ ArmNominal nominal_arm(const CellSettings& cell, const VisionCalibration& vision
   nominal.p_camera_B = vision.workplane.X_WC().translation();
   nominal.separation = cell.lamps.layout.separation_m;
   nominal.tool = vision.tool;
+  set_tracker(nominal, cell);
   if (!vision.tool.reflector_known) nominal.reflector_sigma = kSomewhereOnTool;
   return nominal;
 }

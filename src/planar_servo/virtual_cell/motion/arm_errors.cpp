@@ -24,6 +24,10 @@ Eigen::Vector2d runout_m(double joint_rad, double size_m, double phase_rad) {
                    kBallShare * towards(kBallOrder * joint_rad + 2.0 * phase_rad));
 }
 
+Eigen::Vector2d turning_runout_m(double joint_rad, double size_m, double phase_rad) {
+  return size_m * std::cyl_bessel_j(0.0, kUneven) * towards(joint_rad + phase_rad);
+}
+
 Eigen::Vector2d wobble_rad(double joint_rad, double size_rad, double phase_rad) {
   return size_rad * towards(joint_rad + phase_rad + kUnevenLean * std::sin(3.0 * joint_rad));
 }

@@ -14,6 +14,9 @@ namespace planar {
 /// balls of the bearing, whose orders are no whole numbers, add two fifths of that.
 Eigen::Vector2d runout_m(double joint_rad, double size_m, double phase_rad);
 
+/// Returns the part of it that turns with the joint.
+Eigen::Vector2d turning_runout_m(double joint_rad, double size_m, double phase_rad);
+
 /// Returns the lean of an axis that turns unevenly with its joint, as the x and y of a rotation
 /// vector in the frame of the link before.
 Eigen::Vector2d wobble_rad(double joint_rad, double size_rad, double phase_rad);
