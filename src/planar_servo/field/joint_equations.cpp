@@ -23,7 +23,7 @@ double log_det_of_kernel(const Eigen::MatrixXd& kernel) {
 
 bool same_noise(const JointPriors& a, const JointPriors& b) {
   return a.lamp_factor == b.lamp_factor && a.arm_sigma == b.arm_sigma &&
-         a.tool_sigma == b.tool_sigma && a.dot_factor == b.dot_factor;
+         a.tool_sigma == b.tool_sigma && a.air_sigma == b.air_sigma && a.dot_factor == b.dot_factor;
 }
 
 }  // namespace
@@ -78,7 +78,7 @@ void JointEquations::set_width(double width) {
 }
 
 /// Rows of the result times a pose's residuals have unit variance. Reflector and lamps share the
-/// scatter of the pose: a shift of the end point, and a turn about it.
+/// scatter of the pose, a shift of the end point and a turn about it; the lamps share the air.
 JointEquations::PoseWeight JointEquations::whitening_of(const PoseSample& sample,
                                                         const JointPriors& priors) {
   const Eigen::Index first = sample.reflector_B ? 0 : 2, n = kRows - first;
@@ -86,11 +86,13 @@ JointEquations::PoseWeight JointEquations::whitening_of(const PoseSample& sample
   const double lamp = priors.lamp_factor * sample.sigma_lamp;
   PoseRows variance = PoseRows::Constant(lamp * lamp);
   variance.head<2>().setConstant(sample.sigma_reflector * sample.sigma_reflector);
-  Eigen::Matrix<double, kRows, 3> shared;
+  Eigen::Matrix<double, kRows, 5> shared = Eigen::Matrix<double, kRows, 5>::Zero();
   for (Eigen::Index point = 0; point < 3; ++point) {
     const Eigen::Vector2d offset = seen.points.col(point) - seen.tip.p;
-    shared.middleRows<2>(2 * point) << priors.arm_sigma, 0.0, -priors.tool_sigma * offset.y(), 0.0,
+    auto rows = shared.middleRows<2>(2 * point);
+    rows.leftCols<3>() << priors.arm_sigma, 0.0, -priors.tool_sigma * offset.y(), 0.0,
         priors.arm_sigma, priors.tool_sigma * offset.x();
+    if (point > 0) rows.rightCols<2>() = priors.air_sigma * Eigen::Matrix2d::Identity();
   }
   PoseWeight covariance = shared * shared.transpose();
   covariance.diagonal() += variance;

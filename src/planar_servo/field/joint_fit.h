@@ -18,6 +18,7 @@ struct JointPriors {
   double lamp_factor{1.0};       ///< times the stated deviations of the lamps' places
   double arm_sigma{1e-7};        ///< scatter of a pose about the arm's model, per axis
   double tool_sigma{3e-7};       ///< of the tool's direction about the arm's model, radians
+  double air_sigma{1e-7};        ///< by which air displaces a picture of both lamps, per axis
   double deviation_sigma{1e-6};  ///< of the arm's smooth deviation over its postures, per axis
   double wave_sigma{1e-6};       ///< of the lamps' height beside its two terms
   double dot_factor{1.0};        ///< times the stated deviations of a board's dots
@@ -42,7 +43,7 @@ struct JointFit {
 /// Estimates the field e, seen place = place + e + drift t, together with the arm and the tool, by
 /// Gauss-Newton steps from `start` (or from the files' arm) with the priors as further observations
 /// (theory section 13). The reflector and both lamps of a pose share its scatter about the arm's
-/// model. The lays of a board tell the field only. Every sample counts as it is; nothing is left
+/// model, and both lamps the air between them and the camera. The lays of a board tell the field only. Every sample counts as it is; nothing is left
 /// out. Empty when the equations cannot be solved.
 std::optional<JointFit> fit_jointly(const ArmModel& model, const JointPriors& priors,
                                     const std::vector<PoseSample>& samples, double field_radius,

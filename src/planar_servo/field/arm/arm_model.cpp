@@ -99,8 +99,6 @@ Eigen::VectorXd ArmModel::prior_sigma() const {
   for (int i = 0; i < 2; ++i)
     sigma[at.tracker + i] = std::hypot(sigma[at.tracker + i], lean[i]);
   sigma.tail<4>() = lean.tail<4>();
-  if (getenv("NOTRK")) sigma.tail<kTrackerTerms>().setConstant(kFixed);
-  if (getenv("NORUN")) sigma.segment<2>(form_.runout()).setConstant(kFixed);
   return sigma;
 }
 

@@ -13,9 +13,10 @@ constexpr Eigen::Index kUnknowns = 9;  // the leans, a height, and sag with |P|^
 
 AxisLeans as_built(double above_m) {
   AxisLeans leans;
-  // Joint 1 stands upright on its base to about 0.02 deg, the others on their links to 0.01 deg.
+  // Joint 1 stands upright on its base to about 0.02 deg; a link is bored for its axes parallel to
+  // 0.01 mm over 100 mm.
   leans.sigma.head<2>().setConstant(0.02 * kDegree * above_m);
-  leans.sigma.tail<4>().setConstant(0.01 * kDegree * above_m);
+  leans.sigma.tail<4>().setConstant(1e-4 * above_m);
   return leans;
 }
 
