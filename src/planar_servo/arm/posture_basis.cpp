@@ -47,8 +47,8 @@ PostureBasis basis_over_postures(const std::vector<Joints>& postures, double wid
   for (Eigen::Index farthest = 0;
        chosen.size() < kMostCenters && nearest.maxCoeff(&farthest) > spacing;) {
     chosen.push_back(farthest);
-    nearest = nearest.cwiseMin(
-        (places.colwise() - places.col(farthest)).colwise().norm().transpose());
+    nearest =
+        nearest.cwiseMin((places.colwise() - places.col(farthest)).colwise().norm().transpose());
   }
   basis.centers = places(Eigen::all, chosen);
   return basis;

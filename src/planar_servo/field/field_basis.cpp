@@ -32,8 +32,7 @@ Eigen::RowVectorXd FieldBasis::gaussians(const Eigen::Vector2d& p) const {
 
 Eigen::MatrixXd FieldBasis::kernel_matrix() const {
   Eigen::MatrixXd K(centers.cols(), centers.cols());
-  for (Eigen::Index j = 0; j < centers.cols(); ++j)
-    K.row(j) = gaussians(centers.col(j));
+  for (Eigen::Index j = 0; j < centers.cols(); ++j) K.row(j) = gaussians(centers.col(j));
   K.diagonal().array() += kJitter;
   return K;
 }

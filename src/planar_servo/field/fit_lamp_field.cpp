@@ -1,9 +1,14 @@
 #include "planar_servo/field/fit_lamp_field.h"
 
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 #include <utility>
 
+#include "planar_servo/calibration/vision_tip.h"
 #include "planar_servo/core/numerics/statistics.h"
 
 namespace planar {
@@ -43,6 +48,87 @@ double noise_sigma(const JointEstimate& estimate, const std::vector<PoseSample>&
   return *std::max_element(sigmas.begin(), sigmas.end());
 }
 
+constexpr char kWithArm[] = "field with the arm", kWithoutArm[] = "field without the arm",
+               kAtEndPoint[] = "map at the end point";
+
+/// Returns the vision errors at the end point that the readings tell.
+std::vector<ErrorSample> errors_at_end_point(const ToolOffsets& tool,
+                                             const std::vector<PoseSample>& samples) {
+  std::vector<ErrorSample> errors;
+  for (const PoseSample& sample : samples) {
+    if (!sample.reflector_B) continue;
+    const TipPose seen = tip_from_places(sample.lamps_B, tool);
+    const Eigen::Vector2d p = *sample.reflector_B - rotation2d(seen.phi) * tool.p_TS.head<2>();
+    errors.push_back({sample.id, seen.p, seen.p - p,
+                      std::hypot(sample.sigma_reflector, sample.sigma_lamp / std::sqrt(2.0)),
+                      seen.phi, sample.place});
+  }
+  return errors;
+}
+
+HeldOut held_out_of(const MapResult& map) {
+  HeldOut held;
+  const MapPlaces& at = map.at_places;
+  double covered = 0.0;
+  for (Eigen::Index i = 0; i < at.positions.cols(); ++i) {
+    const double sigma =
+        std::hypot(predict(map.map, at.positions.col(i), 0.0).sigma, map.noise_sigma);
+    held.readings.push_back({at.positions.col(i), at.errors.col(i), at.residuals.col(i),
+                             Eigen::Vector2d::Constant(sigma)});
+    covered += static_cast<double>((at.residuals.col(i).array().abs() < 1.96 * sigma).count());
+  }
+  held.n = held.readings.size();
+  held.raw_rms = map.raw_rms;
+  held.rms = map.loo_rms;
+  held.coverage_95 = covered / (2.0 * static_cast<double>(std::max<std::size_t>(held.n, 1)));
+  return held;
+}
+
+/// Returns whether places left out are met clearly better: a tenth is more than the choice of some
+/// 200 places makes.
+bool clearly_better(const HeldOut& other, const HeldOut& than) {
+  constexpr double kClearly = 0.9;
+  return other.rms < kClearly * than.rms;
+}
+
+void try_without_arm(const ArmNominal& nominal, const std::vector<PoseSample>& samples,
+                     const LaidDots& board, LampFieldFit& fit) {
+  const JointEstimate alone = estimate_jointly(nominal, samples, board, ArmTrust::kNone);
+  HeldOut held = hold_out(alone, samples, board);
+  fit.compared.push_back({kWithoutArm, held.rms, held.coverage_95});
+  if (!clearly_better(held, fit.held_out)) return;
+  fit.field = lamp_field(alone, samples);
+  fit.held_out = std::move(held);
+  fit.arm.factor.resize(0, 0);
+}
+
+void try_at_end_point(const ArmNominal& nominal, const std::vector<PoseSample>& samples,
+                      LampFieldFit& fit) {
+  MapResult map =
+      fit_error_map({errors_at_end_point(nominal.tool, samples), MapMethod::kAuto, 0.0});
+  HeldOut held = held_out_of(map);
+  fit.compared.push_back({kAtEndPoint, held.rms, held.coverage_95});
+  if (!clearly_better(held, fit.held_out)) return;
+  fit.held_out = std::move(held);
+  fit.arm.factor.resize(0, 0);
+  fit.end_point_map = std::move(map);
+}
+
+/// Compares the field with others that trust the arm less, and takes one that is clearly better.
+void take_best(const ArmNominal& nominal, const std::vector<PoseSample>& samples,
+               const LaidDots& board, LampFieldFit& fit) {
+  fit.compared.push_back({kWithArm, fit.held_out.rms, fit.held_out.coverage_95});
+  const auto attempt = [](const char* name, const auto& way) {
+    try {
+      way();
+    } catch (const std::runtime_error& error) {
+      spdlog::debug(fmt::format("{} cannot be compared: {}", name, error.what()));
+    }
+  };
+  attempt(kWithoutArm, [&] { try_without_arm(nominal, samples, board, fit); });
+  attempt(kAtEndPoint, [&] { try_at_end_point(nominal, samples, fit); });
+}
+
 }  // namespace
 
 LampFieldFit fit_lamp_field(const ArmNominal& nominal, const std::vector<PoseSample>& samples,
@@ -55,6 +141,7 @@ LampFieldFit fit_lamp_field(const ArmNominal& nominal, const std::vector<PoseSam
   fit.arm = std::move(found.arm);
   if (progress) progress("places left out", 0.7);
   fit.held_out = hold_out(fit.estimate, samples, board);
+  if (fit.held_out.n >= kFewestPoses) take_best(nominal, samples, board, fit);
   fit.certainty = certainty_of(fit.field, samples);
   fit.sources = worth_of_sources(fit.estimate, samples, board);
   if (progress) progress("places left out", 1.0);

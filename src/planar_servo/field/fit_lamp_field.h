@@ -1,10 +1,12 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "planar_servo/core/progress.h"
+#include "planar_servo/error_map/fit_error_map.h"
 #include "planar_servo/field/field_sources.h"
 #include "planar_servo/field/held_out.h"
 #include "planar_servo/field/joint_estimate.h"
@@ -12,12 +14,23 @@
 
 namespace planar {
 
+/// A way to predict the vision error that was tried, and how it meets places left out.
+struct ComparedField {
+  const char* name{""};
+  double rms{0.0};  ///< metres
+  double coverage_95{0.0};
+};
+
 /// A field at the lamps with what was found together with it.
 struct LampFieldFit {
   JointEstimate estimate;
   LampField field;
   FoundArm arm;
   HeldOut held_out;
+  /// The field with the arm, the field without it and a map at the end point, as far as they could
+  /// be fitted. The first is taken unless another is clearly better.
+  std::vector<ComparedField> compared;
+  std::optional<MapResult> end_point_map;      ///< where that was taken; the field is then unused
   std::size_t n_readings{0}, n_unattended{0};  ///< that were given
   std::vector<std::string> left_out;           ///< ids of poses that contradict the others
   FixedBy fixed_by;
@@ -29,8 +42,9 @@ struct LampFieldFit {
   double noise_sigma{0.0};  ///< per axis, of a reading and its lamps together, as the fit found it
 };
 
-/// Estimates field, arm and tool, and judges them on places left out. Throws as estimate_jointly()
-/// does.
+/// Estimates field, arm and tool, and judges them on places left out. Where a field that does not
+/// trust the arm, or a map at the end point, meets these clearly better, it is taken instead; the
+/// arm stays as it was found, without a covariance. Throws as estimate_jointly() does.
 LampFieldFit fit_lamp_field(const ArmNominal& nominal, const std::vector<PoseSample>& samples,
                             const LaidDots& board = {}, const Progress& progress = {});
 

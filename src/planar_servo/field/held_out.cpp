@@ -65,8 +65,8 @@ void judge_part(const JointEstimate& estimate, const LaidDots& board, const Part
     (parts.part[i] == part ? judged : used).push_back(parts.samples[i]);
   if (judged.empty()) return;
   JointEstimate without = estimate;
-  auto fit = fit_jointly(estimate.model(), estimate.priors, used, estimate.fit.basis.radius,
-                         board, estimate.fit.arm);
+  auto fit = fit_jointly(estimate.model(), estimate.priors, used, estimate.fit.basis.radius, board,
+                         estimate.fit.arm);
   if (!fit) throw WorkError("field and arm cannot be told apart without a tenth of the readings");
   without.fit = std::move(*fit);
   const LampField field = lamp_field(without, used);

@@ -52,7 +52,7 @@ class JointEquations {
   FieldBasis basis_;
   Eigen::MatrixXd kernel_;
   double kernel_log_det_{0.0};
-  JointPriors weighed_by_;       ///< whose noise is in the sums
+  JointPriors weighed_by_;  ///< whose noise is in the sums
   bool weighed_{false};
   Eigen::MatrixXd F_, J_, A_;    ///< rows of the field and of the arm, and both whitened
   Eigen::VectorXd z_, z_white_;  ///< residuals but for the field

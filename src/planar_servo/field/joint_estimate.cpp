@@ -36,39 +36,56 @@ struct SearchedPrior {
   double first, low, high;
 };
 
-/// Hobby arms repeat to 0.2 mm, the best machines to some tenths of a micrometre. `radius` is that
-/// of the field.
-std::vector<SearchedPrior> searched_priors(double radius, bool with_board) {
+/// What a search for priors starts from.
+struct TuningProblem {
+  const ArmNominal& nominal;
+  const std::vector<PoseSample>& samples;
+  const LaidDots& board;
+  double radius;
+  ArmTrust trust;
+};
+
+/// Hobby arms repeat to 0.2 mm, the best machines to some tenths of a micrometre.
+std::vector<SearchedPrior> searched_priors(const TuningProblem& problem) {
+  const double radius = problem.radius;
   std::vector<SearchedPrior> priors{
       {&JointPriors::field_width, 0.25 * radius, 0.18 * radius, radius},
       {&JointPriors::field_sigma, 1e-4, 1e-6, 5e-3},
       {&JointPriors::lamp_factor, 1.0, 0.5, 10.0},
-      {&JointPriors::arm_sigma, 3e-6, 1e-8, 1e-3},
-      {&JointPriors::tool_sigma, 1e-5, 1e-8, 3e-3},
       {&JointPriors::air_sigma, 5e-7, 1e-8, 1e-4},
-      {&JointPriors::deviation_sigma, 3e-6, 1e-7, 1e-3},
       {&JointPriors::wave_sigma, 1e-5, 1e-7, 1e-3}};
-  if (with_board) priors.push_back({&JointPriors::dot_factor, 1.0, 0.5, 30.0});
+  if (problem.trust == ArmTrust::kFound)
+    priors.insert(priors.end(), {{&JointPriors::arm_sigma, 3e-6, 1e-8, 1e-3},
+                                 {&JointPriors::tool_sigma, 1e-5, 1e-8, 3e-3},
+                                 {&JointPriors::deviation_sigma, 3e-6, 1e-7, 1e-3}});
+  if (!problem.board.lays.empty()) priors.push_back({&JointPriors::dot_factor, 1.0, 0.5, 30.0});
   return priors;
 }
+
+/// The end point of a tool is known no better than this, metres.
+constexpr double kBestEndPoint = 1e-6;
 
 using Logs = std::vector<double>;
 
 JointPriors priors_at(const std::vector<SearchedPrior>& searched, const Logs& logs) {
+  // What is not searched for: the scatter of an arm that nobody trusts.
+  constexpr double kAnywhere = 0.05, kAnyTurn = 0.1;
   JointPriors priors;
+  priors.arm_sigma = kAnywhere;
+  priors.tool_sigma = kAnyTurn;
   for (std::size_t i = 0; i < searched.size(); ++i) priors.*searched[i].prior = std::exp(logs[i]);
   return priors;
 }
 
-JointPriors first_priors(double radius, const LaidDots& board) {
-  const auto searched = searched_priors(radius, !board.lays.empty());
+JointPriors first_priors(const TuningProblem& problem) {
+  const auto searched = searched_priors(problem);
   Logs logs;
   for (const SearchedPrior& prior : searched) logs.push_back(std::log(prior.first));
   return priors_at(searched, logs);
 }
 
-/// Returns these priors as a cell with an ordinary arm has them: it scatters by tens of micrometres,
-/// and its heights wave by as much.
+/// Returns these priors as a cell with an ordinary arm has them: it scatters by tens of
+/// micrometres, and its heights wave by as much.
 JointPriors of_ordinary_arm(JointPriors priors) {
   priors.arm_sigma = 2e-5;
   priors.tool_sigma = 3e-5;
@@ -89,23 +106,14 @@ struct Unlikeliness {
   }
 };
 
-/// What a search for priors starts from.
-struct TuningProblem {
-  const ArmNominal& nominal;
-  const std::vector<PoseSample>& samples;
-  const LaidDots& board;
-  double radius;
-};
-
 /// Improves priors by the likelihood of the model, linearised about the arm that they lead to.
 TriedModel tune(const TuningProblem& problem, const ArmModelSize& size, const JointPriors& first) {
   const ArmModel model(problem.nominal, size);
-  const auto start =
-      arm_under(model, first, problem.samples, problem.radius, problem.board);
+  const auto start = arm_under(model, first, problem.samples, problem.radius, problem.board);
   if (!start) return {size, first, -std::numeric_limits<double>::infinity()};
   JointEquations equations(model, problem.samples, problem.radius, problem.board);
   equations.linearize(*start);
-  const auto searched = searched_priors(problem.radius, !problem.board.lays.empty());
+  const auto searched = searched_priors(problem);
   Logs logs, low, high;
   for (const SearchedPrior& prior : searched) {
     low.push_back(std::log(prior.low));
@@ -161,29 +169,34 @@ double radius_of(const std::vector<PoseSample>& samples) {
 
 /// Returns the largest model of these samples.
 ArmModelSize largest_size(const ArmNominal& nominal, const std::vector<PoseSample>& samples,
-                          double radius) {
+                          double radius, ArmTrust trust) {
+  ArmModelSize size;
+  size.wave = basis_over_disc(radius, kWaveWidth * radius);
+  if (trust == ArmTrust::kNone) {
+    size.harmonics = 0;
+    return size;
+  }
   std::vector<Joints> postures;
   postures.reserve(samples.size());
   for (const PoseSample& sample : samples)
     postures.emplace_back(nominal.joints_per_motor * sample.motors);
-  ArmModelSize size;
   size.harmonics = kMostHarmonics;
   size.ripples = kMostRipples;
   size.warms = true;
   size.posture = basis_over_postures(postures, kPostureWidth);
-  size.wave = basis_over_disc(radius, kWaveWidth * radius);
   return size;
 }
 
 /// Tunes the largest model, then leaves out what does not make the samples clearly likelier. The
 /// last one is the choice.
 std::vector<TriedModel> try_models(const TuningProblem& problem, const ArmModelSize& largest) {
-  const JointPriors first = first_priors(problem.radius, problem.board);
+  const JointPriors first = first_priors(problem);
   std::vector<TriedModel> tried{tune(problem, largest, first)};
   // The likelihood has more than one top: a second search starts from an arm as most are.
-  if (TriedModel other = tune(problem, largest, of_ordinary_arm(first));
-      other.log_likelihood > tried.front().log_likelihood)
-    tried.push_back(std::move(other));
+  if (problem.trust == ArmTrust::kFound)
+    if (TriedModel other = tune(problem, largest, of_ordinary_arm(first));
+        other.log_likelihood > tried.front().log_likelihood)
+      tried.push_back(std::move(other));
   const auto try_without = [&](const auto& leave_out) {
     TriedModel other = tried.back();
     leave_out(other.size);
@@ -327,20 +340,24 @@ ArmNominal nominal_for(const ArmNominal& nominal, const std::vector<PoseSample>&
 }
 
 JointEstimate estimate_jointly(const ArmNominal& nominal, const std::vector<PoseSample>& samples,
-                               const LaidDots& board) {
+                               const LaidDots& board, ArmTrust trust) {
   check(samples);
   JointEstimate estimate;
   estimate.nominal = nominal_for(nominal, samples);
+  if (trust == ArmTrust::kNone)
+    estimate.nominal.end_point_sigma =
+        estimate.nominal.tool.covariance.diagonal().head<2>().cwiseSqrt().cwiseMax(kBestEndPoint);
   if (readings_in(samples) == 0) require_turned(board);
   const double radius = radius_of(samples);
   Selection selection{samples, std::vector<std::size_t>(samples.size()), {}};
   std::iota(selection.indices.begin(), selection.indices.end(), std::size_t{0});
-  const ArmModelSize largest = largest_size(estimate.nominal, samples, radius);
+  const ArmModelSize largest = largest_size(estimate.nominal, samples, radius, trust);
   // Outliers are found before anything is tuned, or the tuning would make room for them.
-  fit_what_agrees(ArmModel(estimate.nominal, largest), first_priors(radius, board), board, radius,
+  fit_what_agrees(ArmModel(estimate.nominal, largest),
+                  first_priors({estimate.nominal, samples, board, radius, trust}), board, radius,
                   samples.size(), selection);
   const std::vector<PoseSample> part = tuning_part(selection.samples);
-  estimate.tried = try_models({estimate.nominal, part, board, radius}, largest);
+  estimate.tried = try_models({estimate.nominal, part, board, radius, trust}, largest);
   const TriedModel& chosen = estimate.tried.back();
   estimate.size = chosen.size;
   estimate.priors = chosen.priors;

@@ -32,6 +32,13 @@ struct JointEstimate {
   ArmModel model() const { return {nominal, size}; }
 };
 
+/// Says whether the commands of the poses tell anything.
+enum class ArmTrust {
+  kFound,  ///< as far as the arm is found to follow them
+  kNone,   ///< every pose may be anywhere; then only readings tell the field, and the tool's file
+           ///< where the end point lies
+};
+
 /// Estimates field, arm and tool. Widths, deviations and the number of harmonics are those of the
 /// largest marginal likelihood; no truth and no sample kept for judging enters. Samples that lie
 /// far beyond the scatter of all are left out, the worst first: their reading, then the whole pose.
@@ -40,7 +47,7 @@ struct JointEstimate {
 /// not positive, for outliers beyond a fifth of the samples, and without readings for lays that are
 /// only shifted. Throws WorkError when the equations cannot be solved.
 JointEstimate estimate_jointly(const ArmNominal& nominal, const std::vector<PoseSample>& samples,
-                               const LaidDots& board = {});
+                               const LaidDots& board = {}, ArmTrust trust = ArmTrust::kFound);
 
 constexpr std::size_t kFewestPoses = 12;
 

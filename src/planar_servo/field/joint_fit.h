@@ -43,8 +43,9 @@ struct JointFit {
 /// Estimates the field e, seen place = place + e + drift t, together with the arm and the tool, by
 /// Gauss-Newton steps from `start` (or from the files' arm) with the priors as further observations
 /// (theory section 13). The reflector and both lamps of a pose share its scatter about the arm's
-/// model, and both lamps the air between them and the camera. The lays of a board tell the field only. Every sample counts as it is; nothing is left
-/// out. Empty when the equations cannot be solved.
+/// model, and both lamps the air between them and the camera. The lays of a board tell the field
+/// only. Every sample counts as it is; nothing is left out. Empty when the equations cannot be
+/// solved.
 std::optional<JointFit> fit_jointly(const ArmModel& model, const JointPriors& priors,
                                     const std::vector<PoseSample>& samples, double field_radius,
                                     const LaidDots& board = {}, const Eigen::VectorXd& start = {});

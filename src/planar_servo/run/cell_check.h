@@ -25,9 +25,9 @@ class CellCheck {
   /// Is told why the camera failed, and returns true when it is back.
   using CameraWait = std::function<bool(const std::string& reason)>;
 
-  /// Takes robot, sensor and clock, which must outlive it, and the scatter that the arm was found to
-  /// have, per axis; 0 where it is not known. The drives must be on. Both checks go on
-  /// after a `wait` for the camera; without one they throw WorkError. They throw what
+  /// Takes robot, sensor and clock, which must outlive it, and the scatter that the arm was found
+  /// to have, per axis; 0 where it is not known. The drives must be on. Both checks go on after a
+  /// `wait` for the camera; without one they throw WorkError. They throw what
   /// PlanarRobot::move_to() throws.
   CellCheck(const CellSettings& cell, const VisionCalibration& vision, PlanarRobot& robot,
             LampTipSensor& sensor, Clock& clock, double scatter_m, CameraWait wait = {});

@@ -41,8 +41,7 @@ std::unique_ptr<LandingModel> landings_of(const ServoRequest& request,
                                           const VisionCalibration& vision,
                                           const JointPlanner& planner, const GuardLimits& limits) {
   if (!request.estimates_landings) return nullptr;
-  const LampField* field =
-      vision.error_map ? std::get_if<LampField>(&*vision.error_map) : nullptr;
+  const LampField* field = vision.error_map ? std::get_if<LampField>(&*vision.error_map) : nullptr;
   const auto& arm = planner.found();
   if (field != nullptr && arm && arm->factor.cols() == field->factor.cols())
     return std::make_unique<FoundLandings>(*field, *arm, planner.transmission(),

@@ -89,15 +89,14 @@ Eigen::VectorXd ArmModel::prior_sigma() const {
         kZeroShift, kGrowth, kGrowth, kZeroShift, kZeroShift, kZeroShift;
   const double height = size_.height ? 2e-3 : kFixed;
   sigma.segment<3>(at.height) << height, height, size_.height ? 1e-4 : kFixed;
-  sigma.segment<kToolTerms>(at.tool) << 0.3e-3, 1e-3, 1e-3, nominal_.reflector_sigma,
+  sigma.segment<kToolTerms>(at.tool) << 0.3e-3, nominal_.end_point_sigma, nominal_.reflector_sigma,
       nominal_.reflector_sigma;
   const Eigen::Array<double, 6, 1> lean = nominal_.leans.sigma.array() + kFixed;
   const double turn = nominal_.registration_turn * height_.reach;
   sigma.segment<6>(at.tracker) << nominal_.registration_shift, nominal_.registration_shift,
       std::hypot(turn, nominal_.tracker_bias), nominal_.tracker_bias, nominal_.tracker_bias,
       nominal_.tracker_bias;
-  for (int i = 0; i < 2; ++i)
-    sigma[at.tracker + i] = std::hypot(sigma[at.tracker + i], lean[i]);
+  for (int i = 0; i < 2; ++i) sigma[at.tracker + i] = std::hypot(sigma[at.tracker + i], lean[i]);
   sigma.tail<4>() = lean.tail<4>();
   return sigma;
 }
@@ -153,9 +152,8 @@ ArmModel::Jacobian ArmModel::jacobian(const PosedAt& pose, const Eigen::VectorXd
     }
     if (point == 0) {
       rows.middleCols<2>(at.tool + 3) = R;
-      rows.rightCols<kTrackerTerms>() = 
-          tracker_rows(now.points.col(0), height_.reach,
-                       form_.sense * form_.joints_per_motor * pose.motors);
+      rows.rightCols<kTrackerTerms>() = tracker_rows(
+          now.points.col(0), height_.reach, form_.sense * form_.joints_per_motor * pose.motors);
       continue;
     }
     // The height's own change with the other unknowns is of second order.

@@ -33,6 +33,7 @@ struct ArmNominal {
   Eigen::Vector3d p_camera_B{0.0, 0.0, 1.0};  ///< over the plane of the lamps, metres
   double separation{0.04};                    ///< of the lamps, metres
   ToolOffsets tool;
+  Eigen::Vector2d end_point_sigma{1e-3, 1e-3};  ///< standard deviations of tool.p_TP, metres
   double reflector_sigma{1e-3};  ///< standard deviation per axis of tool.p_TS, metres
   /// Of the zero of motor 1, radians. Where nothing fixes the turn about the base's axis, that zero
   /// is what turn is counted from, and is next to nothing.

@@ -75,6 +75,36 @@ std::vector<ArmTerm> arm_terms(const JointEstimate& estimate) {
   return list.take();
 }
 
+std::vector<std::string> arm_in_words(const JointEstimate& estimate) {
+  const JointPriors& priors = estimate.priors;
+  const ArmModel model = estimate.model();
+  const Eigen::VectorXd& x = estimate.fit.arm;
+  std::vector<std::string> words{
+      fmt::format("this arm repeats to {:.4f} mm per axis", priors.arm_sigma / kMillimetre)};
+  constexpr const char* kTimes[] = {"once", "twice"};
+  for (int h = 0; h < estimate.size.ripples; ++h) {
+    const Eigen::Index first =
+        ArmForm::kFirstWave + Eigen::Index{6} * (estimate.size.harmonics + h);
+    const Eigen::Array3d sizes =
+        (x.segment<3>(first).array().square() + x.segment<3>(first + 3).array().square()).sqrt() /
+        kDegree;
+    words.push_back(fmt::format("its gears err by {:.4f}, {:.4f} and {:.4f} deg {} per motor turn",
+                                sizes[0], sizes[1], sizes[2], kTimes[h]));
+  }
+  if (model.form().posture.terms() > 0)
+    words.push_back(fmt::format("it deviates smoothly from links and gears by {:.4f} mm per axis",
+                                priors.deviation_sigma / kMillimetre));
+  if (model.height().wave.centers.cols() > 0)
+    words.push_back(fmt::format("its lamps rise and fall by {:.3f} mm over the plane",
+                                priors.wave_sigma / kMillimetre));
+  if (estimate.size.warms) {
+    const Eigen::Index warming = model.layout().warming;
+    words.push_back(fmt::format("its links grew by {:.0f} and {:.0f} um/m an hour at the end",
+                                1e6 * x[warming], 1e6 * x[warming + 1]));
+  }
+  return words;
+}
+
 FoundArm found_arm(const JointEstimate& estimate) {
   const ArmForm form = estimate.model().form();
   return {form, estimate.fit.arm.head(form.terms()), {}, estimate.priors.arm_sigma};

@@ -21,7 +21,11 @@ struct ArmTerm {
 /// Returns every number of the estimate's arm and tool.
 std::vector<ArmTerm> arm_terms(const JointEstimate& estimate);
 
-/// Returns the links, zeros and harmonics of an estimate.
+/// Says in sentences what the estimate found of the arm: how it repeats, how its gears err, and
+/// what else it does that its links and zeros do not say.
+std::vector<std::string> arm_in_words(const JointEstimate& estimate);
+
+/// Returns the arm of an estimate, with its scatter but without a covariance.
 FoundArm found_arm(const JointEstimate& estimate);
 
 }  // namespace planar

@@ -61,8 +61,7 @@ AxisLeans axis_leans(const ArmNominal& nominal, const std::vector<PoseSample>& s
     const Eigen::MatrixXd weighed = (weights / (noise * noise)).asDiagonal() * A;
     Eigen::MatrixXd H = A.transpose() * weighed;
     H.diagonal() += prior.cwiseAbs2().cwiseInverse();
-    const auto covariance =
-        solve_positive(H, Eigen::MatrixXd::Identity(kUnknowns, kUnknowns));
+    const auto covariance = solve_positive(H, Eigen::MatrixXd::Identity(kUnknowns, kUnknowns));
     if (!covariance) return leans;
     const Eigen::VectorXd x = *covariance * (weighed.transpose() * z);
     leans.shift = x.head<6>();

@@ -2,6 +2,7 @@
 
 #include "planar_servo/files/arm_file.h"
 #include "planar_servo/files/map/lamp_field_file.h"
+#include "planar_servo/files/map/map_file.h"
 #include "planar_servo/files/tables/lay_table.h"
 #include "planar_servo/files/tables/pair_table.h"
 #include "planar_servo/io/atomic_file.h"
@@ -27,11 +28,11 @@ void write_lamp_field(const LampFieldFiles& files, const LampFieldFit& fit,
   std::vector<Origin> origins;
   for (const MadeFile& input : files.inputs()) origins.push_back(origin_of(input));
   origins = with_origins_of(std::move(origins), files.pairs);
-  const std::string map = lamp_field_text(fit, origins, program);
+  const std::string map = fit.end_point_map ? map_text(*fit.end_point_map, files.pairs, program)
+                                            : lamp_field_text(fit, origins, program);
   if (!files.arm.empty()) {
     origins.push_back(arm_origin(cell));
-    write_file(files.arm,
-               found_arm_text(fit.arm, arm_terms(fit.estimate), origins, program));
+    write_file(files.arm, found_arm_text(fit.arm, arm_terms(fit.estimate), origins, program));
   }
   write_file(files.map, map);
 }

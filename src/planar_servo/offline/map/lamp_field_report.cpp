@@ -7,6 +7,7 @@
 
 #include "planar_servo/core/fixed.h"
 #include "planar_servo/core/units.h"
+#include "planar_servo/field/arm/arm_terms.h"
 #include "planar_servo/files/map/lamp_field_file.h"
 #include "planar_servo/offline/arm/calibrate_arm.h"
 
@@ -23,6 +24,27 @@ std::string judgement_text(const HeldOut& judged) {
          fmt::format("gain                {} %, {}\n",
                      fixed(100.0 * (1.0 - judged.rms / judged.raw_rms), 1),
                      judged.worth_using() ? "worth using" : "NOT significant: do not use this map");
+}
+
+/// Says how the ways to predict the error compare.
+std::string comparison_text(const LampFieldFit& fit) {
+  if (fit.compared.empty()) return "";
+  std::string text = "at places left out            mm rms   within stated 95 %\n";
+  for (const ComparedField& way : fit.compared)
+    text += fmt::format("{:<30}{:.4f}   {} %{}\n", way.name, way.rms / kMillimetre,
+                        fixed(100.0 * way.coverage_95, 1),
+                        way.rms == fit.held_out.rms ? ", taken" : "");
+  return text + "\n";
+}
+
+nlohmann::json comparison_json(const LampFieldFit& fit) {
+  nlohmann::json ways = nlohmann::json::array();
+  for (const ComparedField& way : fit.compared)
+    ways.push_back({{"name", way.name},
+                    {"loo_rms_mm", way.rms / kMillimetre},
+                    {"coverage_95", way.coverage_95},
+                    {"taken", way.rms == fit.held_out.rms}});
+  return ways;
 }
 
 /// Says what each source added and what fixed the field as a whole.
@@ -71,7 +93,9 @@ std::string lamp_field_report_text(const LampFieldFit& fit) {
   text += judgement_text(fit.held_out);
   text += fmt::format("noise of a lamp     {} times what the pairs state\n",
                       fixed(fit.estimate.priors.lamp_factor, 2));
-  return text + "\n" + sources_text(fit) + "\n" + arm_terms_text(fit.estimate);
+  text += "\n" + comparison_text(fit) + sources_text(fit) + "\n";
+  for (const std::string& sentence : arm_in_words(fit.estimate)) text += sentence + "\n";
+  return text + "\n" + arm_terms_text(fit.estimate);
 }
 
 nlohmann::json lamp_field_report_json(const LampFieldFit& fit) {
@@ -96,7 +120,10 @@ nlohmann::json lamp_field_report_json(const LampFieldFit& fit) {
                         {"datum_sigma_mm", fit.certainty.shift / kMillimetre},
                         {"end_point_sigma_mm", fit.certainty.end_point / kMillimetre},
                         {"sources", sources_json(fit)},
-                        {"arm", arm_terms_json(fit.estimate)}};
+                        {"arm", arm_terms_json(fit.estimate)},
+                        {"compared", comparison_json(fit)},
+                        {"arm_in_words", arm_in_words(fit.estimate)},
+                        {"scatter_mm", fit.estimate.priors.arm_sigma / kMillimetre}};
   if (fit.fixed_by.turn != FieldSource::kNothing)
     report["turn_sigma_deg"] = fit.certainty.turn / kDegree;
   if (fit.held_out.n > 0) {

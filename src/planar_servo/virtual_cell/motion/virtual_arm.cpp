@@ -115,9 +115,9 @@ Eigen::Vector2d VirtualArm::all_runout_m(const Eigen::Vector3d& direction_rad) c
     before_rad = direction_rad[i];
   }
   // P is the point about which the tool turns, so what turns with the tool is no error of P.
-  return sum - rotation2d(direction_rad[1]) *
-                   turning_runout_m(direction_rad[2] - direction_rad[1], arm_.runout->sizes[2],
-                                    arm_.runout->phases_rad[2]);
+  return sum - rotation2d(direction_rad[1]) * turning_runout_m(direction_rad[2] - direction_rad[1],
+                                                               arm_.runout->sizes[2],
+                                                               arm_.runout->phases_rad[2]);
 }
 
 double VirtualArm::sag_m(const Eigen::Vector2d& link1, const Eigen::Vector2d& link2) const {
