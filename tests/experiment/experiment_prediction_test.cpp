@@ -13,7 +13,7 @@ PredictionInputs known_cell(double sigma_tip) {
   LampField field;
   field.basis = basis_over_disc(0.6, 0.3);
   field.weights.setZero(field.basis.terms(), 2);
-  const Eigen::Index n = LampField::unknowns(field.basis);
+  const Eigen::Index n = field.unknowns();
   field.factor.setZero(n, n);
   field.factor(n - 2, n - 2) = field.factor(n - 1, n - 1) = sigma_tip;
   const Pinhole camera{{1000.0, 1000.0, 500.0, 500.0}};

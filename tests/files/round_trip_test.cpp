@@ -103,7 +103,9 @@ TEST_CASE("Every table comes back as it was written, whatever its texts contain"
                      random.coin() ? random.id() : "",
                      random.optional_lamps(),
                      random.optional_point(),
-                     random.coin() ? std::optional<Joints>(random.joints()) : std::nullopt};
+                     random.optional_number(),
+                     random.coin() ? std::optional<Joints>(random.joints()) : std::nullopt,
+                     random.optional_number()};
     };
     const auto read = [](const auto& path) { return read_pairs(path); };
     check_table<PairRow>(

@@ -83,11 +83,14 @@ TEST_CASE("One place alone that is off is a stray, and a change that moves all o
   int strays = 0, of_sound = 0, of_moved = 0;
   for (unsigned seed = 1; seed <= 200; ++seed) {
     auto sound = visit_twice(seed, Numbers::Zero());
-    of_sound += stray_place(sound) ? 1 : 0;
+    of_sound += stray_place(test::filed_cell(), sound) ? 1 : 0;
     for (Eigen::Vector2d& lamp : sound[seed % 4].now_B) lamp += Eigen::Vector2d(1e-3, -2e-3);
-    strays += stray_place(sound) == seed % 4 ? 1 : 0;
+    strays += stray_place(test::filed_cell(), sound) == seed % 4 ? 1 : 0;
     for (const MovedThing& moved : kMoved)
-      of_moved += stray_place(visit_twice(seed, moved.value * Numbers::Unit(moved.number))) ? 1 : 0;
+      of_moved += stray_place(test::filed_cell(),
+                              visit_twice(seed, moved.value * Numbers::Unit(moved.number)))
+                      ? 1
+                      : 0;
   }
   CHECK(strays >= 198);
   CHECK(of_sound <= 1);

@@ -98,7 +98,7 @@ TEST_CASE("A field at the lamps is judged where the tracker saw the reflector") 
   field.basis = basis_over_disc(0.6, 0.2);
   field.weights.setZero(field.basis.terms(), 2);
   field.weights(field.basis.centers.cols(), 0) = 1e-4;  // e_x is 0.1 mm everywhere
-  const Eigen::Index n = LampField::unknowns(field.basis);
+  const Eigen::Index n = field.unknowns();
   field.factor.setZero(n, n);
   field.tool.p_TS << 0.01, -0.01, 0.0;
   field.region.hull = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};

@@ -57,7 +57,7 @@ LampField shear(double slope) {
   field.basis = basis_over_disc(0.3, 0.2);
   field.weights.setZero(field.basis.terms(), 2);
   field.weights(field.basis.centers.cols() + 2, 0) = slope * field.basis.radius;
-  const Eigen::Index n = LampField::unknowns(field.basis);
+  const Eigen::Index n = field.unknowns();
   field.factor.setZero(n, n);
   field.region.hull = {{-0.3, -0.3}, {0.3, -0.3}, {0.3, 0.3}, {-0.3, 0.3}};
   return field;
