@@ -128,7 +128,7 @@ TEST_CASE("An arm's derivatives by every term agree with finite differences") {
       REQUIRE(J.cols() == arm.form.terms());
       // The runout's turn with the directions is left out: 7 um, where links are 0.3 m.
       CHECK((J - expected).colwise().norm().maxCoeff() < 3e-5);
-      CHECK(expected.colwise().norm().minCoeff() > 1e-12);
+      CHECK(J.rightCols(2 * arm.form.posture.terms()).maxCoeff() > 0.1);
     }
   }
 }
