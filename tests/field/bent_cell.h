@@ -42,9 +42,8 @@ struct BentCell {
   Truth truth(const Eigen::Vector3d& motors) const {
     Eigen::Vector3d turned = motors + zeros;
     for (int j = 0; j < 3; ++j)
-      turned[j] += eccentricity[j] *
-                       (std::sin(motors[j] + phase[j]) +
-                        second * std::sin(2.0 * motors[j] - phase[j])) +
+      turned[j] += eccentricity[j] * (std::sin(motors[j] + phase[j]) +
+                                      second * std::sin(2.0 * motors[j] - phase[j])) +
                    ripple * (std::sin(gears[j] * motors[j] + phase[j]) +
                              0.5 * std::cos(2.0 * gears[j] * motors[j]));
     const double a = turned[0], b = a + turned[1], c = b + turned[2];

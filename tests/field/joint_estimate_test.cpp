@@ -67,8 +67,7 @@ TEST_CASE("How far an arm scatters is found, and the field is better for it") {
   const double knowing_m = mean_miss_m(cell, estimate, samples);
   JointPriors held = estimate.priors;
   held.arm_sigma = 5e-6;
-  estimate.fit =
-      fit_jointly(estimate.model(), held, samples, estimate.fit.basis.radius).value();
+  estimate.fit = fit_jointly(estimate.model(), held, samples, estimate.fit.basis.radius).value();
   CHECK(knowing_m < mean_miss_m(cell, estimate, samples));
   CHECK(knowing_m < 10e-6);
 }

@@ -48,7 +48,8 @@ TEST_CASE("What all readings may have in common enters the stated uncertainty of
     JointEstimate estimate;
     estimate.nominal = nominal;
     estimate.fit = fit_jointly(estimate.model(), {}, samples, 0.6).value();
-    return std::sqrt(compensate(lamp_field(estimate, samples), samples[i].lamps_B).covariance(0, 0));
+    return std::sqrt(
+        compensate(lamp_field(estimate, samples), samples[i].lamps_B).covariance(0, 0));
   };
   const ArmNominal unbiased = without_bias(cell.nominal());
   ArmNominal shifted = unbiased, biased = unbiased;
@@ -62,7 +63,8 @@ TEST_CASE("What all readings may have in common enters the stated uncertainty of
   }
 }
 
-TEST_CASE("The kept part of the covariance states what the whole one does of sight and of landing") {
+TEST_CASE(
+    "The kept part of the covariance states what the whole one does of sight and of landing") {
   const test::BentCell cell;
   std::mt19937 random(8);
   const std::vector<PoseSample> samples = cell.samples(80, 40, random);
@@ -75,9 +77,8 @@ TEST_CASE("The kept part of the covariance states what the whole one does of sig
   REQUIRE(found.field.factor.cols() == found.arm.factor.cols());
   CHECK(found.field.factor.cols() < found.field.unknowns());
   const Eigen::Index arms = found.arm.form.terms();
-  const Eigen::MatrixXd whole =
-      estimate.fit.covariance.block(2 * estimate.fit.field_terms(), 2 * estimate.fit.field_terms(),
-                                    arms, arms);
+  const Eigen::MatrixXd whole = estimate.fit.covariance.block(
+      2 * estimate.fit.field_terms(), 2 * estimate.fit.field_terms(), arms, arms);
   const LampField field = lamp_field(estimate, samples);
   for (const PoseSample& sample : samples) {
     const Eigen::MatrixXd J = found.arm.form.jacobian(sample.motors, found.arm.x).topRows<2>();

@@ -111,7 +111,8 @@ std::vector<Revisit> visit_twice_scattered(unsigned seed, double scatter_m, cons
   return revisits;
 }
 
-TEST_CASE("The scatter of a sound arm is no finding where it is known, and is one where it is not") {
+TEST_CASE(
+    "The scatter of a sound arm is no finding where it is known, and is one where it is not") {
   constexpr double kScatter_m = 40e-6;
   int found = 0, found_unknown = 0;
   for (unsigned seed = 1; seed <= 200; ++seed) {
@@ -126,9 +127,9 @@ TEST_CASE("The scatter of a sound arm is no finding where it is known, and is on
 
 TEST_CASE("A camera raised by 2 mm is found through an arm's scatter") {
   for (unsigned seed = 1; seed <= 20; ++seed) {
-    const auto found = find_changes(
-        test::filed_cell(),
-        visit_twice_scattered(seed, 40e-6, -2e-3 / 1.5 * Numbers::Unit(kGrowthOff)));
+    const auto found =
+        find_changes(test::filed_cell(),
+                     visit_twice_scattered(seed, 40e-6, -2e-3 / 1.5 * Numbers::Unit(kGrowthOff)));
     INFO("seed " << seed);
     REQUIRE_FALSE(found.empty());
     CHECK(found[0].cause == Cause::kCameraCloser);
@@ -143,7 +144,8 @@ TEST_CASE("Links that warmth lets grow are no finding, and a link that grows alo
   int warm = 0, alone = 0;
   for (unsigned seed = 1; seed <= 100; ++seed) {
     warm += find_changes(model, visit_twice(seed, grown)).empty() ? 0 : 1;
-    alone += find_changes(model, visit_twice(seed, 0.2e-3 * Numbers::Unit(kLinkOff))).empty() ? 0 : 1;
+    alone +=
+        find_changes(model, visit_twice(seed, 0.2e-3 * Numbers::Unit(kLinkOff))).empty() ? 0 : 1;
   }
   CHECK(warm <= 2);
   CHECK(alone == 100);

@@ -56,8 +56,8 @@ TEST_CASE("What is known of a landing is J U U^T J^T of arm and sight, never neg
     other.weights.col(1) += off.segment(nb, nb);
     other.height += off.segment(2 * nb, 3);
     other.tool.p_TP += off.tail<2>();
-    rows.col(k).tail<2>() = compensate(field, look.lamps_B).tip.p -
-                            compensate(other, look.lamps_B).tip.p;
+    rows.col(k).tail<2>() =
+        compensate(field, look.lamps_B).tip.p - compensate(other, look.lamps_B).tip.p;
   }
   const Eigen::MatrixXd expected = rows * rows.transpose();
   CHECK((prior.covariance - expected).norm() < 0.01 * expected.norm());
