@@ -24,7 +24,7 @@ FoundArm bent_arm() {
   FoundArm arm;
   arm.form.harmonics = 2;
   arm.x.resize(arm.form.terms());
-  arm.x << 0.3004, 0.2993, 2e-3, -1e-3, 4e-3,       //
+  arm.x << 0.3004, 0.2993, 2e-3, -1e-3, 4e-3,          //
       0.5e-3, -0.8e-3, 1e-3, 0.3e-3, 0.6e-3, -0.4e-3,  //
       0.1e-3, 0.2e-3, 0.0, -0.2e-3, 0.0, 0.1e-3,       //
       0.0, 0.0;
@@ -128,7 +128,7 @@ TEST_CASE("An arm's derivatives by every term agree with finite differences") {
       REQUIRE(J.cols() == arm.form.terms());
       // The runout's turn with the directions is left out: 7 um, where links are 0.3 m.
       CHECK((J - expected).colwise().norm().maxCoeff() < 3e-5);
-      CHECK(expected.colwise().norm().minCoeff() > 1e-12);
+      CHECK(J.rightCols(2 * arm.form.posture.terms()).maxCoeff() > 0.1);
     }
   }
 }

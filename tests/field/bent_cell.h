@@ -18,7 +18,10 @@ struct BentCell {
   double link1{0.3003}, link2{0.2996};
   Eigen::Vector3d zeros{0.4e-3, -0.7e-3, 1.1e-3};
   Eigen::Vector3d eccentricity{0.6e-3, 0.9e-3, 1.2e-3}, phase{0.3, 1.7, -0.9};
+  Eigen::Vector3d gears{100.0, 100.0, 50.0};
   double second{0.25};  ///< the second harmonic's share of the first
+  double ripple{0.0};   ///< of each motor's own turn, radians; half as much twice a turn
+  double scatter{0.0};  ///< by which a stop misses, per axis
   double sag_per_m{0.4e-3};
   Eigen::Vector2d foot{0.01, 0.04};
   double height{1.5};
@@ -39,8 +42,10 @@ struct BentCell {
   Truth truth(const Eigen::Vector3d& motors) const {
     Eigen::Vector3d turned = motors + zeros;
     for (int j = 0; j < 3; ++j)
-      turned[j] += eccentricity[j] *
-                   (std::sin(motors[j] + phase[j]) + second * std::sin(2.0 * motors[j] - phase[j]));
+      turned[j] += eccentricity[j] * (std::sin(motors[j] + phase[j]) +
+                                      second * std::sin(2.0 * motors[j] - phase[j])) +
+                   ripple * (std::sin(gears[j] * motors[j] + phase[j]) +
+                             0.5 * std::cos(2.0 * gears[j] * motors[j]));
     const double a = turned[0], b = a + turned[1], c = b + turned[2];
     return {{link1 * std::cos(a) + link2 * std::cos(b), link1 * std::sin(a) + link2 * std::sin(b)},
             c};
@@ -59,17 +64,18 @@ struct BentCell {
 
   PoseSample sample(const Eigen::Vector3d& motors, bool attended, std::mt19937& random) const {
     std::normal_distribution<double> noise;
-    const auto scatter = [&](double sigma) -> Eigen::Vector2d {
+    const auto noise_of = [&](double sigma) -> Eigen::Vector2d {
       return sigma * Eigen::Vector2d(noise(random), noise(random));
     };
-    const Truth at = truth(motors);
+    Truth at = truth(motors);
+    if (scatter > 0.0) at.tip += noise_of(scatter);
     PoseSample sample;
     sample.motors = motors;
-    sample.lamps_B = {seen(at, -0.5 * separation) + scatter(noise_lamp),
-                      seen(at, 0.5 * separation) + scatter(noise_lamp)};
+    sample.lamps_B = {seen(at, -0.5 * separation) + noise_of(noise_lamp),
+                      seen(at, 0.5 * separation) + noise_of(noise_lamp)};
     sample.sigma_lamp = noise_lamp;
     if (attended)
-      sample.reflector_B = at.tip + rotation2d(at.phi) * reflector_T + scatter(noise_reflector);
+      sample.reflector_B = at.tip + rotation2d(at.phi) * reflector_T + noise_of(noise_reflector);
     sample.sigma_reflector = noise_reflector;
     return sample;
   }

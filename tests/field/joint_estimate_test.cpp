@@ -5,6 +5,8 @@
 
 #include "field/bent_cell.h"
 #include "planar_servo/core/error.h"
+#include "planar_servo/field/arm/arm_terms.h"
+#include "planar_servo/field/lamp_field.h"
 
 namespace planar {
 namespace {
@@ -16,12 +18,58 @@ TEST_CASE("As many harmonics are found as the reducers have") {
     std::mt19937 random(3);
     const JointEstimate found = estimate_jointly(cell.nominal(), cell.samples(60, 0, random));
     CHECK(found.size.harmonics == (second > 0.0 ? 2 : 1));
+    CHECK(found.size.ripples == 0);
     CHECK(found.left_out.empty());
     CHECK(found.fit.arm[0] == Approx(cell.link1).margin(20e-6));
     CHECK(found.fit.arm[1] == Approx(cell.link2).margin(20e-6));
     const double sigma = std::sqrt(found.fit.covariance.diagonal()[2 * found.fit.field_terms()]);
     CHECK(std::abs(found.fit.arm[0] - cell.link1) < 4.0 * sigma);
   }
+}
+
+TEST_CASE("Ripple of the motors' own turns is found") {
+  test::BentCell cell;
+  cell.ripple = 0.3e-3;
+  std::mt19937 random(13);
+  const JointEstimate found = estimate_jointly(cell.nominal(), cell.samples(100, 0, random));
+  REQUIRE(found.size.ripples == 2);
+  const Eigen::Index first = ArmForm::kFirstWave + Eigen::Index{6} * found.size.harmonics;
+  for (int motor = 0; motor < 2; ++motor)
+    CHECK(std::hypot(found.fit.arm[first + motor], found.fit.arm[first + 3 + motor]) ==
+          Approx(cell.ripple).epsilon(0.1));
+}
+
+/// Returns the mean distance from the compensated end point to the true one at other places.
+double mean_miss_m(const test::BentCell& cell, const JointEstimate& estimate,
+                   const std::vector<PoseSample>& samples) {
+  const LampField field = lamp_field(estimate, samples);
+  std::mt19937 random(99);
+  test::BentCell still = cell;
+  still.scatter = 0.0;
+  constexpr int kPlaces = 300;
+  double sum = 0.0;
+  for (int i = 0; i < kPlaces; ++i) {
+    const Eigen::Vector3d motors = test::BentCell::random_motors(random);
+    const PoseSample seen = still.sample(motors, false, random);
+    sum += (compensate(field, seen.lamps_B).tip.p - still.truth(motors).tip).norm() / kPlaces;
+  }
+  return sum;
+}
+
+TEST_CASE("How far an arm scatters is found, and the field is better for it") {
+  test::BentCell cell;
+  cell.scatter = 20e-6;
+  std::mt19937 random(14);
+  const std::vector<PoseSample> samples = cell.samples(60, 120, random);
+  JointEstimate estimate = estimate_jointly(cell.nominal(), samples);
+  CHECK(estimate.priors.arm_sigma == Approx(cell.scatter).epsilon(0.3));
+  CHECK(found_arm(estimate).scatter_m == estimate.priors.arm_sigma);
+  const double knowing_m = mean_miss_m(cell, estimate, samples);
+  JointPriors held = estimate.priors;
+  held.arm_sigma = 5e-6;
+  estimate.fit = fit_jointly(estimate.model(), held, samples, estimate.fit.basis.radius).value();
+  CHECK(knowing_m < mean_miss_m(cell, estimate, samples));
+  CHECK(knowing_m < 10e-6);
 }
 
 TEST_CASE("A wrong reading leaves without its pose, a wrong lamp takes the pose with it") {

@@ -45,7 +45,9 @@ std::string text_of(const FoundArm& arm) {
       arm, {{"link_length_1_mm", "link 1", 0.3004, 1e-6, kMillimetre, "mm", true}}, {}, "test");
 }
 
-std::string bent_arm_text() { return text_of(bent_arm()); }
+std::string bent_arm_text() {
+  return text_of(bent_arm());
+}
 
 TEST_CASE("An arm that was found comes back as it was written") {
   const test::TemporaryFolder folder;
@@ -109,8 +111,9 @@ TEST_CASE("A damaged arm file is refused by its place") {
 TEST_CASE("A factor or weights whose count does not fit the arm are refused by name") {
   const test::TemporaryFolder folder;
   const auto without_first = [&](const std::string& key) {
-    return folder.write("arm.yaml", std::regex_replace(text_of(whole_arm()),
-                                                       std::regex(key + ": \\[[^,]*, "), key + ": ["));
+    return folder.write(
+        "arm.yaml",
+        std::regex_replace(text_of(whole_arm()), std::regex(key + ": \\[[^,]*, "), key + ": ["));
   };
   CHECK_THROWS_WITH(read_found_arm(without_first("factor")),
                     Contains("arm.yaml:") && Contains("factor has 123 numbers") &&

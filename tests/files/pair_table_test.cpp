@@ -17,6 +17,8 @@ TEST_CASE("Pairs come back as they were written") {
   row.p_tracker = Eigen::Vector2d(0.1230, -0.2999);
   row.phi = 0.5;
   row.plan = Plan::kTrain;
+  row.p_reflector = Eigen::Vector2d(0.13, -0.31);
+  row.z_reflector = 0.0812345;
   const test::TemporaryFolder folder;
   const PairRow back = read_pairs(folder.write("pairs.csv", pairs_text({row}))).at(0);
   CHECK(back.id == "p1");
@@ -24,6 +26,7 @@ TEST_CASE("Pairs come back as they were written") {
   CHECK(*back.phi == Approx(0.5).margin(1e-8));
   CHECK_FALSE(back.sigma_vision.has_value());
   CHECK(back.plan == Plan::kTrain);
+  CHECK(back.z_reflector.value() == Approx(0.0812345).margin(test::kWrittenNanometre));
 }
 
 TEST_CASE("A row without the tracker's word is an unattended pose") {

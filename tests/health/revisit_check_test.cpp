@@ -97,6 +97,60 @@ TEST_CASE("One place alone that is off is a stray, and a change that moves all o
   CHECK(of_moved == 0);
 }
 
+/// Visits the places of a cell whose stops scatter by this, before and after a change.
+std::vector<Revisit> visit_twice_scattered(unsigned seed, double scatter_m, const Numbers& off) {
+  std::vector<Revisit> revisits = visit_twice(seed, off);
+  SoundCell random(seed + 10000);
+  for (Revisit& revisit : revisits) {
+    revisit.scatter_m = scatter_m;
+    for (LampPlaces* lamps : {&revisit.then_B, &revisit.now_B}) {
+      const Eigen::Vector2d stop(random.normal(scatter_m), random.normal(scatter_m));
+      for (Eigen::Vector2d& lamp : *lamps) lamp += stop;
+    }
+  }
+  return revisits;
+}
+
+TEST_CASE(
+    "The scatter of a sound arm is no finding where it is known, and is one where it is not") {
+  constexpr double kScatter_m = 40e-6;
+  int found = 0, found_unknown = 0;
+  for (unsigned seed = 1; seed <= 200; ++seed) {
+    auto revisits = visit_twice_scattered(seed, kScatter_m, Numbers::Zero());
+    found += find_changes(test::filed_cell(), revisits).empty() ? 0 : 1;
+    for (Revisit& revisit : revisits) revisit.scatter_m = 0.0;
+    found_unknown += find_changes(test::filed_cell(), revisits).empty() ? 0 : 1;
+  }
+  CHECK(found <= 2);
+  CHECK(found_unknown >= 198);
+}
+
+TEST_CASE("A camera raised by 2 mm is found through an arm's scatter") {
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    const auto found =
+        find_changes(test::filed_cell(),
+                     visit_twice_scattered(seed, 40e-6, -2e-3 / 1.5 * Numbers::Unit(kGrowthOff)));
+    INFO("seed " << seed);
+    REQUIRE_FALSE(found.empty());
+    CHECK(found[0].cause == Cause::kCameraCloser);
+    CHECK(found[0].size == Approx(-0.133).epsilon(0.3));
+  }
+}
+
+TEST_CASE("Links that warmth lets grow are no finding, and a link that grows alone is one") {
+  const CellModel model = test::filed_cell();
+  Numbers grown = Numbers::Zero();
+  grown.segment<2>(kLinkOff) = 1e-4 * model.links_m;
+  int warm = 0, alone = 0;
+  for (unsigned seed = 1; seed <= 100; ++seed) {
+    warm += find_changes(model, visit_twice(seed, grown)).empty() ? 0 : 1;
+    alone +=
+        find_changes(model, visit_twice(seed, 0.2e-3 * Numbers::Unit(kLinkOff))).empty() ? 0 : 1;
+  }
+  CHECK(warm <= 2);
+  CHECK(alone == 100);
+}
+
 TEST_CASE("Two things at once are not called one") {
   const auto found = find_changes(
       test::filed_cell(),

@@ -16,6 +16,7 @@ class SameEverywhere final : public LandingModel {
     prior_.scatter_m = scatter_m;
     prior_.short_scatter_m = short_scatter_m;
   }
+  void allow_stray(double stray_m) { prior_.stray_m = stray_m; }
   LandingPrior at(const Joints& /*theta_c*/, const TipMeasurement& /*look*/) const override {
     return prior_;
   }
@@ -190,6 +191,24 @@ TEST_CASE("One stop that slips by much leaves the estimates of arm and scatter a
   CHECK(slipped.p.y() > 75e-6);
   CHECK((slipped.correction - before.correction).norm() < 2e-6);
   CHECK(estimator.take(look_at(d), c).scatter_m < 2.0 * before.scatter_m);
+}
+
+TEST_CASE("An arm that strayed is believed where it is seen, if the model knows that arms stray") {
+  const Eigen::Vector2d c = Eigen::Vector2d::Zero(), strayed(1e-3, 0.0);
+  const auto first_look = [&](double stray_m, const Eigen::Vector2d& seen) {
+    SameEverywhere model(3e-6, 3e-6, 2e-6, 2e-6);
+    model.allow_stray(stray_m);
+    LandingEstimator estimator(model);
+    return estimator.take(look_at(seen), c);
+  };
+  const LandingEstimate known = first_look(2e-3, strayed);
+  CHECK((known.p - strayed).norm() < 10e-6);
+  CHECK((known.correction + strayed).norm() < 20e-6);
+  // Otherwise it is a stop that scattered, and the next one is expected where it was sent.
+  CHECK(first_look(0.0, strayed).correction.norm() < 0.2e-3);
+  // Beside an ordinary look the possibility changes nothing.
+  const Eigen::Vector2d usual(5e-6, -3e-6);
+  CHECK((first_look(2e-3, usual).p - first_look(0.0, usual).p).norm() == 0.0);
 }
 
 TEST_CASE("Two stops differ by no more than scatter explains") {

@@ -34,6 +34,7 @@ TEST_CASE("An axis runs out once per turn by the stated size, and is not back af
     greatest = std::max(greatest, p.norm());
   }
   CHECK(once.norm() == Approx(kRunout_m).epsilon(0.1));
+  CHECK((once - turning_runout_m(0.0, kRunout_m, 0.7)).norm() < 0.01 * kRunout_m);
   CHECK(greatest < 1.4 * kRunout_m + 1e-12);
   CHECK((runout_m(0.5 + 2.0 * kPi, kRunout_m, 0.7) - runout_m(0.5, kRunout_m, 0.7)).norm() >
         0.1 * kRunout_m);
@@ -50,8 +51,10 @@ TEST_CASE("The runout of each axis moves the tip in the frame of the link before
     const double before_rad = joint == 0 ? 0.0 : home[joint - 1];
     const Eigen::Vector2d moved =
         (pose_at(truth, home).translation() - pose_at(plain, home).translation()).head<2>();
-    const Eigen::Vector2d expected =
-        rotation2d(before_rad) * runout_m(home[joint] - before_rad, kRunout_m, 0.7);
+    Eigen::Vector2d expected = runout_m(home[joint] - before_rad, kRunout_m, 0.7);
+    // What turns with the tool is part of where the tip lies in it.
+    if (joint == 2) expected -= turning_runout_m(home[joint] - before_rad, kRunout_m, 0.7);
+    expected = rotation2d(before_rad) * expected;
     CHECK((moved - expected).norm() < 0.01 * kRunout_m);  // the joints' own errors are small
   }
 }

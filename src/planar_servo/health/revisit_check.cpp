@@ -104,6 +104,9 @@ ChangeFit fit_change(const Suspect& suspect, const Eigen::MatrixXd& J, const Eig
 void put_likeliest_first(std::vector<ChangeFit>& fits, double little) {
   std::sort(fits.begin(), fits.end(),
             [](const ChangeFit& a, const ChangeFit& b) { return a.score < b.score; });
+  // Where warmth leaves a change few standard deviations, little is less than what noise leaves;
+  // nothing with more numbers may then outrank the likeliest.
+  little = std::max(little, std::nextafter(fits.front().chi2, HUGE_VAL));
   std::stable_sort(fits.begin(), fits.end(), [&](const ChangeFit& a, const ChangeFit& b) {
     if (a.chi2 >= little || b.chi2 >= little) return a.chi2 < little && b.chi2 >= little;
     return a.suspect->numbers.size() < b.suspect->numbers.size();
