@@ -60,6 +60,19 @@ Eigen::VectorXd found_terms(const FoundArm& found, const ArmForm& form) {
   return x;
 }
 
+/// Returns by how much a change of zeros and waves turns each motor.
+Eigen::Array3d turns(const ArmForm& form, const Eigen::Vector3d& motors,
+                     const Eigen::VectorXd& change) {
+  Eigen::Array3d turned = change.segment<3>(2);
+  for (int wave = 0; wave < form.waves(); ++wave) {
+    const Eigen::Array3d angle = form.orders(wave) * motors.array();
+    const Eigen::Index first = ArmForm::kFirstWave + Eigen::Index{6} * wave;
+    turned += change.segment<3>(first).array() * angle.sin() +
+              change.segment<3>(first + 3).array() * angle.cos();
+  }
+  return turned;
+}
+
 }  // namespace
 
 LearnedArm not_yet_learned(FoundArm found, const std::vector<Joints>& postures) {
@@ -111,7 +124,7 @@ Lesson ArmLearner::take(const ArmLook& look, double t_s) {
     return Lesson::kUnexpected;
   const Eigen::MatrixX2d gain = with_sight * weight;
   const Eigen::VectorXd x = arm.x + gain * innovation;
-  if (beyond_caps(x)) return Lesson::kBeyondCaps;
+  if (beyond_caps(look.motors, x)) return Lesson::kBeyondCaps;
   arm.x = x;
   Eigen::MatrixXd& covariance = learned_.covariance;
   covariance -= gain * with_sight.transpose();
@@ -121,13 +134,14 @@ Lesson ArmLearner::take(const ArmLook& look, double t_s) {
   return Lesson::kTaken;
 }
 
-bool ArmLearner::beyond_caps(const Eigen::VectorXd& x) const {
+bool ArmLearner::beyond_caps(const Eigen::Vector3d& motors, const Eigen::VectorXd& x) const {
   const ArmForm& form = learned_.arm.form;
   const Eigen::VectorXd change = x - found_x_;
   const Eigen::Index m = form.posture.terms();
   if ((change.head<2>().array() / found_x_.head<2>().array()).abs().maxCoeff() > kMostGrowth)
     return true;
-  if (change.segment(2, form.runout() - 2).cwiseAbs().maxCoeff() > kMostTurn) return true;
+  // Zeros and waves may stand for one another where a motor turns by less than a whole turn.
+  if (turns(form, motors, change).abs().maxCoeff() > kMostTurn) return true;
   const Eigen::MatrixX2d deviation =
       kernel_ * change.tail(2 * m).reshaped(m, Eigen::Index{2});
   return m > 0 && deviation.rowwise().norm().maxCoeff() > kMostDeviation_m;

@@ -60,14 +60,15 @@ class ArmLearner {
   // What no look may make of an arm. Aluminium grows by 23 um/m and degree; the motors of a small
   // arm warm its links by 3 to 15 degrees.
   static constexpr double kMostGrowth = 350e-6;
-  /// Zeros, and amplitudes of waves, by which bearings and reducers shift with warmth.
+  /// By so much zero and waves together may turn a motor at the posture of a look: bearings and
+  /// reducers shift with warmth by some thousandths of a degree.
   static constexpr double kMostTurn = 0.01 * kDegree;
   /// Smooth deviations change by wear and by loads; more than this asks for a new calibration.
   static constexpr double kMostDeviation_m = 0.1e-3;
 
  private:
   double hours_since(double t_s) const;
-  bool beyond_caps(const Eigen::VectorXd& x) const;
+  bool beyond_caps(const Eigen::Vector3d& motors, const Eigen::VectorXd& x) const;
 
   Eigen::VectorXd found_x_;  ///< in the form of what is learned
   LearnedArm learned_;
