@@ -115,8 +115,7 @@ TEST_CASE("What vision may be wrong by is not taken for the arm's, however often
   for (int i = 0; i < 500; ++i) learned.take(arm.look(at), 0.1 * i);
   const double chased_m = (learned.learned().arm.tip(at).p - arm.truth.tip(at).p).norm();
   CHECK(chased_m < 25e-6);
-  const Eigen::Matrix4d known =
-      learned.landing_covariance(at, vision_off_in_x(30e-6), 50.0);
+  const Eigen::Matrix4d known = learned.landing_covariance(at, vision_off_in_x(30e-6), 50.0);
   CHECK(known(2, 2) == Approx(30e-6 * 30e-6));
   CHECK(std::sqrt(known(0, 0)) > 0.5 * chased_m);
   // The arm that follows vision is wrong by what vision is.
@@ -142,7 +141,8 @@ TEST_CASE("No looks make an arm of it that neither warmth nor wear does") {
   for (int i = 0; i < 3000; ++i) {
     arm.truth.x.head<2>().setConstant(0.3 * (1.0 + 1e-6 * i));
     if (learned.take(arm.look(arm.motors()), 30.0 * i) == Lesson::kBeyondCaps) ++refused;
-    const Eigen::Vector2d growth = learned.learned().arm.x.head<2>() / 0.3 - Eigen::Vector2d::Ones();
+    const Eigen::Vector2d growth =
+        learned.learned().arm.x.head<2>() / 0.3 - Eigen::Vector2d::Ones();
     REQUIRE(growth.cwiseAbs().maxCoeff() <= ArmLearner::kMostGrowth);
     REQUIRE(std::abs(learned.learned().arm.x[2]) <= ArmLearner::kMostTurn);
   }

@@ -8,7 +8,8 @@
 namespace planar {
 namespace {
 
-/// An arm that is known to be its data sheet's to 0.1 mm of its links and 0.01 degrees of its zeros.
+/// An arm that is known to be its data sheet's to 0.1 mm of its links and 0.01 degrees of its
+/// zeros.
 FoundArm arm_by_data_sheet(const JointPlanner& planner) {
   FoundArm arm;
   arm.x = Eigen::VectorXd::Zero(7);

@@ -142,8 +142,7 @@ bool ArmLearner::beyond_caps(const Eigen::Vector3d& motors, const Eigen::VectorX
     return true;
   // Zeros and waves may stand for one another where a motor turns by less than a whole turn.
   if (turns(form, motors, change).abs().maxCoeff() > kMostTurn) return true;
-  const Eigen::MatrixX2d deviation =
-      kernel_ * change.tail(2 * m).reshaped(m, Eigen::Index{2});
+  const Eigen::MatrixX2d deviation = kernel_ * change.tail(2 * m).reshaped(m, Eigen::Index{2});
   return m > 0 && deviation.rowwise().norm().maxCoeff() > kMostDeviation_m;
 }
 

@@ -16,9 +16,9 @@ struct LearnedArm {
   Eigen::MatrixXd covariance;  ///< of the arm's terms
 };
 
-/// Returns an arm as it was found, with a factor that has the columns of the field's. Where its form
-/// has no Gaussians over the posture it is given some, spread over these postures: smooth deviations
-/// that were too small to be found beside the scatter may be learned.
+/// Returns an arm as it was found, with a factor that has the columns of the field's. Where its
+/// form has no Gaussians over the posture it is given some, spread over these postures: smooth
+/// deviations that were too small to be found beside the scatter may be learned.
 LearnedArm not_yet_learned(FoundArm found, const std::vector<Joints>& postures);
 
 /// What one look says of an arm.

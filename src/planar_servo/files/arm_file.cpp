@@ -100,8 +100,7 @@ void list_found_arm(Fields& fields, FoundArm& arm) {
   if (fields.given("runout3_mm", !terms.runout.isZero(0.0)))
     fields.numbers("runout3_mm", terms.runout, kMillimetre);
   if (fields.given("deviation", arm.form.posture.terms() > 0))
-    fields.map("deviation",
-               [&] { list_deviation(fields, arm.form.posture, terms.deviation); });
+    fields.map("deviation", [&] { list_deviation(fields, arm.form.posture, terms.deviation); });
   if (fields.given("scatter_mm", arm.scatter_m > 0.0))
     fields.number("scatter_mm", arm.scatter_m, kMillimetre, Range::positive());
   arm.form.harmonics = static_cast<int>(terms.eccentricity.size());

@@ -42,15 +42,15 @@ std::unique_ptr<LandingModel> landings_of(const ServoRequest& request,
                                           const VisionCalibration& vision,
                                           const JointPlanner& planner, const GuardLimits& limits) {
   if (!request.estimates_landings) return nullptr;
-  const LampField* field =
-      vision.error_map ? std::get_if<LampField>(&*vision.error_map) : nullptr;
+  const LampField* field = vision.error_map ? std::get_if<LampField>(&*vision.error_map) : nullptr;
   const auto& arm = planner.found();
   if (field == nullptr || !arm || arm->factor.cols() != field->factor.cols())
     return std::make_unique<UnknownLandings>(limits.distance_m);
   const double stray_m = limits.distance_m / kDeviationsInDistance;
   if (!request.learns)
     return std::make_unique<FoundLandings>(*field, *arm, planner.transmission(), stray_m);
-  return std::make_unique<LearningLandings>(*field, *arm, remembered_arm(request.cell, planner, request.forgets),
+  return std::make_unique<LearningLandings>(*field, *arm,
+                                            remembered_arm(request.cell, planner, request.forgets),
                                             planner.transmission(), stray_m);
 }
 

@@ -34,8 +34,8 @@ class PositionServo {
 
   /// Takes robot, sensor, clock and, if there is one, the model, which must outlive the servo. The
   /// planner knows where the arm, as it was found, lands; a model that learns the arm tells it more
-  /// at each target. The guard holds looks against the planner's arm() alone. Throws std::invalid_argument for settings
-  /// out of range.
+  /// at each target. The guard holds looks against the planner's arm() alone. Throws
+  /// std::invalid_argument for settings out of range.
   PositionServo(const ServoSettings& settings, const GuardLimits& limits,
                 const JointPlanner& planner, PlanarRobot& robot, TipSensor& sensor, Clock& clock,
                 LandingModel* landings = nullptr);

@@ -61,15 +61,13 @@ LearnedArm remembered_arm(const CellSettings& cell, const JointPlanner& planner,
     ArmLearner(found, known);
     return known;
   } catch (const std::invalid_argument& error) {
-    throw InputError(fmt::format("{}: {}; start anew with --forget", cell.arm_learned->string(),
-                                 error.what()));
+    throw InputError(
+        fmt::format("{}: {}; start anew with --forget", cell.arm_learned->string(), error.what()));
   }
 }
 
 ArmMemory::ArmMemory(const CellSettings& cell, const LearningLandings& landings)
-    : file_(cell.arm_learned.value()),
-      origins_(learned_arm_origins(cell)),
-      landings_(landings) {
+    : file_(cell.arm_learned.value()), origins_(learned_arm_origins(cell)), landings_(landings) {
   require_writable(file_);
 }
 
