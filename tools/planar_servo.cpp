@@ -29,7 +29,7 @@ const ProgramText kText{
     "Positions the end point at targets, or leads it along a path, by vision and logs every step.",
     "planar-servo --cell cell.yaml --targets targets.csv --out DIR [--no-error-map] [--resume]\n"
     "                    [--centre METHOD] [--display auto|x|none] [--home] [--at-marks]\n"
-    "                    [--accept-stale] [--no-health] [--keep-going] [--judged]\n"
+    "                    [--accept-stale] [--no-health] [--keep-going] [--judged] [--forget]\n"
     "       planar-servo --cell cell.yaml --targets targets.csv --dry-run | --check\n"
     "       ... | planar-servo --cell cell.yaml --targets - --out DIR\n"
     "       planar-servo --cell cell.yaml --path path.csv --out DIR [--speed-mm-s V,...] "
@@ -48,7 +48,7 @@ struct Options {
   bool no_error_map{false}, dry_run{false}, check{false}, resume{false};
   HomingOptions homing;
   bool accept_stale{false}, no_health{false}, keep_going{false}, judged{false};
-  bool no_vision{false}, compare{false};
+  bool no_vision{false}, compare{false}, forget{false};
 };
 
 /// Adds where the end point is to go: targets or a path.
@@ -96,6 +96,9 @@ void add_options(CLI::App& app, Options& options) {
   app.add_flag("--keep-going", options.keep_going,
                "try the next target even when the cell itself is in doubt: after a look that "
                "contradicts the command or the calibration, or an error that grew");
+  app.add_flag("--forget", options.forget,
+               "learn the arm anew: do not begin with what the cell's arm_learned file holds")
+      ->excludes("--path");
   app.add_flag(
          "--judged", options.judged,
          "let the tracker of a real cell judge every target: it asks for the reflector on the "
@@ -240,6 +243,8 @@ Outcome reach_targets(const Options& options, const CellSettings& cell) {
   if (options.dry_run)
     return from_stdin(options) ? plan_stream(cell) : print_dry_run(cell, targets);
   ServoRequest request = request_of(options, cell);
+  request.learns = cell.servo.learns;
+  request.forgets = options.forget;
   heed_interrupts();
   const auto devices = open_cell(request.cell);
   if (options.judged)

@@ -16,6 +16,7 @@
 #include "planar_servo/files/board_points_file.h"
 #include "planar_servo/files/camera/camera_file.h"
 #include "planar_servo/files/certificate/cycle_table.h"
+#include "planar_servo/files/learned_arm_file.h"
 #include "planar_servo/files/map/map_file.h"
 #include "planar_servo/files/path/path_table.h"
 #include "planar_servo/files/provenance.h"
@@ -91,6 +92,7 @@ const std::map<std::string, Reader>& readers() {
       {"workplane", {"workplane.yaml", [](const fs::path& path) { read_workplane(path); }}},
       {"tool", {"tool.yaml", [](const fs::path& path) { read_tool(path); }}},
       {"arm", {"arm.yaml", [](const fs::path& path) { read_found_arm(path); }}},
+      {"arm_learned", {"arm_learned.yaml", [](const fs::path& path) { read_learned_arm(path); }}},
       {"arm_samples", {"samples.csv", [](const fs::path& path) { read_arm_samples(path); }}},
       {"map", {"map.yaml", [](const fs::path& path) { read_map(path); }}},
       {"frames", {"frames.csv", [](const fs::path& path) { read_frames(path.parent_path()); }}},

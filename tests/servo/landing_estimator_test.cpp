@@ -20,10 +20,7 @@ class SameEverywhere final : public LandingModel {
   LandingPrior at(const Joints& /*theta_c*/, const TipMeasurement& /*look*/) const override {
     return prior_;
   }
-  void learn(const LandingPrior& /*used*/, const Joints& /*theta_c*/,
-             const TipMeasurement& /*look*/) override {
-    ++learned;
-  }
+  void learn(const SeenLanding& /*seen*/) override { ++learned; }
   int learned{0};
 
  private:

@@ -71,8 +71,9 @@ struct CellSettings {
   CameraSettings camera;
   /// The files of the calibration, which may not exist yet.
   std::filesystem::path camera_model, workplane, tool, error_map;
-  std::optional<std::filesystem::path> health;     ///< what the calibration kept for later checks
-  std::optional<std::filesystem::path> arm_found;  ///< the arm as its poses showed it
+  std::optional<std::filesystem::path> health;       ///< what the calibration kept for later checks
+  std::optional<std::filesystem::path> arm_found;    ///< the arm as its poses showed it
+  std::optional<std::filesystem::path> arm_learned;  ///< what looks have taught of it since
   LampSettings lamps;
   std::vector<ReferenceLampLayout> reference_lamps;
   ArmSettings arm;

@@ -21,6 +21,7 @@ struct ServoSettings {
   double max_step_m{5e-3};
   double settle_s{0.2};
   int frames_per_measurement{3};
+  bool learns{true};  ///< the arm, from looks at its targets, where it was found with its field
   Approach approach{Approach::kOneSide};
   /// The angle by which every motor, behind its gear, first stops short when it approaches from one
   /// side. It must exceed the play; 0.2 deg is several times that of a gear fit for positioning.

@@ -75,7 +75,22 @@ void list_deviation(Fields& fields, PostureBasis& posture, Eigen::VectorXd& weig
   fields.numbers("weights_mm", weights, kMillimetre);
 }
 
-void list_fields(Fields& fields, FoundArm& arm) {
+void add_terms(YamlWriter& yaml, const std::vector<ArmTerm>& terms) {
+  yaml.begin_list("terms");
+  for (const ArmTerm& term : terms) {
+    yaml.begin_item();
+    yaml.add("name", term.key);
+    yaml.add("value", term.value / term.unit);
+    yaml.add("sigma", term.sigma / term.unit);
+    yaml.add("determined", term.determined);
+    yaml.end_map();
+  }
+  yaml.end_list();
+}
+
+}  // namespace
+
+void list_found_arm(Fields& fields, FoundArm& arm) {
   NamedTerms terms(arm);
   fields.numbers("link_lengths_mm", terms.links, kMillimetre, Range::positive());
   fields.numbers("zero_offsets_deg", terms.zeros, kDegree);
@@ -95,28 +110,13 @@ void list_fields(Fields& fields, FoundArm& arm) {
     list_columns(fields, "factor", arm.factor, arm.x.size());
 }
 
-void add_terms(YamlWriter& yaml, const std::vector<ArmTerm>& terms) {
-  yaml.begin_list("terms");
-  for (const ArmTerm& term : terms) {
-    yaml.begin_item();
-    yaml.add("name", term.key);
-    yaml.add("value", term.value / term.unit);
-    yaml.add("sigma", term.sigma / term.unit);
-    yaml.add("determined", term.determined);
-    yaml.end_map();
-  }
-  yaml.end_list();
-}
-
-}  // namespace
-
 std::string found_arm_text(const FoundArm& arm, const std::vector<ArmTerm>& terms,
                            const std::vector<Origin>& origins, const std::string& program) {
   YamlWriter yaml = YamlWriter::with_header("arm", program);
   yaml.add_inputs(input_records(origins));
   FieldWriter writer(yaml);
   FoundArm written = arm;
-  writer.map("arm", [&] { list_fields(writer, written); });
+  writer.map("arm", [&] { list_found_arm(writer, written); });
   add_terms(yaml, terms);
   return yaml.text();
 }
@@ -127,7 +127,7 @@ FoundArm read_found_arm(const std::filesystem::path& path) {
   root.child("terms").allow_all();
   FieldReader reader(root);
   FoundArm arm;
-  reader.map("arm", [&] { list_fields(reader, arm); });
+  reader.map("arm", [&] { list_found_arm(reader, arm); });
   document.throw_if_faulty();
   return arm;
 }

@@ -25,6 +25,7 @@ constexpr Named<Coupling> kCouplings[] = {{Coupling::kRelative, "relative"},
 constexpr Named<int> kDirections[] = {{1, "1"}, {-1, "-1"}};
 constexpr Named<ServoLaw> kLaws[] = {{ServoLaw::kJacobian, "jacobian"},
                                      {ServoLaw::kInverse, "inverse"}};
+constexpr Named<bool> kTruths[] = {{true, "true"}, {false, "false"}};
 constexpr Named<Approach> kApproaches[] = {{Approach::kOneSide, "one_side"},
                                            {Approach::kDirect, "direct"}};
 
@@ -116,6 +117,7 @@ void read_servo(Fields& fields, ServoSettings& servo) {
   fields.number("settle_ms", servo.settle_s, kMillisecond, Range::from_to(0.0, kMaxSettle_ms));
   fields.whole_number("frames_per_measurement", servo.frames_per_measurement, 1, kMaxCount);
   fields.choice("approach", servo.approach, kApproaches);
+  if (fields.given("learn", true)) fields.choice("learn", servo.learns, kTruths);
 }
 
 void read_workspace(Fields& fields, Workspace& workspace) {
@@ -215,6 +217,10 @@ void read_fields(Fields& fields, CellSettings& cell, const DeviceKinds& kinds) {
   if (fields.given("health", true)) read_file_name(fields, "health", cell, cell.health.emplace());
   if (fields.given("arm_found", true))
     read_file_name(fields, "arm_found", cell, cell.arm_found.emplace());
+  if (fields.given("arm_learned", true))
+    read_file_name(fields, "arm_learned", cell, cell.arm_learned.emplace());
+  fields.check(!cell.arm_learned || cell.arm_found,
+               "arm_learned needs arm_found, which it learns from", "arm_learned");
   if (fields.given("virtual", true)) read_file_name(fields, "virtual", cell, cell.truth.emplace());
 }
 

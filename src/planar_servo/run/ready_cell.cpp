@@ -14,6 +14,7 @@
 #include "planar_servo/servo/camera_wait.h"
 #include "planar_servo/vision/found_landings.h"
 #include "planar_servo/vision/guard_limits.h"
+#include "planar_servo/vision/learning_landings.h"
 
 namespace planar {
 namespace {
@@ -43,10 +44,14 @@ std::unique_ptr<LandingModel> landings_of(const ServoRequest& request,
   if (!request.estimates_landings) return nullptr;
   const LampField* field = vision.error_map ? std::get_if<LampField>(&*vision.error_map) : nullptr;
   const auto& arm = planner.found();
-  if (field != nullptr && arm && arm->factor.cols() == field->factor.cols())
-    return std::make_unique<FoundLandings>(*field, *arm, planner.transmission(),
-                                           limits.distance_m / kDeviationsInDistance);
-  return std::make_unique<UnknownLandings>(limits.distance_m);
+  if (field == nullptr || !arm || arm->factor.cols() != field->factor.cols())
+    return std::make_unique<UnknownLandings>(limits.distance_m);
+  const double stray_m = limits.distance_m / kDeviationsInDistance;
+  if (!request.learns)
+    return std::make_unique<FoundLandings>(*field, *arm, planner.transmission(), stray_m);
+  return std::make_unique<LearningLandings>(*field, *arm,
+                                            remembered_arm(request.cell, planner, request.forgets),
+                                            planner.transmission(), stray_m);
 }
 
 }  // namespace
@@ -79,6 +84,8 @@ ReadyCell::ReadyCell(const ServoRequest& request, CellDevices& devices)
       landings_(landings_of(request, vision_, planner_, limits_)),
       servo_(cell_.servo, limits_, planner_, robot_, sensor_, devices.clock(), landings_.get()) {
   robot_.stop_when(request.stop);
+  const auto* learning = dynamic_cast<const LearningLandings*>(landings_.get());
+  if (learning != nullptr && cell_.arm_learned) memory_.emplace(cell_, *learning);
 }
 
 void ReadyCell::switch_on() {
@@ -112,6 +119,10 @@ void ReadyCell::examine() {
     if (finding.cost_m > kTolerable_m)
       throw WorkError("the cell is not well: " + findings_text(found));
   if (!found.empty()) spdlog::warn(findings_text(found));
+}
+
+void ReadyCell::keep_lessons_if_due() {
+  if (memory_) memory_->keep_if_due(clock_.now_s());
 }
 
 bool ReadyCell::must_examine() const {

@@ -13,6 +13,7 @@
 #include "planar_servo/robot/homing.h"
 #include "planar_servo/robot/planar_robot.h"
 #include "planar_servo/run/end_point_judge.h"
+#include "planar_servo/run/learned/arm_memory.h"
 #include "planar_servo/servo/position_servo.h"
 #include "planar_servo/vision/lamp_tip_sensor.h"
 
@@ -39,6 +40,9 @@ struct ServoRequest {
   /// Positions by all looks at a target and what is known of arm and vision; else the whole error
   /// of the last look is corrected.
   bool estimates_landings{true};
+  /// Learns the arm from looks, and keeps what it learns where the cell names an arm_learned file.
+  bool learns{false};
+  bool forgets{false};  ///< does not begin with what that file says
 };
 
 /// Returns the sentences on calibration files that do not belong together, and shows them in the
@@ -60,6 +64,9 @@ class ReadyCell {
   /// Looks, before the first motion and every ten minutes after it, whether the cell still is as
   /// its files say and as it was at its calibration. Throws WorkError when it is not.
   void examine_if_due();
+
+  /// Keeps every ten minutes what was learned of the arm.
+  void keep_lessons_if_due();
 
   /// The most recoveries of drives for one target. A drive that fails more often is broken.
   static constexpr int kMaxDriveRecoveries = 3;
@@ -107,6 +114,7 @@ class ReadyCell {
   JointPlanner planner_;
   PlanarRobot robot_;
   std::unique_ptr<LandingModel> landings_;  ///< none where landings are not estimated
+  std::optional<ArmMemory> memory_;         ///< none where nothing is learned or kept
   PositionServo servo_;
 };
 

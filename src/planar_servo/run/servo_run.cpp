@@ -99,6 +99,7 @@ const TargetResult& ServoRun::move_to(const TargetRow& target) {
   if (outcome.cell_in_doubt && !keep_going_)
     ended_by_ = fmt::format("{}: {}: {}", target.id, name(outcome.status), outcome.reason);
   table_.append(result_line(results_.back()));
+  cell_.keep_lessons_if_due();
   return results_.back();
 }
 

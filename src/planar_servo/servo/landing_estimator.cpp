@@ -57,12 +57,18 @@ double LandingEstimator::scatter_m(const Member& member, bool is_short) const {
                   : after_long_m;
 }
 
+double LandingEstimator::long_scatter_m() const {
+  double mean_m = 0.0;
+  for (const Member& member : members_) mean_m += member.weight * scatter_m(member, false);
+  return mean_m;
+}
+
 void LandingEstimator::start(const ServoStep& step) {
   prior_ = model_.at(step.theta_c, step.measurement);
   if (!(prior_->scatter_m > 0.0 && prior_->short_scatter_m > 0.0))
     throw std::invalid_argument("a landing's scatter must be positive");
   for (Member& member : members_) member.filter = LandingFilter(prior_->covariance);
-  was_unexpected_ = false;
+  was_unexpected_ = has_strayed_ = false;
 }
 
 void LandingEstimator::allow_for_stray(const LandingLook& look) {
@@ -79,6 +85,7 @@ void LandingEstimator::allow_for_stray(const LandingLook& look) {
     expected += member.weight * std::exp(member.filter.innovation(supposed).log_likelihood());
   }
   if (kOutlierShare * likelihood < (1.0 - kOutlierShare) * expected) return;
+  has_strayed_ = true;
   prior_->covariance = strayed;
   for (Member& member : members_) member.filter = LandingFilter(strayed);
 }
@@ -93,9 +100,9 @@ LandingEstimate LandingEstimator::take(const ServoStep& step, const Eigen::Vecto
   LandingEstimate estimate = mixture(step.target.p, look);
   estimate.is_contradicted = is_unexpected && was_unexpected_;
   was_unexpected_ = is_unexpected;
+  model_.learn({step.theta_c, step.measurement, looks_ == 0, has_strayed_, long_scatter_m()});
   p_c_ = p_c;
   ++looks_;
-  model_.learn(*prior_, step.theta_c, step.measurement);
   return estimate;
 }
 

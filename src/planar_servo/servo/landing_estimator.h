@@ -42,6 +42,8 @@ class LandingEstimator {
 
   /// Returns the scatter that a member supposes, which is no larger after a short move.
   double scatter_m(const Member& member, bool is_short) const;
+  /// Returns what the members say together of the scatter after long moves.
+  double long_scatter_m() const;
   void start(const ServoStep& step);
   /// Widens the prior where a first look makes it likelier that the arm has strayed.
   void allow_for_stray(const LandingLook& look);
@@ -63,6 +65,7 @@ class LandingEstimator {
   int looks_{0};                       ///< at the present one
   Eigen::Vector2d p_c_{0.0, 0.0};      ///< of the last look
   bool was_unexpected_{false};         ///< the last look
+  bool has_strayed_{false};            ///< the arm, on its way to the present target
 };
 
 }  // namespace planar

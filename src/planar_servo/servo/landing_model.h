@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 
+#include "planar_servo/arm/found_arm.h"
 #include "planar_servo/arm/planar_arm.h"
 #include "planar_servo/servo/tip_sensor.h"
 
@@ -20,6 +21,15 @@ struct LandingPrior {
   double stray_m{0.0};
 };
 
+/// A look at a target that the guard let through.
+struct SeenLanding {
+  Joints theta_c{0.0, 0.0, 0.0};  ///< commanded joints
+  TipMeasurement look;
+  bool is_first{true};      ///< at this target
+  bool has_strayed{false};  ///< the first one was more likely a stray than what was to be expected
+  double scatter_m{0.0};    ///< of stops after long moves, per axis, as all looks show it
+};
+
 /// After a move of the end point below this a stop scatters as after a short one.
 constexpr double kShortMove_m = 1e-3;
 
@@ -31,9 +41,12 @@ class LandingModel {
   /// Returns the prior at the place of a first look, for these commanded joints.
   virtual LandingPrior at(const Joints& theta_c, const TipMeasurement& look) const = 0;
 
-  /// Is told every look at a target that the guard let through, with the prior of its first one.
-  virtual void learn(const LandingPrior& /*used*/, const Joints& /*theta_c*/,
-                     const TipMeasurement& /*look*/) {}
+  /// Is told every look at a target that the guard let through.
+  virtual void learn(const SeenLanding& /*seen*/) {}
+
+  /// Returns the arm as it has been learned, which is to be planned with from the next target on;
+  /// null for a model that learns nothing of the arm.
+  virtual const FoundArm* learned_arm() const { return nullptr; }
 };
 
 /// The landings of an arm of which nobody has found out anything. Vision is as certain as it says.

@@ -42,7 +42,8 @@ PositionServo::PositionServo(const ServoSettings& settings, const GuardLimits& l
       planner_(planner),
       robot_(robot),
       sensor_(sensor),
-      clock_(clock) {
+      clock_(clock),
+      landings_(landings) {
   check(settings);
   const double play_m =
       settings.approach == Approach::kDirect ? play_allowance_m(planner.arm(), settings) : 0.0;
@@ -60,7 +61,7 @@ ServoResult PositionServo::move_to(const TipPose& target, const Observer& observ
     result.duration_s = clock_.now_s() - start_s;
     return result;
   };
-  if (estimator_) estimator_->begin();
+  begin_target();
   JointPlan plan = planner_.plan(target, robot_.commanded_joints());
   for (;; ++result.iterations) {
     if (plan.refusal) return finish(ServoStatus::kRefused, *plan.refusal);
@@ -83,6 +84,13 @@ ServoResult PositionServo::move_to(const TipPose& target, const Observer& observ
     }
     plan = corrected_joints(step);
   }
+}
+
+void PositionServo::begin_target() {
+  if (!estimator_) return;
+  estimator_->begin();
+  // Looks at one target are held against one arm; what they taught serves the next one.
+  if (const FoundArm* learned = landings_->learned_arm()) planner_.plan_for(*learned);
 }
 
 ServoStep PositionServo::measure(const TipPose& target, int iteration) {

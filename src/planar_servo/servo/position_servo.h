@@ -33,8 +33,9 @@ class PositionServo {
   using Observer = std::function<void(const ServoStep&)>;
 
   /// Takes robot, sensor, clock and, if there is one, the model, which must outlive the servo. The
-  /// planner knows where the arm, as it was found, lands. Throws std::invalid_argument for settings
-  /// out of range.
+  /// planner knows where the arm, as it was found, lands; a model that learns the arm tells it more
+  /// at each target. The guard holds looks against the planner's arm() alone. Throws
+  /// std::invalid_argument for settings out of range.
   PositionServo(const ServoSettings& settings, const GuardLimits& limits,
                 const JointPlanner& planner, PlanarRobot& robot, TipSensor& sensor, Clock& clock,
                 LandingModel* landings = nullptr);
@@ -45,6 +46,7 @@ class PositionServo {
   ServoResult move_to(const TipPose& target, const Observer& observer = {});
 
  private:
+  void begin_target();
   ServoStep measure(const TipPose& target, int iteration);
   /// Returns how the motion ended, or nothing while the loop should go on.
   std::optional<ServoStatus> verdict(const std::vector<ServoStep>& steps) const;
@@ -67,6 +69,7 @@ class PositionServo {
   PlanarRobot& robot_;
   TipSensor& sensor_;
   Clock& clock_;
+  LandingModel* landings_;
   std::optional<LandingEstimator> estimator_;
   double arrived_s_{0.0};                 ///< when the last motion came to rest
   std::optional<GuardedLook> last_look_;  ///< the last one that was not doubted

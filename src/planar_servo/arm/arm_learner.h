@@ -1,0 +1,81 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "planar_servo/arm/found_arm.h"
+#include "planar_servo/core/units.h"
+
+namespace planar {
+
+/// An arm as looks at it have shown it since it was found.
+struct LearnedArm {
+  /// What is expected of it. The columns of its factor are the covariances of its terms with those
+  /// numbers of unit variance that the columns of the field's factor are multiplied with.
+  FoundArm arm;
+  Eigen::MatrixXd covariance;  ///< of the arm's terms
+};
+
+/// Returns an arm as it was found, with a factor that has the columns of the field's. Where its
+/// form has no Gaussians over the posture it is given some, spread over these postures: smooth
+/// deviations that were too small to be found beside the scatter may be learned.
+LearnedArm not_yet_learned(FoundArm found, const std::vector<Joints>& postures);
+
+/// What one look says of an arm.
+struct ArmLook {
+  Eigen::Vector3d motors{0.0, 0.0, 0.0};
+  Eigen::Vector2d p{0.0, 0.0};  ///< where vision, compensated, sees the end point
+  /// How far beside the truth it is seen is these rows times the numbers of unit variance.
+  Eigen::Matrix2Xd vision_rows;
+  double sigma_m{0.0};  ///< of scatter and noise together, per axis
+};
+
+/// Says what became of a look.
+enum class Lesson {
+  kTaken,
+  kUnexpected,  ///< what is known leaves less than one chance in a thousand for it
+  kBeyondCaps,  ///< it asks for an arm that no warmth and no wear makes of the one that was found
+};
+
+/// Learns the terms of an arm from looks, one after the other. It is a Kalman filter that considers
+/// what vision may be wrong by (a Schmidt filter): that is common to looks at one place, is never
+/// learned itself, and is never taken for the arm's. Links and zeros drift with the motors' warmth,
+/// the smooth deviation wears.
+class ArmLearner {
+ public:
+  /// Goes on from `start`, since which the arm may have warmed or cooled as in an hour. Both have
+  /// the same waves and as many columns in their factors; else std::invalid_argument.
+  ArmLearner(const FoundArm& found, LearnedArm start);
+
+  Lesson take(const ArmLook& look, double t_s);
+
+  /// Returns the covariance of (d, v) at time t_s: of what the arm misses by where it is sent with
+  /// these motors, and of what vision, by these rows, is wrong by.
+  Eigen::Matrix4d landing_covariance(const Eigen::Vector3d& motors,
+                                     const Eigen::Matrix2Xd& vision_rows, double t_s) const;
+
+  const LearnedArm& learned() const { return learned_; }
+  int lessons() const { return lessons_; }  ///< looks that were taken
+
+  // What no look may make of an arm. Aluminium grows by 23 um/m and degree; the motors of a small
+  // arm warm its links by 3 to 15 degrees.
+  static constexpr double kMostGrowth = 350e-6;
+  /// By so much zero and waves together may turn a motor at the posture of a look: bearings and
+  /// reducers shift with warmth by some thousandths of a degree.
+  static constexpr double kMostTurn = 0.01 * kDegree;
+  /// Smooth deviations change by wear and by loads; more than this asks for a new calibration.
+  static constexpr double kMostDeviation_m = 0.1e-3;
+
+ private:
+  double hours_since(double t_s) const;
+  bool beyond_caps(const Eigen::Vector3d& motors, const Eigen::VectorXd& x) const;
+
+  Eigen::VectorXd found_x_;  ///< in the form of what is learned
+  LearnedArm learned_;
+  Eigen::MatrixXd drift_;   ///< covariance of what the terms change by in an hour
+  Eigen::MatrixXd kernel_;  ///< of the posture's Gaussians
+  double t_s_;              ///< until which drift is in the covariance; NaN before the first look
+  int lessons_{0};
+};
+
+}  // namespace planar
