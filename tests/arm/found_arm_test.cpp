@@ -39,7 +39,10 @@ FoundArm waving_arm() {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> angle(-kPi, kPi), weight(-10e-6, 10e-6);
   std::vector<Joints> postures;
-  for (int i = 0; i < 60; ++i) postures.emplace_back(angle(random), angle(random), 0.0);
+  for (int i = 0; i < 300; ++i) {
+    const double first = angle(random);
+    postures.emplace_back(first, first + angle(random), 0.0);
+  }
   arm.form.posture = basis_over_postures(postures, 0.6);
   arm.x.setZero(arm.form.terms());
   arm.x.head<17>() = bent.x.head<17>();
