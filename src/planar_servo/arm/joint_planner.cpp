@@ -133,7 +133,7 @@ JointPlan JointPlanner::plan(const TipPose& target, const Joints& near) const {
 }
 
 JointPlan JointPlanner::plan_as_found(const TipPose& target, Joints theta) const {
-  constexpr int kSteps = 12;  // each is at least ten times nearer than the one before
+  constexpr int kSteps = 12;  // each is some ten times nearer than the one before
   TipPose aim = target;
   for (int step = 0; step < kSteps; ++step) {
     const TipPose now = reached(theta);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <variant>
 
 #include "planar_servo/core/numerics/statistics.h"
 #include "planar_servo/core/units.h"
@@ -82,7 +83,9 @@ PositioningTerms positioning_terms(const PredictionInputs& known, const TargetRo
   terms.vision = known.sigma_vision / std::sqrt(known.servo.frames_per_measurement);
   terms.stop = 0.5 * std::max(known.servo.tolerance_m, 2.0 * terms.vision);
   terms.landing = known.landing_sigma;
-  terms.datum = std::sqrt(datum_variance(known, target.p_d));
+  // A field at the lamps has the registration in its covariance.
+  if (!known.vision.error_map || !std::holds_alternative<LampField>(*known.vision.error_map))
+    terms.datum = std::sqrt(datum_variance(known, target.p_d));
   return terms;
 }
 

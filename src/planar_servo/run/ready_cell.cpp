@@ -44,7 +44,8 @@ std::unique_ptr<LandingModel> landings_of(const ServoRequest& request,
   if (!request.estimates_landings) return nullptr;
   const LampField* field = vision.error_map ? std::get_if<LampField>(&*vision.error_map) : nullptr;
   const auto& arm = planner.found();
-  if (field == nullptr || !arm || arm->factor.cols() != field->factor.cols())
+  if (field == nullptr || !arm || arm->factor.size() == 0 ||
+      arm->factor.cols() != field->factor.cols())
     return std::make_unique<UnknownLandings>(limits.distance_m);
   const double stray_m = limits.distance_m / kDeviationsInDistance;
   if (!request.learns)
