@@ -30,7 +30,7 @@ struct NamedTerms {
         deviation(arm.x.tail(2 * arm.form.posture.terms())) {
     for (int i = 0; i < arm.form.waves(); ++i) {
       Wave wave{};
-      const auto first = arm.x.begin() + ArmForm::kFirstWave + 6 * i;
+      const auto first = arm.x.begin() + ArmForm::kFirstWave + Eigen::Index{6} * i;
       std::copy(first, first + 6, wave.begin());
       (i < arm.form.harmonics ? eccentricity : ripple).push_back(wave);
     }

@@ -58,7 +58,7 @@ LearnedArm remembered_arm(const CellSettings& cell, const JointPlanner& planner,
   }
   try {
     LearnedArm known = read_for(found, *cell.arm_learned);
-    ArmLearner(found, known);
+    [[maybe_unused]] const ArmLearner usable(found, known);
     return known;
   } catch (const std::invalid_argument& error) {
     throw InputError(
