@@ -135,7 +135,11 @@ TriedModel tune(const TuningProblem& problem, const ArmModelSize& size, const Jo
   constexpr double kWorthAnother = 1.0;
   for (double before = least + 2.0 * kWorthAnother; before - least > kWorthAnother;) {
     before = least;
-    search.optimize(logs, least);
+    try {
+      search.optimize(logs, least);
+    } catch (const nlopt::roundoff_limited&) {
+      least = cost(logs);  // as far as rounding lets the search go
+    }
   }
   return {size, priors_at(searched, logs), -least};
 }

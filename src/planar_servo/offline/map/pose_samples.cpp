@@ -56,7 +56,7 @@ PoseSample pose_sample(const Transmission& transmission, const PairRow& pair, do
 void set_tracker(ArmNominal& nominal, const CellSettings& cell) {
   constexpr double kLeftOfNoise = 0.1;
   nominal.tracker_bias = kLeftOfNoise * cell.tracker.sigma_m;
-  if (cell.datum.empty()) return;
+  if (cell.datum.size() < 2) return;  // one tells no turn
   const auto n = static_cast<double>(cell.datum.size());
   Eigen::Vector2d center(0.0, 0.0);
   for (const Monument& monument : cell.datum) center += monument.p_B.head<2>() / n;
