@@ -20,15 +20,15 @@ namespace {
 constexpr std::size_t kTuningSamples = 300;
 constexpr int kTuningEvaluations = 250;
 constexpr int kMostHarmonics = 3, kMostRipples = 2;
-/// A larger model must be likelier by this factor's logarithm: with each block of unknowns come a
-/// width and a deviation that were searched for.
-constexpr double kClearlyLikelier = 10.0;
+/// What real arms do is left out only where samples are likelier without it by this logarithm of
+/// the odds: 20 to 1, strong evidence after Kass and Raftery 1995.
+constexpr double kClearlyLikelier = 3.0;
 /// What chi squared of four and of six numbers exceeds by chance once in ten million samples.
 constexpr double kMostOfFour = 38.24, kMostOfSix = 43.34;
 constexpr double kMedianOfFour = 3.357, kMedianOfSix = 5.348;
 /// Widths of the arm's smooth deviation, in the coordinates of PostureBasis, and of the lamps'
 /// height, as a share of the field's radius.
-constexpr double kPostureWidth = 0.6, kWaveWidth = 0.3;
+constexpr double kPostureWidth = 0.6, kWaveWidth = 0.2;
 
 /// A prior that is searched for, over its logarithm.
 struct SearchedPrior {
@@ -191,7 +191,7 @@ ArmModelSize largest_size(const ArmNominal& nominal, const std::vector<PoseSampl
   return size;
 }
 
-/// Tunes the largest model, then leaves out what does not make the samples clearly likelier. The
+/// Tunes the largest model, then leaves out what makes the samples clearly less likely. The
 /// last one is the choice.
 std::vector<TriedModel> try_models(const TuningProblem& problem, const ArmModelSize& largest) {
   const JointPriors first = first_priors(problem);
@@ -205,9 +205,9 @@ std::vector<TriedModel> try_models(const TuningProblem& problem, const ArmModelS
     TriedModel other = tried.back();
     leave_out(other.size);
     other.log_likelihood = log_likelihood_of(problem, other);
-    const bool as_likely = other.log_likelihood >= tried.back().log_likelihood - kClearlyLikelier;
-    tried.insert(as_likely ? tried.end() : tried.end() - 1, std::move(other));
-    return as_likely;
+    const bool likelier = other.log_likelihood >= tried.back().log_likelihood + kClearlyLikelier;
+    tried.insert(likelier ? tried.end() : tried.end() - 1, std::move(other));
+    return likelier;
   };
   try_without([](ArmModelSize& size) { size.posture = {}; });
   try_without([](ArmModelSize& size) { size.wave = {{}, 1.0}; });

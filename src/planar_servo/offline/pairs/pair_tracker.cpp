@@ -72,15 +72,20 @@ void reject(const std::vector<Rejection>& rejected, PairTrackerReport& report) {
   report.rejected.insert(report.rejected.end(), rejected.begin(), rejected.end());
 }
 
-/// Registers the tracker, and says what moved.
+/// Registers the tracker by all readings of the monuments, or by the first ones when the last ones
+/// differ, and says what moved.
 DatumRegistration registered(const std::vector<Monument>& datum, const SortedReadings& readings,
                              PairTrackerReport& report) {
   DatumRegistration registration = register_datum(datum, readings.begin);
   if (registration.left_out)
     report.rejected.push_back({*registration.left_out, registration.doubt});
   add_doubt(registration.doubt, report);
-  add_doubt(doubt_of_drift(datum, readings), report);
-  return registration;
+  const std::string drift = doubt_of_drift(datum, readings);
+  add_doubt(drift, report);
+  if (readings.end.empty() || !drift.empty()) return registration;
+  std::vector<MonumentReading> both = readings.begin;
+  both.insert(both.end(), readings.end.begin(), readings.end.end());
+  return register_datum(datum, both);
 }
 
 /// Pairs frames and readings by the clocks of both, which it compares first.
