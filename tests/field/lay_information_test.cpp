@@ -72,7 +72,7 @@ TEST_CASE("What a board tells does not depend on where its dots are counted from
 TEST_CASE("Without a tracker a board and poses give the end point but for the turn") {
   const test::BentCell cell;
   double mean_m = 0.0;
-  constexpr int kDraws = 3, kPlaces = 200;
+  constexpr int kDraws = 1, kPlaces = 200;
   for (int draw = 0; draw < kDraws; ++draw) {
     std::mt19937 random(draw);
     const auto samples = cell.samples(0, 300, random);

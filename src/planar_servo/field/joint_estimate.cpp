@@ -130,16 +130,11 @@ TriedModel tune(const TuningProblem& problem, const ArmModelSize& size, const Jo
   search.set_min_objective(
       [](const Logs& at, Logs&, void* data) { return (*static_cast<Unlikeliness*>(data))(at); },
       &cost);
-  double least = cost(logs);
-  // Its model of the likelihood may be exhausted before the likelihood is.
-  constexpr double kWorthAnother = 1.0;
-  for (double before = least + 2.0 * kWorthAnother; before - least > kWorthAnother;) {
-    before = least;
-    try {
-      search.optimize(logs, least);
-    } catch (const nlopt::roundoff_limited&) {
-      least = cost(logs);  // as far as rounding lets the search go
-    }
+  double least = 0.0;
+  try {
+    search.optimize(logs, least);
+  } catch (const nlopt::roundoff_limited&) {
+    least = cost(logs);  // as far as rounding lets the search go
   }
   return {size, priors_at(searched, logs), -least};
 }
@@ -196,11 +191,17 @@ ArmModelSize largest_size(const ArmNominal& nominal, const std::vector<PoseSampl
 std::vector<TriedModel> try_models(const TuningProblem& problem, const ArmModelSize& largest) {
   const JointPriors first = first_priors(problem);
   std::vector<TriedModel> tried{tune(problem, largest, first)};
+  const auto take_likelier = [&](TriedModel other) {
+    const double gain = other.log_likelihood - tried.back().log_likelihood;
+    if (gain > 0.0) tried.back() = std::move(other);
+    return gain;
+  };
   // The likelihood has more than one top: a second search starts from an arm as most are.
   if (problem.trust == ArmTrust::kFound)
-    if (TriedModel other = tune(problem, largest, of_ordinary_arm(first));
-        other.log_likelihood > tried.front().log_likelihood)
-      tried.push_back(std::move(other));
+    take_likelier(tune(problem, largest, of_ordinary_arm(first)));
+  // A search's model of the likelihood may be exhausted before the likelihood is.
+  constexpr double kWorthAnother = 1.0;
+  while (take_likelier(tune(problem, largest, tried.back().priors)) > kWorthAnother) continue;
   const auto try_without = [&](const auto& leave_out) {
     TriedModel other = tried.back();
     leave_out(other.size);
