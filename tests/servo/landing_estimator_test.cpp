@@ -208,6 +208,20 @@ TEST_CASE("An arm that strayed is believed where it is seen, if the model knows 
   CHECK((first_look(2e-3, usual).p - first_look(0.0, usual).p).norm() == 0.0);
 }
 
+TEST_CASE("What strays does so anew; what is as far off after a correction stays off") {
+  const Eigen::Vector2d c = Eigen::Vector2d::Zero(), off(1e-3, 0.0);
+  const auto second_look = [&](const Eigen::Vector2d& first, bool stays) {
+    SameEverywhere model(3e-6, 3e-6, 2e-6, 2e-6);
+    model.allow_stray(2e-3);
+    LandingEstimator estimator(model);
+    const Eigen::Vector2d corrected = estimator.take(look_at(first), c).correction;
+    return estimator.take(look_at(stays ? corrected + first : corrected), corrected).stays_off;
+  };
+  CHECK(second_look(off, true));
+  CHECK_FALSE(second_look(off, false));
+  CHECK_FALSE(second_look(0.04 * off, true));  // too little to stop for
+}
+
 TEST_CASE("Two stops differ by no more than scatter explains") {
   SameEverywhere model(60e-6, 12e-6, 10e-6, 5e-6);
   LandingEstimator estimator(model);

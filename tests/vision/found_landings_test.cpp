@@ -4,6 +4,7 @@
 
 #include "planar_servo/core/numerics/decompositions.h"
 #include "planar_servo/core/units.h"
+#include "planar_servo/vision/learning_landings.h"
 
 namespace planar {
 namespace {
@@ -79,6 +80,46 @@ TEST_CASE("An arm of no scatter is not believed to have none") {
   TipMeasurement look;
   look.lamps_B = {Eigen::Vector2d(0.3, 0.35), Eigen::Vector2d(0.3, 0.39)};
   CHECK(landings.at({0.3, 1.5, -0.4}, look).scatter_m > 0.0);
+}
+
+/// A first look at a stop that is seen beside where this arm lands.
+SeenLanding seen_beside(const FoundArm& arm, const Eigen::Vector2d& off_m, bool has_strayed) {
+  SeenLanding seen;
+  seen.theta_c = {0.3, 1.5, -0.4};
+  seen.look.tip.p = arm.tip(free_motors().motors_from_joints(seen.theta_c)).p + off_m;
+  seen.look.lamps_B = {Eigen::Vector2d(0.3, 0.35), Eigen::Vector2d(0.3, 0.39)};
+  seen.scatter_m = 4e-6;
+  seen.has_strayed = has_strayed;
+  return seen;
+}
+
+TEST_CASE(
+    "What was learned is forgotten where the arm as it was found lands right, and it does not") {
+  const FoundArm arm = some_arm(kColumns);
+  LearningLandings landings(some_field(kColumns), arm, unlearned(arm, PostureBasis{}),
+                            free_motors(), 2e-3);
+  const Eigen::Vector2d off(30e-6, 20e-6);
+  landings.learn(seen_beside(arm, off, false));
+  CHECK(landings.learner().lessons() == 1);
+  landings.learn(seen_beside(arm, {1e-3, 0.0}, true));
+  CHECK(landings.learner().lessons() == 1);  // a stray that nobody explains takes nothing back
+  landings.learn(seen_beside(arm, {0.0, 0.0}, true));
+  CHECK(landings.learner().lessons() == 0);
+  CHECK(landings.learned_arm()->x == arm.x);
+}
+
+TEST_CASE("Looks that neither arm nor field explain are a doubt, with and without learning") {
+  const FoundArm arm = some_arm(kColumns);
+  FoundLandings found(some_field(kColumns), arm, free_motors(), 2e-3);
+  LearningLandings learning(some_field(kColumns), arm, unlearned(arm, PostureBasis{}),
+                            free_motors(), 2e-3);
+  for (int i = 0; i < 10; ++i) {
+    const SeenLanding seen = seen_beside(arm, {0.0, 0.5e-3}, false);
+    found.learn(seen);
+    learning.learn(seen);
+  }
+  CHECK(found.doubt().find("0.5") != std::string::npos);
+  CHECK(learning.doubt().find("0.5") != std::string::npos);
 }
 
 }  // namespace

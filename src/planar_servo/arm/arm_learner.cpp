@@ -41,15 +41,6 @@ void add_deviation(Eigen::MatrixXd& covariance, const ArmForm& form, double sigm
     covariance.block(first, first, m, m) += weights;
 }
 
-Eigen::MatrixXd hourly_drift(const FoundArm& arm) {
-  const Eigen::Index n = arm.form.terms();
-  Eigen::MatrixXd drift = Eigen::MatrixXd::Zero(n, n);
-  drift.diagonal().head<2>() = (kGrowthPerHour * arm.link_lengths_m()).cwiseAbs2();
-  drift.diagonal().segment<3>(2).setConstant(kTurnPerHour * kTurnPerHour);
-  add_deviation(drift, arm.form, kWearPerHour_m);
-  return drift;
-}
-
 /// Returns the terms of an arm as it was found in a form that may have Gaussians more.
 Eigen::VectorXd found_terms(const FoundArm& found, const ArmForm& form) {
   if (found.form.waves() != form.waves())
@@ -75,13 +66,28 @@ Eigen::Array3d turns(const ArmForm& form, const Eigen::Vector3d& motors,
 
 }  // namespace
 
+Eigen::MatrixXd hourly_drift(const FoundArm& arm) {
+  const Eigen::Index n = arm.form.terms();
+  Eigen::MatrixXd drift = Eigen::MatrixXd::Zero(n, n);
+  drift.diagonal().head<2>() = (kGrowthPerHour * arm.link_lengths_m()).cwiseAbs2();
+  drift.diagonal().segment<3>(2).setConstant(kTurnPerHour * kTurnPerHour);
+  add_deviation(drift, arm.form, kWearPerHour_m);
+  return drift;
+}
+
 LearnedArm not_yet_learned(FoundArm found, const std::vector<Joints>& postures) {
-  if (found.form.posture.terms() > 0 || postures.empty()) {
+  const PostureBasis posture =
+      postures.empty() ? PostureBasis{} : basis_over_postures(postures, found.form.posture.width);
+  return unlearned(std::move(found), posture);
+}
+
+LearnedArm unlearned(FoundArm found, const PostureBasis& posture) {
+  if (found.form.posture.terms() > 0 || posture.terms() == 0) {
     const Eigen::MatrixXd covariance = found.factor * found.factor.transpose();
     return {std::move(found), covariance};
   }
   const Eigen::Index columns = found.factor.cols();
-  found.form.posture = basis_over_postures(postures, found.form.posture.width);
+  found.form.posture = posture;
   const Eigen::Index n = found.form.terms();
   found.x.conservativeResizeLike(Eigen::VectorXd::Zero(n));
   found.factor.conservativeResizeLike(Eigen::MatrixXd::Zero(n, columns));

@@ -20,6 +20,8 @@ struct LearnedArm {
 /// form has no Gaussians over the posture it is given some, spread over these postures: smooth
 /// deviations that were too small to be found beside the scatter may be learned.
 LearnedArm not_yet_learned(FoundArm found, const std::vector<Joints>& postures);
+/// The same with these Gaussians.
+LearnedArm unlearned(FoundArm found, const PostureBasis& posture);
 
 /// What one look says of an arm.
 struct ArmLook {
@@ -36,6 +38,9 @@ enum class Lesson {
   kUnexpected,  ///< what is known leaves less than one chance in a thousand for it
   kBeyondCaps,  ///< it asks for an arm that no warmth and no wear makes of the one that was found
 };
+
+/// Returns the covariance of what the terms of an arm change by in an hour's work.
+Eigen::MatrixXd hourly_drift(const FoundArm& arm);
 
 /// Learns the terms of an arm from looks, one after the other. It is a Kalman filter that considers
 /// what vision may be wrong by (a Schmidt filter): that is common to looks at one place, is never

@@ -84,11 +84,21 @@ HeldOut held_out_of(const MapResult& map) {
   return held;
 }
 
+/// The median miss of n places deviates by some 0.6 / sqrt(n) of itself: a tenth at this number.
+constexpr std::size_t kFewestJudged = 40;
+
+/// Returns how far places left out are missed, as no outlier among the readings changes it.
+double median_miss(const HeldOut& held) {
+  std::vector<double> misses;
+  for (const HeldOutReading& reading : held.readings) misses.push_back(reading.left.norm());
+  return median(std::move(misses));
+}
+
 /// Returns whether places left out are met clearly better: a tenth is more than the choice of some
 /// 200 places makes.
 bool clearly_better(const HeldOut& other, const HeldOut& than) {
   constexpr double kClearly = 0.9;
-  return other.rms < kClearly * than.rms;
+  return other.n > 0 && median_miss(other) < kClearly * median_miss(than);
 }
 
 void try_without_arm(const ArmNominal& nominal, const std::vector<PoseSample>& samples,
@@ -141,7 +151,7 @@ LampFieldFit fit_lamp_field(const ArmNominal& nominal, const std::vector<PoseSam
   fit.arm = std::move(found.arm);
   if (progress) progress("places left out", 0.7);
   fit.held_out = hold_out(fit.estimate, samples, board);
-  if (fit.held_out.n >= kFewestPoses) take_best(nominal, samples, board, fit);
+  if (fit.held_out.n >= kFewestJudged) take_best(nominal, samples, board, fit);
   fit.certainty = certainty_of(fit.field, samples);
   fit.sources = worth_of_sources(fit.estimate, samples, board);
   if (progress) progress("places left out", 1.0);

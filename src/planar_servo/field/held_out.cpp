@@ -72,11 +72,13 @@ void judge_part(const JointEstimate& estimate, const LaidDots& board, const Part
   const LampField field = lamp_field(without, used);
   const ArmModel model = estimate.model();
   for (const PoseSample& sample : judged) {
-    const CompensatedTip found = compensate(field, sample.lamps_B);
+    CompensatedTip found = compensate(field, sample.lamps_B);
+    const Eigen::Vector2d drifted = sample.t_h * without.fit.drift_m_per_h;
     const ToolOffsets& tool = estimate.nominal.tool;
     const TipPose seen = tip_from_places(sample.lamps_B, tool);
     const Eigen::Vector2d p = *sample.reflector_B;
     const Eigen::Vector2d beside = model.tracker_error(sample.motors, p, without.fit.arm);
+    found.tip.p -= drifted;
     readings.push_back({seen.p, vision_minus_tracker(seen, tool, p),
                         vision_minus_tracker(found.tip, field.tool, p - beside),
                         stated_variances(found, estimate, field, sample).cwiseSqrt()});

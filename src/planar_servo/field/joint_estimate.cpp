@@ -21,8 +21,8 @@ constexpr std::size_t kTuningSamples = 300;
 constexpr int kTuningEvaluations = 250;
 constexpr int kMostHarmonics = 3, kMostRipples = 2;
 /// What real arms do is left out only where samples are likelier without it by this logarithm of
-/// the odds: 20 to 1, strong evidence after Kass and Raftery 1995.
-constexpr double kClearlyLikelier = 3.0;
+/// the odds: 10 to 1, on Jeffreys' scale strong evidence.
+constexpr double kClearlyLikelier = 2.3;
 /// What chi squared of four and of six numbers exceeds by chance once in ten million samples.
 constexpr double kMostOfFour = 38.24, kMostOfSix = 43.34;
 constexpr double kMedianOfFour = 3.357, kMedianOfSix = 5.348;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <string>
 
 #include "planar_servo/arm/found_arm.h"
 #include "planar_servo/arm/planar_arm.h"
@@ -43,6 +44,9 @@ class LandingModel {
 
   /// Is told every look at a target that the guard let through.
   virtual void learn(const SeenLanding& /*seen*/) {}
+
+  /// Returns in words what in the looks so far speaks against the cell; empty while nothing does.
+  virtual std::string doubt() const { return {}; }
 
   /// Returns the arm as it has been learned, which is to be planned with from the next target on;
   /// null for a model that learns nothing of the arm.

@@ -1,9 +1,12 @@
 #include "planar_servo/servo/position_servo.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "planar_servo/servo/approach.h"
 #include "planar_servo/servo/control_law.h"
@@ -69,8 +72,11 @@ ServoResult PositionServo::move_to(const TipPose& target, const Observer& observ
       return finish(obstacle->refused ? ServoStatus::kRefused : ServoStatus::kLostCamera,
                     obstacle->reason);
     ServoStep& step = result.steps.emplace_back(measure(target, result.iterations));
-    const auto found = doubt_of(step);
-    if (!found) estimate(step);
+    auto found = doubt_of(step);
+    if (!found) {
+      estimate(step);
+      found = doubt_after(step);
+    }
     if (observer) observer(step);
     if (found) {
       result.cell_in_doubt = found->of_cell;
@@ -157,6 +163,21 @@ std::optional<Doubt> PositionServo::doubt_of(const ServoStep& step) {
 void PositionServo::estimate(ServoStep& step) {
   if (!estimator_ || !step.measurement.ok()) return;
   step.estimate = estimator_->take(step, planner_.reached(step.theta_c).p);
+}
+
+std::optional<Doubt> PositionServo::doubt_after(const ServoStep& step) const {
+  if (!step.estimate) return std::nullopt;
+  if (step.estimate->stays_off)
+    return Doubt{
+        fmt::format(
+            "the tool is seen {:.3f} mm from where the arm should land here, "
+            "after a correction as before it: is something on the camera's window or in "
+            "its view (a drop, a reflection), or has a drive lost its position? "
+            "planar-check-cell says what has moved",
+            (step.measurement.tip.p - planner_.reached(step.theta_c).p).norm() / kMillimetre),
+        true};
+  if (std::string doubt = landings_->doubt(); !doubt.empty()) return Doubt{std::move(doubt), true};
+  return std::nullopt;
 }
 
 JointPlan PositionServo::corrected_joints(const ServoStep& step) const {

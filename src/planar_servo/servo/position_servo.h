@@ -58,6 +58,8 @@ class PositionServo {
   /// Says what is doubtful about a step's look, and keeps the look for the next one.
   std::optional<Doubt> doubt_of(const ServoStep& step);
   void estimate(ServoStep& step);
+  /// Says what all looks together make doubtful about the cell.
+  std::optional<Doubt> doubt_after(const ServoStep& step) const;
   JointPlan corrected_joints(const ServoStep& step) const;
   /// Moves and settles. Returns what forbids or stops the motion, if anything does.
   std::optional<Obstacle> command(const Joints& theta);

@@ -3,9 +3,10 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
-#include <cmath>
 #include <stdexcept>
 #include <utility>
+
+#include "planar_servo/vision/found_landings.h"
 
 namespace planar {
 namespace {
@@ -18,6 +19,8 @@ constexpr double kLeastLearnedScatter_m = 0.1e-6;
 LearningLandings::LearningLandings(LampField field, const FoundArm& found, LearnedArm known,
                                    const Transmission& transmission, double stray_m)
     : field_(std::move(field)),
+      found_(found),
+      following_(found),
       learner_(found, std::move(known)),
       transmission_(transmission),
       stray_m_(stray_m) {
@@ -25,14 +28,10 @@ LearningLandings::LearningLandings(LampField field, const FoundArm& found, Learn
     throw std::invalid_argument("a field and an arm were not found together");
 }
 
-Eigen::Matrix2Xd LearningLandings::vision_rows(const TipMeasurement& look) const {
-  return -end_point_rows(field_, look.lamps_B) * field_.factor;
-}
-
 LandingPrior LearningLandings::at(const Joints& theta_c, const TipMeasurement& look) const {
   LandingPrior prior;
   prior.covariance = learner_.landing_covariance(transmission_.motors_from_joints(theta_c),
-                                                 vision_rows(look), look.t_s);
+                                                 vision_rows(field_, look), look.t_s);
   prior.scatter_m = prior.short_scatter_m =
       std::max(learner_.learned().arm.scatter_m, kLeastLearnedScatter_m);
   prior.stray_m = stray_m_;
@@ -41,14 +40,23 @@ LandingPrior LearningLandings::at(const Joints& theta_c, const TipMeasurement& l
 
 void LearningLandings::learn(const SeenLanding& seen) {
   // Later looks at a target share what no term describes: they are not independent of the first.
-  if (!seen.is_first || seen.has_strayed) return;
-  const ArmLook look{transmission_.motors_from_joints(seen.theta_c), seen.look.tip.p,
-                     vision_rows(seen.look), std::hypot(seen.scatter_m, seen.look.noise_m())};
+  if (!seen.is_first) return;
+  const ArmLook look = arm_look(seen, field_, transmission_);
+  if (seen.has_strayed) return unlearn(look);
+  following_.take(look, seen.look.t_s);
   if (learner_.take(look, seen.look.t_s) != Lesson::kBeyondCaps || has_warned_) return;
   has_warned_ = true;
   spdlog::warn(
       "looks ask for an arm that neither warmth nor wear makes of the one that was found; so much "
       "is not learned; planar-check-cell says whether the cell needs a new calibration");
+}
+
+void LearningLandings::unlearn(const ArmLook& look) {
+  if (learner_.lessons() == 0 || !following_.explains(look)) return;
+  spdlog::warn(
+      "the arm lands where it was found to, and not where it had been learned to; what was learned "
+      "is forgotten");
+  learner_ = ArmLearner(found_, unlearned(found_, learner_.learned().arm.form.posture));
 }
 
 }  // namespace planar
