@@ -1,12 +1,10 @@
 #include "planar_servo/certificate/certify.h"
 
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <set>
 
 #include "planar_servo/core/error.h"
@@ -73,10 +71,6 @@ std::vector<std::string> stale_words(const CertificateRequest& request) {
   words.reserve(stale.size());
   for (const StaleFile& file : stale) words.push_back(file.refusal.text());
   return words;
-}
-
-std::string utc_now() {
-  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
 }
 
 /// Drives a cell through the moves of its certificate.

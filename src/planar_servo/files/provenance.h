@@ -89,7 +89,7 @@ std::vector<Origin> origins_in(const CellSettings& cell, const std::vector<MadeF
 std::vector<Origin> read_origins(const std::filesystem::path& path);
 
 /// Returns the program that made a YAML file and when, such as "planar-pair-tracker 0.1.0,
-/// 2026-11-22T05:28:39Z". Empty for a file that does not say it.
+/// 2026-11-22T05:28:39Z", and when it was edited by hand. Empty for a file that does not say it.
 std::string read_maker(const std::filesystem::path& path);
 
 /// Returns `made_from` followed by what `file` says it was made from, as far as that has other

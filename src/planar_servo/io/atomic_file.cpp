@@ -11,6 +11,7 @@
 #include <system_error>
 
 #include "planar_servo/core/error.h"
+#include "planar_servo/io/format/format_line.h"
 
 namespace planar {
 namespace fs = std::filesystem;
@@ -40,24 +41,6 @@ int open_new(const fs::path& path) {
 bool write_whole(const fs::path& path, std::string_view text, bool in_place) {
   const int file = in_place ? open(path.c_str(), O_WRONLY | O_CLOEXEC) : open_new(path);
   return file >= 0 && put(file, text);
-}
-
-/// Returns KIND of the first line `format: planar-servo/KIND/1`, which tables have behind a '#';
-/// empty for another text.
-std::string_view kind_of_text(std::string_view text) {
-  constexpr std::string_view kMark = "format: planar-servo/";
-  text = text.substr(0, text.find('\n'));
-  if (text.substr(0, 2) == "# ") text.remove_prefix(2);
-  if (text.substr(0, kMark.size()) != kMark) return {};
-  text.remove_prefix(kMark.size());
-  return text.substr(0, text.find('/'));
-}
-
-std::string kind_of_file(const fs::path& path) {
-  std::error_code error;
-  std::string line;
-  if (fs::is_regular_file(path, error)) std::getline(std::ifstream(path), line);
-  return std::string(kind_of_text(line));
 }
 
 /// Throws InputError where a file of another kind stands, as when two names were exchanged.
