@@ -32,7 +32,7 @@ struct Options {
 };
 
 Outcome calibrate(const Options& options) {
-  require_writable(options.output);
+  require_writable(options.output, "arm");
   require_not_input(options.output, options.table);
   const auto page = page_for(options.report, options.output);
   const CellSettings cell = read_cell(options.cell);

@@ -25,7 +25,7 @@ struct Options {
 };
 
 Outcome propose(const Options& options) {
-  require_writable(options.output);
+  require_writable(options.output, "plan");
   if (!options.after.empty()) require_not_input(options.output, options.after);
   const CellSettings cell = read_cell(options.cell);
   std::vector<PairRow> pairs;

@@ -49,7 +49,7 @@ std::vector<JudgedMove> moves_so_far(const CertificateRequest& request, const st
                        ": is a run that is no certificate's; name another folder for --out");
     return {};
   }
-  drop_torn_line(file);
+  drop_torn_line(file, header);
   const std::string text = read_file(file);
   if (text.compare(0, header.size(), header) == 0) {
     require_same_files(request.servo);
@@ -155,7 +155,7 @@ void make_moves(CertificateRun& certificate, const std::vector<CertificateMove>&
       return;
     }
     certificate.moves.push_back(made);
-    table.append(cycle_line(made));
+    table.append(cycle_line(made), Durability::kPowerLoss);
     if (progress) progress(certificate.moves.size(), all);
   }
 }

@@ -6,6 +6,7 @@
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/fixed.h"
+#include "planar_servo/io/atomic_file.h"
 #include "planar_servo/io/growing_file.h"
 
 namespace planar {
@@ -63,6 +64,8 @@ const fs::path& folder_for(const ServoRequest& request) {
   if (fs::exists(looks))
     throw InputError(looks.string() + ": the folder holds the run of a path; name another folder");
   make_folder(request.out);
+  require_writable(request.out / "run.yaml", "run");
+  require_writable(request.out / "report.html", "page");
   return request.out;
 }
 
@@ -72,7 +75,7 @@ std::vector<TargetResult> results_so_far(const ServoRequest& request) {
   if (!request.resume)
     throw InputError(results.string() +
                      ": holds a run already; name another folder or add --resume");
-  drop_torn_line(results);
+  drop_torn_line(results, results_header());
   require_same_origins(results, run_origins(request));
   return read_results(results);
 }

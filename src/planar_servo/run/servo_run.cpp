@@ -98,7 +98,7 @@ const TargetResult& ServoRun::move_to(const TargetRow& target) {
   results_.push_back(scorer.finish(outcome, cell_.clock().now_s() - start_s - judging_s));
   if (outcome.cell_in_doubt && !keep_going_)
     ended_by_ = fmt::format("{}: {}: {}", target.id, name(outcome.status), outcome.reason);
-  table_.append(result_line(results_.back()));
+  table_.append(result_line(results_.back()), Durability::kPowerLoss);
   cell_.keep_lessons_if_due();
   return results_.back();
 }

@@ -73,7 +73,7 @@ void require_unchanged(const std::filesystem::path& path, const std::string& tex
 
 bool seal_by_hand(const std::filesystem::path& path) {
   const std::string text = read_file(path);
-  if (!is_sealed(kind_of_text(text)))
+  if (text.rfind("format: ", 0) != 0 || !is_sealed(kind_of_text(text)))
     throw InputError(fmt::format(
         "{}: is no calibration file, which begins with the line 'format: planar-servo/KIND/1' of a "
         "KIND among {}; only these have a checksum",
