@@ -132,7 +132,7 @@ Outcome run_many(const ExperimentRequest& request, const Options& options) {
   if (!crew.leads()) return {};
   const nlohmann::json figures = campaign_json(rows);
   write_file(options.out / "report.html", campaign_page(rows, options.cell.string()));
-  write_file(options.out / "figures.json", with_format_key("campaign_figures", figures.dump(2)));
+  write_file(options.out / "figures.json", with_format_key("figures", figures.dump(2)));
   fmt::print("{}report: {}\n", campaign_text(rows), (options.out / "report.html").string());
   return {figures};
 }

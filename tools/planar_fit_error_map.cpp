@@ -98,8 +98,8 @@ Outcome fit(const Options& options) {
   for (const auto& [output, kind] :
        {std::pair(options.output, "map"), std::pair(options.arm_out, "arm")}) {
     if (output.empty()) continue;
-    require_writable(output, kind);
     for (const MadeFile& input : files_of(options).inputs()) require_not_input(output, input.path);
+    require_writable(output, kind);
   }
   const auto page = page_for(options.report, options.output);
   if (!options.cell.empty()) return fit_with_cell(options, page);

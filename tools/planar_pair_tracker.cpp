@@ -121,10 +121,10 @@ void require_outputs(const Options& options, const CellSettings& cell) {
                                      {options.health_out, "health"},
                                      {options.lays_out, "lays"}}) {
     if (output.empty()) continue;
-    require_writable(output, kind);
     for (const auto& input :
          {options.cell, cell.camera_model, tables.lamps, tables.frames, tables.tracker})
       require_not_input(output, input);
+    require_writable(output, kind);
   }
 }
 

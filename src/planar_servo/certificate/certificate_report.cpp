@@ -204,7 +204,7 @@ std::string certificate_text(const Certificate& certificate) {
 void write_certificate(const Certificate& certificate) {
   const std::filesystem::path& out = certificate.run.request.servo.out;
   write_file(out / "certificate.json",
-             with_format_key("certificate", certificate_json(certificate).dump(2)));
+             with_format_key("figures", certificate_json(certificate).dump(2)));
   write_file(out / "certificate.html", certificate_page(certificate));
 }
 

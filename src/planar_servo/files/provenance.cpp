@@ -212,6 +212,14 @@ std::vector<std::string> csv_remarks(const std::vector<Origin>& origins) {
   return remarks;
 }
 
+std::string remark_in(const fs::path& table, const std::string& key) {
+  std::ifstream in = open_file(table);
+  std::string line;
+  for (int i = 0; i < kHeaderLines && std::getline(in, line); ++i)
+    if (line.rfind(key, 0) == 0) return line.substr(key.size());
+  return "";
+}
+
 std::string with_row_hash(const std::string& table) {
   const std::size_t second_line = table.find('\n') + 1;
   return table.substr(0, second_line) + kRowsRemark + sha256(rows_of(table)) + "\n" +
@@ -219,10 +227,7 @@ std::string with_row_hash(const std::string& table) {
 }
 
 bool has_changed_rows(const fs::path& table) {
-  std::ifstream in = open_file(table);
-  std::string line, written;
-  for (int i = 0; i < kHeaderLines && written.empty() && std::getline(in, line); ++i)
-    if (line.rfind(kRowsRemark, 0) == 0) written = line.substr(std::size(kRowsRemark) - 1);
+  const std::string written = remark_in(table, kRowsRemark);
   return !written.empty() && written != sha256(rows_of(read_file(table)));
 }
 

@@ -103,6 +103,10 @@ std::vector<InputRecord> input_records(const std::vector<Origin>& origins);
 /// Returns the origins as comment lines of a table.
 std::vector<std::string> csv_remarks(const std::vector<Origin>& origins);
 
+/// Returns what follows `key` in a comment line of this key before a table's rows; empty where
+/// there is none.
+std::string remark_in(const std::filesystem::path& table, const std::string& key);
+
 /// Returns a table with a comment line `# rows: SHA256` of its header and rows.
 std::string with_row_hash(const std::string& table);
 

@@ -263,8 +263,9 @@ YamlDocument YamlDocument::read(const std::filesystem::path& path, const std::st
         fmt::format("{}:1:1: is {}; it needs the line 'format: {}'", path.string(),
                     found.IsDefined() ? "of format " + shown(found) : "without a format", format));
   require_unchanged(path, text);
-  for (const char* key : {"format", "program", "created", "inputs", "checksum", "edited_by_hand"})
-    document.root().allow(key);
+  for (const char* key : {"format", "program", "created", "inputs"}) document.root().allow(key);
+  if (has_checksum(kind))
+    for (const char* key : {"checksum", "edited_by_hand"}) document.root().allow(key);
   return document;
 }
 

@@ -167,8 +167,7 @@ fs::path write_experiment_report(const ExperimentReport& report, const std::stri
   for (const ReportFigure& figure : figures)
     write_file(out / "figures" / figure.file, format_comment("figure") + figure.svg);
   write_file(out / "errors.svg", format_comment("figure") + experiment_figure(report));
-  write_file(out / "figures.json",
-             with_format_key("experiment_figures", experiment_json(report).dump(2)));
+  write_file(out / "figures.json", with_format_key("figures", experiment_json(report).dump(2)));
   fs::path page = out / "report.html";
   write_file(page, experiment_page(report, cell_name, figures, out));
   return page;

@@ -4,7 +4,6 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
-#include <string_view>
 
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/io/format/format_line.h"
@@ -16,10 +15,6 @@ namespace {
 constexpr std::string_view kSealedKinds[] = {"camera", "workplane", "tool",       "map",
                                              "health", "arm",       "arm_learned"};
 constexpr char kChecksum[] = "checksum:", kByHand[] = "edited_by_hand:";
-
-bool is_sealed(std::string_view kind) {
-  return std::count(std::begin(kSealedKinds), std::end(kSealedKinds), kind) != 0;
-}
 
 std::string checksum_of(std::string_view text) {
   return sha256_without(text, {"created:", kChecksum});
@@ -51,8 +46,12 @@ std::string with_line(const std::string& text, const std::string& key, const std
 
 }  // namespace
 
+bool has_checksum(std::string_view kind) {
+  return std::count(std::begin(kSealedKinds), std::end(kSealedKinds), kind) != 0;
+}
+
 std::string with_checksum(const std::string& text) {
-  return is_sealed(kind_of_text(text)) ? with_line(text, kChecksum, checksum_of(text)) : text;
+  return has_checksum(kind_of_text(text)) ? with_line(text, kChecksum, checksum_of(text)) : text;
 }
 
 std::optional<Refusal> later_change(const std::filesystem::path& path, const std::string& text) {
@@ -67,13 +66,13 @@ std::optional<Refusal> later_change(const std::filesystem::path& path, const std
 void require_unchanged(const std::filesystem::path& path, const std::string& text) {
   const std::string_view kind = kind_of_text(text);
   if (const auto change = later_change(path, text)) throw InputError(change->text());
-  if (!value_of(text, kChecksum) && (kind.empty() || is_sealed(kind)))
+  if (!value_of(text, kChecksum) && (kind.empty() || has_checksum(kind)))
     spdlog::info(fmt::format("{}: has no checksum; a change of it goes unseen", path.string()));
 }
 
 bool seal_by_hand(const std::filesystem::path& path) {
   const std::string text = read_file(path);
-  if (text.rfind("format: ", 0) != 0 || !is_sealed(kind_of_text(text)))
+  if (text.rfind("format: ", 0) != 0 || !has_checksum(kind_of_text(text)))
     throw InputError(fmt::format(
         "{}: is no calibration file, which begins with the line 'format: planar-servo/KIND/1' of a "
         "KIND among {}; only these have a checksum",

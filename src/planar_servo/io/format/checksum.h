@@ -3,10 +3,14 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "planar_servo/core/error.h"
 
 namespace planar {
+
+/// Returns whether files of this kind are calibration files, which have a checksum.
+bool has_checksum(std::string_view kind);
 
 /// Returns the text of a calibration file with the line `checksum:` of all its other lines but
 /// `created:`; a text of another kind as it is.
