@@ -32,8 +32,8 @@ struct Options {
 };
 
 Outcome calibrate(const Options& options) {
-  require_writable(options.output);
   require_not_input(options.output, options.table);
+  require_writable(options.output, "arm");
   const auto page = page_for(options.report, options.output);
   const CellSettings cell = read_cell(options.cell);
   const ArmFit fit = fit_arm(arm_of_files(cell), read_arm_readings(cell, options.table));

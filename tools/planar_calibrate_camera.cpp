@@ -61,7 +61,7 @@ BoardViews read_views(const Options& options) {
 
 Outcome calibrate(const Options& options) {
   require_camera_name(options.output);
-  require_writable(options.output);
+  require_writable(options.output, "camera");
   const auto page = page_for(options.report, options.output);
   BoardViews views = read_views(options);
   for (const auto& input : views.inputs) require_not_input(options.output, input);

@@ -7,6 +7,7 @@
 #include "planar_servo/doctor/doctor.h"
 #include "planar_servo/doctor/doctor_report.h"
 #include "planar_servo/doctor/new_cell.h"
+#include "planar_servo/io/format/checksum.h"
 #include "program.h"
 
 namespace planar {
@@ -15,7 +16,8 @@ namespace {
 const ProgramText kText{"planar-doctor",
                         "Looks at a cell's file and devices and says what mends each fault.",
                         fmt::format("planar-doctor --cell cell.yaml\n"
-                                    "       planar-doctor --new cell.yaml --drives {}",
+                                    "       planar-doctor --new cell.yaml --drives {}\n"
+                                    "       planar-doctor --seal map.yaml",
                                     fmt::join(new_cell_drives(), "|")),
                         R"(well      cell file: cell.yaml is in order
 well      drive 1: Tic 36v4 00411111 at /dev/bus/usb/001/002, firmware 1.09, supply 24.0 V
@@ -25,6 +27,7 @@ struct Options {
   std::filesystem::path cell;
   std::filesystem::path new_cell;
   std::string drives;
+  std::filesystem::path sealed;
 };
 
 void add_options(CLI::App& app, Options& options) {
@@ -38,6 +41,11 @@ void add_options(CLI::App& app, Options& options) {
           ->check(CLI::IsMember(new_cell_drives()))
           ->needs(new_cell);
   new_cell->needs(drives);
+  app.add_option("--seal", options.sealed,
+                 "say in a calibration file that it was edited by hand, so that it is read again")
+      ->type_name("FILE")
+      ->excludes(cell)
+      ->excludes(new_cell);
 }
 
 Outcome write_new(const Options& options) {
@@ -48,9 +56,19 @@ Outcome write_new(const Options& options) {
   return {{{"cell", file}, {"drives", options.drives}}};
 }
 
+Outcome seal(const std::filesystem::path& file) {
+  const bool changed = seal_by_hand(file);
+  fmt::print(changed ? "sealed {}; it says that it was edited by hand\n"
+                     : "{} is as it was written; nothing is to be sealed\n",
+             file.string());
+  return {{{"file", file.string()}, {"sealed", changed}}};
+}
+
 Outcome work(const Options& options) {
   if (!options.new_cell.empty()) return write_new(options);
-  if (options.cell.empty()) throw InputError("--cell or --new is required; --help tells of both");
+  if (!options.sealed.empty()) return seal(options.sealed);
+  if (options.cell.empty())
+    throw InputError("--cell, --new or --seal is required; --help tells of each");
   const auto findings = examine_cell(options.cell);
   fmt::print("{}", findings_text(findings));
   return {findings_json(findings), is_sound(findings)};

@@ -16,6 +16,7 @@
 #include "planar_servo/experiment/experiment_report.h"
 #include "planar_servo/experiment/page/experiment_page.h"
 #include "planar_servo/io/atomic_file.h"
+#include "planar_servo/io/format/format_line.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "program.h"
 
@@ -131,7 +132,7 @@ Outcome run_many(const ExperimentRequest& request, const Options& options) {
   if (!crew.leads()) return {};
   const nlohmann::json figures = campaign_json(rows);
   write_file(options.out / "report.html", campaign_page(rows, options.cell.string()));
-  write_file(options.out / "figures.json", figures.dump(2) + "\n");
+  write_file(options.out / "figures.json", with_format_key("figures", figures.dump(2)));
   fmt::print("{}report: {}\n", campaign_text(rows), (options.out / "report.html").string());
   return {figures};
 }

@@ -95,10 +95,11 @@ Outcome fit_with_cell(const Options& options, const std::optional<std::filesyste
 
 Outcome fit(const Options& options) {
   require_own_names({options.output, options.arm_out});
-  for (const std::filesystem::path& output : {options.output, options.arm_out}) {
+  for (const auto& [output, kind] :
+       {std::pair(options.output, "map"), std::pair(options.arm_out, "arm")}) {
     if (output.empty()) continue;
-    require_writable(output);
     for (const MadeFile& input : files_of(options).inputs()) require_not_input(output, input.path);
+    require_writable(output, kind);
   }
   const auto page = page_for(options.report, options.output);
   if (!options.cell.empty()) return fit_with_cell(options, page);

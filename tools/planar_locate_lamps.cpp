@@ -100,7 +100,7 @@ LocateJob read_job(const Options& options) {
   if (!options.start.empty() && options.lamps != 1) {
     throw InputError("--start picks the disc that --lamps 1 follows; two lamps need no start");
   }
-  require_writable(options.out);
+  require_writable(options.out, "lamps");
   require_inputs(options.inputs);
   LocateJob job;
   LocateRequest& request = job.request;

@@ -112,17 +112,19 @@ RecordedTables tables_of(const Options& options) {
 }
 
 void require_outputs(const Options& options, const CellSettings& cell) {
-  std::vector<std::filesystem::path> outputs{options.workplane_out, options.tool_out,
-                                             options.pairs_out};
-  for (const auto& wished : {options.health_out, options.lays_out})
-    if (!wished.empty()) outputs.push_back(wished);
-  require_own_names(outputs);
+  require_own_names({options.workplane_out, options.tool_out, options.pairs_out, options.health_out,
+                     options.lays_out});
   const RecordedTables tables = tables_of(options);
-  for (const auto& output : outputs) {
-    require_writable(output);
+  for (const auto& [output, kind] : {std::pair(options.workplane_out, "workplane"),
+                                     {options.tool_out, "tool"},
+                                     {options.pairs_out, "pairs"},
+                                     {options.health_out, "health"},
+                                     {options.lays_out, "lays"}}) {
+    if (output.empty()) continue;
     for (const auto& input :
          {options.cell, cell.camera_model, tables.lamps, tables.frames, tables.tracker})
       require_not_input(output, input);
+    require_writable(output, kind);
   }
 }
 

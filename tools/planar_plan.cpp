@@ -25,8 +25,8 @@ struct Options {
 };
 
 Outcome propose(const Options& options) {
-  require_writable(options.output);
   if (!options.after.empty()) require_not_input(options.output, options.after);
+  require_writable(options.output, "plan");
   const CellSettings cell = read_cell(options.cell);
   std::vector<PairRow> pairs;
   if (!options.after.empty()) pairs = read_pairs(options.after);

@@ -125,7 +125,7 @@ Outcome serve(const Options& options) {
     throw InputError(options.live_cell.string() +
                      ": exists already; name another file, or leave out --out, since served cells "
                      "are found at the same places again");
-  if (writes_cell) require_writable(options.live_cell);
+  if (writes_cell) require_writable(options.live_cell, "cell");
   heed_interrupts();
   ServedCell served(request);
   if (writes_cell) write_file(options.live_cell, served.live_text());

@@ -17,6 +17,7 @@
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/io/atomic_file.h"
+#include "planar_servo/io/format/format_line.h"
 
 namespace planar {
 namespace {
@@ -76,15 +77,12 @@ std::string usage_fault(const CLI::App* app, const CLI::Error& fault) {
                      fmt::join(faults, "; "));
 }
 
+constexpr char kFigures[] = "figures";
+
 /// Allows --json to overwrite earlier figures only, so that a table or a cell file named by mistake
-/// stays. It is called before the work and after it.
+/// stays.
 void require_figures_file(const std::filesystem::path& file) {
-  if (file.empty()) return;
-  require_writable(file);
-  if (std::filesystem::is_regular_file(file) && std::filesystem::file_size(file) > 0 &&
-      !nlohmann::json::accept(read_file(file)))
-    throw InputError(file.string() +
-                     ": exists already and holds no figures; name another file for --json");
+  if (!file.empty()) require_writable(file, kFigures);
 }
 
 void start_log(const std::string& name, bool quiet, bool verbose) {
@@ -165,9 +163,8 @@ int run_program(const ProgramText& text, int argc, char** argv,
   try {
     require_figures_file(json_file);
     const Outcome outcome = work();
-    require_figures_file(json_file);
     if (!json_file.empty() && !outcome.figures.is_null())
-      write_file(json_file, outcome.figures.dump(2) + "\n");
+      write_file(json_file, with_format_key(kFigures, outcome.figures.dump(2)));
     require_printed();
     return outcome.success ? 0 : kWorkFailed;
   } catch (const InputError& e) {

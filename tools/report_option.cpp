@@ -6,7 +6,6 @@
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/io/atomic_file.h"
-#include "planar_servo/report/html_page.h"
 
 namespace planar {
 namespace {
@@ -14,15 +13,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr char kNone[] = "none";
-
-/// Allows a page to overwrite pages only, so that a table named by mistake stays.
-void require_page_place(const fs::path& page) {
-  require_writable(page);
-  if (fs::is_regular_file(page) && fs::file_size(page) > 0 && !is_page(read_file(page)))
-    throw InputError(page.string() +
-                     ": exists already and is no page of planar-servo; name another file for "
-                     "--report, or 'none'");
-}
 
 }  // namespace
 
@@ -47,7 +37,7 @@ std::optional<fs::path> page_for(const std::string& report, const fs::path& outp
   if (page.lexically_normal() == output.lexically_normal())
     throw InputError(output.string() +
                      ": is the name of the page as well; name another file for --report, or none");
-  require_page_place(page);
+  require_writable(page, "page");
   return page;
 }
 

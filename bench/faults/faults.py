@@ -114,6 +114,9 @@ FILES = [
     Fault("all vision files of another cell", taken_from_other(
         "camera.yaml", "workplane.yaml", "tool.yaml", "map.yaml", "health.yaml"),
           r"camera has|joint \d|more than one"),
+    Fault("a weight of the map changed by hand", lambda cell, _: cell.edit(
+        "map.yaml", r"(weights\w*:\s*(?:- )?\[)([-0-9.e]+)",
+        lambda m: m[1] + repr(float(m[2]) + 0.001)), r"map.yaml: was changed after"),
     Fault("camera calibrated again, the rest forgotten", lambda cell, _: cell.run(
         "planar-calibrate-camera", "--grid", "circles:11x11:50mm", "--model", "rational_polynomial",
         "-o", "camera.yaml", "recording"), r"made with camera.yaml"),

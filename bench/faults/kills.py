@@ -52,7 +52,7 @@ def resume_until_done(cell, kills, program, arguments, folder, table, key, longe
     """Kills a program and resumes it until it ends by itself. Returns the number of kills."""
     killed, finished = 0, set()
     while killed < kills:
-        begun = (cell.path(folder) / table).exists()
+        begun = cell.path(folder).exists()
         more = ["--resume"] if begun and program == "planar-servo" else []
         was_killed = kill_once(cell, program, [*arguments, *more], longest_s)
         killed += was_killed

@@ -21,6 +21,7 @@
 #include "planar_servo/core/numerics/statistics.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/io/atomic_file.h"
+#include "planar_servo/io/format/format_line.h"
 #include "planar_servo/machine/device_kinds.h"
 
 namespace planar::test {
@@ -131,7 +132,7 @@ int host(const Options& options) {
     figures["exposure_to_command_ms"] =
         latency(exposure_to_command_s(options.run, arm.drive(0).commands_s()));
   }
-  if (!options.json.empty()) write_file(options.json, figures.dump(2) + "\n");
+  if (!options.json.empty()) write_file(options.json, with_format_key("figures", figures.dump(2)));
   return status;
 }
 

@@ -7,6 +7,7 @@
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/files/tables/arm_sample_table.h"
+#include "planar_servo/io/format/checksum.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "support/sample_cells.h"
 #include "support/temporary_folder.h"
@@ -99,7 +100,8 @@ TEST_CASE("An arm without eccentricity comes back without any") {
 TEST_CASE("A damaged arm file is refused by its place") {
   const test::TemporaryFolder folder;
   const auto with = [&](const char* wrong, const char* by) {
-    return folder.write("arm.yaml", std::regex_replace(bent_arm_text(), std::regex(wrong), by));
+    return folder.write("arm.yaml",
+                        with_checksum(std::regex_replace(bent_arm_text(), std::regex(wrong), by)));
   };
   CHECK_THROWS_WITH(read_found_arm(with("link_lengths_mm: .*", "link_lengths_mm: [0, 300]")),
                     Contains("arm.yaml:") && Contains("link_lengths_mm"));
@@ -111,9 +113,9 @@ TEST_CASE("A damaged arm file is refused by its place") {
 TEST_CASE("A factor or weights whose count does not fit the arm are refused by name") {
   const test::TemporaryFolder folder;
   const auto without_first = [&](const std::string& key) {
-    return folder.write(
-        "arm.yaml",
-        std::regex_replace(text_of(whole_arm()), std::regex(key + ": \\[[^,]*, "), key + ": ["));
+    return folder.write("arm.yaml",
+                        with_checksum(std::regex_replace(
+                            text_of(whole_arm()), std::regex(key + ": \\[[^,]*, "), key + ": [")));
   };
   CHECK_THROWS_WITH(read_found_arm(without_first("factor")),
                     Contains("arm.yaml:") && Contains("factor has 123 numbers") &&

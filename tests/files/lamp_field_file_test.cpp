@@ -5,6 +5,7 @@
 #include "planar_servo/core/error.h"
 #include "planar_servo/files/map/lamp_field_file.h"
 #include "planar_servo/files/map/map_file.h"
+#include "planar_servo/io/format/checksum.h"
 #include "support/temporary_folder.h"
 
 namespace planar {
@@ -69,8 +70,9 @@ TEST_CASE("A damaged file of a field is refused by name") {
   test::TemporaryFolder folder;
   const std::string text = lamp_field_text(fit_of_bent_cell(), {}, "test");
   const auto refusal = [&](const char* wrong, const char* by) {
-    return folder.write("map.yaml", std::regex_replace(text, std::regex(wrong), by,
-                                                       std::regex_constants::format_first_only));
+    return folder.write("map.yaml",
+                        with_checksum(std::regex_replace(text, std::regex(wrong), by,
+                                                         std::regex_constants::format_first_only)));
   };
   CHECK_THROWS_WITH(read_map(refusal("factor: \\[[^,]*, ", "factor: [")),
                     Catch::Contains("map.yaml") && Catch::Contains("factor"));

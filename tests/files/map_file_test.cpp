@@ -5,7 +5,7 @@
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/error_map/fit/rbf_families.h"
-#include "planar_servo/io/atomic_file.h"
+#include "planar_servo/io/format/checksum.h"
 #include "support/error_fields.h"
 #include "support/temporary_folder.h"
 
@@ -25,7 +25,7 @@ struct Files {
   std::filesystem::path pairs{folder.write("pairs.csv", "id\n")};
 
   std::filesystem::path write_map(const std::string& text) {
-    return folder.write("map.yaml", text);
+    return folder.write("map.yaml", with_checksum(text));
   }
   std::string map_text_of(MapMethod method) {
     return map_text(fitted(method), pairs, "planar-fit-error-map");

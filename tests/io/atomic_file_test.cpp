@@ -5,6 +5,7 @@
 #include <catch2/catch.hpp>
 
 #include "planar_servo/core/error.h"
+#include "planar_servo/io/format/format_line.h"
 #include "support/temporary_folder.h"
 
 namespace planar {
@@ -14,9 +15,9 @@ using Catch::Contains;
 
 TEST_CASE("A written file is whole and leaves no temporary behind") {
   const test::TemporaryFolder folder;
-  write_file(folder / "a.txt", "first");
-  write_file(folder / "a.txt", "second");
-  CHECK(read_file(folder / "a.txt") == "second");
+  write_file(folder / "map.yaml", "format: planar-servo/map/1\na: 1\n");
+  write_file(folder / "map.yaml", "format: planar-servo/map/1\na: 2\n");
+  CHECK(read_file(folder / "map.yaml") == "format: planar-servo/map/1\na: 2\n");
   CHECK(std::distance(std::filesystem::directory_iterator(folder.path()), {}) == 1);
 }
 
@@ -29,13 +30,19 @@ TEST_CASE("A place that cannot be written is named and nothing is left") {
   CHECK(std::filesystem::is_empty(folder.path()));
 }
 
-TEST_CASE("A link stays and the file behind it is replaced") {
+TEST_CASE("Nothing is written through a link, wherever it leads") {
   const test::TemporaryFolder folder;
-  folder.write("real.txt", "first");
-  std::filesystem::create_symlink("real.txt", folder / "link.txt");
-  write_file(folder / "link.txt", "second");
-  CHECK(std::filesystem::is_symlink(folder / "link.txt"));
-  CHECK(read_file(folder / "real.txt") == "second");
+  const std::string text = "format: planar-servo/map/1\n";
+  folder.write("real.yaml", text);
+  for (const char* target : {"real.yaml", "absent.yaml"}) {
+    const auto link = folder / (std::string("link_to_") + target);
+    std::filesystem::create_symlink(target, link);
+    CHECK_THROWS_WITH(write_file(link, text),
+                      Contains("link_to_") && Contains("is a link, through"));
+    CHECK_THROWS_AS(require_writable(link, "map"), InputError);
+  }
+  CHECK(read_file(folder / "real.yaml") == text);
+  CHECK_FALSE(std::filesystem::exists(folder / "absent.yaml"));
 }
 
 TEST_CASE("A link planted under the temporary's name is not followed") {
@@ -56,11 +63,39 @@ TEST_CASE("A file of one kind does not take the place of another") {
   CHECK_THROWS_WITH(write_file(cell, "format: planar-servo/error-map/1\n"),
                     Contains("is a file of planar-servo/cell, which this output would replace"));
   CHECK_THROWS_AS(write_file(pairs, "<html>"), InputError);
-  CHECK_THROWS_WITH(require_writable(cell), Contains("name another file"));
-  CHECK_NOTHROW(require_writable(pairs));
+  CHECK_THROWS_WITH(require_writable(cell, "cell"), Contains("name another file"));
+  CHECK_THROWS_AS(require_writable(pairs, "map"), InputError);
+  CHECK_NOTHROW(require_writable(pairs, "pairs"));
   write_file(pairs, "# format: planar-servo/pairs/1\nid,x_mm\n");
   write_file(cell, "format: planar-servo/cell/1\na: 2\n");
   CHECK_THAT(read_file(cell), Contains("a: 2"));
+}
+
+TEST_CASE("A file that is not ours is never replaced, unless it is empty") {
+  const test::TemporaryFolder folder;
+  const auto targets = folder.write("targets.csv", "id,x_mm,y_mm\na,1,2\n");
+  CHECK_THROWS_WITH(write_file(targets, "# format: planar-servo/plan/1\nid\n"),
+                    Contains("is a file of another program or of a person, which this output"));
+  CHECK_THROWS_AS(require_writable(targets, "plan"), InputError);
+  CHECK_THROWS_AS(write_file(targets, "text"), InputError);
+  CHECK(read_file(targets) == "id,x_mm,y_mm\na,1,2\n");
+  const auto empty = folder.write("empty.csv", "");
+  CHECK_NOTHROW(require_writable(empty, "plan"));
+  write_file(empty, "text");
+  CHECK(read_file(empty) == "text");
+}
+
+TEST_CASE("Every form of our files says its kind where it begins") {
+  CHECK(kind_of_text("format: planar-servo/map/1\na: 1\n") == "map");
+  CHECK(kind_of_text("# format: planar-servo/steps/1\nid\n") == "steps");
+  CHECK(kind_of_text("<!DOCTYPE html>\n" + format_comment("page") + "<html>") == "page");
+  CHECK(kind_of_text("P5\n2 2\n255\n") == "image");
+  CHECK(kind_of_text(with_format_key("figures", "{\n  \"a\": 1\n}")) == "figures");
+  CHECK(with_format_key("figures", "{}") == "{\n  \"format\": \"planar-servo/figures/1\"\n}\n");
+  CHECK(kind_of_text("{\"format\":\"planar-servo/campaign/1\",\"a\":1}\n") == "campaign");
+  CHECK(kind_of_text("{\"a\": 1}").empty());
+  CHECK(kind_of_text("see format: planar-servo/map/1\n").empty());
+  CHECK(kind_of_text("").empty());
 }
 
 TEST_CASE("A device is written as it stands") {
@@ -68,18 +103,18 @@ TEST_CASE("A device is written as it stands") {
   std::filesystem::create_symlink("/dev/null", folder / "nowhere");
   write_file(folder / "nowhere", "text");
   CHECK(std::filesystem::is_character_file("/dev/null"));
-  CHECK_NOTHROW(require_writable(folder / "nowhere"));
+  CHECK_NOTHROW(require_writable(folder / "nowhere", "map"));
 }
 
 TEST_CASE("A place that could not be written is refused before the work") {
   const test::TemporaryFolder folder;
-  const auto file = folder.write("a.txt", "text");
-  CHECK_NOTHROW(require_writable(file));
-  CHECK_NOTHROW(require_writable(folder / "new.txt"));
-  CHECK_NOTHROW(require_writable("new.txt"));
-  CHECK_THROWS_WITH(require_writable(folder.path()), Contains("is a folder"));
-  CHECK_THROWS_WITH(require_writable(file / "b.txt"), Contains("there is no folder"));
-  CHECK_THROWS_AS(require_writable(folder / "absent/b.txt"), InputError);
+  const auto file = folder.write("map.yaml", "format: planar-servo/map/1\n");
+  CHECK_NOTHROW(require_writable(file, "map"));
+  CHECK_NOTHROW(require_writable(folder / "new.yaml", "map"));
+  CHECK_NOTHROW(require_writable("new.yaml", "map"));
+  CHECK_THROWS_WITH(require_writable(folder.path(), "map"), Contains("is a folder"));
+  CHECK_THROWS_WITH(require_writable(file / "b.yaml", "map"), Contains("there is no folder"));
+  CHECK_THROWS_AS(require_writable(folder / "absent/b.yaml", "map"), InputError);
 }
 
 TEST_CASE("An output that is an input is refused") {

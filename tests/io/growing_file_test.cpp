@@ -25,12 +25,34 @@ TEST_CASE("A row that was torn by a crash is cut off, and only that") {
   GrowingFile(file, "id,x\n").append("b,2.75\n");
   CHECK(read_file(file) == "id,x\na,1\nb,2.75\n");
   const auto whole = folder.write("whole.csv", "id,x\na,1\n");
-  drop_torn_line(whole);
+  drop_torn_line(whole, "id,x\n");
   CHECK(read_file(whole) == "id,x\na,1\n");
-  const auto torn_header = folder.write("header.csv", "id,");
-  GrowingFile(torn_header, "id,x\n").append("a,1\n");
-  CHECK(read_file(torn_header) == "id,x\na,1\n");
-  CHECK_NOTHROW(drop_torn_line(folder.path() / "absent.csv"));
+  CHECK_NOTHROW(drop_torn_line(folder.path() / "absent.csv", "id,x\n"));
+}
+
+TEST_CASE("What does not begin with the header's first line is neither cut nor added to") {
+  const test::TemporaryFolder folder;
+  const std::string header = "# format: planar-servo/steps/1\nid,x\n";
+  for (const char* text :
+       {"a letter without a line end", "id,x\na,1\nb,2.7", "# format: planar-"}) {
+    const auto file = folder.write("steps.csv", text);
+    CHECK_THROWS_WITH(GrowingFile(file, header), Contains("steps.csv: holds something else"));
+    CHECK_THROWS_AS(drop_torn_line(file, header), InputError);
+    CHECK(read_file(file) == text);
+  }
+}
+
+TEST_CASE("A table does not grow through a link, not even one that is planted while it grows") {
+  const test::TemporaryFolder folder;
+  const auto real = folder.write("real.csv", "id\na");
+  std::filesystem::create_symlink(real, folder / "steps.csv");
+  CHECK_THROWS_WITH(GrowingFile(folder / "steps.csv", "id\n"), Contains("is a link, through"));
+  CHECK_THROWS_AS(drop_torn_line(folder / "steps.csv", "id\n"), InputError);
+  GrowingFile table(folder / "table.csv", "id\n");
+  std::filesystem::remove(folder / "table.csv");
+  std::filesystem::create_symlink(real, folder / "table.csv");
+  CHECK_THROWS_AS(table.append("b\n"), WorkError);
+  CHECK(read_file(real) == "id\na");
 }
 
 TEST_CASE("A file that begins otherwise is not continued where its header is asked for") {

@@ -12,9 +12,32 @@ servo --check >out.txt || fail "$(cat out.txt)"
 grep -q "map.yaml: made by planar-fit-error-map .* from pairs.csv, lamps (cell.yaml), .*camera.yaml" doctor.txt ||
   fail "$(cat doctor.txt)"
 
+# A weight of the map that somebody changed is refused by who reads it, until that person seals it.
+cp cell/map.yaml good_map.yaml
+awk -F'[][,]' '/^weights_m:/ { row = NR + 1 } NR == row { print "  - [" $2 + 0.001 "," $3 "]"; next } 1' good_map.yaml \
+  >cell/map.yaml
+if cmp -s good_map.yaml cell/map.yaml; then fail "no weight was changed"; fi
+expect 2 "map.yaml: was changed after it had been written: .*; make it again, or, .* run planar-doctor --seal cell/map.yaml" \
+  servo --out made
+if "$bin/planar-doctor" --cell cell/cell.yaml >doctor.txt; then fail "the doctor is content"; fi
+grep -q "map.yaml: was changed after it had been written" doctor.txt || fail "$(cat doctor.txt)"
+"$bin/planar-doctor" --seal cell/map.yaml | grep -q "sealed cell/map.yaml" || fail "was not sealed"
+servo --check >out.txt || fail "$(cat out.txt)"
+"$bin/planar-doctor" --cell cell/cell.yaml >doctor.txt || fail "$(cat doctor.txt)"
+grep -q "map.yaml: made by planar-fit-error-map .*, edited by hand 20" doctor.txt || fail "$(cat doctor.txt)"
+"$bin/planar-doctor" --seal cell/map.yaml | grep -q "nothing is to be sealed" || fail "was sealed twice"
+expect 2 "cell.yaml: is no calibration file" "$bin/planar-doctor" --seal cell/cell.yaml
+cp good_map.yaml cell/map.yaml
+
+# One of an earlier version, which has no checksum, is accepted with a notice.
+sed -i '/^checksum:/d' cell/tool.yaml
+servo --check >out.txt 2>err.txt || fail "$(cat err.txt)"
+grep -q "tool.yaml: has no checksum; a change of it goes unseen" err.txt || fail "$(cat err.txt)"
+
 # A camera calibrated again, and the rest forgotten.
 cp cell/camera.yaml good.yaml
 sed -i 's/^rms_px: .*/rms_px: 0.1/' cell/camera.yaml
+"$bin/planar-doctor" -q --seal cell/camera.yaml >/dev/null
 for options in "--check" "--out made"; do
   # shellcheck disable=SC2086
   expect 2 "workplane.yaml: was made with camera.yaml [0-9a-f]{8}..., this one is [0-9a-f]{8}...; run planar-pair-tracker again" \

@@ -80,6 +80,7 @@ mv cell/map.yaml map.yaml
 expect 2 "map.yaml: does not exist yet; make it with planar-fit-error-map" "${certify[@]}" --out made
 mv map.yaml cell/map.yaml
 sed -i 's/^rms_px: .*/rms_px: 0.1/' cell/camera.yaml
+"$bin/planar-doctor" -q --seal cell/camera.yaml >/dev/null
 expect 2 "workplane.yaml: was made with camera.yaml" "${certify[@]}" --out made
 expect 2 "results.csv: the run was begun with camera.yaml .* now it would go on with" \
   "${certify[@]}" --accept-stale --out DIR

@@ -26,6 +26,7 @@ cp cell/health.yaml sound_health.yaml
 awk '/lamp[12]_mm/ && n++ < 2 { sub(/\[/, ""); sub(/,/, ""); $2 += 2; print "    " $1 " [" $2 ", " $3; next } 1' \
   sound_health.yaml >cell/health.yaml
 cmp -s cell/health.yaml sound_health.yaml && fail "the place was not changed"
+"$bin/planar-doctor" -q --seal cell/health.yaml >/dev/null
 check >out.txt 2>err.txt || fail "$(cat out.txt err.txt)"
 grep -q "is not where it was, but all others are: the arm strayed there" err.txt || fail "$(cat err.txt)"
 cp sound_health.yaml cell/health.yaml

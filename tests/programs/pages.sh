@@ -26,7 +26,7 @@ grep -q "<td>$rms</td>" first.html || fail "the page lacks the rms $rms"
 # What is no page stays; the name says that it is one.
 expect 2 "camera.yaml: .*|--report is 'camera.yaml'; a name that ends in .html" calibrate_camera --report camera.yaml
 echo "<html>mine</html>" >mine.html
-expect 2 "mine.html: exists already and is no page of planar-servo" calibrate_camera --report mine.html
+expect 2 "mine.html: is a file of another program or of a person, which this output would replace" calibrate_camera --report mine.html
 grep -q "mine" mine.html || fail "a page of somebody else was replaced"
 expect 2 "there is no folder 'absent'" calibrate_camera --report absent/page.html
 expect 2 "map.html: is the name of the page as well" "$bin/planar-fit-error-map" --report map.html \

@@ -40,6 +40,18 @@ expect 2 "target 'b' is at \(-151.000, 250.000\) mm now; .* has a result of it a
   servo moved.csv --out run --resume
 expect 2 "was begun with camera.yaml .*map.yaml .*; now it would go on with .*; use the same files" \
   servo all.csv --out run --resume --no-error-map
+printf 'id,x_mm,y_mm,phi_deg\na,200,100,10\n' >turned.csv
+expect 2 "target 'a' has the direction 10.000000 degrees now; .* has a result of it at 0.000000 degrees; name another folder" \
+  servo turned.csv --out run --resume
+cp cell/cell.yaml sound.yaml
+sed -i 's/gain: 1.0/gain: 0.5/' cell/cell.yaml
+expect 2 "was begun with the servo settings .*gain: 1, .*; now it would go on with .*gain: 0.5, .*; use the same settings" \
+  servo all.csv --out run --resume
+cp sound.yaml cell/cell.yaml
+mkdir killed
+cp run/steps.csv killed
+servo one.csv --out killed --resume >/dev/null
+[ "$(grep -c reached killed/results.csv)" -eq 2 ] || fail "a run killed before its first result did not go on"
 servo all.csv --out run --resume >/dev/null
 diff run.yaml run/run.yaml || fail "a finished run lost its account"
 diff results.csv run/results.csv || fail "a finished run was moved again"
@@ -51,6 +63,26 @@ exec 9<run
 flock 9
 expect 2 "run: another program writes there now" servo all.csv --out run --resume
 exec 9<&-
+
+# Nothing is written through a link, and what is not ours stays as it is.
+mkdir linked noted reported
+printf 'no line end' | tee mine.txt noted/steps.csv >reported/run.yaml
+ln -s ../mine.txt linked/steps.csv
+expect 2 "linked/steps.csv: is a link, through which nothing is written" servo one.csv --out linked
+expect 2 "noted/steps.csv: holds something else already" servo one.csv --out noted
+expect 2 "reported/run.yaml: is a file of another program or of a person" servo one.csv --out reported
+cp one.csv mine.csv
+expect 2 "mine.csv: is a file of another program or of a person, which this output would replace" \
+  "$bin/planar-plan" --cell cell/cell.yaml --readings 12 -o mine.csv
+cmp -s one.csv mine.csv || fail "targets were replaced"
+echo '{"mine": 1}' >mine.json
+expect 2 "mine.json: is a file of another program or of a person" servo one.csv --check --json mine.json
+for file in mine.txt noted/steps.csv reported/run.yaml; do
+  [ "$(cat "$file")" = "no line end" ] || fail "$file was changed"
+done
+servo one.csv --check --json ours.json >/dev/null
+servo one.csv --check --json ours.json >/dev/null
+grep -q '"format": "planar-servo/figures/1"' ours.json || fail "$(cat ours.json)"
 
 # No output replaces what people write, and none is counted that is not there.
 cp cell/cell.yaml before.yaml

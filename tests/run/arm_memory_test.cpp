@@ -6,6 +6,7 @@
 #include "planar_servo/core/error.h"
 #include "planar_servo/files/learned_arm_file.h"
 #include "planar_servo/io/atomic_file.h"
+#include "planar_servo/io/format/checksum.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "support/sample_cells.h"
 #include "support/temporary_folder.h"
@@ -109,7 +110,8 @@ TEST_CASE("A damaged file of what was learned is refused by its place") {
   run.kept();
   const std::string text = read_file(*run.cell.arm_learned);
   const auto with = [&](const char* wrong, const char* by) {
-    return run.folder.write("arm_learned.yaml", std::regex_replace(text, std::regex(wrong), by));
+    return run.folder.write("arm_learned.yaml",
+                            with_checksum(std::regex_replace(text, std::regex(wrong), by)));
   };
   with("covariance", "covarianze");
   CHECK_THROWS_WITH(run.landings(), Contains("unknown key 'covarianze'"));

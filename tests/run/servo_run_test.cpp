@@ -5,9 +5,11 @@
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/devices/separate_drives.h"
+#include "planar_servo/files/tables/step_table.h"
 #include "planar_servo/files/tool_file.h"
 #include "planar_servo/files/workplane_file.h"
 #include "planar_servo/machine/device_kinds.h"
+#include "planar_servo/run/resumed_run.h"
 #include "run/hiccup_cell.h"
 #include "support/manual_clock.h"
 #include "support/mock_pulse_drive.h"
@@ -215,6 +217,80 @@ TEST_CASE("While the cell is looked at, drive and camera are waited for, but not
   CHECK(devices.flaky.failures == 1);
   CHECK(devices.lost.asked > 2);
   CHECK_FALSE(run.has("a"));
+}
+
+/// A folder with a run that has one result, at the target 'a'.
+struct BegunRun {
+  BegunRun() {
+    std::filesystem::create_directories(request.out);
+    TargetResult result;
+    result.id = "a";
+    result.p_d = {0.3, 0.2};
+    result.phi_d = 0.5;
+    GrowingFile(request.out / "results.csv", results_header(run_remarks(request)))
+        .append(result_line(result));
+    request.resume = true;
+  }
+
+  test::TemporaryFolder folder;
+  ServoRequest request{ideal_request(folder)};
+};
+
+TEST_CASE("A run is gone on with by the settings of its servo, and by no others") {
+  BegunRun begun;
+  CHECK(results_so_far(begun.request).size() == 1);
+  SECTION("the gain") {
+    begun.request.cell.servo.gain = 0.5;
+  }
+  SECTION("the tolerance") {
+    begun.request.cell.servo.tolerance_m = 7e-6;
+  }
+  SECTION("the way in which lamps' centres are measured") {
+    begun.request.center = CenterMethod::kFast;
+  }
+  CHECK_THROWS_AS(results_so_far(begun.request), InputError);
+  CHECK_THROWS_WITH(results_so_far(begun.request),
+                    Catch::Contains("was begun with the servo settings law: ") &&
+                        Catch::Contains("use the same settings, or name another folder"));
+}
+
+TEST_CASE("A result is that of a target with its place and its direction, whole turns aside") {
+  BegunRun begun;
+  const std::vector<TargetResult> results = results_so_far(begun.request);
+  CHECK_NOTHROW(require_same_goal("a", {{0.3, 0.2}, 0.5}, results));
+  CHECK_NOTHROW(require_same_goal("a", {{0.3, 0.2}, 0.5 - 2.0 * kPi}, results));
+  CHECK_NOTHROW(require_same_goal("b", {{0.3, 0.2}, 0.6}, results));
+  CHECK_THROWS_WITH(
+      require_same_goal("a", {{0.3, 0.2}, 0.501}, results),
+      Catch::Contains("target 'a' has the direction 28.705186 degrees now; the run to "
+                      "go on with has a result of it at 28.647890 degrees"));
+  CHECK_THROWS_WITH(require_same_goal("a", {{0.3, 0.21}, 0.5}, results),
+                    Catch::Contains("target 'a' is at"));
+}
+
+TEST_CASE("A run that was killed before its first result is gone on with, one never begun is not") {
+  const test::TemporaryFolder folder;
+  ServoRequest request = ideal_request(folder);
+  request.resume = true;
+  CHECK_THROWS_WITH(folder_for(request), Catch::Contains("holds no run to go on with"));
+  std::filesystem::create_directories(request.out);
+  CHECK_NOTHROW(folder_for(request));
+  folder.write("run/letter.txt", "dear");
+  CHECK_THROWS_WITH(folder_for(request), Catch::Contains("holds no run to go on with"));
+  folder.write("run/steps.csv", steps_header());
+  CHECK_NOTHROW(folder_for(request));
+  CHECK(results_so_far(request).empty());
+  folder.write("run/results.csv", "");
+  CHECK(results_so_far(request).empty());
+}
+
+TEST_CASE("A run whose report would replace what is not ours is refused before it begins") {
+  const test::TemporaryFolder folder;
+  const ServoRequest request = ideal_request(folder);
+  std::filesystem::create_directories(request.out);
+  const std::string name = GENERATE(as<std::string>(), "run.yaml", "report.html");
+  folder.write("run/" + name, "mine\n");
+  CHECK_THROWS_WITH(folder_for(request), Catch::Contains(name) && Catch::Contains("would replace"));
 }
 
 }  // namespace

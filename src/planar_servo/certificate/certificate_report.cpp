@@ -9,6 +9,7 @@
 #include "planar_servo/core/units.h"
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/io/atomic_file.h"
+#include "planar_servo/io/format/format_line.h"
 #include "planar_servo/io/sha256.h"
 
 namespace planar {
@@ -202,7 +203,8 @@ std::string certificate_text(const Certificate& certificate) {
 
 void write_certificate(const Certificate& certificate) {
   const std::filesystem::path& out = certificate.run.request.servo.out;
-  write_file(out / "certificate.json", certificate_json(certificate).dump(2) + "\n");
+  write_file(out / "certificate.json",
+             with_format_key("figures", certificate_json(certificate).dump(2)));
   write_file(out / "certificate.html", certificate_page(certificate));
 }
 

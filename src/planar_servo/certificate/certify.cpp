@@ -1,12 +1,10 @@
 #include "planar_servo/certificate/certify.h"
 
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <set>
 
 #include "planar_servo/core/error.h"
@@ -51,7 +49,7 @@ std::vector<JudgedMove> moves_so_far(const CertificateRequest& request, const st
                        ": is a run that is no certificate's; name another folder for --out");
     return {};
   }
-  drop_torn_line(file);
+  drop_torn_line(file, header);
   const std::string text = read_file(file);
   if (text.compare(0, header.size(), header) == 0) {
     require_same_files(request.servo);
@@ -73,10 +71,6 @@ std::vector<std::string> stale_words(const CertificateRequest& request) {
   words.reserve(stale.size());
   for (const StaleFile& file : stale) words.push_back(file.refusal.text());
   return words;
-}
-
-std::string utc_now() {
-  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
 }
 
 /// Drives a cell through the moves of its certificate.
@@ -161,7 +155,7 @@ void make_moves(CertificateRun& certificate, const std::vector<CertificateMove>&
       return;
     }
     certificate.moves.push_back(made);
-    table.append(cycle_line(made));
+    table.append(cycle_line(made), Durability::kPowerLoss);
     if (progress) progress(certificate.moves.size(), all);
   }
 }

@@ -5,6 +5,8 @@
 #include "planar_servo/doctor/camera_field.h"
 #include "planar_servo/doctor/plausibility.h"
 #include "planar_servo/files/provenance.h"
+#include "planar_servo/io/atomic_file.h"
+#include "planar_servo/io/format/checksum.h"
 #include "planar_servo/machine/cell_devices.h"
 #include "planar_servo/machine/device_kinds.h"
 
@@ -31,12 +33,19 @@ Finding examine_file(const MadeFile& file, bool is_stale) {
   return {is_stale ? Verdict::kFaulty : Verdict::kWell, name, origin_text(file.path)};
 }
 
+std::vector<Finding> examine_checksum(const std::filesystem::path& file) {
+  if (!std::filesystem::exists(file)) return {};
+  const auto change = later_change(file, read_file(file));
+  if (!change) return {};
+  return {{Verdict::kFaulty, file.filename().string(), change->fault, change->remedy}};
+}
+
 /// Says of each calibration file who made it from what, and of those that no longer hold why.
 std::vector<Finding> examine_files(const CellSettings& cell) {
   std::vector<Finding> findings;
   const std::vector<StaleFile> all_stale = stale_files(cell, true);
   for (const MadeFile& file : made_files(cell, true)) {
-    std::vector<Finding> reasons;
+    std::vector<Finding> reasons = examine_checksum(file.path);
     for (const StaleFile& stale : all_stale)
       if (stale.path == file.path)
         reasons.push_back({Verdict::kFaulty, file.path.filename().string(), stale.refusal.fault,

@@ -53,7 +53,7 @@ void write_new_cell(const std::filesystem::path& path, const std::string& drives
                                  fmt::join(new_cell_drives(), ", ")));
   if (std::filesystem::exists(std::filesystem::symlink_status(path)))
     throw InputError(path.string() + ": exists already; name another file or remove it first");
-  require_writable(path);
+  require_writable(path, "cell");
   write_file(path, new_cell_text(*kind));
 }
 

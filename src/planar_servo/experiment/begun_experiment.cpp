@@ -7,6 +7,7 @@
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/io/atomic_file.h"
+#include "planar_servo/io/format/format_line.h"
 #include "planar_servo/io/growing_file.h"
 #include "planar_servo/io/sha256.h"
 
@@ -79,12 +80,13 @@ void begin_experiment(const ExperimentRequest& request) {
       throw InputError(request.out.string() +
                        ": holds a recording or a campaign already; name another folder");
     make_folder(request.out);
-    return write_file(file, now.dump(2) + "\n");
+    return write_file(file, with_format_key("experiment_begun", now.dump(2)));
   }
-  const nlohmann::json begun = nlohmann::json::parse(read_file(file), nullptr, false);
+  nlohmann::json begun = nlohmann::json::parse(read_file(file), nullptr, false);
   if (!begun.is_object())
     throw InputError(file.string() +
                      ": does not say what the experiment was begun with; name another folder");
+  begun.erase("format");
   require_same_making(file, begun, now);
 }
 

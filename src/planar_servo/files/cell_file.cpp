@@ -8,6 +8,7 @@
 #include "planar_servo/core/names.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/io/yaml_fields.h"
+#include "planar_servo/io/yaml_writer.h"
 
 namespace planar {
 namespace {
@@ -105,7 +106,7 @@ void read_drives(Fields& fields, CellSettings& cell, const DeviceKinds& kinds) {
   });
 }
 
-void read_servo(Fields& fields, ServoSettings& servo) {
+void list_servo(Fields& fields, ServoSettings& servo) {
   fields.choice("law", servo.law, kLaws);
   fields.number("gain", servo.gain, 1.0, Range::positive(1.0));
   fields.number("tolerance_mm", servo.tolerance_m, kMillimetre, Range::positive());
@@ -208,7 +209,7 @@ void read_fields(Fields& fields, CellSettings& cell, const DeviceKinds& kinds) {
   });
   read_drives(fields, cell, kinds);
   fields.number("tool_orientation_deg", cell.tool_orientation, kDegree);
-  fields.map("servo", [&] { read_servo(fields, cell.servo); });
+  fields.map("servo", [&] { list_servo(fields, cell.servo); });
   fields.map("workspace", [&] { read_workspace(fields, cell.workspace); });
   fields.map("lamps", [&] { read_lamps(fields, cell.lamps); });
   if (fields.given("reference_lamps", true)) read_reference_lamps(fields, cell.reference_lamps);
@@ -225,6 +226,17 @@ void read_fields(Fields& fields, CellSettings& cell, const DeviceKinds& kinds) {
 }
 
 }  // namespace
+
+std::string servo_text(const ServoSettings& servo) {
+  YamlWriter yaml;
+  FieldWriter writer(yaml);
+  ServoSettings written = servo;
+  list_servo(writer, written);
+  std::string text = yaml.text();
+  text.pop_back();
+  for (std::size_t end; (end = text.find('\n')) != std::string::npos;) text.replace(end, 1, ", ");
+  return text;
+}
 
 CellSettings read_cell(const std::filesystem::path& path, const DeviceKinds& kinds) {
   const YamlDocument document = YamlDocument::read(path, "cell");

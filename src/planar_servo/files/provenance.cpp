@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 
 constexpr char kRoleRemark[] = "# role: ", kRemark[] = "# made from: ";
 constexpr char kRowsRemark[] = "# rows: ";
-constexpr char kProgram[] = "program: ", kCreated[] = "created: ";
+constexpr char kProgram[] = "program: ", kCreated[] = "created: ", kEdited[] = "edited_by_hand: ";
 constexpr int kHeaderLines = 32;  // within which our writers begin the list of inputs
 constexpr std::size_t kShownDigits = 8;
 
@@ -177,13 +177,15 @@ std::vector<Origin> read_origins(const fs::path& path) {
 
 std::string read_maker(const fs::path& path) {
   std::ifstream in = open_file(path);
-  std::string line, program, created;
+  std::string line, program, created, edited;
   for (int i = 0; i < kHeaderLines && std::getline(in, line); ++i) {
+    line.erase(std::remove(line.begin(), line.end(), '"'), line.end());
     if (line.rfind(kProgram, 0) == 0) program = line.substr(std::size(kProgram) - 1);
     if (line.rfind(kCreated, 0) == 0) created = line.substr(std::size(kCreated) - 1);
+    if (line.rfind(kEdited, 0) == 0)
+      edited = ", edited by hand " + line.substr(std::size(kEdited) - 1);
   }
-  created.erase(std::remove(created.begin(), created.end(), '"'), created.end());
-  return program.empty() ? "" : fmt::format("{}, {}", program, created);
+  return program.empty() ? "" : fmt::format("{}, {}{}", program, created, edited);
 }
 
 std::vector<Origin> with_origins_of(std::vector<Origin> made_from, const fs::path& file) {
@@ -210,6 +212,14 @@ std::vector<std::string> csv_remarks(const std::vector<Origin>& origins) {
   return remarks;
 }
 
+std::string remark_in(const fs::path& table, const std::string& key) {
+  std::ifstream in = open_file(table);
+  std::string line;
+  for (int i = 0; i < kHeaderLines && std::getline(in, line); ++i)
+    if (line.rfind(key, 0) == 0) return line.substr(key.size());
+  return "";
+}
+
 std::string with_row_hash(const std::string& table) {
   const std::size_t second_line = table.find('\n') + 1;
   return table.substr(0, second_line) + kRowsRemark + sha256(rows_of(table)) + "\n" +
@@ -217,10 +227,7 @@ std::string with_row_hash(const std::string& table) {
 }
 
 bool has_changed_rows(const fs::path& table) {
-  std::ifstream in = open_file(table);
-  std::string line, written;
-  for (int i = 0; i < kHeaderLines && written.empty() && std::getline(in, line); ++i)
-    if (line.rfind(kRowsRemark, 0) == 0) written = line.substr(std::size(kRowsRemark) - 1);
+  const std::string written = remark_in(table, kRowsRemark);
   return !written.empty() && written != sha256(rows_of(read_file(table)));
 }
 

@@ -89,7 +89,7 @@ std::vector<Origin> origins_in(const CellSettings& cell, const std::vector<MadeF
 std::vector<Origin> read_origins(const std::filesystem::path& path);
 
 /// Returns the program that made a YAML file and when, such as "planar-pair-tracker 0.1.0,
-/// 2026-11-22T05:28:39Z". Empty for a file that does not say it.
+/// 2026-11-22T05:28:39Z", and when it was edited by hand. Empty for a file that does not say it.
 std::string read_maker(const std::filesystem::path& path);
 
 /// Returns `made_from` followed by what `file` says it was made from, as far as that has other
@@ -102,6 +102,10 @@ std::vector<InputRecord> input_records(const std::vector<Origin>& origins);
 
 /// Returns the origins as comment lines of a table.
 std::vector<std::string> csv_remarks(const std::vector<Origin>& origins);
+
+/// Returns what follows `key` in a comment line of this key before a table's rows; empty where
+/// there is none.
+std::string remark_in(const std::filesystem::path& table, const std::string& key);
 
 /// Returns a table with a comment line `# rows: SHA256` of its header and rows.
 std::string with_row_hash(const std::string& table);

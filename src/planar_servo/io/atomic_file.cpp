@@ -5,27 +5,20 @@
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <set>
 #include <sstream>
 #include <system_error>
 
 #include "planar_servo/core/error.h"
+#include "planar_servo/io/disk/durable_write.h"
+#include "planar_servo/io/format/format_line.h"
 
 namespace planar {
 namespace fs = std::filesystem;
 
 namespace {
-
-bool put(int file, std::string_view text) {
-  while (!text.empty()) {
-    const ssize_t written = write(file, text.data(), text.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written <= 0) break;
-    text.remove_prefix(static_cast<std::size_t>(written));
-  }
-  return close(file) == 0 && text.empty();
-}
 
 /// Opens a file that is not there yet. What stands there under its name is removed, not followed:
 /// it is what a program that crashed left behind, or a link that somebody planted.
@@ -39,42 +32,8 @@ int open_new(const fs::path& path) {
 
 bool write_whole(const fs::path& path, std::string_view text, bool in_place) {
   const int file = in_place ? open(path.c_str(), O_WRONLY | O_CLOEXEC) : open_new(path);
-  return file >= 0 && put(file, text);
-}
-
-/// Returns KIND of the first line `format: planar-servo/KIND/1`, which tables have behind a '#';
-/// empty for another text.
-std::string_view kind_of_text(std::string_view text) {
-  constexpr std::string_view kMark = "format: planar-servo/";
-  text = text.substr(0, text.find('\n'));
-  if (text.substr(0, 2) == "# ") text.remove_prefix(2);
-  if (text.substr(0, kMark.size()) != kMark) return {};
-  text.remove_prefix(kMark.size());
-  return text.substr(0, text.find('/'));
-}
-
-std::string kind_of_file(const fs::path& path) {
-  std::error_code error;
-  std::string line;
-  if (fs::is_regular_file(path, error)) std::getline(std::ifstream(path), line);
-  return std::string(kind_of_text(line));
-}
-
-/// Throws InputError where a file of another kind stands, as when two names were exchanged.
-void require_kind(const fs::path& path, std::string_view kind) {
-  const std::string present = kind_of_file(path);
-  if (present.empty() || present == kind) return;
-  throw InputError(
-      fmt::format("{}: is a file of planar-servo/{}, which this output would replace; "
-                  "name another file, or remove that one",
-                  path.string(), present));
-}
-
-/// Returns the file to which the links at `path` lead, or `path` itself when there is no such file.
-fs::path behind_links(const fs::path& path) {
-  std::error_code error;
-  const fs::path end = fs::canonical(path, error);
-  return error ? path : end;
+  return file >= 0 &&
+         write_and_close(file, text, in_place ? Durability::kCrash : Durability::kPowerLoss);
 }
 
 bool is_device_or_pipe(const fs::path& path) {
@@ -87,15 +46,38 @@ fs::path folder_of(const fs::path& path) {
   return path.has_parent_path() ? path.parent_path() : ".";
 }
 
+/// Throws InputError where this output would replace what is not ours or of another kind, as when
+/// two names were exchanged.
+void require_kind(const fs::path& path, std::string_view kind) {
+  std::error_code error;
+  if (!fs::is_regular_file(path, error) || fs::file_size(path, error) == 0) return;
+  const std::string present = kind_of_file(path);
+  if (!present.empty() && present == kind) return;
+  throw InputError(
+      fmt::format("{}: is {}, which this output would replace; name another file, or remove that "
+                  "one",
+                  path.string(),
+                  present.empty() ? "a file of another program or of a person"
+                                  : "a file of planar-servo/" + present));
+}
+
 }  // namespace
 
-void write_file(const fs::path& path, std::string_view text) {
-  const fs::path place = behind_links(path);
-  const bool in_place = is_device_or_pipe(place);
-  const fs::path temporary =
-      in_place ? place : fs::path(place.string() + ".part" + std::to_string(getpid()));
+void require_no_link(const fs::path& path) {
   std::error_code error;
-  require_kind(place, kind_of_text(text));
+  if (!fs::is_symlink(path, error) || is_device_or_pipe(path)) return;
+  throw InputError(path.string() +
+                   ": is a link, through which nothing is written; name the file "
+                   "itself, or remove the link");
+}
+
+void write_file(const fs::path& path, std::string_view text) {
+  require_no_link(path);
+  const bool in_place = is_device_or_pipe(path);
+  const fs::path temporary =
+      in_place ? path : fs::path(path.string() + ".part" + std::to_string(getpid()));
+  std::error_code error;
+  require_kind(path, kind_of_text(text));
   if (!write_whole(temporary, text, in_place)) {
     if (!in_place) fs::remove(temporary, error);
     throw WorkError(path.string() +
@@ -103,9 +85,10 @@ void write_file(const fs::path& path, std::string_view text) {
                     "there and that the disk is not full");
   }
   if (in_place) return;
-  fs::rename(temporary, place, error);
-  if (!error) return;
-  const std::string reason = error.message();
+  fs::rename(temporary, path, error);
+  if (!error && sync_folder(folder_of(path))) return;
+  const std::string reason =
+      (error ? error : std::error_code(errno, std::generic_category())).message();
   fs::remove(temporary, error);
   throw WorkError(path.string() + ": cannot be put in place: " + reason);
 }
@@ -139,17 +122,19 @@ void require_own_names(const std::vector<fs::path>& outputs) {
       throw InputError(output.string() + ": two outputs have this name; give each its own");
 }
 
-void require_writable(const fs::path& output) {
-  for (const char* handmade : {"cell", "truth", "targets", "plan"})
-    if (kind_of_file(output) == handmade) require_kind(output, {});
-  const fs::path place = behind_links(output), folder = folder_of(place);
+void require_writable(const fs::path& output, std::string_view kind) {
+  constexpr std::string_view kHandmade[] = {"cell", "truth", "targets", "plan"};
+  const bool is_handmade = std::count(std::begin(kHandmade), std::end(kHandmade), kind) != 0;
+  require_no_link(output);
+  require_kind(output, is_handmade ? std::string_view() : kind);
+  const fs::path folder = folder_of(output);
   std::error_code error;
-  if (fs::is_directory(place, error))
+  if (fs::is_directory(output, error))
     throw InputError(output.string() + ": is a folder; name the file to write");
   if (!fs::is_directory(folder, error))
     throw InputError(output.string() + ": cannot be written: there is no folder '" +
                      folder.string() + "'; make it or name another place");
-  if (access(is_device_or_pipe(place) ? place.c_str() : folder.c_str(), W_OK) != 0)
+  if (access(is_device_or_pipe(output) ? output.c_str() : folder.c_str(), W_OK) != 0)
     throw InputError(output.string() + ": cannot be written: you may not write in '" +
                      folder.string() + "'; name another place");
 }

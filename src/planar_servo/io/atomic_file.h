@@ -9,10 +9,14 @@
 namespace planar {
 
 /// Writes the whole text to a temporary file beside `path` and renames it, so that no reader ever
-/// sees half a file. A link stays, and the file behind it is replaced. A device or a pipe, such as
-/// /dev/stdout, is written directly. Throws WorkError when the place cannot be written, and
-/// InputError when a file of another kind stands there, by the `format:` in its first line.
+/// sees half a file, not even after a loss of power. A device or a pipe, such as /dev/stdout, is
+/// written directly. Throws WorkError when the place cannot be written, and InputError when a link
+/// stands there or a file that is not ours of the same kind (see kind_of_text()); an empty one may
+/// be replaced.
 void write_file(const std::filesystem::path& path, std::string_view text);
+
+/// Throws InputError when a link stands there, unless it leads to a device or a pipe.
+void require_no_link(const std::filesystem::path& path);
 
 /// Opens a file for reading. Throws InputError naming `path` when it cannot be read.
 std::ifstream open_file(const std::filesystem::path& path);
@@ -26,9 +30,10 @@ void require_not_input(const std::filesystem::path& output, const std::filesyste
 /// Throws InputError when two of the files to write are one; empty names are left out.
 void require_own_names(const std::vector<std::filesystem::path>& outputs);
 
-/// Throws InputError when write_file() could not write `output`, because it is a folder, or because
-/// its folder is missing or closed to this user, or because a file stands there that people write:
-/// a cell, a truth, targets or a plan. Call it before the work whose result goes there.
-void require_writable(const std::filesystem::path& output);
+/// Throws InputError when write_file() could not write an output of this kind, because it is a
+/// folder or a link, or because its folder is missing or closed to this user, or because a file
+/// stands there that is not ours of this kind. What people write, a cell, a truth, targets or a
+/// plan, is never replaced. Call it before the work whose result goes there.
+void require_writable(const std::filesystem::path& output, std::string_view kind);
 
 }  // namespace planar

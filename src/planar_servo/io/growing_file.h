@@ -3,18 +3,21 @@
 #include <filesystem>
 #include <string>
 
+#include "planar_servo/io/disk/durable_write.h"
+
 namespace planar {
 
 /// Throws InputError when a GrowingFile could not begin or continue the file, because it is a
-/// folder or closed to this user, or because its folder is missing or closed. Call it before the
-/// work whose results go there.
+/// folder, a link or closed to this user, or because its folder is missing or closed. Call it
+/// before the work whose results go there.
 void require_growable(const std::filesystem::path& path);
 
-/// Cuts off what follows the last line end of a file that grew by whole lines: a row that was being
-/// written when its program was killed. Call it before such a file is read to be continued. Nothing
-/// happens when the file does not exist or ends with a whole line. Throws InputError when the file
-/// cannot be read or cut.
-void drop_torn_line(const std::filesystem::path& path);
+/// Cuts off what follows the last line end of a file that grew by whole lines below this header: a
+/// row that was being written when its program was killed. Call it before such a file is read to be
+/// continued. Nothing happens when the file does not exist or ends with a whole line. Throws
+/// InputError when the file cannot be read or cut, or is another one: a link, or one that does not
+/// begin with the header's first line.
+void drop_torn_line(const std::filesystem::path& path, const std::string& header);
 
 /// Throws InputError when a file is there that does not begin with this header.
 void require_header(const std::filesystem::path& path, const std::string& header);
@@ -23,11 +26,11 @@ void require_header(const std::filesystem::path& path, const std::string& header
 class GrowingFile {
  public:
   /// Makes the file with its header, or continues the file that is there, without a torn last line,
-  /// unless it is empty. Throws as require_growable() does.
+  /// unless it is empty. Throws as require_growable() and drop_torn_line() do.
   GrowingFile(std::filesystem::path path, const std::string& header);
 
   /// Appends whole lines. Throws WorkError when they cannot be written, as on a full disk.
-  void append(const std::string& lines);
+  void append(const std::string& lines, Durability durability = Durability::kCrash);
 
   /// Removes the file, which must not grow any more then.
   void remove();
@@ -36,7 +39,8 @@ class GrowingFile {
   std::filesystem::path path_;
 };
 
-/// Makes a folder and those above it. Throws InputError when that cannot be done.
+/// Makes a folder and those above it, which survive a loss of power. Throws InputError when that
+/// cannot be done.
 void make_folder(const std::filesystem::path& path);
 
 }  // namespace planar

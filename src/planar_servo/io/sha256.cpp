@@ -55,17 +55,17 @@ std::string content_sha256(const std::filesystem::path& path) {
 }
 
 std::string content_sha256_of(const std::string& text) {
-  constexpr std::string_view kLeftOut = "created:", kLaterLine = "\ncreated:";
+  return sha256_without(text, {"created:", "checksum:", "edited_by_hand:"});
+}
+
+std::string sha256_without(std::string_view text,
+                           std::initializer_list<std::string_view> left_out) {
   Sha256 hash;
-  std::string_view rest = text;
-  while (!rest.empty()) {
-    if (rest.substr(0, kLeftOut.size()) != kLeftOut) {
-      const std::size_t before = rest.find(kLaterLine);
-      const std::size_t length = before == std::string_view::npos ? rest.size() : before + 1;
-      hash.add(rest.substr(0, length));
-      rest.remove_prefix(length);
-    }
-    if (!rest.empty()) rest.remove_prefix(std::min(rest.find('\n'), rest.size() - 1) + 1);
+  while (!text.empty()) {
+    const std::string_view line = text.substr(0, std::min(text.find('\n'), text.size() - 1) + 1);
+    const auto begins = [&](std::string_view key) { return line.substr(0, key.size()) == key; };
+    if (std::none_of(left_out.begin(), left_out.end(), begins)) hash.add(line);
+    text.remove_prefix(line.size());
   }
   return hash.digits();
 }

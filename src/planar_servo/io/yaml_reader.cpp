@@ -10,6 +10,7 @@
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/io/atomic_file.h"
+#include "planar_servo/io/format/checksum.h"
 
 namespace planar {
 namespace {
@@ -237,10 +238,9 @@ void YamlNode::add_fault(const std::string& message) const {
   impl_->fault(message);
 }
 
-YamlDocument YamlDocument::parse(const std::filesystem::path& path) {
+YamlDocument YamlDocument::parse(const std::filesystem::path& path, const std::string& text) {
   auto impl = std::make_shared<Impl>();
   impl->path = path;
-  const std::string text = read_file(path);
   try {
     impl->root = YAML::Load(text);
   } catch (const YAML::Exception& e) {
@@ -254,19 +254,25 @@ YamlDocument YamlDocument::parse(const std::filesystem::path& path) {
 }
 
 YamlDocument YamlDocument::read(const std::filesystem::path& path, const std::string& kind) {
-  YamlDocument document = parse(path);
+  const std::string text = read_file(path);
+  YamlDocument document = parse(path, text);
   const std::string format = "planar-servo/" + kind + "/1";
   const YAML::Node found = document.impl_->root["format"];
   if (!found.IsDefined() || !found.IsScalar() || found.Scalar() != format)
     throw InputError(
         fmt::format("{}:1:1: is {}; it needs the line 'format: {}'", path.string(),
                     found.IsDefined() ? "of format " + shown(found) : "without a format", format));
+  require_unchanged(path, text);
   for (const char* key : {"format", "program", "created", "inputs"}) document.root().allow(key);
+  if (has_checksum(kind))
+    for (const char* key : {"checksum", "edited_by_hand"}) document.root().allow(key);
   return document;
 }
 
 YamlDocument YamlDocument::read_lenient(const std::filesystem::path& path) {
-  YamlDocument document = parse(path);
+  const std::string text = read_file(path);
+  YamlDocument document = parse(path, text);
+  require_unchanged(path, text);
   document.impl_->strict = false;
   return document;
 }

@@ -93,7 +93,7 @@ class YamlDocument {
  private:
   struct Impl;
   explicit YamlDocument(std::shared_ptr<Impl> impl) : impl_(std::move(impl)) {}
-  static YamlDocument parse(const std::filesystem::path& path);
+  static YamlDocument parse(const std::filesystem::path& path, const std::string& text);
   friend class YamlNode;
   std::shared_ptr<Impl> impl_;
 };

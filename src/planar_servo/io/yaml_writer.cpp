@@ -1,15 +1,14 @@
 #include "planar_servo/io/yaml_writer.h"
 
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <yaml-cpp/emitter.h>
 #include <yaml-cpp/emittermanip.h>
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 
-#include "planar_servo/io/atomic_file.h"
+#include "planar_servo/io/format/checksum.h"
+#include "planar_servo/io/format/format_line.h"
 #include "planar_servo/io/sha256.h"
 
 namespace planar {
@@ -79,12 +78,12 @@ YamlWriter YamlWriter::with_header(const std::string& kind, const std::string& p
   YamlWriter writer;
   writer.add("format", "planar-servo/" + kind + "/1");
   writer.add("program", program + " " PLANAR_VERSION);
-  writer.add("created", fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr))));
+  writer.add("created", utc_now());
   return writer;
 }
 
 std::string YamlWriter::text() const {
-  return std::string(impl_->yaml.c_str()) + '\n';
+  return with_checksum(std::string(impl_->yaml.c_str()) + '\n');
 }
 
 YamlWriter& YamlWriter::begin_map(const std::string& key) {

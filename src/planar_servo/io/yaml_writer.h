@@ -50,6 +50,7 @@ class YamlWriter {
   /// Adds the list `inputs`.
   YamlWriter& add_inputs(const std::vector<InputRecord>& inputs);
 
+  /// Returns the text; that of a calibration file with its checksum (see with_checksum()).
   std::string text() const;
 
  private:

@@ -61,7 +61,10 @@ void TaughtTargets::append(const TargetRow& target) {
   if (target.id.empty()) throw InputError("the id is empty; every target needs one");
   if (ids_.count(target.id) != 0)
     throw InputError(fmt::format("the id '{}' is taken; ids must differ", target.id));
-  GrowingFile(path_, targets_header()).append(target_line(target));
+  // What a person has begun was read before and may begin otherwise than our own tables.
+  const bool begun = std::filesystem::exists(path_) && !std::filesystem::is_empty(path_);
+  GrowingFile(path_, begun ? "" : targets_header())
+      .append(target_line(target), Durability::kPowerLoss);
   ids_.insert(target.id);
 }
 

@@ -21,10 +21,6 @@ constexpr char kGenerator[] = "<meta name=\"generator\" content=\"planar-servo\"
 
 }  // namespace
 
-bool is_page(const std::string& text) {
-  return text.find(kGenerator) != std::string::npos;
-}
-
 std::string html_escaped(const std::string& text) {
   std::string escaped;
   for (const char c : text) {
@@ -89,7 +85,8 @@ void HtmlPage::add_verdict(const Verdict& verdict) {
 
 std::string HtmlPage::text() const {
   return fmt::format(
-      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n"
+      "<!DOCTYPE html>\n<!-- format: planar-servo/page/1 -->\n<html lang=\"en\">\n<head>\n<meta "
+      "charset=\"utf-8\"/>\n"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n"
       "{}<title>{}</title>\n<style>{}</style>\n</head>\n<body>\n{}</body>\n</html>\n",
       kGenerator, html_escaped(title_), kStyle + style_, body_);

@@ -8,9 +8,6 @@ namespace planar {
 /// Replaces `&`, `<`, `>` and quotes by HTML entities.
 std::string html_escaped(const std::string& text);
 
-/// Returns whether a text is a page that HtmlPage has made.
-bool is_page(const std::string& text);
-
 /// Says in one sentence whether a result is good, and what to do where it is not.
 struct Verdict {
   struct Fault {

@@ -3,9 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/fixed.h"
+#include "planar_servo/core/names.h"
+#include "planar_servo/core/units.h"
+#include "planar_servo/files/cell_file.h"
+#include "planar_servo/io/atomic_file.h"
 #include "planar_servo/io/growing_file.h"
 
 namespace planar {
@@ -15,6 +20,10 @@ namespace fs = std::filesystem;
 
 /// Results are written to the nanometre.
 constexpr double kSamePlace_m = 1e-9;
+/// Directions are written to the millionth of a degree.
+constexpr double kSameDirection_rad = 1e-6 * kDegree;
+
+constexpr char kServoRemark[] = "# servo: ";
 
 /// Throws unless a run that was begun with these files was begun with the present ones, too. One
 /// that does not say what it was begun with is gone on with.
@@ -38,6 +47,31 @@ void require_same_origins(const fs::path& results, const std::vector<Origin>& pr
                   results.string(), names(begun), names(present)));
 }
 
+/// Returns what decides how a target is reached, beside the calibration files.
+std::string settings_text(const ServoRequest& request) {
+  return fmt::format("{}, centre: {}", servo_text(request.cell.servo),
+                     name_in(kCenterMethods, request.center));
+}
+
+/// Throws unless a run was begun with the present settings. One that does not say with which it was
+/// begun is gone on with.
+void require_same_settings(const fs::path& results, const std::string& present) {
+  const std::string begun = remark_in(results, kServoRemark);
+  if (begun.empty() || begun == present) return;
+  throw InputError(fmt::format(
+      "{}: the run was begun with the servo settings {}; now it would go on with {}; use "
+      "the same settings, or name another folder",
+      results.string(), begun, present));
+}
+
+/// Returns whether a run was begun in this folder, even if it was killed before its first result.
+bool holds_begun_run(const fs::path& folder) {
+  if (fs::is_directory(folder) && fs::is_empty(folder)) return true;
+  for (const char* table : {"results.csv", "steps.csv", "judge.csv"})
+    if (fs::exists(folder / table)) return true;
+  return false;
+}
+
 }  // namespace
 
 fs::path results_file(const ServoRequest& request) {
@@ -53,8 +87,14 @@ std::vector<Origin> run_origins(const ServoRequest& request) {
   return origins;
 }
 
+std::vector<std::string> run_remarks(const ServoRequest& request) {
+  std::vector<std::string> remarks = csv_remarks(run_origins(request));
+  remarks.push_back(kServoRemark + settings_text(request));
+  return remarks;
+}
+
 const fs::path& folder_for(const ServoRequest& request) {
-  if (request.resume && !fs::exists(results_file(request)))
+  if (request.resume && !holds_begun_run(request.out))
     throw InputError(request.out.string() +
                      ": holds no run to go on with; name the folder of one, or leave out --resume "
                      "to begin one there");
@@ -63,27 +103,38 @@ const fs::path& folder_for(const ServoRequest& request) {
   if (fs::exists(looks))
     throw InputError(looks.string() + ": the folder holds the run of a path; name another folder");
   make_folder(request.out);
+  require_writable(request.out / "run.yaml", "run");
+  require_writable(request.out / "report.html", "page");
   return request.out;
 }
 
 std::vector<TargetResult> results_so_far(const ServoRequest& request) {
   const fs::path results = results_file(request);
-  if (!fs::exists(results)) return {};
+  if (!fs::exists(results) || fs::is_empty(results)) return {};
   if (!request.resume)
     throw InputError(results.string() +
                      ": holds a run already; name another folder or add --resume");
-  drop_torn_line(results);
+  drop_torn_line(results, results_header());
   require_same_origins(results, run_origins(request));
+  require_same_settings(results, settings_text(request));
   return read_results(results);
 }
 
-void require_same_place(const TargetRow& target, const std::vector<TargetResult>& results) {
-  for (const TargetResult& result : results)
-    if (result.id == target.id && (result.p_d - target.p_d).norm() > kSamePlace_m)
+void require_same_goal(const std::string& id, const TipPose& goal,
+                       const std::vector<TargetResult>& results) {
+  for (const TargetResult& result : results) {
+    if (result.id != id) continue;
+    if ((result.p_d - goal.p).norm() > kSamePlace_m)
       throw InputError(fmt::format(
           "target '{}' is at {} now; the run to go on with has a result of it at {}; name another "
           "folder, or another id for the new place",
-          target.id, place_mm(target.p_d), place_mm(result.p_d)));
+          id, place_mm(goal.p), place_mm(result.p_d)));
+    if (result.phi_d && std::abs(wrap_angle(*result.phi_d - goal.phi)) > kSameDirection_rad)
+      throw InputError(fmt::format(
+          "target '{}' has the direction {:.6f} degrees now; the run to go on with has a result of "
+          "it at {:.6f} degrees; name another folder, or another id for the new direction",
+          id, goal.phi / kDegree, *result.phi_d / kDegree));
+  }
 }
 
 }  // namespace planar

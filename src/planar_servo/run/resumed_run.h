@@ -16,15 +16,20 @@ std::filesystem::path results_file(const ServoRequest& request);
 /// Returns the files that a run is made with.
 std::vector<Origin> run_origins(const ServoRequest& request);
 
+/// Returns these and the servo's settings as comment lines of the table of results.
+std::vector<std::string> run_remarks(const ServoRequest& request);
+
 /// Returns the run's folder, which is there then. Throws InputError when there is no run to go on
 /// with, and when the folder holds that of a path.
 const std::filesystem::path& folder_for(const ServoRequest& request);
 
 /// Returns the results that the folder holds. Throws InputError when it holds some although no run
-/// is to be gone on with, and when they were made with other files.
+/// is to be gone on with, and when they were made with other files or settings.
 std::vector<TargetResult> results_so_far(const ServoRequest& request);
 
-/// Throws InputError when a target has a result already, but of another place.
-void require_same_place(const TargetRow& target, const std::vector<TargetResult>& results);
+/// Throws InputError when the target `id` has a result already, but of another place or direction
+/// than its `goal`.
+void require_same_goal(const std::string& id, const TipPose& goal,
+                       const std::vector<TargetResult>& results);
 
 }  // namespace planar

@@ -41,7 +41,7 @@ ServoRun::ServoRun(const ServoRequest& request, CellDevices& devices, Observer o
       results_(results_so_far(request)),
       results_before_(results_.size()),
       steps_(request.out / "steps.csv", steps_header()),
-      table_(results_file(request), results_header(csv_remarks(run_origins(request)))) {
+      table_(results_file(request), results_header(run_remarks(request))) {
   cell_.switch_on();
 }
 
@@ -96,9 +96,10 @@ const TargetResult& ServoRun::move_to(const TargetRow& target) {
     });
   const ServoResult outcome = attempts(target, scorer);
   results_.push_back(scorer.finish(outcome, cell_.clock().now_s() - start_s - judging_s));
+  results_.back().phi_d = target_pose(target, cell_.settings().tool_orientation).phi;
   if (outcome.cell_in_doubt && !keep_going_)
     ended_by_ = fmt::format("{}: {}: {}", target.id, name(outcome.status), outcome.reason);
-  table_.append(result_line(results_.back()));
+  table_.append(result_line(results_.back()), Durability::kPowerLoss);
   cell_.keep_lessons_if_due();
   return results_.back();
 }
@@ -109,6 +110,10 @@ void ServoRun::discard_if_empty() {
   table_.remove();
 }
 
+void ServoRun::require_same(const TargetRow& target) const {
+  require_same_goal(target.id, target_pose(target, cell_.settings().tool_orientation), results_);
+}
+
 bool ServoRun::has(const std::string& id) const {
   return std::any_of(results_.begin(), results_.end(),
                      [&](const TargetResult& result) { return result.id == id; });
@@ -117,7 +122,7 @@ bool ServoRun::has(const std::string& id) const {
 std::vector<TargetResult> run_servo(
     ServoRun& run, const std::vector<TargetRow>& targets,
     const std::function<void(std::size_t done, std::size_t all)>& progress) {
-  for (const TargetRow& target : targets) require_same_place(target, run.results());
+  for (const TargetRow& target : targets) run.require_same(target);
   for (std::size_t i = 0; i < targets.size() && !run.ended_by(); ++i) {
     if (run.has(targets[i].id)) continue;
     run.move_to(targets[i]);

@@ -32,9 +32,9 @@ class ServoRun {
   using Observer = std::function<void(const ServoSight&)>;
 
   /// Switches the drives on. `observer` may be empty. Throws InputError when the folder holds a run
-  /// and `resume` is not set, when it holds none, or one begun with other calibration files, and
-  /// `resume` is set, when another program writes there, and for calibration files that do not
-  /// belong together unless `accept_stale` is set.
+  /// and `resume` is not set, when it holds none, or one begun with other calibration files or
+  /// servo settings, and `resume` is set, when another program writes there, and for calibration
+  /// files that do not belong together unless `accept_stale` is set.
   ServoRun(const ServoRequest& request, CellDevices& devices, Observer observer = {});
 
   /// Looks before the first target, and every ten minutes after it, whether the cell still is as
@@ -53,6 +53,8 @@ class ServoRun {
   /// Returns why no further target may be tried: the cell itself is in doubt. Empty with
   /// `keep_going`.
   const std::optional<std::string>& ended_by() const { return ended_by_; }
+  /// Throws InputError when there is a result of this target, but of another place or direction.
+  void require_same(const TargetRow& target) const;
   /// Returns true when there is a result of this target.
   bool has(const std::string& id) const;
   /// Returns whether move_to() has added a result to those that the folder held.
@@ -85,7 +87,7 @@ class ServoRun {
 
 /// Moves to every target in turn, except those that a resumed run has a result of, until the run is
 /// ended_by() one. `progress` may be empty. Throws InputError, before anything moves, when such a
-/// result is of another place.
+/// result is of another place or direction.
 std::vector<TargetResult> run_servo(
     ServoRun& run, const std::vector<TargetRow>& targets,
     const std::function<void(std::size_t done, std::size_t all)>& progress = {});

@@ -13,6 +13,7 @@ namespace planar {
 namespace {
 
 constexpr char kRowFormat[] = "planar-servo/campaign/1";
+constexpr char kFirstRow[] = "{\"format\":\"planar-servo/campaign/1\"";  // as it begins
 /// What is claimed to write to the file: a number beyond all seeds.
 constexpr std::uint64_t kWriting = std::uint64_t{1} << 32;
 
@@ -25,7 +26,7 @@ std::string line_of(const nlohmann::json& json) {
 CampaignRows::CampaignRows(const std::filesystem::path& file, const nlohmann::json& made_with)
     : file_(file), claims_(file) {
   const Claim writing = claims_.claim(kWriting);
-  drop_torn_line(file_);
+  drop_torn_line(file_, kFirstRow);
   const std::string text = read_file(file_);
   const std::string begun = text.substr(0, text.find('\n'));
   const nlohmann::json present{{"format", kRowFormat}, {"made_with", made_with}};
@@ -52,8 +53,8 @@ bool CampaignRows::has(std::uint32_t seed) {
 void CampaignRows::append(std::uint32_t seed, nlohmann::json figures) {
   figures["seed"] = seed;
   const Claim writing = claims_.claim(kWriting);
-  drop_torn_line(file_);
-  GrowingFile(file_, "").append(line_of(figures));
+  drop_torn_line(file_, kFirstRow);
+  GrowingFile(file_, "").append(line_of(figures), Durability::kPowerLoss);
   read_new_rows();
 }
 

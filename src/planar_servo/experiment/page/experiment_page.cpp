@@ -13,6 +13,7 @@
 #include "planar_servo/experiment/tables/paper_values.h"
 #include "planar_servo/experiment/tables/table_texts.h"
 #include "planar_servo/io/atomic_file.h"
+#include "planar_servo/io/format/format_line.h"
 #include "planar_servo/io/growing_file.h"
 #include "planar_servo/report/html_page.h"
 #include "planar_servo/report/quiver_figure.h"
@@ -163,9 +164,10 @@ fs::path write_experiment_report(const ExperimentReport& report, const std::stri
                                  const fs::path& out) {
   const std::vector<ReportFigure> figures = experiment_figures(report, out);
   make_folder(out / "figures");
-  for (const ReportFigure& figure : figures) write_file(out / "figures" / figure.file, figure.svg);
-  write_file(out / "errors.svg", experiment_figure(report));
-  write_file(out / "figures.json", experiment_json(report).dump(2) + "\n");
+  for (const ReportFigure& figure : figures)
+    write_file(out / "figures" / figure.file, format_comment("figure") + figure.svg);
+  write_file(out / "errors.svg", format_comment("figure") + experiment_figure(report));
+  write_file(out / "figures.json", with_format_key("figures", experiment_json(report).dump(2)));
   fs::path page = out / "report.html";
   write_file(page, experiment_page(report, cell_name, figures, out));
   return page;

@@ -66,7 +66,9 @@ std::string opencv_text(const CameraRecord& record) {
   file << "image_width" << record.width_px << "image_height" << record.height_px;
   file << "camera_matrix" << cv::Mat(cv::Matx33d(k.fx, 0.0, k.cx, 0.0, k.fy, k.cy, 0.0, 0.0, 1.0));
   file << "distortion_coefficients" << cv::Mat(coefficients);
-  return file.releaseAndGetString();
+  std::string text = file.releaseAndGetString();
+  const std::string begin = "---\n";
+  return text.insert(text.find(begin) + begin.size(), "# format: planar-servo/camera/1\n");
 }
 
 }  // namespace planar

@@ -8,6 +8,7 @@
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/io/atomic_file.h"
+#include "planar_servo/io/format/format_line.h"
 
 namespace planar {
 
@@ -82,10 +83,10 @@ std::string camera_xml(const CameraRecord& record, const std::string& camera_nam
     model += fmt::format("      <kud>{}</kud>\n      <kdu>{}</kdu>\n", lens.kud, lens.kdu);
   }
   return fmt::format(
-      "<?xml version=\"1.0\"?>\n<root>\n  <camera>\n    <name>{}</name>\n"
+      "<?xml version=\"1.0\"?>\n{}<root>\n  <camera>\n    <name>{}</name>\n"
       "    <image_width>{}</image_width>\n    <image_height>{}</image_height>\n"
       "    <model>\n{}    </model>\n  </camera>\n</root>\n",
-      camera_name, record.width_px, record.height_px, model);
+      format_comment("camera"), camera_name, record.width_px, record.height_px, model);
 }
 
 }  // namespace planar

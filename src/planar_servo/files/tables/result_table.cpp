@@ -36,6 +36,7 @@ const TableSchema<TargetResult>& result_schema() {
         columns.text("not_judged", result.not_judged, Column::kOptional);
         columns.optional_point("believed_dx_mm", "believed_dy_mm", result.believed, kMillimetre, 6,
                                Column::kOptional);
+        columns.optional_number("phi_deg", result.phi_d, kDegree, 6, Column::kOptional);
       }};
   return results;
 }

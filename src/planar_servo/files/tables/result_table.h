@@ -16,6 +16,7 @@ namespace planar {
 struct TargetResult {
   std::string id;
   Eigen::Vector2d p_d{0.0, 0.0};
+  std::optional<double> phi_d;  ///< radians; empty in tables of earlier versions
   ServoStatus status{ServoStatus::kRefused};
   std::string reason;
   int iterations{0};

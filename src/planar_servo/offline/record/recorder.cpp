@@ -328,8 +328,8 @@ bool has_monuments(const RecordRequest& request, const std::set<std::string>& pr
 RecordReport record(const RecordRequest& request, CellDevices& devices) {
   require_tracker(request);
   const std::vector<Joints> joints = joints_of_plan(request.cell, request.plan);
-  drop_torn_line(request.recording / "frames.csv");
-  drop_torn_line(request.recording / "tracker.csv");
+  drop_torn_line(request.recording / "frames.csv", frames_header());
+  drop_torn_line(request.recording / "tracker.csv", tracker_header());
   const std::set<std::string> present = ids_of_begun_recording(request, joints);
   require_board(request, present, devices);
   const auto display =

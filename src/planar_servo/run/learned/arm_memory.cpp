@@ -68,7 +68,7 @@ LearnedArm remembered_arm(const CellSettings& cell, const JointPlanner& planner,
 
 ArmMemory::ArmMemory(const CellSettings& cell, const LearningLandings& landings)
     : file_(cell.arm_learned.value()), origins_(learned_arm_origins(cell)), landings_(landings) {
-  require_writable(file_);
+  require_writable(file_, "arm_learned");
 }
 
 ArmMemory::~ArmMemory() {

@@ -9,6 +9,7 @@
 #include "planar_servo/files/arm_file.h"
 #include "planar_servo/files/path/path_table.h"
 #include "planar_servo/files/provenance.h"
+#include "planar_servo/io/atomic_file.h"
 #include "planar_servo/run/path/path_figures.h"
 #include "planar_servo/run/resumed_run.h"
 #include "planar_servo/servo/arrival.h"
@@ -35,6 +36,8 @@ const std::filesystem::path& folder_for_path(const ServoRequest& request) {
       throw InputError((request.out / name).string() +
                        ": holds a run already; name another folder");
   make_folder(request.out);
+  require_writable(request.out / "run.yaml", "run");
+  require_writable(request.out / "report.html", "page");
   return request.out;
 }
 
