@@ -48,6 +48,16 @@ class Session {
     std::fflush(stdout);
   }
 
+  /// Refuses a command that nothing ended.
+  void refuse(const std::string& torn) {
+    ++commands_;
+    ++refused_;
+    fmt::print(stderr,
+               "'{}' does not end with a newline, so that digits may be missing; end it if it is "
+               "whole\n",
+               torn);
+  }
+
   Outcome outcome() const {
     return {{{"commands", commands_}, {"refused", refused_}}, refused_ == 0};
   }
@@ -65,7 +75,10 @@ bool ends(const std::string& command) {
 
 void follow_lines(Session& session) {
   for (std::string line; !interrupted() && std::getline(std::cin, line) && !ends(line);)
-    session.execute(line);
+    if (std::cin.eof())
+      session.refuse(line);
+    else
+      session.execute(line);
 }
 
 /// Asks the arm to stop when another key is pressed than the one that began the motion.

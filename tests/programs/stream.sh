@@ -36,6 +36,20 @@ grep -q "2 of 3 targets reached" err.txt || fail "no summary on standard error: 
 grep -q "^targets: 3" run/run.yaml || fail "no report of the session"
 [ -e run/report.html ] || fail "no report.html"
 
+# Whoever feeds the session was killed: a torn line moves nothing, and without 'end' the run did not end well.
+status=0
+printf 'A,200,100\nB,150,29' |
+  "$bin/planar-servo" --cell cell/cell.yaml --targets - --out torn >answers 2>err.txt || status=$?
+[ "$status" -eq 1 ] || fail "a torn line ended with $status"
+grep -q '^{"line":2,"error":"standard input:2: the last line does not end' answers || fail "$(cat answers)"
+grep -q "1 of 1 targets reached" err.txt || fail "a torn line was moved to: $(cat err.txt)"
+require_end() { "$bin/planar-servo" --cell cell/cell.yaml --targets - --require-end --dry-run >answers 2>err.txt; }
+printf 'A,200,100\nend\n' | require_end || fail "a stream that said its end failed: $(cat err.txt)"
+status=0
+printf 'A,200,100\n' | require_end || status=$?
+[ "$status" -eq 1 ] || fail "a stream without its end ended with $status"
+grep -q "standard input ended without the line 'end'" err.txt || fail "$(cat err.txt)"
+
 # A reader who leaves ends the session at the first answer that nobody can read, not the program at once.
 {
   status=0
