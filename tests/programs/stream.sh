@@ -74,6 +74,12 @@ for stream in 0 1 2; do
 done
 kill "$servo"
 
+# A disc in metres protects nothing: said before anything moves.
+sed 's/keep_out: \[\]/keep_out: [{x_mm: 0.2, y_mm: 0.1, radius_mm: 0.05}]/' cell/cell.yaml >cell/metres.yaml
+printf 'a,200,100\n' | "$bin/planar-servo" --cell cell/metres.yaml --targets - --out disc >answers 2>err.txt
+grep -q "metres.yaml: workspace.keep_out\[0\]: is at (0.2, 0.1) with the radius 0.05 mm; metres would be" err.txt ||
+  fail "$(cat err.txt)"
+
 # Planning only, and a header in other units: nothing moves.
 printf 'id,x_mm,y_mm\na,200,100\n' |
   "$bin/planar-servo" --cell cell/cell.yaml --targets - --dry-run >plans 2>err.txt
