@@ -127,7 +127,7 @@ void heed_interrupts() {
   struct sigaction action {};
   action.sa_handler = [](int /*signal*/) { interrupts = 1; };
   action.sa_flags = static_cast<int>(SA_RESETHAND);  // SA_RESTART is left out, so that a read ends
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaction(signal, &action, nullptr);
+  for (const int signal : {SIGINT, SIGQUIT, SIGTERM, SIGHUP}) sigaction(signal, &action, nullptr);
 }
 
 bool interrupted() {
@@ -137,8 +137,10 @@ bool interrupted() {
 int run_program(const ProgramText& text, int argc, char** argv,
                 const std::function<void(CLI::App&)>& add_options,
                 const std::function<Outcome()>& work) {
-  // Who reads what is printed may leave; that must not end the program while the arm moves.
+  // Who reads what is printed may leave, and a file may grow to its limit: what is written fails
+  // then, which must not end the program while the arm moves.
   std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);
   CLI::App app(text.sentence, text.name);
   app.formatter(std::make_shared<HelpFormatter>(text));
   app.failure_message(usage_fault);

@@ -31,8 +31,8 @@ struct Outcome {
   bool success{true};  ///< false when the work was done but failed (exit status 1)
 };
 
-/// Makes the next Ctrl-C or SIGTERM only ask the program to stop, and ends its input as well. A
-/// second one ends the program as usual.
+/// Makes the next Ctrl-C, Ctrl-\, SIGTERM or SIGHUP only ask the program to stop, and ends its input
+/// as well. A second one ends the program as usual.
 void heed_interrupts();
 /// Returns true once the program was asked to stop.
 bool interrupted();
