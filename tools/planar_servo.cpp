@@ -133,7 +133,7 @@ bool from_stdin(const Options& options) {
 
 Outcome print_dry_run(const CellSettings& cell, const std::vector<TargetRow>& targets) {
   const auto rows = plan_first_moves(cell, targets);
-  fmt::print("{}", dry_run_text(rows));
+  say("{}", dry_run_text(rows));
   return {dry_run_json(rows), count_refused(rows) == 0};
 }
 
@@ -142,8 +142,8 @@ Outcome print_check(const CellSettings& cell, const VisionCalibration& vision,
   auto rows = plan_first_moves(cell, targets);
   refuse_outside_map(rows, targets, cell.tool_orientation, vision);
   const std::size_t refused = count_refused(rows);
-  fmt::print("{}{} and the files it names are in order; {} of {} targets can be reached\n",
-             refusals_text(rows), cell.file.string(), rows.size() - refused, rows.size());
+  say("{}{} and the files it names are in order; {} of {} targets can be reached\n",
+      refusals_text(rows), cell.file.string(), rows.size() - refused, rows.size());
   return {{{"targets", rows.size()}, {"refused", refused}}, refused == 0};
 }
 
@@ -160,8 +160,8 @@ bool is_good(const StreamEnd& end, bool requires_end) {
 Outcome plan_stream(const Options& options, const CellSettings& cell) {
   TargetLines lines(kStdin);
   const PlannedStream planned = plan_targets(std::cin, std::cout, lines, cell);
-  fmt::print(stderr, "{} of {} targets can be reached; {} bad lines\n",
-             planned.targets - planned.refused, planned.targets, planned.end.bad_lines);
+  say(stderr, "{} of {} targets can be reached; {} bad lines\n", planned.targets - planned.refused,
+      planned.targets, planned.end.bad_lines);
   return {{{"targets", planned.targets},
            {"refused", planned.refused},
            {"bad_lines", planned.end.bad_lines}},
@@ -212,8 +212,8 @@ Outcome report(const ServoRequest& request, const Options& options, const ServoR
   ServoFigures figures = figures_of(run.results());
   figures.frames = frames;
   write_run(request, run, figures, from_stdin(options) ? fs::path() : options.targets);
-  fmt::print(from_stdin(options) ? stderr : stdout, "{}log and report: {}\n", servo_text(figures),
-             request.out.string());
+  say(from_stdin(options) ? stderr : stdout, "{}log and report: {}\n", servo_text(figures),
+      request.out.string());
   return {servo_json(figures), figures.reached == figures.targets && good_input && !run.ended_by()};
 }
 
@@ -298,7 +298,7 @@ Outcome follow_path(const Options& options, const CellSettings& cell) {
   const std::vector<PathDemand> demands = require_followable(cell, path);
   if (options.check) require_inside_map(check_files(options, cell), path);
   if (options.check || options.dry_run) {
-    fmt::print("{}", path_demand_text(path, demands));
+    say("{}", path_demand_text(path, demands));
     return {path_demand_json(path, demands), true};
   }
   const ServoRequest request = request_of(options, cell);
@@ -307,7 +307,7 @@ Outcome follow_path(const Options& options, const CellSettings& cell) {
   PathRun run(request, path, *devices);
   const bool reached = follow(run, path);
   write_path_run(request, path, run);
-  fmt::print("{}log and report: {}\n", path_text(path, run.results()), request.out.string());
+  say("{}log and report: {}\n", path_text(path, run.results()), request.out.string());
   return {path_json(path, run.results()), reached};
 }
 

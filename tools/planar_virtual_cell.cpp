@@ -95,7 +95,7 @@ Outcome draw(const Options& options) {
   Truth drawn = draw_truth_like(options.seed);
   drawn.build = build_as_stated(virtual_hardware(read_cell(cell)));
   write_truth(truth, drawn);
-  fmt::print("drew cell {}: {} and its truth, {}\n", options.seed, cell.string(), truth.string());
+  say("drew cell {}: {} and its truth, {}\n", options.seed, cell.string(), truth.string());
   return {{{"seed", options.seed}, {"cell", cell.string()}, {"truth", truth.string()}}};
 }
 
@@ -114,7 +114,7 @@ ServeRequest serve_request(const Options& options) {
 }
 
 void say(const std::string& text) {
-  fmt::print("{}\n", text);
+  say("{}\n", text);
   std::fflush(stdout);
 }
 

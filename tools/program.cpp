@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <spdlog/pattern_formatter.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
@@ -87,9 +88,25 @@ void require_figures_file(const std::filesystem::path& file) {
                      ": exists already and holds no figures; name another file for --json");
 }
 
+/// Writes a message without what would control the terminal.
+class VisibleMessage : public spdlog::custom_flag_formatter {
+ public:
+  void format(const spdlog::details::log_msg& message, const std::tm& /*time*/,
+              spdlog::memory_buf_t& out) override {
+    const std::string text = visible({message.payload.data(), message.payload.size()});
+    out.append(text.data(), text.data() + text.size());
+  }
+  std::unique_ptr<spdlog::custom_flag_formatter> clone() const override {
+    return std::make_unique<VisibleMessage>();
+  }
+};
+
 void start_log(const std::string& name, bool quiet, bool verbose) {
   auto logger = spdlog::stderr_color_mt(name);
-  logger->set_pattern(std::string("%n: %^%v%$") + (isatty(STDERR_FILENO) != 0 ? kEraseToEnd : ""));
+  auto formatter = std::make_unique<spdlog::pattern_formatter>();
+  formatter->add_flag<VisibleMessage>('v').set_pattern(
+      std::string("%n: %^%v%$") + (isatty(STDERR_FILENO) != 0 ? kEraseToEnd : ""));
+  logger->set_formatter(std::move(formatter));
   logger->set_level(quiet     ? spdlog::level::err
                     : verbose ? spdlog::level::debug
                               : spdlog::level::info);

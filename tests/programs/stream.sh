@@ -80,6 +80,16 @@ printf 'a,200,100\n' | "$bin/planar-servo" --cell cell/metres.yaml --targets - -
 grep -q "metres.yaml: workspace.keep_out\[0\]: is at (0.2, 0.1) with the radius 0.05 mm; metres would be" err.txt ||
   fail "$(cat err.txt)"
 
+# An id that would rename the terminal is shown, not obeyed.
+printf 'id,x_mm,y_mm\na\033]0;b\007,900,0\n' >escape.csv
+"$bin/planar-servo" --cell cell/cell.yaml --targets escape.csv --dry-run >plans 2>err.txt || true
+printf 'a\033]0;b\007,9oo,0\n' | "$bin/planar-servo" --cell cell/cell.yaml --targets - --dry-run >>plans 2>>err.txt || true
+printf 'id,x_mm,y_mm\na,\033[2J,0\n' >escape.csv
+"$bin/planar-servo" --cell cell/cell.yaml --targets escape.csv --dry-run >>plans 2>>err.txt || true
+if grep -q $'[\033\007]' plans err.txt; then fail "control characters were printed"; fi
+grep -q 'a\\x1b\]0;b\\x07' plans || fail "$(cat plans)"
+grep -q "x_mm is '\\\\x1b\[2J'" err.txt || fail "$(cat err.txt)"
+
 # Planning only, and a header in other units: nothing moves.
 printf 'id,x_mm,y_mm\na,200,100\n' |
   "$bin/planar-servo" --cell cell/cell.yaml --targets - --dry-run >plans 2>err.txt
