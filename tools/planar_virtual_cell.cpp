@@ -113,7 +113,7 @@ ServeRequest serve_request(const Options& options) {
   return request;
 }
 
-void say(const std::string& text) {
+void tell(const std::string& text) {
   say("{}\n", text);
   std::fflush(stdout);
 }
@@ -129,13 +129,13 @@ Outcome serve(const Options& options) {
   heed_interrupts();
   ServedCell served(request);
   if (writes_cell) write_file(options.live_cell, served.live_text());
-  say(fmt::format("serving {} until interrupted{}", options.cell.string(),
+  tell(fmt::format("serving {} until interrupted{}", options.cell.string(),
                   writes_cell
                       ? fmt::format("; {} describes it as a real cell", options.live_cell.string())
                       : ""));
-  say(served.description());
+  tell(served.description());
   for (LineInput input(STDIN_FILENO); !interrupted(); served.require_well())
-    for (const std::string& line : input.lines_within(kInputPeriod_s)) say(served.obey(line));
+    for (const std::string& line : input.lines_within(kInputPeriod_s)) tell(served.obey(line));
   return {};
 }
 
