@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "planar_servo/core/visible.h"
+#include "planar_servo/core/text/visible.h"
 
 namespace planar {
 

@@ -7,7 +7,7 @@
 
 #include <cstdio>
 
-#include "planar_servo/core/visible.h"
+#include "planar_servo/core/text/visible.h"
 
 namespace planar {
 namespace {

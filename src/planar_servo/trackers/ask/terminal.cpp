@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "planar_servo/core/error.h"
-#include "planar_servo/core/visible.h"
+#include "planar_servo/core/text/visible.h"
 #include "planar_servo/io/csv/csv_fields.h"
 
 namespace planar {

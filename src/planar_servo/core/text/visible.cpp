@@ -1,4 +1,4 @@
-#include "planar_servo/core/visible.h"
+#include "planar_servo/core/text/visible.h"
 
 #include <fmt/format.h>
 
