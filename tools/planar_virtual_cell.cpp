@@ -130,9 +130,9 @@ Outcome serve(const Options& options) {
   ServedCell served(request);
   if (writes_cell) write_file(options.live_cell, served.live_text());
   tell(fmt::format("serving {} until interrupted{}", options.cell.string(),
-                  writes_cell
-                      ? fmt::format("; {} describes it as a real cell", options.live_cell.string())
-                      : ""));
+                   writes_cell
+                       ? fmt::format("; {} describes it as a real cell", options.live_cell.string())
+                       : ""));
   tell(served.description());
   for (LineInput input(STDIN_FILENO); !interrupted(); served.require_well())
     for (const std::string& line : input.lines_within(kInputPeriod_s)) tell(served.obey(line));
