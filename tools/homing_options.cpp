@@ -1,18 +1,19 @@
 #include "homing_options.h"
 
-#include <fmt/format.h>
 #include <unistd.h>
 
 #include <iostream>
 #include <memory>
 #include <utility>
 
+#include "program.h"
+
 namespace planar {
 namespace {
 
 bool says_yes(const std::string& question) {
   if (isatty(STDIN_FILENO) == 0) return false;
-  fmt::print(stderr, "{} [y/N] ", question);
+  say(stderr, "{} [y/N] ", question);
   std::string answer;
   std::getline(std::cin, answer);
   return answer == "y" || answer == "Y";

@@ -1,4 +1,3 @@
-#include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
 
@@ -40,7 +39,7 @@ Outcome calibrate(const Options& options) {
   const std::vector<Origin> origins{origin_of({Role::kPairs, options.table}), arm_origin(cell)};
   write_file(options.output,
              found_arm_text(found_arm(fit.estimate), arm_terms(fit.estimate), origins, kText.name));
-  fmt::print("{}", arm_report_text(fit));
+  say("{}", arm_report_text(fit));
   if (page) write_page(*page, arm_page(fit, options.output));
   return {arm_report_json(fit)};
 }

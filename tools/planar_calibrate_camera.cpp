@@ -1,4 +1,3 @@
-#include <fmt/format.h>
 
 #include <regex>
 
@@ -68,7 +67,7 @@ Outcome calibrate(const Options& options) {
   views.problem.model = options.model;
   CameraCalibration found = calibrate_camera(views.problem, views.rejected);
   write_camera(options.output, found, kText.name, views.inputs);
-  fmt::print("{}", calibration_text(found));
+  say("{}", calibration_text(found));
   if (page) write_page(*page, camera_page(found, options.output, views.inputs));
   return {calibration_json(found)};
 }

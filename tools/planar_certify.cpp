@@ -81,8 +81,8 @@ Outcome certify(const Options& options) {
         "command to go on",
         certificate.run.ended_by));
   write_certificate(certificate);
-  fmt::print("{}certificate: {}\n", certificate_text(certificate),
-             (options.out / "certificate.html").string());
+  say("{}certificate: {}\n", certificate_text(certificate),
+      (options.out / "certificate.html").string());
   return {certificate_json(certificate), certificate.all_count()};
 }
 

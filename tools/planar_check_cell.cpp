@@ -1,4 +1,3 @@
-#include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
 
@@ -53,8 +52,7 @@ Outcome check(const Options& options) {
   CellCheck procedure(cell, vision, robot, sensor, devices->clock(),
                       servo_planner(cell).scatter_m());
   const std::vector<HealthFinding> found = check_cell(procedure, health);
-  fmt::print("{}",
-             found.empty() ? "the cell is as it was at its calibration\n" : findings_text(found));
+  say("{}", found.empty() ? "the cell is as it was at its calibration\n" : findings_text(found));
   return {findings_json(found), found.empty()};
 }
 

@@ -1,4 +1,3 @@
-#include <fmt/format.h>
 
 #include <utility>
 
@@ -51,7 +50,7 @@ Outcome check_pairs(const Options& options) {
   const std::vector<PairRow> pairs = pairs_to_check(std::move(all), plans_of(options));
   require_what_it_needs(map, pairs, options.pairs);
   const MapCheck result = check(map, pairs);
-  fmt::print("{}", map_check_text(result, count - pairs.size()));
+  say("{}", map_check_text(result, count - pairs.size()));
   return {map_check_json(result)};
 }
 

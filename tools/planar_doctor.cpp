@@ -51,8 +51,7 @@ void add_options(CLI::App& app, Options& options) {
 Outcome write_new(const Options& options) {
   write_new_cell(options.new_cell, options.drives);
   const std::string file = options.new_cell.string();
-  fmt::print("wrote {}; replace its values by your own, then planar-doctor --cell {}\n", file,
-             file);
+  say("wrote {}; replace its values by your own, then planar-doctor --cell {}\n", file, file);
   return {{{"cell", file}, {"drives", options.drives}}};
 }
 
@@ -70,7 +69,7 @@ Outcome work(const Options& options) {
   if (options.cell.empty())
     throw InputError("--cell, --new or --seal is required; --help tells of each");
   const auto findings = examine_cell(options.cell);
-  fmt::print("{}", findings_text(findings));
+  say("{}", findings_text(findings));
   return {findings_json(findings), is_sound(findings)};
 }
 

@@ -133,7 +133,7 @@ Outcome run_many(const ExperimentRequest& request, const Options& options) {
   const nlohmann::json figures = campaign_json(rows);
   write_file(options.out / "report.html", campaign_page(rows, options.cell.string()));
   write_file(options.out / "figures.json", with_format_key("figures", figures.dump(2)));
-  fmt::print("{}report: {}\n", campaign_text(rows), (options.out / "report.html").string());
+  say("{}report: {}\n", campaign_text(rows), (options.out / "report.html").string());
   return {figures};
 }
 
@@ -167,7 +167,7 @@ Outcome run(const Options& options) {
   const ExperimentRequest request = request_of(options);
   if (options.predict) {
     const PositioningPrediction prediction = predict_experiment(request);
-    fmt::print("{}", prediction_text(prediction));
+    say("{}", prediction_text(prediction));
     return {prediction_json(prediction)};
   }
   if (options.seeds > 0) return run_many(request, options);
@@ -176,7 +176,7 @@ Outcome run(const Options& options) {
   const ExperimentReport report = run_experiment(request, *devices);
   const std::filesystem::path page =
       write_experiment_report(report, options.cell.string(), options.out);
-  fmt::print("{}report: {}\n", experiment_text(report), page.string());
+  say("{}report: {}\n", experiment_text(report), page.string());
   return {experiment_json(report)};
 }
 

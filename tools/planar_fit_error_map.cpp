@@ -1,4 +1,3 @@
-#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include <optional>
@@ -86,7 +85,7 @@ Outcome fit_with_cell(const Options& options, const std::optional<std::filesyste
   const double fit_seconds = clock.now_s() - begin_s;
   write_lamp_field(files, fit, cell, kText.name);
   const std::string text = lamp_field_report_text(fit);
-  fmt::print("{}", text);
+  say("{}", text);
   if (page) write_page(*page, map_page(view_of(fit, text), options.output));
   nlohmann::json figures = lamp_field_report_json(fit);
   figures["fit_seconds"] = fit_seconds;
@@ -108,7 +107,7 @@ Outcome fit(const Options& options) {
   write_file(options.output, map_text(report.result, options.pairs, kText.name));
   if (!doubt.empty()) spdlog::warn(doubt);
   const std::string text = map_fit_text(report, comparison);
-  fmt::print("{}", text);
+  say("{}", text);
   if (page) write_page(*page, map_page(view_of(report, text), options.output));
   return {map_fit_json(report, comparison)};
 }

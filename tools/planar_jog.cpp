@@ -1,4 +1,3 @@
-#include <fmt/format.h>
 
 #include <filesystem>
 #include <iostream>
@@ -44,8 +43,18 @@ class Session {
     const JogConsole::Answer answer = console_.execute(line);
     ++commands_;
     if (!answer.done) ++refused_;
-    if (!answer.text.empty()) fmt::print(answer.done ? stdout : stderr, "{}\n", answer.text);
+    if (!answer.text.empty()) say(answer.done ? stdout : stderr, "{}\n", answer.text);
     std::fflush(stdout);
+  }
+
+  /// Refuses a command that nothing ended.
+  void refuse(const std::string& torn) {
+    ++commands_;
+    ++refused_;
+    say(stderr,
+        "'{}' does not end with a newline, so that digits may be missing; end it if it is "
+        "whole\n",
+        torn);
   }
 
   Outcome outcome() const {
@@ -65,7 +74,10 @@ bool ends(const std::string& command) {
 
 void follow_lines(Session& session) {
   for (std::string line; !interrupted() && std::getline(std::cin, line) && !ends(line);)
-    session.execute(line);
+    if (std::cin.eof())
+      session.refuse(line);
+    else
+      session.execute(line);
 }
 
 /// Asks the arm to stop when another key is pressed than the one that began the motion.
@@ -86,13 +98,13 @@ void follow_keys(Session& session, KeyStop& stop) {
   constexpr const char* kQuitKeys[] = {"Q", "\x03", "\x04"};
   RawTerminal terminal;
   JogKeys keys;
-  fmt::print("{}\n", keys.help());
+  say("{}\n", keys.help());
   while (const auto key = terminal.key()) {
     for (const char* quit : kQuitKeys)
       if (*key == quit) return;
     std::optional<std::string> command;
     if (*key == ":") {
-      fmt::print(":");
+      say(":");
       std::fflush(stdout);
       command = terminal.line();
       if (!command || ends(*command)) return;
@@ -103,7 +115,7 @@ void follow_keys(Session& session, KeyStop& stop) {
     if (command)
       session.execute(*command);
     else
-      fmt::print("{}\n", keys.help());
+      say("{}\n", keys.help());
     terminal.forget_keys();
   }
 }

@@ -138,7 +138,7 @@ Outcome locate(const Options& options) {
       options.lamps == 1 ? follow_disc(request, start_pixel(options.start)) : locate_lamps(request);
   write_file(options.out, lamps_text(report.rows, lamp_remarks(origins, report.reference_lamps)));
   const LocateFigures figures = figures_of(report);
-  fmt::print("{}", locate_text(figures));
+  say("{}", locate_text(figures));
   if (page)
     write_page(*page,
                lamps_page(report, options.out,

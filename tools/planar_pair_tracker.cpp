@@ -213,10 +213,9 @@ Outcome pair(const Options& options) {
   write_pair_files(files_of(options), request.cell, tables_of(options), report.workplane,
                    source_of(options), report.pairs, kText.name);
   look_at_cell(options, request, report);
-  fmt::print("{}", pair_tracker_text(report));
+  say("{}", pair_tracker_text(report));
   if (page) write_page(*page, pair_page(request, report, options.pairs_out));
-  if (!options.lays_out.empty())
-    fmt::print("{}", write_lays(options, request, boards, report.workplane));
+  if (!options.lays_out.empty()) say("{}", write_lays(options, request, boards, report.workplane));
   return {pair_tracker_json(report)};
 }
 

@@ -1,4 +1,3 @@
-#include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
 
@@ -32,7 +31,7 @@ Outcome propose(const Options& options) {
   if (!options.after.empty()) pairs = read_pairs(options.after);
   const ProposedPlan plan = propose_plan(cell, options.readings, pairs);
   write_file(options.output, plan_text(plan.rows));
-  fmt::print("{}", proposal_text(plan));
+  say("{}", proposal_text(plan));
   return {{{"rows", plan.rows.size()},
            {"expected_before_mm", plan.before / kMillimetre},
            {"expected_after_mm", plan.after / kMillimetre},

@@ -77,7 +77,7 @@ Outcome run(const Options& options) {
   for (const std::string& id : report.without_lamps)
     spdlog::warn(fmt::format("{}: no pair of lamps was seen; its frames are kept", id));
   const FrameCounts frames = devices->camera().counts();
-  fmt::print("{}", record_text(report, frames, options.recording));
+  say("{}", record_text(report, frames, options.recording));
   return {record_json(report, frames)};
 }
 

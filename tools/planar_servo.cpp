@@ -48,7 +48,7 @@ struct Options {
   bool no_error_map{false}, dry_run{false}, check{false}, resume{false};
   HomingOptions homing;
   bool accept_stale{false}, no_health{false}, keep_going{false}, judged{false};
-  bool no_vision{false}, compare{false}, forget{false};
+  bool no_vision{false}, compare{false}, forget{false}, require_end{false};
 };
 
 /// Adds where the end point is to go: targets or a path.
@@ -64,6 +64,10 @@ void add_goals(CLI::App& app, Options& options) {
                                 "table of the places that a path goes through, straight or on arcs")
                    ->type_name("FILE");
   goals->require_option(1);
+  app.add_flag(
+      "--require-end", options.require_end,
+      "with --targets -: call the run failed unless the line 'end' ends the targets, as it "
+      "does not when their writer was killed");
   app.add_option("--speed-mm-s", options.speeds_mm_s,
                  "speeds along the path, 1 to 50; it is followed once at each")
       ->delimiter(',')
@@ -129,7 +133,7 @@ bool from_stdin(const Options& options) {
 
 Outcome print_dry_run(const CellSettings& cell, const std::vector<TargetRow>& targets) {
   const auto rows = plan_first_moves(cell, targets);
-  fmt::print("{}", dry_run_text(rows));
+  say("{}", dry_run_text(rows));
   return {dry_run_json(rows), count_refused(rows) == 0};
 }
 
@@ -138,20 +142,30 @@ Outcome print_check(const CellSettings& cell, const VisionCalibration& vision,
   auto rows = plan_first_moves(cell, targets);
   refuse_outside_map(rows, targets, cell.tool_orientation, vision);
   const std::size_t refused = count_refused(rows);
-  fmt::print("{}{} and the files it names are in order; {} of {} targets can be reached\n",
-             refusals_text(rows), cell.file.string(), rows.size() - refused, rows.size());
+  say("{}{} and the files it names are in order; {} of {} targets can be reached\n",
+      refusals_text(rows), cell.file.string(), rows.size() - refused, rows.size());
   return {{{"targets", rows.size()}, {"refused", refused}}, refused == 0};
 }
 
-Outcome plan_stream(const CellSettings& cell) {
+/// Returns whether all lines of a stream were good and it ended as it had to.
+bool is_good(const StreamEnd& end, bool requires_end) {
+  const bool is_missing = requires_end && !end.was_said;
+  if (is_missing)
+    spdlog::error(
+        "standard input ended without the line 'end', as when its writer was killed; targets may "
+        "be missing");
+  return end.bad_lines == 0 && !is_missing;
+}
+
+Outcome plan_stream(const Options& options, const CellSettings& cell) {
   TargetLines lines(kStdin);
   const PlannedStream planned = plan_targets(std::cin, std::cout, lines, cell);
-  fmt::print(stderr, "{} of {} targets can be reached; {} bad lines\n",
-             planned.targets - planned.refused, planned.targets, planned.bad_lines);
+  say(stderr, "{} of {} targets can be reached; {} bad lines\n", planned.targets - planned.refused,
+      planned.targets, planned.end.bad_lines);
   return {{{"targets", planned.targets},
            {"refused", planned.refused},
-           {"bad_lines", planned.bad_lines}},
-          planned.refused + planned.bad_lines == 0};
+           {"bad_lines", planned.end.bad_lines}},
+          is_good(planned.end, options.require_end) && planned.refused == 0};
 }
 
 /// Returns the answer to a target that comes after a run has ended.
@@ -163,22 +177,23 @@ TargetResult refused(const TargetRow& target, const std::string& ended_by) {
   return result;
 }
 
-/// Moves to the targets of a table, or to those that arrive on standard input. Returns the number
-/// of bad lines.
-std::size_t move(ServoRun& run, const Options& options, const std::vector<TargetRow>& targets) {
+/// Moves to the targets of a table, or to those that arrive on standard input. Returns whether the
+/// input was good.
+bool move(ServoRun& run, const Options& options, const std::vector<TargetRow>& targets) {
   if (!from_stdin(options)) {
     ProgressBar bar("targets");
     run_servo(run, targets, [&](std::size_t done, std::size_t all) { bar.show(done, all); });
-    return 0;
+    return true;
   }
   std::set<std::string> taken;
   for (const TargetResult& result : run.results()) taken.insert(result.id);
   TargetLines lines(kStdin, std::move(taken));
   try {
-    return answer_targets(std::cin, std::cout, lines, [&](const TargetRow& target) {
+    const StreamEnd end = answer_targets(std::cin, std::cout, lines, [&](const TargetRow& target) {
       return run.ended_by() ? result_answer(refused(target, *run.ended_by()))
                             : result_answer(run.move_to(target));
     });
+    return is_good(end, options.require_end);
   } catch (const InputError&) {
     run.discard_if_empty();
     throw;
@@ -186,7 +201,7 @@ std::size_t move(ServoRun& run, const Options& options, const std::vector<Target
 }
 
 Outcome report(const ServoRequest& request, const Options& options, const ServoRun& run,
-               const FrameCounts& frames, std::size_t bad_lines) {
+               const FrameCounts& frames, bool good_input) {
   for (const TargetResult& result : run.results())
     if (result.status != ServoStatus::kReached)
       spdlog::warn(fmt::format("{}: {}: {}", result.id, name(result.status), result.reason));
@@ -197,10 +212,9 @@ Outcome report(const ServoRequest& request, const Options& options, const ServoR
   ServoFigures figures = figures_of(run.results());
   figures.frames = frames;
   write_run(request, run, figures, from_stdin(options) ? fs::path() : options.targets);
-  fmt::print(from_stdin(options) ? stderr : stdout, "{}log and report: {}\n", servo_text(figures),
-             request.out.string());
-  return {servo_json(figures),
-          figures.reached == figures.targets && bad_lines == 0 && !run.ended_by()};
+  say(from_stdin(options) ? stderr : stdout, "{}log and report: {}\n", servo_text(figures),
+      request.out.string());
+  return {servo_json(figures), figures.reached == figures.targets && good_input && !run.ended_by()};
 }
 
 ServoRequest request_of(const Options& options, const CellSettings& cell) {
@@ -238,10 +252,10 @@ Outcome reach_targets(const Options& options, const CellSettings& cell) {
       from_stdin(options) ? std::vector<TargetRow>() : read_targets(options.targets);
   if (options.check) {
     const VisionCalibration vision = check_files(options, cell);
-    return from_stdin(options) ? plan_stream(cell) : print_check(cell, vision, targets);
+    return from_stdin(options) ? plan_stream(options, cell) : print_check(cell, vision, targets);
   }
   if (options.dry_run)
-    return from_stdin(options) ? plan_stream(cell) : print_dry_run(cell, targets);
+    return from_stdin(options) ? plan_stream(options, cell) : print_dry_run(cell, targets);
   ServoRequest request = request_of(options, cell);
   request.learns = cell.servo.learns;
   request.forgets = options.forget;
@@ -253,9 +267,9 @@ Outcome reach_targets(const Options& options, const CellSettings& cell) {
   ServoDisplay display(value_named(kDisplayPolicies, options.display).value(),
                        options.out / "view.png");
   ServoRun run(request, *devices, [&](const ServoSight& sight) { display.show(sight); });
-  const std::size_t bad_lines = move(run, options, targets);
+  const bool good_input = move(run, options, targets);
   display.close();
-  return report(request, options, run, devices->camera().counts(), bad_lines);
+  return report(request, options, run, devices->camera().counts(), good_input);
 }
 
 std::vector<Guidance> guidances_of(const Options& options) {
@@ -284,7 +298,7 @@ Outcome follow_path(const Options& options, const CellSettings& cell) {
   const std::vector<PathDemand> demands = require_followable(cell, path);
   if (options.check) require_inside_map(check_files(options, cell), path);
   if (options.check || options.dry_run) {
-    fmt::print("{}", path_demand_text(path, demands));
+    say("{}", path_demand_text(path, demands));
     return {path_demand_json(path, demands), true};
   }
   const ServoRequest request = request_of(options, cell);
@@ -293,11 +307,13 @@ Outcome follow_path(const Options& options, const CellSettings& cell) {
   PathRun run(request, path, *devices);
   const bool reached = follow(run, path);
   write_path_run(request, path, run);
-  fmt::print("{}log and report: {}\n", path_text(path, run.results()), request.out.string());
+  say("{}log and report: {}\n", path_text(path, run.results()), request.out.string());
   return {path_json(path, run.results()), reached};
 }
 
 Outcome work(const Options& options) {
+  if (options.require_end && !from_stdin(options))
+    throw InputError("--require-end is for targets on standard input; add --targets -");
   const CellSettings cell = read_cell(options.cell);
   return options.path.empty() ? reach_targets(options, cell) : follow_path(options, cell);
 }

@@ -95,7 +95,7 @@ Outcome draw(const Options& options) {
   Truth drawn = draw_truth_like(options.seed);
   drawn.build = build_as_stated(virtual_hardware(read_cell(cell)));
   write_truth(truth, drawn);
-  fmt::print("drew cell {}: {} and its truth, {}\n", options.seed, cell.string(), truth.string());
+  say("drew cell {}: {} and its truth, {}\n", options.seed, cell.string(), truth.string());
   return {{{"seed", options.seed}, {"cell", cell.string()}, {"truth", truth.string()}}};
 }
 
@@ -113,8 +113,8 @@ ServeRequest serve_request(const Options& options) {
   return request;
 }
 
-void say(const std::string& text) {
-  fmt::print("{}\n", text);
+void tell(const std::string& text) {
+  say("{}\n", text);
   std::fflush(stdout);
 }
 
@@ -129,13 +129,13 @@ Outcome serve(const Options& options) {
   heed_interrupts();
   ServedCell served(request);
   if (writes_cell) write_file(options.live_cell, served.live_text());
-  say(fmt::format("serving {} until interrupted{}", options.cell.string(),
-                  writes_cell
-                      ? fmt::format("; {} describes it as a real cell", options.live_cell.string())
-                      : ""));
-  say(served.description());
+  tell(fmt::format("serving {} until interrupted{}", options.cell.string(),
+                   writes_cell
+                       ? fmt::format("; {} describes it as a real cell", options.live_cell.string())
+                       : ""));
+  tell(served.description());
   for (LineInput input(STDIN_FILENO); !interrupted(); served.require_well())
-    for (const std::string& line : input.lines_within(kInputPeriod_s)) say(served.obey(line));
+    for (const std::string& line : input.lines_within(kInputPeriod_s)) tell(served.obey(line));
   return {};
 }
 

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <spdlog/pattern_formatter.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
@@ -85,9 +86,25 @@ void require_figures_file(const std::filesystem::path& file) {
   if (!file.empty()) require_writable(file, kFigures);
 }
 
+/// Writes a message without what would control the terminal.
+class VisibleMessage : public spdlog::custom_flag_formatter {
+ public:
+  void format(const spdlog::details::log_msg& message, const std::tm& /*time*/,
+              spdlog::memory_buf_t& out) override {
+    const std::string text = visible({message.payload.data(), message.payload.size()});
+    out.append(text.data(), text.data() + text.size());
+  }
+  std::unique_ptr<spdlog::custom_flag_formatter> clone() const override {
+    return std::make_unique<VisibleMessage>();
+  }
+};
+
 void start_log(const std::string& name, bool quiet, bool verbose) {
   auto logger = spdlog::stderr_color_mt(name);
-  logger->set_pattern(std::string("%n: %^%v%$") + (isatty(STDERR_FILENO) != 0 ? kEraseToEnd : ""));
+  auto formatter = std::make_unique<spdlog::pattern_formatter>();
+  formatter->add_flag<VisibleMessage>('v').set_pattern(
+      std::string("%n: %^%v%$") + (isatty(STDERR_FILENO) != 0 ? kEraseToEnd : ""));
+  logger->set_formatter(std::move(formatter));
   logger->set_level(quiet     ? spdlog::level::err
                     : verbose ? spdlog::level::debug
                               : spdlog::level::info);
@@ -125,7 +142,7 @@ void heed_interrupts() {
   struct sigaction action {};
   action.sa_handler = [](int /*signal*/) { interrupts = 1; };
   action.sa_flags = static_cast<int>(SA_RESETHAND);  // SA_RESTART is left out, so that a read ends
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaction(signal, &action, nullptr);
+  for (const int signal : {SIGINT, SIGQUIT, SIGTERM, SIGHUP}) sigaction(signal, &action, nullptr);
 }
 
 bool interrupted() {
@@ -135,8 +152,10 @@ bool interrupted() {
 int run_program(const ProgramText& text, int argc, char** argv,
                 const std::function<void(CLI::App&)>& add_options,
                 const std::function<Outcome()>& work) {
-  // Who reads what is printed may leave; that must not end the program while the arm moves.
+  // Who reads what is printed may leave, and a file may grow to its limit: what is written fails
+  // then, which must not end the program while the arm moves.
   std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);
   CLI::App app(text.sentence, text.name);
   app.formatter(std::make_shared<HelpFormatter>(text));
   app.failure_message(usage_fault);

@@ -1,12 +1,29 @@
 #pragma once
 
+#include <fmt/format.h>
+
 #include <CLI/App.hpp>
+#include <cstdio>
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "planar_servo/core/text/visible.h"
+
 namespace planar {
+
+/// Prints as fmt::print() does, but nothing that controls a terminal: ids and what devices say come
+/// from elsewhere.
+template <typename... Args>
+void say(std::FILE* stream, fmt::format_string<Args...> format, Args&&... args) {
+  fmt::print(stream, "{}", visible(fmt::format(format, std::forward<Args>(args)...)));
+}
+template <typename... Args>
+void say(fmt::format_string<Args...> format, Args&&... args) {
+  say(stdout, format, std::forward<Args>(args)...);
+}
 
 /// Opens the --help of a subcommand, after the sentence that is its description.
 struct CommandText {
@@ -31,8 +48,8 @@ struct Outcome {
   bool success{true};  ///< false when the work was done but failed (exit status 1)
 };
 
-/// Makes the next Ctrl-C or SIGTERM only ask the program to stop, and ends its input as well. A
-/// second one ends the program as usual.
+/// Makes the next Ctrl-C, Ctrl-\, SIGTERM or SIGHUP only ask the program to stop, and ends its
+/// input as well. A second one ends the program as usual.
 void heed_interrupts();
 /// Returns true once the program was asked to stop.
 bool interrupted();

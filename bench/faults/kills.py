@@ -48,13 +48,17 @@ def kill_once(cell, program, arguments, longest_s):
         return True
 
 
+def to_go_on(cell, program, arguments, folder):
+    """Returns the arguments by which a program begins its work, or goes on where it was killed."""
+    begun = cell.path(folder).exists()
+    return [*arguments, "--resume"] if begun and program == "planar-servo" else arguments
+
+
 def resume_until_done(cell, kills, program, arguments, folder, table, key, longest_s):
     """Kills a program and resumes it until it ends by itself. Returns the number of kills."""
     killed, finished = 0, set()
     while killed < kills:
-        begun = cell.path(folder).exists()
-        more = ["--resume"] if begun and program == "planar-servo" else []
-        was_killed = kill_once(cell, program, [*arguments, *more], longest_s)
+        was_killed = kill_once(cell, program, to_go_on(cell, program, arguments, folder), longest_s)
         killed += was_killed
         if (cell.path(folder) / table).exists():
             rows = rows_of(cell.path(folder) / table)
@@ -74,16 +78,15 @@ def kill_servo(cell, kills):
         f"T{i},{-330 + 55 * i},{150 + 7 * i}\n" for i in range(TARGETS)))
     cell.servo(out="whole")
     whole = cell.true_errors_mm("whole")
+    arguments = ["--cell", "cell.yaml", "--targets", "targets.csv", "--out", "killed", "--no-health"]
     killed, rounds = 0, 0
     while killed < kills:
         subprocess.run(["rm", "-rf", cell.path("killed")], check=True)
-        killed += resume_until_done(
-            cell, kills - killed, "planar-servo",
-            ["--cell", "cell.yaml", "--targets", "targets.csv", "--out", "killed", "--no-health"],
-            "killed", "results.csv", "target", 2.5)
+        killed += resume_until_done(cell, kills - killed, "planar-servo", arguments, "killed",
+                                    "results.csv", "target", 2.5)
         rounds += 1
-    status, said = cell.run("planar-servo", "--cell", "cell.yaml", "--targets", "targets.csv", "--out",
-                            "killed", "--no-health", "--resume")
+    status, said = cell.run("planar-servo",
+                            *to_go_on(cell, "planar-servo", arguments, "killed", "results.csv"))
     resumed = cell.true_errors_mm("killed")
     if status != 0 or len(resumed) != TARGETS:
         raise SystemExit(f"the resumed run has {len(resumed)} of {TARGETS} targets: {said}")
@@ -112,13 +115,20 @@ def kill_record(cell, kills):
     return killed
 
 
+def undated(path):
+    return [line for line in path.read_text().splitlines() if not line.startswith("created:")]
+
+
 def kill_writers(cell, kills):
     killed = 0
-    before = cell.path("map.yaml").read_text()
+    fit = ["-o", "map.yaml", "pairs.csv"]
+    status, said = cell.run("planar-fit-error-map", *fit)
+    if status != 0:
+        raise SystemExit(f"planar-fit-error-map: {said}")
+    whole = undated(cell.path("map.yaml"))
     while killed < kills:
-        killed += kill_once(cell, "planar-fit-error-map", ["-o", "map.yaml", "pairs.csv"], 0.25)
-        now = cell.path("map.yaml").read_text()
-        if len(now.splitlines()) != len(before.splitlines()):
+        killed += kill_once(cell, "planar-fit-error-map", fit, 0.5)
+        if undated(cell.path("map.yaml")) != whole:
             raise SystemExit("map.yaml: half-written")
         killed += kill_once(cell, "planar-pair-tracker",
                             ["--cell", "cell.yaml", "--lamps", "lamps.csv", "--recording", "recording",

@@ -32,6 +32,7 @@ constexpr double kPoll_s = 0.002;
 constexpr std::size_t kFaultyDrive = 1;  // of joint 2
 constexpr char kDriveUnplugged[] = "drive-unplugged", kDrivePowerCycle[] = "drive-power-cycle";
 constexpr char kInterrupt[] = "interrupt";  // somebody presses Ctrl-C
+constexpr char kQuit[] = "quit";            // Ctrl-\ in the command
 constexpr char kHangUp[] = "hang-up";       // the terminal goes away
 
 struct Options {
@@ -87,13 +88,14 @@ nlohmann::json score(const Options& options, const std::vector<TrueTip>& tips) {
 
 std::vector<std::string> fault_names() {
   std::vector<std::string> names = HostedCamera::fault_names();
-  names.insert(names.end(), {kDriveUnplugged, kDrivePowerCycle, kInterrupt, kHangUp});
+  names.insert(names.end(), {kDriveUnplugged, kDrivePowerCycle, kInterrupt, kQuit, kHangUp});
   return names;
 }
 
 HostedFault fault_named(const std::string& name, HostedCamera& camera, HostedArm& arm,
                         MockUsbDevice& drive, pid_t command) {
   if (name == kInterrupt) return {name, [command] { kill(command, SIGINT); }, [] {}};
+  if (name == kQuit) return {name, [command] { kill(command, SIGQUIT); }, [] {}};
   if (name == kHangUp) return {name, [command] { kill(command, SIGHUP); }, [] {}};
   if (name == kDriveUnplugged)
     return {name, [&drive] { drive.unplug(); }, [&drive] { drive.plug(); }};

@@ -7,10 +7,10 @@
 #include "planar_servo/core/error.h"
 #include "planar_servo/doctor/doctor.h"
 #include "planar_servo/doctor/doctor_report.h"
-#include "planar_servo/doctor/plausibility.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/machine/cell_devices.h"
 #include "planar_servo/machine/device_kinds.h"
+#include "planar_servo/machine/plausibility.h"
 #include "support/temporary_folder.h"
 
 namespace planar {

@@ -41,15 +41,14 @@ TEST_CASE("Lamps whose height waves come back with their wave, bit for bit") {
   LampField& field = fit.field;
   const CompensatedTip without =
       compensate(field, {Eigen::Vector2d(0.3, 0.1), Eigen::Vector2d(0.3, 0.14)});
-  const Eigen::Index height = field.height.size(), before = field.unknowns();
-  const Eigen::MatrixXd bare = field.factor;
+  const Eigen::MatrixXd found = field.factor;
+  const Eigen::Index fields = 2 * field.basis.terms();
   field.height_form.wave = basis_over_disc(0.6, 0.25);
-  const Eigen::Index waves = field.height_form.terms() - height;
   field.height.conservativeResize(field.height_form.terms());
-  field.height.tail(waves).setConstant(0.3e-3);
-  field.factor = Eigen::MatrixXd::Constant(field.unknowns(), bare.cols(), 1e-6);
-  field.factor.topRows(before - 2) = bare.topRows(before - 2);
-  field.factor.bottomRows(2) = bare.bottomRows(2);
+  field.height.tail(field.height_form.wave.centers.cols()).setConstant(0.3e-3);
+  field.factor = Eigen::MatrixXd::Constant(field.unknowns(), found.cols(), 1e-6);
+  field.factor.topRows(fields) = found.topRows(fields);
+  field.factor.bottomRows(2) = found.bottomRows(2);
   const auto path = folder.write("map.yaml", lamp_field_text(fit, {}, "test"));
   const LampField back = std::get<LampField>(read_map(path));
   const std::array<Eigen::Vector2d, 2> seen{Eigen::Vector2d(0.3, 0.1), Eigen::Vector2d(0.3, 0.14)};

@@ -38,6 +38,8 @@ TEST_CASE("A place that cannot be reached from the one before is named by its li
   CHECK_THROWS_WITH(path_of(header + "300,200,,\n400,200,350,\n"), Catch::Contains("via_y_mm"));
   CHECK_THROWS_WITH(path_of(header + "300,200,,\n"), Catch::Contains("at least two rows"));
   CHECK_THROWS_AS(path_of("x_mm,y_mm\n300,nan\n400,200\n"), InputError);
+  CHECK_THROWS_WITH(path_of("x_mm,y_mm\n300,200\n400,20"),
+                    Catch::Contains("path.csv:3: the last line does not end with a newline"));
 }
 
 TEST_CASE(

@@ -33,6 +33,12 @@ TEST_CASE("Plan rows without a place or with a plan that does not exist are name
           Contains("plan.csv:3: has no position"));
 }
 
+TEST_CASE("A plan whose last line is torn is refused") {
+  const test::TemporaryFolder folder;
+  CHECK_THROWS_WITH(read_plan(folder.write("plan.csv", "id,plan,x_mm,y_mm\na,train,200,10"), 0.0),
+                    Contains("plan.csv:2: the last line does not end with a newline"));
+}
+
 TEST_CASE("A plan row without a direction keeps the tool as the cell has it") {
   const test::TemporaryFolder folder;
   const auto rows = read_plan(

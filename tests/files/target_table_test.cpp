@@ -25,6 +25,12 @@ TEST_CASE("Targets are found by column name, ids must differ") {
   CHECK_THROWS_WITH(read_targets(folder.write("t.csv", "id,x_mm,y_mm\n")), Contains("has no rows"));
 }
 
+TEST_CASE("A table of targets whose last line is torn is refused") {
+  const test::TemporaryFolder folder;
+  CHECK_THROWS_WITH(read_targets(folder.write("t.csv", "id,x_mm,y_mm\nA,200,100\nB,150,29")),
+                    Contains("t.csv:3: the last line does not end with a newline"));
+}
+
 TEST_CASE("Lines without a header are id, x_mm, y_mm and perhaps phi_deg") {
   TargetLines lines("stdin");
   const auto a = lines.next("a,200,100");

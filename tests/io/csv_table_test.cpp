@@ -77,6 +77,23 @@ TEST_CASE("A faulty line given by itself does not spoil the next") {
   CHECK_THROWS_WITH(table.throw_if_faulty(), Contains("stdin:3: the id 'a' stands twice"));
 }
 
+TEST_CASE("A last row without its end is refused where the table says so, and read elsewhere") {
+  const test::TemporaryFolder folder;
+  const auto read = [&](const std::string& text, UnendedRow unended) {
+    CsvFile table(folder.write("p.csv", text), "pairs", {"id", "x"}, {}, unended);
+    double last = 0.0;
+    while (table.next_row()) last = table.number("x");
+    table.throw_if_faulty();
+    return last;
+  };
+  CHECK(read("id,x\na,1\nb,29", UnendedRow::kWarned) == 29.0);
+  CHECK_THROWS_WITH(read("id,x\na,1\nb,29", UnendedRow::kRefused),
+                    Contains("p.csv:3: the last line does not end with a newline") &&
+                        Contains("end it if it is whole"));
+  CHECK(read("id,x\na,1\n\n# remark", UnendedRow::kRefused) == 1.0);
+  CHECK(read("id,x\na,1\r\n ", UnendedRow::kRefused) == 1.0);
+}
+
 TEST_CASE("Of very many faults the first hundred are told, and how many more there are") {
   constexpr int kRows = 100000;
   std::string text = "id,x\n";

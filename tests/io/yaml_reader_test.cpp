@@ -36,6 +36,16 @@ TEST_CASE("A strict document gives its values and has no faults") {
   CHECK(faults_of(document).empty());
 }
 
+TEST_CASE("A file too large for memory is refused before it is read") {
+  const test::TemporaryFolder folder;
+  const std::string begin = "format: planar-servo/cell/1\nn: 3\n#";
+  const auto path = folder.write("a.yaml", begin + std::string(16'000'000, 'x'));
+  CHECK_THROWS_WITH(YamlDocument::read(path, "cell"),
+                    Contains("a.yaml: has 16.0 MB; 16 MB are the most"));
+  CHECK_NOTHROW(
+      YamlDocument::read(folder.write("b.yaml", begin + std::string(15'000'000, 'x')), "cell"));
+}
+
 TEST_CASE("All faults of a file are named at once, each with its place and what is allowed") {
   const test::TemporaryFolder folder;
   const auto path = folder.write("cell.yaml",

@@ -42,6 +42,26 @@ TEST_CASE("A picture that ends too early is empty, a whole one has its levels") 
   CHECK(read_grey_image(folder.write("whole.png", bytes)).size() == cv::Size(40, 30));
 }
 
+TEST_CASE("The header of a picture states its size") {
+  for (const char* extension : {".png", ".pgm", ".jpg"}) {
+    INFO(extension);
+    const auto size = stated_size(encoded(extension));
+    REQUIRE(size);
+    CHECK(size->width == 40);
+    CHECK(size->height == 30);
+  }
+  CHECK_FALSE(stated_size(encoded(".bmp")));
+  CHECK_FALSE(stated_size(encoded(".jpg").substr(0, 20)));
+}
+
+TEST_CASE("A picture larger than any sensor is not decoded") {
+  const test::TemporaryFolder folder;
+  std::string jpeg = encoded(".jpg");
+  CHECK(read_grey_image(folder.write("sound.jpg", jpeg)).size() == cv::Size(40, 30));
+  jpeg.replace(jpeg.find("\xff\xc0") + 5, 4, "\x4e\x20\x4e\x20");  // 20,000 x 20,000
+  CHECK(read_grey_image(folder.write("large.jpg", jpeg)).empty());
+}
+
 TEST_CASE("A picture whose header promises too much is no picture, and ends nothing") {
   const test::TemporaryFolder folder;
   std::string huge = encoded(".png");

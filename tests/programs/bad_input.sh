@@ -62,6 +62,16 @@ printf 'id,x_m,y_m\na,0.2,0.1\n' >metres.csv
 expect 2 "lacks the columns x_mm, y_mm" \
   "$bin/planar-servo" --cell cell/cell.yaml --targets metres.csv --out made
 
+# A torn last line moves nothing; elsewhere it is doubted.
+printf 'id,x_mm,y_mm\na,200,100\nb,150,29' >torn.csv
+expect 2 "torn.csv:3: the last line does not end with a newline" \
+  "$bin/planar-servo" --cell cell/cell.yaml --targets torn.csv --out made
+printf '%s\na,1,2,1,2\nb,3,4,3,4' "$pairs_header" >torn_pairs.csv
+expect 2 "torn_pairs.csv:3: the last line does not end with a newline" \
+  "$bin/planar-fit-error-map" -o made torn_pairs.csv
+expect 2 "--require-end is for targets on standard input" \
+  "$bin/planar-servo" --cell cell/cell.yaml --targets targets.csv --out made --require-end
+
 printf 'id;x_mm;y_mm\na;200;100\n' >semicolons.csv
 expect 2 "it has id;x_mm;y_mm \(what separates columns is ','\)" \
   "$bin/planar-servo" --cell cell/cell.yaml --targets semicolons.csv --out made

@@ -23,6 +23,13 @@ printf '%s\n' enable where 'joint 2 5,0' 'x 10 mm' 'jonit 2 5' 'x 900' 'teach a'
 [ "$(sort out.txt | uniq -c | awk '$1 == 2' | grep -c 'end point')" -eq 1 ] || fail "$(cat out.txt)"
 cmp -s taught.csv before.csv || fail "a refused place was taught"
 
+# A last command without its end may lack digits: refused.
+status=0
+printf 'enable\njoint 2 5\njoint 2 1' | jog || status=$?
+[ "$status" -eq 1 ] || fail "a torn command ended with $status"
+grep -q "'joint 2 1' does not end with a newline" err.txt || fail "$(cat err.txt)"
+[ "$(grep -c '^joints' out.txt)" -eq 1 ] || fail "a torn command moved: $(cat out.txt)"
+
 # Nothing taught, nothing written; an empty table is one without targets.
 echo enable | jog --teach none.csv || fail "$(cat err.txt)"
 [ ! -e none.csv ] || fail "a session that taught nothing left $(cat none.csv)"

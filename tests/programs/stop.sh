@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Whoever presses a key, or Ctrl-C, or closes the terminal, stops the arm where it is: it knows its position and goes on from there.
+# Whoever presses a key, Ctrl-C or Ctrl-\, or closes the terminal, stops the arm where it is: it knows its position and goes on from there.
 source "$(dirname "$0")/common.sh"
 source "$repository/tests/programs/live_cell.sh"
 
@@ -12,7 +12,7 @@ servo() {
   hosted gige --json figures.json "$@" -- "$bin/planar-servo" --cell cell/gige.yaml \
     --targets targets.csv --no-health --out run "${resume[@]}" 2>said.txt </dev/null
 }
-for fault in interrupt hang-up; do
+for fault in interrupt quit hang-up; do
   status=0
   servo --fault $fault || status=$?
   cat said.txt

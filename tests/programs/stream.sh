@@ -36,6 +36,20 @@ grep -q "2 of 3 targets reached" err.txt || fail "no summary on standard error: 
 grep -q "^targets: 3" run/run.yaml || fail "no report of the session"
 [ -e run/report.html ] || fail "no report.html"
 
+# Whoever feeds the session was killed: a torn line moves nothing, and without 'end' the run did not end well.
+status=0
+printf 'A,200,100\nB,150,29' |
+  "$bin/planar-servo" --cell cell/cell.yaml --targets - --out torn >answers 2>err.txt || status=$?
+[ "$status" -eq 1 ] || fail "a torn line ended with $status"
+grep -q '^{"line":2,"error":"standard input:2: the last line does not end' answers || fail "$(cat answers)"
+grep -q "1 of 1 targets reached" err.txt || fail "a torn line was moved to: $(cat err.txt)"
+require_end() { "$bin/planar-servo" --cell cell/cell.yaml --targets - --require-end --dry-run >answers 2>err.txt; }
+printf 'A,200,100\nend\n' | require_end || fail "a stream that said its end failed: $(cat err.txt)"
+status=0
+printf 'A,200,100\n' | require_end || status=$?
+[ "$status" -eq 1 ] || fail "a stream without its end ended with $status"
+grep -q "standard input ended without the line 'end'" err.txt || fail "$(cat err.txt)"
+
 # A reader who leaves ends the session at the first answer that nobody can read, not the program at once.
 {
   status=0
@@ -59,6 +73,22 @@ for stream in 0 1 2; do
   [ "$is" = /dev/null ] || fail "the closed stream $stream became '$is'"
 done
 kill "$servo"
+
+# A disc in metres protects nothing: said before anything moves.
+sed 's/keep_out: \[\]/keep_out: [{x_mm: 0.2, y_mm: 0.1, radius_mm: 0.05}]/' cell/cell.yaml >cell/metres.yaml
+printf 'a,200,100\n' | "$bin/planar-servo" --cell cell/metres.yaml --targets - --out disc >answers 2>err.txt
+grep -q "metres.yaml: workspace.keep_out\[0\]: is at (0.2, 0.1) with the radius 0.05 mm; metres would be" err.txt ||
+  fail "$(cat err.txt)"
+
+# An id that would rename the terminal is shown, not obeyed.
+printf 'id,x_mm,y_mm\na\033]0;b\007,900,0\n' >escape.csv
+"$bin/planar-servo" --cell cell/cell.yaml --targets escape.csv --dry-run >plans 2>err.txt || true
+printf 'a\033]0;b\007,9oo,0\n' | "$bin/planar-servo" --cell cell/cell.yaml --targets - --dry-run >>plans 2>>err.txt || true
+printf 'id,x_mm,y_mm\na,\033[2J,0\n' >escape.csv
+"$bin/planar-servo" --cell cell/cell.yaml --targets escape.csv --dry-run >>plans 2>>err.txt || true
+if grep -q $'[\033\007]' plans err.txt; then fail "control characters were printed"; fi
+grep -q 'a\\x1b\]0;b\\x07' plans || fail "$(cat plans)"
+grep -q "x_mm is '\\\\x1b\[2J'" err.txt || fail "$(cat err.txt)"
 
 # Planning only, and a header in other units: nothing moves.
 printf 'id,x_mm,y_mm\na,200,100\n' |

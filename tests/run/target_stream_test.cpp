@@ -18,6 +18,7 @@ struct Session {
   std::vector<Json> answers;
   std::vector<std::string> moved;
   std::size_t bad_lines{0};
+  bool end_was_said{false};
 };
 
 Session run(const std::string& input) {
@@ -25,10 +26,12 @@ Session run(const std::string& input) {
   std::istringstream in(input);
   std::ostringstream out;
   TargetLines lines("standard input");
-  session.bad_lines = answer_targets(in, out, lines, [&](const TargetRow& target) {
+  const StreamEnd end = answer_targets(in, out, lines, [&](const TargetRow& target) {
     session.moved.push_back(target.id);
     return nlohmann::ordered_json{{"target", target.id}, {"status", "reached"}};
   });
+  session.bad_lines = end.bad_lines;
+  session.end_was_said = end.was_said;
   std::istringstream told(out.str());
   for (std::string line; std::getline(told, line);) session.answers.push_back(Json::parse(line));
   return session;
@@ -63,6 +66,32 @@ TEST_CASE("A line without an id is answered as such, also as the first one") {
   REQUIRE(session.answers.size() == 2);
   CHECK(session.answers[0]["error"] == "standard input:1: id is empty; every row needs one");
   CHECK(session.moved == std::vector<std::string>{"a"});
+}
+
+TEST_CASE("A last line without its end is answered as torn and moves nothing") {
+  const Session session = run("A,200,100\nB,150,29");
+  CHECK(session.moved == std::vector<std::string>{"A"});
+  CHECK(session.bad_lines == 1);
+  REQUIRE(session.answers.size() == 2);
+  CHECK(session.answers[1]["line"] == 2);
+  CHECK_THAT(session.answers[1]["error"].get<std::string>(),
+             Contains("standard input:2: the last line does not end with a newline"));
+  CHECK(run("A,200,10").bad_lines == 1);
+  CHECK(run("A,200,100\n# remark").bad_lines == 0);
+}
+
+TEST_CASE("The line 'end' ends a stream, and nothing behind it is a target") {
+  const Session session = run("a,200,100\n end \r\nb,1,2\n");
+  CHECK(session.moved == std::vector<std::string>{"a"});
+  CHECK(session.end_was_said);
+  CHECK(session.bad_lines == 0);
+  CHECK_FALSE(run("a,200,100\n").end_was_said);
+}
+
+TEST_CASE("A torn 'end' may have been the beginning of an id") {
+  const Session session = run("a,200,100\nend");
+  CHECK_FALSE(session.end_was_said);
+  CHECK(session.bad_lines == 1);
 }
 
 TEST_CASE("A header that names other units ends the session before anything moves") {

@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 
 #include "planar_servo/doctor/camera_field.h"
-#include "planar_servo/doctor/plausibility.h"
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/io/format/checksum.h"
 #include "planar_servo/machine/cell_devices.h"
 #include "planar_servo/machine/device_kinds.h"
+#include "planar_servo/machine/plausibility.h"
 
 namespace planar {
 

@@ -162,6 +162,7 @@ template <typename Row>
 struct TableSchema {
   const char* kind;
   std::function<void(Columns&, Row&)> list_columns;
+  UnendedRow unended{UnendedRow::kWarned};
 
   ColumnNames columns() const {
     ColumnNames names;
@@ -191,7 +192,8 @@ class TableFile : public CsvFile {
   /// Opens the file and throws as CsvFile() does. `schema` must outlive the table.
   TableFile(const std::filesystem::path& path, const TableSchema<Row>& schema,
             const CsvDialect& dialect = {})
-      : CsvFile(path, schema.kind, schema.columns().required(), dialect), schema_(schema) {}
+      : CsvFile(path, schema.kind, schema.columns().required(), dialect, schema.unended),
+        schema_(schema) {}
 
   /// Reads the next row. Returns false at the end of the file.
   bool next(Row& row) {

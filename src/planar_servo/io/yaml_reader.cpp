@@ -15,6 +15,20 @@
 namespace planar {
 namespace {
 
+/// The reader takes up to 140 times a file's size in memory: 2 GB for this. The largest map that is
+/// written, a field of 200 places with its covariance, has 10 MB.
+constexpr double kMost_MB = 16.0;
+
+void require_moderate_size(const std::filesystem::path& path) {
+  std::error_code error;
+  const double size_MB = static_cast<double>(std::filesystem::file_size(path, error)) / 1e6;
+  if (error || size_MB <= kMost_MB) return;
+  throw InputError(fmt::format(
+      "{}: has {:.1f} MB; {:g} MB are the most, because reading takes 140 times as much "
+      "memory; make a map of fewer places",
+      path.string(), size_MB, kMost_MB));
+}
+
 std::string shown(const YAML::Node& node) {
   if (node.IsNull()) return "empty";
   return node.IsScalar() ? "'" + node.Scalar() + "'" : node.IsMap() ? "a map" : "a list";
@@ -254,6 +268,7 @@ YamlDocument YamlDocument::parse(const std::filesystem::path& path, const std::s
 }
 
 YamlDocument YamlDocument::read(const std::filesystem::path& path, const std::string& kind) {
+  require_moderate_size(path);
   const std::string text = read_file(path);
   YamlDocument document = parse(path, text);
   const std::string format = "planar-servo/" + kind + "/1";
@@ -270,6 +285,7 @@ YamlDocument YamlDocument::read(const std::filesystem::path& path, const std::st
 }
 
 YamlDocument YamlDocument::read_lenient(const std::filesystem::path& path) {
+  require_moderate_size(path);
   const std::string text = read_file(path);
   YamlDocument document = parse(path, text);
   require_unchanged(path, text);

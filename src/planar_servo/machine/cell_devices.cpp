@@ -1,8 +1,10 @@
 #include "planar_servo/machine/cell_devices.h"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include "planar_servo/core/error.h"
+#include "planar_servo/machine/plausibility.h"
 #include "planar_servo/machine/virtual_kinds.h"
 #include "planar_servo/virtual_cell/truth/truth_file.h"
 #include "planar_servo/virtual_cell/virtual_cell.h"
@@ -77,6 +79,9 @@ void require_devices(const CellSettings& cell) {
 
 std::unique_ptr<CellDevices> open_cell(const CellSettings& cell) {
   require_devices(cell);
+  for (const Finding& doubt : question_values(cell))
+    spdlog::warn(
+        fmt::format("{}: {}: {}; {}", cell.file.string(), doubt.subject, doubt.what, doubt.remedy));
   std::shared_ptr<VirtualCell> world;
   if (cell.camera.kind->is_virtual())
     world = std::make_shared<VirtualCell>(read_truth(*cell.truth), virtual_hardware(cell));

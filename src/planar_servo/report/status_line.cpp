@@ -7,6 +7,8 @@
 
 #include <cstdio>
 
+#include "planar_servo/core/text/visible.h"
+
 namespace planar {
 namespace {
 
@@ -26,7 +28,7 @@ StatusLine::StatusLine()
 
 void StatusLine::show(const std::string& text) {
   if (!shown_) return;
-  fmt::print(stderr, "\r{}{}\r", text.substr(0, terminal_width() - 1), kEraseToEnd);
+  fmt::print(stderr, "\r{}{}\r", visible(text).substr(0, terminal_width() - 1), kEraseToEnd);
   drawn_ = true;
 }
 

@@ -7,6 +7,7 @@
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
+#include "planar_servo/io/csv/csv_fields.h"
 #include "planar_servo/run/dry_run_report.h"
 
 namespace planar {
@@ -22,18 +23,23 @@ void write_line(std::ostream& out, const Json& answer) {
 
 }  // namespace
 
-std::size_t answer_targets(std::istream& in, std::ostream& out, TargetLines& lines,
-                           const TargetAnswer& answer) {
-  std::size_t bad_lines = 0;
+StreamEnd answer_targets(std::istream& in, std::ostream& out, TargetLines& lines,
+                         const TargetAnswer& answer) {
+  StreamEnd end;
   std::string text;
   while (std::getline(in, text)) {
+    const bool has_end = !in.eof();
+    if (has_end && trimmed(text) == "end") {
+      end.was_said = true;
+      break;
+    }
     std::optional<TargetRow> target;
     try {
-      target = lines.next(text);
+      target = lines.next(text, has_end);
     } catch (const InputError& e) {
       write_line(out, {{"line", lines.line()}, {"error", e.what()}});
       if (!lines.has_columns()) throw;
-      ++bad_lines;
+      ++end.bad_lines;
       continue;
     }
     if (!target) continue;
@@ -46,7 +52,7 @@ std::size_t answer_targets(std::istream& in, std::ostream& out, TargetLines& lin
     }
     write_line(out, told);
   }
-  return bad_lines;
+  return end;
 }
 
 Json result_answer(const TargetResult& result) {
@@ -73,7 +79,7 @@ PlannedStream plan_targets(std::istream& in, std::ostream& out, TargetLines& lin
                            const CellSettings& cell) {
   DryRun dry(cell);
   PlannedStream planned;
-  planned.bad_lines = answer_targets(in, out, lines, [&](const TargetRow& target) {
+  planned.end = answer_targets(in, out, lines, [&](const TargetRow& target) {
     const DryRunRow row = dry.plan(target);
     ++planned.targets;
     if (row.plan.refusal) ++planned.refused;

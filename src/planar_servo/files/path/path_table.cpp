@@ -17,11 +17,13 @@ struct PathRow {
 
 const TableSchema<PathRow>& path_schema() {
   static const TableSchema<PathRow> schema{
-      "path", [](Columns& columns, PathRow& row) {
+      "path",
+      [](Columns& columns, PathRow& row) {
         columns.point("x_mm", "y_mm", row.p, kMillimetre, 6);
         columns.optional_point("via_x_mm", "via_y_mm", row.via, kMillimetre, 6, Column::kOptional);
         columns.optional_number("phi_deg", row.phi, kDegree, 6, Column::kOptional);
-      }};
+      },
+      UnendedRow::kRefused};
   return schema;
 }
 

@@ -34,7 +34,8 @@ void list_place(Columns& columns, PlanRow& row, double tool_orientation) {
 
 TableSchema<PlanRow> schema(double tool_orientation) {
   return {
-      "plan", [=](Columns& columns, PlanRow& row) {
+      "plan",
+      [=](Columns& columns, PlanRow& row) {
         columns.text("id", row.id);
         columns.check(row.id.find('/') == std::string::npos,
                       fmt::format("id is '{}'; it names images, so '/' is not allowed", row.id));
@@ -42,7 +43,8 @@ TableSchema<PlanRow> schema(double tool_orientation) {
         list_place(columns, row, tool_orientation);
         columns.check(shows_board(row.plan) || !std::holds_alternative<std::monostate>(row.where),
                       "has no position; x_mm, y_mm or theta1_deg ... theta3_deg are needed");
-      }};
+      },
+      UnendedRow::kRefused};
 }
 
 }  // namespace

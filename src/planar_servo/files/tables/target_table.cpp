@@ -10,11 +10,13 @@ namespace {
 
 const TableSchema<TargetRow>& target_schema() {
   static const TableSchema<TargetRow> targets{
-      "targets", [](Columns& columns, TargetRow& row) {
+      "targets",
+      [](Columns& columns, TargetRow& row) {
         columns.text("id", row.id);
         columns.point("x_mm", "y_mm", row.p_d, kMillimetre, 6);
         columns.optional_number("phi_deg", row.phi_d, kDegree, 6, Column::kOptional);
-      }};
+      },
+      UnendedRow::kRefused};
   return targets;
 }
 
@@ -50,7 +52,7 @@ TargetLines::TargetLines(const std::string& source, std::set<std::string> taken)
     : table_(source, target_schema().kind, target_schema().columns().required()),
       taken_(std::move(taken)) {}
 
-std::optional<TargetRow> TargetLines::next(const std::string& line) {
+std::optional<TargetRow> TargetLines::next(const std::string& line, bool has_end) {
   ++line_;
   std::string row = line;
   const std::vector<std::string_view> fields = split_fields(line);
@@ -60,6 +62,7 @@ std::optional<TargetRow> TargetLines::next(const std::string& line) {
   }
   if (fourth_is_optional_ && fields.size() == 3) row += ',';
   const bool is_row = table_.take_line(row, line_);
+  if (is_row && !has_end) table_.refuse_torn_row();
   table_.throw_if_faulty();
   if (!is_row) return std::nullopt;
   TargetRow target;

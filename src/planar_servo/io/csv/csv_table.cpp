@@ -1,6 +1,7 @@
 #include "planar_servo/io/csv/csv_table.h"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <charconv>
@@ -14,6 +15,9 @@ namespace {
 
 constexpr std::string_view kFormatMark = "# format: ";
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+constexpr char kUnended[] =
+    "the last line does not end with a newline, so that digits may be missing; end it if it is "
+    "whole";
 
 std::string format_name(const std::string& kind) {
   return "planar-servo/" + kind + "/1";
@@ -192,8 +196,16 @@ void CsvTable::require_id_not_in(const std::set<std::string>& taken) {
     add_fault(fmt::format("the id '{}' stands twice; ids must differ", id));
 }
 
+std::string CsvTable::at_row(const std::string& message) const {
+  return fmt::format("{}:{}: {}", source_.string(), line_number_, message);
+}
+
 void CsvTable::add_fault(const std::string& message) {
-  faults_.add(fmt::format("{}:{}: {}", source_.string(), line_number_, message));
+  faults_.add(at_row(message));
+}
+
+void CsvTable::refuse_torn_row() {
+  add_fault(kUnended);
 }
 
 void CsvTable::throw_if_faulty() {
@@ -206,8 +218,9 @@ void CsvTable::throw_if_faulty_or_empty(const std::string& remedy) {
 }
 
 CsvFile::CsvFile(const std::filesystem::path& path, const std::string& kind,
-                 const std::vector<std::string>& required, const CsvDialect& dialect)
-    : CsvTable(path, kind, required, dialect), in_(open_file(path)) {
+                 const std::vector<std::string>& required, const CsvDialect& dialect,
+                 UnendedRow unended)
+    : CsvTable(path, kind, required, dialect), in_(open_file(path)), unended_(unended) {
   while (!has_header()) {
     if (!next_line())
       throw InputError(fmt::format("{}: is empty; a header line with the columns {} is needed",
@@ -218,9 +231,19 @@ CsvFile::CsvFile(const std::filesystem::path& path, const std::string& kind,
 }
 
 bool CsvFile::next_row() {
-  while (next_line())
-    if (take_line(buffer_, line_begin_)) return true;
+  while (next_line()) {
+    if (!take_line(buffer_, line_begin_)) continue;
+    if (in_.eof()) question_unended_row();
+    return true;
+  }
   return false;
+}
+
+void CsvFile::question_unended_row() {
+  if (unended_ == UnendedRow::kRefused)
+    refuse_torn_row();
+  else
+    spdlog::warn(at_row(kUnended));
 }
 
 bool CsvFile::next_line() {

@@ -68,6 +68,8 @@ class CsvTable {
   void require_id_not_in(const std::set<std::string>& taken);
   /// Adds the fault `FILE:LINE: message`.
   void add_fault(const std::string& message);
+  /// Adds a fault: the row has no line end, so that its last number may lack digits.
+  void refuse_torn_row();
 
   /// Throws InputError with the faults so far, if there are any, and forgets them.
   void throw_if_faulty();
@@ -79,6 +81,8 @@ class CsvTable {
   const std::filesystem::path& source() const { return source_; }
   char separator() const { return dialect_.separator; }
   std::string required_columns() const;
+  /// Returns `FILE:LINE: message` for the current row.
+  std::string at_row(const std::string& message) const;
 
  private:
   void read_header(int line_number);
@@ -100,6 +104,10 @@ class CsvTable {
   Faults faults_;
 };
 
+/// Says what a last row without a line end is: torn, as by a program that was killed while it
+/// wrote, or whole, as some editors leave it.
+enum class UnendedRow { kWarned, kRefused };
+
 /// Reads a CSV file row by row:
 ///
 ///     CsvFile table(path, "pairs", {"id", "x_vision_mm"});
@@ -110,15 +118,18 @@ class CsvFile : public CsvTable {
   /// Reads the file up to its header. Throws InputError when the file cannot be read or has no
   /// header line, and when take_line() does.
   CsvFile(const std::filesystem::path& path, const std::string& kind,
-          const std::vector<std::string>& required, const CsvDialect& dialect = {});
+          const std::vector<std::string>& required, const CsvDialect& dialect = {},
+          UnendedRow unended = UnendedRow::kWarned);
 
   /// Takes the next row. Returns false at the end of the file.
   bool next_row();
 
  private:
   bool next_line();
+  void question_unended_row();
 
   std::ifstream in_;
+  UnendedRow unended_;
   std::string buffer_;
   int lines_{0};
   int line_begin_{0};  ///< the number of the line where buffer_ begins

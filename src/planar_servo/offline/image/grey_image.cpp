@@ -1,5 +1,8 @@
 #include "planar_servo/offline/image/grey_image.h"
 
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
 #include <cstdint>
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
@@ -18,12 +21,14 @@ bool starts_with(std::string_view bytes, std::string_view beginning) {
 }
 
 /// Of a side, as OpenCV has it; their product does not overflow.
-constexpr std::size_t kMostPixels = std::size_t{1} << 20;
+constexpr std::size_t kLongestSide = std::size_t{1} << 20;
+/// No area sensor has more. To decode so many takes 1.6 GB.
+constexpr std::size_t kMostPixels = std::size_t{1} << 28;
 
-/// Big-endian, as PNG has it.
-std::size_t number_at(std::string_view bytes, std::size_t at) {
+/// Big-endian, as PNG and JPEG have it.
+std::size_t number_at(std::string_view bytes, std::size_t at, std::size_t length = 4) {
   std::size_t number = 0;
-  for (std::size_t i = 0; i < 4; ++i)
+  for (std::size_t i = 0; i < length; ++i)
     number = number << 8 | static_cast<std::uint8_t>(bytes[at + i]);
   return number;
 }
@@ -39,21 +44,68 @@ bool is_whole_png(std::string_view bytes) {
   return false;
 }
 
+struct PgmHeader {
+  PictureSize size;
+  std::size_t highest{0}, length{0};
+};
+
 /// The header of a PGM is "P5", width, height and highest level with comments between them.
-bool is_whole_pgm(std::string_view bytes) {
-  std::istringstream header(std::string(bytes.substr(2, 1024)));
-  std::size_t width = 0, height = 0, highest = 0;
-  for (std::size_t* number : {&width, &height, &highest}) {
-    while ((header >> std::ws).peek() == '#')
-      header.ignore(std::numeric_limits<std::streamsize>::max(), '\n');
-    header >> *number;
+std::optional<PgmHeader> pgm_header(std::string_view bytes) {
+  std::istringstream text(std::string(bytes.substr(2, 1024)));
+  PgmHeader header;
+  for (std::size_t* number : {&header.size.width, &header.size.height, &header.highest}) {
+    while ((text >> std::ws).peek() == '#')
+      text.ignore(std::numeric_limits<std::streamsize>::max(), '\n');
+    text >> *number;
   }
-  if (!header || width > kMostPixels || height > kMostPixels) return false;
-  const auto begin = 2 + static_cast<std::size_t>(header.tellg()) + 1;
-  return bytes.size() >= begin + width * height * (highest > 255 ? 2 : 1);
+  if (!text || header.size.width > kLongestSide || header.size.height > kLongestSide)
+    return std::nullopt;
+  header.length = 2 + static_cast<std::size_t>(text.tellg()) + 1;
+  return header;
+}
+
+bool is_whole_pgm(std::string_view bytes) {
+  const auto header = pgm_header(bytes);
+  return header && bytes.size() >= header->length + header->size.width * header->size.height *
+                                                        (header->highest > 255 ? 2 : 1);
+}
+
+/// A JPEG is segments of a marker, two bytes of length and contents; the markers C0 to CF, but for
+/// three, begin with precision, height and width.
+std::optional<PictureSize> jpeg_size(std::string_view bytes) {
+  constexpr std::size_t kUpToWidth = 9;
+  for (std::size_t at = 2; at + kUpToWidth <= bytes.size();) {
+    const std::size_t marker = number_at(bytes, at, 2);
+    const bool is_table = marker == 0xffc4 || marker == 0xffc8 || marker == 0xffcc;
+    if (marker >= 0xffc0 && marker <= 0xffcf && !is_table)
+      return PictureSize{number_at(bytes, at + 7, 2), number_at(bytes, at + 5, 2)};
+    at += 2 + number_at(bytes, at + 2, 2);
+  }
+  return std::nullopt;
+}
+
+/// Says so of a picture that would take too much memory.
+bool is_too_large(const std::filesystem::path& file, std::string_view bytes) {
+  const auto size = stated_size(bytes);
+  if (!size || size->height == 0 || size->width <= kMostPixels / size->height) return false;
+  spdlog::warn(fmt::format(
+      "{}: has {} x {} pixels and is left out; {} million are the most, because no area sensor has "
+      "more and decoding takes six bytes for each",
+      file.string(), size->width, size->height, kMostPixels / 1000000));
+  return true;
 }
 
 }  // namespace
+
+std::optional<PictureSize> stated_size(std::string_view bytes) {
+  constexpr std::size_t kPngWidth = 16, kPngHeight = 20;
+  if (starts_with(bytes, kPng) && bytes.size() >= kPngHeight + 4)
+    return PictureSize{number_at(bytes, kPngWidth), number_at(bytes, kPngHeight)};
+  if (starts_with(bytes, "\xff\xd8")) return jpeg_size(bytes);
+  if (!starts_with(bytes, "P5")) return std::nullopt;
+  const auto header = pgm_header(bytes);
+  return header ? std::optional(header->size) : std::nullopt;
+}
 
 bool is_whole_picture(std::string_view bytes) {
   if (starts_with(bytes, kPng)) return is_whole_png(bytes);
@@ -63,7 +115,9 @@ bool is_whole_picture(std::string_view bytes) {
 }
 
 cv::Mat read_grey_image(const std::filesystem::path& file) {
-  if (!std::filesystem::exists(file) || !is_whole_picture(read_file(file))) return {};
+  if (!std::filesystem::exists(file)) return {};
+  const std::string bytes = read_file(file);
+  if (!is_whole_picture(bytes) || is_too_large(file, bytes)) return {};
   try {
     return cv::imread(file.string(), cv::IMREAD_GRAYSCALE);
   } catch (const cv::Exception&) {  // its header promises more pixels than OpenCV takes

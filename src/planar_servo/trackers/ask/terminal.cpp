@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "planar_servo/core/error.h"
+#include "planar_servo/core/text/visible.h"
 #include "planar_servo/io/csv/csv_fields.h"
 
 namespace planar {
@@ -31,7 +32,8 @@ bool is_input(int descriptor) {
 
 std::string Terminal::ask(const std::string& question) const {
   if (!is_input(in_)) nobody_answers(question, "standard input is closed");
-  for (std::string_view rest = question; !rest.empty();) {
+  const std::string shown = visible(question);
+  for (std::string_view rest = shown; !rest.empty();) {
     const ssize_t written = write(out_, rest.data(), rest.size());
     if (written <= 0) nobody_answers(question, "the question cannot be written");
     rest.remove_prefix(static_cast<std::size_t>(written));

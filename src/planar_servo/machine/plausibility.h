@@ -7,9 +7,9 @@
 
 namespace planar {
 
-/// Questions values of a cell file that may be read but hardly be meant: links, angles, lamps,
-/// pixels and workspace in another unit, or too large for each other. No findings where all is
-/// plausible.
+/// Questions values of a cell file that may be read but hardly be meant: lengths and angles in
+/// another unit, or too large for each other, and discs that keep nothing out. No findings where
+/// all is plausible.
 std::vector<Finding> question_values(const CellSettings& cell);
 
 }  // namespace planar

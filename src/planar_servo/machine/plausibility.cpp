@@ -1,0 +1,264 @@
+#include "planar_servo/machine/plausibility.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <string>
+
+#include "planar_servo/core/units.h"
+
+namespace planar {
+namespace {
+
+constexpr double kShortestLink_m = 0.01;
+constexpr double kLongestLink_m = 5.0;
+/// Limits of two turns, written in radians, are numbers up to this; cables allow no more turns.
+constexpr double kTwoTurns = 4.0 * kPi;
+/// What is shorter than this share of the arm was likely given in metres.
+constexpr double kLeastShare = 0.01;
+/// Nothing that stands in an arm's way is smaller, nor is the part of a base that it must not hit.
+constexpr double kLeastObstacle_m = 1.0 * kMillimetre;
+
+Finding question(const std::string& key, const std::string& what, const std::string& remedy) {
+  return {Finding::Verdict::kDoubtful, key, what, remedy};
+}
+
+std::vector<Finding> question_links(const Eigen::Vector2d& lengths_m) {
+  if (lengths_m.minCoeff() >= kShortestLink_m && lengths_m.maxCoeff() <= kLongestLink_m) return {};
+  return {question("arm.link_lengths_mm",
+                   fmt::format("is [{:g}, {:g}]; links are usually between {:g} and {:g} mm long",
+                               lengths_m.x() / kMillimetre, lengths_m.y() / kMillimetre,
+                               kShortestLink_m / kMillimetre, kLongestLink_m / kMillimetre),
+                   "measure from axis to axis and write millimetres, such as 300 for 0.3 m")};
+}
+
+std::vector<Finding> question_limits(const std::array<Eigen::Vector2d, 3>& limits_rad) {
+  std::vector<Finding> findings;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double farthest_rad = limits_rad[i].cwiseAbs().maxCoeff();
+    if (farthest_rad > kTwoTurns * kDegree && farthest_rad <= kTwoTurns) continue;
+    const bool narrow = farthest_rad < kTwoTurns;
+    findings.push_back(question(
+        fmt::format("arm.joint_limits_deg[{}]", i),
+        fmt::format("is [{:g}, {:g}]; {}", limits_rad[i][0] / kDegree, limits_rad[i][1] / kDegree,
+                    narrow ? "radians would be such numbers" : "that is beyond two turns"),
+        narrow ? "write degrees, such as 170 for 2.967 radians"
+               : "write the angle of the motor's shaft behind its gear, in degrees"));
+  }
+  return findings;
+}
+
+/// Returns whether numbers written as degrees are angles of whole five degrees written in radians.
+bool look_like_radians(const std::vector<double>& angles_rad) {
+  constexpr double kStep = 5.0 * kDegree, kRounding = 1e-3;
+  bool any = false;
+  for (const double angle_rad : angles_rad) {
+    const double number = angle_rad / kDegree;
+    any = any || number != 0.0;
+    if (std::abs(number) > kTwoTurns || std::abs(std::remainder(number, kStep)) > kRounding)
+      return false;
+  }
+  return any;
+}
+
+std::vector<Finding> question_angles(const std::string& key,
+                                     const std::vector<double>& angles_rad) {
+  if (!look_like_radians(angles_rad)) return {};
+  std::vector<double> numbers;
+  for (const double angle_rad : angles_rad) numbers.push_back(angle_rad / kDegree);
+  return {question(key,
+                   fmt::format("is {:g}; radians would be such numbers", fmt::join(numbers, ", ")),
+                   "write degrees, such as 90 for 1.571 radians")};
+}
+
+/// Questions a home pose that some motor cannot take.
+std::vector<Finding> question_home(const CellSettings& cell) {
+  const auto violation = Transmission(cell.transmission).limit_violation(cell.arm.home);
+  if (!violation) return {};
+  return {question("arm.home_deg", "the arm cannot go there: " + *violation,
+                   "write each joint's angle from the base's x axis, within arm.joint_limits_deg; "
+                   "coupling and home_deg must go together")};
+}
+
+/// A value in the unit of its key, and between which bounds it usually is.
+struct UsualValue {
+  std::string key;
+  double value, least, most;
+  const char* usually;  ///< "pixels are usually {:g} to {:g} um wide", with both bounds
+  const char* remedy;
+};
+
+std::vector<Finding> question_unusual(const std::vector<UsualValue>& values) {
+  std::vector<Finding> findings;
+  for (const UsualValue& v : values)
+    if (v.value < v.least || v.value > v.most)
+      findings.push_back(
+          question(v.key,
+                   fmt::format("is {:g}; {}", v.value,
+                               fmt::format(fmt::runtime(v.usually), v.least, v.most)),
+                   v.remedy));
+  return findings;
+}
+
+std::vector<Finding> question_pitch(const std::optional<double>& pitch_m) {
+  if (!pitch_m) return {};
+  return question_unusual(
+      {{"camera.pixel_pitch_um", *pitch_m / kMicrometre, 0.5, 20.0,
+        "pixels are usually {:g} to {:g} um wide",
+        "take it from the sensor's data sheet, in micrometres, or leave it out"}});
+}
+
+UsualValue usual_diameter(const std::string& key, double diameter_m) {
+  return {key,
+          diameter_m / kMillimetre,
+          0.1,
+          100.0,
+          "lamps are usually {:g} to {:g} mm wide",
+          "measure the bright disc, in millimetres, such as 8 for 0.008 m"};
+}
+
+std::vector<Finding> question_diameters(const CellSettings& cell) {
+  std::vector<UsualValue> values;
+  for (std::size_t i = 0; i < 2; ++i)
+    values.push_back(
+        usual_diameter(fmt::format("lamps.diameter_mm[{}]", i), cell.lamps.layout.diameters_m[i]));
+  for (std::size_t i = 0; i < cell.reference_lamps.size(); ++i)
+    values.push_back(usual_diameter(fmt::format("reference_lamps[{}].diameter_mm", i),
+                                    cell.reference_lamps[i].diameter_m));
+  return question_unusual(values);
+}
+
+std::vector<Finding> question_servo(const ServoSettings& servo) {
+  return question_unusual(
+      {{"servo.tolerance_mm", servo.tolerance_m / kMillimetre, 1e-4, 0.5,
+        "arms are usually positioned within {:g} to {:g} mm",
+        "write millimetres, such as 0.005 for 5 micrometres"},
+       {"servo.max_step_mm", servo.max_step_m / kMillimetre, 0.05, 500.0,
+        "corrections are usually {:g} to {:g} mm long at most", "write millimetres, such as 5"}});
+}
+
+/// A tracker without scatter is left alone: some figures are made with one.
+std::vector<Finding> question_tracker(const TrackerSettings& tracker) {
+  const char* const remedy = "write millimetres, such as 0.01 for 10 micrometres";
+  std::vector<UsualValue> values;
+  if (tracker.sigma_m > 0.0)
+    values.push_back({"tracker.sigma_mm", tracker.sigma_m / kMillimetre, 1e-4, 2.0,
+                      "trackers scatter by {:g} to {:g} mm", remedy});
+  if (tracker.sigma_m_per_m > 0.0)
+    values.push_back({"tracker.sigma_mm_per_m", tracker.sigma_m_per_m / kMillimetre, 1e-4, 1.0,
+                      "with each metre trackers scatter by {:g} to {:g} mm more", remedy});
+  return question_unusual(values);
+}
+
+std::vector<Finding> question_speeds(const std::array<MotorDrive, 3>& drives) {
+  std::vector<UsualValue> values;
+  for (std::size_t i = 0; i < 3; ++i)
+    values.push_back({fmt::format("drives[{}].max_speed_deg_s", i),
+                      drives[i].max_speed_rad_s / kDegree, 0.5, 1000.0,
+                      "joints usually turn at {:g} to {:g} degrees a second",
+                      "write the speed of the joint behind its gear, in degrees a second"});
+  return question_unusual(values);
+}
+
+/// Questions places that are as near to the base's axis as metres would make them, or far off.
+std::vector<Finding> question_places(const std::string& key, double farthest_m, double arm_m) {
+  constexpr double kMostShare = 1000.0;
+  if (farthest_m >= kLeastShare * arm_m && farthest_m <= kMostShare * arm_m) return {};
+  return {question(key,
+                   fmt::format("no place is farther than {:g} mm from the base's axis; the arm is "
+                               "{:g} mm long",
+                               farthest_m / kMillimetre, arm_m / kMillimetre),
+                   "write millimetres in the base frame, such as 300 for 0.3 m")};
+}
+
+std::vector<Finding> question_datum(const std::vector<Monument>& datum, double arm_m) {
+  double farthest_m = 0.0;
+  for (const Monument& monument : datum)
+    farthest_m = std::max(farthest_m, monument.p_B.head<2>().norm());
+  return datum.empty() ? std::vector<Finding>() : question_places("datum", farthest_m, arm_m);
+}
+
+std::vector<Finding> question_reference_lamps(const std::vector<ReferenceLampLayout>& lamps,
+                                              double arm_m) {
+  double farthest_m = 0.0;
+  bool any = false;
+  for (const ReferenceLampLayout& lamp : lamps) {
+    if (!lamp.p_B) continue;
+    any = true;
+    farthest_m = std::max(farthest_m, lamp.p_B->norm());
+  }
+  return any ? question_places("reference_lamps", farthest_m, arm_m) : std::vector<Finding>();
+}
+
+/// Says why a disc keeps the end point out of nothing that it could reach; empty when it may do so.
+std::string why_idle(const KeepOut& disc, const Workspace& workspace) {
+  const double distance_m = disc.p_B.norm();
+  if (disc.radius_m < kLeastObstacle_m) return "metres would be such numbers";
+  const bool is_outside = distance_m - disc.radius_m >= workspace.radius_max_m ||
+                          distance_m + disc.radius_m <= workspace.radius_min_m;
+  return is_outside ? "it lies outside the workspace and keeps nothing out" : "";
+}
+
+std::vector<Finding> question_keep_out(const Workspace& workspace) {
+  std::vector<Finding> findings;
+  for (std::size_t i = 0; i < workspace.keep_out.size(); ++i) {
+    const KeepOut& disc = workspace.keep_out[i];
+    const std::string why = why_idle(disc, workspace);
+    if (why.empty()) continue;
+    findings.push_back(question(
+        fmt::format("workspace.keep_out[{}]", i),
+        fmt::format("is at ({:g}, {:g}) with the radius {:g} mm; {}", disc.p_B.x() / kMillimetre,
+                    disc.p_B.y() / kMillimetre, disc.radius_m / kMillimetre, why),
+        "write millimetres in the base frame, such as 200 for 0.2 m, or leave the disc out"));
+  }
+  return findings;
+}
+
+std::vector<Finding> question_inner_radius(double radius_m) {
+  if (radius_m <= 0.0 || radius_m >= kLeastObstacle_m) return {};
+  return {question("workspace.radius_min_mm",
+                   fmt::format("is {:g}; metres would be such numbers", radius_m / kMillimetre),
+                   "write millimetres, such as 60 for 0.06 m, or 0 where nothing is in the way")};
+}
+
+/// Questions a length of the cell that is longer than the one it must fit into, or far shorter.
+std::vector<Finding> question_length(const std::string& key, double length_m, double longest_m,
+                                     const std::string& longest, const std::string& remedy) {
+  const bool is_short = length_m < kLeastShare * longest_m;
+  if (!is_short && length_m <= longest_m) return {};
+  return {question(key,
+                   fmt::format("is {:g}; {}, {:g} mm, is {}", length_m / kMillimetre, longest,
+                               longest_m / kMillimetre,
+                               is_short ? "more than a hundred times as long" : "shorter"),
+                   remedy)};
+}
+
+}  // namespace
+
+std::vector<Finding> question_values(const CellSettings& cell) {
+  const Eigen::Vector2d& links_m = cell.arm.geometry.link_lengths_m;
+  const Joints& home = cell.arm.home;
+  std::vector<Finding> findings;
+  for (const std::vector<Finding>& questions :
+       {question_links(links_m), question_limits(cell.transmission.limits_rad), question_home(cell),
+        question_angles("arm.home_deg", {home[0], home[1], home[2]}),
+        question_angles("tool_orientation_deg", {cell.tool_orientation}),
+        question_speeds(cell.transmission.drives), question_servo(cell.servo),
+        question_pitch(cell.camera.pixel_pitch_m),
+        question_length("lamps.separation_mm", cell.lamps.layout.separation_m, links_m.minCoeff(),
+                        "the shorter link", "measure between the lamps' centres, in millimetres"),
+        question_diameters(cell),
+        question_length("workspace.radius_max_mm", cell.workspace.radius_max_m, links_m.sum(),
+                        "the arm stretched out",
+                        "write, in millimetres, how far from the base the end point may go"),
+        question_inner_radius(cell.workspace.radius_min_m), question_keep_out(cell.workspace),
+        question_reference_lamps(cell.reference_lamps, links_m.sum()),
+        question_tracker(cell.tracker), question_datum(cell.datum, links_m.sum())})
+    findings.insert(findings.end(), questions.begin(), questions.end());
+  return findings;
+}
+
+}  // namespace planar

@@ -1,0 +1,191 @@
+#include "planar_servo/machine/plausibility.h"
+
+#include <catch2/catch.hpp>
+
+#include "planar_servo/core/units.h"
+#include "planar_servo/machine/device_kinds.h"
+#include "support/sample_cells.h"
+
+namespace planar {
+namespace {
+
+using Catch::Contains;
+
+CellSettings paper_cell() {
+  return read_cell(test::paper_cell_file());
+}
+
+/// Checks that one question is asked of the cell: about this key, with the value in it.
+void check_question(const CellSettings& cell, const std::string& key, const std::string& value) {
+  const auto findings = question_values(cell);
+  REQUIRE(findings.size() == 1);
+  CHECK(findings[0].verdict == Finding::Verdict::kDoubtful);
+  CHECK(findings[0].subject == key);
+  CHECK_THAT(findings[0].what, Contains(value));
+  CHECK_FALSE(findings[0].remedy.empty());
+}
+
+TEST_CASE("The cells that stand here are plausible") {
+  const auto calib = test::paper_cell_file().parent_path().parent_path();
+  for (const char* cell : {"paper", "workshop", "hard", "small", "ordinary", "cheap"}) {
+    INFO(cell);
+    CHECK(question_values(read_cell(calib / cell / "cell.yaml")).empty());
+  }
+}
+
+TEST_CASE("Links given in metres or tenths of millimetres are questioned, and what they are") {
+  CellSettings cell = paper_cell();
+  cell.arm.geometry.link_lengths_m = {0.3e-3, 0.3e-3};
+  const auto findings = question_values(cell);
+  REQUIRE_FALSE(findings.empty());
+  CHECK(findings[0].subject == "arm.link_lengths_mm");
+  CHECK_THAT(findings[0].what, Contains("[0.3, 0.3]"));
+  CHECK_THAT(findings[0].remedy, Contains("300 for 0.3 m"));
+  cell.arm.geometry.link_lengths_m = {5.1, 0.3};
+  cell.workspace.radius_max_m = 0.5;
+  check_question(cell, "arm.link_lengths_mm", "[5100, 300]");
+  cell.arm.geometry.link_lengths_m = {5.0, 0.3};
+  CHECK(question_values(cell).empty());
+}
+
+TEST_CASE("Limits of a joint that are as small as radians, or beyond two turns, are questioned") {
+  CellSettings cell = paper_cell();
+  cell.transmission.limits_rad[0] = {-12.5 * kDegree, 3.1 * kDegree};
+  check_question(cell, "arm.joint_limits_deg[0]", "is [-12.5, 3.1]; radians would be such numbers");
+  cell.transmission.limits_rad[0] = {-721.0 * kDegree, 3.1 * kDegree};
+  check_question(cell, "arm.joint_limits_deg[0]", "is [-721, 3.1]; that is beyond two turns");
+  cell.transmission.limits_rad[0] = {-720.0 * kDegree, 12.7 * kDegree};
+  CHECK(question_values(cell).empty());
+}
+
+TEST_CASE("A home pose beyond the limits of a motor is questioned") {
+  CellSettings cell = paper_cell();
+  const Eigen::Vector3d motors = Transmission(cell.transmission).motors_from_joints(cell.arm.home);
+  cell.transmission.limits_rad[1] = {motors[1] + 20.0 * kDegree, motors[1] + 90.0 * kDegree};
+  check_question(cell, "arm.home_deg", "the arm cannot go there: motor 2 would turn to");
+}
+
+TEST_CASE("Pixels that no sensor has are questioned, and none that some have") {
+  CellSettings cell = paper_cell();
+  for (const double pitch_m : {2.5e-9, 0.4e-6, 21e-6, 2.5e-3}) {
+    cell.camera.pixel_pitch_m = pitch_m;
+    check_question(cell, "camera.pixel_pitch_um", "0.5 to 20 um");
+  }
+  for (const double pitch_m : {0.5 * kMicrometre, 20.0 * kMicrometre}) {
+    cell.camera.pixel_pitch_m = pitch_m;
+    CHECK(question_values(cell).empty());
+  }
+  cell.camera.pixel_pitch_m.reset();
+  CHECK(question_values(cell).empty());
+}
+
+TEST_CASE("Lamps farther apart than the shorter link, or given in metres, are questioned") {
+  CellSettings cell = paper_cell();
+  cell.lamps.layout.separation_m = 0.4;
+  check_question(cell, "lamps.separation_mm", "is 400; the shorter link, 300 mm, is shorter");
+  cell.lamps.layout.separation_m = 0.04e-3;
+  check_question(cell, "lamps.separation_mm", "is 0.04; the shorter link, 300 mm, is more than a");
+}
+
+TEST_CASE("A keep-out disc in metres is questioned, and one outside the workspace") {
+  CellSettings cell = paper_cell();
+  cell.workspace.keep_out = {{{0.2e-3, 0.1e-3}, 0.05e-3}};
+  check_question(cell, "workspace.keep_out[0]",
+                 "is at (0.2, 0.1) with the radius 0.05 mm; metres would be such numbers");
+  cell.workspace.keep_out = {{{0.2, 0.1}, 0.05}, {{0.2e-3, 0.1e-3}, 0.05}};
+  check_question(cell, "workspace.keep_out[1]", "it lies outside the workspace");
+  cell.workspace.keep_out = {{{0.6, 0.0}, 0.05}};
+  check_question(cell, "workspace.keep_out[0]", "it lies outside the workspace");
+  cell.workspace.keep_out = {{{0.58, 0.0}, 0.05}, {{0.0, 0.0}, 0.061}, {{0.3, 0.0}, 0.001}};
+  CHECK(question_values(cell).empty());
+}
+
+TEST_CASE("An inner radius in metres is questioned, and none is not") {
+  CellSettings cell = paper_cell();
+  cell.workspace.radius_min_m = 0.06e-3;
+  check_question(cell, "workspace.radius_min_mm", "is 0.06; metres would be such numbers");
+  cell.workspace.radius_min_m = 0.0;
+  CHECK(question_values(cell).empty());
+}
+
+TEST_CASE("A home pose and a direction of the tool in radians are questioned, small angles not") {
+  CellSettings cell = paper_cell();
+  cell.arm.home = Joints(0.0, 1.0472, -0.785) * kDegree;
+  check_question(cell, "arm.home_deg", "is 0, 1.0472, -0.785; radians would be such numbers");
+  for (const double sound : {0.0, 1.0, 1.5, 3.0, 5.0, 6.0}) {
+    cell.arm.home = Joints(sound, 0.0, 0.0) * kDegree;
+    CHECK(question_values(cell).empty());
+  }
+  cell.tool_orientation = 1.5708 * kDegree;
+  check_question(cell, "tool_orientation_deg", "is 1.5708");
+  cell.tool_orientation = 90.0 * kDegree;
+  CHECK(question_values(cell).empty());
+}
+
+TEST_CASE("A tolerance in micrometres or metres is questioned, and a longest step in metres") {
+  CellSettings cell = paper_cell();
+  for (const double tolerance_m : {5e-3, 5e-9}) {
+    cell.servo.tolerance_m = tolerance_m;
+    check_question(cell, "servo.tolerance_mm", "positioned within 0.0001 to 0.5 mm");
+  }
+  cell.servo.tolerance_m = 0.5e-3;
+  CHECK(question_values(cell).empty());
+  cell.servo.max_step_m = 5e-6;
+  check_question(cell, "servo.max_step_mm", "is 0.005");
+}
+
+TEST_CASE("A tracker's scatter in micrometres or metres is questioned, and none is not") {
+  CellSettings cell = paper_cell();
+  for (const double sigma_m : {10e-3, 1e-8}) {
+    cell.tracker.sigma_m = sigma_m;
+    check_question(cell, "tracker.sigma_mm", "trackers scatter by 0.0001 to 2 mm");
+  }
+  cell.tracker.sigma_m = 0.0;
+  cell.tracker.sigma_m_per_m = 6e-3;
+  check_question(cell, "tracker.sigma_mm_per_m", "is 6");
+  cell.tracker.sigma_m_per_m = 0.0;
+  CHECK(question_values(cell).empty());
+}
+
+TEST_CASE("Lamps given in metres are questioned, those on the tool and those on the base") {
+  CellSettings cell = read_cell(test::workshop_cell_file());
+  cell.lamps.layout.diameters_m[1] = 8e-6;
+  check_question(cell, "lamps.diameter_mm[1]", "is 0.008; lamps are usually 0.1 to 100 mm wide");
+  cell = read_cell(test::workshop_cell_file());
+  cell.reference_lamps[2].diameter_m = 8e-6;
+  check_question(cell, "reference_lamps[2].diameter_mm", "is 0.008");
+  cell = read_cell(test::workshop_cell_file());
+  for (ReferenceLampLayout& lamp : cell.reference_lamps) *lamp.p_B *= 1e-3;
+  check_question(cell, "reference_lamps", "no place is farther than 0.66");
+  for (ReferenceLampLayout& lamp : cell.reference_lamps) lamp.p_B.reset();
+  CHECK(question_values(cell).empty());
+}
+
+TEST_CASE("Monuments given in metres are questioned, and none are not") {
+  CellSettings cell = paper_cell();
+  for (Monument& monument : cell.datum) monument.p_B *= 1e-3;
+  check_question(cell, "datum", "no place is farther than 0.6");
+  cell.datum.clear();
+  CHECK(question_values(cell).empty());
+}
+
+TEST_CASE("A joint as fast as its motor, or in radians, is questioned") {
+  CellSettings cell = paper_cell();
+  cell.transmission.drives[1].max_speed_rad_s = 6000.0 * kDegree;
+  check_question(cell, "drives[1].max_speed_deg_s", "is 6000; joints usually turn at 0.5 to 1000");
+  cell.transmission.drives[1].max_speed_rad_s = 0.26 * kDegree;
+  check_question(cell, "drives[1].max_speed_deg_s", "is 0.26");
+}
+
+TEST_CASE("A workspace beyond the arm stretched out, or given in metres, is questioned") {
+  CellSettings cell = paper_cell();
+  cell.workspace.radius_max_m = 0.601;
+  check_question(cell, "workspace.radius_max_mm", "is 601; the arm stretched out, 600 mm");
+  cell.workspace.radius_max_m = 0.54e-3;
+  check_question(cell, "workspace.radius_max_mm", "is 0.54");
+  cell.workspace.radius_max_m = 0.6;
+  CHECK(question_values(cell).empty());
+}
+
+}  // namespace
+}  // namespace planar
