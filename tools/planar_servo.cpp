@@ -168,15 +168,6 @@ Outcome plan_stream(const Options& options, const CellSettings& cell) {
           is_good(planned.end, options.require_end) && planned.refused == 0};
 }
 
-/// Returns the answer to a target that comes after a run has ended.
-TargetResult refused(const TargetRow& target, const std::string& ended_by) {
-  TargetResult result;
-  result.id = target.id;
-  result.p_d = target.p_d;
-  result.reason = "the run has ended at " + ended_by;
-  return result;
-}
-
 /// Moves to the targets of a table, or to those that arrive on standard input. Returns whether the
 /// input was good.
 bool move(ServoRun& run, const Options& options, const std::vector<TargetRow>& targets) {
@@ -190,9 +181,9 @@ bool move(ServoRun& run, const Options& options, const std::vector<TargetRow>& t
   TargetLines lines(kStdin, std::move(taken));
   try {
     const StreamEnd end = answer_targets(std::cin, std::cout, lines, [&](const TargetRow& target) {
-      return run.ended_by() ? result_answer(refused(target, *run.ended_by()))
-                            : result_answer(run.move_to(target));
+      return result_answer(run.move_to(target));
     });
+    run.finish();
     return is_good(end, options.require_end);
   } catch (const InputError&) {
     run.discard_if_empty();
@@ -206,9 +197,9 @@ Outcome report(const ServoRequest& request, const Options& options, const ServoR
     if (result.status != ServoStatus::kReached)
       spdlog::warn(fmt::format("{}: {}: {}", result.id, name(result.status), result.reason));
   if (run.ended_by())
-    spdlog::error(
-        "no further target was tried, because the cell is in doubt; mend it, then go on "
-        "with --resume");
+    spdlog::error(fmt::format(
+        "the run ended because the cell is in doubt: {}; mend it, then go on with --resume",
+        *run.ended_by()));
   ServoFigures figures = figures_of(run.results());
   figures.frames = frames;
   write_run(request, run, figures, from_stdin(options) ? fs::path() : options.targets);

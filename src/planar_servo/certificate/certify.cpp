@@ -113,10 +113,10 @@ class CertificateDriver {
   void watch(const ServoStep& step) { last_ = step; }
 
   /// Moves to a place. A name that a killed program has used already gets a stroke.
-  const TargetResult& go(std::string id, const Eigen::Vector2d& p) {
+  TargetResult go(std::string id, const Eigen::Vector2d& p) {
     while (run_.has(id)) id += '\'';
     last_.reset();
-    const TargetResult& result = run_.move_to({id, p, std::nullopt});
+    const TargetResult result = run_.move_to({id, p, std::nullopt});
     if (result.status != ServoStatus::kRefused) arm_at_ = p;
     return result;
   }

@@ -22,6 +22,8 @@ namespace {
 constexpr double kDrivePatience_s = 60.0;
 /// A camera that drifts by 0.1 mm an hour is noticed in this time.
 constexpr double kExamineEvery_s = 600.0;
+/// A shorter run costs less than another look at it.
+constexpr double kWorthALook_s = 60.0;
 /// A guard's distance is half as long again as any that was seen at the calibration.
 constexpr double kDeviationsInDistance = 3.0;
 constexpr char kChecking[] = "looking at the cell";
@@ -94,14 +96,27 @@ void ReadyCell::switch_on() {
   sensor_.aim(robot_.arm().forward(robot_.commanded_joints()));
 }
 
-void ReadyCell::examine_if_due() {
-  if (must_examine()) examine();
+std::optional<std::string> ReadyCell::examine_if_due() {
+  if (!examined_s_) {
+    if (const std::string unwell = examine(); !unwell.empty()) throw WorkError(unwell);
+    return std::string();
+  }
+  if (!was_examined_s_ago(kExamineEvery_s)) return std::nullopt;
+  return examine();
 }
 
-void ReadyCell::examine() {
+std::optional<std::string> ReadyCell::examine_at_end() {
+  if (!was_examined_s_ago(kWorthALook_s)) return std::nullopt;
+  return examine();
+}
+
+std::string ReadyCell::examine() {
   const bool first = !examined_s_;
   examined_s_ = clock_.now_s();
-  if (!check_health_) return spdlog::warn("the cell's health is not looked at (--no-health)");
+  if (!check_health_) {
+    spdlog::warn("the cell's health is not looked at (--no-health)");
+    return {};
+  }
   if (!health_)
     spdlog::warn(cell_.file.string() +
                  ": names no health file that exists, so nobody can say what has moved since the "
@@ -117,18 +132,17 @@ void ReadyCell::examine() {
     return first ? check_cell(check, health_) : check.revisit(*health_);
   });
   for (const HealthFinding& finding : found)
-    if (finding.cost_m > kTolerable_m)
-      throw WorkError("the cell is not well: " + findings_text(found));
+    if (finding.cost_m > kTolerable_m) return "the cell is not well: " + findings_text(found);
   if (!found.empty()) spdlog::warn(findings_text(found));
+  return {};
 }
 
 void ReadyCell::keep_lessons_if_due() {
   if (memory_) memory_->keep_if_due(clock_.now_s());
 }
 
-bool ReadyCell::must_examine() const {
-  if (!examined_s_) return true;
-  return check_health_ && health_ && clock_.now_s() > *examined_s_ + kExamineEvery_s;
+bool ReadyCell::was_examined_s_ago(double seconds) const {
+  return check_health_ && health_ && examined_s_ && clock_.now_s() > *examined_s_ + seconds;
 }
 
 void ReadyCell::recover_drives(const std::string& id, const std::string& reason) {

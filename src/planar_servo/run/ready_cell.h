@@ -62,8 +62,11 @@ class ReadyCell {
   void switch_on();
 
   /// Looks, before the first motion and every ten minutes after it, whether the cell still is as
-  /// its files say and as it was at its calibration. Throws WorkError when it is not.
-  void examine_if_due();
+  /// its files say and as it was at its calibration. Returns nothing when that was not due, an empty
+  /// text when the cell is well, else what is not. Throws WorkError when it is not well at first.
+  std::optional<std::string> examine_if_due();
+  /// The same once the work is done, if the last look was more than a minute ago.
+  std::optional<std::string> examine_at_end();
 
   /// Keeps every ten minutes what was learned of the arm.
   void keep_lessons_if_due();
@@ -94,9 +97,9 @@ class ReadyCell {
   const std::vector<std::string>& accepted_stale() const { return accepted_stale_; }
 
  private:
-  bool must_examine() const;
-  /// Throws WorkError when the cell is not well, and says so when nothing is known of its health.
-  void examine();
+  bool was_examined_s_ago(double seconds) const;
+  /// Returns what is not well, and says so when nothing is known of the cell's health.
+  std::string examine();
   /// Waits for the drives. Throws DriveError when they are not back in time or may not be homed.
   void recover_drives(const std::string& id, const std::string& reason);
 

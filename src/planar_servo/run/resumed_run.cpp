@@ -72,6 +72,20 @@ bool holds_begun_run(const fs::path& folder) {
   return false;
 }
 
+/// Returns the results but for those of doubted targets, which are to be visited again; the table
+/// then has no row of them either.
+std::vector<TargetResult> without_doubted(const ServoRequest& request,
+                                          std::vector<TargetResult> results) {
+  const auto doubted =
+      std::remove_if(results.begin(), results.end(), [](const TargetResult& result) {
+        return result.status == ServoStatus::kDoubted;
+      });
+  if (doubted == results.end()) return results;
+  results.erase(doubted, results.end());
+  write_results(results_file(request), results_header(run_remarks(request)), results);
+  return results;
+}
+
 }  // namespace
 
 fs::path results_file(const ServoRequest& request) {
@@ -117,7 +131,7 @@ std::vector<TargetResult> results_so_far(const ServoRequest& request) {
   drop_torn_line(results, results_header());
   require_same_origins(results, run_origins(request));
   require_same_settings(results, settings_text(request));
-  return read_results(results);
+  return without_doubted(request, read_results(results));
 }
 
 void require_same_goal(const std::string& id, const TipPose& goal,

@@ -29,6 +29,15 @@ bool saw_nothing(const ServoResult& attempt) {
                               target.id, reason, camera));
 }
 
+/// Returns the answer to a target that comes after a run has ended.
+TargetResult refused(const TargetRow& target, const std::string& ended_by) {
+  TargetResult result;
+  result.id = target.id;
+  result.p_d = target.p_d;
+  result.reason = "the run has ended: " + ended_by;
+  return result;
+}
+
 }  // namespace
 
 ServoRun::ServoRun(const ServoRequest& request, CellDevices& devices, Observer observer)
@@ -40,8 +49,11 @@ ServoRun::ServoRun(const ServoRequest& request, CellDevices& devices, Observer o
       lock_(folder_for(request)),
       results_(results_so_far(request)),
       results_before_(results_.size()),
+      well_until_(results_.size()),
+      table_file_(results_file(request)),
+      table_header_(results_header(run_remarks(request))),
       steps_(request.out / "steps.csv", steps_header()),
-      table_(results_file(request), results_header(run_remarks(request))) {
+      table_(table_file_, table_header_) {
   cell_.switch_on();
 }
 
@@ -82,8 +94,27 @@ ServoResult ServoRun::attempts(const TargetRow& target, TargetScorer& scorer) {
   }
 }
 
-const TargetResult& ServoRun::move_to(const TargetRow& target) {
-  cell_.examine_if_due();
+void ServoRun::take_finding(const std::optional<std::string>& unwell) {
+  if (!unwell) return;
+  if (!unwell->empty()) {
+    for (std::size_t i = well_until_; i < results_.size(); ++i)
+      if (results_[i].status == ServoStatus::kReached) {
+        results_[i].status = ServoStatus::kDoubted;
+        results_[i].reason = "was reached before a look at the cell: " + *unwell;
+      }
+    write_results(table_file_, table_header_, results_);
+    if (!keep_going_) ended_by_ = *unwell;
+  }
+  well_until_ = results_.size();
+}
+
+void ServoRun::finish() {
+  if (!ended_by_) take_finding(cell_.examine_at_end());
+}
+
+TargetResult ServoRun::move_to(const TargetRow& target) {
+  if (!ended_by_) take_finding(cell_.examine_if_due());
+  if (ended_by_) return refused(target, *ended_by_);
   TargetScorer scorer(target, steps_, true_tip_);
   const double start_s = cell_.clock().now_s();
   double judging_s = 0.0;
@@ -128,6 +159,7 @@ std::vector<TargetResult> run_servo(
     run.move_to(targets[i]);
     if (progress) progress(i + 1, targets.size());
   }
+  run.finish();
   return run.results();
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
@@ -38,8 +39,10 @@ class ServoRun {
   ServoRun(const ServoRequest& request, CellDevices& devices, Observer observer = {});
 
   /// Looks before the first target, and every ten minutes after it, whether the cell still is as
-  /// its files say and as it was at its calibration; throws WorkError with what it finds. Then
-  /// moves to a target and returns its result. A target that fails has a result like the others.
+  /// its files say and as it was at its calibration; throws WorkError with what it finds at first.
+  /// What it finds later ends the run and makes all targets doubted that were reached since it was
+  /// well; `target` is refused then and has no row. Else it moves to a target and returns its
+  /// result. A target that fails has a result like the others.
   /// When a device fails for good or somebody stops the arm, it throws WorkError; all that was done
   /// is in the files then.
   ///
@@ -48,7 +51,10 @@ class ServoRun {
   /// have to be homed then, but at most three times. The result counts the corrections and the time
   /// of all attempts. A target at which a device has failed for good has no result, so that a
   /// resumed run moves there again.
-  const TargetResult& move_to(const TargetRow& target);
+  TargetResult move_to(const TargetRow& target);
+  /// Looks at the cell once more when all is done, unless the run was short or the cell is in doubt
+  /// already.
+  void finish();
 
   /// Returns why no further target may be tried: the cell itself is in doubt. Empty with
   /// `keep_going`.
@@ -67,6 +73,8 @@ class ServoRun {
   const std::vector<TargetResult>& results() const { return results_; }
 
  private:
+  /// Takes what a look at the cell has found, if there was one.
+  void take_finding(const std::optional<std::string>& unwell);
   ServoResult attempt(const TargetRow& target, TargetScorer& scorer);
   /// Makes attempts until one ends by something else than camera or drives. Throws WorkError when a
   /// device has failed for good.
@@ -81,6 +89,9 @@ class ServoRun {
   FolderLock lock_;
   std::vector<TargetResult> results_;
   std::size_t results_before_;
+  std::size_t well_until_;  ///< so many results were made before the cell was last found well
+  std::filesystem::path table_file_;
+  std::string table_header_;
   GrowingFile steps_;
   GrowingFile table_;
 };

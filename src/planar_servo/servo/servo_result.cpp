@@ -47,6 +47,7 @@ std::string reason_for(ServoStatus status, const ServoStep& last, double orienta
                        int max_iterations) {
   switch (status) {
     case ServoStatus::kReached:
+    case ServoStatus::kDoubted:
       return "";
     case ServoStatus::kOutsideMap:
       return "the error map is not valid here: record training positions around this target";

@@ -15,6 +15,7 @@ namespace planar {
 /// Says how the way to a target ended.
 enum class ServoStatus {
   kReached,       ///< the servo is content, within the map's valid region
+  kDoubted,       ///< was reached, and the cell was found not to be well when next looked at
   kOutsideMap,    ///< the servo is content, but the error map is not valid here
   kNotConverged,  ///< the iterations were used up, or no correction is expected to help
   kDiverged,      ///< looks contradict those before them; the drives were halted
@@ -26,6 +27,7 @@ enum class ServoStatus {
 
 /// All statuses with the words that files have for them.
 constexpr Named<ServoStatus> kServoStatuses[] = {{ServoStatus::kReached, "reached"},
+                                                 {ServoStatus::kDoubted, "doubted"},
                                                  {ServoStatus::kOutsideMap, "outside_map"},
                                                  {ServoStatus::kNotConverged, "not_converged"},
                                                  {ServoStatus::kDiverged, "diverged"},

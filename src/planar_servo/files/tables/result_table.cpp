@@ -70,6 +70,13 @@ std::string result_line(const TargetResult& result) {
   return result_schema().line(result);
 }
 
+void write_results(const std::filesystem::path& path, const std::string& header,
+                   const std::vector<TargetResult>& results) {
+  std::string text = header;
+  for (const TargetResult& result : results) text += result_line(result);
+  write_file(path, text);
+}
+
 std::vector<TargetResult> read_results(const std::filesystem::path& path) {
   TableFile<TargetResult> table(path, result_schema());
   std::vector<TargetResult> results;

@@ -48,6 +48,10 @@ std::string results_header();
 std::string results_header(const std::vector<std::string>& remarks);
 std::string result_line(const TargetResult& result);
 
+/// Writes the whole table anew.
+void write_results(const std::filesystem::path& path, const std::string& header,
+                   const std::vector<TargetResult>& results);
+
 /// Reads results.csv. Throws InputError naming FILE:LINE of each bad row. A table without rows is
 /// an empty run.
 std::vector<TargetResult> read_results(const std::filesystem::path& path);

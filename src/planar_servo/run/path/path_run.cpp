@@ -106,7 +106,8 @@ PathRun::PathRun(const ServoRequest& request, const PathRequest& path, CellDevic
 }
 
 const PathSpeedResult& PathRun::follow(double speed_m_s, Guidance guidance) {
-  cell_.examine_if_due();
+  if (const auto unwell = cell_.examine_if_due(); unwell && !unwell->empty())
+    throw WorkError(*unwell);
   const std::size_t first = looks_.size();
   const PathTiming timing(path_.path, speed_m_s);
   const PathResult outcome = follow_timed(timing, speed_m_s, guidance);
