@@ -30,6 +30,14 @@ TEST_CASE("A row that was torn by a crash is cut off, and only that") {
   CHECK_NOTHROW(drop_torn_line(folder.path() / "absent.csv", "id,x\n"));
 }
 
+TEST_CASE("A table may have remarks of its own, but no other columns") {
+  const test::TemporaryFolder folder;
+  const std::string format = "# format: planar-servo/steps/1\n", own = "# of an earlier run\n";
+  GrowingFile(folder.write("steps.csv", format + own + "id,x\na,1\n"), format + "id,x\n");
+  CHECK_THROWS_AS(GrowingFile(folder.write("steps.csv", format + "id\na\n"), format + "id,x\n"),
+                  InputError);
+}
+
 TEST_CASE("What does not begin with the header's first line is neither cut nor added to") {
   const test::TemporaryFolder folder;
   const std::string header = "# format: planar-servo/steps/1\nid,x\n";

@@ -18,6 +18,19 @@ bool ends_with_line(const fs::path& path) {
   return !in.seekg(-1, std::ios::end) || in.get() == '\n';
 }
 
+[[noreturn]] void refuse_table(const fs::path& path) {
+  throw InputError(path.string() +
+                   ": holds something else already; move it away, or name another file");
+}
+
+/// Throws unless the file begins with the header's first line and has its last, the columns.
+void require_table(const fs::path& path, const std::string& header) {
+  const std::string text = read_file(path);
+  const std::size_t columns = header.substr(0, header.size() - 1).rfind('\n') + 1;
+  const bool begins_so = text.rfind(header.substr(0, header.find('\n')), 0) == 0;
+  if (!begins_so || text.find(header.substr(columns)) == std::string::npos) refuse_table(path);
+}
+
 }  // namespace
 
 void require_growable(const fs::path& path) {
@@ -30,7 +43,7 @@ void require_growable(const fs::path& path) {
 void drop_torn_line(const fs::path& path, const std::string& header) {
   require_no_link(path);
   if (!fs::is_regular_file(path) || fs::is_empty(path)) return;
-  require_header(path, header.substr(0, header.find('\n')));
+  if (!header.empty()) require_table(path, header);
   if (ends_with_line(path)) return;
   const std::size_t end = read_file(path).find_last_of('\n');
   const std::size_t whole = end == std::string::npos ? 0 : end + 1;
@@ -42,9 +55,7 @@ void drop_torn_line(const fs::path& path, const std::string& header) {
 }
 
 void require_header(const fs::path& path, const std::string& header) {
-  if (!fs::exists(path) || read_file(path).rfind(header, 0) == 0) return;
-  throw InputError(path.string() +
-                   ": holds something else already; move it away, or name another file");
+  if (fs::exists(path) && read_file(path).rfind(header, 0) != 0) refuse_table(path);
 }
 
 GrowingFile::GrowingFile(fs::path path, const std::string& header) : path_(std::move(path)) {

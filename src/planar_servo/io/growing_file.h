@@ -16,7 +16,7 @@ void require_growable(const std::filesystem::path& path);
 /// row that was being written when its program was killed. Call it before such a file is read to be
 /// continued. Nothing happens when the file does not exist or ends with a whole line. Throws
 /// InputError when the file cannot be read or cut, or is another one: a link, or one that does not
-/// begin with the header's first line.
+/// begin with the header's first line and have its columns.
 void drop_torn_line(const std::filesystem::path& path, const std::string& header);
 
 /// Throws InputError when a file is there that does not begin with this header.
