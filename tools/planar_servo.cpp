@@ -193,12 +193,22 @@ bool move(ServoRun& run, const Options& options, const std::vector<TargetRow>& t
 
 Outcome report(const ServoRequest& request, const Options& options, const ServoRun& run,
                const FrameCounts& frames, bool good_input) {
-  for (const TargetResult& result : run.results())
-    if (result.status != ServoStatus::kReached)
+  std::size_t doubted = 0;
+  for (const TargetResult& result : run.results()) {
+    if (result.status == ServoStatus::kDoubted)
+      ++doubted;
+    else if (result.status != ServoStatus::kReached)
       spdlog::warn(fmt::format("{}: {}: {}", result.id, name(result.status), result.reason));
+  }
+  if (doubted > 0)
+    spdlog::warn(fmt::format(
+        "{} targets are doubted: they were reached since the cell was last found well; --resume "
+        "goes to them again",
+        doubted));
   if (run.ended_by())
     spdlog::error(fmt::format(
-        "the run ended because the cell is in doubt: {}; mend it, then go on with --resume",
+        "no further target was tried, because the cell is in doubt since {}; mend it, then go on "
+        "with --resume",
         *run.ended_by()));
   ServoFigures figures = figures_of(run.results());
   figures.frames = frames;

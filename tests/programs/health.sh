@@ -64,6 +64,23 @@ printf 'a,200,100\nb,-150,260\n' |
   "$bin/planar-servo" --cell cell/cell.yaml --targets - --no-health --out stream >out.txt 2>err.txt || true
 grep -q '"line":2,.*"status":"refused","reason":"the run has ended at a: held' out.txt || fail "$(cat out.txt)"
 
+# A camera that drifts by 2.4 mm an hour: what was reached since the first look is doubted at the end, and visited again.
+cp sound.yaml cell/truth.yaml
+sed -i 's/^\( *px_per_h:\).*/\1 [10, 0]/' cell/truth.yaml
+grep -q 'px_per_h: \[10, 0\]' cell/truth.yaml || printf 'drift:\n  px_per_h: [10, 0]\n' >>cell/truth.yaml
+awk 'BEGIN { print "id,x_mm,y_mm"; for (i = 0; i < 40; ++i) printf "t%d,%.3f,%.3f\n", i, 250 * cos(2.4 * i), 250 * sin(2.4 * i) }' \
+  >many.csv
+status=0
+"$bin/planar-servo" --cell cell/cell.yaml --targets many.csv --out drifted >out.txt 2>err.txt || status=$?
+[ $status -eq 1 ] || fail "a run under a camera that drifts ended with $status: $(cat out.txt err.txt)"
+grep -q "40 targets are doubted" err.txt || fail "$(cat err.txt)"
+grep -q "the camera has shifted" err.txt || fail "$(cat err.txt)"
+[ "$(grep -c ',doubted,' drifted/results.csv)" -eq 40 ] || fail "$(cat drifted/results.csv)"
+[ -s drifted/report.html ] || fail "no report of a doubted run"
+cp sound.yaml cell/truth.yaml
+"$bin/planar-servo" --cell cell/cell.yaml --targets many.csv --out drifted --resume >out.txt 2>err.txt || fail "$(cat err.txt)"
+[ "$(grep -c ',reached,' drifted/results.csv)" -eq 40 ] || fail "$(cat drifted/results.csv)"
+
 # Nothing was kept: said, and gone on without.
 cp sound.yaml cell/truth.yaml
 rm cell/health.yaml

@@ -131,9 +131,12 @@ std::string ReadyCell::examine() {
   const std::vector<HealthFinding> found = with_drives(kChecking, recoveries_left, [&] {
     return first ? check_cell(check, health_) : check.revisit(*health_);
   });
+  if (found.empty()) return {};
+  std::string text = findings_text(found);
+  text.pop_back();  // its last line end
   for (const HealthFinding& finding : found)
-    if (finding.cost_m > kTolerable_m) return "the cell is not well: " + findings_text(found);
-  if (!found.empty()) spdlog::warn(findings_text(found));
+    if (finding.cost_m > kTolerable_m) return "the cell is not well: " + text;
+  spdlog::warn(text);
   return {};
 }
 

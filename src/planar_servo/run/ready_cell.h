@@ -62,8 +62,9 @@ class ReadyCell {
   void switch_on();
 
   /// Looks, before the first motion and every ten minutes after it, whether the cell still is as
-  /// its files say and as it was at its calibration. Returns nothing when that was not due, an empty
-  /// text when the cell is well, else what is not. Throws WorkError when it is not well at first.
+  /// its files say and as it was at its calibration. Returns nothing when that was not due, an
+  /// empty text when the cell is well, else what is not. Throws WorkError when it is not well at
+  /// first.
   std::optional<std::string> examine_if_due();
   /// The same once the work is done, if the last look was more than a minute ago.
   std::optional<std::string> examine_at_end();

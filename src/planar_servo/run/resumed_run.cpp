@@ -76,10 +76,9 @@ bool holds_begun_run(const fs::path& folder) {
 /// then has no row of them either.
 std::vector<TargetResult> without_doubted(const ServoRequest& request,
                                           std::vector<TargetResult> results) {
-  const auto doubted =
-      std::remove_if(results.begin(), results.end(), [](const TargetResult& result) {
-        return result.status == ServoStatus::kDoubted;
-      });
+  const auto doubted = std::remove_if(
+      results.begin(), results.end(),
+      [](const TargetResult& result) { return result.status == ServoStatus::kDoubted; });
   if (doubted == results.end()) return results;
   results.erase(doubted, results.end());
   write_results(results_file(request), results_header(run_remarks(request)), results);

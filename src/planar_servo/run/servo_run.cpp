@@ -34,7 +34,7 @@ TargetResult refused(const TargetRow& target, const std::string& ended_by) {
   TargetResult result;
   result.id = target.id;
   result.p_d = target.p_d;
-  result.reason = "the run has ended: " + ended_by;
+  result.reason = "the run has ended at " + ended_by;
   return result;
 }
 
@@ -100,10 +100,10 @@ void ServoRun::take_finding(const std::optional<std::string>& unwell) {
     for (std::size_t i = well_until_; i < results_.size(); ++i)
       if (results_[i].status == ServoStatus::kReached) {
         results_[i].status = ServoStatus::kDoubted;
-        results_[i].reason = "was reached before a look at the cell: " + *unwell;
+        results_[i].reason = "was reached before the cell was found not to be well";
       }
     write_results(table_file_, table_header_, results_);
-    if (!keep_going_) ended_by_ = *unwell;
+    if (!keep_going_) ended_by_ = "a look at the cell: " + *unwell;
   }
   well_until_ = results_.size();
 }

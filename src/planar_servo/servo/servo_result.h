@@ -26,15 +26,12 @@ enum class ServoStatus {
 };
 
 /// All statuses with the words that files have for them.
-constexpr Named<ServoStatus> kServoStatuses[] = {{ServoStatus::kReached, "reached"},
-                                                 {ServoStatus::kDoubted, "doubted"},
-                                                 {ServoStatus::kOutsideMap, "outside_map"},
-                                                 {ServoStatus::kNotConverged, "not_converged"},
-                                                 {ServoStatus::kDiverged, "diverged"},
-                                                 {ServoStatus::kHeld, "held"},
-                                                 {ServoStatus::kLostLamp, "lost_lamp"},
-                                                 {ServoStatus::kLostCamera, "lost_camera"},
-                                                 {ServoStatus::kRefused, "refused"}};
+constexpr Named<ServoStatus> kServoStatuses[] = {
+    {ServoStatus::kReached, "reached"},        {ServoStatus::kDoubted, "doubted"},
+    {ServoStatus::kOutsideMap, "outside_map"}, {ServoStatus::kNotConverged, "not_converged"},
+    {ServoStatus::kDiverged, "diverged"},      {ServoStatus::kHeld, "held"},
+    {ServoStatus::kLostLamp, "lost_lamp"},     {ServoStatus::kLostCamera, "lost_camera"},
+    {ServoStatus::kRefused, "refused"}};
 
 /// Returns the status's word.
 const char* name(ServoStatus status);
