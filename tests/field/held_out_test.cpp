@@ -28,7 +28,7 @@ TEST_CASE("What the camera drifted since a reading is no miss of a place that wa
   auto samples = cell.samples(80, 60, random);
   const Eigen::Vector2d drift_m_per_h(60e-6, -30e-6);
   for (std::size_t i = 0; i < samples.size(); ++i) {
-    samples[i].t_h = -static_cast<double>((37 * i) % samples.size()) / samples.size();
+    samples[i].t_h = -static_cast<double>((37 * i) % 140) / 140.0;
     for (Eigen::Vector2d& lamp : samples[i].lamps_B) lamp += samples[i].t_h * drift_m_per_h;
   }
   const HeldOut judged = hold_out(estimate_jointly(cell.nominal(), samples), samples);

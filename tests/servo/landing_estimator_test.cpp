@@ -20,8 +20,12 @@ class SameEverywhere final : public LandingModel {
   LandingPrior at(const Joints& /*theta_c*/, const TipMeasurement& /*look*/) const override {
     return prior_;
   }
-  void learn(const SeenLanding& /*seen*/) override { ++learned; }
+  void learn(const SeenLanding& seen) override {
+    ++learned;
+    stays_off = seen.stays_off;
+  }
   int learned{0};
+  bool stays_off{false};
 
  private:
   LandingPrior prior_;
@@ -208,14 +212,15 @@ TEST_CASE("An arm that strayed is believed where it is seen, if the model knows 
   CHECK((first_look(2e-3, usual).p - first_look(0.0, usual).p).norm() == 0.0);
 }
 
-TEST_CASE("What strays does so anew; what is as far off after a correction stays off") {
+TEST_CASE("What strays does so anew, and what is as far off after a correction stays off") {
   const Eigen::Vector2d c = Eigen::Vector2d::Zero(), off(1e-3, 0.0);
   const auto second_look = [&](const Eigen::Vector2d& first, bool stays) {
     SameEverywhere model(3e-6, 3e-6, 2e-6, 2e-6);
     model.allow_stray(2e-3);
     LandingEstimator estimator(model);
     const Eigen::Vector2d corrected = estimator.take(look_at(first), c).correction;
-    return estimator.take(look_at(stays ? corrected + first : corrected), corrected).stays_off;
+    estimator.take(look_at(stays ? corrected + first : corrected), corrected);
+    return model.stays_off;
   };
   CHECK(second_look(off, true));
   CHECK_FALSE(second_look(off, false));

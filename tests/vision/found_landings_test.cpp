@@ -108,6 +108,25 @@ TEST_CASE(
   CHECK(landings.learned_arm()->x == arm.x);
 }
 
+TEST_CASE("Where the arm stays off, the lamps tell whether it strayed or the view has changed") {
+  const FoundArm arm = some_arm(kColumns);
+  FoundLandings landings(some_field(kColumns), arm, free_motors(), 2e-3);
+  SeenLanding off = seen_beside(arm, {1e-3, 0.0}, true);
+  off.stays_off = true;
+  landings.learn(off);
+  REQUIRE(landings.doubt());
+  CHECK_FALSE(landings.doubt()->of_cell);  // nobody knows yet
+  for (int i = 0; i < 6; ++i) landings.learn(seen_beside(arm, {0.0, 0.0}, false));
+  CHECK_FALSE(landings.doubt());
+  landings.learn(off);
+  CHECK_FALSE(landings.doubt());
+  off.look.lamps_B[1].y() += 0.05e-3;
+  landings.learn(off);
+  REQUIRE(landings.doubt());
+  CHECK(landings.doubt()->of_cell);
+  CHECK(landings.doubt()->reason.find("drop") != std::string::npos);
+}
+
 TEST_CASE("Looks that neither arm nor field explain are a doubt, with and without learning") {
   const FoundArm arm = some_arm(kColumns);
   FoundLandings found(some_field(kColumns), arm, free_motors(), 2e-3);
@@ -118,8 +137,10 @@ TEST_CASE("Looks that neither arm nor field explain are a doubt, with and withou
     found.learn(seen);
     learning.learn(seen);
   }
-  CHECK(found.doubt().find("0.5") != std::string::npos);
-  CHECK(learning.doubt().find("0.5") != std::string::npos);
+  REQUIRE(found.doubt());
+  CHECK(found.doubt()->of_cell);
+  CHECK(found.doubt()->reason.find("0.5") != std::string::npos);
+  CHECK(learning.doubt());
 }
 
 }  // namespace

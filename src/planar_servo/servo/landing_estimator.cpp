@@ -106,9 +106,9 @@ LandingEstimate LandingEstimator::take(const ServoStep& step, const Eigen::Vecto
   weigh(look, is_short);
   LandingEstimate estimate = mixture(step.target.p, look);
   estimate.is_contradicted = is_unexpected && was_unexpected_;
-  estimate.stays_off = stays;
   was_unexpected_ = is_unexpected;
-  model_.learn({step.theta_c, step.measurement, looks_ == 0, has_strayed_, long_scatter_m()});
+  model_.learn(
+      {step.theta_c, step.measurement, looks_ == 0, has_strayed_, stays, long_scatter_m()});
   p_c_ = p_c;
   ++looks_;
   return estimate;

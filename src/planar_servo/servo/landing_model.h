@@ -1,10 +1,11 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <string>
+#include <optional>
 
 #include "planar_servo/arm/found_arm.h"
 #include "planar_servo/arm/planar_arm.h"
+#include "planar_servo/servo/motion_guard.h"
 #include "planar_servo/servo/tip_sensor.h"
 
 namespace planar {
@@ -28,6 +29,7 @@ struct SeenLanding {
   TipMeasurement look;
   bool is_first{true};      ///< at this target
   bool has_strayed{false};  ///< the first one was more likely a stray than what was to be expected
+  bool stays_off{false};    ///< the arm seemed to stray, and this stop is as far off
   double scatter_m{0.0};    ///< of stops after long moves, per axis, as all looks show it
 };
 
@@ -45,8 +47,8 @@ class LandingModel {
   /// Is told every look at a target that the guard let through.
   virtual void learn(const SeenLanding& /*seen*/) {}
 
-  /// Returns in words what in the looks so far speaks against the cell; empty while nothing does.
-  virtual std::string doubt() const { return {}; }
+  /// Returns what in the looks so far speaks against the last one or the cell, if anything does.
+  virtual std::optional<Doubt> doubt() const { return std::nullopt; }
 
   /// Returns the arm as it has been learned, which is to be planned with from the next target on;
   /// null for a model that learns nothing of the arm.

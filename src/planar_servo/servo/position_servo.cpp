@@ -1,12 +1,9 @@
 #include "planar_servo/servo/position_servo.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string>
-#include <utility>
 
 #include "planar_servo/servo/approach.h"
 #include "planar_servo/servo/control_law.h"
@@ -166,18 +163,7 @@ void PositionServo::estimate(ServoStep& step) {
 }
 
 std::optional<Doubt> PositionServo::doubt_after(const ServoStep& step) const {
-  if (!step.estimate) return std::nullopt;
-  if (step.estimate->stays_off)
-    return Doubt{
-        fmt::format(
-            "the tool is seen {:.3f} mm from where the arm should land here, "
-            "after a correction as before it: is something on the camera's window or in "
-            "its view (a drop, a reflection), or has a drive lost its position? "
-            "planar-check-cell says what has moved",
-            (step.measurement.tip.p - planner_.reached(step.theta_c).p).norm() / kMillimetre),
-        true};
-  if (std::string doubt = landings_->doubt(); !doubt.empty()) return Doubt{std::move(doubt), true};
-  return std::nullopt;
+  return step.estimate ? landings_->doubt() : std::nullopt;
 }
 
 JointPlan PositionServo::corrected_joints(const ServoStep& step) const {

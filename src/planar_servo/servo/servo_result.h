@@ -45,7 +45,6 @@ struct LandingEstimate {
   Spread spread;                         ///< after that correction and further ones
   double scatter_m{0.0};                 ///< of a stop after such a correction, as looks show it
   bool is_contradicted{false};           ///< this look and the one before were not to be expected
-  bool stays_off{false};  ///< the arm seemed to stray, and its next stop is as far off
 };
 
 /// Records one measurement at rest. Number 0 follows the first, open-loop move; each correction is

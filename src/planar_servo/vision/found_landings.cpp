@@ -1,7 +1,6 @@
 #include "planar_servo/vision/found_landings.h"
 
 #include <algorithm>
-#include <cmath>
 #include <stdexcept>
 #include <utility>
 
@@ -13,25 +12,13 @@ constexpr double kLeastScatter_m = 0.1e-6;
 
 }  // namespace
 
-Eigen::Matrix2Xd vision_rows(const LampField& field, const TipMeasurement& look) {
-  // Vision takes the found field off, and sees beside the truth by minus what its rows make of the
-  // end point.
-  return -end_point_rows(field, look.lamps_B) * field.factor;
-}
-
-ArmLook arm_look(const SeenLanding& seen, const LampField& field,
-                 const Transmission& transmission) {
-  return {transmission.motors_from_joints(seen.theta_c), seen.look.tip.p,
-          vision_rows(field, seen.look), std::hypot(seen.scatter_m, seen.look.noise_m())};
-}
-
 FoundLandings::FoundLandings(LampField field, FoundArm arm, const Transmission& transmission,
                              double stray_m)
     : field_(std::move(field)),
       arm_(std::move(arm)),
       transmission_(transmission),
       stray_m_(stray_m),
-      following_(arm_) {
+      watch_(field_, arm_, transmission_) {
   if (field_.factor.cols() != arm_.factor.cols())
     throw std::invalid_argument("a field and an arm were not found together");
 }
@@ -49,11 +36,6 @@ LandingPrior FoundLandings::at(const Joints& theta_c, const TipMeasurement& look
   prior.scatter_m = prior.short_scatter_m = std::max(arm_.scatter_m, kLeastScatter_m);
   prior.stray_m = stray_m_;
   return prior;
-}
-
-void FoundLandings::learn(const SeenLanding& seen) {
-  if (seen.is_first && !seen.has_strayed)
-    following_.take(arm_look(seen, field_, transmission_), seen.look.t_s);
 }
 
 }  // namespace planar

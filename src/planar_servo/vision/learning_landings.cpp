@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "planar_servo/vision/found_landings.h"
+#include "planar_servo/vision/look_watch.h"
 
 namespace planar {
 namespace {
@@ -20,7 +20,7 @@ LearningLandings::LearningLandings(LampField field, const FoundArm& found, Learn
                                    const Transmission& transmission, double stray_m)
     : field_(std::move(field)),
       found_(found),
-      following_(found),
+      watch_(field_, found, transmission),
       learner_(found, std::move(known)),
       transmission_(transmission),
       stray_m_(stray_m) {
@@ -39,20 +39,21 @@ LandingPrior LearningLandings::at(const Joints& theta_c, const TipMeasurement& l
 }
 
 void LearningLandings::learn(const SeenLanding& seen) {
+  watch_.take(seen);
   // Later looks at a target share what no term describes: they are not independent of the first.
   if (!seen.is_first) return;
-  const ArmLook look = arm_look(seen, field_, transmission_);
-  if (seen.has_strayed) return unlearn(look);
-  following_.take(look, seen.look.t_s);
-  if (learner_.take(look, seen.look.t_s) != Lesson::kBeyondCaps || has_warned_) return;
+  if (seen.has_strayed) return unlearn(seen);
+  if (learner_.take(arm_look(seen, field_, transmission_), seen.look.t_s) != Lesson::kBeyondCaps ||
+      has_warned_)
+    return;
   has_warned_ = true;
   spdlog::warn(
       "looks ask for an arm that neither warmth nor wear makes of the one that was found; so much "
       "is not learned; planar-check-cell says whether the cell needs a new calibration");
 }
 
-void LearningLandings::unlearn(const ArmLook& look) {
-  if (learner_.lessons() == 0 || !following_.explains(look)) return;
+void LearningLandings::unlearn(const SeenLanding& seen) {
+  if (learner_.lessons() == 0 || !watch_.explains(seen)) return;
   spdlog::warn(
       "the arm lands where it was found to, and not where it had been learned to; what was learned "
       "is forgotten");

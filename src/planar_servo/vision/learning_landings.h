@@ -1,12 +1,12 @@
 #pragma once
 
-#include <string>
+#include <optional>
 
 #include "planar_servo/arm/arm_learner.h"
-#include "planar_servo/arm/following_error.h"
 #include "planar_servo/arm/transmission.h"
 #include "planar_servo/field/lamp_field.h"
 #include "planar_servo/servo/landing_model.h"
+#include "planar_servo/vision/look_watch.h"
 
 namespace planar {
 
@@ -22,18 +22,18 @@ class LearningLandings final : public LandingModel {
 
   LandingPrior at(const Joints& theta_c, const TipMeasurement& look) const override;
   void learn(const SeenLanding& seen) override;
-  std::string doubt() const override { return following_.doubt(); }
+  std::optional<Doubt> doubt() const override { return watch_.doubt(); }
   const FoundArm* learned_arm() const override { return &learner_.learned().arm; }
 
   const ArmLearner& learner() const { return learner_; }
 
  private:
   /// Takes back what was learned where the arm as it was found explains a look that it does not.
-  void unlearn(const ArmLook& look);
+  void unlearn(const SeenLanding& seen);
 
   LampField field_;
   FoundArm found_;
-  FollowingError following_;  ///< of the arm as it was found
+  LookWatch watch_;  ///< of the arm as it was found
   ArmLearner learner_;
   Transmission transmission_;
   double stray_m_;
