@@ -69,10 +69,10 @@ std::string FollowingError::doubt() const {
   Eigen::MatrixXd covariance = shared * shared.transpose();
   covariance.diagonal() += variance;
   const Eigen::MatrixXd L = *lower_factor(covariance), P = patterns();
-  const Eigen::MatrixXd P_white = L.triangularView<Eigen::Lower>().solve(P);
+  const Eigen::MatrixXd white_patterns = L.triangularView<Eigen::Lower>().solve(P);
   const Eigen::VectorXd off_white = L.triangularView<Eigen::Lower>().solve(off);
-  const Eigen::VectorXd fitted = solve_least_squares(P_white, off_white);
-  const double chi2 = off_white.squaredNorm() - (off_white - P_white * fitted).squaredNorm();
+  const Eigen::VectorXd fitted = solve_least_squares(white_patterns, off_white);
+  const double chi2 = off_white.squaredNorm() - (off_white - white_patterns * fitted).squaredNorm();
   const Eigen::Matrix2Xd moved = (P * fitted).reshaped(2, n / 2);
   const double rms_m = std::sqrt(moved.colwise().squaredNorm().mean());
   if (rms_m < kTolerated_m || chi_square_tail(chi2, kPatterns) > kFalseFollowing) return {};

@@ -90,6 +90,7 @@ constexpr std::size_t kFewestJudged = 40;
 /// Returns how far places left out are missed, as no outlier among the readings changes it.
 double median_miss(const HeldOut& held) {
   std::vector<double> misses;
+  misses.reserve(held.n);
   for (const HeldOutReading& reading : held.readings) misses.push_back(reading.left.norm());
   return median(std::move(misses));
 }

@@ -88,7 +88,7 @@ AxisLeans mean_of(const std::vector<Told>& cases) {
 
 AxisLeans axis_leans(const ArmNominal& nominal, const std::vector<PoseSample>& samples) {
   const double above_m = std::abs(nominal.tool.p_TS.z());
-  const AxisLeans built = as_built(above_m);
+  AxisLeans built = as_built(above_m);
   std::vector<const PoseSample*> read;
   for (const PoseSample& sample : samples)
     if (sample.reflector_B && sample.reflector_z) read.push_back(&sample);
