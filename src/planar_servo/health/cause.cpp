@@ -64,6 +64,11 @@ constexpr Advice kAdvice[] = {
      kAllFiles, "fasten the lamp and calibrate the tool again, or correct `lamps.separation_mm`"},
     {Cause::kNotSeen, "the lamps are not seen", kAllFiles,
      "look whether both lamps are lit, in view of the camera and in focus"},
+    {Cause::kWarmth,
+     "the motors' warmth has changed the arm, or the camera has come closer or its lens is focused "
+     "elsewhere",
+     kAllFiles,
+     "nothing, if the arm has worked for a while; fixed lamps in view would tell the two apart"},
     {Cause::kSeveral, "more than one thing has changed", "nothing, until the causes are known",
      "look at camera, lamps and arm; then calibrate what was touched"},
 };

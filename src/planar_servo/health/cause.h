@@ -36,6 +36,7 @@ enum class Cause {
   kSeparation,  ///< of the lamps
   kNotVisited,  ///< the arm cannot go where the check needs it
   kNotSeen,     ///< the lamps are not found at all
+  kWarmth,      ///< what a warm arm shows, and a camera that came closer a little, too
   kSeveral,     ///< no single cause explains what is seen
 };
 

@@ -63,12 +63,16 @@ Eigen::MatrixXd warmth(const CellModel& model, const Eigen::MatrixXd& J) {
   return columns;
 }
 
-/// Differences and displacements in standard deviations of what a sound cell does.
+/// Differences and displacements in standard deviations of what a sound cell does, whose arm may
+/// have become warm or not.
 struct Whitened {
-  Whitened(const CellModel& model, const std::vector<Revisit>& revisits)
+  Whitened(const CellModel& model, const std::vector<Revisit>& revisits, bool warms = true)
       : J(displacements(model, revisits)), d(differences(revisits)) {
-    const Eigen::MatrixXd warm = warmth(model, J);
-    Eigen::MatrixXd covariance = warm * warm.transpose();
+    Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(d.size(), d.size());
+    if (warms) {
+      const Eigen::MatrixXd warm = warmth(model, J);
+      covariance = warm * warm.transpose();
+    }
     for (std::size_t i = 0; i < revisits.size(); ++i) {
       const auto at = static_cast<Eigen::Index>(kCoordinates * i);
       const double scattered = 2.0 * revisits[i].scatter_m * revisits[i].scatter_m;
@@ -122,6 +126,19 @@ double cost_of(const std::vector<Revisit>& revisits) {
   return most;
 }
 
+/// Returns what warmth explains and nothing smaller does. It costs nothing to go on: an arm is warm
+/// after an hour's work.
+std::vector<HealthFinding> find_warmth(const CellModel& model,
+                                       const std::vector<Revisit>& revisits) {
+  constexpr double kWorthAWord_m = 50e-6;
+  const double off_m = cost_of(revisits);
+  const Eigen::VectorXd d = Whitened(model, revisits, false).d;
+  if (off_m < kWorthAWord_m || is_noise(d.squaredNorm(), d.size())) return {};
+  return {{Cause::kWarmth, off_m / kMillimetre, "mm", 0.0,
+           fmt::format("{}: the tool is seen up to {:.3f} mm from where it was",
+                       words(Cause::kWarmth), off_m / kMillimetre)}};
+}
+
 /// Returns whether all lamps are where they were, as far as it matters.
 bool nothing_changed(const CellModel& model, const std::vector<Revisit>& revisits) {
   const Eigen::VectorXd d = Whitened(model, revisits).d;
@@ -145,7 +162,8 @@ std::optional<std::size_t> stray_place(const CellModel& model,
 
 std::vector<HealthFinding> find_changes(const CellModel& model,
                                         const std::vector<Revisit>& revisits) {
-  if (revisits.empty() || nothing_changed(model, revisits)) return {};
+  if (revisits.empty()) return {};
+  if (nothing_changed(model, revisits)) return find_warmth(model, revisits);
   const auto [J, d] = Whitened(model, revisits);
   const double cost_m = cost_of(revisits);
   std::vector<ChangeFit> fits;
