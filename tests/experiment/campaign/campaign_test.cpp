@@ -113,7 +113,8 @@ TEST_CASE("Rows begun with other options are refused by the name of each") {
 TEST_CASE("A file that is no campaign's stays as it is, with a line that is no row as well") {
   const test::TemporaryFolder folder;
   const auto table = folder.write("table.csv", "id,x_mm\na,1\n");
-  CHECK_THROWS_WITH(CampaignRows(table, kMaking), Catch::Contains("table.csv: holds something else"));
+  CHECK_THROWS_WITH(CampaignRows(table, kMaking),
+                    Catch::Contains("table.csv: holds something else"));
   CHECK(read_file(table) == "id,x_mm\na,1\n");
   const auto file = folder / "rows.jsonl";
   CampaignRows(file, kMaking).append(5, {{"square", 25}});
