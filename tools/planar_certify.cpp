@@ -16,7 +16,7 @@ const ProgramText kText{
     "Says how accurate a calibrated cell is, by ISO 9283 and over its workspace, on a page to "
     "sign.",
     "planar-certify --cell cell.yaml --out DIR [--cycles N] [--targets N] [--home] [--at-marks]\n"
-    "                      [--accept-stale]",
+    "                      [--accept-stale] [--accept-map]",
     R"(moves               610 of 610 moves reached and judged by the truth
 pose accuracy       0.0250 mm AP at P4, the worst of 5
 repeatability       0.0062 mm RP at P4, over 30 cycles
@@ -29,7 +29,7 @@ certificate: DIR/certificate.html)"};
 struct Options {
   std::filesystem::path cell, out;
   CertificateSize size;
-  bool accept_stale{false};
+  bool accept_stale{false}, accept_map{false};
   HomingOptions homing;
 };
 
@@ -54,6 +54,7 @@ void add_options(CLI::App& app, Options& options) {
   add_homing_options(app, options.homing);
   app.add_flag("--accept-stale", options.accept_stale,
                "move even with files that were not made from one another; the page says which");
+  app.add_flag("--accept-map", options.accept_map, kAcceptMap);
 }
 
 CertificateRequest request_of(const Options& options) {
@@ -62,6 +63,7 @@ CertificateRequest request_of(const Options& options) {
   request.servo.center = request.servo.cell.lamps.method;
   request.servo.out = options.out;
   request.servo.accept_stale = options.accept_stale;
+  request.servo.accept_map = options.accept_map;
   request.servo.may_home = may_home(options.homing);
   request.servo.stop = interrupted;
   request.size = options.size;

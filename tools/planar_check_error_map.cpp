@@ -41,7 +41,7 @@ std::vector<Plan> plans_of(const Options& options) {
 }
 
 Outcome check_pairs(const Options& options) {
-  const VisionErrorMap map = read_map(options.map);
+  const VisionErrorMap map = read_map(options.map).map;
   require_belonging(contradictions(
       {{Role::kPairs, options.pairs}, {Role::kErrorMap, options.map}}, {},
       {Role::kCamera, Role::kWorkplane, Role::kTool, Role::kLampLayout, Role::kDatum}));

@@ -48,7 +48,7 @@ struct Options {
   std::optional<int> train, loop_only;
   std::optional<double> board_thickness_mm;
   std::string like{"paper"}, display{"none"};
-  bool predict{false}, accept_step{false};
+  bool predict{false}, accept_step{false}, accept_map{false};
   HomingOptions homing;
 };
 
@@ -110,6 +110,7 @@ void add_options(CLI::App& app, Options& options) {
   app.add_flag("--accept-step", options.accept_step,
                "calibrate from the recording although something seems to have moved while it was "
                "made, which would cost more than 0.05 mm at the end point");
+  app.add_flag("--accept-map", options.accept_map, kAcceptMap);
   app.add_flag("--predict", options.predict,
                "predict the true error from the recording in DIR alone; nothing moves")
       ->excludes(seeds);
@@ -154,6 +155,7 @@ ExperimentRequest request_of(const Options& options) {
   request.may_home = may_home(options.homing);
   request.stop = interrupted;
   request.accept_step = options.accept_step;
+  request.accept_map = options.accept_map;
   if (options.board_thickness_mm) request.dots_height = *options.board_thickness_mm * kMillimetre;
   if (!request.uses_tracker && !request.dots_height)
     throw InputError(

@@ -29,7 +29,8 @@ const ProgramText kText{
     "Positions the end point at targets, or leads it along a path, by vision and logs every step.",
     "planar-servo --cell cell.yaml --targets targets.csv --out DIR [--no-error-map] [--resume]\n"
     "                    [--centre METHOD] [--display auto|x|none] [--home] [--at-marks]\n"
-    "                    [--accept-stale] [--no-health] [--keep-going] [--judged] [--forget]\n"
+    "                    [--accept-stale] [--accept-map] [--no-health] [--keep-going] [--judged] "
+    "[--forget]\n"
     "       planar-servo --cell cell.yaml --targets targets.csv --dry-run | --check\n"
     "       ... | planar-servo --cell cell.yaml --targets - --out DIR\n"
     "       planar-servo --cell cell.yaml --path path.csv --out DIR [--speed-mm-s V,...] "
@@ -47,7 +48,7 @@ struct Options {
   std::string center;  ///< empty: the cell's lamps.method
   bool no_error_map{false}, dry_run{false}, check{false}, resume{false};
   HomingOptions homing;
-  bool accept_stale{false}, no_health{false}, keep_going{false}, judged{false};
+  bool accept_stale{false}, accept_map{false}, no_health{false}, keep_going{false}, judged{false};
   bool no_vision{false}, compare{false}, forget{false}, require_end{false};
 };
 
@@ -95,6 +96,7 @@ void add_options(CLI::App& app, Options& options) {
   add_homing_options(app, options.homing);
   app.add_flag("--accept-stale", options.accept_stale,
                "move even with files that were not made from one another; the run says which");
+  app.add_flag("--accept-map", options.accept_map, kAcceptMap);
   app.add_flag("--no-health", options.no_health,
                "move without looking first whether the cell still is as it was calibrated");
   app.add_flag("--keep-going", options.keep_going,
@@ -233,6 +235,7 @@ ServoRequest request_of(const Options& options, const CellSettings& cell) {
           options.out,
           options.resume,
           options.accept_stale,
+          options.accept_map,
           !options.no_health,
           options.keep_going,
           may_home(options.homing, !from_stdin(options)),
@@ -245,6 +248,7 @@ VisionCalibration check_files(const Options& options, const CellSettings& cell) 
   VisionCalibration vision = read_vision(cell, !options.no_error_map);
   read_cell_health(cell);
   accept_stale_files(cell, !options.no_error_map, options.accept_stale);
+  accept_map(cell, vision, options.accept_map);
   return vision;
 }
 

@@ -48,6 +48,11 @@ struct Outcome {
   bool success{true};  ///< false when the work was done but failed (exit status 1)
 };
 
+/// Describes --accept-map of the programs that move by an error map.
+inline constexpr char kAcceptMap[] =
+    "move even by an error map whose own fit speaks against it; what it says is kept with the "
+    "result";
+
 /// Makes the next Ctrl-C, Ctrl-\, SIGTERM or SIGHUP only ask the program to stop, and ends its
 /// input as well. A second one ends the program as usual.
 void heed_interrupts();

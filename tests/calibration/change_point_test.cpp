@@ -122,6 +122,31 @@ TEST_CASE("A reflector bumped is found at its place with its size, among outlier
     }
 }
 
+TEST_CASE("Errors that do not drift have no trend, whatever the order of the places") {
+  for (const Visit visit : {Visit::kAtRandom, Visit::kSpiral, Visit::kRings})
+    for (unsigned seed = 0; seed < 25; ++seed) CHECK_FALSE(find_trend(healthy_errors(seed, visit)));
+}
+
+TEST_CASE("A trend is found with its size, and with the frame in which it is constant") {
+  const Eigen::Vector2d size(0.03 * kMillimetre, -0.04 * kMillimetre);
+  for (unsigned seed = 0; seed < 10; ++seed) {
+    std::vector<TimedError> steady = healthy_errors(seed, Visit::kAtRandom);
+    std::vector<TimedError> turning = healthy_errors(seed, Visit::kAtRandom, Pointing::kAnyWay);
+    for (std::size_t i = 0; i < steady.size(); ++i) {
+      const Eigen::Vector2d now = size * static_cast<double>(i) / (kPlaces - 1.0);
+      steady[i].error += now;
+      turning[i].error += rotation2d(turning[i].phi) * now;
+    }
+    const auto trend = find_trend(steady), of_tool = find_trend(turning);
+    REQUIRE(trend);
+    REQUIRE(of_tool);
+    CHECK((trend->size - size).norm() < 5.0 * trend->sigma);
+    CHECK_FALSE(trend->frame);
+    CHECK((of_tool->size - size).norm() < 5.0 * of_tool->sigma);
+    CHECK(of_tool->frame == StepFrame::kTool);
+  }
+}
+
 TEST_CASE("Where the tool is turned, a step says whether it turns with the tool") {
   const Eigen::Vector2d step(0.1 * kMillimetre, 0.0);
   std::vector<TimedError> bumped = healthy_errors(1, Visit::kAtRandom, Pointing::kAnyWay);

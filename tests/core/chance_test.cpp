@@ -22,5 +22,12 @@ TEST_CASE("The tail of F with two degrees of freedom above is that of the tables
   CHECK(f_tail_of_two(0.0, 5.0) == 1.0);
 }
 
+TEST_CASE("The chance of few successes is the binomial distribution's") {
+  CHECK(binomial_tail(5, 10, 0.5) == Approx(0.623046875));
+  CHECK(binomial_tail(70, 100, 0.8) == Approx(0.0112489787));
+  CHECK(binomial_tail(100, 100, 0.8) == Approx(1.0));
+  CHECK(binomial_tail(0, 3, 0.25) == Approx(0.421875));
+}
+
 }  // namespace
 }  // namespace planar

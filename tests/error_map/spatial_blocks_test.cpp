@@ -78,6 +78,8 @@ TEST_CASE("Neighbours that are wrong together do not narrow the interval") {
 
 TEST_CASE("A sum over blocks is clearly positive only beyond its uncertainty") {
   CHECK(is_clearly_positive(Eigen::ArrayXd::LinSpaced(5, 1.0, 2.0)));
+  CHECK(is_clearly_positive(
+      (Eigen::ArrayXd(8) << 9.0, 0.1, 0.2, 0.1, 4.0, 0.3, 0.1, 0.2).finished()));
   CHECK_FALSE(is_clearly_positive(Eigen::ArrayXd::LinSpaced(5, -1.0, 1.5)));
   CHECK_FALSE(is_clearly_positive(Eigen::ArrayXd::Constant(2, 1.0)));
 }

@@ -21,7 +21,7 @@ TEST_CASE("A field at the lamps read from its file compensates the same, bit for
   test::TemporaryFolder folder;
   const LampFieldFit fit = fit_of_bent_cell();
   const auto path = folder.write("map.yaml", lamp_field_text(fit, {}, "test"));
-  const LampField back = std::get<LampField>(read_map(path));
+  const LampField back = std::get<LampField>(read_map(path).map);
   std::mt19937 random(42);
   std::uniform_real_distribution<double> place(-0.6, 0.6);
   for (int i = 0; i < 50; ++i) {
@@ -50,7 +50,7 @@ TEST_CASE("Lamps whose height waves come back with their wave, bit for bit") {
   field.factor.topRows(fields) = found.topRows(fields);
   field.factor.bottomRows(2) = found.bottomRows(2);
   const auto path = folder.write("map.yaml", lamp_field_text(fit, {}, "test"));
-  const LampField back = std::get<LampField>(read_map(path));
+  const LampField back = std::get<LampField>(read_map(path).map);
   const std::array<Eigen::Vector2d, 2> seen{Eigen::Vector2d(0.3, 0.1), Eigen::Vector2d(0.3, 0.14)};
   CHECK(compensate(back, seen).tip.p == compensate(field, seen).tip.p);
   CHECK(compensate(back, seen).covariance == compensate(field, seen).covariance);

@@ -63,7 +63,7 @@ TEST_CASE("A map read from its file predicts the same, bit for bit") {
                                     fitted(MapMethod::kIdw), fitted(MapMethod::kHandWidth),
                                     multiquadric_on_quadratic_tail(), of_directions(), sparse());
   const ErrorMap back =
-      std::get<ErrorMap>(read_map(files.write_map(map_text(result, files.pairs, "test"))));
+      std::get<ErrorMap>(read_map(files.write_map(map_text(result, files.pairs, "test"))).map);
   for (const Eigen::Vector2d& p : test::random_positions(200, 2)) {
     CHECK(depends_on_direction(back) == depends_on_direction(result.map));
     const ErrorPrediction expected = predict(result.map, p, p.x());
@@ -71,6 +71,21 @@ TEST_CASE("A map read from its file predicts the same, bit for bit") {
     CHECK(found.error == expected.error);
     CHECK((found.sigma == expected.sigma || std::isnan(expected.sigma)));
     CHECK(found.inside == expected.inside);
+  }
+}
+
+TEST_CASE(
+    "A map's file keeps what its fit says of it, and one of an earlier version says nothing") {
+  Files files;
+  for (const MapMethod method : {MapMethod::kRbf, MapMethod::kIdw, MapMethod::kHandWidth}) {
+    const MapResult result = fitted(method);
+    const std::string text = map_text(result, files.pairs, "test");
+    const MapQuality back = read_map(files.write_map(text)).quality;
+    CHECK(back.n == result.n_places);
+    CHECK(back.worth_using == result.worth_using);
+    CHECK(back.coverage_95 == result.coverage_95);
+    const std::string earlier = std::regex_replace(text, std::regex("  coverage_95: [^\n]*\n"), "");
+    CHECK(read_map(files.write_map(earlier)).quality.n == 0);
   }
 }
 

@@ -74,6 +74,14 @@ class RecordedBench {
     for (std::size_t i = rows.size() - 40; i < rows.size(); ++i) rows[i]->p_L.x() += x;
   }
 
+  /// Moves the readings of the tool by what grows to `x` over the training places.
+  void creep(double x) {
+    const auto rows = tool_readings();
+    for (int i = 0; i < kTrainingPlaces; ++i)
+      rows[rows.size() - kTrainingPlaces + static_cast<std::size_t>(i)]->p_L.x() +=
+          x * i / (kTrainingPlaces - 1.0);
+  }
+
   void read_monuments() {
     for (const Monument& monument : request.cell.datum)
       for (int i = 0; i < 5; ++i) add_reading(monument.id, monument.p_B + noise());
@@ -196,6 +204,31 @@ TEST_CASE("A step that costs less than 0.05 mm is doubted and refuses nothing") 
   bench.bump(0.07 * kMillimetre);
   CHECK_THAT(bench.refusal(), Contains("doubt: pairs: from place 'train_40' on") &&
                                   Contains("which costs up to 0.03") && !Contains("--accept-step"));
+}
+
+TEST_CASE("A reflector that creeps is named with its rate, and refused where that is dear") {
+  RecordedBench bench;
+  bench.creep(0.03 * kMillimetre);
+  CHECK_THAT(bench.refusal(), Contains("drifted apart by (0.03") && Contains("mm per hour") &&
+                                  Contains("creeps") && !Contains("--accept-step"));
+  bench.creep(0.17 * kMillimetre);
+  CHECK_THAT(bench.refusal(),
+             Contains("drifted apart by (0.20") && Contains("--accept-step") && !Contains("doubt"));
+  bench.request.accept_step = true;
+  const PairTrackerReport report = pair_tracker(bench.request);
+  REQUIRE(report.trend);
+  CHECK(report.trend->trend.size.norm() == Approx(0.2 * kMillimetre).margin(0.01 * kMillimetre));
+}
+
+TEST_CASE("Readings that scatter ten times as much as stated are named, and believed as little") {
+  RecordedBench bench;
+  const double stated = bench.request.cell.tracker.sigma_m;
+  bench.request.cell.tracker.sigma_m *= 0.1;
+  CHECK_THAT(bench.refusal(), Contains("doubt: tracker: its readings of a place at rest scatter") &&
+                                  !Contains("monument"));
+  const PairTrackerReport report = pair_tracker(bench.request);
+  REQUIRE(report.pairs.front().sigma_tracker);
+  CHECK(*report.pairs.front().sigma_tracker == Approx(stated).epsilon(0.2));
 }
 
 TEST_CASE("Readings shifted by a row, of another clock or frozen are named as that") {

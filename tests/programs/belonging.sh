@@ -27,6 +27,20 @@ servo --check >out.txt || fail "$(cat out.txt)"
 grep -q "map.yaml: made by planar-fit-error-map .*, edited by hand 20" doctor.txt || fail "$(cat doctor.txt)"
 "$bin/planar-doctor" --seal cell/map.yaml | grep -q "nothing is to be sealed" || fail "was sealed twice"
 expect 2 "cell.yaml: is no calibration file" "$bin/planar-doctor" --seal cell/cell.yaml
+
+# A map whose own fit speaks against it moves no arm, until a person accepts it.
+sed 's/^  coverage_95: .*/  coverage_95: 0.3/' good_map.yaml >cell/map.yaml
+if cmp -s good_map.yaml cell/map.yaml; then fail "the map has no coverage"; fi
+"$bin/planar-doctor" -q --seal cell/map.yaml >/dev/null
+for options in "--check" "--out made"; do
+  # shellcheck disable=SC2086
+  expect 2 "map.yaml: only 30 % of what [0-9]* places left out show .*; record more places .* --accept-map" servo $options
+done
+if "$bin/planar-doctor" --cell cell/cell.yaml >doctor.txt; then fail "the doctor is content"; fi
+grep -q "map.yaml: only 30 % of what" doctor.txt || fail "$(cat doctor.txt)"
+servo --accept-map --out accepted >out.txt 2>err.txt || fail "$(cat err.txt)"
+grep -q "accepted: .*only 30 % of what" err.txt || fail "$(cat err.txt)"
+grep -q "^accepted_map: .*only 30 % of what" accepted/run.yaml || fail "$(cat accepted/run.yaml)"
 cp good_map.yaml cell/map.yaml
 
 # One of an earlier version, which has no checksum, is accepted with a notice.

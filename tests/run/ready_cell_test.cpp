@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "planar_servo/files/vision_files.h"
 #include "planar_servo/machine/cell_devices.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "support/sample_cells.h"
@@ -24,6 +25,17 @@ TEST_CASE("The calibration narrows the guard, but not that of a chain that has n
   CHECK(std::isinf(unguarded.noise_m));
   CHECK(std::isinf(unguarded.correction_m));
   CHECK(unguarded.distance_m == widest.distance_m);
+}
+
+TEST_CASE("A map whose fit speaks against it is refused until a person accepts it") {
+  const CellSettings cell = read_cell(test::workshop_cell_file());
+  VisionCalibration vision = read_vision(cell, true);
+  CHECK_FALSE(accept_map(cell, vision, false));
+  vision.map_objection = "its fit says not to use it";
+  CHECK_THROWS_WITH(accept_map(cell, vision, false),
+                    Catch::Contains("map.yaml: its fit says not to use it") &&
+                        Catch::Contains("--no-error-map") && Catch::Contains("--accept-map"));
+  CHECK(accept_map(cell, vision, true) == vision.map_objection);
 }
 
 }  // namespace

@@ -101,9 +101,9 @@ Verdict verdict_of(const Certificate& certificate) {
   const std::vector<std::string>& accepted = certificate.run.accepted;
   if (!accepted.empty())
     verdict.faults.push_back(
-        {fmt::format("files that do not belong together were accepted, {} in all: {}",
+        {fmt::format("what speaks against the files was accepted, {} sentences in all: {}",
                      accepted.size(), accepted.front()),
-         "make the cell's files anew from one another; certificate.json lists them all"});
+         "make the cell's files anew from one another; certificate.json has every sentence"});
   return verdict;
 }
 

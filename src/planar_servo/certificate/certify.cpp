@@ -62,14 +62,16 @@ std::vector<JudgedMove> moves_so_far(const CertificateRequest& request, const st
       file.string()));
 }
 
-/// Returns the sentences on files that do not belong together. Throws InputError with them unless
-/// they are accepted.
-std::vector<std::string> stale_words(const CertificateRequest& request) {
+/// Returns what speaks against the cell's files. Throws InputError with it unless it is accepted.
+std::vector<std::string> accepted_words(const CertificateRequest& request,
+                                        const VisionCalibration& vision) {
   const std::vector<StaleFile> stale = stale_files(request.servo.cell, true);
   if (!request.servo.accept_stale) require_belonging(stale);
   std::vector<std::string> words;
   words.reserve(stale.size());
   for (const StaleFile& file : stale) words.push_back(file.refusal.text());
+  if (const auto map = accept_map(request.servo.cell, vision, request.servo.accept_map))
+    words.push_back(request.servo.cell.error_map.string() + ": " + *map);
   return words;
 }
 
@@ -170,7 +172,7 @@ CertificateRun run_certificate(
   const JudgeKind judge = judge_of(cell, vision.tool);
   const std::string header = header_of(request, judge);
   std::vector<JudgedMove> moves = moves_so_far(request, header);
-  std::vector<std::string> accepted = stale_words(request);
+  std::vector<std::string> accepted = accepted_words(request, vision);
   TestPlaces places =
       find_test_places(cell, vision, static_cast<std::size_t>(request.size.targets));
   CertificateRun certificate{request, std::move(vision), std::move(places),

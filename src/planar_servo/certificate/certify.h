@@ -25,7 +25,7 @@ struct CertificateRun {
   TestPlaces places;
   JudgeKind judge{JudgeKind::kTruth};
   std::vector<JudgedMove> moves;
-  std::vector<std::string> accepted{};  ///< sentences on files that do not belong together
+  std::vector<std::string> accepted{};  ///< what speaks against the files
   std::string ended_by{};               ///< why no further move was made; empty when complete
 };
 

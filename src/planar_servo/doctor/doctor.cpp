@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include "planar_servo/core/error.h"
 #include "planar_servo/doctor/camera_field.h"
+#include "planar_servo/files/map/map_file.h"
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/io/format/checksum.h"
@@ -40,12 +42,27 @@ std::vector<Finding> examine_checksum(const std::filesystem::path& file) {
   return {{Verdict::kFaulty, file.filename().string(), change->fault, change->remedy}};
 }
 
+/// Says what the fit of the cell's error map says against it.
+std::vector<Finding> examine_map(const CellSettings& cell) {
+  if (!std::filesystem::exists(cell.error_map)) return {};
+  const std::string name = cell.error_map.filename().string();
+  try {
+    const auto against = objection(read_map(cell.error_map).quality);
+    if (!against) return {};
+    return {{Verdict::kFaulty, name, *against,
+             "record more places and fit again; planar-servo moves by it only with --accept-map"}};
+  } catch (const InputError& error) {
+    return {{Verdict::kFaulty, name, error.what(), "make it anew with planar-fit-error-map"}};
+  }
+}
+
 /// Says of each calibration file who made it from what, and of those that no longer hold why.
 std::vector<Finding> examine_files(const CellSettings& cell) {
   std::vector<Finding> findings;
   const std::vector<StaleFile> all_stale = stale_files(cell, true);
   for (const MadeFile& file : made_files(cell, true)) {
     std::vector<Finding> reasons = examine_checksum(file.path);
+    if (reasons.empty() && file.role == Role::kErrorMap) reasons = examine_map(cell);
     for (const StaleFile& stale : all_stale)
       if (stale.path == file.path)
         reasons.push_back({Verdict::kFaulty, file.path.filename().string(), stale.refusal.fault,

@@ -109,6 +109,13 @@ std::optional<FitAtPlaces> fit_at_found_places(const MapProblem& problem, const 
   return fit_to_agreeing(with_places, progress);
 }
 
+double coverage_95(const MapPlaces& at) {
+  int within = 0;
+  for (Eigen::Index i = 0; i < at.residuals.cols(); ++i)
+    within += components_within_95(at.residuals.col(i), Eigen::Vector2d::Constant(at.sigmas[i]));
+  return within / (2.0 * static_cast<double>(at.residuals.cols()));
+}
+
 MapResult judged(FitAtPlaces at, PlaceSource places, const std::vector<ErrorSample>& samples,
                  const Progress& progress) {
   tell(progress, "judging the map", 0, 1);
@@ -118,7 +125,8 @@ MapResult judged(FitAtPlaces at, PlaceSource places, const std::vector<ErrorSamp
   result.n_used = static_cast<std::size_t>(used.counts.sum());
   result.places = places;
   result.n_places = static_cast<std::size_t>(used.size());
-  result.at_places = {used.positions, used.errors, at.fit.residuals};
+  result.at_places = {used.positions, used.errors, at.fit.residuals, at.fit.sigmas};
+  result.coverage_95 = coverage_95(result.at_places);
   result.rejected = std::move(at.rejected);
   for (const Outlier& outlier : at.fit.outliers)
     for (const std::size_t i : at.sites.samples[static_cast<std::size_t>(outlier.site)])

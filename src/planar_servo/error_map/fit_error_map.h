@@ -10,6 +10,7 @@
 #include "planar_servo/error_map/error_map.h"
 #include "planar_servo/error_map/judge/cell_diagnosis.h"
 #include "planar_servo/error_map/judge/spatial_blocks.h"
+#include "planar_servo/error_map/map_quality.h"
 
 namespace planar {
 
@@ -62,6 +63,9 @@ struct MapPlaces {
   Eigen::Matrix2Xd positions;
   Eigen::Matrix2Xd errors;     ///< mean of the samples at each
   Eigen::Matrix2Xd residuals;  ///< what is left of them when each place is left out of the fit
+  /// Standard deviation per axis of each residual as the map states it; of a method that states
+  /// none the residuals' rms.
+  Eigen::VectorXd sigmas;
 };
 
 /// A fitted map with its figures, in metres; rms values are over the samples used. Samples of one
@@ -86,10 +90,13 @@ struct MapResult {
   /// Whether the map removes more than 5 % of the rms error between its places, and not by chance;
   /// see is_worth_using().
   bool worth_using{false};
-  CellDiagnosis cell;  ///< what the pairs say of the cell; not used by the map
+  double coverage_95{0.0};  ///< share of the residuals' components within 1.96 deviations
+  CellDiagnosis cell;       ///< what the pairs say of the cell; not used by the map
 
   /// Returns 1 - loo_rms / raw_rms, or 0 when there is no error to begin with.
   double gain() const { return raw_rms > 0.0 ? 1.0 - loo_rms / raw_rms : 0.0; }
+
+  MapQuality quality() const { return {n_places, worth_using, coverage_95}; }
 
   /// Return the standard deviations per axis of the two parts of the noise: of what the samples of
   /// a place have in common, and of a single one beside that; NaN where the share is.

@@ -29,6 +29,7 @@ ChainSettings our_settings(const ExperimentRequest& request) {
   settings.uses_tracker = request.uses_tracker;
   settings.dots_height = request.dots_height;
   settings.accept_step = request.accept_step;
+  settings.accept_map = request.accept_map;
   return settings;
 }
 

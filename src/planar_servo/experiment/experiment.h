@@ -44,6 +44,7 @@ struct ExperimentRequest {
   bool uses_tracker{true};  ///< in our chain; see ChainSettings
   std::optional<double> dots_height{};
   bool accept_step{false};  ///< see PairTrackerRequest; in every chain
+  bool accept_map{false};   ///< see ServoRequest; in our chain
   // These are for a real cell, as in RecordRequest.
   DisplayPolicy display{DisplayPolicy::kNone};
   MayHome may_home{};

@@ -36,13 +36,14 @@ struct ChainSettings {
   /// Height of the laid boards' dots above the lamps' plane, metres. With it the lays tell the
   /// field at the lamps, too.
   std::optional<double> dots_height{};
-  /// Looks before the first target whether the cell is as it was, and holds the arm where a look is
-  /// not what the calibration promises.
+  /// Looks before the first target whether the cell is as it was, holds the arm where a look is not
+  /// what the calibration promises, and refuses an error map whose fit speaks against it.
   bool is_guarded{true};
   /// Positions by all looks at a target; else the whole error of the last look is corrected.
   bool estimates_landings{true};
   /// Uses pairs between which something seems to have moved.
   bool accept_step{false};
+  bool accept_map{false};  ///< moves by an error map whose fit speaks against it
   ServoSettings servo;
 };
 

@@ -69,18 +69,13 @@ std::vector<ErrorSample> errors_at_end_point(const ToolOffsets& tool,
 HeldOut held_out_of(const MapResult& map) {
   HeldOut held;
   const MapPlaces& at = map.at_places;
-  double covered = 0.0;
-  for (Eigen::Index i = 0; i < at.positions.cols(); ++i) {
-    const double sigma =
-        std::hypot(predict(map.map, at.positions.col(i), 0.0).sigma, map.noise_sigma);
+  for (Eigen::Index i = 0; i < at.positions.cols(); ++i)
     held.readings.push_back({at.positions.col(i), at.errors.col(i), at.residuals.col(i),
-                             Eigen::Vector2d::Constant(sigma)});
-    covered += static_cast<double>((at.residuals.col(i).array().abs() < 1.96 * sigma).count());
-  }
+                             Eigen::Vector2d::Constant(at.sigmas[i])});
   held.n = held.readings.size();
   held.raw_rms = map.raw_rms;
   held.rms = map.loo_rms;
-  held.coverage_95 = covered / (2.0 * static_cast<double>(std::max<std::size_t>(held.n, 1)));
+  held.coverage_95 = map.coverage_95;
   return held;
 }
 

@@ -73,12 +73,11 @@ void judge_part(const JointEstimate& estimate, const LaidDots& board, const Part
   const ArmModel model = estimate.model();
   for (const PoseSample& sample : judged) {
     CompensatedTip found = compensate(field, sample.lamps_B);
-    const Eigen::Vector2d drifted = sample.t_h * without.fit.drift_m_per_h;
     const ToolOffsets& tool = estimate.nominal.tool;
     const TipPose seen = tip_from_places(sample.lamps_B, tool);
     const Eigen::Vector2d p = *sample.reflector_B;
     const Eigen::Vector2d beside = model.tracker_error(sample.motors, p, without.fit.arm);
-    found.tip.p -= drifted;
+    found.tip.p -= sample.t_h * without.fit.drift_m_per_h;
     readings.push_back({seen.p, vision_minus_tracker(seen, tool, p),
                         vision_minus_tracker(found.tip, field.tool, p - beside),
                         stated_variances(found, estimate, field, sample).cwiseSqrt()});
@@ -93,18 +92,17 @@ HeldOut hold_out(const JointEstimate& estimate, const std::vector<PoseSample>& s
   HeldOut judged;
   for (std::size_t part = 0; part < kParts; ++part)
     judge_part(estimate, board, parts, part, judged.readings);
-  double raw = 0.0, left = 0.0, covered = 0.0;
+  double raw = 0.0, left = 0.0, within = 0.0;
   for (const HeldOutReading& reading : judged.readings) {
     raw += reading.raw.squaredNorm();
     left += reading.left.squaredNorm();
-    covered +=
-        static_cast<double>((reading.left.array().abs() < 1.96 * reading.sigma.array()).count());
+    within += components_within_95(reading.left, reading.sigma);
   }
   judged.n = judged.readings.size();
   const auto n = static_cast<double>(std::max<std::size_t>(judged.n, 1));
   judged.raw_rms = std::sqrt(raw / n);
   judged.rms = std::sqrt(left / n);
-  judged.coverage_95 = covered / (2.0 * n);
+  judged.coverage_95 = within / (2.0 * n);
   return judged;
 }
 

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "planar_servo/error_map/map_quality.h"
 #include "planar_servo/field/joint_estimate.h"
 
 namespace planar {
@@ -24,6 +25,7 @@ struct HeldOut {
   double coverage_95{0.0};  ///< share of the components within 1.96 stated deviations
   std::vector<HeldOutReading> readings;
   bool worth_using() const { return n > 0 && rms < raw_rms; }
+  MapQuality quality() const { return {n, worth_using(), coverage_95}; }
 };
 
 /// Leaves out the places of `samples` with readings in ten parts, one part after the other, and

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <utility>
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/files/camera/camera_file.h"
@@ -60,7 +61,10 @@ VisionCalibration read_vision(const CellSettings& cell, bool with_error_map) {
         "planar-locate-lamps and planar-pair-tracker",
         cell.workplane.string(), cell.reference_lamps.size()));
   vision.tool = read_tool(cell.tool);
-  if (with_error_map) vision.error_map = read_map(cell.error_map);
+  if (!with_error_map) return vision;
+  MapRecord record = read_map(cell.error_map);
+  vision.error_map = std::move(record.map);
+  vision.map_objection = objection(record.quality);
   return vision;
 }
 

@@ -70,6 +70,18 @@ std::vector<std::string> accept_stale_files(const CellSettings& cell, bool with_
   return texts;
 }
 
+std::optional<std::string> accept_map(const CellSettings& cell, const VisionCalibration& vision,
+                                      bool accepted) {
+  if (!vision.map_objection) return std::nullopt;
+  const std::string text = fmt::format(
+      "{}: {}; record more places and fit again, leave the map out (--no-error-map), "
+      "or, if you know better, continue with --accept-map",
+      cell.error_map.string(), *vision.map_objection);
+  if (!accepted) throw InputError(text);
+  spdlog::warn("accepted: " + text);
+  return vision.map_objection;
+}
+
 ReadyCell::ReadyCell(const ServoRequest& request, CellDevices& devices)
     : cell_(request.cell),
       camera_(devices.camera()),
@@ -81,6 +93,7 @@ ReadyCell::ReadyCell(const ServoRequest& request, CellDevices& devices)
       limits_(limits_of(request, vision_, health_)),
       sensor_(vision_, request.center, devices.camera(), cell_.camera.follow_region_px),
       accepted_stale_(accept_stale_files(cell_, request.use_error_map, request.accept_stale)),
+      accepted_map_(accept_map(cell_, vision_, request.accept_map)),
       planner_(servo_planner(cell_)),
       robot_(PlanarArm(cell_.arm.geometry), Transmission(cell_.transmission), devices.drives(),
              devices.clock()),

@@ -27,6 +27,7 @@ struct ServoRequest {
   std::filesystem::path out;  ///< steps.csv and results.csv grow here, a line at a time
   bool resume{false};         ///< continues the run that the folder holds
   bool accept_stale{false};   ///< moves even with files that do not belong together
+  bool accept_map{false};     ///< moves even by an error map whose fit speaks against it
   bool check_health{true};    ///< looks, before the first target, whether the cell is as it was
   bool keep_going{false};     ///< tries the next target even when the cell itself is in doubt
   /// Is asked about drives that lost their position on the way, too. Empty: they may not be homed.
@@ -49,6 +50,11 @@ struct ServoRequest {
 /// log. Throws InputError with them unless they are accepted.
 std::vector<std::string> accept_stale_files(const CellSettings& cell, bool with_error_map,
                                             bool accepted);
+
+/// Returns what the error map's fit says against moving by it, and shows it in the log. Throws
+/// InputError with it unless it is accepted.
+std::optional<std::string> accept_map(const CellSettings& cell, const VisionCalibration& vision,
+                                      bool accepted);
 
 /// A cell that is about to move by vision: its files are read and belong together, and it is looked
 /// at before anything depends on it. Lost devices are waited for.
@@ -96,6 +102,8 @@ class ReadyCell {
   PositionServo& servo() { return servo_; }
   /// Returns the sentences on files that do not belong together and were accepted.
   const std::vector<std::string>& accepted_stale() const { return accepted_stale_; }
+  /// Returns what speaks against the error map and was accepted.
+  const std::optional<std::string>& accepted_map() const { return accepted_map_; }
 
  private:
   bool was_examined_s_ago(double seconds) const;
@@ -115,6 +123,7 @@ class ReadyCell {
   GuardLimits limits_;
   LampTipSensor sensor_;
   std::vector<std::string> accepted_stale_;
+  std::optional<std::string> accepted_map_;
   JointPlanner planner_;
   PlanarRobot robot_;
   std::unique_ptr<LandingModel> landings_;  ///< none where landings are not estimated

@@ -195,6 +195,7 @@ std::string run_text(const ServoRequest& request, const ServoRun& run, const Ser
   yaml.add_inputs(input_records(inputs));
   yaml.add("error_map_used", request.use_error_map);
   if (!run.accepted_stale().empty()) yaml.add("accepted_stale", run.accepted_stale());
+  if (run.accepted_map()) yaml.add("accepted_map", *run.accepted_map());
   yaml.add("targets", static_cast<int>(figures.targets));
   yaml.add("reached", static_cast<int>(figures.reached));
   if (figures.frames) yaml.add("camera", describe(*figures.frames));

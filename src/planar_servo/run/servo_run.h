@@ -69,6 +69,7 @@ class ServoRun {
   void discard_if_empty();
   /// Returns the sentences on files that do not belong together and were accepted.
   const std::vector<std::string>& accepted_stale() const { return cell_.accepted_stale(); }
+  const std::optional<std::string>& accepted_map() const { return cell_.accepted_map(); }
   /// Returns the results so far. Those of a resumed run begin with those that the folder holds.
   const std::vector<TargetResult>& results() const { return results_; }
 

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <optional>
+#include <string>
 #include <variant>
 
 #include "planar_servo/calibration/tool_offsets.h"
@@ -26,7 +27,8 @@ struct VisionCalibration {
   LampLayout lamps;
   Workplane workplane;
   ToolOffsets tool;  ///< zero for an ideal tool, whose P lies midway between the lamps
-  std::optional<VisionErrorMap> error_map{};  ///< without one, positions are not compensated
+  std::optional<VisionErrorMap> error_map{};   ///< without one, positions are not compensated
+  std::optional<std::string> map_objection{};  ///< what the map's fit says against moving by it
   /// The lamps that are fixed to the base; none when nothing watches the camera.
   std::vector<ReferenceLamp> reference_lamps{};
 };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "planar_servo/calibration/readings/robust_errors.h"
 #include "planar_servo/core/numerics/chance.h"
@@ -104,6 +105,22 @@ std::vector<Eigen::Vector2d> remainders_with_step(const SmoothErrors& errors,
   return remainders;
 }
 
+/// Returns which of `count` places are asked: all, or so many that the time does not matter.
+std::vector<std::size_t> places_asked(std::size_t count) {
+  const std::size_t stride = (count + kMostPlaces - 1) / kMostPlaces;
+  std::vector<std::size_t> places;
+  for (std::size_t i = 0; i < count; i += stride) places.push_back(i);
+  return places;
+}
+
+std::vector<TimedError> those_at(const std::vector<std::size_t>& places,
+                                 const std::vector<TimedError>& errors) {
+  std::vector<TimedError> asked;
+  asked.reserve(places.size());
+  for (const std::size_t place : places) asked.push_back(errors[place]);
+  return asked;
+}
+
 }  // namespace
 
 double ChangePoint::cost(std::size_t count) const {
@@ -113,13 +130,9 @@ double ChangePoint::cost(std::size_t count) const {
 
 std::optional<ChangePoint> find_change(const std::vector<TimedError>& errors) {
   if (errors.size() < kFewestPlaces) return std::nullopt;
-  const std::size_t stride = (errors.size() + kMostPlaces - 1) / kMostPlaces;
   ChangePoint change;
-  std::vector<TimedError> asked;
-  for (std::size_t i = 0; i < errors.size(); i += stride) {
-    change.places.push_back(i);
-    asked.push_back(errors[i]);
-  }
+  change.places = places_asked(errors.size());
+  const std::vector<TimedError> asked = those_at(change.places, errors);
   const std::vector<StepFrame> frames = frames_of(asked);
   const SmoothErrors smooth(asked);
   const Explanation without = without_step(smooth);
@@ -131,6 +144,23 @@ std::optional<ChangePoint> find_change(const std::vector<TimedError>& errors) {
   if (frames.size() > 1) change.frame = with.step->frame;
   change.left = remainders_with_step(smooth, with);
   return change;
+}
+
+std::optional<ErrorTrend> find_trend(const std::vector<TimedError>& errors) {
+  if (errors.size() < kFewestPlaces) return std::nullopt;
+  const std::vector<TimedError> asked = those_at(places_asked(errors.size()), errors);
+  const std::vector<StepFrame> frames = frames_of(asked);
+  const SmoothErrors smooth(asked, SlowDrift::kNone);
+  const Explanation without = without_step(smooth);
+  Explanation best = without;
+  for (const StepFrame frame : frames)
+    if (Explanation with = with_step(smooth, {0, frame, true}, without);
+        with.fit.log_likelihood > best.fit.log_likelihood)
+      best = std::move(with);
+  if (!best.step || !is_step(best, without, frames.size())) return std::nullopt;
+  ErrorTrend trend{best.fit.step, best.fit.step_sigma};
+  if (frames.size() > 1) trend.frame = best.step->frame;
+  return trend;
 }
 
 }  // namespace planar

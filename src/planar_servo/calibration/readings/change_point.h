@@ -26,11 +26,23 @@ struct ChangePoint {
   double cost(std::size_t count) const;
 };
 
+/// Errors that drift over all places.
+struct ErrorTrend {
+  Eigen::Vector2d size{0.0, 0.0};  ///< from the first place to the last, metres
+  double sigma{0.0};               ///< of it per axis
+  /// The frame in which they drift; empty where the tool always points the same way.
+  std::optional<StepFrame> frame{};
+};
+
 /// Looks for one step in time. The errors are explained with and without a step, with the tuning
 /// and the outliers of the largest likelihood in either case (robust_errors.h); the ratio of the
 /// likelihoods decides. The false alarm of all places together is at most kFalseAlarm. Each
 /// side of a step has at least five places. Of more than 500 places only every second, third, ...
 /// is asked. Empty for fewer than 32 places.
 std::optional<ChangePoint> find_change(const std::vector<TimedError>& errors);
+
+/// Looks for a linear trend in time, as find_change() looks for a step; errors that do not drift
+/// are called drifting once in 1 / kFalseAlarm recordings.
+std::optional<ErrorTrend> find_trend(const std::vector<TimedError>& errors);
 
 }  // namespace planar

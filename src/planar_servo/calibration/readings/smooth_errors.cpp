@@ -10,7 +10,7 @@
 namespace planar {
 namespace {
 
-constexpr Eigen::Index kFixedTerms = 7;
+constexpr Eigen::Index kFixedTerms = 7;  // the last one is the trend
 /// Width of the slow drift, as a share of the recording.
 constexpr double kDriftWidth = 1.0 / 3.0;
 constexpr double kOutlierShare = 0.02;
@@ -50,7 +50,8 @@ double outliers_in(const SmoothErrors::Outliers& outliers) {
 
 }  // namespace
 
-SmoothErrors::SmoothErrors(const std::vector<TimedError>& errors) {
+SmoothErrors::SmoothErrors(const std::vector<TimedError>& errors, SlowDrift drift)
+    : drifts_(drift == SlowDrift::kAllowed) {
   const auto n = static_cast<Eigen::Index>(errors.size());
   Eigen::MatrixX2d p(n, 2);
   Eigen::VectorXd t(n);
@@ -74,6 +75,7 @@ SmoothErrors::SmoothErrors(const std::vector<TimedError>& errors) {
   const Eigen::ArrayXd x = p.col(0).array(), y = p.col(1).array();
   fixed_.resize(n, kFixedTerms);
   fixed_ << Eigen::VectorXd::Ones(n), p, x.square(), x * y, y.square(), t;
+  if (!drifts_) fixed_.conservativeResize(Eigen::NoChange, kFixedTerms - 1);
 }
 
 bool SmoothErrors::is_outlier(double distance, double deviation) {
@@ -89,12 +91,13 @@ Eigen::MatrixX2d SmoothErrors::shape(const StepShape& step) const {
     shape.bottomRows(late) = headings_.bottomRows(late);
   else
     shape.col(0).tail(late).setOnes();
+  if (step.grows) shape.array().colwise() *= Eigen::ArrayXd::LinSpaced(size(), 0.0, 1.0);
   return shape;
 }
 
 Eigen::MatrixXd SmoothErrors::factor(const ErrorTuning& tuning, const Outliers& outliers) const {
-  Eigen::MatrixXd covariance = std::exp(tuning.field) * matern(distances_, std::exp(tuning.width)) +
-                               std::exp(tuning.drift) * drift_;
+  Eigen::MatrixXd covariance = std::exp(tuning.field) * matern(distances_, std::exp(tuning.width));
+  if (drifts_) covariance += std::exp(tuning.drift) * drift_;
   for (Eigen::Index i = 0; i < size(); ++i)
     covariance(i, i) += outliers[static_cast<std::size_t>(i)] ? kNoWeight : 1.0;
   return lower_factor(covariance).value();

@@ -17,10 +17,12 @@ struct TimedError {
 /// The frame in which what changes at a step is constant.
 enum class StepFrame { kBase, kTool };
 
-/// From place `first` on all errors differ by a constant in this frame.
+/// From place `first` on all errors differ by a constant in this frame, or by what grows from zero
+/// to a constant over all places.
 struct StepShape {
   Eigen::Index first{0};
   StepFrame frame{StepFrame::kBase};
+  bool grows{false};
 };
 
 /// How far the field reaches and how large it and the drift are, as natural logarithms.
@@ -47,12 +49,16 @@ struct SmoothRemainders {
   Eigen::MatrixXd precision;  ///< without a step
 };
 
-/// Explains errors by a Gaussian process over the places (Matern 5/2), a slow one over time, a
-/// quadratic of the place, a linear trend in time, noise and, if asked, a step. Outliers have a
+/// Whether errors may drift, by a linear trend and a slow Gaussian process over time.
+enum class SlowDrift { kAllowed, kNone };
+
+/// Explains errors by a Gaussian process over the places (Matern 5/2), a quadratic of the place, a
+/// slow drift where that is allowed, noise and, if asked, a step. Outliers have a
 /// wide density of their own instead and say nothing of the others.
 class SmoothErrors {
  public:
-  explicit SmoothErrors(const std::vector<TimedError>& errors);
+  explicit SmoothErrors(const std::vector<TimedError>& errors,
+                        SlowDrift drift = SlowDrift::kAllowed);
 
   using Outliers = std::vector<bool>;
   /// An outlier's variance, in units of the noise's: it says nothing of the others.
@@ -88,7 +94,8 @@ class SmoothErrors {
   Eigen::MatrixX2d headings_;  ///< cosine and sine of phi
   Eigen::MatrixXd distances_;  ///< between places, in units of their extent
   Eigen::MatrixXd drift_;      ///< covariance in time of a drift of unit variance
-  Eigen::MatrixXd fixed_;      ///< quadratic of the place and trend
+  Eigen::MatrixXd fixed_;      ///< quadratic of the place, and trend where it may drift
+  bool drifts_;
 };
 
 }  // namespace planar

@@ -18,6 +18,14 @@ double chi_square_tail(double square, int degrees) {
   return tail;
 }
 
+double binomial_tail(int k, int n, double p) {
+  double tail = 0.0;
+  for (int i = 0; i <= k; ++i)
+    tail += std::exp(std::lgamma(n + 1.0) - std::lgamma(i + 1.0) - std::lgamma(n - i + 1.0) +
+                     i * std::log(p) + (n - i) * std::log1p(-p));
+  return tail;
+}
+
 double f_tail_of_two(double ratio, double degrees) {
   return ratio <= 0.0 ? 1.0 : std::pow(1.0 + 2.0 * ratio / degrees, -0.5 * degrees);
 }

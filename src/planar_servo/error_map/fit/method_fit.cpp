@@ -14,16 +14,21 @@
 namespace planar {
 namespace {
 
+Eigen::VectorXd sigmas_of(const RbfFit& fit) {
+  return fit.map.parameters().signal_sigma * fit.left_out.unit_sigmas;
+}
+
 MethodFit fit_tuned(const MapSites& sites, const std::vector<RbfFamily>& families) {
   RobustFit robust = fit_without_outliers(sites, families);
+  Eigen::VectorXd sigmas = sigmas_of(robust.fit);
   return {std::move(robust.fit.map), std::move(robust.kept), std::move(robust.outliers),
-          std::move(robust.fit.left_out.residuals)};
+          std::move(robust.fit.left_out.residuals), std::move(sigmas)};
 }
 
 MethodFit fit_many(const MapSites& sites, const Progress& progress) {
   SparseFit fit = fit_sparse(sites, progress);
   return {std::move(fit.map), std::move(fit.kept), std::move(fit.outliers),
-          std::move(fit.residuals)};
+          std::move(fit.residuals), std::move(fit.sigmas)};
 }
 
 void require_dense(const MapSites& sites, MapMethod method) {
@@ -36,7 +41,13 @@ void require_dense(const MapSites& sites, MapMethod method) {
 
 MethodFit fit_weighted(const MapSites& sites) {
   const IdwMap map = idw_map(sites);
-  return {map, sites_without({}, sites.size()), {}, leave_one_out_residuals(map)};
+  Eigen::Matrix2Xd residuals = leave_one_out_residuals(map);
+  const double sigma = std::sqrt(residuals.squaredNorm() / static_cast<double>(residuals.size()));
+  return {map,
+          sites_without({}, sites.size()),
+          {},
+          std::move(residuals),
+          Eigen::VectorXd::Constant(sites.size(), sigma)};
 }
 
 MethodFit fit_by_hand(const MapSites& sites, double width) {
@@ -45,8 +56,12 @@ MethodFit fit_by_hand(const MapSites& sites, double width) {
         fmt::format("the map's width is {} mm; it must be a positive number", width / kMillimetre));
   }
   RbfFit fit = fit_hand_width(sites, width);
-  return {
-      std::move(fit.map), sites_without({}, sites.size()), {}, std::move(fit.left_out.residuals)};
+  Eigen::VectorXd sigmas = sigmas_of(fit);
+  return {std::move(fit.map),
+          sites_without({}, sites.size()),
+          {},
+          std::move(fit.left_out.residuals),
+          std::move(sigmas)};
 }
 
 }  // namespace

@@ -16,6 +16,7 @@ struct MethodFit {
   std::vector<Eigen::Index> kept;  ///< sites, in order
   std::vector<Outlier> outliers;
   Eigen::Matrix2Xd residuals;  ///< of the kept sites when each is left out, metres
+  Eigen::VectorXd sigmas;      ///< of each residual per axis; see MapPlaces
 };
 
 /// Fits by the method of `problem` to sites merged of its samples. Throws as fit_error_map() does.

@@ -239,8 +239,11 @@ SparseFit fit_sparse(const MapSites& sites, const Progress& progress) {
     require_few(dropped, sites.size());
     if (leaving.empty() && coming.empty()) {
       const double left_out = 1.0 / (1.0 - fit->freedom / statistics.count);
-      return {map_of(tuned, statistics, *fit, sites), kept, values_of(dropped),
-              residuals(Eigen::all, kept) * left_out};
+      SparseRbfMap map = map_of(tuned, statistics, *fit, sites);
+      const Eigen::ArrayXd weights = sites.weights()(kept);
+      Eigen::VectorXd sigmas = map.noise_sigma() * (left_out / weights).sqrt();
+      return {std::move(map), kept, values_of(dropped), residuals(Eigen::all, kept) * left_out,
+              std::move(sigmas)};
     }
     statistics += statistics_of(tuned.basis, sites, coming);
     statistics -= statistics_of(tuned.basis, sites, leaving);

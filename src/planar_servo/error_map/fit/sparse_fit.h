@@ -17,6 +17,7 @@ struct SparseFit {
   /// Leave-one-out residuals of the kept sites, metres. All have the mean leverage, because there
   /// are many more sites than centres.
   Eigen::Matrix2Xd residuals;
+  Eigen::VectorXd sigmas;  ///< of the residuals per axis, metres
 };
 
 /// Fits a sparse map to thousands up to a million sites. Centres are spread evenly among the sites;

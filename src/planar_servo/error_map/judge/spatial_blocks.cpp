@@ -34,6 +34,13 @@ void split(const Eigen::Matrix2Xd& positions, Site first, Site last, Eigen::Inde
   split(positions, middle, last, count - left, blocks);
 }
 
+/// Counts the signs of the values from the k-th on with which they and `sum` add up to `wanted`.
+long sums_of_at_least(double wanted, const Eigen::ArrayXd& values, Eigen::Index k, double sum) {
+  if (k == values.size()) return sum >= wanted ? 1 : 0;
+  return sums_of_at_least(wanted, values, k + 1, sum + values[k]) +
+         sums_of_at_least(wanted, values, k + 1, sum - values[k]);
+}
+
 }  // namespace
 
 Blocks spatial_blocks(const Eigen::Matrix2Xd& positions) {
@@ -68,10 +75,13 @@ RmsEstimate estimate_rms(const MapSites& sites, const Eigen::Matrix2Xd& means,
 }
 
 bool is_clearly_positive(const Eigen::ArrayXd& values_of_blocks) {
-  const Eigen::Index count = values_of_blocks.size();
-  if (count < 3) return false;
-  const double uncertainty = student_t_95(count - 1) * standard_error_of_sum(values_of_blocks);
-  return values_of_blocks.sum() > uncertainty;
+  constexpr long kOneIn = 20;
+  constexpr double kRounding = 1e-12;
+  const double sum = values_of_blocks.sum();
+  if (!(sum > 0.0)) return false;
+  const double wanted = sum - kRounding * values_of_blocks.abs().sum();
+  return kOneIn * sums_of_at_least(wanted, values_of_blocks, 0, 0.0) <=
+         1L << values_of_blocks.size();
 }
 
 double student_t_95(Eigen::Index n) {

@@ -29,8 +29,10 @@ struct RmsEstimate {
 RmsEstimate estimate_rms(const MapSites& sites, const Eigen::Matrix2Xd& means,
                          const Blocks& blocks);
 
-/// Returns whether the sum of one value per block is above zero by more than its uncertainty
-/// (two-sided 95 % of Student's t); false with fewer than three blocks.
+/// Returns whether the sum of one value per block is above zero by more than chance: with signs
+/// drawn at random it is as large in at most one of twenty draws [Fisher 1935]. Blocks of which
+/// some weigh far more than others do not hide a gain that all of them show. At most kMostBlocks
+/// values; fewer than five are never enough.
 bool is_clearly_positive(const Eigen::ArrayXd& values_of_blocks);
 
 /// Returns the two-sided 95 % quantile of Student's t with n >= 2 degrees of freedom [Abramowitz

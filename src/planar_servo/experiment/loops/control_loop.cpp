@@ -24,6 +24,7 @@ ServoRequest control_loop(const CalibratedChain& chain, bool with_map,
   loop.center = chain.settings.center;
   loop.use_error_map = with_map;
   loop.check_health = loop.guards_looks = chain.settings.is_guarded;
+  loop.accept_map = chain.settings.accept_map || !chain.settings.is_guarded;
   loop.estimates_landings = chain.settings.estimates_landings;
   loop.keep_going = true;  // a target that fails is a result, too
   loop.out = run_folder(experiment, chain.settings.name, with_map);

@@ -56,7 +56,7 @@ void add_figures(YamlWriter& yaml, const LampFieldFit& fit) {
   yaml.add("n_unattended", static_cast<int>(fit.n_unattended));
   yaml.add("raw_rms_mm", fit.held_out.raw_rms / kMillimetre);
   yaml.add("loo_rms_mm", fit.held_out.rms / kMillimetre);
-  yaml.add("worth_using", fit.held_out.worth_using());
+  add_quality(yaml, fit.held_out.quality());
   yaml.add("left_out", fit.left_out);
   yaml.add("harmonics", fit.estimate.size.harmonics);
   yaml.begin_map("fixed_by");

@@ -36,6 +36,22 @@ std::optional<Eigen::Index> list_centers(Fields& fields, Eigen::Matrix2Xd& cente
   return centers.cols();
 }
 
+void add_quality(YamlWriter& yaml, const MapQuality& quality) {
+  yaml.add("worth_using", quality.worth_using);
+  yaml.add("n_judged", static_cast<int>(quality.n));
+  yaml.add("coverage_95", quality.coverage_95);
+}
+
+MapQuality read_quality(const YamlNode& figures) {
+  figures.allow_all();
+  if (!figures.has("coverage_95")) return {};
+  MapQuality quality;
+  quality.n = figures.whole_number_in<std::size_t>("n_judged", 0);
+  quality.worth_using = figures.choice("worth_using", {"true", "false"}) == "true";
+  quality.coverage_95 = figures.number("coverage_95", Range::from_to(0.0, 1.0));
+  return quality;
+}
+
 void list_region(Fields& fields, ValidRegion& region) {
   fields.rows("hull_m", region.hull, list_point);
   fields.number("hull_margin_m", region.margin, 1.0, Range::at_least(0.0));

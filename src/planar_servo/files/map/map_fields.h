@@ -4,8 +4,11 @@
 #include <optional>
 #include <string>
 
+#include "planar_servo/error_map/map_quality.h"
 #include "planar_servo/error_map/maps/valid_region.h"
 #include "planar_servo/io/fields.h"
+#include "planar_servo/io/yaml_reader.h"
+#include "planar_servo/io/yaml_writer.h"
 
 namespace planar {
 
@@ -20,6 +23,12 @@ void list_points(Fields& fields, const std::string& key, Eigen::Matrix2Xd& point
 
 /// Visits the centres and returns how many there are. Empty when they could not be read.
 std::optional<Eigen::Index> list_centers(Fields& fields, Eigen::Matrix2Xd& centers);
+
+/// Adds to the figures of a fit what places left out say of its map.
+void add_quality(YamlWriter& yaml, const MapQuality& quality);
+
+/// Reads that back. A file of an earlier version does not have it, and nothing judges its map then.
+MapQuality read_quality(const YamlNode& figures);
 
 void list_region(Fields& fields, ValidRegion& region);
 

@@ -99,7 +99,7 @@ void add_figures(YamlWriter& yaml, const MapResult& result) {
     yaml.add("place_noise_mm", result.place_sigma() / kMillimetre);
     yaml.add("reading_noise_mm", result.reading_sigma() / kMillimetre);
   }
-  yaml.add("worth_using", result.worth_using);
+  add_quality(yaml, result.quality());
   std::vector<std::string> rejected;
   for (const RejectedSample& sample : result.rejected) rejected.push_back(sample.id);
   yaml.add("rejected", rejected);
@@ -154,10 +154,10 @@ std::string map_text(const MapResult& result, const std::filesystem::path& pairs
   return yaml.text();
 }
 
-VisionErrorMap read_map(const std::filesystem::path& path) {
+MapRecord read_map(const std::filesystem::path& path) {
   const YamlDocument document = YamlDocument::read(path, "map");
   const YamlNode root = document.root();
-  root.child("fit").allow_all();
+  const MapQuality quality = root.has("fit") ? read_quality(root.child("fit")) : MapQuality();
   FieldReader reader(root);
   std::vector<std::string> methods = names_of(kMapKinds);
   methods.emplace_back(kLampFieldMethod);
@@ -167,8 +167,8 @@ VisionErrorMap read_map(const std::filesystem::path& path) {
     document.throw_if_faulty();
   }
   try {
-    if (method == kLampFieldMethod) return read_lamp_field(document, reader);
-    return read_map(document, reader, value_named(kMapKinds, method).value());
+    if (method == kLampFieldMethod) return {read_lamp_field(document, reader), quality};
+    return {read_map(document, reader, value_named(kMapKinds, method).value()), quality};
   } catch (const WorkError& e) {
     throw InputError(path.string() + ": " + e.what());
   }

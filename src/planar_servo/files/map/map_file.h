@@ -15,8 +15,14 @@ namespace planar {
 std::string map_text(const MapResult& result, const std::filesystem::path& pairs,
                      const std::string& program);
 
+/// A map and what its fit says of it.
+struct MapRecord {
+  VisionErrorMap map;
+  MapQuality quality;
+};
+
 /// Reads map.yaml of either kind. Throws InputError naming every fault of the file, and when its
 /// kernel matrix cannot be solved.
-VisionErrorMap read_map(const std::filesystem::path& path);
+MapRecord read_map(const std::filesystem::path& path);
 
 }  // namespace planar

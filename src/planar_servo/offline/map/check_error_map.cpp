@@ -9,21 +9,15 @@
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/error_map/judge/unit_check.h"
+#include "planar_servo/error_map/map_quality.h"
 
 namespace planar {
 namespace {
-
-constexpr double kQuantile95 = 1.959964;  // two-sided 95 % quantile of the normal distribution
 
 /// Returns the noise of a pair per axis, metres: as its row states it, else `fallback`.
 double pair_noise(const PairRow& pair, double fallback) {
   if (!pair.sigma_vision && !pair.sigma_tracker) return fallback;
   return std::hypot(pair.sigma_vision.value_or(0.0), pair.sigma_tracker.value_or(0.0));
-}
-
-/// Counts the components of `miss` (0 to 2) that lie within the 95 % interval.
-int covered_components(const Eigen::Vector2d& miss, double sigma) {
-  return static_cast<int>((miss.array().abs() <= kQuantile95 * sigma).count());
 }
 
 struct JudgedPair {
@@ -122,7 +116,7 @@ MapCheck check_error_map(const VisionErrorMap& map, const std::vector<PairRow>& 
     predicted.push_back((pair.error() - judged.miss).norm());
     missed.push_back(judged.miss.norm());
     has_sigma = has_sigma && std::isfinite(judged.sigma);
-    covered += covered_components(judged.miss, judged.sigma);
+    covered += components_within_95(judged.miss, Eigen::Vector2d::Constant(judged.sigma));
     if (!judged.inside) ++check.n_outside;
   }
   check.raw = summarize(raw);

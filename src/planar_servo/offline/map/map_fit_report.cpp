@@ -73,6 +73,8 @@ std::string fit_text(const FitErrorMapReport& report) {
   text += fmt::format("method              {}\n", name(kind_of(result.map)));
   text += fmt::format("vision error        {:.4f} mm rms\n", result.raw_rms / kMillimetre);
   text += fmt::format("leave-one-out       {:.4f} mm rms\n", result.loo_rms / kMillimetre);
+  text += fmt::format("within stated 95 %  {} % of what places left out show\n",
+                      fixed(100.0 * result.coverage_95, 1));
   if (std::isfinite(result.noise_sigma))
     text +=
         fmt::format("noise               {:.4f} mm per axis\n", result.noise_sigma / kMillimetre);
@@ -141,6 +143,7 @@ nlohmann::json map_fit_json(const FitErrorMapReport& report,
                       {"noise_mm", result.noise_sigma / kMillimetre},
                       {"gain", result.gain()},
                       {"worth_using", result.worth_using},
+                      {"coverage_95", result.coverage_95},
                       {"n_places", result.n_places},
                       {"places", name_in(kPlaceSources, result.places)},
                       {"place_noise_mm", result.place_sigma() / kMillimetre},

@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <optional>
 
 #include "planar_servo/core/fixed.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/offline/page/page_of_file.h"
+#include "planar_servo/offline/pairs/rest_spread.h"
 #include "planar_servo/report/figure/figure.h"
 #include "planar_servo/report/figure/places.h"
 #include "planar_servo/report/quiver_figure.h"
@@ -18,37 +18,7 @@
 namespace planar {
 namespace {
 
-/// Readings of one place may scatter by so many times the tracker's stated deviation.
-constexpr double kShaking = 1.5;
 constexpr double kMinute = 60.0;
-
-/// How readings of one place or monument scatter, per axis.
-struct RestSpread {
-  double rms{0.0}, stated{0.0};  ///< metres
-  std::size_t readings{0};
-};
-
-/// Returns the spread of readings that share an id; empty where none do.
-std::optional<RestSpread> rest_spread(const PairTrackerRequest& request) {
-  std::map<std::string, std::vector<Eigen::Vector3d>> places;
-  for (const TrackerRow& row : request.tracker) places[row.id].push_back(row.p_L);
-  double squares = 0.0, freedom = 0.0, variances = 0.0;
-  RestSpread spread;
-  for (const auto& [id, readings] : places) {
-    if (readings.size() < 2) continue;
-    Eigen::Vector3d mean(0.0, 0.0, 0.0);
-    for (const Eigen::Vector3d& p : readings) mean += p / static_cast<double>(readings.size());
-    for (const Eigen::Vector3d& p : readings) squares += (p - mean).squaredNorm();
-    const double free = 3.0 * static_cast<double>(readings.size() - 1);
-    freedom += free;
-    variances += free * std::pow(request.cell.tracker.sigma_at(mean.norm()), 2);
-    spread.readings += readings.size();
-  }
-  if (freedom == 0.0) return std::nullopt;
-  spread.rms = std::sqrt(squares / freedom);
-  spread.stated = std::sqrt(variances / freedom);
-  return spread;
-}
 
 /// Makes a fault of a doubt, whose words end with what to do, behind a semicolon.
 Verdict::Fault fault_of(const std::string& doubt) {
@@ -137,9 +107,10 @@ TextTable fit_table(const PairTrackerRequest& request, const PairTrackerReport& 
                    fixed(fit.tool.p_TS.head<2>() / kMillimetre, 4, ", ")});
   if (report.datum)
     table.add_row({"monuments, rms, mm", fixed(report.datum->rms / kMillimetre, 4)});
-  if (const auto spread = rest_spread(request)) {
-    table.add_row({"spread of readings at rest per axis, mm", fixed(spread->rms / kMillimetre, 4)});
-    table.add_row({"what the cell file states for it, mm", fixed(spread->stated / kMillimetre, 4)});
+  if (const RestSpread spread = rest_spread(request.tracker, request.cell.tracker);
+      spread.freedom > 0) {
+    table.add_row({"spread of readings at rest per axis, mm", fixed(spread.rms / kMillimetre, 4)});
+    table.add_row({"what the cell file states for it, mm", fixed(spread.stated / kMillimetre, 4)});
   }
   if (report.clock) {
     table.add_row({"tracker's clock ahead of the camera's, s", fixed(report.clock->offset_s, 3)});
@@ -148,24 +119,11 @@ TextTable fit_table(const PairTrackerRequest& request, const PairTrackerReport& 
   return table;
 }
 
-void judge_rest(const PairTrackerRequest& request, Verdict& verdict) {
-  const auto spread = rest_spread(request);
-  if (!spread || spread->rms <= kShaking * spread->stated) return;
-  verdict.faults.push_back(
-      {fmt::format(
-           "the tracker's readings of a place at rest scatter by {:.4f} mm, where {:.4f} mm "
-           "is stated",
-           spread->rms / kMillimetre, spread->stated / kMillimetre),
-       "find what shakes the reflector or the tracker, or correct tracker.sigma_mm in the cell "
-       "file"});
-}
-
 }  // namespace
 
 Verdict pair_verdict(const PairTrackerRequest& request, const PairTrackerReport& report) {
   Verdict verdict;
   for (const std::string& doubt : report.doubts) verdict.faults.push_back(fault_of(doubt));
-  judge_rest(request, verdict);
   const std::size_t places = report.pairs.size() + report.rejected.size();
   if (static_cast<double>(report.rejected.size()) > kFewLeftOut * static_cast<double>(places))
     verdict.faults.push_back(

@@ -17,6 +17,7 @@
 #include "planar_servo/offline/pairs/lamp_places.h"
 #include "planar_servo/offline/pairs/pair_without_tracker.h"
 #include "planar_servo/offline/pairs/recording_check.h"
+#include "planar_servo/offline/pairs/rest_spread.h"
 
 namespace planar {
 namespace {
@@ -88,6 +89,15 @@ DatumRegistration registered(const std::vector<Monument>& datum, const SortedRea
   return register_datum(datum, both);
 }
 
+/// Doubts readings that scatter more than is stated, and takes their scatter for what is stated.
+PairTrackerRequest with_honest_tracker(PairTrackerRequest request, PairTrackerReport& report) {
+  const RestSpread spread = rest_spread(request.tracker, request.cell.tracker);
+  if (!is_shaking(spread)) return request;
+  report.doubts.push_back(doubt_of_rest(spread));
+  request.cell.tracker = with_found_scatter(request.cell.tracker, spread);
+  return request;
+}
+
 /// Pairs frames and readings by the clocks of both, which it compares first.
 Pairing paired_by_time(const std::vector<LampSight>& frames,
                        const std::vector<ToolReading>& readings, PairTrackerReport& report) {
@@ -152,20 +162,23 @@ std::vector<PairRow> add_rows(const Pairing& places, const Workplane& workplane,
   return in_time;
 }
 
-/// Doubts pairs between which something moved; throws when that would cost too much. Places that
-/// the plane's fit has left out are asked as well, because after a step near the end of a
-/// recording they may be most of those that show it.
-void look_for_step(const PairTrackerRequest& request, std::vector<PairRow> in_time,
-                   PairTrackerReport& report) {
+/// Doubts pairs between which something moved at once or by and by; throws when that would cost too
+/// much. Places that the plane's fit has left out are asked as well, because after a step near the
+/// end of a recording they may be most of those that show it.
+void look_for_motion(const PairTrackerRequest& request, std::vector<PairRow> in_time,
+                     PairTrackerReport& report) {
   constexpr double kFarOff_m = 3.0 * kMillimetre;
   in_time.erase(std::remove_if(in_time.begin(), in_time.end(),
                                [&](const PairRow& row) { return row.error().norm() > kFarOff_m; }),
                 in_time.end());
+  const auto add = [&](const std::string& doubt, bool is_dear) {
+    if (is_dear && !request.accept_step) throw InputError(doubt);
+    report.doubts.push_back(doubt);
+  };
   report.step = find_step(in_time);
-  if (!report.step) return;
-  const std::string doubt = step_doubt(*report.step);
-  if (report.step->is_dear() && !request.accept_step) throw InputError(doubt);
-  report.doubts.push_back(doubt);
+  if (report.step) return add(step_doubt(*report.step), report.step->is_dear());
+  report.trend = find_trend(in_time);
+  if (report.trend) add(trend_doubt(*report.trend), report.trend->is_dear());
 }
 
 /// Tells who asks for it what was decided.
@@ -181,9 +194,10 @@ void log(const PairTrackerReport& report) {
 
 }  // namespace
 
-PairTrackerReport pair_tracker(const PairTrackerRequest& request) {
-  if (!has_tool_readings(request)) return pair_without_tracker(request);
+PairTrackerReport pair_tracker(const PairTrackerRequest& asked) {
+  if (!has_tool_readings(asked)) return pair_without_tracker(asked);
   PairTrackerReport report;
+  const PairTrackerRequest request = with_honest_tracker(asked, report);
   const SortedReadings readings = sort_readings(request);
   const DatumRegistration datum = registered(request.cell.datum, readings, report);
   report.datum = datum;
@@ -205,7 +219,7 @@ PairTrackerReport pair_tracker(const PairTrackerRequest& request) {
       add_rows(places, Workplane(request.camera, report.workplane.X_WC), report.workplane, report);
   require_upright_tracker(datum, report.workplane.tool);
   require_lamps_in_order(request.cell, request.frames, report.pairs);
-  look_for_step(request, std::move(in_time), report);
+  look_for_motion(request, std::move(in_time), report);
   log(report);
   return report;
 }

@@ -30,7 +30,8 @@ struct PairTrackerRequest {
   /// Boards laid on the plane, which give its height and tilt. Without boards the pairs give them.
   std::vector<LaidBoard> boards_on_plane;
   double dots_height{0.0};  ///< of the boards' dots above the lamps' plane, metres
-  bool accept_step{false};  ///< a step in the vision error is doubted, however large it is
+  /// A step or a trend in the vision error is doubted, however large it is.
+  bool accept_step{false};
 };
 
 /// Holds the pairs and what was fitted to make them.
@@ -42,6 +43,7 @@ struct PairTrackerReport {
   std::optional<TrackerClock> clock;    ///< of the tracker, where it was paired by time
   double largest_eccentricity_px{0.0};  ///< largest shift taken from a lamp's place
   std::optional<RecordedStep> step;     ///< in the vision error of the training pairs
+  std::optional<RecordedTrend> trend;   ///< of that error, where there is no step
   std::vector<std::string> doubts;      ///< what the readings leave open, in words
 };
 

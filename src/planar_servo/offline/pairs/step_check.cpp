@@ -10,8 +10,35 @@
 namespace planar {
 namespace {
 
-/// A step may cost so much at the end point before a person has to accept it.
+/// A step or a trend may cost so much at the end point before a person has to accept it.
 constexpr double kMostCost_m = 0.05 * kMillimetre;
+/// A smaller trend is not worth a word; revisits name changes from this size on.
+constexpr double kWorthAWord_m = 0.01 * kMillimetre;
+constexpr double kHour = 3600.0;
+
+/// Training pairs in the order of time, and what is asked of them.
+struct TimedPairs {
+  std::vector<const PairRow*> pairs;
+  std::vector<TimedError> errors;
+};
+
+TimedPairs training_errors(const std::vector<PairRow>& pairs) {
+  TimedPairs training;
+  for (const PairRow& pair : pairs) {
+    if (pair.plan != Plan::kTrain || !pair.is_attended()) continue;
+    training.errors.push_back({pair.p_vision, pair.error(), pair.phi.value_or(0.0)});
+    training.pairs.push_back(&pair);
+  }
+  return training;
+}
+
+std::string creeping(const std::optional<StepFrame>& frame) {
+  if (!frame)
+    return "the reflector or a lamp creeps on the tool, or the camera or the tracker drifts";
+  if (*frame == StepFrame::kTool)
+    return "it turns with the tool: the reflector or a lamp creeps there";
+  return "it does not turn with the tool: the camera or the tracker drifts";
+}
 
 std::string causes_of(const std::optional<StepFrame>& frame) {
   if (!frame)
@@ -29,16 +56,22 @@ bool RecordedStep::is_dear() const {
 }
 
 std::optional<RecordedStep> find_step(const std::vector<PairRow>& pairs) {
-  std::vector<TimedError> errors;
-  std::vector<std::string> ids;
-  for (const PairRow& pair : pairs) {
-    if (pair.plan != Plan::kTrain || !pair.is_attended()) continue;
-    errors.push_back({pair.p_vision, pair.error(), pair.phi.value_or(0.0)});
-    ids.push_back(pair.id);
-  }
-  auto change = find_change(errors);
+  const TimedPairs training = training_errors(pairs);
+  auto change = find_change(training.errors);
   if (!change) return std::nullopt;
-  return RecordedStep{ids[change->first], ids.size(), std::move(*change)};
+  return RecordedStep{training.pairs[change->first]->id, training.pairs.size(), std::move(*change)};
+}
+
+bool RecordedTrend::is_dear() const {
+  return trend.size.norm() > kMostCost_m;
+}
+
+std::optional<RecordedTrend> find_trend(const std::vector<PairRow>& pairs) {
+  const TimedPairs training = training_errors(pairs);
+  const auto trend = find_trend(training.errors);
+  if (!trend || trend->size.norm() < kWorthAWord_m) return std::nullopt;
+  const auto first = training.pairs.front()->t_s, last = training.pairs.back()->t_s;
+  return RecordedTrend{*trend, first && last ? *last - *first : 0.0};
 }
 
 std::string step_doubt(const RecordedStep& step) {
@@ -51,6 +84,22 @@ std::string step_doubt(const RecordedStep& step) {
       step.is_dear() ? "record again with one seating, leave one of the two parts out, or, if you "
                        "know that nothing moved, continue with --accept-step"
                      : "if something moved there, record again or leave one of the two parts out");
+}
+
+std::string trend_doubt(const RecordedTrend& found) {
+  const double size_mm = found.trend.size.norm() / kMillimetre;
+  const std::string rate = found.duration_s > 0.0 ? fmt::format(", {:.3f} mm per hour",
+                                                                size_mm * kHour / found.duration_s)
+                                                  : "";
+  return fmt::format(
+      "pairs: while the training places were recorded, vision and tracker drifted apart by ({}) mm "
+      "+- {:.3f}{}: {}; {}",
+      fixed(found.trend.size / kMillimetre, 3, ", "), found.trend.sigma / kMillimetre, rate,
+      creeping(found.trend.frame),
+      found.is_dear()
+          ? "fasten it, let tracker and camera warm up and record again, or, if you know better, "
+            "continue with --accept-step"
+          : "fasten it, or let tracker and camera warm up before the next recording");
 }
 
 }  // namespace planar

@@ -22,8 +22,24 @@ struct RecordedStep {
   bool is_dear() const;
 };
 
+/// A trend of the vision error over the training pairs.
+struct RecordedTrend {
+  ErrorTrend trend;
+  double duration_s{0.0};  ///< from the first place to the last; 0 where the times are not known
+
+  /// Returns whether the pairs are to be used only when a person says so.
+  bool is_dear() const;
+};
+
 /// Looks for a step as find_change() does.
 std::optional<RecordedStep> find_step(const std::vector<PairRow>& pairs);
+
+/// Looks for a trend as find_trend() does. One that moves less over the whole recording than a
+/// revisit of the calibration names as a change is none.
+std::optional<RecordedTrend> find_trend(const std::vector<PairRow>& pairs);
+
+/// Returns what is doubted of a trend: size, rate, deviation, causes, and what to do.
+std::string trend_doubt(const RecordedTrend& trend);
 
 /// Returns what is doubted: place, size, deviation, cost, causes, and what to do.
 std::string step_doubt(const RecordedStep& step);

@@ -103,6 +103,7 @@ void write_path_run(const ServoRequest& request, const PathRequest& path, const 
   yaml.add_inputs(input_records(run_inputs(request, path.file)));
   yaml.add("error_map_used", request.use_error_map);
   if (!run.accepted_stale().empty()) yaml.add("accepted_stale", run.accepted_stale());
+  if (run.accepted_map()) yaml.add("accepted_map", *run.accepted_map());
   for (const PathSpeedResult& result : run.results())
     yaml.add(fmt::format("status_by_{}_at_{:g}_mm_s", name_in(kGuidances, result.guidance),
                          in_mm(result.speed_m_s)),
