@@ -24,8 +24,9 @@ SILENT_COST_MM = 0.05
 # Words by which a program says what is wrong, or asks whether it is.
 CAUSES = re.compile(
     r"camera (has )?(shifted|turned|tilted|moved?\b|come closer)|focused elsewhere|lamp \d has moved|"
-    r"lamp (has )?moved|lamps are not seen|lamps dim|window|reflection|been touched|slip|stray|lose steps|"
-    r"joint \d has lost|play of joint|direction of joint|gear ratio of|link \d has|coupling of|motors' warmth|"
+    r"lamp moved|lamps are not seen|lamps dim|window|reflection|been touched|slip|stray|lose steps|"
+    r"stops scatter|joint \d has lost|play of joint|direction of joint|gear ratio of|link \d has|"
+    r"coupling of|motors' warmth|"
     r"elbow|home is not|drive lost|picture is mirrored|reflector was|tracker moved|monument|"
     r"mirrored|exchange|shifted by|frozen|was made with|was changed after|the unit", re.IGNORECASE)
 
