@@ -325,7 +325,9 @@ GRID = ("--workplane-from", "grid", "--grid")
 
 RECORDED = [
     *(recorded(f"reflector creeps by {mm} mm during the training",
-               shifted_tool(lambda s, mm=mm: mm * s), REFLECTOR) for mm in (0.2, 0.5, 1.6)),
+               shifted_tool(lambda s, mm=mm: mm * s), REFLECTOR) for mm in (0.1, 0.2, 0.5, 1.6)),
+    *(recorded(f"reflector creeps by {mm} mm, with a map at the end point", shifted_tool(
+        lambda s, mm=mm: mm * s), REFLECTOR, paired(fitting=fit_at_end_point)) for mm in (0.2, 0.5, 1.6)),
     *(recorded(f"reflector seated anew by {mm} mm before the training",
                shifted_tool(lambda s, mm=mm: mm * (s > 0.0)), REFLECTOR) for mm in (0.1, 0.4)),
     recorded("tracker creeps by 0.5 mm", moved_tracker(lambda s: 0.5 * s), TRACKER),
