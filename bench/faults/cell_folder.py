@@ -1,6 +1,7 @@
 """A calibrated cell in a folder, which faults are injected into and programs are run on."""
 
 import csv
+import math
 import re
 import shutil
 import subprocess
@@ -75,27 +76,47 @@ class CellFolder:
             if file.is_file():
                 shutil.copy(file, link)
 
+    def append(self, name, lines):
+        self.path(name).write_text(self.path(name).read_text() + lines)
+
+    def use_found_arm(self):
+        """Names the arm that was found in the cell file, as a user of today's chain does."""
+        if "arm_found:" not in self.path("cell.yaml").read_text():
+            self.append("cell.yaml", "arm_found: arm.yaml\n")
+
     def run(self, program, *arguments, stdin=None):
-        """Runs a program in the folder. Returns its exit status and its messages."""
+        """Runs a program in the folder. Returns its exit status and its messages, among which are
+        the errors that it answers to lines of standard input."""
         done = subprocess.run([str((self.programs / program).resolve()), *map(str, arguments)],
                               cwd=self.folder, input=stdin, capture_output=True, text=True,
                               timeout=600)
-        return done.returncode, done.stderr
+        refused = [line for line in done.stdout.splitlines(True) if line.startswith('{"line":')
+                   and '"error":' in line]
+        return done.returncode, done.stderr + "".join(refused)
 
-    def servo(self, *options, out="run", targets="targets.csv"):
-        shutil.rmtree(self.path(out), ignore_errors=True)
+    def servo(self, *options, out="run", targets="targets.csv", stdin=None):
+        if "--resume" not in options:
+            shutil.rmtree(self.path(out), ignore_errors=True)
         return self.run("planar-servo", "--cell", "cell.yaml", "--targets", targets, "--out", out,
-                        *options)
+                        *options, stdin=stdin)
 
-    def true_errors_mm(self, out="run"):
-        """Returns the true errors of the targets that a run calls reached."""
+    def true_errors_mm(self, out="run", meant=None):
+        """Returns the true errors of the targets that a run calls reached, from their own places or
+        from those (x, y) that were meant."""
         results = self.path(out) / "results.csv"
         if not results.exists():
             return []
         with open(results) as table:
             rows = csv.DictReader(line for line in table if not line.startswith("#"))
-            return [float(row["after_truth_mm"]) for row in rows
+            return [self.error_mm(row, (meant or {}).get(row["target"])) for row in rows
                     if row["status"] == "reached" and row["after_truth_mm"]]
+
+    @staticmethod
+    def error_mm(row, meant):
+        if meant is None:
+            return float(row["after_truth_mm"])
+        return math.hypot(*(float(row[f"{axis}_mm"]) + float(row[f"after_truth_d{axis}_mm"]) - place
+                            for axis, place in zip("xy", meant)))
 
 
 def make_cell(programs, seed, folder, like="paper"):

@@ -6,7 +6,7 @@ virtual devices reads; faults of files are changes of what a user handles."""
 
 import math
 import shutil
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Callable
 
 
@@ -16,6 +16,7 @@ class Fault:
     inject: Callable  # takes the cell and, for files of another cell, that cell
     causes: str  # a pattern of words that name the cause
     run: Callable = lambda cell: cell.servo()
+    meant: dict = field(default_factory=dict)  # places of targets where they are not the table's
 
 
 def item(index, value):
@@ -51,6 +52,19 @@ def text(name, pattern, replacement):
     return lambda cell, _: cell.edit(name, pattern, replacement)
 
 
+def truth_number(key, change):
+    return lambda cell, _: cell.edit_number("truth.yaml", key, change)
+
+
+def added_to(block, line):
+    """Adds a key to a block of the truth."""
+    return lambda cell, _: cell.edit("truth.yaml", rf"\n{block}:\n", f"\n{block}:\n  {line}\n")
+
+
+def peak(lamp, level):
+    return text("truth.yaml", rf"(lamp{lamp}:\s+diameter_mm: .*\s+peak_level: )\S+", rf"\g<1>{level}")
+
+
 def taken_from_other(*names):
     return lambda cell, other: [shutil.copy(other.path(name), cell.folder) for name in names]
 
@@ -74,11 +88,9 @@ MACHINE = [
     *(Fault(f"lamp {lamp} knocked by {mm} mm along {'xy'[axis]}",
             truth(f"lamp{lamp}_mm", item(axis, lambda v, mm=mm: v + mm)), rf"lamp {lamp} has moved")
       for lamp, axis, mm in ((1, 0, 0.1), (1, 0, 1.0), (1, 1, 1.0), (2, 1, 0.2), (2, 0, -3.0))),
-    Fault("lamp 1 dead", text("truth.yaml", r"(lamp1:\s+diameter_mm: .*\s+peak_level: )\S+", r"\g<1>0"),
-          r"lamps are not seen"),
-    Fault("both lamps dim", lambda cell, _: [
-        cell.edit("truth.yaml", rf"(lamp{i}:\s+diameter_mm: .*\s+peak_level: )\S+", r"\g<1>6")
-        for i in (1, 2)], r"lamps are not seen|uncertain"),
+    Fault("lamp 1 dead", peak(1, 0), r"lamps are not seen"),
+    Fault("both lamps dim", lambda cell, other: [peak(i, 6)(cell, other) for i in (1, 2)],
+          r"lamps are not seen|uncertain"),
     *(Fault(f"direction of joint {j + 1} reversed", truth("directions", item(j, -1)),
             rf"direction of joint {j + 1}") for j in range(3)),
     *(Fault(f"gear of joint {j + 1} times {factor:g}",
@@ -112,7 +124,7 @@ FILES = [
     *(Fault(f"{name} of another cell", taken_from_other(name), rf"{name}|made with")
       for name in ("camera.yaml", "workplane.yaml", "tool.yaml", "map.yaml", "health.yaml")),
     Fault("all vision files of another cell", taken_from_other(
-        "camera.yaml", "workplane.yaml", "tool.yaml", "map.yaml", "health.yaml"),
+        "camera.yaml", "workplane.yaml", "tool.yaml", "map.yaml", "health.yaml", "arm.yaml"),
           r"camera has|joint \d|more than one"),
     Fault("a weight of the map changed by hand", lambda cell, _: cell.edit(
         "map.yaml", r"(weights\w*:\s*(?:- )?\[)([-0-9.e]+)",
@@ -205,19 +217,30 @@ def frozen(rows):
     return rows
 
 
-def pair(cell, *more):
+def pair(cell, *more, fitted=None):
     status, said = cell.run("planar-pair-tracker", "--cell", "cell.yaml", "--lamps", "lamps.csv",
                             "--recording", "recording", "--workplane-out", "workplane.yaml",
                             "--tool-out", "tool.yaml", "--health-out", "health.yaml", "-o",
                             "pairs.csv", *more)
-    return (status, said) if status else fit(cell, said)
+    return (status, said) if status else (fitted or fit)(cell, said)
 
 
-def fit(cell, said=""):
-    status, words = cell.run("planar-fit-error-map", "-o", "map.yaml", "pairs.csv")
+def fit(cell, said="", servo=lambda cell: cell.servo()):
+    status, words = cell.run("planar-fit-error-map", "--cell", "cell.yaml", "--arm-out", "arm.yaml",
+                             "-o", "map.yaml", "pairs.csv")
     if status:
         return status, said + words
-    status, answer = cell.servo()
+    status, answer = servo(cell)
+    return status, said + words + answer
+
+
+def fit_at_end_point(cell, said="", servo=lambda cell: cell.servo()):
+    """Fits a map at the end point, which reads other columns of the pairs and finds no arm."""
+    status, words = cell.run("planar-fit-error-map", "-o", "map.yaml", "pairs.csv")
+    cell.edit("cell.yaml", r"arm_found: arm.yaml\n", "")
+    if status:
+        return status, said + words
+    status, answer = servo(cell)
     return status, said + words + answer
 
 
@@ -279,15 +302,19 @@ READINGS = [
     Fault("decimal commas", lambda cell, _: (cell.own_tables(), cell.path(
         "recording/tracker.csv").write_text(cell.path("recording/tracker.csv").read_text().replace(
             ",", ";").replace(".", ","))), r"tracker.csv", pair),
-    Fault("vision x negated in pairs", pairs_rows(times(VISION[:1], -1)), r"mirror|changed after", fit),
-    Fault("both x negated in pairs", pairs_rows(times((VISION[0], TRACKER[0]), -1)), r"changed after", fit),
+    Fault("vision x negated in pairs", pairs_rows(times(VISION[:1], -1)),
+          r"mirror|changed after", fit_at_end_point),
+    Fault("both x negated in pairs", pairs_rows(times((VISION[0], TRACKER[0]), -1)),
+          r"changed after", fit_at_end_point),
     Fault("pairs times 1000 on both sides", pairs_rows(times(VISION + TRACKER, 1000)),
-          r"unit|scale|changed after", fit),
-    Fault("vision in metres in pairs", pairs_rows(times(VISION, 0.001)), r"unit|scale|metres|changed after", fit),
-    Fault("tracker plus 15 mm in pairs", pairs_rows(plus(TRACKER[0], 15)), r"share|changed after", fit),
+          r"unit|scale|changed after", fit_at_end_point),
+    Fault("vision in metres in pairs", pairs_rows(times(VISION, 0.001)),
+          r"unit|scale|metres|changed after", fit_at_end_point),
+    Fault("tracker plus 15 mm in pairs", pairs_rows(plus(TRACKER[0], 15)),
+          r"share|changed after", fit_at_end_point),
     Fault("vision and tracker exchanged in pairs", pairs_rows(exchanged),
-          r"exchange|changed after", fit),
-    Fault("40 frozen pairs", pairs_rows(frozen_pairs), r"frozen|changed after", fit),
+          r"exchange|changed after", fit_at_end_point),
+    Fault("40 frozen pairs", pairs_rows(frozen_pairs), r"frozen|changed after", fit_at_end_point),
     Fault("grid of wrong count", lambda cell, _: None, r"views of the board", lambda cell: cell.run(
         "planar-calibrate-camera", "--grid", "circles:12x11:50mm", "-o", "c.yaml", "recording")),
     Fault("the same picture five times", lambda cell, _: None, r"usable views|same picture", lambda cell: cell.run(
