@@ -212,19 +212,25 @@ TEST_CASE("An arm that strayed is believed where it is seen, if the model knows 
   CHECK((first_look(2e-3, usual).p - first_look(0.0, usual).p).norm() == 0.0);
 }
 
-TEST_CASE("What strays does so anew, and what is as far off after a correction stays off") {
+TEST_CASE("An arm that comes again and is as far off stays off, and one that is not had strayed") {
   const Eigen::Vector2d c = Eigen::Vector2d::Zero(), off(1e-3, 0.0);
-  const auto second_look = [&](const Eigen::Vector2d& first, bool stays) {
+  const auto comes_again = [&](const Eigen::Vector2d& first, bool stays) {
     SameEverywhere model(3e-6, 3e-6, 2e-6, 2e-6);
     model.allow_stray(2e-3);
     LandingEstimator estimator(model);
-    const Eigen::Vector2d corrected = estimator.take(look_at(first), c).correction;
-    estimator.take(look_at(stays ? corrected + first : corrected), corrected);
+    const LandingEstimate at_first = estimator.take(look_at(first), c);
+    CHECK_FALSE(model.stays_off);
+    if (!at_first.seems_strayed) return false;
+    estimator.begin_again();
+    const Eigen::Vector2d corrected = at_first.correction;
+    const LandingEstimate again =
+        estimator.take(look_at(stays ? corrected + first : corrected), corrected);
+    CHECK(again.seems_strayed == stays);
     return model.stays_off;
   };
-  CHECK(second_look(off, true));
-  CHECK_FALSE(second_look(off, false));
-  CHECK_FALSE(second_look(0.04 * off, true));  // too little to stop for
+  CHECK(comes_again(off, true));
+  CHECK_FALSE(comes_again(off, false));
+  CHECK_FALSE(comes_again(0.04 * off, true));  // too little to stop for
 }
 
 TEST_CASE("Two stops differ by no more than scatter explains") {

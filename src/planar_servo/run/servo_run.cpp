@@ -97,15 +97,19 @@ ServoResult ServoRun::attempts(const TargetRow& target, TargetScorer& scorer) {
 void ServoRun::take_finding(const std::optional<std::string>& unwell) {
   if (!unwell) return;
   if (!unwell->empty()) {
-    for (std::size_t i = well_until_; i < results_.size(); ++i)
-      if (results_[i].status == ServoStatus::kReached) {
-        results_[i].status = ServoStatus::kDoubted;
-        results_[i].reason = "was reached before the cell was found not to be well";
-      }
-    write_results(table_file_, table_header_, results_);
+    doubt_what_was_reached();
     if (!keep_going_) ended_by_ = "a look at the cell: " + *unwell;
   }
   well_until_ = results_.size();
+}
+
+void ServoRun::doubt_what_was_reached() {
+  for (std::size_t i = well_until_; i < results_.size(); ++i) {
+    if (results_[i].status != ServoStatus::kReached) continue;
+    results_[i].status = ServoStatus::kDoubted;
+    results_[i].reason = "was reached before the cell was found not to be well";
+  }
+  write_results(table_file_, table_header_, results_);
 }
 
 void ServoRun::finish() {
@@ -128,9 +132,11 @@ TargetResult ServoRun::move_to(const TargetRow& target) {
   const ServoResult outcome = attempts(target, scorer);
   results_.push_back(scorer.finish(outcome, cell_.clock().now_s() - start_s - judging_s));
   results_.back().phi_d = target_pose(target, cell_.settings().tool_orientation).phi;
-  if (outcome.cell_in_doubt && !keep_going_)
-    ended_by_ = fmt::format("{}: {}: {}", target.id, name(outcome.status), outcome.reason);
   table_.append(result_line(results_.back()), Durability::kPowerLoss);
+  if (outcome.cell_in_doubt && !keep_going_) {
+    ended_by_ = fmt::format("{}: {}: {}", target.id, name(outcome.status), outcome.reason);
+    doubt_what_was_reached();
+  }
   cell_.keep_lessons_if_due();
   return results_.back();
 }

@@ -76,6 +76,8 @@ class ServoRun {
  private:
   /// Takes what a look at the cell has found, if there was one.
   void take_finding(const std::optional<std::string>& unwell);
+  /// Doubts the targets that were reached since the cell was last found well.
+  void doubt_what_was_reached();
   ServoResult attempt(const TargetRow& target, TargetScorer& scorer);
   /// Makes attempts until one ends by something else than camera or drives. Throws WorkError when a
   /// device has failed for good.

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "planar_servo/core/numerics/chance.h"
-
 namespace planar {
 namespace {
 
@@ -70,7 +68,6 @@ double LandingEstimator::long_scatter_m() const {
 
 void LandingEstimator::start(const ServoStep& step) {
   prior_ = model_.at(step.theta_c, step.measurement);
-  sound_ = prior_->covariance;
   if (!(prior_->scatter_m > 0.0 && prior_->short_scatter_m > 0.0))
     throw std::invalid_argument("a landing's scatter must be positive");
   for (Member& member : members_) member.filter = LandingFilter(prior_->covariance);
@@ -101,25 +98,23 @@ LandingEstimate LandingEstimator::take(const ServoStep& step, const Eigen::Vecto
   const bool is_short = looks_ > 0 && (p_c - p_c_).norm() < kShortMove_m;
   const LandingLook look{p_c, step.measurement.tip.p, step.measurement.noise_m(), 0.0};
   if (looks_ == 0) allow_for_stray(look);
-  const bool stays = stays_off(look, is_short);
   const bool is_unexpected = is_beyond_play(look) && chance_of(look, is_short) < kNoChance;
   weigh(look, is_short);
   LandingEstimate estimate = mixture(step.target.p, look);
+  estimate.seems_strayed =
+      looks_ == 0 && has_strayed_ && (look.p - look.p_c).norm() > kWorthADoubt_m;
   estimate.is_contradicted = is_unexpected && was_unexpected_;
   was_unexpected_ = is_unexpected;
-  model_.learn(
-      {step.theta_c, step.measurement, looks_ == 0, has_strayed_, stays, long_scatter_m()});
+  model_.learn({step.theta_c, step.measurement, looks_ == 0, has_strayed_,
+                estimate.seems_strayed && arrivals_ > 0, long_scatter_m()});
   p_c_ = p_c;
   ++looks_;
   return estimate;
 }
 
-bool LandingEstimator::stays_off(const LandingLook& look, bool is_short) const {
-  if (looks_ == 0 || !has_strayed_ || chance_of(look, is_short) < kFalseAlarm) return false;
-  LandingLook supposed = look;
-  supposed.scatter_m = long_scatter_m();
-  const Innovation sound = LandingFilter(sound_).innovation(supposed);
-  return sound.value.norm() > kWorthADoubt_m && std::exp(-0.5 * sound.chi_squared()) < kNoChance;
+void LandingEstimator::begin_again() {
+  looks_ = 0;
+  ++arrivals_;
 }
 
 bool LandingEstimator::is_beyond_play(const LandingLook& look) const {

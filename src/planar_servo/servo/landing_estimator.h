@@ -21,7 +21,9 @@ class LandingEstimator {
   explicit LandingEstimator(LandingModel& model, double play_m = 0.0);
 
   /// Begins the way to another target. What is known of the scatter stays.
-  void begin() { looks_ = 0; }
+  void begin() { looks_ = arrivals_ = 0; }
+  /// The arm has gone away from the target and comes again: what made it stray, if it did, is over.
+  void begin_again();
 
   /// Takes a look that nobody doubts. `p_c` is the place that was commanded for it, by the arm as
   /// it was found. Throws std::invalid_argument when the model's scatter is not positive.
@@ -49,9 +51,6 @@ class LandingEstimator {
   void allow_for_stray(const LandingLook& look);
   /// Sets the weights by what is credible and by the looks so far.
   void share_weights();
-  /// Returns whether the arm seemed to stray, and a later stop is as far off: what strays does so
-  /// anew at every stop.
-  bool stays_off(const LandingLook& look, bool is_short) const;
   /// Returns whether a look is farther from what was to be expected than play explains.
   bool is_beyond_play(const LandingLook& look) const;
   /// Returns how likely a look is to be this far or farther from what was to be expected.
@@ -64,12 +63,12 @@ class LandingEstimator {
   LandingModel& model_;
   double play_m_;
   std::vector<Member> members_;
-  std::optional<LandingPrior> prior_;               ///< of the last target
-  Eigen::Matrix4d sound_{Eigen::Matrix4d::Zero()};  ///< its covariance if the arm has not strayed
-  int looks_{0};                                    ///< at the present one
-  Eigen::Vector2d p_c_{0.0, 0.0};                   ///< of the last look
-  bool was_unexpected_{false};                      ///< the last look
-  bool has_strayed_{false};                         ///< the arm, on its way to the present target
+  std::optional<LandingPrior> prior_;  ///< of the last target
+  int looks_{0};                       ///< since the arm came to the present one
+  int arrivals_{0};                    ///< before this one
+  Eigen::Vector2d p_c_{0.0, 0.0};      ///< of the last look
+  bool was_unexpected_{false};         ///< the last look
+  bool has_strayed_{false};            ///< the arm, on its way to the present target
 };
 
 }  // namespace planar

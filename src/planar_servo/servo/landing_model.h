@@ -29,7 +29,7 @@ struct SeenLanding {
   TipMeasurement look;
   bool is_first{true};      ///< at this target
   bool has_strayed{false};  ///< the first one was more likely a stray than what was to be expected
-  bool stays_off{false};    ///< the arm seemed to stray, and this stop is as far off
+  bool stays_off{false};    ///< the arm seemed to stray when it arrived, and so it did once more
   double scatter_m{0.0};    ///< of stops after long moves, per axis, as all looks show it
 };
 

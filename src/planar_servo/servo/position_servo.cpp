@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "planar_servo/core/units.h"
 #include "planar_servo/servo/approach.h"
 #include "planar_servo/servo/control_law.h"
 
@@ -24,6 +25,10 @@ void check(const ServoSettings& settings) {
   require(settings.frames_per_measurement >= 1, "frames_per_measurement must be at least 1");
   require(settings.approach_margin_rad > 0.0, "approach margin must be positive");
 }
+
+/// So far motors 1 and 2 turn before the arm comes to a target again: what stuck or slipped does so
+/// anew after a move as long as one between targets.
+constexpr double kWithdrawal = 5.0 * kDegree;
 
 std::vector<double> errors_m(const std::vector<ServoStep>& steps) {
   std::vector<double> lengths;
@@ -86,7 +91,23 @@ ServoResult PositionServo::move_to(const TipPose& target, const Observer& observ
                                         settings_.max_iterations));
     }
     plan = corrected_joints(step);
+    if (!step.estimate || !step.estimate->seems_strayed) continue;
+    if (const auto obstacle = withdraw()) return finish(ServoStatus::kLostCamera, obstacle->reason);
   }
+}
+
+std::optional<Obstacle> PositionServo::withdraw() {
+  estimator_->begin_again();
+  last_look_.reset();
+  const Transmission& transmission = planner_.transmission();
+  const Joints here = robot_.commanded_joints();
+  for (const double way : {-kWithdrawal, kWithdrawal}) {
+    const Joints away = transmission.joints_from_motors(transmission.motors_from_joints(here) +
+                                                        Eigen::Vector3d(way, way, 0.0));
+    if (approach_refusal(planner_, settings_, here, away)) continue;
+    return arrive(robot_, planner_, settings_, away, [this] { return sensor_.fault(); });
+  }
+  return std::nullopt;
 }
 
 void PositionServo::begin_target() {

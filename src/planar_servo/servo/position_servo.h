@@ -61,6 +61,8 @@ class PositionServo {
   /// Says what all looks together make doubtful about the cell.
   std::optional<Doubt> doubt_after(const ServoStep& step) const;
   JointPlan corrected_joints(const ServoStep& step) const;
+  /// Takes the arm away from a target to which it is to come once more, where that is allowed.
+  std::optional<Obstacle> withdraw();
   /// Moves and settles. Returns what forbids or stops the motion, if anything does.
   std::optional<Obstacle> command(const Joints& theta);
   double pulse_size_m() const;

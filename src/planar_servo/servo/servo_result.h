@@ -45,6 +45,8 @@ struct LandingEstimate {
   Spread spread;                         ///< after that correction and further ones
   double scatter_m{0.0};                 ///< of a stop after such a correction, as looks show it
   bool is_contradicted{false};           ///< this look and the one before were not to be expected
+  /// The arm has strayed, or the view has changed: an arm that comes again from afar tells.
+  bool seems_strayed{false};
 };
 
 /// Records one measurement at rest. Number 0 follows the first, open-loop move; each correction is

@@ -37,16 +37,19 @@ void LookWatch::take(const SeenLanding& seen) {
     following_.take(arm_look(seen, field_, transmission_), seen.look.t_s);
     lamps_.take(separation_m, turn);
   }
-  if (!seen.stays_off || lamps_.agrees(separation_m, turn)) return;
+  if (!seen.stays_off) return;
+  const bool agrees = lamps_.agrees(separation_m, turn);
   of_view_ = {
-      fmt::format("the tool is seen {:.3f} mm from where the arm should land here, after a "
-                  "correction as before it, and {}: is something on the camera's window or in its "
-                  "view (a drop, a reflection), or does the arm stray? planar-check-cell says what "
-                  "has moved",
-                  (seen.look.tip.p - landed.p).norm() / kMillimetre,
-                  lamps_.knows() ? "the lamps do not stand to each other as at other targets"
-                                 : "too few other targets were seen to compare the lamps with"),
-      lamps_.knows()};
+      fmt::format(
+          "the tool is seen {:.3f} mm from where the arm should land here, as before the arm "
+          "went away and came again, and {}: is something on the camera's window or in its "
+          "view (a drop, a reflection), or does the arm stray? planar-check-cell says what "
+          "has moved",
+          (seen.look.tip.p - landed.p).norm() / kMillimetre,
+          agrees           ? "the lamps stand to each other as at other targets"
+          : lamps_.knows() ? "the lamps do not stand to each other as at other targets"
+                           : "too few other targets were seen to compare the lamps with"),
+      lamps_.knows() && !agrees};
 }
 
 std::optional<Doubt> LookWatch::doubt() const {

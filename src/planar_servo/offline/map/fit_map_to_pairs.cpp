@@ -62,6 +62,13 @@ void log(const MapResult& result) {
 
 }  // namespace
 
+void warn_of_changed_rows(const std::filesystem::path& pairs) {
+  if (!has_changed_rows(pairs)) return;
+  spdlog::warn(pairs.string() +
+               ": its rows were changed after they had been written; if that was not meant, run "
+               "planar-pair-tracker again");
+}
+
 MapMethodChoice parse_map_method(const std::string& text) {
   if (text == "auto") return {MapMethod::kAuto};
   if (text == "rbf") return {MapMethod::kRbf};
@@ -80,10 +87,7 @@ MapMethodChoice parse_map_method(const std::string& text) {
 TrainingPairs read_training_pairs(const std::filesystem::path& path,
                                   const MapMethodChoice& choice) {
   TrainingPairs training{{{}, choice.method, choice.hand_width}};
-  if (has_changed_rows(path))
-    spdlog::warn(path.string() +
-                 ": its rows were changed after they had been written; if that was not meant, run "
-                 "planar-pair-tracker again");
+  warn_of_changed_rows(path);
   read_pairs(path, [&](const PairRow& pair) { add(pair, training); });
   require_any(training);
   return training;

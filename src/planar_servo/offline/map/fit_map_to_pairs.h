@@ -26,6 +26,9 @@ struct TrainingPairs {
   std::size_t n_unattended{0};   ///< number of poses without a tracker's word
 };
 
+/// Says in the log that rows were changed after they had been written, which may have been meant.
+void warn_of_changed_rows(const std::filesystem::path& pairs);
+
 /// Reads training pairs from pairs.csv. Throws InputError as read_pairs() does, and when there is
 /// no pair to be fitted to.
 TrainingPairs read_training_pairs(const std::filesystem::path& path, const MapMethodChoice& choice);

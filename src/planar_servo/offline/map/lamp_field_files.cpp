@@ -6,6 +6,7 @@
 #include "planar_servo/files/tables/lay_table.h"
 #include "planar_servo/files/tables/pair_table.h"
 #include "planar_servo/io/atomic_file.h"
+#include "planar_servo/offline/map/fit_map_to_pairs.h"
 #include "planar_servo/offline/map/pose_samples.h"
 
 namespace planar {
@@ -18,6 +19,7 @@ std::vector<MadeFile> LampFieldFiles::inputs() const {
 
 LampFieldFit learn_lamp_field(const LampFieldFiles& files, const CellSettings& cell,
                               const VisionCalibration& vision, const Progress& progress) {
+  warn_of_changed_rows(files.pairs);
   const LaidDots board = files.lays.empty() ? LaidDots() : laid_dots(read_lays(files.lays));
   return fit_lamp_field(nominal_arm(cell, vision), pose_samples(cell, read_pairs(files.pairs)),
                         board, progress);

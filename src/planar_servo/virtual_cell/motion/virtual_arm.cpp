@@ -156,7 +156,10 @@ Eigen::Vector2d VirtualArm::scatter_m() {
 }
 
 void VirtualArm::leave_rest() {
-  if (!scatter_ || moves()) return;
+  if (moves()) return;
+  if (rested_rad_ && (joints_rad() - *rested_rad_).cwiseAbs().maxCoeff() >= kNear)
+    rested_rad_.reset();  // the arm came from afar to where it rests now
+  if (!scatter_) return;
   double rested_s = std::numeric_limits<double>::infinity();
   for (const VirtualDrive& drive : drives_)
     rested_s = std::min(rested_s, clock_.now_s() - drive.rests_since_s());
