@@ -1,5 +1,6 @@
 #include "planar_servo/lamps/rim/rim_fit.h"
 
+#include <Eigen/LU>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
@@ -70,19 +71,21 @@ TEST_CASE("fit_rim leaves out a dark speck on the rim and a hair across it") {
   CHECK(rim->largest_gap < 60.0 * kDegree);
 }
 
-/// A lamp whose rim is bent all round, by a fiftieth of the radius in every harmonic from 2 to 9,
-/// and whose light falls to a third from one side to the other.
-cv::Mat bent_scene() {
-  constexpr double kRadius_px = 17.0, kBend = 0.025;
+/// A lamp whose rim is bent all round, by a share of the radius in every harmonic from 2 to 9, and
+/// turned by an angle; whose light falls to a third from one side to the other; and of which a
+/// straight cut at this share of the radius takes the brightest piece.
+cv::Mat bent_scene(double bend = 0.025, double turn = 0.0, double cut = 2.0) {
+  constexpr double kRadius_px = 17.0;
   constexpr int kFine = 8;
   cv::Mat fine = test::background({128 * kFine, 128 * kFine});
   for (int v = 0; v < fine.rows; ++v) {
     for (int u = 0; u < fine.cols; ++u) {
       const Eigen::Vector2d d = (Eigen::Vector2d(u, v).array() + 0.5).matrix() / kFine - kCenter -
                                 Eigen::Vector2d(.5, .5);
+      if (d.norm() > 1.5 * kRadius_px || d.x() > cut * kRadius_px) continue;
       double radius = 1.0;
       for (int order = 2; order <= 9; ++order)
-        radius += kBend * std::sin(order * std::atan2(d.y(), d.x()) + order * order);
+        radius += bend * std::sin(order * (std::atan2(d.y(), d.x()) - turn) + order * order);
       if (d.norm() < kRadius_px * radius)
         fine.at<float>(v, u) += static_cast<float>(100.0 * (1.0 + 0.5 * d.x() / kRadius_px));
     }
@@ -114,6 +117,21 @@ TEST_CASE(
   for (const Eigen::Vector2d& center : centers) variance += (center - mean / n).squaredNorm();
   CHECK(variance / (n - 1.0) < 2.0 * stated / n);
   CHECK(variance / (n - 1.0) > 0.25 * stated / n);
+}
+
+TEST_CASE("fit_rim says how badly it knows a rim that is bent, unevenly lit and cut") {
+  constexpr unsigned kLamps = 60;
+  constexpr double kThreeSigmas = 9.0;
+  int measured = 0, farther = 0;
+  for (unsigned i = 0; i < kLamps; ++i) {
+    const auto rim = fit(bent_scene(0.0125, 2.0 * kPi * i / kLamps, 0.8), i);
+    if (!rim || rim->largest_gap > 100.0 * kDegree) continue;
+    const Eigen::Vector2d error = rim->center - kCenter;
+    ++measured;
+    if (0.5 * error.dot(rim->center_covariance.inverse() * error) > kThreeSigmas) ++farther;
+  }
+  CHECK(measured > 30);
+  CHECK(farther <= 3);  // one in 20
 }
 
 TEST_CASE("fit_rim tells how wide a straight cut is") {

@@ -57,17 +57,6 @@ double robust_sigma(const PerNormal& residual, const NormalFlags& use) {
   return kNormalPerMad * *middle;
 }
 
-/// Also removes the normals within `reach` of a removed one, on both sides.
-NormalFlags without_neighbours(const NormalFlags& use, int reach) {
-  const auto n = use.size();
-  NormalFlags clear = use;
-  for (Eigen::Index k = 0; k < n; ++k) {
-    if (use[k]) continue;
-    for (int i = -reach; i <= reach; ++i) clear[(k + n + i) % n] = false;
-  }
-  return clear;
-}
-
 }  // namespace
 
 OutlineFit fit_outline(const Normals& normals, const PerNormal& offset_px,
@@ -134,7 +123,7 @@ ArcFit fit_without_arc(const Normals& normals, const PerNormal& offset_px,
 NormalFlags agreeing(const Normals& normals, const PerNormal& offset_px, const OutlineFit& fit,
                      const Agreement& agreement, const NormalFlags& readable,
                      const NormalFlags& use) {
-  constexpr double kSigmas = 4.5, kMostUncertain = 2.0, kReachOverBlur = 2.2;
+  constexpr double kSigmas = 4.5, kMostUncertain = 2.0;
   const Eigen::Index n = normals.count();
   const PerNormal residual = residuals(normals, offset_px, fit);
   const double sigma = std::max(agreement.least_sigma_px, robust_sigma(residual, use));
@@ -157,10 +146,21 @@ NormalFlags agreeing(const Normals& normals, const PerNormal& offset_px, const O
       }
     }
   }
-  const double spacing_px = normals.arc_px.mean();
-  const int reach =
-      std::max(1, static_cast<int>(std::lround(kReachOverBlur * agreement.blur_px / spacing_px)));
-  return without_neighbours(next, reach);
+  return clear_of_others(normals, next, agreement.blur_px);
+}
+
+NormalFlags clear_of_others(const Normals& normals, const NormalFlags& use, double blur_px) {
+  constexpr double kReachOverBlur = 2.2;
+  const Eigen::Index n = normals.count();
+  const auto reach = std::max(
+      Eigen::Index{1},
+      static_cast<Eigen::Index>(std::lround(kReachOverBlur * blur_px / normals.arc_px.mean())));
+  NormalFlags clear = use;
+  for (Eigen::Index k = 0; k < n; ++k) {
+    if (use[k]) continue;
+    for (Eigen::Index i = -reach; i <= reach; ++i) clear[(k + n + i) % n] = false;
+  }
+  return clear;
 }
 
 }  // namespace planar

@@ -48,4 +48,7 @@ NormalFlags agreeing(const Normals& normals, const PerNormal& offset_px, const O
                      const Agreement& agreement, const NormalFlags& readable,
                      const NormalFlags& use);
 
+/// Returns the normals in use that are farther than the blur's reach from any that is not.
+NormalFlags clear_of_others(const Normals& normals, const NormalFlags& use, double blur_px);
+
 }  // namespace planar

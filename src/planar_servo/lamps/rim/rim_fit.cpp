@@ -35,6 +35,22 @@ Eigen::Matrix2d center_covariance(const OutlineFit& fit, const Normals& normals,
          per_level * edges.levels.covariance * per_level.transpose();
 }
 
+Eigen::Matrix2d square(const Eigen::Vector2d& d) {
+  return d * d.transpose();
+}
+
+/// Returns the covariance that the ends of what was left out add: the square of how far the centre
+/// moves without them, too. They may belong to it and pass for waves of the rim. Not a number where
+/// too little of the rim is left without them.
+Eigen::Matrix2d covariance_of_ends(const OutlineFit& fit, const Normals& normals,
+                                   const RimEdges& edges, const NormalFlags& use) {
+  if (use.all()) return Eigen::Matrix2d::Zero();
+  const NormalFlags inner = clear_of_others(normals, use, edges.blur_px);
+  const OutlineFit without_ends = fit_outline(
+      normals, edges.offset_px, edges.information.cwiseProduct(inner.cast<double>().matrix()));
+  return square(without_ends.terms.head<2>() - fit.terms.head<2>());
+}
+
 double largest_gap(const NormalFlags& use) {
   const Eigen::Index n = use.size();
   Eigen::Index longest = 0, run = 0;
@@ -99,7 +115,9 @@ std::optional<Round> measure(const cv::Mat& image, const Outline& outline, const
   const double sigma_px = 1.0 / std::sqrt(edges->information.maxCoeff());
   const PerNormal residual = edges->offset_px - band.normals.moved(fit.terms);
   const double scatter = edges->information.dot(residual.cwiseAbs2()) / band.normals.count();
-  return Round{fit, scatter, center_covariance(fit, band.normals, *edges),
+  return Round{fit, scatter,
+               center_covariance(fit, band.normals, *edges) +
+                   covariance_of_ends(fit, band.normals, *edges, use),
                agreeing(band.normals, edges->offset_px, fit, {sigma_px, edges->blur_px},
                         edges->readable, use),
                edges->blur_px};
@@ -136,6 +154,7 @@ std::optional<Refined> refine(const cv::Mat& image, const Blob& blob, const Coar
     use = round->use;
     scatter = round->scatter;
     rim.center_covariance = round->center_covariance;
+    rim.blur_px = round->blur_px;
     // The blur of a bent edge moves it inwards by half its variance divided by the radius.
     rim.diameter = outline.diameter() + 2.0 * round->blur_px * round->blur_px / outline.diameter();
     if (is_settled) break;
@@ -146,14 +165,28 @@ std::optional<Refined> refine(const cv::Mat& image, const Blob& blob, const Coar
   return Refined{rim, scatter};
 }
 
+/// Returns the covariance that doubt adds to the centre of a bent rim: nothing where the outline of
+/// the rim's better part has its centre there, too, as far as it can tell; else the rim may be cut
+/// as well, and their distance counts as a standard deviation.
+Eigen::Matrix2d covariance_of_doubt(const RimFit& bent, const RimFit& cut) {
+  constexpr double kSigmas = 4.5;
+  const Eigen::Vector2d apart = bent.center - cut.center;
+  const bool agree = apart.dot(cut.center_covariance.inverse() * apart) < kSigmas * kSigmas;
+  if (agree) return Eigen::Matrix2d::Zero();
+  return square(apart);
+}
+
 /// Refines the likely outline, or the bent one where only that is the whole rim.
 std::optional<RimFit> refine_either(const cv::Mat& image, const Blob& blob,
                                     const CoarseOutlines& starts, const PixelNoise& noise,
                                     double reach_px, RimBand& band) {
   const auto likely = refine(image, blob, starts.likely, noise, reach_px, band);
   if (starts.bent && !(likely && likely->is_whole())) {
-    const auto bent = refine(image, blob, *starts.bent, noise, reach_px, band);
-    if (bent && bent->is_whole()) return bent->rim;
+    auto bent = refine(image, blob, *starts.bent, noise, reach_px, band);
+    if (bent && bent->is_whole()) {
+      if (likely) bent->rim.center_covariance += covariance_of_doubt(bent->rim, likely->rim);
+      return bent->rim;
+    }
   }
   if (!likely) return std::nullopt;
   return likely->rim;
@@ -177,7 +210,7 @@ std::optional<RimFit> fit_rim(const cv::Mat& image, const Blob& blob, double rea
   std::optional<RimFit> rim = refine_either(image, blob, *starts, noise, reach_px, band);
   const CoarseOutline& start = starts->likely;
   if (!rim && is_near(start.outline, blob)) {
-    rim = RimFit{start.outline.center, start.center_covariance, start.outline.diameter(),
+    rim = RimFit{start.outline.center, start.center_covariance, start.outline.diameter(), 0.0,
                  largest_gap(start.use)};
   }
   if (rim && !is_measurement(*rim)) rim.reset();

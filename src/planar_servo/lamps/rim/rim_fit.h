@@ -13,6 +13,7 @@ struct RimFit {
   Eigen::Vector2d center{0.0, 0.0};
   Eigen::Matrix2d center_covariance{Eigen::Matrix2d::Zero()};
   double diameter{0.0};     ///< of the circle with the ellipse's area
+  double blur_px{0.0};      ///< standard deviation; 0 where only half-level edges were measured
   double largest_gap{0.0};  ///< widest angle round the rim that was left out, radians
 };
 
