@@ -16,6 +16,7 @@ TEST_CASE("A row with both lamps comes back with its covariances and position") 
   row.status = LampStatus::kOk;
   row.uv_px = {{100.125, 200.5}, {300.0, 400.0}};
   row.covariance_px2.assign(2, (Eigen::Matrix2d() << 1e-4, 2e-5, 2e-5, 3e-4).finished());
+  row.looks.assign(2, {180.0, 12.0, 0.85, 0.97});
   row.p_vision = Eigen::Vector2d(0.1, -0.2);
   row.phi = 0.25;
   row.sigma = Eigen::Vector2d(1e-6, 2e-6);
@@ -24,6 +25,8 @@ TEST_CASE("A row with both lamps comes back with its covariances and position") 
   REQUIRE(back.uv_px.size() == 2);
   CHECK(back.uv_px[0] == row.uv_px[0]);
   CHECK((back.covariance_px2[1] - row.covariance_px2[1]).norm() < 1e-8);
+  REQUIRE(back.looks.size() == 2);
+  CHECK(back.looks[1].blur_px == 0.85);
   CHECK((*back.p_vision - *row.p_vision).norm() < 1e-9);
   CHECK(*back.phi == Approx(0.25).margin(1e-8));
 }

@@ -14,6 +14,21 @@ void list_fields(Fields& fields, HealthPlace& place) {
   fields.number("sigma_mm", place.sigma_m, kMillimetre, Range::positive());
 }
 
+void list_fields(Fields& fields, const std::string& key, double& least, double& most) {
+  fields.row(key, [&](RowFields& row) {
+    row.number(least, 1.0, Range::at_least(0.0));
+    row.number(most, 1.0, Range::at_least(0.0));
+  });
+}
+
+void list_fields(Fields& fields, LookRange& range) {
+  auto& [least, most] = range;
+  list_fields(fields, "level", least.level, most.level);
+  list_fields(fields, "background", least.background, most.background);
+  list_fields(fields, "blur_px", least.blur_px, most.blur_px);
+  list_fields(fields, "axis_ratio", least.axis_ratio, most.axis_ratio);
+}
+
 void list_fields(Fields& fields, HealthRecord& record) {
   fields.number("separation_mm", record.separation_m, kMillimetre, Range::positive());
   fields.number("separation_spread_mm", record.separation_spread_m, kMillimetre,
@@ -21,6 +36,9 @@ void list_fields(Fields& fields, HealthRecord& record) {
   fields.number("distance_from_command_mm", record.distance_m, kMillimetre, Range::at_least(0.0));
   fields.number("turn_from_command_deg", record.turn, kDegree, Range::at_least(0.0));
   fields.maps("places", record.places, [&](HealthPlace& place) { list_fields(fields, place); });
+  if (!fields.given("looks", record.looks.has_value())) return;
+  if (fields.reading()) record.looks.emplace();
+  fields.maps("looks", *record.looks, [&](LookRange& range) { list_fields(fields, range); });
 }
 
 }  // namespace

@@ -64,6 +64,15 @@ constexpr Advice kAdvice[] = {
      kAllFiles, "fasten the lamp and calibrate the tool again, or correct `lamps.separation_mm`"},
     {Cause::kNotSeen, "the lamps are not seen", kAllFiles,
      "look whether both lamps are lit, in view of the camera and in focus"},
+    {Cause::kBackground, "there is light from elsewhere", kAllFiles,
+     "shade the cell or switch that light off"},
+    {Cause::kTooBright, "a lamp is too bright", kAllFiles,
+     "reduce the exposure or the lamp's current to what they were at the calibration"},
+    {Cause::kBlurred, "the picture is blurred", kAllFiles,
+     "clean the window and the lamps; if the lens has lost its focus, begin with "
+     "planar-calibrate-camera"},
+    {Cause::kOval, "a lamp is no longer round", kAllFiles,
+     "clean the lamp, look what covers it and whether light is reflected beside it"},
     {Cause::kWarmth,
      "the motors' warmth has changed the arm, or the camera has come closer or its lens is focused "
      "elsewhere",

@@ -36,6 +36,10 @@ enum class Cause {
   kSeparation,  ///< of the lamps
   kNotVisited,  ///< the arm cannot go where the check needs it
   kNotSeen,     ///< the lamps are not found at all
+  kBackground,  ///< light from elsewhere
+  kTooBright,   ///< a lamp
+  kBlurred,     ///< the picture, or a lamp in it
+  kOval,        ///< a lamp
   kWarmth,      ///< what a warm arm shows, and a camera that came closer a little, too
   kSeveral,     ///< no single cause explains what is seen
 };

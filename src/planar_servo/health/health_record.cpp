@@ -69,6 +69,10 @@ HealthRecord health_record_of(const std::vector<SeenPlace>& seen) {
   for (const double value : separations)
     record.separation_spread_m =
         std::max(record.separation_spread_m, std::abs(value - record.separation_m));
+  std::vector<LampLooks> looks;
+  for (const SeenPlace& look : seen)
+    if (look.looks) looks.push_back(*look.looks);
+  record.looks = ranges_of(looks);
   for (const std::size_t i : spread_places(seen)) record.places.push_back(seen[i].place);
   return record;
 }

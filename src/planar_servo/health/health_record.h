@@ -1,10 +1,12 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "planar_servo/arm/planar_arm.h"
 #include "planar_servo/health/cell_model.h"
+#include "planar_servo/health/light_check.h"
 
 namespace planar {
 
@@ -27,6 +29,8 @@ struct HealthRecord {
   double distance_m{0.0};
   double turn{0.0};
   std::vector<HealthPlace> places;  ///< to be visited again
+  /// How the lamps looked; nothing where their table does not say it.
+  std::optional<LookRanges> looks{};
 };
 
 /// The number of places that a check visits: as many as 10 s allow.
@@ -37,6 +41,7 @@ struct SeenPlace {
   HealthPlace place;
   double t_s{0.0};
   TipPose commanded, seen;  ///< base frame; seen without compensation
+  std::optional<LampLooks> looks{};
 };
 
 /// Makes the record of a recording's places. Of them it keeps kHealthPlaces that are far apart, one

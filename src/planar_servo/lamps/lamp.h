@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "planar_servo/core/names.h"
+#include "planar_servo/lamps/lamp_look.h"
 
 namespace planar {
 
@@ -50,6 +51,7 @@ struct LampCenter {
   Eigen::Vector2d uv_px{0.0, 0.0};
   Eigen::Matrix2d covariance_px2{Eigen::Matrix2d::Zero()};
   double diameter_px{0.0};
+  LampLook look;  ///< valid wherever there is a patch of light, whatever the status
 };
 
 /// The two lamps of a frame. With kOk both centres are valid; with kAmbiguous they are, too, but

@@ -79,6 +79,7 @@ LampCenter by_rim(const cv::Mat& image, const Blob& blob, double reach_px, LampC
   lamp.uv_px = rim->center;
   lamp.covariance_px2 = rim->center_covariance;
   lamp.diameter_px = rim->diameter;
+  lamp.look.blur_px = rim->blur_px;
   return lamp;
 }
 
@@ -92,6 +93,7 @@ LampCenter unmeasured(const cv::Mat& image, const Blob& blob) {
   LampCenter lamp;
   lamp.uv_px = blob.uv_px;
   lamp.diameter_px = blob.diameter_px();
+  lamp.look = {blob.level, blob.background, 0.0, blob.axis_ratio()};
   lamp.status = LampStatus::kNotRound;
   if (margin_px(image.size(), blob.box_px) < least_margin_px(moments_for(blob))) {
     lamp.status = LampStatus::kAtBorder;

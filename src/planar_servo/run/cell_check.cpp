@@ -49,6 +49,24 @@ std::optional<HealthFinding> wrong_separation(const LampPlaces& lamps_B, double 
                   words(Cause::kSeparation), seen_m / kMillimetre, filed_m / kMillimetre)};
 }
 
+/// Returns whether light or focus may look like this cause, which displaces the end point so far:
+/// no centre is measured farther from its lamp's middle than by a quarter of the diameter. Play
+/// shows under one and the same light, and a way that is barred in none.
+bool may_be_light(const HealthFinding& finding, double diameter_m) {
+  constexpr double kMostOfDiameter = 0.25;
+  switch (finding.cause) {
+    case Cause::kPlay1:
+    case Cause::kPlay2:
+    case Cause::kPlay3:
+    case Cause::kNotVisited:
+      return false;
+    case Cause::kNotSeen:
+      return true;
+    default:
+      return finding.cost_m < kMostOfDiameter * diameter_m;
+  }
+}
+
 double repeatability_m(const CellSettings& cell) {
   if (cell.servo.approach == Approach::kOneSide) return kRepeatability_m;
   return kPlay * cell.arm.geometry.link_lengths_m.sum();
@@ -88,6 +106,7 @@ TipMeasurement CellCheck::measure(const TipPose& expected, int frames) {
     wait_for_camera("the camera gave no picture: " + seen.word);
     seen = sensor_.measure(expected, frames);
   }
+  looks_.push_back(sensor_.last_looks());
   return seen;
 }
 
@@ -132,7 +151,36 @@ Joints CellCheck::with_motor_turned(const Joints& theta, int motor) const {
   return theta;
 }
 
-std::vector<HealthFinding> CellCheck::first_moves() {
+std::vector<HealthFinding> CellCheck::light_first(const HealthRecord& record,
+                                                  std::vector<HealthFinding> found) const {
+  if (!record.looks) return found;
+  const auto explained =
+      std::stable_partition(found.begin(), found.end(), [&](const HealthFinding& finding) {
+        return !may_be_light(finding, vision_.lamps.diameters_m[0]);
+      });
+  double cost_m = 0.0;
+  for (auto finding = explained; finding != found.end(); ++finding)
+    cost_m = std::max(cost_m, finding->cost_m);
+  const auto light = find_light_change(*record.looks, looks_, cost_m);
+  if (!light) return found;
+  found.erase(explained, found.end());
+  found.insert(found.begin(), *light);
+  return found;
+}
+
+std::vector<HealthFinding> CellCheck::first_moves(const std::optional<HealthRecord>& record) {
+  looks_.clear();
+  std::vector<HealthFinding> found = faults_in_first_moves();
+  // What costs nothing is left to the revisits, which tell it with what they find.
+  return record && !found.empty() ? light_first(*record, std::move(found)) : found;
+}
+
+std::vector<HealthFinding> CellCheck::revisit(const HealthRecord& record) {
+  looks_.clear();
+  return light_first(record, changes_since(record));
+}
+
+std::vector<HealthFinding> CellCheck::faults_in_first_moves() {
   const std::optional<Joints> first = start();
   if (!first)
     return {
@@ -165,7 +213,7 @@ std::variant<Revisit, HealthFinding> CellCheck::visit(const HealthPlace& place) 
       scatter_m_};
 }
 
-std::vector<HealthFinding> CellCheck::revisit(const HealthRecord& record) {
+std::vector<HealthFinding> CellCheck::changes_since(const HealthRecord& record) {
   const Transmission& transmission = planner_.transmission();
   std::vector<HealthPlace> left = record.places;
   std::vector<Revisit> revisits;
@@ -249,7 +297,7 @@ GuardLimits with_health(GuardLimits limits, const HealthRecord& record) {
 }
 
 std::vector<HealthFinding> check_cell(CellCheck& check, const std::optional<HealthRecord>& record) {
-  std::vector<HealthFinding> found = check.first_moves();
+  std::vector<HealthFinding> found = check.first_moves(record);
   if (!found.empty()) return found;
   return record ? check.revisit(*record) : std::vector<HealthFinding>();
 }

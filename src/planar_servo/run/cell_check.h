@@ -33,15 +33,22 @@ class CellCheck {
             LampTipSensor& sensor, Clock& clock, double scatter_m, CameraWait wait = {});
 
   /// Moves each motor a little, near where the arm stands, and holds what is seen against what was
-  /// commanded. Returns what is not as the files say.
-  std::vector<HealthFinding> first_moves();
+  /// commanded. Returns what is not as the files say. Light and focus that are not as in `record`
+  /// are named before anything else.
+  std::vector<HealthFinding> first_moves(const std::optional<HealthRecord>& record = {});
 
   /// Visits the places again that were kept at the calibration, the nearest first, and the last one
   /// from the other side as well. Returns the play that is more than half of the approach margin,
-  /// or else what has changed since.
+  /// or else what has changed since, light and focus before anything else.
   std::vector<HealthFinding> revisit(const HealthRecord& record);
 
  private:
+  std::vector<HealthFinding> faults_in_first_moves();
+  std::vector<HealthFinding> changes_since(const HealthRecord& record);
+  /// Puts a change of light or focus in the place of what it may explain of what was found, and
+  /// before the rest.
+  std::vector<HealthFinding> light_first(const HealthRecord& record,
+                                         std::vector<HealthFinding> found) const;
   /// Moves and settles. Returns why the arm must not go there, if it must not.
   std::optional<std::string> go_to(const Joints& theta);
   TipMeasurement measure(const TipPose& expected, int frames);
@@ -72,6 +79,7 @@ class CellCheck {
   CameraWait wait_;
   JointPlanner planner_;
   CellModel model_;
+  std::vector<LampLooks> looks_;  ///< of this check
 };
 
 /// What a change may cost at the end point and still let the arm work, metres.

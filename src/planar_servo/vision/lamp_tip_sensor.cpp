@@ -94,6 +94,7 @@ std::optional<std::array<Eigen::Vector2d, 2>> LampTipSensor::look_around() {
   Frame without_fixed = last_frame_;
   without_fixed.image = watch_.without_lamps(last_frame_.image);
   const LampPair pair = tracker_.locate(without_fixed, {});
+  last_looks_ = {pair.lamps[0].look, pair.lamps[1].look};
   if (pair.status != LampStatus::kOk && pair.status != LampStatus::kAmbiguous) return std::nullopt;
   std::array<Eigen::Vector2d, 2> lamps_B;
   for (std::size_t k = 0; k < 2; ++k) {
@@ -121,8 +122,9 @@ LampTipSensor::Look LampTipSensor::locate(const FrameResult& result,
   if (result.status != FrameStatus::kOk) return {{}, result.frame.t_s, result.status};
   last_frame_ = result.frame;
   if (last_frame_.region_px.size() == camera_.sensor_size_px()) watch_.look(last_frame_);
-  return {find_lamps(vision_, tracker_, last_frame_, expectation), last_frame_.t_s,
-          FrameStatus::kOk};
+  const LampPair pair = find_lamps(vision_, tracker_, last_frame_, expectation);
+  last_looks_ = {pair.lamps[0].look, pair.lamps[1].look};
+  return {pair, last_frame_.t_s, FrameStatus::kOk};
 }
 
 LampTipSensor::Look LampTipSensor::look(const FrameResult& result,

@@ -32,6 +32,9 @@ class LampTipSensor final : public TipSensor {
   /// the plane, uncompensated and in any order; empty unless two lamps are found.
   std::optional<std::array<Eigen::Vector2d, 2>> look_around();
 
+  /// Returns how the lamps looked last, found or not; 0 of what was not seen.
+  const LampLooks& last_looks() const { return last_looks_; }
+
   /// Returns the frame that was looked at last. It has no image before the first look.
   const Frame& last_frame() const { return last_frame_; }
 
@@ -68,6 +71,7 @@ class LampTipSensor final : public TipSensor {
   FrameSource& camera_;
   int follow_region_px_;
   Frame last_frame_;
+  LampLooks last_looks_{};
 };
 
 }  // namespace planar

@@ -14,13 +14,21 @@ using OptionalNumber = std::optional<double>;
 struct LampFields {
   std::optional<Eigen::Vector2d> uv;
   OptionalNumber var_u, cov_uv, var_v;
+  OptionalNumber level, background, blur, axis_ratio;
 };
 
 std::array<LampFields, 2> lamp_fields(const LampRow& row) {
   std::array<LampFields, 2> lamps;
   for (std::size_t i = 0; i < row.uv_px.size(); ++i) {
     const Eigen::Matrix2d& covariance = row.covariance_px2.at(i);
-    lamps.at(i) = {row.uv_px[i], covariance(0, 0), covariance(0, 1), covariance(1, 1)};
+    lamps.at(i) = {
+        row.uv_px[i], covariance(0, 0), covariance(0, 1), covariance(1, 1), {}, {}, {}, {}};
+    if (i >= row.looks.size()) continue;
+    const LampLook& look = row.looks[i];
+    lamps.at(i).level = look.level;
+    lamps.at(i).background = look.background;
+    lamps.at(i).blur = look.blur_px;
+    lamps.at(i).axis_ratio = look.axis_ratio;
   }
   return lamps;
 }
@@ -29,6 +37,7 @@ std::array<LampFields, 2> lamp_fields(const LampRow& row) {
 void take_lamps(const std::array<LampFields, 2>& lamps, LampRow& row) {
   row.uv_px.clear();
   row.covariance_px2.clear();
+  row.looks.clear();
   for (const LampFields& lamp : lamps) {
     if (!lamp.uv) return;
     row.uv_px.push_back(*lamp.uv);
@@ -36,6 +45,8 @@ void take_lamps(const std::array<LampFields, 2>& lamps, LampRow& row) {
     row.covariance_px2.push_back(
         (Eigen::Matrix2d() << lamp.var_u.value_or(0.0), cov_uv, cov_uv, lamp.var_v.value_or(0.0))
             .finished());
+    if (lamp.level && lamp.background && lamp.blur && lamp.axis_ratio)
+      row.looks.push_back({*lamp.level, *lamp.background, *lamp.blur, *lamp.axis_ratio});
   }
 }
 
@@ -52,6 +63,18 @@ void list_lamps(Columns& columns, LampRow& row) {
   variance("var_u2_px2", second.var_u);
   variance("cov_uv2_px2", second.cov_uv);
   variance("var_v2_px2", second.var_v);
+  const auto look = [&](const std::string& number, LampFields& lamp) {
+    const auto value = [&](const std::string& column, OptionalNumber& field) {
+      columns.optional_number(column.c_str(), field, 1.0, Digits::significant(4),
+                              Column::kOptional);
+    };
+    value("level" + number, lamp.level);
+    value("background" + number, lamp.background);
+    value("blur" + number + "_px", lamp.blur);
+    value("axis_ratio" + number, lamp.axis_ratio);
+  };
+  look("1", first);
+  look("2", second);
   if (columns.reading()) take_lamps({first, second}, row);
 }
 

@@ -20,6 +20,7 @@ struct LampRow {
   /// One lamp when a single disc is followed, two for a pair; none when nothing was found.
   std::vector<Eigen::Vector2d> uv_px;
   std::vector<Eigen::Matrix2d> covariance_px2;  ///< of the same size as uv_px
+  std::vector<LampLook> looks;                  ///< of the same size as uv_px, or empty
   std::optional<Eigen::Vector2d> p_vision;      ///< end point, metres
   std::optional<double> phi;                    ///< radians
   std::optional<Eigen::Vector2d> sigma;         ///< standard deviation of p_vision, metres

@@ -30,6 +30,7 @@ LampRow empty_row(const LampImage& image, LampStatus status) {
 void add_lamp(LampRow& row, const LampCenter& lamp) {
   row.uv_px.push_back(lamp.uv_px);
   row.covariance_px2.push_back(lamp.covariance_px2);
+  row.looks.push_back(lamp.look);
 }
 
 /// Sees the tool in a frame. Without a calibrated vision only its lamps are located.

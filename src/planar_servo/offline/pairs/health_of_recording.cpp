@@ -22,6 +22,7 @@ struct MeanSight {
   std::array<Eigen::Vector2d, 2> uv_px{Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};
   std::array<Eigen::Matrix2d, 2> covariances_px2{Eigen::Matrix2d::Zero(), Eigen::Matrix2d::Zero()};
   double count{0.0};
+  std::optional<LampLooks> looks;  ///< of the last frame that tells them
 
   void add(const LampRow& row) {
     for (std::size_t k = 0; k < 2; ++k) {
@@ -29,6 +30,7 @@ struct MeanSight {
       covariances_px2[k] += row.covariance_px2[k];
     }
     count += 1.0;
+    if (row.looks.size() == 2) looks = LampLooks{row.looks[0], row.looks[1]};
   }
   void finish() {
     for (std::size_t k = 0; k < 2; ++k) {
@@ -80,7 +82,8 @@ std::vector<SeenPlace> seen_places(const CellSettings& cell, const VisionCalibra
     seen.push_back({{id, sight.frame->theta, place->lamps_B, sigma_m},
                     sight.frame->t_s,
                     arm.forward(sight.frame->theta),
-                    place->seen});
+                    place->seen,
+                    sight.looks});
   }
   return seen;
 }
