@@ -146,6 +146,11 @@ std::optional<ChangePoint> find_change(const std::vector<TimedError>& errors) {
   return change;
 }
 
+std::optional<double> noise_of(const std::vector<TimedError>& errors) {
+  if (errors.size() < kFewestPlaces) return std::nullopt;
+  return without_step(SmoothErrors(those_at(places_asked(errors.size()), errors))).fit.noise;
+}
+
 std::optional<ErrorTrend> find_trend(const std::vector<TimedError>& errors) {
   if (errors.size() < kFewestPlaces) return std::nullopt;
   const std::vector<TimedError> asked = those_at(places_asked(errors.size()), errors);

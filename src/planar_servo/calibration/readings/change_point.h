@@ -41,6 +41,10 @@ struct ErrorTrend {
 /// is asked. Empty for fewer than 32 places.
 std::optional<ChangePoint> find_change(const std::vector<TimedError>& errors);
 
+/// Returns how much of the errors per axis is left as noise by the field that they show, by drift
+/// and by outliers, metres; empty for fewer than 32 places.
+std::optional<double> noise_of(const std::vector<TimedError>& errors);
+
 /// Looks for a linear trend in time, as find_change() looks for a step; errors that do not drift
 /// are called drifting once in 1 / kFalseAlarm recordings.
 std::optional<ErrorTrend> find_trend(const std::vector<TimedError>& errors);

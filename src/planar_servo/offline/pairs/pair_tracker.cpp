@@ -162,15 +162,28 @@ std::vector<PairRow> add_rows(const Pairing& places, const Workplane& workplane,
   return in_time;
 }
 
-/// Doubts pairs between which something moved at once or by and by; throws when that would cost too
-/// much. Places that the plane's fit has left out are asked as well, because after a step near the
-/// end of a recording they may be most of those that show it.
-void look_for_motion(const PairTrackerRequest& request, std::vector<PairRow> in_time,
-                     PairTrackerReport& report) {
+/// Takes out what is so far off that it can be no step.
+void take_out_strays(std::vector<PairRow>& in_time) {
   constexpr double kFarOff_m = 3.0 * kMillimetre;
   in_time.erase(std::remove_if(in_time.begin(), in_time.end(),
                                [&](const PairRow& row) { return row.error().norm() > kFarOff_m; }),
                 in_time.end());
+}
+
+/// Doubts readings that scatter more than is stated, and states for them what they scatter.
+void look_for_scatter(const std::vector<PairRow>& in_time, PairTrackerReport& report) {
+  const auto scatter = find_scatter(in_time);
+  if (!scatter) return;
+  report.doubts.push_back(scatter_doubt(*scatter));
+  for (PairRow& row : report.pairs)
+    if (row.sigma_tracker) *row.sigma_tracker *= scatter->found / scatter->stated;
+}
+
+/// Doubts pairs between which something moved at once or by and by; throws when that would cost too
+/// much. Places that the plane's fit has left out are asked as well, because after a step near the
+/// end of a recording they may be most of those that show it.
+void look_for_motion(const PairTrackerRequest& request, const std::vector<PairRow>& in_time,
+                     PairTrackerReport& report) {
   const auto add = [&](const std::string& doubt, bool is_dear) {
     if (is_dear && !request.accept_step) throw InputError(doubt);
     report.doubts.push_back(doubt);
@@ -219,7 +232,9 @@ PairTrackerReport pair_tracker(const PairTrackerRequest& asked) {
       add_rows(places, Workplane(request.camera, report.workplane.X_WC), report.workplane, report);
   require_upright_tracker(datum, report.workplane.tool);
   require_lamps_in_order(request.cell, request.frames, report.pairs);
-  look_for_motion(request, std::move(in_time), report);
+  take_out_strays(in_time);
+  look_for_scatter(in_time, report);
+  look_for_motion(request, in_time, report);
   log(report);
   return report;
 }

@@ -74,6 +74,30 @@ std::optional<RecordedTrend> find_trend(const std::vector<PairRow>& pairs) {
   return RecordedTrend{*trend, first && last ? *last - *first : 0.0};
 }
 
+std::optional<RecordedScatter> find_scatter(const std::vector<PairRow>& pairs) {
+  // On forty drawn cells of four kinds it was 0.9 to 1.15 times what was stated.
+  constexpr double kClearly = 2.0;
+  const TimedPairs training = training_errors(pairs);
+  const auto noise = noise_of(training.errors);
+  if (!noise) return std::nullopt;
+  double variances = 0.0;
+  for (const PairRow* pair : training.pairs)
+    variances += std::pow(pair->sigma_tracker.value_or(0.0), 2) +
+                 std::pow(pair->sigma_vision.value_or(0.0), 2);
+  const double stated = std::sqrt(variances / static_cast<double>(training.pairs.size()));
+  if (stated == 0.0 || *noise <= kClearly * stated) return std::nullopt;
+  return RecordedScatter{*noise, stated};
+}
+
+std::string scatter_doubt(const RecordedScatter& scatter) {
+  return fmt::format(
+      "pairs: the readings of the training places scatter by {:.4f} mm about any smooth error, "
+      "where "
+      "tracker and lamps state {:.4f} mm together, and are taken for as uncertain as they scatter; "
+      "see whether the reflector is loose on the tool or the arm still moves when it is read",
+      scatter.found / kMillimetre, scatter.stated / kMillimetre);
+}
+
 std::string step_doubt(const RecordedStep& step) {
   const ChangePoint& change = step.change;
   return fmt::format(

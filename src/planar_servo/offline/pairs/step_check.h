@@ -38,6 +38,17 @@ std::optional<RecordedStep> find_step(const std::vector<PairRow>& pairs);
 /// revisit of the calibration names as a change is none.
 std::optional<RecordedTrend> find_trend(const std::vector<PairRow>& pairs);
 
+/// How the vision errors of the training pairs scatter about any smooth error, per axis, metres.
+struct RecordedScatter {
+  double found{0.0};
+  double stated{0.0};  ///< of tracker and lamps together
+};
+
+/// Returns it where it is clearly more than is stated.
+std::optional<RecordedScatter> find_scatter(const std::vector<PairRow>& pairs);
+
+std::string scatter_doubt(const RecordedScatter& scatter);
+
 /// Returns what is doubted of a trend: size, rate, deviation, causes, and what to do.
 std::string trend_doubt(const RecordedTrend& trend);
 
