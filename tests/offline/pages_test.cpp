@@ -311,7 +311,9 @@ TEST_CASE("The page of a field at the lamps draws the end point's error and its 
   }
   const std::string page = map_page(view, folder.write("map.yaml", "format: planar-servo/map/1\n"));
   check_page(page);
-  CHECK_THAT(page, Contains("pull, in stated deviations"));
+  CHECK_THAT(page, Contains("pull, in stated deviations") &&
+                       Contains("What was compared at places left out") &&
+                       Contains("field without the arm: "));
 }
 
 TEST_CASE("The page of an arm shows places left out over places and angles, and every term") {

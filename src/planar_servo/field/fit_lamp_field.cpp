@@ -82,27 +82,37 @@ HeldOut held_out_of(const MapResult& map) {
 /// The median miss of n places deviates by some 0.6 / sqrt(n) of itself: a tenth at this number.
 constexpr std::size_t kFewestJudged = 40;
 
-/// Returns how far places left out are missed, as no outlier among the readings changes it.
-double median_miss(const HeldOut& held) {
-  std::vector<double> misses;
-  misses.reserve(held.n);
-  for (const HeldOutReading& reading : held.readings) misses.push_back(reading.left.norm());
-  return median(std::move(misses));
+ComparedField compared(const char* name, const HeldOut& held) {
+  ComparedField way{name, held.rms, held.coverage_95};
+  for (const HeldOutReading& reading : held.readings) way.misses.push_back(reading.left.norm());
+  std::sort(way.misses.begin(), way.misses.end());
+  return way;
 }
 
 /// Returns whether places left out are met clearly better: a tenth is more than the choice of some
 /// 200 places makes.
-bool clearly_better(const HeldOut& other, const HeldOut& than) {
+bool clearly_better(const ComparedField& other, const ComparedField& than) {
   constexpr double kClearly = 0.9;
-  return other.n > 0 && median_miss(other) < kClearly * median_miss(than);
+  // Outliers among the readings do not change a median.
+  return !other.misses.empty() && median(other.misses) < kClearly * median(than.misses);
+}
+
+/// Adds a way to the comparison and returns whether it is clearly better than the one taken so far.
+bool is_taken(ComparedField way, LampFieldFit& fit) {
+  const auto& ways = fit.compared;
+  const auto best = std::find_if(ways.begin(), ways.end(), [&](const ComparedField& other) {
+    return other.rms == fit.held_out.rms;
+  });
+  const bool taken = clearly_better(way, *best);
+  fit.compared.push_back(std::move(way));
+  return taken;
 }
 
 void try_without_arm(const ArmNominal& nominal, const std::vector<PoseSample>& samples,
                      const LaidDots& board, LampFieldFit& fit) {
   const JointEstimate alone = estimate_jointly(nominal, samples, board, ArmTrust::kNone);
   HeldOut held = hold_out(alone, samples, board);
-  fit.compared.push_back({kWithoutArm, held.rms, held.coverage_95});
-  if (!clearly_better(held, fit.held_out)) return;
+  if (!is_taken(compared(kWithoutArm, held), fit)) return;
   fit.field = lamp_field(alone, samples);
   fit.held_out = std::move(held);
   fit.arm.factor.resize(0, 0);
@@ -113,8 +123,7 @@ void try_at_end_point(const ArmNominal& nominal, const std::vector<PoseSample>& 
   MapResult map =
       fit_error_map({errors_at_end_point(nominal.tool, samples), MapMethod::kAuto, 0.0});
   HeldOut held = held_out_of(map);
-  fit.compared.push_back({kAtEndPoint, held.rms, held.coverage_95});
-  if (!clearly_better(held, fit.held_out)) return;
+  if (!is_taken(compared(kAtEndPoint, held), fit)) return;
   fit.held_out = std::move(held);
   fit.arm.factor.resize(0, 0);
   fit.end_point_map = std::move(map);
@@ -123,7 +132,7 @@ void try_at_end_point(const ArmNominal& nominal, const std::vector<PoseSample>& 
 /// Compares the field with others that trust the arm less, and takes one that is clearly better.
 void take_best(const ArmNominal& nominal, const std::vector<PoseSample>& samples,
                const LaidDots& board, LampFieldFit& fit) {
-  fit.compared.push_back({kWithArm, fit.held_out.rms, fit.held_out.coverage_95});
+  fit.compared.push_back(compared(kWithArm, fit.held_out));
   const auto attempt = [](const char* name, const auto& way) {
     try {
       way();

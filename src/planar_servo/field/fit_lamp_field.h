@@ -19,6 +19,7 @@ struct ComparedField {
   const char* name{""};
   double rms{0.0};  ///< metres
   double coverage_95{0.0};
+  std::vector<double> misses{};  ///< of each place, ascending, metres
 };
 
 /// A field at the lamps with what was found together with it.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 #include "planar_servo/core/numerics/statistics.h"
@@ -83,6 +84,28 @@ Panel left_histogram(const MapView& view) {
                    {rms(components), "their rms"});
 }
 
+/// Which share of the places left out each way misses by no more than so much.
+Panel comparison_panel(const std::vector<ComparedField>& ways) {
+  constexpr const char* kColors[] = {"#1f4e79", "#d9822b", "#5a8f3d"};
+  std::vector<double> far_mm;
+  for (const ComparedField& way : ways) far_mm.push_back(quantile(way.misses, 0.95) / kMillimetre);
+  far_mm.push_back(0.0);
+  const Axis miss = axis_over("missed by at most, mm", far_mm);
+  Panel panel("What was compared at places left out", miss,
+              axis_over("share of the places", {0.0, 1.0}));
+  for (std::size_t i = 0; i < ways.size(); ++i) {
+    const std::vector<double>& misses = ways[i].misses;
+    std::vector<Eigen::Vector2d> line{{0.0, 0.0}};
+    for (std::size_t k = 0; k < misses.size() && misses[k] / kMillimetre <= miss.to; ++k)
+      line.emplace_back(misses[k] / kMillimetre,
+                        static_cast<double>(k + 1) / static_cast<double>(misses.size()));
+    const char* color = kColors[i % std::size(kColors)];
+    panel.add_line(line, Panel::Stroke::kSolid, color);
+    panel.add_key(color, fmt::format("{}: {:.4f} mm rms", ways[i].name, ways[i].rms / kMillimetre));
+  }
+  return panel;
+}
+
 QuiverPanel quiver_of(const std::string& what, const std::vector<Eigen::Vector2d>& places,
                       const std::vector<Eigen::Vector2d>& errors) {
   return {fmt::format("{}: {:.4f} mm rms", what, rms(lengths_of(errors)) / kMillimetre), places,
@@ -109,6 +132,12 @@ std::string map_page(const MapView& view, const std::filesystem::path& file) {
     panels.push_back(left_histogram(view));
     page.add_html(figure_svg(panels));
     page.add_paragraph(std::string("Every place is met by what the others say. ") + kQuiverCaption);
+    if (!view.compared.empty()) {
+      page.add_html(figure_svg({comparison_panel(view.compared)}));
+      page.add_paragraph(
+          "The first way is taken unless another one's median is smaller by a tenth: of two curves "
+          "the left one misses the places by less.");
+    }
   }
   page.add_heading("Figures");
   page.add_html("<pre>" + html_escaped(view.text) + "</pre>\n");

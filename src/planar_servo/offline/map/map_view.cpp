@@ -135,6 +135,7 @@ MapView view_of(const LampFieldFit& fit, const std::string& text) {
     for (int axis = 0; axis < 2; ++axis)
       view.pulls.push_back(reading.left[axis] / reading.sigma[axis]);
   }
+  view.compared = fit.compared;
   view.region = fit.field.region;
   if (view.places.empty()) view.places = view.region.hull;
   view.predict = [&fit](const Eigen::Vector2d& p) { return prediction_of(fit, p); };

@@ -19,8 +19,9 @@ struct MapView {
   Verdict verdict;
   std::vector<Eigen::Vector2d> places;  ///< end points as vision saw them
   std::vector<Eigen::Vector2d> raw,
-      left;                   ///< errors there, and what is left where each is left out
-  std::vector<double> pulls;  ///< of `left` per axis; empty where none is stated
+      left;                             ///< errors there, and what is left where each is left out
+  std::vector<double> pulls;            ///< of `left` per axis; empty where none is stated
+  std::vector<ComparedField> compared;  ///< ways to predict the error, where some were compared
   ValidRegion region;
   /// The error that the map predicts for an end point.
   std::function<ErrorPrediction(const Eigen::Vector2d&)> predict;

@@ -9,7 +9,7 @@
 #include "planar_servo/core/fixed.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/offline/page/page_of_file.h"
-#include "planar_servo/offline/pairs/rest_spread.h"
+#include "planar_servo/offline/pairs/recording_check.h"
 #include "planar_servo/report/figure/figure.h"
 #include "planar_servo/report/figure/places.h"
 #include "planar_servo/report/quiver_figure.h"

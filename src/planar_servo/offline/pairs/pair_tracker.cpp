@@ -17,7 +17,6 @@
 #include "planar_servo/offline/pairs/lamp_places.h"
 #include "planar_servo/offline/pairs/pair_without_tracker.h"
 #include "planar_servo/offline/pairs/recording_check.h"
-#include "planar_servo/offline/pairs/rest_spread.h"
 
 namespace planar {
 namespace {

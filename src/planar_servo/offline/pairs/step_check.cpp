@@ -14,7 +14,7 @@ namespace {
 constexpr double kMostCost_m = 0.05 * kMillimetre;
 /// A smaller trend is not worth a word; revisits name changes from this size on.
 constexpr double kWorthAWord_m = 0.01 * kMillimetre;
-constexpr double kHour = 3600.0;
+constexpr double kSecondsAnHour = 3600.0;
 
 /// Training pairs in the order of time, and what is asked of them.
 struct TimedPairs {
@@ -113,7 +113,7 @@ std::string step_doubt(const RecordedStep& step) {
 std::string trend_doubt(const RecordedTrend& found) {
   const double size_mm = found.trend.size.norm() / kMillimetre;
   const std::string rate = found.duration_s > 0.0 ? fmt::format(", {:.3f} mm per hour",
-                                                                size_mm * kHour / found.duration_s)
+                                                                size_mm * kSecondsAnHour / found.duration_s)
                                                   : "";
   return fmt::format(
       "pairs: while the training places were recorded, vision and tracker drifted apart by ({}) mm "
