@@ -107,8 +107,7 @@ TextTable fit_table(const PairTrackerRequest& request, const PairTrackerReport& 
                    fixed(fit.tool.p_TS.head<2>() / kMillimetre, 4, ", ")});
   if (report.datum)
     table.add_row({"monuments, rms, mm", fixed(report.datum->rms / kMillimetre, 4)});
-  if (const RestSpread spread = rest_spread(request.tracker, request.cell.tracker);
-      spread.freedom > 0) {
+  if (const RestSpread spread = rest_spread(request); spread.freedom > 0) {
     table.add_row({"spread of readings at rest per axis, mm", fixed(spread.rms / kMillimetre, 4)});
     table.add_row({"what the cell file states for it, mm", fixed(spread.stated / kMillimetre, 4)});
   }

@@ -90,7 +90,7 @@ DatumRegistration registered(const std::vector<Monument>& datum, const SortedRea
 
 /// Doubts readings that scatter more than is stated, and takes their scatter for what is stated.
 PairTrackerRequest with_honest_tracker(PairTrackerRequest request, PairTrackerReport& report) {
-  const RestSpread spread = rest_spread(request.tracker, request.cell.tracker);
+  const RestSpread spread = rest_spread(request);
   if (!is_shaking(spread)) return request;
   report.doubts.push_back(doubt_of_rest(spread));
   request.cell.tracker = with_found_scatter(request.cell.tracker, spread);
@@ -232,8 +232,8 @@ PairTrackerReport pair_tracker(const PairTrackerRequest& asked) {
   require_upright_tracker(datum, report.workplane.tool);
   require_lamps_in_order(request.cell, request.frames, report.pairs);
   take_out_strays(in_time);
-  look_for_scatter(in_time, report);
   look_for_motion(request, in_time, report);
+  if (!report.step) look_for_scatter(in_time, report);
   log(report);
   return report;
 }

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "planar_servo/calibration/readings/joint1_axis.h"
 #include "planar_servo/core/error.h"
@@ -77,9 +78,13 @@ void require_lamps_in_order(const CellSettings& cell, const std::vector<FrameRow
       n, std::abs(std::atan2(sum.y(), sum.x())) / kDegree));
 }
 
-RestSpread rest_spread(const std::vector<TrackerRow>& readings, const TrackerSettings& tracker) {
+RestSpread rest_spread(const PairTrackerRequest& request) {
+  std::set<std::string> monuments;
+  for (const Monument& monument : request.cell.datum) monuments.insert(monument.id);
   std::map<std::string, std::vector<Eigen::Vector3d>> places;
-  for (const TrackerRow& row : readings) places[row.id].push_back(row.p_L);
+  for (const TrackerRow& row : request.tracker)
+    if (request.by == PairBy::kId || monuments.count(row.id) != 0)
+      places[row.id].push_back(row.p_L);
   double squares = 0.0, variances = 0.0;
   RestSpread spread;
   for (const auto& [id, at] : places) {
@@ -89,7 +94,7 @@ RestSpread rest_spread(const std::vector<TrackerRow>& readings, const TrackerSet
     for (const Eigen::Vector3d& p : at) squares += (p - mean).squaredNorm();
     const int free = 3 * (static_cast<int>(at.size()) - 1);
     spread.freedom += free;
-    variances += free * std::pow(tracker.sigma_at(mean.norm()), 2);
+    variances += free * std::pow(request.cell.tracker.sigma_at(mean.norm()), 2);
   }
   if (spread.freedom == 0) return spread;
   spread.rms = std::sqrt(squares / spread.freedom);

@@ -112,9 +112,10 @@ std::string step_doubt(const RecordedStep& step) {
 
 std::string trend_doubt(const RecordedTrend& found) {
   const double size_mm = found.trend.size.norm() / kMillimetre;
-  const std::string rate = found.duration_s > 0.0 ? fmt::format(", {:.3f} mm per hour",
-                                                                size_mm * kSecondsAnHour / found.duration_s)
-                                                  : "";
+  const std::string rate =
+      found.duration_s > 0.0
+          ? fmt::format(", {:.3f} mm per hour", size_mm * kSecondsAnHour / found.duration_s)
+          : "";
   return fmt::format(
       "pairs: while the training places were recorded, vision and tracker drifted apart by ({}) mm "
       "+- {:.3f}{}: {}; {}",
