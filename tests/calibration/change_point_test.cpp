@@ -20,7 +20,8 @@ Eigen::Vector2d place_of(Visit visit, int i, std::mt19937& random) {
   if (visit == Visit::kAtRandom) return {anywhere(random), anywhere(random)};
   if (visit == Visit::kSpiral)
     return 0.5 * std::sqrt((i + 5.0) / kPlaces) * rotation2d(2.4 * i).col(0);
-  return (0.05 + 0.045 * (i / 10)) * rotation2d(2.0 * kPi / 10.0 * i).col(0);
+  const int ring = i / 10;
+  return (0.05 + 0.045 * ring) * rotation2d(2.0 * kPi / 10.0 * i).col(0);
 }
 
 /// A vision error of three waves and a bend, 0.15 mm, with noise of 0.015 mm.

@@ -29,7 +29,7 @@ TEST_CASE("A map that nothing judges is not spoken against") {
 }
 
 TEST_CASE("Every kind of map says how many places left out lie within its stated 95 %") {
-  const auto samples_at = [](Eigen::Index count) {
+  const auto samples_at = [](int count) {
     return test::measure(test::glow_field, test::random_positions(count, 1), test::kFieldNoise, 1);
   };
   CHECK(fit_error_map({samples_at(200)}).coverage_95 == Approx(0.95).margin(0.04));

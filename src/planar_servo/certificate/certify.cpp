@@ -12,6 +12,7 @@
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/files/vision_files.h"
 #include "planar_servo/io/atomic_file.h"
+#include "planar_servo/io/format/format_line.h"
 #include "planar_servo/io/growing_file.h"
 #include "planar_servo/io/sha256.h"
 #include "planar_servo/run/resumed_run.h"
@@ -118,7 +119,7 @@ class CertificateDriver {
   TargetResult go(std::string id, const Eigen::Vector2d& p) {
     while (run_.has(id)) id += '\'';
     last_.reset();
-    const TargetResult result = run_.move_to({id, p, std::nullopt});
+    TargetResult result = run_.move_to({id, p, std::nullopt});
     if (result.status != ServoStatus::kRefused) arm_at_ = p;
     return result;
   }

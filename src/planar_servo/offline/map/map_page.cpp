@@ -88,6 +88,7 @@ Panel left_histogram(const MapView& view) {
 Panel comparison_panel(const std::vector<ComparedField>& ways) {
   constexpr const char* kColors[] = {"#1f4e79", "#d9822b", "#5a8f3d"};
   std::vector<double> far_mm;
+  far_mm.reserve(ways.size() + 1);
   for (const ComparedField& way : ways) far_mm.push_back(quantile(way.misses, 0.95) / kMillimetre);
   far_mm.push_back(0.0);
   const Axis miss = axis_over("missed by at most, mm", far_mm);
