@@ -34,10 +34,15 @@ def rows_of(path):
     return [dict(zip(rows[0], row)) for row in rows[1:]]
 
 
-def kill_once(cell, program, arguments, longest_s):
+def write_targets(cell):
+    cell.path("targets.csv").write_text("id,x_mm,y_mm\n" + "".join(
+        f"T{i},{-330 + 55 * i},{150 + 7 * i}\n" for i in range(TARGETS)))
+
+
+def kill_once(cell, program, arguments, longest_s, environment=None):
     """Runs a program and kills it after a random time. Returns whether it was killed."""
     process = subprocess.Popen([str((cell.programs / program).resolve()), *map(str, arguments)],
-                               cwd=cell.folder, stdout=subprocess.DEVNULL,
+                               cwd=cell.folder, env=environment, stdout=subprocess.DEVNULL,
                                stderr=subprocess.DEVNULL)
     try:
         process.wait(random.uniform(0.02, longest_s))
@@ -74,8 +79,7 @@ def resume_until_done(cell, kills, program, arguments, folder, table, key, longe
 
 
 def kill_servo(cell, kills):
-    cell.path("targets.csv").write_text("id,x_mm,y_mm\n" + "".join(
-        f"T{i},{-330 + 55 * i},{150 + 7 * i}\n" for i in range(TARGETS)))
+    write_targets(cell)
     cell.servo(out="whole")
     whole = cell.true_errors_mm("whole")
     arguments = ["--cell", "cell.yaml", "--targets", "targets.csv", "--out", "killed", "--no-health"]

@@ -12,14 +12,13 @@ import argparse
 import os
 import random
 import shutil
-import signal
 import subprocess
 import sys
 import time
 from pathlib import Path
 
 from cell_folder import make_cell
-from kills import TARGETS, rows_of, undated
+from kills import TARGETS, kill_once, rows_of, undated, write_targets
 
 
 class Disk:
@@ -61,26 +60,12 @@ class Disk:
             (folder / name).write_bytes(content)
 
 
-def run_and_lose(cell, disk, folder, program, arguments, longest_s):
-    """Runs a program until its power goes. Returns whether it went before the program had ended."""
-    process = subprocess.Popen([str((cell.programs / program).resolve()), *map(str, arguments)], cwd=cell.folder,
-                               env=disk.environment(folder), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    try:
-        process.wait(random.uniform(0.02, longest_s))
-        return False
-    except subprocess.TimeoutExpired:
-        process.send_signal(signal.SIGKILL)
-        process.wait()
-        return True
-
-
 def ids_in(table):
     return [row["target"] for row in rows_of(table)] if table.exists() and table.stat().st_size else []
 
 
 def servo_losses(cell, disk, losses):
-    cell.path("targets.csv").write_text("id,x_mm,y_mm\n" + "".join(
-        f"T{i},{-330 + 55 * i},{150 + 7 * i}\n" for i in range(TARGETS)))
+    write_targets(cell)
     folder = cell.path("powerless")
     table = folder / "results.csv"
     lost, rounds = 0, 0
@@ -90,7 +75,7 @@ def servo_losses(cell, disk, losses):
         while True:
             arguments = ["--cell", "cell.yaml", "--targets", "targets.csv", "--out", "powerless", "--no-health",
                          *(["--resume"] if folder.exists() else [])]
-            went = run_and_lose(cell, disk, folder, "planar-servo", arguments, 2.5)
+            went = kill_once(cell, "planar-servo", arguments, 2.5, disk.environment(folder))
             written = ids_in(table)
             if not went:
                 break
@@ -115,7 +100,7 @@ def writer_losses(cell, disk, losses):
         raise SystemExit(f"planar-fit-error-map: {said}")
     whole, lost = undated(folder / "map.yaml"), 0
     while lost < losses:
-        lost += run_and_lose(cell, disk, folder, "planar-fit-error-map", fit, 0.5)
+        lost += kill_once(cell, "planar-fit-error-map", fit, 0.5, disk.environment(folder))
         disk.lose_power(folder)
         if undated(folder / "map.yaml") != whole:
             raise SystemExit("map.yaml: half-written")

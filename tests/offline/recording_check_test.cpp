@@ -231,6 +231,14 @@ TEST_CASE("Readings that scatter ten times as much as stated are named, and beli
   CHECK(*report.pairs.front().sigma_tracker == Approx(stated).epsilon(0.2));
 }
 
+TEST_CASE("A tracker that moved before its last readings is not called one that scatters") {
+  RecordedBench bench;
+  auto& rows = bench.request.tracker;
+  for (std::size_t i = rows.size() - 15; i < rows.size(); ++i)
+    rows[i].p_L.x() += 0.08 * kMillimetre;
+  CHECK_THAT(bench.refusal(), Contains("tracker") && !Contains("at rest scatter"));
+}
+
 TEST_CASE("A reflector loose on the tool is named, and its readings believed as little") {
   RecordedBench bench;
   CHECK(bench.refusal().empty());

@@ -99,11 +99,7 @@ bool clearly_better(const ComparedField& other, const ComparedField& than) {
 
 /// Adds a way to the comparison and returns whether it is clearly better than the one taken so far.
 bool is_taken(ComparedField way, LampFieldFit& fit) {
-  const auto& ways = fit.compared;
-  const auto best = std::find_if(ways.begin(), ways.end(), [&](const ComparedField& other) {
-    return other.rms == fit.held_out.rms;
-  });
-  const bool taken = clearly_better(way, *best);
+  const bool taken = clearly_better(way, compared("", fit.held_out));
   fit.compared.push_back(std::move(way));
   return taken;
 }

@@ -81,13 +81,17 @@ void require_lamps_in_order(const CellSettings& cell, const std::vector<FrameRow
 RestSpread rest_spread(const PairTrackerRequest& request) {
   std::set<std::string> monuments;
   for (const Monument& monument : request.cell.datum) monuments.insert(monument.id);
-  std::map<std::string, std::vector<Eigen::Vector3d>> places;
-  for (const TrackerRow& row : request.tracker)
-    if (request.by == PairBy::kId || monuments.count(row.id) != 0)
-      places[row.id].push_back(row.p_L);
+  std::vector<std::vector<Eigen::Vector3d>> visits;
+  std::string last;
+  for (const TrackerRow& row : request.tracker) {
+    if (request.by == PairBy::kTime && monuments.count(row.id) == 0) continue;
+    if (visits.empty() || row.id != last) visits.emplace_back();
+    visits.back().push_back(row.p_L);
+    last = row.id;
+  }
   double squares = 0.0, variances = 0.0;
   RestSpread spread;
-  for (const auto& [id, at] : places) {
+  for (const auto& at : visits) {
     if (at.size() < 2) continue;
     Eigen::Vector3d mean(0.0, 0.0, 0.0);
     for (const Eigen::Vector3d& p : at) mean += p / static_cast<double>(at.size());
@@ -112,10 +116,9 @@ bool is_shaking(const RestSpread& spread) {
 
 std::string doubt_of_rest(const RestSpread& spread) {
   return fmt::format(
-      "tracker: its readings of a place at rest scatter by {:.4f} mm, where {:.4f} mm is stated, "
-      "and "
-      "are taken for as uncertain as they scatter; find what shakes the reflector or the tracker, "
-      "or correct tracker.sigma_mm in the cell file",
+      "tracker: its readings of a place at rest scatter by {:.4f} mm, where {:.4f} mm is stated; "
+      "they are taken for as uncertain as they scatter; find what shakes the reflector or the "
+      "tracker, or correct tracker.sigma_mm in the cell file",
       spread.rms / kMillimetre, spread.stated / kMillimetre);
 }
 

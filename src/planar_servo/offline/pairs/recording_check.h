@@ -33,8 +33,9 @@ struct RestSpread {
   int freedom{0};                ///< 0 where no two readings share a place
 };
 
-/// Returns the spread of readings that share an id. Those of the tool that are paired by time may
-/// all have the same one and are left out.
+/// Returns the spread of readings that follow each other and share an id: a monument that is read
+/// again at the end may have moved. Those of the tool that are paired by time may all have the same
+/// id and are left out.
 RestSpread rest_spread(const PairTrackerRequest& request);
 
 /// Returns whether readings scatter by clearly more than the cell file states.
