@@ -4,8 +4,8 @@
     bench/sound_runs.py BIN_DIR OUT_DIR --calibrated DIR [--kinds KIND,...] [--runs N] [--targets N]
 
 DIR is the folder in which bench/arms.py left its cells. Every run has other targets and other noise; a cell's runs
-follow each other, so that the arm learned in one serves the next. A run is stopped when it ends before its last target.
-Prints a row for each cell. Ends with status 1 when a run was stopped.
+follow each other, so that the arm learned in one serves the next. A run is stopped when it ends before its last target,
+or doubts what it reached. Prints a row for each cell. Ends with status 1 when a run was stopped.
 """
 
 import argparse
@@ -70,7 +70,7 @@ def main():
             for number in range(options.runs):
                 rows, said = servo(options.bin_dir.resolve(), folder, number, options.targets)
                 reached += sum(row["status"] == "reached" for row in rows)
-                if len(rows) < options.targets:
+                if len(rows) < options.targets or any(row["status"] == "doubted" for row in rows):
                     stopped += 1
                     print(f"{made.name} run {number} stopped after {len(rows)} targets: {said}", flush=True)
             print(f"{made.name}: {stopped} of {options.runs} runs stopped, {reached} of "

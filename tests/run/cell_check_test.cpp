@@ -79,13 +79,14 @@ TEST_CASE("The first moves of a sound cell go the other way where a disc lies in
   CHECK(sound.way.size() > 100);
 }
 
-TEST_CASE("Play is looked for where the arm stands after a stray place was visited once more") {
+TEST_CASE("Play is looked for where the arm stands once two places were visited again") {
   CheckedCell sound;
   sound.keep("first", 0.0, 60.0);
   sound.keep("strayed", 50.0, 60.0);
   sound.keep("corner", 100.0, 60.0);
   sound.keep("last", 100.0, 120.0);
   for (Eigen::Vector2d& lamp_B : sound.record.places[1].lamps_B) lamp_B.x() += 2e-3;
+  for (Eigen::Vector2d& lamp_B : sound.record.places[0].lamps_B) lamp_B.x() += 6e-6;
   REQUIRE_FALSE(arrive(sound.robot, joint_planner(sound.cell), sound.cell.servo,
                        sound.joints(0.0, 60.0), {}));
   // Motor 2 has arrived long before motor 1, so this lies on the way from first to last alone.

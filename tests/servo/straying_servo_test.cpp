@@ -54,13 +54,24 @@ struct StrayingBench : test::ServoBench {
 }  // namespace
 
 TEST_CASE("An arm that has strayed comes again and reaches its target") {
-  for (const double off_m : {0.2e-3, 1e-3, 2e-3}) {
+  for (const double off_m : {0.2e-3, 1e-3, 2e-3, 6e-3}) {
     StrayingBench bench;
     const ServoResult result = bench.move_off_by(off_m, true);
     INFO(off_m);
     CHECK(result.status == ServoStatus::kReached);
     CHECK(bench.true_distance(test::kTarget) < 20e-6);
   }
+}
+
+TEST_CASE("An arm that misses by more than the guard allows comes again once") {
+  StrayingBench bench;
+  const ServoResult result = bench.move_off_by(6e-3, false);
+  CHECK(result.status == ServoStatus::kHeld);
+  CHECK(result.cell_in_doubt);
+  CHECK(result.steps.size() == 2);
+  CHECK(bench.cell.targets_sent() == bench.moves);
+  StrayingBench farther;
+  CHECK(farther.move_off_by(12e-3, true).steps.size() == 1);
 }
 
 TEST_CASE("An arm that is as far off when it comes again is held, and moves no more") {

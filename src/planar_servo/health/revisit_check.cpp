@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "planar_servo/core/numerics/chance.h"
 #include "planar_servo/core/numerics/decompositions.h"
@@ -139,31 +140,37 @@ std::vector<HealthFinding> find_warmth(const CellModel& model,
                        words(Cause::kWarmth), off_m / kMillimetre)}};
 }
 
-/// Returns whether all lamps are where they were, as far as it matters.
-bool nothing_changed(const CellModel& model, const std::vector<Revisit>& revisits) {
+}  // namespace
+
+bool has_changed(const CellModel& model, const std::vector<Revisit>& revisits) {
   const Eigen::VectorXd d = Whitened(model, revisits).d;
-  return is_noise(d.squaredNorm(), d.size()) || cost_of(revisits) < kHarmless_m;
+  return !is_noise(d.squaredNorm(), d.size()) && cost_of(revisits) >= kHarmless_m;
 }
 
-}  // namespace
+std::vector<std::size_t> farthest_off_first(const std::vector<Revisit>& revisits) {
+  std::vector<std::size_t> order(revisits.size());
+  std::iota(order.begin(), order.end(), 0U);
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return cost_of({revisits[a]}) > cost_of({revisits[b]});
+  });
+  return order;
+}
 
 std::optional<std::size_t> stray_place(const CellModel& model,
                                        const std::vector<Revisit>& revisits) {
   constexpr std::size_t kFewestPlaces = 4;
-  if (revisits.size() < kFewestPlaces || nothing_changed(model, revisits)) return std::nullopt;
-  const auto stray = std::max_element(
-      revisits.begin(), revisits.end(),
-      [](const Revisit& a, const Revisit& b) { return cost_of({a}) < cost_of({b}); });
-  std::vector<Revisit> others(revisits.begin(), stray);
-  others.insert(others.end(), stray + 1, revisits.end());
-  if (!nothing_changed(model, others)) return std::nullopt;
-  return static_cast<std::size_t>(stray - revisits.begin());
+  if (revisits.size() < kFewestPlaces || !has_changed(model, revisits)) return std::nullopt;
+  const std::size_t stray = farthest_off_first(revisits).front();
+  std::vector<Revisit> others = revisits;
+  others.erase(others.begin() + static_cast<std::ptrdiff_t>(stray));
+  if (has_changed(model, others)) return std::nullopt;
+  return stray;
 }
 
 std::vector<HealthFinding> find_changes(const CellModel& model,
                                         const std::vector<Revisit>& revisits) {
   if (revisits.empty()) return {};
-  if (nothing_changed(model, revisits)) return find_warmth(model, revisits);
+  if (!has_changed(model, revisits)) return find_warmth(model, revisits);
   const auto [J, d] = Whitened(model, revisits);
   const double cost_m = cost_of(revisits);
   std::vector<ChangeFit> fits;

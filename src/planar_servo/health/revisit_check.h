@@ -30,6 +30,12 @@ constexpr double kHarmless_m = 10e-6;
 std::vector<HealthFinding> find_changes(const CellModel& model,
                                         const std::vector<Revisit>& revisits);
 
+/// Returns whether lamps are not where they were, as far as it matters.
+bool has_changed(const CellModel& model, const std::vector<Revisit>& revisits);
+
+/// Returns the indices of all places, that where the lamps are farthest from where they were first.
+std::vector<std::size_t> farthest_off_first(const std::vector<Revisit>& revisits);
+
 /// Returns the one place where the lamps are not where they were, when all others are: the arm
 /// strayed there, now or at the calibration, and no cause moves one place alone. Fewer than four
 /// places tell nothing.

@@ -55,10 +55,17 @@ class CellCheck {
   std::optional<Joints> start() const;
   /// Visits a place again. Returns why it was not seen, if it was not.
   std::variant<Revisit, HealthFinding> visit(const HealthPlace& place);
-  /// Takes out a place at which the arm strayed, once another place shows that the arm has not
-  /// slipped. Returns why that was not seen, if it was not.
-  std::optional<HealthFinding> leave_out_stray(const std::vector<HealthPlace>& places,
-                                               std::vector<Revisit>& revisits);
+  /// Visits the two places again where the lamps are farthest from where they were: an arm that
+  /// has strayed is there now, one that has slipped is at neither. Returns why they were not seen.
+  std::optional<HealthFinding> visit_again(const std::vector<HealthPlace>& places,
+                                           std::vector<Revisit>& revisits);
+  /// Takes out a place at which the arm strayed when it was recorded.
+  void leave_out_stray(const std::vector<HealthPlace>& places,
+                       std::vector<Revisit>& revisits) const;
+  /// Looks for play here, and where there seems to be some, at another place: an arm that strays as
+  /// it comes from above does so at one of them.
+  std::vector<HealthFinding> play_now(const std::vector<HealthPlace>& places,
+                                      const std::vector<Revisit>& revisits);
   /// Approaches the present place, which is one of those revisited and was reached from below, from
   /// above. Nothing moves where the arm must not do that.
   std::vector<HealthFinding> play_here(const std::vector<Revisit>& revisits);

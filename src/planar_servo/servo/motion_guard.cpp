@@ -15,6 +15,9 @@ constexpr double kClockUncertainty_s = 0.010;
 /// ten times what links and reducers of a sound arm cause.
 constexpr double kMotionShare = 0.1;
 
+/// A stop misses by no more than a cell without a calibration's word allows.
+constexpr double kFarthestStray_m = GuardLimits{}.distance_m;
+
 constexpr char kAskCell[] = "planar-check-cell says what has moved";
 
 std::optional<Doubt> old(const GuardedLook& look) {
@@ -53,7 +56,7 @@ std::optional<Doubt> displaced(const GuardLimits& limits, const GuardedLook& loo
                   "arm's links, gears, directions or coupling not as the cell file says? {}",
                   place_mm(look.measurement.tip.p), off_m / kMillimetre, place_mm(look.commanded.p),
                   limits.distance_m / kMillimetre, kAskCell),
-      true};
+      true, off_m <= kFarthestStray_m};
 }
 
 std::optional<Doubt> turned(const GuardLimits& limits, const GuardedLook& look) {
@@ -86,7 +89,7 @@ std::optional<Doubt> jumped(const GuardLimits& limits, const GuardedLook& look,
       fmt::format("the tool was seen to move by {}, the command was {}; they differ by {:.3f} mm: "
                   "does the camera see a reflection, has it been touched, or does a joint slip? {}",
                   place_mm(seen), place_mm(commanded), off_m / kMillimetre, kAskCell),
-      true};
+      true, off_m <= kFarthestStray_m};
 }
 
 }  // namespace

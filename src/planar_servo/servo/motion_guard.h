@@ -41,7 +41,8 @@ struct GuardedLook {
 /// Says why a look must not move the arm.
 struct Doubt {
   std::string reason;
-  bool of_cell{false};  ///< the reason holds for other targets, too
+  bool of_cell{false};       ///< the reason holds for other targets, too
+  bool may_be_stray{false};  ///< one stop that missed explains it: the arm may come again
 };
 
 /// Holds a look against the command and against what the cell promises: its age, its noise, the

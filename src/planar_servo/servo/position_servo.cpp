@@ -80,6 +80,11 @@ ServoResult PositionServo::move_to(const TipPose& target, const Observer& observ
       found = doubt_after(step);
     }
     if (observer) observer(step);
+    if (found && may_have_strayed(*found, step)) {
+      if (const auto obstacle = withdraw())
+        return finish(ServoStatus::kLostCamera, obstacle->reason);
+      continue;
+    }
     if (found) {
       result.cell_in_doubt = found->of_cell;
       return finish(ServoStatus::kHeld, found->reason);
@@ -108,6 +113,10 @@ std::optional<Obstacle> PositionServo::withdraw() {
     return arrive(robot_, planner_, settings_, away, [this] { return sensor_.fault(); });
   }
   return std::nullopt;
+}
+
+bool PositionServo::may_have_strayed(const Doubt& found, const ServoStep& step) const {
+  return estimator_ && found.may_be_stray && step.iteration == 0 && settings_.max_iterations > 0;
 }
 
 void PositionServo::begin_target() {

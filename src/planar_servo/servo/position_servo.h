@@ -61,6 +61,9 @@ class PositionServo {
   /// Says what all looks together make doubtful about the cell.
   std::optional<Doubt> doubt_after(const ServoStep& step) const;
   JointPlan corrected_joints(const ServoStep& step) const;
+  /// Returns whether an arm that strayed may be the reason for a doubt, as it is not once the arm
+  /// has come again.
+  bool may_have_strayed(const Doubt& found, const ServoStep& step) const;
   /// Takes the arm away from a target to which it is to come once more, where that is allowed.
   std::optional<Obstacle> withdraw();
   /// Moves and settles. Returns what forbids or stops the motion, if anything does.

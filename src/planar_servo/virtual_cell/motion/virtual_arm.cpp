@@ -136,13 +136,14 @@ Eigen::Vector2d VirtualArm::miss_m() {
   if (!outliers_) return Eigen::Vector2d::Zero();
   const Eigen::Vector3d joints = joints_rad();
   if (rested_rad_ && (joints - *rested_rad_).cwiseAbs().maxCoeff() < kNear) return missed_m_;
+  constexpr std::uint64_t kMix = 0x9e3779b97f4a7c15ULL;
   std::uint64_t place = 0;
   for (const VirtualDrive& drive : drives_) {
     const auto pulses = drive.rest_pulses();
     if (!pulses) return Eigen::Vector2d::Zero();
-    place = place * 0x9e3779b97f4a7c15ULL + static_cast<std::uint32_t>(*pulses);
+    place = place * kMix + static_cast<std::uint32_t>(*pulses);
   }
-  Random random(seed_, RandomStream::kStray, place);
+  Random random(seed_, RandomStream::kStray, place + kMix * visits_[place]++);
   const double length = stray_length(*outliers_, random);
   missed_m_ = any_direction(random, length, length);
   rested_rad_ = joints;

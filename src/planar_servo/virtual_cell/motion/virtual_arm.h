@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <unordered_map>
 #include <vector>
 
 #include "planar_servo/core/clock.h"
@@ -52,8 +53,8 @@ class VirtualArm {
   Eigen::Vector2d all_runout_m(const Eigen::Vector3d& direction_rad) const;
   /// Returns by how much the tool hangs lower when the links are these vectors of the plane.
   double sag_m(const Eigen::Vector2d& link1, const Eigen::Vector2d& link2) const;
-  /// Returns by how much the arm misses where it came to rest; it stays so while the arm stays
-  /// near.
+  /// Returns by how much the arm misses where it came to rest, anew whenever it comes there; it
+  /// stays so while the arm stays near.
   Eigen::Vector2d miss_m();
   /// Returns by how much the arm misses at this stop, or missed at the last one while it moves.
   Eigen::Vector2d scatter_m();
@@ -73,6 +74,7 @@ class VirtualArm {
   std::vector<VirtualDrive> drives_;
   std::optional<Eigen::Vector3d> rested_rad_;  ///< joints where `missed_m_` was drawn
   Eigen::Vector2d missed_m_{0.0, 0.0};
+  std::unordered_map<std::uint64_t, std::uint64_t> visits_;  ///< earlier rests at a place
 };
 
 }  // namespace planar
