@@ -223,6 +223,16 @@ TEST_CASE("A cell has the tracker of its kind unless it names another") {
   CHECK(read_cell(folder.write("cell.yaml", text)).tracker.kind->name() == "none");
 }
 
+TEST_CASE("A cell may state its tracker's systematic error") {
+  CHECK_FALSE(read_cell(test::paper_cell_file()).tracker.bias_m);
+  const test::TemporaryFolder folder;
+  const std::string text = test::replaced(read_file(test::paper_cell_file()), "tracker: {",
+                                          "tracker: {bias_mm: 0.002, ");
+  CHECK(*read_cell(folder.write("cell.yaml", text)).tracker.bias_m == Approx(2e-6));
+  CHECK_THAT(faults_with("tracker: {", "tracker: {bias_mm: -1, "),
+             Contains("tracker.bias_mm is -1"));
+}
+
 TEST_CASE("A file that is not made yet is named with the program that makes it") {
   CHECK_THROWS_WITH(require_made("/absent/camera.yaml", "planar-calibrate-camera"),
                     Contains("/absent/camera.yaml: does not exist yet; make it with "

@@ -144,6 +144,9 @@ TEST_CASE("A tracker's scatter in micrometres or metres is questioned, and none 
   cell.tracker.sigma_m_per_m = 6e-3;
   check_question(cell, "tracker.sigma_mm_per_m", "is 6");
   cell.tracker.sigma_m_per_m = 0.0;
+  cell.tracker.bias_m = 3e-3;
+  check_question(cell, "tracker.bias_mm", "is 3");
+  cell.tracker.bias_m = 3e-6;
   CHECK(question_values(cell).empty());
 }
 

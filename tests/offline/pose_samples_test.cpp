@@ -4,6 +4,7 @@
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
+#include "planar_servo/files/vision_files.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/offline/arm/calibrate_arm.h"
 #include "planar_servo/offline/map/check_error_map.h"
@@ -74,6 +75,15 @@ TEST_CASE("A pair without lamps, joints or deviations is named") {
     spoil(pair);
     CHECK_THROWS_WITH(pose_samples(cell, {pair}), Contains("pair 'p7' lacks"));
   }
+}
+
+TEST_CASE(
+    "A tracker errs over the field by a third of its deviation unless its cell says otherwise") {
+  CellSettings cell = read_cell(test::workshop_cell_file());
+  const VisionCalibration vision = read_vision(cell, true);
+  CHECK(nominal_arm(cell, vision).tracker_bias == Approx(cell.tracker.sigma_m / 3.0));
+  cell.tracker.bias_m = 2e-6;
+  CHECK(nominal_arm(cell, vision).tracker_bias == 2e-6);
 }
 
 TEST_CASE("An arm's readings come from pairs and from samples alike") {

@@ -57,6 +57,8 @@ struct TrackerSettings {
   const TrackerKind* kind{nullptr};
   double sigma_m{0.0};        ///< standard deviation per axis at the tracker itself
   double sigma_m_per_m{0.0};  ///< growth of it per metre of distance
+  /// By how much its systematic error differs over the field, standard deviation per axis.
+  std::optional<double> bias_m;
   std::shared_ptr<const DeviceDetails> details;  ///< the settings that only this kind has
 
   /// Returns the standard deviation per axis of a reading at this distance from the tracker,

@@ -177,6 +177,8 @@ void read_tracker(Fields& fields, CellSettings& cell, const DeviceKinds& kinds) 
   if (fields.given("source", true)) read_kind(fields, "source", kinds.trackers, tracker.kind);
   fields.number("sigma_mm", tracker.sigma_m, kMillimetre, Range::at_least(0.0));
   fields.number("sigma_mm_per_m", tracker.sigma_m_per_m, kMillimetre, Range::at_least(0.0));
+  if (fields.given("bias_mm", false))
+    fields.number("bias_mm", tracker.bias_m.emplace(), kMillimetre, Range::at_least(0.0));
   if (tracker.kind != nullptr) tracker.details = tracker.kind->read(fields);
 }
 

@@ -150,6 +150,9 @@ std::vector<Finding> question_tracker(const TrackerSettings& tracker) {
   if (tracker.sigma_m_per_m > 0.0)
     values.push_back({"tracker.sigma_mm_per_m", tracker.sigma_m_per_m / kMillimetre, 1e-4, 1.0,
                       "with each metre trackers scatter by {:g} to {:g} mm more", remedy});
+  if (tracker.bias_m.value_or(0.0) > 0.0)
+    values.push_back({"tracker.bias_mm", *tracker.bias_m / kMillimetre, 1e-4, 0.1,
+                      "trackers err by {:g} to {:g} mm over a field", remedy});
   return question_unusual(values);
 }
 

@@ -279,9 +279,9 @@ std::vector<HealthFinding> CellCheck::play_now(const std::vector<HealthPlace>& p
   const auto way = [&](const HealthPlace& place) {
     return (place.theta - robot_.commanded_joints()).norm();
   };
-  const auto elsewhere = std::max_element(
-      places.begin(), places.end(),
-      [&](const HealthPlace& a, const HealthPlace& b) { return way(a) < way(b); });
+  const auto elsewhere =
+      std::max_element(places.begin(), places.end(),
+                       [&](const HealthPlace& a, const HealthPlace& b) { return way(a) < way(b); });
   if (const auto visited = visit(*elsewhere); std::holds_alternative<HealthFinding>(visited))
     return {std::get<HealthFinding>(visited)};
   return play_here(revisits);
