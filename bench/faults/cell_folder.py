@@ -17,8 +17,8 @@ class CellFolder:
         self.programs = Path(programs)
         self.folder = Path(folder)
 
-    def path(self, name):
-        return self.folder / name
+    def path(self, *names):
+        return self.folder.joinpath(*names)
 
     def copy_to(self, folder):
         """Copies the files, but no recording and no run; a recording is linked."""

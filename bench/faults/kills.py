@@ -90,7 +90,7 @@ def kill_servo(cell, kills):
                                     "results.csv", "target", 2.5)
         rounds += 1
     status, said = cell.run("planar-servo",
-                            *to_go_on(cell, "planar-servo", arguments, "killed", "results.csv"))
+                            *to_go_on(cell, "planar-servo", arguments, "killed"))
     resumed = cell.true_errors_mm("killed")
     if status != 0 or len(resumed) != TARGETS:
         raise SystemExit(f"the resumed run has {len(resumed)} of {TARGETS} targets: {said}")

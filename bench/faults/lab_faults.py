@@ -51,6 +51,25 @@ def resumed_after(change):
     return run
 
 
+def resumed_with(change):
+    """Visits three targets, changes what they are resumed with, and goes on."""
+    def run(cell):
+        cell.servo()
+        change(cell)
+        return cell.servo("--resume")
+    return run
+
+
+def with_direction(cell):
+    cell.edit_rows("targets.csv", lambda rows: [{**row, "phi_deg": 30} for row in rows])
+
+
+def linked_steps(cell):
+    """Puts a link to the table of targets in the place of a run's steps."""
+    cell.path("run", "steps.csv").unlink()
+    cell.path("run", "steps.csv").symlink_to(cell.path("targets.csv").resolve())
+
+
 def lights(*places):
     """Adds lights that stand still: (x, y, level)."""
     return lambda cell, _: cell.append("truth.yaml", "reference_lamps:\n" + "".join(
@@ -192,6 +211,16 @@ HANDLED = [
           lambda cell: cell.servo(targets="-", stdin=TORN), MEANT),
     Fault("torn last line of a table of targets", lambda cell, _: cell.path("targets.csv").write_text(TORN),
           r"newline|torn|last line", meant=MEANT),
+    Fault("targets given a direction before --resume", lambda cell, _: None, r"direction|phi",
+          resumed_with(with_direction)),
+    Fault("tolerance changed before --resume", lambda cell, _: None, r"tolerance",
+          resumed_with(lambda cell: cell.edit_number("cell.yaml", "tolerance_mm", lambda v: 4 * v))),
+    Fault("steps.csv is a link before --resume", lambda cell, _: None, r"steps.csv.*link",
+          resumed_with(linked_steps)),
+    Fault("map written over the table of targets", lambda cell, _: None, r"targets.csv.*(not|replace)",
+          lambda cell: cell.run("planar-fit-error-map", "-o", "targets.csv", "pairs.csv")),
+    Fault("map of 40 MB", lambda cell, _: cell.append("map.yaml", "more: [" + "0.123456, " * 4_000_000 + "0]\n"),
+          r"map.yaml.*(MB|bytes|large|checksum)"),
     Fault("targets with decimal commas", lambda cell, _: cell.path("targets.csv").write_text(
         "id,x_mm,y_mm\nT1,220,5,110,5\n"), r"targets.csv:2"),
     Fault("keep-out disc in metres", keep_out("{x_mm: 0.22, y_mm: 0.11, radius_mm: 0.05}"), r"keep_out"),
