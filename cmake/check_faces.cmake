@@ -4,7 +4,7 @@
 # map. Exceptions: core/pose.h needs Eigen/Geometry, which brings decompositions of its own; a vpRobot
 # needs ViSP's header.
 cmake_minimum_required(VERSION 3.25)
-set(library core io devices arm lens lamps error_map calibration cell robot servo vision files
+set(library core io devices arm lens tool lamps error_map calibration cell robot servo vision files
             machine field health)
 string(CONCAT heavy "^#include [<\"](Eigen/(Cholesky|Dense|Eigenvalues|LU|QR|SVD|Sparse.*)|"
                     "opencv2/([a-bd-z]|calib3d|core/utils).*|nlohmann/json\\.hpp|spdlog/.*|CLI/.*|"

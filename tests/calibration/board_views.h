@@ -5,8 +5,8 @@
 
 #include "calibration/board_image.h"
 #include "planar_servo/calibration/board/board.h"
-#include "planar_servo/calibration/board/dot_eccentricity.h"
 #include "planar_servo/calibration/camera_calibration.h"
+#include "planar_servo/tool/disc_image.h"
 
 namespace planar::test {
 

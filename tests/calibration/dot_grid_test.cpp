@@ -4,8 +4,8 @@
 
 #include "calibration/board_image.h"
 #include "planar_servo/calibration/board/board.h"
-#include "planar_servo/calibration/board/dot_eccentricity.h"
 #include "planar_servo/core/error.h"
+#include "planar_servo/tool/disc_image.h"
 #include "support/shared_data.h"
 
 namespace planar {

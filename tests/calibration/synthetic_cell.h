@@ -3,11 +3,11 @@
 #include <random>
 #include <vector>
 
-#include "planar_servo/calibration/tool_offsets.h"
 #include "planar_servo/calibration/tool_sight.h"
 #include "planar_servo/core/pose.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/lens/workplane.h"
+#include "planar_servo/tool/tool_offsets.h"
 
 namespace planar::test {
 

@@ -6,9 +6,9 @@
 #include <cmath>
 
 #include "calibration/synthetic_cell.h"
-#include "planar_servo/calibration/board/dot_eccentricity.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/offline/pairs/lay_check.h"
+#include "planar_servo/tool/disc_image.h"
 
 namespace planar {
 namespace {

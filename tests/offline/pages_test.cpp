@@ -5,7 +5,6 @@
 
 #include "calibration/board_views.h"
 #include "field/bent_cell.h"
-#include "planar_servo/calibration/vision_tip.h"
 #include "planar_servo/core/fixed.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/io/format/format_line.h"
@@ -16,6 +15,7 @@
 #include "planar_servo/offline/lamps/repeated_sights.h"
 #include "planar_servo/offline/map/map_page.h"
 #include "planar_servo/offline/pairs/pair_page.h"
+#include "planar_servo/tool/vision_tip.h"
 #include "support/error_fields.h"
 #include "support/temporary_folder.h"
 #include "support/well_formed.h"

@@ -5,10 +5,10 @@
 
 #include "calibration/synthetic_cell.h"
 #include "planar_servo/arm/planar_arm.h"
-#include "planar_servo/calibration/vision_tip.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/offline/pairs/pair_tracker_report.h"
+#include "planar_servo/tool/vision_tip.h"
 
 namespace planar {
 namespace {

@@ -98,7 +98,7 @@ grep -q "as it was at its calibration" said.txt || fail "$(cat said.txt)"
 printf 'id,x_mm,y_mm\na,200,100\n' >targets.csv
 expect 2 "untracked.yaml: nobody can judge this cell" \
   "$bin/planar-servo" --cell untracked.yaml --targets targets.csv --out made --judged
-operated said.err "$bin/planar-servo" --cell live.yaml --targets targets.csv --out run --home --judged --json run.json \
+operated said.err "$bin/planar-servo" --cell live.yaml --targets targets.csv --out run --home --accept-map --judged --json run.json \
   >said.txt || fail "$(cat said.err)"
 grep -q "^the tracker's word is known to 0.0" said.txt || fail "$(cat said.txt)"
 grep -q '"judged": 1' run.json || fail "$(cat run.json)"

@@ -6,12 +6,12 @@
 #include <optional>
 
 #include "planar_servo/calibration/board/board_pose.h"
-#include "planar_servo/calibration/board/dot_eccentricity.h"
 #include "planar_servo/calibration/camera/lens_fit.h"
 #include "planar_servo/calibration/camera/repeated_views.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/numerics/statistics.h"
 #include "planar_servo/core/parallel.h"
+#include "planar_servo/tool/disc_image.h"
 
 namespace planar {
 namespace {

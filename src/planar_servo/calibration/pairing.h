@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/calibration/tool_offsets.h"
 #include "planar_servo/calibration/tool_sight.h"
 #include "planar_servo/core/plan.h"
+#include "planar_servo/tool/tool_offsets.h"
 
 namespace planar {
 

@@ -6,12 +6,12 @@
 #include <cmath>
 
 #include "planar_servo/calibration/plane/plane_start.h"
-#include "planar_servo/calibration/vision_tip.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/numerics/decompositions.h"
 #include "planar_servo/core/numerics/statistics.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/lens/workplane.h"
+#include "planar_servo/tool/vision_tip.h"
 
 namespace planar {
 namespace {

@@ -7,14 +7,14 @@
 #include <functional>
 #include <optional>
 
-#include "planar_servo/calibration/coarse_view.h"
 #include "planar_servo/calibration/plane/plane_start.h"
 #include "planar_servo/calibration/plane/sight_set.h"
-#include "planar_servo/calibration/tracker_registration.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/numerics/decompositions.h"
+#include "planar_servo/core/numerics/rigid_fit.h"
 #include "planar_servo/core/numerics/statistics.h"
 #include "planar_servo/core/units.h"
+#include "planar_servo/tool/coarse_view.h"
 
 namespace planar {
 namespace {

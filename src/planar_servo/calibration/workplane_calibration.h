@@ -3,10 +3,11 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "planar_servo/calibration/tool_offsets.h"
+#include "planar_servo/calibration/sweep_offset.h"
 #include "planar_servo/calibration/tool_sight.h"
 #include "planar_servo/core/pose.h"
 #include "planar_servo/lens/camera_model.h"
+#include "planar_servo/tool/tool_offsets.h"
 
 namespace planar {
 

@@ -11,7 +11,6 @@
 #include <set>
 #include <utility>
 
-#include "planar_servo/calibration/vision_tip.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/experiment/experiment_plan.h"
@@ -19,6 +18,7 @@
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/files/vision_files.h"
 #include "planar_servo/offline/map/pose_samples.h"
+#include "planar_servo/tool/vision_tip.h"
 
 namespace planar {
 namespace {

@@ -8,8 +8,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "planar_servo/calibration/vision_tip.h"
 #include "planar_servo/core/numerics/statistics.h"
+#include "planar_servo/tool/vision_tip.h"
 
 namespace planar {
 namespace {

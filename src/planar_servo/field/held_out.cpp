@@ -5,9 +5,9 @@
 #include <map>
 #include <string>
 
-#include "planar_servo/calibration/vision_tip.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/field/lamp_field.h"
+#include "planar_servo/tool/vision_tip.h"
 
 namespace planar {
 namespace {

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/calibration/tool_offsets.h"
 #include "planar_servo/files/provenance.h"
+#include "planar_servo/tool/tool_offsets.h"
 
 namespace planar {
 

@@ -4,11 +4,11 @@
 #include <functional>
 #include <memory>
 
-#include "planar_servo/calibration/tool_offsets.h"
 #include "planar_servo/cell/cell_settings.h"
 #include "planar_servo/core/names.h"
 #include "planar_servo/judge/judge.h"
 #include "planar_servo/machine/cell_devices.h"
+#include "planar_servo/tool/tool_offsets.h"
 
 namespace planar {
 

@@ -6,13 +6,13 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/calibration/tool_offsets.h"
 #include "planar_servo/cell/cell_settings.h"
 #include "planar_servo/devices/tracker.h"
 #include "planar_servo/io/growing_file.h"
 #include "planar_servo/judge/judge.h"
 #include "planar_servo/judge/reflector_readings.h"
 #include "planar_servo/judge/registered_tracker.h"
+#include "planar_servo/tool/tool_offsets.h"
 
 namespace planar {
 

@@ -10,13 +10,13 @@
 #include <utility>
 #include <variant>
 
-#include "planar_servo/calibration/vision_tip.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/files/health_file.h"
 #include "planar_servo/health/arm_check.h"
 #include "planar_servo/health/revisit_check.h"
 #include "planar_servo/servo/approach.h"
 #include "planar_servo/servo/arrival.h"
+#include "planar_servo/tool/vision_tip.h"
 #include "planar_servo/vision/seen_cell.h"
 
 namespace planar {

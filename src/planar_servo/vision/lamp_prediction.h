@@ -4,8 +4,8 @@
 #include <optional>
 #include <vector>
 
-#include "planar_servo/calibration/coarse_view.h"
 #include "planar_servo/core/pose.h"
+#include "planar_servo/tool/coarse_view.h"
 #include "planar_servo/vision/see_tool.h"
 
 namespace planar {

@@ -5,9 +5,9 @@
 
 #include <cmath>
 
-#include "planar_servo/calibration/vision_tip.h"
 #include "planar_servo/core/fixed.h"
 #include "planar_servo/core/units.h"
+#include "planar_servo/tool/vision_tip.h"
 #include "planar_servo/vision/follow_region.h"
 
 namespace planar {

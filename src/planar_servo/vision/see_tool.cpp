@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "planar_servo/calibration/vision_tip.h"
+#include "planar_servo/tool/vision_tip.h"
 
 namespace planar {
 namespace {

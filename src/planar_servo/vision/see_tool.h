@@ -6,7 +6,6 @@
 #include <string>
 #include <variant>
 
-#include "planar_servo/calibration/tool_offsets.h"
 #include "planar_servo/core/pose.h"
 #include "planar_servo/devices/frame.h"
 #include "planar_servo/error_map/error_map.h"
@@ -14,6 +13,7 @@
 #include "planar_servo/lamps/lamp_layout.h"
 #include "planar_servo/lamps/lamp_tracker.h"
 #include "planar_servo/lens/workplane.h"
+#include "planar_servo/tool/tool_offsets.h"
 #include "planar_servo/vision/image_motion.h"
 #include "planar_servo/vision/reference_lamps.h"
 

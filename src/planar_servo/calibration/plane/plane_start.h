@@ -3,8 +3,8 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "planar_servo/calibration/coarse_view.h"
 #include "planar_servo/core/pose.h"
+#include "planar_servo/tool/coarse_view.h"
 
 namespace planar {
 

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "planar_servo/calibration/tracker_registration.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/fixed.h"
+#include "planar_servo/core/numerics/rigid_fit.h"
 #include "planar_servo/core/units.h"
 
 namespace planar {

@@ -3,8 +3,8 @@
 #include <Eigen/Core>
 
 #include "planar_servo/arm/found_arm.h"
-#include "planar_servo/calibration/tool_offsets.h"
 #include "planar_servo/field/field_basis.h"
+#include "planar_servo/tool/tool_offsets.h"
 
 namespace planar {
 

@@ -4,10 +4,10 @@
 
 #include <cmath>
 
-#include "planar_servo/calibration/vision_tip.h"
 #include "planar_servo/core/fixed.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/offline/page/page_of_file.h"
+#include "planar_servo/tool/vision_tip.h"
 
 namespace planar {
 namespace {

@@ -4,10 +4,10 @@
 #include <optional>
 
 #include "planar_servo/calibration/board/board_pose.h"
-#include "planar_servo/calibration/board/dot_eccentricity.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/numerics/statistics.h"
 #include "planar_servo/offline/camera/board_images.h"
+#include "planar_servo/tool/disc_image.h"
 
 namespace planar {
 namespace {

@@ -5,11 +5,11 @@
 #include <vector>
 
 #include "planar_servo/calibration/pairing.h"
-#include "planar_servo/calibration/vision_tip.h"
 #include "planar_servo/files/tables/frame_table.h"
 #include "planar_servo/files/tables/lamp_table.h"
 #include "planar_servo/files/tables/pair_table.h"
 #include "planar_servo/lens/workplane.h"
+#include "planar_servo/tool/vision_tip.h"
 
 namespace planar {
 

@@ -10,13 +10,13 @@
 
 #include "planar_servo/calibration/readings/reading_order.h"
 #include "planar_servo/calibration/readings/rests.h"
-#include "planar_servo/calibration/vision_tip.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/lens/workplane.h"
 #include "planar_servo/offline/pairs/lamp_places.h"
 #include "planar_servo/offline/pairs/pair_without_tracker.h"
 #include "planar_servo/offline/pairs/recording_check.h"
+#include "planar_servo/tool/vision_tip.h"
 
 namespace planar {
 namespace {

@@ -11,7 +11,6 @@
 #include <optional>
 #include <set>
 
-#include "planar_servo/calibration/coarse_view.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/files/tables/frame_table.h"
 #include "planar_servo/files/tables/tracker_table.h"
@@ -27,6 +26,7 @@
 #include "planar_servo/robot/planar_robot.h"
 #include "planar_servo/servo/arrival.h"
 #include "planar_servo/servo/camera_wait.h"
+#include "planar_servo/tool/coarse_view.h"
 #include "planar_servo/vision/follow_region.h"
 #include "planar_servo/vision/reference_lamps.h"
 

@@ -1,8 +1,8 @@
-#include "planar_servo/calibration/vision_tip.h"
+#include "planar_servo/tool/vision_tip.h"
 
 #include <cmath>
 
-#include "planar_servo/calibration/board/dot_eccentricity.h"
+#include "planar_servo/tool/disc_image.h"
 
 namespace planar {
 

@@ -1,4 +1,4 @@
-#include "planar_servo/calibration/tool_offsets.h"
+#include "planar_servo/calibration/sweep_offset.h"
 
 #include <map>
 

@@ -4,9 +4,9 @@
 #include <array>
 #include <optional>
 
-#include "planar_servo/calibration/tool_offsets.h"
 #include "planar_servo/core/pose.h"
 #include "planar_servo/lens/workplane.h"
+#include "planar_servo/tool/tool_offsets.h"
 
 namespace planar {
 

@@ -1,4 +1,4 @@
-#include "planar_servo/calibration/board/dot_eccentricity.h"
+#include "planar_servo/tool/disc_image.h"
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>

@@ -1,4 +1,4 @@
-#include "planar_servo/calibration/coarse_view.h"
+#include "planar_servo/tool/coarse_view.h"
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
