@@ -39,9 +39,10 @@ Outcome calibrate(const Options& options) {
   const std::vector<Origin> origins{origin_of({Role::kPairs, options.table}), arm_origin(cell)};
   write_file(options.output,
              found_arm_text(found_arm(fit.estimate), arm_terms(fit.estimate), origins, kText.name));
-  say("{}", arm_report_text(fit));
+  const ReportList list = arm_list(fit);
+  say("{}", list.text());
   if (page) write_page(*page, arm_page(fit, options.output));
-  return {arm_report_json(fit)};
+  return {list.json()};
 }
 
 void add_options(CLI::App& app, Options& options) {

@@ -6,7 +6,6 @@
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/offline/camera/calibrate_camera.h"
 #include "planar_servo/offline/camera/calibration_page.h"
-#include "planar_servo/offline/camera/calibration_report.h"
 #include "program.h"
 #include "report_option.h"
 
@@ -26,8 +25,8 @@ distortion          -0.01664 0 0 0 0
 residuals           0.361 px rms, 0.390 px in views left out of the fit
 expected error      0.085 mm in a plane at the grid's distance
 over that plane     0.0096 mm by the camera's model, at most 0.0246 mm
-  recording/images/grid_1_0.pgm  0.338 px
-  recording/images/grid_2_0.pgm  0.345 px)"};
+  recording/images/grid_1_0.pgm: 0.338 px
+  recording/images/grid_2_0.pgm: 0.345 px)"};
 
 struct Options {
   std::string grid;
@@ -67,9 +66,10 @@ Outcome calibrate(const Options& options) {
   views.problem.model = options.model;
   CameraCalibration found = calibrate_camera(views.problem, views.rejected);
   write_camera(options.output, found, kText.name, views.inputs);
-  say("{}", calibration_text(found));
+  const ReportList list = calibration_list(found);
+  say("{}", list.text());
   if (page) write_page(*page, camera_page(found, options.output, views.inputs));
-  return {calibration_json(found)};
+  return {list.json()};
 }
 
 void add_options(CLI::App& app, Options& options) {

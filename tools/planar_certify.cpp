@@ -83,9 +83,9 @@ Outcome certify(const Options& options) {
         "command to go on",
         certificate.run.ended_by));
   write_certificate(certificate);
-  say("{}certificate: {}\n", certificate_text(certificate),
-      (options.out / "certificate.html").string());
-  return {certificate_json(certificate), certificate.all_count()};
+  const ReportList list = certificate_list(certificate);
+  say("{}certificate: {}\n", list.text(), (options.out / "certificate.html").string());
+  return {list.json(), certificate.all_count()};
 }
 
 }  // namespace

@@ -5,7 +5,6 @@
 #include "planar_servo/files/map/map_file.h"
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/offline/map/check_error_map.h"
-#include "planar_servo/offline/map/map_check_report.h"
 #include "planar_servo/report/progress_bar.h"
 #include "program.h"
 
@@ -49,9 +48,9 @@ Outcome check_pairs(const Options& options) {
   const std::size_t count = all.size();
   const std::vector<PairRow> pairs = pairs_to_check(std::move(all), plans_of(options));
   require_what_it_needs(map, pairs, options.pairs);
-  const MapCheck result = check(map, pairs);
-  say("{}", map_check_text(result, count - pairs.size()));
-  return {map_check_json(result)};
+  const ReportList list = map_check_list(check(map, pairs), count - pairs.size());
+  say("{}", list.text());
+  return {list.json()};
 }
 
 void add_options(CLI::App& app, Options& options) {

@@ -169,8 +169,9 @@ Outcome run(const Options& options) {
   const ExperimentRequest request = request_of(options);
   if (options.predict) {
     const PositioningPrediction prediction = predict_experiment(request);
-    say("{}", prediction_text(prediction));
-    return {prediction_json(prediction)};
+    const ReportList list = prediction_list(prediction);
+    say("{}", list.text());
+    return {list.json()};
   }
   if (options.seeds > 0) return run_many(request, options);
   heed_interrupts();
@@ -179,7 +180,7 @@ Outcome run(const Options& options) {
   const std::filesystem::path page =
       write_experiment_report(report, options.cell.string(), options.out);
   say("{}report: {}\n", experiment_text(report), page.string());
-  return {experiment_json(report)};
+  return {experiment_list(report).json()};
 }
 
 }  // namespace

@@ -84,12 +84,11 @@ Outcome fit_with_cell(const Options& options, const std::optional<std::filesyste
       files, cell, vision, [&](const char* phase, double share) { bar.show(phase, share); });
   const double fit_seconds = clock.now_s() - begin_s;
   write_lamp_field(files, fit, cell, kText.name);
-  const std::string text = lamp_field_report_text(fit);
-  say("{}", text);
-  if (page) write_page(*page, map_page(view_of(fit, text), options.output));
-  nlohmann::json figures = lamp_field_report_json(fit);
-  figures["fit_seconds"] = fit_seconds;
-  return {figures};
+  ReportList list = lamp_field_list(fit);
+  list.unprinted("fit_seconds", fit_seconds);
+  say("{}", list.text());
+  if (page) write_page(*page, map_page(view_of(fit, list.text()), options.output));
+  return {list.json()};
 }
 
 Outcome fit(const Options& options) {
@@ -106,10 +105,10 @@ Outcome fit(const Options& options) {
   const auto [report, doubt, comparison] = fit_and_compare(options.pairs, choice);
   write_file(options.output, map_text(report.result, options.pairs, kText.name));
   if (!doubt.empty()) spdlog::warn(doubt);
-  const std::string text = map_fit_text(report, comparison);
-  say("{}", text);
-  if (page) write_page(*page, map_page(view_of(report, text), options.output));
-  return {map_fit_json(report, comparison)};
+  const ReportList list = map_fit_list(report, comparison);
+  say("{}", list.text());
+  if (page) write_page(*page, map_page(view_of(report, list.text()), options.output));
+  return {list.json()};
 }
 
 void add_options(CLI::App& app, Options& options) {

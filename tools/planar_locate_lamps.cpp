@@ -26,7 +26,9 @@ const ProgramText kText{
     "Finds lamps in images and measures their centres, on the cell's plane where it has one.",
     "planar-locate-lamps [--cell cell.yaml] [--lamps 1|2] [--centre METHOD] [--start U,V] "
     "[--report FILE.html|none] -o lamps.csv RECORDING | IMAGE...",
-    "163 images: 156 ok, 7 board_view; 0.46 ms per image; direction to 0.0034 deg"};
+    "images              163: 156 ok, 7 board_view\n"
+    "time                0.46 ms per image\n"
+    "direction           known to 0.0034 deg"};
 
 struct Options {
   fs::path cell, out;
@@ -138,7 +140,8 @@ Outcome locate(const Options& options) {
       options.lamps == 1 ? follow_disc(request, start_pixel(options.start)) : locate_lamps(request);
   write_file(options.out, lamps_text(report.rows, lamp_remarks(origins, report.reference_lamps)));
   const LocateFigures figures = figures_of(report);
-  say("{}", locate_text(figures));
+  const ReportList list = locate_list(figures);
+  say("{}", list.text());
   if (page)
     write_page(*page,
                lamps_page(report, options.out,
@@ -149,7 +152,7 @@ Outcome locate(const Options& options) {
   if (!figures.any())
     spdlog::error(fmt::format("no image shows what was looked for; {} says why for each",
                               options.out.string()));
-  return {locate_json(figures), figures.any()};
+  return {list.json(), figures.any()};
 }
 
 }  // namespace

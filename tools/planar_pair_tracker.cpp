@@ -16,7 +16,6 @@
 #include "planar_servo/offline/pairs/pair_files.h"
 #include "planar_servo/offline/pairs/pair_page.h"
 #include "planar_servo/offline/pairs/pair_tracker.h"
-#include "planar_servo/offline/pairs/pair_tracker_report.h"
 #include "program.h"
 #include "report_option.h"
 
@@ -30,11 +29,11 @@ const ProgramText kText{
     "[--workplane-from pairs|grid] --workplane-out workplane.yaml --tool-out tool.yaml "
     "[--grid BOARD] [--board-thickness-mm T] [--lays-out lays.csv] "
     "[--accept-step] [--health-out health.yaml] [--report FILE.html|none] -o pairs.csv",
-    R"(datum      3 monuments, rms 0.005 mm
-workplane  6 degrees of freedom fitted to 51 places, rms 0.085 mm
-tool       end point (0.058, 0.048) mm, reflector (11.811, -8.139) mm
-rejected   train_17: vision and tracker differ by 4.643 mm; the limit is 0.812 mm
-raw error  train: 39 pairs, mean 0.079 mm, rms 0.094 mm, max 0.231 mm)"};
+    R"(datum               3 monuments, rms 0.0045 mm
+workplane           6 degrees of freedom fitted to 51 places, rms 0.0845 mm
+tool                end point (0.0576, 0.0482) mm, reflector (11.8112, -8.1389) mm
+rejected            train_17: vision and tracker differ by 4.641 mm; the limit is 0.817 mm
+raw error           train: 39 pairs, mean 0.079 mm, rms 0.093 mm, max 0.227 mm)"};
 
 constexpr double kThickest_mm = 1000.0;
 
@@ -198,7 +197,7 @@ std::string write_lays(const Options& options, const PairTrackerRequest& request
        doubts_of_lays(lays, fit.X_WC.translation().z() - request.dots_height))
     spdlog::warn(doubt);
   write_lays_file(options.lays_out, request.cell, files_of(options), tables_of(options), lays);
-  return fmt::format("lays       {} views of the board on the plane, {} dots\n", boards.size(),
+  return fmt::format("{:<20}{} views of the board on the plane, {} dots\n", "lays", boards.size(),
                      lays.size());
 }
 
@@ -213,10 +212,11 @@ Outcome pair(const Options& options) {
   write_pair_files(files_of(options), request.cell, tables_of(options), report.workplane,
                    source_of(options), report.pairs, kText.name);
   look_at_cell(options, request, report);
-  say("{}", pair_tracker_text(report));
+  const ReportList list = pair_tracker_list(report);
+  say("{}", list.text());
   if (page) write_page(*page, pair_page(request, report, options.pairs_out));
   if (!options.lays_out.empty()) say("{}", write_lays(options, request, boards, report.workplane));
-  return {pair_tracker_json(report)};
+  return {list.json()};
 }
 
 }  // namespace

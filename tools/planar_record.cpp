@@ -16,7 +16,8 @@ const ProgramText kText{
     "planar-record --cell cell.yaml --plan plan.csv --out RECORDING [--home] [--at-marks]\n"
     "                     [--grid circles:COLSxROWS:PITCHmm] [--display auto|x|none]\n"
     "                     [--on-bad-reading repeat|skip|stop]",
-    "1 positions recorded (0 were there before): 3 frames, 1 of them full, in RECORDING\n"
+    "1 positions recorded (0 were there before): 3 frames, 1 of them full\n"
+    "recording: RECORDING\n"
     "camera: 3 whole frames; left out: 0 with parts missing, 0 repeated; the camera was lost and "
     "found 0 times"};
 
@@ -77,8 +78,9 @@ Outcome run(const Options& options) {
   for (const std::string& id : report.without_lamps)
     spdlog::warn(fmt::format("{}: no pair of lamps was seen; its frames are kept", id));
   const FrameCounts frames = devices->camera().counts();
-  say("{}", record_text(report, frames, options.recording));
-  return {record_json(report, frames)};
+  const ReportList list = record_list(report, frames, options.recording);
+  say("{}", list.text());
+  return {list.json()};
 }
 
 }  // namespace

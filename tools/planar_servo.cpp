@@ -215,9 +215,10 @@ Outcome report(const ServoRequest& request, const Options& options, const ServoR
   ServoFigures figures = figures_of(run.results());
   figures.frames = frames;
   write_run(request, run, figures, from_stdin(options) ? fs::path() : options.targets);
-  say(from_stdin(options) ? stderr : stdout, "{}log and report: {}\n", servo_text(figures),
+  const ReportList list = servo_list(figures);
+  say(from_stdin(options) ? stderr : stdout, "{}log and report: {}\n", list.text(),
       request.out.string());
-  return {servo_json(figures), figures.reached == figures.targets && good_input && !run.ended_by()};
+  return {list.json(), figures.reached == figures.targets && good_input && !run.ended_by()};
 }
 
 ServoRequest request_of(const Options& options, const CellSettings& cell) {
@@ -303,8 +304,9 @@ Outcome follow_path(const Options& options, const CellSettings& cell) {
   const std::vector<PathDemand> demands = require_followable(cell, path);
   if (options.check) require_inside_map(check_files(options, cell), path);
   if (options.check || options.dry_run) {
-    say("{}", path_demand_text(path, demands));
-    return {path_demand_json(path, demands), true};
+    const ReportList list = path_demand_list(path, demands);
+    say("{}", list.text());
+    return {list.json(), true};
   }
   const ServoRequest request = request_of(options, cell);
   heed_interrupts();
@@ -312,8 +314,8 @@ Outcome follow_path(const Options& options, const CellSettings& cell) {
   PathRun run(request, path, *devices);
   const bool reached = follow(run, path);
   write_path_run(request, path, run);
-  say("{}log and report: {}\n", path_text(path, run.results()), request.out.string());
-  return {path_json(path, run.results()), reached};
+  say("{}log and report: {}\n", path_table(path, run.results()).plain_text(), request.out.string());
+  return {path_list(path, run.results()).json(), reached};
 }
 
 Outcome work(const Options& options) {

@@ -32,7 +32,7 @@ TEST_CASE("A cell without a truth is certified by its tracker, whose uncertainty
   CHECK(certificate.accuracy.judge_sigma >= whole.tracker.sigma_m);
   CHECK(certificate.accuracy.workspace.value().errors.max < 0.2e-3);
   CHECK_FALSE(certificate.accuracy.poses.at(0).turn);
-  const auto json = certificate_json(certificate);
+  const auto json = certificate_list(certificate).json();
   CHECK(json.contains("poses_tracker"));
   CHECK_FALSE(json.contains("poses_truth"));
   const std::string page = certificate_page(certificate);
@@ -42,7 +42,7 @@ TEST_CASE("A cell without a truth is certified by its tracker, whose uncertainty
   // The same command again moves nothing and finds the same.
   const Certificate again = certificate_of(run_certificate(request, open));
   CHECK(opened == 1);
-  CHECK(certificate_json(again) == json);
+  CHECK(certificate_list(again).json() == json);
   request.size.cycles = 3;
   CHECK_THROWS_WITH(run_certificate(request, open),
                     Catch::Contains("was begun with other --cycles"));

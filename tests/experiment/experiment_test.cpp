@@ -208,7 +208,7 @@ TEST_CASE("A small experiment fills every table of the paper, and our chain beat
   // It allows for leaning axes and a biased tracker, of which this cell has neither.
   CHECK(report.prediction.mean < 3.0 * ours.after_truth->mean);
 
-  const nlohmann::json json = experiment_json(report);
+  const nlohmann::json json = experiment_list(report).json();
   for (int table = 1; table <= 7; ++table) CHECK(!json["table" + std::to_string(table)].empty());
   CHECK(json["table7"][0]["ours"].get<double>() ==
         Approx(tables.positioning[0].ours / kMillimetre));
@@ -239,7 +239,7 @@ TEST_CASE("Without a tracker reading a laid board and poses place the tool, but 
   CHECK(ours.after_truth->mean < 0.03 * kMillimetre);
   REQUIRE(report.turn_taken_out);
   CHECK(std::abs(*report.turn_taken_out) > 0.1 * kDegree);  // joint 1's zero is off by 0.2
-  CHECK(experiment_json(report)["table1"].empty());
+  CHECK(experiment_list(report).json()["table1"].empty());
   CHECK_THAT(experiment_text(report), Contains("no tracker reading fixed the turn"));
   const std::string page = read_file(write_experiment_report(report, "cell.yaml", folder / "run"));
   CHECK_THAT(page, Contains("Table 7:") && !Contains("Table 5:") && !Contains("A1 takes"));

@@ -81,11 +81,11 @@ TEST_CASE(
   }
   const FitErrorMapReport report = fit_error_map_to_pairs(pairs, {});
   CHECK(report.result.places == PlaceSource::kNamed);
-  const std::string text = map_fit_text(report, {});
+  const std::string text = map_fit_list(report, {}).text();
   CHECK_THAT(text, Contains("places              100, as named"));
   CHECK_THAT(text, Contains("mm per axis of a place, 0.0010 mm of a reading"));
   CHECK_THAT(text, Contains("in a gap") && Contains("mm are without pairs"));
-  const nlohmann::json keys = map_fit_json(report, {});
+  const nlohmann::json keys = map_fit_list(report, {}).json();
   CHECK(keys["places"] == "named");
   CHECK(keys["n_places"] == 100);
   CHECK(keys["reading_noise_mm"].get<double>() == Approx(0.001).epsilon(0.01));

@@ -7,7 +7,7 @@
 #include "planar_servo/arm/planar_arm.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
-#include "planar_servo/offline/pairs/pair_tracker_report.h"
+#include "planar_servo/offline/pairs/pair_page.h"
 #include "planar_servo/tool/vision_tip.h"
 
 namespace planar {
@@ -237,7 +237,7 @@ TEST_CASE("Lamps of another recording and readings without monuments are refused
 
 TEST_CASE("Every printed figure of pairs stands in the JSON, by plan") {
   const PairTrackerReport report = pair_tracker(recorded(SyntheticCell()));
-  const nlohmann::json json = pair_tracker_json(report);
+  const nlohmann::json json = pair_tracker_list(report).json();
   const Summary raw = raw_error(report.pairs, Plan::kTrain);
   REQUIRE(json["raw"].contains("train"));
   CHECK(json["raw"]["train"]["pairs"] == raw.n);

@@ -10,7 +10,6 @@
 #include "calibration/synthetic_cell.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/offline/pairs/pair_page.h"
-#include "planar_servo/offline/pairs/pair_tracker_report.h"
 #include "support/temporary_folder.h"
 
 namespace planar {
@@ -300,7 +299,8 @@ TEST_CASE("A tracker's own clock is found in a table with decimal commas, and pa
   CHECK(std::abs(report.clock->offset_s - expected_s) < report.clock->sigma_offset_s);
   CHECK(report.clock->rate == Approx(50e-6).epsilon(0.01));
   CHECK(report.pairs.size() == 128);
-  CHECK_THAT(pair_tracker_text(report), Contains("clock      the tracker's is 37."));
+  CHECK_THAT(pair_tracker_list(report).text(),
+             Contains("clock               the tracker's is 37."));
 }
 
 TEST_CASE("Readings of another recording are said not to follow the lamps") {

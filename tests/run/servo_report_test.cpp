@@ -21,7 +21,8 @@ TargetResult reached(const std::string& id, double before_m, double after_m) {
 }
 
 TEST_CASE("The figures of a run carry the suffix of who judged them, in millimetres") {
-  const auto json = servo_json(figures_of({reached("a", 1e-3, 1e-5), reached("b", 3e-3, 3e-5)}));
+  const auto json =
+      servo_list(figures_of({reached("a", 1e-3, 1e-5), reached("b", 3e-3, 3e-5)})).json();
   CHECK(json["targets"] == 2);
   CHECK(json["reached"] == 2);
   CHECK(json["before_mean_mm_truth"].get<double>() == Approx(2.0));
@@ -41,8 +42,8 @@ TEST_CASE("The stated interval is held against the truth, component by component
   b.vision_compensated = Eigen::Vector2d(-2.1e-6, 0.0);
   const ServoFigures figures = figures_of({a, b});
   CHECK(figures.coverage_95 == 0.75);
-  CHECK(servo_json(figures)["coverage_95_truth"] == 0.75);
-  CHECK_THAT(servo_text(figures), Catch::Contains("75.0 % of the components"));
+  CHECK(servo_list(figures).json()["coverage_95_truth"] == 0.75);
+  CHECK_THAT(servo_list(figures).text(), Catch::Contains("75.0 % of the components"));
 }
 
 TEST_CASE("The interval is that of the place that the servo believed in, where it had one") {
@@ -62,7 +63,7 @@ TEST_CASE("A run says where the arm alone landed and what vision added, without 
         "against the truth the arm alone lands 0.0032 mm from its targets in the mean, with vision "
         "0.0031 mm");
   CHECK_THAT(
-      servo_text(figures),
+      servo_list(figures).text(),
       Catch::Contains("against the truth: the arm alone 0.0032 mm mean; with vision 0.0031") &&
           !Catch::Contains("improvement"));
 }
@@ -72,7 +73,7 @@ TEST_CASE("Vision that makes the arm worse by more than chance is a fault of the
   for (const double change_m : {1e-6, 2e-6, 3e-6, -0.5e-6, 2e-6})
     results.push_back(reached("a", 5e-6, 5e-6 + change_m));
   CHECK(figures_of(results).made_worse);
-  CHECK_THAT(servo_text(figures_of(results)), Catch::Contains("vision made the arm worse"));
+  CHECK_THAT(servo_list(figures_of(results)).text(), Catch::Contains("vision made the arm worse"));
   CHECK_THAT(servo_page({}, results), Catch::Contains("verdict bad"));
   results.push_back(reached("b", 9e-6, 1e-6));
   CHECK_FALSE(figures_of(results).made_worse);
@@ -92,10 +93,10 @@ TEST_CASE("A run in which targets were not reached is said to be one") {
 TEST_CASE("Without a truth no figure claims one") {
   TargetResult result = reached("a", 1e-3, 1e-5);
   result.before_truth = result.after_truth = std::nullopt;
-  const auto json = servo_json(figures_of({result}));
+  const auto json = servo_list(figures_of({result})).json();
   CHECK_FALSE(json.contains("after_mean_mm_truth"));
   CHECK(json.contains("after_mean_mm_own_view"));
-  CHECK_THAT(servo_text(figures_of({result})), !Catch::Contains("truth"));
+  CHECK_THAT(servo_list(figures_of({result})).text(), !Catch::Contains("truth"));
 }
 
 TEST_CASE("Where a tracker judges, its uncertainty stands beside the errors and is taken out") {
@@ -105,7 +106,7 @@ TEST_CASE("Where a tracker judges, its uncertainty stands beside the errors and 
   c.before_truth = c.after_truth = std::nullopt;
   c.not_judged = "a broken beam";
   const ServoFigures figures = figures_of({a, b, c});
-  const auto json = servo_json(figures);
+  const auto json = servo_list(figures).json();
   CHECK(json["after_rms_mm_truth"].get<double>() == Approx(0.05));
   CHECK(json["sigma_mm_truth"].get<double>() == Approx(0.03));
   CHECK(json["after_rms_net_mm_truth"].get<double>() ==
@@ -113,12 +114,12 @@ TEST_CASE("Where a tracker judges, its uncertainty stands beside the errors and 
   CHECK(json["judged"] == 2);
   CHECK(json["not_judged"] ==
         nlohmann::json::array({{{"target", "c"}, {"reason", "a broken beam"}}}));
-  CHECK_THAT(servo_text(figures), Catch::Contains("against the tracker: the arm alone") &&
-                                      Catch::Contains("known to 0.0300 mm per axis") &&
-                                      Catch::Contains("not judged: c: a broken beam") &&
-                                      !Catch::Contains("against the truth"));
+  CHECK_THAT(servo_list(figures).text(), Catch::Contains("against the tracker: the arm alone") &&
+                                             Catch::Contains("known to 0.0300 mm per axis") &&
+                                             Catch::Contains("not judged: c: a broken beam") &&
+                                             !Catch::Contains("against the truth"));
   a.sigma_truth_m = 1e-4;
-  CHECK(servo_json(figures_of({a}))["after_rms_net_mm_truth"] == 0.0);
+  CHECK(servo_list(figures_of({a})).json()["after_rms_net_mm_truth"] == 0.0);
 }
 
 TEST_CASE("The stated interval allows for the tracker that judges it") {
@@ -132,13 +133,13 @@ TEST_CASE("The stated interval allows for the tracker that judges it") {
 
 TEST_CASE("A run says how many of the camera's frames it left out") {
   ServoFigures figures = figures_of({reached("a", 1e-3, 1e-5)});
-  CHECK_THAT(servo_text(figures), !Catch::Contains("camera"));
+  CHECK_THAT(servo_list(figures).text(), !Catch::Contains("camera"));
   figures.frames = FrameCounts{412, 3, 2, 1};
   CHECK_THAT(
-      servo_text(figures),
+      servo_list(figures).text(),
       Catch::Contains("camera: 412 whole frames; left out: 3 with parts missing, 2 repeated; "
                       "the camera was lost and found 1 time\n"));
-  const auto json = servo_json(figures);
+  const auto json = servo_list(figures).json();
   CHECK(json["frames_complete"] == 412);
   CHECK(json["frames_incomplete"] == 3);
   CHECK(json["frames_frozen"] == 2);

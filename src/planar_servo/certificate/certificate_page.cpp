@@ -46,11 +46,6 @@ std::string mm_text(double metres) {
   return std::isfinite(metres) ? fmt::format("{:.4f}", metres / kMillimetre) : kNone;
 }
 
-std::string deg_text(const std::optional<PoseAccuracy>& turn, double PoseAccuracy::*figure) {
-  if (!turn || !std::isfinite((*turn).*figure)) return kNone;
-  return fmt::format("{:.4f}", (*turn).*figure / kDegree);
-}
-
 std::string range_mm(const std::optional<Interval>& interval) {
   return interval ? fmt::format("{} to {}", mm_text(interval->first), mm_text(interval->second))
                   : kNone;
@@ -107,34 +102,6 @@ Verdict verdict_of(const Certificate& certificate) {
   return verdict;
 }
 
-std::string pose_table(const CellAccuracy& accuracy) {
-  std::vector<std::string> columns{"pose", "x, y mm", "n", "AP mm", "95 %", "RP mm", "95 %"};
-  const bool sees_turns = std::any_of(accuracy.poses.begin(), accuracy.poses.end(),
-                                      [](const PoseFigures& pose) { return pose.turn; });
-  if (sees_turns) columns.insert(columns.end(), {"AP °", "RP °"});
-  TextTable table("Pose accuracy AP and repeatability RP, ISO 9283, in the plane", columns);
-  for (const PoseFigures& pose : accuracy.poses) {
-    std::optional<Interval> ap, rp;
-    if (pose.intervals) {
-      ap = pose.intervals->accuracy;
-      rp = pose.intervals->repeatability;
-    }
-    std::vector<std::string> row{
-        pose.name,
-        fmt::format("{:.1f}, {:.1f}", pose.p.x() / kMillimetre, pose.p.y() / kMillimetre),
-        std::to_string(pose.cycles),
-        mm_text(pose.position.accuracy),
-        range_mm(ap),
-        mm_text(pose.position.repeatability),
-        range_mm(rp)};
-    if (sees_turns)
-      row.insert(row.end(), {deg_text(pose.turn, &PoseAccuracy::accuracy),
-                             deg_text(pose.turn, &PoseAccuracy::repeatability)});
-    table.add_row(row);
-  }
-  return table.html();
-}
-
 std::string direction_table(const CellAccuracy& accuracy) {
   TextTable table("Variation with the approach vAP, drift over the run",
                   {"", "compared", "found mm", "by chance below mm"});
@@ -169,16 +136,8 @@ std::string workspace_table(const WorkspaceFigures& workspace) {
 }
 
 std::string budget_table(const UncertaintyBudget& budget) {
-  TextTable table("Uncertainty budget over the workspace, per axis",
-                  {"term", "mm", "share", "from"});
-  const double whole = budget.expected * budget.expected;
-  for (const BudgetTerm& term : budget.terms)
-    table.add_row(
-        {term.name, mm_text(term.sigma),
-         term.counts
-             ? fmt::format("{:.0f} %", whole > 0.0 ? 200.0 * term.sigma * term.sigma / whole : 0.0)
-             : kNone,
-         term.source});
+  TextTable table =
+      budget_list(budget).table("Uncertainty budget over the workspace, per axis", "terms");
   table.add_row({"root sum of squares × √2", mm_text(budget.expected), "",
                  fmt::format("expected rms length; found {} ({})", mm_text(budget.found),
                              range_mm(budget.found_95))});
@@ -293,7 +252,11 @@ std::string certificate_page(const Certificate& certificate) {
   page.add_style(kSheetStyle);
   add_opening(page, certificate);
   page.add_verdict(verdict_of(certificate));
-  page.add_html(pose_table(certificate.accuracy));
+  if (!certificate.accuracy.poses.empty())
+    page.add_html(
+        certificate_list(certificate)
+            .table("Pose accuracy AP and repeatability RP, ISO 9283, in the plane", "poses")
+            .html());
   page.add_html("<div class=\"sheet\"><div>");
   page.add_html(direction_table(certificate.accuracy));
   page.add_html("</div><div>");

@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "planar_servo/certificate/certificate_page.h"
 #include "planar_servo/core/units.h"
@@ -15,120 +15,110 @@
 namespace planar {
 namespace {
 
-using Json = nlohmann::json;
-
-double mm(double metres) {
-  return metres / kMillimetre;
+/// Returns a member of what may not be there.
+template <typename Whole, typename Part>
+std::optional<Part> part_of(const std::optional<Whole>& whole, Part Whole::*part) {
+  return whole ? std::optional(*whole.*part) : std::nullopt;
 }
 
-/// Returns a length as a number, or null where it is not known.
-Json length_json(double metres) {
-  return std::isfinite(metres) ? Json(mm(metres)) : Json();
+void list_run(ReportList& list, const CertificateRun& run) {
+  list.unprinted("program", certifying_program());
+  list.unprinted("cell", run.request.servo.cell.file.string());
+  list.unprinted("cycles", run.request.size.cycles);
+  list.unprinted("targets", run.request.size.targets);
+  list.unprinted("ended_by", run.ended_by);
+  list.unprinted("accepted_stale", run.accepted);
+  ReportList square;
+  square.unprinted("centre_mm", run.places.square.centre);
+  square.unprinted("side_mm", run.places.square.side);
+  square.unprinted("raster_mm", run.places.raster);
+  square.unprinted("usable_share_of_workspace", run.places.usable);
+  list.part("square", square);
+  list.rows("files", certified_files(run.request.servo.cell),
+            [](ReportList& row, const auto& made) {
+              row.unprinted("role", made.first);
+              row.unprinted("file", made.second.string());
+              row.unprinted("sha256", content_sha256(made.second));
+            });
+  if (run.moves.empty()) return;
+  list.unprinted("first_utc", run.moves.front().utc);
+  list.unprinted("last_utc", run.moves.back().utc);
 }
 
-void add_interval(Json& json, const char* key, const std::optional<Interval>& interval) {
-  if (interval) json[key] = {mm(interval->first), mm(interval->second)};
-}
-
-Json place_json(const Eigen::Vector2d& p) {
-  return {mm(p.x()), mm(p.y())};
-}
-
-Json pose_json(const PoseFigures& pose) {
-  Json json{{"pose", pose.name},
-            {"place_mm", place_json(pose.p)},
-            {"cycles", pose.cycles},
-            {"ap_mm", mm(pose.position.accuracy)},
-            {"rp_mm", length_json(pose.position.repeatability)}};
-  if (pose.intervals) {
-    add_interval(json, "ap_95_mm", pose.intervals->accuracy);
-    add_interval(json, "rp_95_mm", pose.intervals->repeatability);
-  }
-  if (!pose.turn) return json;
-  json["ap_turn_deg"] = pose.turn->accuracy / kDegree;
-  if (std::isfinite(pose.turn->repeatability))
-    json["rp_turn_deg"] = pose.turn->repeatability / kDegree;
-  return json;
-}
-
-Json change_json(const FirstAndLast& change) {
-  return {{"first_mm", mm(change.first)},
-          {"last_mm", mm(change.last)},
-          {"chance_95_mm", mm(change.chance)}};
-}
-
-Json drift_json(const PoseDrift& drift) {
-  Json json{{"cycles_compared", drift.cycles},
-            {"shift_mm", mm(drift.shift)},
-            {"shift_chance_95_mm", mm(drift.shift_chance)},
-            {"ap", change_json(drift.accuracy)}};
-  if (drift.repeatability) json["rp"] = change_json(*drift.repeatability);
-  return json;
-}
-
-Json workspace_json(const WorkspaceFigures& workspace) {
-  Json json{{"targets", workspace.errors.n},      {"mean_mm", mm(workspace.errors.mean)},
-            {"rms_mm", mm(workspace.errors.rms)}, {"p95_mm", mm(workspace.errors.p95)},
-            {"max_mm", mm(workspace.errors.max)}, {"share_below_max_95", workspace.below_max}};
-  add_interval(json, "mean_95_mm", workspace.mean);
-  add_interval(json, "rms_95_mm", workspace.rms);
-  add_interval(json, "p95_95_mm", workspace.p95);
-  if (workspace.turn_rms) json["turn_rms_deg"] = *workspace.turn_rms / kDegree;
-  return json;
-}
-
-Json budget_json(const UncertaintyBudget& budget) {
-  Json terms = Json::array();
-  for (const BudgetTerm& term : budget.terms)
-    terms.push_back({{"name", term.name},
-                     {"sigma_mm", mm(term.sigma)},
-                     {"counts", term.counts},
-                     {"source", term.source}});
-  return {{"terms", terms},
-          {"expected_rms_mm", mm(budget.expected)},
-          {"found_rms_mm", mm(budget.found)},
-          {"words", budget_words(budget)}};
-}
-
-Json files_json(const CertificateRun& run) {
-  Json files = Json::array();
-  for (const auto& [role, path] : certified_files(run.request.servo.cell))
-    files.push_back({{"role", role}, {"file", path.string()}, {"sha256", content_sha256(path)}});
-  return files;
-}
-
-std::string vap_line(const CellAccuracy& accuracy) {
-  if (accuracy.directions.empty()) return "";
-  const DirectionFigures& worst = accuracy.worst_variation();
-  return fmt::format("{:<20}{:.4f} mm vAP at {}; scatter alone keeps it below {:.4f} mm\n",
-                     fmt::format("from {} directions", worst.directions), mm(worst.variation),
-                     worst.name, mm(worst.chance));
-}
-
-std::string pose_lines(const CellAccuracy& accuracy) {
-  if (accuracy.poses.empty()) return "";
+void list_poses(ReportList& list, const CellAccuracy& accuracy) {
+  const bool sees_turns = std::any_of(accuracy.poses.begin(), accuracy.poses.end(),
+                                      [](const PoseFigures& pose) { return pose.turn; });
+  list.rows("poses", accuracy.poses, [&](ReportList& row, const PoseFigures& pose) {
+    row.line("pose", "{pose}", pose.name);
+    row.line("x, y mm", "{place_mm:.1f}", pose.p);
+    row.line("n", "{cycles}", pose.cycles);
+    row.line("AP mm", "{ap_mm:.4f}", pose.position.accuracy);
+    row.line("95 %", "{ap_95_mm:.4f| to }", part_of(pose.intervals, &PoseIntervals::accuracy));
+    row.line("RP mm", "{rp_mm:.4f}", pose.position.repeatability);
+    row.line("95 %", "{rp_95_mm:.4f| to }", part_of(pose.intervals, &PoseIntervals::repeatability));
+    if (!sees_turns) return;
+    row.line("AP °", "{ap_turn_deg:.4f}", part_of(pose.turn, &PoseAccuracy::accuracy));
+    const auto turn = part_of(pose.turn, &PoseAccuracy::repeatability);
+    row.line("RP °", "{rp_turn_deg:.4f}", turn && std::isfinite(*turn) ? turn : std::nullopt);
+  });
+  if (accuracy.poses.empty()) return;
   const PoseFigures &ap = accuracy.worst_accuracy(), &rp = accuracy.worst_repeatability();
-  std::string text = fmt::format("{:<20}{:.4f} mm AP at {}, the worst of {}\n", "pose accuracy",
-                                 mm(ap.position.accuracy), ap.name, accuracy.poses.size());
+  list.line("pose accuracy",
+            fmt::format("{:.4f} mm AP at {}, the worst of {}", ap.position.accuracy / kMillimetre,
+                        ap.name, accuracy.poses.size()));
   if (std::isfinite(rp.position.repeatability))
-    text += fmt::format("{:<20}{:.4f} mm RP at {}, over {} cycles\n", "repeatability",
-                        mm(rp.position.repeatability), rp.name, rp.cycles);
-  return text;
+    list.line("repeatability",
+              fmt::format("{:.4f} mm RP at {}, over {} cycles",
+                          rp.position.repeatability / kMillimetre, rp.name, rp.cycles));
 }
 
-std::string drift_line(const CellAccuracy& accuracy) {
-  if (!accuracy.drift) return "";
-  return fmt::format(
-      "{:<20}{:.4f} mm between the first and last thirds; chance alone keeps it below {:.4f} mm\n",
-      "drift", mm(accuracy.drift->shift), mm(accuracy.drift->shift_chance));
+void list_directions(ReportList& list, const CellAccuracy& accuracy) {
+  list.rows("directions", accuracy.directions, [](ReportList& row, const DirectionFigures& found) {
+    row.unprinted("pose", found.name);
+    row.unprinted("directions", found.directions);
+    row.unprinted("cycles", found.cycles);
+    row.unprinted("vap_mm", found.variation);
+    row.unprinted("chance_95_mm", found.chance);
+  });
+  if (accuracy.directions.empty()) return;
+  const DirectionFigures& worst = accuracy.worst_variation();
+  list.line(fmt::format("from {} directions", worst.directions),
+            fmt::format("{:.4f} mm vAP at {}; scatter alone keeps it below {:.4f} mm",
+                        worst.variation / kMillimetre, worst.name, worst.chance / kMillimetre));
 }
 
-std::string workspace_line(const CellAccuracy& accuracy) {
-  if (!accuracy.workspace) return "";
-  const Summary& errors = accuracy.workspace->errors;
-  return fmt::format("{:<20}{:.4f} mm mean, {:.4f} rms, {:.4f} at 95 %, {:.4f} max at {} targets\n",
-                     "whole workspace", mm(errors.mean), mm(errors.rms), mm(errors.p95),
-                     mm(errors.max), errors.n);
+ReportList drift_list(const PoseDrift& drift) {
+  ReportList list;
+  list.line("drift",
+            "{shift_mm:.4f} mm between the first and last thirds; chance alone keeps it below "
+            "{shift_chance_95_mm:.4f} mm",
+            drift.shift, drift.shift_chance);
+  list.unprinted("cycles_compared", drift.cycles);
+  const auto add = [&list](const char* key, const FirstAndLast& change) {
+    ReportList part;
+    part.unprinted("first_mm", change.first);
+    part.unprinted("last_mm", change.last);
+    part.unprinted("chance_95_mm", change.chance);
+    list.part(key, part);
+  };
+  add("ap", drift.accuracy);
+  if (drift.repeatability) add("rp", *drift.repeatability);
+  return list;
+}
+
+ReportList workspace_list(const WorkspaceFigures& workspace) {
+  const Summary& errors = workspace.errors;
+  ReportList list;
+  list.line("whole workspace",
+            "{mean_mm:.4f} mm mean, {rms_mm:.4f} rms, {p95_mm:.4f} at 95 %, {max_mm:.4f} max at "
+            "{targets} targets",
+            errors.mean, errors.rms, errors.p95, errors.max, errors.n);
+  list.unprinted("share_below_max_95", workspace.below_max);
+  list.unprinted("mean_95_mm", workspace.mean);
+  list.unprinted("rms_95_mm", workspace.rms);
+  list.unprinted("p95_95_mm", workspace.p95);
+  list.unprinted("turn_rms_deg", workspace.turn_rms);
+  return list;
 }
 
 }  // namespace
@@ -145,66 +135,47 @@ std::string certifying_program() {
   return "planar-certify " PLANAR_VERSION;
 }
 
-nlohmann::json certificate_json(const Certificate& certificate) {
-  const CertificateRun& run = certificate.run;
-  const CellAccuracy& accuracy = certificate.accuracy;
-  const std::string judge = std::string("_") + name_in(kJudgeKinds, run.judge);
-  const TestSquare& square = run.places.square;
-  Json json{{"program", certifying_program()},
-            {"cell", run.request.servo.cell.file.string()},
-            {"judge", name_in(kJudgeKinds, run.judge)},
-            {"judge_sigma_mm", mm(accuracy.judge_sigma)},
-            {"cycles", run.request.size.cycles},
-            {"targets", run.request.size.targets},
-            {"moves", accuracy.moves},
-            {"reached", accuracy.reached},
-            {"judged", accuracy.judged},
-            {"ended_by", run.ended_by},
-            {"square",
-             {{"centre_mm", place_json(square.centre)},
-              {"side_mm", mm(square.side)},
-              {"raster_mm", mm(run.places.raster)},
-              {"usable_share_of_workspace", run.places.usable}}}};
-  if (!run.moves.empty()) {
-    json["first_utc"] = run.moves.front().utc;
-    json["last_utc"] = run.moves.back().utc;
-  }
-  Json poses = Json::array(), directions = Json::array();
-  for (const PoseFigures& pose : accuracy.poses) poses.push_back(pose_json(pose));
-  for (const DirectionFigures& d : accuracy.directions)
-    directions.push_back({{"pose", d.name},
-                          {"directions", d.directions},
-                          {"cycles", d.cycles},
-                          {"vap_mm", mm(d.variation)},
-                          {"chance_95_mm", mm(d.chance)}});
-  json["poses" + judge] = poses;
-  json["directions" + judge] = directions;
-  if (accuracy.drift) json["drift" + judge] = drift_json(*accuracy.drift);
-  if (accuracy.workspace) json["workspace" + judge] = workspace_json(*accuracy.workspace);
-  if (certificate.budget) json["budget" + judge] = budget_json(*certificate.budget);
-  json["files"] = files_json(run);
-  json["accepted_stale"] = run.accepted;
-  return json;
+ReportList budget_list(const UncertaintyBudget& budget) {
+  const double whole = budget.expected * budget.expected;
+  ReportList list;
+  list.line("budget",
+            "{expected_rms_mm:.4f} mm rms expected, {found_rms_mm:.4f} found; " +
+                budget.largest().name + " weighs most",
+            budget.expected, budget.found);
+  list.unprinted("words", budget_words(budget));
+  list.rows("terms", budget.terms, [whole](ReportList& row, const BudgetTerm& term) {
+    const double share = whole > 0.0 ? 200.0 * term.sigma * term.sigma / whole : 0.0;
+    row.line("term", "{name}", term.name);
+    row.line("mm", "{sigma_mm:.4f}", term.sigma);
+    row.line("share", term.counts ? fmt::format("{:.0f} %", share) : "–");
+    row.line("from", "{source}", term.source);
+    row.unprinted("counts", term.counts);
+  });
+  return list;
 }
 
-std::string certificate_text(const Certificate& certificate) {
+ReportList certificate_list(const Certificate& certificate) {
   const CellAccuracy& accuracy = certificate.accuracy;
-  std::string text =
-      fmt::format("{:<20}{} of {} moves reached and judged by the {}\n", "moves", accuracy.judged,
-                  accuracy.moves, name_in(kJudgeKinds, certificate.run.judge));
-  text +=
-      pose_lines(accuracy) + vap_line(accuracy) + drift_line(accuracy) + workspace_line(accuracy);
-  if (certificate.budget)
-    text += fmt::format("{:<20}{:.4f} mm rms expected, {:.4f} found; {} weighs most\n", "budget",
-                        mm(certificate.budget->expected), mm(certificate.budget->found),
-                        certificate.budget->largest().name);
-  return text;
+  const std::string judge = name_in(kJudgeKinds, certificate.run.judge);
+  ReportList list, found("_" + judge);
+  list.line("moves", "{judged} of {moves} moves reached and judged by the {judge}", accuracy.judged,
+            accuracy.moves, judge);
+  list.unprinted("reached", accuracy.reached);
+  list.unprinted("judge_sigma_mm", accuracy.judge_sigma);
+  list_run(list, certificate.run);
+  list_poses(found, accuracy);
+  list_directions(found, accuracy);
+  if (accuracy.drift) found.part("drift", drift_list(*accuracy.drift));
+  if (accuracy.workspace) found.part("workspace", workspace_list(*accuracy.workspace));
+  if (certificate.budget) found.part("budget", budget_list(*certificate.budget));
+  list.append(found);
+  return list;
 }
 
 void write_certificate(const Certificate& certificate) {
   const std::filesystem::path& out = certificate.run.request.servo.out;
   write_file(out / "certificate.json",
-             with_format_key("figures", certificate_json(certificate).dump(2)));
+             with_format_key("figures", certificate_list(certificate).json().dump(2)));
   write_file(out / "certificate.html", certificate_page(certificate));
 }
 

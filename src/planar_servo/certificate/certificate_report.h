@@ -1,12 +1,12 @@
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 
 #include "planar_servo/certificate/cell_accuracy.h"
 #include "planar_servo/certificate/certify.h"
 #include "planar_servo/certificate/uncertainty_budget.h"
+#include "planar_servo/report/report_list.h"
 
 namespace planar {
 
@@ -27,12 +27,12 @@ Certificate certificate_of(CertificateRun run);
 /// Returns the program that makes certificates, with its version.
 std::string certifying_program();
 
-/// Returns every figure, in millimetres and degrees. Keys of what was found end with who judged it:
-/// `poses_truth`, `poses_tracker`.
-nlohmann::json certificate_json(const Certificate& certificate);
+/// Lists what a budget says; its rows have the key `terms`.
+ReportList budget_list(const UncertaintyBudget& budget);
 
-/// Returns the figures as lines for a terminal.
-std::string certificate_text(const Certificate& certificate);
+/// Lists every figure. Keys of what was found end with who judged it: `poses_truth`,
+/// `poses_tracker`.
+ReportList certificate_list(const Certificate& certificate);
 
 /// Writes certificate.html and certificate.json into the run's folder.
 void write_certificate(const Certificate& certificate);

@@ -1,24 +1,19 @@
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include "planar_servo/experiment/experiment.h"
+#include "planar_servo/report/report_list.h"
 
 namespace planar {
 
-/// Returns every figure of an experiment under the keys of --json, lengths in millimetres.
-nlohmann::json experiment_json(const ExperimentReport& report);
+/// Lists every figure of an experiment; its text says what the tables do not say.
+ReportList experiment_list(const ExperimentReport& report);
 
-/// Returns the keys `predicted_mean_mm` and `predicted_p95_mm`.
-nlohmann::json prediction_json(const PositioningPrediction& prediction);
-/// Returns the prediction in one line for a terminal.
-std::string prediction_text(const PositioningPrediction& prediction);
+/// Lists what the calibration alone predicts.
+ReportList prediction_list(const PositioningPrediction& prediction);
 
-/// Returns the tables for a terminal.
+/// Returns the tables and the list for a terminal.
 std::string experiment_text(const ExperimentReport& report);
-
-/// Returns what the tables do not say, in lines.
-std::string summary_text(const ExperimentReport& report);
 
 }  // namespace planar

@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <nlohmann/json.hpp>
-
 #include "planar_servo/core/fixed.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/io/atomic_file.h"
@@ -18,50 +16,32 @@ double mm(double metres) {
   return metres / kMillimetre;
 }
 
-double improvement(const Summary& before, const Summary& after) {
-  return 1.0 - after.mean / before.mean;
-}
-
-void add_figures(nlohmann::json& json, const std::string& suffix,
+void list_errors(ReportList& list, const std::string& suffix, const std::string& judge,
                  const std::optional<Summary>& before, const std::optional<Summary>& after) {
   if (!before || !after) return;
-  json["before_mean_mm" + suffix] = mm(before->mean);
-  json["after_mean_mm" + suffix] = mm(after->mean);
-  json["after_rms_mm" + suffix] = mm(after->rms);
-  json["after_p95_mm" + suffix] = mm(after->p95);
-  json["after_max_mm" + suffix] = mm(after->max);
-  json["improvement" + suffix] = improvement(*before, *after);
+  ReportList errors(suffix);
+  errors.line(
+      "",
+      judge +
+          ": the arm alone {before_mean_mm:.4f} mm mean; with vision {after_mean_mm:.4f} mm "
+          "mean, {after_rms_mm:.4f} rms, {after_p95_mm:.4f} at 95 %, {after_max_mm:.4f} max",
+      before->mean, after->mean, after->rms, after->p95, after->max);
+  errors.unprinted("improvement", 1.0 - after->mean / before->mean);
+  list.append(errors);
 }
 
-std::string figures_line(const char* judge, const std::optional<Summary>& before,
-                         const std::optional<Summary>& after) {
-  if (!before || !after) return "";
-  return fmt::format(
-      "{}: the arm alone {:.4f} mm mean; with vision {:.4f} mm mean, {:.4f} rms, {:.4f} at 95 %, "
-      "{:.4f} max\n",
-      judge, mm(before->mean), mm(after->mean), mm(after->rms), mm(after->p95), mm(after->max));
-}
-
-void add_tracker(nlohmann::json& json, const TrackerFigures& tracker) {
-  json["judged"] = tracker.judged;
-  json["not_judged"] = nlohmann::json::array();
-  for (const auto& [target, reason] : tracker.not_judged)
-    json["not_judged"].push_back({{"target", target}, {"reason", reason}});
-  if (tracker.judged == 0) return;
-  json["sigma_mm_truth"] = mm(tracker.sigma);
-  json["after_rms_net_mm_truth"] = mm(tracker.after_net);
-}
-
-std::string tracker_text(const TrackerFigures& tracker) {
-  std::string text;
+void list_tracker(ReportList& list, const TrackerFigures& tracker) {
+  list.unprinted("judged", tracker.judged);
   if (tracker.judged > 0)
-    text = fmt::format(
-        "the tracker's word is known to {:.4f} mm per axis; with that taken out: after {:.4f} "
-        "rms\n",
-        mm(tracker.sigma), mm(tracker.after_net));
-  for (const auto& [target, reason] : tracker.not_judged)
-    text += fmt::format("not judged: {}: {}\n", target, reason);
-  return text;
+    list.line("",
+              "the tracker's word is known to {sigma_mm_truth:.4f} mm per axis; with that taken "
+              "out: after {after_rms_net_mm_truth:.4f} rms",
+              tracker.sigma, tracker.after_net);
+  const auto list_not_judged = [](ReportList& row, const auto& not_judged) {
+    row.line("target", "{target}", not_judged.first);
+    row.line("why", "{reason}", not_judged.second);
+  };
+  list.rows("not_judged", tracker.not_judged, list_not_judged, "not judged: ");
 }
 
 constexpr char kMadeWorse[] = "vision made the arm worse than it lands alone";
@@ -97,38 +77,28 @@ QuiverPanel error_panel(const std::string& what, const std::vector<TargetResult>
   return panel;
 }
 
-nlohmann::json servo_json(const ServoFigures& figures) {
-  nlohmann::json json{{"targets", figures.targets},
-                      {"reached", figures.reached},
-                      {"iterations_median", figures.iterations_median},
-                      {"seconds_per_target", figures.seconds_per_target}};
-  add_figures(json, "_own_view", figures.before_own, figures.after_own);
-  add_figures(json, "_truth", figures.before_truth, figures.after_truth);
-  if (figures.tracker) add_tracker(json, *figures.tracker);
-  if (figures.coverage_95) json["coverage_95_truth"] = *figures.coverage_95;
-  if (figures.frames) {
-    json["frames_complete"] = figures.frames->complete;
-    json["frames_incomplete"] = figures.frames->incomplete;
-    json["frames_frozen"] = figures.frames->frozen;
-    json["camera_reopened"] = figures.frames->reopened;
-  }
-  return json;
-}
-
-std::string servo_text(const ServoFigures& figures) {
-  return fmt::format("{} of {} targets reached, {:g} correction{} and {:.2f} s each\n",
-                     figures.reached, figures.targets, figures.iterations_median,
-                     figures.iterations_median == 1.0 ? "" : "s", figures.seconds_per_target) +
-         figures_line(judge_of(figures), figures.before_truth, figures.after_truth) +
-         (figures.made_worse ? std::string(kMadeWorse) + "\n" : "") +
-         (figures.tracker ? tracker_text(*figures.tracker) : "") +
-         figures_line("by its own view", figures.before_own, figures.after_own) +
-         (figures.coverage_95
-              ? fmt::format(
-                    "vision: {:.1f} % of the components within their stated 95 % interval\n",
-                    100.0 * *figures.coverage_95)
-              : "") +
-         (figures.frames ? "camera: " + describe(*figures.frames) + "\n" : "");
+ReportList servo_list(const ServoFigures& figures) {
+  ReportList list;
+  list.line("",
+            fmt::format("{{reached}} of {{targets}} targets reached, {{iterations_median:g}} "
+                        "correction{} and {{seconds_per_target:.2f}} s each",
+                        figures.iterations_median == 1.0 ? "" : "s"),
+            figures.reached, figures.targets, figures.iterations_median,
+            figures.seconds_per_target);
+  list_errors(list, "_truth", judge_of(figures), figures.before_truth, figures.after_truth);
+  if (figures.made_worse) list.line("", kMadeWorse);
+  if (figures.tracker) list_tracker(list, *figures.tracker);
+  list_errors(list, "_own_view", "by its own view", figures.before_own, figures.after_own);
+  list.line("",
+            "vision: {coverage_95_truth:.1%} of the components within their stated 95 % interval",
+            figures.coverage_95);
+  if (!figures.frames) return list;
+  list.line("", "camera: " + describe(*figures.frames));
+  list.unprinted("frames_complete", figures.frames->complete);
+  list.unprinted("frames_incomplete", figures.frames->incomplete);
+  list.unprinted("frames_frozen", figures.frames->frozen);
+  list.unprinted("camera_reopened", figures.frames->reopened);
+  return list;
 }
 
 std::string landing_words(const ServoFigures& figures) {
@@ -161,7 +131,7 @@ std::string servo_page(const ServoRequest& request, const std::vector<TargetResu
   const ServoFigures figures = figures_of(results);
   if (const std::string words = landing_words(figures); !words.empty())
     page.add_verdict({words, run_faults(figures, "the table below")});
-  page.add_paragraph(servo_text(figures));
+  page.add_paragraph(servo_list(figures).text());
   const bool truth = !results.empty() && results.front().before_truth.has_value();
   const QuiverPanel before = error_panel(
       "The arm alone", results, truth ? &TargetResult::before_truth : &TargetResult::before_own);
@@ -200,8 +170,8 @@ std::string run_text(const ServoRequest& request, const ServoRun& run, const Ser
   yaml.add("reached", static_cast<int>(figures.reached));
   if (figures.frames) yaml.add("camera", describe(*figures.frames));
   yaml.begin_map("figures");
-  const nlohmann::json figures_json = servo_json(figures);
-  for (const auto& [key, value] : figures_json.items())
+  const ReportList list = servo_list(figures);
+  for (const auto& [key, value] : list.json().items())
     if (value.is_number_float()) yaml.add(key, value.get<double>());
   yaml.end_map();
   return yaml.text();

@@ -1,23 +1,19 @@
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
 #include "planar_servo/report/html_page.h"
 #include "planar_servo/report/quiver_figure.h"
+#include "planar_servo/report/report_list.h"
 #include "planar_servo/run/servo_figures.h"
 #include "planar_servo/run/servo_run.h"
 
 namespace planar {
 
-/// Returns the figures under the keys of --json, in millimetres. The keys before, after and
+/// Lists the figures, those against the truth first where there are any. The keys before, after and
 /// improvement have the suffix of who judged them.
-nlohmann::json servo_json(const ServoFigures& figures);
-
-/// Returns the figures as lines for a terminal. The figures against the truth come first where
-/// there are any.
-std::string servo_text(const ServoFigures& figures);
+ReportList servo_list(const ServoFigures& figures);
 
 /// Returns where the arm alone landed, in the mean, and where it ended with vision, by who judged;
 /// a clause. Stated intervals that hold too little or too much are mentioned. Empty where nothing

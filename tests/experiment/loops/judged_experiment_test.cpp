@@ -115,7 +115,7 @@ TEST_CASE("Where there is no truth the tracker judges every target, through a br
   CHECK(paper.tracker->judged == 6);
   CHECK_THAT(paper.tracker->not_judged[0].second, Contains("a broken beam"));
   CHECK_THAT(paper.tracker->not_judged[1].second, Contains("is the reflector on the tool?"));
-  const nlohmann::json json = experiment_json(report);
+  const nlohmann::json json = experiment_list(report).json();
   CHECK(json["paper_chain"]["not_judged"][0]["target"] == "c1_00");
   CHECK(json["sigma_mm_truth"].get<double>() == Approx(ours.tracker->sigma / kMillimetre));
   CHECK(json["reflector_offset_sigma_mm"].get<double>() > 0.0);

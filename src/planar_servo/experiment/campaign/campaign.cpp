@@ -28,7 +28,7 @@ nlohmann::json run_drawn_cell(const ExperimentRequest& request, std::uint32_t se
   drawn.cell.truth = drawn.out / "truth.yaml";
   write_truth(*drawn.cell.truth, draw(seed));
   const auto devices = open_cell(drawn.cell);
-  nlohmann::json figures = experiment_json(run_experiment(drawn, *devices));
+  nlohmann::json figures = experiment_list(run_experiment(drawn, *devices)).json();
   fs::remove_all(drawn.out);
   return figures;
 }

@@ -18,7 +18,7 @@ constexpr double kConfidence = 0.95;
 
 struct Column {
   const char* title;
-  const char* key;  ///< a key of experiment_json(), or of its part `part`
+  const char* key;  ///< a key of experiment_list(), or of its part `part`
   const char* part{nullptr};
 };
 

@@ -6,7 +6,7 @@
 
 namespace planar {
 
-// `rows` are the figures of experiment_json() with their `seed`, at least one.
+// `rows` are the figures of experiment_list() with their `seed`, at least one.
 
 /// Returns the median over the cells of every key that is a number in each; `targets` and `reached`
 /// are sums instead. Beside them stand the worst mean, under `median_95` the distribution-free 95 %

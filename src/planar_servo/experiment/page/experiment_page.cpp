@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <nlohmann/json.hpp>
-
 #include "planar_servo/core/units.h"
 #include "planar_servo/experiment/experiment_report.h"
 #include "planar_servo/experiment/figures/circle_figures.h"
@@ -145,7 +143,7 @@ std::string experiment_page(const ExperimentReport& report, const std::string& c
     page.add_paragraph(shown.look_at);
   }
   page.add_paragraph(marks_text(report));
-  page.add_paragraph(summary_text(report));
+  page.add_paragraph(experiment_list(report).text());
   page.add_heading("Figures");
   page.add_paragraph(
       "The numbers are the paper's. Its Figures 1 to 5, 12 and 17 are drawings and photographs "
@@ -167,7 +165,8 @@ fs::path write_experiment_report(const ExperimentReport& report, const std::stri
   for (const ReportFigure& figure : figures)
     write_file(out / "figures" / figure.file, format_comment("figure") + figure.svg);
   write_file(out / "errors.svg", format_comment("figure") + experiment_figure(report));
-  write_file(out / "figures.json", with_format_key("figures", experiment_json(report).dump(2)));
+  write_file(out / "figures.json",
+             with_format_key("figures", experiment_list(report).json().dump(2)));
   fs::path page = out / "report.html";
   write_file(page, experiment_page(report, cell_name, figures, out));
   return page;

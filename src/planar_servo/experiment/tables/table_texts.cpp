@@ -15,65 +15,58 @@ namespace {
 /// Stands for what the paper does not print and what nobody has judged.
 constexpr char kNone[] = "–";
 
-std::string percent(double fraction) {
-  return std::isfinite(fraction) ? fixed(100.0 * fraction, 1) + " %" : kNone;
+std::string millimetres(double metres) {
+  return std::isfinite(metres) ? fixed(metres / kMillimetre, 3) : kNone;
 }
 
-std::string millimetres(double metres, int decimals) {
-  return std::isfinite(metres) ? fixed(metres / kMillimetre, decimals) : kNone;
+void list_accuracies(ReportList& list, const std::string& key,
+                     const std::vector<AccuracyRow>& rows) {
+  list.rows(key, rows, [](ReportList& row, const AccuracyRow& found) {
+    row.line("", "{label}", found.label);
+    row.line("ours: A2", "{ours:.1%}", found.ours.a2);
+    row.line("A1", "{ours_a1:.1%}", found.ours.a1);
+    row.line("the paper's chain here: A2 +", "{paper_chain:.1%}", found.paper_chain.a2);
+    row.line("A1", "{paper_chain_a1:.1%}", found.paper_chain.a1);
+    row.line("the paper", "{paper:.1%}", found.paper);
+  });
 }
 
-TextTable accuracy_table(const std::string& title, const std::vector<AccuracyRow>& rows) {
-  TextTable table(title, {"", "ours: A2", "A1", "the paper's chain here: A2 +", "A1", "the paper"});
-  for (const AccuracyRow& row : rows)
-    table.add_row({row.label, percent(row.ours.a2), percent(row.ours.a1),
-                   percent(row.paper_chain.a2), percent(row.paper_chain.a1), percent(row.paper)});
-  return table;
+/// Lists a comparison whose figures are written in `unit`, those of the paper in a format and
+/// behind words of their own.
+void list_comparison(ReportList& list, const std::string& key,
+                     const std::vector<ComparisonRow>& rows, double unit, const std::string& format,
+                     const std::string& paper_format, const std::string& paper = "the paper") {
+  list.rows(key, rows, [&](ReportList& row, const ComparisonRow& found) {
+    row.line("", "{label}", found.label);
+    row.line("ours", "{ours:" + format + "}", found.ours / unit);
+    row.line("the paper's chain here", "{paper_chain:" + format + "}", found.paper_chain / unit);
+    row.line(paper, "{paper:" + paper_format + "}", found.paper / unit);
+  });
 }
 
-TextTable correlation_table(const std::vector<ComparisonRow>& rows) {
-  TextTable table("Table 1: correlation of the vision error between three runs",
-                  {"", "ours", "the paper's chain here", "the paper"});
-  for (const ComparisonRow& row : rows)
-    table.add_row({row.label, fmt::format("{:.4f}", row.ours),
-                   fmt::format("{:.4f}", row.paper_chain), fmt::format("{:.3f}", row.paper)});
-  return table;
-}
-
-TextTable source_table(const std::vector<ComparisonRow>& rows) {
-  TextTable table("Table 3: what the error maps were made of",
-                  {"", "ours", "the paper's chain here", "the paper"});
-  const auto cell = [](double value) {
-    return std::isfinite(value) ? fmt::format("{:.4g}", value) : kNone;
-  };
-  for (const ComparisonRow& row : rows)
-    table.add_row({row.label, cell(row.ours), cell(row.paper_chain), cell(row.paper)});
-  return table;
-}
-
-TextTable repeatability_table(const std::vector<ComparisonRow>& rows) {
-  TextTable table("Table 4: standard deviation of three predictions in mm, the largest of a circle",
-                  {"", "ours", "the paper's chain here", "the paper: below"});
-  for (const ComparisonRow& row : rows)
-    table.add_row({row.label, millimetres(row.ours, 6), millimetres(row.paper_chain, 6),
-                   millimetres(row.paper, 3)});
-  return table;
+void list_positioning(ReportList& list, const std::vector<PositioningRow>& rows) {
+  list.rows("table7", rows, [](ReportList& row, const PositioningRow& found) {
+    row.line("circle about", "{label}", found.label);
+    row.line("before *", "{before:.3f}", found.before / kMillimetre);
+    row.line("paper's chain +", "{paper_chain:.3f}", found.paper_chain / kMillimetre);
+    row.line("improved", "{paper_chain_improvement:.1%}", found.improvement(found.paper_chain));
+    row.line("ours", "{ours:.4f}", found.ours / kMillimetre);
+    row.line("improved", "{ours_improvement:.1%}", found.improvement(found.ours));
+    row.line("paper: before ~", millimetres(found.paper_before));
+    row.line("after", "{paper:.3f}", found.paper_after / kMillimetre);
+    row.line("improved", "{paper_improvement:.1%}", found.paper_improvement);
+  });
 }
 
 TextTable positioning_table_of(const ExperimentReport& report) {
-  TextTable table(
+  ReportList list;
+  list_positioning(list, report.tables.positioning);
+  return list.table(
       fmt::format("Table 7: mean {} positioning error in mm, {} targets on each circle of radius "
                   "{} mm",
                   report.reflector_sigma ? "measured" : "true",
                   report.circles.front().targets.size(), report.circles.front().radius_mm),
-      {"circle about", "before *", "paper's chain +", "improved", "ours", "improved",
-       "paper: before ~", "after", "improved"});
-  for (const PositioningRow& row : report.tables.positioning)
-    table.add_row({row.label, millimetres(row.before, 3), millimetres(row.paper_chain, 3),
-                   percent(row.improvement(row.paper_chain)), millimetres(row.ours, 4),
-                   percent(row.improvement(row.ours)), millimetres(row.paper_before, 3),
-                   millimetres(row.paper_after, 3), percent(row.paper_improvement)});
-  return table;
+      "table7");
 }
 
 TextTable chain_table(const ExperimentReport& report) {
@@ -101,31 +94,47 @@ TextTable chain_table(const ExperimentReport& report) {
 }
 
 std::vector<ShownTable> map_tables_of(const PaperTables& tables) {
+  const ReportList list = tables_list(tables);
   return {
-      {correlation_table(tables.run_correlation),
+      {list.table("Table 1: correlation of the vision error between three runs", "table1"),
        "Each circle is gone round three times, and the error components of the runs are compared "
        "in pairs. Near 1, the error belongs to the place and a map can learn it. Our error before "
        "the map is smaller, so that the same noise weighs more."},
-      {accuracy_table("Table 2: accuracy of inverse distance weighting on circles about the base",
-                      tables.idw_accuracy),
+      {list.table("Table 2: accuracy of inverse distance weighting on circles about the base",
+                  "table2"),
        "The map is made of the training positions, and judged on circles that it has not seen. "
        "Compare with Table 5, which has the same places."},
-      {source_table(tables.map_sources),
+      {list.table("Table 3: what the error maps were made of", "table3"),
        "The paper turned its width by hand; so does its chain here, by the test positions. Widths "
        "of different functions do not compare: ours may be a multiquadric on a polynomial."},
-      {repeatability_table(tables.repeatability),
+      {list.table("Table 4: standard deviation of three predictions in mm, the largest of a circle",
+                  "table4"),
        "Each place of the check circles was looked at in three frames, and the map predicts from "
        "each of them. The figure says how little the noise of vision moves a prediction; it does "
        "not say that a prediction is right."},
-      {accuracy_table("Table 5: accuracy of the radial basis functions on the same circles",
-                      tables.rbf_accuracy),
+      {list.table("Table 5: accuracy of the radial basis functions on the same circles", "table5"),
        "Look at A1 beside A2: where A1 is much lower, the predicted lengths are right in the mean "
        "and the errors themselves are not."},
-      {accuracy_table("Table 6: accuracy, mean of the three circles", tables.mean_accuracy),
+      {list.table("Table 6: accuracy, mean of the three circles", "table6"),
        "The better method is the one that leaves less of the error: A1 says so."}};
 }
 
 }  // namespace
+
+ReportList tables_list(const PaperTables& tables) {
+  ReportList list;
+  list_comparison(list, "table1", tables.run_correlation, 1.0, ".4f", ".3f");
+  list_accuracies(list, "table2", tables.idw_accuracy);
+  list_comparison(list, "table3", tables.map_sources, 1.0, ".4g", ".4g");
+  list_comparison(list, "table4", tables.repeatability, kMillimetre, ".6f", ".3f",
+                  "the paper: below");
+  list_accuracies(list, "table5", tables.rbf_accuracy);
+  list_accuracies(list, "table6", tables.mean_accuracy);
+  std::vector<PositioningRow> circles = tables.positioning;
+  if (!circles.empty()) circles.pop_back();
+  list_positioning(list, circles);
+  return list;
+}
 
 std::vector<ShownTable> shown_tables(const ExperimentReport& report) {
   std::vector<ShownTable> shown;

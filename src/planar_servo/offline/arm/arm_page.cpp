@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "planar_servo/core/fixed.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/field/arm/arm_terms.h"
+#include "planar_servo/offline/arm/calibrate_arm.h"
 #include "planar_servo/offline/page/page_of_file.h"
 #include "planar_servo/report/figure/figure.h"
 #include "planar_servo/report/figure/places.h"
@@ -56,14 +56,6 @@ std::string place_figure(const ArmFit& fit) {
   return figure_svg(panels);
 }
 
-TextTable term_table(const ArmFit& fit) {
-  TextTable table("What was found", {"", "value", "± standard deviation", "unit", ""});
-  for (const ArmTerm& term : arm_terms(fit.estimate))
-    table.add_row({term.label, fixed(term.value / term.unit, 5), fixed(term.sigma / term.unit, 5),
-                   term.unit_text, term.determined ? "" : "not determined"});
-  return table;
-}
-
 void judge_terms(const ArmFit& fit, Verdict& verdict) {
   const std::vector<ArmTerm> terms = arm_terms(fit.estimate);
   std::vector<std::string> open;
@@ -111,7 +103,7 @@ std::string arm_page(const ArmFit& fit, const std::filesystem::path& file) {
   page.add_html(motor_figure(fit));
   page.add_paragraph(
       "A wave over the angle of a motor is an eccentricity of its reducer that the model lacks.");
-  page.add_html(term_table(fit).html());
+  page.add_html(arm_terms_list(fit.estimate).table("What was found").html());
   if (!fit.left_out.empty()) {
     TextTable left_out("Left out", {"reading", "why"});
     for (const std::string& id : fit.left_out) left_out.add_row({id, "contradicts the others"});

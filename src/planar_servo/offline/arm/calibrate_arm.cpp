@@ -1,15 +1,11 @@
 #include "planar_servo/offline/arm/calibrate_arm.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <fstream>
-#include <nlohmann/json.hpp>
 
 #include "planar_servo/arm/transmission.h"
 #include "planar_servo/core/error.h"
-#include "planar_servo/core/fixed.h"
-#include "planar_servo/core/units.h"
 #include "planar_servo/field/arm/arm_terms.h"
 #include "planar_servo/files/tables/arm_sample_table.h"
 #include "planar_servo/files/tables/pair_table.h"
@@ -63,43 +59,31 @@ ArmNominal arm_of_files(const CellSettings& cell) {
   return nominal;
 }
 
-std::string arm_terms_text(const JointEstimate& estimate) {
-  std::string text = "what the poses say of the arm\n";
-  for (const ArmTerm& term : arm_terms(estimate))
-    text += fmt::format("{:<24} {:>11} +- {:<9} {}{}\n", term.label,
-                        fixed(term.value / term.unit, 5), fixed(term.sigma / term.unit, 5),
-                        term.unit_text, term.determined ? "" : "  not determined");
-  return text;
+ReportList arm_terms_list(const JointEstimate& estimate) {
+  ReportList list;
+  for (const ArmTerm& term : arm_terms(estimate)) {
+    ReportList part;
+    part.line(term.label,
+              fmt::format("{{value:>16.5f}} +- {{sigma:<9.5f}} {}{}", term.unit_text,
+                          term.determined ? "" : "  not determined"),
+              term.value / term.unit, term.sigma / term.unit);
+    part.unprinted("determined", term.determined);
+    list.part(term.key, part);
+  }
+  return list;
 }
 
-nlohmann::json arm_terms_json(const JointEstimate& estimate) {
-  nlohmann::json terms = nlohmann::json::object();
-  for (const ArmTerm& term : arm_terms(estimate))
-    terms[term.key] = {{"value", term.value / term.unit},
-                       {"sigma", term.sigma / term.unit},
-                       {"determined", term.determined}};
-  return terms;
-}
-
-std::string arm_report_text(const ArmFit& fit) {
-  std::string text;
+ReportList arm_list(const ArmFit& fit) {
+  ReportList list;
+  list.unprinted("left_out", fit.left_out);
   if (!fit.left_out.empty())
-    text += fmt::format("left out            {}: they contradict the others\n",
-                        fmt::join(fit.left_out, ", "));
-  return text +
-         fmt::format("readings met        {:.4f} mm rms, {} harmonics of each reducer\n",
-                     fit.rms / kMillimetre, fit.estimate.size.harmonics) +
-         fmt::format("places left out     {:.4f} mm rms\n\n", fit.held_out_rms / kMillimetre) +
-         arm_terms_text(fit.estimate);
-}
-
-nlohmann::json arm_report_json(const ArmFit& fit) {
-  nlohmann::json report = arm_terms_json(fit.estimate);
-  report["held_out_rms_mm"] = fit.held_out_rms / kMillimetre;
-  report["rms_mm"] = fit.rms / kMillimetre;
-  report["harmonics"] = fit.estimate.size.harmonics;
-  report["left_out"] = fit.left_out;
-  return report;
+    list.line("left out", "{left_out}: they contradict the others", fit.left_out);
+  list.line("readings met", "{rms_mm:.4f} mm rms, {harmonics} harmonics of each reducer", fit.rms,
+            fit.estimate.size.harmonics);
+  list.line("places left out", "{held_out_rms_mm:.4f} mm rms", fit.held_out_rms);
+  list.line("", "\nwhat the poses say of the arm");
+  list.append(arm_terms_list(fit.estimate));
+  return list;
 }
 
 }  // namespace planar

@@ -1,12 +1,11 @@
 #pragma once
 
 #include <filesystem>
-#include <nlohmann/json_fwd.hpp>
-#include <string>
 #include <vector>
 
 #include "planar_servo/cell/cell_settings.h"
 #include "planar_servo/field/arm/arm_fit.h"
+#include "planar_servo/report/report_list.h"
 
 namespace planar {
 
@@ -20,16 +19,11 @@ std::vector<ArmReading> read_arm_readings(const CellSettings& cell,
 /// reflector may be anywhere on the tool.
 ArmNominal arm_of_files(const CellSettings& cell);
 
-/// Returns what was found, as a table for a terminal.
-std::string arm_report_text(const ArmFit& fit);
+/// Lists what a fit of an arm found.
+ReportList arm_list(const ArmFit& fit);
 
-/// Returns the figures under the keys of --json.
-nlohmann::json arm_report_json(const ArmFit& fit);
-
-/// Returns what a pose says of the arm: every number with its standard deviation.
-std::string arm_terms_text(const JointEstimate& estimate);
-
-/// Returns the same with a key for each number: value, sigma, determined.
-nlohmann::json arm_terms_json(const JointEstimate& estimate);
+/// Lists what a pose says of the arm: every number with its standard deviation, and whether it is
+/// determined.
+ReportList arm_terms_list(const JointEstimate& estimate);
 
 }  // namespace planar

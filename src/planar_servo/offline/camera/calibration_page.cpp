@@ -4,6 +4,8 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
+#include <limits>
 
 #include "planar_servo/core/numerics/statistics.h"
 #include "planar_servo/core/units.h"
@@ -11,7 +13,6 @@
 #include "planar_servo/offline/page/page_of_file.h"
 #include "planar_servo/report/figure/figure.h"
 #include "planar_servo/report/figure/places.h"
-#include "planar_servo/report/text_table.h"
 
 namespace planar {
 namespace {
@@ -56,42 +57,16 @@ void judge_left_out(const CameraCalibration& found, Verdict& verdict) {
          "take more views, tilted in different directions, or a simpler --model"});
 }
 
-TextTable camera_table(const CameraCalibration& found) {
-  const Intrinsics k = intrinsics(found.camera);
+/// Lists what was found with what only the page shows.
+ReportList page_list(const CameraCalibration& found, const ImageCoverage& coverage) {
+  ReportList list = calibration_list(found);
   const auto& sigma = found.standard_deviations;
-  TextTable table("What was found", {"", "value", "± standard deviation"});
-  const auto add = [&](const std::string& label, double value, std::size_t i) {
-    table.add_row({label, fmt::format("{:.2f}", value), fmt::format("{:.2f}", sigma[i])});
-  };
-  add("focal length fx, px", k.fx, 0);
-  add("focal length fy, px", k.fy, 1);
-  add("principal point cx, px", k.cx, 2);
-  add("principal point cy, px", k.cy, 3);
-  const std::vector<double> distortion = distortion_coefficients(found.camera);
-  for (std::size_t i = 0; i < distortion.size(); ++i)
-    table.add_row({fmt::format("distortion coefficient {}", i + 1),
-                   fmt::format("{:.4g}", distortion[i]), fmt::format("{:.2g}", sigma[4 + i])});
-  return table;
-}
-
-TextTable figures_table(const CameraCalibration& found, const ImageCoverage& coverage) {
-  TextTable table("How well", {"", ""});
-  table.add_row({"model", found.model});
-  table.add_row({"views used", std::to_string(found.views.size())});
-  table.add_row({"residuals, px rms", fmt::format("{:.3f}", found.rms_px)});
-  table.add_row(
-      {"of that common to neighbours, px rms", fmt::format("{:.3f}", coverage.common_px)});
-  table.add_row({"residuals in views left out, px rms",
-                 found.held_out_rms_px ? fmt::format("{:.3f}", *found.held_out_rms_px) : "–"});
-  table.add_row({"uncertainty over the plane, mean, mm",
-                 fmt::format("{:.4f}", found.plane_error.mean() / kMillimetre)});
-  table.add_row({"uncertainty over the plane, largest, mm",
-                 fmt::format("{:.4f}", found.plane_error.largest() / kMillimetre)});
-  table.add_row({"distance of that plane, mm",
-                 fmt::format("{:.1f}", found.plane_error.distance / kMillimetre)});
-  table.add_row(
-      {"share of the picture with points", fmt::format("{:.0f} %", 100.0 * coverage.share())});
-  return table;
+  list.line("its deviations", "{distortion_sigmas:.2g| }",
+            std::vector<double>(sigma.begin() + 4, sigma.end()));
+  list.line("common to neighbours", "{common_px:.3f} px rms of the residuals", coverage.common_px);
+  list.line("that plane", "{plane_distance_mm:.1f} mm away", found.plane_error.distance);
+  list.line("points", "in {seen_share:.0%} of the picture", coverage.share());
+  return list;
 }
 
 /// A panel of the whole picture, as it is seen: u to the right, v down.
@@ -161,20 +136,54 @@ Panel residual_histogram(const CameraCalibration& found) {
                    {found.rms_px / std::sqrt(2.0), "their rms"});
 }
 
-void add_tables(HtmlPage& page, const CameraCalibration& found, const ImageCoverage& coverage) {
-  page.add_html(figures_table(found, coverage).html());
-  page.add_html(camera_table(found).html());
-  TextTable views("Views", {"view", "rms, px"});
-  for (const CalibratedView& view : found.views)
-    views.add_row({view.name, fmt::format("{:.3f}", view.rms_px)});
-  page.add_html(views.html());
-  if (found.rejected.empty()) return;
-  TextTable rejected("Not used", {"picture", "why"});
-  for (const auto& [name, reason] : found.rejected) rejected.add_row({name, reason});
-  page.add_html(rejected.html());
+void add_tables(HtmlPage& page, const ReportList& list, const CameraCalibration& found) {
+  page.add_html(list.table("What was found").html());
+  page.add_html(list.table("Views", "views").html());
+  if (!found.rejected.empty()) page.add_html(list.table("Not used", "rejected").html());
 }
 
 }  // namespace
+
+ReportList calibration_list(const CameraCalibration& found) {
+  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+  const Intrinsics k = intrinsics(found.camera);
+  const auto& sigma = found.standard_deviations;
+  ReportList list;
+  list.line("images used", "{images_used} ({images_rejected} rejected)", found.views.size(),
+            found.rejected.size());
+  const auto list_rejected = [](ReportList& row, const RejectedView& rejected) {
+    row.line("picture", "{image}", rejected.name);
+    row.line("why", "{reason}", rejected.reason);
+  };
+  list.rows("rejected", found.rejected, list_rejected, "  ");
+  list.line("model", "{model}", found.model);
+  list.line("focal lengths",
+            fmt::format("{:.2f} +- {:.2f}, {:.2f} +- {:.2f} px", k.fx, sigma[0], k.fy, sigma[1]));
+  list.line("principal point",
+            fmt::format("{:.2f} +- {:.2f}, {:.2f} +- {:.2f} px", k.cx, sigma[2], k.cy, sigma[3]));
+  list.unprinted("camera_matrix",
+                 std::array<double, 9>{k.fx, 0.0, k.cx, 0.0, k.fy, k.cy, 0.0, 0.0, 1.0});
+  list.line("distortion", "{distortion_coefficients:.4g| }", distortion_coefficients(found.camera));
+  list.unprinted("standard_deviations", sigma);
+  list.line("residuals",
+            "{rms_px:.3f} px rms, {held_out_rms_px:.3f} px in views left out of the fit",
+            found.rms_px, found.held_out_rms_px.value_or(kUnknown));
+  list.line_if(!found.held_out_rms_px, "residuals",
+               "{rms_px:.3f} px rms; too few views to judge it on views left out of the fit",
+               found.rms_px);
+  list.line("expected error", "{expected_error_mm:.3f} mm in a plane at the grid's distance",
+            found.expected_error.value_or(kUnknown));
+  list.line(
+      "over that plane",
+      "{plane_error_mean_mm:.4f} mm by the camera's model, at most {plane_error_max_mm:.4f} mm",
+      found.plane_error.mean(), found.plane_error.largest());
+  const auto list_view = [](ReportList& row, const CalibratedView& view) {
+    row.line("view", "{image}", view.name);
+    row.line("rms", "{rms_px:.3f} px", view.rms_px);
+  };
+  list.rows("views", found.views, list_view, "  ");
+  return list;
+}
 
 Verdict camera_verdict(const CameraCalibration& found) {
   Verdict verdict;
@@ -216,7 +225,7 @@ std::string camera_page(const CameraCalibration& found, const std::filesystem::p
       "fitted; it is shown where boards were seen, beyond which the model extrapolates. Middle: a "
       "view far above the others is blurred, or its board bent.",
       found.plane_error.distance / kMillimetre));
-  add_tables(page, found, coverage);
+  add_tables(page, page_list(found, coverage), found);
   add_provenance(page, file, input_records(inputs));
   return page.text();
 }

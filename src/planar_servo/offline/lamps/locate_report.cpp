@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <nlohmann/json.hpp>
+#include <limits>
 #include <vector>
 
 #include "planar_servo/core/numerics/statistics.h"
@@ -42,27 +42,20 @@ std::string distance_doubt(const LocateReport& report, double separation) {
       report.wrong_distances.size(), *ratio * separation / kMillimetre, separation / kMillimetre);
 }
 
-std::string locate_text(const LocateFigures& figures) {
-  std::string text = fmt::format("{} images: {} ok", figures.images, figures.ok);
+ReportList locate_list(const LocateFigures& figures) {
+  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+  std::string others;
   for (const auto& [status, count] : figures.other_statuses)
-    text += fmt::format(", {} {}", count, status);
-  if (figures.milliseconds_median)
-    text += fmt::format("; {:.2f} ms per image", *figures.milliseconds_median);
-  if (figures.sigma_phi_median)
-    text += fmt::format("; direction to {:.4f} deg", *figures.sigma_phi_median / kDegree);
-  return text + "\n";
-}
-
-nlohmann::json locate_json(const LocateFigures& figures) {
-  nlohmann::json json{{"images", figures.images},
-                      {"ok", figures.ok},
-                      {"not_ok", figures.images - figures.ok},
-                      {"statuses", figures.other_statuses},
-                      {"ms_per_image_median", nullptr},
-                      {"sigma_phi_deg_median", nullptr}};
-  if (figures.milliseconds_median) json["ms_per_image_median"] = *figures.milliseconds_median;
-  if (figures.sigma_phi_median) json["sigma_phi_deg_median"] = *figures.sigma_phi_median / kDegree;
-  return json;
+    others += fmt::format(", {} {}", count, status);
+  ReportList list;
+  list.line("images", "{images}: {ok} ok" + others, figures.images, figures.ok);
+  list.unprinted("not_ok", figures.images - figures.ok);
+  list.unprinted("statuses", figures.other_statuses);
+  list.line("time", "{ms_per_image_median:.2f} ms per image",
+            figures.milliseconds_median.value_or(kUnknown));
+  list.line("direction", "known to {sigma_phi_deg_median:.4f} deg",
+            figures.sigma_phi_median.value_or(kUnknown));
+  return list;
 }
 
 }  // namespace planar

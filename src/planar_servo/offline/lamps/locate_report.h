@@ -2,11 +2,11 @@
 
 #include <cstddef>
 #include <map>
-#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 
 #include "planar_servo/offline/lamps/locate_lamps.h"
+#include "planar_servo/report/report_list.h"
 
 namespace planar {
 
@@ -30,10 +30,7 @@ LocateFigures figures_of(const LocateReport& report);
 /// `separation`, metres. Empty when there is no such image with one pair.
 std::string distance_doubt(const LocateReport& report, double separation);
 
-/// Returns the figures in one line for a terminal.
-std::string locate_text(const LocateFigures& figures);
-
-/// Returns the figures under the keys of --json. A figure that does not exist is null.
-nlohmann::json locate_json(const LocateFigures& figures);
+/// Lists the figures. Those that do not exist are null.
+ReportList locate_list(const LocateFigures& figures);
 
 }  // namespace planar

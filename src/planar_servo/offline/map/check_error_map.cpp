@@ -8,6 +8,7 @@
 #include <set>
 
 #include "planar_servo/core/error.h"
+#include "planar_servo/core/units.h"
 #include "planar_servo/error_map/judge/unit_check.h"
 #include "planar_servo/error_map/map_quality.h"
 
@@ -126,6 +127,25 @@ MapCheck check_error_map(const VisionErrorMap& map, const std::vector<PairRow>& 
   check.coverage_95 = has_sigma ? covered / (2.0 * static_cast<double>(pairs.size()))
                                 : std::numeric_limits<double>::quiet_NaN();
   return check;
+}
+
+ReportList map_check_list(const MapCheck& check, std::size_t n_left_out) {
+  ReportList list;
+  if (n_left_out > 0) list.line("left out", fmt::format("{} pairs of other plans", n_left_out));
+  list.line("pairs", "{n} ({n_outside} outside the map's valid region)", check.raw.n,
+            check.n_outside);
+  list.line(" ", "mean      rms       95 %      max       mm");
+  list.line(
+      "vision error",
+      "{raw_mean_mm:<10.4f}{raw_rms_mm:<10.4f}" +
+          fmt::format("{:<10.4f}{:.4f}", check.raw.p95 / kMillimetre, check.raw.max / kMillimetre),
+      check.raw.mean, check.raw.rms);
+  list.line("with the map", "{mean_mm:<10.4f}{rms_mm:<10.4f}{p95_mm:<10.4f}{max_mm:.4f}",
+            check.compensated.mean, check.compensated.rms, check.compensated.p95,
+            check.compensated.max);
+  list.line("accuracy", "A1 {a1:.1%}, A2 {a2:.1%}", check.a1, check.a2);
+  list.line("within 95 %", "{coverage_95:.1%}", check.coverage_95);
+  return list;
 }
 
 }  // namespace planar

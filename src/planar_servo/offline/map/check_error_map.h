@@ -8,6 +8,7 @@
 #include "planar_servo/core/numerics/statistics.h"
 #include "planar_servo/core/progress.h"
 #include "planar_servo/files/tables/pair_table.h"
+#include "planar_servo/report/report_list.h"
 #include "planar_servo/vision/see_tool.h"
 
 namespace planar {
@@ -41,5 +42,8 @@ void require_what_it_needs(const VisionErrorMap& map, const std::vector<PairRow>
 /// with. Throws InputError for three or more pairs that are not in one unit and frame.
 MapCheck check_error_map(const VisionErrorMap& map, const std::vector<PairRow>& pairs,
                          const Progress& progress = {});
+
+/// Lists how a map does on other pairs. `n_left_out` is the number of pairs of other plans.
+ReportList map_check_list(const MapCheck& check, std::size_t n_left_out);
 
 }  // namespace planar

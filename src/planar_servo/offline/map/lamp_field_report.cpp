@@ -3,10 +3,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <nlohmann/json.hpp>
-
-#include "planar_servo/core/fixed.h"
-#include "planar_servo/core/units.h"
 #include "planar_servo/field/arm/arm_terms.h"
 #include "planar_servo/files/map/lamp_field_file.h"
 #include "planar_servo/offline/arm/calibrate_arm.h"
@@ -14,125 +10,99 @@
 namespace planar {
 namespace {
 
-std::string judgement_text(const HeldOut& judged) {
-  if (judged.n == 0) return "places left out    none: no tracker reading judges this map\n";
-  return fmt::format("vision error        {:.4f} mm rms\n", judged.raw_rms / kMillimetre) +
-         fmt::format(
-             "places left out     {:.4f} mm rms against the tracker, {} % of them within "
-             "their stated 95 %\n",
-             judged.rms / kMillimetre, fixed(100.0 * judged.coverage_95, 1)) +
-         fmt::format("gain                {} %, {}\n",
-                     fixed(100.0 * (1.0 - judged.rms / judged.raw_rms), 1),
-                     judged.worth_using() ? "worth using" : "NOT significant: do not use this map");
+void list_readings(ReportList& list, const LampFieldFit& fit) {
+  list.line("readings used",
+            "{n_readings}, and {n_unattended} poses without a reading ({n_rejected} left out)",
+            fit.n_readings, fit.n_unattended, fit.left_out.size());
+  list.unprinted("n_used", fit.n_readings + fit.n_unattended - fit.left_out.size());
+  if (!fit.left_out.empty())
+    list.line("", fmt::format("  contradicting the others: {}", fmt::join(fit.left_out, ", ")));
+  list.rows("rejected", fit.left_out, [](ReportList& row, const std::string& id) {
+    row.unprinted("id", id);
+    row.unprinted("reason", "contradicts the others");
+  });
+}
+
+void list_judgement(ReportList& list, const HeldOut& judged) {
+  list.unprinted("worth_using", judged.worth_using());
+  if (judged.n == 0) {
+    list.line("places left out", "none: no tracker reading judges this map");
+    return;
+  }
+  list.line("vision error", "{raw_rms_mm:.4f} mm rms", judged.raw_rms);
+  list.line("places left out",
+            "{loo_rms_mm:.4f} mm rms against the tracker, {coverage_95:.1%} of them within their "
+            "stated 95 %",
+            judged.rms, judged.coverage_95);
+  list.line("gain",
+            judged.worth_using() ? "{gain:.1%}, worth using"
+                                 : "{gain:.1%}, NOT significant: do not use this map",
+            1.0 - judged.rms / judged.raw_rms);
 }
 
 /// Says how the ways to predict the error compare.
-std::string comparison_text(const LampFieldFit& fit) {
-  if (fit.compared.empty()) return "";
-  std::string text = "at places left out            mm rms   within stated 95 %\n";
-  for (const ComparedField& way : fit.compared)
-    text += fmt::format("{:<30}{:.4f}   {} %{}\n", way.name, way.rms / kMillimetre,
-                        fixed(100.0 * way.coverage_95, 1),
-                        way.rms == fit.held_out.rms ? ", taken" : "");
-  return text + "\n";
-}
-
-nlohmann::json comparison_json(const LampFieldFit& fit) {
-  nlohmann::json ways = nlohmann::json::array();
-  for (const ComparedField& way : fit.compared)
-    ways.push_back({{"name", way.name},
-                    {"loo_rms_mm", way.rms / kMillimetre},
-                    {"coverage_95", way.coverage_95},
-                    {"taken", way.rms == fit.held_out.rms}});
-  return ways;
+void list_comparison(ReportList& list, const LampFieldFit& fit) {
+  if (!fit.compared.empty())
+    list.line("", "at places left out            mm rms   within stated 95 %");
+  const auto list_way = [&fit](ReportList& row, const ComparedField& way) {
+    const bool is_taken = way.rms == fit.held_out.rms;
+    row.line("",
+             fmt::format("{{name:<30}}{{loo_rms_mm:.4f}}   {{coverage_95:.1%}}{}",
+                         is_taken ? ", taken" : ""),
+             way.name, way.rms, way.coverage_95);
+    row.unprinted("taken", is_taken);
+  };
+  list.rows("compared", fit.compared, list_way, "");
+  if (!fit.compared.empty()) list.line("", "");
 }
 
 /// Says what each source added and what fixed the field as a whole.
-std::string sources_text(const LampFieldFit& fit) {
-  const auto source_line = [](const std::string& name, const std::string& amount, double sigma) {
-    return fmt::format("{:<20}{:<26}{:.4f} mm\n", name, amount, sigma / kMillimetre);
+void list_sources(ReportList& list, const LampFieldFit& fit) {
+  list.line("source", "how much                  end point known without it to");
+  const auto list_source = [](ReportList& row, const SourceWorth& source) {
+    row.line("", "{source:<20}{amount:<26}{end_point_without_mm:.4f} mm", source.name,
+             source.amount, source.end_point_without);
   };
-  const auto fixed_line = [](const char* what, FieldSource source, const std::string& sigma) {
-    return fmt::format("{:<20}{:<26}{}\n", what, name_in(kFieldSources, source), sigma);
+  list.rows("sources", fit.sources, list_source, "");
+  list.line("(with all)", "                          {end_point_sigma_mm:.4f} mm",
+            fit.certainty.end_point);
+  list.line("as a whole", "fixed by                  standard deviation");
+  ReportList fixed_by;
+  const auto list_fixed = [&](const char* what, FieldSource source, const std::string& text,
+                              const auto&... sigma) {
+    fixed_by.unprinted(what, name_in(kFieldSources, source));
+    list.line(what, fmt::format("{:<26}", name_in(kFieldSources, source)) + text, sigma...);
   };
-  std::string text =
-      "source              how much                  end point known without it to\n";
-  for (const SourceWorth& source : fit.sources)
-    text += source_line(source.name, source.amount, source.end_point_without);
-  text += source_line("(with all)", "", fit.certainty.end_point);
-  text += "as a whole          fixed by                  standard deviation\n";
-  text +=
-      fixed_line("scale", fit.fixed_by.scale, fmt::format("{:.1f} ppm", 1e6 * fit.certainty.scale));
-  text += fixed_line("datum", fit.fixed_by.datum,
-                     fmt::format("{:.4f} mm", fit.certainty.shift / kMillimetre));
-  return text + fixed_line("turn", fit.fixed_by.turn,
-                           fit.fixed_by.turn == FieldSource::kNothing
-                               ? "counted from the cell file's zero of joint 1"
-                               : fmt::format("{:.5f} deg", fit.certainty.turn / kDegree));
-}
-
-nlohmann::json sources_json(const LampFieldFit& fit) {
-  nlohmann::json sources = nlohmann::json::array();
-  for (const SourceWorth& source : fit.sources)
-    sources.push_back({{"source", source.name},
-                       {"amount", source.amount},
-                       {"end_point_without_mm", source.end_point_without / kMillimetre}});
-  return sources;
+  list_fixed("scale", fit.fixed_by.scale, "{scale_sigma_ppm:.1f} ppm", fit.certainty.scale);
+  list_fixed("datum", fit.fixed_by.datum, "{datum_sigma_mm:.4f} mm", fit.certainty.shift);
+  if (fit.fixed_by.turn == FieldSource::kNothing)
+    list_fixed("turn", fit.fixed_by.turn, "counted from the cell file's zero of joint 1");
+  else
+    list_fixed("turn", fit.fixed_by.turn, "{turn_sigma_deg:.5f} deg", fit.certainty.turn);
+  list.part("fixed_by", fixed_by);
 }
 
 }  // namespace
 
-std::string lamp_field_report_text(const LampFieldFit& fit) {
-  std::string text =
-      fmt::format("readings used       {}, and {} poses without a reading ({} left out)\n",
-                  fit.n_readings, fit.n_unattended, fit.left_out.size());
-  if (!fit.left_out.empty())
-    text += fmt::format("  contradicting the others: {}\n", fmt::join(fit.left_out, ", "));
-  text += fmt::format("method              {}, {} harmonics of each reducer\n", kLampFieldMethod,
-                      fit.estimate.size.harmonics);
-  text += judgement_text(fit.held_out);
-  text += fmt::format("noise of a lamp     {} times what the pairs state\n",
-                      fixed(fit.estimate.priors.lamp_factor, 2));
-  text += "\n" + comparison_text(fit) + sources_text(fit) + "\n";
-  for (const std::string& sentence : arm_in_words(fit.estimate)) text += sentence + "\n";
-  return text + "\n" + arm_terms_text(fit.estimate);
-}
-
-nlohmann::json lamp_field_report_json(const LampFieldFit& fit) {
-  nlohmann::json rejected = nlohmann::json::array();
-  for (const std::string& id : fit.left_out)
-    rejected.push_back({{"id", id}, {"reason", "contradicts the others"}});
-  nlohmann::json report{{"method", kLampFieldMethod},
-                        {"n_used", fit.n_readings + fit.n_unattended - fit.left_out.size()},
-                        {"n_readings", fit.n_readings},
-                        {"n_unattended", fit.n_unattended},
-                        {"n_rejected", fit.left_out.size()},
-                        {"rejected", std::move(rejected)},
-                        {"harmonics", fit.estimate.size.harmonics},
-                        {"noise_mm", fit.noise_sigma / kMillimetre},
-                        {"lamp_noise_factor", fit.estimate.priors.lamp_factor},
-                        {"worth_using", fit.held_out.worth_using()},
-                        {"fixed_by",
-                         {{"scale", name_in(kFieldSources, fit.fixed_by.scale)},
-                          {"datum", name_in(kFieldSources, fit.fixed_by.datum)},
-                          {"turn", name_in(kFieldSources, fit.fixed_by.turn)}}},
-                        {"scale_sigma_ppm", 1e6 * fit.certainty.scale},
-                        {"datum_sigma_mm", fit.certainty.shift / kMillimetre},
-                        {"end_point_sigma_mm", fit.certainty.end_point / kMillimetre},
-                        {"sources", sources_json(fit)},
-                        {"arm", arm_terms_json(fit.estimate)},
-                        {"compared", comparison_json(fit)},
-                        {"arm_in_words", arm_in_words(fit.estimate)},
-                        {"scatter_mm", fit.estimate.priors.arm_sigma / kMillimetre}};
-  if (fit.fixed_by.turn != FieldSource::kNothing)
-    report["turn_sigma_deg"] = fit.certainty.turn / kDegree;
-  if (fit.held_out.n > 0) {
-    report["raw_rms_mm"] = fit.held_out.raw_rms / kMillimetre;
-    report["loo_rms_mm"] = fit.held_out.rms / kMillimetre;
-    report["gain"] = 1.0 - fit.held_out.rms / fit.held_out.raw_rms;
-    report["coverage_95"] = fit.held_out.coverage_95;
-  }
-  return report;
+ReportList lamp_field_list(const LampFieldFit& fit) {
+  ReportList list;
+  list_readings(list, fit);
+  list.line("method", "{method}, {harmonics} harmonics of each reducer", kLampFieldMethod,
+            fit.estimate.size.harmonics);
+  list_judgement(list, fit.held_out);
+  list.line("noise of a lamp", "{lamp_noise_factor:.2f} times what the pairs state\n",
+            fit.estimate.priors.lamp_factor);
+  list.unprinted("noise_mm", fit.noise_sigma);
+  list_comparison(list, fit);
+  list_sources(list, fit);
+  list.line("", "");
+  const std::vector<std::string> sentences = arm_in_words(fit.estimate);
+  for (const std::string& sentence : sentences) list.line("", sentence);
+  list.unprinted("arm_in_words", sentences);
+  list.unprinted("scatter_mm", fit.estimate.priors.arm_sigma);
+  list.line("", "\nwhat the poses say of the arm");
+  list.part("arm", arm_terms_list(fit.estimate));
+  return list;
 }
 
 }  // namespace planar

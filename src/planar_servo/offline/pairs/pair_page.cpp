@@ -95,30 +95,91 @@ TextTable monument_table(const DatumRegistration& datum) {
   return table;
 }
 
-TextTable fit_table(const PairTrackerRequest& request, const PairTrackerReport& report) {
-  const WorkplaneFit& fit = report.workplane;
-  TextTable table("What was found", {"", ""});
-  table.add_row({"places of the workplane's fit", std::to_string(fit.n_used)});
-  table.add_row({"its rms, mm", fixed(fit.rms / kMillimetre, 4)});
-  table.add_row({"height of the camera, mm", fixed(fit.X_WC.translation().z() / kMillimetre, 2)});
-  table.add_row({"end point in the tool's frame, mm", fixed(fit.tool.p_TP / kMillimetre, 4, ", ")});
-  if (fit.tool.reflector_known)
-    table.add_row({"reflector in the tool's frame, mm",
-                   fixed(fit.tool.p_TS.head<2>() / kMillimetre, 4, ", ")});
-  if (report.datum)
-    table.add_row({"monuments, rms, mm", fixed(report.datum->rms / kMillimetre, 4)});
-  if (const RestSpread spread = rest_spread(request); spread.freedom > 0) {
-    table.add_row({"spread of readings at rest per axis, mm", fixed(spread.rms / kMillimetre, 4)});
-    table.add_row({"what the cell file states for it, mm", fixed(spread.stated / kMillimetre, 4)});
+void list_fit(ReportList& list, const WorkplaneFit& fit) {
+  list.line("workplane",
+            "{workplane_absorbed} degrees of freedom fitted to {workplane_places} places, rms "
+            "{workplane_rms_mm:.4f} mm",
+            fit.absorbed, fit.n_used, fit.rms);
+  const std::string reflector =
+      fit.tool.reflector_known
+          ? "(" + fixed(fit.tool.p_TS.head<2>() / kMillimetre, 4, ", ") + ") mm"
+          : "not known";
+  list.line("tool", "end point ({p_TP_mm:.4f}) mm, reflector " + reflector, fit.tool.p_TP);
+}
+
+void list_clock(ReportList& list, const TrackerClock& clock) {
+  ReportList part;
+  part.line("clock",
+            "the tracker's is {offset_s:.3f} s ahead of the camera's, +- {sigma_offset_s:.3f}, and "
+            "runs {rate_ppm:.1f} +- {sigma_rate_ppm:.1f} ppm fast, by {places} places",
+            clock.offset_s, clock.sigma_offset_s, clock.rate, clock.sigma_rate, clock.places);
+  list.part("clock", part);
+}
+
+/// Lists the raw error of the pairs of each plan that has some.
+void list_raw_errors(ReportList& list, const std::vector<PairRow>& pairs) {
+  ReportList by_plan;
+  for (const Plan plan : values_of(kPlans)) {
+    if (std::none_of(pairs.begin(), pairs.end(),
+                     [&](const PairRow& pair) { return pair.is_attended() && pair.plan == plan; }))
+      continue;
+    const Summary raw = raw_error(pairs, plan);
+    ReportList part;
+    part.line("raw error",
+              std::string(name(plan)) +
+                  ": {pairs} pairs, mean {mean_mm:.3f} mm, rms {rms_mm:.3f} mm, max {max_mm:.3f} "
+                  "mm",
+              raw.n, raw.mean, raw.rms, raw.max);
+    by_plan.part(name(plan), part);
   }
-  if (report.clock) {
-    table.add_row({"tracker's clock ahead of the camera's, s", fixed(report.clock->offset_s, 3)});
-    table.add_row({"and fast by, ppm", fixed(1e6 * report.clock->rate, 1)});
-  }
-  return table;
+  list.part("raw", by_plan);
+}
+
+/// Lists what was found with what only the page shows.
+ReportList page_list(const PairTrackerRequest& request, const PairTrackerReport& report) {
+  ReportList list = pair_tracker_list(report);
+  list.line("camera", "{camera_height_mm:.2f} mm above the plane",
+            report.workplane.X_WC.translation().z());
+  if (const RestSpread spread = rest_spread(request); spread.freedom > 0)
+    list.line("readings at rest",
+              "spread by {rest_mm:.4f} mm per axis; the cell file states {rest_stated_mm:.4f} mm",
+              spread.rms, spread.stated);
+  return list;
 }
 
 }  // namespace
+
+ReportList pair_tracker_list(const PairTrackerReport& report) {
+  ReportList list;
+  if (report.datum)
+    list.line("datum", "{monuments} monuments, rms {datum_rms_mm:.4f} mm",
+              report.datum->residuals.size(), report.datum->rms);
+  else
+    list.line("datum", "no tracker reading: place and turn are those of the commanded arm");
+  list_fit(list, report.workplane);
+  list.line("lamps", "eccentricity of their discs up to {eccentricity_px_max:.4f} px, taken off",
+            report.largest_eccentricity_px);
+  if (report.clock) list_clock(list, *report.clock);
+  const auto list_rejected = [](ReportList& row, const Rejection& rejection) {
+    row.line("place", "{id}", rejection.id);
+    row.line("why", "{reason}", rejection.reason);
+  };
+  list.rows("rejected", report.rejected, list_rejected, "rejected            ");
+  list.unprinted("doubts", report.doubts);
+  const auto n = static_cast<std::size_t>(
+      std::count_if(report.pairs.begin(), report.pairs.end(),
+                    [](const PairRow& pair) { return !pair.is_attended(); }));
+  list.unprinted("pairs", report.pairs.size() - n);
+  if (report.datum) {
+    const Summary raw = raw_error(report.pairs);
+    list.unprinted("p_TS_mm", report.workplane.tool.p_TS);
+    list.unprinted("raw_mean_mm", raw.mean);
+    list.unprinted("raw_rms_mm", raw.rms);
+    list_raw_errors(list, report.pairs);
+  }
+  list.line_if(n > 0, "unattended", "{unattended} poses that only the camera watched", n);
+  return list;
+}
 
 Verdict pair_verdict(const PairTrackerRequest& request, const PairTrackerReport& report) {
   Verdict verdict;
@@ -167,14 +228,10 @@ std::string pair_page(const PairTrackerRequest& request, const PairTrackerReport
         report.step->change.frame == StepFrame::kTool ? ", in the tool's frame" : "",
         report.step->cost() / kMillimetre));
   }
-  page.add_html(fit_table(request, report).html());
+  const ReportList list = page_list(request, report);
+  page.add_html(list.table("What was found").html());
   if (report.datum) page.add_html(monument_table(*report.datum).html());
-  if (!report.rejected.empty()) {
-    TextTable rejected("Left out", {"place", "why"});
-    for (const Rejection& rejection : report.rejected)
-      rejected.add_row({rejection.id, rejection.reason});
-    page.add_html(rejected.html());
-  }
+  if (!report.rejected.empty()) page.add_html(list.table("Left out", "rejected").html());
   add_provenance(page, file);
   return page.text();
 }

@@ -2,16 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-#include <limits>
-#include <nlohmann/json.hpp>
-
-#include "planar_servo/core/fixed.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/io/yaml_writer.h"
 #include "planar_servo/report/html_page.h"
-#include "planar_servo/report/text_table.h"
 #include "planar_servo/run/path/path_drawing.h"
 #include "planar_servo/run/servo_report.h"
 
@@ -22,80 +16,62 @@ double in_mm(double metres) {
   return metres / kMillimetre;
 }
 
+void list_errors(ReportList& row, const std::string& judge, const std::string& suffix,
+                 const std::optional<PathErrors>& errors) {
+  const auto known = [&errors](double value) {
+    return errors ? std::optional(value) : std::nullopt;
+  };
+  const auto& [across_m, lag_mean_m, lag_max_m] = errors.value_or(PathErrors());
+  ReportList list(suffix);
+  list.line(judge + ": mean", "{deviation_mean_mm:.4f}", known(across_m.mean));
+  list.line("95 %", "{deviation_p95_mm:.4f}", known(across_m.p95));
+  list.line("max", "{deviation_max_mm:.4f}", known(across_m.max));
+  list.line("lag", "{lag_mean_mm:.4f}", known(lag_mean_m));
+  list.unprinted("lag_max_mm", known(lag_max_m));
+  row.append(list);
+}
+
 std::string headline(const PathRequest& path) {
   return fmt::format("{}: {:.1f} mm", path.file.string(), in_mm(path.path.length_m()));
 }
 
-TextTable speed_table(const PathRequest& path, const std::vector<PathSpeedResult>& results) {
-  TextTable table(headline(path) + "; deviation from the path, mm",
-                  {"mm/s", "guided by", "looks", "own view: mean", "95 %", "max", "lag",
-                   "truth: mean", "95 %", "max", "lag", "status"});
-  for (const PathSpeedResult& result : results) {
-    std::vector<std::string> cells{fmt::format("{:g}", in_mm(result.speed_m_s)),
-                                   name_in(kGuidances, result.guidance),
-                                   std::to_string(result.looks)};
-    for (const auto& errors : {result.own_view, result.truth})
-      for (const double value :
-           errors ? std::vector<double>{errors->across_m.mean, errors->across_m.p95,
-                                        errors->across_m.max, errors->lag_mean_m}
-                  : std::vector<double>(4, std::numeric_limits<double>::quiet_NaN()))
-        cells.push_back(std::isnan(value) ? "–" : fixed(in_mm(value), 4));
-    cells.emplace_back(name(result.status));
-    table.add_row(cells);
-  }
-  return table;
-}
-
-void add_errors(nlohmann::json& json, const std::string& judge,
-                const std::optional<PathErrors>& errors) {
-  if (!errors) return;
-  json["deviation_mean_mm" + judge] = in_mm(errors->across_m.mean);
-  json["deviation_p95_mm" + judge] = in_mm(errors->across_m.p95);
-  json["deviation_max_mm" + judge] = in_mm(errors->across_m.max);
-  json["lag_mean_mm" + judge] = in_mm(errors->lag_mean_m);
-  json["lag_max_mm" + judge] = in_mm(errors->lag_max_m);
-}
-
 }  // namespace
 
-std::string path_demand_text(const PathRequest& path, const std::vector<PathDemand>& demands) {
-  std::string text = headline(path) + "\n";
-  for (std::size_t i = 0; i < demands.size(); ++i)
-    text += fmt::format("at {:g} mm/s: {:.1f} s; motor {} needs {:.0f} % of its speed\n",
-                        in_mm(path.speeds_m_s[i]),
-                        PathTiming(path.path, path.speeds_m_s[i]).duration_s(),
-                        demands[i].fastest_motor + 1, 100.0 * demands[i].speed_share);
-  return text;
+ReportList path_demand_list(const PathRequest& path, const std::vector<PathDemand>& demands) {
+  ReportList list;
+  list.line("", headline(path));
+  list.unprinted("path_length_mm", path.path.length_m());
+  const auto list_demand = [&, i = 0U](ReportList& row, const PathDemand& demand) mutable {
+    const double speed_m_s = path.speeds_m_s[i++];
+    row.line("",
+             "at {speed_mm_s:g} mm/s: {seconds:.1f} s; motor {fastest_motor} needs "
+             "{speed_share:.0%} of its speed",
+             speed_m_s, PathTiming(path.path, speed_m_s).duration_s(), demand.fastest_motor + 1,
+             demand.speed_share);
+  };
+  list.rows("speeds", demands, list_demand, "");
+  return list;
 }
 
-nlohmann::json path_demand_json(const PathRequest& path, const std::vector<PathDemand>& demands) {
-  nlohmann::json speeds = nlohmann::json::array();
-  for (std::size_t i = 0; i < demands.size(); ++i)
-    speeds.push_back({{"speed_mm_s", in_mm(path.speeds_m_s[i])},
-                      {"seconds", PathTiming(path.path, path.speeds_m_s[i]).duration_s()},
-                      {"fastest_motor", demands[i].fastest_motor + 1},
-                      {"speed_share", demands[i].speed_share}});
-  return {{"path_length_mm", in_mm(path.path.length_m())}, {"speeds", speeds}};
+ReportList path_list(const PathRequest& path, const std::vector<PathSpeedResult>& results) {
+  ReportList list;
+  list.unprinted("path_length_mm", path.path.length_m());
+  list.rows("speeds", results, [](ReportList& row, const PathSpeedResult& result) {
+    row.line("mm/s", "{speed_mm_s:g}", result.speed_m_s);
+    row.line("guided by", "{guided_by}", name_in(kGuidances, result.guidance));
+    row.line("looks", "{looks}", result.looks);
+    list_errors(row, "own view", "_own_view", result.own_view);
+    list_errors(row, "truth", "_truth", result.truth);
+    row.line("status", "{status}", name(result.status));
+    row.unprinted("reason", result.reason);
+    row.unprinted("seconds", result.seconds);
+  });
+  return list;
 }
 
-std::string path_text(const PathRequest& path, const std::vector<PathSpeedResult>& results) {
-  return speed_table(path, results).plain_text();
-}
-
-nlohmann::json path_json(const PathRequest& path, const std::vector<PathSpeedResult>& results) {
-  nlohmann::json speeds = nlohmann::json::array();
-  for (const PathSpeedResult& result : results) {
-    nlohmann::json row{{"guided_by", name_in(kGuidances, result.guidance)},
-                       {"speed_mm_s", in_mm(result.speed_m_s)},
-                       {"status", name(result.status)},
-                       {"reason", result.reason},
-                       {"looks", result.looks},
-                       {"seconds", result.seconds}};
-    add_errors(row, "_own_view", result.own_view);
-    add_errors(row, "_truth", result.truth);
-    speeds.push_back(row);
-  }
-  return {{"path_length_mm", in_mm(path.path.length_m())}, {"speeds", speeds}};
+TextTable path_table(const PathRequest& path, const std::vector<PathSpeedResult>& results) {
+  const ReportList list = path_list(path, results);
+  return list.table(headline(path) + "; deviation from the path, mm", "speeds");
 }
 
 void write_path_run(const ServoRequest& request, const PathRequest& path, const PathRun& run) {
@@ -109,7 +85,7 @@ void write_path_run(const ServoRequest& request, const PathRequest& path, const 
                          in_mm(result.speed_m_s)),
              name(result.status));
   HtmlPage page("planar-servo: " + path.file.filename().string());
-  page.add_html(speed_table(path, run.results()).html());
+  page.add_html(path_table(path, run.results()).html());
   for (const PathSpeedResult& result : run.results())
     if (!result.reason.empty())
       page.add_paragraph(fmt::format("At {:g} mm/s, guided by {}: {}: {}.", in_mm(result.speed_m_s),

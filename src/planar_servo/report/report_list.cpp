@@ -1,0 +1,154 @@
+#include "planar_servo/report/report_list.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "planar_servo/core/units.h"
+
+namespace planar {
+namespace {
+
+using Json = nlohmann::json;
+
+/// Returns the unit that a part of the key names, or 1.
+double unit_in(const std::string& key) {
+  const std::string parts = '_' + key + '_';
+  for (const auto& [part, unit] :
+       {std::pair("_mm_", kMillimetre), {"_deg_", kDegree}, {"_ppm_", 1e-6}})
+    if (parts.find(part) != std::string::npos) return unit;
+  return 1.0;
+}
+
+void convert(Json& value, double unit) {
+  if (value.is_number_float() && unit != 1.0) value = value.get<double>() / unit;
+  if (value.is_array())
+    for (Json& element : value) convert(element, unit);
+}
+
+/// Never writes a negative zero.
+std::string number_text(double value, std::string format) {
+  const bool is_share = !format.empty() && format.back() == '%';
+  if (is_share) format.back() = 'f';
+  const auto text_of = [&](double number) {
+    return fmt::format(fmt::runtime("{:" + format + "}"), number);
+  };
+  const std::string text = text_of(is_share ? 100.0 * value : value);
+  const bool is_zero = text.find_first_of("123456789") == std::string::npos;
+  return (is_zero ? text_of(0.0) : text) + (is_share ? " %" : "");
+}
+
+bool is_known(const Json& value) {
+  return !value.is_null() && !(value.is_number_float() && !std::isfinite(value.get<double>()));
+}
+
+/// What stands in braces: `key:format|separator`.
+struct Field {
+  explicit Field(std::string text) {
+    const std::size_t bar = text.find('|'), colon = text.find(':');
+    if (bar != std::string::npos) separator = text.substr(bar + 1);
+    text = text.substr(0, bar);
+    if (colon != std::string::npos) format = text.substr(colon + 1);
+    key = text.substr(0, colon);
+  }
+
+  std::string key, format, separator{", "};
+};
+
+std::string text_of(const Json& value, const std::string& format, const std::string& separator) {
+  if (value.is_string())
+    return fmt::format(fmt::runtime("{:" + format + "}"), value.get<std::string>());
+  if (value.is_number_float()) return number_text(value.get<double>(), format);
+  if (!value.is_array()) return value.dump();
+  std::vector<std::string> texts;
+  for (const Json& element : value) texts.push_back(text_of(element, format, separator));
+  return fmt::format("{}", fmt::join(texts, separator));
+}
+
+}  // namespace
+
+Json ReportList::keep(const std::string& key, Json value) {
+  convert(value, unit_in(key));
+  if (!value.is_null()) json_[key + key_suffix_] = value;
+  return value;
+}
+
+void ReportList::add(bool is_shown, const std::string& name, std::string_view text,
+                     const std::vector<Json>& values) {
+  Line line{name, "", is_shown};
+  for (const Json& value : values) {
+    const std::size_t begin = text.find('{'), end = text.find('}');
+    if (end == std::string_view::npos) throw std::logic_error("a figure has no key: " + line.text);
+    const Field field(std::string(text.substr(begin + 1, end - begin - 1)));
+    const Json figure = keep(field.key, value);
+    line.text += text.substr(0, begin);
+    line.is_shown = line.is_shown && is_known(figure);
+    if (line.is_shown) line.text += text_of(figure, field.format, field.separator);
+    text.remove_prefix(end + 1);
+  }
+  if (!values.empty() && text.find('{') != std::string_view::npos)
+    throw std::logic_error(fmt::format("a key has no figure: {}", text));
+  line.text += text;
+  lines_.push_back(std::move(line));
+}
+
+void ReportList::part(const std::string& key, const ReportList& part) {
+  lines_.insert(lines_.end(), part.lines_.begin(), part.lines_.end());
+  json_[key + key_suffix_] = part.json_;
+}
+
+void ReportList::append(const ReportList& other) {
+  lines_.insert(lines_.end(), other.lines_.begin(), other.lines_.end());
+  json_.update(other.json_);
+  rows_.insert(other.rows_.begin(), other.rows_.end());
+}
+
+void ReportList::add_rows(const std::string& key, std::vector<ReportList> rows,
+                          const char* prefix) {
+  Json& list = json_[key + key_suffix_] = Json::array();
+  for (const ReportList& row : rows) {
+    list.push_back(row.json_);
+    if (prefix == nullptr) continue;
+    std::vector<std::string> cells;
+    for (const Line& cell : row.lines_)
+      if (cell.is_shown) cells.push_back(cell.text);
+    lines_.push_back({"", fmt::format("{}{}", prefix, fmt::join(cells, ": ")), true, true});
+  }
+  rows_[key] = std::move(rows);
+}
+
+std::string ReportList::text() const {
+  std::string text;
+  for (const Line& line : lines_)
+    if (line.is_shown)
+      text += fmt::format(line.name.empty() ? "{}{}\n" : "{:<20}{}\n", line.name, line.text);
+  return text;
+}
+
+TextTable ReportList::table(const std::string& title) const {
+  TextTable table(title, {"", ""});
+  for (const Line& line : lines_) {
+    const std::size_t begin = std::min(line.text.find_first_not_of(' '), line.text.size());
+    if (line.is_shown && !line.is_row) table.add_row({line.name, line.text.substr(begin)});
+  }
+  return table;
+}
+
+TextTable ReportList::table(const std::string& title, const std::string& key) const {
+  const std::vector<ReportList>& rows = rows_.at(key);
+  std::vector<std::string> names;
+  if (!rows.empty())
+    for (const Line& cell : rows.front().lines_) names.push_back(cell.name);
+  TextTable table(title, names);
+  for (const ReportList& row : rows) {
+    std::vector<std::string> cells;
+    for (const Line& cell : row.lines_) cells.push_back(cell.is_shown ? cell.text : "–");
+    table.add_row(std::move(cells));
+  }
+  return table;
+}
+
+}  // namespace planar

@@ -1,0 +1,104 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "planar_servo/report/text_table.h"
+
+namespace planar {
+
+/// What a program found, each figure listed once: the name and the words that people read, the key
+/// of --json, the value and its format. Printed lines, JSON and a page's table come from this list,
+/// so that they cannot disagree:
+///
+///     ReportList list;
+///     list.line("vision error", "{raw_rms_mm:.4f} mm rms", result.raw_rms);
+///
+/// prints `vision error        0.0775 mm rms` and writes {"raw_rms_mm": 0.0775}. Values are in SI
+/// units: a key's part `mm`, `deg` or `ppm` says in what they are printed and written. A format is
+/// one of fmt, or `.1%` for a share in per cent; behind a bar may stand what goes between numbers
+/// of a vector, as in `{rms_95_mm:.4f| to }`, in place of a comma. A line with a figure that is not
+/// known is left out: JSON has null for a number that is not finite, and no key for an empty
+/// optional.
+class ReportList {
+ public:
+  /// Every key ends with `key_suffix`, which says who judged.
+  explicit ReportList(std::string key_suffix = {}) : key_suffix_(std::move(key_suffix)) {}
+
+  /// Adds a line whose `text` has the keys of these figures, in this order, in braces. Throws
+  /// std::logic_error unless there is a figure for each.
+  template <typename... Values>
+  void line(const std::string& name, std::string_view text, const Values&... values) {
+    add(true, name, text, {json_of(values)...});
+  }
+  /// Adds figures that are printed only in some cases.
+  template <typename... Values>
+  void line_if(bool is_shown, const std::string& name, std::string_view text,
+               const Values&... values) {
+    add(is_shown, name, text, {json_of(values)...});
+  }
+  /// Adds a figure that is not printed.
+  template <typename Value>
+  void unprinted(const std::string& key, const Value& value) {
+    keep(key, json_of(value));
+  }
+  /// Adds a list of its own under a key.
+  void part(const std::string& key, const ReportList& part);
+  /// Adds the lines and figures of another list behind these.
+  void append(const ReportList& other);
+  /// Adds a list for each of these items, of which `list_item(row, item)` lists the cells. With
+  /// `prefix`, each is printed as a line behind it, with colons between its cells.
+  template <typename Items, typename ListItem>
+  void rows(const std::string& key, const Items& items, ListItem list_item,
+            const char* prefix = nullptr) {
+    std::vector<ReportList> rows;
+    for (const auto& item : items) list_item(rows.emplace_back(), item);
+    add_rows(key, std::move(rows), prefix);
+  }
+
+  std::string text() const;
+  const nlohmann::json& json() const { return json_; }
+  /// Returns the lines but those of rows as a table of names and texts.
+  TextTable table(const std::string& title) const;
+  /// Returns the rows under a key: the names of the first one's cells are the columns. A dash
+  /// stands for what is not known.
+  TextTable table(const std::string& title, const std::string& key) const;
+
+ private:
+  struct Line {
+    std::string name, text;
+    bool is_shown;
+    bool is_row{false};
+  };
+
+  template <typename Value>
+  static nlohmann::json json_of(const Value& value) {
+    return value;
+  }
+  template <typename Value>
+  static nlohmann::json json_of(const std::optional<Value>& value) {
+    return value ? json_of(*value) : nullptr;
+  }
+  template <typename Scalar, int kSize>
+  static nlohmann::json json_of(const Eigen::Matrix<Scalar, kSize, 1>& vector) {
+    return std::vector<Scalar>(vector.begin(), vector.end());
+  }
+
+  void add(bool is_shown, const std::string& name, std::string_view text,
+           const std::vector<nlohmann::json>& values);
+  void add_rows(const std::string& key, std::vector<ReportList> rows, const char* prefix);
+  /// Keeps a figure that has a value under its key and returns it in the key's unit.
+  nlohmann::json keep(const std::string& key, nlohmann::json value);
+
+  std::string key_suffix_;
+  std::vector<Line> lines_;
+  nlohmann::json json_ = nlohmann::json::object();
+  std::map<std::string, std::vector<ReportList>> rows_;
+};
+
+}  // namespace planar
