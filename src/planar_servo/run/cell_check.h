@@ -43,7 +43,7 @@ class CellCheck {
   std::vector<HealthFinding> revisit(const HealthRecord& record);
 
  private:
-  std::vector<HealthFinding> faults_in_first_moves();
+  std::vector<HealthFinding> faults_in_first_moves(Joints theta);
   std::vector<HealthFinding> changes_since(const HealthRecord& record);
   /// Puts a change of light or focus in the place of what it may explain of what was found, and
   /// before the rest.
