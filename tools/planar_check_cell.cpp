@@ -8,6 +8,7 @@
 #include "planar_servo/machine/cell_devices.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/run/cell_check.h"
+#include "planar_servo/servo/camera_wait.h"
 #include "program.h"
 
 namespace planar {
@@ -50,7 +51,11 @@ Outcome check(const Options& options) {
                     "start with --home, or home them with planar-jog");
   LampTipSensor sensor(vision, cell.lamps.method, devices->camera(), cell.camera.follow_region_px);
   CellCheck procedure(cell, vision, robot, sensor, devices->clock(),
-                      servo_planner(cell).scatter_m());
+                      servo_planner(cell).scatter_m(), [&](const std::string& reason) {
+                        return wait_for_camera(devices->camera(), robot, devices->clock(),
+                                               "the check", reason,
+                                               devices->clock().now_s() + kCameraPatience_s);
+                      });
   const std::vector<HealthFinding> found = check_cell(procedure, health);
   say("{}", found.empty() ? "the cell is as it was at its calibration\n" : findings_text(found));
   return {findings_json(found), found.empty()};

@@ -134,6 +134,20 @@ TEST_CASE("fit_rim says how badly it knows a rim that is bent, unevenly lit and 
   CHECK(farther <= 3);  // one in 20
 }
 
+TEST_CASE("fit_rim measures a lamp whose rim leaves its centre in doubt, and states the doubt") {
+  constexpr unsigned kLamps = 60;
+  constexpr double kMostNoise_px = 0.25;
+  int doubted = 0;
+  for (unsigned i = 0; i < kLamps; ++i) {
+    const auto rim = fit(bent_scene(0.0125, 2.0 * kPi * i / kLamps, 0.8), i);
+    if (!rim || rim->center_covariance.trace() < 2.0 * kMostNoise_px * kMostNoise_px) continue;
+    const Eigen::Vector2d error = rim->center - kCenter;
+    CHECK(error.dot(rim->center_covariance.inverse() * error) < 9.0);
+    ++doubted;
+  }
+  CHECK(doubted > 0);
+}
+
 TEST_CASE("fit_rim tells how wide a straight cut is") {
   cv::Mat scene = lamp_scene();
   scene(cv::Rect(80, 0, 48, 128)) = 12.0;

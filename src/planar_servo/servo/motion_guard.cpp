@@ -32,7 +32,7 @@ std::optional<Doubt> noisy(const GuardLimits& limits, const TipMeasurement& m) {
   if (noise_m <= limits.noise_m) return std::nullopt;
   return Doubt{
       fmt::format("vision is uncertain by +- {:.3f} mm; allowed is {:.3f} mm: are the "
-                  "lamps dim, or the exposure too short?",
+                  "lamps dim or partly covered, or is the exposure too short?",
                   noise_m / kMillimetre, limits.noise_m / kMillimetre)};
 }
 

@@ -91,7 +91,7 @@ void sample_coarsely(const cv::Mat& image, const Outline& outline, double reach_
 struct Round {
   OutlineFit fit;
   double scatter;  ///< mean square of the residuals of all normals divided by their variance
-  Eigen::Matrix2d center_covariance;
+  Eigen::Matrix2d center_covariance, doubt;
   NormalFlags use;
   double blur_px;
 
@@ -115,9 +115,10 @@ std::optional<Round> measure(const cv::Mat& image, const Outline& outline, const
   const double sigma_px = 1.0 / std::sqrt(edges->information.maxCoeff());
   const PerNormal residual = edges->offset_px - band.normals.moved(fit.terms);
   const double scatter = edges->information.dot(residual.cwiseAbs2()) / band.normals.count();
-  return Round{fit, scatter,
-               center_covariance(fit, band.normals, *edges) +
-                   covariance_of_ends(fit, band.normals, *edges, use),
+  return Round{fit,
+               scatter,
+               center_covariance(fit, band.normals, *edges),
+               covariance_of_ends(fit, band.normals, *edges, use),
                agreeing(band.normals, edges->offset_px, fit, {sigma_px, edges->blur_px},
                         edges->readable, use),
                edges->blur_px};
@@ -125,8 +126,16 @@ std::optional<Round> measure(const cv::Mat& image, const Outline& outline, const
 
 /// An outline along whose normals the levels were measured.
 struct Refined {
-  RimFit rim;
-  double scatter;  ///< as in Round
+  RimFit rim;           ///< its covariance is that of the noise alone
+  double scatter{0.0};  ///< as in Round
+  /// Covariance of what the rim's shape leaves open.
+  Eigen::Matrix2d doubt{Eigen::Matrix2d::Zero()};
+
+  /// Returns whether the noise leaves a measurement: doubt only widens what is stated.
+  bool is_measurement() const {
+    constexpr double kMostSigma_px = 0.25;
+    return rim.center_covariance.trace() < 2.0 * kMostSigma_px * kMostSigma_px && doubt.allFinite();
+  }
 
   /// Returns whether nearly the whole rim is where the outline has it.
   bool is_whole() const {
@@ -141,8 +150,8 @@ std::optional<Refined> refine(const cv::Mat& image, const Blob& blob, const Coar
   constexpr int kRounds = 3;
   Outline outline = start.outline;
   NormalFlags use = start.use;
-  RimFit rim;
-  double scatter = 0.0;
+  Refined refined;
+  RimFit& rim = refined.rim;
   for (int i = 0; i < kRounds; ++i) {
     if (!is_near(outline, blob)) return std::nullopt;
     const std::optional<Round> round = measure(image, outline, noise, reach_px, use, band);
@@ -152,7 +161,8 @@ std::optional<Refined> refine(const cv::Mat& image, const Blob& blob, const Coar
     outline.change(round->fit.terms);
     const bool is_settled = round->is_settled(use);
     use = round->use;
-    scatter = round->scatter;
+    refined.scatter = round->scatter;
+    refined.doubt = round->doubt;
     rim.center_covariance = round->center_covariance;
     rim.blur_px = round->blur_px;
     // The blur of a bent edge moves it inwards by half its variance divided by the radius.
@@ -162,39 +172,35 @@ std::optional<Refined> refine(const cv::Mat& image, const Blob& blob, const Coar
   if (!is_near(outline, blob)) return std::nullopt;
   rim.center = outline.center;
   rim.largest_gap = largest_gap(use);
-  return Refined{rim, scatter};
+  return refined;
 }
 
 /// Returns the covariance that doubt adds to the centre of a bent rim: nothing where the outline of
-/// the rim's better part has its centre there, too, as far as it can tell; else the rim may be cut
-/// as well, and their distance counts as a standard deviation.
-Eigen::Matrix2d covariance_of_doubt(const RimFit& bent, const RimFit& cut) {
+/// the rim's better part has its centre there, too, as far as it can tell, or is too little for a
+/// measurement; else the rim may be cut as well, and their distance counts as a standard deviation.
+Eigen::Matrix2d covariance_of_doubt(const Refined& bent, const Refined& cut) {
   constexpr double kSigmas = 4.5;
-  const Eigen::Vector2d apart = bent.center - cut.center;
-  const bool agree = apart.dot(cut.center_covariance.inverse() * apart) < kSigmas * kSigmas;
+  if (!cut.is_measurement()) return Eigen::Matrix2d::Zero();
+  const Eigen::Vector2d apart = bent.rim.center - cut.rim.center;
+  const Eigen::Matrix2d covariance = cut.rim.center_covariance + cut.doubt;
+  const bool agree = apart.dot(covariance.inverse() * apart) < kSigmas * kSigmas;
   if (agree) return Eigen::Matrix2d::Zero();
   return square(apart);
 }
 
 /// Refines the likely outline, or the bent one where only that is the whole rim.
-std::optional<RimFit> refine_either(const cv::Mat& image, const Blob& blob,
-                                    const CoarseOutlines& starts, const PixelNoise& noise,
-                                    double reach_px, RimBand& band) {
+std::optional<Refined> refine_either(const cv::Mat& image, const Blob& blob,
+                                     const CoarseOutlines& starts, const PixelNoise& noise,
+                                     double reach_px, RimBand& band) {
   const auto likely = refine(image, blob, starts.likely, noise, reach_px, band);
   if (starts.bent && !(likely && likely->is_whole())) {
     auto bent = refine(image, blob, *starts.bent, noise, reach_px, band);
     if (bent && bent->is_whole()) {
-      if (likely) bent->rim.center_covariance += covariance_of_doubt(bent->rim, likely->rim);
-      return bent->rim;
+      if (likely) bent->doubt += covariance_of_doubt(*bent, *likely);
+      return bent;
     }
   }
-  if (!likely) return std::nullopt;
-  return likely->rim;
-}
-
-bool is_measurement(const RimFit& rim) {
-  constexpr double kMostSigma_px = 0.25;
-  return rim.center_covariance.trace() < 2.0 * kMostSigma_px * kMostSigma_px;
+  return likely;
 }
 
 }  // namespace
@@ -207,14 +213,16 @@ std::optional<RimFit> fit_rim(const cv::Mat& image, const Blob& blob, double rea
   sample_coarsely(image, outline, reach_px, band);
   const std::optional<CoarseOutlines> starts = find_outlines(band, outline, blob, noise);
   if (!starts) return std::nullopt;
-  std::optional<RimFit> rim = refine_either(image, blob, *starts, noise, reach_px, band);
+  std::optional<Refined> found = refine_either(image, blob, *starts, noise, reach_px, band);
   const CoarseOutline& start = starts->likely;
-  if (!rim && is_near(start.outline, blob)) {
-    rim = RimFit{start.outline.center, start.center_covariance, start.outline.diameter(), 0.0,
-                 largest_gap(start.use)};
+  if (!found && is_near(start.outline, blob)) {
+    found.emplace();
+    found->rim = {start.outline.center, start.center_covariance, start.outline.diameter(), 0.0,
+                  largest_gap(start.use)};
   }
-  if (rim && !is_measurement(*rim)) rim.reset();
-  return rim;
+  if (!found || !found->is_measurement()) return std::nullopt;
+  found->rim.center_covariance += found->doubt;
+  return found->rim;
 }
 
 }  // namespace planar
