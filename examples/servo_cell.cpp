@@ -33,8 +33,8 @@ bool reach_targets(const planar::CellSettings& cell, planar::CellDevices& device
                 planar::name(result.status), result.iterations);
     if (!result.steps.empty())
       std::printf(", %.4f mm away by its own view", 1e3 * result.steps.back().error.norm());
-    if (const auto true_tip = devices.true_tip())  // only a virtual cell knows
-      std::printf(", %.4f mm in truth", 1e3 * (true_tip().p - p).norm());
+    if (const auto truth = devices.truth())  // only a virtual cell knows
+      std::printf(", %.4f mm in truth", 1e3 * (*truth->judge("", {}).p - p).norm());
     std::printf("%s\n", result.reason.empty() ? "" : (": " + result.reason).c_str());
     all_reached = all_reached && result.status == planar::ServoStatus::kReached;
   }

@@ -7,7 +7,10 @@
 #include "homing_options.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
+#include "planar_servo/files/tool_file.h"
 #include "planar_servo/files/vision_files.h"
+#include "planar_servo/judge/cell_judge.h"
+#include "planar_servo/judge/tracker_judge.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/report/progress_bar.h"
 #include "planar_servo/run/cell_check.h"
@@ -253,6 +256,15 @@ VisionCalibration check_files(const Options& options, const CellSettings& cell) 
   return vision;
 }
 
+/// Returns the tracker as the judge of a run, or null for a cell that its truth judges. It reads
+/// the monuments when it is asked first.
+std::shared_ptr<Judge> judge_by_tracker(const ServoRequest& request, CellDevices& devices) {
+  const ToolOffsets tool = read_tool(request.cell.tool);
+  if (judge_of(request.cell, tool) == JudgeKind::kTruth) return nullptr;
+  return std::make_shared<TrackerJudge>(request.cell, tool, devices.tracker(),
+                                        request.out / "judge.csv", request.stop);
+}
+
 Outcome reach_targets(const Options& options, const CellSettings& cell) {
   const std::vector<TargetRow> targets =
       from_stdin(options) ? std::vector<TargetRow>() : read_targets(options.targets);
@@ -267,9 +279,7 @@ Outcome reach_targets(const Options& options, const CellSettings& cell) {
   request.forgets = options.forget;
   heed_interrupts();
   const auto devices = open_cell(request.cell);
-  if (options.judged)
-    request.judge =
-        judge_by_tracker(request.cell, *devices, request.out / "judge.csv", request.stop);
+  if (options.judged) request.judge = judge_by_tracker(request, *devices);
   ServoDisplay display(value_named(kDisplayPolicies, options.display).value(),
                        options.out / "view.png");
   ServoRun run(request, *devices, [&](const ServoSight& sight) { display.show(sight); });

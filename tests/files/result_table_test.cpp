@@ -39,6 +39,28 @@ TEST_CASE("A result comes back as it was written, what is not known stays unknow
   CHECK_FALSE(back.vision_raw.has_value());
 }
 
+TEST_CASE("What a tracker judged is read under its name and under that of earlier versions") {
+  const test::TemporaryFolder folder;
+  TargetResult judged = sample();
+  judged.sigma_truth_m = 3e-6;
+  const std::string header = results_header(), both = result_line(judged);
+  CHECK_THAT(header, Contains("after_tracker_mm,after_tracker_dx_mm,after_tracker_dy_mm"));
+  const std::string error = ",0.031623,-0.010000,0.030000";
+  const std::size_t by_truth = both.find(error), by_tracker = both.rfind(error);
+  REQUIRE(by_truth < by_tracker);
+  for (const std::size_t left_out : {by_truth, by_tracker}) {
+    std::string line = both;
+    const TargetResult back =
+        read_results(
+            folder.write("results.csv", header + line.replace(left_out, error.size(), ",,,")))
+            .at(0);
+    CHECK(back.judged_by_tracker());
+    CHECK((back.after_truth.value() - Eigen::Vector2d(-1e-5, 3e-5)).norm() <
+          test::kWrittenNanometre);
+  }
+  CHECK_THAT(result_line(sample()), Contains(",,,,,,,\n"));  // no tracker, nothing in its columns
+}
+
 TEST_CASE("A run that was interrupted before its first target has no results") {
   const test::TemporaryFolder folder;
   CHECK(read_results(folder.write("results.csv", results_header())).empty());

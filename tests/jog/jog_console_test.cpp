@@ -72,7 +72,7 @@ class FailingCamera final : public CellDevices, public FrameSource {
   DriveGroup& drives() override { return whole_->drives(); }
   Tracker& tracker() override { return whole_->tracker(); }
   BoardPresenter* board_presenter() override { return whole_->board_presenter(); }
-  std::function<TipPose()> true_tip() override { return whole_->true_tip(); }
+  std::shared_ptr<Judge> truth() override { return whole_->truth(); }
 
   cv::Size sensor_size_px() const override { return whole_->camera().sensor_size_px(); }
   void set_region(const cv::Rect& region_px) override { whole_->camera().set_region(region_px); }

@@ -5,6 +5,7 @@
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/pose.h"
 #include "planar_servo/core/units.h"
+#include "planar_servo/judge/tracker_judge.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/machine/virtual_kinds.h"
 #include "support/sample_cells.h"
@@ -12,6 +13,9 @@
 
 namespace planar {
 namespace {
+
+/// The tool is seen at the base.
+const Standing kAtBase{{}, TipPose{}};
 
 ToolOffsets sample_tool() {
   ToolOffsets tool;
@@ -61,6 +65,15 @@ class ExactTracker final : public Tracker {
   std::vector<Monument> datum_;
 };
 
+class KnownTruth final : public Judge {
+ public:
+  JudgeKind kind() const override { return JudgeKind::kTruth; }
+  JudgedTip judge(const std::string& /*id*/, const Standing& /*standing*/) override {
+    return {Eigen::Vector2d(0.25, 0.125), 0.0, "", 0.5};
+  }
+  double common_sigma() const override { return 0.0; }
+};
+
 /// A cell of which a judge may only ask tracker and truth.
 class JudgedCell final : public CellDevices {
  public:
@@ -73,9 +86,7 @@ class JudgedCell final : public CellDevices {
   DriveGroup& drives() override { throw WorkError("no drives"); }
   Tracker& tracker() override { return exact; }
   BoardPresenter* board_presenter() override { return nullptr; }
-  std::function<TipPose()> true_tip() override {
-    return [] { return TipPose{{0.25, 0.125}, 0.5}; };
-  }
+  std::shared_ptr<Judge> truth() override { return std::make_shared<KnownTruth>(); }
 };
 
 CellSettings real_cell() {
@@ -93,7 +104,7 @@ TEST_CASE("A tracker judges the end point by the reflector and the tool's suppos
   CHECK(devices.exact.tool_awaited == 1);
   for (const double phi : {0.0, 1.0, -2.5}) {
     devices.exact.tip = {{0.3, -0.1}, phi};
-    const JudgedTip tip = judge->judge("a", devices.exact.tip);
+    const JudgedTip tip = judge->judge("a", {{}, devices.exact.tip});
     REQUIRE(tip.p);
     CHECK((*tip.p - devices.exact.tip.p).norm() < 1e-9);
     CHECK_FALSE(tip.phi);
@@ -123,19 +134,19 @@ TEST_CASE("A tracker that fails is asked three times, and then says why nothing 
       make_judge(JudgeKind::kTracker, cell, sample_tool(), devices, folder / "tracker.csv", {});
   SECTION("twice") {
     tracker.failures = 2;
-    CHECK(judge->judge("a", {}).p);
+    CHECK(judge->judge("a", kAtBase).p);
   }
   SECTION("every time") {
     tracker.failures = 3;
-    CHECK(judge->judge("a", {}).fault == "the beam is broken");
+    CHECK(judge->judge("a", kAtBase).fault == "the beam is broken");
   }
   SECTION("because its readings stand elsewhere") {
     tracker.answer = TrackerStatus::kElsewhere;
-    CHECK_THAT(judge->judge("a", {}).fault, Catch::Contains("a table of the tracker's own"));
+    CHECK_THAT(judge->judge("a", kAtBase).fault, Catch::Contains("a table of the tracker's own"));
   }
   SECTION("because the reflector is not on the tool") {
     tracker.tip.p.x() = 0.3;
-    CHECK_THAT(judge->judge("a", {}).fault, Catch::Contains("300.0 mm"));
+    CHECK_THAT(judge->judge("a", kAtBase).fault, Catch::Contains("300.0 mm"));
   }
   CHECK(tracker.asked == 3);
 }
@@ -159,22 +170,35 @@ TEST_CASE("Somebody who chooses to do without a reading is not asked for it agai
   const auto judge =
       make_judge(JudgeKind::kTracker, cell, sample_tool(), devices, folder / "tracker.csv", {});
   devices.exact.answer = TrackerStatus::kSkipped;
-  CHECK_THAT(judge->judge("a", {}).fault, Catch::Contains("left its reading out"));
+  CHECK_THAT(judge->judge("a", kAtBase).fault, Catch::Contains("left its reading out"));
   CHECK(devices.exact.asked == 1);
 }
 
-TEST_CASE("The truth judges a virtual cell, the tool's direction as well") {
+TEST_CASE("The truth judges a virtual cell, and no tracker is read") {
   const test::TemporaryFolder folder;
   const CellSettings cell = read_cell(test::workshop_cell_file());
   REQUIRE(judge_of(cell, sample_tool()) == JudgeKind::kTruth);
   JudgedCell devices(cell.datum);
   const auto judge =
       make_judge(JudgeKind::kTruth, cell, sample_tool(), devices, folder / "tracker.csv", {});
-  const JudgedTip tip = judge->judge("a", {});
-  CHECK(tip.p == Eigen::Vector2d(0.25, 0.125));
-  CHECK(tip.phi == 0.5);
-  CHECK(tip.sigma == 0.0);
-  CHECK(judge->common_sigma() == 0.0);
+  CHECK(judge->kind() == JudgeKind::kTruth);
+  CHECK(judge->judge("a", {}).p == Eigen::Vector2d(0.25, 0.125));
+  CHECK(devices.exact.asked == 0);
+}
+
+TEST_CASE("A tracker judges a tool that is not seen only by an arm that it may suppose") {
+  const test::TemporaryFolder folder;
+  const CellSettings cell = real_cell();
+  JudgedCell devices(cell.datum);
+  TrackerJudge judge(cell, sample_tool(), devices.tracker(), folder / "tracker.csv", {});
+  CHECK_THAT(judge.judge("a", {}).fault, Catch::Contains("does not see the tool's direction"));
+  CHECK(devices.exact.tool_awaited == 0);
+  devices.exact.tip = {{0.3, -0.1}, 1.0};
+  judge.suppose([&](const Eigen::Vector3d& /*theta_c*/) { return devices.exact.tip; });
+  const JudgedTip tip = judge.judge("a", {});
+  REQUIRE(tip.p);
+  CHECK((*tip.p - devices.exact.tip.p).norm() < 1e-9);
+  CHECK(devices.exact.tool_awaited == 1);  // after the monuments
 }
 
 TEST_CASE("A cell that nobody can judge is refused with a remedy") {

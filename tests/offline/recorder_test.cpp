@@ -41,7 +41,7 @@ class NotingDevices final : public CellDevices,
   DriveGroup& drives() override { return group_; }
   Tracker& tracker() override { return *this; }
   BoardPresenter* board_presenter() override { return this; }
-  std::function<TipPose()> true_tip() override { return {}; }
+  std::shared_ptr<Judge> truth() override { return nullptr; }
 
   cv::Size sensor_size_px() const override { return {64, 64}; }
   void set_region(const cv::Rect& /*region_px*/) override {}

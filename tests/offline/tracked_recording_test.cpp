@@ -69,7 +69,7 @@ class PlayedDevices final : public CellDevices {
   DriveGroup& drives() override { return whole_->drives(); }
   Tracker& tracker() override { return tracker_; }
   BoardPresenter* board_presenter() override { return whole_->board_presenter(); }
-  std::function<TipPose()> true_tip() override { return {}; }
+  std::shared_ptr<Judge> truth() override { return nullptr; }
 
  private:
   std::unique_ptr<CellDevices> whole_;

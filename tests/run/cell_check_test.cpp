@@ -20,7 +20,7 @@ struct CheckedCell {
   CheckedCell() {
     robot.energize();
     robot.stop_when([this] {
-      way.push_back(devices->true_tip()().p);
+      way.push_back(*devices->truth()->judge("", {}).p);
       stops.push_back(robot.commanded_joints());
       return false;
     });

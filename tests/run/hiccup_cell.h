@@ -44,7 +44,7 @@ class HiccupCell final : public SilentCell {
 
   FrameSource& camera() override { return hiccup; }
   /// Returns where the end point is in truth, for a test that waits for something on its way.
-  Eigen::Vector2d tip() { return virtual_devices().true_tip()().p; }
+  Eigen::Vector2d tip() { return *virtual_devices().truth()->judge("", {}).p; }
 };
 
 }  // namespace planar::test

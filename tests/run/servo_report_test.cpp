@@ -114,6 +114,8 @@ TEST_CASE("Where a tracker judges, its uncertainty stands beside the errors and 
   CHECK(json["judged"] == 2);
   CHECK(json["not_judged"] ==
         nlohmann::json::array({{{"target", "c"}, {"reason", "a broken beam"}}}));
+  for (const char* key : {"after_rms_mm", "sigma_mm", "after_rms_net_mm", "improvement"})
+    CHECK(json[key + std::string("_tracker")] == json[key + std::string("_truth")]);
   CHECK_THAT(servo_list(figures).text(), Catch::Contains("against the tracker: the arm alone") &&
                                              Catch::Contains("known to 0.0300 mm per axis") &&
                                              Catch::Contains("not judged: c: a broken beam") &&
@@ -154,6 +156,18 @@ TEST_CASE("A refused target counts as a target that was not reached and has no e
   CHECK(figures.targets == 2);
   CHECK(figures.reached == 1);
   CHECK(figures.after_truth->n == 1);
+}
+
+TEST_CASE("The page of a run says who judged it, though the first target was not judged") {
+  TargetResult unseen = reached("a", 1e-3, 5e-5), seen = reached("b", 1e-3, 5e-5);
+  unseen.before_truth = unseen.after_truth = std::nullopt;
+  unseen.not_judged = "a broken beam";
+  seen.sigma_truth_m = 3e-5;
+  const std::string page = servo_page({}, {unseen, seen});
+  CHECK_THAT(page, Catch::Contains("Errors against the tracker") &&
+                       Catch::Contains("<th>tracker mm</th>") && !Catch::Contains("truth"));
+  CHECK_THAT(servo_page({}, {reached("a", 1e-3, 1e-5)}),
+             Catch::Contains("Errors against the truth") && Catch::Contains("<th>truth mm</th>"));
 }
 
 }  // namespace

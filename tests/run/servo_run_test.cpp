@@ -93,7 +93,7 @@ class FlakyCell final : public CellDevices {
   DriveGroup& drives() override { return drives_; }
   Tracker& tracker() override { throw WorkError("no tracker"); }
   BoardPresenter* board_presenter() override { return nullptr; }
-  std::function<TipPose()> true_tip() override { return {}; }
+  std::shared_ptr<Judge> truth() override { return nullptr; }
 
  private:
   test::ManualClock clock_;
@@ -174,6 +174,28 @@ TEST_CASE("A camera is waited for in full after a drive was waited for") {
   }
 }
 
+/// A judge that takes longer than a camera is waited for.
+class SlowJudge final : public Judge {
+ public:
+  static constexpr double kSlow_s = 70.0;
+
+  explicit SlowJudge(Clock& clock) : clock_(clock) {}
+
+  std::function<void()> after_first;
+  int asked{0};
+
+  JudgeKind kind() const override { return JudgeKind::kTracker; }
+  JudgedTip judge(const std::string& /*id*/, const Standing& standing) override {
+    clock_.sleep_for_s(kSlow_s);
+    if (++asked == 1) after_first();
+    return {standing.seen.value().p, 1e-6, "", std::nullopt};
+  }
+  double common_sigma() const override { return 0.0; }
+
+ private:
+  Clock& clock_;
+};
+
 TEST_CASE("A camera is waited for in full after a long judgement") {
   const test::TemporaryFolder folder;
   const CellSettings cell = read_cell(test::workshop_cell_file());
@@ -184,15 +206,14 @@ TEST_CASE("A camera is waited for in full after a long judgement") {
   request.cell = cell;
   request.out = folder / "run";
   request.check_health = false;
-  int judged = 0;
-  request.judge = [&](const std::string& /*id*/, const ServoStep& look) {
-    devices.clock().sleep_for_s(70.0);
-    if (++judged == 1) well_s = devices.clock().now_s() + 2.0;
-    return JudgedTip{look.measurement.tip.p, 1e-6, "", std::nullopt};
-  };
+  const auto judge = std::make_shared<SlowJudge>(devices.clock());
+  judge->after_first = [&] { well_s = devices.clock().now_s() + 2.0; };
+  request.judge = judge;
   ServoRun run(request, devices);
-  CHECK(run.move_to({"a", {0.2, 0.1}, std::nullopt}).status == ServoStatus::kReached);
-  CHECK(judged == 2);
+  const TargetResult& result = run.move_to({"a", {0.2, 0.1}, std::nullopt});
+  CHECK(result.status == ServoStatus::kReached);
+  CHECK(judge->asked == 2);
+  CHECK(result.seconds < SlowJudge::kSlow_s);  // less the time of judging
 }
 
 TEST_CASE("A camera that comes and goes is waited for twenty times at a target") {

@@ -9,6 +9,8 @@
 namespace planar {
 namespace {
 
+const SteadyClock kClock;
+
 ServoStep step_with(int iteration, const Eigen::Vector2d& error) {
   ServoStep step;
   step.iteration = iteration;
@@ -16,10 +18,29 @@ ServoStep step_with(int iteration, const Eigen::Vector2d& error) {
   return step;
 }
 
+/// Judges every look at the next of some places.
+class JudgeOfPlaces final : public Judge {
+ public:
+  JudgeOfPlaces(JudgeKind kind, const std::vector<JudgedTip>& places)
+      : kind_(kind), places_(places) {}
+
+  int asked{0};
+
+  JudgeKind kind() const override { return kind_; }
+  JudgedTip judge(const std::string& /*id*/, const Standing& /*standing*/) override {
+    return places_.at(asked++);
+  }
+  double common_sigma() const override { return 0.0; }
+
+ private:
+  JudgeKind kind_;
+  std::vector<JudgedTip> places_;
+};
+
 TEST_CASE("A target's result counts the corrections and the time of all attempts") {
   const test::TemporaryFolder folder;
   GrowingFile steps(folder.path() / "steps.csv", steps_header());
-  TargetScorer scorer({"A", {0.2, 0.1}, {}}, steps, {});
+  TargetScorer scorer({"A", {0.2, 0.1}, {}}, steps, nullptr, kClock);
   scorer.observe(step_with(0, {1e-3, 0.0}));
   scorer.observe(step_with(1, {2e-4, 0.0}));
   scorer.observe(step_with(2, {5e-5, 0.0}));
@@ -42,7 +63,8 @@ TEST_CASE("An end point is judged by the truth where there is one") {
   const test::TemporaryFolder folder;
   GrowingFile steps(folder.path() / "steps.csv", steps_header());
   const Eigen::Vector2d p_truth(0.2003, 0.1);
-  TargetScorer scorer({"A", {0.2, 0.1}, {}}, steps, [&] { return TipPose{p_truth, 0.0}; });
+  JudgeOfPlaces truth(JudgeKind::kTruth, {{p_truth, 0.0, ""}});
+  TargetScorer scorer({"A", {0.2, 0.1}, {}}, steps, &truth, kClock);
   ServoStep step = step_with(0, {0.0, 0.0});
   step.measurement.p_vision = {0.201, 0.1};
   step.measurement.tip.p = {0.2, 0.1};
@@ -59,16 +81,6 @@ TEST_CASE("An end point is judged by the truth where there is one") {
   CHECK((*result.believed - Eigen::Vector2d(-2e-4, 0.0)).norm() < kRounding_m);
   CHECK(result.uncertainty_m == 4e-6);
 }
-
-/// Judges every look at the next of some places.
-struct JudgeOfPlaces {
-  std::vector<JudgedTip> places;
-  std::size_t asked{0};
-
-  EndPointJudge judge() {
-    return [this](const std::string&, const ServoStep&) { return places.at(asked++); };
-  }
-};
 
 ServoResult ended(ServoStatus status) {
   ServoResult last;
@@ -87,10 +99,10 @@ TEST_CASE("A judge is asked at the first look and at the end, once where the arm
   const test::TemporaryFolder folder;
   GrowingFile steps(folder.path() / "steps.csv", steps_header());
   constexpr double kRounding_m = 1e-15;
-  TargetScorer scorer({"A", {0.2, 0.1}, {}}, steps, {});
   SECTION("a target that needs a correction") {
-    JudgeOfPlaces at{{{Eigen::Vector2d(0.203, 0.1), 1e-5, ""}, {{{0.2, 0.1004}}, 2e-5, ""}}};
-    scorer.set_judge(at.judge());
+    JudgeOfPlaces at(JudgeKind::kTracker, {{Eigen::Vector2d(0.203, 0.1), 1e-5, ""},
+                                           {Eigen::Vector2d(0.2, 0.1004), 2e-5, ""}});
+    TargetScorer scorer({"A", {0.2, 0.1}, {}}, steps, &at, kClock);
     scorer.observe(seen_step(0));
     scorer.observe(seen_step(1));
     const TargetResult result = scorer.finish(ended(ServoStatus::kReached), 1.0);
@@ -102,8 +114,8 @@ TEST_CASE("A judge is asked at the first look and at the end, once where the arm
     CHECK((*result.vision_compensated - Eigen::Vector2d(1e-4, -4e-4)).norm() < kRounding_m);
   }
   SECTION("a target that is reached at once") {
-    JudgeOfPlaces at{{{Eigen::Vector2d(0.203, 0.1), 1e-5, ""}}};
-    scorer.set_judge(at.judge());
+    JudgeOfPlaces at(JudgeKind::kTracker, {{Eigen::Vector2d(0.203, 0.1), 1e-5, ""}});
+    TargetScorer scorer({"A", {0.2, 0.1}, {}}, steps, &at, kClock);
     scorer.observe(seen_step(0));
     const TargetResult result = scorer.finish(ended(ServoStatus::kReached), 1.0);
     CHECK(at.asked == 1);
@@ -114,9 +126,8 @@ TEST_CASE("A judge is asked at the first look and at the end, once where the arm
 TEST_CASE("A target that nobody could judge says why and has no true error") {
   const test::TemporaryFolder folder;
   GrowingFile steps(folder.path() / "steps.csv", steps_header());
-  TargetScorer scorer({"A", {0.2, 0.1}, {}}, steps, {});
-  JudgeOfPlaces at{{{{}, 0.0, "a broken beam"}, {{}, 0.0, "a broken beam"}}};
-  scorer.set_judge(at.judge());
+  JudgeOfPlaces at(JudgeKind::kTracker, {{{}, 0.0, "a broken beam"}, {{}, 0.0, "a broken beam"}});
+  TargetScorer scorer({"A", {0.2, 0.1}, {}}, steps, &at, kClock);
   TargetResult result;
   SECTION("the beam is broken") {
     scorer.observe(seen_step(0));

@@ -18,7 +18,7 @@ class SilentCell : public CellDevices {
   DriveGroup& drives() override { return devices_->drives(); }
   Tracker& tracker() override { return devices_->tracker(); }
   BoardPresenter* board_presenter() override { return nullptr; }
-  std::function<TipPose()> true_tip() override { return {}; }
+  std::shared_ptr<Judge> truth() override { return nullptr; }
 
  protected:
   CellDevices& virtual_devices() { return *devices_; }

@@ -104,7 +104,7 @@ class CertificateDriver {
     if (!last_ || !last_->measurement.ok()) return made;
     made.sigma_vision = last_->measurement.sigma_vision_m;
     made.stop_below = last_->stop_below_m;
-    const JudgedTip tip = judge.judge(move.id, last_->measurement.tip);
+    const JudgedTip tip = judge.judge(move.id, last_->standing());
     if (!tip.p) return made;
     made.judge_sigma = std::hypot(tip.sigma, judge.common_sigma());
     made.error = *tip.p - move.p_d;

@@ -111,34 +111,37 @@ void close_loops(const ExperimentRequest& request, const CalibratedChains& chain
                  const std::vector<MonumentSeen>& monuments, CellDevices& devices,
                  ExperimentReport& report) {
   const std::vector<TargetRow> targets = control_targets(request.cell.workspace, request.size);
-  const std::array<ServoRequest, 4> loops{
+  std::array<ServoRequest, 4> loops{
       control_loop(chains.ours, true, request), control_loop(chains.paper, true, request),
       control_loop(chains.paper, false, request), control_loop(chains.visp, false, request)};
-  std::optional<TrackerJudge> judge;
-  if (!devices.true_tip()) {
-    judge.emplace(request.cell, chains.ours.field.value().field.tool, devices.tracker(),
-                  request.out / "judge.csv", request.stop);
-    report.reflector_sigma = judge->common_sigma();
+  std::shared_ptr<TrackerJudge> tracker;
+  if (!devices.truth()) {
+    tracker =
+        std::make_shared<TrackerJudge>(request.cell, chains.ours.field.value().field.tool,
+                                       devices.tracker(), request.out / "judge.csv", request.stop);
+    report.reflector_sigma = tracker->common_sigma();
+    // No camera takes part: the tool is supposed to be where the arm that our chain found has it.
+    tracker->suppose([planner = servo_planner(chains.ours.cell)](const Joints& theta_c) {
+      return planner.reached(theta_c);
+    });
     const auto done = [&](const ServoRequest& loop) { return is_done(loop, targets); };
-    if (!std::all_of(loops.begin(), loops.end(), done)) judge->make_ready(monuments);
+    if (!std::all_of(loops.begin(), loops.end(), done)) tracker->make_ready(monuments);
   }
-  // No camera takes part: the tool is supposed to be where the arm that our chain found has it.
-  const JointPlanner planner = servo_planner(chains.ours.cell);
-  EndPointJudge by_tracker;
-  if (judge)
-    by_tracker = [&](const std::string& place, const ServoStep& look) {
-      return judge->judge(place, planner.reached(look.theta_c));
-    };
-  report.ours = close_loop(loops[0], targets, devices, by_tracker);
-  report.paper = close_loop(loops[1], targets, devices, by_tracker);
-  report.paper_no_map = close_loop(loops[2], targets, devices, by_tracker);
-  report.visp = close_loop(loops[3], targets, devices, by_tracker);
+  const auto close = [&](ServoRequest& loop) {
+    loop.judge = tracker;
+    if (tracker) tracker->name_loop(name_of(loop));
+    return close_loop(loop, targets, devices);
+  };
+  report.ours = close(loops[0]);
+  report.paper = close(loops[1]);
+  report.paper_no_map = close(loops[2]);
+  report.visp = close(loops[3]);
 }
 
 }  // namespace
 
 ExperimentReport run_experiment(const ExperimentRequest& request, CellDevices& devices) {
-  if (!devices.true_tip()) require_judge(request);
+  if (!devices.truth()) require_judge(request);
   begin_experiment(request);
   const ExperimentPlan plan = experiment_plan(request.cell, request.seed, request.size);
   write_file(request.out / "plan.csv", plan_text(plan.rows));

@@ -2,31 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <utility>
-
 #include "planar_servo/core/error.h"
 #include "planar_servo/judge/tracker_judge.h"
 
 namespace planar {
-namespace {
-
-/// Judges by what a virtual cell knows of itself.
-class TruthJudge final : public Judge {
- public:
-  explicit TruthJudge(std::function<TipPose()> true_tip) : true_tip_(std::move(true_tip)) {}
-
-  JudgedTip judge(const std::string& /*id*/, const TipPose& /*supposed*/) override {
-    const TipPose tip = true_tip_();
-    return {tip.p, 0.0, "", tip.phi};
-  }
-  double common_sigma() const override { return 0.0; }
-
- private:
-  std::function<TipPose()> true_tip_;
-};
-
-}  // namespace
-
 JudgeKind judge_of(const CellSettings& cell, const ToolOffsets& tool) {
   if (cell.truth) return JudgeKind::kTruth;
   require_judging_tracker(cell);
@@ -38,11 +17,11 @@ JudgeKind judge_of(const CellSettings& cell, const ToolOffsets& tool) {
   return JudgeKind::kTracker;
 }
 
-std::unique_ptr<Judge> make_judge(JudgeKind kind, const CellSettings& cell, const ToolOffsets& tool,
+std::shared_ptr<Judge> make_judge(JudgeKind kind, const CellSettings& cell, const ToolOffsets& tool,
                                   CellDevices& devices, const std::filesystem::path& readings,
                                   const std::function<bool()>& stop) {
-  if (kind == JudgeKind::kTruth) return std::make_unique<TruthJudge>(devices.true_tip());
-  auto judge = std::make_unique<TrackerJudge>(cell, tool, devices.tracker(), readings, stop);
+  if (kind == JudgeKind::kTruth) return devices.truth();
+  auto judge = std::make_shared<TrackerJudge>(cell, tool, devices.tracker(), readings, stop);
   judge->make_ready();
   return judge;
 }

@@ -40,30 +40,31 @@ std::string fault_of(const TrackerAnswer& answer) {
 
 TrackerJudge::TrackerJudge(const CellSettings& cell, const ToolOffsets& tool, Tracker& tracker,
                            const std::filesystem::path& file, const std::function<bool()>& stop)
-    : cell_(cell),
-      tool_(tool),
-      tracker_(tracker),
-      table_(file, tracker_header()),
-      readings_(cell_, tracker, table_, stop) {}
+    : cell_(cell), tool_(tool), tracker_(tracker), file_(file), stop_(stop) {}
 
 void TrackerJudge::make_ready(const std::vector<MonumentSeen>& seen) {
+  table_.emplace(file_, tracker_header());
+  readings_.emplace(cell_, tracker_, *table_, stop_);
   std::vector<MonumentSeen> monuments = seen;
   for (const MonumentSeen& monument : seen)
-    table_.append(tracker_line({monument.id, monument.reading.t_s, monument.reading.p_L}));
-  if (monuments.empty()) monuments = readings_.read_monuments();
+    table_->append(tracker_line({monument.id, monument.reading.t_s, monument.reading.p_L}));
+  if (monuments.empty()) monuments = readings_->read_monuments();
   registered_.emplace(cell_, monuments);
   if (!registered_->doubt().empty()) spdlog::warn(registered_->doubt());
   tracker_.await_tool();
 }
 
-JudgedTip TrackerJudge::judge(const std::string& id, const TipPose& supposed) {
+JudgedTip TrackerJudge::judge(const std::string& id, const Standing& standing) {
+  const std::optional<TipPose> supposed = forward_ ? forward_(standing.theta_c) : standing.seen;
+  if (!supposed) return not_judged("the camera does not see the tool's direction");
+  if (!registered_) make_ready();
   std::string fault;
   for (int attempt = 0; attempt < kAttemptsToJudge; ++attempt) {
-    const TrackerAnswer answer = readings_.take_tool(id, supposed);
-    JudgedTip tip = answer.status == TrackerStatus::kOk ? tip_of(answer.reading, supposed)
+    const TrackerAnswer answer = readings_->take_tool(loop_ + id, *supposed);
+    JudgedTip tip = answer.status == TrackerStatus::kOk ? tip_of(answer.reading, *supposed)
                                                         : not_judged(fault_of(answer));
     if (tip.p || answer.status == TrackerStatus::kSkipped) return tip;
-    spdlog::warn(fmt::format("{}: {}", id, tip.fault));
+    spdlog::warn(fmt::format("{}{}: {}", loop_, id, tip.fault));
     fault = tip.fault;
   }
   return not_judged(fault);

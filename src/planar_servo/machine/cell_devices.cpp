@@ -12,6 +12,22 @@
 namespace planar {
 namespace {
 
+/// Judges by what a virtual cell knows of itself.
+class TruthJudge final : public Judge {
+ public:
+  explicit TruthJudge(const std::shared_ptr<VirtualCell>& world) : world_(world) {}
+
+  JudgeKind kind() const override { return JudgeKind::kTruth; }
+  JudgedTip judge(const std::string& /*id*/, const Standing& /*standing*/) override {
+    const TipPose tip = world_->true_tip();
+    return {tip.p, 0.0, "", tip.phi};
+  }
+  double common_sigma() const override { return 0.0; }
+
+ private:
+  std::shared_ptr<VirtualCell> world_;
+};
+
 class OpenedDevices final : public CellDevices {
  public:
   OpenedDevices(const CellSettings& cell, const std::shared_ptr<VirtualCell>& world)
@@ -27,9 +43,8 @@ class OpenedDevices final : public CellDevices {
   BoardPresenter* board_presenter() override {
     return world_ ? &world_->board_presenter() : nullptr;
   }
-  std::function<TipPose()> true_tip() override {
-    if (!world_) return {};
-    return [this] { return world_->true_tip(); };
+  std::shared_ptr<Judge> truth() override {
+    return world_ ? std::make_shared<TruthJudge>(world_) : nullptr;
   }
 
  private:

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <functional>
 #include <memory>
 
 #include "planar_servo/cell/cell_settings.h"
@@ -8,12 +7,13 @@
 #include "planar_servo/devices/board_presenter.h"
 #include "planar_servo/devices/drive_group.h"
 #include "planar_servo/devices/frame_source.h"
+#include "planar_servo/devices/judge.h"
 #include "planar_servo/devices/tracker.h"
 
 namespace planar {
 
 /// Holds the opened devices of a cell. Its user cannot tell a virtual cell from a real one, except
-/// by `true_tip`, which only a scorer may ask.
+/// by `truth`, which only a scorer may ask.
 class CellDevices {
  public:
   virtual ~CellDevices() = default;
@@ -26,9 +26,9 @@ class CellDevices {
   /// Returns null where only a person can show the calibration board.
   virtual BoardPresenter* board_presenter() = 0;
 
-  /// Returns a function that tells the true end point in the base frame, or an empty one unless the
-  /// cell is virtual. It serves the scorer of `_truth` figures only.
-  virtual std::function<TipPose()> true_tip() = 0;
+  /// Returns the judge that knows the true end point, or null unless the cell is virtual. It serves
+  /// the scorer of `_truth` figures only.
+  virtual std::shared_ptr<Judge> truth() = 0;
 };
 
 /// Checks that the cell's devices go together. Throws InputError naming every device that does not

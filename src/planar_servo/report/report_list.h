@@ -51,6 +51,8 @@ class ReportList {
   void part(const std::string& key, const ReportList& part);
   /// Adds the lines and figures of another list behind these.
   void append(const ReportList& other);
+  /// Adds the figures of another list without its lines.
+  void append_figures(const ReportList& other) { json_.update(other.json_); }
   /// Adds a list for each of these items, of which `list_item(row, item)` lists the cells. With
   /// `prefix`, each is printed as a line behind it, with colons between its cells.
   template <typename Items, typename ListItem>

@@ -12,7 +12,6 @@
 #include "planar_servo/machine/cell_devices.h"
 #include "planar_servo/robot/homing.h"
 #include "planar_servo/robot/planar_robot.h"
-#include "planar_servo/run/end_point_judge.h"
 #include "planar_servo/run/learned/arm_memory.h"
 #include "planar_servo/servo/position_servo.h"
 #include "planar_servo/vision/lamp_tip_sensor.h"
@@ -34,7 +33,7 @@ struct ServoRequest {
   MayHome may_home{};
   std::function<bool()> stop{};  ///< asked during every move; see PlanarRobot::stop_when()
   /// Judges the first look and the end at every target of a cell without a truth. May be empty.
-  EndPointJudge judge{};
+  std::shared_ptr<Judge> judge{};
   /// Holds the arm where a look is uncertain or is not what the calibration promises. Without it
   /// only what no cell can be holds the arm: GuardLimits as they begin, whatever the noise.
   bool guards_looks{true};

@@ -4,6 +4,7 @@
 
 #include "planar_servo/core/fixed.h"
 #include "planar_servo/core/units.h"
+#include "planar_servo/devices/judge.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/io/yaml_writer.h"
 #include "planar_servo/report/html_page.h"
@@ -16,27 +17,53 @@ double mm(double metres) {
   return metres / kMillimetre;
 }
 
-void list_errors(ReportList& list, const std::string& suffix, const std::string& judge,
-                 const std::optional<Summary>& before, const std::optional<Summary>& after) {
+void list_errors(ReportList& list, const std::string& judge, const std::optional<Summary>& before,
+                 const std::optional<Summary>& after) {
   if (!before || !after) return;
-  ReportList errors(suffix);
-  errors.line(
-      "",
-      judge +
-          ": the arm alone {before_mean_mm:.4f} mm mean; with vision {after_mean_mm:.4f} mm "
-          "mean, {after_rms_mm:.4f} rms, {after_p95_mm:.4f} at 95 %, {after_max_mm:.4f} max",
-      before->mean, after->mean, after->rms, after->p95, after->max);
-  errors.unprinted("improvement", 1.0 - after->mean / before->mean);
-  list.append(errors);
+  list.line("",
+            judge +
+                ": the arm alone {before_mean_mm:.4f} mm mean; with vision {after_mean_mm:.4f} mm "
+                "mean, {after_rms_mm:.4f} rms, {after_p95_mm:.4f} at 95 %, {after_max_mm:.4f} max",
+            before->mean, after->mean, after->rms, after->p95, after->max);
+  list.unprinted("improvement", 1.0 - after->mean / before->mean);
 }
 
-void list_tracker(ReportList& list, const TrackerFigures& tracker) {
+std::string judge_name(const ServoFigures& figures) {
+  return name_in(kJudgeKinds, figures.tracker ? JudgeKind::kTracker : JudgeKind::kTruth);
+}
+
+/// Lists what the judge told, `list_told(list, figures)`, under keys that end with who it was.
+/// For one version those of a tracker stand under `_truth`, too.
+template <typename ListTold>
+void list_judged(ReportList& list, const ServoFigures& figures, ListTold list_told) {
+  ReportList told("_" + judge_name(figures)), as_before("_truth");
+  list_told(told, figures);
+  list_told(as_before, figures);
+  list.append(told);
+  list.append_figures(as_before);
+}
+
+void list_judged_errors(ReportList& list, const ServoFigures& figures) {
+  list_errors(list, "against the " + judge_name(figures), figures.before_truth,
+              figures.after_truth);
+}
+
+void list_tracker_sigma(ReportList& list, const ServoFigures& figures) {
+  list.line("",
+            "the tracker's word is known to {sigma_mm:.4f} mm per axis; with that taken out: after "
+            "{after_rms_net_mm:.4f} rms",
+            figures.tracker->sigma, figures.tracker->after_net);
+}
+
+void list_coverage(ReportList& list, const ServoFigures& figures) {
+  list.line("", "vision: {coverage_95:.1%} of the components within their stated 95 % interval",
+            figures.coverage_95);
+}
+
+void list_tracker(ReportList& list, const ServoFigures& figures) {
+  const TrackerFigures& tracker = *figures.tracker;
   list.unprinted("judged", tracker.judged);
-  if (tracker.judged > 0)
-    list.line("",
-              "the tracker's word is known to {sigma_mm_truth:.4f} mm per axis; with that taken "
-              "out: after {after_rms_net_mm_truth:.4f} rms",
-              tracker.sigma, tracker.after_net);
+  if (tracker.judged > 0) list_judged(list, figures, list_tracker_sigma);
   const auto list_not_judged = [](ReportList& row, const auto& not_judged) {
     row.line("target", "{target}", not_judged.first);
     row.line("why", "{reason}", not_judged.second);
@@ -45,10 +72,6 @@ void list_tracker(ReportList& list, const TrackerFigures& tracker) {
 }
 
 constexpr char kMadeWorse[] = "vision made the arm worse than it lands alone";
-
-const char* judge_of(const ServoFigures& figures) {
-  return figures.tracker ? "against the tracker" : "against the truth";
-}
 
 std::string coverage_words(const ServoFigures& figures) {
   constexpr double kLeast = 0.90, kMost = 0.98;
@@ -85,13 +108,13 @@ ReportList servo_list(const ServoFigures& figures) {
                         figures.iterations_median == 1.0 ? "" : "s"),
             figures.reached, figures.targets, figures.iterations_median,
             figures.seconds_per_target);
-  list_errors(list, "_truth", judge_of(figures), figures.before_truth, figures.after_truth);
+  list_judged(list, figures, list_judged_errors);
   if (figures.made_worse) list.line("", kMadeWorse);
-  if (figures.tracker) list_tracker(list, *figures.tracker);
-  list_errors(list, "_own_view", "by its own view", figures.before_own, figures.after_own);
-  list.line("",
-            "vision: {coverage_95_truth:.1%} of the components within their stated 95 % interval",
-            figures.coverage_95);
+  if (figures.tracker) list_tracker(list, figures);
+  ReportList own_view("_own_view");
+  list_errors(own_view, "by its own view", figures.before_own, figures.after_own);
+  list.append(own_view);
+  list_judged(list, figures, list_coverage);
   if (!figures.frames) return list;
   list.line("", "camera: " + describe(*figures.frames));
   list.unprinted("frames_complete", figures.frames->complete);
@@ -109,8 +132,8 @@ std::string landing_words(const ServoFigures& figures) {
   return fmt::format(
       "{} the arm alone lands {:.4f} mm from its targets in the mean, with vision "
       "{:.4f} mm{}",
-      is_judged ? judge_of(figures) : "by its own view", mm(before->mean), mm(after->mean),
-      coverage_words(figures));
+      is_judged ? "against the " + judge_name(figures) : "by its own view", mm(before->mean),
+      mm(after->mean), coverage_words(figures));
 }
 
 std::vector<Verdict::Fault> run_faults(const ServoFigures& figures, const std::string& results) {
@@ -132,12 +155,14 @@ std::string servo_page(const ServoRequest& request, const std::vector<TargetResu
   if (const std::string words = landing_words(figures); !words.empty())
     page.add_verdict({words, run_faults(figures, "the table below")});
   page.add_paragraph(servo_list(figures).text());
-  const bool truth = !results.empty() && results.front().before_truth.has_value();
-  const QuiverPanel before = error_panel(
-      "The arm alone", results, truth ? &TargetResult::before_truth : &TargetResult::before_own);
+  const bool is_judged = figures.before_truth || figures.after_truth;
+  const QuiverPanel before =
+      error_panel("The arm alone", results,
+                  is_judged ? &TargetResult::before_truth : &TargetResult::before_own);
   const QuiverPanel after = error_panel(
-      "With vision", results, truth ? &TargetResult::after_truth : &TargetResult::after_own);
-  page.add_heading(truth ? "Errors against the truth" : "Errors by the servo's own view");
+      "With vision", results, is_judged ? &TargetResult::after_truth : &TargetResult::after_own);
+  page.add_heading(is_judged ? "Errors against the " + judge_name(figures)
+                             : "Errors by the servo's own view");
   if (!before.points.empty()) {
     page.add_html(quiver_svg({before, after}));
     page.add_paragraph(kQuiverCaption);
@@ -145,7 +170,7 @@ std::string servo_page(const ServoRequest& request, const std::vector<TargetResu
     page.add_paragraph("The last panel once more, at scales of its own.");
   }
   TextTable table("Targets", {"target", "x mm", "y mm", "status", "corrections", "own view mm",
-                              "uncertainty mm", "truth mm"});
+                              "uncertainty mm", judge_name(figures) + " mm"});
   for (const TargetResult& r : results)
     table.add_row({r.id, fixed(mm(r.p_d.x()), 3), fixed(mm(r.p_d.y()), 3),
                    r.reason.empty() ? name(r.status) : name(r.status) + (": " + r.reason),

@@ -42,8 +42,7 @@ TargetResult refused(const TargetRow& target, const std::string& ended_by) {
 
 ServoRun::ServoRun(const ServoRequest& request, CellDevices& devices, Observer observer)
     : observer_(std::move(observer)),
-      true_tip_(devices.true_tip()),
-      judge_(request.judge),
+      judge_(devices.truth() ? devices.truth() : request.judge),
       keep_going_(request.keep_going),
       cell_(request, devices),
       lock_(folder_for(request)),
@@ -119,18 +118,10 @@ void ServoRun::finish() {
 TargetResult ServoRun::move_to(const TargetRow& target) {
   if (!ended_by_) take_finding(cell_.examine_if_due());
   if (ended_by_) return refused(target, *ended_by_);
-  TargetScorer scorer(target, steps_, true_tip_);
+  TargetScorer scorer(target, steps_, judge_.get(), cell_.clock());
   const double start_s = cell_.clock().now_s();
-  double judging_s = 0.0;
-  if (judge_ && !true_tip_)
-    scorer.set_judge([&](const std::string& id, const ServoStep& look) {
-      const double begun_s = cell_.clock().now_s();
-      JudgedTip tip = judge_(id, look);
-      judging_s += cell_.clock().now_s() - begun_s;
-      return tip;
-    });
   const ServoResult outcome = attempts(target, scorer);
-  results_.push_back(scorer.finish(outcome, cell_.clock().now_s() - start_s - judging_s));
+  results_.push_back(scorer.finish(outcome, cell_.clock().now_s() - start_s));
   results_.back().phi_d = target_pose(target, cell_.settings().tool_orientation).phi;
   table_.append(result_line(results_.back()), Durability::kPowerLoss);
   if (outcome.cell_in_doubt && !keep_going_) {

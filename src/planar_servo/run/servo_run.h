@@ -84,8 +84,7 @@ class ServoRun {
   ServoResult attempts(const TargetRow& target, TargetScorer& scorer);
 
   Observer observer_;
-  std::function<TipPose()> true_tip_;
-  EndPointJudge judge_;
+  std::shared_ptr<Judge> judge_;  ///< null where nobody judges
   bool keep_going_;
   std::optional<std::string> ended_by_;
   ReadyCell cell_;

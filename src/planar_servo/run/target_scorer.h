@@ -1,12 +1,12 @@
 #pragma once
 
-#include <functional>
 #include <optional>
 
+#include "planar_servo/core/clock.h"
+#include "planar_servo/devices/judge.h"
 #include "planar_servo/files/tables/result_table.h"
 #include "planar_servo/files/tables/target_table.h"
 #include "planar_servo/io/growing_file.h"
-#include "planar_servo/run/end_point_judge.h"
 #include "planar_servo/servo/position_servo.h"
 
 namespace planar {
@@ -15,32 +15,29 @@ namespace planar {
 /// the first and the last error.
 class TargetScorer {
  public:
-  /// Takes `true_tip` as CellDevices returns it; it may be empty. The table of steps must outlive
-  /// the scorer.
-  TargetScorer(const TargetRow& target, GrowingFile& steps, std::function<TipPose()> true_tip);
-
-  /// Takes somebody who judges the end point where there is no truth: at the first look and once
-  /// the servo has ended. It may be empty.
-  void set_judge(EndPointJudge judge) { judge_ = std::move(judge); }
+  /// Takes who judges the end point, if anybody does: the truth at every look, a tracker at the
+  /// first look and once the servo has ended. All three must outlive the scorer.
+  TargetScorer(const TargetRow& target, GrowingFile& steps, Judge* judge, const Clock& clock);
 
   /// Takes a step: logs it and updates the outcome. The arm rests meanwhile.
   void observe(const ServoStep& step);
 
   /// Returns the outcome: how the last attempt ended, with the corrections and the seconds of all
-  /// attempts. The arm still rests where it ended.
+  /// attempts, less those of judging. The arm still rests where it ended.
   TargetResult finish(const ServoResult& last_attempt, double seconds);
 
  private:
-  void compare_to_truth(const ServoStep& step);
-  JudgedTip judged() const;
-  void judge_end(ServoStatus status);
+  bool judges_every_look() const;
+  JudgedTip judgement();
+  void take_judgement();
 
   GrowingFile& steps_;
-  std::function<TipPose()> true_tip_;
-  EndPointJudge judge_;
+  Judge* judge_;
+  const Clock& clock_;
+  double judging_s_{0.0};
   TargetResult result_;
-  std::optional<ServoStep> look_;      ///< the last one; not every look measures the tool
-  std::optional<JudgedTip> standing_;  ///< judged where the last look was
+  std::optional<ServoStep> look_;    ///< the last one; not every look measures the tool
+  std::optional<JudgedTip> judged_;  ///< where the last look was, once it was judged
 };
 
 }  // namespace planar

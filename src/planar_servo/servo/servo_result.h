@@ -7,6 +7,7 @@
 
 #include "planar_servo/arm/transmission.h"
 #include "planar_servo/core/names.h"
+#include "planar_servo/devices/judge.h"
 #include "planar_servo/servo/landing_filter.h"
 #include "planar_servo/servo/tip_sensor.h"
 
@@ -68,6 +69,10 @@ struct ServoStep {
   /// Returns the standard deviation of believed_p() per axis.
   double uncertainty_m() const {
     return estimate ? estimate->deviation_m : measurement.uncertainty_m;
+  }
+  /// Returns how the arm stands for a judge; always valid.
+  Standing standing() const {
+    return {theta_c, measurement.ok() ? std::optional(measurement.tip) : std::nullopt};
   }
   /// Returns how far from the target the end point is believed to be.
   double miss_m() const { return (target.p - believed_p()).norm(); }

@@ -30,7 +30,7 @@ class WatchedTracker final : public Tracker {
     if (place == dead_at) throw WorkError("the computer has lost its power");
     ++tool_readings;
     if (place == broken_at) return TrackerAnswer::failed("no reading came (a broken beam?)");
-    truth[place] = cell_.true_tip()().p;
+    truth[place] = *cell_.truth()->judge("", {}).p;
     TrackerAnswer answer = cell_.tracker().measure_tool(place);
     if (place == carried_off_at) answer.reading.p_L.x() += 0.3;
     return answer;

@@ -44,15 +44,16 @@ bool is_done(const ServoRequest& loop, const std::vector<TargetRow>& targets) {
   return loop.resume && results_so_far(loop).size() == targets.size();
 }
 
-std::vector<TargetResult> close_loop(ServoRequest loop, const std::vector<TargetRow>& targets,
-                                     CellDevices& devices, const EndPointJudge& judge) {
+std::string name_of(const ServoRequest& loop) {
+  return fmt::format("{} {}", loop.out.parent_path().filename().string(),
+                     loop.out.filename().string());
+}
+
+std::vector<TargetResult> close_loop(const ServoRequest& loop,
+                                     const std::vector<TargetRow>& targets, CellDevices& devices) {
   const std::string chain = loop.out.parent_path().filename().string();
   const std::string map = loop.use_error_map ? "with its error map" : "without an error map";
   spdlog::info(fmt::format("closing the loop over {} targets: {}, {}", targets.size(), chain, map));
-  if (judge)
-    loop.judge = [&](const std::string& id, const ServoStep& look) {
-      return judge(fmt::format("{} {} {}", chain, loop.out.filename().string(), id), look);
-    };
   ServoRun run(loop, devices);
   return run_servo(run, targets);
 }

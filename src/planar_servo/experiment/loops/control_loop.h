@@ -18,9 +18,11 @@ bool has_begun_loop(const ExperimentRequest& experiment);
 /// Returns whether the run of a loop has a result of every target.
 bool is_done(const ServoRequest& loop, const std::vector<TargetRow>& targets);
 
-/// Moves to the targets that have no result yet and returns the results of all. `judge` is empty
-/// where a truth judges.
-std::vector<TargetResult> close_loop(ServoRequest loop, const std::vector<TargetRow>& targets,
-                                     CellDevices& devices, const EndPointJudge& judge);
+/// Returns the loop's chain and folder, as in "ours run".
+std::string name_of(const ServoRequest& loop);
+
+/// Moves to the targets that have no result yet and returns the results of all.
+std::vector<TargetResult> close_loop(const ServoRequest& loop,
+                                     const std::vector<TargetRow>& targets, CellDevices& devices);
 
 }  // namespace planar

@@ -10,13 +10,28 @@ namespace {
 
 /// Lists the columns of one error. Its length is for people; when reading, it follows from the
 /// components.
-void list_error(Columns& columns, const ResultError& error, TargetResult& result) {
-  auto& field = result.*error.error;
-  const auto [length_mm, dx_mm, dy_mm] = error.columns();
+void list_error(Columns& columns, const char* name, std::optional<Eigen::Vector2d>& field,
+                Column need) {
+  const auto [length_mm, dx_mm, dy_mm] = ResultError{name, nullptr}.columns();
   std::optional<double> length;
   if (field) length = field->norm();
-  columns.optional_number(length_mm, length, kMillimetre, 6, Column::kRequired);
-  columns.optional_point(dx_mm, dy_mm, field, kMillimetre, 6, Column::kRequired);
+  columns.optional_number(length_mm, length, kMillimetre, 6, need);
+  columns.optional_point(dx_mm, dy_mm, field, kMillimetre, 6, need);
+}
+
+/// Lists what a tracker judged under its own name. For one version the columns of the truth have
+/// it, too.
+void list_tracker(Columns& columns, TargetResult& result) {
+  const auto list = [&](const char* name, auto& field) {
+    auto by_tracker = result.judged_by_tracker() ? field : std::nullopt;
+    list_error(columns, name, by_tracker, Column::kOptional);
+    if (by_tracker) field = by_tracker;
+  };
+  auto sigma_m = result.sigma_truth_m;
+  columns.optional_number("sigma_tracker_mm", sigma_m, kMillimetre, 6, Column::kOptional);
+  if (sigma_m) result.sigma_truth_m = sigma_m;
+  list("before_tracker", result.before_truth);
+  list("after_tracker", result.after_truth);
 }
 
 const TableSchema<TargetResult>& result_schema() {
@@ -30,13 +45,15 @@ const TableSchema<TargetResult>& result_schema() {
         columns.number("seconds", result.seconds, 1.0, 3);
         columns.optional_number("uncertainty_mm", result.uncertainty_m, kMillimetre, 6,
                                 Column::kRequired);
-        for (const ResultError& error : result_errors()) list_error(columns, error, result);
+        for (const ResultError& error : result_errors())
+          list_error(columns, error.name, result.*error.error, Column::kRequired);
         columns.optional_number("sigma_truth_mm", result.sigma_truth_m, kMillimetre, 6,
                                 Column::kOptional);
         columns.text("not_judged", result.not_judged, Column::kOptional);
         columns.optional_point("believed_dx_mm", "believed_dy_mm", result.believed, kMillimetre, 6,
                                Column::kOptional);
         columns.optional_number("phi_deg", result.phi_d, kDegree, 6, Column::kOptional);
+        list_tracker(columns, result);
       }};
   return results;
 }

@@ -30,6 +30,8 @@ struct TargetResult {
   std::optional<double> uncertainty_m;  ///< of that place, per axis
   std::optional<double> sigma_truth_m;  ///< of `after_truth` per axis, where a tracker watches
   std::string not_judged;               ///< why the tracker watched in vain; empty otherwise
+
+  bool judged_by_tracker() const { return sigma_truth_m || !not_judged.empty(); }
 };
 
 /// Names one of the errors of a result. Each has three columns: its length and its components.

@@ -192,7 +192,7 @@ Eigen::Matrix2d covariance_of_doubt(const Refined& bent, const Refined& cut) {
 std::optional<Refined> refine_either(const cv::Mat& image, const Blob& blob,
                                      const CoarseOutlines& starts, const PixelNoise& noise,
                                      double reach_px, RimBand& band) {
-  const auto likely = refine(image, blob, starts.likely, noise, reach_px, band);
+  auto likely = refine(image, blob, starts.likely, noise, reach_px, band);
   if (starts.bent && !(likely && likely->is_whole())) {
     auto bent = refine(image, blob, *starts.bent, noise, reach_px, band);
     if (bent && bent->is_whole()) {

@@ -93,7 +93,7 @@ void require_inside_map(const VisionCalibration& vision, const PathRequest& requ
 
 PathRun::PathRun(const ServoRequest& request, const PathRequest& path, CellDevices& devices)
     : path_(path),
-      true_tip_(devices.true_tip()),
+      truth_(devices.truth()),
       keep_going_(request.keep_going),
       cell_(request, able_to_follow(devices, request.cell)),
       follower_(cell_.settings().servo, cell_.limits(), cell_.planner(), cell_.robot(),
@@ -132,14 +132,13 @@ PathResult PathRun::follow_timed(const PathTiming& timing, double speed_m_s, Gui
     missed->reason = "on the way to the path's beginning: " + missed->reason;
     return *missed;
   }
-  return follower_.follow(path_.path, timing, guidance == Guidance::kVision,
-                          [&](const PathLook& look) {
-                            PathLookRow row{guidance, speed_m_s, look, std::nullopt};
-                            if (true_tip_)
-                              row.truth = path_.path.offset(true_tip_().p, look.along_now_m);
-                            look_table_.append(path_look_line(row));
-                            looks_.push_back(row);
-                          });
+  return follower_.follow(
+      path_.path, timing, guidance == Guidance::kVision, [&](const PathLook& look) {
+        PathLookRow row{guidance, speed_m_s, look, std::nullopt};
+        if (truth_) row.truth = path_.path.offset(*truth_->judge("", {}).p, look.along_now_m);
+        look_table_.append(path_look_line(row));
+        looks_.push_back(row);
+      });
 }
 
 std::optional<PathResult> PathRun::go_to_beginning(const PathDemand& demand, Guidance guidance) {

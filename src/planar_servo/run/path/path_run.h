@@ -63,7 +63,7 @@ class PathRun {
   std::optional<PathResult> find_play();
 
   const PathRequest& path_;
-  std::function<TipPose()> true_tip_;
+  std::shared_ptr<Judge> truth_;  ///< null unless the cell is virtual
   bool keep_going_;
   std::optional<std::string> ended_by_;
   std::optional<Eigen::Vector3d> play_rad_;  ///< once it was measured

@@ -4,9 +4,22 @@
 #include <optional>
 #include <string>
 
+#include "planar_servo/core/names.h"
 #include "planar_servo/core/pose.h"
 
 namespace planar {
+
+/// Who judges a cell: the truth of a virtual one, or the tracker of a real one.
+enum class JudgeKind { kTruth, kTracker };
+
+constexpr Named<JudgeKind> kJudgeKinds[] = {{JudgeKind::kTruth, "truth"},
+                                            {JudgeKind::kTracker, "tracker"}};
+
+/// How the arm stands, for all that is known without a judge.
+struct Standing {
+  Eigen::Vector3d theta_c{0.0, 0.0, 0.0};  ///< commanded joints, radians
+  std::optional<TipPose> seen{};           ///< the tool by the cell's own vision, base frame
+};
 
 /// Where the tool is by somebody who is not the cell's own camera, base frame.
 struct JudgedTip {
@@ -20,10 +33,10 @@ struct JudgedTip {
 class Judge {
  public:
   virtual ~Judge() = default;
+  virtual JudgeKind kind() const = 0;
 
-  /// Judges the tool, which rests on its way to the target `id` or at it. `supposed` is where it is
-  /// thought to be; a judge that does not see the tool's direction takes that from there.
-  virtual JudgedTip judge(const std::string& id, const TipPose& supposed) = 0;
+  /// Judges the tool, which rests on its way to the target `id` or at it.
+  virtual JudgedTip judge(const std::string& id, const Standing& standing) = 0;
 
   /// Returns the standard deviation per axis of the error that all answers have in common, metres.
   virtual double common_sigma() const = 0;

@@ -1,9 +1,9 @@
-#include "planar_servo/run/end_point_judge.h"
-
 #include <catch2/catch.hpp>
+#include <memory>
 
-#include "planar_servo/core/error.h"
 #include "planar_servo/files/tables/tracker_table.h"
+#include "planar_servo/files/tool_file.h"
+#include "planar_servo/judge/tracker_judge.h"
 #include "planar_servo/run/servo_run.h"
 #include "support/sample_cells.h"
 #include "support/silent_cell.h"
@@ -22,7 +22,9 @@ TEST_CASE(
   request.cell.truth.reset();
   request.out = folder / "run";
   request.check_health = false;
-  request.judge = judge_by_tracker(request.cell, devices, folder / "judge.csv", {});
+  request.judge =
+      std::make_shared<TrackerJudge>(request.cell, read_tool(whole.tool), devices.tracker(),
+                                     request.out / "judge.csv", std::function<bool()>());
   ServoRun run(request, devices);
   for (const char* id : {"a", "b"}) {
     const TargetResult& result = run.move_to({id, {0.2, 0.1}, std::nullopt});
@@ -31,21 +33,9 @@ TEST_CASE(
     CHECK(result.sigma_truth_m.value() >= whole.tracker.sigma_m);
   }
   std::size_t monuments = 0;
-  for (const TrackerRow& row : read_tracker(folder / "judge.csv"))
+  for (const TrackerRow& row : read_tracker(request.out / "judge.csv"))
     monuments += row.id == whole.datum.front().id ? 1 : 0;
   CHECK(monuments == kMonumentReadings);
-}
-
-TEST_CASE(
-    "No tracker judges a run on a virtual cell, and a cell that nobody can judge is refused") {
-  const test::TemporaryFolder folder;
-  CellSettings cell = read_cell(test::workshop_cell_file());
-  test::SilentCell devices(cell);
-  CHECK_FALSE(judge_by_tracker(cell, devices, folder / "judge.csv", {}));
-  cell.truth.reset();
-  cell.datum.pop_back();
-  CHECK_THROWS_AS(judge_by_tracker(cell, devices, folder / "judge.csv", {}), InputError);
-  CHECK_FALSE(std::filesystem::exists(folder / "judge.csv"));
 }
 
 }  // namespace
