@@ -5,10 +5,8 @@
 #include "planar_servo/files/arm_file.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/machine/device_kinds.h"
-#include "planar_servo/offline/arm/arm_page.h"
-#include "planar_servo/offline/arm/calibrate_arm.h"
+#include "planar_servo/offline/calibrate_arm.h"
 #include "program.h"
-#include "report_option.h"
 
 namespace planar {
 namespace {

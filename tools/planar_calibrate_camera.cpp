@@ -7,7 +7,6 @@
 #include "planar_servo/offline/camera/calibrate_camera.h"
 #include "planar_servo/offline/camera/calibration_page.h"
 #include "program.h"
-#include "report_option.h"
 
 namespace planar {
 namespace {

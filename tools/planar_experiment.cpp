@@ -1,24 +1,35 @@
 #include <fmt/format.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
+#include <algorithm>
+#include <cerrno>
+#include <csignal>
 #include <cstdint>
+#include <cstdlib>
 #include <filesystem>
 #include <limits>
 #include <optional>
+#include <system_error>
+#include <thread>
+#include <vector>
 
-#include "crew.h"
 #include "homing_options.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/experiment/campaign/campaign.h"
 #include "planar_servo/experiment/campaign/campaign_report.h"
 #include "planar_servo/experiment/experiment.h"
-#include "planar_servo/experiment/experiment_plan.h"
 #include "planar_servo/experiment/experiment_report.h"
-#include "planar_servo/experiment/page/experiment_page.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/io/format/format_line.h"
 #include "planar_servo/machine/device_kinds.h"
+#include "planar_servo/plan/experiment_plan.h"
 #include "program.h"
+#ifdef PLANAR_MPI
+#include <mpi.h>
+#endif
 
 namespace planar {
 namespace {
@@ -35,6 +46,99 @@ const ProgramText kText{
     R"(Table 7: mean true positioning error in mm, 25 targets on each circle of radius 200 mm
   circle about     before *  paper's chain +  improved    ours  improved  paper: before ~  after  improved
   (-200, -200) mm     1.546            0.222    85.7 %  0.0048    99.7 %            1.504  0.185    87.7 %)"};
+
+/// Returns whether mpirun of Open MPI, or another one by PMI, started this process.
+bool started_by_mpirun() {
+  return std::getenv("OMPI_COMM_WORLD_SIZE") || std::getenv("PMI_SIZE");
+}
+
+#ifdef PLANAR_MPI
+/// Returns the number of this rank.
+int join_ranks() {
+  int rank = 0;
+  if (MPI_Init(nullptr, nullptr) != MPI_SUCCESS ||
+      MPI_Comm_rank(MPI_COMM_WORLD, &rank) != MPI_SUCCESS)
+    throw WorkError("MPI could not be started");
+  return rank;
+}
+void leave_ranks() {
+  MPI_Finalize();
+}
+#else
+int join_ranks() {
+  throw InputError(
+      "mpirun started this program, which was built without MPI; install libopenmpi-dev and build "
+      "again, or leave out mpirun and say with --jobs how many processes share the work");
+}
+void leave_ranks() {}
+#endif
+
+/// The processes that do a program's work together: the ranks that mpirun started, or else this
+/// process and copies of it. They find their shares by themselves; see Claims.
+class Crew {
+ public:
+  /// Becomes so many processes, by default as many as the machine has cores, unless mpirun started
+  /// several. Call it before threads are started. Throws InputError for a number beside mpirun, and
+  /// under mpirun when the program was built without MPI.
+  explicit Crew(const std::optional<int>& processes);
+  /// Waits for the others in the process that leads.
+  ~Crew();
+  Crew(const Crew&) = delete;
+  Crew& operator=(const Crew&) = delete;
+
+  /// Returns whether this is the one process that reports.
+  bool leads() const { return leads_; }
+
+ private:
+  void fork_copies(int count);
+
+  bool leads_{true};
+  bool ranks_{false};
+  std::vector<int> copies_;  ///< process ids
+};
+
+Crew::Crew(const std::optional<int>& processes) {
+  if (!started_by_mpirun()) {
+    fork_copies(processes.value_or(std::max(1U, std::thread::hardware_concurrency())) - 1);
+    return;
+  }
+  if (processes)
+    throw InputError("--jobs does not go with mpirun, whose ranks share the work; leave one out");
+  leads_ = join_ranks() == 0;
+  ranks_ = true;
+}
+
+Crew::~Crew() {
+  if (ranks_) leave_ranks();
+  for (const int copy : copies_)
+    while (waitpid(copy, nullptr, 0) < 0 && errno == EINTR) continue;
+}
+
+void Crew::fork_copies(int count) {
+  const pid_t leader = getpid();
+  for (int i = 0; i < count; ++i) {
+    const pid_t copy = fork();
+    if (copy < 0)
+      throw WorkError(fmt::format("process {} of {} could not be started: {}", i + 2, count + 1,
+                                  std::generic_category().message(errno)));
+    if (copy > 0) {
+      copies_.push_back(copy);
+      continue;
+    }
+    leads_ = false;
+    copies_.clear();
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (getppid() != leader) _exit(1);  // it ended before
+    return;
+  }
+}
+
+/// Throws InputError under mpirun: its ranks would all do the same work.
+void require_no_ranks() {
+  if (started_by_mpirun())
+    throw InputError(
+        "mpirun shares the cells of --seeds N among its ranks; without --seeds leave it out");
+}
 
 /// Cells are drawn from numbers of 32 bits.
 constexpr std::uint64_t kLargestSeed = std::numeric_limits<std::uint32_t>::max();

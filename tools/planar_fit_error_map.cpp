@@ -12,13 +12,11 @@
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/offline/map/fit_map_to_pairs.h"
-#include "planar_servo/offline/map/lamp_field_files.h"
-#include "planar_servo/offline/map/lamp_field_report.h"
-#include "planar_servo/offline/map/map_fit_report.h"
+#include "planar_servo/offline/map/learn_lamp_field.h"
 #include "planar_servo/offline/map/map_page.h"
+#include "planar_servo/offline/map/map_report.h"
 #include "planar_servo/report/progress_bar.h"
 #include "program.h"
-#include "report_option.h"
 
 namespace planar {
 namespace {

@@ -8,13 +8,11 @@
 #include "planar_servo/files/vision_files.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/machine/device_kinds.h"
-#include "planar_servo/offline/lamps/lamps_page.h"
+#include "planar_servo/offline/lamps/lamps_report.h"
 #include "planar_servo/offline/lamps/locate_lamps.h"
-#include "planar_servo/offline/lamps/locate_report.h"
 #include "planar_servo/offline/pairs/pair_files.h"
 #include "planar_servo/report/progress_bar.h"
 #include "program.h"
-#include "report_option.h"
 
 namespace planar {
 namespace {
@@ -139,8 +137,7 @@ Outcome locate(const Options& options) {
   const LocateReport report =
       options.lamps == 1 ? follow_disc(request, start_pixel(options.start)) : locate_lamps(request);
   write_file(options.out, lamps_text(report.rows, lamp_remarks(origins, report.reference_lamps)));
-  const LocateFigures figures = figures_of(report);
-  const ReportList list = locate_list(figures);
+  const ReportList list = locate_list(report);
   say("{}", list.text());
   if (page)
     write_page(*page,
@@ -149,10 +146,11 @@ Outcome locate(const Options& options) {
   const std::string doubt =
       request.scene ? distance_doubt(report, request.scene->lamps.separation_m) : "";
   if (!doubt.empty()) spdlog::warn(doubt);
-  if (!figures.any())
+  const bool any = shows_any(report);
+  if (!any)
     spdlog::error(fmt::format("no image shows what was looked for; {} says why for each",
                               options.out.string()));
-  return {list.json(), figures.any()};
+  return {list.json(), any};
 }
 
 }  // namespace

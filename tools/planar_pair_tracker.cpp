@@ -12,12 +12,11 @@
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/offline/pairs/health_of_recording.h"
-#include "planar_servo/offline/pairs/lay_check.h"
+#include "planar_servo/offline/pairs/laid_boards.h"
 #include "planar_servo/offline/pairs/pair_files.h"
 #include "planar_servo/offline/pairs/pair_page.h"
 #include "planar_servo/offline/pairs/pair_tracker.h"
 #include "program.h"
-#include "report_option.h"
 
 namespace planar {
 namespace {

@@ -2,10 +2,10 @@
 #include <nlohmann/json.hpp>
 
 #include "planar_servo/core/units.h"
-#include "planar_servo/experiment/proposed_plan.h"
 #include "planar_servo/files/cell_file.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/machine/device_kinds.h"
+#include "planar_servo/plan/proposed_plan.h"
 #include "program.h"
 
 namespace planar {

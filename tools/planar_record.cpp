@@ -4,8 +4,7 @@
 #include "homing_options.h"
 #include "planar_servo/files/tables/plan_table.h"
 #include "planar_servo/machine/device_kinds.h"
-#include "planar_servo/offline/record/record_report.h"
-#include "planar_servo/offline/record/recorder.h"
+#include "planar_servo/record/recorder.h"
 #include "program.h"
 
 namespace planar {
@@ -64,14 +63,15 @@ std::optional<Board> board_of(const Options& options) {
 
 Outcome run(const Options& options) {
   const CellSettings cell = read_cell(options.cell);
-  const RecordRequest request{cell,
-                              read_plan(options.plan, cell.tool_orientation),
-                              options.recording,
-                              interrupted,
-                              value_named(kBadReadings, options.on_bad_reading).value(),
-                              board_of(options),
-                              value_named(kDisplayPolicies, options.display).value(),
-                              may_home(options.homing)};
+  RecordRequest request;
+  request.cell = cell;
+  request.plan = read_plan(options.plan, cell.tool_orientation);
+  request.recording = options.recording;
+  request.stop = interrupted;
+  request.on_bad_reading = value_named(kBadReadings, options.on_bad_reading).value();
+  request.board = board_of(options);
+  request.display = value_named(kDisplayPolicies, options.display).value();
+  request.may_home = may_home(options.homing);
   heed_interrupts();
   const auto devices = open_cell(request.cell);
   const RecordReport report = record(request, *devices);

@@ -10,7 +10,6 @@
 #include "planar_servo/files/tool_file.h"
 #include "planar_servo/files/vision_files.h"
 #include "planar_servo/judge/cell_judge.h"
-#include "planar_servo/judge/tracker_judge.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/report/progress_bar.h"
 #include "planar_servo/run/cell_check.h"
@@ -231,19 +230,20 @@ ServoRequest request_of(const Options& options, const CellSettings& cell) {
         "of targets");
   if (options.out.empty())
     throw InputError("--out is needed to move the arm; only --dry-run and --check do without it");
-  const CenterMethod center =
+  ServoRequest request;
+  request.cell = cell;
+  request.center =
       options.center.empty() ? cell.lamps.method : *value_named(kCenterMethods, options.center);
-  return {cell,
-          center,
-          !options.no_error_map,
-          options.out,
-          options.resume,
-          options.accept_stale,
-          options.accept_map,
-          !options.no_health,
-          options.keep_going,
-          may_home(options.homing, !from_stdin(options)),
-          interrupted};
+  request.use_error_map = !options.no_error_map;
+  request.out = options.out;
+  request.resume = options.resume;
+  request.accept_stale = options.accept_stale;
+  request.accept_map = options.accept_map;
+  request.check_health = !options.no_health;
+  request.keep_going = options.keep_going;
+  request.may_home = may_home(options.homing, !from_stdin(options));
+  request.stop = interrupted;
+  return request;
 }
 
 /// Reads and checks every file that a run would use.

@@ -6,10 +6,10 @@
 #include <filesystem>
 #include <string>
 
+#include "paper_cell.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/names.h"
 #include "planar_servo/core/units.h"
-#include "planar_servo/experiment/paper_cell.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/io/growing_file.h"
 #include "planar_servo/machine/device_kinds.h"
@@ -81,7 +81,7 @@ std::string with_tolerance_of(DrawTruth kind, std::string text) {
 }
 
 std::string cell_text_like(DrawTruth kind) {
-  const std::string text = with_tolerance_of(kind, paper_cell_text());
+  const std::string text = with_tolerance_of(kind, kPaperCell);
   return kind == draw_workshop_truth ? text + reference_lamps_text() : text;
 }
 

@@ -1,5 +1,3 @@
-#include "program.h"
-
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <spdlog/pattern_formatter.h>
@@ -19,6 +17,7 @@
 #include "planar_servo/core/error.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/io/format/format_line.h"
+#include "program.h"
 
 namespace planar {
 namespace {
@@ -79,6 +78,7 @@ std::string usage_fault(const CLI::App* app, const CLI::Error& fault) {
 }
 
 constexpr char kFigures[] = "figures";
+constexpr char kNone[] = "none";  // of --report
 
 /// Allows --json to overwrite earlier figures only, so that a table or a cell file named by mistake
 /// stays.
@@ -137,6 +137,38 @@ void require_printed() {
 volatile std::sig_atomic_t interrupts = 0;
 
 }  // namespace
+
+void add_report_option(CLI::App& app, std::string& report) {
+  app.add_option("--report", report,
+                 "write a page that shows what was found and whether it is good; by default beside "
+                 "the output, with .html for its ending, when standard output is a terminal; none "
+                 "for no page")
+      ->type_name("FILE.html|none");
+}
+
+std::optional<std::filesystem::path> page_for(const std::string& report,
+                                              const std::filesystem::path& output) {
+  if (report == kNone) return std::nullopt;
+  std::filesystem::path page = report;
+  if (report.empty()) {
+    if (isatty(STDOUT_FILENO) == 0 ||
+        (std::filesystem::exists(output) && !std::filesystem::is_regular_file(output)))
+      return std::nullopt;
+    page = std::filesystem::path(output).replace_extension(".html");
+  }
+  if (page.extension() != ".html")
+    throw InputError("--report is '" + report + "'; a name that ends in .html, or none, is needed");
+  if (page.lexically_normal() == output.lexically_normal())
+    throw InputError(output.string() +
+                     ": is the name of the page as well; name another file for --report, or none");
+  require_writable(page, "page");
+  return page;
+}
+
+void write_page(const std::filesystem::path& page, const std::string& text) {
+  write_file(page, text);
+  spdlog::info(fmt::format("{} shows it", page.string()));
+}
 
 void heed_interrupts() {
   struct sigaction action {};

@@ -4,8 +4,10 @@
 
 #include <CLI/App.hpp>
 #include <cstdio>
+#include <filesystem>
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -52,6 +54,19 @@ struct Outcome {
 inline constexpr char kAcceptMap[] =
     "move even by an error map whose own fit speaks against it; what it says is kept with the "
     "result";
+
+/// Adds the option --report of a program that writes a page beside its file.
+void add_report_option(CLI::App& app, std::string& report);
+
+/// Returns where the page about `output` goes: as --report says or, without it, beside `output`
+/// when standard output is a terminal. Empty when there is to be none. Throws InputError for a name
+/// that does not end in .html, and for a place where no page may be written. Call it before the
+/// work.
+std::optional<std::filesystem::path> page_for(const std::string& report,
+                                              const std::filesystem::path& output);
+
+/// Writes the page and says so on standard error.
+void write_page(const std::filesystem::path& page, const std::string& text);
 
 /// Makes the next Ctrl-C, Ctrl-\, SIGTERM or SIGHUP only ask the program to stop, and ends its
 /// input as well. A second one ends the program as usual.

@@ -69,7 +69,7 @@ Counts counts(const MonumentBench& bench, int seeds) {
   Counts counts;
   for (int seed = 0; seed < seeds; ++seed) {
     const MonumentVerdict verdict = check_monuments(bench.sights(static_cast<unsigned>(seed)));
-    counts.doubted += verdict.doubt.empty() ? 0 : 1;
+    counts.doubted += verdict.doubt.fault.empty() ? 0 : 1;
     counts.refused += verdict.refused ? 1 : 0;
     counts.named += verdict.moved ? 1 : 0;
   }
@@ -110,7 +110,7 @@ TEST_CASE("With four monuments the one that moved is named and left out") {
   CHECK(counts({4, moved}, kSeeds).named > 0.95 * kSeeds);
   const DatumRegistration datum = MonumentBench(4, moved).registered(1);
   CHECK(datum.left_out == std::optional<std::string>("d4"));
-  CHECK_THAT(datum.doubt, Contains("'d4' lies 0.2") && Contains("has it moved?"));
+  CHECK_THAT(datum.doubt.text(), Contains("'d4' lies 0.2") && Contains("has it moved?"));
   CHECK(datum.residuals.size() == 3);
   CHECK((datum.X_BL.translation() - standing_tracker().translation()).norm() < 6.0 * kSigma);
 }
@@ -123,18 +123,18 @@ TEST_CASE("A monument in one plane with all others that rose is refused, because
 TEST_CASE("Monuments read at the end tell a tracker that moved from a monument that did") {
   const std::vector<MonumentSight> begin = MonumentBench(3, Eigen::Vector3d::Zero()).sights(1);
   std::vector<MonumentSight> end = MonumentBench(3, Eigen::Vector3d::Zero()).sights(2);
-  CHECK(check_drift(begin, end).doubt.empty());
+  CHECK(check_drift(begin, end).doubt.fault.empty());
 
   const std::vector<MonumentSight> bumped =
       MonumentBench(3, {0.0, 0.2 * kMillimetre, 0.0}).sights(2);
   const MonumentVerdict one = check_drift(begin, bumped);
   CHECK(one.refused);
-  CHECK_THAT(one.doubt, Contains("'d3' by 0.") && Contains("one of them moved"));
+  CHECK_THAT(one.doubt.text(), Contains("'d3' by 0.") && Contains("one of them moved"));
 
   for (MonumentSight& sight : end) sight.p_read.x() += 0.03 * kMillimetre;
   const MonumentVerdict all = check_drift(begin, end);
   CHECK_FALSE(all.refused);
-  CHECK_THAT(all.doubt, Contains("as when the tracker or the base moves, here by 0.029"));
+  CHECK_THAT(all.doubt.text(), Contains("as when the tracker or the base moves, here by 0.029"));
   for (MonumentSight& sight : end) sight.p_read.x() += 0.1 * kMillimetre;
   CHECK(check_drift(begin, end).refused);
 }
@@ -145,7 +145,8 @@ TEST_CASE("A tracker at rest is said to have moved once in a thousand recordings
   const MonumentBench bench(3, Eigen::Vector3d::Zero());
   int doubted = 0;
   for (unsigned seed = 0; seed < kSeeds; ++seed)
-    doubted += check_drift(bench.sights(seed), bench.sights(seed + kSeeds)).doubt.empty() ? 0 : 1;
+    doubted +=
+        check_drift(bench.sights(seed), bench.sights(seed + kSeeds)).doubt.fault.empty() ? 0 : 1;
   CHECK(doubted <= kMost);
 }
 

@@ -1,7 +1,6 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "planar_servo/certificate/certificate_page.h"
 #include "planar_servo/certificate/certificate_report.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/machine/device_kinds.h"

@@ -34,7 +34,7 @@ struct SampleRun {
 
 const BudgetTerm& term(const UncertaintyBudget& budget, const std::string& name) {
   for (const BudgetTerm& candidate : budget.terms)
-    if (candidate.name.rfind(name, 0) == 0) return candidate;
+    if (candidate.name().rfind(name, 0) == 0) return candidate;
   throw std::out_of_range(name);
 }
 
@@ -92,7 +92,7 @@ TEST_CASE("The words name the largest term and say whether the budget explains w
   SampleRun run;
   run.moves[0].stop_below = 100e-6;
   UncertaintyBudget budget = run.budget();
-  CHECK(budget.largest().name.rfind("stop rule", 0) == 0);
+  CHECK(budget.largest().what == "stop rule");
   CHECK_THAT(budget_words(budget), Catch::Contains("Less was found than expected") &&
                                        Catch::Contains("gained at the stop rule") &&
                                        Catch::Contains("lower servo.tolerance_mm"));

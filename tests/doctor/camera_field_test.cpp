@@ -1,4 +1,4 @@
-#include "planar_servo/doctor/camera_field.h"
+#include "planar_servo/doctor/doctor.h"
 
 #include <catch2/catch.hpp>
 

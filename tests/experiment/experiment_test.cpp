@@ -7,8 +7,6 @@
 
 #include "planar_servo/core/units.h"
 #include "planar_servo/experiment/experiment_report.h"
-#include "planar_servo/experiment/loops/control_loop.h"
-#include "planar_servo/experiment/page/experiment_page.h"
 #include "planar_servo/files/tables/lamp_table.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/machine/device_kinds.h"
@@ -59,7 +57,7 @@ void check_rows(const std::vector<AccuracyRow>& rows, std::size_t count, double 
 }
 
 /// Figure 6 shows the edges that the chain's own centre was fitted to.
-void check_lamps(const FigureData& data, const std::filesystem::path& lamps_csv) {
+void check_lamps(const PlotData& data, const std::filesystem::path& lamps_csv) {
   REQUIRE(data.lamps.size() == 2);
   for (const LampRow& row : read_lamps(lamps_csv)) {
     if (row.image != data.lamps[0].image) continue;
@@ -74,7 +72,7 @@ void check_lamps(const FigureData& data, const std::filesystem::path& lamps_csv)
 }
 
 /// Figures 8 to 11: the error grows with the radius, and comes back from run to run.
-void check_circles(const FigureData& data) {
+void check_circles(const PlotData& data) {
   REQUIRE(data.circles.size() == 3 * ExperimentCircles().run_mm.size() * kSmall.run_points);
   double before = 0.0;
   for (const int radius_mm : ExperimentCircles().run_mm) {
@@ -97,7 +95,7 @@ void check_circles(const FigureData& data) {
 }
 
 /// Figures 14 and 16 show the errors from which Tables 2 and 5 have their accuracies.
-void check_predictions(const FigureData& data, const PaperTables& tables) {
+void check_predictions(const PlotData& data, const PaperTables& tables) {
   for (std::size_t i = 0; i < ExperimentCircles().check_mm.size(); ++i) {
     double raw = 0.0, left_by_idw = 0.0, left_by_rbf = 0.0;
     for (const PredictedPlace& place : data.checks) {

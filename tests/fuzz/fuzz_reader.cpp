@@ -34,7 +34,7 @@
 #include "planar_servo/files/workplane_file.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/machine/device_kinds.h"
-#include "planar_servo/offline/image/grey_image.h"
+#include "planar_servo/offline/grey_image.h"
 #include "planar_servo/virtual_cell/truth/truth_file.h"
 
 namespace planar {

@@ -5,7 +5,6 @@
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/pose.h"
 #include "planar_servo/core/units.h"
-#include "planar_servo/judge/tracker_judge.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/machine/virtual_kinds.h"
 #include "support/sample_cells.h"

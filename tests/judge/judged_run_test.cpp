@@ -3,7 +3,7 @@
 
 #include "planar_servo/files/tables/tracker_table.h"
 #include "planar_servo/files/tool_file.h"
-#include "planar_servo/judge/tracker_judge.h"
+#include "planar_servo/judge/cell_judge.h"
 #include "planar_servo/run/servo_run.h"
 #include "support/sample_cells.h"
 #include "support/silent_cell.h"

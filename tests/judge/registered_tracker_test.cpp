@@ -1,4 +1,4 @@
-#include "planar_servo/judge/registered_tracker.h"
+#include "planar_servo/judge/cell_judge.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>

@@ -6,7 +6,7 @@
 #include "planar_servo/core/units.h"
 #include "planar_servo/offline/map/check_error_map.h"
 #include "planar_servo/offline/map/fit_map_to_pairs.h"
-#include "planar_servo/offline/map/map_fit_report.h"
+#include "planar_servo/offline/map/map_report.h"
 #include "support/error_fields.h"
 
 namespace planar {

@@ -1,4 +1,4 @@
-#include "planar_servo/offline/image/grey_image.h"
+#include "planar_servo/offline/grey_image.h"
 
 #include <catch2/catch.hpp>
 #include <opencv2/imgcodecs.hpp>

@@ -7,7 +7,6 @@
 
 #include "calibration/synthetic_cell.h"
 #include "planar_servo/core/error.h"
-#include "planar_servo/offline/pairs/lay_check.h"
 #include "planar_servo/tool/disc_image.h"
 
 namespace planar {

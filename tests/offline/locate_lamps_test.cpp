@@ -8,7 +8,7 @@
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/numerics/statistics.h"
 #include "planar_servo/core/units.h"
-#include "planar_servo/offline/lamps/locate_report.h"
+#include "planar_servo/offline/lamps/lamps_report.h"
 #include "planar_servo/tool/vision_tip.h"
 #include "support/rendered_lamp.h"
 #include "support/temporary_folder.h"

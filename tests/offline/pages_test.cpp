@@ -8,11 +8,10 @@
 #include "planar_servo/core/fixed.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/io/format/format_line.h"
-#include "planar_servo/offline/arm/arm_page.h"
+#include "planar_servo/offline/calibrate_arm.h"
 #include "planar_servo/offline/camera/calibration_page.h"
 #include "planar_servo/offline/camera/image_coverage.h"
-#include "planar_servo/offline/lamps/lamps_page.h"
-#include "planar_servo/offline/lamps/repeated_sights.h"
+#include "planar_servo/offline/lamps/lamps_report.h"
 #include "planar_servo/offline/map/map_page.h"
 #include "planar_servo/offline/pairs/pair_page.h"
 #include "planar_servo/tool/vision_tip.h"
@@ -207,7 +206,7 @@ TEST_CASE("The page of pairs shows error, monuments and what was left out") {
 
 TEST_CASE("Pairs are judged by doubts and by how many were left out") {
   Paired ours = paired();
-  ours.report.doubts = {"monument d1: it moved by 0.4 mm; measure it again"};
+  ours.report.doubts = {{"monument d1: it moved by 0.4 mm", "measure it again"}};
   const Verdict doubted = pair_verdict(ours.request, ours.report);
   REQUIRE(doubted.faults.size() == 1);
   CHECK(doubted.faults[0].what == "monument d1: it moved by 0.4 mm");

@@ -1,4 +1,4 @@
-#include "planar_servo/offline/pairs/recorded_drift.h"
+#include "planar_servo/offline/pairs/health_of_recording.h"
 
 #include <catch2/catch.hpp>
 #include <random>

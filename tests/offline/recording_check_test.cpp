@@ -52,7 +52,7 @@ class RecordedBench {
     try {
       const PairTrackerReport report = pair_tracker(request);
       std::string doubts;
-      for (const std::string& doubt : report.doubts) doubts += "doubt: " + doubt;
+      for (const Refusal& doubt : report.doubts) doubts += "doubt: " + doubt.text();
       return doubts;
     } catch (const InputError& error) {
       return error.what();

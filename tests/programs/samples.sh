@@ -9,6 +9,7 @@ cp -r "$2/cell" "$2/recording" .
 "$bin/planar-virtual-cell" draw --seed 7 -o cells/7 >drawn.txt
 expect_sample drawn.txt "$bin/planar-virtual-cell"
 expect_sample drawn.txt "$bin/planar-virtual-cell" draw
+cmp cells/7/cell.yaml "$repository/calib/paper/cell.yaml" || fail "a drawn cell has not the paper's cell file"
 for kind in paper:0.005 ordinary:0.010 cheap:0.030; do
   "$bin/planar-virtual-cell" -q draw --seed 7 --like "${kind%:*}" -o "${kind%:*}" >/dev/null
   grep -q "tolerance_mm: ${kind#*:}," "${kind%:*}/cell.yaml" || fail "cells like ${kind%:*} state another tolerance"

@@ -110,7 +110,7 @@ DatumRegistration register_datum(const std::vector<Monument>& monuments,
     sights.erase(sights.begin() + static_cast<std::ptrdiff_t>(*verdict.moved));
   }
   DatumRegistration result = registration_of(sights);
-  if (verdict.refused) throw InputError(verdict.doubt);
+  if (verdict.refused) throw InputError(verdict.doubt.text());
   result.left_out = left_out;
   result.doubt = verdict.doubt;
   return result;

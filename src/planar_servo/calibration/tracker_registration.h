@@ -29,7 +29,7 @@ struct DatumRegistration {
   double rms{0.0};  ///< of the residuals' lengths over the monuments, metres
   std::vector<MonumentResidual> residuals;  ///< of the monuments used, in their order
   std::optional<std::string> left_out;      ///< the monument that moved
-  std::string doubt;  ///< what noise does not explain, in words; empty when it explains all
+  Refusal doubt;  ///< what noise does not explain; empty when it explains all
 };
 
 /// Returns the monuments that were read, in their order, with the means of their readings. Throws

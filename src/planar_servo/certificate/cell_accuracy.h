@@ -5,8 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/certificate/certainty.h"
-#include "planar_servo/certificate/pose_drift.h"
 #include "planar_servo/certificate/pose_statistics.h"
 #include "planar_servo/core/numerics/statistics.h"
 #include "planar_servo/files/certificate/cycle_table.h"

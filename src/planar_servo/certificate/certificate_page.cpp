@@ -1,11 +1,10 @@
-#include "planar_servo/certificate/certificate_page.h"
+#include "planar_servo/certificate/certificate_report.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "planar_servo/certificate/certificate_report.h"
 #include "planar_servo/core/fixed.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/files/provenance.h"
@@ -191,16 +190,24 @@ Panel workspace_panel(const CertificateRun& run) {
   return panel;
 }
 
+/// Returns the errors of every cycle at a pose, millimetres.
+std::vector<Eigen::Vector2d> errors_at(const std::string& pose, const CertificateRun& run) {
+  std::vector<Eigen::Vector2d> errors;
+  for (const JudgedMove& move : run.moves)
+    if (move.move.part == CertificatePart::kPose && move.move.pose == pose && move.counts())
+      errors.emplace_back(*move.error / kMillimetre);
+  return errors;
+}
+
 /// Draws the errors of every cycle about the commanded pose.
 Panel pose_panel(const CertificateRun& run) {
   constexpr double kRoom = 1.1;
-  std::vector<std::vector<Eigen::Vector2d>> errors(run.places.poses.size());
+  std::vector<std::vector<Eigen::Vector2d>> errors;
   double most = 0.0;
-  for (const JudgedMove& move : run.moves) {
-    if (move.move.part != CertificatePart::kPose || !move.counts()) continue;
-    const auto pose = static_cast<std::size_t>(move.move.pose.back() - '1');
-    errors.at(pose).push_back(*move.error / kMillimetre);
-    most = std::max(most, errors[pose].back().cwiseAbs().maxCoeff());
+  for (std::size_t i = 0; i < run.places.poses.size(); ++i) {
+    errors.push_back(errors_at(pose_name(i), run));
+    for (const Eigen::Vector2d& error : errors[i])
+      most = std::max(most, error.cwiseAbs().maxCoeff());
   }
   most = most > 0.0 ? kRoom * most : 1.0;
   Panel panel("Errors at the poses, every cycle", {"x error, mm", -most, most},
@@ -210,7 +217,7 @@ Panel pose_panel(const CertificateRun& run) {
   std::string note;
   for (std::size_t i = 0; i < errors.size(); ++i) {
     panel.add_dots(errors[i], {kPoseColors[i][0]}, 3.0);
-    note += fmt::format("{}P{} {}", note.empty() ? "" : ", ", i + 1, kPoseColors[i][1]);
+    note += fmt::format("{}{} {}", note.empty() ? "" : ", ", pose_name(i), kPoseColors[i][1]);
   }
   panel.add_note(note);
   return panel;
@@ -224,26 +231,16 @@ std::string place_words(const TestPlaces& places) {
   return fmt::format(
       "P1 is the centre and P2 to P5 lie on the diagonals, a tenth of their length from the "
       "corners, of the largest square with sides along x and y of the base that arm, camera and "
-      "error map reach: {:.0f} mm wide about ({:.0f}, {:.0f}) mm, on a raster of {:.0f} mm. They "
-      "are visited in the order P1 to P5. The standard's cube is cut down to a square and z is "
-      "left "
-      "out, because the arm is planar. vAP compares approaches along +x, -x, +y and -y. Targets "
-      "are spread by Halton's sequence over {}. Intervals hold with 95 %, and chance alone keeps "
-      "vAP and drift below their last column in 95 of 100 runs.",
+      "error map reach: {:.0f} mm wide about ({:.0f}, {:.0f}) mm, on a raster of {:.0f} mm. "
+      "They are visited in the order P1 to P5. The standard's cube is cut down to a square and "
+      "z is left out, because the arm is planar. vAP compares approaches along +x, -x, +y and "
+      "-y. Targets are spread by Halton's sequence over {}. Intervals hold with 95 %, and "
+      "chance alone keeps vAP and drift below their last column in 95 of 100 runs.",
       places.square.side / kMillimetre, places.square.centre.x() / kMillimetre,
       places.square.centre.y() / kMillimetre, places.raster / kMillimetre, reached);
 }
 
 }  // namespace
-
-std::vector<std::pair<std::string, std::filesystem::path>> certified_files(
-    const CellSettings& cell) {
-  std::vector<std::pair<std::string, std::filesystem::path>> files{{"cell", cell.file}};
-  for (const MadeFile& file : made_files(cell, true))
-    if (std::filesystem::exists(file.path))
-      files.emplace_back(name_in(kRoles, file.role), file.path);
-  return files;
-}
 
 std::string certificate_page(const Certificate& certificate) {
   const CertificateRun& run = certificate.run;

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "planar_servo/certificate/certificate_page.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/io/atomic_file.h"
@@ -131,6 +130,15 @@ Certificate certificate_of(CertificateRun run) {
   return {std::move(run), std::move(accuracy), std::move(budget)};
 }
 
+std::vector<std::pair<std::string, std::filesystem::path>> certified_files(
+    const CellSettings& cell) {
+  std::vector<std::pair<std::string, std::filesystem::path>> files{{"cell", cell.file}};
+  for (const MadeFile& file : made_files(cell, true))
+    if (std::filesystem::exists(file.path))
+      files.emplace_back(name_in(kRoles, file.role), file.path);
+  return files;
+}
+
 std::string certifying_program() {
   return "planar-certify " PLANAR_VERSION;
 }
@@ -140,12 +148,12 @@ ReportList budget_list(const UncertaintyBudget& budget) {
   ReportList list;
   list.line("budget",
             "{expected_rms_mm:.4f} mm rms expected, {found_rms_mm:.4f} found; " +
-                budget.largest().name + " weighs most",
+                budget.largest().name() + " weighs most",
             budget.expected, budget.found);
   list.unprinted("words", budget_words(budget));
   list.rows("terms", budget.terms, [whole](ReportList& row, const BudgetTerm& term) {
     const double share = whole > 0.0 ? 200.0 * term.sigma * term.sigma / whole : 0.0;
-    row.line("term", "{name}", term.name);
+    row.line("term", "{name}", term.name());
     row.line("mm", "{sigma_mm:.4f}", term.sigma);
     row.line("share", term.counts ? fmt::format("{:.0f} %", share) : "–");
     row.line("from", "{source}", term.source);

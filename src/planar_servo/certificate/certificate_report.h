@@ -1,7 +1,10 @@
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "planar_servo/certificate/cell_accuracy.h"
 #include "planar_servo/certificate/certify.h"
@@ -27,12 +30,20 @@ Certificate certificate_of(CertificateRun run);
 /// Returns the program that makes certificates, with its version.
 std::string certifying_program();
 
+/// Returns the files that a cell is certified with, each with what it is: the cell file first.
+std::vector<std::pair<std::string, std::filesystem::path>> certified_files(
+    const CellSettings& cell);
+
 /// Lists what a budget says; its rows have the key `terms`.
 ReportList budget_list(const UncertaintyBudget& budget);
 
 /// Lists every figure. Keys of what was found end with who judged it: `poses_truth`,
 /// `poses_tracker`.
 ReportList certificate_list(const Certificate& certificate);
+
+/// Returns the text of certificate.html: one page that prints on one sheet of A4, with lines to
+/// sign on. It is the same for the same run.
+std::string certificate_page(const Certificate& certificate);
 
 /// Writes certificate.html and certificate.json into the run's folder.
 void write_certificate(const Certificate& certificate);

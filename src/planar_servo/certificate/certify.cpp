@@ -172,12 +172,12 @@ CertificateRun run_certificate(
   VisionCalibration vision = read_vision(cell, true);
   const JudgeKind judge = judge_of(cell, vision.tool);
   const std::string header = header_of(request, judge);
-  std::vector<JudgedMove> moves = moves_so_far(request, header);
-  std::vector<std::string> accepted = accepted_words(request, vision);
-  TestPlaces places =
-      find_test_places(cell, vision, static_cast<std::size_t>(request.size.targets));
-  CertificateRun certificate{request, std::move(vision), std::move(places),
-                             judge,   std::move(moves),  std::move(accepted)};
+  CertificateRun certificate{request, std::move(vision)};
+  certificate.judge = judge;
+  certificate.moves = moves_so_far(request, header);
+  certificate.accepted = accepted_words(request, certificate.vision);
+  certificate.places =
+      find_test_places(cell, certificate.vision, static_cast<std::size_t>(request.size.targets));
   const std::vector<CertificateMove> left = moves_left(certificate);
   if (left.empty()) return certificate;
   const auto devices = open(cell);

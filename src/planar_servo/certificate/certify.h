@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/certificate/certificate_plan.h"
+#include "planar_servo/certificate/test_places.h"
 #include "planar_servo/files/certificate/cycle_table.h"
 #include "planar_servo/judge/cell_judge.h"
 #include "planar_servo/run/servo_run.h"
@@ -22,9 +22,9 @@ struct CertificateRequest {
 struct CertificateRun {
   CertificateRequest request;
   VisionCalibration vision;
-  TestPlaces places;
+  TestPlaces places{};
   JudgeKind judge{JudgeKind::kTruth};
-  std::vector<JudgedMove> moves;
+  std::vector<JudgedMove> moves{};
   std::vector<std::string> accepted{};  ///< what speaks against the files
   std::string ended_by{};               ///< why no further move was made; empty when complete
 };

@@ -3,9 +3,11 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstddef>
+#include <string>
 #include <vector>
 
 #include "planar_servo/cell/cell_settings.h"
+#include "planar_servo/files/certificate/cycle_table.h"
 #include "planar_servo/vision/see_tool.h"
 
 namespace planar {
@@ -31,11 +33,13 @@ struct TestPlaces {
 /// where the plane is the diagonal one of a cube].
 std::array<Eigen::Vector2d, 5> square_poses(const TestSquare& square);
 
-/// Returns the corner (column, row) and the side, in cells, of the squares of a raster whose nodes
-/// are all free, the largest first; at most one for each node at its upper right corner.
+/// A square of a raster: its upper right corner and its side, in spacings.
 struct RasterSquare {
   std::size_t column{0}, row{0}, side{0};
 };
+
+/// Returns the squares of a raster whose nodes are all free, the largest first; at most one for
+/// each node at its upper right corner.
 std::vector<RasterSquare> free_squares(const std::vector<std::vector<bool>>& free);
 
 /// Returns where a cell is examined: places that the arm reaches within its workspace, that the
@@ -45,5 +49,22 @@ std::vector<RasterSquare> free_squares(const std::vector<std::vector<bool>>& fre
 /// no square or there are fewer targets than wanted.
 TestPlaces find_test_places(const CellSettings& cell, const VisionCalibration& vision,
                             std::size_t targets);
+
+/// Returns the name of a pose by its index: "P1".
+std::string pose_name(std::size_t index);
+
+/// How large a certificate is.
+struct CertificateSize {
+  int cycles{30};    ///< of the poses, and of the directions
+  int targets{100};  ///< over the workspace; 95 % need 72 for an interval
+};
+
+/// A pose is approached from this share of the square's side.
+constexpr double kApproachShare = 0.05;
+
+/// Returns every move in its order: the cycles P1 to P5, each pose coming from the one before
+/// it; then the cycles in which P1, P2 and P4 are approached from +x, -x, +y and -y; then the
+/// targets. Each has its own id.
+std::vector<CertificateMove> certificate_moves(const TestPlaces& places, int cycles);
 
 }  // namespace planar

@@ -8,11 +8,11 @@
 #include "planar_servo/calibration/plane/plane_sight.h"
 #include "planar_servo/core/numerics/statistics.h"
 #include "planar_servo/core/units.h"
-#include "planar_servo/experiment/experiment_prediction.h"
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/files/tables/pair_table.h"
 #include "planar_servo/files/workplane_file.h"
 #include "planar_servo/io/sha256.h"
+#include "planar_servo/plan/predicted_positioning.h"
 
 namespace planar {
 namespace {
@@ -115,42 +115,50 @@ TermsOverTargets terms_over(const std::vector<const JudgedMove*>& targets,
 BudgetTerm field_term(const CellSettings& cell, double sigma) {
   const std::string map = cell.error_map.filename().string();
   const bool known = std::isfinite(sigma);
-  return {"field: error map", known ? sigma : 0.0, known, known ? map : map + " states none",
+  return {"field",
+          "error map",
+          known ? sigma : 0.0,
+          known,
+          known ? map : map + " states none",
           "read the tracker at more places (planar-plan proposes them) and fit the map again"};
 }
 
 /// Of landing and stop rule the smaller one counts, as in PositioningTerms::content().
 std::vector<BudgetTerm> content_terms(const PositioningTerms& terms) {
   const bool stops = terms.stop < terms.landing;
-  return {{"arm: landing of the first move", terms.landing, !stops,
+  return {{"arm", "landing of the first move", terms.landing, !stops,
            stops ? "run; corrected down to the stop rule" : "run, own view",
            "find the arm anew (planar-fit-error-map --arm-out)"},
-          {"stop rule: content within it", terms.stop, stops,
+          {"stop rule", "content within it", terms.stop, stops,
            stops ? "run" : "run; the arm lands within it",
            "lower servo.tolerance_mm, as far as noise and pulses allow"}};
 }
 
 std::vector<BudgetTerm> vision_terms(const CellSettings& cell, const TermsOverTargets& over,
                                      const std::string& tracker_source) {
-  return {{"lamps: noise of a look", over.terms.vision, true,
+  return {{"lamps", "noise of a look", over.terms.vision, true,
            fmt::format("run, {} frames", cell.servo.frames_per_measurement),
            "average more frames (servo.frames_per_measurement), or expose the lamps better"},
           field_term(cell, over.terms.field),
-          {"plane: pose of the camera", over.plane, false,
+          {"plane", "pose of the camera", over.plane, false,
            cell.workplane.filename().string() + "; in the field, which is learned over it", ""},
-          {"tracker: turn by monuments", over.terms.datum, true, tracker_source,
+          {"tracker", "turn by monuments", over.terms.datum, true, tracker_source,
            "set the monuments farther apart, or read them more often"}};
 }
 
 std::vector<BudgetTerm> run_terms(const std::optional<PoseDrift>& drift, double judge) {
-  return {{"drift during the run", drift_sigma(drift), true, "run, poses P1 to P5",
+  return {{"drift during the run", "", drift_sigma(drift), true, "run, poses P1 to P5",
            "let the cell warm up, or fix lamps to the base (doc/fixed_lamps.md)"},
-          {"judge: who measured", judge, true,
+          {"judge", "who measured", judge, true,
            judge > 0.0 ? "cell file, monuments, tool" : "the truth is exact",
            "judge with a better tracker, or from nearer"}};
 }
 
 }  // namespace
+
+std::string BudgetTerm::name() const {
+  return detail.empty() ? what : what + ": " + detail;
+}
 
 const BudgetTerm& UncertaintyBudget::largest() const {
   return *std::max_element(terms.begin(), terms.end(),
@@ -168,14 +176,10 @@ UncertaintyBudget uncertainty_budget(const CellSettings& cell, const VisionCalib
                                      const CellAccuracy& accuracy) {
   const std::vector<const JudgedMove*> targets = targets_of(moves);
   const TrackerNoise tracker = calibration_tracker(cell);
-  PredictionInputs known{vision,
-                         cell.servo,
-                         cell.datum,
-                         cell.tool_orientation,
-                         median_over(moves, &JudgedMove::sigma_vision),
-                         tracker.sigma,
-                         landing_of(targets),
-                         monument_readings(cell.tracker)};
+  PredictionInputs known = known_of(cell, vision);
+  known.sigma_vision = median_over(moves, &JudgedMove::sigma_vision);
+  known.sigma_tracker = tracker.sigma;
+  known.landing_sigma = landing_of(targets);
   known.servo.tolerance_m = median_over(moves, &JudgedMove::stop_below);
   const TermsOverTargets over = terms_over(targets, known, read_workplane(cell.workplane));
   UncertaintyBudget budget;
@@ -200,8 +204,7 @@ std::string budget_words(const UncertaintyBudget& budget) {
   if (budget.expected < low)
     words = fmt::format(
         "More was found than expected: {:.0f} % of the mean square has no term in the budget, such "
-        "as what "
-        "all readings of a calibration have in common. ",
+        "as what all readings of a calibration have in common. ",
         100.0 * share);
   else if (budget.expected > high)
     words = "Less was found than expected: the terms are upper bounds here. ";
@@ -210,9 +213,8 @@ std::string budget_words(const UncertaintyBudget& budget) {
   return words + fmt::format(
                      "Most would be gained at the {}: without it {:.4f} mm would be expected "
                      "instead of {:.4f} mm; {}.",
-                     largest.name.substr(0, largest.name.find(':')),
-                     budget.expected_without(largest) / kMillimetre, budget.expected / kMillimetre,
-                     largest.remedy);
+                     largest.what, budget.expected_without(largest) / kMillimetre,
+                     budget.expected / kMillimetre, largest.remedy);
 }
 
 }  // namespace planar

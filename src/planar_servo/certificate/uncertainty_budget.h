@@ -13,11 +13,15 @@ namespace planar {
 
 /// One reason why the end point is not where it is wanted.
 struct BudgetTerm {
-  std::string name;
+  std::string what;    ///< what is uncertain, "field"
+  std::string detail;  ///< what of it, "error map"; may be empty
   double sigma{0.0};   ///< standard uncertainty per axis, rms over the targets, metres
   bool counts{true};   ///< false for what another term holds already
   std::string source;  ///< where the figure is from, or which term holds it
   std::string remedy;  ///< what lessens it; a clause
+
+  /// Returns "field: error map".
+  std::string name() const;
 };
 
 /// What the cell's files and a run say of the errors over the workspace, beside those found.

@@ -1,8 +1,11 @@
 #pragma once
 
 #include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
 #include <vector>
 
+#include "planar_servo/cell/cell_settings.h"
 #include "planar_servo/cell/finding.h"
 
 namespace planar {
@@ -11,5 +14,18 @@ namespace planar {
 /// its drives, its camera and its tracker, each by its kind. It questions values that can hardly be
 /// meant. Throws InputError for a file with faults, and for devices that do not go together.
 std::vector<Finding> examine_cell(const std::filesystem::path& cell_file);
+
+/// Questions a workspace that reaches out of the camera's field. No finding where all places that
+/// the arm may go to are seen, nor before both the camera's and the workplane's file exist.
+std::vector<Finding> question_camera_field(const CellSettings& cell);
+
+/// Returns true when nothing that was found is faulty.
+bool is_sound(const std::vector<Finding>& findings);
+
+/// Returns a line for each finding, and one for its remedy.
+std::string findings_text(const std::vector<Finding>& findings);
+
+/// Returns the findings under the keys of --json.
+nlohmann::json findings_json(const std::vector<Finding>& findings);
 
 }  // namespace planar

@@ -12,17 +12,51 @@
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/plane_geometry.h"
 #include "planar_servo/experiment/begun_experiment.h"
-#include "planar_servo/experiment/experiment_plan.h"
-#include "planar_servo/experiment/loops/control_loop.h"
 #include "planar_servo/files/arm_file.h"
 #include "planar_servo/io/atomic_file.h"
-#include "planar_servo/judge/tracker_judge.h"
-#include "planar_servo/offline/record/recorder.h"
+#include "planar_servo/io/growing_file.h"
+#include "planar_servo/judge/cell_judge.h"
+#include "planar_servo/plan/experiment_plan.h"
+#include "planar_servo/record/recorder.h"
+#include "planar_servo/run/resumed_run.h"
 
 namespace planar {
 namespace {
 
 namespace fs = std::filesystem;
+
+fs::path run_folder(const ExperimentRequest& experiment, const std::string& chain, bool with_map) {
+  return experiment.out / chain / (with_map ? "run" : "run_without_map");
+}
+
+/// Returns whether an experiment has begun to close the loop with our chain. Its recording is
+/// complete then, and must not grow any more: the chains were calibrated from it.
+bool has_begun_loop(const ExperimentRequest& experiment) {
+  ServoRequest loop;
+  loop.out = run_folder(experiment, our_chain(experiment.cell).name, true);
+  return fs::exists(results_file(loop));
+}
+
+/// Returns whether the run of a loop has a result of every target.
+bool is_done(const ServoRequest& loop, const std::vector<TargetRow>& targets) {
+  return loop.resume && results_so_far(loop).size() == targets.size();
+}
+
+/// Returns the loop's chain and folder, as in "ours run".
+std::string name_of(const ServoRequest& loop) {
+  return fmt::format("{} {}", loop.out.parent_path().filename().string(),
+                     loop.out.filename().string());
+}
+
+/// Moves to the targets that have no result yet and returns the results of all.
+std::vector<TargetResult> close_loop(const ServoRequest& loop,
+                                     const std::vector<TargetRow>& targets, CellDevices& devices) {
+  const std::string chain = loop.out.parent_path().filename().string();
+  const std::string map = loop.use_error_map ? "with its error map" : "without an error map";
+  spdlog::info(fmt::format("closing the loop over {} targets: {}, {}", targets.size(), chain, map));
+  ServoRun run(loop, devices);
+  return run_servo(run, targets);
+}
 
 ChainSettings our_settings(const ExperimentRequest& request) {
   ChainSettings settings = our_chain(request.cell);
@@ -138,7 +172,30 @@ void close_loops(const ExperimentRequest& request, const CalibratedChains& chain
   report.visp = close(loops[3]);
 }
 
+PositioningPrediction predicted(const ExperimentRequest& request, const CalibratedChain& ours) {
+  return predict_positioning(
+      prediction_inputs(ours.cell, ours.pairs, ours.field.value().landing_sigma),
+      control_targets(request.cell.workspace, request.size));
+}
+
 }  // namespace
+
+ServoRequest control_loop(const CalibratedChain& chain, bool with_map,
+                          const ExperimentRequest& experiment) {
+  ServoRequest loop;
+  loop.cell = chain.cell;
+  loop.center = chain.settings.center;
+  loop.use_error_map = with_map;
+  loop.check_health = loop.guards_looks = chain.settings.is_guarded;
+  loop.accept_map = chain.settings.accept_map || !chain.settings.is_guarded;
+  loop.estimates_landings = chain.settings.estimates_landings;
+  loop.keep_going = true;  // a target that fails is a result, too
+  loop.out = run_folder(experiment, chain.settings.name, with_map);
+  loop.resume = fs::exists(results_file(loop));
+  loop.may_home = experiment.may_home;
+  loop.stop = experiment.stop;
+  return loop;
+}
 
 ExperimentReport run_experiment(const ExperimentRequest& request, CellDevices& devices) {
   if (!devices.truth()) require_judge(request);
@@ -155,10 +212,9 @@ ExperimentReport run_experiment(const ExperimentRequest& request, CellDevices& d
     report.turn_taken_out = take_out_turn(report.ours);
   else if (!plan.circle_points.empty())
     report.tables = map_tables(chains.ours, chains.paper, plan);
-  report.recorded = figure_data(chains.paper, plan, recording);
+  report.recorded = plot_data(chains.paper, plan, recording);
   report.tables.positioning = positioning_table(report.circles, report.ours, report.paper);
-  report.prediction = predict_positioning(prediction_inputs(chains.ours),
-                                          control_targets(request.cell.workspace, request.size));
+  report.prediction = predicted(request, chains.ours);
   return report;
 }
 
@@ -172,8 +228,7 @@ PositioningPrediction predict_experiment(const ExperimentRequest& request) {
   settings.name = "prediction";
   const CalibratedChain chain = calibrate_chain(
       settings, request.cell, read_recorded_cell(recording, request.board), request.out);
-  return predict_positioning(prediction_inputs(chain),
-                             control_targets(request.cell.workspace, request.size));
+  return predicted(request, chain);
 }
 
 }  // namespace planar

@@ -6,12 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/experiment/experiment_plan.h"
-#include "planar_servo/experiment/experiment_prediction.h"
-#include "planar_servo/experiment/figures/figure_data.h"
 #include "planar_servo/experiment/paper_tables.h"
+#include "planar_servo/experiment/plots/plot_data.h"
 #include "planar_servo/experiment/vision_chain.h"
 #include "planar_servo/machine/cell_devices.h"
+#include "planar_servo/plan/experiment_plan.h"
+#include "planar_servo/plan/predicted_positioning.h"
 #include "planar_servo/report/live/display.h"
 #include "planar_servo/run/servo_run.h"
 
@@ -25,7 +25,7 @@ struct ExperimentReport {
   std::vector<TargetResult> paper_no_map;  ///< the paper's chain without a map
   std::vector<TargetResult> visp;          ///< ViSP's chain, which has no map
   PaperTables tables;                      ///< without a tracker only `positioning`
-  std::optional<FigureData> recorded{};    ///< what the paper's figures are drawn from
+  std::optional<PlotData> recorded{};      ///< what the paper's figures are drawn from
   PositioningPrediction prediction;        ///< of our chain, from its calibration alone
   /// By which `ours` was turned about the base's axis, radians, where nothing had fixed the turn.
   std::optional<double> turn_taken_out{};
@@ -63,5 +63,10 @@ ExperimentReport run_experiment(const ExperimentRequest& request, CellDevices& d
 /// device nor a truth, and writes its calibration to `out/prediction`. Throws InputError when there
 /// is no recording.
 PositioningPrediction predict_experiment(const ExperimentRequest& request);
+
+/// Returns how the loop is closed with a chain. It goes on with the run that the experiment's
+/// folder holds.
+ServoRequest control_loop(const CalibratedChain& chain, bool with_map,
+                          const ExperimentRequest& experiment);
 
 }  // namespace planar

@@ -2,12 +2,140 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+#include <optional>
+
+#include "planar_servo/core/fixed.h"
 #include "planar_servo/core/units.h"
-#include "planar_servo/experiment/tables/table_texts.h"
+#include "planar_servo/run/servo_figures.h"
 #include "planar_servo/run/servo_report.h"
 
 namespace planar {
 namespace {
+
+/// Stands for what the paper does not print and what nobody has judged.
+constexpr char kNone[] = "–";
+
+std::string millimetres(double metres) {
+  return std::isfinite(metres) ? fixed(metres / kMillimetre, 3) : kNone;
+}
+
+void list_accuracies(ReportList& list, const std::string& key,
+                     const std::vector<AccuracyRow>& rows) {
+  list.rows(key, rows, [](ReportList& row, const AccuracyRow& found) {
+    row.line("", "{label}", found.label);
+    row.line("ours: A2", "{ours:.1%}", found.ours.a2);
+    row.line("A1", "{ours_a1:.1%}", found.ours.a1);
+    row.line("the paper's chain here: A2 +", "{paper_chain:.1%}", found.paper_chain.a2);
+    row.line("A1", "{paper_chain_a1:.1%}", found.paper_chain.a1);
+    row.line("the paper", "{paper:.1%}", found.paper);
+  });
+}
+
+/// Lists a comparison whose figures are written in `unit`, those of the paper in a format and
+/// behind words of their own.
+void list_comparison(ReportList& list, const std::string& key,
+                     const std::vector<ComparisonRow>& rows, double unit, const std::string& format,
+                     const std::string& paper_format, const std::string& paper = "the paper") {
+  list.rows(key, rows, [&](ReportList& row, const ComparisonRow& found) {
+    row.line("", "{label}", found.label);
+    row.line("ours", "{ours:" + format + "}", found.ours / unit);
+    row.line("the paper's chain here", "{paper_chain:" + format + "}", found.paper_chain / unit);
+    row.line(paper, "{paper:" + paper_format + "}", found.paper / unit);
+  });
+}
+
+void list_positioning(ReportList& list, const std::vector<PositioningRow>& rows) {
+  list.rows("table7", rows, [](ReportList& row, const PositioningRow& found) {
+    row.line("circle about", "{label}", found.label);
+    row.line("before *", "{before:.3f}", found.before / kMillimetre);
+    row.line("paper's chain +", "{paper_chain:.3f}", found.paper_chain / kMillimetre);
+    row.line("improved", "{paper_chain_improvement:.1%}", found.improvement(found.paper_chain));
+    row.line("ours", "{ours:.4f}", found.ours / kMillimetre);
+    row.line("improved", "{ours_improvement:.1%}", found.improvement(found.ours));
+    row.line("paper: before ~", millimetres(found.paper_before));
+    row.line("after", "{paper:.3f}", found.paper_after / kMillimetre);
+    row.line("improved", "{paper_improvement:.1%}", found.paper_improvement);
+  });
+}
+
+/// Lists the rows of the paper's tables, which have the keys `table1` to `table7`; the last without
+/// the row of all circles.
+ReportList tables_list(const PaperTables& tables) {
+  ReportList list;
+  list_comparison(list, "table1", tables.run_correlation, 1.0, ".4f", ".3f");
+  list_accuracies(list, "table2", tables.idw_accuracy);
+  list_comparison(list, "table3", tables.map_sources, 1.0, ".4g", ".4g");
+  list_comparison(list, "table4", tables.repeatability, kMillimetre, ".6f", ".3f",
+                  "the paper: below");
+  list_accuracies(list, "table5", tables.rbf_accuracy);
+  list_accuracies(list, "table6", tables.mean_accuracy);
+  std::vector<PositioningRow> circles = tables.positioning;
+  if (!circles.empty()) circles.pop_back();
+  list_positioning(list, circles);
+  return list;
+}
+
+TextTable positioning_table_of(const ExperimentReport& report) {
+  ReportList list;
+  list_positioning(list, report.tables.positioning);
+  return list.table(
+      fmt::format("Table 7: mean {} positioning error in mm, {} targets on each circle of radius "
+                  "{} mm",
+                  report.reflector_sigma ? "measured" : "true",
+                  report.circles.front().targets.size(), report.circles.front().radius_mm),
+      "table7");
+}
+
+TextTable chain_table(const ExperimentReport& report) {
+  TextTable table(
+      fmt::format("Chains side by side on this recording: {} errors at the targets in mm",
+                  report.reflector_sigma ? "measured" : "true"),
+      {"chain", "camera", "lamps", "error map", "law", "vision, mean", "after, mean", "95 %",
+       "largest"});
+  const auto row = [&](std::vector<std::string> fields, const std::vector<TargetResult>& results) {
+    const auto after = figures_of(results).after_truth;
+    const auto field = [](std::optional<double> metres) {
+      return metres && std::isfinite(*metres) ? fmt::format("{:#.3g}", *metres / kMillimetre)
+                                              : kNone;
+    };
+    fields.push_back(field(mean_error(results, &TargetResult::vision_compensated)));
+    for (const auto figure : {&Summary::mean, &Summary::p95, &Summary::max})
+      fields.push_back(field(after ? std::optional((*after).*figure) : std::nullopt));
+    table.add_row(std::move(fields));
+  };
+  row({"the paper's +", "k1", "Canny, Kasa", "Gaussian RBF", "inverse"}, report.paper);
+  row({"without its map +", "k1", "Canny, Kasa", "none", "inverse"}, report.paper_no_map);
+  row({"ViSP's", "vpCalibration", "vpDot2", "none", "vpServo"}, report.visp);
+  row({"ours", "chosen", "rim", "field at the lamps", "vpServo"}, report.ours);
+  return table;
+}
+
+std::vector<ShownTable> map_tables_of(const PaperTables& tables) {
+  const ReportList list = tables_list(tables);
+  return {
+      {list.table("Table 1: correlation of the vision error between three runs", "table1"),
+       "Each circle is gone round three times, and the error components of the runs are compared "
+       "in pairs. Near 1, the error belongs to the place and a map can learn it. Our error before "
+       "the map is smaller, so that the same noise weighs more."},
+      {list.table("Table 2: accuracy of inverse distance weighting on circles about the base",
+                  "table2"),
+       "The map is made of the training positions, and judged on circles that it has not seen. "
+       "Compare with Table 5, which has the same places."},
+      {list.table("Table 3: what the error maps were made of", "table3"),
+       "The paper turned its width by hand; so does its chain here, by the test positions. Widths "
+       "of different functions do not compare: ours may be a multiquadric on a polynomial."},
+      {list.table("Table 4: standard deviation of three predictions in mm, the largest of a circle",
+                  "table4"),
+       "Each place of the check circles was looked at in three frames, and the map predicts from "
+       "each of them. The figure says how little the noise of vision moves a prediction; it does "
+       "not say that a prediction is right."},
+      {list.table("Table 5: accuracy of the radial basis functions on the same circles", "table5"),
+       "Look at A1 beside A2: where A1 is much lower, the predicted lengths are right in the mean "
+       "and the errors themselves are not."},
+      {list.table("Table 6: accuracy, mean of the three circles", "table6"),
+       "The better method is the one that leaves less of the error: A1 says so."}};
+}
 
 /// Says what a tracker judged in place of a truth, and what it cannot see.
 void list_judge(ReportList& list, const ExperimentReport& report) {
@@ -27,6 +155,36 @@ void list_judge(ReportList& list, const ExperimentReport& report) {
 }
 
 }  // namespace
+
+std::vector<ShownTable> shown_tables(const ExperimentReport& report) {
+  std::vector<ShownTable> shown;
+  if (!report.tables.run_correlation.empty()) shown = map_tables_of(report.tables);
+  shown.push_back(
+      {positioning_table_of(report),
+       "All chains move to the same targets on the same cell. \"Before\" is where the arm ends "
+       "by the cell file's lengths and zeros, without vision. Ours is aimed by the arm that was "
+       "found, so its first move ends close already."});
+  shown.push_back(
+      {chain_table(report),
+       "ViSP brings no error map, so compare it with the paper's chain without its map: both take "
+       "the plane from the laid board and differ by camera model, lamp centres and law. What no "
+       "law can take off is vision's error."});
+  return shown;
+}
+
+std::string marks_text(const ExperimentReport& report) {
+  std::string text;
+  if (!report.tables.run_correlation.empty())
+    text +=
+        "A2, the paper's accuracy, compares mean lengths and cannot see direction: an error "
+        "predicted the wrong way counts as predicted; A1 takes the length of what is left\n";
+  return text +
+         "* fitted on calib/paper: its arm was made to meet the paper's means before feedback, "
+         "which confirm nothing there\n"
+         "+ chosen on calib/paper: of 35 lens warps one was kept that brings the paper's chain "
+         "near the paper's Tables 2, 5 and 7\n"
+         "~ follows from the two figures beside it; the paper prints only the mean of all four\n";
+}
 
 ReportList prediction_list(const PositioningPrediction& prediction) {
   ReportList list;

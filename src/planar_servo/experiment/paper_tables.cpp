@@ -8,10 +8,9 @@
 #include <limits>
 #include <map>
 
+#include "planar_servo/core/error.h"
 #include "planar_servo/core/numerics/statistics.h"
 #include "planar_servo/core/units.h"
-#include "planar_servo/experiment/tables/pairs_on_circles.h"
-#include "planar_servo/experiment/tables/paper_values.h"
 #include "planar_servo/files/tables/lamp_table.h"
 #include "planar_servo/files/vision_files.h"
 #include "planar_servo/offline/map/check_error_map.h"
@@ -19,6 +18,24 @@
 
 namespace planar {
 namespace {
+
+// What the paper prints besides: circles in the order of its tables, lengths in millimetres.
+constexpr double kPaperCorrelation[] = {0.991, 0.996, 0.993, 0.995};  // table 1
+constexpr double kPaperIdw[] = {0.657, 0.796, 0.853};                 // table 2
+constexpr double kPaperTrainingPlaces = 200, kPaperTestPlaces = 30;   // table 3
+constexpr double kPaperRepeatability_mm = 0.004;                      // table 4: "less than"
+constexpr double kPaperRbf[] = {0.905, 0.876, 0.953};                 // table 5
+constexpr double kPaperAfter_mm[] = {0.185, 0.174, 0.180, 0.176};     // table 7
+constexpr double kPaperImprovement[] = {0.877, 0.872, 0.857, 0.851};  // table 7
+constexpr double kPaperBeforeMean_mm = 1.318;                         // of the four circles
+constexpr double kPaperImprovementMean = 0.864;                       // of the four circles
+
+[[noreturn]] void refuse_empty_circle(int radius_mm) {
+  throw WorkError(
+      fmt::format("no place on the circle of radius {} mm has both lamps and a tracker "
+                  "reading; lamps.csv says why",
+                  radius_mm));
+}
 
 constexpr double kNotPrinted = std::numeric_limits<double>::quiet_NaN();
 
@@ -43,12 +60,12 @@ std::map<std::string, std::vector<double>> predictions_by_frame(const Calibrated
 }
 
 /// Holds a calibrated chain and its pairs on the circles.
-struct JudgedChain {
-  JudgedChain(const CalibratedChain& judged, const std::vector<CirclePoint>& points)
-      : chain(judged),
-        idw(fit_error_map_to_pairs(judged.pairs, {MapMethod::kIdw, 0.0}).result.map),
-        circles(judged.pairs, points),
-        by_frame(predictions_by_frame(judged)) {}
+struct ComparedChain {
+  ComparedChain(const CalibratedChain& compared, const std::vector<CirclePoint>& points)
+      : chain(compared),
+        idw(fit_error_map_to_pairs(compared.pairs, {MapMethod::kIdw, 0.0}).result.map),
+        circles(compared.pairs, points),
+        by_frame(predictions_by_frame(compared)) {}
 
   const CalibratedChain& chain;
   ErrorMap idw;
@@ -57,9 +74,9 @@ struct JudgedChain {
 };
 
 /// Returns the mean correlation between the error components of the three runs over one circle.
-double run_correlation(const JudgedChain& judged, int radius_mm) {
+double run_correlation(const ComparedChain& compared, int radius_mm) {
   std::array<std::vector<double>, kRuns> runs;
-  for (const auto& pairs : judged.circles.of_all_runs(radius_mm))
+  for (const auto& pairs : compared.circles.of_all_runs(radius_mm))
     for (std::size_t run = 0; run < runs.size(); ++run)
       for (int axis = 0; axis < 2; ++axis) runs[run].push_back(pairs[run]->error()[axis]);
   return (correlation(runs[0], runs[1]) + correlation(runs[0], runs[2]) +
@@ -77,16 +94,16 @@ double standard_deviation(const std::vector<double>& values) {
 
 /// Returns the largest standard deviation over the points of one check circle, metres. At each
 /// point it is that of what the map predicts from each of its frames. NaN where no point has two.
-double prediction_repeatability(const JudgedChain& judged, int radius_mm) {
+double prediction_repeatability(const ComparedChain& compared, int radius_mm) {
   double largest = kNotPrinted;
-  for (const PairRow& pair : judged.circles.check_circle(radius_mm))
-    if (const auto found = judged.by_frame.find(pair.id); found != judged.by_frame.end())
+  for (const PairRow& pair : compared.circles.check_circle(radius_mm))
+    if (const auto found = compared.by_frame.find(pair.id); found != compared.by_frame.end())
       largest = std::fmax(largest, standard_deviation(found->second));
   return largest;
 }
 
-Accuracy circle_accuracy(const JudgedChain& judged, const ErrorMap& map, int radius_mm) {
-  const MapCheck check = check_error_map(map, judged.circles.check_circle(radius_mm));
+Accuracy circle_accuracy(const ComparedChain& compared, const ErrorMap& map, int radius_mm) {
+  const MapCheck check = check_error_map(map, compared.circles.check_circle(radius_mm));
   return {check.a1, check.a2};
 }
 
@@ -101,7 +118,7 @@ std::array<double, 2> functions_of(const ErrorMap& map) {
   return {kNotPrinted, kNotPrinted};
 }
 
-/// Says what went into the maps, and how they judge places that they were not fitted to.
+/// Says what went into the maps, and how well they predict places that they were not fitted to.
 std::vector<ComparisonRow> map_sources(const CalibratedChain& ours, const CalibratedChain& paper) {
   const auto test = [](const CalibratedChain& chain) {
     return check_error_map(chain.map->map, pairs_to_check(chain.pairs, {Plan::kTest}));
@@ -135,11 +152,54 @@ AccuracyRow mean_row(const std::string& label, const std::vector<AccuracyRow>& r
   return sum;
 }
 
+/// Returns the results at the targets of one control circle.
+std::vector<TargetResult> results_on(const ControlCircle& circle,
+                                     const std::vector<TargetResult>& results) {
+  std::vector<TargetResult> found;
+  for (const TargetResult& result : results)
+    if (std::any_of(circle.targets.begin(), circle.targets.end(),
+                    [&](const TargetRow& target) { return target.id == result.id; }))
+      found.push_back(result);
+  return found;
+}
+
 }  // namespace
+
+PairsOnCircles::PairsOnCircles(const std::vector<PairRow>& pairs,
+                               const std::vector<CirclePoint>& points)
+    : points_(points) {
+  for (const PairRow& pair : pairs) by_id_.emplace(pair.id, &pair);
+}
+
+std::vector<PairRow> PairsOnCircles::check_circle(int radius_mm) const {
+  std::vector<PairRow> pairs;
+  for (const CirclePoint& point : points_)
+    if (point.run == 0 && point.radius_mm == radius_mm)
+      if (const PairRow* pair = pair_at(point)) pairs.push_back(*pair);
+  if (pairs.empty()) refuse_empty_circle(radius_mm);
+  return pairs;
+}
+
+std::vector<std::array<const PairRow*, kRuns>> PairsOnCircles::of_all_runs(int radius_mm) const {
+  std::map<int, std::array<const PairRow*, kRuns>> by_index;
+  for (const CirclePoint& point : points_)
+    if (point.run > 0 && point.radius_mm == radius_mm)
+      by_index[point.index].at(static_cast<std::size_t>(point.run - 1)) = pair_at(point);
+  std::vector<std::array<const PairRow*, kRuns>> complete;
+  for (const auto& [index, pairs] : by_index)
+    if (std::count(pairs.begin(), pairs.end(), nullptr) == 0) complete.push_back(pairs);
+  if (complete.empty()) refuse_empty_circle(radius_mm);
+  return complete;
+}
+
+const PairRow* PairsOnCircles::pair_at(const CirclePoint& point) const {
+  const auto found = by_id_.find(point.id);
+  return found == by_id_.end() ? nullptr : found->second;
+}
 
 PaperTables map_tables(const CalibratedChain& ours, const CalibratedChain& paper,
                        const ExperimentPlan& plan) {
-  const JudgedChain our(ours, plan.circle_points), their(paper, plan.circle_points);
+  const ComparedChain our(ours, plan.circle_points), their(paper, plan.circle_points);
   PaperTables tables;
   for (std::size_t i = 0; i < plan.circles.run_mm.size(); ++i) {
     const int radius_mm = plan.circles.run_mm[i];
@@ -161,16 +221,6 @@ PaperTables map_tables(const CalibratedChain& ours, const CalibratedChain& paper
   tables.mean_accuracy = {mean_row("IDW", tables.idw_accuracy),
                           mean_row("RBF", tables.rbf_accuracy)};
   return tables;
-}
-
-std::vector<TargetResult> results_on(const ControlCircle& circle,
-                                     const std::vector<TargetResult>& results) {
-  std::vector<TargetResult> found;
-  for (const TargetResult& result : results)
-    if (std::any_of(circle.targets.begin(), circle.targets.end(),
-                    [&](const TargetRow& target) { return target.id == result.id; }))
-      found.push_back(result);
-  return found;
 }
 
 std::vector<PositioningRow> positioning_table(const std::vector<ControlCircle>& circles,

@@ -1,14 +1,42 @@
 #pragma once
 
+#include <array>
+#include <map>
 #include <string>
 #include <vector>
 
-#include "planar_servo/experiment/experiment_plan.h"
 #include "planar_servo/experiment/vision_chain.h"
+#include "planar_servo/files/tables/pair_table.h"
 #include "planar_servo/files/tables/result_table.h"
+#include "planar_servo/plan/experiment_plan.h"
 #include "planar_servo/run/servo_figures.h"
 
 namespace planar {
+
+/// The mean error after feedback that the paper prints, over its four circles.
+constexpr double kPaperAfterMean_mm = 0.178;
+
+/// Finds the pairs of a recording that lie on the circles of its plan.
+class PairsOnCircles {
+ public:
+  /// Refers to both lists, which must outlive it.
+  PairsOnCircles(const std::vector<PairRow>& pairs, const std::vector<CirclePoint>& points);
+
+  /// Returns the pairs of a circle that checks the maps, in its order. Throws WorkError when there
+  /// are none.
+  std::vector<PairRow> check_circle(int radius_mm) const;
+
+  /// Returns the places of one circle that every run has, in its order. Throws WorkError when there
+  /// are none.
+  std::vector<std::array<const PairRow*, kRuns>> of_all_runs(int radius_mm) const;
+
+  /// Returns the pair of a place, or nullptr when it was left out.
+  const PairRow* pair_at(const CirclePoint& point) const;
+
+ private:
+  const std::vector<CirclePoint>& points_;
+  std::map<std::string, const PairRow*> by_id_;
+};
 
 /// One row of a table of the paper: what our chain found, what the paper's chain found on the same
 /// recording, and what the paper printed. Values that do not exist are NaN.
@@ -66,9 +94,5 @@ PaperTables map_tables(const CalibratedChain& ours, const CalibratedChain& paper
 std::vector<PositioningRow> positioning_table(const std::vector<ControlCircle>& circles,
                                               const std::vector<TargetResult>& ours,
                                               const std::vector<TargetResult>& paper);
-
-/// Returns the results at the targets of one control circle.
-std::vector<TargetResult> results_on(const ControlCircle& circle,
-                                     const std::vector<TargetResult>& results);
 
 }  // namespace planar

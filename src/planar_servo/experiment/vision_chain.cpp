@@ -19,7 +19,7 @@
 #include "planar_servo/offline/lamps/locate_lamps.h"
 #include "planar_servo/offline/map/check_error_map.h"
 #include "planar_servo/offline/map/fit_map_to_pairs.h"
-#include "planar_servo/offline/map/lamp_field_files.h"
+#include "planar_servo/offline/map/learn_lamp_field.h"
 #include "planar_servo/offline/pairs/health_of_recording.h"
 #include "planar_servo/offline/pairs/laid_boards.h"
 #include "planar_servo/offline/pairs/pair_files.h"

@@ -125,16 +125,17 @@ MonumentVerdict verdict(const Monuments& monuments, double sigma) {
   MonumentVerdict result;
   if (suspected.size() == 1) {
     result.moved = suspected.front();
-    result.doubt = "datum: " + offset_text(monuments, suspected.front(), sigma) +
-                   ", while the others fit; has it moved? " + kReadAgain;
+    result.doubt.fault = "datum: " + offset_text(monuments, suspected.front(), sigma) +
+                         ", while the others fit; has it moved? " + kReadAgain;
     return result;
   }
-  result.doubt = fmt::format(
-      "datum: a monument has moved, or is wrong in the cell file: {}; which one, {} monuments do "
-      "not "
-      "tell; {}",
-      monuments.size() == 3 ? worst_side(monuments, sigma) : worst_offset(monuments, sigma),
-      monuments.size(), kReadAgain);
+  result.doubt = {
+      fmt::format(
+          "datum: a monument has moved, or is wrong in the cell file: {}; which one, {} monuments "
+          "do not tell",
+          monuments.size() == 3 ? worst_side(monuments, sigma) : worst_offset(monuments, sigma),
+          monuments.size()),
+      kReadAgain};
   return result;
 }
 
@@ -157,7 +158,7 @@ Monuments read_twice(const Monuments& begin, const Monuments& end) {
   return both;
 }
 
-std::string drift_text(const Monuments& ends, double sigma) {
+Refusal doubt_of_drift(const Monuments& ends, double sigma) {
   std::string sizes;
   for (const MonumentSight& m : ends)
     sizes += fmt::format("{}'{}' by {:.3f}", sizes.empty() ? "" : ", ", m.id,
@@ -166,13 +167,14 @@ std::string drift_text(const Monuments& ends, double sigma) {
   const std::string who =
       rigid ? fmt::format(
                   "their distances are kept, as when the tracker or the base moves, here by {:.3f} "
-                  "mm in the mean; ",
+                  "mm in the mean",
                   mean_shift(ends).norm() / kMillimetre)
-            : "not together, so one of them moved; ";
-  return fmt::format(
-      "datum: between the beginning and the end of the recording the monuments moved before the "
-      "tracker: {} mm, +- {:.3f} per axis; {}record again with tracker and monuments at rest",
-      sizes, sigma / kMillimetre, who);
+            : "not together, so one of them moved";
+  return {
+      fmt::format("datum: between the beginning and the end of the recording the monuments moved "
+                  "before the tracker: {} mm, +- {:.3f} per axis; {}",
+                  sizes, sigma / kMillimetre, who),
+      "record again with tracker and monuments at rest"};
 }
 
 }  // namespace
@@ -201,7 +203,7 @@ MonumentVerdict check_drift(const Monuments& begin, const Monuments& end) {
   const double mean = sigma_of_mean(ends);
   if (explains(mean, square, 3 * ends.size())) return {};
   const bool refused = !explains(single, square, 3 * ends.size());
-  return {std::nullopt, drift_text(ends, mean), refused};
+  return {std::nullopt, doubt_of_drift(ends, mean), refused};
 }
 
 }  // namespace planar

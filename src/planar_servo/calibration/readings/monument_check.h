@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "planar_servo/core/error.h"
 #include "planar_servo/core/numerics/chance.h"
 
 namespace planar {
@@ -22,7 +23,7 @@ struct MonumentSight {
 struct MonumentVerdict {
   /// The one monument without which the others fit, while without any other they do not.
   std::optional<std::size_t> moved;
-  std::string doubt;    ///< in words, with sizes; empty when the readings fit
+  Refusal doubt;        ///< with sizes; empty when the readings fit
   bool refused{false};  ///< whether no registration may rest on these readings
 };
 

@@ -68,13 +68,8 @@ std::vector<nlohmann::json> work_through(
     CampaignRows& rows, const SeedRange& seeds,
     const std::function<nlohmann::json(std::uint32_t seed)>& experiment) {
   const auto seed_at = [&](int i) { return seeds.first + static_cast<std::uint32_t>(i); };
-  const auto work = [&](std::uint32_t seed, const std::optional<Claim>& claim) {
-    if (claim && !rows.has(seed)) rows.append(seed, experiment(seed));
-  };
-  for (int i = 0; i < seeds.count; ++i)
-    if (!rows.has(seed_at(i))) work(seed_at(i), rows.try_claim(seed_at(i)));
-  for (int i = 0; i < seeds.count; ++i)
-    if (!rows.has(seed_at(i))) work(seed_at(i), rows.claim(seed_at(i)));
+  for (const bool waits : {false, true})
+    for (int i = 0; i < seeds.count; ++i) rows.find(seed_at(i), waits, experiment);
   std::vector<nlohmann::json> found;
   found.reserve(static_cast<std::size_t>(seeds.count));
   for (int i = 0; i < seeds.count; ++i) found.push_back(rows.rows().at(seed_at(i)));

@@ -68,9 +68,9 @@ TextTable campaign_table(const std::vector<nlohmann::json>& rows) {
   }
   TextTable table("True positioning error in mm, mean of the control targets", header);
   for (const nlohmann::json& row : rows) {
-    std::vector<std::string> cells{fmt::format("seed {}", row.at("seed").get<std::uint32_t>())};
-    for (const Column& column : kColumns) cells.push_back(mm(value_of(row, column)));
-    table.add_row(std::move(cells));
+    std::vector<std::string> fields{fmt::format("seed {}", row.at("seed").get<std::uint32_t>())};
+    for (const Column& column : kColumns) fields.push_back(mm(value_of(row, column)));
+    table.add_row(std::move(fields));
   }
   for (auto* line : {&middle, &interval, &worst}) table.add_row(std::move(*line));
   return table;

@@ -1,8 +1,12 @@
 #include "planar_servo/experiment/campaign/campaign_rows.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
+#include <cerrno>
 #include <sstream>
+#include <system_error>
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/experiment/begun_experiment.h"
@@ -11,6 +15,19 @@
 
 namespace planar {
 namespace {
+
+/// These locks belong to the opened file and not to the process, so that nobody else who closes the
+/// same file in this program gives them back.
+int set_lock(int file, std::uint64_t piece, short kind, bool wait) {
+  struct flock range {};
+  range.l_type = kind;
+  range.l_whence = SEEK_SET;
+  range.l_start = static_cast<off_t>(piece);
+  range.l_len = 1;
+  while (fcntl(file, wait ? F_OFD_SETLKW : F_OFD_SETLK, &range) != 0)
+    if (errno != EINTR) return errno;
+  return 0;
+}
 
 constexpr char kRowFormat[] = "planar-servo/campaign/1";
 constexpr char kFirstRow[] = "{\"format\":\"planar-servo/campaign/1\"";  // as it begins
@@ -22,6 +39,27 @@ std::string line_of(const nlohmann::json& json) {
 }
 
 }  // namespace
+
+Claims::Claims(const std::filesystem::path& file)
+    : path_(file), file_(open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666)) {
+  if (file_ < 0)
+    throw InputError(file.string() + ": cannot be opened to read and write: " +
+                     std::generic_category().message(errno) + "; name a place where you may write");
+}
+
+Claims::~Claims() {
+  close(file_);
+}
+
+Claim Claims::claim(std::uint64_t piece, bool waits) {
+  const int fault = set_lock(file_, piece, F_WRLCK, waits);
+  if (fault == EAGAIN || fault == EACCES) return nullptr;
+  if (fault != 0)
+    throw InputError(path_.string() +
+                     ": its file system has no locks, by which programs share work (" +
+                     std::generic_category().message(fault) + "); name a place on another one");
+  return {this, [file = file_, piece](const void*) { set_lock(file, piece, F_UNLCK, false); }};
+}
 
 CampaignRows::CampaignRows(const std::filesystem::path& file, const nlohmann::json& made_with)
     : file_(file), claims_(file) {

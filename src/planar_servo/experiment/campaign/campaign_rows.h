@@ -4,13 +4,39 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <string>
 
-#include "planar_servo/io/claims.h"
-
 namespace planar {
+
+/// A piece of the work that programs share; it is held until the last copy of this is destroyed or
+/// the program ends, however that ends.
+using Claim = std::shared_ptr<const void>;
+
+/// Shares numbered pieces of work among programs, on one machine or on several with a common file
+/// system: piece i is a lock on byte i of a file, which need not be that long. Two objects of one
+/// program share like two programs. Nothing that a program leaves behind keeps others from a piece.
+class Claims {
+ public:
+  /// Makes the file when it is absent. Throws InputError when it cannot be opened or made.
+  explicit Claims(const std::filesystem::path& file);
+  ~Claims();
+  Claims(const Claims&) = delete;
+  Claims& operator=(const Claims&) = delete;
+
+  // Both throw InputError when the file system has no locks.
+  /// Returns a piece, or null when another program has it.
+  Claim try_claim(std::uint64_t piece) { return claim(piece, false); }
+  /// Waits until no other program has the piece.
+  Claim claim(std::uint64_t piece) { return claim(piece, true); }
+
+ private:
+  Claim claim(std::uint64_t piece, bool waits);
+
+  std::filesystem::path path_;
+  int file_;
+};
 
 /// The rows of a campaign in one file of JSON lines, which several programs fill at the same time.
 /// The first line says what the campaign is made with; every other one holds the figures of a seed
@@ -23,11 +49,15 @@ class CampaignRows {
 
   /// Returns whether a seed has its row, from whichever program.
   bool has(std::uint32_t seed);
-  /// Returns the right to add the row of a seed, or nothing when another program has it.
-  std::optional<Claim> try_claim(std::uint32_t seed) { return claims_.try_claim(seed); }
-  /// The same; waits until no other program has it.
-  Claim claim(std::uint32_t seed) { return claims_.claim(seed); }
 
+  /// Adds the row that `experiment` finds, unless the seed has one. One that another program is at
+  /// is waited for, and found here if that program ends without it; or it is left to it.
+  template <typename Experiment>
+  void find(std::uint32_t seed, bool waits, const Experiment& experiment) {
+    if (has(seed)) return;
+    const Claim claim = waits ? claims_.claim(seed) : claims_.try_claim(seed);
+    if (claim && !has(seed)) append(seed, experiment(seed));
+  }
   /// Adds the row of a seed. Throws WorkError when it cannot be written.
   void append(std::uint32_t seed, nlohmann::json figures);
 

@@ -1,6 +1,6 @@
 #include "planar_servo/offline/camera/board_images.h"
 
-#include "planar_servo/offline/image/grey_image.h"
+#include "planar_servo/offline/grey_image.h"
 
 namespace planar {
 

@@ -10,7 +10,7 @@
 #include "planar_servo/core/numerics/statistics.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/offline/camera/image_coverage.h"
-#include "planar_servo/offline/page/page_of_file.h"
+#include "planar_servo/offline/page_of_file.h"
 #include "planar_servo/report/figure/figure.h"
 #include "planar_servo/report/figure/places.h"
 

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "planar_servo/offline/image/grey_image.h"
+#include "planar_servo/offline/grey_image.h"
 
 namespace planar {
 

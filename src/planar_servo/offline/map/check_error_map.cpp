@@ -21,19 +21,19 @@ double pair_noise(const PairRow& pair, double fallback) {
   return std::hypot(pair.sigma_vision.value_or(0.0), pair.sigma_tracker.value_or(0.0));
 }
 
-struct JudgedPair {
+struct CheckedPair {
   Eigen::Vector2d miss{0.0, 0.0};  ///< what the map leaves of the error
   double sigma{0.0};               ///< that is stated for it, per axis
   bool inside{false};
 };
 
-JudgedPair judge(const ErrorMap& map, const PairRow& pair) {
+CheckedPair checked(const ErrorMap& map, const PairRow& pair) {
   const ErrorPrediction prediction = predict(map, pair.p_vision, pair.phi);
   return {pair.error() - prediction.error,
           std::hypot(prediction.sigma, pair_noise(pair, noise_sigma(map))), prediction.inside};
 }
 
-JudgedPair judge(const LampField& field, const PairRow& pair) {
+CheckedPair checked(const LampField& field, const PairRow& pair) {
   const CompensatedTip found = compensate(field, pair.lamps_B.value());
   const Eigen::Vector2d reflector =
       found.tip.p + rotation2d(found.tip.phi) * field.tool.p_TS.head<2>();
@@ -112,13 +112,14 @@ MapCheck check_error_map(const VisionErrorMap& map, const std::vector<PairRow>& 
   bool has_sigma = true;
   for (const PairRow& pair : pairs) {
     tell(progress, "checking pairs", raw.size(), pairs.size());
-    const JudgedPair judged = std::visit([&](const auto& kind) { return judge(kind, pair); }, map);
+    const CheckedPair found =
+        std::visit([&](const auto& kind) { return checked(kind, pair); }, map);
     raw.push_back(pair.error().norm());
-    predicted.push_back((pair.error() - judged.miss).norm());
-    missed.push_back(judged.miss.norm());
-    has_sigma = has_sigma && std::isfinite(judged.sigma);
-    covered += components_within_95(judged.miss, Eigen::Vector2d::Constant(judged.sigma));
-    if (!judged.inside) ++check.n_outside;
+    predicted.push_back((pair.error() - found.miss).norm());
+    missed.push_back(found.miss.norm());
+    has_sigma = has_sigma && std::isfinite(found.sigma);
+    covered += components_within_95(found.miss, Eigen::Vector2d::Constant(found.sigma));
+    if (!found.inside) ++check.n_outside;
   }
   check.raw = summarize(raw);
   check.compensated = summarize(missed);

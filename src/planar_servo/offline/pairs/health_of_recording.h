@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <vector>
 
 #include "planar_servo/cell/cell_settings.h"
@@ -10,6 +11,14 @@
 #include "planar_servo/vision/see_tool.h"
 
 namespace planar {
+
+/// Returns how fast the camera's picture drifted while a recording was made, metres per second in
+/// the base frame, by places with the same commanded joints that were visited at different times.
+/// Zero where none was or where chance explains what they show.
+Eigen::Vector2d recorded_drift(const std::vector<SeenPlace>& seen);
+
+/// Moves places of a recording to where they would be seen at its end.
+void bring_to_end(const std::vector<SeenPlace>& seen, std::vector<HealthPlace>& places);
 
 /// Returns the places of a recording in which both lamps were located.
 std::vector<SeenPlace> seen_places(const CellSettings& cell, const VisionCalibration& vision,

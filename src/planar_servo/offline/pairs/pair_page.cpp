@@ -8,7 +8,7 @@
 
 #include "planar_servo/core/fixed.h"
 #include "planar_servo/core/units.h"
-#include "planar_servo/offline/page/page_of_file.h"
+#include "planar_servo/offline/page_of_file.h"
 #include "planar_servo/offline/pairs/recording_check.h"
 #include "planar_servo/report/figure/figure.h"
 #include "planar_servo/report/figure/places.h"
@@ -19,13 +19,6 @@ namespace planar {
 namespace {
 
 constexpr double kMinute = 60.0;
-
-/// Makes a fault of a doubt, whose words end with what to do, behind a semicolon.
-Verdict::Fault fault_of(const std::string& doubt) {
-  const std::size_t end = doubt.rfind("; ");
-  if (end == std::string::npos) return {doubt, "look at it before you use the pairs"};
-  return {doubt.substr(0, end), doubt.substr(end + 2)};
-}
 
 std::vector<PairRow> attended(const std::vector<PairRow>& pairs) {
   std::vector<PairRow> with_tracker;
@@ -50,7 +43,7 @@ Panel series_panel(const std::vector<PairRow>& pairs,
       axis_over("vision minus tracker, mm", components_of(errors_mm)), at, errors_mm);
 }
 
-std::string error_figures(const std::vector<PairRow>& pairs, const Summary& raw) {
+std::string error_plots(const std::vector<PairRow>& pairs, const Summary& raw) {
   QuiverPanel errors{"Vision minus tracker", {}, {}};
   for (const PairRow& pair : pairs) {
     errors.points.push_back(pair.p_vision);
@@ -66,7 +59,7 @@ std::string error_figures(const std::vector<PairRow>& pairs, const Summary& raw)
 }
 
 /// What neither field nor drift explains of the errors, and the step that does, dashed.
-std::string step_figure(const RecordedStep& step) {
+std::string step_plot(const RecordedStep& step) {
   const ChangePoint& change = step.change;
   const std::vector<Eigen::Vector2d> left_mm = in_mm(change.left);
   std::vector<double> at;
@@ -140,7 +133,8 @@ ReportList page_list(const PairTrackerRequest& request, const PairTrackerReport&
   ReportList list = pair_tracker_list(report);
   list.line("camera", "{camera_height_mm:.2f} mm above the plane",
             report.workplane.X_WC.translation().z());
-  if (const RestSpread spread = rest_spread(request); spread.freedom > 0)
+  if (const RestSpread spread = rest_spread(request.cell, request.tracker, request.by);
+      spread.freedom > 0)
     list.line("readings at rest",
               "spread by {rest_mm:.4f} mm per axis; the cell file states {rest_stated_mm:.4f} mm",
               spread.rms, spread.stated);
@@ -165,7 +159,9 @@ ReportList pair_tracker_list(const PairTrackerReport& report) {
     row.line("why", "{reason}", rejection.reason);
   };
   list.rows("rejected", report.rejected, list_rejected, "rejected            ");
-  list.unprinted("doubts", report.doubts);
+  std::vector<std::string> doubts;
+  for (const Refusal& doubt : report.doubts) doubts.push_back(doubt.text());
+  list.unprinted("doubts", doubts);
   const auto n = static_cast<std::size_t>(
       std::count_if(report.pairs.begin(), report.pairs.end(),
                     [](const PairRow& pair) { return !pair.is_attended(); }));
@@ -183,7 +179,9 @@ ReportList pair_tracker_list(const PairTrackerReport& report) {
 
 Verdict pair_verdict(const PairTrackerRequest& request, const PairTrackerReport& report) {
   Verdict verdict;
-  for (const std::string& doubt : report.doubts) verdict.faults.push_back(fault_of(doubt));
+  for (const Refusal& doubt : report.doubts)
+    verdict.faults.push_back(
+        {doubt.fault, doubt.remedy.empty() ? "look at it before you use the pairs" : doubt.remedy});
   const std::size_t places = report.pairs.size() + report.rejected.size();
   if (static_cast<double>(report.rejected.size()) > kFewLeftOut * static_cast<double>(places))
     verdict.faults.push_back(
@@ -212,7 +210,7 @@ std::string pair_page(const PairTrackerRequest& request, const PairTrackerReport
   page.add_verdict(pair_verdict(request, report));
   const std::vector<PairRow> pairs = attended(report.pairs);
   if (!pairs.empty()) {
-    page.add_html(error_figures(pairs, raw_error(report.pairs)));
+    page.add_html(error_plots(pairs, raw_error(report.pairs)));
     page.add_paragraph(
         "Left: from each place, the error of vision there, which the error map is to learn; "
         "neighbours should point the same way. A line that differs from all around it is a wrong "
@@ -220,7 +218,7 @@ std::string pair_page(const PairTrackerRequest& request, const PairTrackerReport
         "has moved.");
   }
   if (report.step) {
-    page.add_html(step_figure(*report.step));
+    page.add_html(step_plot(*report.step));
     page.add_paragraph(fmt::format(
         "The training places without the field and its slow drift{}. The dashed step costs up to "
         "{:.3f} mm at the end point. Where nothing has moved, the dots scatter about zero all "

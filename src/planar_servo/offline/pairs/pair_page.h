@@ -12,7 +12,8 @@ namespace planar {
 /// Lists what was registered, fitted, rejected and paired.
 ReportList pair_tracker_list(const PairTrackerReport& report);
 
-/// Judges pairs by what was left out, what the readings leave open, and their scatter at rest.
+/// Says whether pairs are good, by what was left out, what the readings leave open, and their
+/// scatter at rest.
 Verdict pair_verdict(const PairTrackerRequest& request, const PairTrackerReport& report);
 
 /// Returns the page about pairs.csv.

@@ -4,22 +4,130 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 #include <utility>
 
+#include "planar_servo/arm/planar_arm.h"
 #include "planar_servo/calibration/readings/reading_order.h"
 #include "planar_servo/calibration/readings/rests.h"
+#include "planar_servo/calibration/workplane_by_arm.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/lens/workplane.h"
-#include "planar_servo/offline/pairs/lamp_places.h"
-#include "planar_servo/offline/pairs/pair_without_tracker.h"
 #include "planar_servo/offline/pairs/recording_check.h"
 #include "planar_servo/tool/vision_tip.h"
 
 namespace planar {
 namespace {
+
+/// Joins the lamps' rows with what the recording knows of their frames. Views of boards are left
+/// out. Throws InputError naming lamps of images that the recording lacks.
+std::vector<LampSight> lamp_sights(const std::vector<LampRow>& lamps,
+                                   const std::vector<FrameRow>& frames) {
+  std::map<std::string, const FrameRow*> by_image, by_id;
+  for (const FrameRow& frame : frames) {
+    by_image.emplace(frame.image, &frame);
+    by_id.emplace(frame.id, &frame);
+  }
+  Faults faults;
+  std::vector<LampSight> sights;
+  for (const LampRow& row : lamps) {
+    const auto& index = row.image.empty() ? by_id : by_image;
+    const auto found = index.find(row.image.empty() ? row.id : row.image);
+    if (found == index.end() || found->second->id != row.id) {
+      faults.add(fmt::format("lamps: id '{}', image '{}' is not in the recording's frames.csv",
+                             row.id, row.image));
+      continue;
+    }
+    const FrameRow& frame = *found->second;
+    if (shows_board(frame.plan)) continue;
+    LampSight sight;
+    sight.id = row.id;
+    sight.t_s = frame.t_s;
+    sight.plan = frame.plan;
+    sight.theta = frame.theta;
+    if (row.status != LampStatus::kOk) {
+      sight.fault = name(row.status);
+    } else if (row.uv_px.size() != 2) {
+      sight.fault = name(LampStatus::kOneLamp);
+    } else {
+      std::copy(row.uv_px.begin(), row.uv_px.end(), sight.uv_px.begin());
+      std::copy(row.covariance_px2.begin(), row.covariance_px2.end(),
+                sight.covariances_px2.begin());
+    }
+    sights.push_back(std::move(sight));
+  }
+  faults.throw_if_any();
+  return sights;
+}
+
+/// Moves the lamps' places from the centres of their images to the images of their centres, for
+/// discs of these diameters (metres) in the plane. Returns the largest shift, pixels.
+template <typename Sight>
+double remove_eccentricity(const Workplane& workplane, const std::array<double, 2>& diameters,
+                           std::vector<Sight>& sights) {
+  double largest_px = 0.0;
+  for (Sight& sight : sights) {
+    const auto shifts_px = lamp_eccentricities_px(workplane, sight.lamps_px, diameters);
+    for (std::size_t k = 0; k < 2; ++k) {
+      sight.lamps_px[k] -= shifts_px[k];
+      largest_px = std::max(largest_px, shifts_px[k].norm());
+    }
+  }
+  return largest_px;
+}
+
+/// Why a place is rejected of which vision says nothing.
+constexpr char kUnseen[] = "a lamp's ray does not meet the plane";
+
+/// Returns what vision says of a place; empty when a lamp's ray does not meet the plane.
+std::optional<PairRow> seen_row(const Workplane& workplane, const ToolOffsets& tool,
+                                const PoseSight& sight) {
+  const auto seen = tip_from_lamps(workplane, tool, sight.lamps_px, sight.covariances_px2);
+  if (!seen) return std::nullopt;
+  PairRow row;
+  row.id = sight.id;
+  row.plan = sight.plan;
+  row.theta = sight.theta;
+  row.t_s = sight.t_s;
+  row.p_vision = seen->tip.p;
+  row.phi = seen->tip.phi;
+  row.lamps_B = seen->lamps_B;
+  row.sigma_vision = std::sqrt(0.5 * seen->covariance.trace());
+  return row;
+}
+
+/// Adds a row for each pose that no tracker watched, unless the plane's fit has left it out or a
+/// lamp's ray does not meet the plane.
+void add_unattended(const Workplane& workplane, const WorkplaneFit& fit,
+                    const std::vector<PoseSight>& poses, PairTrackerReport& report) {
+  for (const PoseSight& sight : poses) {
+    const auto is_this = [&](const Rejection& rejection) { return rejection.id == sight.id; };
+    if (std::any_of(fit.rejected.begin(), fit.rejected.end(), is_this)) continue;
+    if (auto row = seen_row(workplane, fit.tool, sight))
+      report.pairs.push_back(std::move(*row));
+    else
+      report.rejected.push_back({sight.id, kUnseen});
+  }
+}
+
+bool has_tool_readings(const PairTrackerRequest& request) {
+  return std::any_of(request.tracker.begin(), request.tracker.end(), [&](const TrackerRow& row) {
+    return std::none_of(request.cell.datum.begin(), request.cell.datum.end(),
+                        [&](const Monument& monument) { return monument.id == row.id; });
+  });
+}
+
+WorkplaneFit fit_to_arm(const PairTrackerRequest& request, const std::vector<PoseSight>& poses) {
+  const PlanarArm arm(request.cell.arm.geometry);
+  std::vector<SentSight> sent;
+  sent.reserve(poses.size());
+  for (const PoseSight& pose : poses) sent.push_back({pose, arm.forward(pose.theta).p});
+  return fit_workplane_to_arm(request.camera, poses_of(request.boards_on_plane), sent,
+                              request.dots_height);
+}
 
 bool serves_fit(Plan plan) {
   return plan == Plan::kTrain || plan == Plan::kSweep1 || plan == Plan::kSweep3;
@@ -55,17 +163,8 @@ SortedReadings sort_readings(const PairTrackerRequest& request) {
   return sorted;
 }
 
-/// Returns a doubt in words when the monuments read again are not where they were; throws when they
-/// are not by far.
-std::string doubt_of_drift(const std::vector<Monument>& datum, const SortedReadings& readings) {
-  const MonumentVerdict verdict =
-      check_drift(monument_sights(datum, readings.begin), monument_sights(datum, readings.end));
-  if (verdict.refused) throw InputError(verdict.doubt);
-  return verdict.doubt;
-}
-
-void add_doubt(const std::string& doubt, PairTrackerReport& report) {
-  if (!doubt.empty()) report.doubts.push_back(doubt);
+void add_doubt(const Refusal& doubt, PairTrackerReport& report) {
+  if (!doubt.fault.empty()) report.doubts.push_back(doubt);
 }
 
 void reject(const std::vector<Rejection>& rejected, PairTrackerReport& report) {
@@ -73,16 +172,18 @@ void reject(const std::vector<Rejection>& rejected, PairTrackerReport& report) {
 }
 
 /// Registers the tracker by all readings of the monuments, or by the first ones when the last ones
-/// differ, and says what moved.
+/// differ, and says what moved. Throws when the last ones differ by far.
 DatumRegistration registered(const std::vector<Monument>& datum, const SortedReadings& readings,
                              PairTrackerReport& report) {
   DatumRegistration registration = register_datum(datum, readings.begin);
   if (registration.left_out)
-    report.rejected.push_back({*registration.left_out, registration.doubt});
+    report.rejected.push_back({*registration.left_out, registration.doubt.text()});
   add_doubt(registration.doubt, report);
-  const std::string drift = doubt_of_drift(datum, readings);
-  add_doubt(drift, report);
-  if (readings.end.empty() || !drift.empty()) return registration;
+  const MonumentVerdict drift =
+      check_drift(monument_sights(datum, readings.begin), monument_sights(datum, readings.end));
+  if (drift.refused) throw InputError(drift.doubt.text());
+  add_doubt(drift.doubt, report);
+  if (readings.end.empty() || !drift.doubt.fault.empty()) return registration;
   std::vector<MonumentReading> both = readings.begin;
   both.insert(both.end(), readings.end.begin(), readings.end.end());
   return register_datum(datum, both);
@@ -90,10 +191,11 @@ DatumRegistration registered(const std::vector<Monument>& datum, const SortedRea
 
 /// Doubts readings that scatter more than is stated, and takes their scatter for what is stated.
 PairTrackerRequest with_honest_tracker(PairTrackerRequest request, PairTrackerReport& report) {
-  const RestSpread spread = rest_spread(request);
-  if (!is_shaking(spread)) return request;
-  report.doubts.push_back(doubt_of_rest(spread));
-  request.cell.tracker = with_found_scatter(request.cell.tracker, spread);
+  const RestSpread spread = rest_spread(request.cell, request.tracker, request.by);
+  if (!spread.is_shaking()) return request;
+  report.doubts.push_back(spread.doubt());
+  request.cell.tracker.sigma_m *= spread.rms / spread.stated;
+  request.cell.tracker.sigma_m_per_m *= spread.rms / spread.stated;
   return request;
 }
 
@@ -117,10 +219,10 @@ Pairing paired(const PairTrackerRequest& request, const std::vector<ToolReading>
   reject(frozen, report);
   if (!frozen.empty())
     report.doubts.push_back(
-        fmt::format("tracker: it was frozen at {} places, '{}' first, where its reading did not "
-                    "change while the "
-                    "lamps moved; they are left out; record them again",
-                    frozen.size(), frozen.front().id));
+        {fmt::format("tracker: it was frozen at {} places, '{}' first, where its reading did not "
+                     "change while the lamps moved; they are left out",
+                     frozen.size(), frozen.front().id),
+         "record them again"});
   require_reading_order(pairing.sights, request.by);
   return pairing;
 }
@@ -173,7 +275,7 @@ void take_out_strays(std::vector<PairRow>& in_time) {
 void look_for_scatter(const std::vector<PairRow>& in_time, PairTrackerReport& report) {
   const auto scatter = find_scatter(in_time);
   if (!scatter) return;
-  report.doubts.push_back(scatter_doubt(*scatter));
+  report.doubts.push_back(scatter->doubt());
   for (PairRow& row : report.pairs)
     if (row.sigma_tracker) *row.sigma_tracker *= scatter->found / scatter->stated;
 }
@@ -183,25 +285,48 @@ void look_for_scatter(const std::vector<PairRow>& in_time, PairTrackerReport& re
 /// end of a recording they may be most of those that show it.
 void look_for_motion(const PairTrackerRequest& request, const std::vector<PairRow>& in_time,
                      PairTrackerReport& report) {
-  const auto add = [&](const std::string& doubt, bool is_dear) {
-    if (is_dear && !request.accept_step) throw InputError(doubt);
-    report.doubts.push_back(doubt);
+  const auto doubt = [&](const auto& motion) {
+    if (motion.is_dear() && !request.accept_step) throw InputError(motion.doubt().text());
+    report.doubts.push_back(motion.doubt());
   };
   report.step = find_step(in_time);
-  if (report.step) return add(step_doubt(*report.step), report.step->is_dear());
+  if (report.step) return doubt(*report.step);
   report.trend = find_trend(in_time);
-  if (report.trend) add(trend_doubt(*report.trend), report.trend->is_dear());
+  if (report.trend) doubt(*report.trend);
 }
 
 /// Tells who asks for it what was decided.
 void log(const PairTrackerReport& report) {
-  for (const MonumentResidual& monument : report.datum->residuals)
-    spdlog::debug(fmt::format("monument {}: {:.4f} mm off in {} readings", monument.id,
-                              monument.residual_B.norm() / kMillimetre, monument.readings));
+  if (report.datum)
+    for (const MonumentResidual& monument : report.datum->residuals)
+      spdlog::debug(fmt::format("monument {}: {:.4f} mm off in {} readings", monument.id,
+                                monument.residual_B.norm() / kMillimetre, monument.readings));
   spdlog::debug(fmt::format("the workplane is fitted to {} places", report.workplane.n_used));
-  for (const std::string& doubt : report.doubts) spdlog::warn(doubt);
+  for (const Refusal& doubt : report.doubts) spdlog::warn(doubt.text());
   for (const Rejection& rejection : report.rejected)
     spdlog::debug(fmt::format("left out {}: {}", rejection.id, rejection.reason));
+}
+
+/// Makes the pairs of a recording that no tracker watched.
+PairTrackerReport pair_without_tracker(const PairTrackerRequest& request) {
+  if (request.boards_on_plane.empty())
+    throw InputError(
+        "tracker: there is no reading of the tool; without a tracker the plane must come from a "
+        "board that was laid on it, with --workplane-from grid --grid circles:COLSxROWS:PITCHmm");
+  PairTrackerReport report;
+  Pairing places = unattended_sights(lamp_sights(request.lamps, request.frames));
+  report.workplane = fit_to_arm(request, places.unattended);
+  report.largest_eccentricity_px =
+      remove_eccentricity(Workplane(request.camera, report.workplane.X_WC),
+                          request.cell.lamps.layout.diameters_m, places.unattended);
+  report.workplane = fit_to_arm(request, places.unattended);
+  reject(places.rejected, report);
+  reject(report.workplane.rejected, report);
+  add_unattended(Workplane(request.camera, report.workplane.X_WC), report.workplane,
+                 places.unattended, report);
+  require_lamps_in_order(request.cell, request.frames, report.pairs);
+  log(report);
+  return report;
 }
 
 }  // namespace

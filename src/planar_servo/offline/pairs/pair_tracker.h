@@ -15,7 +15,7 @@
 #include "planar_servo/files/tables/pair_table.h"
 #include "planar_servo/files/tables/tracker_table.h"
 #include "planar_servo/offline/pairs/laid_boards.h"
-#include "planar_servo/offline/pairs/step_check.h"
+#include "planar_servo/offline/pairs/recording_check.h"
 
 namespace planar {
 
@@ -44,7 +44,7 @@ struct PairTrackerReport {
   double largest_eccentricity_px{0.0};  ///< largest shift taken from a lamp's place
   std::optional<RecordedStep> step;     ///< in the vision error of the training pairs
   std::optional<RecordedTrend> trend;   ///< of that error, where there is no step
-  std::vector<std::string> doubts;      ///< what the readings leave open, in words
+  std::vector<Refusal> doubts;          ///< what the readings leave open, and what to do
 };
 
 /// Makes pairs of what was recorded. It ties the tracker to the base by the monuments, brings lamps
@@ -53,7 +53,10 @@ struct PairTrackerReport {
 /// discs have on that plane and fits again, and writes every place as a pair of end points, those
 /// of plan pose without the tracker's.
 ///
-/// Without a reading of the tool it does as pair_without_tracker() does.
+/// Without a reading of the tool all pairs are unattended, whatever the plans. The plane is that of
+/// the boards, without which it throws InputError; place and turn in it come from where the arm was
+/// sent (fit_workplane_to_arm) and are as wrong as the cell file is about the arm, until field and
+/// arm are learned. The reflector on the tool stays unknown.
 ///
 /// Monuments read after the first reading of the tool serve to show what moved meanwhile, unless
 /// they were not read before. Throws what these steps throw, InputError naming lamps of images that

@@ -1,15 +1,65 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "planar_servo/offline/pairs/pair_tracker.h"
+#include "planar_servo/calibration/pairing.h"
+#include "planar_servo/calibration/readings/change_point.h"
+#include "planar_servo/calibration/tracker_registration.h"
+#include "planar_servo/cell/cell_settings.h"
+#include "planar_servo/core/error.h"
+#include "planar_servo/files/tables/frame_table.h"
+#include "planar_servo/files/tables/pair_table.h"
+#include "planar_servo/files/tables/tracker_table.h"
 
 namespace planar {
 
-// Each of these holds what was recorded against something else that is known of the cell. What
-// contradicts throws InputError with sizes, uncertainties and the remedy; what is less certain than
-// that is returned as a doubt in words, empty when there is none.
+// What was recorded is held against something else that is known of the cell. What contradicts it
+// throws InputError with sizes, uncertainties and the remedy; what is less certain than that is
+// doubted: what it is, with sizes and causes, and what to do.
+
+/// A step in the vision error of the training pairs, in the order of time.
+struct RecordedStep {
+  std::string id;         ///< of the first place after it
+  std::size_t places{0};  ///< training places in all
+  ChangePoint change;
+
+  /// Returns by how much a map of these pairs misses the end point, in the mean over the field and
+  /// for the worse of the two states, metres.
+  double cost() const { return change.cost(places); }
+  /// Returns whether the pairs are to be used only when a person says so.
+  bool is_dear() const;
+  Refusal doubt() const;
+};
+
+/// A trend of the vision error over the training pairs.
+struct RecordedTrend {
+  ErrorTrend trend;
+  double duration_s{0.0};  ///< from the first place to the last; 0 where the times are not known
+
+  /// Returns whether the pairs are to be used only when a person says so.
+  bool is_dear() const;
+  Refusal doubt() const;
+};
+
+/// Looks for a step as find_change() does.
+std::optional<RecordedStep> find_step(const std::vector<PairRow>& pairs);
+
+/// Looks for a trend as find_trend() does. One that moves less over the whole recording than a
+/// revisit of the calibration names as a change is none.
+std::optional<RecordedTrend> find_trend(const std::vector<PairRow>& pairs);
+
+/// How the vision errors of the training pairs scatter about any smooth error, per axis, metres.
+struct RecordedScatter {
+  double found{0.0};
+  double stated{0.0};  ///< of tracker and lamps together
+
+  Refusal doubt() const;
+};
+
+/// Returns it where it is clearly more than is stated.
+std::optional<RecordedScatter> find_scatter(const std::vector<PairRow>& pairs);
 
 /// The sweep of joint 1 shows the base's axis without the monuments, which are to be given about
 /// that axis. Throws when it lies off the origin by more than what readings and sweep leave open,
@@ -31,20 +81,16 @@ void require_lamps_in_order(const CellSettings& cell, const std::vector<FrameRow
 struct RestSpread {
   double rms{0.0}, stated{0.0};  ///< metres
   int freedom{0};                ///< 0 where no two readings share a place
+
+  /// Returns whether readings scatter by clearly more than the cell file states.
+  bool is_shaking() const;
+  Refusal doubt() const;
 };
 
 /// Returns the spread of readings that follow each other and share an id: a monument that is read
 /// again at the end may have moved. Those of the tool that are paired by time may all have the same
 /// id and are left out.
-RestSpread rest_spread(const PairTrackerRequest& request);
-
-/// Returns whether readings scatter by clearly more than the cell file states.
-bool is_shaking(const RestSpread& spread);
-
-/// Says so.
-std::string doubt_of_rest(const RestSpread& spread);
-
-/// Returns the settings with a deviation by which readings scatter as they do.
-TrackerSettings with_found_scatter(TrackerSettings tracker, const RestSpread& spread);
+RestSpread rest_spread(const CellSettings& cell, const std::vector<TrackerRow>& readings,
+                       PairBy by);
 
 }  // namespace planar

@@ -1,0 +1,155 @@
+#include "planar_servo/experiment/plots/plots.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <set>
+
+#include "planar_servo/core/numerics/statistics.h"
+#include "planar_servo/core/units.h"
+#include "planar_servo/report/figure/figure.h"
+#include "planar_servo/report/figure/places.h"
+
+namespace planar {
+namespace {
+
+constexpr char kMeasuredColor[] = "#1f4e79", kPredictedColor[] = "#c77f1a";
+
+/// One of the two maps of the figures.
+struct DrawnMap {
+  const char* name;
+  const ErrorMap& map;
+  Eigen::Vector2d PredictedPlace::*prediction;
+};
+
+/// Returns the lengths that a map predicts at places in millimetres; NaN where it is not valid.
+std::vector<double> field_of(const ErrorMap& map, const std::vector<Eigen::Vector2d>& places_mm) {
+  std::vector<double> lengths_mm;
+  for (const Eigen::Vector2d& place : places_mm) {
+    const ErrorPrediction here = predict(map, place * kMillimetre);
+    lengths_mm.push_back(here.inside ? here.error.norm() / kMillimetre
+                                     : std::numeric_limits<double>::quiet_NaN());
+  }
+  return lengths_mm;
+}
+
+/// Draws the error where it was measured to make the map, and the map with the error where it was
+/// measured to judge it: on one scale of colours.
+std::string field_svg(const PlotData& data, const DrawnMap& drawn) {
+  std::vector<Eigen::Vector2d> training_mm, checks_mm;
+  std::vector<double> known_mm, measured_mm;
+  for (const TrainingPlace& place : data.training) {
+    training_mm.push_back(place.p_vision / kMillimetre);
+    known_mm.push_back(place.error.norm() / kMillimetre);
+  }
+  for (const PredictedPlace& place : data.checks) {
+    checks_mm.push_back(place.p_vision / kMillimetre);
+    measured_mm.push_back(place.measured.norm() / kMillimetre);
+  }
+  const FieldAxes axes = axes_over_places(training_mm);
+  Panel known(fmt::format("(a) {} known places", known_mm.size()), axes.x, axes.y,
+              Panel::Aspect::kEqual);
+  Panel field(std::string("(b) predicted by ") + drawn.name, axes.x, axes.y, Panel::Aspect::kEqual);
+  const std::vector<double> predicted_mm = field_of(drawn.map, field.field_places());
+  std::vector<double> all_mm = predicted_mm;
+  all_mm.insert(all_mm.end(), known_mm.begin(), known_mm.end());
+  all_mm.insert(all_mm.end(), measured_mm.begin(), measured_mm.end());
+  const ColorScale scale("length of the vision error, mm", all_mm);
+  known.add_dots(training_mm, {"", &scale, known_mm}, 5.0);
+  field.add_field(predicted_mm, scale);
+  field.add_dots(checks_mm, {"", &scale, measured_mm}, 5.0);
+  field.add_color_bar(scale);
+  return figure_svg({known, field});
+}
+
+std::vector<Eigen::Vector2d> curve_of(const std::vector<PredictedPlace>& circle,
+                                      Eigen::Vector2d PredictedPlace::*error) {
+  std::vector<Eigen::Vector2d> curve;
+  for (const PredictedPlace& place : circle)
+    curve.emplace_back(place.index + 1.0, (place.*error).norm() / kMillimetre);
+  return curve;
+}
+
+/// Returns the mean length of what a prediction leaves of the error, millimetres.
+double left_mm(const std::vector<PredictedPlace>& circle, const DrawnMap& drawn) {
+  std::vector<double> left;
+  for (const PredictedPlace& place : circle)
+    left.push_back((place.measured - place.*drawn.prediction).norm() / kMillimetre);
+  return mean(left);
+}
+
+/// Draws measured and predicted lengths along each check circle, on common axes.
+std::string prediction_svg(const PlotData& data, const DrawnMap& drawn) {
+  std::set<int> radii_mm;
+  double most = 0.0;
+  int last = 0;
+  for (const PredictedPlace& place : data.checks) {
+    radii_mm.insert(place.radius_mm);
+    last = std::max(last, place.index);
+    for (const Eigen::Vector2d& error : {place.measured, place.by_idw, place.by_rbf})
+      most = std::max(most, error.norm() / kMillimetre);
+  }
+  std::vector<Panel> panels;
+  for (const int radius_mm : radii_mm) {
+    std::vector<PredictedPlace> circle;
+    for (const PredictedPlace& place : data.checks)
+      if (place.radius_mm == radius_mm) circle.push_back(place);
+    Panel panel(fmt::format("Radius {} mm", radius_mm),
+                {"number of the point along the circle", 0.0, last + 2.0},
+                {"length of the vision error, mm", 0.0, 1.05 * most});
+    const auto add = [&](Eigen::Vector2d PredictedPlace::*error, const char* color) {
+      const std::vector<Eigen::Vector2d> curve = curve_of(circle, error);
+      panel.add_line(curve, Panel::Stroke::kSolid, color);
+      panel.add_dots(curve, {color}, 2.8);
+    };
+    add(&PredictedPlace::measured, kMeasuredColor);
+    add(drawn.prediction, kPredictedColor);
+    panel.add_key(kMeasuredColor, "measured");
+    panel.add_key(kPredictedColor, std::string("predicted by ") + drawn.name);
+    panel.add_note(
+        fmt::format("left of the vectors: {:.3f} mm in the mean", left_mm(circle, drawn)));
+    panels.push_back(std::move(panel));
+  }
+  return figure_svg(panels);
+}
+
+std::string field_caption(const std::string& map, const std::string& look) {
+  return "The length of the vision error in the base frame, by the paper's chain. (a) The training "
+         "places, which are drawn over the workspace. (b) What " +
+         map +
+         " predicts from them, with the places of the check circles, which it has not seen, in "
+         "the colour of what was measured there. " +
+         look;
+}
+
+}  // namespace
+
+std::vector<ReportPlot> map_plots(const PlotData& data) {
+  if (data.training.empty() || data.checks.empty()) return {};
+  const DrawnMap idw{"IDW", data.idw, &PredictedPlace::by_idw};
+  const DrawnMap rbf{"RBF", data.rbf, &PredictedPlace::by_rbf};
+  return {
+      paper_plot(13, "known errors, and errors predicted by inverse distance weighting",
+                 field_caption("inverse distance weighting",
+                               "Look for spots about the known places, and for dots that stand "
+                               "out from the field."),
+                 field_svg(data, idw)),
+      paper_plot(14, "measured errors and those predicted by inverse distance weighting",
+                 "Along the check circles, by the paper's chain. Look whether the prediction is "
+                 "flatter than what was measured: weighted means cannot leave the range of their "
+                 "neighbours. The number below each panel counts wrong directions as well; Table "
+                 "2 has the accuracies.",
+                 prediction_svg(data, idw)),
+      paper_plot(15, "known errors, and errors predicted by radial basis functions",
+                 field_caption("the paper's Gaussian network",
+                               "Dots that melt into the field are predicted well. Look at the "
+                               "rim, where the map has neighbours on one side only."),
+                 field_svg(data, rbf)),
+      paper_plot(16, "measured errors and those predicted by radial basis functions",
+                 "The places and axes of Figure 14, by the paper's Gaussian network. Look at "
+                 "what is left of the vectors, beside Figure 14; Table 5 has the accuracies.",
+                 prediction_svg(data, rbf))};
+}
+
+}  // namespace planar

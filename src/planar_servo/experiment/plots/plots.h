@@ -1,0 +1,54 @@
+#pragma once
+
+#include <fmt/format.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "planar_servo/experiment/experiment.h"
+#include "planar_servo/experiment/plots/plot_data.h"
+#include "planar_servo/files/tables/step_table.h"
+
+namespace planar {
+
+/// A plot of the report, which is a file of its own as well.
+struct ReportPlot {
+  std::string file;  ///< the file's name
+  std::string title;
+  std::string caption;  ///< what it shows, on what data, and what to look at
+  std::string svg;
+};
+
+/// Returns a plot that is a figure of the paper, named by its number there.
+inline ReportPlot paper_plot(int number, const std::string& what, const std::string& caption,
+                             const std::string& svg) {
+  return {fmt::format("figure_{:02}.svg", number), fmt::format("Figure {}: {}", number, what),
+          caption, svg};
+}
+
+/// Returns the paper's Figure 6: edge points and fitted circles of both lamps; none without lamps.
+std::optional<ReportPlot> lamp_plot(const std::vector<LampEdges>& lamps);
+
+/// Returns the paper's Figures 7 to 11, on the circles that are gone round several times: where
+/// they are, by how much vision and tracker find the arm beside the plan, by how much they differ,
+/// and how alike that is between the runs. None without places.
+std::vector<ReportPlot> circle_plots(const std::vector<CirclePlace>& places);
+
+/// Returns the paper's Figures 13 to 16: the vision error at the training places, over the field as
+/// inverse distance weighting and as radial basis functions predict it, and measured against
+/// predicted along the check circles.
+std::vector<ReportPlot> map_plots(const PlotData& data);
+
+/// Returns the paper's Figures 18 and 19: the targets, and their true errors before and after.
+std::vector<ReportPlot> control_plots(const ExperimentReport& report);
+
+/// Returns histograms and cumulative curves of the true errors.
+std::optional<ReportPlot> spread_plot(const ExperimentReport& report);
+
+/// Returns the error by the servo's own view over the corrections, of both chains; none without
+/// steps.
+std::optional<ReportPlot> convergence_plot(const std::vector<StepError>& ours,
+                                           const std::vector<StepError>& paper);
+
+}  // namespace planar

@@ -1,0 +1,192 @@
+#include "planar_servo/offline/calibrate_arm.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <fstream>
+
+#include "planar_servo/arm/transmission.h"
+#include "planar_servo/core/error.h"
+#include "planar_servo/core/units.h"
+#include "planar_servo/field/arm/arm_terms.h"
+#include "planar_servo/files/tables/arm_sample_table.h"
+#include "planar_servo/files/tables/pair_table.h"
+#include "planar_servo/files/tool_file.h"
+#include "planar_servo/offline/page_of_file.h"
+#include "planar_servo/report/figure/figure.h"
+#include "planar_servo/report/figure/places.h"
+#include "planar_servo/report/quiver_figure.h"
+#include "planar_servo/report/text_table.h"
+
+namespace planar {
+namespace {
+
+bool is_table_of_pairs(const std::filesystem::path& path) {
+  std::ifstream in(path);
+  for (std::string line; std::getline(in, line);)
+    if (!line.empty() && line[0] != '#') return line.find("x_vision_mm") != std::string::npos;
+  return false;
+}
+
+ArmReading reading_of(const Transmission& transmission, const PairRow& pair) {
+  if (!pair.theta || !pair.p_reflector || !pair.sigma_tracker)
+    throw InputError(
+        fmt::format("pair '{}' lacks its joints, its reflector or the tracker's standard "
+                    "deviation; make the pairs with planar-pair-tracker",
+                    pair.id));
+  return {pair.id, pair.place, transmission.motors_from_joints(*pair.theta), *pair.p_reflector,
+          *pair.sigma_tracker};
+}
+
+/// Places left out may be met so many times worse than the readings fitted.
+constexpr double kWorseAtPlacesLeftOut = 1.5;
+/// Links, and zeros of the motors that carry them, come first among the terms.
+constexpr std::size_t kLinksAndZeros = 4;
+
+std::vector<Eigen::Vector2d> misses_mm(const ArmFit& fit) {
+  std::vector<Eigen::Vector2d> misses;
+  for (const ArmMiss& miss : fit.held_out) misses.emplace_back(miss.miss / kMillimetre);
+  return misses;
+}
+
+/// Misses over the angle of a motor; what is periodic there is a reducer's eccentricity that the
+/// model lacks.
+Panel motor_panel(const ArmFit& fit, int motor, const Axis& miss_axis) {
+  std::vector<double> angles;
+  for (const ArmMiss& miss : fit.held_out) angles.push_back(miss.motors[motor] / kDegree);
+  return component_panel(fmt::format("Over the angle of motor {}", motor + 1),
+                         axis_over(fmt::format("motor {}, deg", motor + 1), angles), miss_axis,
+                         angles, misses_mm(fit));
+}
+
+std::string motor_plot(const ArmFit& fit) {
+  const Axis axis = axis_over("read minus predicted, mm", components_of(misses_mm(fit)));
+  return figure_svg(
+      {motor_panel(fit, 0, axis), motor_panel(fit, 1, axis), motor_panel(fit, 2, axis)});
+}
+
+std::string place_plot(const ArmFit& fit) {
+  QuiverPanel panel{
+      fmt::format("Places left out: {:.4f} mm rms", fit.held_out_rms / kMillimetre), {}, {}};
+  for (const ArmMiss& miss : fit.held_out) {
+    panel.points.push_back(miss.p_B);
+    panel.errors.push_back(miss.miss);
+  }
+  std::vector<Panel> panels = quiver_panels({panel});
+  panels.push_back(histogram("Their components", "read minus predicted, mm",
+                             components_of(misses_mm(fit)),
+                             {fit.stated_sigma / kMillimetre, "the tracker's deviation"}));
+  return figure_svg(panels);
+}
+
+void doubt_open_terms(const ArmFit& fit, Verdict& verdict) {
+  const std::vector<ArmTerm> terms = arm_terms(fit.estimate);
+  std::vector<std::string> open;
+  for (std::size_t i = 0; i < kLinksAndZeros; ++i)
+    if (!terms[i].determined) open.push_back(terms[i].label);
+  if (!open.empty())
+    verdict.faults.push_back(
+        {fmt::format("the readings do not determine {}", fmt::join(open, ", ")),
+         "read places all over the workspace, with the joints in many different positions"});
+}
+
+}  // namespace
+
+std::vector<ArmReading> read_arm_readings(const CellSettings& cell,
+                                          const std::filesystem::path& path) {
+  const Transmission transmission(cell.transmission);
+  std::vector<ArmReading> readings;
+  if (is_table_of_pairs(path)) {
+    for (const PairRow& pair : read_pairs(path))
+      if (pair.is_attended()) readings.push_back(reading_of(transmission, pair));
+  } else {
+    for (const ArmSampleRow& row : read_arm_samples(path))
+      readings.push_back(
+          {row.id, "", transmission.motors_from_joints(row.theta), row.p_B, row.sigma});
+  }
+  return readings;
+}
+
+ArmNominal arm_of_files(const CellSettings& cell) {
+  ArmNominal nominal;
+  nominal.geometry = cell.arm.geometry;
+  nominal.joints_per_motor = Transmission(cell.transmission).coupling_matrix().inverse();
+  nominal.separation = cell.lamps.layout.separation_m;
+  nominal.tool.reflector_known = false;
+  if (std::filesystem::exists(cell.tool)) nominal.tool = read_tool(cell.tool);
+  if (!nominal.tool.reflector_known) nominal.reflector_sigma = kSomewhereOnTool;
+  return nominal;
+}
+
+ReportList arm_terms_list(const JointEstimate& estimate) {
+  ReportList list;
+  for (const ArmTerm& term : arm_terms(estimate)) {
+    ReportList part;
+    part.line(term.label,
+              fmt::format("{{value:>16.5f}} +- {{sigma:<9.5f}} {}{}", term.unit_text,
+                          term.determined ? "" : "  not determined"),
+              term.value / term.unit, term.sigma / term.unit);
+    part.unprinted("determined", term.determined);
+    list.part(term.key, part);
+  }
+  return list;
+}
+
+ReportList arm_list(const ArmFit& fit) {
+  ReportList list;
+  list.unprinted("left_out", fit.left_out);
+  if (!fit.left_out.empty())
+    list.line("left out", "{left_out}: they contradict the others", fit.left_out);
+  list.line("readings met", "{rms_mm:.4f} mm rms, {harmonics} harmonics of each reducer", fit.rms,
+            fit.estimate.size.harmonics);
+  list.line("places left out", "{held_out_rms_mm:.4f} mm rms", fit.held_out_rms);
+  list.line("", "\nwhat the poses say of the arm");
+  list.append(arm_terms_list(fit.estimate));
+  return list;
+}
+
+Verdict arm_verdict(const ArmFit& fit) {
+  Verdict verdict;
+  doubt_open_terms(fit, verdict);
+  if (fit.held_out_rms > kWorseAtPlacesLeftOut * fit.rms)
+    verdict.faults.push_back(
+        {fmt::format("places left out are met to {:.4f} mm rms, those fitted to {:.4f} mm",
+                     fit.held_out_rms / kMillimetre, fit.rms / kMillimetre),
+         "read more places, spread all over the workspace"});
+  const std::size_t readings = fit.held_out.size() + fit.left_out.size();
+  if (static_cast<double>(fit.left_out.size()) > kFewLeftOut * static_cast<double>(readings))
+    verdict.faults.push_back(
+        {fmt::format("{} of {} readings contradict the others", fit.left_out.size(), readings),
+         "look at the readings that are named under 'Left out', and read these places again"});
+  verdict.good = fmt::format(
+      "{} readings are met to {:.4f} mm rms and places left out to {:.4f} mm, where the tracker's "
+      "deviation is {:.4f} mm per axis; links and the zeros of motors 1 and 2 are "
+      "determined",
+      fit.held_out.size(), fit.rms / kMillimetre, fit.held_out_rms / kMillimetre,
+      fit.stated_sigma / kMillimetre);
+  return verdict;
+}
+
+std::string arm_page(const ArmFit& fit, const std::filesystem::path& file) {
+  HtmlPage page = page_about("Arm", file);
+  page.add_verdict(arm_verdict(fit));
+  page.add_heading("Readings at places left out");
+  page.add_html(place_plot(fit));
+  page.add_paragraph(
+      "From each reading of the reflector, how far it lies from where the others predict it. Lines "
+      "in all directions are noise; neighbours that point the same way show what the model of the "
+      "arm lacks.");
+  page.add_html(motor_plot(fit));
+  page.add_paragraph(
+      "A wave over the angle of a motor is an eccentricity of its reducer that the model lacks.");
+  page.add_html(arm_terms_list(fit.estimate).table("What was found").html());
+  if (!fit.left_out.empty()) {
+    TextTable left_out("Left out", {"reading", "why"});
+    for (const std::string& id : fit.left_out) left_out.add_row({id, "contradicts the others"});
+    page.add_html(left_out.html());
+  }
+  add_provenance(page, file);
+  return page.text();
+}
+
+}  // namespace planar

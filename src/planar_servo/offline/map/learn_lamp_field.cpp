@@ -1,0 +1,163 @@
+#include "planar_servo/offline/map/learn_lamp_field.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <string>
+
+#include "planar_servo/arm/transmission.h"
+#include "planar_servo/cell/device_kinds.h"
+#include "planar_servo/core/error.h"
+#include "planar_servo/devices/tracker.h"
+#include "planar_servo/files/arm_file.h"
+#include "planar_servo/files/map/lamp_field_file.h"
+#include "planar_servo/files/map/map_file.h"
+#include "planar_servo/files/tables/lay_table.h"
+#include "planar_servo/files/tables/pair_table.h"
+#include "planar_servo/io/atomic_file.h"
+#include "planar_servo/offline/map/fit_map_to_pairs.h"
+
+namespace planar {
+namespace {
+
+constexpr double kHour = 3600.0;
+
+bool tells_field(const PairRow& pair) {
+  constexpr Plan kTelling[] = {Plan::kTrain, Plan::kSweep1, Plan::kSweep3, Plan::kPose};
+  return !pair.plan || std::count(std::begin(kTelling), std::end(kTelling), *pair.plan) > 0;
+}
+
+/// Returns when the last pair was seen; the field is to hold from then on.
+double last_s(const std::vector<PairRow>& pairs) {
+  double last = 0.0;
+  for (const PairRow& pair : pairs) last = std::max(last, pair.t_s.value_or(0.0));
+  return last;
+}
+
+PoseSample pose_sample(const Transmission& transmission, const PairRow& pair, double now_s) {
+  if (!pair.lamps_B || !pair.theta || !pair.sigma_vision || (pair.p_tracker && !pair.p_reflector) ||
+      (pair.p_reflector && !pair.sigma_tracker))
+    throw InputError(fmt::format(
+        "pair '{}' lacks its lamps, its joints or a standard deviation, by which field and arm are "
+        "told; make the pairs with planar-pair-tracker, or leave --cell out",
+        pair.id));
+  PoseSample sample;
+  sample.id = pair.id;
+  sample.place = pair.place;
+  sample.t_h = (pair.t_s.value_or(now_s) - now_s) / kHour;
+  sample.motors = transmission.motors_from_joints(*pair.theta);
+  sample.lamps_B = *pair.lamps_B;
+  // The end point lies about midway between the lamps.
+  sample.sigma_lamp = *pair.sigma_vision * std::sqrt(2.0);
+  sample.reflector_B = pair.p_reflector;
+  sample.reflector_z = pair.z_reflector;
+  sample.sigma_reflector = pair.sigma_tracker.value_or(0.0);
+  return sample;
+}
+
+/// Says what all readings have in common: the tracker's registration to the monuments, and its
+/// systematic error. What data sheets state (15 um + 6 um/m, ISO 10360-10) is mostly systematic;
+/// the registration takes up most of it, and a third still differs over a field.
+void set_tracker(ArmNominal& nominal, const CellSettings& cell) {
+  constexpr double kLeftOfStated = 1.0 / 3.0;
+  nominal.tracker_bias = cell.tracker.bias_m.value_or(kLeftOfStated * cell.tracker.sigma_m);
+  if (cell.datum.size() < 2) return;  // one tells no turn
+  const auto n = static_cast<double>(cell.datum.size());
+  Eigen::Vector2d center(0.0, 0.0);
+  for (const Monument& monument : cell.datum) center += monument.p_B.head<2>() / n;
+  double spread = 0.0;
+  for (const Monument& monument : cell.datum)
+    spread += (monument.p_B.head<2>() - center).squaredNorm();
+  const double readings = cell.tracker.kind->by_hand() ? 1.0 : kMonumentReadings;
+  const double sigma = cell.tracker.sigma_m / std::sqrt(readings);
+  nominal.registration_shift = sigma / std::sqrt(n);
+  nominal.registration_turn = sigma / std::sqrt(spread);
+}
+
+BoardLay lay_of(const std::string& id, const std::vector<const LayRow*>& rows) {
+  const auto n = static_cast<Eigen::Index>(rows.size());
+  BoardLay lay{id, Eigen::Matrix2Xd(2, n), Eigen::Matrix2Xd(2, n), Eigen::VectorXd(n)};
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const LayRow& row = *rows[static_cast<std::size_t>(i)];
+    lay.p_board.col(i) = row.p_board;
+    lay.seen_B.col(i) = row.p_seen;
+    lay.sigma[i] = row.sigma;
+  }
+  return lay;
+}
+
+}  // namespace
+
+ArmNominal nominal_arm(const CellSettings& cell, const VisionCalibration& vision) {
+  ArmNominal nominal;
+  nominal.geometry = cell.arm.geometry;
+  nominal.joints_per_motor = Transmission(cell.transmission).coupling_matrix().inverse();
+  for (int i = 0; i < 3; ++i)
+    nominal.gear_ratios[i] = cell.transmission.drives[static_cast<std::size_t>(i)].gear_ratio;
+  nominal.p_camera_B = vision.workplane.X_WC().translation();
+  nominal.separation = cell.lamps.layout.separation_m;
+  nominal.tool = vision.tool;
+  set_tracker(nominal, cell);
+  if (!vision.tool.reflector_known) nominal.reflector_sigma = kSomewhereOnTool;
+  return nominal;
+}
+
+std::vector<PoseSample> pose_samples(const CellSettings& cell, const std::vector<PairRow>& pairs) {
+  const Transmission transmission(cell.transmission);
+  const double now_s = last_s(pairs);
+  std::vector<PoseSample> samples;
+  for (const PairRow& pair : pairs)
+    if (tells_field(pair)) samples.push_back(pose_sample(transmission, pair, now_s));
+  return samples;
+}
+
+LaidDots laid_dots(const std::vector<LayRow>& rows) {
+  std::vector<std::string> order;
+  std::map<std::string, std::vector<const LayRow*>> lays;
+  for (const LayRow& row : rows) {
+    if (!(row.sigma > 0.0))
+      throw InputError("lays: a dot of '" + row.lay +
+                       "' has sigma_mm 0; make the table with planar-pair-tracker --lays-out");
+    if (row.pitch_known != rows.front().pitch_known)
+      throw InputError("lays: the pitch is known of some lays only; all must be of one board");
+    const auto [lay, is_new] = lays.try_emplace(row.lay);
+    if (is_new) order.push_back(row.lay);
+    lay->second.push_back(&row);
+  }
+  LaidDots board;
+  for (const std::string& id : order) board.lays.push_back(lay_of(id, lays.at(id)));
+  board.pitch_known = rows.empty() || rows.front().pitch_known;
+  return board;
+}
+
+std::vector<MadeFile> LampFieldFiles::inputs() const {
+  std::vector<MadeFile> files{{Role::kPairs, pairs}};
+  if (!lays.empty()) files.push_back({Role::kLays, lays});
+  return files;
+}
+
+LampFieldFit learn_lamp_field(const LampFieldFiles& files, const CellSettings& cell,
+                              const VisionCalibration& vision, const Progress& progress) {
+  warn_of_changed_rows(files.pairs);
+  const LaidDots board = files.lays.empty() ? LaidDots() : laid_dots(read_lays(files.lays));
+  return fit_lamp_field(nominal_arm(cell, vision), pose_samples(cell, read_pairs(files.pairs)),
+                        board, progress);
+}
+
+void write_lamp_field(const LampFieldFiles& files, const LampFieldFit& fit,
+                      const CellSettings& cell, const std::string& program) {
+  std::vector<Origin> origins;
+  for (const MadeFile& input : files.inputs()) origins.push_back(origin_of(input));
+  origins = with_origins_of(std::move(origins), files.pairs);
+  const std::string map = fit.end_point_map ? map_text(*fit.end_point_map, files.pairs, program)
+                                            : lamp_field_text(fit, origins, program);
+  if (!files.arm.empty()) {
+    origins.push_back(arm_origin(cell));
+    write_file(files.arm, found_arm_text(fit.arm, arm_terms(fit.estimate), origins, program));
+  }
+  write_file(files.map, map);
+}
+
+}  // namespace planar

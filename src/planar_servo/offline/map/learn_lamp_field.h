@@ -1,0 +1,52 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "planar_servo/cell/cell_settings.h"
+#include "planar_servo/core/progress.h"
+#include "planar_servo/field/arm/arm_model.h"
+#include "planar_servo/field/fit_lamp_field.h"
+#include "planar_servo/field/lay_information.h"
+#include "planar_servo/field/pose_sample.h"
+#include "planar_servo/files/provenance.h"
+#include "planar_servo/files/tables/lay_table.h"
+#include "planar_servo/files/tables/pair_table.h"
+#include "planar_servo/vision/see_tool.h"
+
+namespace planar {
+
+/// Returns the arm, the camera's place and the tool as the cell and its calibration have them.
+ArmNominal nominal_arm(const CellSettings& cell, const VisionCalibration& vision);
+
+/// Returns the poses of pairs.csv by which field and arm are told: those of plan train or of none,
+/// the sweeps, and the unattended ones. Places of other plans are kept for checks. Times are
+/// counted from the last of all pairs. Throws InputError naming a pair without lamps, joints or
+/// standard deviations.
+std::vector<PoseSample> pose_samples(const CellSettings& cell, const std::vector<PairRow>& pairs);
+
+/// Returns the lays of lays.csv. Throws InputError for a dot without a standard deviation, and for
+/// lays of which only some have a known pitch.
+LaidDots laid_dots(const std::vector<LayRow>& rows);
+
+/// What a field at the lamps is learned from, and where it and the arm found with it are written.
+struct LampFieldFiles {
+  std::filesystem::path pairs;
+  std::filesystem::path lays;  ///< empty where there are none
+  std::filesystem::path map;
+  std::filesystem::path arm;  ///< empty where nobody wants it
+
+  std::vector<MadeFile> inputs() const;
+};
+
+/// Learns the field of a cell whose camera, workplane and tool are `vision`. Throws what reading
+/// the tables and fit_lamp_field() throw.
+LampFieldFit learn_lamp_field(const LampFieldFiles& files, const CellSettings& cell,
+                              const VisionCalibration& vision, const Progress& progress = {});
+
+/// Writes what was learned, with what it was made from.
+void write_lamp_field(const LampFieldFiles& files, const LampFieldFit& fit,
+                      const CellSettings& cell, const std::string& program);
+
+}  // namespace planar

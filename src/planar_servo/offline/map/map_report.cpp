@@ -1,0 +1,207 @@
+#include "planar_servo/offline/map/map_report.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <array>
+#include <cmath>
+
+#include "planar_servo/core/units.h"
+#include "planar_servo/field/arm/arm_terms.h"
+#include "planar_servo/files/map/lamp_field_file.h"
+#include "planar_servo/offline/calibrate_arm.h"
+
+namespace planar {
+namespace {
+
+std::array<double, 2> interval_of(const RmsEstimate& estimate) {
+  return {estimate.low, estimate.high};
+}
+
+ReportList cell_list(const CellDiagnosis& cell) {
+  ReportList list;
+  if (cell.terms.empty()) return list;
+  list.line("", "\nwhat the pairs say of the cell                        rms, mm");
+  for (const CellTerm& term : cell.terms) {
+    const CellFaultName& name = name_of(term.fault);
+    ReportList part;
+    part.line(name.label,
+              fmt::format(" {{value:>10.4g}} +- {{sigma:<8.3g}} {:<7} {{rms_mm:>7.4f}}{}",
+                          name.unit_text, term.significant ? "  significant" : ""),
+              term.value / name.unit, term.sigma / name.unit, term.rms);
+    part.unprinted("significant", term.significant);
+    list.part(name.key, part);
+  }
+  list.line("", fmt::format("left by all of these {:>38.4f}", cell.left_rms / kMillimetre));
+  return list;
+}
+
+void list_comparison(ReportList& list, const std::vector<MethodFigures>& comparison) {
+  list.line("", "\nrms, mm        left out: one   a block of neighbours (95 % interval)");
+  const auto list_method = [](ReportList& row, const MethodFigures& method) {
+    row.line("",
+             "{method:<14} {loo_rms_mm:>13.4f}   {blocked_rms_mm:>8.4f}  "
+             "({blocked_rms_95_mm:.4f| to })",
+             method.method, method.loo_rms, method.blocked.value, interval_of(method.blocked));
+    row.line_if(!std::isfinite(method.loo_rms), "",
+                "{method:<14}             -   its equations cannot be solved", method.method);
+  };
+  list.rows("comparison", comparison, list_method, "");
+}
+
+/// Says how much of the noise the pairs of a place have in common, if places have several.
+void list_places(ReportList& list, const MapResult& result) {
+  const bool has_places =
+      result.places != PlaceSource::kPositions && result.n_places != result.n_used;
+  list.unprinted("places", name_in(kPlaceSources, result.places));
+  list.line_if(has_places, "places",
+               result.places == PlaceSource::kFound ? "{n_places}, found from the pairs"
+                                                    : "{n_places}, as named",
+               result.n_places);
+  list.line_if(
+      has_places, "  noise",
+      "{place_noise_mm:.4f} mm per axis of a place, {reading_noise_mm:.4f} mm of a reading",
+      result.place_sigma(), result.reading_sigma());
+}
+
+void list_readings(ReportList& list, const LampFieldFit& fit) {
+  list.line("readings used",
+            "{n_readings}, and {n_unattended} poses without a reading ({n_rejected} left out)",
+            fit.n_readings, fit.n_unattended, fit.left_out.size());
+  list.unprinted("n_used", fit.n_readings + fit.n_unattended - fit.left_out.size());
+  if (!fit.left_out.empty())
+    list.line("", fmt::format("  contradicting the others: {}", fmt::join(fit.left_out, ", ")));
+  list.rows("rejected", fit.left_out, [](ReportList& row, const std::string& id) {
+    row.unprinted("id", id);
+    row.unprinted("reason", "contradicts the others");
+  });
+}
+
+void list_held_out(ReportList& list, const HeldOut& judged) {
+  list.unprinted("worth_using", judged.worth_using());
+  if (judged.n == 0) {
+    list.line("places left out", "none: no tracker reading judges this map");
+    return;
+  }
+  list.line("vision error", "{raw_rms_mm:.4f} mm rms", judged.raw_rms);
+  list.line("places left out",
+            "{loo_rms_mm:.4f} mm rms against the tracker, {coverage_95:.1%} of them within their "
+            "stated 95 %",
+            judged.rms, judged.coverage_95);
+  list.line("gain",
+            judged.worth_using() ? "{gain:.1%}, worth using"
+                                 : "{gain:.1%}, NOT significant: do not use this map",
+            1.0 - judged.rms / judged.raw_rms);
+}
+
+/// Says how the ways to predict the error compare.
+void list_comparison(ReportList& list, const LampFieldFit& fit) {
+  if (!fit.compared.empty())
+    list.line("", "at places left out            mm rms   within stated 95 %");
+  const auto list_way = [&fit](ReportList& row, const ComparedField& way) {
+    const bool is_taken = way.rms == fit.held_out.rms;
+    row.line("",
+             fmt::format("{{name:<30}}{{loo_rms_mm:.4f}}   {{coverage_95:.1%}}{}",
+                         is_taken ? ", taken" : ""),
+             way.name, way.rms, way.coverage_95);
+    row.unprinted("taken", is_taken);
+  };
+  list.rows("compared", fit.compared, list_way, "");
+  if (!fit.compared.empty()) list.line("", "");
+}
+
+/// Says what each source added and what fixed the field as a whole.
+void list_sources(ReportList& list, const LampFieldFit& fit) {
+  list.line("source", "how much                  end point known without it to");
+  const auto list_source = [](ReportList& row, const SourceWorth& source) {
+    row.line("", "{source:<20}{amount:<26}{end_point_without_mm:.4f} mm", source.name,
+             source.amount, source.end_point_without);
+  };
+  list.rows("sources", fit.sources, list_source, "");
+  list.line("(with all)", "                          {end_point_sigma_mm:.4f} mm",
+            fit.certainty.end_point);
+  list.line("as a whole", "fixed by                  standard deviation");
+  ReportList fixed_by;
+  const auto list_fixed = [&](const char* what, FieldSource source, const std::string& text,
+                              const auto&... sigma) {
+    fixed_by.unprinted(what, name_in(kFieldSources, source));
+    list.line(what, fmt::format("{:<26}", name_in(kFieldSources, source)) + text, sigma...);
+  };
+  list_fixed("scale", fit.fixed_by.scale, "{scale_sigma_ppm:.1f} ppm", fit.certainty.scale);
+  list_fixed("datum", fit.fixed_by.datum, "{datum_sigma_mm:.4f} mm", fit.certainty.shift);
+  if (fit.fixed_by.turn == FieldSource::kNothing)
+    list_fixed("turn", fit.fixed_by.turn, "counted from the cell file's zero of joint 1");
+  else
+    list_fixed("turn", fit.fixed_by.turn, "{turn_sigma_deg:.5f} deg", fit.certainty.turn);
+  list.part("fixed_by", fixed_by);
+}
+
+}  // namespace
+
+ReportList map_fit_list(const FitErrorMapReport& report,
+                        const std::vector<MethodFigures>& comparison) {
+  const MapResult& result = report.result;
+  ReportList list;
+  list.line_if(report.n_other_plans > 0, "left for checking",
+               "{n_other_plans} pairs whose plan is not train", report.n_other_plans);
+  list.line_if(report.n_unattended > 0, "unattended",
+               "{n_unattended} poses without a tracker's word, not used", report.n_unattended);
+  list.line("pairs used", "{n_used} ({n_rejected} rejected)", result.n_used,
+            result.rejected.size());
+  const auto list_rejected = [](ReportList& row, const RejectedSample& sample) {
+    row.line("pair", "{id}", sample.id);
+    row.line("why", "{reason}", sample.reason);
+    row.unprinted("residual_mm", sample.residual);
+  };
+  list.rows("rejected", result.rejected, list_rejected, "  ");
+  list.line("method", "{method}", name(kind_of(result.map)));
+  list.line("vision error", "{raw_rms_mm:.4f} mm rms", result.raw_rms);
+  list.line("leave-one-out", "{loo_rms_mm:.4f} mm rms", result.loo_rms);
+  list.unprinted("idw_loo_rms_mm", result.idw_loo_rms);
+  list.line("within stated 95 %", "{coverage_95:.1%} of what places left out show",
+            result.coverage_95);
+  list.line("noise", "{noise_mm:.4f} mm per axis", result.noise_sigma);
+  list_places(list, result);
+  if (const auto bias = tool_bias(result.map))
+    list.line("in the tool's frame", "{tool_bias_mm:.4f| } +- {tool_bias_sigma_mm:.4f} mm, used",
+              bias->t, bias->sigma);
+  list.line("gain",
+            result.worth_using ? "{gain:.1%}, worth using"
+                               : "{gain:.1%}, NOT significant: do not use this map",
+            result.gain());
+  list.unprinted("worth_using", result.worth_using);
+  list.line("in a gap",
+            result.blocked.value < result.raw_rms
+                ? "{blocked_rms_mm:.4f} mm rms where {gap_mm:.1f} mm are without pairs"
+                : "{blocked_rms_mm:.4f} mm rms where {gap_mm:.1f} mm are without pairs, no better "
+                  "than without the map",
+            result.blocked.value, result.gap);
+  list.unprinted("blocked_rms_95_mm", interval_of(result.blocked));
+  list.part("cell", cell_list(result.cell));
+  list_comparison(list, comparison);
+  list.unprinted("fit_seconds", report.fit_seconds);
+  return list;
+}
+
+ReportList lamp_field_list(const LampFieldFit& fit) {
+  ReportList list;
+  list_readings(list, fit);
+  list.line("method", "{method}, {harmonics} harmonics of each reducer", kLampFieldMethod,
+            fit.estimate.size.harmonics);
+  list_held_out(list, fit.held_out);
+  list.line("noise of a lamp", "{lamp_noise_factor:.2f} times what the pairs state\n",
+            fit.estimate.priors.lamp_factor);
+  list.unprinted("noise_mm", fit.noise_sigma);
+  list_comparison(list, fit);
+  list_sources(list, fit);
+  list.line("", "");
+  const std::vector<std::string> sentences = arm_in_words(fit.estimate);
+  for (const std::string& sentence : sentences) list.line("", sentence);
+  list.unprinted("arm_in_words", sentences);
+  list.unprinted("scatter_mm", fit.estimate.priors.arm_sigma);
+  list.line("", "\nwhat the poses say of the arm");
+  list.part("arm", arm_terms_list(fit.estimate));
+  return list;
+}
+
+}  // namespace planar

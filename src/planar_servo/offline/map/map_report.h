@@ -1,0 +1,19 @@
+#pragma once
+
+#include <vector>
+
+#include "planar_servo/error_map/judge/compare_methods.h"
+#include "planar_servo/field/fit_lamp_field.h"
+#include "planar_servo/offline/map/fit_map_to_pairs.h"
+#include "planar_servo/report/report_list.h"
+
+namespace planar {
+
+/// Lists what a fit found, what the pairs say of the cell, and how the methods compare.
+ReportList map_fit_list(const FitErrorMapReport& report,
+                        const std::vector<MethodFigures>& comparison);
+
+/// Lists what a fit of field and arm found, what fixed it and how places left out are met.
+ReportList lamp_field_list(const LampFieldFit& fit);
+
+}  // namespace planar

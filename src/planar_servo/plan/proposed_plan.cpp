@@ -1,0 +1,226 @@
+#include "planar_servo/plan/proposed_plan.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <random>
+#include <set>
+#include <utility>
+
+#include "planar_servo/core/error.h"
+#include "planar_servo/core/units.h"
+#include "planar_servo/field/next_places.h"
+#include "planar_servo/files/provenance.h"
+#include "planar_servo/files/vision_files.h"
+#include "planar_servo/offline/map/learn_lamp_field.h"
+#include "planar_servo/plan/experiment_plan.h"
+#include "planar_servo/tool/vision_tip.h"
+
+namespace planar {
+namespace {
+
+constexpr int kCandidates = 300;
+constexpr std::uint64_t kOrderSeed = 1;
+/// Noise of a lamp's place before anybody has seen one, metres.
+constexpr double kLampSigma_m = 2e-6;
+/// Readings that bring the accuracy within this share of what all bring are enough.
+constexpr double kNearly = 1.05;
+
+/// A place where a reading could be taken.
+struct Candidate {
+  PoseSample pose;
+  TipPose tip;
+};
+
+/// The cell as far as its files tell.
+struct KnownCell {
+  const CellSettings& cell;
+  JointPlanner planner;
+  ArmNominal nominal;
+  std::optional<VisionCalibration> vision;
+};
+
+KnownCell known(const CellSettings& cell) {
+  KnownCell known{cell, joint_planner(cell), {}, std::nullopt};
+  const auto files = calibration_files(cell, false);
+  if (std::all_of(files.begin(), files.end(),
+                  [](const MadeFile& file) { return std::filesystem::exists(file.path); })) {
+    known.vision = read_vision(cell, false);
+    known.nominal = nominal_arm(cell, *known.vision);
+  } else {
+    known.nominal =
+        nominal_arm(cell, VisionCalibration{cell.lamps.layout, {{}, Pose::Identity()}, {}});
+    known.nominal.p_camera_B = ArmNominal().p_camera_B;
+  }
+  return known;
+}
+
+bool is_seen(const KnownCell& known, const TipPose& tip) {
+  return !known.vision || lamps_from_tip(known.vision->workplane, known.vision->tool,
+                                         known.cell.lamps.layout.separation_m, tip);
+}
+
+/// Returns what will be seen and read at these joint angles.
+PoseSample pose_at(const KnownCell& known, const Joints& theta) {
+  const ArmModel model(known.nominal, {0, true});
+  PoseSample pose;
+  pose.motors = known.planner.transmission().motors_from_joints(theta);
+  const ToolPoints points = model.at({pose.motors, 0.0}, model.nominal());
+  pose.lamps_B = {points.points.col(1), points.points.col(2)};
+  pose.sigma_lamp = kLampSigma_m;
+  pose.sigma_reflector = known.cell.tracker.sigma_m;
+  return pose;
+}
+
+/// Returns places that fill the workspace evenly, as far as arm and camera reach.
+std::vector<Candidate> candidates_of(const KnownCell& known) {
+  const Workspace& workspace = known.cell.workspace;
+  const double golden_turn = kPi * (3.0 - std::sqrt(5.0));
+  std::vector<Candidate> candidates;
+  for (int i = 0; i < kCandidates; ++i) {
+    const double radius = workspace.radius_max_m * std::sqrt((i + 0.5) / kCandidates);
+    const TipPose tip{radius * rotation2d(i * golden_turn).col(0), known.cell.tool_orientation};
+    const JointPlan plan = known.planner.plan(tip, known.cell.arm.home);
+    if (plan.refusal || !is_seen(known, tip)) continue;
+    candidates.push_back({pose_at(known, plan.theta), tip});
+  }
+  if (candidates.empty())
+    throw InputError(known.cell.file.string() +
+                     ": no place of the workspace can be reached and seen; see planar-servo "
+                     "--dry-run for the reason");
+  return candidates;
+}
+
+std::vector<PoseSample> poses_of(const std::vector<Candidate>& candidates) {
+  std::vector<PoseSample> poses;
+  poses.reserve(candidates.size());
+  for (const Candidate& candidate : candidates) poses.push_back(candidate.pose);
+  return poses;
+}
+
+/// Returns what is known before or after readings: by the pairs, or by the first rows of a plan.
+JointEstimate estimate_of(const KnownCell& known, const std::vector<PairRow>& pairs) {
+  if (!pairs.empty()) return estimate_jointly(known.nominal, pose_samples(known.cell, pairs));
+  JointEstimate estimate;
+  estimate.nominal = known.nominal;
+  auto fit = fit_jointly(estimate.model(), {}, {}, known.cell.workspace.radius_max_m);
+  if (!fit) throw WorkError("nothing can be said of a cell like this");
+  estimate.fit = std::move(*fit);
+  return estimate;
+}
+
+/// Mixes places in the same way on every platform.
+void mix(std::vector<TipPose>& tips) {
+  std::mt19937_64 rng(kOrderSeed);
+  for (std::size_t left = tips.size(); left > 1; --left)
+    std::swap(tips[left - 1], tips[rng() % left]);
+}
+
+/// Returns the joint angles at a place if the arm may go there from others.
+std::optional<Joints> way_to(const KnownCell& known, const Joints& from, const TipPose& tip) {
+  const JointPlan plan = known.planner.plan(tip, from);
+  if (plan.refusal || known.planner.way_refusal(from, plan.theta)) return std::nullopt;
+  return plan.theta;
+}
+
+/// Orders places at random, because a step in time can be told from the field only where places
+/// that follow each other are no neighbours. A place to which the way is forbidden is tried again
+/// after the next one; those to which none leads are left out.
+std::vector<PlanRow> rows_at_random(const KnownCell& known, std::vector<TipPose> tips,
+                                    std::size_t first) {
+  mix(tips);
+  std::vector<PlanRow> rows;
+  Joints at = known.cell.arm.home;
+  for (std::size_t i = 0; i < tips.size();) {
+    const auto theta = way_to(known, at, tips[i]);
+    if (!theta) {
+      ++i;
+      continue;
+    }
+    at = *theta;
+    rows.push_back({fmt::format("train_{:03}", first + rows.size()), Plan::kTrain, tips[i]});
+    tips.erase(tips.begin() + static_cast<std::ptrdiff_t>(i));
+    i = 0;
+  }
+  return rows;
+}
+
+/// Returns the first number of an id train_NNN that no pair has.
+std::size_t next_number(const std::vector<PairRow>& pairs) {
+  std::set<std::string> ids;
+  for (const PairRow& pair : pairs) ids.insert(pair.id);
+  std::size_t number = pairs.size();
+  while (ids.count(fmt::format("train_{:03}", number)) != 0) ++number;
+  return number;
+}
+
+/// Returns views of the board and sweeps.
+std::vector<PlanRow> first_rows(const CellSettings& cell, ExperimentSize size) {
+  size.training_points = size.test_points = size.check_points = size.run_points = 0;
+  return experiment_plan(cell, 0, size).rows;
+}
+
+/// Returns the poses of a plan's rows as far as they have any.
+std::vector<PoseSample> poses_of(const KnownCell& known, const std::vector<PlanRow>& rows) {
+  std::vector<PoseSample> poses;
+  for (const PlanRow& row : rows) {
+    if (const auto* theta = std::get_if<Joints>(&row.where))
+      poses.push_back(pose_at(known, *theta));
+    if (const auto* tip = std::get_if<TipPose>(&row.where))
+      poses.push_back(pose_at(known, known.planner.plan(*tip, known.cell.arm.home).theta));
+  }
+  return poses;
+}
+
+double length_of(double sigma) {
+  return sigma * std::sqrt(kPi / 2.0);
+}
+
+}  // namespace
+
+bool ProposedPlan::worth_reading() const {
+  return before > kNearly * after;
+}
+
+ProposedPlan propose_plan(const CellSettings& cell, int readings,
+                          const std::vector<PairRow>& pairs) {
+  const KnownCell known_cell = known(cell);
+  const std::vector<Candidate> candidates = candidates_of(known_cell);
+  ExperimentSize size;
+  size.training_points = readings;
+  ProposedPlan plan;
+  if (pairs.empty()) {
+    size = with_readings({}, readings);
+    plan.rows = first_rows(cell, size);
+  }
+  const NextPlaces next = choose_next_places(estimate_of(known_cell, pairs), poses_of(candidates),
+                                             static_cast<std::size_t>(size.training_points),
+                                             poses_of(known_cell, plan.rows));
+  std::vector<TipPose> tips;
+  for (const std::size_t i : next.chosen) tips.push_back(candidates[i].tip);
+  for (PlanRow& row : rows_at_random(known_cell, std::move(tips), next_number(pairs)))
+    plan.rows.push_back(std::move(row));
+  plan.before = length_of(next.sigmas.front());
+  plan.after = length_of(next.sigmas.back());
+  plan.enough = static_cast<int>(
+      std::find_if(next.sigmas.begin(), next.sigmas.end(),
+                   [&](double sigma) { return sigma <= kNearly * next.sigmas.back(); }) -
+      next.sigmas.begin());
+  return plan;
+}
+
+std::string proposal_text(const ProposedPlan& plan) {
+  std::string text = fmt::format(
+      "rows                {}\nend point           {:.4f} mm expected now, {:.4f} mm after these "
+      "readings\n",
+      plan.rows.size(), plan.before / kMillimetre, plan.after / kMillimetre);
+  if (!plan.worth_reading())
+    return text + "stop                further readings gain less than 5 %\n";
+  return text + fmt::format("nearly there        after {} places for training\n", plan.enough);
+}
+
+}  // namespace planar

@@ -1,0 +1,103 @@
+#pragma once
+
+#include <functional>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "planar_servo/calibration/board/board.h"
+#include "planar_servo/core/clock.h"
+#include "planar_servo/devices/board_presenter.h"
+#include "planar_servo/devices/frame_source.h"
+#include "planar_servo/files/tables/plan_table.h"
+#include "planar_servo/record/board_guide.h"
+#include "planar_servo/record/recorder.h"
+#include "planar_servo/report/live/operator_line.h"
+
+namespace planar {
+
+/// Takes the views of the calibration board that a plan asks for.
+class BoardSource {
+ public:
+  virtual ~BoardSource() = default;
+
+  /// Returns a full frame that shows the board as the row asks. `view` counts the views of the
+  /// row's plan from 0.
+  virtual Frame take(const PlanRow& row, int view) = 0;
+  /// Returns once the arm may move where the board was shown.
+  virtual void clear_field() = 0;
+};
+
+/// The views of a cell that shows the board to its camera by itself.
+class PresentedBoard final : public BoardSource {
+ public:
+  /// `grab` returns a full frame.
+  PresentedBoard(BoardPresenter& presenter, std::function<Frame()> grab)
+      : presenter_(presenter), grab_(std::move(grab)) {}
+
+  Frame take(const PlanRow& row, int view) override {
+    if (row.plan == Plan::kHeldBoard)
+      presenter_.hold_board(view);
+    else
+      presenter_.lay_board(view);
+    Frame frame = grab_();
+    presenter_.remove_board();
+    return frame;
+  }
+  void clear_field() override {}
+
+ private:
+  BoardPresenter& presenter_;
+  std::function<Frame()> grab_;
+};
+
+/// Views of a board that a person holds before the camera or lays on the plane. The person is told
+/// what is missing, sees on the terminal and the display what the camera sees, and each view is
+/// taken by itself, or at once by Enter.
+class GuidedBoard final : public BoardSource {
+ public:
+  /// `present` are the ids that the request's recording holds; the board is found in their images
+  /// again. `request.board` must say which board it is. `display` may be null.
+  GuidedBoard(const RecordRequest& request, const std::set<std::string>& present,
+              FrameSource& camera, Clock& clock, OperatorLine& line, LiveView* display);
+
+  /// Throws WorkError when asked to stop, when the camera sends no frame for a minute, and when
+  /// nobody shows the board for ten.
+  Frame take(const PlanRow& row, int view) override;
+  /// Waits until the board is out of the picture and, at a terminal, Enter is pressed. Throws like
+  /// take().
+  void clear_field() override;
+
+ private:
+  /// The views of one plan, held or laid.
+  struct Views {
+    BoardGuide guide;
+    std::size_t all{0}, left{0};
+    bool begun{false};
+  };
+
+  cv::Size sensor_px() const;
+  void find_again();
+  void begin(const PlanRow& row, Views& views);
+  void watch_anew();
+  Frame next_frame(const std::string& id);
+  bool is_taken(const PlanRow& row, const Frame& frame, Views& views);
+  void show(const PlanRow& row, const Frame& frame, const BoardSight& sight,
+            const BoardAdvice& advice, const Views& views);
+  void note_sight(const std::string& id, bool is_seen, const BoardAdvice& advice);
+  void conclude(const PlanRow& row, const Views& views);
+
+  const RecordRequest& request_;
+  Board board_;
+  FrameSource& camera_;
+  Clock& clock_;
+  OperatorLine& line_;
+  LiveView* display_;
+  std::map<Plan, Views> views_;
+  std::vector<Eigen::Vector2d> last_px_;  ///< the board in the view taken last
+  double seen_s_{0.0};  ///< when the board was seen last, on the clock, or the wait began
+  bool warned_{false};  ///< that it was not seen since then
+};
+
+}  // namespace planar

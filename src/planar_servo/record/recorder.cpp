@@ -1,0 +1,370 @@
+#include "planar_servo/record/recorder.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <memory>
+#include <opencv2/imgcodecs.hpp>
+#include <optional>
+#include <set>
+
+#include "planar_servo/core/error.h"
+#include "planar_servo/files/tables/frame_table.h"
+#include "planar_servo/files/tables/tracker_table.h"
+#include "planar_servo/io/atomic_file.h"
+#include "planar_servo/io/folder_lock.h"
+#include "planar_servo/io/growing_file.h"
+#include "planar_servo/lamps/lamp_tracker.h"
+#include "planar_servo/record/board_source.h"
+#include "planar_servo/record/recording_start.h"
+#include "planar_servo/robot/homing.h"
+#include "planar_servo/robot/planar_robot.h"
+#include "planar_servo/servo/arrival.h"
+#include "planar_servo/servo/camera_wait.h"
+#include "planar_servo/tool/coarse_view.h"
+#include "planar_servo/vision/follow_region.h"
+#include "planar_servo/vision/reference_lamps.h"
+
+namespace planar {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kAttemptsAtPlace = 3;
+constexpr int kLostFrameRetries = 3;
+
+/// Says what is to be done with a place once the tracker was asked.
+enum class PlaceEnd { kKeep, kSkip, kRepeat };
+
+/// Takes the readings of a recording's places, and decides what becomes of a place without one.
+class PlaceReadings {
+ public:
+  /// The readings must outlive this.
+  PlaceReadings(ReflectorReadings& readings, BadReading on_bad)
+      : readings_(readings), on_bad_(on_bad) {}
+
+  /// Reads the tool, which stands at `tip` for the place `id`. Throws WorkError when the recording
+  /// is to stop.
+  PlaceEnd read(const std::string& id, const TipPose& tip) {
+    const TrackerAnswer answer = readings_.take_tool(id, tip);
+    switch (answer.status) {
+      case TrackerStatus::kOk:
+      case TrackerStatus::kElsewhere:
+        break;
+      case TrackerStatus::kSkipped:
+        return PlaceEnd::kSkip;
+      case TrackerStatus::kRepeat:
+        return PlaceEnd::kRepeat;
+      case TrackerStatus::kFailed:
+        return end_of_bad(id, answer.fault);
+    }
+    return PlaceEnd::kKeep;
+  }
+
+ private:
+  PlaceEnd end_of_bad(const std::string& id, const std::string& fault) {
+    spdlog::warn(fmt::format("{}: {}", id, fault));
+    attempts_ = id == bad_id_ ? attempts_ + 1 : 1;
+    bad_id_ = id;
+    if (on_bad_ == BadReading::kSkip) return PlaceEnd::kSkip;
+    if (on_bad_ == BadReading::kRepeat && attempts_ < kAttemptsAtPlace) return PlaceEnd::kRepeat;
+    throw no_reading_of(fmt::format("place '{}'", id), fault);
+  }
+
+  ReflectorReadings& readings_;
+  BadReading on_bad_;
+  std::string bad_id_;  ///< the place that is being repeated
+  int attempts_{0};     ///< made there
+};
+
+/// Returns whether a person shows the board.
+bool is_guided(const RecordRequest& request, CellDevices& devices) {
+  return devices.board_presenter() == nullptr && request.board;
+}
+
+class Recorder {
+ public:
+  Recorder(const RecordRequest& request, const BegunRecording& begun, CellDevices& devices,
+           LiveView* display)
+      : cell_(request.cell),
+        begun_(begun),
+        devices_(devices),
+        folder_(request.recording),
+        planner_(joint_planner(cell_)),
+        robot_(planner_.arm(), planner_.transmission(), devices.drives(), devices.clock()),
+        lamps_(CenterMethod::kCannyKasa),
+        lock_(folder_),
+        frames_table_(folder_ / "frames.csv", frames_header()),
+        tracker_table_(folder_ / "tracker.csv", tracker_header()),
+        reflector_(cell_, devices.tracker(), tracker_table_, request.stop),
+        places_(reflector_, request.on_bad_reading),
+        may_home_(request.may_home) {
+    robot_.stop_when(request.stop);
+    if (devices.board_presenter() != nullptr)
+      board_source_ = std::make_unique<PresentedBoard>(*devices.board_presenter(), [this] {
+        devices_.camera().set_region(full_region());
+        return grab();
+      });
+    else if (is_guided(request, devices))
+      board_source_ = std::make_unique<GuidedBoard>(request, begun.ids, devices.camera(),
+                                                    devices.clock(), operator_line_, display);
+    if (!cell_.reference_lamps.empty())
+      expectation_.diameter_over_separation = cell_.lamps.layout.diameter_over_separation();
+  }
+
+  /// Records the rows of the plan but those that the recording holds.
+  RecordReport run(const std::vector<PlanRow>& plan, const std::vector<Joints>& joints) {
+    const auto any_to_read = [&](bool there) {
+      return std::any_of(plan.begin(), plan.end(), [&](const PlanRow& row) {
+        return needs_reading(row.plan) && begun_.has(row) == there;
+      });
+    };
+    const bool reads = any_to_read(false);
+    if (reads && !begun_.has_monuments) reflector_.read_monuments();
+    // Who left after the monuments may have left the reflector there.
+    if (reads && !any_to_read(true) && !cell_.datum.empty()) devices_.tracker().await_tool();
+    for (std::size_t i = 0; i < plan.size(); ++i) {
+      const bool board = shows_board(plan[i].plan);
+      const int view = board ? board_rows_[plan[i].plan]++ : 0;
+      if (begun_.has(plan[i])) {
+        ++report_.present;
+        continue;
+      }
+      place_ = plan[i].id;
+      if (board)
+        record_board(plan[i], view);
+      else
+        record_position(plan[i], joints[i]);
+    }
+    if (reads)
+      report_.monuments = reflector_.read_monuments();
+    else if (begun_.last_monuments)
+      reflector_.read_monuments(*begun_.last_monuments);
+    return report_;
+  }
+
+ private:
+  /// The pictures of one place, saved already, and their rows.
+  struct Pictures {
+    std::string lines;
+    int frames{0}, full_frames{0};
+  };
+
+  void record_board(const PlanRow& row, int view) {
+    Pictures pictures;
+    save(board_source_->take(row, view), row, pictures);
+    board_in_field_ = true;
+    keep(pictures);
+  }
+
+  void record_position(const PlanRow& row, const Joints& theta) {
+    for (PlaceEnd end = PlaceEnd::kRepeat; end == PlaceEnd::kRepeat;) {
+      approach(theta);
+      const TipPose tip = planner_.arm().forward(robot_.commanded_joints());
+      const Pictures pictures = pictures_at(row, tip.p);
+      end = needs_reading(row.plan) ? places_.read(row.id, tip) : PlaceEnd::kKeep;
+      if (end == PlaceEnd::kKeep) keep(pictures);
+      if (end == PlaceEnd::kSkip) report_.skipped.push_back(row.id);
+    }
+  }
+
+  void make_ready() {
+    robot_.energize();
+    home_where_needed(robot_, may_home_, "start with --home, or home them with planar-jog");
+    energized_ = true;
+  }
+
+  void approach(const Joints& theta) {
+    if (board_in_field_) board_source_->clear_field();
+    board_in_field_ = false;
+    if (!energized_) make_ready();
+    // On the way frames only tell that the camera is well; the link carries small ones easily.
+    devices_.camera().set_region(
+        region_round({0.5 * full_region().width, 0.5 * full_region().height}));
+    move_to(theta);
+    devices_.clock().sleep_for_s(cell_.servo.settle_s);
+  }
+
+  void move_to(const Joints& theta) {
+    const double deadline_s = devices_.clock().now_s() + kCameraPatience_s;
+    while (const auto obstacle = try_to_arrive(theta)) {
+      if (obstacle->refused)
+        throw WorkError(
+            fmt::format("{}: {}; move the place in the plan", place_, obstacle->reason));
+      await_camera(obstacle->reason, deadline_s);
+    }
+  }
+
+  std::optional<Obstacle> try_to_arrive(const Joints& theta) {
+    try {
+      return arrive(robot_, planner_, cell_.servo, theta,
+                    [this] { return devices_.camera().fault(); });
+    } catch (const DriveError& error) {
+      throw DriveError(
+          fmt::format("{}: {}; mend the drives, then start again to go on", place_, error.what()));
+    }
+  }
+
+  /// The arm stands. Throws when the camera is not back in time.
+  void await_camera(const std::string& reason, double deadline_s) {
+    if (!wait_for_camera(devices_.camera(), robot_, devices_.clock(), place_, reason, deadline_s))
+      throw WorkError(fmt::format(
+          "{}: {}; the camera was not back within {:.0f} s; mend it, then start again to go on",
+          place_, reason, kCameraPatience_s));
+  }
+
+  Pictures pictures_at(const PlanRow& row, const Eigen::Vector2d& p) {
+    Pictures pictures;
+    set_region_for(p);
+    for (int i = 0; i < cell_.servo.frames_per_measurement; ++i) {
+      Frame frame = grab();
+      if (i == 0) frame = with_lamps(std::move(frame), p);
+      save(frame, row, pictures);
+    }
+    return pictures;
+  }
+
+  void keep(const Pictures& pictures) {
+    frames_table_.append(pictures.lines);
+    report_.frames += pictures.frames;
+    report_.full_frames += pictures.full_frames;
+    ++report_.recorded;
+  }
+
+  /// Where lamps are fixed to the base, a whole frame is taken from time to time to show them.
+  void set_region_for(const Eigen::Vector2d& p) {
+    if (!cell_.reference_lamps.empty() &&
+        devices_.clock().now_s() - whole_frame_s_ >= kReferencePeriod_s)
+      return devices_.camera().set_region(full_region());
+    const auto view = fit_coarse_view(sights_);
+    const auto pixel = view ? view->pixel(p) : std::nullopt;
+    devices_.camera().set_region(pixel ? region_round(*pixel) : full_region());
+  }
+
+  /// Returns the frame itself when both lamps are in it, and otherwise a full frame. The camera's
+  /// region follows the lamps from then on.
+  Frame with_lamps(Frame frame, const Eigen::Vector2d& p) {
+    std::optional<Eigen::Vector2d> middle = middle_of_lamps(frame);
+    if (!middle && frame.region_px != full_region()) {
+      spdlog::debug(
+          fmt::format("{}: the lamps are not in the region; taking a full frame", place_));
+      devices_.camera().set_region(full_region());
+      frame = grab();
+      middle = middle_of_lamps(frame);
+    }
+    if (middle) {
+      sights_.push_back({p, *middle});
+      devices_.camera().set_region(region_round(*middle));
+    } else {
+      report_.without_lamps.push_back(place_);
+    }
+    return frame;
+  }
+
+  std::optional<Eigen::Vector2d> middle_of_lamps(const Frame& frame) {
+    const LampPair pair = lamps_.locate(frame, expectation_);
+    if (pair.status != LampStatus::kOk && pair.status != LampStatus::kAmbiguous)
+      return std::nullopt;
+    return Eigen::Vector2d((pair.lamps[0].uv_px + pair.lamps[1].uv_px) / 2.0);
+  }
+
+  Frame grab() {
+    const double deadline_s = devices_.clock().now_s() + kCameraPatience_s;
+    while (true) {
+      for (int attempt = 0; attempt < kLostFrameRetries; ++attempt) {
+        FrameResult result = devices_.camera().next_frame();
+        if (result.status == FrameStatus::kOk) return std::move(result.frame);
+      }
+      await_camera(fmt::format("the camera delivered no frame in {} attempts", kLostFrameRetries),
+                   deadline_s);
+    }
+  }
+
+  void save(const Frame& frame, const PlanRow& row, Pictures& pictures) {
+    const std::string image = fmt::format("images/{}_{}.pgm", row.id, pictures.frames);
+    std::vector<unsigned char> bytes;
+    cv::imencode(".pgm", frame.image, bytes);
+    write_file(folder_ / image, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+    ++pictures.frames;
+    if (frame.region_px == full_region()) {
+      ++pictures.full_frames;
+      if (!shows_board(row.plan)) whole_frame_s_ = frame.t_s;
+    }
+    const Joints theta = energized_ ? robot_.commanded_joints() : cell_.arm.home;
+    pictures.lines +=
+        frame_line({row.id, image, frame.t_s, row.plan, theta,
+                    planner_.transmission().pulses_from_joints(theta), frame.region_px});
+  }
+
+  cv::Rect region_round(const Eigen::Vector2d& center_px) const {
+    return follow_region(full_region().size(), cell_.camera.follow_region_px, center_px);
+  }
+
+  cv::Rect full_region() const { return {0, 0, cell_.camera.width_px, cell_.camera.height_px}; }
+
+  const CellSettings& cell_;
+  const BegunRecording& begun_;
+  CellDevices& devices_;
+  fs::path folder_;
+  JointPlanner planner_;
+  PlanarRobot robot_;
+  LampTracker lamps_;
+  FolderLock lock_;
+  GrowingFile frames_table_;
+  GrowingFile tracker_table_;
+  ReflectorReadings reflector_;
+  PlaceReadings places_;
+  PairExpectation expectation_;  ///< of lamps among others; empty where there are no others
+  std::vector<CoarseViewRow> sights_;
+  double whole_frame_s_{-std::numeric_limits<double>::infinity()};  ///< time of the last one
+  OperatorLine operator_line_;
+  std::unique_ptr<BoardSource> board_source_;  ///< null where nobody shows the board
+  std::map<Plan, int> board_rows_;
+  bool board_in_field_{false};
+  MayHome may_home_;
+  bool energized_{false};
+  std::string place_;  ///< what is recorded now, the id of its row
+  RecordReport report_;
+};
+
+}  // namespace
+
+RecordReport record(const RecordRequest& request, CellDevices& devices) {
+  require_tracker(request);
+  const std::vector<Joints> joints = joints_of_plan(request.cell, request.plan);
+  drop_torn_line(request.recording / "frames.csv", frames_header());
+  drop_torn_line(request.recording / "tracker.csv", tracker_header());
+  const BegunRecording begun = begun_recording(request, joints);
+  if (devices.board_presenter() == nullptr) require_board(request, begun);
+  const auto display =
+      open_display(is_guided(request, devices) ? request.display : DisplayPolicy::kNone,
+                   request.recording / "view.png", "planar-record");
+  make_folder(request.recording / "images");
+  RecordReport report = Recorder(request, begun, devices, display.get()).run(request.plan, joints);
+  close_display(display.get());
+  return report;
+}
+
+ReportList record_list(const RecordReport& report, const FrameCounts& frames,
+                       const std::filesystem::path& folder) {
+  ReportList list;
+  list.line("",
+            "{recorded} positions recorded ({present} were there before): {frames} frames, "
+            "{full_frames} of them full",
+            report.recorded, report.present, report.frames, report.full_frames);
+  list.line("", fmt::format("recording: {}", folder.string()));
+  list.line("", "camera: " + describe(frames));
+  list.unprinted("frames_incomplete", frames.incomplete);
+  list.unprinted("frames_frozen", frames.frozen);
+  list.unprinted("camera_reopened", frames.reopened);
+  list.unprinted("without_lamps", report.without_lamps);
+  list.line_if(!report.skipped.empty(), "",
+               "left out for want of a reading: {skipped}; start again to record them",
+               report.skipped);
+  return list;
+}
+
+}  // namespace planar

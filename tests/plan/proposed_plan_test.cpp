@@ -1,0 +1,66 @@
+#include "planar_servo/plan/proposed_plan.h"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+
+#include "plan/training_order.h"
+#include "planar_servo/machine/device_kinds.h"
+#include "planar_servo/plan/experiment_plan.h"
+#include "planar_servo/record/recording_start.h"
+#include "support/sample_cells.h"
+
+namespace planar {
+namespace {
+
+long rows_of(const ProposedPlan& plan, Plan kind) {
+  return std::count_if(plan.rows.begin(), plan.rows.end(),
+                       [&](const PlanRow& row) { return row.plan == kind; });
+}
+
+TEST_CASE("A first plan has views, sweeps and places, and the arm can make all of it") {
+  const CellSettings cell = read_cell(test::paper_cell_file());
+  const ProposedPlan plan = propose_plan(cell, 40, {});
+  CHECK(rows_of(plan, Plan::kHeldBoard) >= 10);
+  CHECK(rows_of(plan, Plan::kLaidBoard) == 1);
+  CHECK(rows_of(plan, Plan::kSweep1) + rows_of(plan, Plan::kSweep3) + rows_of(plan, Plan::kTrain) ==
+        40);
+  CHECK_NOTHROW(joints_of_plan(cell, plan.rows));
+  CHECK(plan.after < 0.2 * plan.before);
+  CHECK(plan.worth_reading());
+  CHECK(plan.enough <= rows_of(plan, Plan::kTrain));
+}
+
+TEST_CASE("The order of a plan's places is random in space, and the same every time") {
+  const CellSettings cell = read_cell(test::paper_cell_file());
+  const ProposedPlan plan = propose_plan(cell, 100, {});
+  CHECK(rows_of(plan, Plan::kTrain) == 76);
+  CHECK(test::step_over_distance(plan.rows) > 0.85);
+  CHECK(plan_text(plan.rows) == plan_text(propose_plan(cell, 100, {}).rows));
+}
+
+TEST_CASE("More readings promise more, until they are not worth their time") {
+  const CellSettings cell = read_cell(test::paper_cell_file());
+  CHECK(propose_plan(cell, 100, {}).after < propose_plan(cell, 20, {}).after);
+  ProposedPlan plan;
+  plan.before = 1.0e-3;
+  plan.after = 0.98e-3;
+  CHECK_FALSE(plan.worth_reading());
+  CHECK_THAT(proposal_text(plan), Catch::Contains("stop"));
+}
+
+TEST_CASE("Too few readings for a first plan are refused") {
+  CHECK_THROWS_WITH(propose_plan(read_cell(test::paper_cell_file()), 11, {}),
+                    Catch::Contains("11 tracker readings are too few"));
+}
+
+TEST_CASE("An experiment of N readings takes N, sweeps included") {
+  for (const int readings : {12, 40, 200, 1000}) {
+    const ExperimentSize size = with_readings({}, readings);
+    CHECK(2 * size.sweep_points + size.training_points == readings);
+    CHECK(size.sweep_points >= 4);
+    CHECK(size.sweep_points <= 24);
+  }
+}
+
+}  // namespace
+}  // namespace planar

@@ -1,0 +1,381 @@
+#include "planar_servo/record/recorder.h"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <limits>
+
+#include "planar_servo/devices/separate_drives.h"
+#include "planar_servo/files/tables/frame_table.h"
+#include "planar_servo/files/tables/tracker_table.h"
+#include "planar_servo/io/atomic_file.h"
+#include "planar_servo/machine/device_kinds.h"
+#include "planar_servo/vision/reference_lamps.h"
+#include "support/manual_clock.h"
+#include "support/mock_pulse_drive.h"
+#include "support/sample_cells.h"
+#include "support/temporary_folder.h"
+
+namespace planar {
+namespace {
+
+/// A small dark camera, a tracker that reads zeros, and a board whose views are noted.
+class NotingDevices final : public CellDevices,
+                            public FrameSource,
+                            public Tracker,
+                            public BoardPresenter {
+ public:
+  std::vector<int> held, laid;
+  std::optional<double> camera_dies_s;  ///< on the clock
+  double camera_is_back_s{std::numeric_limits<double>::infinity()};
+
+  bool moves() {
+    const auto status = group_.status();
+    return std::any_of(status.begin(), status.end(), [](const auto& s) { return s.moving; });
+  }
+
+  /// Lets a drive move for ever without arriving.
+  void stall() { drives_[1].stalls = true; }
+
+  Clock& clock() override { return clock_; }
+  FrameSource& camera() override { return *this; }
+  DriveGroup& drives() override { return group_; }
+  Tracker& tracker() override { return *this; }
+  BoardPresenter* board_presenter() override { return this; }
+  std::shared_ptr<Judge> truth() override { return nullptr; }
+
+  cv::Size sensor_size_px() const override { return {64, 64}; }
+  void set_region(const cv::Rect& /*region_px*/) override {}
+  FrameResult next_frame() override {
+    clock_.sleep_for_s(0.1);
+    if (fault()) return {FrameStatus::kTimeout, {}};
+    return {FrameStatus::kOk, {cv::Mat::zeros(64, 64, CV_8UC1), {0, 0, 64, 64}, 0.0, 0}};
+  }
+
+  std::optional<std::string> fault() const override {
+    const double now_s = clock_.now_s();
+    if (!camera_dies_s || now_s < *camera_dies_s || now_s >= camera_is_back_s) return std::nullopt;
+    return "the camera is dead";
+  }
+  FrameCounts counts() const override { return {}; }
+
+  CameraExposure exposure() const override { return {}; }
+  void set_exposure(const CameraExposure& /*exposure*/) override {}
+
+  /// What the tracker says of the tool, one after the other; then readings that follow it.
+  std::vector<TrackerAnswer> answers;
+  std::vector<std::string> asked;  ///< places and monuments, in their order
+
+  TrackerAnswer measure_tool(const std::string& place) override {
+    asked.push_back(place);
+    readings_ += 1.0;
+    if (answers.empty()) return TrackerAnswer::of({0.0, {readings_, 0.0, 0.0}});
+    TrackerAnswer answer = answers.front();
+    answers.erase(answers.begin());
+    return answer;
+  }
+  void await_tool() override { asked.push_back("tool"); }
+  TrackerAnswer measure_monument(const std::string& id) override {
+    asked.push_back(id);
+    return TrackerAnswer::of({});
+  }
+
+  void hold_board(int view) override { held.push_back(view); }
+  void lay_board(int view) override { laid.push_back(view); }
+  void remove_board() override {}
+
+ private:
+  double readings_{0.0};
+  test::ManualClock clock_;
+  std::array<test::MockPulseDrive, 3> drives_{
+      test::MockPulseDrive(clock_), test::MockPulseDrive(clock_), test::MockPulseDrive(clock_)};
+  SeparateDrives group_{{&drives_[0], &drives_[1], &drives_[2]}};
+};
+
+using Ids = std::vector<std::string>;
+
+/// The paper's cell with the camera of NotingDevices.
+CellSettings small_cell() {
+  CellSettings cell = read_cell(test::paper_cell_file());
+  cell.camera.width_px = cell.camera.height_px = 64;
+  return cell;
+}
+
+TEST_CASE("A recording that was broken off goes on with the board's next views") {
+  const test::TemporaryFolder folder;
+  RecordRequest request{small_cell(), {}, folder.path() / "recording"};
+  for (const char* id : {"g0", "g1"})
+    request.plan.push_back({id, Plan::kHeldBoard, std::monostate()});
+  request.plan.push_back({"p0", Plan::kLaidBoard, std::monostate()});
+  NotingDevices first;
+  CHECK(record(request, first).recorded == 3);
+  CHECK(first.held == std::vector<int>{0, 1});
+  CHECK(first.laid == std::vector<int>{0});
+
+  for (const char* id : {"g2", "g3"})
+    request.plan.push_back({id, Plan::kHeldBoard, std::monostate()});
+  NotingDevices second;
+  const RecordReport report = record(request, second);
+  CHECK(report.present == 3);
+  CHECK(report.recorded == 2);
+  CHECK(second.held == std::vector<int>{2, 3});
+  CHECK(second.laid.empty());
+}
+
+TEST_CASE(
+    "A camera that is not back within a minute ends the recording, which can be gone on with") {
+  const test::TemporaryFolder folder;
+  RecordRequest request{small_cell(), {}, folder.path() / "recording"};
+  request.plan.push_back({"g0", Plan::kHeldBoard, std::monostate()});
+  request.plan.push_back({"t0", Plan::kTrain, TipPose{{-0.2, 0.3}, 0.0}});
+  NotingDevices devices;
+  devices.camera_dies_s = devices.clock().now_s() + 0.5;  // the move takes seconds
+  CHECK_THROWS_WITH(record(request, devices),
+                    Catch::Contains("t0: the camera is dead") &&
+                        Catch::Contains("not back within 60 s; mend it, then start again"));
+  CHECK(devices.clock().now_s() < *devices.camera_dies_s + 62.0);
+  CHECK_FALSE(devices.moves());
+  NotingDevices again;
+  CHECK(record(request, again).present == 1);
+}
+
+TEST_CASE("A camera that fails on the way or at a place is waited for, and the recording goes on") {
+  const test::TemporaryFolder folder;
+  RecordRequest request{small_cell(), {}, folder.path() / "recording"};
+  request.plan.push_back({"g0", Plan::kHeldBoard, std::monostate()});
+  request.plan.push_back({"t0", Plan::kTrain, TipPose{{-0.2, 0.3}, 0.0}});
+  NotingDevices devices;
+  devices.camera_dies_s = devices.clock().now_s() + GENERATE(-1.0, 0.5);
+  devices.camera_is_back_s = *devices.camera_dies_s + 30.0;
+  CHECK(record(request, devices).recorded == 2);
+  CHECK(devices.clock().now_s() >= devices.camera_is_back_s);
+}
+
+TEST_CASE("A cell with fixed lamps is recorded with a whole frame twice a minute") {
+  const test::TemporaryFolder folder;
+  RecordRequest request{read_cell(test::workshop_cell_file()), {}, folder.path() / "recording"};
+  request.cell.servo.settle_s = 4.0;
+  for (int i = 0; i < 24; ++i)
+    request.plan.push_back(
+        {"t" + std::to_string(i), Plan::kTrain, TipPose{0.3 * rotation2d(0.25 * i).col(0), 0.0}});
+  record(request, *open_cell(request.cell));
+  std::vector<double> whole_s;
+  const std::vector<FrameRow> frames = read_frames(request.recording);
+  for (const FrameRow& frame : frames)
+    if (frame.region_px.width == request.cell.camera.width_px) whole_s.push_back(frame.t_s);
+  REQUIRE(whole_s.size() > 3);
+  CHECK(whole_s.size() < frames.size() / 3);
+  const double place_s = frames.back().t_s / static_cast<double>(request.plan.size());
+  for (std::size_t i = 1; i < whole_s.size(); ++i)
+    CHECK(whole_s[i] - whole_s[i - 1] < kReferencePeriod_s + 2.0 * place_s);
+  CHECK(frames.back().t_s - whole_s.back() < kReferencePeriod_s + 2.0 * place_s);
+}
+
+TEST_CASE("The monuments are read before the arm moves and once more at the end") {
+  const test::TemporaryFolder folder;
+  RecordRequest request{small_cell(), {}, folder.path() / "recording"};
+  request.plan.push_back({"t0", Plan::kTrain, TipPose{{-0.2, 0.3}, 0.0}});
+  NotingDevices devices;
+  record(request, devices);
+  std::string order;
+  for (const TrackerRow& row : read_tracker(request.recording / "tracker.csv"))
+    order += row.id == "t0" ? 't' : 'm';
+  CHECK(order == std::string(15, 'm') + 't' + std::string(15, 'm'));
+}
+
+TEST_CASE("What is missing of the monuments at the end is read by the next run, and no more") {
+  const test::TemporaryFolder folder;
+  RecordRequest request{small_cell(), {}, folder.path() / "recording"};
+  request.plan.push_back({"t0", Plan::kTrain, TipPose{{-0.2, 0.3}, 0.0}});
+  NotingDevices devices;
+  record(request, devices);
+  const std::filesystem::path table = request.recording / "tracker.csv";
+  const std::string whole = read_file(table);
+  std::string torn = whole;
+  for (int i = 0; i < 7; ++i) torn.erase(torn.rfind('\n', torn.size() - 2) + 1);
+  write_file(table, torn + "datum");
+  NotingDevices again;
+  const RecordReport report = record(request, again);
+  CHECK(report.recorded == 0);
+  CHECK(report.monuments.empty());
+  CHECK(again.asked.size() == 7);
+  CHECK(read_file(table) == whole);
+  NotingDevices third;
+  record(request, third);
+  CHECK(third.asked.empty());
+}
+
+TEST_CASE("Drives that do not arrive name the place, and the recording can be gone on with") {
+  const test::TemporaryFolder folder;
+  RecordRequest request{small_cell(), {}, folder.path() / "recording"};
+  request.plan.push_back({"t0", Plan::kTrain, TipPose{{-0.2, 0.3}, 0.0}});
+  NotingDevices devices;
+  devices.stall();
+  CHECK_THROWS_WITH(record(request, devices),
+                    Catch::StartsWith("t0: the drives have not arrived after ") &&
+                        Catch::EndsWith("start again to go on"));
+  NotingDevices mended;
+  CHECK(record(request, mended).recorded == 1);
+}
+
+TEST_CASE("Who left after the monuments is asked for the reflector on the tool, later nobody is") {
+  const test::TemporaryFolder folder;
+  RecordRequest request{small_cell(), {}, folder.path() / "recording"};
+  request.plan = {{"u0", Plan::kPose, TipPose{{-0.2, 0.3}, 0.0}}};
+  NotingDevices unattended;
+  record(request, unattended);
+  request.plan.push_back({"t0", Plan::kTrain, TipPose{{-0.2, 0.3}, 0.0}});
+  const auto asked_before_a_failure = [&](double camera_dies_s) {
+    NotingDevices devices;
+    devices.camera_dies_s = camera_dies_s;
+    CHECK_THROWS_AS(record(request, devices), WorkError);
+    return devices.asked;
+  };
+  CHECK(asked_before_a_failure(0.0).back() == "tool");
+  CHECK(asked_before_a_failure(0.0) == Ids{"tool"});
+  NotingDevices devices;
+  record(request, devices);
+  CHECK(devices.asked.front() == "tool");
+  request.plan.push_back({"t1", Plan::kTrain, TipPose{{0.2, 0.3}, 0.0}});
+  NotingDevices later;
+  record(request, later);
+  CHECK(later.asked.front() == "t1");
+}
+
+TEST_CASE("No reading is asked for at a pose that only the camera watches") {
+  const test::TemporaryFolder folder;
+  RecordRequest request{small_cell(), {}, folder.path() / "recording"};
+  request.plan.push_back({"t0", Plan::kTrain, TipPose{{-0.2, 0.3}, 0.0}});
+  request.plan.push_back({"u0", Plan::kPose, TipPose{{-0.2, 0.2}, 0.4}});
+  NotingDevices devices;
+  CHECK(record(request, devices).recorded == 2);
+  const auto frames = read_frames(request.recording);
+  CHECK(frames.back().id == "u0");
+  CHECK(frames.back().plan == Plan::kPose);
+  for (const TrackerRow& row : read_tracker(request.recording / "tracker.csv"))
+    CHECK(row.id != "u0");
+}
+
+TEST_CASE("A recording is not gone on with by another plan or another cell") {
+  const test::TemporaryFolder folder;
+  RecordRequest request{small_cell(), {}, folder.path() / "recording"};
+  request.plan.push_back({"t0", Plan::kTrain, TipPose{{-0.2, 0.3}, 0.0}});
+  request.plan.push_back({"t1", Plan::kTrain, TipPose{{0.2, 0.3}, 0.0}});
+  NotingDevices devices;
+  record(request, devices);
+  const auto again = [&](const auto& change) {
+    RecordRequest other = request;
+    change(other);
+    NotingDevices fresh;
+    record(other, fresh);
+  };
+  CHECK_NOTHROW(again([](RecordRequest& r) {
+    r.plan.push_back({"t2", Plan::kTest, TipPose{{0.1, 0.3}, 0.0}});
+  }));
+  CHECK_THROWS_WITH(
+      again([](RecordRequest& r) {
+        r.plan[1].where = TipPose{{0.2, 0.31}, 0.0};
+      }),
+      Catch::Contains("'t1' went to") && Catch::Contains("this plan and cell send it to"));
+  CHECK_THROWS_WITH(again([](RecordRequest& r) { r.plan[0].plan = Plan::kTest; }),
+                    Catch::Contains("'t0' is of plan train, and of plan test in this one"));
+  CHECK_THROWS_WITH(again([](RecordRequest& r) { r.cell.arm.geometry.link_lengths_m.x() += 1e-3; }),
+                    Catch::Contains("'t0' went to") && Catch::Contains("name another folder"));
+  CHECK_THROWS_WITH(
+      again([](RecordRequest& r) { r.cell.transmission.drives[0].gear_ratio *= 1.01; }),
+      Catch::Contains("where this cell's drives go to"));
+  CHECK_THROWS_WITH(again([](RecordRequest& r) { r.cell.camera.width_px = 128; }),
+                    Catch::Contains("begins with an image of 64 x 64 px"));
+  CHECK_THROWS_WITH(again([](RecordRequest& r) {
+                      r.cell.datum.push_back({"d9", {0.0, 0.0, 0.0}});
+                    }),
+                    Catch::Contains("no reading of the monument 'd9'"));
+}
+
+RecordRequest two_places(const test::TemporaryFolder& folder) {
+  RecordRequest request{small_cell(), {}, folder.path() / "recording"};
+  request.plan.push_back({"t0", Plan::kTrain, TipPose{{-0.2, 0.3}, 0.0}});
+  request.plan.push_back({"t1", Plan::kTrain, TipPose{{0.2, 0.3}, 0.0}});
+  return request;
+}
+
+std::vector<std::string> ids_in_tables(const RecordRequest& request) {
+  std::vector<std::string> ids;
+  for (const FrameRow& row : read_frames(request.recording))
+    if (ids.empty() || ids.back() != row.id) ids.push_back(row.id);
+  for (const TrackerRow& row : read_tracker(request.recording / "tracker.csv"))
+    if (row.id[0] == 't') ids.push_back(row.id);
+  return ids;
+}
+
+TEST_CASE("A place without a good reading is taken again, and the third failure ends the work") {
+  const test::TemporaryFolder folder;
+  const RecordRequest request = two_places(folder);
+  NotingDevices devices;
+  devices.answers = {TrackerAnswer::failed("the beam is broken"),
+                     TrackerAnswer::failed("the beam is broken")};
+  CHECK(record(request, devices).recorded == 2);
+  CHECK(ids_in_tables(request) == Ids{"t0", "t1", "t0", "t1"});
+
+  const test::TemporaryFolder other;
+  NotingDevices blind;
+  blind.answers.assign(3, TrackerAnswer::failed("the beam is broken"));
+  CHECK_THROWS_WITH(record(two_places(other), blind),
+                    Catch::Contains("'t0': the beam is broken") && Catch::Contains("start again"));
+  CHECK_FALSE(blind.moves());
+}
+
+TEST_CASE("A place is left out on request, and the next run takes it") {
+  const test::TemporaryFolder folder;
+  RecordRequest request = two_places(folder);
+  request.on_bad_reading = BadReading::kSkip;
+  NotingDevices devices;
+  devices.answers = {TrackerAnswer::failed("the beam is broken")};
+  CHECK(record(request, devices).skipped == Ids{"t0"});
+  CHECK(ids_in_tables(request) == Ids{"t1", "t1"});
+  NotingDevices again;
+  CHECK(record(request, again).recorded == 1);
+  CHECK(ids_in_tables(request) == Ids{"t1", "t0", "t1", "t0"});
+  request.on_bad_reading = BadReading::kStop;
+  request.plan.push_back({"t2", Plan::kTrain, TipPose{{0.1, 0.3}, 0.0}});
+  again.answers = {TrackerAnswer::failed("the beam is broken")};
+  CHECK_THROWS_WITH(record(request, again), Catch::Contains("no reading of the place 't2'"));
+}
+
+TEST_CASE("A reading that stays while the tool moves is a repeated one and named") {
+  const test::TemporaryFolder folder;
+  const RecordRequest request = two_places(folder);
+  NotingDevices devices;
+  devices.answers.assign(4, TrackerAnswer::of({0.0, {2.5, 0.0, 0.0}}));
+  CHECK_THROWS_WITH(record(request, devices),
+                    Catch::Contains("'t1': the reading repeats that of 't0'") &&
+                        Catch::Contains("while the tool moved 400.0 mm"));
+}
+
+TEST_CASE("Somebody who measures by hand may skip a place, repeat it, or keep the reading") {
+  const test::TemporaryFolder folder;
+  const RecordRequest request = two_places(folder);
+  NotingDevices devices;
+  devices.answers = {
+      {TrackerStatus::kRepeat}, {TrackerStatus::kElsewhere}, {TrackerStatus::kSkipped}};
+  CHECK(record(request, devices).skipped == Ids{"t1"});
+  CHECK(ids_in_tables(request) == Ids{"t0"});
+}
+
+TEST_CASE("Without a tracker what asks for a reading is refused, and the rest is recorded") {
+  const test::TemporaryFolder folder;
+  RecordRequest request = two_places(folder);
+  for (const TrackerKind* kind : device_kinds().trackers)
+    if (!kind->measures()) request.cell.tracker.kind = kind;
+  NotingDevices devices;
+  CHECK_THROWS_WITH(record(request, devices),
+                    Catch::Contains("2 rows of the plan ask for a tracker reading, 't0'") &&
+                        Catch::Contains("the plan pose"));
+  CHECK_FALSE(std::filesystem::exists(request.recording));
+  request.plan = {{"g0", Plan::kHeldBoard, std::monostate()},
+                  {"u0", Plan::kPose, TipPose{{-0.2, 0.3}, 0.0}}};
+  CHECK(record(request, devices).recorded == 2);
+  CHECK(devices.asked.empty());
+}
+
+}  // namespace
+}  // namespace planar
