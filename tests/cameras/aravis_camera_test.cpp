@@ -8,7 +8,7 @@
 #include "planar_servo/cameras/aravis/camera_inspection.h"
 #include "planar_servo/core/clock.h"
 #include "planar_servo/core/error.h"
-#include "planar_servo/served_cell/aravis_gige_camera.h"
+#include "planar_servo/rehearsal/gige_camera.h"
 #include "support/in_the_end.h"
 #include "support/scene_sensor.h"
 
