@@ -13,7 +13,6 @@
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/io/growing_file.h"
 #include "planar_servo/machine/device_kinds.h"
-#include "planar_servo/machine/virtual_kinds.h"
 #include "planar_servo/rehearsal/cell_commands.h"
 #include "planar_servo/rehearsal/served_cell.h"
 #include "planar_servo/virtual_cell/truth/truth.h"

@@ -2,7 +2,6 @@
 
 #include <catch2/catch.hpp>
 
-#include "planar_servo/cameras/aravis/camera_inspection.h"
 #include "planar_servo/cameras/aravis/camera_path.h"
 #include "support/temporary_folder.h"
 

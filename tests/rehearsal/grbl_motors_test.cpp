@@ -6,7 +6,6 @@
 #include "planar_servo/core/clock.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/machine/device_kinds.h"
-#include "planar_servo/machine/virtual_kinds.h"
 #include "planar_servo/rehearsal/served_cell.h"
 #include "planar_servo/virtual_cell/truth/truth_file.h"
 #include "support/eventually.h"

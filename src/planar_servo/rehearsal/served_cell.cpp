@@ -7,7 +7,7 @@
 #include "planar_servo/core/units.h"
 #include "planar_servo/io/folder_lock.h"
 #include "planar_servo/machine/cell_devices.h"
-#include "planar_servo/machine/virtual_kinds.h"
+#include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/rehearsal/cell_commands.h"
 #include "planar_servo/rehearsal/gige_camera.h"
 #include "planar_servo/rehearsal/grbl_motors.h"

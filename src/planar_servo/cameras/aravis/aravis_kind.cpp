@@ -2,7 +2,6 @@
 
 #include "planar_servo/cameras/aravis/aravis_camera.h"
 #include "planar_servo/cameras/aravis/aravis_doctor.h"
-#include "planar_servo/cameras/aravis/pixel_format.h"
 #include "planar_servo/core/names.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/io/fields.h"
