@@ -5,7 +5,7 @@
 #include <memory>
 #include <thread>
 
-#include "planar_servo/cameras/aravis/aravis_doctor.h"
+#include "planar_servo/cameras/aravis/aravis_kind.h"
 #include "planar_servo/core/clock.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/rehearsal/gige_camera.h"

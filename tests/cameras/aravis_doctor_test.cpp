@@ -1,4 +1,4 @@
-#include "planar_servo/cameras/aravis/aravis_doctor.h"
+#include "planar_servo/cameras/aravis/aravis_kind.h"
 
 #include <catch2/catch.hpp>
 

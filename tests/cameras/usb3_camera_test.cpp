@@ -6,7 +6,7 @@
 #include <thread>
 
 #include "planar_servo/cameras/aravis/aravis_camera.h"
-#include "planar_servo/cameras/aravis/aravis_doctor.h"
+#include "planar_servo/cameras/aravis/aravis_kind.h"
 #include "planar_servo/cameras/aravis/aravis_settings.h"
 #include "planar_servo/cameras/aravis/camera_path.h"
 #include "planar_servo/core/clock.h"

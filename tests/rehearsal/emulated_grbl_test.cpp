@@ -85,7 +85,7 @@ TEST_CASE("An emulated board turns its motors to where jogs lead, and reports wh
 }
 
 TEST_CASE("An emulated board brakes for a cancelled jog, and reads no line before it rests") {
-  SpokenBoard bench({{120, 20}});
+  SpokenBoard bench(EmulatedGrbl::Settings{{120, 20}});
   CHECK(bench.answers("$J=G53X50F500", "ok"));
   REQUIRE(eventually([&] { return bench.board.shafts().x() > 100; }));
   bench.say("\x85");
@@ -128,7 +128,7 @@ TEST_CASE("An emulated board finds its home switches, and says when it has none"
 }
 
 TEST_CASE("An emulated board that is reset on its way forgets where it stands") {
-  SpokenBoard bench({{22, 1}});
+  SpokenBoard bench(EmulatedGrbl::Settings{{22, 1}});
   CHECK(bench.answers("$X", "ok"));
   CHECK(bench.answers("$J=G53X50F500", "ok"));
   REQUIRE(eventually([&] { return bench.board.shafts().x() > 50; }));

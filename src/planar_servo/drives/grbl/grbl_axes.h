@@ -9,7 +9,6 @@
 #include "planar_servo/core/clock.h"
 #include "planar_servo/drives/grbl/grbl_board.h"
 #include "planar_servo/drives/grbl/grbl_protocol.h"
-#include "planar_servo/drives/grbl/grbl_settings.h"
 #include "planar_servo/drives/grbl/jog_path.h"
 
 namespace planar {

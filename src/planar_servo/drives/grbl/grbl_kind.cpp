@@ -10,7 +10,6 @@
 #include "planar_servo/core/units.h"
 #include "planar_servo/drives/grbl/grbl_board.h"
 #include "planar_servo/drives/grbl/grbl_drives.h"
-#include "planar_servo/drives/grbl/serial_line.h"
 #include "planar_servo/drives/home_fields.h"
 #include "planar_servo/io/fields.h"
 

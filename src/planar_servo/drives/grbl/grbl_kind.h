@@ -4,7 +4,7 @@
 
 #include "planar_servo/cell/cell_settings.h"
 #include "planar_servo/cell/finding.h"
-#include "planar_servo/drives/grbl/grbl_settings.h"
+#include "planar_servo/drives/grbl/grbl_protocol.h"
 
 namespace planar {
 
