@@ -1,5 +1,6 @@
 #include <catch2/catch.hpp>
 #include <fstream>
+#include <thread>
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/io/atomic_file.h"
