@@ -89,11 +89,12 @@ TEST_CASE("An emulated board brakes for a cancelled jog, and reads no line befor
   CHECK(bench.answers("$J=G53X50F500", "ok"));
   REQUIRE(eventually([&] { return bench.board.shafts().x() > 100; }));
   bench.say("\x85");
-  CHECK(bench.answers("$J=G53X0F500", "ok"));
+  CHECK(bench.answers("$1=255", "ok"));
   const Shafts rest = bench.board.shafts();
   CHECK(rest.x() > 100);
   CHECK(rest.x() < 12500);
-  CHECK(eventually([&] { return bench.board.shafts() == Shafts(0, 0, 0); }));
+  CHECK(bench.is("Idle|"));
+  CHECK(bench.board.shafts() == rest);
 }
 
 TEST_CASE("An emulated board holds and resumes by single bytes") {
