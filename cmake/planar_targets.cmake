@@ -6,13 +6,28 @@ add_library(planar_options INTERFACE)
 target_compile_features(planar_options INTERFACE cxx_std_17)
 target_compile_options(planar_options INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Wnon-virtual-dtor
-  -Woverloaded-virtual -Wold-style-cast -Werror)
+  -Woverloaded-virtual -Wold-style-cast -Werror -ffunction-sections -fdata-sections)
 target_include_directories(planar_options INTERFACE ${PROJECT_SOURCE_DIR}/src)
 
+# These need 150 to 250 further libraries, such as GDAL, and so take up to 0.15 s of a program's start.
+# planar_light() keeps them away from programs that do not call them.
+set(weighty visp_robot visp_vision visp_io opencv_imgcodecs)
+
+# planar_weigh(LIST): replaces weighty libraries in the list by themselves for all but light programs.
+function(planar_weigh list)
+  foreach(library ${weighty})
+    list(TRANSFORM ${list} REPLACE "^${library}$"
+         "$<$<NOT:$<BOOL:$<TARGET_PROPERTY:PLANAR_LIGHT>>>:${library}>")
+  endforeach()
+  set(${list} "${${list}}" PARENT_SCOPE)
+endfunction()
+
 # ViSP's package publishes plain variables; this target carries its headers as system headers.
+set(visp visp_core visp_blob visp_robot visp_vs)
+planar_weigh(visp)
 add_library(planar_visp INTERFACE)
 target_include_directories(planar_visp SYSTEM INTERFACE ${VISP_INCLUDE_DIRS})
-target_link_libraries(planar_visp INTERFACE visp_core visp_blob visp_robot visp_vs)
+target_link_libraries(planar_visp INTERFACE ${visp})
 
 # planar_precompiled(NAME LINKS packages HEADERS their headers ...): headers that many files include,
 # compiled once for the targets that planar_precompile() names. A file still includes what it uses.
@@ -54,6 +69,8 @@ function(planar_room name)
       message(FATAL_ERROR "the room ${name} links ${link}, which does not stand above it")
     endif()
   endforeach()
+  set(private_links ${ROOM_PRIVATE_LINKS})
+  planar_weigh(private_links)
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS *.cpp)
   if(sources)
     add_library(planar_${name} STATIC ${sources})
@@ -61,7 +78,7 @@ function(planar_room name)
                           UNITY_BUILD ${PLANAR_UNITY} UNITY_BUILD_BATCH_SIZE 12)
     target_compile_features(planar_${name} PUBLIC cxx_std_17)
     target_link_libraries(planar_${name} PUBLIC $<BUILD_INTERFACE:planar_options> ${ROOM_LINKS}
-                                         PRIVATE ${ROOM_PRIVATE_LINKS})
+                                         PRIVATE ${private_links})
     set(headers planar_plain_headers)
     foreach(link ${ROOM_LINKS} ${ROOM_PRIVATE_LINKS})
       get_property(pixels GLOBAL PROPERTY PLANAR_PIXELS_${link})
@@ -131,6 +148,17 @@ function(planar_program name)
   install(TARGETS planar-${name})
 endfunction()
 
+# planar_light(NAME [LIBRARY...]): links the program planar-NAME without functions that it does not
+# call and without the weighty libraries that only those need, except for these. A call that needs
+# another one is then an undefined reference. Only an optimiser leaves out enough of what is not called.
+function(planar_light name)
+  if(CMAKE_BUILD_TYPE STREQUAL Release)
+    set_target_properties(planar-${name} PROPERTIES PLANAR_LIGHT ON)
+    target_link_options(planar-${name} PRIVATE -Wl,--gc-sections)
+    target_link_libraries(planar-${name} PRIVATE ${ARGN})
+  endif()
+endfunction()
+
 # CMake splits the name of a test case at a semicolon; what it then asks for does not exist and must
 # not pass for a test.
 set(must_match --warn NoTests)
@@ -180,7 +208,7 @@ function(planar_gige_test name)
   add_executable(${name}_test ${TEST_SOURCES})
   set_target_properties(${name}_test PROPERTIES CXX_STANDARD 17 CXX_EXTENSIONS OFF
     CROSSCOMPILING_EMULATOR ${PROJECT_SOURCE_DIR}/tests/support/loopback_only.sh)
-  target_link_libraries(${name}_test PRIVATE planar_test_main planar_gige_guard planar_served_cell
+  target_link_libraries(${name}_test PRIVATE planar_test_main planar_gige_guard planar_rehearsal
                                              ${TEST_LINKS})
   planar_precompile(${name}_test planar_test_headers)
   catch_discover_tests(${name}_test TEST_PREFIX "${name}: " EXTRA_ARGS ${must_match}

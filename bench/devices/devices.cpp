@@ -20,7 +20,7 @@
 #include "planar_servo/files/vision_files.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/machine/device_kinds.h"
-#include "planar_servo/served_cell/served_cell.h"
+#include "planar_servo/rehearsal/served_cell.h"
 #include "planar_servo/servo/control_law.h"
 #include "planar_servo/vision/lamp_tip_sensor.h"
 

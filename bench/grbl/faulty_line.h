@@ -9,8 +9,8 @@
 #include <thread>
 
 #include "planar_servo/core/clock.h"
-#include "planar_servo/drives/grbl/serial_line.h"
-#include "planar_servo/emulation/pty_port.h"
+#include "planar_servo/drives/grbl/grbl_board.h"
+#include "planar_servo/rehearsal/pty_port.h"
 
 namespace planar {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "planar_servo/virtual_cell/motion/motion_profile.h"
+#include "planar_servo/virtual_cell/virtual_drive.h"
 
 namespace planar {
 namespace {

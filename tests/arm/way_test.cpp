@@ -4,7 +4,7 @@
 
 #include "planar_servo/arm/joint_planner.h"
 #include "planar_servo/core/units.h"
-#include "planar_servo/virtual_cell/motion/motion_profile.h"
+#include "planar_servo/virtual_cell/virtual_drive.h"
 
 namespace planar {
 namespace {

@@ -5,10 +5,10 @@
 #include <memory>
 #include <thread>
 
-#include "planar_servo/cameras/aravis/camera_inspection.h"
+#include "planar_servo/cameras/aravis/aravis_kind.h"
 #include "planar_servo/core/clock.h"
 #include "planar_servo/core/error.h"
-#include "planar_servo/served_cell/aravis_gige_camera.h"
+#include "planar_servo/rehearsal/gige_camera.h"
 #include "support/in_the_end.h"
 #include "support/scene_sensor.h"
 

@@ -1,8 +1,7 @@
-#include "planar_servo/cameras/aravis/aravis_doctor.h"
+#include "planar_servo/cameras/aravis/aravis_kind.h"
 
 #include <catch2/catch.hpp>
 
-#include "planar_servo/cameras/aravis/camera_inspection.h"
 #include "planar_servo/cameras/aravis/camera_path.h"
 #include "support/temporary_folder.h"
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "planar_servo/core/units.h"
-#include "planar_servo/machine/virtual_kinds.h"
+#include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/virtual_cell/truth/truth_file.h"
 #include "planar_servo/virtual_cell/virtual_hardware.h"
 

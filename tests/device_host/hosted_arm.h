@@ -7,7 +7,7 @@
 
 #include "device_host/wire_tap.h"
 #include "planar_servo/cell/cell_settings.h"
-#include "planar_servo/served_cell/live_cell.h"
+#include "planar_servo/rehearsal/live_cell.h"
 #include "support/emulated_tic.h"
 
 namespace planar::test {

@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 #include <random>
 
-#include "planar_servo/drives/grbl/grbl_doctor.h"
+#include "planar_servo/drives/grbl/grbl_kind.h"
 #include "support/eventually.h"
 #include "support/grbl_bench.h"
 

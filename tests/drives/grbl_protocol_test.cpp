@@ -3,7 +3,6 @@
 #include <catch2/catch.hpp>
 #include <random>
 
-#include "planar_servo/drives/grbl/grbl_settings.h"
 #include "support/grbl_bench.h"
 
 namespace planar::grbl {

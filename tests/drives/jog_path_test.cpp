@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "planar_servo/drives/grbl/grbl_settings.h"
+#include "planar_servo/drives/grbl/grbl_protocol.h"
 
 namespace planar {
 namespace {

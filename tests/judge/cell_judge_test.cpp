@@ -6,7 +6,6 @@
 #include "planar_servo/core/pose.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/machine/device_kinds.h"
-#include "planar_servo/machine/virtual_kinds.h"
 #include "support/sample_cells.h"
 #include "support/temporary_folder.h"
 
@@ -201,14 +200,13 @@ TEST_CASE("A tracker judges a tool that is not seen only by an arm that it may s
 }
 
 TEST_CASE("A cell that nobody can judge is refused with a remedy") {
-  const NoTrackerKind none;
   CellSettings cell = real_cell();
   ToolOffsets unseen;
   unseen.reflector_known = false;
   CHECK_THROWS_WITH(judge_of(cell, unseen), Catch::Contains("calibrate with the tracker"));
   cell.datum.pop_back();
   CHECK_THROWS_WITH(judge_of(cell, sample_tool()), Catch::Contains("datum has 2 monuments"));
-  cell.tracker.kind = &none;
+  cell.tracker.kind = test::named(device_kinds().trackers, "none");
   CHECK_THROWS_WITH(judge_of(cell, sample_tool()), Catch::Contains("name its source"));
 }
 

@@ -3,7 +3,6 @@
 #include <catch2/catch.hpp>
 #include <opencv2/core.hpp>
 
-#include "planar_servo/cameras/files/files_kind.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/machine/device_kinds.h"
@@ -16,8 +15,7 @@ namespace {
 
 TEST_CASE("A cell whose frames are files is not opened, and it is said what reads pictures") {
   CellSettings cell = read_cell(test::paper_cell_file());
-  const FilesKind files;
-  cell.camera.kind = &files;
+  cell.camera.kind = test::named(device_kinds().cameras, "files");
   CHECK_THROWS_AS(open_cell(cell), InputError);
   CHECK_THROWS_WITH(open_cell(cell), Catch::Contains("planar-locate-lamps IMAGE..."));
 }

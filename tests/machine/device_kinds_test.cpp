@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 
 #include "planar_servo/core/error.h"
-#include "planar_servo/devices/separate_drives.h"
+#include "planar_servo/devices/drive_group.h"
 #include "planar_servo/files/cell_file.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/io/fields.h"

@@ -4,7 +4,7 @@
 #include <catch2/catch.hpp>
 #include <limits>
 
-#include "planar_servo/devices/separate_drives.h"
+#include "planar_servo/devices/drive_group.h"
 #include "planar_servo/files/tables/frame_table.h"
 #include "planar_servo/files/tables/tracker_table.h"
 #include "planar_servo/io/atomic_file.h"

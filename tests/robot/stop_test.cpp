@@ -2,9 +2,9 @@
 #include <cmath>
 #include <random>
 
-#include "planar_servo/devices/separate_drives.h"
+#include "planar_servo/devices/drive_group.h"
 #include "planar_servo/robot/planar_robot.h"
-#include "planar_servo/virtual_cell/motion/virtual_drive.h"
+#include "planar_servo/virtual_cell/virtual_drive.h"
 #include "support/manual_clock.h"
 #include "support/robot_bench.h"
 

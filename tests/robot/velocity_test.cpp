@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "planar_servo/core/units.h"
-#include "planar_servo/robot/velocity_move.h"
+#include "planar_servo/robot/planar_robot.h"
 #include "support/robot_bench.h"
 
 namespace planar {

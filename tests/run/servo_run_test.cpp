@@ -4,7 +4,7 @@
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
-#include "planar_servo/devices/separate_drives.h"
+#include "planar_servo/devices/drive_group.h"
 #include "planar_servo/files/tables/step_table.h"
 #include "planar_servo/files/tool_file.h"
 #include "planar_servo/files/workplane_file.h"

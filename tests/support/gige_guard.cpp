@@ -4,7 +4,7 @@
 #include <cstdlib>
 
 #include "planar_servo/core/error.h"
-#include "planar_servo/served_cell/aravis_gige_camera.h"
+#include "planar_servo/rehearsal/gige_camera.h"
 
 namespace {
 

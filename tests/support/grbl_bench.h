@@ -3,7 +3,7 @@
 #include <map>
 
 #include "planar_servo/drives/grbl/grbl_drives.h"
-#include "planar_servo/emulation/emulated_grbl.h"
+#include "support/faulty_grbl.h"
 #include "support/temporary_folder.h"
 
 namespace planar::test {
@@ -37,7 +37,7 @@ struct GrblBench {
   }
 
   TemporaryFolder folder;
-  EmulatedGrbl board;
+  FaultyGrbl board;
   GrblSettings settings;
 };
 

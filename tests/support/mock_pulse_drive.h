@@ -7,7 +7,7 @@
 
 #include "planar_servo/core/clock.h"
 #include "planar_servo/core/error.h"
-#include "planar_servo/devices/pulse_drive.h"
+#include "planar_servo/devices/drive_group.h"
 
 namespace planar::test {
 

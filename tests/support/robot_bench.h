@@ -7,7 +7,7 @@
 #include <initializer_list>
 
 #include "planar_servo/core/units.h"
-#include "planar_servo/devices/separate_drives.h"
+#include "planar_servo/devices/drive_group.h"
 #include "planar_servo/robot/planar_robot.h"
 #include "support/manual_clock.h"
 #include "support/mock_pulse_drive.h"

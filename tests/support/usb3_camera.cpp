@@ -1,12 +1,11 @@
 #include "support/usb3_camera.h"
 
+#include <arv.h>
 #include <endian.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
-
-#include "planar_servo/served_cell/aravis_sensor.h"
 
 namespace planar::test {
 namespace {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/served_cell/exposure.h"
+#include "planar_servo/rehearsal/gige_camera.h"
 #include "support/grey_formats.h"
 #include "support/mock_usb.h"
 

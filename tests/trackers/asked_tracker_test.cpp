@@ -1,4 +1,4 @@
-#include "planar_servo/trackers/ask/asked_tracker.h"
+#include "planar_servo/trackers/asked_tracker.h"
 
 #include <poll.h>
 #include <pty.h>

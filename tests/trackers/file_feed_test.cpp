@@ -1,4 +1,4 @@
-#include "planar_servo/trackers/file/file_feed.h"
+#include "planar_servo/trackers/line_feeds.h"
 
 #include <catch2/catch.hpp>
 #include <fstream>

@@ -1,4 +1,4 @@
-#include "planar_servo/trackers/stream/rest_window.h"
+#include "planar_servo/trackers/stream_tracker.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "planar_servo/trackers/stream/stream_tracker.h"
+#include "planar_servo/trackers/stream_tracker.h"
 
 #include <fmt/format.h>
 #include <unistd.h>

@@ -1,4 +1,4 @@
-#include "planar_servo/trackers/tcp/tcp_feed.h"
+#include "planar_servo/trackers/line_feeds.h"
 
 #include <catch2/catch.hpp>
 

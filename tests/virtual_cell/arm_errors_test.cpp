@@ -1,11 +1,10 @@
-#include "planar_servo/virtual_cell/motion/arm_errors.h"
+#include "planar_servo/virtual_cell/virtual_arm.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 
 #include "planar_servo/core/units.h"
-#include "planar_servo/virtual_cell/motion/virtual_arm.h"
 #include "planar_servo/virtual_cell/virtual_clock.h"
 #include "virtual_cell/sample_cell.h"
 

@@ -1,9 +1,9 @@
-#include "planar_servo/virtual_cell/motion/motor_warmth.h"
+#include "planar_servo/virtual_cell/virtual_drive.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "planar_servo/virtual_cell/motion/virtual_arm.h"
+#include "planar_servo/virtual_cell/virtual_arm.h"
 #include "planar_servo/virtual_cell/virtual_clock.h"
 #include "virtual_cell/sample_cell.h"
 

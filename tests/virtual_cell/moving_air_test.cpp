@@ -1,9 +1,8 @@
-#include "planar_servo/virtual_cell/image/moving_air.h"
+#include "planar_servo/virtual_cell/image/virtual_lens.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "planar_servo/virtual_cell/image/virtual_lens.h"
 #include "virtual_cell/sample_cell.h"
 
 namespace planar {

@@ -1,8 +1,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "planar_servo/virtual_cell/truth/arm_truth.h"
 #include "planar_servo/virtual_cell/truth/truth_file.h"
-#include "planar_servo/virtual_cell/truth/truth_units.h"
 #include "support/temporary_folder.h"
 #include "virtual_cell/sample_cell.h"
 

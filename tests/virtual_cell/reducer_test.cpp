@@ -1,4 +1,4 @@
-#include "planar_servo/virtual_cell/motion/reducer.h"
+#include "planar_servo/virtual_cell/virtual_drive.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "planar_servo/core/units.h"
-#include "planar_servo/virtual_cell/truth/truth_units.h"
+#include "planar_servo/virtual_cell/truth/arm_truth.h"
 
 namespace planar {
 namespace {

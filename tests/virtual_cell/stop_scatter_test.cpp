@@ -1,4 +1,4 @@
-#include "planar_servo/virtual_cell/motion/stop_scatter.h"
+#include "planar_servo/virtual_cell/virtual_arm.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "planar_servo/virtual_cell/motion/virtual_arm.h"
+#include "planar_servo/virtual_cell/virtual_arm.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>

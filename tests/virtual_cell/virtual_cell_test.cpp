@@ -264,15 +264,6 @@ TEST_CASE("A lamp that moves while it is exposed is smeared along its way and se
   CHECK(smeared.count - sharp.count < way_px * diameter_px);
 }
 
-TEST_CASE("A faulty drive of the cell refuses until it is healed") {
-  VirtualCell cell(draw_truth(1), test::sample_hardware());
-  cell.drive(2).energize();
-  cell.set_drive_fault(2, "low supply voltage");
-  CHECK_THROWS_AS(cell.drive(2).set_target(0), WorkError);
-  cell.set_drive_fault(2, "");
-  CHECK_NOTHROW(cell.drive(2).set_target(0));
-}
-
 TEST_CASE("VirtualCell refuses hardware that cannot be") {
   const Truth truth = draw_truth(1);
   const auto refuses = [&](void (*spoil)(VirtualHardware&)) {

@@ -31,10 +31,6 @@ double four_areas(double a, double b, double c) {
   return std::sqrt(std::max(product, 0.0));
 }
 
-double squared_travel(const InverseResult& solution, const Joints& near) {
-  return (solution.theta - near).head<2>().squaredNorm();
-}
-
 }  // namespace
 
 const char* describe(ReachStatus status) {
@@ -89,13 +85,6 @@ InverseResult PlanarArm::inverse(const TipPose& target, Elbow elbow, const Joint
   return {ReachStatus::kOk,
           {nearest_branch(f - e * alpha, near[0]), nearest_branch(f + e * gamma, near[1]),
            nearest_branch(sense_ * target.phi, near[2])}};
-}
-
-InverseResult PlanarArm::inverse_nearest(const TipPose& target, const Joints& near) const {
-  InverseResult left = inverse(target, Elbow::kLeft, near);
-  InverseResult right = inverse(target, Elbow::kRight, near);
-  if (left.status != ReachStatus::kOk) return left;
-  return squared_travel(right, near) < squared_travel(left, near) ? right : left;
 }
 
 Elbow PlanarArm::elbow(const Joints& theta) const {

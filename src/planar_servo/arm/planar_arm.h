@@ -52,10 +52,6 @@ class PlanarArm {
   /// Where the arm is stretched both elbows have the same solution.
   InverseResult inverse(const TipPose& target, Elbow elbow, const Joints& near) const;
 
-  /// Returns the solution, among those of both elbows, whose first two angles lie nearest to
-  /// `near`.
-  InverseResult inverse_nearest(const TipPose& target, const Joints& near) const;
-
   Elbow elbow(const Joints& theta) const;
 
   /// Returns d(x, y) / d(theta1, theta2), metres per radian.

@@ -3,7 +3,7 @@
 #include <array>
 #include <vector>
 
-#include "planar_servo/devices/frame.h"
+#include "planar_servo/devices/frame_source.h"
 #include "planar_servo/lamps/detect/lamp_detector.h"
 #include "planar_servo/lamps/lamp.h"
 #include "planar_servo/lamps/visp/vp_dot_tracker.h"

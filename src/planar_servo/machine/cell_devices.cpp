@@ -4,8 +4,8 @@
 #include <spdlog/spdlog.h>
 
 #include "planar_servo/core/error.h"
+#include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/machine/plausibility.h"
-#include "planar_servo/machine/virtual_kinds.h"
 #include "planar_servo/virtual_cell/truth/truth_file.h"
 #include "planar_servo/virtual_cell/virtual_cell.h"
 

@@ -1,17 +1,120 @@
 #include "planar_servo/machine/device_kinds.h"
 
+#include <fmt/format.h>
+
 #include "planar_servo/cameras/aravis/aravis_kind.h"
-#include "planar_servo/cameras/files/files_kind.h"
+#include "planar_servo/core/error.h"
 #include "planar_servo/drives/grbl/grbl_kind.h"
 #include "planar_servo/drives/tic/tic_kind.h"
 #include "planar_servo/files/cell_file.h"
-#include "planar_servo/machine/virtual_kinds.h"
-#include "planar_servo/trackers/ask/ask_tracker_kind.h"
-#include "planar_servo/trackers/file/file_tracker_kind.h"
-#include "planar_servo/trackers/tcp/tcp_tracker_kind.h"
+#include "planar_servo/trackers/tracker_kinds.h"
+#include "planar_servo/virtual_cell/virtual_cell.h"
 
 namespace planar {
 namespace {
+
+using World = std::shared_ptr<VirtualCell>;
+
+constexpr char kVirtual[] = "is virtual; there is no device to examine";
+constexpr char kNoCamera[] = "camera.source is files, but stored pictures do not follow an arm";
+constexpr char kRemedy[] =
+    "name virtual or aravis; stored pictures are read by planar-locate-lamps IMAGE... and "
+    "planar-calibrate-camera IMAGE...";
+
+/// No tracker at all.
+class NoTracker final : public Tracker {
+ public:
+  TrackerAnswer measure_tool(const std::string& /*place*/) override { return refused(); }
+  TrackerAnswer measure_monument(const std::string& /*id*/) override { return refused(); }
+
+ private:
+  static TrackerAnswer refused() { return TrackerAnswer::failed("tracker.source is none"); }
+};
+
+// The devices of the virtual kinds are parts of the world and keep it alive.
+
+/// The kind `source: virtual`: the camera of a virtual cell.
+class VirtualCameraKind final : public CameraKind {
+ public:
+  std::string name() const override { return "virtual"; }
+  bool is_virtual() const override { return true; }
+  std::shared_ptr<FrameSource> open(const CellSettings& /*cell*/,
+                                    const World& world) const override {
+    return {world, &world->camera()};
+  }
+  std::vector<Finding> examine(const CellSettings& /*cell*/) const override {
+    return {{Finding::Verdict::kWell, "camera", kVirtual}};
+  }
+};
+
+/// The kind `kind: virtual`: the drives of a virtual cell.
+class VirtualDriveKind final : public DriveKind {
+ public:
+  std::string name() const override { return "virtual"; }
+  bool is_virtual() const override { return true; }
+  /// Puts the drive's home switch where the drive stands at first.
+  void complete(CellSettings& cell, std::size_t joint) const override {
+    const Eigen::Vector3d motors =
+        Transmission(cell.transmission).motors_from_joints(cell.arm.home);
+    MotorDrive& motor = cell.transmission.drives[joint];
+    motor.home = HomeReference::kReverseSwitch;
+    motor.home_rad = motors[static_cast<Eigen::Index>(joint)];
+  }
+  std::shared_ptr<DriveGroup> open(const CellSettings& /*cell*/,
+                                   const World& world) const override {
+    return {world, &world->drives()};
+  }
+  std::vector<Finding> examine(const CellSettings& cell) const override {
+    std::vector<Finding> findings;
+    for (std::size_t i = 1; i <= cell.drives.size(); ++i)
+      findings.push_back({Finding::Verdict::kWell, fmt::format("drive {}", i), kVirtual});
+    return findings;
+  }
+};
+
+/// The kind `source: virtual`: the tracker of a virtual cell.
+class VirtualTrackerKind final : public TrackerKind {
+ public:
+  std::string name() const override { return "virtual"; }
+  bool is_virtual() const override { return true; }
+  std::shared_ptr<Tracker> open(const CellSettings& /*cell*/, const World& world) const override {
+    return {world, &world->tracker()};
+  }
+  std::vector<Finding> examine(const CellSettings& /*cell*/) const override {
+    return {{Finding::Verdict::kWell, "tracker", kVirtual}};
+  }
+};
+
+/// The kind `source: none`: no tracker at all.
+class NoTrackerKind final : public TrackerKind {
+ public:
+  std::string name() const override { return "none"; }
+  bool measures() const override { return false; }
+  std::shared_ptr<Tracker> open(const CellSettings& /*cell*/,
+                                const World& /*world*/) const override {
+    return std::make_shared<NoTracker>();
+  }
+  std::vector<Finding> examine(const CellSettings& /*cell*/) const override {
+    return {{Finding::Verdict::kWell, "tracker",
+             "there is none (tracker.source); planar-record takes poses and board views only"}};
+  }
+};
+
+/// Pictures that are there already: `source: files` in a cell file. The programs that read
+/// pictures work with such a cell; there is no camera to open.
+class FilesKind final : public CameraKind {
+ public:
+  std::string name() const override { return "files"; }
+  std::string refusal() const override { return std::string(kNoCamera) + "; " + kRemedy; }
+  /// Throws InputError with the refusal.
+  std::shared_ptr<FrameSource> open(const CellSettings& cell,
+                                    const World& /*world*/) const override {
+    throw InputError(cell.file.string() + ": " + refusal());
+  }
+  std::vector<Finding> examine(const CellSettings& /*cell*/) const override {
+    return {{Finding::Verdict::kDoubtful, "camera", kNoCamera, kRemedy}};
+  }
+};
 
 template <typename Kind>
 const Kind* one() {
@@ -46,6 +149,27 @@ const DeviceKinds& device_kinds() {
 
 CellSettings read_cell(const std::filesystem::path& path) {
   return read_cell(path, device_kinds());
+}
+
+VirtualHardware virtual_hardware(const CellSettings& cell) {
+  VirtualHardware hardware;
+  hardware.sensor_px = {cell.camera.width_px, cell.camera.height_px};
+  hardware.frame_rate_hz = cell.camera.frame_rate_hz;
+  hardware.sense = PlanarArm(cell.arm.geometry).sense();
+  for (std::size_t i = 0; i < 2; ++i)
+    hardware.relative[i] = cell.transmission.coupling[i] == Coupling::kRelative;
+  for (int i = 0; i < 3; ++i) {
+    const MotorDrive& drive = cell.transmission.drives[static_cast<std::size_t>(i)];
+    hardware.pulses_per_motor_turn[i] = drive.pulses_per_motor_turn;
+    hardware.gear_ratios[i] = drive.gear_ratio;
+    hardware.directions[i] = drive.direction;
+    hardware.max_speed_rad_s[i] = drive.max_speed_rad_s;
+    hardware.max_acceleration_rad_s2[i] = drive.max_acceleration_rad_s2;
+  }
+  hardware.home_rad = cell.arm.home;
+  for (const Monument& monument : cell.datum)
+    hardware.monuments_B.emplace_back(monument.id, monument.p_B);
+  return hardware;
 }
 
 }  // namespace planar

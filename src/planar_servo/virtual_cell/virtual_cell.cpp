@@ -3,11 +3,10 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "planar_servo/devices/separate_drives.h"
 #include "planar_servo/virtual_cell/image/virtual_board.h"
 #include "planar_servo/virtual_cell/image/virtual_camera.h"
 #include "planar_servo/virtual_cell/image/virtual_lens.h"
-#include "planar_servo/virtual_cell/motion/virtual_arm.h"
+#include "planar_servo/virtual_cell/virtual_arm.h"
 #include "planar_servo/virtual_cell/virtual_clock.h"
 #include "planar_servo/virtual_cell/virtual_tracker.h"
 
@@ -70,10 +69,6 @@ Tracker& VirtualCell::tracker() {
 }
 BoardPresenter& VirtualCell::board_presenter() {
   return impl_->board;
-}
-
-void VirtualCell::set_drive_fault(int joint, const std::string& fault) {
-  impl_->arm.drive(joint).set_fault(fault);
 }
 
 cv::Mat VirtualCell::expose(const cv::Rect& region_px, double brightness, std::uint64_t exposure) {

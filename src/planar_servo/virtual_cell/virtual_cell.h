@@ -34,9 +34,6 @@ class VirtualCell {
   Tracker& tracker();
   BoardPresenter& board_presenter();
 
-  /// Makes a drive report this fault, stop and refuse targets; an empty text ends the fault.
-  void set_drive_fault(int joint, const std::string& fault);
-
   // Servers, which show this cell to others as real devices, use these two.
   /// Renders what the camera's sensor sees now; see VirtualCamera::expose().
   cv::Mat expose(const cv::Rect& region_px, double brightness, std::uint64_t exposure);

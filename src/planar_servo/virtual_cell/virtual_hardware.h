@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "planar_servo/virtual_cell/truth/build_truth.h"
+#include "planar_servo/virtual_cell/truth/arm_truth.h"
 
 namespace planar {
 

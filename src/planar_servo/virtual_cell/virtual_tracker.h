@@ -8,8 +8,8 @@
 
 #include "planar_servo/core/clock.h"
 #include "planar_servo/devices/tracker.h"
-#include "planar_servo/virtual_cell/motion/virtual_arm.h"
 #include "planar_servo/virtual_cell/truth/truth.h"
+#include "planar_servo/virtual_cell/virtual_arm.h"
 
 namespace planar {
 

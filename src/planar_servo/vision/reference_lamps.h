@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/devices/frame.h"
+#include "planar_servo/devices/frame_source.h"
 #include "planar_servo/lamps/detect/lamp_detector.h"
 #include "planar_servo/lamps/lamp.h"
 #include "planar_servo/vision/image_motion.h"

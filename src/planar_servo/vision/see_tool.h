@@ -7,7 +7,7 @@
 #include <variant>
 
 #include "planar_servo/core/pose.h"
-#include "planar_servo/devices/frame.h"
+#include "planar_servo/devices/frame_source.h"
 #include "planar_servo/error_map/error_map.h"
 #include "planar_servo/field/lamp_field.h"
 #include "planar_servo/lamps/lamp_layout.h"

@@ -4,20 +4,23 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
+#include <stdexcept>
+#include <utility>
 
-#include "planar_servo/cameras/aravis/aravis_call.h"
-#include "planar_servo/cameras/aravis/aravis_features.h"
-#include "planar_servo/cameras/aravis/aravis_open.h"
-#include "planar_servo/cameras/aravis/camera_clock.h"
+#include "planar_servo/cameras/aravis/aravis_setup.h"
 #include "planar_servo/core/clock.h"
 #include "planar_servo/core/error.h"
 
 namespace planar {
 namespace {
+
+// Crystals are good to 100 ppm, and a steady clock that is being disciplined may be off by 500 ppm.
+constexpr double kDrift = 600e-6;
 
 constexpr std::size_t kPageBytes = 4096;
 constexpr guint kFrameRetention_us = 50000;  ///< packets later than this count as lost
@@ -40,6 +43,24 @@ void fit_to_raster(int& start, int& size, int start_step, int size_step, int sen
 }
 
 }  // namespace
+
+void CameraClock::begin_stream(double start_s) {
+  start_s_ = start_s;
+}
+
+double CameraClock::due_s(double device_s, double arrival_s) {
+  if (!std::isfinite(device_s) || !std::isfinite(arrival_s))
+    throw std::invalid_argument("CameraClock::due_s: a time is not finite");
+  const double offset_s = arrival_s - device_s;
+  const bool advances = last_device_s_ && device_s > *last_device_s_;
+  offset_s_ =
+      advances ? std::min(offset_s, offset_s_ + kDrift * (device_s - *last_device_s_)) : offset_s;
+  last_device_s_ = device_s;
+  const double due_s = std::min(device_s + offset_s_, arrival_s);
+  const auto start_s = std::exchange(start_s_, std::nullopt);
+  if (start_s && due_s < *start_s) believed_ = false;
+  return believed_ ? due_s : arrival_s;
+}
 
 void FrameMemory::Free::operator()(std::uint8_t* block) const {
   std::free(block);

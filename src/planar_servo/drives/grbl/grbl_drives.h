@@ -8,7 +8,7 @@
 
 #include "planar_servo/devices/drive_group.h"
 #include "planar_servo/drives/grbl/grbl_axes.h"
-#include "planar_servo/drives/grbl/grbl_settings.h"
+#include "planar_servo/drives/grbl/grbl_protocol.h"
 
 namespace planar {
 

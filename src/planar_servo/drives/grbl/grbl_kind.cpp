@@ -5,16 +5,25 @@
 #include <algorithm>
 #include <cmath>
 
+#include "planar_servo/core/error.h"
 #include "planar_servo/core/names.h"
 #include "planar_servo/core/units.h"
-#include "planar_servo/drives/grbl/grbl_doctor.h"
+#include "planar_servo/drives/grbl/grbl_board.h"
 #include "planar_servo/drives/grbl/grbl_drives.h"
-#include "planar_servo/drives/grbl/serial_line.h"
 #include "planar_servo/drives/home_fields.h"
 #include "planar_servo/io/fields.h"
 
 namespace planar {
 namespace {
+
+using Verdict = Finding::Verdict;
+
+constexpr const char* kSubject = "drives";
+
+Finding finding_of(const Refusal& refusal) {
+  return {Verdict::kFaulty, kSubject, refusal.fault,
+          refusal.remedy.empty() ? "see doc/drives.md" : refusal.remedy};
+}
 
 constexpr Named<char> kAxes[] = {{'X', "X"}, {'Y', "Y"}, {'Z', "Z"}};
 /// A board at full speed needs this time to brake and keeps its reserve besides.
@@ -79,6 +88,20 @@ void check_braking(Fields& drive, const MotorDrive& motor) {
 }
 
 }  // namespace
+
+std::vector<Finding> examine_grbl(const GrblSettings& settings) {
+  try {
+    const GrblBoard board(settings.port, settings.baud);
+    if (const auto unfit = grbl::unfitness(board.version(), board.settings(), settings))
+      return {finding_of(*unfit)};
+    return {{Verdict::kWell, kSubject,
+             fmt::format("{} at {}, its settings as the cell's; like after every opening, it is to "
+                         "be homed before it moves",
+                         board.version().version, settings.port)}};
+  } catch (const WorkError& error) {
+    return {finding_of(error.refusal())};
+  }
+}
 
 GrblSettings grbl_settings(const CellSettings& cell) {
   const GrblDetails& first = details_of(cell.drives[0]);

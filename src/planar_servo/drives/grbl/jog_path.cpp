@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "planar_servo/drives/grbl/grbl_settings.h"
+#include "planar_servo/drives/grbl/grbl_protocol.h"
 
 namespace planar {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "planar_servo/arm/planar_arm.h"
 #include "planar_servo/core/pose.h"
-#include "planar_servo/devices/frame.h"
+#include "planar_servo/devices/frame_source.h"
 #include "planar_servo/files/tables/frame_table.h"
 #include "planar_servo/lamps/lamp.h"
 

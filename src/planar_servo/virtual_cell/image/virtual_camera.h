@@ -1,18 +1,40 @@
 #pragma once
 
 #include <cstdint>
+#include <opencv2/core.hpp>
 #include <optional>
 #include <vector>
 
 #include "planar_servo/devices/frame_source.h"
-#include "planar_servo/virtual_cell/image/sensor_noise.h"
 #include "planar_servo/virtual_cell/image/virtual_board.h"
 #include "planar_servo/virtual_cell/image/virtual_lamps.h"
-#include "planar_servo/virtual_cell/motion/virtual_arm.h"
+#include "planar_servo/virtual_cell/random.h"
+#include "planar_servo/virtual_cell/truth/truth.h"
+#include "planar_servo/virtual_cell/virtual_arm.h"
 #include "planar_servo/virtual_cell/virtual_clock.h"
 #include "planar_servo/virtual_cell/virtual_hardware.h"
 
 namespace planar {
+
+/// Turns grey levels into the output of an 8-bit sensor: shot noise of variance level/gain, read
+/// noise, rounding, clipping to 0..255.
+class SensorNoise {
+ public:
+  SensorNoise(const NoiseTruth& truth, std::uint64_t seed);
+
+  /// Fills `image` with noisy background. Rows are copied from random places in a bank of dark
+  /// pixels, because fresh noise for a whole sensor takes too long.
+  void fill_dark(cv::Mat& image, Random& random) const;
+
+  /// Writes `levels` above the background (CV_32FC1) with fresh noise into `image` (CV_8UC1, same
+  /// size).
+  void expose(const cv::Mat1f& levels, cv::Mat image, Random& random) const;
+
+ private:
+  NoiseTruth truth_;
+  std::vector<float> normals_;      ///< quantiles of the normal distribution
+  std::vector<std::uint8_t> bank_;  ///< dark pixels
+};
 
 /// Renders frames of the lamps, or of the calibration board, which hides them while it is in view.
 /// Exposures begin at whole multiples of the frame period; waiting for one advances the clock. An

@@ -4,8 +4,6 @@
 #include <cmath>
 
 #include "planar_servo/io/fields.h"
-#include "planar_servo/virtual_cell/truth/optional_fields.h"
-#include "planar_servo/virtual_cell/truth/truth_units.h"
 
 namespace planar {
 namespace {

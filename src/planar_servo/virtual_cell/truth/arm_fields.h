@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -8,6 +9,16 @@
 namespace planar {
 
 class Fields;
+
+/// Visits a key that a file may leave out; `list(Value&)` visits its value.
+template <typename FieldList, typename Value, typename List>
+void list_optional(FieldList& fields, const std::string& key, std::optional<Value>& field,
+                   const Value& first, const List& list) {
+  if (!fields.given(key, field.has_value())) return;
+  Value value = field.value_or(first);
+  list(value);
+  field = value;
+}
 
 /// Visits the keys of the block `arm` that say what is wrong with the arm.
 void list_fields(Fields& fields, ArmTruth& arm);

@@ -3,9 +3,35 @@
 #include <Eigen/Core>
 #include <array>
 #include <optional>
+#include <string>
+#include <utility>
 #include <vector>
 
+#include "planar_servo/core/units.h"
+
 namespace planar {
+
+// Units of truth.yaml that cell.yaml does not need.
+constexpr double kHour = 3600.0;
+constexpr double kArcSecond = kDegree / 3600.0;
+constexpr double kMicroradian = 1e-6;
+constexpr double kFullStep = 1.8 * kDegree;  ///< of a stepper motor with 200 steps per turn
+
+/// Names of monuments with their places in the base frame, metres.
+using VirtualMonuments = std::vector<std::pair<std::string, Eigen::Vector3d>>;
+
+/// How arm and drives are built and where the monuments stand, whatever cell.yaml states. What is
+/// empty is as cell.yaml states it.
+struct BuildTruth {
+  std::optional<double> sense;                  ///< +1 counterclockwise, -1 clockwise
+  std::optional<std::array<bool, 2>> relative;  ///< whether motors 2 and 3 ride on the link before
+  std::optional<Eigen::Vector3d> gear_ratios;   ///< motor turns per joint turn
+  std::optional<Eigen::Vector3d> directions;    ///< each +1 or -1
+  /// Joint angles at power-up and at the home switches, where the drives count what cell.yaml
+  /// states for its home.
+  std::optional<Eigen::Vector3d> home_rad;
+  VirtualMonuments monuments_B;
+};
 
 // What arms are in reality, in SI units; doc/virtual_cell.md says where the forms come from.
 
@@ -19,7 +45,7 @@ struct Harmonic {
 /// The gear between a motor and its joint. With the motor's angle m, divided by the gear ratio,
 ///   q = play(m) + sum of the harmonics at play(m) + zero offset,   theta = C^-1 q,
 /// where C is the coupling of the motors (transmission.h). What follows the eccentricity is what
-/// real reducers have besides; motion/reducer.cpp has its forms.
+/// real reducers have besides; the class Reducer has its forms.
 struct ReducerTruth {
   double zero_offset_rad{0.0};
   double backlash_rad{0.0};  ///< full width of the play

@@ -138,6 +138,18 @@ ReferenceLampTruth draw_reference_lamp(Random& random, const StatedLamp& stated,
   return lamp;
 }
 
+/// This and draw_rough_truth() have every distribution in which a rough cell differs from one of
+/// the paper's kind.
+void roughen(ArmTruth& arm, Random& random) {
+  for (ReducerTruth& reducer : arm.reducers)
+    reducer.eccentricity.push_back(harmonic(random, 3, 0.002 * kDegree, 0.004 * kDegree));
+  arm.sag_m_per_m2 = 0.0;
+  arm.beam_sag = {random.uniform(1.0, 2.0) * kMillimetre, random.uniform(2.0, 4.0) * kMillimetre};
+  arm.axis_leans_rad = {any_direction(random, 0.02 * kDegree, 0.05 * kDegree),
+                        any_direction(random, 0.005 * kDegree, 0.015 * kDegree),
+                        any_direction(random, 0.005 * kDegree, 0.015 * kDegree)};
+}
+
 }  // namespace
 
 std::vector<StatedLamp> workshop_lamps() {
@@ -170,6 +182,14 @@ Truth draw_truth(std::uint32_t seed) {
   truth.tool = draw_tool(random);
   truth.tracker = draw_tracker(random);
   truth.seed = seed;
+  return truth;
+}
+
+Truth draw_rough_truth(std::uint32_t seed) {
+  Truth truth = draw_truth(seed);
+  Random random(seed, RandomStream::kRough);
+  roughen(truth.arm, random);
+  truth.outliers = OutlierTruth{0.02, 0.2 * kMillimetre, 3.0 * kMillimetre};
   return truth;
 }
 

@@ -1,5 +1,7 @@
 #include "planar_servo/virtual_cell/truth/drawing.h"
 
+#include <cmath>
+
 #include "planar_servo/core/units.h"
 
 namespace planar {
@@ -21,6 +23,11 @@ Eigen::Vector2d any_direction(Random& random, double lower, double upper) {
 Harmonic harmonic(Random& random, int order, double lower, double upper) {
   const double amplitude = random.uniform(lower, upper);
   return {amplitude, random.uniform(-kPi, kPi), order};
+}
+
+double stray_length(const OutlierTruth& outliers, Random& random) {
+  if (random.uniform(0.0, 1.0) >= outliers.share) return 0.0;
+  return outliers.from_m * std::pow(outliers.to_m / outliers.from_m, random.uniform(0.0, 1.0));
 }
 
 }  // namespace planar

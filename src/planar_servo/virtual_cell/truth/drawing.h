@@ -19,4 +19,7 @@ Eigen::Vector2d any_direction(Random& random, double lower, double upper);
 /// Draws a harmonic of any phase whose amplitude lies in the range.
 Harmonic harmonic(Random& random, int order, double lower, double upper);
 
+/// Draws the length by which something is off, metres: 0 except for the share of outliers.
+double stray_length(const OutlierTruth& outliers, Random& random);
+
 }  // namespace planar

@@ -10,7 +10,6 @@
 #include "planar_servo/core/names.h"
 #include "planar_servo/core/pose.h"
 #include "planar_servo/virtual_cell/truth/arm_truth.h"
-#include "planar_servo/virtual_cell/truth/build_truth.h"
 
 namespace planar {
 

@@ -3,7 +3,6 @@
 #include <array>
 #include <cstdint>
 #include <optional>
-#include <string>
 
 #include "planar_servo/core/names.h"
 #include "planar_servo/core/units.h"
@@ -11,8 +10,7 @@
 #include "planar_servo/io/pose_fields.h"
 #include "planar_servo/io/yaml_fields.h"
 #include "planar_servo/virtual_cell/truth/arm_fields.h"
-#include "planar_servo/virtual_cell/truth/optional_fields.h"
-#include "planar_servo/virtual_cell/truth/truth_units.h"
+#include "planar_servo/virtual_cell/truth/arm_truth.h"
 
 namespace planar {
 namespace {

@@ -1,0 +1,177 @@
+#include "planar_servo/rehearsal/served_tracker.h"
+
+#include <arpa/inet.h>
+#include <fmt/format.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "planar_servo/core/error.h"
+#include "planar_servo/core/units.h"
+#include "planar_servo/io/growing_file.h"
+
+namespace planar {
+namespace {
+
+constexpr double kMostBroken_percent = 90.0;
+constexpr double kMostPpm = 10000.0;
+constexpr double kMostOffset_s = 1e9;
+constexpr int kMostWaiting = 8;
+
+void require_range(const char* what, double value, double least, double most) {
+  if (value >= least && value <= most) return;
+  throw InputError(
+      fmt::format("{} is {:g}; a number from {:g} to {:g} is needed", what, value, least, most));
+}
+
+std::string number(double value, bool decimal_comma) {
+  std::string text = fmt::format("{:.4f}", value);
+  if (decimal_comma) text[text.find('.')] = ',';
+  return text;
+}
+
+/// Returns whether the whole text was sent at once.
+bool sent(int client, const std::string& text) {
+  return send(client, text.data(), text.size(), MSG_NOSIGNAL | MSG_DONTWAIT) ==
+         static_cast<ssize_t>(text.size());
+}
+
+/// Serves lines on a TCP port of this machine to whoever connects.
+class LinePort {
+ public:
+  /// `host` is an IPv4 address of this machine. `greeting` is what each client is sent first.
+  /// Throws WorkError when the port cannot be had.
+  LinePort(const std::string& host, int port, std::string greeting);
+  ~LinePort();
+  LinePort(const LinePort&) = delete;
+  LinePort& operator=(const LinePort&) = delete;
+
+  /// Sends text to all clients. Those that do not read or are gone are hung up on.
+  void send(const std::string& text);
+
+ private:
+  void accept_waiting();
+
+  std::string greeting_;
+  int listener_{-1};
+  std::vector<int> clients_;
+};
+
+LinePort::LinePort(const std::string& host, int port, std::string greeting)
+    : greeting_(std::move(greeting)) {
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(static_cast<std::uint16_t>(port));
+  const bool is_address = inet_pton(AF_INET, host.c_str(), &address.sin_addr) == 1;
+  listener_ = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+  const int yes = 1;  // a port that was closed a moment ago can be had again
+  setsockopt(listener_, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+  if (is_address && bind(listener_, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0 &&
+      listen(listener_, kMostWaiting) == 0)
+    return;
+  const std::string why = is_address ? std::strerror(errno) : "it is no IPv4 address";
+  close(listener_);
+  throw WorkError(fmt::format("no tracker can be served on {}:{}: {}", host, port, why));
+}
+
+LinePort::~LinePort() {
+  for (const int client : clients_) close(client);
+  close(listener_);
+}
+
+void LinePort::accept_waiting() {
+  for (;;) {
+    const int client = accept4(listener_, nullptr, nullptr, SOCK_CLOEXEC);
+    if (client < 0) return;
+    if (sent(client, greeting_))
+      clients_.push_back(client);
+    else
+      close(client);
+  }
+}
+
+void LinePort::send(const std::string& text) {
+  accept_waiting();
+  const auto gone = std::remove_if(clients_.begin(), clients_.end(), [&](int client) {
+    if (sent(client, text)) return false;
+    close(client);
+    return true;
+  });
+  clients_.erase(gone, clients_.end());
+}
+
+using Send = std::function<void(const std::string&)>;
+
+Send opened(const TrackerPort& port, const std::string& header) {
+  const auto server = std::make_shared<LinePort>(port.host, port.port, header);
+  return [server](const std::string& text) { server->send(text); };
+}
+
+Send opened(const std::filesystem::path& path, const std::string& header) {
+  require_header(path, header);
+  const auto file = std::make_shared<GrowingFile>(path, header);
+  return [file](const std::string& text) { file->append(text); };
+}
+
+}  // namespace
+
+ReflectorLines::ReflectorLines(const ReflectorDialect& dialect, double start_s, std::uint32_t seed)
+    : dialect_(dialect), start_s_(start_s), random_(seed) {
+  require_range("the offset of the tracker's clock (s)", dialect.clock_offset_s, -kMostOffset_s,
+                kMostOffset_s);
+  require_range("the rate of the tracker's clock (ppm)", dialect.clock_ppm, -kMostPpm, kMostPpm);
+  require_range("the share of broken beams (percent)", dialect.broken_percent, 0.0,
+                kMostBroken_percent);
+}
+
+std::string ReflectorLines::header() const {
+  return joined({"t_s", "x_mm", "y_mm", "z_mm"});
+}
+
+std::optional<std::string> ReflectorLines::next(double now_s, const TrackerReading& reading) {
+  if (beam_is_broken()) return std::nullopt;
+  const double t_s =
+      now_s + dialect_.clock_offset_s + 1e-6 * dialect_.clock_ppm * (now_s - start_s_);
+  const auto text = [this](double value) { return number(value, dialect_.decimal_comma); };
+  return joined({text(t_s), text(reading.p_L.x() / kMillimetre),
+                 text(reading.p_L.y() / kMillimetre), text(reading.p_L.z() / kMillimetre)});
+}
+
+/// Breaks begin at random, so often that the beam is broken for the stated share of the time.
+bool ReflectorLines::beam_is_broken() {
+  if (left_broken_ > 0) return --left_broken_ > 0;
+  const double share = 0.01 * dialect_.broken_percent;
+  const double readings = kBreak_s / kPeriod_s;
+  std::bernoulli_distribution breaks(share / (share + readings * (1.0 - share)));
+  if (!breaks(random_)) return false;
+  left_broken_ = static_cast<int>(std::lround(readings));
+  return true;
+}
+
+std::string ReflectorLines::joined(const std::array<std::string, 4>& fields) const {
+  return fmt::format("{}", fmt::join(fields, dialect_.decimal_comma ? ";" : ","));
+}
+
+ServedTracker::ServedTracker(const TrackerOutlet& outlet, const ReflectorDialect& dialect,
+                             std::uint32_t seed, LiveCell& live)
+    : live_(live),
+      lines_(dialect, clock_.now_s(), seed),
+      send_(std::visit([this](const auto& where) { return opened(where, lines_.header() + "\n"); },
+                       outlet)),
+      repeater_(ReflectorLines::kPeriod_s, [this] { measure(); }) {}
+
+void ServedTracker::measure() {
+  const TrackerReading reading = live_.read_reflector();
+  const auto line = lines_.next(clock_.now_s(), reading);
+  send_(line ? *line + "\n" : "");
+}
+
+}  // namespace planar

@@ -1,0 +1,72 @@
+#include "planar_servo/rehearsal/cell_commands.h"
+
+#include <unistd.h>
+
+#include <array>
+#include <catch2/catch.hpp>
+#include <opencv2/core.hpp>
+
+#include "virtual_cell/sample_cell.h"
+
+namespace planar {
+namespace {
+
+/// The mean grey level of the sensor; the board is brighter than what it hides.
+double mean_level(LiveCell& live, const cv::Size& sensor_px) {
+  return cv::mean(live.expose({{}, sensor_px}, 1.0))[0];
+}
+
+bool has_no_marks() {
+  return false;
+}
+
+TEST_CASE("The board comes into view and leaves it by commands") {
+  const VirtualHardware hardware = test::sample_hardware();
+  LiveCell live(draw_truth(3), hardware);
+  const double without = mean_level(live, hardware.sensor_px);
+  CHECK(obey_command("board hold 3", live, has_no_marks) == "the board is held, view 3");
+  const double held = mean_level(live, hardware.sensor_px);
+  CHECK(held > 2.0 * without);
+  CHECK(obey_command("  board  lay 0 ", live, has_no_marks) == "the board is laid, view 0");
+  const double laid = mean_level(live, hardware.sensor_px);
+  CHECK(laid > 2.0 * without);
+  CHECK(std::abs(laid - held) > 1.0);
+  CHECK(obey_command("board remove", live, has_no_marks) == "the board is removed");
+  CHECK(std::abs(mean_level(live, hardware.sensor_px) - without) < 0.1);
+}
+
+TEST_CASE("The arm is put at its marks by a command, where that is possible") {
+  LiveCell live(draw_truth(3), test::sample_hardware());
+  CHECK(obey_command(" arm marks", live, [] { return true; }) == "the arm stands at its marks");
+  CHECK(obey_command("arm marks", live, has_no_marks).rfind("the arm is not put at", 0) == 0);
+}
+
+TEST_CASE("A command that is not understood is answered with what is allowed") {
+  LiveCell live(draw_truth(3), test::sample_hardware());
+  for (const char* line : {"", "board", "board hold", "board hold x", "board hold -1",
+                           "board lay 1.5", "board hold 1 2", "arm", "arm home", "board drop 1",
+                           "board remove 1", "bord hold 1", "board hold 99999999999"}) {
+    INFO(line);
+    const std::string answer = obey_command(line, live, has_no_marks);
+    CHECK(answer.rfind("not understood: '" + std::string(line) + "'", 0) == 0);
+    CHECK(answer.find(kCellCommands) != std::string::npos);
+  }
+}
+
+TEST_CASE("Lines are heard whole, and an input that has ended only waits") {
+  std::array<int, 2> ends{};
+  REQUIRE(pipe(ends.data()) == 0);
+  LineInput input(ends[0]);
+  CHECK(input.lines_within(0.0).empty());
+  REQUIRE(write(ends[1], "one\ntw", 6) == 6);
+  CHECK(input.lines_within(1.0) == std::vector<std::string>{"one"});
+  REQUIRE(write(ends[1], "o\n", 2) == 2);
+  close(ends[1]);
+  CHECK(input.lines_within(1.0) == std::vector<std::string>{"two"});
+  CHECK(input.lines_within(0.0).empty());
+  CHECK(input.lines_within(0.001).empty());
+  close(ends[0]);
+}
+
+}  // namespace
+}  // namespace planar
