@@ -5,8 +5,8 @@
 #include <planar_servo/machine/device_kinds.h>
 #include <planar_servo/robot/planar_robot.h>
 #include <planar_servo/servo/position_servo.h>
-#include <planar_servo/vision/guard_limits.h>
 #include <planar_servo/vision/lamp_tip_sensor.h>
+#include <planar_servo/vision/seen_cell.h>
 
 #include <cstdio>
 

@@ -5,7 +5,6 @@
 
 #include "planar_servo/jog/jog_console.h"
 #include "planar_servo/jog/jog_keys.h"
-#include "planar_servo/jog/raw_terminal.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "program.h"
 

@@ -13,8 +13,8 @@
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/report/progress_bar.h"
 #include "planar_servo/run/cell_check.h"
-#include "planar_servo/run/dry_run_report.h"
-#include "planar_servo/run/path/path_report.h"
+#include "planar_servo/run/dry_run.h"
+#include "planar_servo/run/path_report.h"
 #include "planar_servo/run/servo_display.h"
 #include "planar_servo/run/servo_report.h"
 #include "planar_servo/run/servo_run.h"
@@ -136,14 +136,14 @@ bool from_stdin(const Options& options) {
 }
 
 Outcome print_dry_run(const CellSettings& cell, const std::vector<TargetRow>& targets) {
-  const auto rows = plan_first_moves(cell, targets);
+  const auto rows = first_moves_to(cell, targets);
   say("{}", dry_run_text(rows));
   return {dry_run_json(rows), count_refused(rows) == 0};
 }
 
 Outcome print_check(const CellSettings& cell, const VisionCalibration& vision,
                     const std::vector<TargetRow>& targets) {
-  auto rows = plan_first_moves(cell, targets);
+  auto rows = first_moves_to(cell, targets);
   refuse_outside_map(rows, targets, cell.tool_orientation, vision);
   const std::size_t refused = count_refused(rows);
   say("{}{} and the files it names are in order; {} of {} targets can be reached\n",
@@ -163,7 +163,7 @@ bool is_good(const StreamEnd& end, bool requires_end) {
 
 Outcome plan_stream(const Options& options, const CellSettings& cell) {
   TargetLines lines(kStdin);
-  const PlannedStream planned = plan_targets(std::cin, std::cout, lines, cell);
+  const FirstMoveStream planned = answer_first_moves(std::cin, std::cout, lines, cell);
   say(stderr, "{} of {} targets can be reached; {} bad lines\n", planned.targets - planned.refused,
       planned.targets, planned.end.bad_lines);
   return {{{"targets", planned.targets},

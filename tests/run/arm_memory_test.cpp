@@ -1,4 +1,4 @@
-#include "planar_servo/run/learned/arm_memory.h"
+#include "planar_servo/run/arm_memory.h"
 
 #include <catch2/catch.hpp>
 #include <regex>

@@ -6,7 +6,7 @@
 #include "planar_servo/files/vision_files.h"
 #include "planar_servo/machine/cell_devices.h"
 #include "planar_servo/machine/device_kinds.h"
-#include "planar_servo/servo/arrival.h"
+#include "planar_servo/servo/approach.h"
 #include "support/sample_cells.h"
 
 namespace planar {

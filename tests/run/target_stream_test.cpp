@@ -6,7 +6,7 @@
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/machine/device_kinds.h"
-#include "planar_servo/run/dry_run_report.h"
+#include "planar_servo/run/dry_run.h"
 
 namespace planar {
 namespace {

@@ -1,4 +1,4 @@
-#include "planar_servo/servo/landing_filter.h"
+#include "planar_servo/servo/landing_estimator.h"
 
 #include <Eigen/LU>
 #include <catch2/catch.hpp>

@@ -1,4 +1,4 @@
-#include "planar_servo/vision/follow_region.h"
+#include "planar_servo/vision/lamp_tip_sensor.h"
 
 #include <catch2/catch.hpp>
 

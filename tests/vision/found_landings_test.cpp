@@ -4,7 +4,6 @@
 
 #include "planar_servo/core/numerics/decompositions.h"
 #include "planar_servo/core/units.h"
-#include "planar_servo/vision/learning_landings.h"
 
 namespace planar {
 namespace {

@@ -101,7 +101,7 @@ TestSquare square_at(const Raster& raster, const RasterSquare& found) {
 /// Plans a cycle of all moves twice, so that the way back to the first is looked at, too.
 bool can_cycle(DryRun dry, const TestPlaces& places) {
   const auto refused = [&](const Eigen::Vector2d& p) {
-    return dry.plan({"", p, {}}).plan.refusal.has_value();
+    return dry.first_move({"", p, {}}).plan.refusal.has_value();
   };
   for (int cycle = 0; cycle < 2; ++cycle)
     for (const CertificateMove& move : certificate_moves(places, 1))
@@ -117,7 +117,7 @@ std::vector<Eigen::Vector2d> free_tour(const DryRun& home, std::vector<Eigen::Ve
   });
   DryRun dry = home;
   const auto refused = [&](const Eigen::Vector2d& p) {
-    return dry.plan({"", p, {}}).plan.refusal.has_value();
+    return dry.first_move({"", p, {}}).plan.refusal.has_value();
   };
   usable.erase(std::remove_if(usable.begin(), usable.end(), refused), usable.end());
   return usable;

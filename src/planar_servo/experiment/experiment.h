@@ -12,7 +12,7 @@
 #include "planar_servo/machine/cell_devices.h"
 #include "planar_servo/plan/experiment_plan.h"
 #include "planar_servo/plan/predicted_positioning.h"
-#include "planar_servo/report/live/display.h"
+#include "planar_servo/report/live/live_view.h"
 #include "planar_servo/run/servo_run.h"
 
 namespace planar {

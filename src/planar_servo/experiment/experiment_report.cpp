@@ -7,7 +7,6 @@
 
 #include "planar_servo/core/fixed.h"
 #include "planar_servo/core/units.h"
-#include "planar_servo/run/servo_figures.h"
 #include "planar_servo/run/servo_report.h"
 
 namespace planar {

@@ -9,7 +9,7 @@
 #include "planar_servo/files/tables/pair_table.h"
 #include "planar_servo/files/tables/result_table.h"
 #include "planar_servo/plan/experiment_plan.h"
-#include "planar_servo/run/servo_figures.h"
+#include "planar_servo/run/servo_report.h"
 
 namespace planar {
 

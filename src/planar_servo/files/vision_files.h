@@ -1,7 +1,6 @@
 #pragma once
 
 #include "planar_servo/cell/cell_settings.h"
-#include "planar_servo/vision/lamp_prediction.h"
 #include "planar_servo/vision/see_tool.h"
 
 namespace planar {

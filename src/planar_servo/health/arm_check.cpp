@@ -7,7 +7,7 @@
 #include "planar_servo/core/numerics/decompositions.h"
 #include "planar_servo/core/plane_geometry.h"
 #include "planar_servo/core/units.h"
-#include "planar_servo/health/suspect.h"
+#include "planar_servo/health/cause.h"
 
 namespace planar {
 namespace {

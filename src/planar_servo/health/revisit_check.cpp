@@ -9,7 +9,7 @@
 #include "planar_servo/core/numerics/chance.h"
 #include "planar_servo/core/numerics/decompositions.h"
 #include "planar_servo/core/units.h"
-#include "planar_servo/health/suspect.h"
+#include "planar_servo/health/cause.h"
 
 namespace planar {
 namespace {

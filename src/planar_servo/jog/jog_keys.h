@@ -1,5 +1,7 @@
 #pragma once
 
+#include <termios.h>
+
 #include <optional>
 #include <string>
 
@@ -18,6 +20,39 @@ class JogKeys {
 
  private:
   int step_{1};  ///< index in the list of steps
+};
+
+/// Reads the terminal on standard input key by key and without echo. The destructor restores the
+/// terminal.
+class RawTerminal {
+ public:
+  /// Returns true when standard input is a terminal.
+  static bool is_there();
+
+  /// Sets the terminal up. Throws WorkError when standard input is no terminal.
+  RawTerminal();
+  ~RawTerminal();
+  RawTerminal(const RawTerminal&) = delete;
+  RawTerminal& operator=(const RawTerminal&) = delete;
+
+  /// Waits for a key and returns its characters; an arrow sends three. Empty at the end of input.
+  std::optional<std::string> key();
+
+  /// Reads a line, echoed and edited as usual. Empty at the end of input.
+  std::optional<std::string> line();
+
+  /// Returns true when keys other than this one were pressed meanwhile. It does not wait. It
+  /// forgets those keys, and the repetitions that a key sends while it is held down.
+  bool other_key_than(const std::string& key);
+
+  /// Forgets keys that were pressed meanwhile, such as those of a key held down during a motion.
+  void forget_keys();
+
+ private:
+  std::optional<char> character();
+
+  termios usual_{};
+  termios raw_{};
 };
 
 }  // namespace planar

@@ -13,7 +13,7 @@
 #include "planar_servo/files/tables/plan_table.h"
 #include "planar_servo/record/board_guide.h"
 #include "planar_servo/record/recorder.h"
-#include "planar_servo/report/live/operator_line.h"
+#include "planar_servo/report/status_line.h"
 
 namespace planar {
 

@@ -22,10 +22,10 @@
 #include "planar_servo/record/recording_start.h"
 #include "planar_servo/robot/homing.h"
 #include "planar_servo/robot/planar_robot.h"
-#include "planar_servo/servo/arrival.h"
+#include "planar_servo/servo/approach.h"
 #include "planar_servo/servo/camera_wait.h"
 #include "planar_servo/tool/coarse_view.h"
-#include "planar_servo/vision/follow_region.h"
+#include "planar_servo/vision/lamp_tip_sensor.h"
 #include "planar_servo/vision/reference_lamps.h"
 
 namespace planar {

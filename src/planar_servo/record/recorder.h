@@ -13,7 +13,7 @@
 #include "planar_servo/files/tables/plan_table.h"
 #include "planar_servo/judge/reflector_readings.h"
 #include "planar_servo/machine/cell_devices.h"
-#include "planar_servo/report/live/display.h"
+#include "planar_servo/report/live/live_view.h"
 #include "planar_servo/report/report_list.h"
 #include "planar_servo/robot/homing.h"
 

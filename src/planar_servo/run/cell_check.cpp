@@ -15,7 +15,6 @@
 #include "planar_servo/health/arm_check.h"
 #include "planar_servo/health/revisit_check.h"
 #include "planar_servo/servo/approach.h"
-#include "planar_servo/servo/arrival.h"
 #include "planar_servo/tool/vision_tip.h"
 #include "planar_servo/vision/seen_cell.h"
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -25,7 +26,7 @@ class DryRun {
   /// Starts at the cell's home position.
   explicit DryRun(const CellSettings& cell);
   /// Plans the move to a target from where the arm stands after the moves planned before.
-  DryRunRow plan(const TargetRow& target);
+  DryRunRow first_move(const TargetRow& target);
 
  private:
   double tool_orientation_;
@@ -41,5 +42,25 @@ TipPose target_pose(const TargetRow& target, double tool_orientation);
 /// Refuses the targets of these rows at which the error map, if there is one, is not valid.
 void refuse_outside_map(std::vector<DryRunRow>& rows, const std::vector<TargetRow>& targets,
                         double tool_orientation, const VisionCalibration& vision);
+
+/// Plans the first move to every target in turn.
+std::vector<DryRunRow> first_moves_to(const CellSettings& cell,
+                                      const std::vector<TargetRow>& targets);
+
+/// Counts the targets that are refused.
+std::size_t count_refused(const std::vector<DryRunRow>& rows);
+
+/// Returns a line for each target: its joints and pulses, or why it is refused.
+std::string dry_run_text(const std::vector<DryRunRow>& rows);
+
+/// Returns a line for each target that is refused.
+std::string refusals_text(const std::vector<DryRunRow>& rows);
+
+/// Returns one target's `target`, `status` ("planned" or "refused"), `reason`, and what the first
+/// move commands: `theta_deg` and `pulses`.
+nlohmann::ordered_json first_move_answer(const DryRunRow& row);
+
+/// Returns every target's answer under the key `moves`.
+nlohmann::json dry_run_json(const std::vector<DryRunRow>& rows);
 
 }  // namespace planar

@@ -13,8 +13,7 @@
 #include "planar_servo/run/cell_check.h"
 #include "planar_servo/servo/camera_wait.h"
 #include "planar_servo/vision/found_landings.h"
-#include "planar_servo/vision/guard_limits.h"
-#include "planar_servo/vision/learning_landings.h"
+#include "planar_servo/vision/seen_cell.h"
 
 namespace planar {
 namespace {

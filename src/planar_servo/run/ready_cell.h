@@ -12,7 +12,7 @@
 #include "planar_servo/machine/cell_devices.h"
 #include "planar_servo/robot/homing.h"
 #include "planar_servo/robot/planar_robot.h"
-#include "planar_servo/run/learned/arm_memory.h"
+#include "planar_servo/run/arm_memory.h"
 #include "planar_servo/servo/position_servo.h"
 #include "planar_servo/vision/lamp_tip_sensor.h"
 

@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "planar_servo/report/live/display.h"
+#include "planar_servo/report/live/live_view.h"
 #include "planar_servo/run/servo_run.h"
 
 namespace planar {

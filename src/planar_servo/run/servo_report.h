@@ -1,15 +1,58 @@
 #pragma once
 
+#include <cstddef>
+#include <functional>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "planar_servo/core/numerics/statistics.h"
+#include "planar_servo/devices/frame_source.h"
+#include "planar_servo/files/tables/result_table.h"
 #include "planar_servo/report/html_page.h"
 #include "planar_servo/report/quiver_figure.h"
 #include "planar_servo/report/report_list.h"
-#include "planar_servo/run/servo_figures.h"
 #include "planar_servo/run/servo_run.h"
 
 namespace planar {
+
+/// Selects one of the errors of a TargetResult.
+using TargetError = std::optional<Eigen::Vector2d> TargetResult::*;
+
+/// Returns the lengths of an error at the targets where it is known, metres.
+std::vector<double> error_lengths(const std::vector<TargetResult>& results, TargetError error);
+
+/// Returns the mean of error_lengths(), or NaN when there are none.
+double mean_error(const std::vector<TargetResult>& results, TargetError error);
+
+/// Says how a cell's tracker judged the ends of a run.
+struct TrackerFigures {
+  std::size_t judged{0};
+  std::vector<std::pair<std::string, std::string>> not_judged;  ///< targets, and why
+  double sigma{0.0};      ///< of a judged error per axis, rms over the targets, metres
+  double after_net{0.0};  ///< rms of the errors once that variance is taken out, metres
+};
+
+/// Holds the figures of a run over the targets that were measured. A figure is empty when there is
+/// none.
+struct ServoFigures {
+  std::size_t targets{0}, reached{0};
+  double iterations_median{0.0};
+  double seconds_per_target{0.0};
+  std::optional<Summary> before_own, after_own, before_truth, after_truth;  ///< metres
+  /// Share of the components of the believed place minus truth within 1.96 stated deviations, to
+  /// which those of the tracker are added where it judges.
+  std::optional<double> coverage_95;
+  /// By truth or tracker, vision has brought the end point farther from its targets than the arm
+  /// alone would have, and scatter among the targets does not explain it.
+  bool made_worse{false};
+  std::optional<TrackerFigures> tracker;  ///< where the tracker judged in place of a truth
+  std::optional<FrameCounts> frames;      ///< of the camera; added by whoever has the camera
+};
+
+/// Computes the figures of a run without those of its camera.
+ServoFigures figures_of(const std::vector<TargetResult>& results);
 
 /// Lists the figures, those against the truth first where there are any. The keys before, after and
 /// improvement have the suffix of who judged them.

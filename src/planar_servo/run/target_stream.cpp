@@ -8,7 +8,7 @@
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/io/csv/csv_fields.h"
-#include "planar_servo/run/dry_run_report.h"
+#include "planar_servo/run/dry_run.h"
 
 namespace planar {
 namespace {
@@ -75,15 +75,15 @@ Json result_answer(const TargetResult& result) {
   return told;
 }
 
-PlannedStream plan_targets(std::istream& in, std::ostream& out, TargetLines& lines,
-                           const CellSettings& cell) {
+FirstMoveStream answer_first_moves(std::istream& in, std::ostream& out, TargetLines& lines,
+                                   const CellSettings& cell) {
   DryRun dry(cell);
-  PlannedStream planned;
+  FirstMoveStream planned;
   planned.end = answer_targets(in, out, lines, [&](const TargetRow& target) {
-    const DryRunRow row = dry.plan(target);
+    const DryRunRow row = dry.first_move(target);
     ++planned.targets;
     if (row.plan.refusal) ++planned.refused;
-    return plan_answer(row);
+    return first_move_answer(row);
   });
   return planned;
 }

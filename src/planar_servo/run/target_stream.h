@@ -32,13 +32,14 @@ StreamEnd answer_targets(std::istream& in, std::ostream& out, TargetLines& lines
 nlohmann::ordered_json result_answer(const TargetResult& result);
 
 /// Counts targets that were only planned.
-struct PlannedStream {
+struct FirstMoveStream {
   std::size_t targets{0}, refused{0};
   StreamEnd end;
 };
 
-/// Answers every target on `in` with its first move, as plan_answer() writes it. Nothing moves.
-PlannedStream plan_targets(std::istream& in, std::ostream& out, TargetLines& lines,
-                           const CellSettings& cell);
+/// Answers every target on `in` with its first move, as first_move_answer() writes it. Nothing
+/// moves.
+FirstMoveStream answer_first_moves(std::istream& in, std::ostream& out, TargetLines& lines,
+                                   const CellSettings& cell);
 
 }  // namespace planar

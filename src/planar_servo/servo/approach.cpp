@@ -30,4 +30,14 @@ double play_allowance_m(const PlanarArm& arm, const ServoSettings& settings) {
   return settings.approach_margin_rad * arm.geometry().link_lengths_m.sum();
 }
 
+std::optional<Obstacle> arrive(PlanarRobot& robot, const JointPlanner& planner,
+                               const ServoSettings& settings, const Joints& theta,
+                               const PlanarRobot::Guard& guard) {
+  if (const auto refusal = approach_refusal(planner, settings, robot.commanded_joints(), theta))
+    return Obstacle{true, *refusal};
+  for (const Joints& stop : approach_stops(planner.transmission(), settings, theta))
+    if (const auto objection = robot.move_to(stop, guard)) return Obstacle{false, *objection};
+  return std::nullopt;
+}
+
 }  // namespace planar

@@ -8,7 +8,7 @@
 #include "planar_servo/cell/servo_settings.h"
 #include "planar_servo/core/clock.h"
 #include "planar_servo/robot/planar_robot.h"
-#include "planar_servo/servo/arrival.h"
+#include "planar_servo/servo/approach.h"
 #include "planar_servo/servo/landing_estimator.h"
 #include "planar_servo/servo/motion_guard.h"
 #include "planar_servo/servo/servo_result.h"

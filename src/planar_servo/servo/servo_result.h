@@ -8,10 +8,15 @@
 #include "planar_servo/arm/transmission.h"
 #include "planar_servo/core/names.h"
 #include "planar_servo/devices/judge.h"
-#include "planar_servo/servo/landing_filter.h"
 #include "planar_servo/servo/tip_sensor.h"
 
 namespace planar {
+
+/// Says how far, per axis, the places that looks let expect scatter about the target: after the
+/// next correction, and after those behind it, when one look more has told what can be told.
+struct Spread {
+  double next_m{0.0}, later_m{0.0};
+};
 
 /// Says how the way to a target ended.
 enum class ServoStatus {

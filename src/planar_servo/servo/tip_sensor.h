@@ -46,7 +46,13 @@ struct TipMeasurement {
 };
 
 /// Returns a look that gave no position.
-TipMeasurement failed_look(TipStatus status, const std::string& word, double t_s);
+inline TipMeasurement failed_look(TipStatus status, const std::string& word, double t_s) {
+  TipMeasurement measurement;
+  measurement.status = status;
+  measurement.word = word;
+  measurement.t_s = t_s;
+  return measurement;
+}
 
 /// Measures the end point for the servo, by whatever means.
 class TipSensor {

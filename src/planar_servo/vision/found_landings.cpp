@@ -1,16 +1,108 @@
 #include "planar_servo/vision/found_landings.h"
 
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <utility>
+#include <vector>
+
+#include "planar_servo/core/numerics/statistics.h"
+#include "planar_servo/core/units.h"
 
 namespace planar {
 namespace {
 
+/// One look in a million differs by so many deviations, estimated from a few.
+constexpr double kDeviations = 6.0;
+/// Looks hardly scatter less than by the noise of the best lamps: a micrometre, seen 40 mm apart.
+constexpr double kLeast_m = 1e-6, kLeastTurn = 25e-6;
+
+bool is_like(double value, const std::deque<double>& others, double least) {
+  const double middle = median({others.begin(), others.end()});
+  std::vector<double> off;
+  off.reserve(others.size());
+  for (const double other : others) off.push_back(std::abs(other - middle));
+  constexpr double kMedianOfOne = 0.6745;
+  return std::abs(value - middle) <
+         kDeviations * std::max(least, median(std::move(off)) / kMedianOfOne);
+}
+
 /// Below this an arm repeats better than anybody has measured.
 constexpr double kLeastScatter_m = 0.1e-6;
 
+/// Below this an arm repeats better than anybody has measured.
+constexpr double kLeastLearnedScatter_m = 0.1e-6;
+
 }  // namespace
+
+void LampAgreement::take(double separation_m, double turn) {
+  separations_m_.push_back(separation_m);
+  turns_.push_back(turn);
+  if (turns_.size() <= kWindow) return;
+  separations_m_.pop_front();
+  turns_.pop_front();
+}
+
+bool LampAgreement::agrees(double separation_m, double turn) const {
+  return knows() && is_like(separation_m, separations_m_, kLeast_m) &&
+         is_like(turn, turns_, kLeastTurn);
+}
+
+Eigen::Matrix2Xd vision_rows(const LampField& field, const TipMeasurement& look) {
+  // Vision takes the found field off, and sees beside the truth by minus what its rows make of the
+  // end point.
+  return -end_point_rows(field, look.lamps_B) * field.factor;
+}
+
+ArmLook arm_look(const SeenLanding& seen, const LampField& field,
+                 const Transmission& transmission) {
+  return {transmission.motors_from_joints(seen.theta_c), seen.look.tip.p,
+          vision_rows(field, seen.look), std::hypot(seen.scatter_m, seen.look.noise_m())};
+}
+
+LookWatch::LookWatch(LampField field, FoundArm found, const Transmission& transmission)
+    : field_(std::move(field)),
+      found_(std::move(found)),
+      transmission_(transmission),
+      following_(found_) {}
+
+void LookWatch::take(const SeenLanding& seen) {
+  of_view_.reset();
+  const auto lamps_B = compensate(field_, seen.look.lamps_B).lamps_B;
+  const double separation_m = (lamps_B[1] - lamps_B[0]).norm();
+  const TipPose landed = found_.tip(transmission_.motors_from_joints(seen.theta_c));
+  const double turn = wrap_angle(seen.look.tip.phi - landed.phi);
+  if (seen.is_first && !seen.has_strayed) {
+    following_.take(arm_look(seen, field_, transmission_), seen.look.t_s);
+    lamps_.take(separation_m, turn);
+  }
+  if (!seen.stays_off) return;
+  const bool agrees = lamps_.agrees(separation_m, turn);
+  of_view_ = {
+      fmt::format(
+          "the tool is seen {:.3f} mm from where the arm should land here, as before the arm "
+          "went away and came again, and {}: is something on the camera's window or in its "
+          "view (a drop, a reflection), or does the arm stray? planar-check-cell says what "
+          "has moved",
+          (seen.look.tip.p - landed.p).norm() / kMillimetre,
+          agrees           ? "the lamps stand to each other as at other targets"
+          : lamps_.knows() ? "the lamps do not stand to each other as at other targets"
+                           : "too few other targets were seen to compare the lamps with"),
+      lamps_.knows() && !agrees};
+}
+
+std::optional<Doubt> LookWatch::doubt() const {
+  if (of_view_) return of_view_;
+  if (std::string moved = following_.doubt(); !moved.empty()) return Doubt{std::move(moved), true};
+  return std::nullopt;
+}
+
+bool LookWatch::explains(const SeenLanding& seen) const {
+  return following_.explains(arm_look(seen, field_, transmission_));
+}
 
 FoundLandings::FoundLandings(LampField field, FoundArm arm, const Transmission& transmission,
                              double stray_m)
@@ -36,6 +128,50 @@ LandingPrior FoundLandings::at(const Joints& theta_c, const TipMeasurement& look
   prior.scatter_m = prior.short_scatter_m = std::max(arm_.scatter_m, kLeastScatter_m);
   prior.stray_m = stray_m_;
   return prior;
+}
+
+LearningLandings::LearningLandings(LampField field, const FoundArm& found, LearnedArm known,
+                                   const Transmission& transmission, double stray_m)
+    : field_(std::move(field)),
+      found_(found),
+      watch_(field_, found, transmission),
+      learner_(found, std::move(known)),
+      transmission_(transmission),
+      stray_m_(stray_m) {
+  if (field_.factor.cols() != found.factor.cols())
+    throw std::invalid_argument("a field and an arm were not found together");
+}
+
+LandingPrior LearningLandings::at(const Joints& theta_c, const TipMeasurement& look) const {
+  LandingPrior prior;
+  prior.covariance = learner_.landing_covariance(transmission_.motors_from_joints(theta_c),
+                                                 vision_rows(field_, look), look.t_s);
+  prior.scatter_m = prior.short_scatter_m =
+      std::max(learner_.learned().arm.scatter_m, kLeastLearnedScatter_m);
+  prior.stray_m = stray_m_;
+  return prior;
+}
+
+void LearningLandings::learn(const SeenLanding& seen) {
+  watch_.take(seen);
+  // Later looks at a target share what no term describes: they are not independent of the first.
+  if (!seen.is_first) return;
+  if (seen.has_strayed) return unlearn(seen);
+  if (learner_.take(arm_look(seen, field_, transmission_), seen.look.t_s) != Lesson::kBeyondCaps ||
+      has_warned_)
+    return;
+  has_warned_ = true;
+  spdlog::warn(
+      "looks ask for an arm that neither warmth nor wear makes of the one that was found; so much "
+      "is not learned; planar-check-cell says whether the cell needs a new calibration");
+}
+
+void LearningLandings::unlearn(const SeenLanding& seen) {
+  if (learner_.lessons() == 0 || !watch_.explains(seen)) return;
+  spdlog::warn(
+      "the arm lands where it was found to, and not where it had been learned to; what was learned "
+      "is forgotten");
+  learner_ = ArmLearner(found_, unlearned(found_, learner_.learned().arm.form.posture));
 }
 
 }  // namespace planar

@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "planar_servo/core/fixed.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/tool/vision_tip.h"
-#include "planar_servo/vision/follow_region.h"
 
 namespace planar {
 namespace {
@@ -33,6 +33,17 @@ void log(const TipMeasurement& seen, const TipPose& expected) {
 }
 
 }  // namespace
+
+cv::Rect follow_region(const cv::Size& sensor_px, int side_px, const Eigen::Vector2d& center_px) {
+  const int width = std::min(side_px, sensor_px.width);
+  const int height = std::min(side_px, sensor_px.height);
+  const auto start = [](double center, int size, int sensor) {
+    const double wanted = std::clamp(center - size / 2.0, 0.0, static_cast<double>(sensor - size));
+    return static_cast<int>(std::lround(wanted));
+  };
+  return {start(center_px.x(), width, sensor_px.width),
+          start(center_px.y(), height, sensor_px.height), width, height};
+}
 
 LampTipSensor::LampTipSensor(VisionCalibration vision, CenterMethod method, FrameSource& camera,
                              int follow_region_px)

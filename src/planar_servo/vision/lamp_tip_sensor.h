@@ -1,5 +1,7 @@
 #pragma once
 
+#include <Eigen/Core>
+#include <opencv2/core/types.hpp>
 #include <optional>
 #include <string>
 
@@ -9,6 +11,10 @@
 #include "planar_servo/vision/see_tool.h"
 
 namespace planar {
+
+/// Returns the region of the sensor that follows the lamps: a square with sides of `side_px`, cut
+/// to the sensor's size and centred on `center_px` as far as it then lies on the sensor.
+cv::Rect follow_region(const cv::Size& sensor_px, int side_px, const Eigen::Vector2d& center_px);
 
 /// Measures the end point by its lamps with a camera. The region of the sensor follows the
 /// commanded pose. When the lamps are not in it, one full frame is searched. Where lamps are fixed

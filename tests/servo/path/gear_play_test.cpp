@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "planar_servo/servo/path/joint_history.h"
+#include "planar_servo/servo/path/path_follower.h"
 #include "support/robot_bench.h"
 
 namespace planar {

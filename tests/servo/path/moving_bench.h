@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/servo/arrival.h"
+#include "planar_servo/servo/approach.h"
 #include "planar_servo/servo/path/path_follower.h"
 #include "planar_servo/virtual_cell/virtual_cell.h"
 #include "virtual_cell/sample_cell.h"

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "planar_servo/core/units.h"
+#include "planar_servo/servo/path/gear_play.h"
 #include "planar_servo/servo/path/path_check.h"
-#include "planar_servo/servo/path/play_probe.h"
 #include "servo/path/moving_bench.h"
 
 namespace planar {

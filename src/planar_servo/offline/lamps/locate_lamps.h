@@ -10,7 +10,7 @@
 #include "planar_servo/files/tables/lamp_table.h"
 #include "planar_servo/lamps/lamp.h"
 #include "planar_servo/offline/lamps/lamp_images.h"
-#include "planar_servo/vision/lamp_prediction.h"
+#include "planar_servo/vision/see_tool.h"
 
 namespace planar {
 

@@ -3,13 +3,28 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include "planar_servo/report/html_page.h"
 
 namespace planar {
 namespace {
+
+using Rgb = std::array<double, 3>;
+
+/// Viridis at equal distances, from its light end, of which the palest part is left out because it
+/// would not show on white, to its dark one.
+constexpr Rgb kColors[] = {{216, 226, 25}, {149, 216, 64}, {85, 198, 103}, {41, 175, 127},
+                           {32, 148, 140}, {39, 120, 142}, {51, 92, 141},  {65, 62, 133},
+                           {72, 33, 115},  {68, 1, 84}};
+constexpr std::size_t kLast = std::size(kColors) - 1;
+
+constexpr double kBar = 14.0;  // width of the bar itself
+constexpr int kBands = 48;
+constexpr int kMostTicks = 6;
 
 constexpr double kLeft = 62.0, kTop = 34.0, kRight = 16.0, kBottom = 44.0;  // about a plot
 constexpr double kLine = 20.0;                                              // of the legend
@@ -75,6 +90,71 @@ class FieldRow {
 };
 
 }  // namespace
+
+ColorScale::ColorScale(std::string label, const std::vector<double>& values, Steps steps)
+    : label_(std::move(label)), steps_(steps) {
+  double least = std::numeric_limits<double>::infinity(), most = -least;
+  for (const double value : values) {
+    if (!std::isfinite(value) || (steps == Steps::kDecades && value <= 0.0)) continue;
+    least = std::min(least, value);
+    most = std::max(most, value);
+  }
+  if (least > most) least = most = 1.0;
+  if (least == most) {
+    least = steps == Steps::kDecades ? 0.5 * least : least - 0.5 * std::abs(least);
+    most = steps == Steps::kDecades ? 2.0 * most : most + 0.5 * std::abs(most);
+  }
+  from_ = least;
+  to_ = least < most ? most : least + 1.0;
+}
+
+double ColorScale::share(double value) const {
+  const double share = steps_ == Steps::kEven ? (value - from_) / (to_ - from_)
+                       : value > 0.0          ? std::log(value / from_) / std::log(to_ / from_)
+                                              : 0.0;
+  return std::clamp(share, 0.0, 1.0);
+}
+
+std::string ColorScale::color(double value) const {
+  const double at = share(value) * static_cast<double>(kLast);
+  const std::size_t i = std::min(static_cast<std::size_t>(at), kLast - 1);
+  const double part = at - static_cast<double>(i);
+  const auto mixed = [&](std::size_t channel) {
+    return static_cast<int>(
+        std::lround((1.0 - part) * kColors[i][channel] + part * kColors[i + 1][channel]));
+  };
+  return fmt::format("#{:02x}{:02x}{:02x}", mixed(0), mixed(1), mixed(2));
+}
+
+Ticks ColorScale::bar_ticks() const {
+  return steps_ == Steps::kEven ? round_ticks(from_, to_, kMostTicks) : decade_ticks(from_, to_);
+}
+
+std::string ColorScale::bar_svg(double left, double top, double height) const {
+  std::string svg;
+  const double band = height / kBands;
+  for (int i = 0; i < kBands; ++i) {
+    const double share = (i + 0.5) / kBands;
+    const double value = steps_ == Steps::kEven ? from_ + share * (to_ - from_)
+                                                : from_ * std::pow(to_ / from_, share);
+    svg += fmt::format(
+        "<rect x=\"{:.1f}\" y=\"{:.2f}\" width=\"{}\" height=\"{:.2f}\" fill=\"{}\"/>\n", left,
+        top + height - (i + 1) * band, kBar, band + 0.5, color(value));
+  }
+  svg += fmt::format(
+      "<rect class=\"frame\" x=\"{:.1f}\" y=\"{:.1f}\" width=\"{}\" height=\"{:.1f}\"/>\n", left,
+      top, kBar, height);
+  const Ticks ticks = bar_ticks();
+  for (const double value : ticks.values)
+    svg +=
+        fmt::format("<text class=\"tick\" x=\"{:.1f}\" y=\"{:.1f}\">{}</text>\n", left + kBar + 4.0,
+                    top + height * (1.0 - share(value)) + 4.0, ticks.text(value));
+  const double x = left + kColorBarWidth - 8.0, y = top + 0.5 * height;
+  return svg + fmt::format(
+                   "<text class=\"label\" text-anchor=\"middle\" x=\"{0:.1f}\" y=\"{1:.1f}\" "
+                   "transform=\"rotate(-90 {0:.1f} {1:.1f})\">{2}</text>\n",
+                   x, y, html_escaped(label_));
+}
 
 ArrowScale arrows_over(const std::vector<Eigen::Vector2d>& vectors, const std::string& unit) {
   double longest = 0.0;

@@ -5,9 +5,46 @@
 #include <vector>
 
 #include "planar_servo/report/figure/axis.h"
-#include "planar_servo/report/figure/color_scale.h"
 
 namespace planar {
+
+/// Gives values colours, from light for the least to dark for the largest: viridis [van der Walt
+/// and Smith 2015] turned round, whose lightness falls evenly, in grey print as well.
+class ColorScale {
+ public:
+  enum class Steps { kEven, kDecades };
+
+  /// The ends of the scale are those of the values that are finite; kDecades takes those above
+  /// zero, and spaces colours by their logarithm. `label` says what the values are, with the unit.
+  /// Without any such value, or with one only, the scale has ends around it.
+  ColorScale(std::string label, const std::vector<double>& values, Steps steps = Steps::kEven);
+
+  /// Returns the colour as #rrggbb. Values beyond an end have the end's colour.
+  std::string color(double value) const;
+  /// Returns where a value lies on the scale, from 0 to 1.
+  double share(double value) const;
+
+  double from() const { return from_; }
+  double to() const { return to_; }
+
+  /// Draws the scale as a bar of this height with ticks and label: as SVG, its upper left corner at
+  /// (left, top).
+  std::string bar_svg(double left, double top, double height) const;
+
+ private:
+  Ticks bar_ticks() const;
+
+  std::string label_;
+  Steps steps_;
+  double from_{0.0}, to_{1.0};
+};
+
+/// Colours of series that are told apart in one panel [Okabe and Ito 2008, darkened for thin
+/// lines].
+constexpr const char* kSeriesColors[] = {"#1f4e79", "#c77f1a", "#2e8b57", "#a23b72"};
+
+/// Width of what bar_svg() draws, with its ticks and label.
+constexpr double kColorBarWidth = 90.0;
 
 /// How long arrows are drawn. Panels that share one can be compared by the arrows' lengths.
 struct ArrowScale {

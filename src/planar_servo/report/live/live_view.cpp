@@ -1,13 +1,16 @@
 #include "planar_servo/report/live/live_view.h"
 
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
 #include <visp3/io/vpImageIo.h>
 
 #include <condition_variable>
+#include <cstdlib>
 #include <mutex>
-#include <optional>
 #include <thread>
 #include <utility>
 
+#include "planar_servo/core/error.h"
 #include "planar_servo/report/live/x_window.h"
 
 namespace planar {
@@ -86,6 +89,25 @@ std::optional<std::string> LiveView::close() {
   impl_->changed.notify_one();
   if (impl_->thread.joinable()) impl_->thread.join();
   return impl_->failure;
+}
+
+std::unique_ptr<LiveView> open_display(DisplayPolicy policy, const std::filesystem::path& picture,
+                                       const std::string& title) {
+  if (policy == DisplayPolicy::kNone) return nullptr;
+  const bool window = XWindow::server_answers();
+  if (!window && policy == DisplayPolicy::kX) {
+    const char* display = std::getenv("DISPLAY");
+    throw InputError(fmt::format(
+        "--display x: no X server answers at DISPLAY '{}'; start one, or use --display auto",
+        display == nullptr ? "" : display));
+  }
+  return std::make_unique<LiveView>(picture, window, title);
+}
+
+void close_display(LiveView* view) {
+  if (view == nullptr) return;
+  if (const auto failure = view->close())
+    spdlog::warn(fmt::format("the display failed: {}", *failure));
 }
 
 }  // namespace planar

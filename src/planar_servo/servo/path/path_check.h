@@ -4,7 +4,7 @@
 #include <string>
 
 #include "planar_servo/arm/joint_planner.h"
-#include "planar_servo/servo/path/path_timing.h"
+#include "planar_servo/servo/path/path.h"
 
 namespace planar {
 

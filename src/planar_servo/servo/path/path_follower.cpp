@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <stdexcept>
 
 #include "planar_servo/core/fixed.h"
 #include "planar_servo/core/units.h"
@@ -12,6 +13,9 @@
 
 namespace planar {
 namespace {
+
+/// A picture that arrives later than this is of no use to a motion, seconds.
+constexpr double kRemembered_s = 2.0;
 
 /// What a joint is off its way is made good in this time, or in that between the last two commands
 /// if it was longer: a joint that went on for longer would go beyond its way.
@@ -24,6 +28,22 @@ constexpr double kLearning = 0.5;
 constexpr double kBeforeExposure_s = 0.005;
 
 }  // namespace
+
+void JointHistory::add(double t_s, const Joints& theta) {
+  samples_.push_back({t_s, theta});
+  while (samples_.front().t_s < t_s - kRemembered_s) samples_.pop_front();
+}
+
+Joints JointHistory::at(double t_s) const {
+  if (samples_.empty()) throw std::logic_error("no joints were taken");
+  const auto after = std::find_if(samples_.begin(), samples_.end(),
+                                  [&](const Sample& sample) { return sample.t_s >= t_s; });
+  if (after == samples_.end()) return samples_.back().theta;
+  if (after == samples_.begin()) return after->theta;
+  const Sample& before = *(after - 1);
+  const double share = (t_s - before.t_s) / (after->t_s - before.t_s);
+  return before.theta + share * (after->theta - before.theta);
+}
 
 PathFollower::PathFollower(const ServoSettings& settings, const GuardLimits& limits,
                            const JointPlanner& planner, PlanarRobot& robot, TipSensor& sensor,

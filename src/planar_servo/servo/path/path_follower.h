@@ -1,21 +1,41 @@
 #pragma once
 
+#include <deque>
 #include <functional>
 #include <optional>
 #include <string>
 
 #include "planar_servo/arm/joint_planner.h"
+#include "planar_servo/arm/planar_arm.h"
 #include "planar_servo/cell/servo_settings.h"
 #include "planar_servo/core/clock.h"
 #include "planar_servo/robot/planar_robot.h"
 #include "planar_servo/servo/motion_guard.h"
 #include "planar_servo/servo/path/gear_play.h"
-#include "planar_servo/servo/path/joint_history.h"
-#include "planar_servo/servo/path/path_timing.h"
+#include "planar_servo/servo/path/path.h"
 #include "planar_servo/servo/position_servo.h"
 #include "planar_servo/servo/tip_sensor.h"
 
 namespace planar {
+
+/// Remembers for a while where the drives stood when, so that a picture is held against the joints
+/// at its exposure.
+class JointHistory {
+ public:
+  /// Takes the joints at a time that is not before those taken already, seconds.
+  void add(double t_s, const Joints& theta);
+
+  /// Returns the joints at a time, straight between two that were taken; before the first and after
+  /// the last one, those. Throws std::logic_error when none was taken.
+  Joints at(double t_s) const;
+
+ private:
+  struct Sample {
+    double t_s;
+    Joints theta;
+  };
+  std::deque<Sample> samples_;
+};
 
 /// Records one look at the tool while it moves.
 struct PathLook {

@@ -7,7 +7,7 @@
 #include "planar_servo/arm/joint_planner.h"
 #include "planar_servo/cell/cell_settings.h"
 #include "planar_servo/files/provenance.h"
-#include "planar_servo/vision/learning_landings.h"
+#include "planar_servo/vision/found_landings.h"
 
 namespace planar {
 

@@ -1,8 +1,8 @@
-#include "planar_servo/run/path/path_drawing.h"
+#include "planar_servo/run/path_report.h"
 
 #include <catch2/catch.hpp>
 
-#include "planar_servo/run/path/path_figures.h"
+#include "planar_servo/run/path_run.h"
 #include "support/well_formed.h"
 
 namespace planar {
@@ -39,7 +39,7 @@ std::string page_of(const std::vector<std::vector<PathLookRow>>& ways) {
     results.back().speed_m_s = way.front().speed_m_s;
   }
   HtmlPage page("a path");
-  add_path_figures(page, straight_path(), looks, results);
+  add_path_plots(page, straight_path(), looks, results);
   CHECK(test::fault_of_xml(page.text()).empty());
   return page.text();
 }

@@ -1,7 +1,10 @@
-#include "planar_servo/run/path/path_run.h"
+#include "planar_servo/run/path_run.h"
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <cmath>
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/fixed.h"
@@ -10,14 +13,23 @@
 #include "planar_servo/files/path/path_table.h"
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/io/atomic_file.h"
-#include "planar_servo/run/path/path_figures.h"
 #include "planar_servo/run/resumed_run.h"
-#include "planar_servo/servo/arrival.h"
-#include "planar_servo/servo/path/path_check.h"
-#include "planar_servo/servo/path/play_probe.h"
+#include "planar_servo/servo/approach.h"
+#include "planar_servo/servo/path/gear_play.h"
 
 namespace planar {
 namespace {
+
+std::optional<PathErrors> errors_of(std::vector<double> across_m,
+                                    const std::vector<double>& lag_m) {
+  if (across_m.empty()) return std::nullopt;
+  for (double& length : across_m) length = std::abs(length);
+  PathErrors errors;
+  errors.across_m = summarize(across_m);
+  errors.lag_mean_m = mean(lag_m);
+  for (const double lag : lag_m) errors.lag_max_m = std::max(errors.lag_max_m, std::abs(lag));
+  return errors;
+}
 
 /// The error map is smooth over this length of a path, metres.
 constexpr double kMapStep_m = 5e-3;
@@ -50,6 +62,24 @@ ExposureTiming exposures_of(const CellSettings& cell, const FrameSource& camera)
 }
 
 }  // namespace
+
+PathSpeedResult path_figures(const std::vector<PathLookRow>& looks) {
+  PathSpeedResult result;
+  std::vector<double> across, lag, across_truth, lag_truth;
+  for (const PathLookRow& row : looks) {
+    ++result.looks;
+    if (row.look.measurement.ok()) {
+      across.push_back(row.look.seen.across_m);
+      lag.push_back(row.lag_m());
+    }
+    if (!row.truth) continue;
+    across_truth.push_back(row.truth->across_m);
+    lag_truth.push_back(*row.lag_truth_m());
+  }
+  result.own_view = errors_of(std::move(across), lag);
+  result.truth = errors_of(std::move(across_truth), lag_truth);
+  return result;
+}
 
 PathRequest read_path_request(const std::filesystem::path& file, const CellSettings& cell,
                               const std::vector<double>& speeds_mm_s,

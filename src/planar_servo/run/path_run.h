@@ -14,6 +14,9 @@
 
 namespace planar {
 
+/// Returns the figures of these looks at one speed: errors and number, and nothing else.
+PathSpeedResult path_figures(const std::vector<PathLookRow>& looks);
+
 /// Says which path is to be followed, and how.
 struct PathRequest {
   std::filesystem::path file;

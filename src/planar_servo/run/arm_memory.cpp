@@ -1,4 +1,4 @@
-#include "planar_servo/run/learned/arm_memory.h"
+#include "planar_servo/run/arm_memory.h"
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
