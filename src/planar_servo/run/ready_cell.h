@@ -92,7 +92,6 @@ class ReadyCell {
   bool wait_for_camera(const std::string& id, const std::string& reason, double deadline_s);
 
   const CellSettings& settings() const { return cell_; }
-  const VisionCalibration& vision() const { return vision_; }
   const GuardLimits& limits() const { return limits_; }
   const JointPlanner& planner() const { return planner_; }
   Clock& clock() { return clock_; }

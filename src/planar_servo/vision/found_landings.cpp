@@ -33,9 +33,6 @@ bool is_like(double value, const std::deque<double>& others, double least) {
 /// Below this an arm repeats better than anybody has measured.
 constexpr double kLeastScatter_m = 0.1e-6;
 
-/// Below this an arm repeats better than anybody has measured.
-constexpr double kLeastLearnedScatter_m = 0.1e-6;
-
 }  // namespace
 
 void LampAgreement::take(double separation_m, double turn) {
@@ -51,32 +48,53 @@ bool LampAgreement::agrees(double separation_m, double turn) const {
          is_like(turn, turns_, kLeastTurn);
 }
 
-Eigen::Matrix2Xd vision_rows(const LampField& field, const TipMeasurement& look) {
+FoundLandings::FoundLandings(LampField field, FoundArm arm, const Transmission& transmission,
+                             double stray_m)
+    : field_(std::move(field)),
+      found_(std::move(arm)),
+      transmission_(transmission),
+      stray_m_(stray_m),
+      following_(found_) {
+  if (field_.factor.cols() != found_.factor.cols())
+    throw std::invalid_argument("a field and an arm were not found together");
+}
+
+Eigen::Matrix2Xd FoundLandings::vision_rows(const TipMeasurement& look) const {
   // Vision takes the found field off, and sees beside the truth by minus what its rows make of the
   // end point.
-  return -end_point_rows(field, look.lamps_B) * field.factor;
+  return -end_point_rows(field_, look.lamps_B) * field_.factor;
 }
 
-ArmLook arm_look(const SeenLanding& seen, const LampField& field,
-                 const Transmission& transmission) {
-  return {transmission.motors_from_joints(seen.theta_c), seen.look.tip.p,
-          vision_rows(field, seen.look), std::hypot(seen.scatter_m, seen.look.noise_m())};
+ArmLook FoundLandings::arm_look(const SeenLanding& seen) const {
+  return {motors(seen.theta_c), seen.look.tip.p, vision_rows(seen.look),
+          std::hypot(seen.scatter_m, seen.look.noise_m())};
 }
 
-LookWatch::LookWatch(LampField field, FoundArm found, const Transmission& transmission)
-    : field_(std::move(field)),
-      found_(std::move(found)),
-      transmission_(transmission),
-      following_(found_) {}
+LandingPrior FoundLandings::prior_of(const Eigen::Matrix4d& covariance, double scatter_m) const {
+  LandingPrior prior;
+  prior.covariance = covariance;
+  prior.scatter_m = prior.short_scatter_m = std::max(scatter_m, kLeastScatter_m);
+  prior.stray_m = stray_m_;
+  return prior;
+}
 
-void LookWatch::take(const SeenLanding& seen) {
+LandingPrior FoundLandings::at(const Joints& theta_c, const TipMeasurement& look) const {
+  // True values differ from what was found by factor times numbers of unit variance: the arm lands
+  // beside its command by its rows of that.
+  Eigen::MatrixXd rows(4, found_.factor.cols());
+  rows.topRows<2>() = found_.form.jacobian(motors(theta_c), found_.x).topRows<2>() * found_.factor;
+  rows.bottomRows<2>() = vision_rows(look);
+  return prior_of(rows * rows.transpose(), found_.scatter_m);
+}
+
+void FoundLandings::learn(const SeenLanding& seen) {
   of_view_.reset();
   const auto lamps_B = compensate(field_, seen.look.lamps_B).lamps_B;
   const double separation_m = (lamps_B[1] - lamps_B[0]).norm();
-  const TipPose landed = found_.tip(transmission_.motors_from_joints(seen.theta_c));
+  const TipPose landed = found_.tip(motors(seen.theta_c));
   const double turn = wrap_angle(seen.look.tip.phi - landed.phi);
   if (seen.is_first && !seen.has_strayed) {
-    following_.take(arm_look(seen, field_, transmission_), seen.look.t_s);
+    following_.take(arm_look(seen), seen.look.t_s);
     lamps_.take(separation_m, turn);
   }
   if (!seen.stays_off) return;
@@ -94,72 +112,28 @@ void LookWatch::take(const SeenLanding& seen) {
       lamps_.knows() && !agrees};
 }
 
-std::optional<Doubt> LookWatch::doubt() const {
+std::optional<Doubt> FoundLandings::doubt() const {
   if (of_view_) return of_view_;
   if (std::string moved = following_.doubt(); !moved.empty()) return Doubt{std::move(moved), true};
   return std::nullopt;
 }
 
-bool LookWatch::explains(const SeenLanding& seen) const {
-  return following_.explains(arm_look(seen, field_, transmission_));
-}
-
-FoundLandings::FoundLandings(LampField field, FoundArm arm, const Transmission& transmission,
-                             double stray_m)
-    : field_(std::move(field)),
-      arm_(std::move(arm)),
-      transmission_(transmission),
-      stray_m_(stray_m),
-      watch_(field_, arm_, transmission_) {
-  if (field_.factor.cols() != arm_.factor.cols())
-    throw std::invalid_argument("a field and an arm were not found together");
-}
-
-LandingPrior FoundLandings::at(const Joints& theta_c, const TipMeasurement& look) const {
-  // True values differ from what was found by factor times numbers of unit variance: the arm lands
-  // beside its command by its rows of that.
-  Eigen::MatrixXd rows(4, arm_.factor.cols());
-  rows.topRows<2>() =
-      arm_.form.jacobian(transmission_.motors_from_joints(theta_c), arm_.x).topRows<2>() *
-      arm_.factor;
-  rows.bottomRows<2>() = vision_rows(field_, look);
-  LandingPrior prior;
-  prior.covariance = rows * rows.transpose();
-  prior.scatter_m = prior.short_scatter_m = std::max(arm_.scatter_m, kLeastScatter_m);
-  prior.stray_m = stray_m_;
-  return prior;
-}
-
 LearningLandings::LearningLandings(LampField field, const FoundArm& found, LearnedArm known,
                                    const Transmission& transmission, double stray_m)
-    : field_(std::move(field)),
-      found_(found),
-      watch_(field_, found, transmission),
-      learner_(found, std::move(known)),
-      transmission_(transmission),
-      stray_m_(stray_m) {
-  if (field_.factor.cols() != found.factor.cols())
-    throw std::invalid_argument("a field and an arm were not found together");
-}
+    : FoundLandings(std::move(field), found, transmission, stray_m),
+      learner_(found, std::move(known)) {}
 
 LandingPrior LearningLandings::at(const Joints& theta_c, const TipMeasurement& look) const {
-  LandingPrior prior;
-  prior.covariance = learner_.landing_covariance(transmission_.motors_from_joints(theta_c),
-                                                 vision_rows(field_, look), look.t_s);
-  prior.scatter_m = prior.short_scatter_m =
-      std::max(learner_.learned().arm.scatter_m, kLeastLearnedScatter_m);
-  prior.stray_m = stray_m_;
-  return prior;
+  return prior_of(learner_.landing_covariance(motors(theta_c), vision_rows(look), look.t_s),
+                  learner_.learned().arm.scatter_m);
 }
 
 void LearningLandings::learn(const SeenLanding& seen) {
-  watch_.take(seen);
+  FoundLandings::learn(seen);
   // Later looks at a target share what no term describes: they are not independent of the first.
   if (!seen.is_first) return;
   if (seen.has_strayed) return unlearn(seen);
-  if (learner_.take(arm_look(seen, field_, transmission_), seen.look.t_s) != Lesson::kBeyondCaps ||
-      has_warned_)
-    return;
+  if (learner_.take(arm_look(seen), seen.look.t_s) != Lesson::kBeyondCaps || has_warned_) return;
   has_warned_ = true;
   spdlog::warn(
       "looks ask for an arm that neither warmth nor wear makes of the one that was found; so much "
@@ -167,11 +141,11 @@ void LearningLandings::learn(const SeenLanding& seen) {
 }
 
 void LearningLandings::unlearn(const SeenLanding& seen) {
-  if (learner_.lessons() == 0 || !watch_.explains(seen)) return;
+  if (learner_.lessons() == 0 || !explains(seen)) return;
   spdlog::warn(
       "the arm lands where it was found to, and not where it had been learned to; what was learned "
       "is forgotten");
-  learner_ = ArmLearner(found_, unlearned(found_, learner_.learned().arm.form.posture));
+  learner_ = ArmLearner(found(), unlearned(found(), learner_.learned().arm.form.posture));
 }
 
 }  // namespace planar

@@ -33,65 +33,54 @@ class LampAgreement {
   std::deque<double> separations_m_, turns_;
 };
 
-/// Returns the rows by which vision, compensated by the field, is wrong at a look.
-Eigen::Matrix2Xd vision_rows(const LampField& field, const TipMeasurement& look);
-
-/// Returns a look that the guard let through as it speaks of the arm.
-ArmLook arm_look(const SeenLanding& seen, const LampField& field, const Transmission& transmission);
-
-/// Watches by all looks of a run whether arm and view still are as they were found together.
-class LookWatch {
+/// The landings of an arm that was found together with the field of its camera. What is known of
+/// both has one covariance. All looks of a run tell whether arm and view still are as they were
+/// found together.
+class FoundLandings : public LandingModel {
  public:
-  LookWatch(LampField field, FoundArm found, const Transmission& transmission);
+  /// Takes field and arm, and how far an arm that strayed may be off, per axis. Throws
+  /// std::invalid_argument for factors with unequal columns, which do not belong together.
+  FoundLandings(LampField field, FoundArm arm, const Transmission& transmission, double stray_m);
 
-  void take(const SeenLanding& seen);
+  LandingPrior at(const Joints& theta_c, const TipMeasurement& look) const override;
+  void learn(const SeenLanding& seen) override;
+  std::optional<Doubt> doubt() const override;
 
-  std::optional<Doubt> doubt() const;
+ protected:
+  const FoundArm& found() const { return found_; }
+  /// Returns where the motors stand behind their gears at these joints, radians.
+  Eigen::Vector3d motors(const Joints& theta_c) const {
+    return transmission_.motors_from_joints(theta_c);
+  }
+  /// Returns the rows by which vision, compensated by the field, is wrong at a look.
+  Eigen::Matrix2Xd vision_rows(const TipMeasurement& look) const;
+  /// Returns a look that the guard let through as it speaks of the arm.
+  ArmLook arm_look(const SeenLanding& seen) const;
   /// Returns whether the arm as it was found is likely to be seen so.
-  bool explains(const SeenLanding& seen) const;
+  bool explains(const SeenLanding& seen) const { return following_.explains(arm_look(seen)); }
+  /// Returns the prior of an arm whose stops scatter by so much, per axis.
+  LandingPrior prior_of(const Eigen::Matrix4d& covariance, double scatter_m) const;
 
  private:
   LampField field_;
   FoundArm found_;
   Transmission transmission_;
+  double stray_m_;
   FollowingError following_;
   LampAgreement lamps_;
   std::optional<Doubt> of_view_;  ///< by the last look
 };
 
-/// The landings of an arm that was found together with the field of its camera. What is known of
-/// both has one covariance.
-class FoundLandings final : public LandingModel {
+/// The landings of such an arm where it is learned further from the first look at every target. The
+/// field stays as it was found.
+class LearningLandings final : public FoundLandings {
  public:
-  /// Takes field and arm, which have the same columns in their factors, and how far an arm that
-  /// strayed may be off, per axis.
-  FoundLandings(LampField field, FoundArm arm, const Transmission& transmission, double stray_m);
-
-  LandingPrior at(const Joints& theta_c, const TipMeasurement& look) const override;
-  void learn(const SeenLanding& seen) override { watch_.take(seen); }
-  std::optional<Doubt> doubt() const override { return watch_.doubt(); }
-
- private:
-  LampField field_;
-  FoundArm arm_;
-  Transmission transmission_;
-  double stray_m_;
-  LookWatch watch_;
-};
-
-/// The landings of an arm that was found together with the field of its camera, and that is learned
-/// further from the first look at every target. The field stays as it was found.
-class LearningLandings final : public LandingModel {
- public:
-  /// Takes a field and an arm that was found with it, what is known of the arm by now, and how far
-  /// an arm that strayed may be off, per axis. Throws std::invalid_argument when they do not belong
-  /// together.
+  /// Takes what FoundLandings takes, and what is known of the arm by now.
   LearningLandings(LampField field, const FoundArm& found, LearnedArm known,
                    const Transmission& transmission, double stray_m);
 
   LandingPrior at(const Joints& theta_c, const TipMeasurement& look) const override;
   void learn(const SeenLanding& seen) override;
-  std::optional<Doubt> doubt() const override { return watch_.doubt(); }
   const FoundArm* learned_arm() const override { return &learner_.learned().arm; }
 
   const ArmLearner& learner() const { return learner_; }
@@ -100,12 +89,7 @@ class LearningLandings final : public LandingModel {
   /// Takes back what was learned where the arm as it was found explains a look that it does not.
   void unlearn(const SeenLanding& seen);
 
-  LampField field_;
-  FoundArm found_;
-  LookWatch watch_;  ///< of the arm as it was found
   ArmLearner learner_;
-  Transmission transmission_;
-  double stray_m_;
   bool has_warned_{false};  ///< of looks beyond the caps
 };
 
