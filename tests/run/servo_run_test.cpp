@@ -167,8 +167,7 @@ TEST_CASE("A camera is waited for in full after a drive was waited for") {
     request.check_health = false;
     ServoRun run(request, devices);
     const double start_s = devices.clock().now_s();
-    CHECK_THROWS_WITH(run.move_to({"a", {0.3, 0.2}, std::nullopt}),
-                      Catch::Contains("not back within 60 s"));
+    CHECK_THROWS_AS(run.move_to({"a", {0.3, 0.2}, std::nullopt}), WorkError);
     CHECK(devices.flaky.failures == 1);
     CHECK(devices.clock().now_s() - start_s >= 130.0);
   }

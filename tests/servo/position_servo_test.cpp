@@ -63,7 +63,7 @@ TEST_CASE("Without iterations the servo moves open loop and measures once") {
   bench.settings.max_iterations = 0;
   const ServoResult result = bench.move_to(kTarget);
   CHECK(result.status == ServoStatus::kNotConverged);
-  CHECK_THAT(result.reason, Catch::Contains("after 0 corrections"));
+  CHECK(result.iterations == 0);
   CHECK(result.steps.size() == 1);
   CHECK(bench.cell.targets_sent() == 3);
   const TipPose commanded = bench.planner.arm().forward(bench.robot.commanded_joints());
@@ -114,7 +114,6 @@ TEST_CASE("A servo whose view has the wrong sign holds at the second look") {
     const ServoResult result = bench.move_to(kTarget);
     CHECK(result.status == ServoStatus::kHeld);
     CHECK(result.cell_in_doubt);
-    CHECK_THAT(result.reason, Catch::Contains("was seen to move by"));
     CHECK(result.steps.size() == 2);
   }
 }
@@ -127,8 +126,9 @@ TEST_CASE("An error that grows twice, too little for a doubt, halts the arm") {
   const ServoResult result = bench.move_to(kTarget);
   CHECK(result.status == ServoStatus::kDiverged);
   CHECK(result.cell_in_doubt);
-  CHECK_THAT(result.reason, Catch::Contains("grew twice in a row"));
-  CHECK(result.steps.size() == 3);
+  REQUIRE(result.steps.size() == 3);
+  for (const std::size_t i : {1U, 2U})
+    CHECK(result.steps[i].miss_m() > result.steps[i - 1].miss_m());
   for (int i = 0; i < 3; ++i) CHECK(bench.cell.drive(i).halts == 1);
 }
 
@@ -148,8 +148,9 @@ TEST_CASE("A target is not reached while the tool points elsewhere") {
   bench.settings.tolerance_m = 2e-3;
   const ServoResult askew = bench.move_to(kTarget);
   CHECK(askew.status == ServoStatus::kNotConverged);
-  const double turn_deg = std::abs(askew.steps.back().turn_error) / kDegree;
-  CHECK_THAT(askew.reason, Catch::Contains(fmt::format("{:.3f} deg after 0", turn_deg)));
+  const ServoStep& last = askew.steps.back();
+  CHECK(last.miss_m() < last.stop_below_m);
+  CHECK(std::abs(last.turn_error) > bench.settings.orientation_tolerance);
   bench.settings.orientation_tolerance = 0.5 * kDegree;
   CHECK(bench.move_to(kTarget).status == ServoStatus::kReached);
 }
@@ -185,7 +186,7 @@ TEST_CASE("Nothing moves after a lamp is lost") {
     bench.sensor.lamp_lost_from = lost_from;
     const ServoResult result = bench.move_to(kTarget);
     CHECK(result.status == ServoStatus::kLostLamp);
-    CHECK_THAT(result.reason, Catch::Contains("one_lamp"));
+    CHECK(result.steps.back().measurement.word == "one_lamp");
     CHECK(bench.sensor.measurements == lost_from + 1);
     CHECK(bench.cell.targets_sent() == 3 * (static_cast<std::size_t>(lost_from) + 1));
   }
