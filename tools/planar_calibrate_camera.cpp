@@ -2,7 +2,7 @@
 #include <regex>
 
 #include "planar_servo/core/error.h"
-#include "planar_servo/files/camera/camera_file.h"
+#include "planar_servo/files/camera_file.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/offline/camera/calibrate_camera.h"
 #include "planar_servo/offline/camera/calibration_page.h"

@@ -1,4 +1,4 @@
-#include "planar_servo/files/camera/camera_file.h"
+#include "planar_servo/files/camera_file.h"
 
 #include <catch2/catch.hpp>
 

@@ -14,7 +14,7 @@
 #include "planar_servo/drives/grbl/grbl_protocol.h"
 #include "planar_servo/files/arm_file.h"
 #include "planar_servo/files/board_points_file.h"
-#include "planar_servo/files/camera/camera_file.h"
+#include "planar_servo/files/camera_file.h"
 #include "planar_servo/files/certificate/cycle_table.h"
 #include "planar_servo/files/learned_arm_file.h"
 #include "planar_servo/files/map/map_file.h"

@@ -7,7 +7,8 @@
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
-#include "planar_servo/io/yaml_fields.h"
+#include "planar_servo/io/yaml_reader.h"
+#include "planar_servo/io/yaml_writer.h"
 #include "support/temporary_folder.h"
 
 namespace planar {
@@ -87,19 +88,17 @@ void list_fields(Fields& fields, Settings& settings) {
 }
 
 std::string text_of(Settings settings) {
-  YamlWriter yaml = YamlWriter::with_header("settings", "a-test");
-  FieldWriter writer(yaml);
+  YamlWriter writer("settings", "a-test");
   list_fields(writer, settings);
-  return yaml.text();
+  return writer.text();
 }
 
 Settings settings_in(const std::string& text) {
   const test::TemporaryFolder folder;
-  const YamlDocument document = YamlDocument::read(folder.write("settings.yaml", text), "settings");
-  FieldReader reader(document.root());
+  YamlReader reader(folder.write("settings.yaml", text), "settings");
   Settings settings;
   list_fields(reader, settings);
-  document.throw_if_faulty();
+  reader.throw_if_faulty();
   return settings;
 }
 
@@ -209,8 +208,7 @@ TEST_CASE("What breaks a field's rule is one fault with its place") {
 TEST_CASE("Writing does not change what was written") {
   Settings settings = RandomSettings(5).draw();
   const std::string once = lasting(text_of(settings));
-  YamlWriter yaml;
-  FieldWriter writer(yaml);
+  YamlWriter writer;
   list_fields(writer, settings);
   CHECK(lasting(text_of(settings)) == once);
 }

@@ -1,7 +1,9 @@
 #include "planar_servo/io/yaml_reader.h"
 
+#include <array>
 #include <catch2/catch.hpp>
 #include <cstdint>
+#include <functional>
 
 #include "planar_servo/core/error.h"
 #include "support/temporary_folder.h"
@@ -11,9 +13,9 @@ namespace {
 
 using Catch::Contains;
 
-std::string faults_of(const YamlDocument& document) {
+std::string faults_of(YamlReader& reader) {
   try {
-    document.throw_if_faulty();
+    reader.throw_if_faulty();
   } catch (const InputError& e) {
     return e.what();
   }
@@ -25,25 +27,33 @@ TEST_CASE("A strict document gives its values and has no faults") {
   const auto path = folder.write("a.yaml",
                                  "format: planar-servo/cell/1\nservo: {gain: 0.5, law: jacobian}\n"
                                  "n: 3\nlist: [1, 2]\nitems: [{x: 1}, {x: 2}]\n");
-  const YamlDocument document = YamlDocument::read(path, "cell");
-  const YamlNode servo = document.root().child("servo");
-  CHECK(servo.number("gain") == 0.5);
-  CHECK(servo.choice("law", {"jacobian", "inverse"}) == "jacobian");
-  CHECK(document.root().whole_number_in("n", 1) == 3);
-  CHECK(document.root().numbers("list", 2) == std::vector<double>{1.0, 2.0});
-  CHECK(document.root().list("items").at(1).number("x") == 2.0);
-  CHECK_FALSE(document.root().has("absent"));
-  CHECK(faults_of(document).empty());
+  YamlReader reader(path, "cell");
+  double gain = 0.0;
+  std::string law;
+  int n = 0;
+  std::vector<double> list, items;
+  reader.map("servo", [&] {
+    reader.number("gain", gain);
+    reader.choice("law", law, {"jacobian", "inverse"});
+  });
+  reader.whole_number("n", n, 1);
+  reader.numbers("list", list, 2);
+  reader.maps("items", items, [&](double& x) { reader.number("x", x); });
+  CHECK(gain == 0.5);
+  CHECK(law == "jacobian");
+  CHECK(n == 3);
+  CHECK(list == std::vector<double>{1.0, 2.0});
+  CHECK(items == list);
+  CHECK_FALSE(reader.given("absent"));
+  CHECK(faults_of(reader).empty());
 }
 
 TEST_CASE("A file too large for memory is refused before it is read") {
   const test::TemporaryFolder folder;
   const std::string begin = "format: planar-servo/cell/1\nn: 3\n#";
   const auto path = folder.write("a.yaml", begin + std::string(16'000'000, 'x'));
-  CHECK_THROWS_WITH(YamlDocument::read(path, "cell"),
-                    Contains("a.yaml: has 16.0 MB; 16 MB are the most"));
-  CHECK_NOTHROW(
-      YamlDocument::read(folder.write("b.yaml", begin + std::string(15'000'000, 'x')), "cell"));
+  CHECK_THROWS_WITH(YamlReader(path, "cell"), Contains("a.yaml: has 16.0 MB; 16 MB are the most"));
+  CHECK_NOTHROW(YamlReader(folder.write("b.yaml", begin + std::string(15'000'000, 'x')), "cell"));
 }
 
 TEST_CASE("All faults of a file are named at once, each with its place and what is allowed") {
@@ -52,13 +62,17 @@ TEST_CASE("All faults of a file are named at once, each with its place and what 
                                  "format: planar-servo/cell/1\n"
                                  "servo: {gian: 1.0, law: magic, tolerance_mm: .nan}\n"
                                  "size: [1, two]\nsize: [1, 2]\n");
-  const YamlDocument document = YamlDocument::read(path, "cell");
-  const YamlNode servo = document.root().child("servo");
-  servo.number("gain");
-  servo.choice("law", {"jacobian", "inverse"});
-  servo.number("tolerance_mm");
-  document.root().numbers("size", 2);
-  const std::string faults = faults_of(document);
+  YamlReader reader(path, "cell");
+  double gain = 0.0, tolerance = 0.0;
+  std::string law;
+  std::vector<double> size;
+  reader.map("servo", [&] {
+    reader.number("gain", gain);
+    reader.choice("law", law, {"jacobian", "inverse"});
+    reader.number("tolerance_mm", tolerance);
+  });
+  reader.numbers("size", size, 2);
+  const std::string faults = faults_of(reader);
   CHECK_THAT(faults, Contains("cell.yaml:2:8: servo lacks the key 'gain'"));
   CHECK_THAT(faults, Contains("cell.yaml:2:9: unknown key 'servo.gian'; allowed are gain, law"));
   CHECK_THAT(faults,
@@ -71,35 +85,40 @@ TEST_CASE("All faults of a file are named at once, each with its place and what 
 TEST_CASE("Keys of a missing map do not add faults of their own") {
   const test::TemporaryFolder folder;
   const auto path = folder.write("a.yaml", "format: planar-servo/cell/1\n");
-  const YamlDocument document = YamlDocument::read(path, "cell");
-  CHECK(document.root().child("camera").number("width_px") == 0.0);
-  CHECK_THAT(faults_of(document), Contains("lacks the key 'camera'") && !Contains("width_px"));
+  YamlReader reader(path, "cell");
+  double width = 0.0;
+  reader.map("camera", [&] { CHECK_FALSE(reader.number("width_px", width)); });
+  CHECK(width == 0.0);
+  CHECK_THAT(faults_of(reader), Contains("lacks the key 'camera'") && !Contains("width_px"));
 }
 
 TEST_CASE("A number outside its range is a fault that names the range") {
   const test::TemporaryFolder folder;
   const auto path = folder.write("a.yaml", "format: planar-servo/cell/1\ngain: 7\n");
-  const YamlDocument document = YamlDocument::read(path, "cell");
-  document.root().number("gain", Range::from_to(0.0, 1.0));
-  CHECK_THAT(faults_of(document), Contains("gain is 7; a number from 0 to 1 is needed"));
+  YamlReader reader(path, "cell");
+  double gain = 0.5;
+  CHECK_FALSE(reader.number("gain", gain, 1.0, Range::from_to(0.0, 1.0)));
+  CHECK(gain == 0.5);
+  CHECK_THAT(faults_of(reader), Contains("gain is 7; a number from 0 to 1 is needed"));
 }
 
 /// The only fault of reading `value` at the key `n`.
-template <typename Read>
-std::string fault_of(const std::string& value, const Read& read) {
+std::string fault_of(const std::string& value, const std::function<void(YamlReader&)>& read) {
   const test::TemporaryFolder folder;
-  const YamlDocument document = YamlDocument::read(
-      folder.write("a.yaml", "format: planar-servo/cell/1\nn: " + value), "cell");
-  read(document.root());
-  const std::string faults = faults_of(document);
+  YamlReader reader(folder.write("a.yaml", "format: planar-servo/cell/1\nn: " + value), "cell");
+  read(reader);
+  const std::string faults = faults_of(reader);
   CHECK(faults.find('\n') == std::string::npos);
   return faults;
 }
 
 TEST_CASE("No range shows a bound that no file reaches") {
-  const auto at_least_2 = [](const YamlNode& node) { node.number("n", Range::at_least(2.0)); };
-  const auto positive = [](const YamlNode& node) { node.number("n", Range::positive()); };
-  const auto share = [](const YamlNode& node) { node.number("n", Range::positive(1.0)); };
+  double n = 0.0;
+  const auto number_in = [&n](const Range& range) {
+    return [&n, range](YamlReader& reader) { reader.number("n", n, 1.0, range); };
+  };
+  const auto at_least_2 = number_in(Range::at_least(2.0));
+  const auto positive = number_in(Range::positive()), share = number_in(Range::positive(1.0));
   CHECK_THAT(fault_of("1.5", at_least_2), Contains("n is 1.5; a number of at least 2 is needed"));
   CHECK_THAT(fault_of("-1", positive), Contains("n is -1; a positive number is needed"));
   CHECK_THAT(fault_of("0", positive), Contains("n is 0; a positive number is needed"));
@@ -108,9 +127,11 @@ TEST_CASE("No range shows a bound that no file reaches") {
 }
 
 TEST_CASE("A whole number has no fraction, and is refused outside its range") {
-  const auto from_1_to_9 = [](const YamlNode& node) { node.whole_number_in("n", 1, 9); };
-  const auto from_1 = [](const YamlNode& node) { node.whole_number_in("n", 1); };
-  const auto seed = [](const YamlNode& node) { node.whole_number_in("n", std::uint32_t{0}); };
+  int n = 0;
+  std::uint32_t large = 0;
+  const auto from_1_to_9 = [&](YamlReader& reader) { reader.whole_number("n", n, 1, 9); };
+  const auto from_1 = [&](YamlReader& reader) { reader.whole_number("n", n, 1); };
+  const auto seed = [&](YamlReader& reader) { reader.whole_number("n", large, std::uint32_t{0}); };
   CHECK_THAT(fault_of("1280.7", from_1),
              Contains("n is 1280.7; a whole number of at least 1 is needed"));
   CHECK_THAT(fault_of("2.9", from_1), Contains("n is 2.9; a whole number of at least 1 is needed"));
@@ -126,37 +147,41 @@ TEST_CASE("A whole number has no fraction, and is refused outside its range") {
 }
 
 TEST_CASE("A malformed list tells its reader that there is none") {
-  for (const char* list : {"[[1, two]]", "[[1]]", "[1]", "[{a: 1}]"}) {
-    const std::string fault = fault_of(list, [](const YamlNode& node) {
-      CHECK_FALSE(node.list("n").at(0).as_numbers(2).has_value());
+  using Row = std::array<double, 2>;
+  std::vector<Row> rows;
+  const auto read_rows = [&](YamlReader& reader) {
+    return reader.rows("n", rows, [](RowFields& row, Row& values) {
+      for (double& value : values) row.number(value);
     });
-    CHECK_THAT(fault, Contains("n[0]"));
-  }
-  const auto read = [](const YamlNode& node) {
-    CHECK(node.list("n").at(0).as_numbers(2) == std::vector<double>{1.0, 2.0});
   };
-  CHECK(fault_of("[[1, 2]]", read).empty());
+  for (const char* list : {"[[1, two]]", "[[1]]", "[1]", "[{a: 1}]"}) {
+    const auto read = [&](YamlReader& reader) { CHECK_FALSE(read_rows(reader)); };
+    CHECK_THAT(fault_of(list, read), Contains("n[0]"));
+  }
+  CHECK(fault_of("[[1, 2]]", read_rows).empty());
+  CHECK(rows == std::vector<Row>{{1.0, 2.0}});
 }
 
 TEST_CASE("A map that may have any keys adds no fault for those nobody asked for") {
   const std::string map = "{kind: vritual, gear: 3}";
-  const auto kind_of = [](const YamlNode& node) {
-    node.choice("kind", {"virtual", "tic"});
-    return node;
+  const auto ask = [](YamlReader& reader) { reader.map("n", [&] { reader.given("kind"); }); };
+  const auto read_kind = [](YamlReader& reader) {
+    std::string kind;
+    reader.map("n", [&] {
+      reader.choice("kind", kind, {"virtual", "tic"});
+      reader.allow_rest();
+    });
   };
-  CHECK_THAT(fault_of("{gear: 3}", [](const YamlNode& node) { node.child("n").has("kind"); }),
-             Contains("unknown key 'n.gear'"));
-  CHECK_THAT(fault_of(map, [&](const YamlNode& node) { kind_of(node.child("n")).allow_all(); }),
-             Contains("n.kind is 'vritual'; allowed are virtual, tic"));
+  CHECK_THAT(fault_of("{gear: 3}", ask), Contains("unknown key 'n.gear'"));
+  CHECK_THAT(fault_of(map, read_kind), Contains("n.kind is 'vritual'; allowed are virtual, tic"));
 }
 
 TEST_CASE("A file that is missing, empty, broken or of another kind is refused by name") {
   const test::TemporaryFolder folder;
   const auto read = [&](const std::string& text) {
-    return YamlDocument::read(folder.write("f.yaml", text), "cell");
+    YamlReader(folder.write("f.yaml", text), "cell");
   };
-  CHECK_THROWS_WITH(YamlDocument::read(folder / "no.yaml", "cell"),
-                    Contains("no.yaml: cannot be read"));
+  CHECK_THROWS_WITH(YamlReader(folder / "no.yaml", "cell"), Contains("no.yaml: cannot be read"));
   CHECK_THROWS_WITH(read(""), Contains("f.yaml: is empty"));
   CHECK_THROWS_WITH(read("a: [1"), Contains("f.yaml:") && Contains("is not YAML"));
   CHECK_THROWS_WITH(read("format: planar-servo/map/1\n"),
@@ -167,9 +192,11 @@ TEST_CASE("A file that is missing, empty, broken or of another kind is refused b
 TEST_CASE("A lenient document takes keys that nobody asked for") {
   const test::TemporaryFolder folder;
   const auto path = folder.write("a.yaml", "other: 1\nwanted: 2\n");
-  const YamlDocument document = YamlDocument::read_lenient(path);
-  CHECK(document.root().number("wanted") == 2.0);
-  CHECK(faults_of(document).empty());
+  YamlReader reader(path);
+  double wanted = 0.0;
+  reader.number("wanted", wanted);
+  CHECK(wanted == 2.0);
+  CHECK(faults_of(reader).empty());
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
-#include "planar_servo/files/camera/camera_file.h"
+#include "planar_servo/files/camera_file.h"
 #include "planar_servo/files/map/map_file.h"
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/files/reference_lamp_fields.h"

@@ -7,7 +7,8 @@
 #include "planar_servo/core/units.h"
 #include "planar_servo/files/cell_file.h"
 #include "planar_servo/files/map/map_fields.h"
-#include "planar_servo/io/yaml_fields.h"
+#include "planar_servo/io/yaml_reader.h"
+#include "planar_servo/io/yaml_writer.h"
 
 namespace planar {
 namespace {
@@ -75,17 +76,13 @@ void list_deviation(Fields& fields, PostureBasis& posture, Eigen::VectorXd& weig
   fields.numbers("weights_mm", weights, kMillimetre);
 }
 
-void add_terms(YamlWriter& yaml, const std::vector<ArmTerm>& terms) {
-  yaml.begin_list("terms");
-  for (const ArmTerm& term : terms) {
-    yaml.begin_item();
+void add_terms(YamlWriter& yaml, std::vector<ArmTerm> terms) {
+  yaml.maps("terms", terms, [&](const ArmTerm& term) {
     yaml.add("name", term.key);
     yaml.add("value", term.value / term.unit);
     yaml.add("sigma", term.sigma / term.unit);
     yaml.add("determined", term.determined);
-    yaml.end_map();
-  }
-  yaml.end_list();
+  });
 }
 
 }  // namespace
@@ -112,23 +109,20 @@ void list_found_arm(Fields& fields, FoundArm& arm) {
 
 std::string found_arm_text(const FoundArm& arm, const std::vector<ArmTerm>& terms,
                            const std::vector<Origin>& origins, const std::string& program) {
-  YamlWriter yaml = YamlWriter::with_header("arm", program);
+  YamlWriter yaml("arm", program);
   yaml.add_inputs(input_records(origins));
-  FieldWriter writer(yaml);
   FoundArm written = arm;
-  writer.map("arm", [&] { list_found_arm(writer, written); });
+  yaml.map("arm", [&] { list_found_arm(yaml, written); });
   add_terms(yaml, terms);
   return yaml.text();
 }
 
 FoundArm read_found_arm(const std::filesystem::path& path) {
-  const YamlDocument document = YamlDocument::read(path, "arm");
-  const YamlNode root = document.root();
-  root.child("terms").allow_all();
-  FieldReader reader(root);
+  YamlReader reader(path, "arm");
+  reader.map("terms", [&] { reader.allow_rest(); });
   FoundArm arm;
   reader.map("arm", [&] { list_found_arm(reader, arm); });
-  document.throw_if_faulty();
+  reader.throw_if_faulty();
   return arm;
 }
 

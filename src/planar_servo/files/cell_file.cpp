@@ -7,7 +7,7 @@
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/names.h"
 #include "planar_servo/core/units.h"
-#include "planar_servo/io/yaml_fields.h"
+#include "planar_servo/io/yaml_reader.h"
 #include "planar_servo/io/yaml_writer.h"
 
 namespace planar {
@@ -231,9 +231,8 @@ void read_fields(Fields& fields, CellSettings& cell, const DeviceKinds& kinds) {
 
 std::string servo_text(const ServoSettings& servo) {
   YamlWriter yaml;
-  FieldWriter writer(yaml);
   ServoSettings written = servo;
-  list_servo(writer, written);
+  list_servo(yaml, written);
   std::string text = yaml.text();
   text.pop_back();
   for (std::size_t end; (end = text.find('\n')) != std::string::npos;) text.replace(end, 1, ", ");
@@ -241,12 +240,11 @@ std::string servo_text(const ServoSettings& servo) {
 }
 
 CellSettings read_cell(const std::filesystem::path& path, const DeviceKinds& kinds) {
-  const YamlDocument document = YamlDocument::read(path, "cell");
+  YamlReader reader(path, "cell");
   CellSettings cell;
   cell.file = path;
-  FieldReader reader(document.root());
   read_fields(reader, cell, kinds);
-  document.throw_if_faulty();
+  reader.throw_if_faulty();
   for (std::size_t i = 0; i < cell.drives.size(); ++i) cell.drives[i].kind->complete(cell, i);
   return cell;
 }

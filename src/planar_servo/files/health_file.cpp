@@ -1,7 +1,8 @@
 #include "planar_servo/files/health_file.h"
 
 #include "planar_servo/core/units.h"
-#include "planar_servo/io/yaml_fields.h"
+#include "planar_servo/io/yaml_reader.h"
+#include "planar_servo/io/yaml_writer.h"
 
 namespace planar {
 namespace {
@@ -45,20 +46,18 @@ void list_fields(Fields& fields, HealthRecord& record) {
 
 std::string health_text(const HealthRecord& record, const std::string& program,
                         const std::vector<Origin>& origins) {
-  YamlWriter yaml = YamlWriter::with_header("health", program);
+  YamlWriter yaml("health", program);
   yaml.add_inputs(input_records(origins));
-  FieldWriter writer(yaml);
   HealthRecord written = record;
-  list_fields(writer, written);
+  list_fields(yaml, written);
   return yaml.text();
 }
 
 HealthRecord read_health(const std::filesystem::path& path) {
-  const YamlDocument document = YamlDocument::read(path, "health");
-  FieldReader reader(document.root());
+  YamlReader reader(path, "health");
   HealthRecord record;
   list_fields(reader, record);
-  document.throw_if_faulty();
+  reader.throw_if_faulty();
   return record;
 }
 

@@ -5,7 +5,8 @@
 #include <algorithm>
 
 #include "planar_servo/files/arm_file.h"
-#include "planar_servo/io/yaml_fields.h"
+#include "planar_servo/io/yaml_reader.h"
+#include "planar_servo/io/yaml_writer.h"
 
 namespace planar {
 namespace {
@@ -42,20 +43,18 @@ std::vector<Origin> learned_arm_origins(const CellSettings& cell) {
 
 std::string learned_arm_text(const LearnedArm& learned, const std::vector<Origin>& origins,
                              const std::string& program) {
-  YamlWriter yaml = YamlWriter::with_header(kLearnedKind, program);
+  YamlWriter yaml(kLearnedKind, program);
   yaml.add_inputs(input_records(origins));
-  FieldWriter writer(yaml);
   LearnedArm written = learned;
-  list_learned_arm(writer, written);
+  list_learned_arm(yaml, written);
   return yaml.text();
 }
 
 LearnedArm read_learned_arm(const std::filesystem::path& path) {
-  const YamlDocument document = YamlDocument::read(path, kLearnedKind);
-  FieldReader reader(document.root());
+  YamlReader reader(path, kLearnedKind);
   LearnedArm learned;
   list_learned_arm(reader, learned);
-  document.throw_if_faulty();
+  reader.throw_if_faulty();
   return learned;
 }
 

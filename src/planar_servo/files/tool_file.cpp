@@ -2,7 +2,8 @@
 
 #include "planar_servo/core/units.h"
 #include "planar_servo/files/covariance_fields.h"
-#include "planar_servo/io/yaml_fields.h"
+#include "planar_servo/io/yaml_reader.h"
+#include "planar_servo/io/yaml_writer.h"
 
 namespace planar {
 namespace {
@@ -31,20 +32,18 @@ void list_fields(Fields& fields, ToolOffsets& tool) {
 
 std::string tool_text(const ToolOffsets& tool, const std::string& program,
                       const std::vector<Origin>& origins) {
-  YamlWriter yaml = YamlWriter::with_header("tool", program);
+  YamlWriter yaml("tool", program);
   yaml.add_inputs(input_records(origins));
-  FieldWriter writer(yaml);
   ToolOffsets written = tool;
-  list_fields(writer, written);
+  list_fields(yaml, written);
   return yaml.text();
 }
 
 ToolOffsets read_tool(const std::filesystem::path& path) {
-  const YamlDocument document = YamlDocument::read(path, "tool");
-  FieldReader reader(document.root());
+  YamlReader reader(path, "tool");
   ToolOffsets tool;
   list_fields(reader, tool);
-  document.throw_if_faulty();
+  reader.throw_if_faulty();
   return tool;
 }
 

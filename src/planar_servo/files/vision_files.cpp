@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "planar_servo/core/error.h"
-#include "planar_servo/files/camera/camera_file.h"
+#include "planar_servo/files/camera_file.h"
 #include "planar_servo/files/cell_file.h"
 #include "planar_servo/files/map/map_file.h"
 #include "planar_servo/files/provenance.h"

@@ -3,8 +3,8 @@
 #include "planar_servo/core/units.h"
 #include "planar_servo/files/covariance_fields.h"
 #include "planar_servo/files/reference_lamp_fields.h"
-#include "planar_servo/io/pose_fields.h"
-#include "planar_servo/io/yaml_fields.h"
+#include "planar_servo/io/yaml_reader.h"
+#include "planar_servo/io/yaml_writer.h"
 
 namespace planar {
 namespace {
@@ -43,20 +43,18 @@ void list_fields(Fields& fields, WorkplaneRecord& record) {
 
 std::string workplane_text(const WorkplaneRecord& record, const std::string& program,
                            const std::vector<Origin>& origins) {
-  YamlWriter yaml = YamlWriter::with_header("workplane", program);
+  YamlWriter yaml("workplane", program);
   yaml.add_inputs(input_records(origins));
-  FieldWriter writer(yaml);
   WorkplaneRecord written = record;
-  list_fields(writer, written);
+  list_fields(yaml, written);
   return yaml.text();
 }
 
 WorkplaneRecord read_workplane(const std::filesystem::path& path) {
-  const YamlDocument document = YamlDocument::read(path, "workplane");
-  FieldReader reader(document.root());
+  YamlReader reader(path, "workplane");
   WorkplaneRecord record;
   list_fields(reader, record);
-  document.throw_if_faulty();
+  reader.throw_if_faulty();
   return record;
 }
 

@@ -5,9 +5,11 @@
 #include <cstddef>
 #include <limits>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "planar_servo/core/names.h"
+#include "planar_servo/core/pose.h"
 #include "planar_servo/io/range.h"
 
 namespace planar {
@@ -45,12 +47,11 @@ class RowFields {
 ///       if (fields.given("path", !servo.path.empty())) fields.text("path", servo.path);
 ///     }
 ///
-/// FieldReader and FieldWriter (yaml_fields.h) visit them. A number in the file times `unit` is the
-/// field's value, and ranges are in the file's unit. When reading, a value that breaks its rule is
-/// a fault of the document and leaves a number or a word as it was; texts and lists may have been
-/// emptied. A function that returns bool returns
-/// false then, so that the caller adds no second fault for the same value. Writing changes no field
-/// and returns true.
+/// YamlReader and YamlWriter visit them. A number in the file times `unit` is the field's value,
+/// and ranges are in the file's unit. When reading, a value that breaks its rule is a fault of the
+/// file and leaves a number or a word as it was; texts and lists may have been emptied. A function
+/// that returns bool returns false then, so that the caller adds no second fault for the same
+/// value. Writing changes no field and returns true.
 class Fields {
  public:
   Fields() = default;
@@ -63,16 +64,17 @@ class Fields {
   /// it; when writing, `wanted`.
   virtual bool given(const std::string& key, bool wanted) = 0;
 
-  virtual bool number(const std::string& key, double& field, double unit = 1.0,
-                      const Range& range = Range::any()) = 0;
+  bool number(const std::string& key, double& field, double unit = 1.0,
+              const Range& range = Range::any());
   template <typename Int>
   bool whole_number(const std::string& key, Int& field, Int lower,
                     Int upper = std::numeric_limits<Int>::max());
-  virtual void text(const std::string& key, std::string& field) = 0;
-  void texts(const std::string& key, std::vector<std::string>& field);
+  void text(const std::string& key, std::string& field) { word(key, field, {}); }
+  void texts(const std::string& key, std::vector<std::string>& field) { words(key, field, 0, {}); }
   /// Visits a text that must be one of `allowed`.
-  virtual bool choice(const std::string& key, std::string& field,
-                      const std::vector<std::string>& allowed) = 0;
+  bool choice(const std::string& key, std::string& field, const std::vector<std::string>& allowed) {
+    return word(key, field, allowed);
+  }
   /// Visits a value of an enumeration by its name.
   template <typename Value, std::size_t kSize>
   bool choice(const std::string& key, Value& field, const Named<Value> (&table)[kSize]);
@@ -83,8 +85,8 @@ class Fields {
                const Named<Value> (&table)[kSize]);
 
   /// Visits a list of `size` numbers, or of any number of them when `size` is 0.
-  virtual bool numbers(const std::string& key, std::vector<double>& field, std::size_t size,
-                       double unit = 1.0, const Range& range = Range::any()) = 0;
+  bool numbers(const std::string& key, std::vector<double>& field, std::size_t size,
+               double unit = 1.0, const Range& range = Range::any());
   /// Visits a list of numbers as long as `field`, which is an array or an Eigen vector of doubles.
   template <typename Array>
   bool numbers(const std::string& key, Array& field, double unit = 1.0,
@@ -92,21 +94,18 @@ class Fields {
   /// Visits a list of numbers that are held in several places; `list_row(RowFields&)` lists them.
   template <typename ListRow>
   bool row(const std::string& key, const ListRow& list_row);
-  /// Visits a list of rows of numbers; `list_row(RowFields&, Row&)` lists the numbers of one row.
-  template <typename Row, typename ListRow>
-  bool rows(const std::string& key, std::vector<Row>& field, const ListRow& list_row);
-  template <typename Row, std::size_t kSize, typename ListRow>
-  bool rows(const std::string& key, std::array<Row, kSize>& field, const ListRow& list_row);
+  /// Visits a list of rows of numbers; `list_row(RowFields&, Row&)` lists the numbers of one row. A
+  /// vector takes a list of any length, an array one of its own length.
+  template <typename Rows, typename ListRow>
+  bool rows(const std::string& key, Rows& field, const ListRow& list_row);
 
   /// Visits a map; `list_keys()` visits its keys.
   template <typename ListKeys>
   void map(const std::string& key, const ListKeys& list_keys);
   /// Visits a list of maps; `list_keys(Item&)` visits the keys of one. A vector takes a list of any
   /// length, an array one of its own length.
-  template <typename Item, typename ListKeys>
-  void maps(const std::string& key, std::vector<Item>& field, const ListKeys& list_keys);
-  template <typename Item, std::size_t kSize, typename ListKeys>
-  void maps(const std::string& key, std::array<Item, kSize>& field, const ListKeys& list_keys);
+  template <typename Items, typename ListKeys>
+  void maps(const std::string& key, Items& field, const ListKeys& list_keys);
 
   /// Lets the map that is being visited have any keys: where its kind is misspelt, nobody knows
   /// which ones it may have.
@@ -118,15 +117,19 @@ class Fields {
   virtual bool check(bool kept, const std::string& message, const std::string& key = "") = 0;
 
  protected:
-  // FieldReader and FieldWriter implement the following. Numbers are in the units of the file, and
-  // a size of 0 stands for any size.
+  // The reader and the writer implement the following. Numbers are in the units of the file, and a
+  // size of 0 stands for any size. Each text must be one of `allowed`, or any when none are.
 
-  /// Visits a list of texts, each of which must be one of `allowed`, or any text when none are
-  /// `allowed`.
-  virtual bool names(const std::string& key, std::vector<std::string>& field, std::size_t size,
+  virtual bool word(const std::string& key, std::string& field,
+                    const std::vector<std::string>& allowed) = 0;
+  virtual bool words(const std::string& key, std::vector<std::string>& field, std::size_t size,
                      const std::vector<std::string>& allowed) = 0;
-  virtual bool numbers_in_file(const std::string& key, std::vector<double>& field,
-                               const std::vector<Range>& ranges) = 0;
+  virtual bool number_in_file(const std::string& key, double& field, const Range& range) = 0;
+  virtual bool numbers_in_file(const std::string& key, std::vector<double>& field, std::size_t size,
+                               const Range& range) = 0;
+  /// Visits a list of one number for each of the `ranges`.
+  virtual bool row_in_file(const std::string& key, std::vector<double>& field,
+                           const std::vector<Range>& ranges) = 0;
   virtual bool rows_in_file(const std::string& key, std::vector<std::vector<double>>& field,
                             std::size_t size, const std::vector<Range>& ranges) = 0;
   virtual void begin_map(const std::string& key) = 0;
@@ -138,10 +141,13 @@ class Fields {
   virtual void end_list() = 0;
 
  private:
-  template <typename Row, typename ListRow>
-  bool rows_of(const std::string& key, std::vector<Row>& field, std::size_t size,
-               const ListRow& list_row);
+  template <typename Items>
+  static constexpr bool kIsVector = std::is_same_v<Items, std::vector<typename Items::value_type>>;
 };
+
+/// Visits the keys translation_mm and quaternion_wxyz of a pose (metres). Returns whether they make
+/// a pose: the quaternion must have length 1 to within 0.001, the rounding of a few digits.
+bool list_pose(Fields& fields, Pose& pose);
 
 template <typename Int>
 bool Fields::whole_number(const std::string& key, Int& field, Int lower, Int upper) {
@@ -165,7 +171,7 @@ bool Fields::choices(const std::string& key, std::array<Value, kCount>& field,
   std::vector<std::string> texts;
   texts.reserve(kCount);
   for (const Value value : field) texts.emplace_back(name_in(table, value));
-  const bool read = names(key, texts, kCount, names_of(table));
+  const bool read = words(key, texts, kCount, names_of(table));
   if (!reading() || !read) return read;
   for (std::size_t i = 0; i < kCount; ++i) field[i] = value_named(table, texts[i]).value();
   return true;
@@ -184,14 +190,14 @@ bool Fields::row(const std::string& key, const ListRow& list_row) {
   RowFields fields;
   list_row(fields);
   std::vector<double> values = fields.in_file();
-  const bool read = numbers_in_file(key, values, fields.ranges());
+  const bool read = row_in_file(key, values, fields.ranges());
   if (reading() && read) fields.take(values);
   return read;
 }
 
-template <typename Row, typename ListRow>
-bool Fields::rows_of(const std::string& key, std::vector<Row>& field, std::size_t size,
-                     const ListRow& list_row) {
+template <typename Rows, typename ListRow>
+bool Fields::rows(const std::string& key, Rows& field, const ListRow& list_row) {
+  using Row = typename Rows::value_type;
   const auto fields_of = [&](Row& row) {
     RowFields fields;
     list_row(fields, row);
@@ -201,24 +207,12 @@ bool Fields::rows_of(const std::string& key, std::vector<Row>& field, std::size_
   std::vector<std::vector<double>> values;
   values.reserve(field.size());
   for (Row& row : field) values.push_back(fields_of(row).in_file());
+  const std::size_t size = kIsVector<Rows> ? 0 : field.size();
   const bool read = rows_in_file(key, values, size, fields_of(empty).ranges());
   if (!reading() || !read) return read;
-  field.assign(values.size(), empty);
+  if constexpr (kIsVector<Rows>) field.assign(values.size(), empty);
   for (std::size_t i = 0; i < field.size(); ++i) fields_of(field[i]).take(values[i]);
   return true;
-}
-
-template <typename Row, typename ListRow>
-bool Fields::rows(const std::string& key, std::vector<Row>& field, const ListRow& list_row) {
-  return rows_of(key, field, 0, list_row);
-}
-
-template <typename Row, std::size_t kSize, typename ListRow>
-bool Fields::rows(const std::string& key, std::array<Row, kSize>& field, const ListRow& list_row) {
-  std::vector<Row> values(field.begin(), field.end());
-  const bool read = rows_of(key, values, kSize, list_row);
-  if (reading() && read) std::copy(values.begin(), values.end(), field.begin());
-  return read;
 }
 
 template <typename ListKeys>
@@ -228,22 +222,11 @@ void Fields::map(const std::string& key, const ListKeys& list_keys) {
   end_map();
 }
 
-template <typename Item, typename ListKeys>
-void Fields::maps(const std::string& key, std::vector<Item>& field, const ListKeys& list_keys) {
-  const std::size_t n = begin_list(key, field.size(), false);
-  if (reading()) field.assign(n, Item{});
-  for (std::size_t i = 0; i < n; ++i) {
-    begin_item(i);
-    list_keys(field[i]);
-    end_map();
-  }
-  end_list();
-}
-
-template <typename Item, std::size_t kSize, typename ListKeys>
-void Fields::maps(const std::string& key, std::array<Item, kSize>& field,
-                  const ListKeys& list_keys) {
-  const std::size_t n = begin_list(key, kSize, true);
+template <typename Items, typename ListKeys>
+void Fields::maps(const std::string& key, Items& field, const ListKeys& list_keys) {
+  const std::size_t n = begin_list(key, field.size(), !kIsVector<Items>);
+  if constexpr (kIsVector<Items>)
+    if (reading()) field.assign(n, {});
   for (std::size_t i = 0; i < n; ++i) {
     begin_item(i);
     list_keys(field[i]);

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 
 namespace planar {
@@ -26,10 +25,6 @@ std::string Range::text() const {
   if (from) return fmt::format("{} of at least {}", number, lower_);
   if (to) return fmt::format("{} of at most {}", number, upper_);
   return number;
-}
-
-double Range::harmless() const {
-  return is_positive() ? std::min(1.0, upper_) : std::clamp(0.0, lower_, upper_);
 }
 
 }  // namespace planar

@@ -29,9 +29,6 @@ class Range {
   /// at least 1". A bound that no file reaches is left out.
   std::string text() const;
 
-  /// Returns a number in the range that stands in for one that could not be read.
-  double harmless() const;
-
  private:
   static constexpr double kSmallestPositive = 1e-9;
 

@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <set>
+#include <utility>
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/io/atomic_file.h"
@@ -19,10 +21,10 @@ namespace {
 /// written, a field of 200 places with its covariance, has 10 MB.
 constexpr double kMost_MB = 16.0;
 
-void require_moderate_size(const std::filesystem::path& path) {
+std::string moderate_text(const std::filesystem::path& path) {
   std::error_code error;
   const double size_MB = static_cast<double>(std::filesystem::file_size(path, error)) / 1e6;
-  if (error || size_MB <= kMost_MB) return;
+  if (error || size_MB <= kMost_MB) return read_file(path);
   throw InputError(fmt::format(
       "{}: has {:.1f} MB; {:g} MB are the most, because reading takes 140 times as much "
       "memory; make a map of fewer places",
@@ -34,6 +36,10 @@ std::string shown(const YAML::Node& node) {
   return node.IsScalar() ? "'" + node.Scalar() + "'" : node.IsMap() ? "a map" : "a list";
 }
 
+std::string name_in_map(const std::string& map, const std::string& key) {
+  return map.empty() ? key : fmt::format("{}.{}", map, key);
+}
+
 std::optional<double> finite_number(const YAML::Node& node) {
   double value = 0.0;
   if (node.IsScalar() && YAML::convert<double>::decode(node, value) && std::isfinite(value))
@@ -41,270 +47,281 @@ std::optional<double> finite_number(const YAML::Node& node) {
   return std::nullopt;
 }
 
+YAML::Node map_in(const std::filesystem::path& path, const std::string& text) {
+  YAML::Node root;
+  try {
+    root.reset(YAML::Load(text));
+  } catch (const YAML::Exception& e) {
+    throw InputError(fmt::format("{}:{}:{}: is not YAML: {}", path.string(), e.mark.line + 1,
+                                 e.mark.column + 1, e.msg));
+  }
+  if (root.IsMap()) return root;
+  throw InputError(fmt::format("{}: is {}; a YAML map of keys is needed", path.string(),
+                               text.empty() ? "empty" : "not a map"));
+}
+
+void require_format(const std::filesystem::path& path, const YAML::Node& root,
+                    const std::string& kind) {
+  const std::string format = "planar-servo/" + kind + "/1";
+  const YAML::Node found = root["format"];
+  if (found.IsDefined() && found.IsScalar() && found.Scalar() == format) return;
+  throw InputError(fmt::format("{}:1:1: is {}; it needs the line 'format: {}'", path.string(),
+                               found.IsDefined() ? "of format " + shown(found) : "without a format",
+                               format));
+}
+
 }  // namespace
 
-struct YamlDocument::Impl {
+struct YamlReader::Impl {
+  /// A value of the file.
+  struct Place {
+    YAML::Node node;   // undefined when its key is missing: every access is then harmless
+    std::string name;  // such as "drives[1].gear_ratio"; empty at the root
+
+    bool present() const { return node.IsDefined(); }
+    std::string title() const { return name.empty() ? "the file" : name; }
+    std::string item_title(std::size_t i) const { return fmt::format("{}[{}]", title(), i); }
+    Place item(std::size_t i) const { return {node[i], item_title(i)}; }
+  };
   struct VisitedMap {
     YAML::Node node;
     std::vector<std::string> asked;
     bool any_key{false};
   };
 
+  Impl(const std::filesystem::path& file, bool is_ours) : path(file), strict(is_ours) {}
+
   std::filesystem::path path;
-  YAML::Node root;
-  bool strict{true};
+  bool strict;
   Faults faults;
   std::map<std::string, VisitedMap> visited;  // by the map's place in the file
+  std::vector<Place> maps;                    // the last is being visited, the others contain it
+  std::vector<Place> lists;
 
   void add_fault(const YAML::Mark& mark, const std::string& message) {
     faults.add(fmt::format("{}:{}:{}: {}", path.string(), mark.line + 1, mark.column + 1, message));
   }
-  VisitedMap& visit(const std::string& place, const YAML::Node& node) {
-    VisitedMap& map = visited[place];
-    map.node.reset(node);
-    return map;
-  }
-  void visit(const std::string& place, const YAML::Node& node, const std::string& key) {
-    VisitedMap& map = visit(place, node);
-    if (std::find(map.asked.begin(), map.asked.end(), key) == map.asked.end())
-      map.asked.push_back(key);
-  }
-  void add_key_faults();
-};
-
-struct YamlNode::Impl {
-  std::shared_ptr<YamlDocument::Impl> document;
-  YAML::Node node;    // undefined when the key is missing: every access is then harmless
-  std::string place;  // such as "drives[1].gear_ratio"; empty at the root
-
-  bool present() const { return node.IsDefined(); }
-  std::string place_of(const std::string& key) const {
-    return place.empty() ? key : fmt::format("{}.{}", place, key);
-  }
-  std::string title() const { return place.empty() ? "the file" : place; }
-  void fault(const std::string& message) const {
-    if (present()) document->add_fault(node.Mark(), message);
+  void fault(const Place& place, const std::string& message) {
+    if (place.present()) add_fault(place.node.Mark(), message);
   }
 
-  bool require_map() const {
-    if (!present()) return false;
-    if (!node.IsMap())
-      fault(fmt::format("{} is {}; a map of keys is needed", title(), shown(node)));
-    return node.IsMap();
+  VisitedMap& visit(const Place& map) {
+    VisitedMap& visit = visited[map.name];
+    visit.node.reset(map.node);
+    return visit;
   }
 
-  YAML::Node find(const std::string& key) const {
-    document->visit(place, node, key);
-    for (const auto& entry : node)
+  bool is_in_map() const { return maps.back().present() && maps.back().node.IsMap(); }
+
+  /// Returns the value of a key of the map that is being visited.
+  YAML::Node find(const std::string& key) {
+    const Place& map = maps.back();
+    std::vector<std::string>& asked = visit(map).asked;
+    if (std::find(asked.begin(), asked.end(), key) == asked.end()) asked.push_back(key);
+    for (const auto& entry : map.node)
       if (entry.first.Scalar() == key) return entry.second;
     return YAML::Node(YAML::NodeType::Undefined);
   }
 
-  YAML::Node require(const std::string& key) const {
-    if (!require_map()) return YAML::Node(YAML::NodeType::Undefined);
-    YAML::Node found = find(key);
-    if (!found.IsDefined()) fault(fmt::format("{} lacks the key '{}'", title(), key));
-    return found;
+  /// Returns the value of a required key of the map that is being visited.
+  Place at(const std::string& key) {
+    const Place& map = maps.back();
+    const std::string name = name_in_map(map.name, key);
+    if (!is_in_map()) {
+      fault(map, fmt::format("{} is {}; a map of keys is needed", map.title(), shown(map.node)));
+      return {YAML::Node(YAML::NodeType::Undefined), name};
+    }
+    Place value{find(key), name};
+    if (!value.present()) fault(map, fmt::format("{} lacks the key '{}'", map.title(), key));
+    return value;
   }
 
-  /// Returns whether the node is a list of `size` items, or of any number of them when `size` is 0.
-  /// When it is not, adds a fault, in which `needed` follows "a list".
-  bool require_list(std::size_t size, const std::string& needed) const {
-    if (!present()) return false;
+  /// Returns whether the value is a list of `size` items, or of any number of them when `size` is
+  /// 0. When it is not, adds a fault, in which `needed` follows "a list".
+  bool is_list(const Place& place, std::size_t size, const std::string& needed) {
+    if (!place.present()) return false;
+    const YAML::Node& node = place.node;
     if (node.IsSequence() && (size == 0 || node.size() == size)) return true;
-    const std::string found =
-        node.IsSequence() ? fmt::format("a list of {}", node.size()) : shown(node);
-    fault(fmt::format("{} is {}; a list{} is needed", title(), found, needed));
+    fault(place,
+          fmt::format("{} is {}; a list{} is needed", place.title(),
+                      node.IsSequence() ? fmt::format("a list of {}", node.size()) : shown(node),
+                      needed));
     return false;
   }
 
-  /// Returns the number, or adds a fault when it is not one in the range. `title_of_value` is
-  /// called for a fault only.
+  bool is_list_of_items(const Place& place, std::size_t size) {
+    return is_list(place, size, size == 0 ? "" : fmt::format(" of {} items", size));
+  }
+
+  /// Returns the number, or adds a fault when it is not one in the range. `title` is called for a
+  /// fault only.
   template <typename Title>
-  std::optional<double> number(const YAML::Node& value, const Range& range,
-                               const Title& title_of_value) const {
+  std::optional<double> number(const YAML::Node& value, const Range& range, const Title& title) {
     const std::optional<double> found = finite_number(value);
     if (found && range.holds(*found)) return found;
-    document->add_fault(value.Mark(), fmt::format("{} is {}; {} is needed", title_of_value(),
-                                                  found ? fmt::format("{}", *found) : shown(value),
-                                                  found ? range.text() : "a finite number"));
+    add_fault(value.Mark(), fmt::format("{} is {}; {} is needed", title(),
+                                        found ? fmt::format("{}", *found) : shown(value),
+                                        found ? range.text() : "a finite number"));
     return std::nullopt;
   }
 
-  std::string item_title(std::size_t i) const { return fmt::format("{}[{}]", title(), i); }
+  /// Reads a list of as many numbers as there are `ranges`, each of which lies in its own range.
+  bool row(const Place& place, std::vector<double>& field, const std::vector<Range>& ranges) {
+    if (!is_list(place, ranges.size(), fmt::format(" of {} numbers", ranges.size()))) return false;
+    std::vector<double> numbers;
+    for (std::size_t i = 0; i < ranges.size(); ++i) {
+      const auto title = [&] { return place.item_title(i); };
+      if (const auto found = number(place.node[i], ranges[i], title)) numbers.push_back(*found);
+    }
+    if (numbers.size() != ranges.size()) return false;
+    field = std::move(numbers);
+    return true;
+  }
 
-  YamlNode wrap(const YAML::Node& child, const std::string& child_place) const {
-    return YamlNode(std::make_shared<Impl>(Impl{document, child, child_place}));
+  std::optional<std::string> word(const Place& place, const std::vector<std::string>& allowed) {
+    if (!place.present()) return std::nullopt;
+    const YAML::Node& node = place.node;
+    if (node.IsScalar() &&
+        (allowed.empty() || std::count(allowed.begin(), allowed.end(), node.Scalar()) != 0))
+      return node.Scalar();
+    const std::string needed = allowed.empty()
+                                   ? "a text is needed"
+                                   : fmt::format("allowed are {}", fmt::join(allowed, ", "));
+    fault(place, fmt::format("{} is {}; {}", place.title(), shown(node), needed));
+    return std::nullopt;
+  }
+
+  void add_key_faults() {
+    for (const auto& [place, map] : visited) {
+      if (!map.node.IsMap()) continue;
+      std::set<std::string> seen;
+      for (const auto& entry : map.node) {
+        const std::string key = entry.first.Scalar();
+        const std::string name = name_in_map(place, key);
+        if (!seen.insert(key).second)
+          add_fault(entry.first.Mark(), fmt::format("the key '{}' stands twice", name));
+        if (strict && !map.any_key &&
+            std::find(map.asked.begin(), map.asked.end(), key) == map.asked.end())
+          add_fault(entry.first.Mark(), fmt::format("unknown key '{}'; allowed are {}", name,
+                                                    fmt::join(map.asked, ", ")));
+      }
+    }
   }
 };
 
-void YamlDocument::Impl::add_key_faults() {
-  for (const auto& [place, map] : visited) {
-    if (!map.node.IsMap()) continue;
-    std::set<std::string> seen;
-    for (const auto& entry : map.node) {
-      const std::string key = entry.first.Scalar();
-      const std::string name = place.empty() ? key : fmt::format("{}.{}", place, key);
-      if (!seen.insert(key).second)
-        add_fault(entry.first.Mark(), fmt::format("the key '{}' stands twice", name));
-      if (strict && !map.any_key &&
-          std::find(map.asked.begin(), map.asked.end(), key) == map.asked.end())
-        add_fault(entry.first.Mark(), fmt::format("unknown key '{}'; allowed are {}", name,
-                                                  fmt::join(map.asked, ", ")));
-    }
-  }
-}
-
-YamlNode YamlNode::child(const std::string& key) const {
-  return impl_->wrap(impl_->require(key), impl_->place_of(key));
-}
-
-bool YamlNode::has(const std::string& key) const {
-  return impl_->present() && impl_->node.IsMap() && impl_->find(key).IsDefined();
-}
-
-void YamlNode::allow(const std::string& key) const {
-  has(key);
-}
-
-void YamlNode::allow_all() const {
-  if (impl_->present()) impl_->document->visit(impl_->place, impl_->node).any_key = true;
-}
-
-double YamlNode::number(const std::string& key, const Range& range) const {
-  return child(key).as_number(range).value_or(range.harmless());
-}
-
-std::string YamlNode::text(const std::string& key) const {
-  return child(key).as_text();
-}
-
-std::string YamlNode::choice(const std::string& key,
-                             const std::vector<std::string>& allowed) const {
-  return child(key).as_choice(allowed).value_or(allowed.front());
-}
-
-std::vector<double> YamlNode::numbers(const std::string& key, std::size_t size) const {
-  return child(key).as_numbers(size).value_or(std::vector<double>(size, 0.0));
-}
-
-std::vector<YamlNode> YamlNode::list(const std::string& key, std::size_t size) const {
-  return child(key).as_list(size).value_or(std::vector<YamlNode>());
-}
-
-std::optional<double> YamlNode::as_number(const Range& range) const {
-  if (!impl_->present()) return std::nullopt;
-  return impl_->number(impl_->node, range, [&] { return title(); });
-}
-
-std::optional<std::string> YamlNode::as_choice(const std::vector<std::string>& allowed) const {
-  if (!impl_->present()) return std::nullopt;
-  const YAML::Node& node = impl_->node;
-  if (node.IsScalar() && std::count(allowed.begin(), allowed.end(), node.Scalar()) != 0)
-    return node.Scalar();
-  add_fault(
-      fmt::format("{} is {}; allowed are {}", title(), shown(node), fmt::join(allowed, ", ")));
-  return std::nullopt;
-}
-
-std::optional<std::vector<double>> YamlNode::as_numbers(std::size_t size,
-                                                        const Range& range) const {
-  const std::string count = size == 0 ? " of numbers" : fmt::format(" of {} numbers", size);
-  if (!impl_->require_list(size, count)) return std::nullopt;
-  return as_row(std::vector<Range>(impl_->node.size(), range));
-}
-
-std::optional<std::vector<double>> YamlNode::as_row(const std::vector<Range>& ranges) const {
-  if (!impl_->require_list(ranges.size(), fmt::format(" of {} numbers", ranges.size())))
-    return std::nullopt;
-  std::vector<double> numbers;
-  bool well_formed = true;
-  for (std::size_t i = 0; i < ranges.size(); ++i) {
-    const std::optional<double> number =
-        impl_->number(impl_->node[i], ranges[i], [&] { return impl_->item_title(i); });
-    well_formed = well_formed && number.has_value();
-    numbers.push_back(number.value_or(0.0));
-  }
-  return well_formed ? std::make_optional(numbers) : std::nullopt;
-}
-
-std::string YamlNode::as_text() const {
-  if (!impl_->present()) return "";
-  if (impl_->node.IsScalar()) return impl_->node.Scalar();
-  add_fault(fmt::format("{} is {}; a text is needed", title(), shown(impl_->node)));
-  return "";
-}
-
-std::optional<std::vector<YamlNode>> YamlNode::as_list(std::size_t size) const {
-  const std::string count = size == 0 ? "" : fmt::format(" of {} items", size);
-  if (!impl_->require_list(size, count)) return std::nullopt;
-  std::vector<YamlNode> items;
-  for (std::size_t i = 0; i < impl_->node.size(); ++i)
-    items.push_back(impl_->wrap(impl_->node[i], impl_->item_title(i)));
-  return items;
-}
-
-std::string YamlNode::title() const {
-  return impl_->title();
-}
-
-void YamlNode::add_fault(const std::string& message) const {
-  impl_->fault(message);
-}
-
-YamlDocument YamlDocument::parse(const std::filesystem::path& path, const std::string& text) {
-  auto impl = std::make_shared<Impl>();
-  impl->path = path;
-  try {
-    impl->root = YAML::Load(text);
-  } catch (const YAML::Exception& e) {
-    throw InputError(fmt::format("{}:{}:{}: is not YAML: {}", path.string(), e.mark.line + 1,
-                                 e.mark.column + 1, e.msg));
-  }
-  if (!impl->root.IsMap())
-    throw InputError(fmt::format("{}: is {}; a YAML map of keys is needed", path.string(),
-                                 text.empty() ? "empty" : "not a map"));
-  return YamlDocument(impl);
-}
-
-YamlDocument YamlDocument::read(const std::filesystem::path& path, const std::string& kind) {
-  require_moderate_size(path);
-  const std::string text = read_file(path);
-  YamlDocument document = parse(path, text);
-  const std::string format = "planar-servo/" + kind + "/1";
-  const YAML::Node found = document.impl_->root["format"];
-  if (!found.IsDefined() || !found.IsScalar() || found.Scalar() != format)
-    throw InputError(
-        fmt::format("{}:1:1: is {}; it needs the line 'format: {}'", path.string(),
-                    found.IsDefined() ? "of format " + shown(found) : "without a format", format));
+YamlReader::YamlReader(const std::filesystem::path& path)
+    : impl_(std::make_unique<Impl>(path, false)) {
+  const std::string text = moderate_text(path);
+  impl_->maps.push_back({map_in(path, text), ""});
   require_unchanged(path, text);
-  for (const char* key : {"format", "program", "created", "inputs"}) document.root().allow(key);
+}
+
+YamlReader::YamlReader(const std::filesystem::path& path, const std::string& kind)
+    : impl_(std::make_unique<Impl>(path, true)) {
+  const std::string text = moderate_text(path);
+  impl_->maps.push_back({map_in(path, text), ""});
+  require_format(path, impl_->maps.back().node, kind);
+  require_unchanged(path, text);
+  for (const char* key : {"format", "program", "created", "inputs"}) given(key);
   if (has_checksum(kind))
-    for (const char* key : {"checksum", "edited_by_hand"}) document.root().allow(key);
-  return document;
+    for (const char* key : {"checksum", "edited_by_hand"}) given(key);
 }
 
-YamlDocument YamlDocument::read_lenient(const std::filesystem::path& path) {
-  require_moderate_size(path);
-  const std::string text = read_file(path);
-  YamlDocument document = parse(path, text);
-  require_unchanged(path, text);
-  document.impl_->strict = false;
-  return document;
-}
+YamlReader::~YamlReader() = default;
 
-YamlNode YamlDocument::root() const {
-  return YamlNode(std::make_shared<YamlNode::Impl>(YamlNode::Impl{impl_, impl_->root, ""}));
-}
-
-const std::filesystem::path& YamlDocument::path() const {
+const std::filesystem::path& YamlReader::path() const {
   return impl_->path;
 }
 
-void YamlDocument::throw_if_faulty() const {
+void YamlReader::throw_if_faulty() {
   impl_->add_key_faults();
   impl_->visited.clear();
   impl_->faults.throw_if_any();
+}
+
+bool YamlReader::given(const std::string& key, bool /*wanted*/) {
+  return impl_->is_in_map() && impl_->find(key).IsDefined();
+}
+
+void YamlReader::allow_rest() {
+  const Impl::Place& map = impl_->maps.back();
+  if (map.present()) impl_->visit(map).any_key = true;
+}
+
+bool YamlReader::check(bool kept, const std::string& message, const std::string& key) {
+  if (!kept) impl_->fault(key.empty() ? impl_->maps.back() : impl_->at(key), message);
+  return kept;
+}
+
+bool YamlReader::word(const std::string& key, std::string& field,
+                      const std::vector<std::string>& allowed) {
+  const std::optional<std::string> found = impl_->word(impl_->at(key), allowed);
+  if (found || allowed.empty()) field = found.value_or("");
+  return found.has_value();
+}
+
+bool YamlReader::words(const std::string& key, std::vector<std::string>& field, std::size_t size,
+                       const std::vector<std::string>& allowed) {
+  const Impl::Place list = impl_->at(key);
+  if (!impl_->is_list_of_items(list, size)) return false;
+  field.clear();
+  for (std::size_t i = 0; i < list.node.size(); ++i)
+    if (auto text = impl_->word(list.item(i), allowed)) field.push_back(std::move(*text));
+  return field.size() == list.node.size();
+}
+
+bool YamlReader::number_in_file(const std::string& key, double& field, const Range& range) {
+  const Impl::Place value = impl_->at(key);
+  if (!value.present()) return false;
+  const auto found = impl_->number(value.node, range, [&] { return value.title(); });
+  field = found.value_or(field);
+  return found.has_value();
+}
+
+bool YamlReader::numbers_in_file(const std::string& key, std::vector<double>& field,
+                                 std::size_t size, const Range& range) {
+  const Impl::Place list = impl_->at(key);
+  if (!impl_->is_list(list, size, size == 0 ? " of numbers" : fmt::format(" of {} numbers", size)))
+    return false;
+  return impl_->row(list, field, std::vector<Range>(list.node.size(), range));
+}
+
+bool YamlReader::row_in_file(const std::string& key, std::vector<double>& field,
+                             const std::vector<Range>& ranges) {
+  return impl_->row(impl_->at(key), field, ranges);
+}
+
+bool YamlReader::rows_in_file(const std::string& key, std::vector<std::vector<double>>& field,
+                              std::size_t size, const std::vector<Range>& ranges) {
+  const Impl::Place list = impl_->at(key);
+  if (!impl_->is_list_of_items(list, size)) return false;
+  field.clear();
+  for (std::size_t i = 0; i < list.node.size(); ++i)
+    if (std::vector<double> row; impl_->row(list.item(i), row, ranges))
+      field.push_back(std::move(row));
+  return field.size() == list.node.size();
+}
+
+void YamlReader::begin_map(const std::string& key) {
+  impl_->maps.push_back(impl_->at(key));
+}
+
+std::size_t YamlReader::begin_list(const std::string& key, std::size_t size, bool fixed) {
+  impl_->lists.push_back(impl_->at(key));
+  const Impl::Place& list = impl_->lists.back();
+  return impl_->is_list_of_items(list, fixed ? size : 0) ? list.node.size() : 0;
+}
+
+void YamlReader::begin_item(std::size_t i) {
+  impl_->maps.push_back(impl_->lists.back().item(i));
+}
+
+void YamlReader::end_map() {
+  impl_->maps.pop_back();
+}
+
+void YamlReader::end_list() {
+  impl_->lists.pop_back();
 }
 
 }  // namespace planar

@@ -70,45 +70,16 @@ YamlWriter::YamlWriter() : impl_(std::make_unique<Impl>()) {
   impl_->yaml << YAML::BeginMap;
 }
 
-YamlWriter::~YamlWriter() = default;
-YamlWriter::YamlWriter(YamlWriter&&) noexcept = default;
-YamlWriter& YamlWriter::operator=(YamlWriter&&) noexcept = default;
-
-YamlWriter YamlWriter::with_header(const std::string& kind, const std::string& program) {
-  YamlWriter writer;
-  writer.add("format", "planar-servo/" + kind + "/1");
-  writer.add("program", program + " " PLANAR_VERSION);
-  writer.add("created", utc_now());
-  return writer;
+YamlWriter::YamlWriter(const std::string& kind, const std::string& program) : YamlWriter() {
+  add("format", "planar-servo/" + kind + "/1");
+  add("program", program + " " PLANAR_VERSION);
+  add("created", utc_now());
 }
+
+YamlWriter::~YamlWriter() = default;
 
 std::string YamlWriter::text() const {
   return with_checksum(std::string(impl_->yaml.c_str()) + '\n');
-}
-
-YamlWriter& YamlWriter::begin_map(const std::string& key) {
-  impl_->at(key) << YAML::BeginMap;
-  return *this;
-}
-
-YamlWriter& YamlWriter::end_map() {
-  impl_->yaml << YAML::EndMap;
-  return *this;
-}
-
-YamlWriter& YamlWriter::begin_list(const std::string& key) {
-  impl_->begin_list(key, false);
-  return *this;
-}
-
-YamlWriter& YamlWriter::begin_item() {
-  impl_->yaml << YAML::BeginMap;
-  return *this;
-}
-
-YamlWriter& YamlWriter::end_list() {
-  impl_->yaml << YAML::EndSeq;
-  return *this;
 }
 
 YamlWriter& YamlWriter::add(const std::string& key, double value) {
@@ -169,6 +140,62 @@ YamlWriter& YamlWriter::add_inputs(const std::vector<InputRecord>& inputs) {
   }
   yaml << YAML::EndSeq;
   return *this;
+}
+
+bool YamlWriter::word(const std::string& key, std::string& field,
+                      const std::vector<std::string>& /*allowed*/) {
+  add(key, field);
+  return true;
+}
+
+bool YamlWriter::words(const std::string& key, std::vector<std::string>& field,
+                       std::size_t /*size*/, const std::vector<std::string>& /*allowed*/) {
+  add(key, field);
+  return true;
+}
+
+bool YamlWriter::number_in_file(const std::string& key, double& field, const Range& /*range*/) {
+  add(key, field);
+  return true;
+}
+
+bool YamlWriter::numbers_in_file(const std::string& key, std::vector<double>& field,
+                                 std::size_t /*size*/, const Range& /*range*/) {
+  add(key, field);
+  return true;
+}
+
+bool YamlWriter::row_in_file(const std::string& key, std::vector<double>& field,
+                             const std::vector<Range>& /*ranges*/) {
+  add(key, field);
+  return true;
+}
+
+bool YamlWriter::rows_in_file(const std::string& key, std::vector<std::vector<double>>& field,
+                              std::size_t /*size*/, const std::vector<Range>& /*ranges*/) {
+  add(key, field);
+  return true;
+}
+
+void YamlWriter::begin_map(const std::string& key) {
+  impl_->at(key) << YAML::BeginMap;
+}
+
+void YamlWriter::end_map() {
+  impl_->yaml << YAML::EndMap;
+}
+
+std::size_t YamlWriter::begin_list(const std::string& key, std::size_t size, bool /*fixed*/) {
+  impl_->begin_list(key, false);
+  return size;
+}
+
+void YamlWriter::begin_item(std::size_t /*i*/) {
+  impl_->yaml << YAML::BeginMap;
+}
+
+void YamlWriter::end_list() {
+  impl_->yaml << YAML::EndSeq;
 }
 
 std::vector<InputRecord> input_records(const std::vector<std::filesystem::path>& files) {

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "planar_servo/io/fields.h"
+
 namespace planar {
 
 /// Holds what a file says of one that it was made from.
@@ -20,23 +22,17 @@ std::vector<InputRecord> input_records(const std::vector<std::filesystem::path>&
 /// Builds the text of a YAML file key by key. Maps are written in blocks, and lists of numbers and
 /// of texts on one line each. Numbers are written in the shortest form that reads back bit for bit.
 /// Texts that another reader would take for a number or a truth value stand in quotes.
-class YamlWriter {
+///
+/// It writes the fields that it visits and changes none of them. To write a const struct, visit a
+/// copy of it.
+class YamlWriter : public Fields {
  public:
-  /// Returns a writer whose text begins with `format: planar-servo/<kind>/1`, `program:` (name and
-  /// version) and `created:`, the only line in which two identical runs may differ.
-  static YamlWriter with_header(const std::string& kind, const std::string& program);
   /// Begins an empty text, without the lines of our own format.
   YamlWriter();
-  ~YamlWriter();
-  YamlWriter(YamlWriter&&) noexcept;
-  YamlWriter& operator=(YamlWriter&&) noexcept;
-
-  YamlWriter& begin_map(const std::string& key);
-  YamlWriter& end_map();
-  /// Begins a list of maps, each of which stands between begin_item() and end_map().
-  YamlWriter& begin_list(const std::string& key);
-  YamlWriter& begin_item();
-  YamlWriter& end_list();
+  /// Begins a text with `format: planar-servo/<kind>/1`, `program:` (name and version) and
+  /// `created:`, the only line in which two identical runs may differ.
+  YamlWriter(const std::string& kind, const std::string& program);
+  ~YamlWriter() override;
 
   YamlWriter& add(const std::string& key, double value);
   YamlWriter& add(const std::string& key, int value);
@@ -50,10 +46,35 @@ class YamlWriter {
   /// Adds the list `inputs`.
   YamlWriter& add_inputs(const std::vector<InputRecord>& inputs);
 
+  using Fields::text;
   /// Returns the text; that of a calibration file with its checksum (see with_checksum()).
   std::string text() const;
 
+  bool reading() const override { return false; }
+  bool given(const std::string& /*key*/, bool wanted) override { return wanted; }
+  void allow_rest() override {}
+  bool check(bool kept, const std::string& /*message*/, const std::string& /*key*/) override {
+    return kept;
+  }
+
  private:
+  bool word(const std::string& key, std::string& field,
+            const std::vector<std::string>& allowed) override;
+  bool words(const std::string& key, std::vector<std::string>& field, std::size_t size,
+             const std::vector<std::string>& allowed) override;
+  bool number_in_file(const std::string& key, double& field, const Range& range) override;
+  bool numbers_in_file(const std::string& key, std::vector<double>& field, std::size_t size,
+                       const Range& range) override;
+  bool row_in_file(const std::string& key, std::vector<double>& field,
+                   const std::vector<Range>& ranges) override;
+  bool rows_in_file(const std::string& key, std::vector<std::vector<double>>& field,
+                    std::size_t size, const std::vector<Range>& ranges) override;
+  void begin_map(const std::string& key) override;
+  std::size_t begin_list(const std::string& key, std::size_t size, bool fixed) override;
+  void begin_item(std::size_t i) override;
+  void end_map() override;
+  void end_list() override;
+
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

@@ -145,7 +145,7 @@ std::string in_mm(const std::optional<Eigen::Vector2d>& error) {
 /// Returns the text of run.yaml: the files used with their hashes, settings and outcome.
 std::string run_text(const ServoRequest& request, const ServoRun& run, const ServoFigures& figures,
                      const std::vector<std::filesystem::path>& inputs) {
-  YamlWriter yaml = YamlWriter::with_header("run", "planar-servo");
+  YamlWriter yaml("run", "planar-servo");
   yaml.add_inputs(input_records(inputs));
   yaml.add("error_map_used", request.use_error_map);
   if (!run.accepted_stale().empty()) yaml.add("accepted_stale", run.accepted_stale());
@@ -153,11 +153,11 @@ std::string run_text(const ServoRequest& request, const ServoRun& run, const Ser
   yaml.add("targets", static_cast<int>(figures.targets));
   yaml.add("reached", static_cast<int>(figures.reached));
   if (figures.frames) yaml.add("camera", describe(*figures.frames));
-  yaml.begin_map("figures");
-  const ReportList list = servo_list(figures);
-  for (const auto& [key, value] : list.json().items())
-    if (value.is_number_float()) yaml.add(key, value.get<double>());
-  yaml.end_map();
+  yaml.map("figures", [&] {
+    const ReportList list = servo_list(figures);
+    for (const auto& [key, value] : list.json().items())
+      if (value.is_number_float()) yaml.add(key, value.get<double>());
+  });
   return yaml.text();
 }
 

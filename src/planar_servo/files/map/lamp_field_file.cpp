@@ -51,7 +51,6 @@ void list_fields(Fields& fields, LampField& field) {
 }
 
 void add_figures(YamlWriter& yaml, const LampFieldFit& fit) {
-  yaml.begin_map("fit");
   yaml.add("n_readings", static_cast<int>(fit.n_readings));
   yaml.add("n_unattended", static_cast<int>(fit.n_unattended));
   yaml.add("raw_rms_mm", fit.held_out.raw_rms / kMillimetre);
@@ -59,32 +58,30 @@ void add_figures(YamlWriter& yaml, const LampFieldFit& fit) {
   add_quality(yaml, fit.held_out.quality());
   yaml.add("left_out", fit.left_out);
   yaml.add("harmonics", fit.estimate.size.harmonics);
-  yaml.begin_map("fixed_by");
-  yaml.add("scale", name_in(kFieldSources, fit.fixed_by.scale));
-  yaml.add("datum", name_in(kFieldSources, fit.fixed_by.datum));
-  yaml.add("turn", name_in(kFieldSources, fit.fixed_by.turn));
-  yaml.end_map();
-  yaml.end_map();
+  yaml.map("fixed_by", [&] {
+    yaml.add("scale", name_in(kFieldSources, fit.fixed_by.scale));
+    yaml.add("datum", name_in(kFieldSources, fit.fixed_by.datum));
+    yaml.add("turn", name_in(kFieldSources, fit.fixed_by.turn));
+  });
 }
 
 }  // namespace
 
 std::string lamp_field_text(const LampFieldFit& fit, const std::vector<Origin>& origins,
                             const std::string& program) {
-  YamlWriter yaml = YamlWriter::with_header("map", program);
+  YamlWriter yaml("map", program);
   yaml.add_inputs(input_records(origins));
-  add_figures(yaml, fit);
+  yaml.map("fit", [&] { add_figures(yaml, fit); });
   yaml.add("method", kLampFieldMethod);
-  FieldWriter writer(yaml);
   LampField written = fit.field;
-  list_fields(writer, written);
+  list_fields(yaml, written);
   return yaml.text();
 }
 
-LampField read_lamp_field(const YamlDocument& document, Fields& fields) {
+LampField read_lamp_field(YamlReader& reader) {
   LampField field;
-  list_fields(fields, field);
-  document.throw_if_faulty();
+  list_fields(reader, field);
+  reader.throw_if_faulty();
   return field;
 }
 

@@ -6,7 +6,8 @@
 
 #include "planar_servo/field/fit_lamp_field.h"
 #include "planar_servo/files/provenance.h"
-#include "planar_servo/io/yaml_fields.h"
+#include "planar_servo/io/yaml_reader.h"
+#include "planar_servo/io/yaml_writer.h"
 
 namespace planar {
 
@@ -19,6 +20,6 @@ std::string lamp_field_text(const LampFieldFit& fit, const std::vector<Origin>& 
                             const std::string& program);
 
 /// Reads the field from a map file of this method. Throws InputError naming every fault.
-LampField read_lamp_field(const YamlDocument& document, Fields& fields);
+LampField read_lamp_field(YamlReader& reader);
 
 }  // namespace planar

@@ -42,13 +42,14 @@ void add_quality(YamlWriter& yaml, const MapQuality& quality) {
   yaml.add("coverage_95", quality.coverage_95);
 }
 
-MapQuality read_quality(const YamlNode& figures) {
-  figures.allow_all();
-  if (!figures.has("coverage_95")) return {};
+MapQuality read_quality(Fields& figures) {
+  constexpr Named<bool> kWorth[] = {{true, "true"}, {false, "false"}};
   MapQuality quality;
-  quality.n = figures.whole_number_in<std::size_t>("n_judged", 0);
-  quality.worth_using = figures.choice("worth_using", {"true", "false"}) == "true";
-  quality.coverage_95 = figures.number("coverage_95", Range::from_to(0.0, 1.0));
+  figures.allow_rest();
+  if (!figures.given("coverage_95", false)) return quality;
+  figures.whole_number("n_judged", quality.n, std::size_t{0});
+  figures.choice("worth_using", quality.worth_using, kWorth);
+  figures.number("coverage_95", quality.coverage_95, 1.0, Range::from_to(0.0, 1.0));
   return quality;
 }
 

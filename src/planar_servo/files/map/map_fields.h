@@ -7,7 +7,6 @@
 #include "planar_servo/error_map/map_quality.h"
 #include "planar_servo/error_map/maps/valid_region.h"
 #include "planar_servo/io/fields.h"
-#include "planar_servo/io/yaml_reader.h"
 #include "planar_servo/io/yaml_writer.h"
 
 namespace planar {
@@ -28,7 +27,7 @@ std::optional<Eigen::Index> list_centers(Fields& fields, Eigen::Matrix2Xd& cente
 void add_quality(YamlWriter& yaml, const MapQuality& quality);
 
 /// Reads that back. A file of an earlier version does not have it, and nothing judges its map then.
-MapQuality read_quality(const YamlNode& figures);
+MapQuality read_quality(Fields& figures);
 
 void list_region(Fields& fields, ValidRegion& region);
 

@@ -13,7 +13,8 @@
 #include "planar_servo/files/map/lamp_field_file.h"
 #include "planar_servo/files/map/map_fields.h"
 #include "planar_servo/files/provenance.h"
-#include "planar_servo/io/yaml_fields.h"
+#include "planar_servo/io/yaml_reader.h"
+#include "planar_servo/io/yaml_writer.h"
 
 namespace planar {
 namespace {
@@ -80,16 +81,15 @@ void list_fields(Fields& fields, SparseRbfParameters& parameters) {
 /// Adds each term of the cell with its standard deviation.
 void add_cell(YamlWriter& yaml, const CellDiagnosis& cell) {
   if (cell.terms.empty()) return;
-  yaml.begin_map("cell");
-  for (const CellTerm& term : cell.terms) {
-    const CellFaultName& name = name_of(term.fault);
-    yaml.add(name.key, std::vector<double>{term.value / name.unit, term.sigma / name.unit});
-  }
-  yaml.end_map();
+  yaml.map("cell", [&] {
+    for (const CellTerm& term : cell.terms) {
+      const CellFaultName& name = name_of(term.fault);
+      yaml.add(name.key, std::vector<double>{term.value / name.unit, term.sigma / name.unit});
+    }
+  });
 }
 
 void add_figures(YamlWriter& yaml, const MapResult& result) {
-  yaml.begin_map("fit");
   yaml.add("n_used", static_cast<int>(result.n_used));
   yaml.add("raw_rms_mm", result.raw_rms / kMillimetre);
   yaml.add("loo_rms_mm", result.loo_rms / kMillimetre);
@@ -104,7 +104,6 @@ void add_figures(YamlWriter& yaml, const MapResult& result) {
   for (const RejectedSample& sample : result.rejected) rejected.push_back(sample.id);
   yaml.add("rejected", rejected);
   add_cell(yaml, result.cell);
-  yaml.end_map();
 }
 
 /// Returns what a map is made of: its parameters, or the map itself.
@@ -119,56 +118,53 @@ SparseRbfParameters made_of(const SparseRbfMap& map) {
 }
 
 template <typename Parameters>
-Parameters read_parameters(const YamlDocument& document, Fields& fields,
-                           Parameters parameters = {}) {
-  list_fields(fields, parameters);
-  document.throw_if_faulty();
+Parameters read_parameters(YamlReader& reader, Parameters parameters = {}) {
+  list_fields(reader, parameters);
+  reader.throw_if_faulty();
   return parameters;
 }
 
-ErrorMap read_map(const YamlDocument& document, Fields& fields, MapKind kind) {
-  if (kind == MapKind::kIdw) return read_parameters<IdwMap>(document, fields);
+ErrorMap read_map(YamlReader& reader, MapKind kind) {
+  if (kind == MapKind::kIdw) return read_parameters<IdwMap>(reader);
   if (kind == MapKind::kSparseGaussianRbf)
-    return SparseRbfMap(read_parameters<SparseRbfParameters>(document, fields));
+    return SparseRbfMap(read_parameters<SparseRbfParameters>(reader));
   RbfParameters of_kind;
   of_kind.kernel.shape =
       kind == MapKind::kGaussianRbf ? KernelShape::kGaussian : KernelShape::kMultiquadric;
-  return RbfMap(read_parameters(document, fields, of_kind));
+  return RbfMap(read_parameters(reader, of_kind));
 }
 
 }  // namespace
 
 std::string map_text(const MapResult& result, const std::filesystem::path& pairs,
                      const std::string& program) {
-  YamlWriter yaml = YamlWriter::with_header("map", program);
+  YamlWriter yaml("map", program);
   yaml.add_inputs(input_records(with_origins_of({origin_of({Role::kPairs, pairs})}, pairs)));
-  add_figures(yaml, result);
-  FieldWriter writer(yaml);
+  yaml.map("fit", [&] { add_figures(yaml, result); });
   yaml.add("method", name(kind_of(result.map)));
   std::visit(
       [&](const auto& map) {
         auto parameters = made_of(map);
-        list_fields(writer, parameters);
+        list_fields(yaml, parameters);
       },
       result.map);
   return yaml.text();
 }
 
 MapRecord read_map(const std::filesystem::path& path) {
-  const YamlDocument document = YamlDocument::read(path, "map");
-  const YamlNode root = document.root();
-  const MapQuality quality = root.has("fit") ? read_quality(root.child("fit")) : MapQuality();
-  FieldReader reader(root);
+  YamlReader reader(path, "map");
+  MapQuality quality;
+  if (reader.given("fit")) reader.map("fit", [&] { quality = read_quality(reader); });
   std::vector<std::string> methods = names_of(kMapKinds);
   methods.emplace_back(kLampFieldMethod);
   std::string method;
   if (!reader.choice("method", method, methods)) {
     reader.allow_rest();
-    document.throw_if_faulty();
+    reader.throw_if_faulty();
   }
   try {
-    if (method == kLampFieldMethod) return {read_lamp_field(document, reader), quality};
-    return {read_map(document, reader, value_named(kMapKinds, method).value()), quality};
+    if (method == kLampFieldMethod) return {read_lamp_field(reader), quality};
+    return {read_map(reader, value_named(kMapKinds, method).value()), quality};
   } catch (const WorkError& e) {
     throw InputError(path.string() + ": " + e.what());
   }

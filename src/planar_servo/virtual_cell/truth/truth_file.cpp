@@ -7,8 +7,8 @@
 #include "planar_servo/core/names.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/io/atomic_file.h"
-#include "planar_servo/io/pose_fields.h"
-#include "planar_servo/io/yaml_fields.h"
+#include "planar_servo/io/yaml_reader.h"
+#include "planar_servo/io/yaml_writer.h"
 #include "planar_servo/virtual_cell/truth/arm_fields.h"
 #include "planar_servo/virtual_cell/truth/arm_truth.h"
 
@@ -204,19 +204,17 @@ void list_fields(Fields& fields, Truth& truth) {
 }  // namespace
 
 Truth read_truth(const std::filesystem::path& path) {
-  const YamlDocument document = YamlDocument::read(path, "truth");
-  FieldReader reader(document.root());
+  YamlReader reader(path, "truth");
   Truth truth;
   list_fields(reader, truth);
-  document.throw_if_faulty();
+  reader.throw_if_faulty();
   return truth;
 }
 
 std::string truth_text(const Truth& truth) {
-  YamlWriter yaml = YamlWriter::with_header("truth", "planar-virtual-cell");
-  FieldWriter writer(yaml);
+  YamlWriter yaml("truth", "planar-virtual-cell");
   Truth written = truth;
-  list_fields(writer, written);
+  list_fields(yaml, written);
   return yaml.text();
 }
 

@@ -1,0 +1,280 @@
+#include "planar_servo/files/camera_file.h"
+
+#include <fmt/format.h>
+#include <visp3/core/vpXmlParserCamera.h>
+
+#include <iostream>
+#include <opencv2/core.hpp>
+#include <string_view>
+
+#include "planar_servo/core/error.h"
+#include "planar_servo/io/atomic_file.h"
+#include "planar_servo/io/format/format_line.h"
+#include "planar_servo/io/yaml_reader.h"
+#include "planar_servo/io/yaml_writer.h"
+
+namespace planar {
+namespace {
+
+/// Returns the coefficients, those of a pinhole as a plumb-bob of zeros.
+std::vector<double> plumb_bob_or_more(const CameraModel& camera) {
+  std::vector<double> coefficients = distortion_coefficients(camera);
+  if (coefficients.empty()) coefficients.assign(5, 0.0);
+  return coefficients;
+}
+
+/// Returns the elements of a matrix: `size` of them, or any number when `size` is 0.
+std::vector<double> read_matrix(YamlReader& reader, const std::string& key, std::size_t size) {
+  std::vector<double> elements;
+  reader.map(key, [&] { reader.numbers("data", elements, size); });
+  return elements;
+}
+
+/// Adds a matrix as ROS writes it: {rows, cols, data}.
+void add_matrix(YamlWriter& writer, const std::string& key, int rows,
+                const std::vector<double>& data) {
+  writer.map(key, [&] {
+    writer.add("rows", rows).add("cols", static_cast<int>(data.size()) / rows).add("data", data);
+  });
+}
+
+/// Returns the model's name in ROS, which has no pinhole: that is a plumb-bob of zeros.
+std::string ros_model(const CameraModel& camera) {
+  const std::string name = lens_model_name(camera);
+  return name == "pinhole" ? "plumb_bob" : name;
+}
+
+void add_camera(YamlWriter& writer, const CameraModel& camera) {
+  const Intrinsics k = intrinsics(camera);
+  add_matrix(writer, "camera_matrix", 3, {k.fx, 0, k.cx, 0, k.fy, k.cy, 0, 0, 1});
+  writer.add("distortion_model", ros_model(camera));
+  add_matrix(writer, "distortion_coefficients", 1, plumb_bob_or_more(camera));
+  add_matrix(writer, "rectification_matrix", 3, {1, 0, 0, 0, 1, 0, 0, 0, 1});
+  add_matrix(writer, "projection_matrix", 3, {k.fx, 0, k.cx, 0, 0, k.fy, k.cy, 0, 0, 0, 1, 0});
+}
+
+std::string file_name(const std::string& path) {
+  return std::filesystem::path(path).filename().string();
+}
+
+std::string camera_yaml(const CameraCalibration& calibration, const std::string& camera_name,
+                        const std::string& program,
+                        const std::vector<std::filesystem::path>& inputs) {
+  std::vector<std::string> used, rejected;
+  for (const auto& view : calibration.views) used.push_back(file_name(view.name));
+  for (const auto& view : calibration.rejected) rejected.push_back(file_name(view.name));
+  YamlWriter writer("camera", program);
+  writer.add_inputs(input_records(inputs))
+      .add("image_width", calibration.width_px)
+      .add("image_height", calibration.height_px)
+      .add("camera_name", camera_name);
+  add_camera(writer, calibration.camera);
+  writer.add("calibrated_model", calibration.model)
+      .add("standard_deviations", calibration.standard_deviations)
+      .add("rms_px", calibration.rms_px);
+  if (calibration.held_out_rms_px) writer.add("held_out_rms_px", *calibration.held_out_rms_px);
+  const Eigen::Vector2d& from = calibration.region_from_px;
+  const Eigen::Vector2d& to = calibration.region_to_px;
+  writer.add("images", used)
+      .add("rejected_images", rejected)
+      .add("calibrated_region_px", std::vector<double>{from.x(), from.y(), to.x(), to.y()});
+  return writer.text();
+}
+
+/// Adds a fault for a list of coefficients that is too long or was cut short. Other programs leave
+/// out all of an undistorted lens, k3 of the plumb-bob and the tilt of opencv_14.
+void check_count(YamlReader& reader, std::size_t count, const std::string& model) {
+  const std::size_t all = distortion_coefficients(make_camera_model(model, {}, {})).size();
+  const bool without_k3 = model == "plumb_bob" && count == 4;
+  const bool without_tilt = model == "opencv_14" && count == 12;
+  reader.check(count == 0 || count == all || without_k3 || without_tilt,
+               fmt::format("lens model {} has {} coefficients, not {}", model, all, count),
+               "distortion_coefficients");
+}
+
+CameraRecord read_camera_yaml(const std::filesystem::path& path) {
+  constexpr int kMaxPixels = 1000000;  // of an image side
+  YamlReader reader(path);
+  CameraRecord record;
+  reader.whole_number("image_width", record.width_px, 1, kMaxPixels);
+  reader.whole_number("image_height", record.height_px, 1, kMaxPixels);
+  std::string model;
+  reader.choice("distortion_model", model,
+                {"plumb_bob", "rational_polynomial", "opencv_14", "equidistant"});
+  const std::vector<double> K = read_matrix(reader, "camera_matrix", 9);
+  const std::vector<double> coefficients = read_matrix(reader, "distortion_coefficients", 0);
+  reader.throw_if_faulty();
+  check_count(reader, coefficients.size(), model);
+  reader.throw_if_faulty();
+  try {
+    record.camera = make_camera_model(model, {K[0], K[4], K[2], K[5]}, coefficients);
+  } catch (const InputError& error) {
+    reader.check(false, error.what(), "camera_matrix");
+  }
+  reader.throw_if_faulty();
+  return record;
+}
+
+bool is_opencv_storage(const std::string& text) {
+  return text.rfind("%YAML:1.0", 0) == 0;
+}
+
+const char* opencv_model_of(std::size_t coefficients, YamlReader& reader) {
+  if (coefficients == 8) return "rational_polynomial";
+  if (coefficients == 12 || coefficients == 14) return "opencv_14";
+  reader.check(
+      coefficients == 4 || coefficients == 5,
+      fmt::format("has {} distortion coefficients; 4, 5, 8, 12 or 14 can be used", coefficients),
+      "distortion_coefficients");
+  return "plumb_bob";
+}
+
+/// Reads a file of cv::FileStorage, whose parts are named as OpenCV's calibration sample names
+/// them: image_width, image_height, camera_matrix, distortion_coefficients (4 or 5, 8 of the
+/// rational model, 12 or 14 with thin prism and tilt). OpenCV's own reader is not used: it loops
+/// and overflows the stack on files made to that end.
+CameraRecord read_camera_opencv(const std::filesystem::path& path) {
+  YamlReader reader(path);
+  CameraRecord record;
+  reader.whole_number("image_width", record.width_px, 1);
+  reader.whole_number("image_height", record.height_px, 1);
+  std::vector<double> K = read_matrix(reader, "camera_matrix", 9);
+  std::vector<double> coefficients = read_matrix(reader, "distortion_coefficients", 0);
+  reader.throw_if_faulty();
+  const char* const model = opencv_model_of(coefficients.size(), reader);
+  reader.throw_if_faulty();
+  if (coefficients.size() == 4) coefficients.push_back(0.0);
+  try {
+    record.camera = make_camera_model(model, {K[0], K[4], K[2], K[5]}, coefficients);
+  } catch (const InputError& e) {
+    throw InputError(path.string() + ": " + e.what());
+  }
+  return record;
+}
+
+/// Returns the text of cv::FileStorage for a pinhole, plumb_bob, rational_polynomial or opencv_14
+/// camera. Throws InputError for other models.
+std::string opencv_text(const CameraRecord& record) {
+  const std::string model = lens_model_name(record.camera);
+  if (model != "pinhole" && model != "plumb_bob" && model != "rational_polynomial" &&
+      model != "opencv_14")
+    throw InputError("OpenCV's file has no model " + model +
+                     "; write it to a file named .yaml or .xml");
+  const Intrinsics k = intrinsics(record.camera);
+  cv::FileStorage file(".yml", cv::FileStorage::WRITE | cv::FileStorage::MEMORY);
+  file << "image_width" << record.width_px << "image_height" << record.height_px;
+  file << "camera_matrix" << cv::Mat(cv::Matx33d(k.fx, 0.0, k.cx, 0.0, k.fy, k.cy, 0.0, 0.0, 1.0));
+  file << "distortion_coefficients" << cv::Mat(plumb_bob_or_more(record.camera));
+  std::string text = file.releaseAndGetString();
+  const std::string begin = "---\n";
+  return text.insert(text.find(begin) + begin.size(), "# format: planar-servo/camera/1\n");
+}
+
+/// Keeps ViSP's parser from writing on standard output, where results stand.
+class QuietOutput {
+ public:
+  QuietOutput() : buffer_(std::cout.rdbuf(nullptr)) {}
+  ~QuietOutput() { std::cout.rdbuf(buffer_); }
+  QuietOutput(const QuietOutput&) = delete;
+  QuietOutput& operator=(const QuietOutput&) = delete;
+
+ private:
+  std::streambuf* buffer_;
+};
+
+/// Returns the name of the file's first camera, by which ViSP's parser must be asked for it.
+std::string camera_name_in(const std::filesystem::path& path) {
+  constexpr std::string_view kBegin = "<name>", kEnd = "</name>";
+  const std::string text = read_file(path);
+  const std::size_t begin = text.find(kBegin);
+  if (begin == std::string::npos) return "";
+  const std::size_t name = begin + kBegin.size(), end = text.find('<', name);
+  const bool ends = end != std::string::npos && text.compare(end, kEnd.size(), kEnd) == 0;
+  return ends ? text.substr(name, end - name) : "";
+}
+
+CameraRecord record_from(const vpXmlParserCamera& parser, const vpCameraParameters& found) {
+  const Intrinsics k{found.get_px(), found.get_py(), found.get_u0(), found.get_v0()};
+  const bool distorted = found.get_projModel() == vpCameraParameters::perspectiveProjWithDistortion;
+  return {distorted ? make_camera_model("visp", k, {found.get_kud(), found.get_kdu()})
+                    : make_camera_model("pinhole", k, {}),
+          static_cast<int>(parser.getWidth()), static_cast<int>(parser.getHeight())};
+}
+
+/// Reads the first camera of a file in the form of ViSP's vpXmlParserCamera: with distortion when
+/// the file has that model, else without.
+CameraRecord read_camera_xml(const std::filesystem::path& path) {
+  const std::string name = camera_name_in(path);
+  for (const auto model : {vpCameraParameters::perspectiveProjWithDistortion,
+                           vpCameraParameters::perspectiveProjWithoutDistortion}) {
+    vpXmlParserCamera parser;
+    vpCameraParameters found;
+    const QuietOutput quiet;
+    try {
+      if (parser.parse(found, path.string(), name, model) != 0) continue;
+      return record_from(parser, found);
+    } catch (const vpException& e) {
+      throw InputError(path.string() + ": " + e.getMessage());
+    } catch (const InputError& e) {
+      throw InputError(path.string() + ": " + e.what());
+    }
+  }
+  throw InputError(path.string() + ": is not a ViSP camera file with a perspective camera");
+}
+
+/// Returns the text of a file in the form of ViSP's vpXmlParserCamera. Throws InputError for a
+/// model other than pinhole and visp.
+std::string camera_xml(const CameraRecord& record, const std::string& camera_name) {
+  const bool distorted = std::holds_alternative<VispModel>(record.camera);
+  if (!distorted && !std::holds_alternative<Pinhole>(record.camera)) {
+    throw InputError("a ViSP camera file holds the models pinhole and visp, not " +
+                     lens_model_name(record.camera) + "; write a .yaml file");
+  }
+  const Intrinsics k = intrinsics(record.camera);
+  std::string model = fmt::format(
+      "      <type>{}</type>\n      <px>{}</px>\n      <py>{}</py>\n      <u0>{}</u0>\n"
+      "      <v0>{}</v0>\n",
+      distorted ? "perspectiveProjWithDistortion" : "perspectiveProjWithoutDistortion", k.fx, k.fy,
+      k.cx, k.cy);
+  if (distorted) {
+    const auto& lens = std::get<VispModel>(record.camera);
+    model += fmt::format("      <kud>{}</kud>\n      <kdu>{}</kdu>\n", lens.kud, lens.kdu);
+  }
+  return fmt::format(
+      "<?xml version=\"1.0\"?>\n{}<root>\n  <camera>\n    <name>{}</name>\n"
+      "    <image_width>{}</image_width>\n    <image_height>{}</image_height>\n"
+      "    <model>\n{}    </model>\n  </camera>\n</root>\n",
+      format_comment("camera"), camera_name, record.width_px, record.height_px, model);
+}
+
+}  // namespace
+
+CameraRecord read_camera(const std::filesystem::path& path) {
+  if (path.extension() == ".xml") return read_camera_xml(path);
+  const std::string text = read_file(path);
+  return is_opencv_storage(text) ? read_camera_opencv(path) : read_camera_yaml(path);
+}
+
+void require_camera_name(const std::filesystem::path& path) {
+  for (const char* extension : {"", ".yaml", ".xml", ".yml"})
+    if (path.extension() == extension) return;
+  throw InputError(path.string() +
+                   ": a camera file is named .yaml, .xml (for ViSP) or .yml (for OpenCV); its name "
+                   "says how it is written");
+}
+
+void write_camera(const std::filesystem::path& path, const CameraCalibration& calibration,
+                  const std::string& program, const std::vector<std::filesystem::path>& inputs) {
+  const std::string name = path.stem().string();
+  const CameraRecord record{calibration.camera, calibration.width_px, calibration.height_px};
+  if (path.extension() == ".xml") return write_file(path, camera_xml(record, name));
+  if (path.extension() == ".yml") return write_file(path, opencv_text(record));
+  require_camera_name(path);
+  if (std::holds_alternative<VispModel>(calibration.camera)) {
+    throw InputError(path.string() +
+                     ": a camera_info file has no model visp; write it to a file named .xml");
+  }
+  write_file(path, camera_yaml(calibration, name, program, inputs));
+}
+
+}  // namespace planar
