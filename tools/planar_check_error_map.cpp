@@ -2,7 +2,7 @@
 #include <utility>
 
 #include "planar_servo/core/plan.h"
-#include "planar_servo/files/map/map_file.h"
+#include "planar_servo/files/map_file.h"
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/offline/map/check_error_map.h"
 #include "planar_servo/report/progress_bar.h"

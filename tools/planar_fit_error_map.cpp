@@ -6,7 +6,7 @@
 #include "planar_servo/core/clock.h"
 #include "planar_servo/error_map/judge/compare_methods.h"
 #include "planar_servo/error_map/judge/unit_check.h"
-#include "planar_servo/files/map/map_file.h"
+#include "planar_servo/files/map_file.h"
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/files/vision_files.h"
 #include "planar_servo/io/atomic_file.h"

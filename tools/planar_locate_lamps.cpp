@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "planar_servo/core/error.h"
-#include "planar_servo/files/reference_lamp_fields.h"
+#include "planar_servo/files/tables/lamp_table.h"
 #include "planar_servo/files/vision_files.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/machine/device_kinds.h"

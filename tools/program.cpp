@@ -16,7 +16,7 @@
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/io/atomic_file.h"
-#include "planar_servo/io/format/format_line.h"
+#include "planar_servo/io/format_line.h"
 #include "program.h"
 
 namespace planar {

@@ -6,7 +6,7 @@
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/files/tables/target_table.h"
-#include "planar_servo/io/csv/csv_table.h"
+#include "planar_servo/io/csv_table.h"
 
 namespace planar::test {
 namespace {

@@ -3,9 +3,8 @@
 
 #include "field/bent_cell.h"
 #include "planar_servo/core/error.h"
-#include "planar_servo/files/map/lamp_field_file.h"
-#include "planar_servo/files/map/map_file.h"
-#include "planar_servo/io/format/checksum.h"
+#include "planar_servo/files/map_file.h"
+#include "planar_servo/io/checksum.h"
 #include "support/temporary_folder.h"
 
 namespace planar {

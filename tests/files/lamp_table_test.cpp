@@ -2,7 +2,6 @@
 
 #include <catch2/catch.hpp>
 
-#include "planar_servo/files/reference_lamp_fields.h"
 #include "support/temporary_folder.h"
 
 namespace planar {

@@ -1,11 +1,11 @@
-#include "planar_servo/files/map/map_file.h"
+#include "planar_servo/files/map_file.h"
 
 #include <catch2/catch.hpp>
 #include <regex>
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/error_map/fit/rbf_families.h"
-#include "planar_servo/io/format/checksum.h"
+#include "planar_servo/io/checksum.h"
 #include "support/error_fields.h"
 #include "support/temporary_folder.h"
 

@@ -1,10 +1,9 @@
-#include "planar_servo/files/path/path_table.h"
+#include "planar_servo/files/tables/path_tables.h"
 
 #include <catch2/catch.hpp>
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
-#include "planar_servo/files/path/path_run_tables.h"
 #include "support/temporary_folder.h"
 
 namespace planar {

@@ -1,4 +1,4 @@
-#include "planar_servo/io/format/checksum.h"
+#include "planar_servo/io/checksum.h"
 
 #include <catch2/catch.hpp>
 

@@ -1,4 +1,4 @@
-#include "planar_servo/io/folder_lock.h"
+#include "planar_servo/io/growing_file.h"
 
 #include <catch2/catch.hpp>
 #include <optional>

@@ -7,7 +7,7 @@
 #include "field/bent_cell.h"
 #include "planar_servo/core/fixed.h"
 #include "planar_servo/core/units.h"
-#include "planar_servo/io/format/format_line.h"
+#include "planar_servo/io/format_line.h"
 #include "planar_servo/offline/calibrate_arm.h"
 #include "planar_servo/offline/camera/calibration_page.h"
 #include "planar_servo/offline/camera/image_coverage.h"

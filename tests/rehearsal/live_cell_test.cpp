@@ -4,7 +4,7 @@
 
 #include "planar_servo/cameras/aravis/aravis_camera.h"
 #include "planar_servo/core/units.h"
-#include "planar_servo/io/csv/csv_table.h"
+#include "planar_servo/io/csv_table.h"
 #include "planar_servo/lamps/lamp_tracker.h"
 #include "planar_servo/rehearsal/gige_camera.h"
 #include "support/eventually.h"

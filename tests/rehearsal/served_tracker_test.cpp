@@ -6,7 +6,7 @@
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
-#include "planar_servo/files/tables/tracker_lines.h"
+#include "planar_servo/files/tables/tracker_table.h"
 #include "planar_servo/io/atomic_file.h"
 #include "support/eventually.h"
 #include "support/temporary_folder.h"

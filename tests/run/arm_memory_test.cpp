@@ -4,9 +4,9 @@
 #include <regex>
 
 #include "planar_servo/core/error.h"
-#include "planar_servo/files/learned_arm_file.h"
+#include "planar_servo/files/arm_file.h"
 #include "planar_servo/io/atomic_file.h"
-#include "planar_servo/io/format/checksum.h"
+#include "planar_servo/io/checksum.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "support/sample_cells.h"
 #include "support/temporary_folder.h"

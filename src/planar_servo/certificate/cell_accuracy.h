@@ -7,7 +7,7 @@
 
 #include "planar_servo/certificate/pose_statistics.h"
 #include "planar_servo/core/numerics/statistics.h"
-#include "planar_servo/files/certificate/cycle_table.h"
+#include "planar_servo/files/tables/cycle_table.h"
 
 namespace planar {
 

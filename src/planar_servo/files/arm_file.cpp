@@ -1,12 +1,14 @@
 #include "planar_servo/files/arm_file.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <vector>
 
 #include "planar_servo/core/units.h"
 #include "planar_servo/files/cell_file.h"
-#include "planar_servo/files/map/map_fields.h"
+#include "planar_servo/files/matrix_fields.h"
 #include "planar_servo/io/yaml_reader.h"
 #include "planar_servo/io/yaml_writer.h"
 
@@ -85,6 +87,18 @@ void add_terms(YamlWriter& yaml, std::vector<ArmTerm> terms) {
   });
 }
 
+constexpr char kLearnedKind[] = "arm_learned";
+constexpr std::size_t kShownHash = 8;
+
+void list_learned_arm(Fields& fields, LearnedArm& learned) {
+  fields.map("arm", [&] { list_found_arm(fields, learned.arm); });
+  Eigen::MatrixXd& covariance = learned.covariance;
+  if (!list_lower_triangle(fields, "covariance", covariance, learned.arm.x.size())) return;
+  covariance = Eigen::MatrixXd(covariance.selfadjointView<Eigen::Lower>());
+  fields.check((covariance.diagonal().array() >= 0.0).all(),
+               "covariance has a diagonal element below 0", "covariance");
+}
+
 }  // namespace
 
 void list_found_arm(Fields& fields, FoundArm& arm) {
@@ -132,6 +146,45 @@ JointPlanner servo_planner(const CellSettings& cell) {
     planner.plan_for(
         read_found_arm(require_made(*cell.arm_found, "planar-fit-error-map --arm-out")));
   return planner;
+}
+
+std::vector<Origin> learned_arm_origins(const CellSettings& cell) {
+  return {origin_of({Role::kArmFound, cell.arm_found.value()}),
+          origin_of({Role::kErrorMap, cell.error_map})};
+}
+
+std::string learned_arm_text(const LearnedArm& learned, const std::vector<Origin>& origins,
+                             const std::string& program) {
+  YamlWriter yaml(kLearnedKind, program);
+  yaml.add_inputs(input_records(origins));
+  LearnedArm written = learned;
+  list_learned_arm(yaml, written);
+  return yaml.text();
+}
+
+LearnedArm read_learned_arm(const std::filesystem::path& path) {
+  YamlReader reader(path, kLearnedKind);
+  LearnedArm learned;
+  list_learned_arm(reader, learned);
+  reader.throw_if_faulty();
+  return learned;
+}
+
+std::optional<std::string> learned_elsewhere(const std::filesystem::path& path,
+                                             const std::vector<Origin>& origins) {
+  const std::vector<Origin> made_from = read_origins(path);
+  for (const Origin& present : origins) {
+    const auto same_role = [&](const Origin& origin) { return origin.role == present.role; };
+    const auto then = std::find_if(made_from.begin(), made_from.end(), same_role);
+    if (then == made_from.end())
+      return fmt::format("{}: does not say with which {} it was learned", path.string(),
+                         present.name);
+    if (then->sha256 != present.sha256)
+      return fmt::format("{}: was learned with {} {}..., this one is {}...", path.string(),
+                         then->name, then->sha256.substr(0, kShownHash),
+                         present.sha256.substr(0, kShownHash));
+  }
+  return std::nullopt;
 }
 
 }  // namespace planar

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "planar_servo/arm/arm_learner.h"
 #include "planar_servo/arm/found_arm.h"
 #include "planar_servo/cell/cell_settings.h"
 #include "planar_servo/field/arm/arm_terms.h"
@@ -26,5 +28,21 @@ FoundArm read_found_arm(const std::filesystem::path& path);
 /// Returns the cell's planner, for the arm that was found where the cell names one. Throws
 /// InputError when that file does not exist.
 JointPlanner servo_planner(const CellSettings& cell);
+
+/// Returns what the learned arm of a cell is made from: arm.yaml and map.yaml.
+std::vector<Origin> learned_arm_origins(const CellSettings& cell);
+
+/// Returns the text of arm_learned.yaml: an `arm` block as arm.yaml has it, and its covariance.
+std::string learned_arm_text(const LearnedArm& learned, const std::vector<Origin>& origins,
+                             const std::string& program);
+
+/// Reads arm_learned.yaml. The form has neither sense, coupling nor gears. Throws InputError naming
+/// every fault.
+LearnedArm read_learned_arm(const std::filesystem::path& path);
+
+/// Returns in words what the file was learned with that is no longer so; empty when it belongs to
+/// these origins.
+std::optional<std::string> learned_elsewhere(const std::filesystem::path& path,
+                                             const std::vector<Origin>& origins);
 
 }  // namespace planar

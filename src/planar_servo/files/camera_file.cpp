@@ -3,13 +3,17 @@
 #include <fmt/format.h>
 #include <visp3/core/vpXmlParserCamera.h>
 
+#include <algorithm>
+#include <cmath>
 #include <iostream>
+#include <locale>
 #include <opencv2/core.hpp>
+#include <sstream>
 #include <string_view>
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/io/atomic_file.h"
-#include "planar_servo/io/format/format_line.h"
+#include "planar_servo/io/format_line.h"
 #include "planar_servo/io/yaml_reader.h"
 #include "planar_servo/io/yaml_writer.h"
 
@@ -275,6 +279,31 @@ void write_camera(const std::filesystem::path& path, const CameraCalibration& ca
                      ": a camera_info file has no model visp; write it to a file named .xml");
   }
   write_file(path, camera_yaml(calibration, name, program, inputs));
+}
+
+std::vector<Eigen::Vector2d> read_board_pixels(const std::filesystem::path& path) {
+  std::istringstream lines(read_file(path));
+  std::vector<Eigen::Vector2d> pixels;
+  Faults faults;
+  std::string line;
+  for (int number = 1; std::getline(lines, line); ++number) {
+    std::replace(line.begin(), line.end(), ',', ' ');
+    std::istringstream fields(line.substr(0, line.find('#')));
+    fields.imbue(std::locale::classic());
+    Eigen::Vector2d pixel;
+    std::string rest;
+    if (!(fields >> std::ws) || fields.eof()) continue;
+    if (fields >> pixel.x() >> pixel.y() && !(fields >> rest)) {
+      pixels.push_back(pixel);
+    } else {
+      faults.add(
+          fmt::format("{}:{}: is '{}'; two numbers u v are needed", path.string(), number, line));
+    }
+  }
+  if (pixels.empty() && faults.empty())
+    faults.add(path.string() + ": has no points; lines of two numbers u v are needed");
+  faults.throw_if_any();
+  return pixels;
 }
 
 }  // namespace planar

@@ -34,4 +34,9 @@ void require_camera_name(const std::filesystem::path& path);
 void write_camera(const std::filesystem::path& path, const CameraCalibration& calibration,
                   const std::string& program, const std::vector<std::filesystem::path>& inputs);
 
+/// Reads the pixels of boards' points that another program found. Each line holds one point, `u v`
+/// with a space or comma between them, view after view. `#` comments and blank lines are skipped.
+/// Throws InputError naming FILE:LINE of each other line, and for a file without points.
+std::vector<Eigen::Vector2d> read_board_pixels(const std::filesystem::path& path);
+
 }  // namespace planar

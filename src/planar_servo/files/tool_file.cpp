@@ -1,7 +1,7 @@
 #include "planar_servo/files/tool_file.h"
 
 #include "planar_servo/core/units.h"
-#include "planar_servo/files/covariance_fields.h"
+#include "planar_servo/files/matrix_fields.h"
 #include "planar_servo/io/yaml_reader.h"
 #include "planar_servo/io/yaml_writer.h"
 

@@ -8,7 +8,7 @@
 #include "planar_servo/core/error.h"
 #include "planar_servo/files/camera_file.h"
 #include "planar_servo/files/cell_file.h"
-#include "planar_servo/files/map/map_file.h"
+#include "planar_servo/files/map_file.h"
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/files/tool_file.h"
 #include "planar_servo/files/workplane_file.h"

@@ -1,8 +1,7 @@
 #include "planar_servo/files/workplane_file.h"
 
 #include "planar_servo/core/units.h"
-#include "planar_servo/files/covariance_fields.h"
-#include "planar_servo/files/reference_lamp_fields.h"
+#include "planar_servo/files/matrix_fields.h"
 #include "planar_servo/io/yaml_reader.h"
 #include "planar_servo/io/yaml_writer.h"
 
@@ -21,6 +20,18 @@ Eigen::Matrix<double, 6, 6> in_length_unit(const Eigen::Matrix<double, 6, 6>& co
 
 bool looks_down(const Pose& X_WC) {
   return X_WC.translation().z() > 0.0 && X_WC.linear()(2, 2) < 0.0;
+}
+
+/// Lists the optional key `reference_lamps`: a list of {id, u_px, v_px, sigma_px}, the lamps that
+/// are fixed to the base as the calibration saw them.
+void list_reference_lamps(Fields& fields, std::vector<ReferenceLamp>& lamps) {
+  if (!fields.given("reference_lamps", !lamps.empty())) return;
+  fields.maps("reference_lamps", lamps, [&](ReferenceLamp& lamp) {
+    fields.text("id", lamp.id);
+    fields.number("u_px", lamp.uv_px.x());
+    fields.number("v_px", lamp.uv_px.y());
+    fields.number("sigma_px", lamp.sigma_px, 1.0, Range::positive());
+  });
 }
 
 void list_fields(Fields& fields, WorkplaneRecord& record) {

@@ -8,6 +8,17 @@
 
 namespace planar {
 
+/// Says whether what was written survives only a crash of its program, or a loss of power as well,
+/// for which the disk is waited for.
+enum class Durability { kCrash, kPowerLoss };
+
+/// Writes the whole text to an open file and closes it. Returns whether all of it is there.
+bool write_and_close(int file, std::string_view text, Durability durability);
+
+/// Lets the names in a folder survive a loss of power. Returns whether they do, as far as the file
+/// system can say.
+bool sync_folder(const std::filesystem::path& folder);
+
 /// Writes the whole text to a temporary file beside `path` and renames it, so that no reader ever
 /// sees half a file, not even after a loss of power. A device or a pipe, such as /dev/stdout, is
 /// written directly. Throws WorkError when the place cannot be written, and InputError when a link

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "planar_servo/core/names.h"
-#include "planar_servo/io/csv/csv_table.h"
+#include "planar_servo/io/csv_table.h"
 
 namespace planar {
 

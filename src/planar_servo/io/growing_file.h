@@ -3,9 +3,23 @@
 #include <filesystem>
 #include <string>
 
-#include "planar_servo/io/disk/durable_write.h"
+#include "planar_servo/io/atomic_file.h"
 
 namespace planar {
+
+/// Keeps a folder to one program at a time, so that no two write its tables. The lock ends with
+/// this object or with the program, however that ends, and leaves no file behind.
+class FolderLock {
+ public:
+  /// Throws InputError when another program holds the folder, or when it cannot be opened.
+  explicit FolderLock(const std::filesystem::path& folder);
+  ~FolderLock();
+  FolderLock(const FolderLock&) = delete;
+  FolderLock& operator=(const FolderLock&) = delete;
+
+ private:
+  int descriptor_;
+};
 
 /// Throws InputError when a GrowingFile could not begin or continue the file, because it is a
 /// folder, a link or closed to this user, or because its folder is missing or closed. Call it

@@ -12,7 +12,7 @@
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/io/atomic_file.h"
-#include "planar_servo/io/format/checksum.h"
+#include "planar_servo/io/checksum.h"
 
 namespace planar {
 namespace {

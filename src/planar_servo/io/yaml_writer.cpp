@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "planar_servo/io/format/checksum.h"
-#include "planar_servo/io/format/format_line.h"
+#include "planar_servo/io/checksum.h"
+#include "planar_servo/io/format_line.h"
 #include "planar_servo/io/sha256.h"
 
 namespace planar {

@@ -11,7 +11,7 @@
 #include "planar_servo/core/units.h"
 #include "planar_servo/files/vision_files.h"
 #include "planar_servo/io/atomic_file.h"
-#include "planar_servo/io/csv/csv_table.h"
+#include "planar_servo/io/csv_table.h"
 #include "planar_servo/io/growing_file.h"
 #include "planar_servo/jog/exposure_meter.h"
 

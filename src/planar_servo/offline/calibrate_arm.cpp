@@ -9,7 +9,7 @@
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/field/arm/arm_terms.h"
-#include "planar_servo/files/tables/arm_sample_table.h"
+#include "planar_servo/files/tables/joint_tables.h"
 #include "planar_servo/files/tables/pair_table.h"
 #include "planar_servo/files/tool_file.h"
 #include "planar_servo/offline/page_of_file.h"

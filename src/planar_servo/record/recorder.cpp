@@ -15,7 +15,6 @@
 #include "planar_servo/files/tables/frame_table.h"
 #include "planar_servo/files/tables/tracker_table.h"
 #include "planar_servo/io/atomic_file.h"
-#include "planar_servo/io/folder_lock.h"
 #include "planar_servo/io/growing_file.h"
 #include "planar_servo/lamps/lamp_tracker.h"
 #include "planar_servo/record/board_source.h"

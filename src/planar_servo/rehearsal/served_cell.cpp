@@ -5,7 +5,7 @@
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
-#include "planar_servo/io/folder_lock.h"
+#include "planar_servo/io/growing_file.h"
 #include "planar_servo/machine/cell_devices.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/rehearsal/cell_commands.h"

@@ -7,7 +7,7 @@
 #include <stdexcept>
 
 #include "planar_servo/core/error.h"
-#include "planar_servo/files/learned_arm_file.h"
+#include "planar_servo/files/arm_file.h"
 #include "planar_servo/io/atomic_file.h"
 
 namespace planar {

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "planar_servo/files/path/path_run_tables.h"
+#include "planar_servo/files/tables/path_tables.h"
 #include "planar_servo/report/html_page.h"
 #include "planar_servo/report/report_list.h"
 #include "planar_servo/run/path_run.h"

@@ -6,8 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/files/path/path_run_tables.h"
-#include "planar_servo/io/folder_lock.h"
+#include "planar_servo/files/tables/path_tables.h"
 #include "planar_servo/io/growing_file.h"
 #include "planar_servo/run/ready_cell.h"
 #include "planar_servo/servo/path/path_check.h"

@@ -8,7 +8,6 @@
 
 #include "planar_servo/files/tables/result_table.h"
 #include "planar_servo/files/tables/target_table.h"
-#include "planar_servo/io/folder_lock.h"
 #include "planar_servo/io/growing_file.h"
 #include "planar_servo/run/ready_cell.h"
 

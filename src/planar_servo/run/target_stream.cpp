@@ -7,7 +7,7 @@
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
-#include "planar_servo/io/csv/csv_fields.h"
+#include "planar_servo/io/csv_table.h"
 #include "planar_servo/run/dry_run.h"
 
 namespace planar {

@@ -1,12 +1,20 @@
 #include "planar_servo/files/tables/lamp_table.h"
 
+#include <fmt/format.h>
+
 #include <array>
+#include <fstream>
+#include <locale>
+#include <sstream>
 
 #include "planar_servo/core/units.h"
+#include "planar_servo/io/atomic_file.h"
 #include "planar_servo/io/columns.h"
 
 namespace planar {
 namespace {
+
+constexpr char kReference[] = "# reference lamp: ";
 
 using OptionalNumber = std::optional<double>;
 
@@ -109,6 +117,31 @@ std::string lamps_text(const std::vector<LampRow>& rows, const std::vector<std::
   std::string text = lamp_schema().header(remarks);
   for (const LampRow& row : rows) text += lamp_schema().line(row);
   return text;
+}
+
+std::vector<std::string> lamp_remarks(const std::vector<Origin>& origins,
+                                      const std::vector<ReferenceLamp>& lamps) {
+  std::vector<std::string> remarks = csv_remarks(origins);
+  remarks.reserve(remarks.size() + lamps.size());
+  for (const ReferenceLamp& lamp : lamps)
+    remarks.push_back(fmt::format("{}{} {} {} {}", kReference, lamp.uv_px.x(), lamp.uv_px.y(),
+                                  lamp.sigma_px, lamp.id));
+  return remarks;
+}
+
+std::vector<ReferenceLamp> read_reference_remarks(const std::filesystem::path& path) {
+  std::ifstream in = open_file(path);
+  std::vector<ReferenceLamp> lamps;
+  for (std::string line; std::getline(in, line) && !line.empty() && line[0] == '#';) {
+    if (line.rfind(kReference, 0) != 0) continue;
+    std::istringstream fields(line.substr(std::size(kReference) - 1));
+    fields.imbue(std::locale::classic());
+    ReferenceLamp lamp;
+    if (fields >> lamp.uv_px.x() >> lamp.uv_px.y() >> lamp.sigma_px &&
+        std::getline(fields >> std::ws, lamp.id))
+      lamps.push_back(lamp);
+  }
+  return lamps;
 }
 
 }  // namespace planar

@@ -6,7 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "planar_servo/files/provenance.h"
 #include "planar_servo/lamps/lamp.h"
+#include "planar_servo/vision/reference_lamps.h"
 
 namespace planar {
 
@@ -31,5 +33,13 @@ std::vector<LampRow> read_lamps(const std::filesystem::path& path);
 /// `remarks` are comment lines; see csv_remarks().
 std::string lamps_text(const std::vector<LampRow>& rows,
                        const std::vector<std::string>& remarks = {});
+
+/// Returns the comment lines of lamps.csv: what it was made from, and these lamps, which are fixed
+/// to the base, since its pixels are as they were when they were seen there.
+std::vector<std::string> lamp_remarks(const std::vector<Origin>& origins,
+                                      const std::vector<ReferenceLamp>& lamps);
+
+/// Returns the lamps of such lines at the top of a table; none when it has none.
+std::vector<ReferenceLamp> read_reference_remarks(const std::filesystem::path& path);
 
 }  // namespace planar

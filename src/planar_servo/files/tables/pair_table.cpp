@@ -1,7 +1,7 @@
 #include "planar_servo/files/tables/pair_table.h"
 
 #include "planar_servo/core/units.h"
-#include "planar_servo/files/tables/joint_columns.h"
+#include "planar_servo/files/tables/joint_tables.h"
 #include "planar_servo/io/columns.h"
 
 namespace planar {

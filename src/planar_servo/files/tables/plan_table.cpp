@@ -6,7 +6,7 @@
 #include <set>
 
 #include "planar_servo/core/units.h"
-#include "planar_servo/files/tables/joint_columns.h"
+#include "planar_servo/files/tables/joint_tables.h"
 #include "planar_servo/io/columns.h"
 
 namespace planar {

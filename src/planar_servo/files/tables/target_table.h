@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/io/csv/csv_table.h"
+#include "planar_servo/io/csv_table.h"
 
 namespace planar {
 

@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "planar_servo/core/error.h"
-#include "planar_servo/files/board_points_file.h"
+#include "planar_servo/files/camera_file.h"
 #include "planar_servo/files/tables/frame_table.h"
 #include "planar_servo/offline/camera/board_images.h"
 #include "planar_servo/report/progress_bar.h"

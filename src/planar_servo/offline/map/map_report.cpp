@@ -8,7 +8,7 @@
 
 #include "planar_servo/core/units.h"
 #include "planar_servo/field/arm/arm_terms.h"
-#include "planar_servo/files/map/lamp_field_file.h"
+#include "planar_servo/files/map_file.h"
 #include "planar_servo/offline/calibrate_arm.h"
 
 namespace planar {

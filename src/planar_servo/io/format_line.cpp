@@ -1,4 +1,4 @@
-#include "planar_servo/io/format/format_line.h"
+#include "planar_servo/io/format_line.h"
 
 #include <fmt/chrono.h>
 

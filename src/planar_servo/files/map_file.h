@@ -2,12 +2,23 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "planar_servo/error_map/error_map.h"
 #include "planar_servo/error_map/fit_error_map.h"
+#include "planar_servo/field/fit_lamp_field.h"
+#include "planar_servo/files/provenance.h"
 #include "planar_servo/vision/see_tool.h"
 
 namespace planar {
+
+/// The method of a map.yaml that holds a field at the lamps.
+constexpr char kLampFieldMethod[] = "lamp_field";
+
+/// Returns the text of map.yaml: the field, from which it can be evaluated bit for bit (lengths in
+/// metres as they are held), the tool found with it, and the figures of its fit.
+std::string lamp_field_text(const LampFieldFit& fit, const std::vector<Origin>& origins,
+                            const std::string& program);
 
 /// Returns the text of map.yaml: the map, from which it can be evaluated bit for bit (lengths in
 /// metres as they are held, in keys that end with `_m`), the figures of its fit, and the name and

@@ -1,12 +1,12 @@
-#include "planar_servo/io/format/checksum.h"
+#include "planar_servo/io/checksum.h"
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
+#include <spdlog/spdlog.h>
 #include <algorithm>
 
 #include "planar_servo/io/atomic_file.h"
-#include "planar_servo/io/format/format_line.h"
+#include "planar_servo/io/format_line.h"
 #include "planar_servo/io/sha256.h"
 
 namespace planar {

@@ -1,14 +1,23 @@
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "planar_servo/core/names.h"
 #include "planar_servo/core/numerics/statistics.h"
+#include "planar_servo/servo/path/path.h"
 #include "planar_servo/servo/path/path_follower.h"
 
 namespace planar {
+
+/// Reads path.csv, whose rows are the places that a path goes through, in the base frame: x_mm,
+/// y_mm; a row with via_x_mm, via_y_mm is reached on the arc through that place, any other
+/// straight; phi_deg is the tool's direction, by default `tool_orientation` (radians). Throws
+/// InputError naming FILE:LINE of each row that cannot be reached from the one before it, and for
+/// fewer than two rows.
+Path read_path(const std::filesystem::path& file, double tool_orientation);
 
 /// Says what leads the end point along a path: the arm's model alone, or vision as well.
 enum class Guidance { kArm, kVision };

@@ -1,4 +1,4 @@
-#include "planar_servo/files/map/map_file.h"
+#include "planar_servo/files/map_file.h"
 
 #include <fmt/format.h>
 
@@ -10,14 +10,72 @@
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/error_map/fit_error_map.h"
-#include "planar_servo/files/map/lamp_field_file.h"
-#include "planar_servo/files/map/map_fields.h"
+#include "planar_servo/files/matrix_fields.h"
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/io/yaml_reader.h"
 #include "planar_servo/io/yaml_writer.h"
 
 namespace planar {
 namespace {
+
+void list_tool(Fields& fields, ToolOffsets& tool) {
+  fields.numbers("p_TP_m", tool.p_TP);
+  fields.numbers("p_TS_m", tool.p_TS);
+}
+
+void list_wave(Fields& fields, LampField& field) {
+  FieldBasis& wave = field.height_form.wave;
+  if (!fields.given("wave", wave.centers.cols() > 0)) return;
+  Eigen::VectorXd weights = field.height.tail(wave.centers.cols());
+  fields.map("wave", [&] {
+    fields.number("width_m", wave.width, 1.0, Range::positive());
+    const auto size = list_centers(fields, wave.centers);
+    if (fields.reading()) weights.resize(size.value_or(0));
+    fields.numbers("weights_m", weights);
+  });
+  field.height.conservativeResize(3 + weights.size());
+  field.height.tail(weights.size()) = weights;
+}
+
+void list_height(Fields& fields, LampField& field) {
+  Eigen::Vector3d terms = field.height.head<3>();
+  fields.numbers("terms_m", terms);
+  field.height.head<3>() = terms;
+  list_wave(fields, field);
+  fields.number("reach_m", field.height_form.reach, 1.0, Range::positive());
+  fields.numbers("p_camera_B_m", field.p_camera_B);
+  fields.check(field.p_camera_B.z() > 0.0, "p_camera_B_m has a height that is not positive",
+               "p_camera_B_m");
+}
+
+void list_fields(Fields& fields, LampField& field) {
+  fields.number("width_m", field.basis.width, 1.0, Range::positive());
+  fields.number("radius_m", field.basis.radius, 1.0, Range::positive());
+  list_region(fields, field.region);
+  const auto size = list_centers(fields, field.basis.centers);
+  Eigen::Matrix2Xd weights = field.weights.transpose();
+  list_points(fields, "weights_m", weights,
+              size ? std::optional(field.basis.terms()) : std::nullopt);
+  field.weights = weights.transpose();
+  fields.map("lamps_height", [&] { list_height(fields, field); });
+  fields.map("tool", [&] { list_tool(fields, field.tool); });
+  list_columns(fields, "factor", field.factor, field.unknowns());
+}
+
+void add_figures(YamlWriter& yaml, const LampFieldFit& fit) {
+  yaml.add("n_readings", static_cast<int>(fit.n_readings));
+  yaml.add("n_unattended", static_cast<int>(fit.n_unattended));
+  yaml.add("raw_rms_mm", fit.held_out.raw_rms / kMillimetre);
+  yaml.add("loo_rms_mm", fit.held_out.rms / kMillimetre);
+  add_quality(yaml, fit.held_out.quality());
+  yaml.add("left_out", fit.left_out);
+  yaml.add("harmonics", fit.estimate.size.harmonics);
+  yaml.map("fixed_by", [&] {
+    yaml.add("scale", name_in(kFieldSources, fit.fixed_by.scale));
+    yaml.add("datum", name_in(kFieldSources, fit.fixed_by.datum));
+    yaml.add("turn", name_in(kFieldSources, fit.fixed_by.turn));
+  });
+}
 
 /// The key of (cos phi, sin phi) of the tool at each centre. The tail of a map that has this key
 /// ends with these two terms.
@@ -75,7 +133,10 @@ void list_fields(Fields& fields, SparseRbfParameters& parameters) {
   fields.number("width_m", parameters.width, 1.0, Range::positive());
   const auto size = list_shared(fields, parameters);
   list_points(fields, "weights_m", parameters.weights, size);
-  list_factor(fields, parameters.factor, size.value_or(0) + parameters.tail_basis.terms());
+  const Eigen::Index terms = size.value_or(0) + parameters.tail_basis.terms();
+  if (list_lower_triangle(fields, "factor", parameters.factor, terms))
+    fields.check((parameters.factor.diagonal().array() > 0.0).all(),
+                 "factor has a diagonal element that is not positive", "factor");
 }
 
 /// Adds each term of the cell with its standard deviation.
@@ -104,6 +165,13 @@ void add_figures(YamlWriter& yaml, const MapResult& result) {
   for (const RejectedSample& sample : result.rejected) rejected.push_back(sample.id);
   yaml.add("rejected", rejected);
   add_cell(yaml, result.cell);
+}
+
+LampField read_lamp_field(YamlReader& reader) {
+  LampField field;
+  list_fields(reader, field);
+  reader.throw_if_faulty();
+  return field;
 }
 
 /// Returns what a map is made of: its parameters, or the map itself.
@@ -135,6 +203,17 @@ ErrorMap read_map(YamlReader& reader, MapKind kind) {
 }
 
 }  // namespace
+
+std::string lamp_field_text(const LampFieldFit& fit, const std::vector<Origin>& origins,
+                            const std::string& program) {
+  YamlWriter yaml("map", program);
+  yaml.add_inputs(input_records(origins));
+  yaml.map("fit", [&] { add_figures(yaml, fit); });
+  yaml.add("method", kLampFieldMethod);
+  LampField written = fit.field;
+  list_fields(yaml, written);
+  return yaml.text();
+}
 
 std::string map_text(const MapResult& result, const std::filesystem::path& pairs,
                      const std::string& program) {

@@ -1,4 +1,4 @@
-#include "planar_servo/files/map/map_fields.h"
+#include "planar_servo/files/matrix_fields.h"
 
 #include <fmt/format.h>
 
@@ -68,18 +68,19 @@ void list_columns(Fields& fields, const std::string& key, Eigen::MatrixXd& matri
     matrix = Eigen::Map<const Eigen::MatrixXd>(values.data(), rows, n / rows);
 }
 
-void list_factor(Fields& fields, Eigen::MatrixXd& lower, Eigen::Index size) {
+bool list_lower_triangle(Fields& fields, const std::string& key, Eigen::MatrixXd& lower,
+                         Eigen::Index size) {
   std::vector<double> values;
   for (Eigen::Index i = 0; i < lower.rows(); ++i)
     for (Eigen::Index j = 0; j <= i; ++j) values.push_back(lower(i, j));
   const auto n = static_cast<std::size_t>(size * (size + 1) / 2);
-  if (!fields.numbers("factor", values, n) || !fields.reading()) return;
+  const bool read = fields.numbers(key, values, n);
+  if (!fields.reading() || !read) return read;
   lower = Eigen::MatrixXd::Zero(size, size);
   auto value = values.begin();
   for (Eigen::Index i = 0; i < size; ++i)
     for (Eigen::Index j = 0; j <= i; ++j) lower(i, j) = *value++;
-  fields.check((lower.diagonal().array() > 0.0).all(),
-               "factor has a diagonal element that is not positive", "factor");
+  return true;
 }
 
 }  // namespace planar
