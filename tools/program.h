@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "planar_servo/core/text/visible.h"
+#include "planar_servo/core/text.h"
 
 namespace planar {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <random>
 
-#include "planar_servo/core/plane_geometry.h"
+#include "planar_servo/core/pose.h"
 #include "planar_servo/core/units.h"
 
 namespace planar {

@@ -5,7 +5,7 @@
 
 #include "calibration/board_views.h"
 #include "field/bent_cell.h"
-#include "planar_servo/core/fixed.h"
+#include "planar_servo/core/text.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/io/format_line.h"
 #include "planar_servo/offline/calibrate_arm.h"

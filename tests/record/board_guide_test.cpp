@@ -2,7 +2,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "planar_servo/core/plane_geometry.h"
+#include "planar_servo/core/pose.h"
 
 namespace planar {
 namespace {

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "planar_servo/arm/motor_move.h"
-#include "planar_servo/core/fixed.h"
+#include "planar_servo/core/text.h"
 #include "planar_servo/core/units.h"
 
 namespace planar {

@@ -2,7 +2,7 @@
 
 #include <Eigen/Core>
 
-#include "planar_servo/core/plane_geometry.h"
+#include "planar_servo/core/pose.h"
 
 namespace planar {
 

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "planar_servo/core/fixed.h"
+#include "planar_servo/core/text.h"
 #include "planar_servo/core/units.h"
 
 namespace planar {

@@ -10,7 +10,7 @@
 #include "planar_servo/calibration/camera/repeated_views.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/numerics/statistics.h"
-#include "planar_servo/core/parallel.h"
+#include "planar_servo/core/threads.h"
 #include "planar_servo/tool/disc_image.h"
 
 namespace planar {

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "planar_servo/calibration/readings/monument_check.h"
-#include "planar_servo/core/monument.h"
 #include "planar_servo/core/pose.h"
 
 namespace planar {

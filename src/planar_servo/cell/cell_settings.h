@@ -14,7 +14,7 @@
 #include "planar_servo/arm/workspace.h"
 #include "planar_servo/cell/device_kinds.h"
 #include "planar_servo/cell/servo_settings.h"
-#include "planar_servo/core/monument.h"
+#include "planar_servo/core/pose.h"
 #include "planar_servo/lamps/lamp.h"
 #include "planar_servo/lamps/lamp_layout.h"
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "planar_servo/core/fixed.h"
+#include "planar_servo/core/text.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/io/sha256.h"

@@ -9,7 +9,7 @@
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/names.h"
-#include "planar_servo/core/plane_geometry.h"
+#include "planar_servo/core/pose.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/files/map_file.h"
 #include "planar_servo/files/provenance.h"

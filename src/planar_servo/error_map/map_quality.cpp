@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "planar_servo/core/numerics/chance.h"
+#include "planar_servo/core/numerics/statistics.h"
 
 namespace planar {
 

@@ -10,7 +10,7 @@
 #include <future>
 
 #include "planar_servo/core/error.h"
-#include "planar_servo/core/plane_geometry.h"
+#include "planar_servo/core/pose.h"
 #include "planar_servo/experiment/begun_experiment.h"
 #include "planar_servo/files/arm_file.h"
 #include "planar_servo/io/atomic_file.h"

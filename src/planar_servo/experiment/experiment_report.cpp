@@ -5,7 +5,7 @@
 #include <cmath>
 #include <optional>
 
-#include "planar_servo/core/fixed.h"
+#include "planar_servo/core/text.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/run/servo_report.h"
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <vector>
 
-#include "planar_servo/core/plane_geometry.h"
+#include "planar_servo/core/pose.h"
 #include "planar_servo/error_map/maps/valid_region.h"
 #include "planar_servo/field/joint_estimate.h"
 

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "planar_servo/core/numerics/decompositions.h"
-#include "planar_servo/core/plane_geometry.h"
+#include "planar_servo/core/pose.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/health/cause.h"
 

@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "planar_servo/core/numerics/statistics.h"
-#include "planar_servo/core/plane_geometry.h"
+#include "planar_servo/core/pose.h"
 #include "planar_servo/core/units.h"
 
 namespace planar {

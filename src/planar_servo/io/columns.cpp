@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "planar_servo/core/fixed.h"
+#include "planar_servo/core/text.h"
 
 namespace planar {
 

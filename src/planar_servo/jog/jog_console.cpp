@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "planar_servo/core/error.h"
-#include "planar_servo/core/fixed.h"
+#include "planar_servo/core/text.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/files/vision_files.h"
 #include "planar_servo/io/atomic_file.h"

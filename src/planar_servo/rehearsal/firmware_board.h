@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "planar_servo/core/clock.h"
-#include "planar_servo/core/repeater.h"
+#include "planar_servo/core/threads.h"
 #include "planar_servo/rehearsal/emulated_grbl.h"
 #include "planar_servo/rehearsal/pty_port.h"
 

@@ -11,7 +11,7 @@
 
 #include "planar_servo/core/clock.h"
 #include "planar_servo/core/pose.h"
-#include "planar_servo/core/repeater.h"
+#include "planar_servo/core/threads.h"
 #include "planar_servo/io/growing_file.h"
 #include "planar_servo/virtual_cell/virtual_cell.h"
 

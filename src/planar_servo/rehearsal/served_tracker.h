@@ -10,7 +10,7 @@
 #include <variant>
 
 #include "planar_servo/core/clock.h"
-#include "planar_servo/core/repeater.h"
+#include "planar_servo/core/threads.h"
 #include "planar_servo/devices/tracker.h"
 #include "planar_servo/rehearsal/live_cell.h"
 

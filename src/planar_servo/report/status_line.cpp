@@ -9,7 +9,7 @@
 #include <array>
 #include <cstdio>
 
-#include "planar_servo/core/text/visible.h"
+#include "planar_servo/core/text.h"
 
 namespace planar {
 namespace {

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "planar_servo/core/error.h"
-#include "planar_servo/core/fixed.h"
+#include "planar_servo/core/text.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/files/arm_file.h"
 #include "planar_servo/files/provenance.h"

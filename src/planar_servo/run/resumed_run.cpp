@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "planar_servo/core/error.h"
-#include "planar_servo/core/fixed.h"
 #include "planar_servo/core/names.h"
+#include "planar_servo/core/text.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/files/cell_file.h"
 #include "planar_servo/io/atomic_file.h"

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "planar_servo/core/fixed.h"
+#include "planar_servo/core/text.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/devices/judge.h"
 #include "planar_servo/io/atomic_file.h"

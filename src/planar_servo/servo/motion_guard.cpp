@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "planar_servo/core/fixed.h"
+#include "planar_servo/core/text.h"
 
 namespace planar {
 namespace {

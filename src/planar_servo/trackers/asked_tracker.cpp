@@ -10,7 +10,7 @@
 
 #include "planar_servo/core/clock.h"
 #include "planar_servo/core/error.h"
-#include "planar_servo/core/text/visible.h"
+#include "planar_servo/core/text.h"
 #include "planar_servo/io/csv_table.h"
 
 namespace planar {

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "planar_servo/core/fixed.h"
+#include "planar_servo/core/text.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/tool/vision_tip.h"
 

@@ -9,7 +9,7 @@
 
 #include "planar_servo/calibration/board/dot_grid.h"
 #include "planar_servo/core/error.h"
-#include "planar_servo/core/plane_geometry.h"
+#include "planar_servo/core/pose.h"
 #include "planar_servo/core/units.h"
 
 namespace planar {

@@ -7,7 +7,7 @@
 #include <optional>
 #include <set>
 
-#include "planar_servo/core/plane_geometry.h"
+#include "planar_servo/core/pose.h"
 
 namespace planar {
 namespace {

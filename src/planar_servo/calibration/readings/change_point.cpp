@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "planar_servo/calibration/readings/robust_errors.h"
-#include "planar_servo/core/numerics/chance.h"
+#include "planar_servo/core/numerics/statistics.h"
 
 namespace planar {
 namespace {

@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "planar_servo/core/error.h"
-#include "planar_servo/core/fixed.h"
 #include "planar_servo/core/numerics/rigid_fit.h"
+#include "planar_servo/core/text.h"
 #include "planar_servo/core/units.h"
 
 namespace planar {

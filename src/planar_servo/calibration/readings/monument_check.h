@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "planar_servo/core/error.h"
-#include "planar_servo/core/numerics/chance.h"
+#include "planar_servo/core/numerics/statistics.h"
 
 namespace planar {
 

@@ -9,8 +9,8 @@
 #include <type_traits>
 #include <vector>
 
-#include "planar_servo/core/fixed.h"
 #include "planar_servo/core/names.h"
+#include "planar_servo/core/text.h"
 
 namespace planar::grbl {
 namespace {

@@ -6,7 +6,7 @@
 #include <mutex>
 
 #include "planar_servo/core/error.h"
-#include "planar_servo/core/parallel.h"
+#include "planar_servo/core/threads.h"
 #include "planar_servo/files/vision_files.h"
 #include "planar_servo/lamps/disc_tracker.h"
 #include "planar_servo/lamps/lamp_tracker.h"

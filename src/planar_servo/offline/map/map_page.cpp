@@ -7,8 +7,8 @@
 #include <iterator>
 #include <limits>
 
-#include "planar_servo/core/fixed.h"
 #include "planar_servo/core/numerics/statistics.h"
+#include "planar_servo/core/text.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/offline/page_of_file.h"
 #include "planar_servo/report/figure/figure.h"

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <optional>
 
-#include "planar_servo/core/fixed.h"
+#include "planar_servo/core/text.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/offline/page_of_file.h"
 #include "planar_servo/offline/pairs/recording_check.h"

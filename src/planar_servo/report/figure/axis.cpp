@@ -7,7 +7,7 @@
 #include <iterator>
 #include <stdexcept>
 
-#include "planar_servo/core/fixed.h"
+#include "planar_servo/core/text.h"
 
 namespace planar {
 namespace {

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "planar_servo/core/plane_geometry.h"
+#include "planar_servo/core/pose.h"
 
 namespace planar {
 

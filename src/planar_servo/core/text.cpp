@@ -1,6 +1,8 @@
-#include "planar_servo/core/text/visible.h"
+#include "planar_servo/core/text.h"
 
 #include <fmt/format.h>
+
+#include "planar_servo/core/units.h"
 
 namespace planar {
 namespace {
@@ -17,6 +19,26 @@ bool begins_with_c1(std::string_view text) {
 }
 
 }  // namespace
+
+std::string fixed(double value, int places) {
+  std::string text = fmt::format("{:.{}f}", value, places);
+  if (text.find_first_not_of("-0.") == std::string::npos && text[0] == '-') text.erase(0, 1);
+  return text;
+}
+
+std::string fixed(const Eigen::Ref<const Eigen::VectorXd>& values, int places,
+                  std::string_view separator) {
+  std::string text;
+  for (const double value : values) {
+    if (!text.empty()) text += separator;
+    text += fixed(value, places);
+  }
+  return text;
+}
+
+std::string place_mm(const Eigen::Vector2d& p) {
+  return fmt::format("({}) mm", fixed(p / kMillimetre, 3, ", "));
+}
 
 std::string visible(std::string_view text) {
   std::string shown;

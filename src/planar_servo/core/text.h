@@ -17,4 +17,8 @@ std::string fixed(const Eigen::Ref<const Eigen::VectorXd>& values, int places,
 /// Writes a position (metres) in millimetres to the micrometre: "(123.456, -7.000) mm".
 std::string place_mm(const Eigen::Vector2d& p);
 
+/// Returns the text for a terminal: every control character but the line end and the tabulator is
+/// written as `\x1b`, so that what stands in a file or comes from a port controls no terminal.
+std::string visible(std::string_view text);
+
 }  // namespace planar

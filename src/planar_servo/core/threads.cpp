@@ -1,4 +1,4 @@
-#include "planar_servo/core/repeater.h"
+#include "planar_servo/core/threads.h"
 
 #include <algorithm>
 #include <utility>
