@@ -28,6 +28,10 @@ inline double cross2d(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   return a.x() * b.y() - a.y() * b.x();
 }
 
+/// Returns places that fill a disc about the origin evenly, from its middle outwards: a spiral
+/// whose places are a golden turn apart.
+Eigen::Matrix2Xd spiral_over_disc(double radius, Eigen::Index count);
+
 /// The pose X_AB of frame B in frame A, metres: p_A = X_AB * p_B, and X_AC = X_AB * X_BC.
 using Pose = Eigen::Isometry3d;
 

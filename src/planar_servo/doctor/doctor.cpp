@@ -33,14 +33,10 @@ constexpr char kSubject[] = "camera's field";
 /// Returns places that fill the workspace evenly, as far as the arm reaches.
 std::vector<Eigen::Vector2d> reachable_places(const CellSettings& cell) {
   const JointPlanner planner = joint_planner(cell);
-  const double golden_turn = kPi * (3.0 - std::sqrt(5.0));
+  const Eigen::Matrix2Xd all = spiral_over_disc(cell.workspace.radius_max_m, kPlaces);
   std::vector<Eigen::Vector2d> places;
-  places.reserve(kPlaces);
-  for (int i = 0; i < kPlaces; ++i) {
-    const double radius_m = cell.workspace.radius_max_m * std::sqrt((i + 0.5) / kPlaces);
-    const Eigen::Vector2d p_B = radius_m * rotation2d(i * golden_turn).col(0);
+  for (const Eigen::Vector2d p_B : all.colwise())
     if (!planner.plan({p_B, cell.tool_orientation}, cell.arm.home).refusal) places.push_back(p_B);
-  }
   return places;
 }
 

@@ -1,8 +1,8 @@
 #include "planar_servo/field/field_basis.h"
 
 #include <algorithm>
-#include <cmath>
 
+#include "planar_servo/core/plane_geometry.h"
 #include "planar_servo/core/units.h"
 
 namespace planar {
@@ -41,12 +41,7 @@ FieldBasis basis_over_disc(double radius, double width) {
   const double outer = kBeyond * radius, spacing = kSpacingOverWidth * width;
   const int count =
       std::clamp(static_cast<int>(kPi * outer * outer / (spacing * spacing)), 1, kMostCenters);
-  const double golden_turn = kPi * (3.0 - std::sqrt(5.0));  // spreads places on a spiral evenly
-  FieldBasis basis{Eigen::Matrix2Xd(2, count), width, radius};
-  for (int j = 0; j < count; ++j)
-    basis.centers.col(j) = outer * std::sqrt((j + 0.5) / count) *
-                           Eigen::Vector2d(std::cos(j * golden_turn), std::sin(j * golden_turn));
-  return basis;
+  return {spiral_over_disc(outer, count), width, radius};
 }
 
 }  // namespace planar

@@ -58,40 +58,50 @@ Eigen::Vector2d stated_variances(const CompensatedTip& found, const JointEstimat
   return covariance.diagonal().array() + sample.sigma_reflector * sample.sigma_reflector;
 }
 
-void judge_part(const JointEstimate& estimate, const LaidDots& board, const Parts& parts,
-                std::size_t part, std::vector<HeldOutReading>& readings) {
-  std::vector<PoseSample> used, judged;
-  for (std::size_t i = 0; i < parts.samples.size(); ++i)
-    (parts.part[i] == part ? judged : used).push_back(parts.samples[i]);
-  if (judged.empty()) return;
-  JointEstimate without = estimate;
-  auto fit = fit_jointly(estimate.model(), estimate.priors, used, estimate.fit.basis.radius, board,
-                         estimate.fit.arm);
-  if (!fit) throw WorkError("field and arm cannot be told apart without a tenth of the readings");
-  without.fit = std::move(*fit);
+void judge_readings(const JointEstimate& without, const std::vector<PoseSample>& used,
+                    const std::vector<PoseSample>& left_out,
+                    std::vector<HeldOutReading>& readings) {
   const LampField field = lamp_field(without, used);
-  const ArmModel model = estimate.model();
-  for (const PoseSample& sample : judged) {
+  const ArmModel model = without.model();
+  const ToolOffsets& tool = without.nominal.tool;
+  for (const PoseSample& sample : left_out) {
     CompensatedTip found = compensate(field, sample.lamps_B);
-    const ToolOffsets& tool = estimate.nominal.tool;
     const TipPose seen = tip_from_places(sample.lamps_B, tool);
     const Eigen::Vector2d p = *sample.reflector_B;
     const Eigen::Vector2d beside = model.tracker_error(sample.motors, p, without.fit.arm);
     found.tip.p -= sample.t_h * without.fit.drift_m_per_h;
     readings.push_back({seen.p, vision_minus_tracker(seen, tool, p),
                         vision_minus_tracker(found.tip, field.tool, p - beside),
-                        stated_variances(found, estimate, field, sample).cwiseSqrt()});
+                        stated_variances(found, without, field, sample).cwiseSqrt()});
   }
 }
 
 }  // namespace
 
+void leave_out_parts(const JointEstimate& estimate, const std::vector<PoseSample>& samples,
+                     const LaidDots& board, const JudgeLeftOut& judge) {
+  const Parts parts = parts_of(estimate, samples);
+  for (std::size_t part = 0; part < kParts; ++part) {
+    std::vector<PoseSample> used, left_out;
+    for (std::size_t i = 0; i < parts.samples.size(); ++i)
+      (parts.part[i] == part ? left_out : used).push_back(parts.samples[i]);
+    if (left_out.empty()) continue;
+    auto fit = fit_jointly(estimate.model(), estimate.priors, used, estimate.fit.basis.radius,
+                           board, estimate.fit.arm);
+    if (!fit) throw WorkError("the arm cannot be found without a tenth of the readings");
+    JointEstimate without = estimate;
+    without.fit = std::move(*fit);
+    judge(without, used, left_out);
+  }
+}
+
 HeldOut hold_out(const JointEstimate& estimate, const std::vector<PoseSample>& samples,
                  const LaidDots& board) {
-  const Parts parts = parts_of(estimate, samples);
   HeldOut judged;
-  for (std::size_t part = 0; part < kParts; ++part)
-    judge_part(estimate, board, parts, part, judged.readings);
+  leave_out_parts(estimate, samples, board,
+                  [&](const auto& without, const auto& used, const auto& left_out) {
+                    judge_readings(without, used, left_out, judged.readings);
+                  });
   double raw = 0.0, left = 0.0, within = 0.0;
   for (const HeldOutReading& reading : judged.readings) {
     raw += reading.raw.squaredNorm();

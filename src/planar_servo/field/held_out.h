@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <functional>
 #include <vector>
 
 #include "planar_servo/error_map/map_quality.h"
@@ -28,9 +29,18 @@ struct HeldOut {
   MapQuality quality() const { return {n, worth_using(), coverage_95}; }
 };
 
-/// Leaves out the places of `samples` with readings in ten parts, one part after the other, and
-/// meets each by what the others say with the estimate's priors. What the estimate left out is
-/// neither used nor judged. Without readings nothing is judged.
+/// Judges samples by what the others, which were `used`, say without them.
+using JudgeLeftOut =
+    std::function<void(const JointEstimate& without, const std::vector<PoseSample>& used,
+                       const std::vector<PoseSample>& left_out)>;
+
+/// Leaves out the places of `samples` with readings in ten parts, one part after the other, and has
+/// each judged by a fit to the others with the estimate's priors. What the estimate left out is
+/// neither used nor judged. Throws WorkError where the others do not determine the fit.
+void leave_out_parts(const JointEstimate& estimate, const std::vector<PoseSample>& samples,
+                     const LaidDots& board, const JudgeLeftOut& judge);
+
+/// Meets each part of leave_out_parts() by what the others say. Without readings nothing is judged.
 HeldOut hold_out(const JointEstimate& estimate, const std::vector<PoseSample>& samples,
                  const LaidDots& board = {});
 

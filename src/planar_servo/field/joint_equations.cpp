@@ -81,7 +81,8 @@ void JointEquations::set_width(double width) {
 /// scatter of the pose, a shift of the end point and a turn about it; the lamps share the air.
 JointEquations::PoseWeight JointEquations::whitening_of(const PoseSample& sample,
                                                         const JointPriors& priors) {
-  const Eigen::Index first = sample.reflector_B ? 0 : 2, n = kRows - first;
+  const Eigen::Index first = sample.reflector_B ? 0 : 2;
+  const Eigen::Index n = (sample.lamps_seen ? kRows : 2) - first;
   const ToolPoints seen = model_.at({sample.motors, sample.t_h}, nominal_);
   const double lamp = priors.lamp_factor * sample.sigma_lamp;
   PoseRows variance = PoseRows::Constant(lamp * lamp);
@@ -96,10 +97,10 @@ JointEquations::PoseWeight JointEquations::whitening_of(const PoseSample& sample
   }
   PoseWeight covariance = shared * shared.transpose();
   covariance.diagonal() += variance;
-  const Eigen::MatrixXd L = *lower_factor(covariance.bottomRightCorner(n, n));
+  const Eigen::MatrixXd L = *lower_factor(covariance.block(first, first, n, n));
   noise_log_det_ += log_det_of(L);
   PoseWeight whiten = PoseWeight::Zero();
-  whiten.bottomRightCorner(n, n) =
+  whiten.block(first, first, n, n) =
       L.triangularView<Eigen::Lower>().solve(Eigen::MatrixXd::Identity(n, n));
   return whiten;
 }

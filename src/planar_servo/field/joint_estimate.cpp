@@ -23,9 +23,12 @@ constexpr int kMostHarmonics = 3, kMostRipples = 2;
 /// What real arms do is left out only where samples are likelier without it by this logarithm of
 /// the odds: 10 to 1, on Jeffreys' scale strong evidence.
 constexpr double kClearlyLikelier = 2.3;
-/// What chi squared of four and of six numbers exceeds by chance once in ten million samples.
-constexpr double kMostOfFour = 38.24, kMostOfSix = 43.34;
-constexpr double kMedianOfFour = 3.357, kMedianOfSix = 5.348;
+/// The median of chi squared of two, four and six numbers, and what it exceeds by chance once in
+/// ten million samples.
+struct Chi2 {
+  double median, most;
+};
+constexpr Chi2 kOfTwo{1.386, 32.24}, kOfFour{3.357, 38.24}, kOfSix{5.348, 43.34};
 /// Widths of the arm's smooth deviation, in the coordinates of PostureBasis, and of the lamps'
 /// height, as a share of the field's radius.
 constexpr double kPostureWidth = 0.6, kWaveWidth = 0.2;
@@ -43,11 +46,16 @@ struct TuningProblem {
   const LaidDots& board;
   double radius;
   ArmTrust trust;
+
+  bool lamps_seen() const { return samples.front().lamps_seen; }
 };
 
 /// Hobby arms repeat to 0.2 mm, the best machines to some tenths of a micrometre.
 std::vector<SearchedPrior> searched_priors(const TuningProblem& problem) {
   const double radius = problem.radius;
+  if (!problem.lamps_seen())
+    return {{&JointPriors::arm_sigma, 3e-6, 1e-8, 1e-3},
+            {&JointPriors::deviation_sigma, 3e-6, 1e-7, 1e-3}};
   std::vector<SearchedPrior> priors{
       {&JointPriors::field_width, 0.25 * radius, 0.18 * radius, radius},
       {&JointPriors::field_sigma, 1e-4, 1e-6, 5e-3},
@@ -67,12 +75,16 @@ constexpr double kBestEndPoint = 1e-6;
 
 using Logs = std::vector<double>;
 
-JointPriors priors_at(const std::vector<SearchedPrior>& searched, const Logs& logs) {
-  // What is not searched for: the scatter of an arm that nobody trusts.
+JointPriors priors_at(const TuningProblem& problem, const std::vector<SearchedPrior>& searched,
+                      const Logs& logs) {
+  // What is not searched for: the scatter of an arm that nobody trusts, and a field without lamps.
   constexpr double kAnywhere = 0.05, kAnyTurn = 0.1;
   JointPriors priors;
-  priors.arm_sigma = kAnywhere;
-  priors.tool_sigma = kAnyTurn;
+  priors.field_width = problem.radius;
+  if (problem.trust == ArmTrust::kNone) {
+    priors.arm_sigma = kAnywhere;
+    priors.tool_sigma = kAnyTurn;
+  }
   for (std::size_t i = 0; i < searched.size(); ++i) priors.*searched[i].prior = std::exp(logs[i]);
   return priors;
 }
@@ -81,7 +93,7 @@ JointPriors first_priors(const TuningProblem& problem) {
   const auto searched = searched_priors(problem);
   Logs logs;
   for (const SearchedPrior& prior : searched) logs.push_back(std::log(prior.first));
-  return priors_at(searched, logs);
+  return priors_at(problem, searched, logs);
 }
 
 /// Returns these priors as a cell with an ordinary arm has them: it scatters by tens of
@@ -98,11 +110,13 @@ JointPriors of_ordinary_arm(JointPriors priors) {
 /// How unlikely the samples are, over the logarithms of the priors.
 struct Unlikeliness {
   JointEquations& equations;
+  const TuningProblem& problem;
   const std::vector<SearchedPrior>& searched;
 
   double operator()(const Logs& logs) const {
     constexpr double kImpossible = 1e12;
-    return equations.solve(priors_at(searched, logs)) ? -equations.log_likelihood() : kImpossible;
+    return equations.solve(priors_at(problem, searched, logs)) ? -equations.log_likelihood()
+                                                               : kImpossible;
   }
 };
 
@@ -126,7 +140,7 @@ TriedModel tune(const TuningProblem& problem, const ArmModelSize& size, const Jo
   search.set_initial_step(0.7);
   search.set_ftol_abs(0.3);
   search.set_maxeval(kTuningEvaluations);
-  Unlikeliness cost{equations, searched};
+  Unlikeliness cost{equations, problem, searched};
   search.set_min_objective(
       [](const Logs& at, Logs&, void* data) { return (*static_cast<Unlikeliness*>(data))(at); },
       &cost);
@@ -136,7 +150,7 @@ TriedModel tune(const TuningProblem& problem, const ArmModelSize& size, const Jo
   } catch (const nlopt::roundoff_limited&) {
     least = cost(logs);  // as far as rounding lets the search go
   }
-  return {size, priors_at(searched, logs), -least};
+  return {size, priors_at(problem, searched, logs), -least};
 }
 
 double log_likelihood_of(const TuningProblem& problem, const TriedModel& tried) {
@@ -170,9 +184,11 @@ double radius_of(const std::vector<PoseSample>& samples) {
 ArmModelSize largest_size(const ArmNominal& nominal, const std::vector<PoseSample>& samples,
                           double radius, ArmTrust trust) {
   ArmModelSize size;
-  size.wave = basis_over_disc(radius, kWaveWidth * radius);
+  size.height = size.warms = samples.front().lamps_seen;
+  if (size.height) size.wave = basis_over_disc(radius, kWaveWidth * radius);
   if (trust == ArmTrust::kNone) {
     size.harmonics = 0;
+    size.warms = false;
     return size;
   }
   std::vector<Joints> postures;
@@ -181,7 +197,6 @@ ArmModelSize largest_size(const ArmNominal& nominal, const std::vector<PoseSampl
     postures.emplace_back(nominal.joints_per_motor * sample.motors);
   size.harmonics = kMostHarmonics;
   size.ripples = kMostRipples;
-  size.warms = true;
   size.posture = basis_over_postures(postures, kPostureWidth);
   return size;
 }
@@ -227,15 +242,20 @@ struct Selection {
   std::vector<JointOutlier> left_out;
 };
 
+const Chi2& chi2_of(const PoseSample& sample) {
+  if (!sample.lamps_seen) return kOfTwo;
+  return sample.reflector_B ? kOfSix : kOfFour;
+}
+
 /// Returns chi squared of each sample as a share of what noise explains: beyond 1 is an outlier.
 std::vector<double> outlyingness(const JointFit& fit, const std::vector<PoseSample>& samples) {
   // The stated noise may be wrong; the residuals' own middle says by how much.
   std::vector<double> ratios;
   for (std::size_t i = 0; i < samples.size(); ++i)
-    ratios.push_back(fit.chi2[i] / (samples[i].reflector_B ? kMedianOfSix : kMedianOfFour));
+    ratios.push_back(fit.chi2[i] / chi2_of(samples[i]).median);
   const double scale = std::max(median(ratios), 1e-3);
   for (std::size_t i = 0; i < samples.size(); ++i)
-    ratios[i] = fit.chi2[i] / scale / (samples[i].reflector_B ? kMostOfSix : kMostOfFour);
+    ratios[i] = fit.chi2[i] / scale / chi2_of(samples[i]).most;
   return ratios;
 }
 
@@ -267,7 +287,7 @@ std::vector<bool> worst_of(const JointFit& fit, const std::vector<PoseSample>& s
 }
 
 /// Leaves out what contradicts the fit most: the reading of an attended sample, and the pose of one
-/// whose reading is out already. Returns whether there was any.
+/// that has nothing else, or whose reading is out already. Returns whether there was any.
 bool leave_out_worst(const JointFit& fit, Selection& selection) {
   const std::vector<bool> worst = worst_of(fit, selection.samples);
   Selection kept{{}, {}, std::move(selection.left_out)};
@@ -278,7 +298,7 @@ bool leave_out_worst(const JointFit& fit, Selection& selection) {
     if (worst[i]) {
       kept.left_out.push_back({selection.indices[i], attended});
       sample.reflector_B.reset();
-      if (!attended) continue;
+      if (!attended || !sample.lamps_seen) continue;
     }
     kept.samples.push_back(std::move(sample));
     kept.indices.push_back(selection.indices[i]);
@@ -295,11 +315,13 @@ JointFit fit_what_agrees(const ArmModel& model, const JointPriors& priors, const
     if (!fit)
       throw WorkError("the equations of field and arm are too ill conditioned to be solved");
     if (!leave_out_worst(*fit, selection)) return std::move(*fit);
-    if (5 * selection.left_out.size() > n)
-      throw InputError(fmt::format(
-          "{} of {} poses disagree with the others, but at most 20 % may; are pictures, readings "
-          "and commanded joints of one recording, and did the arm keep its position?",
-          selection.left_out.size(), n));
+    if (5 * selection.left_out.size() <= n) continue;
+    const bool lamps = selection.samples.front().lamps_seen;
+    throw InputError(fmt::format(
+        "{} of {} {} disagree with the others, but at most 20 % may; are {}readings and commanded "
+        "joints of one recording{}?",
+        selection.left_out.size(), n, lamps ? "poses" : "readings", lamps ? "pictures, " : "",
+        lamps ? ", and did the arm keep its position" : ""));
   }
 }
 
@@ -314,7 +336,7 @@ void check(const std::vector<PoseSample>& samples) {
                         (!sample.reflector_B || sample.reflector_B->allFinite());
     if (!finite)
       throw InputError(fmt::format("pose '{}' has a value that is not finite", sample.id));
-    if (!is_deviation(sample.sigma_lamp) ||
+    if ((sample.lamps_seen && !is_deviation(sample.sigma_lamp)) ||
         (sample.reflector_B && !is_deviation(sample.sigma_reflector)))
       throw InputError(
           fmt::format("pose '{}' has no standard deviation above zero for its lamps or its reading",

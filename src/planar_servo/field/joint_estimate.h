@@ -42,6 +42,7 @@ enum class ArmTrust {
 /// Estimates field, arm and tool. Widths, deviations and the number of harmonics are those of the
 /// largest marginal likelihood; no truth and no sample kept for judging enters. Samples that lie
 /// far beyond the scatter of all are left out, the worst first: their reading, then the whole pose.
+/// Where no sample has a picture the arm alone is estimated; what concerns lamps stays as it is.
 /// With less than two readings turn is counted from the zero of motor 1. Throws InputError for
 /// fewer than kFewestPoses samples, for values that are not finite, standard deviations that are
 /// not positive, for outliers beyond a fifth of the samples, and without readings for lays that are

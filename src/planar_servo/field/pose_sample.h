@@ -20,6 +20,8 @@ struct PoseSample {
   std::optional<Eigen::Vector2d> reflector_B;  ///< by the tracker; none for an unattended pose
   double sigma_reflector{0.0};                 ///< per axis
   std::optional<double> reflector_z{};         ///< its height, as far as the tracker told it
+  /// Of a pose without a picture both lamps stand where the reflector was read, and tell nothing.
+  bool lamps_seen{true};
 };
 
 }  // namespace planar

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "planar_servo/core/error.h"
+#include "planar_servo/core/plane_geometry.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/field/next_places.h"
 #include "planar_servo/files/provenance.h"
@@ -78,12 +79,10 @@ PoseSample pose_at(const KnownCell& known, const Joints& theta) {
 
 /// Returns places that fill the workspace evenly, as far as arm and camera reach.
 std::vector<Candidate> candidates_of(const KnownCell& known) {
-  const Workspace& workspace = known.cell.workspace;
-  const double golden_turn = kPi * (3.0 - std::sqrt(5.0));
+  const Eigen::Matrix2Xd places = spiral_over_disc(known.cell.workspace.radius_max_m, kCandidates);
   std::vector<Candidate> candidates;
-  for (int i = 0; i < kCandidates; ++i) {
-    const double radius = workspace.radius_max_m * std::sqrt((i + 0.5) / kCandidates);
-    const TipPose tip{radius * rotation2d(i * golden_turn).col(0), known.cell.tool_orientation};
+  for (Eigen::Index i = 0; i < places.cols(); ++i) {
+    const TipPose tip{places.col(i), known.cell.tool_orientation};
     const JointPlan plan = known.planner.plan(tip, known.cell.arm.home);
     if (plan.refusal || !is_seen(known, tip)) continue;
     candidates.push_back({pose_at(known, plan.theta), tip});

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -27,7 +26,7 @@ struct ArmMiss {
 
 /// An arm as tracker readings alone show it.
 struct ArmFit {
-  JointEstimate estimate;             ///< without a field; what concerns lamps is not determined
+  JointEstimate estimate;             ///< what concerns field and lamps is not determined
   std::vector<std::string> left_out;  ///< ids of readings that contradict the others
   double rms{0.0};                    ///< of the readings used, metres
   double held_out_rms{0.0};           ///< of readings at places left out, metres
@@ -35,11 +34,9 @@ struct ArmFit {
   double stated_sigma{0.0};           ///< rms of what the readings used state, metres
 };
 
-/// Estimates links, zeros, harmonics and the reflector by Gauss-Newton steps from what the files
-/// say. The number of harmonics and the arm's own scatter are those of the largest marginal
-/// likelihood. Throws InputError for fewer than kFewestPoses readings, values that are not finite
-/// or deviations that are not positive, and outliers beyond a fifth. Throws WorkError when the
-/// equations cannot be solved.
+/// Estimates the arm and the reflector by estimate_jointly(), without lamps. Throws InputError for
+/// fewer than kFewestPoses readings, values that are not finite or deviations that are not
+/// positive, and outliers beyond a fifth. Throws WorkError when the equations cannot be solved.
 ArmFit fit_arm(const ArmNominal& nominal, const std::vector<ArmReading>& readings);
 
 }  // namespace planar
