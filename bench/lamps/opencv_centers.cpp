@@ -3,7 +3,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "lamps/center_methods.h"
-#include "planar_servo/lamps/paper/kasa_circle.h"
+#include "planar_servo/lamps/paper_center.h"
 
 namespace planar::bench {
 namespace {

@@ -1,4 +1,4 @@
-#include "planar_servo/error_map/numerics/bordered_system.h"
+#include "planar_servo/error_map/maps/bordered_system.h"
 
 #include <catch2/catch.hpp>
 

@@ -1,9 +1,8 @@
-#include "planar_servo/error_map/fit/leave_one_out.h"
+#include "planar_servo/error_map/fit/rbf_fit.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "planar_servo/error_map/fit/rbf_fit.h"
 #include "support/error_fields.h"
 
 namespace planar {

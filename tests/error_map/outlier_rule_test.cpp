@@ -1,4 +1,4 @@
-#include "planar_servo/error_map/judge/outlier_rule.h"
+#include "planar_servo/error_map/fit/outliers.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "planar_servo/error_map/judge/unit_check.h"
+#include "planar_servo/error_map/fit/pair_checks.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>

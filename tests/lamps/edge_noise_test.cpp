@@ -1,4 +1,4 @@
-#include "planar_servo/lamps/rim/edge_noise.h"
+#include "planar_servo/lamps/paper_center.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>

@@ -1,4 +1,4 @@
-#include "planar_servo/lamps/paper/grey_moment_edges.h"
+#include "planar_servo/lamps/paper_center.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "planar_servo/lamps/paper/kasa_circle.h"
+#include "planar_servo/lamps/paper_center.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <random>
 
-#include "planar_servo/lamps/rim/band_line.h"
-
 namespace planar {
 namespace {
 

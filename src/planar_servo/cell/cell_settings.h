@@ -16,7 +16,6 @@
 #include "planar_servo/cell/servo_settings.h"
 #include "planar_servo/core/pose.h"
 #include "planar_servo/lamps/lamp.h"
-#include "planar_servo/lamps/lamp_layout.h"
 
 namespace planar {
 

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "planar_servo/core/progress.h"
+#include "planar_servo/error_map/assess/cell_diagnosis.h"
+#include "planar_servo/error_map/assess/spatial_blocks.h"
 #include "planar_servo/error_map/error_map.h"
-#include "planar_servo/error_map/judge/cell_diagnosis.h"
-#include "planar_servo/error_map/judge/spatial_blocks.h"
 #include "planar_servo/error_map/map_quality.h"
 
 namespace planar {

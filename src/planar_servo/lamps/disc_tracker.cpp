@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "planar_servo/lamps/lamp_center.h"
-#include "planar_servo/lamps/visp/vp_dot_tracker.h"
+#include "planar_servo/lamps/vp_dot_tracker.h"
 
 namespace planar {
 namespace {

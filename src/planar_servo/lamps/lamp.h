@@ -7,9 +7,26 @@
 #include <vector>
 
 #include "planar_servo/core/names.h"
-#include "planar_servo/lamps/lamp_look.h"
 
 namespace planar {
+
+/// The two lamps on the tool as they were built: the distance of their centres and their
+/// diameters, metres.
+struct LampLayout {
+  double separation_m{0.0};
+  std::array<double, 2> diameters_m{0.0, 0.0};
+
+  std::array<double, 2> diameter_over_separation() const {
+    return {diameters_m[0] / separation_m, diameters_m[1] / separation_m};
+  }
+};
+
+/// A lamp that is fixed to the base, in the camera's view.
+struct ReferenceLampLayout {
+  std::string id;
+  double diameter_m{0.0};
+  std::optional<Eigen::Vector2d> p_B;  ///< its place in the base frame, where that is known
+};
 
 /// Says that a lamp, a pair of lamps or an image of them has a position, or why it has none.
 enum class LampStatus {
@@ -42,7 +59,22 @@ constexpr Named<LampStatus> kLampStatuses[] = {{LampStatus::kOk, "ok"},
                                                {LampStatus::kWrongSize, "wrong_size"}};
 
 /// Returns the status's word.
-const char* name(LampStatus status);
+inline const char* name(LampStatus status) {
+  return name_in(kLampStatuses, status);
+}
+
+/// Holds how a lamp looks, wherever it is. Grey levels go from 0 to 255.
+struct LampLook {
+  double level{0.0};       ///< median of its pixels
+  double background{0.0};  ///< median of the pixels round it
+  double blur_px{0.0};     ///< standard deviation of its rim's blur; 0 where that was not measured
+  double axis_ratio{0.0};  ///< minor to major axis
+
+  double contrast() const { return level - background; }
+};
+
+/// How lamps 1 and 2 look.
+using LampLooks = std::array<LampLook, 2>;
 
 /// The centre of one lamp in pixels of the whole sensor. Unless the status is kOk, the centre is
 /// coarse and has no covariance.

@@ -4,7 +4,7 @@
 
 #include "planar_servo/lamps/detect/blob.h"
 #include "planar_servo/lamps/lamp.h"
-#include "planar_servo/lamps/visp/vp_dot_tracker.h"
+#include "planar_servo/lamps/vp_dot_tracker.h"
 
 namespace planar {
 

@@ -4,7 +4,7 @@
 
 #include "planar_servo/lamps/lamp_center.h"
 #include "planar_servo/lamps/lamp_pair.h"
-#include "planar_servo/lamps/visp/vp_dot_tracker.h"
+#include "planar_servo/lamps/vp_dot_tracker.h"
 
 namespace planar {
 namespace {

@@ -6,7 +6,7 @@
 #include "planar_servo/devices/frame_source.h"
 #include "planar_servo/lamps/detect/lamp_detector.h"
 #include "planar_servo/lamps/lamp.h"
-#include "planar_servo/lamps/visp/vp_dot_tracker.h"
+#include "planar_servo/lamps/vp_dot_tracker.h"
 
 namespace planar {
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "planar_servo/arm/motor_move.h"
+#include "planar_servo/arm/transmission.h"
 #include "planar_servo/core/units.h"
 
 namespace planar {

@@ -12,7 +12,7 @@
 #include "planar_servo/devices/frame_source.h"
 #include "planar_servo/error_map/error_map.h"
 #include "planar_servo/field/lamp_field.h"
-#include "planar_servo/lamps/lamp_layout.h"
+#include "planar_servo/lamps/lamp.h"
 #include "planar_servo/lamps/lamp_tracker.h"
 #include "planar_servo/lens/workplane.h"
 #include "planar_servo/tool/coarse_view.h"

@@ -34,6 +34,18 @@ std::optional<Eigen::MatrixXd> lower_factor(const Eigen::MatrixXd& A) {
   return cholesky.matrixL();
 }
 
+Eigen::MatrixXd inverse_of_lower(const Eigen::MatrixXd& L) {
+  constexpr Eigen::Index kColumns = 64;
+  const Eigen::Index n = L.rows();
+  Eigen::MatrixXd inverse = Eigen::MatrixXd::Identity(n, n);
+  for (Eigen::Index first = 0; first < n; first += kColumns) {  // columns begin with zeros
+    const Eigen::Index rows = n - first;
+    auto columns = inverse.block(first, first, rows, std::min(kColumns, rows));
+    L.bottomRightCorner(rows, rows).triangularView<Eigen::Lower>().solveInPlace(columns);
+  }
+  return inverse;
+}
+
 Eigen::VectorXd solve_least_squares(const Eigen::MatrixXd& A, const Eigen::VectorXd& b) {
   return A.colPivHouseholderQr().solve(b);
 }

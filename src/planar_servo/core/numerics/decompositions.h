@@ -32,6 +32,9 @@ std::optional<Eigen::MatrixXd> solve_positive(const Eigen::MatrixXd& A, const Ei
 /// Returns the lower triangular L of A = L L^T. Empty when A is not positive definite.
 std::optional<Eigen::MatrixXd> lower_factor(const Eigen::MatrixXd& A);
 
+/// Returns the inverse of a lower triangular matrix.
+Eigen::MatrixXd inverse_of_lower(const Eigen::MatrixXd& L);
+
 /// Returns the x with the least |A x - b|.
 Eigen::VectorXd solve_least_squares(const Eigen::MatrixXd& A, const Eigen::VectorXd& b);
 

@@ -5,7 +5,7 @@
 
 #include "planar_servo/core/progress.h"
 #include "planar_servo/error_map/fit/map_sites.h"
-#include "planar_servo/error_map/judge/outlier_rule.h"
+#include "planar_servo/error_map/fit/outliers.h"
 #include "planar_servo/error_map/maps/sparse_rbf_map.h"
 
 namespace planar {

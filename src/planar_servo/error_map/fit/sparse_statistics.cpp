@@ -5,8 +5,8 @@
 #include <cmath>
 #include <future>
 
+#include "planar_servo/core/numerics/decompositions.h"
 #include "planar_servo/error_map/maps/radial_kernel.h"
-#include "planar_servo/error_map/numerics/tiled_cholesky.h"
 
 namespace planar {
 namespace {
@@ -112,10 +112,11 @@ std::optional<RidgeFit> solve_ridge(const SparseStatistics& statistics, Eigen::I
   const Eigen::Index held = size - free;
   Eigen::MatrixXd system = statistics.gram;
   system.diagonal().head(held).array() += ridge;
-  Eigen::MatrixXd inverse;
-  if (!TiledCholesky().compute(system, inverse)) return {};
+  auto factor = lower_factor(system);
+  if (!factor) return {};
   RidgeFit fit;
-  fit.factor = system.triangularView<Eigen::Lower>();
+  fit.factor = std::move(*factor);
+  const Eigen::MatrixXd inverse = inverse_of_lower(fit.factor);
   fit.weights = statistics.projected;
   fit.factor.triangularView<Eigen::Lower>().solveInPlace(fit.weights);
   fit.factor.triangularView<Eigen::Lower>().adjoint().solveInPlace(fit.weights);

@@ -9,10 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include "planar_servo/error_map/fit/leave_one_out.h"
 #include "planar_servo/error_map/fit/rbf_fit.h"
+#include "planar_servo/error_map/maps/bordered_system.h"
 #include "planar_servo/error_map/maps/valid_region.h"
-#include "planar_servo/error_map/numerics/bordered_system.h"
 
 namespace planar {
 namespace {
@@ -103,10 +102,11 @@ class LeaveOneOutCost {
   /// Fits with the present kernel; empty where the equations cannot be solved.
   std::optional<Fit> fit_of(double ridge) {
     kernel_.diagonal() = 1.0 + ridge / weights_.array();
-    if (!system_.compute(kernel_, tail_)) return {};
-    const Eigen::Matrix2Xd weights = system_.solve(sites_.errors.transpose()).weights.transpose();
+    const auto system = BorderedSystem::factorize(kernel_, tail_);
+    if (!system) return {};
+    const Eigen::Matrix2Xd weights = system->solve(sites_.errors.transpose()).weights.transpose();
     const double noise2 = ridge * signal_variance(sites_, weights, tail_.cols(), ridge);
-    return Fit{leave_one_out(system_, weights).residuals, std::sqrt(noise2)};
+    return Fit{leave_one_out(*system, weights).residuals, std::sqrt(noise2)};
   }
 
   static constexpr double kUnsolvable = std::numeric_limits<double>::max();
@@ -118,7 +118,6 @@ class LeaveOneOutCost {
   Eigen::MatrixXd squared_distances_;
   Eigen::MatrixXd tail_;
   Eigen::MatrixXd kernel_;  ///< the diagonal belongs to the last ridge
-  BorderedSystem system_;
   double kernel_log_width_{std::numeric_limits<double>::quiet_NaN()};
   std::vector<double> best_;
   Eigen::Matrix2Xd best_residuals_;

@@ -9,7 +9,7 @@
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/numerics/decompositions.h"
 #include "planar_servo/core/units.h"
-#include "planar_servo/error_map/numerics/bordered_system.h"
+#include "planar_servo/error_map/maps/bordered_system.h"
 
 namespace planar {
 namespace {

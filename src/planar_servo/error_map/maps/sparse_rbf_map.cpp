@@ -20,12 +20,6 @@ RadialKernel gaussian(double width) {
   return {KernelShape::kGaussian, width, 0.0};
 }
 
-Eigen::MatrixXd inverse_of_lower(const Eigen::MatrixXd& lower) {
-  Eigen::MatrixXd inverse = Eigen::MatrixXd::Identity(lower.rows(), lower.cols());
-  lower.triangularView<Eigen::Lower>().solveInPlace(inverse);
-  return inverse;
-}
-
 }  // namespace
 
 Eigen::MatrixXd center_factor(const Eigen::Matrix2Xd& centers, double width) {

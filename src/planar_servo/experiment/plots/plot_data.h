@@ -7,7 +7,7 @@
 
 #include "planar_servo/error_map/error_map.h"
 #include "planar_servo/experiment/vision_chain.h"
-#include "planar_servo/lamps/paper/kasa_circle.h"
+#include "planar_servo/lamps/paper_center.h"
 #include "planar_servo/plan/experiment_plan.h"
 
 namespace planar {

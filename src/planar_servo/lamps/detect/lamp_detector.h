@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "planar_servo/lamps/detect/blob.h"
-#include "planar_servo/lamps/detect/bright_patch.h"
 #include "planar_servo/lamps/detect/level_histogram.h"
 
 namespace planar {

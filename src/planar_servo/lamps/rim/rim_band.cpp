@@ -5,10 +5,17 @@
 #include <cmath>
 
 #include "planar_servo/core/units.h"
-#include "planar_servo/lamps/rim/band_line.h"
+
+#if defined(__x86_64__)
+#include <immintrin.h>
+#endif
 
 namespace planar {
 namespace {
+
+constexpr int kPoints = 16;
+constexpr float kMeanBlur_px2 = 1.0f / 6.0f, kMostly = 0.5f;
+constexpr int kFull = 255;
 
 bool lies_inside(const cv::Size& image, const Outline& outline, double reach_px) {
   constexpr double kMargin_px = 4.0;
@@ -20,6 +27,90 @@ bool lies_inside(const cv::Size& image, const Outline& outline, double reach_px)
 }
 
 }  // namespace
+
+// Interpolation at the fractions a, b of a pixel blurs an edge across the direction n by the
+// variance n_u^2 a (1 - a) + n_v^2 b (1 - b).
+void sample_line(const cv::Mat& image, const BandLine& line, float* level, float* blur_px2) {
+  for (int j = 0; j < kPoints; ++j) {
+    const auto place = static_cast<float>(j);
+    const float u =
+        std::clamp(line.u + place * line.du, 0.0f, static_cast<float>(image.cols) - 1.001f);
+    const float v =
+        std::clamp(line.v + place * line.dv, 0.0f, static_cast<float>(image.rows) - 1.001f);
+    const int left = static_cast<int>(u), top = static_cast<int>(v);
+    const float a = u - static_cast<float>(left), b = v - static_cast<float>(top);
+    const std::uint8_t* high = image.ptr<std::uint8_t>(top) + left;
+    const std::uint8_t* low = image.ptr<std::uint8_t>(top + 1) + left;
+    const int pixels[4] = {high[0], high[1], low[0], low[1]};
+    const float weights[4] = {(1.0f - a) * (1.0f - b), a * (1.0f - b), (1.0f - a) * b, a * b};
+    float sum = 0.0f, full = 0.0f;
+    for (int i = 0; i < 4; ++i) {
+      sum += weights[i] * static_cast<float>(pixels[i]);
+      full += pixels[i] == kFull ? weights[i] : 0.0f;
+    }
+    level[j] = full > kMostly ? static_cast<float>(kFull) : sum;
+    blur_px2[j] = line.nu2 * (a - a * a) + line.nv2 * (b - b * b) - kMeanBlur_px2;
+  }
+}
+
+#if defined(__x86_64__)
+
+bool has_fast_lines() {
+  return __builtin_cpu_supports("avx2") != 0;
+}
+
+__attribute__((target("avx2"))) void sample_line_fast(const cv::Mat& image, const BandLine& line,
+                                                      float* level, float* blur_px2) {
+  const auto* pixels = reinterpret_cast<const int*>(image.data);
+  const auto* pixels_below = reinterpret_cast<const int*>(image.data + image.step[0]);
+  const __m256i row = _mm256_set1_epi32(static_cast<int>(image.step[0]));
+  const __m256i byte = _mm256_set1_epi32(255);
+  const __m256 one = _mm256_set1_ps(1.0f);
+  __m256 place = _mm256_setr_ps(0, 1, 2, 3, 4, 5, 6, 7);
+  for (int j = 0; j < kPoints; j += 8, place = _mm256_add_ps(place, _mm256_set1_ps(8.0f))) {
+    const __m256 u =
+        _mm256_add_ps(_mm256_set1_ps(line.u), _mm256_mul_ps(place, _mm256_set1_ps(line.du)));
+    const __m256 v =
+        _mm256_add_ps(_mm256_set1_ps(line.v), _mm256_mul_ps(place, _mm256_set1_ps(line.dv)));
+    const __m256i left = _mm256_cvttps_epi32(u), top = _mm256_cvttps_epi32(v);
+    const __m256 a = _mm256_sub_ps(u, _mm256_cvtepi32_ps(left));
+    const __m256 b = _mm256_sub_ps(v, _mm256_cvtepi32_ps(top));
+    const __m256i at = _mm256_add_epi32(_mm256_mullo_epi32(top, row), left);
+    const __m256i high = _mm256_i32gather_epi32(pixels, at, 1);
+    const __m256i low = _mm256_i32gather_epi32(pixels_below, at, 1);
+    const __m256 a1 = _mm256_sub_ps(one, a), b1 = _mm256_sub_ps(one, b);
+    const __m256i corner[4] = {
+        _mm256_and_si256(high, byte), _mm256_and_si256(_mm256_srli_epi32(high, 8), byte),
+        _mm256_and_si256(low, byte), _mm256_and_si256(_mm256_srli_epi32(low, 8), byte)};
+    const __m256 weight[4] = {_mm256_mul_ps(a1, b1), _mm256_mul_ps(a, b1), _mm256_mul_ps(a1, b),
+                              _mm256_mul_ps(a, b)};
+    __m256 sum = _mm256_setzero_ps(), full = _mm256_setzero_ps();
+    for (int i = 0; i < 4; ++i) {
+      sum = _mm256_add_ps(sum, _mm256_mul_ps(weight[i], _mm256_cvtepi32_ps(corner[i])));
+      const __m256 is_full = _mm256_castsi256_ps(_mm256_cmpeq_epi32(corner[i], byte));
+      full = _mm256_add_ps(full, _mm256_and_ps(is_full, weight[i]));
+    }
+    const __m256 mostly = _mm256_cmp_ps(full, _mm256_set1_ps(kMostly), _CMP_GT_OQ);
+    _mm256_storeu_ps(level + j, _mm256_blendv_ps(sum, _mm256_cvtepi32_ps(byte), mostly));
+    const __m256 spread_u = _mm256_sub_ps(a, _mm256_mul_ps(a, a));
+    const __m256 spread_v = _mm256_sub_ps(b, _mm256_mul_ps(b, b));
+    const __m256 blur = _mm256_add_ps(_mm256_mul_ps(_mm256_set1_ps(line.nu2), spread_u),
+                                      _mm256_mul_ps(_mm256_set1_ps(line.nv2), spread_v));
+    _mm256_storeu_ps(blur_px2 + j, _mm256_sub_ps(blur, _mm256_set1_ps(kMeanBlur_px2)));
+  }
+}
+
+#else
+
+bool has_fast_lines() {
+  return false;
+}
+
+void sample_line_fast(const cv::Mat& image, const BandLine& line, float* level, float* blur_px2) {
+  sample_line(image, line, level, blur_px2);
+}
+
+#endif
 
 int normals_round(double diameter_px) {
   constexpr int kLeast = 32, kMultiple = 4;

@@ -12,6 +12,78 @@
 namespace planar {
 namespace {
 
+/// The light of a blurred straight edge at x standard deviations outside it: its share of the full
+/// light, and minus the slope of that share.
+struct EdgeShape {
+  double share, density;
+};
+
+EdgeShape edge_shape(double x) {
+  constexpr double kRootHalf = 0.70710678118654752, kPeak = 0.39894228040143268;
+  return {0.5 * std::erfc(kRootHalf * x), kPeak * std::exp(-0.5 * x * x)};
+}
+
+/// Grey levels across a rim at the distance d outside it: a step blurred by a Gaussian between two
+/// lines, dark + dark_slope d outside and bright + bright_slope d inside.
+struct EdgeProfile {
+  double dark{0.0}, bright{0.0}, dark_slope{0.0}, bright_slope{0.0};
+  double offset_px{0.0};  ///< of the step
+  double blur_px{0.9};    ///< standard deviation
+
+  EdgeShape shape(double d) const { return edge_shape((d - offset_px) / blur_px); }
+};
+
+constexpr int kUnknowns = 6;
+using Unknowns = Eigen::Matrix<double, kUnknowns, 1>;
+using Information = Eigen::Matrix<double, kUnknowns, kUnknowns>;
+
+Unknowns unknowns(double dark, double bright, double dark_slope, double bright_slope, double offset,
+                  double blur) {
+  Unknowns x;
+  x << dark, bright, dark_slope, bright_slope, offset, blur;
+  return x;
+}
+
+Unknowns unknowns(const EdgeProfile& p) {
+  return unknowns(p.dark, p.bright, p.dark_slope, p.bright_slope, p.offset_px, p.blur_px);
+}
+
+/// Fits the profile to levels at distances, from `start`. A weight is the inverse variance of a
+/// level, or 0. Parameters that the levels do not determine, such as the bright side of a clipped
+/// lamp, stay near `start`.
+EdgeProfile fit_edge_profile(const RimBand::Places& distance_px, const RimBand::Places& level,
+                             const RimBand::Places& weight, const EdgeProfile& start) {
+  constexpr int kSteps = 2;
+  constexpr double kLeastBlur_px = 0.4, kMostBlur_px = 4.0;
+  // These are the standard deviations of the prior.
+  constexpr double kOffset_px = 1.0, kBlur_px = 0.5, kSlope = 0.05;
+  const double contrast = start.bright - start.dark;
+  const Unknowns sigma =
+      unknowns(contrast, contrast, kSlope * contrast, kSlope * contrast, kOffset_px, kBlur_px);
+  const Unknowns expected = unknowns(start);
+  EdgeProfile profile = start;
+  for (int i = 0; i < kSteps; ++i) {
+    Information information = sigma.cwiseAbs2().cwiseInverse().asDiagonal();
+    Unknowns right = information * (expected - unknowns(profile));
+    for (Eigen::Index j = 0; j < level.size(); ++j) {
+      if (weight[j] == 0.0) continue;
+      const double d = distance_px[j];
+      const EdgeShape edge = profile.shape(d);
+      const double dark = profile.dark + profile.dark_slope * d;
+      const double step = profile.bright + profile.bright_slope * d - dark;
+      const double slope = step * edge.density / profile.blur_px;
+      const Unknowns row =
+          unknowns(1.0 - edge.share, edge.share, d * (1.0 - edge.share), d * edge.share, slope,
+                   slope * (d - profile.offset_px) / profile.blur_px);
+      information.noalias() += weight[j] * row * row.transpose();
+      right += weight[j] * (level[j] - dark - step * edge.share) * row;
+    }
+    const Unknowns x = unknowns(profile) + information.llt().solve(right);
+    profile = {x[0], x[1], x[2], x[3], x[4], std::clamp(x[5], kLeastBlur_px, kMostBlur_px)};
+  }
+  return profile;
+}
+
 constexpr int kKinds = RimLevels::kKinds, kHarmonics = Normals::kHarmonics;
 enum Kind { kDark, kBright, kDarkSlope, kBrightSlope };
 using Kinds = Eigen::Matrix<double, kKinds, 1>;

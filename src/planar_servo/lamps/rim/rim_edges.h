@@ -3,13 +3,12 @@
 #include <Eigen/Core>
 #include <optional>
 
-#include "planar_servo/lamps/rim/edge_profile.h"
 #include "planar_servo/lamps/rim/pixel_noise.h"
 #include "planar_servo/lamps/rim/rim_band.h"
 
 namespace planar {
 
-/// The levels of an EdgeProfile as sums of harmonics round the rim.
+/// The grey levels beside a rim, as sums of harmonics round the rim.
 struct RimLevels {
   static constexpr int kKinds = 4;  // dark, bright, dark slope, bright slope
   static constexpr int kTerms = kKinds * Normals::kHarmonics;

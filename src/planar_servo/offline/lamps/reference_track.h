@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "planar_servo/lamps/lamp.h"
-#include "planar_servo/lamps/lamp_layout.h"
 #include "planar_servo/offline/lamps/lamp_images.h"
 #include "planar_servo/vision/image_motion.h"
 #include "planar_servo/vision/reference_lamps.h"

@@ -9,7 +9,7 @@
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
-#include "planar_servo/error_map/judge/unit_check.h"
+#include "planar_servo/error_map/fit/pair_checks.h"
 #include "planar_servo/error_map/map_quality.h"
 
 namespace planar {

@@ -1,4 +1,4 @@
-#include "planar_servo/error_map/judge/cell_diagnosis.h"
+#include "planar_servo/error_map/assess/cell_diagnosis.h"
 
 #include <array>
 #include <cmath>
@@ -6,7 +6,7 @@
 
 #include "planar_servo/core/numerics/decompositions.h"
 #include "planar_servo/core/units.h"
-#include "planar_servo/error_map/judge/spatial_blocks.h"
+#include "planar_servo/error_map/assess/spatial_blocks.h"
 
 namespace planar {
 namespace {

@@ -1,4 +1,4 @@
-#include "planar_servo/error_map/judge/compare_methods.h"
+#include "planar_servo/error_map/assess/compare_methods.h"
 
 #include <fmt/format.h>
 
@@ -7,9 +7,9 @@
 #include <utility>
 
 #include "planar_servo/core/error.h"
+#include "planar_servo/error_map/assess/cross_validation.h"
 #include "planar_servo/error_map/fit/found_places.h"
 #include "planar_servo/error_map/fit/rbf_families.h"
-#include "planar_servo/error_map/judge/cross_validation.h"
 
 namespace planar {
 namespace {

@@ -4,8 +4,6 @@
 #include <optional>
 #include <vector>
 
-#include "planar_servo/error_map/numerics/tiled_cholesky.h"
-
 namespace planar {
 
 /// The symmetric matrix A = [[K, Q], [Q^T, 0]] of kernel interpolation with a polynomial tail,
@@ -17,10 +15,6 @@ class BorderedSystem {
   /// definite or Q has not full rank to working precision.
   static std::optional<BorderedSystem> factorize(const Eigen::MatrixXd& kernel,
                                                  const Eigen::MatrixXd& tail);
-
-  /// Factorizes A like factorize(), but reuses this system's memory. Returns false where that is
-  /// empty.
-  bool compute(const Eigen::MatrixXd& kernel, const Eigen::MatrixXd& tail);
 
   struct Solution {
     Eigen::MatrixXd weights;  ///< N x c
@@ -46,11 +40,10 @@ class BorderedSystem {
   double pivot_ratio() const;
 
  private:
-  TiledCholesky cholesky_;        ///< kept for compute()
-  Eigen::MatrixXd factor_;        ///< L, in the lower triangle
+  Eigen::MatrixXd factor_;        ///< L
   Eigen::MatrixXd inverse_;       ///< L^-1
   Eigen::MatrixXd tail_;          ///< U = L^-1 Q
-  Eigen::MatrixXd tail_factor_;   ///< G of U^T U = G G^T, in the lower triangle
+  Eigen::MatrixXd tail_factor_;   ///< G of U^T U = G G^T
   Eigen::MatrixXd tail_removed_;  ///< H = G^-1 U^T L^-1; A^-1 begins with K^-1 - H^T H
 };
 

@@ -1,4 +1,6 @@
-#include "planar_servo/error_map/numerics/bordered_system.h"
+#include "planar_servo/error_map/maps/bordered_system.h"
+
+#include <utility>
 
 #include "planar_servo/core/numerics/decompositions.h"
 
@@ -23,25 +25,21 @@ void adjoint_solve_in_place(const Eigen::MatrixXd& lower, Eigen::MatrixXd& right
 
 std::optional<BorderedSystem> BorderedSystem::factorize(const Eigen::MatrixXd& kernel,
                                                         const Eigen::MatrixXd& tail) {
+  auto factor = lower_factor(kernel);
+  if (!factor) return {};
   BorderedSystem system;
-  if (!system.compute(kernel, tail)) return {};
-  system.cholesky_ = {};
+  system.factor_ = std::move(*factor);
+  system.inverse_ = inverse_of_lower(system.factor_);
+  system.tail_ = lower_solve(system.factor_, tail);
+  system.tail_removed_.resize(tail.cols(), tail.rows());
+  if (tail.cols() == 0) return system;
+  auto tail_factor = lower_factor(system.tail_.transpose() * system.tail_);
+  if (!tail_factor) return {};
+  system.tail_factor_ = std::move(*tail_factor);
+  Eigen::MatrixXd kernel_inverse_tail = system.tail_;
+  adjoint_solve_in_place(system.factor_, kernel_inverse_tail);
+  system.tail_removed_ = lower_solve(system.tail_factor_, kernel_inverse_tail.transpose());
   return system;
-}
-
-bool BorderedSystem::compute(const Eigen::MatrixXd& kernel, const Eigen::MatrixXd& tail) {
-  factor_ = kernel;
-  if (!cholesky_.compute(factor_, inverse_)) return false;
-  tail_ = lower_solve(factor_, tail);
-  tail_removed_.resize(tail.cols(), tail.rows());
-  if (tail.cols() == 0) return true;
-  auto tail_factor = lower_factor(tail_.transpose() * tail_);
-  if (!tail_factor) return false;
-  tail_factor_ = std::move(*tail_factor);
-  Eigen::MatrixXd kernel_inverse_tail = tail_;
-  adjoint_solve_in_place(factor_, kernel_inverse_tail);
-  tail_removed_ = lower_solve(tail_factor_, kernel_inverse_tail.transpose());
-  return true;
 }
 
 BorderedSystem::Solution BorderedSystem::solve(const Eigen::MatrixXd& values) const {

@@ -1,10 +1,10 @@
-#include "planar_servo/error_map/judge/spatial_blocks.h"
+#include "planar_servo/error_map/assess/spatial_blocks.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
-#include "planar_servo/error_map/fit/leave_one_out.h"
+#include "planar_servo/error_map/fit/rbf_fit.h"
 
 namespace planar {
 namespace {

@@ -1,4 +1,4 @@
-#include "planar_servo/error_map/judge/cross_validation.h"
+#include "planar_servo/error_map/assess/cross_validation.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,8 +6,8 @@
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/numerics/statistics.h"
+#include "planar_servo/error_map/fit/rbf_fit.h"
 #include "planar_servo/error_map/fit/sparse_statistics.h"
-#include "planar_servo/error_map/numerics/bordered_system.h"
 
 namespace planar {
 namespace {
@@ -41,20 +41,10 @@ Eigen::Matrix2Xd predictions(const IdwMap&, const MapSites& rest, const MapSites
 Eigen::Matrix2Xd predictions(const RbfMap& map, const MapSites& rest, const MapSites& left_out) {
   const RbfParameters& settings = map.parameters();
   const TailBasis tail = tail_like(settings.tail_basis, rest.positions, rest.directions);
-  Eigen::MatrixXd matrix;
-  kernel_matrix(settings.kernel, squared_distances(rest.positions), matrix);
-  matrix.diagonal().array() += settings.ridge / rest.weights().array();
-  const auto system =
-      BorderedSystem::factorize(matrix, tail.at_each(rest.positions, rest.directions));
-  if (!system) throw WorkError(kUnsolvable);
-  const BorderedSystem::Solution solution = system->solve(rest.errors.transpose());
-  const Eigen::Matrix2Xd& positions = left_out.positions;
-  Eigen::Matrix2Xd errors =
-      (tail.at_each(positions, left_out.directions) * solution.tail).transpose();
-  const Eigen::MatrixX2d centers = rest.positions.transpose();
-  for (Eigen::Index i = 0; i < positions.cols(); ++i)
-    errors.col(i) +=
-        solution.weights.transpose() * kernel_at(settings.kernel, centers, positions.col(i));
+  const RbfMap other = fit_rbf(rest, tail, settings.kernel, settings.ridge).map;
+  Eigen::Matrix2Xd errors(2, left_out.size());
+  for (Eigen::Index i = 0; i < left_out.size(); ++i)
+    errors.col(i) = other.predict_error(left_out.positions.col(i), left_out.direction(i));
   return errors;
 }
 

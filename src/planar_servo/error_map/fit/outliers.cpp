@@ -1,14 +1,75 @@
-#include "planar_servo/error_map/judge/outliers.h"
+#include "planar_servo/error_map/fit/outliers.h"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
+#include "planar_servo/core/error.h"
 #include "planar_servo/core/numerics/statistics.h"
-#include "planar_servo/error_map/judge/gross_outliers.h"
 
 namespace planar {
 namespace {
+
+constexpr double kFalseAlarms = 0.05;
+constexpr double kLargestShare = 0.2;
+
+constexpr Eigen::Index kNeighbours = 12;
+
+/// The limit of a difference over the median difference. It is wide, because the field itself
+/// differs over this distance.
+constexpr double kGross = 10.0;
+
+std::vector<Eigen::Index> nearest_to(Eigen::Index i, const MapSites& sites) {
+  const Eigen::VectorXd distance2 =
+      (sites.positions.colwise() - sites.positions.col(i)).colwise().squaredNorm();
+  std::vector<Eigen::Index> order(static_cast<std::size_t>(sites.size()));
+  std::iota(order.begin(), order.end(), 0);
+  std::swap(order.front(), order[static_cast<std::size_t>(i)]);
+  const auto last = order.begin() + std::min(kNeighbours, sites.size() - 1);
+  std::nth_element(order.begin() + 1, last, order.end(),
+                   [&](Eigen::Index a, Eigen::Index b) { return distance2[a] < distance2[b]; });
+  return {order.begin() + 1, last + 1};
+}
+
+/// Returns the median error of these sites per axis.
+Eigen::Vector2d median_error(const MapSites& sites, const std::vector<Eigen::Index>& of) {
+  std::vector<double> x;
+  std::vector<double> y;
+  for (const Eigen::Index site : of) {
+    x.push_back(sites.errors(0, site));
+    y.push_back(sites.errors(1, site));
+  }
+  return {median(x), median(y)};
+}
+
+/// For each site the sites nearest to it, at most a dozen, without itself.
+using Neighbours = std::vector<std::vector<Eigen::Index>>;
+
+Neighbours nearest_sites(const MapSites& sites) {
+  Neighbours neighbours;
+  for (Eigen::Index i = 0; i < sites.size(); ++i) neighbours.push_back(nearest_to(i, sites));
+  return neighbours;
+}
+
+/// Returns, in order, the sites whose error is roughly the median of their neighbours' errors. It
+/// is a start for finer judgement that withstands up to a third of gross outliers.
+std::vector<Eigen::Index> sites_like_their_neighbours(const MapSites& sites,
+                                                      const Neighbours& neighbours) {
+  std::vector<double> differences;
+  for (Eigen::Index i = 0; i < sites.size(); ++i) {
+    differences.push_back(
+        (sites.errors.col(i) - median_error(sites, neighbours[static_cast<std::size_t>(i)]))
+            .norm());
+  }
+  const double limit = kGross * median(differences);
+  std::vector<Eigen::Index> alike;
+  for (Eigen::Index i = 0; i < sites.size(); ++i)
+    if (differences[static_cast<std::size_t>(i)] <= limit) alike.push_back(i);
+  return alike;
+}
 
 /// With fewer sites an outlier cannot be told from the rest.
 constexpr Eigen::Index kFewestToJudge = 10;
@@ -127,6 +188,44 @@ class OutlierSearch {
 };
 
 }  // namespace
+
+double residual_length(double share, double dof) {
+  if (dof == kNormal) return std::sqrt(-2.0 * std::log(share));
+  return std::sqrt(dof * (std::pow(share, -2.0 / dof) - 1.0));
+}
+
+double tail_dof(const std::vector<double>& lengths) {
+  // With a = 2^(2 / dof) the squared ratio of the two lengths is (a^3 - 1) / (a - 1) = a^2 + a + 1.
+  const double ratio = quantile(lengths, 1.0 - 0.125) / median(lengths);
+  const double a = 0.5 * (std::sqrt(4.0 * ratio * ratio - 3.0) - 1.0);
+  return a > 1.0 ? 2.0 / std::log2(a) : kNormal;
+}
+
+double outlier_sigmas(Eigen::Index sites, double dof) {
+  return residual_length(kFalseAlarms / static_cast<double>(sites), dof);
+}
+
+void require_few(const Outliers& dropped, Eigen::Index sites) {
+  if (static_cast<double>(dropped.size()) <= kLargestShare * static_cast<double>(sites)) return;
+  throw InputError(fmt::format(
+      "{} of {} pairs disagree with the others, but at most {:.0f} % may; are the positions of "
+      "vision and tracker paired rightly?",
+      dropped.size(), sites, 100.0 * kLargestShare));
+}
+
+std::vector<Eigen::Index> sites_without(const Outliers& dropped, Eigen::Index count) {
+  std::vector<Eigen::Index> kept;
+  for (Eigen::Index i = 0; i < count; ++i) {
+    if (dropped.count(i) == 0) kept.push_back(i);
+  }
+  return kept;
+}
+
+std::vector<Outlier> values_of(const Outliers& dropped) {
+  std::vector<Outlier> outliers;
+  for (const auto& [site, outlier] : dropped) outliers.push_back(outlier);
+  return outliers;
+}
 
 RobustFit fit_without_outliers(const MapSites& sites, const std::vector<RbfFamily>& families) {
   if (sites.size() < kFewestToJudge)

@@ -1,8 +1,8 @@
 #pragma once
 
+#include "planar_servo/error_map/assess/spatial_blocks.h"
 #include "planar_servo/error_map/error_map.h"
 #include "planar_servo/error_map/fit/map_sites.h"
-#include "planar_servo/error_map/judge/spatial_blocks.h"
 
 namespace planar {
 

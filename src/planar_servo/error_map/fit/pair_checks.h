@@ -5,6 +5,8 @@
 #include <vector>
 
 #include "planar_servo/error_map/error_sample.h"
+#include "planar_servo/error_map/fit/map_sites.h"
+#include "planar_servo/error_map/fit/outliers.h"
 
 namespace planar {
 
@@ -26,5 +28,16 @@ std::string doubt_of_shared_error(const std::vector<ErrorSample>& samples);
 /// vision has positions farther apart than such an error: a tracker that was frozen, or a row that
 /// was copied.
 void require_live_tracker(const std::vector<ErrorSample>& samples);
+
+/// Throws InputError naming each named place whose samples lie apart by more than a tenth of the
+/// width of all positions: they say more of the field than their mean does. `sites` are the merged
+/// samples.
+void require_narrow_places(const std::vector<ErrorSample>& samples, const MapSites& sites);
+
+/// Returns the samples that disagree with the others of their place, of which there must be two at
+/// least; `Outlier::site` is the index of the sample. The limit is that of outlier_sigmas() for the
+/// deviations within all places. Throws InputError when more than a fifth of the
+/// samples do.
+Outliers samples_unlike_their_place(const std::vector<ErrorSample>& samples, const MapSites& sites);
 
 }  // namespace planar

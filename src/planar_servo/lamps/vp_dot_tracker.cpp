@@ -1,4 +1,4 @@
-#include "planar_servo/lamps/visp/vp_dot_tracker.h"
+#include "planar_servo/lamps/vp_dot_tracker.h"
 
 #include <visp3/blob/vpDot2.h>
 
