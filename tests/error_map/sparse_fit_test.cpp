@@ -6,7 +6,6 @@
 #include <set>
 
 #include "planar_servo/core/error.h"
-#include "planar_servo/error_map/fit/sparse_statistics.h"
 #include "support/error_fields.h"
 
 namespace planar {

@@ -7,7 +7,7 @@
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/numerics/statistics.h"
 #include "planar_servo/error_map/fit/rbf_fit.h"
-#include "planar_servo/error_map/fit/sparse_statistics.h"
+#include "planar_servo/error_map/fit/sparse_fit.h"
 
 namespace planar {
 namespace {

@@ -1,14 +1,65 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <vector>
 
 #include "planar_servo/core/progress.h"
 #include "planar_servo/error_map/fit/map_sites.h"
 #include "planar_servo/error_map/fit/outliers.h"
 #include "planar_servo/error_map/maps/sparse_rbf_map.h"
+#include "planar_servo/error_map/maps/tail_basis.h"
 
 namespace planar {
+
+/// Gaussians about centres, and the terms of a tail. With K = L L^T between the centres the
+/// Gaussians are taken as k~ = L^-1 k, because the equations stay well conditioned in b~(p) =
+/// [k~(p); q(p)].
+struct SparseBasis {
+  Eigen::Matrix2Xd centers;  ///< metres
+  double width{0.0};         ///< metres
+  TailBasis tail_basis;
+  Eigen::MatrixXd factor;  ///< L
+
+  Eigen::Index size() const { return centers.cols() + tail_basis.terms(); }
+  /// Returns [k; q] of each column of `positions`, one row each.
+  Eigen::MatrixXd plain_at_each(const Eigen::Matrix2Xd& positions) const;
+  /// Returns b~ of each column of `positions`, one row each.
+  Eigen::MatrixXd at_each(const Eigen::Matrix2Xd& positions) const;
+  /// Converts weights of b~ to those of [k; q] that give the same sum.
+  Eigen::MatrixX2d plain_weights(const Eigen::MatrixX2d& weights) const;
+};
+
+/// Holds all that a ridge fit needs of its samples, so that they need not be held as a matrix.
+struct SparseStatistics {
+  Eigen::MatrixXd gram;        ///< B^T B with rows b~, lower triangle
+  Eigen::MatrixX2d projected;  ///< B^T E, metres
+  double squares{0.0};         ///< sum of |E|^2, square metres
+  double count{0.0};           ///< number of samples; of sites where their samples share noise
+
+  SparseStatistics& operator+=(const SparseStatistics& other);
+  SparseStatistics& operator-=(const SparseStatistics& other);
+};
+
+/// Sums over the named sites. It uses several threads; the result does not depend on their number.
+SparseStatistics statistics_of(const SparseBasis& basis, const MapSites& sites,
+                               const std::vector<Eigen::Index>& which);
+
+struct RidgeFit {
+  Eigen::MatrixXd factor;        ///< lower factor of A
+  Eigen::MatrixX2d weights;      ///< of b~, metres
+  double residual_squares{0.0};  ///< sum of |r|^2, square metres
+  double freedom{0.0};           ///< trace of the hat matrix
+
+  /// Returns the rms of |r| by generalized cross-validation [Golub, Heath and Wahba 1979], metres:
+  /// the leave-one-out error if every sample had the mean leverage.
+  double gcv_rms(double count) const;
+};
+
+/// Solves A weights = B^T E with A = B^T B + ridge I, without ridge on the last `free` terms. Empty
+/// when A is not positive definite to working precision.
+std::optional<RidgeFit> solve_ridge(const SparseStatistics& statistics, Eigen::Index free,
+                                    double ridge);
 
 struct SparseFit {
   SparseRbfMap map;
