@@ -26,7 +26,7 @@ void adjoint_solve_in_place(const Eigen::MatrixXd& lower, Eigen::MatrixXd& right
 std::optional<BorderedSystem> BorderedSystem::factorize(const Eigen::MatrixXd& kernel,
                                                         const Eigen::MatrixXd& tail) {
   auto factor = lower_factor(kernel);
-  if (!factor) return {};
+  if (!factor || !factor->allFinite()) return {};
   BorderedSystem system;
   system.factor_ = std::move(*factor);
   system.inverse_ = inverse_of_lower(system.factor_);

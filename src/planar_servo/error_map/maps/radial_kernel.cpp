@@ -12,8 +12,11 @@ constexpr double kLevelOverFarthest = 4.0;
 /// Replaces squared distances by the kernel there.
 void evaluate(const RadialKernel& kernel, Eigen::Ref<Eigen::ArrayXd> values) {
   const double rate = 1.0 / (kernel.width * kernel.width);
+  // Numbers that are not normal would slow down all sums.
+  constexpr double kLeast = -708.0;
   if (kernel.shape == KernelShape::kGaussian)
-    values = values.unaryExpr([&](double d2) { return std::exp(-0.5 * rate * d2); });
+    values =
+        (-0.5 * rate * values).unaryExpr([](double x) { return x < kLeast ? 0.0 : std::exp(x); });
   else
     values = (1.0 + 1.0 / kernel.level()) - (1.0 + rate * values).sqrt() / kernel.level();
 }
