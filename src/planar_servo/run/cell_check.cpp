@@ -280,7 +280,7 @@ void CellCheck::leave_out_stray(const std::vector<HealthPlace>& places,
 
 std::vector<HealthFinding> CellCheck::play_now(const std::vector<HealthPlace>& places,
                                                const std::vector<Revisit>& revisits) {
-  const std::vector<HealthFinding> here = play_here(revisits);
+  std::vector<HealthFinding> here = play_here(revisits);
   if (here.empty() || places.size() < 2) return here;
   const auto way = [&](const HealthPlace& place) {
     return (place.theta - robot_.commanded_joints()).norm();

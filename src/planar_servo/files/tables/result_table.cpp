@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "planar_servo/core/units.h"
+#include "planar_servo/io/atomic_file.h"
 #include "planar_servo/io/columns.h"
 
 namespace planar {
