@@ -147,10 +147,10 @@ TEST_CASE("A whole number has no fraction, and is refused outside its range") {
 }
 
 TEST_CASE("A malformed list tells its reader that there is none") {
-  using Row = std::array<double, 2>;
-  std::vector<Row> rows;
+  using Couple = std::array<double, 2>;
+  std::vector<Couple> rows;
   const auto read_rows = [&](YamlReader& reader) {
-    return reader.rows("n", rows, [](RowFields& row, Row& values) {
+    return reader.rows("n", rows, [](RowFields& row, Couple& values) {
       for (double& value : values) row.number(value);
     });
   };

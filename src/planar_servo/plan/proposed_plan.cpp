@@ -12,7 +12,7 @@
 #include <utility>
 
 #include "planar_servo/core/error.h"
-#include "planar_servo/core/plane_geometry.h"
+#include "planar_servo/core/pose.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/field/next_places.h"
 #include "planar_servo/files/provenance.h"
