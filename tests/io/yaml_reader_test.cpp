@@ -159,7 +159,7 @@ TEST_CASE("A malformed list tells its reader that there is none") {
     CHECK_THAT(fault_of(list, read), Contains("n[0]"));
   }
   CHECK(fault_of("[[1, 2]]", read_rows).empty());
-  CHECK(rows == std::vector<Row>{{1.0, 2.0}});
+  CHECK(rows == std::vector<Couple>{{1.0, 2.0}});
 }
 
 TEST_CASE("A map that may have any keys adds no fault for those nobody asked for") {
