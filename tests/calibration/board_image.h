@@ -5,7 +5,7 @@
 
 #include "planar_servo/calibration/board/board.h"
 #include "planar_servo/core/pose.h"
-#include "planar_servo/lens/camera_model.h"
+#include "planar_servo/lens/lens_models.h"
 
 namespace planar::test {
 

@@ -9,6 +9,7 @@
 #include "planar_servo/calibration/board/board.h"
 #include "planar_servo/calibration/board/board_pose.h"
 #include "planar_servo/core/error.h"
+#include "planar_servo/lens/lens_models.h"
 #include "support/shared_data.h"
 
 namespace planar {

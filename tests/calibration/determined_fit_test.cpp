@@ -4,6 +4,7 @@
 #include "calibration/board_views.h"
 #include "planar_servo/calibration/camera_calibration.h"
 #include "planar_servo/core/error.h"
+#include "planar_servo/lens/lens_models.h"
 
 namespace planar {
 namespace {

@@ -1,4 +1,4 @@
-#include "planar_servo/calibration/camera/plane_error.h"
+#include "planar_servo/calibration/camera/camera_uncertainty.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -6,6 +6,7 @@
 #include "calibration/board_views.h"
 #include "planar_servo/calibration/board/board_pose.h"
 #include "planar_servo/calibration/camera_calibration.h"
+#include "planar_servo/lens/lens_models.h"
 #include "planar_servo/lens/workplane.h"
 
 namespace planar {

@@ -6,6 +6,7 @@
 #include "planar_servo/calibration/tool_sight.h"
 #include "planar_servo/core/pose.h"
 #include "planar_servo/core/units.h"
+#include "planar_servo/lens/lens_models.h"
 #include "planar_servo/lens/workplane.h"
 #include "planar_servo/tool/tool_offsets.h"
 

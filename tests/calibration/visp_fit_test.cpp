@@ -7,6 +7,7 @@
 #include "planar_servo/calibration/board/board.h"
 #include "planar_servo/calibration/camera_calibration.h"
 #include "planar_servo/core/error.h"
+#include "planar_servo/lens/lens_models.h"
 #include "support/shared_data.h"
 
 namespace planar {
@@ -39,7 +40,7 @@ double projection_difference_px(const CameraCalibration& calibration, const Came
 TEST_CASE("ViSP's calibration finds its own lens within its standard deviations") {
   const VispModel truth{kIntrinsics, 0.02, -0.02};
   const CameraCalibration found = calibrate_camera(views_of_board(truth, 10, "visp"));
-  const auto& camera = std::get<VispModel>(found.camera);
+  const VispModel& camera = *found.camera.as<VispModel>();
   const auto& sigma = found.standard_deviations;
   REQUIRE(sigma.size() == 6);
   CHECK(std::abs(camera.k.fx - truth.k.fx) < kVispDeviations * sigma[0]);

@@ -7,6 +7,7 @@
 
 #include "calibration/synthetic_cell.h"
 #include "planar_servo/core/error.h"
+#include "planar_servo/lens/lens_models.h"
 
 namespace planar {
 namespace {

@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 
 #include "planar_servo/core/error.h"
+#include "planar_servo/lens/lens_models.h"
 #include "support/temporary_folder.h"
 #include "support/texts.h"
 
@@ -66,7 +67,7 @@ TEST_CASE("Every lens model comes back bit for bit from camera_info files or fro
   const test::TemporaryFolder folder;
   for (const CameraModel& camera : sample_cameras()) {
     INFO(lens_model_name(camera));
-    const bool is_visp = std::holds_alternative<VispModel>(camera);
+    const bool is_visp = camera.as<VispModel>();
     const auto path = folder / (is_visp ? "camera.xml" : "camera.yaml");
     write_camera(path, sample(camera, lens_model_name(camera)), "test", {});
     const Eigen::Vector3d p_C(0.1, -0.2, 1.0);
@@ -78,7 +79,7 @@ TEST_CASE("A pinhole camera is written as a plumb-bob of zeros, which ROS knows"
   const test::TemporaryFolder folder;
   write_camera(folder / "camera.yaml", sample(Pinhole{kIntrinsics}, "pinhole"), "test", {});
   const CameraRecord back = read_camera(folder / "camera.yaml");
-  REQUIRE(std::holds_alternative<PlumbBob>(back.camera));
+  REQUIRE(back.camera.as<PlumbBob>());
   CHECK(distortion_coefficients(back.camera) == std::vector<double>(5, 0.0));
 }
 
@@ -91,7 +92,7 @@ TEST_CASE("ViSP's camera files come back bit for bit, with and without distortio
   CHECK(intrinsics(back.camera).fx == kIntrinsics.fx);
   CHECK(back.width_px == 640);
   write_camera(path, sample(Pinhole{kIntrinsics}, "pinhole"), "test", {});
-  CHECK(std::holds_alternative<Pinhole>(read_camera(path).camera));
+  CHECK(read_camera(path).camera.as<Pinhole>());
 }
 
 TEST_CASE("A model goes only into a file that can hold it") {

@@ -1,7 +1,7 @@
 #include <catch2/catch.hpp>
 #include <opencv2/calib3d.hpp>
 
-#include "planar_servo/lens/camera_model.h"
+#include "planar_servo/lens/lens_models.h"
 
 namespace planar {
 namespace {
@@ -19,7 +19,7 @@ cv::Point2d opencv_projection(const CameraModel& camera, const cv::Point3d& p) {
   std::vector<cv::Point2d> pixels;
   const auto coefficients = distortion_coefficients(camera);
   const cv::Matx33d K = camera_matrix(intrinsics(camera));
-  if (std::holds_alternative<KannalaBrandt>(camera)) {
+  if (camera.as<KannalaBrandt>()) {
     cv::fisheye::projectPoints(points, pixels, zero, zero, K, coefficients);
   } else {
     cv::projectPoints(points, zero, zero, K, coefficients, pixels);
@@ -29,7 +29,7 @@ cv::Point2d opencv_projection(const CameraModel& camera, const cv::Point3d& p) {
 
 TEST_CASE("Every model shared with OpenCV projects to OpenCV's pixel") {
   for (const CameraModel& camera : sample_cameras()) {
-    if (std::holds_alternative<VispModel>(camera)) continue;
+    if (camera.as<VispModel>()) continue;
     for (const double x : {-0.4, -0.1, 0.0, 0.3}) {
       for (const double y : {-0.35, 0.0, 0.25}) {
         INFO(lens_model_name(camera) << " at " << x << ", " << y);

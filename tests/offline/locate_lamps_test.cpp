@@ -8,6 +8,7 @@
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/numerics/statistics.h"
 #include "planar_servo/core/units.h"
+#include "planar_servo/lens/lens_models.h"
 #include "planar_servo/offline/lamps/lamps_report.h"
 #include "planar_servo/tool/vision_tip.h"
 #include "support/rendered_lamp.h"

@@ -8,6 +8,7 @@
 #include "planar_servo/core/text.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/io/format_line.h"
+#include "planar_servo/lens/lens_models.h"
 #include "planar_servo/offline/calibrate_arm.h"
 #include "planar_servo/offline/camera/calibration_page.h"
 #include "planar_servo/offline/camera/image_coverage.h"

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "planar_servo/core/units.h"
+#include "planar_servo/lens/lens_models.h"
 
 namespace planar {
 namespace {

@@ -6,8 +6,9 @@
 #include <optional>
 
 #include "planar_servo/calibration/board/board_pose.h"
-#include "planar_servo/calibration/camera/lens_fit.h"
+#include "planar_servo/calibration/camera/bundle_adjustment.h"
 #include "planar_servo/calibration/camera/repeated_views.h"
+#include "planar_servo/calibration/camera/visp_fit.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/numerics/statistics.h"
 #include "planar_servo/core/threads.h"
@@ -26,14 +27,48 @@ constexpr int kEccentricityRounds = 2;
 
 constexpr char kAuto[] = "auto";
 
-const FitModel& model_named(const std::string& name) {
-  const auto& models = fit_models();
+/// A focal length or a coordinate of the principal point counts as unknown when its standard
+/// deviation exceeds this share of the focal length.
+constexpr double kMostUncertain = 0.1;
+
+const CalibrationModel& model_named(const std::string& name, const CalibrationModels& models) {
   return *std::find_if(models.begin(), models.end(),
-                       [&](const FitModel& model) { return model.name == name; });
+                       [&](const CalibrationModel& model) { return model.name == name; });
 }
 
-void check(const CalibrationProblem& problem) {
-  const auto& names = calibration_model_names();
+bool is_fitted_by_visp(const CalibrationModel& model) {
+  return model.sample.as<VispModel>() != nullptr;
+}
+
+[[noreturn]] void refuse(const CalibrationModel& model) {
+  throw WorkError("the views do not determine a camera of the model " + model.name +
+                  "; take more of them, tilted in different directions, or a simpler model");
+}
+
+/// Returns how uncertain fx, fy, cx, cy and the distortion coefficients that are estimated are,
+/// from the fit's residuals and Jacobian, with the poses eliminated by their Schur complement, and
+/// from the scatter over views. Throws WorkError when the views do not determine the camera: when
+/// some combination of its parameters can change without any effect, or when a focal length or the
+/// principal point is uncertain by a tenth of the focal length.
+CameraUncertainty uncertainty_of(const LensFit& fit, const std::vector<CalibrationView>& views,
+                                 const CalibrationModel& model) {
+  const bool by_visp = is_fitted_by_visp(model);
+  const auto information = fit_information(fit, views, by_visp ? 1 : model.free_coefficients);
+  if (!information) refuse(model);
+  const auto covariance =
+      by_visp ? visp_covariance(fit, views) : covariance_from(information->camera);
+  if (!covariance) refuse(model);
+  const CameraUncertainty uncertainty{*covariance * (information->squares / information->freedom),
+                                      scatter_over_views(*information)};
+  const Eigen::VectorXd sigma = deviations(uncertainty, fit.camera);
+  const Intrinsics k = intrinsics(fit.camera);
+  if (!sigma.allFinite() || sigma.head<4>().maxCoeff() > kMostUncertain * std::min(k.fx, k.fy))
+    refuse(model);
+  return uncertainty;
+}
+
+void check(const CalibrationProblem& problem, const CalibrationModels& models) {
+  const std::vector<std::string> names = calibration_model_names(models);
   if (std::find(names.begin(), names.end(), problem.model) == names.end()) {
     std::string allowed;
     for (const std::string& name : names) allowed += (allowed.empty() ? "" : ", ") + name;
@@ -61,7 +96,7 @@ void check(const CalibrationProblem& problem) {
 /// The course of one calibration: views as used so far, and the fit to them.
 class Calibrator {
  public:
-  Calibrator(const CalibrationProblem& problem, const FitModel& model,
+  Calibrator(const CalibrationProblem& problem, const CalibrationModel& model,
              const std::vector<RejectedView>& rejected)
       : views_(problem.views), problem_(problem), model_(model), rejected_(rejected) {
     fit();
@@ -76,7 +111,7 @@ class Calibrator {
                       " did not converge; take more views, tilted in different directions, or a "
                       "simpler model");
     }
-    return camera_uncertainty(lens_, views_, model_);
+    return uncertainty_of(lens_, views_, model_);
   }
 
   const std::vector<CalibrationView>& views() const { return views_; }
@@ -94,7 +129,7 @@ class Calibrator {
       for (std::size_t i = 0; i < views_.size(); ++i) {
         if (i % folds != fold) used.push_back(views_[i]);
       }
-      const auto lens = fit_lens(used, problem_.width_px, problem_.height_px, model_);
+      const auto lens = fit_to(used);
       if (!lens) return std::nullopt;
       for (std::size_t i = fold; i < views_.size(); i += folds) {
         const auto pose = estimate_board_pose(lens->camera, views_[i].points_G, views_[i].pixels);
@@ -106,6 +141,12 @@ class Calibrator {
   }
 
  private:
+  std::optional<LensFit> fit_to(const std::vector<CalibrationView>& views) const {
+    return is_fitted_by_visp(model_)
+               ? fit_by_visp(views, problem_.width_px, problem_.height_px)
+               : fit_by_bundle(views, problem_.width_px, problem_.height_px, model_);
+  }
+
   void fit() {
     if (views_.size() < kFewestViews) {
       std::string message = std::to_string(views_.size()) +
@@ -115,7 +156,7 @@ class Calibrator {
         message.append("\n").append(name).append(": ").append(reason);
       throw InputError(message);
     }
-    auto lens = fit_lens(views_, problem_.width_px, problem_.height_px, model_);
+    auto lens = fit_to(views_);
     if (!lens) {
       throw WorkError("the fit of a camera of the model " + model_.name +
                       " failed; take more views, tilted in different directions, or a simpler "
@@ -169,7 +210,7 @@ class Calibrator {
 
   std::vector<CalibrationView> views_;
   const CalibrationProblem& problem_;
-  const FitModel& model_;
+  const CalibrationModel& model_;
   std::vector<RejectedView> rejected_;
   LensFit lens_;
   double dot_diameter_{0.0};
@@ -199,30 +240,32 @@ struct ChosenModel {
 };
 
 ChosenModel choose_model(const CalibrationProblem& problem,
-                         const std::vector<RejectedView>& rejected) {
+                         const std::vector<RejectedView>& rejected,
+                         const CalibrationModels& models) {
   // Views are judged once, by a model that fits most lenses, so that all models see the same ones.
   CalibrationProblem common = problem;
-  common.views = Calibrator(problem, model_named("plumb_bob"), rejected).views();
+  common.views = Calibrator(problem, model_named("plumb_bob", models), rejected).views();
   for (CalibrationView& view : common.views) view.dot_areas_px2.clear();  // eccentricity is off
   struct Candidate {
     std::string model;
     std::vector<double> squares;
     CameraModel camera;
   };
-  constexpr std::array kModels{"pinhole", "plumb_bob_k1", "plumb_bob", "equidistant",
-                               "rational_polynomial"};
-  std::array<std::optional<Candidate>, kModels.size()> fitted;
+  std::vector<const CalibrationModel*> tried;
+  for (const CalibrationModel& model : models)
+    if (model.is_for_auto) tried.push_back(&model);
+  std::vector<std::optional<Candidate>> fitted(tried.size());
   parallel_for(
-      kModels.size(), kModels.size(), [] { return 0; },
+      tried.size(), static_cast<unsigned>(tried.size()), [] { return 0; },
       [&](std::size_t i, int) {
         // The richest model takes longest and is begun first.
-        const std::size_t k = kModels.size() - 1 - i;
+        const std::size_t k = tried.size() - 1 - i;
         try {
-          const Calibrator calibrator(common, model_named(kModels[k]), {});
+          const Calibrator calibrator(common, *tried[k], {});
           calibrator.uncertainty();
           auto squares = calibrator.held_out_squares();
           if (squares && squares->size() == common.views.size())
-            fitted[k] = {kModels[k], std::move(*squares), calibrator.lens().camera};
+            fitted[k] = {tried[k]->name, std::move(*squares), calibrator.lens().camera};
         } catch (const WorkError&) {
           return;  // these views do not determine this model
         }
@@ -299,27 +342,25 @@ void judge_held_out(const Calibrator& calibrator, CameraCalibration& result) {
 
 }  // namespace
 
-const std::vector<std::string>& calibration_model_names() {
-  static const std::vector<std::string> names = [] {
-    std::vector<std::string> result;
-    for (const FitModel& model : fit_models()) result.push_back(model.name);
-    result.emplace_back(kAuto);
-    return result;
-  }();
+std::vector<std::string> calibration_model_names(const CalibrationModels& models) {
+  std::vector<std::string> names;
+  for (const CalibrationModel& model : models) names.push_back(model.name);
+  names.emplace_back(kAuto);
   return names;
 }
 
 CameraCalibration calibrate_camera(const CalibrationProblem& problem,
-                                   const std::vector<RejectedView>& without_board) {
-  check(problem);
+                                   const std::vector<RejectedView>& without_board,
+                                   const CalibrationModels& models) {
+  check(problem, models);
   CalibrationProblem distinct = problem;
   std::vector<RejectedView> rejected = without_board;
   drop_repeated_views(distinct.views, rejected);
   CameraCalibration result;
-  const ChosenModel chosen =
-      problem.model == kAuto ? choose_model(distinct, rejected) : ChosenModel{problem.model};
+  const ChosenModel chosen = problem.model == kAuto ? choose_model(distinct, rejected, models)
+                                                    : ChosenModel{problem.model};
   result.model = chosen.name;
-  const Calibrator calibrator(distinct, model_named(result.model), rejected);
+  const Calibrator calibrator(distinct, model_named(result.model, models), rejected);
   result.camera = calibrator.lens().camera;
   result.width_px = problem.width_px;
   result.height_px = problem.height_px;

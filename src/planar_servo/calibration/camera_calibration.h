@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/calibration/camera/plane_error.h"
+#include "planar_servo/calibration/camera/camera_uncertainty.h"
 #include "planar_servo/core/pose.h"
-#include "planar_servo/lens/camera_model.h"
+#include "planar_servo/lens/lens_models.h"
 
 namespace planar {
 
@@ -65,13 +65,15 @@ struct CameraCalibration {
   double dot_diameter{0.0};  ///< metres, from the dots' areas; 0 without them
 };
 
-/// pinhole, plumb_bob_k1 (k1 alone), plumb_bob, rational_polynomial, opencv_14, equidistant, visp,
-/// auto.
-const std::vector<std::string>& calibration_model_names();
+using CalibrationModels = std::vector<CalibrationModel>;
 
-/// Least squares on the pixel residuals of all views, by OpenCV's calibrateCamera and fisheye or,
-/// for `visp`, by ViSP's vpCalibration; after it the dots' centres are corrected for their
-/// eccentricity and fitted again. A view that repeats another one within the noise counts once.
+/// Returns the names of the models, and `auto`.
+std::vector<std::string> calibration_model_names(
+    const CalibrationModels& models = calibration_models());
+
+/// Least squares on the pixel residuals of all views, by bundle adjustment or, for `visp`, by
+/// ViSP's vpCalibration; after it the dots' centres are corrected for their eccentricity and fitted
+/// again. A view that repeats another one within the noise counts once.
 /// Views whose residuals stand far out are left out one by one. `auto` takes the simplest model
 /// whose held-out residuals are within one standard error of the best one's.
 ///
@@ -82,6 +84,7 @@ const std::vector<std::string>& calibration_model_names();
 /// not as many, numbers that are not finite, or more than 256 views for `visp`; WorkError when the
 /// fit does not converge or the views do not determine the camera.
 CameraCalibration calibrate_camera(const CalibrationProblem& problem,
-                                   const std::vector<RejectedView>& without_board = {});
+                                   const std::vector<RejectedView>& without_board = {},
+                                   const CalibrationModels& models = calibration_models());
 
 }  // namespace planar

@@ -16,6 +16,7 @@
 #include "planar_servo/io/format_line.h"
 #include "planar_servo/io/yaml_reader.h"
 #include "planar_servo/io/yaml_writer.h"
+#include "planar_servo/lens/lens_models.h"
 
 namespace planar {
 namespace {
@@ -46,6 +47,15 @@ void add_matrix(YamlWriter& writer, const std::string& key, int rows,
 std::string ros_model(const CameraModel& camera) {
   const std::string name = lens_model_name(camera);
   return name == "pinhole" ? "plumb_bob" : name;
+}
+
+/// Returns the names that a file may have.
+std::vector<std::string> ros_models() {
+  std::vector<std::string> names;
+  for (const CameraModel& camera : sample_cameras()) {
+    if (!camera.as<Pinhole>() && !camera.as<VispModel>()) names.push_back(lens_model_name(camera));
+  }
+  return names;
 }
 
 void add_camera(YamlWriter& writer, const CameraModel& camera) {
@@ -103,8 +113,7 @@ CameraRecord read_camera_yaml(const std::filesystem::path& path) {
   reader.whole_number("image_width", record.width_px, 1, kMaxPixels);
   reader.whole_number("image_height", record.height_px, 1, kMaxPixels);
   std::string model;
-  reader.choice("distortion_model", model,
-                {"plumb_bob", "rational_polynomial", "opencv_14", "equidistant"});
+  reader.choice("distortion_model", model, ros_models());
   const std::vector<double> K = read_matrix(reader, "camera_matrix", 9);
   const std::vector<double> coefficients = read_matrix(reader, "distortion_coefficients", 0);
   reader.throw_if_faulty();
@@ -229,8 +238,8 @@ CameraRecord read_camera_xml(const std::filesystem::path& path) {
 /// Returns the text of a file in the form of ViSP's vpXmlParserCamera. Throws InputError for a
 /// model other than pinhole and visp.
 std::string camera_xml(const CameraRecord& record, const std::string& camera_name) {
-  const bool distorted = std::holds_alternative<VispModel>(record.camera);
-  if (!distorted && !std::holds_alternative<Pinhole>(record.camera)) {
+  const auto* const distorted = record.camera.as<VispModel>();
+  if (!distorted && !record.camera.as<Pinhole>()) {
     throw InputError("a ViSP camera file holds the models pinhole and visp, not " +
                      lens_model_name(record.camera) + "; write a .yaml file");
   }
@@ -241,8 +250,7 @@ std::string camera_xml(const CameraRecord& record, const std::string& camera_nam
       distorted ? "perspectiveProjWithDistortion" : "perspectiveProjWithoutDistortion", k.fx, k.fy,
       k.cx, k.cy);
   if (distorted) {
-    const auto& lens = std::get<VispModel>(record.camera);
-    model += fmt::format("      <kud>{}</kud>\n      <kdu>{}</kdu>\n", lens.kud, lens.kdu);
+    model += fmt::format("      <kud>{}</kud>\n      <kdu>{}</kdu>\n", distorted->kud, distorted->kdu);
   }
   return fmt::format(
       "<?xml version=\"1.0\"?>\n{}<root>\n  <camera>\n    <name>{}</name>\n"
@@ -274,7 +282,7 @@ void write_camera(const std::filesystem::path& path, const CameraCalibration& ca
   if (path.extension() == ".xml") return write_file(path, camera_xml(record, name));
   if (path.extension() == ".yml") return write_file(path, opencv_text(record));
   require_camera_name(path);
-  if (std::holds_alternative<VispModel>(calibration.camera)) {
+  if (calibration.camera.as<VispModel>()) {
     throw InputError(path.string() +
                      ": a camera_info file has no model visp; write it to a file named .xml");
   }

@@ -1,11 +1,125 @@
 #include "planar_servo/calibration/camera/camera_uncertainty.h"
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <opencv2/imgproc.hpp>
+#include <utility>
+#include <vector>
+
+#include "planar_servo/core/numerics/decompositions.h"
+
 namespace planar {
 namespace {
+
+constexpr Eigen::Index kGrid = 41;
+/// Of the focal lengths and the principal point, and of a coefficient.
+constexpr double kStep_px = 1e-3, kStep = 1e-6;
 
 Eigen::Array4d four_of(const CameraModel& camera) {
   const Intrinsics k = intrinsics(camera);
   return {k.fx, k.fy, k.cx, k.cy};
+}
+
+/// The convex hull of pixels.
+class PixelHull {
+ public:
+  explicit PixelHull(const std::vector<Eigen::Vector2d>& pixels) {
+    std::vector<cv::Point2f> points;
+    points.reserve(pixels.size());
+    for (const Eigen::Vector2d& uv : pixels)
+      points.emplace_back(static_cast<float>(uv.x()), static_cast<float>(uv.y()));
+    cv::convexHull(points, corners_);
+  }
+
+  bool contains(const Eigen::Vector2d& uv) const {
+    const cv::Point2f at(static_cast<float>(uv.x()), static_cast<float>(uv.y()));
+    return cv::pointPolygonTest(corners_, at, false) >= 0.0;
+  }
+
+ private:
+  std::vector<cv::Point2f> corners_;
+};
+
+/// The pixels of a grid that lie in the hull and have rays, and what their points of the plane do.
+class PlaneField {
+ public:
+  PlaneField(const CameraModel& camera, const PlaneError& error, const PixelHull& hull)
+      : camera_(camera), distance_(error.distance) {
+    for (Eigen::Index row = 0; row < kGrid; ++row)
+      for (Eigen::Index column = 0; column < kGrid; ++column) {
+        const Eigen::Vector2d share(static_cast<double>(column) / (kGrid - 1),
+                                    static_cast<double>(row) / (kGrid - 1));
+        const Eigen::Vector2d uv = error.from_px + share.cwiseProduct(error.to_px - error.from_px);
+        const auto seen = ray(camera, uv);
+        if (!seen || !hull.contains(uv)) continue;
+        pixels_.push_back(uv);
+        cells_.emplace_back(row, column);
+        points_.emplace_back(distance_ * seen->head<2>());
+      }
+    pose_ = pose_moves();
+  }
+
+  Eigen::Index rows() const { return 2 * static_cast<Eigen::Index>(points_.size()); }
+  const std::vector<std::pair<Eigen::Index, Eigen::Index>>& cells() const { return cells_; }
+
+  /// Returns how the points move with each of the first parameters, the plane's pose fitted.
+  Eigen::MatrixXd by_parameters(Eigen::Index parameters) const {
+    Eigen::MatrixXd J(rows(), parameters);
+    for (Eigen::Index c = 0; c < parameters; ++c) {
+      const double size = c < 4 ? kStep_px : kStep;
+      const Eigen::VectorXd step = size * Eigen::VectorXd::Unit(parameters, c);
+      J.col(c) =
+          difference(moved_camera(camera_, step), moved_camera(camera_, -step)) / (2.0 * size);
+    }
+    return without_pose(J);
+  }
+
+  /// Returns how the points of another camera lie off these, the plane's pose fitted.
+  Eigen::VectorXd by_camera(const CameraModel& other) const {
+    return without_pose(difference(other, camera_));
+  }
+
+ private:
+  /// Returns the points of one camera minus those of another; zero where one has no ray.
+  Eigen::VectorXd difference(const CameraModel& more, const CameraModel& less) const {
+    Eigen::VectorXd off = Eigen::VectorXd::Zero(rows());
+    for (std::size_t i = 0; i < pixels_.size(); ++i) {
+      const auto a = ray(more, pixels_[i]), b = ray(less, pixels_[i]);
+      if (a && b)
+        off.segment<2>(2 * static_cast<Eigen::Index>(i)) = distance_ * (*a - *b).head<2>();
+    }
+    return off;
+  }
+
+  /// Returns how the points move with shift, turn, height and two tilts of the plane.
+  Eigen::MatrixXd pose_moves() const {
+    Eigen::MatrixXd moves(rows(), 6);
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      const double x = points_[i].x() / distance_, y = points_[i].y() / distance_;
+      moves.middleRows<2>(2 * static_cast<Eigen::Index>(i)) << 1.0, 0.0, -y, x, x * x, x * y,  //
+          0.0, 1.0, x, y, x * y, y * y;
+    }
+    return moves;
+  }
+
+  Eigen::MatrixXd without_pose(const Eigen::MatrixXd& moves) const {
+    return moves - pose_ * solve_symmetric(pose_.transpose() * pose_, pose_.transpose() * moves);
+  }
+
+  const CameraModel& camera_;
+  double distance_;
+  std::vector<Eigen::Vector2d> pixels_;
+  std::vector<std::pair<Eigen::Index, Eigen::Index>> cells_;
+  std::vector<Eigen::Vector2d> points_;
+  Eigen::MatrixXd pose_;
+};
+
+/// Returns the variance of each point, both axes together.
+Eigen::ArrayXd variances(const Eigen::MatrixXd& J, const Eigen::MatrixXd& covariance) {
+  const auto used = J.leftCols(covariance.rows());
+  const Eigen::ArrayXd by_axis = (used * covariance).cwiseProduct(used).rowwise().sum();
+  return by_axis.reshaped(2, by_axis.size() / 2).colwise().sum().transpose();
 }
 
 }  // namespace
@@ -21,6 +135,48 @@ Eigen::VectorXd deviations(const CameraUncertainty& uncertainty, const CameraMod
     differences = differences.max((four_of(other) - four_of(camera)).abs());
   variances.head<4>().array() += differences.square();
   return variances.cwiseSqrt();
+}
+
+double PlaneError::mean() const {
+  const auto known = sigma.array().isFinite();
+  return known.select(sigma.array(), 0.0).sum() / static_cast<double>(known.count());
+}
+
+double PlaneError::largest() const {
+  return sigma.array().isFinite().select(sigma.array(), 0.0).maxCoeff();
+}
+
+double PlaneError::at(const Eigen::Vector2d& uv_px) const {
+  const Eigen::Array2d share = (uv_px - from_px).array() / (to_px - from_px).array();
+  if ((share < 0.0).any() || (share > 1.0).any()) return std::numeric_limits<double>::quiet_NaN();
+  return sigma(std::lround(share.y() * static_cast<double>(sigma.rows() - 1)),
+               std::lround(share.x() * static_cast<double>(sigma.cols() - 1)));
+}
+
+PlaneError plane_error(const CameraModel& camera, const CameraUncertainty& uncertainty,
+                       const std::vector<Eigen::Vector2d>& seen, double distance) {
+  PlaneError error;
+  error.distance = distance;
+  error.from_px = error.to_px = seen.at(0);
+  for (const Eigen::Vector2d& uv : seen) {
+    error.from_px = error.from_px.cwiseMin(uv);
+    error.to_px = error.to_px.cwiseMax(uv);
+  }
+  error.sigma.setConstant(kGrid, kGrid, std::numeric_limits<double>::quiet_NaN());
+  const PlaneField field(camera, error, PixelHull(seen));
+  const Eigen::MatrixXd J = field.by_parameters(uncertainty.by_residuals.rows());
+  Eigen::ArrayXd squares = variances(J, uncertainty.by_residuals);
+  if (uncertainty.by_views) squares = squares.max(variances(J, *uncertainty.by_views));
+  Eigen::ArrayXd differences = Eigen::ArrayXd::Zero(squares.size());
+  for (const CameraModel& other : uncertainty.as_good) {
+    const Eigen::ArrayXd off = field.by_camera(other).array().square();
+    differences = differences.max(off.reshaped(2, off.size() / 2).colwise().sum().transpose());
+  }
+  const Eigen::ArrayXd sigma = (squares + differences).sqrt();
+  for (std::size_t i = 0; i < field.cells().size(); ++i)
+    error.sigma(field.cells()[i].first, field.cells()[i].second) =
+        sigma[static_cast<Eigen::Index>(i)];
+  return error;
 }
 
 }  // namespace planar

@@ -20,4 +20,27 @@ struct CameraUncertainty {
 /// good.
 Eigen::VectorXd deviations(const CameraUncertainty& uncertainty, const CameraModel& camera);
 
+/// How uncertain a camera's model makes points of a plane that faces it: what is left of the error
+/// once the plane's pose has been fitted over the same part of the picture, as every recording
+/// does. Shift, turn, height and tilt of the picture are therefore no part of it.
+struct PlaneError {
+  double distance{0.0};                                ///< from the camera to the plane, metres
+  Eigen::Vector2d from_px{0.0, 0.0}, to_px{0.0, 0.0};  ///< box about the part of the picture
+  /// Standard deviations of the distance by which a point is off, both axes together, metres: on a
+  /// grid over the box, a row for each v. NaN outside the hull of the points seen, where the lens
+  /// model extrapolates, and where a pixel has no ray.
+  Eigen::MatrixXd sigma;
+
+  double mean() const;
+  double largest() const;
+  /// Returns the deviation at the nearest pixel of the grid; NaN where there is none.
+  double at(const Eigen::Vector2d& uv_px) const;
+};
+
+/// Propagates the camera's uncertainty to a plane, over the hull of the pixels that were `seen`. At
+/// each point the larger of both covariances counts, and the largest difference to a model that is
+/// as good.
+PlaneError plane_error(const CameraModel& camera, const CameraUncertainty& uncertainty,
+                       const std::vector<Eigen::Vector2d>& seen, double distance);
+
 }  // namespace planar

@@ -2,13 +2,15 @@
 
 #include <visp3/vision/vpCalibration.h>
 
+#include <algorithm>
+#include <cmath>
 #include <iostream>
 
-#include "planar_servo/calibration/camera/fit_information.h"
-#include "planar_servo/calibration/camera/opencv_fit.h"
+#include "planar_servo/calibration/board/board_pose.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/numerics/decompositions.h"
 #include "planar_servo/core/pose.h"
+#include "planar_servo/lens/lens_models.h"
 
 namespace planar {
 namespace {
@@ -35,12 +37,32 @@ class VispSettings {
   std::streamsize precision_;
 };
 
-std::vector<vpCalibration> visp_views(const std::vector<CalibrationView>& views) {
+/// Points are taken as they are when their root mean square distance from their centroid lies
+/// between these, in metres.
+constexpr double kSmallBoard = 1.0 / 32.0, kLargeBoard = 1.0;
+
+/// Returns the power of two, which changes no digit, that scales the points of a smaller or larger
+/// board to a root mean square distance between an eighth and a quarter of a metre. Returns 1 for
+/// other boards.
+double normalising_scale(const std::vector<Eigen::Vector2d>& points) {
+  Eigen::Vector2d centroid(0.0, 0.0);
+  for (const Eigen::Vector2d& p : points) centroid += p / static_cast<double>(points.size());
+  double squares = 0.0;
+  for (const Eigen::Vector2d& p : points) squares += (p - centroid).squaredNorm();
+  const double rms = std::sqrt(squares / static_cast<double>(points.size()));
+  if (rms >= kSmallBoard && rms <= kLargeBoard) return 1.0;
+  int exponent = 0;
+  std::frexp(rms, &exponent);
+  return std::ldexp(1.0, -2 - exponent);
+}
+
+std::vector<vpCalibration> visp_views(const std::vector<CalibrationView>& views, double scale) {
   std::vector<vpCalibration> result(views.size());
   for (std::size_t i = 0; i < views.size(); ++i) {
     for (std::size_t j = 0; j < views[i].pixels.size(); ++j) {
       vpImagePoint pixel(views[i].pixels[j].y(), views[i].pixels[j].x());
-      result[i].addPoint(views[i].points_G[j].x(), views[i].points_G[j].y(), 0.0, pixel);
+      const Eigen::Vector2d p = scale * views[i].points_G[j];
+      result[i].addPoint(p.x(), p.y(), 0.0, pixel);
     }
   }
   return result;
@@ -127,11 +149,12 @@ std::optional<LensFit> fit_by_visp(const std::vector<CalibrationView>& views, in
     throw InputError(std::to_string(views.size()) + " views; ViSP's calibration holds at most " +
                      std::to_string(kMostViews) + "; give it fewer or take another model");
   }
-  const auto pinhole = fit_by_opencv(views, width_px, height_px, {"pinhole", "pinhole", 0});
+  const auto pinhole = fit_by_bundle(views, width_px, height_px, {"pinhole", Pinhole{}, 0});
   if (!pinhole) return std::nullopt;
   const Intrinsics start = intrinsics(pinhole->camera);
   vpCameraParameters camera(start.fx, start.fy, start.cx, start.cy);
-  std::vector<vpCalibration> calibrations = visp_views(views);
+  const double scale = normalising_scale(views.front().points_G);
+  std::vector<vpCalibration> calibrations = visp_views(views, scale);
   const VispSettings settings;
   double rms_px = 0.0;
   try {
@@ -143,18 +166,23 @@ std::optional<LensFit> fit_by_visp(const std::vector<CalibrationView>& views, in
   const Intrinsics k{camera.get_px(), camera.get_py(), camera.get_u0(), camera.get_v0()};
   LensFit fit;
   try {
-    fit.camera = make_camera_model("visp", k, {camera.get_kud(), camera.get_kdu()});
+    fit.camera = CameraModel(VispModel{}).lens().with(k, {camera.get_kud(), camera.get_kdu()});
   } catch (const InputError&) {
     return std::nullopt;  // numbers that are not finite
   }
-  for (const vpCalibration& calibration : calibrations)
-    fit.X_CG.push_back(pose_from(calibration.cMo_dist));
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    Pose& X_CG = fit.X_CG.emplace_back(pose_from(calibrations[i].cMo_dist));
+    X_CG.translation() /= scale;
+    const auto residuals = board_residuals(fit.camera, X_CG, views[i].points_G, views[i].pixels);
+    if (!residuals) return std::nullopt;
+    fit.view_rms_px.push_back(rms_length(*residuals));
+  }
   return fit;
 }
 
 std::optional<Eigen::MatrixXd> visp_covariance(const LensFit& fit,
                                                const std::vector<CalibrationView>& views) {
-  const auto& camera = std::get<VispModel>(fit.camera);
+  const VispModel& camera = *fit.camera.as<VispModel>();
   Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(6, 6), gradient = normal;
   for (std::size_t i = 0; i < views.size(); ++i) {
     const ViewShare share = share_of(camera, fit.X_CG[i], views[i]);

@@ -3,15 +3,16 @@
 #include <Eigen/Core>
 #include <optional>
 
-#include "planar_servo/calibration/camera/lens_fit.h"
+#include "planar_servo/calibration/camera/bundle_adjustment.h"
 
 namespace planar {
 
 /// Fits the lens of ViSP to all views by vpCalibration (CALIB_VIRTUAL_VS_DIST), which starts from
-/// the pinhole camera of OpenCV. It minimises two distances at each point: from the pixel to the
-/// projection distorted by kud, and from the pixel undistorted by kdu to the projection without
-/// distortion. Empty when one of the fits fails. Throws InputError for more than 256 views, because
-/// vpCalibration writes beyond its arrays then.
+/// the pinhole camera of fit_by_bundle(). It minimises two distances at each point: from the pixel
+/// to the projection distorted by kud, and from the pixel undistorted by kdu to the projection
+/// without distortion. Boards much smaller or larger than a quarter of a metre are scaled to it
+/// inside, so that the board's unit does not matter. Empty when one of the fits fails. Throws
+/// InputError for more than 256 views, because vpCalibration writes beyond its arrays then.
 std::optional<LensFit> fit_by_visp(const std::vector<CalibrationView>& views, int width_px,
                                    int height_px);
 

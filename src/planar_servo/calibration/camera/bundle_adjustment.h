@@ -4,9 +4,26 @@
 #include <optional>
 #include <vector>
 
-#include "planar_servo/calibration/camera/lens_fit.h"
+#include "planar_servo/calibration/camera_calibration.h"
 
 namespace planar {
+
+/// Holds one least-squares fit of a camera and the boards' poses. Nothing was left out or
+/// corrected.
+struct LensFit {
+  CameraModel camera;
+  std::vector<Pose> X_CG;           ///< one per view
+  std::vector<double> view_rms_px;  ///< one per view
+  bool converged{true};             ///< false when the iterations ran out
+};
+
+/// Fits the camera and the boards' poses to the pixels of all views by Levenberg and Marquardt
+/// [Triggs et al. 1999], through the model's own projection, whatever lens it is. It starts from
+/// the focal lengths that homographies give, without distortion, and adds the coefficients one,
+/// then all of them. Empty when the views give no start or a point lies beyond the lens model's
+/// range there.
+std::optional<LensFit> fit_by_bundle(const std::vector<CalibrationView>& views, int width_px,
+                                     int height_px, const CalibrationModel& model);
 
 /// Holds the normal equations of a camera with all its views at the end of a fit. The poses are
 /// eliminated.

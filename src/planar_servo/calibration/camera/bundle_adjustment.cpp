@@ -1,0 +1,297 @@
+#include "planar_servo/calibration/camera/bundle_adjustment.h"
+
+#include <algorithm>
+#include <limits>
+#include <opencv2/calib3d.hpp>
+#include <utility>
+
+#include "planar_servo/calibration/board/board_pose.h"
+#include "planar_servo/core/error.h"
+#include "planar_servo/core/numerics/decompositions.h"
+#include "planar_servo/core/pose.h"
+
+namespace planar {
+namespace {
+
+constexpr double kCoefficientStep = 1e-5;
+/// Least eigenvalue of an information matrix scaled to a diagonal of ones. Below it rounding
+/// decides about the inverse.
+constexpr double kLeastEigenvalue = 1e-15;
+
+constexpr int kSteps = 200;
+constexpr double kFirstDamping = 1e-3, kLeastDamping = 1e-15, kMostDamping = 1e9;
+/// A fit has converged when one more step would move its parameters by less than this share of
+/// their uncertainty, which makes their error larger by an eighth at most. It goes on until that is
+/// `kFineShare`, or until the squares stand still.
+constexpr double kConvergedShare = 0.5, kFineShare = 1e-3;
+constexpr double kStandingStill = 1e-12;
+/// Noise of a pixel coordinate below which no fit has to go.
+constexpr double kLeastNoise_px = 1e-6;
+
+/// Holds the normal equations of one view: by fx, fy, cx, cy and the free coefficients, by the
+/// board's pose, and mixed.
+struct ViewEquations {
+  Eigen::MatrixXd camera, mixed, pose;
+  Eigen::VectorXd camera_gradient, pose_gradient;
+  double squares{0.0}, points{0.0};
+};
+
+/// A camera with one distortion coefficient a step less and a step more.
+using CameraPair = std::pair<CameraModel, CameraModel>;
+
+std::vector<CameraPair> moved_cameras(const CameraModel& camera, Eigen::Index parameters) {
+  std::vector<CameraPair> moved;
+  for (Eigen::Index c = 4; c < parameters; ++c) {
+    const Eigen::VectorXd step = kCoefficientStep * Eigen::VectorXd::Unit(parameters, c);
+    moved.emplace_back(moved_camera(camera, -step), moved_camera(camera, step));
+  }
+  return moved;
+}
+
+/// Returns the equations of a view. The derivatives by the coefficients are central differences,
+/// because lens models are nearly linear in them. Empty when a point has no pixel.
+std::optional<ViewEquations> equations_of(const CameraModel& camera,
+                                          const std::vector<CameraPair>& moved, const Pose& X_CG,
+                                          const CalibrationView& view) {
+  const Intrinsics k = intrinsics(camera);
+  const Eigen::Index rows = 2 * static_cast<Eigen::Index>(view.pixels.size());
+  Eigen::MatrixXd J_K(rows, 4 + static_cast<Eigen::Index>(moved.size())), J_CG(rows, 6);
+  Eigen::VectorXd residuals(rows);
+  for (std::size_t i = 0; i < view.pixels.size(); ++i) {
+    const Eigen::Index row = 2 * static_cast<Eigen::Index>(i);
+    const Eigen::Vector3d rotated =
+        X_CG.linear() * Eigen::Vector3d(view.points_G[i].x(), view.points_G[i].y(), 0.0);
+    const Eigen::Vector3d p_C = rotated + X_CG.translation();
+    Eigen::Matrix<double, 2, 3> d_uv_d_p;
+    const auto uv = project(camera, p_C, &d_uv_d_p);
+    if (!uv) return std::nullopt;
+    residuals.segment<2>(row) = view.pixels[i] - *uv;
+    J_CG.middleRows<2>(row) << d_uv_d_p, -d_uv_d_p * cross_matrix(rotated);
+    J_K.block<2, 4>(row, 0) << (uv->x() - k.cx) / k.fx, 0.0, 1.0, 0.0, 0.0, (uv->y() - k.cy) / k.fy,
+        0.0, 1.0;
+    for (std::size_t c = 0; c < moved.size(); ++c) {
+      const auto less = project(moved[c].first, p_C), more = project(moved[c].second, p_C);
+      if (!less || !more) return std::nullopt;
+      J_K.block<2, 1>(row, 4 + static_cast<Eigen::Index>(c)) =
+          (*more - *less) / (2.0 * kCoefficientStep);
+    }
+  }
+  return ViewEquations{J_K.transpose() * J_K,        J_CG.transpose() * J_K,
+                       J_CG.transpose() * J_CG,      J_K.transpose() * residuals,
+                       J_CG.transpose() * residuals, residuals.squaredNorm(),
+                       static_cast<double>(rows / 2)};
+}
+
+/// Eliminates the poses from the normal equations by their Schur complement.
+FitInformation information_of(const std::vector<ViewEquations>& views) {
+  const Eigen::Index parameters = views.front().camera.rows();
+  FitInformation sum;
+  sum.camera = Eigen::MatrixXd::Zero(parameters, parameters);
+  sum.parameters = static_cast<double>(parameters) + 6.0 * static_cast<double>(views.size());
+  sum.freedom = -sum.parameters;
+  Eigen::VectorXd gradient = Eigen::VectorXd::Zero(parameters);
+  for (const ViewEquations& view : views) {
+    const Eigen::VectorXd pose_step = solve_symmetric(view.pose, view.pose_gradient);
+    sum.views.push_back(
+        {view.camera - view.mixed.transpose() * solve_symmetric(view.pose, view.mixed),
+         view.camera_gradient - view.mixed.transpose() * pose_step});
+    sum.camera += sum.views.back().camera;
+    gradient += sum.views.back().gradient;
+    sum.decrease += view.pose_gradient.dot(pose_step);
+    sum.squares += view.squares;
+    sum.freedom += 2.0 * view.points;
+  }
+  sum.decrease += gradient.dot(Eigen::VectorXd(solve_symmetric(sum.camera, gradient)));
+  return sum;
+}
+
+/// Returns whether one more step would move the parameters by less than that share of their
+/// uncertainty. A step as large as the uncertainty lowers the sum of squares by the variance times
+/// the number of parameters.
+bool stands_within(double share, const FitInformation& information) {
+  const double variance =
+      std::max(information.squares / information.freedom, kLeastNoise_px * kLeastNoise_px);
+  return information.decrease <= share * share * information.parameters * variance;
+}
+
+Eigen::MatrixXd damped(Eigen::MatrixXd normal, double damping) {
+  normal.diagonal() *= 1.0 + damping;
+  return normal;
+}
+
+/// A camera with the boards' poses, and the normal equations about them.
+class Bundle {
+ public:
+  /// Returns the bundle. Empty when a point has no pixel or the camera is at a limit of its model.
+  static std::optional<Bundle> about(const CameraModel& camera, const std::vector<Pose>& X_CG,
+                                     const std::vector<CalibrationView>& views,
+                                     Eigen::Index parameters) {
+    Bundle bundle{camera, X_CG};
+    try {
+      const std::vector<CameraPair> moved = moved_cameras(camera, parameters);
+      for (std::size_t i = 0; i < views.size(); ++i) {
+        auto of_view = equations_of(camera, moved, X_CG[i], views[i]);
+        if (!of_view) return std::nullopt;
+        bundle.equations_.push_back(std::move(*of_view));
+      }
+    } catch (const InputError&) {
+      return std::nullopt;
+    }
+    bundle.information_ = information_of(bundle.equations_);
+    return bundle;
+  }
+
+  const CameraModel& camera() const { return camera_; }
+  const std::vector<Pose>& X_CG() const { return X_CG_; }
+  const FitInformation& information() const { return information_; }
+  Eigen::Index parameters() const { return information_.camera.rows(); }
+
+  std::vector<double> view_rms_px() const {
+    std::vector<double> rms;
+    for (const ViewEquations& view : equations_)
+      rms.push_back(std::sqrt(view.squares / view.points));
+    return rms;
+  }
+
+  /// Returns the bundle after a step of Levenberg and Marquardt.
+  std::optional<Bundle> stepped(double damping, const std::vector<CalibrationView>& views) const {
+    Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(parameters(), parameters());
+    Eigen::VectorXd gradient = Eigen::VectorXd::Zero(parameters());
+    for (const ViewEquations& view : equations_) {
+      const Eigen::MatrixXd pose = damped(view.pose, damping);
+      normal +=
+          damped(view.camera, damping) - view.mixed.transpose() * solve_symmetric(pose, view.mixed);
+      gradient +=
+          view.camera_gradient - view.mixed.transpose() * solve_symmetric(pose, view.pose_gradient);
+    }
+    const Eigen::VectorXd step = solve_symmetric(normal, gradient);
+    if (!step.allFinite()) return std::nullopt;
+    std::vector<Pose> poses = X_CG_;
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      const ViewEquations& view = equations_[i];
+      const Eigen::VectorXd move =
+          solve_symmetric(damped(view.pose, damping), view.pose_gradient - view.mixed * step);
+      poses[i].translation() += move.head<3>();
+      poses[i].linear() = rotation_from_vector(move.tail<3>()) * poses[i].linear();
+    }
+    try {
+      return about(moved_camera(camera_, step), poses, views, parameters());
+    } catch (const InputError&) {
+      return std::nullopt;  // numbers that make no camera
+    }
+  }
+
+ private:
+  Bundle(const CameraModel& camera, const std::vector<Pose>& X_CG) : camera_(camera), X_CG_(X_CG) {}
+
+  CameraModel camera_;
+  std::vector<Pose> X_CG_;
+  std::vector<ViewEquations> equations_;
+  FitInformation information_;
+};
+
+/// Takes steps that lower the sum of squares until it stands still.
+Bundle adjusted(Bundle bundle, const std::vector<CalibrationView>& views) {
+  double damping = kFirstDamping;
+  for (int step = 0; step < kSteps; ++step) {
+    const double before = bundle.information().squares;
+    if (stands_within(kFineShare, bundle.information())) break;
+    std::optional<Bundle> next;
+    for (; !next && damping < kMostDamping; damping *= next ? 1.0 : 10.0) {
+      next = bundle.stepped(damping, views);
+      if (next && !(next->information().squares < before)) next.reset();
+    }
+    if (!next) break;
+    bundle = std::move(*next);
+    damping = std::max(kLeastDamping, 0.1 * damping);
+    if (before - bundle.information().squares < kStandingStill * before) break;
+  }
+  return bundle;
+}
+
+/// Returns the pinhole camera that homographies give, its principal point in the image's middle.
+Intrinsics start_by_homographies(const std::vector<CalibrationView>& views, int width_px,
+                                 int height_px) {
+  std::vector<std::vector<cv::Point3f>> points;
+  std::vector<std::vector<cv::Point2f>> pixels;
+  for (const CalibrationView& view : views) {
+    auto& of_board = points.emplace_back();
+    auto& seen = pixels.emplace_back();
+    for (const Eigen::Vector2d& p : view.points_G)
+      of_board.emplace_back(static_cast<float>(p.x()), static_cast<float>(p.y()), 0.0F);
+    for (const Eigen::Vector2d& uv : view.pixels)
+      seen.emplace_back(static_cast<float>(uv.x()), static_cast<float>(uv.y()));
+  }
+  const cv::Matx33d K = cv::initCameraMatrix2D(points, pixels, {width_px, height_px}, 0.0);
+  return {K(0, 0), K(1, 1), K(0, 2), K(1, 2)};
+}
+
+std::vector<Pose> start_poses(const CameraModel& camera,
+                              const std::vector<CalibrationView>& views) {
+  std::vector<Pose> poses;
+  for (const CalibrationView& view : views) {
+    const auto pose = estimate_board_pose(camera, view.points_G, view.pixels);
+    if (!pose) return {};
+    poses.push_back(pose->X_CG);
+  }
+  return poses;
+}
+
+}  // namespace
+
+std::optional<LensFit> fit_by_bundle(const std::vector<CalibrationView>& views, int width_px,
+                                     int height_px, const CalibrationModel& model) try {
+  const CameraModel start =
+      model.sample.lens().with(start_by_homographies(views, width_px, height_px), {});
+  const std::vector<Pose> poses = start_poses(start, views);
+  if (poses.empty()) return std::nullopt;
+  const auto parameters = 4 + static_cast<Eigen::Index>(model.free_coefficients);
+  std::optional<Bundle> bundle = Bundle::about(start, poses, views, 4);
+  if (!bundle) return std::nullopt;
+  bundle = adjusted(std::move(*bundle), views);
+  for (const Eigen::Index free : {std::min<Eigen::Index>(5, parameters), parameters}) {
+    if (free == bundle->parameters()) continue;
+    const auto richer = Bundle::about(bundle->camera(), bundle->X_CG(), views, free);
+    if (!richer) return std::nullopt;
+    bundle = adjusted(*richer, views);
+  }
+  return LensFit{bundle->camera(), bundle->X_CG(), bundle->view_rms_px(),
+                 stands_within(kConvergedShare, bundle->information())};
+} catch (const cv::Exception&) {  // how OpenCV refuses views
+  return std::nullopt;
+} catch (const InputError&) {  // focal lengths that are not finite
+  return std::nullopt;
+}
+
+std::optional<FitInformation> fit_information(const LensFit& fit,
+                                              const std::vector<CalibrationView>& views,
+                                              std::size_t free_coefficients) {
+  const auto bundle =
+      Bundle::about(fit.camera, fit.X_CG, views, 4 + static_cast<Eigen::Index>(free_coefficients));
+  if (!bundle) return std::nullopt;
+  return bundle->information();
+}
+
+std::optional<Eigen::MatrixXd> scatter_over_views(const FitInformation& information) {
+  const auto n = static_cast<double>(information.views.size());
+  Eigen::MatrixXd steps(information.camera.rows(), information.views.size());
+  for (std::size_t i = 0; i < information.views.size(); ++i) {
+    const FitInformation::OfView& view = information.views[i];
+    const auto inverse = covariance_from(information.camera - view.camera);
+    if (!inverse) return std::nullopt;
+    steps.col(static_cast<Eigen::Index>(i)) = *inverse * view.gradient;
+  }
+  steps.colwise() -= steps.rowwise().mean().eval();
+  return Eigen::MatrixXd((n - 1.0) / n * steps * steps.transpose());
+}
+
+std::optional<Eigen::MatrixXd> covariance_from(const Eigen::MatrixXd& information) {
+  const Eigen::VectorXd scale = information.diagonal().cwiseSqrt().cwiseInverse();
+  const Eigen::MatrixXd scaled = scale.asDiagonal() * information * scale.asDiagonal();
+  if (!scaled.allFinite()) return std::nullopt;
+  if (!(symmetric_eigenvalues(scaled)[0] > kLeastEigenvalue)) return std::nullopt;
+  return solve_symmetric(information,
+                         Eigen::MatrixXd::Identity(information.rows(), information.cols()));
+}
+
+}  // namespace planar
