@@ -1,10 +1,9 @@
-#include "planar_servo/calibration/readings/monument_check.h"
+#include "planar_servo/calibration/tracker_registration.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <random>
 
-#include "planar_servo/calibration/tracker_registration.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
 

@@ -1,4 +1,4 @@
-#include "planar_servo/calibration/plane/plane_sight.h"
+#include "planar_servo/calibration/plane_sights.h"
 
 #include <catch2/catch.hpp>
 

@@ -1,4 +1,4 @@
-#include "planar_servo/calibration/sweep_offset.h"
+#include "planar_servo/calibration/workplane_calibration.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>

@@ -5,7 +5,6 @@
 #include <random>
 
 #include "calibration/synthetic_cell.h"
-#include "planar_servo/calibration/readings/rests.h"
 #include "planar_servo/core/error.h"
 
 namespace planar {

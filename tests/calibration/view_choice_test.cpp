@@ -5,7 +5,6 @@
 #include <random>
 
 #include "calibration/board_image.h"
-#include "planar_servo/calibration/board/board_rest.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/lens/lens_models.h"
 

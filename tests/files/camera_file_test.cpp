@@ -55,7 +55,7 @@ TEST_CASE("Every model that a camera_info file can hold comes back bit for bit")
   for (const CameraModel& camera : cameras) {
     write_camera(folder / "camera.yaml", sample(camera, "auto"), "test", {});
     const CameraRecord back = read_camera(folder / "camera.yaml");
-    CHECK(back.camera.index() == camera.index());
+    CHECK(lens_model_name(back.camera) == lens_model_name(camera));
     CHECK(distortion_coefficients(back.camera) == distortion_coefficients(camera));
     CHECK(intrinsics(back.camera).fx == kIntrinsics.fx);
     CHECK(back.width_px == 640);
@@ -175,7 +175,7 @@ TEST_CASE("OpenCV's own files are read, and come back bit for bit") {
   for (const CameraModel& camera : cameras) {
     write_camera(folder / "back.yml", sample(camera, "auto"), "test", {});
     const CameraRecord back = read_camera(folder / "back.yml");
-    CHECK(back.camera.index() == camera.index());
+    CHECK(lens_model_name(back.camera) == lens_model_name(camera));
     CHECK(distortion_coefficients(back.camera) == distortion_coefficients(camera));
     CHECK(intrinsics(back.camera).fx == kIntrinsics.fx);
     CHECK(back.height_px == 480);

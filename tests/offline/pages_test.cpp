@@ -11,7 +11,6 @@
 #include "planar_servo/lens/lens_models.h"
 #include "planar_servo/offline/calibrate_arm.h"
 #include "planar_servo/offline/camera/calibration_page.h"
-#include "planar_servo/offline/camera/image_coverage.h"
 #include "planar_servo/offline/lamps/lamps_report.h"
 #include "planar_servo/offline/map/map_page.h"
 #include "planar_servo/offline/pairs/pair_page.h"

@@ -9,9 +9,206 @@
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/numerics/rigid_fit.h"
+#include "planar_servo/core/text.h"
 #include "planar_servo/core/units.h"
 
 namespace planar {
+
+namespace {
+
+using Monuments = std::vector<MonumentSight>;
+
+constexpr char kReadAgain[] =
+    "clean and read them again, look for one that was bumped, or correct `datum` in the cell file";
+
+Monuments all_but(const Monuments& monuments, std::size_t left_out) {
+  Monuments rest = monuments;
+  rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(left_out));
+  return rest;
+}
+
+Pose rigid_pose(const Monuments& monuments) {
+  Eigen::Matrix3Xd p_B(3, monuments.size()), p_L(3, monuments.size());
+  for (std::size_t i = 0; i < monuments.size(); ++i) {
+    p_B.col(static_cast<Eigen::Index>(i)) = monuments[i].p_known;
+    p_L.col(static_cast<Eigen::Index>(i)) = monuments[i].p_read;
+  }
+  return fit_rigid_3d(p_B, p_L);
+}
+
+double square_left(const Monuments& monuments) {
+  const Pose X_BL = rigid_pose(monuments);
+  double square = 0.0;
+  for (const MonumentSight& m : monuments) square += (X_BL * m.p_read - m.p_known).squaredNorm();
+  return square;
+}
+
+double sigma_of_one(const Monuments& monuments) {
+  double sigma = 0.0;
+  for (const MonumentSight& m : monuments) sigma = std::max(sigma, m.sigma);
+  return sigma;
+}
+
+double sigma_of_mean(const Monuments& monuments) {
+  double sigma = 0.0;
+  for (const MonumentSight& m : monuments)
+    sigma = std::max(sigma, m.sigma / std::sqrt(static_cast<double>(m.readings)));
+  return sigma;
+}
+
+bool explains(double sigma, double square, std::size_t degrees) {
+  return chi_square_tail(square / (sigma * sigma), static_cast<int>(degrees)) >= kFalseAlarm;
+}
+
+/// Returns whether noise of this size explains what a rigid motion leaves of the monuments. Those
+/// on one line tell nothing.
+bool fits(const Monuments& monuments, double sigma) {
+  try {
+    return explains(sigma, square_left(monuments), 3 * monuments.size() - 6);
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
+/// Returns how far a monument lies from its place, as the others say. Others on one line say
+/// nothing.
+Eigen::Vector3d offset_of(const Monuments& monuments, std::size_t i) {
+  try {
+    return rigid_pose(all_but(monuments, i)) * monuments[i].p_read - monuments[i].p_known;
+  } catch (const InputError&) {
+    return Eigen::Vector3d::Zero();
+  }
+}
+
+std::string offset_text(const Monuments& monuments, std::size_t i, double sigma) {
+  const Eigen::Vector3d offset = offset_of(monuments, i);
+  return fmt::format(
+      "'{}' lies {:.3f} mm from its place in the cell file, ({}) mm along x, y, z +- {:.3f}",
+      monuments[i].id, offset.norm() / kMillimetre, fixed(offset / kMillimetre, 3, ", "),
+      sigma / kMillimetre);
+}
+
+std::string worst_offset(const Monuments& monuments, double sigma) {
+  std::size_t worst = 0;
+  for (std::size_t i = 1; i < monuments.size(); ++i)
+    if (offset_of(monuments, i).norm() > offset_of(monuments, worst).norm()) worst = i;
+  return "by the others, " + offset_text(monuments, worst, sigma);
+}
+
+/// Returns the side whose length differs most from that in the cell file.
+std::string worst_side(const Monuments& monuments, double sigma) {
+  std::string text;
+  double worst = -1.0;
+  for (std::size_t i = 0; i < monuments.size(); ++i) {
+    for (std::size_t k = 0; k < i; ++k) {
+      const double known = (monuments[i].p_known - monuments[k].p_known).norm();
+      const double read = (monuments[i].p_read - monuments[k].p_read).norm();
+      if (std::abs(read - known) <= worst) continue;
+      worst = std::abs(read - known);
+      text = fmt::format(
+          "'{}' and '{}' are {:.3f} mm apart, {:.3f} +- {:.3f} mm {} than in the cell file",
+          monuments[k].id, monuments[i].id, read / kMillimetre, worst / kMillimetre,
+          std::sqrt(2.0) * sigma / kMillimetre, read > known ? "more" : "less");
+    }
+  }
+  return text;
+}
+
+/// Returns the monuments without each of which the others fit.
+std::vector<std::size_t> suspects(const Monuments& monuments, double sigma) {
+  std::vector<std::size_t> found;
+  if (monuments.size() < 4) return found;
+  for (std::size_t i = 0; i < monuments.size(); ++i)
+    if (fits(all_but(monuments, i), sigma)) found.push_back(i);
+  return found;
+}
+
+MonumentVerdict verdict(const Monuments& monuments, double sigma) {
+  const std::vector<std::size_t> suspected = suspects(monuments, sigma);
+  MonumentVerdict result;
+  if (suspected.size() == 1) {
+    result.moved = suspected.front();
+    result.doubt.fault = "datum: " + offset_text(monuments, suspected.front(), sigma) +
+                         ", while the others fit; has it moved? " + kReadAgain;
+    return result;
+  }
+  result.doubt = {
+      fmt::format(
+          "datum: a monument has moved, or is wrong in the cell file: {}; which one, {} monuments "
+          "do not tell",
+          monuments.size() == 3 ? worst_side(monuments, sigma) : worst_offset(monuments, sigma),
+          monuments.size()),
+      kReadAgain};
+  return result;
+}
+
+Eigen::Vector3d mean_shift(const Monuments& ends) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const MonumentSight& m : ends) sum += m.p_read - m.p_known;
+  return sum / static_cast<double>(ends.size());
+}
+
+/// Returns the monuments that were read twice, at the beginning (p_known) and at the end (p_read).
+Monuments read_twice(const Monuments& begin, const Monuments& end) {
+  Monuments both;
+  for (const MonumentSight& first : begin) {
+    const auto last = std::find_if(end.begin(), end.end(),
+                                   [&](const MonumentSight& m) { return m.id == first.id; });
+    if (last == end.end()) continue;
+    both.push_back({first.id, first.p_read, last->p_read, std::min(first.readings, last->readings),
+                    std::sqrt(2.0) * std::max(first.sigma, last->sigma)});
+  }
+  return both;
+}
+
+Refusal doubt_of_drift(const Monuments& ends, double sigma) {
+  std::string sizes;
+  for (const MonumentSight& m : ends)
+    sizes += fmt::format("{}'{}' by {:.3f}", sizes.empty() ? "" : ", ", m.id,
+                         (m.p_read - m.p_known).norm() / kMillimetre);
+  const bool rigid = ends.size() >= 3 && fits(ends, sigma);
+  const std::string who =
+      rigid ? fmt::format(
+                  "their distances are kept, as when the tracker or the base moves, here by {:.3f} "
+                  "mm in the mean",
+                  mean_shift(ends).norm() / kMillimetre)
+            : "not together, so one of them moved";
+  return {
+      fmt::format("datum: between the beginning and the end of the recording the monuments moved "
+                  "before the tracker: {} mm, +- {:.3f} per axis; {}",
+                  sizes, sigma / kMillimetre, who),
+      "record again with tracker and monuments at rest"};
+}
+
+}  // namespace
+
+MonumentVerdict check_monuments(const Monuments& monuments) {
+  const double single = sigma_of_one(monuments);
+  if (!(single > 0.0) || monuments.size() < 3) return {};
+  if (!fits(monuments, single)) {
+    MonumentVerdict result = verdict(monuments, single);
+    result.refused = !result.moved;
+    return result;
+  }
+  const double mean = sigma_of_mean(monuments);
+  if (fits(monuments, mean)) return {};
+  MonumentVerdict result = verdict(monuments, mean);
+  result.moved.reset();
+  return result;
+}
+
+MonumentVerdict check_drift(const Monuments& begin, const Monuments& end) {
+  const Monuments ends = read_twice(begin, end);
+  const double single = sigma_of_one(ends);
+  if (ends.empty() || !(single > 0.0)) return {};
+  double square = 0.0;
+  for (const MonumentSight& m : ends) square += (m.p_read - m.p_known).squaredNorm();
+  const double mean = sigma_of_mean(ends);
+  if (explains(mean, square, 3 * ends.size())) return {};
+  const bool refused = !explains(single, square, 3 * ends.size());
+  return {std::nullopt, doubt_of_drift(ends, mean), refused};
+}
+
 namespace {
 
 // Residuals above this share of the monuments' spread mean that the cell file has them elsewhere.

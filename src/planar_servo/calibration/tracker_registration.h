@@ -1,14 +1,49 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "planar_servo/calibration/readings/monument_check.h"
+#include "planar_servo/core/error.h"
+#include "planar_servo/core/numerics/statistics.h"
 #include "planar_servo/core/pose.h"
 
 namespace planar {
+
+/// A monument where it should be, in any frame, and where the tracker has read it, in its own.
+struct MonumentSight {
+  std::string id;
+  Eigen::Vector3d p_known{0.0, 0.0, 0.0};  ///< metres
+  Eigen::Vector3d p_read{0.0, 0.0, 0.0};   ///< mean of its readings
+  std::size_t readings{1};
+  double sigma{0.0};  ///< of one reading per axis, metres; zero when it is not known
+};
+
+/// Says what the distances between the monuments tell.
+struct MonumentVerdict {
+  /// The one monument without which the others fit, while without any other they do not.
+  std::optional<std::size_t> moved;
+  Refusal doubt;        ///< with sizes; empty when the readings fit
+  bool refused{false};  ///< whether no registration may rest on these readings
+};
+
+/// Holds the monuments' mutual places as read against those of the cell file, by the sum of squares
+/// that a rigid motion leaves. Two uncertainties bound it, each with a false alarm of kFalseAlarm.
+/// A mean of n readings may be as good as sigma / sqrt(n); what this does not explain is doubted. A
+/// stated sigma may as well be common to all readings of a monument; what even this does not
+/// explain is a contradiction: the one monument that explains it is named as moved, and where no
+/// single one does, or there are only three, the readings are refused. Four monuments in one plane
+/// show that one of them rose or sank, but not which; three show nothing of it.
+MonumentVerdict check_monuments(const std::vector<MonumentSight>& monuments);
+
+/// Compares the readings of the same monuments at the beginning and at the end of a recording
+/// (p_read). What the means' noise does not explain is doubted, what the noise of single
+/// readings does not explain is refused. The words tell a tracker that moved as a whole from a
+/// monument that did.
+MonumentVerdict check_drift(const std::vector<MonumentSight>& begin,
+                            const std::vector<MonumentSight>& end);
 
 /// A reading of the reflector on a monument, in the tracker's frame, metres.
 struct MonumentReading {

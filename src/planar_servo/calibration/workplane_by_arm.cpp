@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "planar_servo/calibration/plane/plane_start.h"
+#include "planar_servo/calibration/plane_sights.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/numerics/decompositions.h"
 #include "planar_servo/core/numerics/statistics.h"

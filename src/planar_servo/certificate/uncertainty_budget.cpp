@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "planar_servo/calibration/plane/plane_sight.h"
+#include "planar_servo/calibration/plane_sights.h"
 #include "planar_servo/core/numerics/statistics.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/files/provenance.h"

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "planar_servo/calibration/board/board.h"
-#include "planar_servo/calibration/board/board_rest.h"
 #include "planar_servo/calibration/board/view_choice.h"
 
 namespace planar {

@@ -1,12 +1,76 @@
 #pragma once
 
+#include <Eigen/Core>
+#include <array>
+#include <deque>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "planar_servo/calibration/board/board_stance.h"
+#include "planar_servo/calibration/board/board.h"
 #include "planar_servo/core/plan.h"
 
 namespace planar {
+
+/// Tells for how long a board has stood still: its points, seen again and again, lie within a bound
+/// of where they are now (root of the mean square distance).
+class BoardRest {
+ public:
+  explicit BoardRest(double bound_px) : bound_px_(bound_px) {}
+
+  /// Takes the points of the board as seen at this time, which never goes back; none when it is
+  /// not seen.
+  void see(double t_s, const std::vector<Eigen::Vector2d>& pixels);
+
+  /// Returns the seconds, up to ten, for which it has stood still; 0 unless it was seen twice.
+  double still_for_s() const;
+
+ private:
+  struct Seen {
+    double t_s;
+    std::vector<Eigen::Vector2d> pixels;
+  };
+
+  double bound_px_;
+  std::deque<Seen> seen_;  ///< while it stands still; the newest last
+};
+
+/// The corners of a picture, clockwise.
+enum class PictureCorner { kUpperLeft, kUpperRight, kLowerRight, kLowerLeft };
+constexpr std::array<PictureCorner, 4> kPictureCorners{
+    PictureCorner::kUpperLeft, PictureCorner::kUpperRight, PictureCorner::kLowerRight,
+    PictureCorner::kLowerLeft};
+
+/// Returns the corner of a picture of this size, a sixth of each side.
+cv::Rect2d corner_of_picture(PictureCorner corner, const cv::Size& picture_px);
+
+/// Describes how a board stands in a picture, as far as a camera tells that nobody has calibrated.
+/// Directions are the picture's, x right and y down.
+struct BoardStance {
+  Eigen::Vector2d middle{0.0, 0.0};      ///< of the board, as shares of the picture's sides
+  double size{0.0};                      ///< root of the share of the picture that it covers
+  Eigen::Vector2d tilt{0.0, 0.0};        ///< radians, towards the edge that is nearer to the camera
+  double turn{0.0};                      ///< radians, from the picture's rows to the board's
+  double turn_period{0.0};               ///< radians, after which the board looks the same
+  std::array<bool, 4> reaches_corner{};  ///< by PictureCorner: a dot lies in it
+
+  bool reaches(PictureCorner corner) const {
+    return reaches_corner[static_cast<std::size_t>(corner)];
+  }
+};
+
+/// Estimates the stance of a board from its points in a picture of this size, by the homography
+/// from the board. The gradient of the inverse depth over the picture, which is that of a plane
+/// [Hartley and Zisserman 2004, 8.1], gives the tilt against the image plane, as it is under a lens
+/// whose focal length is 1.5 times the picture's longer side; the lens's distortion counts as
+/// tilt, so that 10 degrees more or less mean nothing. Empty without points, and when they lie on a
+/// line.
+std::optional<BoardStance> board_stance(const Board& board,
+                                        const std::vector<Eigen::Vector2d>& pixels,
+                                        const cv::Size& picture_px);
+
+/// Returns the angle in (-period/2, period/2] that differs from `angle` by whole periods.
+double wrap_to_period(double angle, double period);
 
 /// Something that one view of the board at least should show.
 struct BoardWish {

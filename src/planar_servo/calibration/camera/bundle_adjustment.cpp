@@ -18,13 +18,16 @@ constexpr double kCoefficientStep = 1e-5;
 /// decides about the inverse.
 constexpr double kLeastEigenvalue = 1e-15;
 
-constexpr int kSteps = 200;
-constexpr double kFirstDamping = 1e-3, kLeastDamping = 1e-15, kMostDamping = 1e9;
+constexpr int kMostSteps = 200;
+constexpr double kFirstDamping = 1e-3, kLeastDamping = 1e-12, kMostDamping = 1e9;
 /// A fit has converged when one more step would move its parameters by less than this share of
-/// their uncertainty, which makes their error larger by an eighth at most. It goes on until that is
-/// `kFineShare`, or until the squares stand still.
-constexpr double kConvergedShare = 0.5, kFineShare = 1e-3;
-constexpr double kStandingStill = 1e-12;
+/// their uncertainty, which makes their error larger by an eighth at most.
+constexpr double kConvergedShare = 0.5;
+/// After that it takes a few steps more, until the share is this small. They are damped so much
+/// that terms which trade off, as those of the rational model, stay where they are instead of
+/// running away together.
+constexpr int kFinishingSteps = 5;
+constexpr double kFinishedShare = 1e-3, kFinishingDamping = 1e-6;
 /// Noise of a pixel coordinate below which no fit has to go.
 constexpr double kLeastNoise_px = 1e-6;
 
@@ -190,21 +193,30 @@ class Bundle {
   FitInformation information_;
 };
 
-/// Takes steps that lower the sum of squares until it stands still.
+/// Returns the bundle after the step with the least damping, from this one on, that lowers the sum
+/// of squares. Empty when none does.
+std::optional<Bundle> lowered(const Bundle& bundle, double& damping,
+                              const std::vector<CalibrationView>& views) {
+  for (; damping < kMostDamping; damping *= 10.0) {
+    auto next = bundle.stepped(damping, views);
+    if (next && next->information().squares < bundle.information().squares) return next;
+  }
+  return std::nullopt;
+}
+
 Bundle adjusted(Bundle bundle, const std::vector<CalibrationView>& views) {
   double damping = kFirstDamping;
-  for (int step = 0; step < kSteps; ++step) {
-    const double before = bundle.information().squares;
-    if (stands_within(kFineShare, bundle.information())) break;
-    std::optional<Bundle> next;
-    for (; !next && damping < kMostDamping; damping *= next ? 1.0 : 10.0) {
-      next = bundle.stepped(damping, views);
-      if (next && !(next->information().squares < before)) next.reset();
+  int finishing = 0;
+  for (int step = 0; step < kMostSteps && finishing < kFinishingSteps; ++step) {
+    if (stands_within(kFinishedShare, bundle.information())) break;
+    if (stands_within(kConvergedShare, bundle.information())) {
+      ++finishing;
+      damping = std::max(damping, kFinishingDamping);
     }
+    auto next = lowered(bundle, damping, views);
     if (!next) break;
     bundle = std::move(*next);
     damping = std::max(kLeastDamping, 0.1 * damping);
-    if (before - bundle.information().squares < kStandingStill * before) break;
   }
   return bundle;
 }

@@ -1,14 +1,100 @@
 #include "planar_servo/calibration/readings/change_point.h"
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
-#include "planar_servo/calibration/readings/robust_errors.h"
+#include "planar_servo/calibration/readings/smooth_errors.h"
 #include "planar_servo/core/numerics/statistics.h"
 
 namespace planar {
 namespace {
+
+/// The most likely explanation of the errors with or without some step, and the outliers that go
+/// with it.
+struct Explanation {
+  SmoothFit fit;
+  SmoothErrors::Outliers outliers;
+  std::optional<StepShape> step{};
+};
+
+/// Returns by how much the others miss an error.
+Eigen::RowVector2d miss_of(const SmoothRemainders& left, Eigen::Index i) {
+  return left.weighted.row(i) / left.diagonal[i];
+}
+
+/// Returns the deviation of miss_of() per axis if the error is no outlier.
+double deviation_of_miss(const Explanation& by, const SmoothRemainders& left, Eigen::Index i) {
+  const bool is_out = by.outliers[static_cast<std::size_t>(i)];
+  const double variance = 1.0 / left.diagonal[i] - (is_out ? SmoothErrors::kNoWeight - 1.0 : 0.0);
+  return by.fit.noise * std::sqrt(std::max(1.0, variance));
+}
+
+/// Returns which errors are outliers, as the others predict them.
+SmoothErrors::Outliers outliers_beside(const SmoothErrors& errors, const Explanation& by,
+                                       const SmoothRemainders& left) {
+  constexpr long kLargestShare = 5;
+  SmoothErrors::Outliers outliers = by.outliers;
+  for (Eigen::Index i = 0; i < errors.size(); ++i)
+    outliers[static_cast<std::size_t>(i)] =
+        SmoothErrors::is_outlier(miss_of(left, i).norm(), deviation_of_miss(by, left, i));
+  const bool few = kLargestShare * std::count(outliers.begin(), outliers.end(), true) <=
+                   static_cast<long>(errors.size());
+  return few ? outliers : by.outliers;
+}
+
+/// Alternates between naming outliers and tuning until both agree.
+void leave_out_outliers(const SmoothErrors& errors, Explanation& found) {
+  constexpr int kRounds = 12;
+  for (int round = 0; round < kRounds; ++round) {
+    const SmoothRemainders left = errors.remainders(found.fit.tuning, found.outliers, found.step);
+    SmoothErrors::Outliers outliers = outliers_beside(errors, found, left);
+    if (outliers == found.outliers) return;
+    found.outliers = std::move(outliers);
+    found.fit = errors.tuned(found.fit.tuning, found.outliers, found.step);
+  }
+}
+
+SmoothErrors::Outliers no_outliers(const SmoothErrors& errors) {
+  return SmoothErrors::Outliers(static_cast<std::size_t>(errors.size()), false);
+}
+
+/// Returns the explanation without a step.
+Explanation without_step(const SmoothErrors& errors) {
+  Explanation found;
+  found.outliers = no_outliers(errors);
+  found.fit = errors.tuned({}, found.outliers, {});
+  leave_out_outliers(errors, found);
+  return found;
+}
+
+/// Returns the explanation with this step. It starts from the tuning of another, but without its
+/// outliers, because a step after which few places come explains what otherwise are outliers.
+Explanation with_step(const SmoothErrors& errors, const StepShape& step, const Explanation& start) {
+  Explanation found{start.fit, no_outliers(errors), step};
+  found.outliers =
+      outliers_beside(errors, found, errors.remainders(found.fit.tuning, found.outliers, step));
+  found.fit = errors.tuned(found.fit.tuning, found.outliers, step);
+  leave_out_outliers(errors, found);
+  return found;
+}
+
+/// Returns the errors with outliers moved to where they stop being any: a few of them beside each
+/// other may be a step.
+Eigen::MatrixX2d with_outliers_moved(const SmoothErrors& errors, const Explanation& by) {
+  constexpr double kMostDeviations = 5.0;
+  const SmoothRemainders left = errors.remainders(by.fit.tuning, by.outliers, by.step);
+  Eigen::MatrixX2d moved = errors.errors();
+  for (Eigen::Index i = 0; i < errors.size(); ++i) {
+    if (!by.outliers[static_cast<std::size_t>(i)]) continue;
+    const Eigen::RowVector2d miss = miss_of(left, i);
+    const double most = kMostDeviations * deviation_of_miss(by, left, i);
+    moved.row(i) -= std::max(0.0, 1.0 - most / miss.norm()) * miss;
+  }
+  return moved;
+}
 
 constexpr std::size_t kFewestPlaces = 32, kMostPlaces = 500;
 constexpr Eigen::Index kFewestOnASide = 5;

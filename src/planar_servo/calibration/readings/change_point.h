@@ -35,7 +35,7 @@ struct ErrorTrend {
 };
 
 /// Looks for one step in time. The errors are explained with and without a step, with the tuning
-/// and the outliers of the largest likelihood in either case (robust_errors.h); the ratio of the
+/// and the outliers of the largest likelihood in either case; the ratio of the
 /// likelihoods decides. The false alarm of all places together is at most kFalseAlarm. Each
 /// side of a step has at least five places. Of more than 500 places only every second, third, ...
 /// is asked. Empty for fewer than 32 places.

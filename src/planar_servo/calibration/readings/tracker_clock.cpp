@@ -9,15 +9,162 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
-#include "planar_servo/calibration/readings/clock_line.h"
-#include "planar_servo/calibration/readings/rests.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/numerics/decompositions.h"
 #include "planar_servo/core/numerics/statistics.h"
+#include "planar_servo/core/units.h"
 
 namespace planar {
+
 namespace {
+
+constexpr double kDensePeriod_s = 1.0;  // a tracker that reads all the time reads more often
+constexpr double kLeastRestBound = 0.02 * kMillimetre;
+constexpr double kRestSigmas = 6.0;
+constexpr std::size_t kLeastRestReadings = 5;
+
+bool is_dense(const std::vector<ToolReading>& sorted) {
+  if (sorted.size() < 2 * kLeastRestReadings) return false;
+  std::vector<double> gaps;
+  gaps.reserve(sorted.size());
+  for (std::size_t i = 1; i < sorted.size(); ++i) gaps.push_back(sorted[i].t_s - sorted[i - 1].t_s);
+  return median(gaps) < kDensePeriod_s;
+}
+
+/// Returns where the run of readings near the one at `first` ends.
+std::size_t end_of_run(const std::vector<ToolReading>& sorted, std::size_t first) {
+  const double bound = std::max(kLeastRestBound, kRestSigmas * sorted[first].sigma);
+  std::size_t end = first + 1;
+  while (end < sorted.size() && (sorted[end].p_B - sorted[first].p_B).norm() <= bound) ++end;
+  return end;
+}
+
+}  // namespace
+
+std::vector<ToolReading> readings_at_rest(std::vector<ToolReading> readings) {
+  std::stable_sort(readings.begin(), readings.end(),
+                   [](const ToolReading& a, const ToolReading& b) { return a.t_s < b.t_s; });
+  if (!is_dense(readings)) return readings;
+  std::vector<ToolReading> resting;
+  for (std::size_t first = 0; first < readings.size();) {
+    const std::size_t end = end_of_run(readings, first);
+    // The first and the last reading of a rest may be of a motion that begins or ends.
+    for (std::size_t i = first + 1; end - first >= kLeastRestReadings && i + 1 < end; ++i)
+      resting.push_back(readings[i]);
+    first = end;
+  }
+  return resting;
+}
+
+std::vector<Rest> rests_of(const std::vector<ToolReading>& sorted) {
+  std::vector<Rest> rests;
+  for (std::size_t first = 0; first < sorted.size();) {
+    const std::size_t end = end_of_run(sorted, first);
+    Rest rest{{sorted[first].t_s, sorted[end - 1].t_s}};
+    for (std::size_t i = first; i < end; ++i)
+      rest.p_B += sorted[i].p_B / static_cast<double>(end - first);
+    rests.push_back(rest);
+    first = end;
+  }
+  return rests;
+}
+
+std::vector<Look> looks_of(const std::vector<LampSight>& frames) {
+  std::map<std::string, Look> by_id;
+  for (const LampSight& frame : frames) {
+    if (!frame.fault.empty()) continue;
+    Look& look =
+        by_id.try_emplace(frame.id, Look{{frame.t_s, frame.t_s}, frame.uv_px}).first->second;
+    look.span.begin_s = std::min(look.span.begin_s, frame.t_s);
+    look.span.end_s = std::max(look.span.end_s, frame.t_s);
+  }
+  std::vector<Look> looks;
+  looks.reserve(by_id.size());
+  for (const auto& [id, look] : by_id) looks.push_back(look);
+  return looks;
+}
+
+namespace {
+
+constexpr double kMeeting_s = 0.5;  ///< by which looks may lie outside of a rest that they meet
+
+/// A look and the rest in which it was taken.
+struct Meeting {
+  const Look* look;
+  const Rest* rest;
+};
+
+constexpr int kLineRounds = 4;
+
+/// The straight line through the differences of the clocks, and what it leaves of each.
+struct ClockLine {
+  ClockLine(const std::vector<Meeting>& meetings, double middle_s) {
+    const auto n = static_cast<Eigen::Index>(meetings.size());
+    Eigen::MatrixXd A(n, 2);
+    Eigen::VectorXd b(n);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const Meeting& meeting = meetings[static_cast<std::size_t>(i)];
+      A.row(i) << 1.0, meeting.look->span.middle_s() - middle_s;
+      b[i] = meeting.rest->span.middle_s() - meeting.look->span.middle_s();
+    }
+    terms = solve_least_squares(A, b);
+    const Eigen::VectorXd residuals = b - A * terms;
+    left_s.assign(residuals.begin(), residuals.end());
+    times_squares_s2 = (A.col(1).array() - A.col(1).mean()).square().sum();
+  }
+
+  double variance_s2() const {
+    double squares = 0.0;
+    for (const double left : left_s) squares += left * left;
+    return squares / static_cast<double>(left_s.size() - 2);
+  }
+
+  Eigen::Vector2d terms;       ///< offset, seconds, and rate
+  std::vector<double> left_s;  ///< in the order of the meetings
+  double times_squares_s2;     ///< of the looks about their mean
+};
+
+/// Leaves out the meetings that lie far from the line: while a beam was broken the arm waited, and
+/// the camera looked in the beginning of that rest instead of near its middle.
+std::vector<Meeting> near_line(const ClockLine& line, const std::vector<Meeting>& meetings) {
+  constexpr double kFarSigmas = 4.0;
+  constexpr double kLeastSigma_s = 1e-3;  // clocks that agree exactly leave rounding only
+  const double far_s = kFarSigmas * std::max(robust_sigma(line.left_s), kLeastSigma_s);
+  std::vector<Meeting> near;
+  for (std::size_t i = 0; i < meetings.size(); ++i)
+    if (std::abs(line.left_s[i]) <= far_s) near.push_back(meetings[i]);
+  return near;
+}
+
+/// Returns half the time by which a look may lie elsewhere within its rest, the mean.
+double slack_s(const std::vector<Meeting>& meetings) {
+  double sum = 0.0;
+  for (const Meeting& m : meetings) {
+    const double spare_s = m.rest->span.length_s() - m.look->span.length_s();
+    sum += m.rest->span.length_s() > 0.0 ? std::max(0.0, 0.5 * spare_s) : kMeeting_s;
+  }
+  return sum / static_cast<double>(meetings.size());
+}
+
+/// Fits a clock to three meetings or more: the straight line through the differences of the clocks,
+/// without the meetings that lie far from it.
+TrackerClock fit_clock(std::vector<Meeting> meetings, double middle_s) {
+  ClockLine line(meetings, middle_s);
+  for (int round = 0; round < kLineRounds; ++round) {
+    meetings = near_line(line, meetings);
+    line = ClockLine(meetings, middle_s);
+  }
+  TrackerClock clock{line.terms[0], line.terms[1], middle_s};
+  const double variance_s2 = line.variance_s2(), slack = slack_s(meetings);
+  // Where within a rest the camera looks is the same everywhere, and unknown.
+  clock.sigma_offset_s =
+      std::sqrt(variance_s2 / static_cast<double>(meetings.size()) + slack * slack / 3.0);
+  clock.sigma_rate = std::sqrt(variance_s2 / line.times_squares_s2);
+  clock.places = meetings.size();
+  return clock;
+}
 
 constexpr std::size_t kFewestMeetings = 10;  // twice as many as the view has terms
 constexpr std::size_t kMostCandidates = 60;

@@ -10,7 +10,7 @@
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/numerics/statistics.h"
 #include "planar_servo/core/units.h"
-#include "planar_servo/offline/camera/board_images.h"
+#include "planar_servo/offline/camera/calibrate_camera.h"
 #include "planar_servo/tool/disc_image.h"
 
 namespace planar {

@@ -10,8 +10,8 @@
 #include <utility>
 
 #include "planar_servo/arm/planar_arm.h"
-#include "planar_servo/calibration/readings/reading_order.h"
-#include "planar_servo/calibration/readings/rests.h"
+#include "planar_servo/calibration/pairing.h"
+#include "planar_servo/calibration/readings/tracker_clock.h"
 #include "planar_servo/calibration/workplane_by_arm.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
