@@ -13,15 +13,15 @@
 namespace planar {
 namespace {
 
-constexpr double kCoefficientStep = 1e-5;
+constexpr double kCoefficientStep = 1e-4;
 /// Least eigenvalue of an information matrix scaled to a diagonal of ones. Below it rounding
 /// decides about the inverse.
-constexpr double kLeastEigenvalue = 1e-15;
+constexpr double kLeastEigenvalue = 1e-17;
 
 constexpr int kMostSteps = 200;
 constexpr double kFirstDamping = 1e-3, kLeastDamping = 1e-12, kMostDamping = 1e9;
-/// A fit has converged when one more step would move its parameters by less than this share of
-/// their uncertainty, which makes their error larger by an eighth at most.
+/// A fit has converged when one more step would move no combination of its parameters by more than
+/// this share of its uncertainty, which makes its error larger by an eighth at most.
 constexpr double kConvergedShare = 0.5;
 /// After that it takes a few steps more, until the share is this small. They are damped so much
 /// that terms which trade off, as those of the rational model, stay where they are instead of
@@ -35,6 +35,7 @@ constexpr double kLeastNoise_px = 1e-6;
 /// board's pose, and mixed.
 struct ViewEquations {
   Eigen::MatrixXd camera, mixed, pose;
+  Eigen::MatrixXd own;  ///< of the camera, the pose eliminated
   Eigen::VectorXd camera_gradient, pose_gradient;
   double squares{0.0}, points{0.0};
 };
@@ -79,10 +80,18 @@ std::optional<ViewEquations> equations_of(const CameraModel& camera,
           (*more - *less) / (2.0 * kCoefficientStep);
     }
   }
-  return ViewEquations{J_K.transpose() * J_K,        J_CG.transpose() * J_K,
-                       J_CG.transpose() * J_CG,      J_K.transpose() * residuals,
-                       J_CG.transpose() * residuals, residuals.squaredNorm(),
-                       static_cast<double>(rows / 2)};
+  ViewEquations result;
+  result.camera = J_K.transpose() * J_K;
+  result.mixed = J_CG.transpose() * J_K;
+  result.pose = J_CG.transpose() * J_CG;
+  // Eliminated before it is squared, which keeps twice the digits of terms that trade off.
+  const Eigen::MatrixXd J_own = J_K - J_CG * solve_symmetric(result.pose, result.mixed);
+  result.own = J_own.transpose() * J_own;
+  result.camera_gradient = J_K.transpose() * residuals;
+  result.pose_gradient = J_CG.transpose() * residuals;
+  result.squares = residuals.squaredNorm();
+  result.points = static_cast<double>(view.pixels.size());
+  return result;
 }
 
 /// Eliminates the poses from the normal equations by their Schur complement.
@@ -90,14 +99,11 @@ FitInformation information_of(const std::vector<ViewEquations>& views) {
   const Eigen::Index parameters = views.front().camera.rows();
   FitInformation sum;
   sum.camera = Eigen::MatrixXd::Zero(parameters, parameters);
-  sum.parameters = static_cast<double>(parameters) + 6.0 * static_cast<double>(views.size());
-  sum.freedom = -sum.parameters;
+  sum.freedom = -static_cast<double>(parameters) - 6.0 * static_cast<double>(views.size());
   Eigen::VectorXd gradient = Eigen::VectorXd::Zero(parameters);
   for (const ViewEquations& view : views) {
     const Eigen::VectorXd pose_step = solve_symmetric(view.pose, view.pose_gradient);
-    sum.views.push_back(
-        {view.camera - view.mixed.transpose() * solve_symmetric(view.pose, view.mixed),
-         view.camera_gradient - view.mixed.transpose() * pose_step});
+    sum.views.push_back({view.own, view.camera_gradient - view.mixed.transpose() * pose_step});
     sum.camera += sum.views.back().camera;
     gradient += sum.views.back().gradient;
     sum.decrease += view.pose_gradient.dot(pose_step);
@@ -109,12 +115,12 @@ FitInformation information_of(const std::vector<ViewEquations>& views) {
 }
 
 /// Returns whether one more step would move the parameters by less than that share of their
-/// uncertainty. A step as large as the uncertainty lowers the sum of squares by the variance times
-/// the number of parameters.
+/// uncertainty. A step as large as the uncertainty of one combination of them lowers the sum of
+/// squares by the variance.
 bool stands_within(double share, const FitInformation& information) {
   const double variance =
       std::max(information.squares / information.freedom, kLeastNoise_px * kLeastNoise_px);
-  return information.decrease <= share * share * information.parameters * variance;
+  return information.decrease <= share * share * variance;
 }
 
 Eigen::MatrixXd damped(Eigen::MatrixXd normal, double damping) {
@@ -261,9 +267,9 @@ std::optional<LensFit> fit_by_bundle(const std::vector<CalibrationView>& views, 
   std::optional<Bundle> bundle = Bundle::about(start, poses, views, 4);
   if (!bundle) return std::nullopt;
   bundle = adjusted(std::move(*bundle), views);
-  for (const Eigen::Index free : {std::min<Eigen::Index>(5, parameters), parameters}) {
-    if (free == bundle->parameters()) continue;
-    const auto richer = Bundle::about(bundle->camera(), bundle->X_CG(), views, free);
+  for (Eigen::Index coefficients = 1; bundle->parameters() < parameters; coefficients *= 8) {
+    const auto richer = Bundle::about(bundle->camera(), bundle->X_CG(), views,
+                                      std::min(4 + coefficients, parameters));
     if (!richer) return std::nullopt;
     bundle = adjusted(*richer, views);
   }

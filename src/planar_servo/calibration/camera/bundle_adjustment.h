@@ -19,9 +19,9 @@ struct LensFit {
 
 /// Fits the camera and the boards' poses to the pixels of all views by Levenberg and Marquardt
 /// [Triggs et al. 1999], through the model's own projection, whatever lens it is. It starts from
-/// the focal lengths that homographies give, without distortion, and adds the coefficients one,
-/// then all of them. Empty when the views give no start or a point lies beyond the lens model's
-/// range there.
+/// the focal lengths that homographies give, without distortion, and adds the coefficients by and
+/// by: one, then eight, then all. Empty when the views give no start or a point lies beyond the
+/// lens model's range there.
 std::optional<LensFit> fit_by_bundle(const std::vector<CalibrationView>& views, int width_px,
                                      int height_px, const CalibrationModel& model);
 
@@ -30,8 +30,7 @@ std::optional<LensFit> fit_by_bundle(const std::vector<CalibrationView>& views, 
 struct FitInformation {
   Eigen::MatrixXd camera;  ///< of fx, fy, cx, cy and the free coefficients, for a noise of 1 px
   double squares{0.0};     ///< sum of the squared distances, px^2
-  double parameters{0.0};  ///< how many there are, those of the poses included
-  double freedom{0.0};     ///< coordinates less parameters
+  double freedom{0.0};     ///< coordinates less parameters, those of the poses included
   double decrease{0.0};    ///< by which one more Gauss-Newton step would lower `squares`
 
   /// What one view adds to `camera`, and to the gradient of half the squares.
