@@ -49,9 +49,9 @@ const DivisionLens kDivisionLens{kIntrinsics, -0.25};
 
 /// The lens takes one line.
 CalibrationModels models_with_toy() {
-  return {{"pinhole", Pinhole{}, 0, true},
-          {"division", DivisionLens{}, 1, true},
-          {"plumb_bob", PlumbBob{}, 5, true}};
+  return {{"pinhole", Pinhole{}, 0, 1},
+          {"division", DivisionLens{}, 1, 2},
+          {"plumb_bob", PlumbBob{}, 5, 3}};
 }
 
 TEST_CASE("A toy lens is a camera like any other") {

@@ -253,7 +253,10 @@ ChosenModel choose_model(const CalibrationProblem& problem,
   };
   std::vector<const CalibrationModel*> tried;
   for (const CalibrationModel& model : models)
-    if (model.is_for_auto) tried.push_back(&model);
+    if (model.auto_order > 0) tried.push_back(&model);
+  std::sort(tried.begin(), tried.end(), [](const CalibrationModel* a, const CalibrationModel* b) {
+    return a->auto_order < b->auto_order;
+  });
   std::vector<std::optional<Candidate>> fitted(tried.size());
   parallel_for(
       tried.size(), static_cast<unsigned>(tried.size()), [] { return 0; },

@@ -137,12 +137,12 @@ const std::vector<CalibrationModel>& calibration_models() {
   static constexpr Intrinsics k{5200.0, 5190.0, 2570.0, 2540.0};
   static const Rational rational{k, 0.3, 0.02, -2e-4, 5e-4, 0.001, 0.42, 0.06, 0.002};
   static const std::vector<CalibrationModel> models{
-      {"pinhole", Pinhole{k}, 0, true},
-      {"plumb_bob_k1", PlumbBob{k, -0.12, 0.05, 4e-4, -3e-4, -0.01}, 1, true},
-      {"plumb_bob", PlumbBob{k, -0.12, 0.05, 4e-4, -3e-4, -0.01}, 5, true},
-      {"equidistant", KannalaBrandt{k, -0.03, 0.006, -0.002, 3e-4}, 4, true},
-      {"rational_polynomial", rational, 8, true},
+      {"pinhole", Pinhole{k}, 0, 1},
+      {"plumb_bob_k1", PlumbBob{k, -0.12, 0.05, 4e-4, -3e-4, -0.01}, 1, 2},
+      {"plumb_bob", PlumbBob{k, -0.12, 0.05, 4e-4, -3e-4, -0.01}, 5, 3},
+      {"rational_polynomial", rational, 8, 5},
       {"opencv_14", OpenCv14{rational, 4e-4, -2e-4, -3e-4, 1e-4, 0.03, -0.02}, 14},
+      {"equidistant", KannalaBrandt{k, -0.03, 0.006, -0.002, 3e-4}, 4, 4},
       {"visp", VispModel{k, 0.05, -0.047}, 2}};
   return models;
 }

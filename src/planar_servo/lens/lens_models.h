@@ -120,10 +120,10 @@ struct CalibrationModel {
   std::string name;    ///< as `--model` has it
   CameraModel sample;  ///< of its lens model, with distortion of the size that real lenses have
   std::size_t free_coefficients;  ///< how many of its first coefficients are estimated
-  bool is_for_auto{false};        ///< whether `auto` tries it
+  int auto_order{0};  ///< its place among those that `auto` tries, simplest first; 0 for others
 };
 
-/// Returns all of them, the simplest first. The lens models of files are those of the samples.
+/// Returns all of them. The lens models of files are those of the samples.
 const std::vector<CalibrationModel>& calibration_models();
 
 /// Returns the sample camera of every lens model.

@@ -20,12 +20,12 @@ constexpr double kLeastEigenvalue = 1e-17;
 
 constexpr int kMostSteps = 200;
 constexpr double kFirstDamping = 1e-3, kLeastDamping = 1e-12, kMostDamping = 1e9;
-/// A fit has converged when one more step would move no combination of its parameters by more than
-/// this share of its uncertainty, which makes its error larger by an eighth at most.
+/// A fit has converged when one more step would move its parameters by less than this share of
+/// their uncertainty, which makes their error larger by an eighth at most.
 constexpr double kConvergedShare = 0.5;
-/// After that it takes a few steps more, until the share is this small. They are damped so much
-/// that terms which trade off, as those of the rational model, stay where they are instead of
-/// running away together.
+/// It goes on until this holds for every combination of the parameters, and then takes a few steps
+/// more, until the share is this small. They are damped so much that terms which trade off, as
+/// those of the rational model, stay where they are instead of running away together.
 constexpr int kFinishingSteps = 5;
 constexpr double kFinishedShare = 1e-3, kFinishingDamping = 1e-6;
 /// Noise of a pixel coordinate below which no fit has to go.
@@ -99,7 +99,8 @@ FitInformation information_of(const std::vector<ViewEquations>& views) {
   const Eigen::Index parameters = views.front().camera.rows();
   FitInformation sum;
   sum.camera = Eigen::MatrixXd::Zero(parameters, parameters);
-  sum.freedom = -static_cast<double>(parameters) - 6.0 * static_cast<double>(views.size());
+  sum.parameters = static_cast<double>(parameters) + 6.0 * static_cast<double>(views.size());
+  sum.freedom = -sum.parameters;
   Eigen::VectorXd gradient = Eigen::VectorXd::Zero(parameters);
   for (const ViewEquations& view : views) {
     const Eigen::VectorXd pose_step = solve_symmetric(view.pose, view.pose_gradient);
@@ -114,13 +115,18 @@ FitInformation information_of(const std::vector<ViewEquations>& views) {
   return sum;
 }
 
-/// Returns whether one more step would move the parameters by less than that share of their
-/// uncertainty. A step as large as the uncertainty of one combination of them lowers the sum of
-/// squares by the variance.
-bool stands_within(double share, const FitInformation& information) {
+/// Returns by which share of its uncertainty one more step would move any combination of the
+/// parameters at most. A step as large as the uncertainty of one of them lowers the sum of squares
+/// by the variance.
+double share_to_go(const FitInformation& information) {
   const double variance =
       std::max(information.squares / information.freedom, kLeastNoise_px * kLeastNoise_px);
-  return information.decrease <= share * share * variance;
+  return std::sqrt(information.decrease / variance);
+}
+
+/// Returns whether all parameters together are as near to the end of the fit as each may be.
+bool has_converged(const FitInformation& information) {
+  return share_to_go(information) <= kConvergedShare * std::sqrt(information.parameters);
 }
 
 Eigen::MatrixXd damped(Eigen::MatrixXd normal, double damping) {
@@ -214,8 +220,9 @@ Bundle adjusted(Bundle bundle, const std::vector<CalibrationView>& views) {
   double damping = kFirstDamping;
   int finishing = 0;
   for (int step = 0; step < kMostSteps && finishing < kFinishingSteps; ++step) {
-    if (stands_within(kFinishedShare, bundle.information())) break;
-    if (stands_within(kConvergedShare, bundle.information())) {
+    const double share = share_to_go(bundle.information());
+    if (share <= kFinishedShare) break;
+    if (share <= kConvergedShare) {
       ++finishing;
       damping = std::max(damping, kFinishingDamping);
     }
@@ -274,7 +281,7 @@ std::optional<LensFit> fit_by_bundle(const std::vector<CalibrationView>& views, 
     bundle = adjusted(*richer, views);
   }
   return LensFit{bundle->camera(), bundle->X_CG(), bundle->view_rms_px(),
-                 stands_within(kConvergedShare, bundle->information())};
+                 has_converged(bundle->information())};
 } catch (const cv::Exception&) {  // how OpenCV refuses views
   return std::nullopt;
 } catch (const InputError&) {  // focal lengths that are not finite

@@ -30,7 +30,8 @@ std::optional<LensFit> fit_by_bundle(const std::vector<CalibrationView>& views, 
 struct FitInformation {
   Eigen::MatrixXd camera;  ///< of fx, fy, cx, cy and the free coefficients, for a noise of 1 px
   double squares{0.0};     ///< sum of the squared distances, px^2
-  double freedom{0.0};     ///< coordinates less parameters, those of the poses included
+  double parameters{0.0};  ///< how many there are, those of the poses included
+  double freedom{0.0};     ///< coordinates less parameters
   double decrease{0.0};    ///< by which one more Gauss-Newton step would lower `squares`
 
   /// What one view adds to `camera`, and to the gradient of half the squares.
