@@ -19,13 +19,15 @@ constexpr double kCoefficientStep = 1e-4;
 constexpr double kLeastEigenvalue = 1e-17;
 
 constexpr int kMostSteps = 200;
-constexpr double kFirstDamping = 1e-3, kLeastDamping = 1e-12, kMostDamping = 1e9;
+constexpr double kFirstDamping = 1e-3, kLeastDamping = 1e-8, kMostDamping = 1e9;
 /// A fit has converged when one more step would move its parameters by less than this share of
 /// their uncertainty, which makes their error larger by an eighth at most.
 constexpr double kConvergedShare = 0.5;
-/// It goes on until this holds for every combination of the parameters, and then takes a few steps
-/// more, until the share is this small. They are damped so much that terms which trade off, as
-/// those of the rational model, stay where they are instead of running away together.
+/// It goes on until this holds for every combination of the parameters, or until a step lowers the
+/// squares by less than this part of the variance: terms that trade off, as those of the rational
+/// model, creep on for ever. Then it takes a few steps more, until the share is small, damped so
+/// much that such terms stay where they are instead of running away together.
+constexpr double kCreeping = 0.01;
 constexpr int kFinishingSteps = 5;
 constexpr double kFinishedShare = 1e-3, kFinishingDamping = 1e-6;
 /// Noise of a pixel coordinate below which no fit has to go.
@@ -115,13 +117,15 @@ FitInformation information_of(const std::vector<ViewEquations>& views) {
   return sum;
 }
 
+double variance_of(const FitInformation& information) {
+  return std::max(information.squares / information.freedom, kLeastNoise_px * kLeastNoise_px);
+}
+
 /// Returns by which share of its uncertainty one more step would move any combination of the
 /// parameters at most. A step as large as the uncertainty of one of them lowers the sum of squares
 /// by the variance.
 double share_to_go(const FitInformation& information) {
-  const double variance =
-      std::max(information.squares / information.freedom, kLeastNoise_px * kLeastNoise_px);
-  return std::sqrt(information.decrease / variance);
+  return std::sqrt(information.decrease / variance_of(information));
 }
 
 /// Returns whether all parameters together are as near to the end of the fit as each may be.
@@ -219,15 +223,18 @@ std::optional<Bundle> lowered(const Bundle& bundle, double& damping,
 Bundle adjusted(Bundle bundle, const std::vector<CalibrationView>& views) {
   double damping = kFirstDamping;
   int finishing = 0;
+  bool creeps = false;
   for (int step = 0; step < kMostSteps && finishing < kFinishingSteps; ++step) {
-    const double share = share_to_go(bundle.information());
+    const FitInformation& before = bundle.information();
+    const double share = share_to_go(before);
     if (share <= kFinishedShare) break;
-    if (share <= kConvergedShare) {
+    if (share <= kConvergedShare || (creeps && has_converged(before))) {
       ++finishing;
       damping = std::max(damping, kFinishingDamping);
     }
     auto next = lowered(bundle, damping, views);
     if (!next) break;
+    creeps = before.squares - next->information().squares < kCreeping * variance_of(before);
     bundle = std::move(*next);
     damping = std::max(kLeastDamping, 0.1 * damping);
   }
