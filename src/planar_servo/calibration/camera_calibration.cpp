@@ -56,7 +56,7 @@ CameraUncertainty uncertainty_of(const LensFit& fit, const std::vector<Calibrati
   const auto information = fit_information(fit, views, by_visp ? 1 : model.free_coefficients);
   if (!information) refuse(model);
   const auto covariance =
-      by_visp ? visp_covariance(fit, views) : covariance_from(information->camera);
+      by_visp ? visp_covariance(fit, views) : covariance_from(jacobians_of(*information));
   if (!covariance) refuse(model);
   const CameraUncertainty uncertainty{*covariance * (information->squares / information->freedom),
                                       scatter_over_views(*information)};

@@ -14,9 +14,9 @@ namespace planar {
 namespace {
 
 constexpr double kCoefficientStep = 1e-4;
-/// Least eigenvalue of an information matrix scaled to a diagonal of ones. Below it rounding
-/// decides about the inverse.
-constexpr double kLeastEigenvalue = 1e-17;
+/// Least singular value of a Jacobian scaled to columns of length 1. Below it the rounding of its
+/// differences decides about the inverse.
+constexpr double kLeastSingularValue = 1e-9;
 
 constexpr int kMostSteps = 200;
 constexpr double kFirstDamping = 1e-3, kLeastDamping = 1e-8, kMostDamping = 1e9;
@@ -37,7 +37,7 @@ constexpr double kLeastNoise_px = 1e-6;
 /// board's pose, and mixed.
 struct ViewEquations {
   Eigen::MatrixXd camera, mixed, pose;
-  Eigen::MatrixXd own;  ///< of the camera, the pose eliminated
+  Eigen::MatrixXd J_own;  ///< of the camera, the pose eliminated
   Eigen::VectorXd camera_gradient, pose_gradient;
   double squares{0.0}, points{0.0};
 };
@@ -86,9 +86,7 @@ std::optional<ViewEquations> equations_of(const CameraModel& camera,
   result.camera = J_K.transpose() * J_K;
   result.mixed = J_CG.transpose() * J_K;
   result.pose = J_CG.transpose() * J_CG;
-  // Eliminated before it is squared, which keeps twice the digits of terms that trade off.
-  const Eigen::MatrixXd J_own = J_K - J_CG * solve_symmetric(result.pose, result.mixed);
-  result.own = J_own.transpose() * J_own;
+  result.J_own = J_K - J_CG * solve_symmetric(result.pose, result.mixed);
   result.camera_gradient = J_K.transpose() * residuals;
   result.pose_gradient = J_CG.transpose() * residuals;
   result.squares = residuals.squaredNorm();
@@ -106,8 +104,8 @@ FitInformation information_of(const std::vector<ViewEquations>& views) {
   Eigen::VectorXd gradient = Eigen::VectorXd::Zero(parameters);
   for (const ViewEquations& view : views) {
     const Eigen::VectorXd pose_step = solve_symmetric(view.pose, view.pose_gradient);
-    sum.views.push_back({view.own, view.camera_gradient - view.mixed.transpose() * pose_step});
-    sum.camera += sum.views.back().camera;
+    sum.views.push_back({view.J_own, view.camera_gradient - view.mixed.transpose() * pose_step});
+    sum.camera += view.J_own.transpose() * view.J_own;
     gradient += sum.views.back().gradient;
     sum.decrease += view.pose_gradient.dot(pose_step);
     sum.squares += view.squares;
@@ -125,7 +123,7 @@ double variance_of(const FitInformation& information) {
 /// parameters at most. A step as large as the uncertainty of one of them lowers the sum of squares
 /// by the variance.
 double share_to_go(const FitInformation& information) {
-  return std::sqrt(information.decrease / variance_of(information));
+  return std::sqrt(std::max(0.0, information.decrease) / variance_of(information));
 }
 
 /// Returns whether all parameters together are as near to the end of the fit as each may be.
@@ -304,26 +302,41 @@ std::optional<FitInformation> fit_information(const LensFit& fit,
   return bundle->information();
 }
 
+std::vector<Eigen::MatrixXd> jacobians_of(const FitInformation& information) {
+  std::vector<Eigen::MatrixXd> jacobians;
+  for (const FitInformation::OfView& view : information.views) jacobians.push_back(view.J_camera);
+  return jacobians;
+}
+
 std::optional<Eigen::MatrixXd> scatter_over_views(const FitInformation& information) {
   const auto n = static_cast<double>(information.views.size());
   Eigen::MatrixXd steps(information.camera.rows(), information.views.size());
   for (std::size_t i = 0; i < information.views.size(); ++i) {
-    const FitInformation::OfView& view = information.views[i];
-    const auto inverse = covariance_from(information.camera - view.camera);
+    std::vector<Eigen::MatrixXd> others = jacobians_of(information);
+    others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
+    const auto inverse = covariance_from(others);
     if (!inverse) return std::nullopt;
-    steps.col(static_cast<Eigen::Index>(i)) = *inverse * view.gradient;
+    steps.col(static_cast<Eigen::Index>(i)) = *inverse * information.views[i].gradient;
   }
   steps.colwise() -= steps.rowwise().mean().eval();
   return Eigen::MatrixXd((n - 1.0) / n * steps * steps.transpose());
 }
 
-std::optional<Eigen::MatrixXd> covariance_from(const Eigen::MatrixXd& information) {
-  const Eigen::VectorXd scale = information.diagonal().cwiseSqrt().cwiseInverse();
-  const Eigen::MatrixXd scaled = scale.asDiagonal() * information * scale.asDiagonal();
-  if (!scaled.allFinite()) return std::nullopt;
-  if (!(symmetric_eigenvalues(scaled)[0] > kLeastEigenvalue)) return std::nullopt;
-  return solve_symmetric(information,
-                         Eigen::MatrixXd::Identity(information.rows(), information.cols()));
+std::optional<Eigen::MatrixXd> covariance_from(const std::vector<Eigen::MatrixXd>& jacobians) {
+  Eigen::Index rows = 0;
+  for (const Eigen::MatrixXd& J : jacobians) rows += J.rows();
+  Eigen::MatrixXd stacked(rows, jacobians.at(0).cols());
+  for (const Eigen::MatrixXd& J : jacobians) {
+    rows -= J.rows();
+    stacked.middleRows(rows, J.rows()) = J;
+  }
+  const Eigen::VectorXd scale = stacked.colwise().norm().cwiseInverse();
+  stacked *= scale.asDiagonal();
+  if (!stacked.allFinite()) return std::nullopt;
+  const SingularValues svd = singular_values(stacked);
+  if (!(svd.values.minCoeff() > kLeastSingularValue)) return std::nullopt;
+  const Eigen::MatrixXd root = scale.asDiagonal() * svd.V * svd.values.cwiseInverse().asDiagonal();
+  return root * root.transpose();
 }
 
 }  // namespace planar

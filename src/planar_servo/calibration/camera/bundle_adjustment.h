@@ -34,9 +34,10 @@ struct FitInformation {
   double freedom{0.0};     ///< coordinates less parameters
   double decrease{0.0};    ///< by which one more Gauss-Newton step would lower `squares`
 
-  /// What one view adds to `camera`, and to the gradient of half the squares.
+  /// What one view adds to the gradient of half the squares, and to `camera`: the square of its
+  /// Jacobian.
   struct OfView {
-    Eigen::MatrixXd camera;
+    Eigen::MatrixXd J_camera;
     Eigen::VectorXd gradient;
   };
   std::vector<OfView> views;
@@ -54,7 +55,11 @@ std::optional<FitInformation> fit_information(const LensFit& fit,
 /// wrong together. Empty when the views without one of them do not determine the camera.
 std::optional<Eigen::MatrixXd> scatter_over_views(const FitInformation& information);
 
-/// Returns the inverse of an information matrix. Empty when it is singular to working precision.
-std::optional<Eigen::MatrixXd> covariance_from(const Eigen::MatrixXd& information);
+/// Returns the covariance of parameters with these Jacobians, stacked, for a variance of 1: the
+/// inverse of the sum of their squares. Empty when it is singular to working precision.
+std::optional<Eigen::MatrixXd> covariance_from(const std::vector<Eigen::MatrixXd>& jacobians);
+
+/// Returns the Jacobians of the camera by all views.
+std::vector<Eigen::MatrixXd> jacobians_of(const FitInformation& information);
 
 }  // namespace planar

@@ -112,10 +112,10 @@ Eigen::Matrix<double, 4, 11> jacobian_of_distances(const Variables& at) {
   return J;
 }
 
-/// Holds the normal matrix of the camera with one view, whose pose is eliminated, and the
+/// Holds the Jacobian of the camera with one view, whose pose is eliminated, and the
 /// covariance of the gradient for a variance of 1 px^2 of each pixel coordinate.
 struct ViewShare {
-  Eigen::MatrixXd normal, gradient;
+  Eigen::MatrixXd own, gradient;
 };
 
 ViewShare share_of(const VispModel& camera, const Pose& X_CG, const CalibrationView& view) {
@@ -133,7 +133,7 @@ ViewShare share_of(const VispModel& camera, const Pose& X_CG, const CalibrationV
   }
   const Eigen::MatrixXd of_pose = solve_symmetric(J_CG.transpose() * J_CG, J_CG.transpose() * J_K);
   const Eigen::MatrixXd own = J_K - J_CG * of_pose;
-  ViewShare share{own.transpose() * own, Eigen::MatrixXd::Zero(6, 6)};
+  ViewShare share{own, Eigen::MatrixXd::Zero(6, 6)};
   for (Eigen::Index row = 0; row < rows; row += 4) {
     const Eigen::MatrixXd influence = own.middleRows<4>(row).transpose() * J_I.middleRows<4>(row);
     share.gradient += influence * influence.transpose();
@@ -183,13 +183,14 @@ std::optional<LensFit> fit_by_visp(const std::vector<CalibrationView>& views, in
 std::optional<Eigen::MatrixXd> visp_covariance(const LensFit& fit,
                                                const std::vector<CalibrationView>& views) {
   const VispModel& camera = *fit.camera.as<VispModel>();
-  Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(6, 6), gradient = normal;
+  std::vector<Eigen::MatrixXd> jacobians;
+  Eigen::MatrixXd gradient = Eigen::MatrixXd::Zero(6, 6);
   for (std::size_t i = 0; i < views.size(); ++i) {
     const ViewShare share = share_of(camera, fit.X_CG[i], views[i]);
-    normal += share.normal;
+    jacobians.push_back(share.own);
     gradient += share.gradient;
   }
-  const auto inverse = covariance_from(normal);
+  const auto inverse = covariance_from(jacobians);
   if (!inverse) return std::nullopt;
   return *inverse * gradient * *inverse;
 }
