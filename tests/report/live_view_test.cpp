@@ -42,12 +42,12 @@ std::size_t green_pixels(const vpImage<vpRGBa>& picture, unsigned from_x, unsign
 TEST_CASE("A lamp's cross stands where the lamp is in the frame, one off the frame is left out") {
   vpImage<vpRGBa> picture;
   // A quarter of the way across and half of the way down the panel of 512 pixels at (16, 48).
-  drawing_of(view_with_lamp_at({1063.5, 2127.5}))(picture);
+  plot_of(view_with_lamp_at({1063.5, 2127.5}))(picture);
   REQUIRE(picture.getWidth() == kViewWidth);
   REQUIRE(picture.getHeight() == kViewHeight);
   CHECK(is_green(picture[48 + 256][16 + 128]));
   CHECK(green_pixels(picture, 16, 528, 48, 560) == green_pixels(picture, 134, 154, 294, 314));
-  drawing_of(view_with_lamp_at({999.0, 2127.5}))(picture);
+  plot_of(view_with_lamp_at({999.0, 2127.5}))(picture);
   CHECK(green_pixels(picture, 16, 528, 48, 560) == 0);
 }
 
@@ -55,7 +55,7 @@ TEST_CASE("Errors of nothing, of kilometres and without a frame can be drawn") {
   vpImage<vpRGBa> picture;
   ServoView view;
   view.errors_m = {{0.0, 0.0}, {1e6, -1e6}};
-  drawing_of(view)(picture);
+  plot_of(view)(picture);
   CHECK(picture.getWidth() == kViewWidth);
 }
 
@@ -63,13 +63,13 @@ TEST_CASE("The picture file shows the newest view, however many came before") {
   const test::TemporaryFolder folder;
   const auto file = folder.path() / "view.png";
   LiveView live(file, false, "view");
-  for (int i = 0; i < 50; ++i) live.show(drawing_of(view_with_lamp_at({1010.0 + i, 2100.0})));
+  for (int i = 0; i < 50; ++i) live.show(plot_of(view_with_lamp_at({1010.0 + i, 2100.0})));
   const ServoView last = view_with_lamp_at({1200.0, 2200.0});
-  live.show(drawing_of(last));
+  live.show(plot_of(last));
   CHECK_FALSE(live.close());
   vpImage<vpRGBa> saved, expected;
   vpImageIo::read(saved, file.string());
-  drawing_of(last)(expected);
+  plot_of(last)(expected);
   const bool same = saved == expected;
   CHECK(same);
   CHECK(std::distance(std::filesystem::directory_iterator(folder.path()), {}) == 1);
@@ -77,7 +77,7 @@ TEST_CASE("The picture file shows the newest view, however many came before") {
 
 TEST_CASE("A picture that cannot be written is told at the end") {
   LiveView live("/nowhere/at/all/view.png", false, "view");
-  live.show(drawing_of(view_with_lamp_at({1010.0, 2100.0})));
+  live.show(plot_of(view_with_lamp_at({1010.0, 2100.0})));
   CHECK(live.close());
 }
 
@@ -87,10 +87,10 @@ TEST_CASE("The picture of a board has its dots where they are, green once it sta
   view.dots_px = {{399.5, 199.5}};
   view.open_px = {{0.0, 0.0, 100.0, 50.0}};
   vpImage<vpRGBa> picture;
-  drawing_of(view)(picture);
+  plot_of(view)(picture);
   CHECK(green_pixels(picture, 16, 528, 48, 560) == 0);
   view.good = true;
-  drawing_of(view)(picture);
+  plot_of(view)(picture);
   // The picture is 512 pixels wide in the panel, and 256 high.
   CHECK(is_green(picture[48 + 128][16 + 256]));
   CHECK(green_pixels(picture, 16, 528, 48, 560) == green_pixels(picture, 262, 282, 166, 186));

@@ -9,9 +9,9 @@
 #include "planar_servo/core/units.h"
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/io/sha256.h"
-#include "planar_servo/report/figure/figure.h"
-#include "planar_servo/report/figure/places.h"
 #include "planar_servo/report/html_page.h"
+#include "planar_servo/report/plot/places.h"
+#include "planar_servo/report/plot/plot.h"
 #include "planar_servo/report/text_table.h"
 
 namespace planar {
@@ -260,7 +260,7 @@ std::string certificate_page(const Certificate& certificate) {
   if (certificate.accuracy.workspace)
     page.add_html(workspace_table(*certificate.accuracy.workspace));
   page.add_html("</div></div>\n<div class=\"figure\">");
-  page.add_html(figure_svg({workspace_panel(run), pose_panel(run)}));
+  page.add_html(plot_svg({workspace_panel(run), pose_panel(run)}));
   page.add_html("</div>\n");
   page.add_paragraph(place_words(run.places));
   if (certificate.budget) {

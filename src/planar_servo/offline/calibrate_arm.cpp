@@ -13,9 +13,9 @@
 #include "planar_servo/files/tables/pair_table.h"
 #include "planar_servo/files/tool_file.h"
 #include "planar_servo/offline/page_of_file.h"
-#include "planar_servo/report/figure/figure.h"
-#include "planar_servo/report/figure/places.h"
-#include "planar_servo/report/quiver_figure.h"
+#include "planar_servo/report/plot/places.h"
+#include "planar_servo/report/plot/plot.h"
+#include "planar_servo/report/quiver_plot.h"
 #include "planar_servo/report/text_table.h"
 
 namespace planar {
@@ -61,7 +61,7 @@ Panel motor_panel(const ArmFit& fit, int motor, const Axis& miss_axis) {
 
 std::string motor_plot(const ArmFit& fit) {
   const Axis axis = axis_over("read minus predicted, mm", components_of(misses_mm(fit)));
-  return figure_svg(
+  return plot_svg(
       {motor_panel(fit, 0, axis), motor_panel(fit, 1, axis), motor_panel(fit, 2, axis)});
 }
 
@@ -76,7 +76,7 @@ std::string place_plot(const ArmFit& fit) {
   panels.push_back(histogram("Their components", "read minus predicted, mm",
                              components_of(misses_mm(fit)),
                              {fit.stated_sigma / kMillimetre, "the tracker's deviation"}));
-  return figure_svg(panels);
+  return plot_svg(panels);
 }
 
 void doubt_open_terms(const ArmFit& fit, Verdict& verdict) {

@@ -155,7 +155,7 @@ void GuidedBoard::show(const PlanRow& row, const Frame& frame, const BoardSight&
   view.covered_px = views.guide.covered_px();
   for (const PictureCorner corner : views.guide.choice().open_corners())
     view.open_px.push_back(corner_of_picture(corner, sensor_px()));
-  display_->show(drawing_of(std::move(view)));
+  display_->show(plot_of(std::move(view)));
 }
 
 void GuidedBoard::note_sight(const std::string& id, bool is_seen, const BoardAdvice& advice) {

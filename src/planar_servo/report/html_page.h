@@ -30,7 +30,7 @@ class HtmlPage {
   void add_paragraph(const std::string& text);
   /// Adds the verdict's sentence, and the remedies as a list.
   void add_verdict(const Verdict& verdict);
-  /// Adds a piece that is HTML already: a table or an SVG figure.
+  /// Adds a piece that is HTML already: a table or an SVG plot.
   void add_html(const std::string& html) { body_ += html; }
   /// Adds rules of CSS, which overrule those that every page has.
   void add_style(const std::string& css) { style_ += css; }

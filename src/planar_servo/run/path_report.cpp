@@ -10,8 +10,8 @@
 #include "planar_servo/core/units.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/io/yaml_writer.h"
-#include "planar_servo/report/figure/figure.h"
-#include "planar_servo/report/figure/places.h"
+#include "planar_servo/report/plot/places.h"
+#include "planar_servo/report/plot/plot.h"
 #include "planar_servo/run/servo_report.h"
 
 namespace planar {
@@ -91,7 +91,7 @@ std::string panels_of(const DrawnGuidance& drawn, const std::vector<DrawnWay>& w
     }
     if (speeds > 0) panels.push_back(panel);
   }
-  return panels.empty() ? "" : figure_svg(panels);
+  return panels.empty() ? "" : plot_svg(panels);
 }
 
 /// The path's own line, and looks drawn beside it.
@@ -173,7 +173,7 @@ std::string speed_svg(const std::vector<PathSpeedResult>& results) {
     panel.add_note("solid: 95 % are below; dashed: mean");
     panels.push_back(panel);
   }
-  return panels.empty() ? "" : figure_svg(panels);
+  return panels.empty() ? "" : plot_svg(panels);
 }
 
 double in_mm(double metres) {

@@ -38,7 +38,7 @@ void ServoDisplay::show(const ServoSight& sight) {
   view.frame = sight.frame;
   view.errors_m = errors_m_;
   view.stop_below_m = sight.step.stop_below_m;
-  view_->show(drawing_of(std::move(view)));
+  view_->show(plot_of(std::move(view)));
 }
 
 void ServoDisplay::close() {

@@ -11,7 +11,7 @@
 #include "planar_servo/devices/frame_source.h"
 #include "planar_servo/files/tables/result_table.h"
 #include "planar_servo/report/html_page.h"
-#include "planar_servo/report/quiver_figure.h"
+#include "planar_servo/report/quiver_plot.h"
 #include "planar_servo/report/report_list.h"
 #include "planar_servo/run/servo_run.h"
 

@@ -9,8 +9,8 @@
 
 #include "planar_servo/core/numerics/statistics.h"
 #include "planar_servo/core/units.h"
-#include "planar_servo/report/figure/figure.h"
-#include "planar_servo/report/figure/places.h"
+#include "planar_servo/report/plot/places.h"
+#include "planar_servo/report/plot/plot.h"
 
 namespace planar {
 namespace {
@@ -92,7 +92,7 @@ std::string length_svg(const std::string& title, const std::vector<CirclePlace>&
     panel.add_key(color,
                   fmt::format("radius {} mm: {:.3f} mm in the mean", radius_mm, mean(lengths)));
   }
-  return figure_svg({panel});
+  return plot_svg({panel});
 }
 
 /// Draws where the first run looked, with what vision sees beside the plan.
@@ -110,7 +110,7 @@ std::string places_svg(const std::vector<CirclePlace>& places) {
   panel.add_dots({{0.0, 0.0}}, {"#111"}, 4.0);
   panel.add_note("lines: from the plan to what is seen, magnified");
   panel.add_note("large dot: the base's axis");
-  return figure_svg({panel});
+  return plot_svg({panel});
 }
 
 /// The components of the vision error at one place in two runs, millimetres.
@@ -180,7 +180,7 @@ std::string correlation_svg(const std::vector<CirclePlace>& places) {
   }
   for (std::size_t i = 0; i < keys.size(); ++i)
     alike.add_key(kSeriesColors[i % std::size(kSeriesColors)], keys[i]);
-  return figure_svg({alike, change});
+  return plot_svg({alike, change});
 }
 
 }  // namespace

@@ -7,8 +7,8 @@
 
 #include "planar_servo/core/numerics/statistics.h"
 #include "planar_servo/core/units.h"
-#include "planar_servo/report/figure/figure.h"
-#include "planar_servo/report/figure/places.h"
+#include "planar_servo/report/plot/places.h"
+#include "planar_servo/report/plot/plot.h"
 
 namespace planar {
 namespace {
@@ -64,7 +64,7 @@ std::string target_svg(const ExperimentReport& report) {
   }
   panel.add_dots({{0.0, 0.0}}, {"#111"}, 4.0);
   panel.add_note("large dot: the base's axis");
-  return figure_svg({panel});
+  return plot_svg({panel});
 }
 
 /// Draws each target's error, in the order in which the arm goes to them.
@@ -81,7 +81,7 @@ std::string before_after_svg(const ExperimentReport& report) {
     panel.add_dots(points, {series.color}, 3.0);
     panel.add_key(series.color, key_of(series));
   }
-  return figure_svg({panel});
+  return plot_svg({panel});
 }
 
 /// Draws for each length the share of the targets that end nearer.
@@ -167,8 +167,8 @@ std::optional<ReportPlot> spread_plot(const ExperimentReport& report) {
       "a steep one has no stragglers. Middle and right, the components of the errors of both "
       "chains, each on a scale of its own, with a normal curve of the same rms: a histogram that "
       "is not about zero has an error in common to many targets.",
-      figure_svg({cumulative_panel(report), component_histogram("The paper's chain", report.paper),
-                  component_histogram("Ours", report.ours)})};
+      plot_svg({cumulative_panel(report), component_histogram("The paper's chain", report.paper),
+                component_histogram("Ours", report.ours)})};
 }
 
 std::optional<ReportPlot> convergence_plot(const std::vector<StepError>& ours,
@@ -190,8 +190,8 @@ std::optional<ReportPlot> convergence_plot(const std::vector<StepError>& ours,
       "where the servo is content. Look for lines that rise or go on longer than the others. Ours "
       "is aimed by the arm that was found and begins close to the target. What vision cannot see "
       "is not in this figure, but in the true errors above.",
-      figure_svg({way_panel("The paper's chain", corrections, errors, paper, kSeriesColors[1]),
-                  way_panel("Ours", corrections, errors, ours, kSeriesColors[0])})};
+      plot_svg({way_panel("The paper's chain", corrections, errors, paper, kSeriesColors[1]),
+                way_panel("Ours", corrections, errors, ours, kSeriesColors[0])})};
 }
 
 }  // namespace planar

@@ -7,7 +7,7 @@
 
 #include "planar_servo/core/numerics/statistics.h"
 #include "planar_servo/core/units.h"
-#include "planar_servo/report/figure/figure.h"
+#include "planar_servo/report/plot/plot.h"
 
 namespace planar {
 namespace {
@@ -73,7 +73,7 @@ std::optional<ReportPlot> lamp_plot(const std::vector<LampEdges>& lamps) {
                   "the points leave the circle: an irregular rim pulls the centre, and pulls it "
                   "elsewhere when the tool is seen from another side.",
                   lamps.front().image),
-      figure_svg(panels));
+      plot_svg(panels));
 }
 
 }  // namespace planar

@@ -8,8 +8,8 @@
 
 #include "planar_servo/core/numerics/statistics.h"
 #include "planar_servo/core/units.h"
-#include "planar_servo/report/figure/figure.h"
-#include "planar_servo/report/figure/places.h"
+#include "planar_servo/report/plot/places.h"
+#include "planar_servo/report/plot/plot.h"
 
 namespace planar {
 namespace {
@@ -60,7 +60,7 @@ std::string field_svg(const PlotData& data, const DrawnMap& drawn) {
   field.add_field(predicted_mm, scale);
   field.add_dots(checks_mm, {"", &scale, measured_mm}, 5.0);
   field.add_color_bar(scale);
-  return figure_svg({known, field});
+  return plot_svg({known, field});
 }
 
 std::vector<Eigen::Vector2d> curve_of(const std::vector<PredictedPlace>& circle,
@@ -111,7 +111,7 @@ std::string prediction_svg(const PlotData& data, const DrawnMap& drawn) {
         fmt::format("left of the vectors: {:.3f} mm in the mean", left_mm(circle, drawn)));
     panels.push_back(std::move(panel));
   }
-  return figure_svg(panels);
+  return plot_svg(panels);
 }
 
 std::string field_caption(const std::string& map, const std::string& look) {

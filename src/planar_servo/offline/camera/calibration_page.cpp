@@ -11,8 +11,8 @@
 #include "planar_servo/core/numerics/statistics.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/offline/page_of_file.h"
-#include "planar_servo/report/figure/figure.h"
-#include "planar_servo/report/figure/places.h"
+#include "planar_servo/report/plot/places.h"
+#include "planar_servo/report/plot/plot.h"
 
 namespace planar {
 
@@ -291,14 +291,14 @@ std::string camera_page(const CameraCalibration& found, const std::filesystem::p
   HtmlPage page = page_about("Camera", file);
   page.add_verdict(camera_verdict(found));
   page.add_heading("Where the boards were seen");
-  page.add_html(figure_svg({residual_panel(found), coverage_panel(found, coverage)}));
+  page.add_html(plot_svg({residual_panel(found), coverage_panel(found, coverage)}));
   page.add_paragraph(
       "Left: how far each point of the boards was seen from where the model puts it; a line begins "
       "at the dot. Lines in all directions are noise; neighbours that point the same way show a "
       "lens that is not of this model, which the error map takes up. Right: how many points each "
       "part of the picture has; white has none.");
   page.add_heading("What it is worth");
-  page.add_html(figure_svg({plane_panel(found), view_panel(found), residual_histogram(found)}));
+  page.add_html(plot_svg({plane_panel(found), view_panel(found), residual_histogram(found)}));
   page.add_paragraph(fmt::format(
       "Left: how far a point of a plane {:.0f} mm away may be off because the camera's model is "
       "uncertain (one standard deviation, both axes together), once the plane's pose has been "

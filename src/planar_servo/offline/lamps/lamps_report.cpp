@@ -12,8 +12,8 @@
 #include "planar_servo/core/numerics/statistics.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/offline/page_of_file.h"
-#include "planar_servo/report/figure/figure.h"
-#include "planar_servo/report/figure/places.h"
+#include "planar_servo/report/plot/places.h"
+#include "planar_servo/report/plot/plot.h"
 #include "planar_servo/report/text_table.h"
 
 namespace planar {
@@ -144,8 +144,8 @@ std::string repeat_plot(const std::vector<RepeatedSight>& sights, std::size_t im
     }
   Panel series("Scatter at rest", image_axis(images), axis_over("from the place's mean, px", offs));
   series.add_dots(dots);
-  return figure_svg({series, histogram("Scatter over what is stated", "pull, in stated deviations",
-                                       pulls, {1.0, "the stated deviation"})});
+  return plot_svg({series, histogram("Scatter over what is stated", "pull, in stated deviations",
+                                     pulls, {1.0, "the stated deviation"})});
 }
 
 std::optional<double> pull_rms(const std::vector<RepeatedSight>& sights) {
@@ -273,7 +273,7 @@ std::string lamps_page(const LocateReport& report, const std::filesystem::path& 
   const SeenLamps seen = seen_lamps(report.rows);
   if (!seen.series.empty()) {
     page.add_html(
-        figure_svg({place_panel(seen, sensor_px), deviation_panel(seen, report.rows.size())}));
+        plot_svg({place_panel(seen, sensor_px), deviation_panel(seen, report.rows.size())}));
     page.add_paragraph(
         "Left: every lamp in the whole picture; places that the arm reaches but no dot shows were "
         "not recorded. Right: how well the lamps of an image are known, as the image itself says.");

@@ -11,9 +11,9 @@
 #include "planar_servo/core/text.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/offline/page_of_file.h"
-#include "planar_servo/report/figure/figure.h"
-#include "planar_servo/report/figure/places.h"
-#include "planar_servo/report/quiver_figure.h"
+#include "planar_servo/report/plot/places.h"
+#include "planar_servo/report/plot/plot.h"
+#include "planar_servo/report/quiver_plot.h"
 #include "planar_servo/tool/vision_tip.h"
 
 namespace planar {
@@ -113,14 +113,14 @@ std::string field_plot(const MapView& view) {
   add_hull(error, view.region);
   error.add_arrows(values.arrow_places, values.arrows, arrows_over(values.arrows, "mm"), {"#111"});
   error.add_color_bar(sizes);
-  if (!any_finite(values.sigmas)) return figure_svg({error});
+  if (!any_finite(values.sigmas)) return plot_svg({error});
   const ColorScale sigmas("standard deviation per axis, mm", values.sigmas,
                           ColorScale::Steps::kDecades);
   uncertainty.add_field(values.sigmas, sigmas);
   add_hull(uncertainty, view.region);
   uncertainty.add_dots(in_mm(view.places), {"#111"}, 1.8);
   uncertainty.add_color_bar(sigmas);
-  return figure_svg({error, uncertainty});
+  return plot_svg({error, uncertainty});
 }
 
 Panel left_histogram(const MapView& view) {
@@ -265,10 +265,10 @@ std::string map_page(const MapView& view, const std::filesystem::path& file) {
     std::vector<Panel> panels =
         quiver_panels({quiver_of("Without the map", view.places, view.raw), left});
     panels.push_back(left_histogram(view));
-    page.add_html(figure_svg(panels));
+    page.add_html(plot_svg(panels));
     page.add_paragraph(std::string("Every place is met by what the others say. ") + kQuiverCaption);
     if (!view.compared.empty()) {
-      page.add_html(figure_svg({comparison_panel(view.compared)}));
+      page.add_html(plot_svg({comparison_panel(view.compared)}));
       page.add_paragraph(
           "The first way is taken unless another one's median is smaller by a tenth: of two curves "
           "the left one misses the places by less.");

@@ -10,9 +10,9 @@
 #include "planar_servo/core/units.h"
 #include "planar_servo/offline/page_of_file.h"
 #include "planar_servo/offline/pairs/recording_check.h"
-#include "planar_servo/report/figure/figure.h"
-#include "planar_servo/report/figure/places.h"
-#include "planar_servo/report/quiver_figure.h"
+#include "planar_servo/report/plot/places.h"
+#include "planar_servo/report/plot/plot.h"
+#include "planar_servo/report/quiver_plot.h"
 #include "planar_servo/report/text_table.h"
 
 namespace planar {
@@ -53,9 +53,9 @@ std::string error_plots(const std::vector<PairRow>& pairs, const Summary& raw) {
   const double rms_mm = raw.rms / kMillimetre / std::sqrt(2.0);
   std::vector<Panel> panels = quiver_panels({errors});
   panels.push_back(series_panel(pairs, mm));
-  return figure_svg(panels) +
-         figure_svg({histogram("The error's components", "vision minus tracker, mm",
-                               components_of(mm), {rms_mm, "their rms"})});
+  return plot_svg(panels) +
+         plot_svg({histogram("The error's components", "vision minus tracker, mm",
+                             components_of(mm), {rms_mm, "their rms"})});
 }
 
 /// What neither field nor drift explains of the errors, and the step that does, dashed.
@@ -74,7 +74,7 @@ std::string step_plot(const RecordedStep& step) {
     panel.add_line({{order.from, 0.0}, {first, 0.0}, {first, size_mm}, {order.to, size_mm}},
                    Panel::Stroke::kDashed);
   }
-  return figure_svg({panel});
+  return plot_svg({panel});
 }
 
 TextTable monument_table(const DatumRegistration& datum) {

@@ -70,7 +70,7 @@ void write_texts(const BoardView& view, Canvas& canvas) {
 
 }  // namespace
 
-Drawing drawing_of(BoardView view) {
+ViewPlot plot_of(BoardView view) {
   return [view = std::move(view)](vpImage<vpRGBa>& picture) {
     Canvas canvas(picture);
     canvas.write(kFramePanel.x, 16, view.title, kInk);

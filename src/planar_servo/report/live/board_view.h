@@ -24,6 +24,6 @@ struct BoardView {
 
 /// Draws a view: the picture with the dots seen (green, or orange while they move), those of the
 /// views taken (blue) and frames where a view should reach to, and the texts beside it.
-Drawing drawing_of(BoardView view);
+ViewPlot plot_of(BoardView view);
 
 }  // namespace planar

@@ -34,7 +34,7 @@ struct LiveView::Impl {
     vpImage<vpRGBa> picture(kViewHeight, kViewWidth);
     std::optional<XWindow> window;
     if (windowed) window.emplace(title, kViewWidth, kViewHeight);
-    while (const Drawing draw = wait_for_drawing()) {
+    while (const ViewPlot draw = wait_for_plot()) {
       draw(picture);
       save(picture);
       if (window) window->show(picture);
@@ -42,7 +42,7 @@ struct LiveView::Impl {
   }
 
   /// Waits for the next view; empty when there will be none.
-  Drawing wait_for_drawing() {
+  ViewPlot wait_for_plot() {
     std::unique_lock<std::mutex> lock(mutex);
     changed.wait(lock, [&] { return newest || closing; });
     return std::exchange(newest, nullptr);
@@ -60,7 +60,7 @@ struct LiveView::Impl {
   std::string title;
   std::mutex mutex;
   std::condition_variable changed;
-  Drawing newest;
+  ViewPlot newest;
   bool closing{false};
   std::optional<std::string> failure;  ///< read only after the thread has ended
   std::thread thread;                  ///< declared last, because it uses all other members
@@ -73,10 +73,10 @@ LiveView::~LiveView() {
   close();
 }
 
-void LiveView::show(Drawing drawing) {
+void LiveView::show(ViewPlot plot) {
   {
     const std::lock_guard<std::mutex> lock(impl_->mutex);
-    impl_->newest = std::move(drawing);
+    impl_->newest = std::move(plot);
   }
   impl_->changed.notify_one();
 }

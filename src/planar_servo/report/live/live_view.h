@@ -18,7 +18,7 @@ constexpr unsigned kViewWidth = 1000;
 constexpr unsigned kViewHeight = 580;
 
 /// Draws a view on a picture of kViewWidth x kViewHeight pixels.
-using Drawing = std::function<void(vpImage<vpRGBa>& picture)>;
+using ViewPlot = std::function<void(vpImage<vpRGBa>& picture)>;
 
 /// Shows the newest view in a picture file and, on request, in a window. A thread of its own draws:
 /// show() never waits for it, and views that come faster than they can be drawn are skipped. A
@@ -32,8 +32,8 @@ class LiveView {
   LiveView(const LiveView&) = delete;
   LiveView& operator=(const LiveView&) = delete;
 
-  /// `drawing` is called by the thread that draws.
-  void show(Drawing drawing);
+  /// `plot` is called by the thread that draws.
+  void show(ViewPlot plot);
 
   /// Draws the newest view and ends. Returns what went wrong, if anything did.
   std::optional<std::string> close();

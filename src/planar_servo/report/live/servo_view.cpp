@@ -112,7 +112,7 @@ void draw_steps(const ServoView& view, Canvas& canvas) {
 
 }  // namespace
 
-Drawing drawing_of(ServoView view) {
+ViewPlot plot_of(ServoView view) {
   return [view = std::move(view)](vpImage<vpRGBa>& picture) {
     Canvas canvas(picture);
     canvas.write(kFramePanel.x, 16, view.title, view.measured ? kInk : kAlarm);

@@ -23,6 +23,6 @@ struct ServoView {
 
 /// Draws a view: the frame with the lamps (crosses) and their wanted positions (rings), the errors
 /// as points about the target with a logarithmic radius, and their lengths over the steps.
-Drawing drawing_of(ServoView view);
+ViewPlot plot_of(ServoView view);
 
 }  // namespace planar

@@ -1,4 +1,4 @@
-#include "planar_servo/report/figure/places.h"
+#include "planar_servo/report/plot/places.h"
 
 #include <algorithm>
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/report/figure/panel.h"
+#include "planar_servo/report/plot/panel.h"
 
 namespace planar {
 
@@ -15,7 +15,7 @@ struct QuiverPanel {
   std::vector<Eigen::Vector2d> errors;  ///< metres, as many as points
 };
 
-/// Explains the figure of quiver_svg() to a reader.
+/// Explains the plot of quiver_svg() to a reader.
 constexpr char kQuiverCaption[] =
     "Each line leads from a place into the direction of its error. The panels share axes, length "
     "of the lines and colours, so that they can be compared; the colour tells small errors whose "

@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "planar_servo/report/figure/axis.h"
+#include "planar_servo/report/plot/axis.h"
 
 namespace planar {
 

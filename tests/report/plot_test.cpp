@@ -1,10 +1,10 @@
-#include "planar_servo/report/figure/figure.h"
+#include "planar_servo/report/plot/plot.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <stdexcept>
 
-#include "planar_servo/report/figure/places.h"
+#include "planar_servo/report/plot/places.h"
 #include "support/well_formed.h"
 
 namespace planar {
@@ -186,14 +186,14 @@ TEST_CASE("The bars of a histogram have round edges and count every value that t
   const std::string svg = panel.svg(0.0);
   CHECK_THAT(svg, Contains("curve: normal with what is stated, 0.2"));
   CHECK_THAT(svg, Contains("1 beyond the ends"));
-  CHECK_THAT(figure_svg({histogram("h", "v", {1.0, 1.0}, {1.0, "s"})}), Contains("class=\"bar\""));
+  CHECK_THAT(plot_svg({histogram("h", "v", {1.0, 1.0}, {1.0, "s"})}), Contains("class=\"bar\""));
 }
 
 TEST_CASE("A figure is well-formed, needs nothing from outside and holds its panels") {
   Panel panel("a < b & c", {"x", 0.0, 1.0}, {"y", 0.0, 1.0});
   panel.add_line({{0.0, 0.0}, {1.0, 1.0}}, Panel::Stroke::kDashed);
   panel.add_color_bar(ColorScale("scale", {1.0, 2.0}));
-  const std::string svg = figure_svg({panel, unit_panel()});
+  const std::string svg = plot_svg({panel, unit_panel()});
   CHECK(test::fault_of_xml(svg).empty());
   CHECK(test::is_self_contained(svg));
   CHECK_THAT(svg, Contains("a &lt; b &amp; c") && Contains(">a title<"));

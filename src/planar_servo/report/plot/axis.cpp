@@ -1,4 +1,4 @@
-#include "planar_servo/report/figure/axis.h"
+#include "planar_servo/report/plot/axis.h"
 
 #include <fmt/format.h>
 

@@ -1,9 +1,9 @@
-#include "planar_servo/report/quiver_figure.h"
+#include "planar_servo/report/quiver_plot.h"
 
 #include <stdexcept>
 
-#include "planar_servo/report/figure/figure.h"
-#include "planar_servo/report/figure/places.h"
+#include "planar_servo/report/plot/places.h"
+#include "planar_servo/report/plot/plot.h"
 
 namespace planar {
 std::vector<Panel> quiver_panels(const std::vector<QuiverPanel>& panels) {
@@ -28,7 +28,7 @@ std::vector<Panel> quiver_panels(const std::vector<QuiverPanel>& panels) {
 }
 
 std::string quiver_svg(const std::vector<QuiverPanel>& panels) {
-  return figure_svg(quiver_panels(panels));
+  return plot_svg(quiver_panels(panels));
 }
 
 }  // namespace planar

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/report/figure/axis.h"
+#include "planar_servo/report/plot/axis.h"
 
 namespace planar {
 
@@ -66,7 +66,7 @@ struct Paint {
   std::string of(std::size_t i) const { return scale ? scale->color(values[i]) : color; }
 };
 
-/// One panel of a figure: axes with ticks, a title, and marks in the units of the axes. What is
+/// One panel of a plot: axes with ticks, a title, and marks in the units of the axes. What is
 /// added later lies on top. Beyond kMostMarks marks only every n-th is drawn, and the panel says
 /// so.
 class Panel {

@@ -3,12 +3,12 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/report/figure/panel.h"
+#include "planar_servo/report/plot/panel.h"
 
 namespace planar {
 
 /// Draws the panels side by side as one SVG element that needs nothing from outside.
-std::string figure_svg(const std::vector<Panel>& panels);
+std::string plot_svg(const std::vector<Panel>& panels);
 
 /// Draws vectors' components over a number for each vector, x in blue and y in orange, with a line
 /// at zero.

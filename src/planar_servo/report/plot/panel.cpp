@@ -1,4 +1,4 @@
-#include "planar_servo/report/figure/panel.h"
+#include "planar_servo/report/plot/panel.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "planar_servo/report/figure/figure.h"
+#include "planar_servo/report/plot/plot.h"
 
 #include <fmt/format.h>
 
@@ -11,7 +11,7 @@
 namespace planar {
 namespace {
 
-constexpr char kFigureStyle[] =
+constexpr char kPlotStyle[] =
     "svg text{font-family:system-ui,sans-serif;fill:#222}"
     "svg .title{font-size:14px;font-weight:600}svg .label{font-size:13px}"
     "svg .tick{font-size:12px;fill:#444}"
@@ -61,7 +61,7 @@ std::vector<Eigen::Vector2d> normal_curve(const Axis& x, double sigma, double ar
 
 }  // namespace
 
-std::string figure_svg(const std::vector<Panel>& panels) {
+std::string plot_svg(const std::vector<Panel>& panels) {
   double width = 0.0, height = 0.0;
   std::string drawn;
   for (const Panel& panel : panels) {
@@ -73,7 +73,7 @@ std::string figure_svg(const std::vector<Panel>& panels) {
              "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0:.0f} {1:.0f}\" "
              "width=\"{0:.0f}\" height=\"{1:.0f}\">\n<style>{2}</style>\n"
              "<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n",
-             width, height, kFigureStyle) +
+             width, height, kPlotStyle) +
          drawn + "</svg>\n";
 }
 
