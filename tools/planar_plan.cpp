@@ -33,8 +33,8 @@ Outcome propose(const Options& options) {
   write_file(options.output, plan_text(plan.rows));
   say("{}", proposal_text(plan));
   return {{{"rows", plan.rows.size()},
-           {"expected_before_mm", plan.before / kMillimetre},
-           {"expected_after_mm", plan.after / kMillimetre},
+           {"expected_before_mm", mm(plan.before)},
+           {"expected_after_mm", mm(plan.after)},
            {"enough", plan.enough},
            {"worth_reading", plan.worth_reading()}}};
 }

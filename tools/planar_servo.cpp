@@ -302,8 +302,8 @@ bool follow(PathRun& run, const PathRequest& path) {
       const PathSpeedResult& result = run.follow(speed_m_s, guidance);
       if (result.status == ServoStatus::kReached) continue;
       reached = false;
-      spdlog::error(fmt::format("at {:g} mm/s: {}: {}", speed_m_s / kMillimetre,
-                                name(result.status), result.reason));
+      spdlog::error(
+          fmt::format("at {:g} mm/s: {}: {}", mm(speed_m_s), name(result.status), result.reason));
     }
   return reached;
 }

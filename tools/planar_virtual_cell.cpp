@@ -63,9 +63,8 @@ struct Options {
 std::string reference_lamps_text() {
   std::string text = "reference_lamps:\n";
   for (const StatedLamp& lamp : workshop_lamps())
-    text +=
-        fmt::format("  - {{id: {}, diameter_mm: 8.0, x_mm: {}, y_mm: {}}}\n", lamp.id,
-                    std::round(lamp.p_B.x() / kMillimetre), std::round(lamp.p_B.y() / kMillimetre));
+    text += fmt::format("  - {{id: {}, diameter_mm: 8.0, x_mm: {}, y_mm: {}}}\n", lamp.id,
+                        std::round(mm(lamp.p_B.x())), std::round(mm(lamp.p_B.y())));
   return text;
 }
 

@@ -82,9 +82,8 @@ std::string FollowingError::doubt() const {
       "was found, lands, by ({:.3f}, {:.3f}) mm in the mean, of which {:.3f} mm came meanwhile; "
       "neither scatter nor warmth explains that: does the camera move, or does a drive lose steps? "
       "planar-check-cell says what has moved",
-      looks_.back().t_s - looks_.front().t_s, looks_.size(), rms_m / kMillimetre,
-      mean_m.x() / kMillimetre, mean_m.y() / kMillimetre,
-      fitted.segment<2>(2).norm() / kMillimetre);
+      looks_.back().t_s - looks_.front().t_s, looks_.size(), mm(rms_m), mm(mean_m.x()),
+      mm(mean_m.y()), fitted.segment<2>(2).norm() / kMillimetre);
 }
 
 }  // namespace planar

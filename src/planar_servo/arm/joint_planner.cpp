@@ -107,8 +107,8 @@ std::optional<std::string> JointPlanner::way_refusal(const Joints& from, const J
       return fmt::format(
           "the way there leads {:.3f} mm {} of {:.3f} mm about {}, at {}; go round by targets in "
           "between",
-          border.depth_m(deepest) / kMillimetre, border.words, border.radius_m / kMillimetre,
-          place_mm(border.p_B), place_mm(deepest));
+          mm(border.depth_m(deepest)), border.words, mm(border.radius_m), place_mm(border.p_B),
+          place_mm(deepest));
   }
   return std::nullopt;
 }

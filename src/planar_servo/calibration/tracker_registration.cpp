@@ -84,8 +84,7 @@ std::string offset_text(const Monuments& monuments, std::size_t i, double sigma)
   const Eigen::Vector3d offset = offset_of(monuments, i);
   return fmt::format(
       "'{}' lies {:.3f} mm from its place in the cell file, ({}) mm along x, y, z +- {:.3f}",
-      monuments[i].id, offset.norm() / kMillimetre, fixed(offset / kMillimetre, 3, ", "),
-      sigma / kMillimetre);
+      monuments[i].id, mm(offset.norm()), fixed(offset / kMillimetre, 3, ", "), mm(sigma));
 }
 
 std::string worst_offset(const Monuments& monuments, double sigma) {
@@ -171,12 +170,12 @@ Refusal doubt_of_drift(const Monuments& ends, double sigma) {
       rigid ? fmt::format(
                   "their distances are kept, as when the tracker or the base moves, here by {:.3f} "
                   "mm in the mean",
-                  mean_shift(ends).norm() / kMillimetre)
+                  mm(mean_shift(ends).norm()))
             : "not together, so one of them moved";
   return {
       fmt::format("datum: between the beginning and the end of the recording the monuments moved "
                   "before the tracker: {} mm, +- {:.3f} per axis; {}",
-                  sizes, sigma / kMillimetre, who),
+                  sizes, mm(sigma), who),
       "record again with tracker and monuments at rest"};
 }
 
@@ -249,7 +248,7 @@ void require_fit(const DatumRegistration& datum, const Eigen::Matrix3Xd& p_B) {
       fmt::format("datum: the readings do not fit the monuments' places, residual {:.3f} mm rms; "
                   "check the ids for an exchange, the unit of the readings and the coordinates in "
                   "the cell file",
-                  datum.rms / kMillimetre));
+                  mm(datum.rms)));
 }
 
 DatumRegistration registration_of(const std::vector<MonumentSight>& sights) {

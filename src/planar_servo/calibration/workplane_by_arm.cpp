@@ -148,7 +148,7 @@ void require_small(double rms, double field) {
       "workplane: end points are seen {:.2f} mm rms from where the arm was sent, over a field of "
       "{:.0f} mm; they do not belong together: check arm.positive_rotation, coupling and link "
       "lengths, and that the drives kept their position",
-      rms / kMillimetre, field / kMillimetre));
+      mm(rms), field / kMillimetre));
 }
 
 Pose in_base(const Alignment& alignment, const Pose& X_WC) {

@@ -241,7 +241,7 @@ void require_small(double rms_m, const Seen& seen) {
   throw InputError(fmt::format(
       "workplane: vision and tracker differ by {:.2f} mm rms over a field of {:.0f} mm; "
       "they do not belong together: check ids, times and the camera file",
-      rms_m / kMillimetre, field / kMillimetre));
+      mm(rms_m), field / kMillimetre));
 }
 
 /// A fit without its covariance, and the normal equations that give it.

@@ -42,7 +42,7 @@ constexpr const char* kPoseColors[][2] = {{"#0072b2", "blue"},
                                           {"#cc79a7", "pink"}};
 
 std::string mm_text(double metres) {
-  return std::isfinite(metres) ? fmt::format("{:.4f}", metres / kMillimetre) : kNone;
+  return std::isfinite(metres) ? fmt::format("{:.4f}", mm(metres)) : kNone;
 }
 
 std::string range_mm(const std::optional<Interval>& interval) {
@@ -157,7 +157,7 @@ std::string condition_table(const CellSettings& cell) {
       {"approach", servo.approach == Approach::kOneSide ? "every motor from one side" : "direct"});
   table.add_row({"measurement", fmt::format("{} frames after {:.2f} s of rest",
                                             servo.frames_per_measurement, servo.settle_s)});
-  table.add_row({"tolerance", fmt::format("{:.4f} mm", servo.tolerance_m / kMillimetre)});
+  table.add_row({"tolerance", fmt::format("{:.4f} mm", mm(servo.tolerance_m))});
   std::string speeds;
   for (const MotorDrive& drive : cell.transmission.drives)
     speeds += fmt::format("{}{:.0f}", speeds.empty() ? "" : ", ", drive.max_speed_rad_s / kDegree);
@@ -236,8 +236,8 @@ std::string place_words(const TestPlaces& places) {
       "z is left out, because the arm is planar. vAP compares approaches along +x, -x, +y and "
       "-y. Targets are spread by Halton's sequence over {}. Intervals hold with 95 %, and "
       "chance alone keeps vAP and drift below their last column in 95 of 100 runs.",
-      places.square.side / kMillimetre, places.square.centre.x() / kMillimetre,
-      places.square.centre.y() / kMillimetre, places.raster / kMillimetre, reached);
+      mm(places.square.side), mm(places.square.centre.x()), mm(places.square.centre.y()),
+      mm(places.raster), reached);
 }
 
 }  // namespace

@@ -62,13 +62,11 @@ void list_poses(ReportList& list, const CellAccuracy& accuracy) {
   });
   if (accuracy.poses.empty()) return;
   const PoseFigures &ap = accuracy.worst_accuracy(), &rp = accuracy.worst_repeatability();
-  list.line("pose accuracy",
-            fmt::format("{:.4f} mm AP at {}, the worst of {}", ap.position.accuracy / kMillimetre,
-                        ap.name, accuracy.poses.size()));
+  list.line("pose accuracy", fmt::format("{:.4f} mm AP at {}, the worst of {}",
+                                         mm(ap.position.accuracy), ap.name, accuracy.poses.size()));
   if (std::isfinite(rp.position.repeatability))
-    list.line("repeatability",
-              fmt::format("{:.4f} mm RP at {}, over {} cycles",
-                          rp.position.repeatability / kMillimetre, rp.name, rp.cycles));
+    list.line("repeatability", fmt::format("{:.4f} mm RP at {}, over {} cycles",
+                                           mm(rp.position.repeatability), rp.name, rp.cycles));
 }
 
 void list_directions(ReportList& list, const CellAccuracy& accuracy) {
@@ -83,7 +81,7 @@ void list_directions(ReportList& list, const CellAccuracy& accuracy) {
   const DirectionFigures& worst = accuracy.worst_variation();
   list.line(fmt::format("from {} directions", worst.directions),
             fmt::format("{:.4f} mm vAP at {}; scatter alone keeps it below {:.4f} mm",
-                        worst.variation / kMillimetre, worst.name, worst.chance / kMillimetre));
+                        mm(worst.variation), worst.name, mm(worst.chance)));
 }
 
 ReportList drift_list(const PoseDrift& drift) {

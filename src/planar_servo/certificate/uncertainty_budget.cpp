@@ -214,7 +214,7 @@ std::string budget_words(const UncertaintyBudget& budget) {
                      "Most would be gained at the {}: without it {:.4f} mm would be expected "
                      "instead of {:.4f} mm; {}.",
                      largest.what, budget.expected_without(largest) / kMillimetre,
-                     budget.expected / kMillimetre, largest.remedy);
+                     mm(budget.expected), largest.remedy);
 }
 
 }  // namespace planar

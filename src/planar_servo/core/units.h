@@ -11,4 +11,9 @@ constexpr double kMillisecond = 1e-3;
 constexpr double kMicrosecond = 1e-6;
 constexpr double kDegree = kPi / 180.0;
 
+/// Returns a length (metres) in millimetres.
+constexpr double mm(double metres) {
+  return metres / kMillimetre;
+}
+
 }  // namespace planar

@@ -72,7 +72,7 @@ MethodFit fit_weighted(const MapSites& sites) {
 MethodFit fit_by_hand(const MapSites& sites, double width) {
   if (!(std::isfinite(width) && width > 0.0)) {
     throw InputError(
-        fmt::format("the map's width is {} mm; it must be a positive number", width / kMillimetre));
+        fmt::format("the map's width is {} mm; it must be a positive number", mm(width)));
   }
   RbfFit fit = fit_hand_width(sites, width);
   Eigen::VectorXd sigmas = sigmas_of(fit);

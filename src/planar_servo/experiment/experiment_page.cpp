@@ -51,8 +51,8 @@ std::string found_and_predicted(const ServoFigures& ours, const ServoFigures& pa
   return fmt::format(
       "{}; {:.4f} mm at 95 %, where the calibration alone had predicted {:.4f} and {:.4f} mm; the "
       "paper's chain on the same cell ends at {:.3f} mm, in the paper at {:.3f} mm",
-      landing_words(ours), ours.after_truth->p95 / kMillimetre, prediction.mean / kMillimetre,
-      prediction.p95 / kMillimetre, paper.after_truth->mean / kMillimetre, kPaperAfterMean_mm);
+      landing_words(ours), mm(ours.after_truth->p95), mm(prediction.mean), mm(prediction.p95),
+      mm(paper.after_truth->mean), kPaperAfterMean_mm);
 }
 
 void add_first_words(HtmlPage& page, const ExperimentReport& report) {

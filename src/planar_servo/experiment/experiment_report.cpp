@@ -15,8 +15,8 @@ namespace {
 /// Stands for what the paper does not print and what nobody has judged.
 constexpr char kNone[] = "–";
 
-std::string millimetres(double metres) {
-  return std::isfinite(metres) ? fixed(metres / kMillimetre, 3) : kNone;
+std::string mm_text(double metres) {
+  return std::isfinite(metres) ? fixed(mm(metres), 3) : kNone;
 }
 
 void list_accuracies(ReportList& list, const std::string& key,
@@ -47,13 +47,13 @@ void list_comparison(ReportList& list, const std::string& key,
 void list_positioning(ReportList& list, const std::vector<PositioningRow>& rows) {
   list.rows("table7", rows, [](ReportList& row, const PositioningRow& found) {
     row.line("circle about", "{label}", found.label);
-    row.line("before *", "{before:.3f}", found.before / kMillimetre);
-    row.line("paper's chain +", "{paper_chain:.3f}", found.paper_chain / kMillimetre);
+    row.line("before *", "{before:.3f}", mm(found.before));
+    row.line("paper's chain +", "{paper_chain:.3f}", mm(found.paper_chain));
     row.line("improved", "{paper_chain_improvement:.1%}", found.improvement(found.paper_chain));
-    row.line("ours", "{ours:.4f}", found.ours / kMillimetre);
+    row.line("ours", "{ours:.4f}", mm(found.ours));
     row.line("improved", "{ours_improvement:.1%}", found.improvement(found.ours));
-    row.line("paper: before ~", millimetres(found.paper_before));
-    row.line("after", "{paper:.3f}", found.paper_after / kMillimetre);
+    row.line("paper: before ~", mm_text(found.paper_before));
+    row.line("after", "{paper:.3f}", mm(found.paper_after));
     row.line("improved", "{paper_improvement:.1%}", found.paper_improvement);
   });
 }
@@ -95,8 +95,7 @@ TextTable chain_table(const ExperimentReport& report) {
   const auto row = [&](std::vector<std::string> fields, const std::vector<TargetResult>& results) {
     const auto after = figures_of(results).after_truth;
     const auto field = [](std::optional<double> metres) {
-      return metres && std::isfinite(*metres) ? fmt::format("{:#.3g}", *metres / kMillimetre)
-                                              : kNone;
+      return metres && std::isfinite(*metres) ? fmt::format("{:#.3g}", mm(*metres)) : kNone;
     };
     fields.push_back(field(mean_error(results, &TargetResult::vision_compensated)));
     for (const auto figure : {&Summary::mean, &Summary::p95, &Summary::max})
@@ -201,9 +200,8 @@ ReportList experiment_list(const ExperimentReport& report) {
             "chain without a map, {vision_after_mean_mm:.4f} mm by ours",
             mean_error(report.paper_no_map, &TargetResult::vision_raw),
             mean_error(report.ours, &TargetResult::vision_compensated));
-  list.line("",
-            fmt::format("positioning by the paper's chain without a map: {:.3f} mm mean",
-                        mean_error(report.paper_no_map, &TargetResult::after_truth) / kMillimetre));
+  list.line("", fmt::format("positioning by the paper's chain without a map: {:.3f} mm mean",
+                            mm(mean_error(report.paper_no_map, &TargetResult::after_truth))));
   list.line("", "ours:");
   list.append(servo_list(figures_of(report.ours)));
   for (const auto& [key, results] : {std::pair("paper_chain", &report.paper),

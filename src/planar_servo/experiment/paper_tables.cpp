@@ -111,10 +111,10 @@ Accuracy circle_accuracy(const ComparedChain& compared, const ErrorMap& map, int
 std::array<double, 2> functions_of(const ErrorMap& map) {
   if (const auto* rbf = std::get_if<RbfMap>(&map))
     return {static_cast<double>(rbf->parameters().centers.cols()),
-            rbf->parameters().kernel.width / kMillimetre};
+            mm(rbf->parameters().kernel.width)};
   if (const auto* sparse = std::get_if<SparseRbfMap>(&map))
     return {static_cast<double>(sparse->parameters().centers.cols()),
-            sparse->parameters().width / kMillimetre};
+            mm(sparse->parameters().width)};
   return {kNotPrinted, kNotPrinted};
 }
 
@@ -130,10 +130,10 @@ std::vector<ComparisonRow> map_sources(const CalibratedChain& ours, const Calibr
            static_cast<double>(paper.map->n_used), kPaperTrainingPlaces},
           {"test positions", static_cast<double>(our_test.raw.n),
            static_cast<double>(paper_test.raw.n), kPaperTestPlaces},
-          {"vision error at the test positions, mm rms", our_test.raw.rms / kMillimetre,
-           paper_test.raw.rms / kMillimetre, kNotPrinted},
-          {"with the map, mm rms", our_test.compensated.rms / kMillimetre,
-           paper_test.compensated.rms / kMillimetre, kNotPrinted},
+          {"vision error at the test positions, mm rms", mm(our_test.raw.rms),
+           mm(paper_test.raw.rms), kNotPrinted},
+          {"with the map, mm rms", mm(our_test.compensated.rms), mm(paper_test.compensated.rms),
+           kNotPrinted},
           {"centres of the radial functions", our_count, paper_count, kNotPrinted},
           {"their width, mm", our_width_mm, paper_width_mm, kNotPrinted}};
 }

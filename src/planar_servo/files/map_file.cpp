@@ -65,8 +65,8 @@ void list_fields(Fields& fields, LampField& field) {
 void add_figures(YamlWriter& yaml, const LampFieldFit& fit) {
   yaml.add("n_readings", static_cast<int>(fit.n_readings));
   yaml.add("n_unattended", static_cast<int>(fit.n_unattended));
-  yaml.add("raw_rms_mm", fit.held_out.raw_rms / kMillimetre);
-  yaml.add("loo_rms_mm", fit.held_out.rms / kMillimetre);
+  yaml.add("raw_rms_mm", mm(fit.held_out.raw_rms));
+  yaml.add("loo_rms_mm", mm(fit.held_out.rms));
   add_quality(yaml, fit.held_out.quality());
   yaml.add("left_out", fit.left_out);
   yaml.add("harmonics", fit.estimate.size.harmonics);
@@ -152,13 +152,13 @@ void add_cell(YamlWriter& yaml, const CellDiagnosis& cell) {
 
 void add_figures(YamlWriter& yaml, const MapResult& result) {
   yaml.add("n_used", static_cast<int>(result.n_used));
-  yaml.add("raw_rms_mm", result.raw_rms / kMillimetre);
-  yaml.add("loo_rms_mm", result.loo_rms / kMillimetre);
-  if (std::isfinite(result.noise_sigma)) yaml.add("noise_mm", result.noise_sigma / kMillimetre);
+  yaml.add("raw_rms_mm", mm(result.raw_rms));
+  yaml.add("loo_rms_mm", mm(result.loo_rms));
+  if (std::isfinite(result.noise_sigma)) yaml.add("noise_mm", mm(result.noise_sigma));
   if (std::isfinite(result.place_share)) {
     yaml.add("n_places", static_cast<int>(result.n_places));
-    yaml.add("place_noise_mm", result.place_sigma() / kMillimetre);
-    yaml.add("reading_noise_mm", result.reading_sigma() / kMillimetre);
+    yaml.add("place_noise_mm", mm(result.place_sigma()));
+    yaml.add("reading_noise_mm", mm(result.reading_sigma()));
   }
   add_quality(yaml, result.quality());
   std::vector<std::string> rejected;

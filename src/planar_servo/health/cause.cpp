@@ -162,8 +162,7 @@ HealthFinding finding_of(const Suspect& suspect, const CellModel& as_filed, cons
     const double filed_mm = as_filed.links_m[suspect.numbers[0] - kLinkOff] / kMillimetre;
     finding.what += fmt::format(": {:.2f} mm, not {:.2f} mm", filed_mm + finding.size, filed_mm);
   } else if (suspect.numbers.size() > 2) {
-    finding.what +=
-        fmt::format("; the tool is seen up to {:.3g} mm from where it was", cost_m / kMillimetre);
+    finding.what += fmt::format("; the tool is seen up to {:.3g} mm from where it was", mm(cost_m));
   } else {
     finding.what += fmt::format(" by {:.3g} {}", finding.size, finding.unit);
   }

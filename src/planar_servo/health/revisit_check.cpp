@@ -135,9 +135,9 @@ std::vector<HealthFinding> find_warmth(const CellModel& model,
   const double off_m = cost_of(revisits);
   const Eigen::VectorXd d = Whitened(model, revisits, false).d;
   if (off_m < kWorthAWord_m || is_noise(d.squaredNorm(), d.size())) return {};
-  return {{Cause::kWarmth, off_m / kMillimetre, "mm", 0.0,
+  return {{Cause::kWarmth, mm(off_m), "mm", 0.0,
            fmt::format("{}: the tool is seen up to {:.3f} mm from where it was",
-                       words(Cause::kWarmth), off_m / kMillimetre)}};
+                       words(Cause::kWarmth), mm(off_m))}};
 }
 
 }  // namespace
@@ -180,9 +180,9 @@ std::vector<HealthFinding> find_changes(const CellModel& model,
   const ChangeFit& best = fits.front();
   // A cause is named as long as less than a third of the displacement is left unexplained.
   if (!is_noise(best.chi2, d.size()) && best.chi2 > 0.1 * d.squaredNorm())
-    return {{Cause::kSeveral, cost_m / kMillimetre, "mm", cost_m,
+    return {{Cause::kSeveral, mm(cost_m), "mm", cost_m,
              fmt::format("{}; the tool is seen up to {:.3f} mm from where it was",
-                         words(Cause::kSeveral), cost_m / kMillimetre)}};
+                         words(Cause::kSeveral), mm(cost_m))}};
   std::vector<HealthFinding> found{finding_of(*best.suspect, model, best.off, cost_m)};
   const auto second = std::find_if(fits.begin() + 1, fits.end(), [&](const ChangeFit& fit) {
     return fit.suspect->numbers.size() == best.suspect->numbers.size() &&

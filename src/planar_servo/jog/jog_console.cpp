@@ -217,7 +217,7 @@ std::string JogConsole::move_y(const Words& words) {
 std::string JogConsole::move_by(const Eigen::Vector2d& step) {
   if (step.norm() > kMostStep)
     throw InputError(fmt::format("a step of {:.3f} mm is too long; at most {:.0f} mm at a time",
-                                 step.norm() / kMillimetre, kMostStep / kMillimetre));
+                                 mm(step.norm()), mm(kMostStep)));
   const Joints near = robot_.commanded_joints();
   const PlanarArm& arm = planner_.arm();
   TipPose tip = arm.forward(near);
@@ -272,8 +272,7 @@ std::string JogConsole::look(const Words& /*words*/) {
   const TipMeasurement seen = measure();
   if (!seen.ok()) return text + "\nthe tool is not measured: " + seen.word;
   return text + fmt::format("\nend point seen at {} +- {:.4f} mm{}", place_mm(seen.tip.p),
-                            seen.uncertainty_m / kMillimetre,
-                            compensated_ ? "" : ", without an error map");
+                            mm(seen.uncertainty_m), compensated_ ? "" : ", without an error map");
 }
 
 std::string JogConsole::expose(const Words& words) {

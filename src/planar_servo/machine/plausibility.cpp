@@ -28,11 +28,11 @@ Finding question(const std::string& key, const std::string& what, const std::str
 
 std::vector<Finding> question_links(const Eigen::Vector2d& lengths_m) {
   if (lengths_m.minCoeff() >= kShortestLink_m && lengths_m.maxCoeff() <= kLongestLink_m) return {};
-  return {question("arm.link_lengths_mm",
-                   fmt::format("is [{:g}, {:g}]; links are usually between {:g} and {:g} mm long",
-                               lengths_m.x() / kMillimetre, lengths_m.y() / kMillimetre,
-                               kShortestLink_m / kMillimetre, kLongestLink_m / kMillimetre),
-                   "measure from axis to axis and write millimetres, such as 300 for 0.3 m")};
+  return {question(
+      "arm.link_lengths_mm",
+      fmt::format("is [{:g}, {:g}]; links are usually between {:g} and {:g} mm long",
+                  mm(lengths_m.x()), mm(lengths_m.y()), mm(kShortestLink_m), mm(kLongestLink_m)),
+      "measure from axis to axis and write millimetres, such as 300 for 0.3 m")};
 }
 
 std::vector<Finding> question_limits(const std::array<Eigen::Vector2d, 3>& limits_rad) {
@@ -113,7 +113,7 @@ std::vector<Finding> question_pitch(const std::optional<double>& pitch_m) {
 
 UsualValue usual_diameter(const std::string& key, double diameter_m) {
   return {key,
-          diameter_m / kMillimetre,
+          mm(diameter_m),
           0.1,
           100.0,
           "lamps are usually {:g} to {:g} mm wide",
@@ -133,10 +133,10 @@ std::vector<Finding> question_diameters(const CellSettings& cell) {
 
 std::vector<Finding> question_servo(const ServoSettings& servo) {
   return question_unusual(
-      {{"servo.tolerance_mm", servo.tolerance_m / kMillimetre, 1e-4, 0.5,
+      {{"servo.tolerance_mm", mm(servo.tolerance_m), 1e-4, 0.5,
         "arms are usually positioned within {:g} to {:g} mm",
         "write millimetres, such as 0.005 for 5 micrometres"},
-       {"servo.max_step_mm", servo.max_step_m / kMillimetre, 0.05, 500.0,
+       {"servo.max_step_mm", mm(servo.max_step_m), 0.05, 500.0,
         "corrections are usually {:g} to {:g} mm long at most", "write millimetres, such as 5"}});
 }
 
@@ -145,13 +145,13 @@ std::vector<Finding> question_tracker(const TrackerSettings& tracker) {
   const char* const remedy = "write millimetres, such as 0.01 for 10 micrometres";
   std::vector<UsualValue> values;
   if (tracker.sigma_m > 0.0)
-    values.push_back({"tracker.sigma_mm", tracker.sigma_m / kMillimetre, 1e-4, 2.0,
+    values.push_back({"tracker.sigma_mm", mm(tracker.sigma_m), 1e-4, 2.0,
                       "trackers scatter by {:g} to {:g} mm", remedy});
   if (tracker.sigma_m_per_m > 0.0)
-    values.push_back({"tracker.sigma_mm_per_m", tracker.sigma_m_per_m / kMillimetre, 1e-4, 1.0,
+    values.push_back({"tracker.sigma_mm_per_m", mm(tracker.sigma_m_per_m), 1e-4, 1.0,
                       "with each metre trackers scatter by {:g} to {:g} mm more", remedy});
   if (tracker.bias_m.value_or(0.0) > 0.0)
-    values.push_back({"tracker.bias_mm", *tracker.bias_m / kMillimetre, 1e-4, 0.1,
+    values.push_back({"tracker.bias_mm", mm(*tracker.bias_m), 1e-4, 0.1,
                       "trackers err by {:g} to {:g} mm over a field", remedy});
   return question_unusual(values);
 }
@@ -173,7 +173,7 @@ std::vector<Finding> question_places(const std::string& key, double farthest_m, 
   return {question(key,
                    fmt::format("no place is farther than {:g} mm from the base's axis; the arm is "
                                "{:g} mm long",
-                               farthest_m / kMillimetre, arm_m / kMillimetre),
+                               mm(farthest_m), mm(arm_m)),
                    "write millimetres in the base frame, such as 300 for 0.3 m")};
 }
 
@@ -213,8 +213,8 @@ std::vector<Finding> question_keep_out(const Workspace& workspace) {
     if (why.empty()) continue;
     findings.push_back(question(
         fmt::format("workspace.keep_out[{}]", i),
-        fmt::format("is at ({:g}, {:g}) with the radius {:g} mm; {}", disc.p_B.x() / kMillimetre,
-                    disc.p_B.y() / kMillimetre, disc.radius_m / kMillimetre, why),
+        fmt::format("is at ({:g}, {:g}) with the radius {:g} mm; {}", mm(disc.p_B.x()),
+                    mm(disc.p_B.y()), mm(disc.radius_m), why),
         "write millimetres in the base frame, such as 200 for 0.2 m, or leave the disc out"));
   }
   return findings;
@@ -223,7 +223,7 @@ std::vector<Finding> question_keep_out(const Workspace& workspace) {
 std::vector<Finding> question_inner_radius(double radius_m) {
   if (radius_m <= 0.0 || radius_m >= kLeastObstacle_m) return {};
   return {question("workspace.radius_min_mm",
-                   fmt::format("is {:g}; metres would be such numbers", radius_m / kMillimetre),
+                   fmt::format("is {:g}; metres would be such numbers", mm(radius_m)),
                    "write millimetres, such as 60 for 0.06 m, or 0 where nothing is in the way")};
 }
 
@@ -233,8 +233,7 @@ std::vector<Finding> question_length(const std::string& key, double length_m, do
   const bool is_short = length_m < kLeastShare * longest_m;
   if (!is_short && length_m <= longest_m) return {};
   return {question(key,
-                   fmt::format("is {:g}; {}, {:g} mm, is {}", length_m / kMillimetre, longest,
-                               longest_m / kMillimetre,
+                   fmt::format("is {:g}; {}, {:g} mm, is {}", mm(length_m), longest, mm(longest_m),
                                is_short ? "more than a hundred times as long" : "shorter"),
                    remedy)};
 }

@@ -66,8 +66,7 @@ std::string motor_plot(const ArmFit& fit) {
 }
 
 std::string place_plot(const ArmFit& fit) {
-  QuiverPanel panel{
-      fmt::format("Places left out: {:.4f} mm rms", fit.held_out_rms / kMillimetre), {}, {}};
+  QuiverPanel panel{fmt::format("Places left out: {:.4f} mm rms", mm(fit.held_out_rms)), {}, {}};
   for (const ArmMiss& miss : fit.held_out) {
     panel.points.push_back(miss.p_B);
     panel.errors.push_back(miss.miss);
@@ -75,7 +74,7 @@ std::string place_plot(const ArmFit& fit) {
   std::vector<Panel> panels = quiver_panels({panel});
   panels.push_back(histogram("Their components", "read minus predicted, mm",
                              components_of(misses_mm(fit)),
-                             {fit.stated_sigma / kMillimetre, "the tracker's deviation"}));
+                             {mm(fit.stated_sigma), "the tracker's deviation"}));
   return plot_svg(panels);
 }
 
@@ -151,7 +150,7 @@ Verdict arm_verdict(const ArmFit& fit) {
   if (fit.held_out_rms > kWorseAtPlacesLeftOut * fit.rms)
     verdict.faults.push_back(
         {fmt::format("places left out are met to {:.4f} mm rms, those fitted to {:.4f} mm",
-                     fit.held_out_rms / kMillimetre, fit.rms / kMillimetre),
+                     mm(fit.held_out_rms), mm(fit.rms)),
          "read more places, spread all over the workspace"});
   const std::size_t readings = fit.held_out.size() + fit.left_out.size();
   if (static_cast<double>(fit.left_out.size()) > kFewLeftOut * static_cast<double>(readings))
@@ -162,8 +161,7 @@ Verdict arm_verdict(const ArmFit& fit) {
       "{} readings are met to {:.4f} mm rms and places left out to {:.4f} mm, where the tracker's "
       "deviation is {:.4f} mm per axis; links and the zeros of motors 1 and 2 are "
       "determined",
-      fit.held_out.size(), fit.rms / kMillimetre, fit.held_out_rms / kMillimetre,
-      fit.stated_sigma / kMillimetre);
+      fit.held_out.size(), mm(fit.rms), mm(fit.held_out_rms), mm(fit.stated_sigma));
   return verdict;
 }
 

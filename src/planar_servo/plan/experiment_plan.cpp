@@ -98,8 +98,8 @@ class PlanBuilder {
 }  // namespace
 
 ExperimentCircles circles_within(const Workspace& workspace) {
-  const double least_mm = workspace.radius_min_m / kMillimetre;
-  const double most_mm = workspace.radius_max_m / kMillimetre;
+  const double least_mm = mm(workspace.radius_min_m);
+  const double most_mm = mm(workspace.radius_max_m);
   const double scale = (most_mm - least_mm) / (kPaperMost_mm - kPaperLeast_mm);
   const auto whole = [](double length_mm) { return static_cast<int>(std::lround(length_mm)); };
   const auto stretched = [&](double radius_mm) {

@@ -216,7 +216,7 @@ std::string proposal_text(const ProposedPlan& plan) {
   std::string text = fmt::format(
       "rows                {}\nend point           {:.4f} mm expected now, {:.4f} mm after these "
       "readings\n",
-      plan.rows.size(), plan.before / kMillimetre, plan.after / kMillimetre);
+      plan.rows.size(), mm(plan.before), mm(plan.after));
   if (!plan.worth_reading())
     return text + "stop                further readings gain less than 5 %\n";
   return text + fmt::format("nearly there        after {} places for training\n", plan.enough);

@@ -76,8 +76,8 @@ TruthLog::TruthLog(const std::filesystem::path& file, LiveCell& live)
 void TruthLog::look() {
   const TipPose tip = live_.true_tip();
   if (written_ && tip.p == written_->p && tip.phi == written_->phi) return;
-  file_.append(fmt::format("{:.6f},{:.6f},{:.6f},{:.7f}\n", clock_.now_s(), tip.p.x() / kMillimetre,
-                           tip.p.y() / kMillimetre, tip.phi / kDegree));
+  file_.append(fmt::format("{:.6f},{:.6f},{:.6f},{:.7f}\n", clock_.now_s(), mm(tip.p.x()),
+                           mm(tip.p.y()), tip.phi / kDegree));
   written_ = tip;
 }
 

@@ -141,8 +141,8 @@ std::optional<std::string> ReflectorLines::next(double now_s, const TrackerReadi
   const double t_s =
       now_s + dialect_.clock_offset_s + 1e-6 * dialect_.clock_ppm * (now_s - start_s_);
   const auto text = [this](double value) { return number(value, dialect_.decimal_comma); };
-  return joined({text(t_s), text(reading.p_L.x() / kMillimetre),
-                 text(reading.p_L.y() / kMillimetre), text(reading.p_L.z() / kMillimetre)});
+  return joined(
+      {text(t_s), text(mm(reading.p_L.x())), text(mm(reading.p_L.y())), text(mm(reading.p_L.z()))});
 }
 
 /// Breaks begin at random, so often that the beam is broken for the stated share of the time.

@@ -44,9 +44,9 @@ std::optional<HealthFinding> wrong_separation(const LampPlaces& lamps_B, double 
   const double seen_m = (lamps_B[1] - lamps_B[0]).norm();
   if (std::abs(seen_m / filed_m - 1.0) <= kSeparationShare) return std::nullopt;
   return HealthFinding{
-      Cause::kSeparation, seen_m / kMillimetre, "mm", std::abs(seen_m - filed_m),
+      Cause::kSeparation, mm(seen_m), "mm", std::abs(seen_m - filed_m),
       fmt::format("{}: the lamps are seen {:.2f} mm apart, the file says {:.2f} mm",
-                  words(Cause::kSeparation), seen_m / kMillimetre, filed_m / kMillimetre)};
+                  words(Cause::kSeparation), mm(seen_m), mm(filed_m))};
 }
 
 /// Returns whether light or focus may look like this cause, which displaces the end point so far:

@@ -87,7 +87,7 @@ std::string panels_of(const DrawnGuidance& drawn, const std::vector<DrawnWay>& w
       if (way.guidance != drawn.guidance || (way.*witness.points).empty()) continue;
       const char* color = kSeriesColors[speeds++ % std::size(kSeriesColors)];
       panel.add_line(placed(way.*witness.points), Panel::Stroke::kSolid, color);
-      panel.add_key(color, fmt::format("{:g} mm/s", way.speed_m_s / kMillimetre));
+      panel.add_key(color, fmt::format("{:g} mm/s", mm(way.speed_m_s)));
     }
     if (speeds > 0) panels.push_back(panel);
   }
@@ -140,8 +140,8 @@ void add_curve(Panel& panel, const DrawnGuidance& drawn, const Witness& witness,
   for (const PathSpeedResult& result : results) {
     const auto& errors = result.*witness.errors;
     if (result.guidance != drawn.guidance || !errors) continue;
-    p95.emplace_back(result.speed_m_s / kMillimetre, errors->across_m.p95 / kMillimetre);
-    mean.emplace_back(result.speed_m_s / kMillimetre, errors->across_m.mean / kMillimetre);
+    p95.emplace_back(mm(result.speed_m_s), mm(errors->across_m.p95));
+    mean.emplace_back(mm(result.speed_m_s), mm(errors->across_m.mean));
   }
   if (p95.empty()) return;
   const auto slower = [](const auto& a, const auto& b) { return a.x() < b.x(); };
@@ -159,8 +159,8 @@ std::string speed_svg(const std::vector<PathSpeedResult>& results) {
   for (const PathSpeedResult& result : results)
     for (const Witness& witness : kWitnesses)
       if (const auto& errors = result.*witness.errors) {
-        speeds.push_back(result.speed_m_s / kMillimetre);
-        deviations.push_back(errors->across_m.p95 / kMillimetre);
+        speeds.push_back(mm(result.speed_m_s));
+        deviations.push_back(mm(errors->across_m.p95));
       }
   std::vector<Panel> panels;
   for (const Witness& witness : kWitnesses) {
@@ -174,10 +174,6 @@ std::string speed_svg(const std::vector<PathSpeedResult>& results) {
     panels.push_back(panel);
   }
   return panels.empty() ? "" : plot_svg(panels);
-}
-
-double in_mm(double metres) {
-  return metres / kMillimetre;
 }
 
 void list_errors(ReportList& row, const std::string& judge, const std::string& suffix,
@@ -196,7 +192,7 @@ void list_errors(ReportList& row, const std::string& judge, const std::string& s
 }
 
 std::string headline(const PathRequest& path) {
-  return fmt::format("{}: {:.1f} mm", path.file.string(), in_mm(path.path.length_m()));
+  return fmt::format("{}: {:.1f} mm", path.file.string(), mm(path.path.length_m()));
 }
 
 }  // namespace
@@ -221,7 +217,7 @@ void add_path_plots(HtmlPage& page, const Path& path, const std::vector<PathLook
       "The panels share their scale. Deviation that is the same at every speed is the arm's or the "
       "calibration's; it is in truth alone where vision cannot see it.");
   page.add_heading("Deviation along the path");
-  const Axis along{"along the path, mm", 0.0, path.length_m() / kMillimetre};
+  const Axis along{"along the path, mm", 0.0, mm(path.length_m())};
   const Axis across = axis_over("deviation to the left, mm", deviations);
   for (const DrawnGuidance& drawn : kDrawnGuidances)
     page.add_html(panels_of(
@@ -282,13 +278,13 @@ void write_path_run(const ServoRequest& request, const PathRequest& path, const 
   if (run.accepted_map()) yaml.add("accepted_map", *run.accepted_map());
   for (const PathSpeedResult& result : run.results())
     yaml.add(fmt::format("status_by_{}_at_{:g}_mm_s", name_in(kGuidances, result.guidance),
-                         in_mm(result.speed_m_s)),
+                         mm(result.speed_m_s)),
              name(result.status));
   HtmlPage page("planar-servo: " + path.file.filename().string());
   page.add_html(path_table(path, run.results()).html());
   for (const PathSpeedResult& result : run.results())
     if (!result.reason.empty())
-      page.add_paragraph(fmt::format("At {:g} mm/s, guided by {}: {}: {}.", in_mm(result.speed_m_s),
+      page.add_paragraph(fmt::format("At {:g} mm/s, guided by {}: {}: {}.", mm(result.speed_m_s),
                                      name_in(kGuidances, result.guidance), name(result.status),
                                      result.reason));
   add_path_plots(page, path.path, run.looks(), run.results());

@@ -89,8 +89,7 @@ PathRequest read_path_request(const std::filesystem::path& file, const CellSetti
     const double speed_m_s = speed_mm_s * kMillimetre;
     if (!(speed_m_s >= kSlowest_m_s && speed_m_s <= kFastest_m_s))
       throw InputError(fmt::format("--speed-mm-s {:g}: a path is followed at {:g} to {:g} mm/s",
-                                   speed_mm_s, kSlowest_m_s / kMillimetre,
-                                   kFastest_m_s / kMillimetre));
+                                   speed_mm_s, mm(kSlowest_m_s), mm(kFastest_m_s)));
     request.speeds_m_s.push_back(speed_m_s);
   }
   return request;
@@ -104,7 +103,7 @@ std::vector<PathDemand> require_followable(const CellSettings& cell, const PathR
     demands.push_back(path_demand(planner, request.path, timing, cell.arm.home));
     if (demands.back().refusal)
       throw InputError(fmt::format("{}: cannot be followed at {:g} mm/s: {}", request.file.string(),
-                                   speed_m_s / kMillimetre, *demands.back().refusal));
+                                   mm(speed_m_s), *demands.back().refusal));
   }
   return demands;
 }
@@ -117,7 +116,7 @@ void require_inside_map(const VisionCalibration& vision, const PathRequest& requ
     throw InputError(
         fmt::format("{}: {:.1f} mm along the path, at {}: the error map is not valid here: record "
                     "training positions around this place",
-                    request.file.string(), along_m / kMillimetre, place_mm(pose.p)));
+                    request.file.string(), mm(along_m), place_mm(pose.p)));
   }
 }
 

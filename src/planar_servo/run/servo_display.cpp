@@ -13,8 +13,8 @@ std::string title_of(const ServoSight& sight) {
   const std::string what = fmt::format("{}   step {}", sight.target_id, step.iteration);
   if (!step.measurement.ok())
     return fmt::format("{}   not measured: {}", what, step.measurement.word);
-  return fmt::format("{}   {:.4f} mm from the target, +- {:.4f} mm{}", what,
-                     step.miss_m() / kMillimetre, step.uncertainty_m() / kMillimetre,
+  return fmt::format("{}   {:.4f} mm from the target, +- {:.4f} mm{}", what, mm(step.miss_m()),
+                     mm(step.uncertainty_m()),
                      step.measurement.inside_map ? "" : "   outside the error map");
 }
 

@@ -69,10 +69,6 @@ std::optional<TrackerFigures> tracker_figures(const std::vector<TargetResult>& r
   return figures;
 }
 
-double mm(double metres) {
-  return metres / kMillimetre;
-}
-
 void list_errors(ReportList& list, const std::string& judge, const std::optional<Summary>& before,
                  const std::optional<Summary>& after) {
   if (!before || !after) return;
@@ -138,7 +134,7 @@ std::string coverage_words(const ServoFigures& figures) {
                      100.0 * share, share < kLeast ? "narrow" : "wide");
 }
 
-std::string in_mm(const std::optional<Eigen::Vector2d>& error) {
+std::string error_words(const std::optional<Eigen::Vector2d>& error) {
   return error ? fmt::format("{:.4f}", mm(error->norm())) : "–";
 }
 
@@ -283,9 +279,9 @@ std::string servo_page(const ServoRequest& request, const std::vector<TargetResu
   for (const TargetResult& r : results)
     table.add_row({r.id, fixed(mm(r.p_d.x()), 3), fixed(mm(r.p_d.y()), 3),
                    r.reason.empty() ? name(r.status) : name(r.status) + (": " + r.reason),
-                   std::to_string(r.iterations), in_mm(r.after_own),
+                   std::to_string(r.iterations), error_words(r.after_own),
                    r.uncertainty_m ? fmt::format("{:.4f}", mm(*r.uncertainty_m)) : "–",
-                   in_mm(r.after_truth)});
+                   error_words(r.after_truth)});
   page.add_html(table.html());
   return page.text();
 }

@@ -61,8 +61,7 @@ ServoResult ServoRun::attempt(const TargetRow& target, TargetScorer& scorer) {
   return cell_.servo().move_to(pose, [&](const ServoStep& step) {
     scorer.observe(step);
     spdlog::debug(fmt::format("{}, step {}: {:.4f} mm from the target, content below {:.4f} mm",
-                              target.id, step.iteration, step.miss_m() / kMillimetre,
-                              step.stop_below_m / kMillimetre));
+                              target.id, step.iteration, mm(step.miss_m()), mm(step.stop_below_m)));
     if (!observer_) return;
     const TipPose& wanted = step.target;
     const LampTipSensor& sensor = cell_.sensor();

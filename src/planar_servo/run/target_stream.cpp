@@ -56,21 +56,18 @@ StreamEnd answer_targets(std::istream& in, std::ostream& out, TargetLines& lines
 }
 
 Json result_answer(const TargetResult& result) {
-  Json told{{"target", result.id},
-            {"x_mm", result.p_d.x() / kMillimetre},
-            {"y_mm", result.p_d.y() / kMillimetre},
-            {"status", name(result.status)},
-            {"reason", result.reason},
-            {"iterations", result.iterations},
+  Json told{{"target", result.id},        {"x_mm", mm(result.p_d.x())},
+            {"y_mm", mm(result.p_d.y())}, {"status", name(result.status)},
+            {"reason", result.reason},    {"iterations", result.iterations},
             {"seconds", result.seconds}};
-  if (result.uncertainty_m) told["uncertainty_mm"] = *result.uncertainty_m / kMillimetre;
+  if (result.uncertainty_m) told["uncertainty_mm"] = mm(*result.uncertainty_m);
   for (const ResultError& kind : result_errors()) {
     const auto& error = result.*kind.error;
     if (!error) continue;
     const auto columns = kind.columns();
-    told[columns[0]] = error->norm() / kMillimetre;
-    told[columns[1]] = error->x() / kMillimetre;
-    told[columns[2]] = error->y() / kMillimetre;
+    told[columns[0]] = mm(error->norm());
+    told[columns[1]] = mm(error->x());
+    told[columns[2]] = mm(error->y());
   }
   return told;
 }

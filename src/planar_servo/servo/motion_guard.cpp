@@ -33,7 +33,7 @@ std::optional<Doubt> noisy(const GuardLimits& limits, const TipMeasurement& m) {
   return Doubt{
       fmt::format("vision is uncertain by +- {:.3f} mm; allowed is {:.3f} mm: are the "
                   "lamps dim or partly covered, or is the exposure too short?",
-                  noise_m / kMillimetre, limits.noise_m / kMillimetre)};
+                  mm(noise_m), mm(limits.noise_m))};
 }
 
 std::optional<Doubt> separated(const GuardLimits& limits, const TipMeasurement& m) {
@@ -42,8 +42,8 @@ std::optional<Doubt> separated(const GuardLimits& limits, const TipMeasurement& 
   if (!(std::abs(off_m) > limits.separation_tolerance_m)) return std::nullopt;
   return Doubt{fmt::format("the lamps are seen {:.3f} mm apart, but were {:.3f} +- {:.3f} mm apart "
                            "at the calibration: has a lamp moved on the tool? {}",
-                           separation_m / kMillimetre, limits.separation_m / kMillimetre,
-                           limits.separation_tolerance_m / kMillimetre, kAskCell),
+                           mm(separation_m), mm(limits.separation_m),
+                           mm(limits.separation_tolerance_m), kAskCell),
                true};
 }
 
@@ -54,8 +54,8 @@ std::optional<Doubt> displaced(const GuardLimits& limits, const GuardedLook& loo
       fmt::format("the tool is seen at {}, {:.2f} mm from where it was commanded, {}; this cell "
                   "allows {:.2f} mm: has the camera moved or a drive lost its position, or are the "
                   "arm's links, gears, directions or coupling not as the cell file says? {}",
-                  place_mm(look.measurement.tip.p), off_m / kMillimetre, place_mm(look.commanded.p),
-                  limits.distance_m / kMillimetre, kAskCell),
+                  place_mm(look.measurement.tip.p), mm(off_m), place_mm(look.commanded.p),
+                  mm(limits.distance_m), kAskCell),
       true, off_m <= kFarthestStray_m};
 }
 
@@ -75,7 +75,7 @@ std::optional<Doubt> overcorrected(const GuardLimits& limits, const TipMeasureme
   return Doubt{
       fmt::format("the error map would correct by {:.3f} mm; within its region it never "
                   "corrects by more than {:.3f} mm: record training positions here",
-                  m.correction.norm() / kMillimetre, limits.correction_m / kMillimetre)};
+                  mm(m.correction.norm()), mm(limits.correction_m))};
 }
 
 std::optional<Doubt> jumped(const GuardLimits& limits, const GuardedLook& look,
@@ -88,7 +88,7 @@ std::optional<Doubt> jumped(const GuardLimits& limits, const GuardedLook& look,
   return Doubt{
       fmt::format("the tool was seen to move by {}, the command was {}; they differ by {:.3f} mm: "
                   "does the camera see a reflection, has it been touched, or does a joint slip? {}",
-                  place_mm(seen), place_mm(commanded), off_m / kMillimetre, kAskCell),
+                  place_mm(seen), place_mm(commanded), mm(off_m), kAskCell),
       true, off_m <= kFarthestStray_m};
 }
 

@@ -11,7 +11,7 @@ namespace planar {
 namespace {
 
 std::string diverged_words(const ServoStep& last) {
-  const double error_mm = last.error.norm() / kMillimetre;
+  const double error_mm = mm(last.error.norm());
   if (!last.estimate) return fmt::format("the error grew twice in a row, to {:.3f} mm", error_mm);
   return fmt::format(
       "the tool was seen twice in a row where command and earlier looks cannot have it, at last "
@@ -24,8 +24,8 @@ std::string missed_words(const ServoStep& last, double orientation_tolerance) {
   return fmt::format(
       "the error is {:.4f} mm and {:.3f} deg after {} corrections; allowed is {:.4f} mm and "
       "{:.3f} deg",
-      last.miss_m() / kMillimetre, std::abs(last.turn_error) / kDegree, last.iteration,
-      last.stop_below_m / kMillimetre, orientation_tolerance / kDegree);
+      mm(last.miss_m()), std::abs(last.turn_error) / kDegree, last.iteration, mm(last.stop_below_m),
+      orientation_tolerance / kDegree);
 }
 
 std::string hopeless_words(const ServoStep& last) {
@@ -33,8 +33,7 @@ std::string hopeless_words(const ServoStep& last) {
       "the error is {:.4f} mm after {} corrections, the tolerance {:.4f} mm; another correction is "
       "not expected to end nearer, because stops scatter by {:.4f} mm per axis: allow a larger "
       "tolerance_mm",
-      last.miss_m() / kMillimetre, last.iteration, last.stop_below_m / kMillimetre,
-      last.estimate->scatter_m / kMillimetre);
+      mm(last.miss_m()), last.iteration, mm(last.stop_below_m), mm(last.estimate->scatter_m));
 }
 
 }  // namespace

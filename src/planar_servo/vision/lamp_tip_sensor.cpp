@@ -29,7 +29,7 @@ void log(const TipMeasurement& seen, const TipPose& expected) {
       "mm",
       place_mm(expected.p), seen.frames, fixed(first, 3, ", "), fixed(second, 3, ", "),
       place_mm(seen.p_vision), place_mm(-seen.correction),
-      seen.inside_map ? "" : " outside its region", seen.uncertainty_m / kMillimetre));
+      seen.inside_map ? "" : " outside its region", mm(seen.uncertainty_m)));
 }
 
 }  // namespace

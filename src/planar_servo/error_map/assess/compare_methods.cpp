@@ -27,7 +27,7 @@ std::string name_of(MapMethod method, double width) {
     case MapMethod::kIdw:
       return "idw";
     case MapMethod::kHandWidth:
-      return fmt::format("hand:{:g}", width / kMillimetre);
+      return fmt::format("hand:{:g}", mm(width));
     case MapMethod::kRbf:
       return "rbf";
     case MapMethod::kAuto:

@@ -207,7 +207,7 @@ void require_one_unit(const Eigen::Matrix2Xd& p_vision, const Eigen::Matrix2Xd& 
     throw InputError(fmt::format(
         "all positions lie within {:.4g} mm; they look like metres; write them in millimetres "
         "(or are they all of one place? a map needs pairs over at least {:.0f} mm)",
-        span / kMillimetre, kSmallestSpread / kMillimetre));
+        span / kMillimetre, mm(kSmallestSpread)));
   }
 }
 
@@ -273,7 +273,7 @@ void require_narrow_places(const std::vector<ErrorSample>& samples, const MapSit
     faults.add(fmt::format(
         "place '{}': its {} pairs lie up to {:.1f} mm apart, where {:.1f} mm is allowed, a tenth "
         "of the field; name the places of single positions, or remove the column place",
-        samples[of.front()].place, of.size(), width / kMillimetre, widest / kMillimetre));
+        samples[of.front()].place, of.size(), mm(width), widest / kMillimetre));
   }
   faults.throw_if_any();
 }

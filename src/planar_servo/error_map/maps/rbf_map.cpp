@@ -37,7 +37,7 @@ std::shared_ptr<const BorderedSystem> map_equations(const RbfParameters& paramet
   throw WorkError(fmt::format(
       "the kernel matrix of {} samples with a width of {:.4g} mm and a ridge of {:.3g} is too ill "
       "conditioned to be solved; use a smaller width, or let the map choose width and ridge",
-      parameters.centers.cols(), parameters.kernel.width / kMillimetre, parameters.ridge));
+      parameters.centers.cols(), mm(parameters.kernel.width), parameters.ridge));
 }
 
 RbfMap::RbfMap(RbfParameters parameters, std::shared_ptr<const BorderedSystem> equations)

@@ -30,7 +30,7 @@ Eigen::MatrixXd center_factor(const Eigen::Matrix2Xd& centers, double width) {
   throw WorkError(fmt::format(
       "the kernel matrix of {} centres with a width of {:.4g} mm is too ill conditioned "
       "to be solved; use a smaller width",
-      centers.cols(), width / kMillimetre));
+      centers.cols(), mm(width)));
 }
 
 SparseRbfMap::SparseRbfMap(SparseRbfParameters parameters)

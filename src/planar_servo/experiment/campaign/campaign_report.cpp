@@ -47,7 +47,7 @@ double largest(const std::vector<double>& values) {
   return *std::max_element(values.begin(), values.end());
 }
 
-std::string mm(double value) {
+std::string four_decimals(double value) {
   return fmt::format("{:.4f}", value);
 }
 
@@ -62,14 +62,14 @@ TextTable campaign_table(const std::vector<nlohmann::json>& rows) {
   for (const Column& column : kColumns) {
     const std::vector<double> values = values_of(rows, column);
     header.emplace_back(column.title);
-    middle.push_back(mm(median(values)));
+    middle.push_back(four_decimals(median(values)));
     interval.push_back(interval_text(values));
-    worst.push_back(mm(largest(values)));
+    worst.push_back(four_decimals(largest(values)));
   }
   TextTable table("True positioning error in mm, mean of the control targets", header);
   for (const nlohmann::json& row : rows) {
     std::vector<std::string> fields{fmt::format("seed {}", row.at("seed").get<std::uint32_t>())};
-    for (const Column& column : kColumns) fields.push_back(mm(value_of(row, column)));
+    for (const Column& column : kColumns) fields.push_back(four_decimals(value_of(row, column)));
     table.add_row(std::move(fields));
   }
   for (auto* line : {&middle, &interval, &worst}) table.add_row(std::move(*line));
@@ -107,7 +107,7 @@ nlohmann::json campaign_json(const std::vector<nlohmann::json>& rows) {
 std::string campaign_row_text(const nlohmann::json& row) {
   std::vector<std::string> figures;
   for (const Column& column : kColumns)
-    figures.push_back(fmt::format("{} {}", column.title, mm(value_of(row, column))));
+    figures.push_back(fmt::format("{} {}", column.title, four_decimals(value_of(row, column))));
   return fmt::format("{} mm", fmt::join(figures, "; "));
 }
 

@@ -52,7 +52,7 @@ const char* color_of(const std::set<int>& radii_mm, int radius_mm) {
 std::vector<double> lengths_mm(const std::vector<CirclePlace>& places, const PlaceError& error) {
   std::vector<double> lengths;
   lengths.reserve(places.size());
-  for (const CirclePlace& place : places) lengths.push_back(error(place).norm() / kMillimetre);
+  for (const CirclePlace& place : places) lengths.push_back(mm(error(place).norm()));
   return lengths;
 }
 
@@ -67,7 +67,7 @@ LengthAxes axes_of_lengths(const std::vector<CirclePlace>& places) {
   for (const CirclePlace& place : places) {
     last = std::max(last, place.index);
     for (const auto& error : {seen_beside_plan, read_beside_plan, seen_beside_read})
-      most = std::max(most, error(place).norm() / kMillimetre);
+      most = std::max(most, mm(error(place).norm()));
   }
   return {{"number of the point along the circle", 0.0, last + 2.0},
           {"length of the error, mm", 0.0, 1.05 * most}};

@@ -58,9 +58,8 @@ std::string target_svg(const ExperimentReport& report) {
     for (const TargetRow& target : circle.targets) places.push_back(target.p_d / kMillimetre);
     const char* color = kSeriesColors[i % std::size(kSeriesColors)];
     panel.add_dots(places, {color}, 3.4);
-    panel.add_key(color,
-                  fmt::format("{} targets about ({:.0f}, {:.0f}) mm", places.size(),
-                              circle.center.x() / kMillimetre, circle.center.y() / kMillimetre));
+    panel.add_key(color, fmt::format("{} targets about ({:.0f}, {:.0f}) mm", places.size(),
+                                     mm(circle.center.x()), mm(circle.center.y())));
   }
   panel.add_dots({{0.0, 0.0}}, {"#111"}, 4.0);
   panel.add_note("large dot: the base's axis");
@@ -77,7 +76,7 @@ std::string before_after_svg(const ExperimentReport& report) {
     std::vector<Eigen::Vector2d> points;
     for (std::size_t i = 0; i < series.results.size(); ++i)
       if (const auto& error = series.results[i].*series.error)
-        points.emplace_back(static_cast<double>(i) + 1.0, error->norm() / kMillimetre);
+        points.emplace_back(static_cast<double>(i) + 1.0, mm(error->norm()));
     panel.add_dots(points, {series.color}, 3.0);
     panel.add_key(series.color, key_of(series));
   }

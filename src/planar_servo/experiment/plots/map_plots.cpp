@@ -28,7 +28,7 @@ std::vector<double> field_of(const ErrorMap& map, const std::vector<Eigen::Vecto
   std::vector<double> lengths_mm;
   for (const Eigen::Vector2d& place : places_mm) {
     const ErrorPrediction here = predict(map, place * kMillimetre);
-    lengths_mm.push_back(here.inside ? here.error.norm() / kMillimetre
+    lengths_mm.push_back(here.inside ? mm(here.error.norm())
                                      : std::numeric_limits<double>::quiet_NaN());
   }
   return lengths_mm;
@@ -41,11 +41,11 @@ std::string field_svg(const PlotData& data, const DrawnMap& drawn) {
   std::vector<double> known_mm, measured_mm;
   for (const TrainingPlace& place : data.training) {
     training_mm.push_back(place.p_vision / kMillimetre);
-    known_mm.push_back(place.error.norm() / kMillimetre);
+    known_mm.push_back(mm(place.error.norm()));
   }
   for (const PredictedPlace& place : data.checks) {
     checks_mm.push_back(place.p_vision / kMillimetre);
-    measured_mm.push_back(place.measured.norm() / kMillimetre);
+    measured_mm.push_back(mm(place.measured.norm()));
   }
   const FieldAxes axes = axes_over_places(training_mm);
   Panel known(fmt::format("(a) {} known places", known_mm.size()), axes.x, axes.y,
@@ -88,7 +88,7 @@ std::string prediction_svg(const PlotData& data, const DrawnMap& drawn) {
     radii_mm.insert(place.radius_mm);
     last = std::max(last, place.index);
     for (const Eigen::Vector2d& error : {place.measured, place.by_idw, place.by_rbf})
-      most = std::max(most, error.norm() / kMillimetre);
+      most = std::max(most, mm(error.norm()));
   }
   std::vector<Panel> panels;
   for (const int radius_mm : radii_mm) {

@@ -80,7 +80,7 @@ std::vector<std::string> arm_in_words(const JointEstimate& estimate) {
   const ArmModel model = estimate.model();
   const Eigen::VectorXd& x = estimate.fit.arm;
   std::vector<std::string> words{
-      fmt::format("this arm repeats to {:.4f} mm per axis", priors.arm_sigma / kMillimetre)};
+      fmt::format("this arm repeats to {:.4f} mm per axis", mm(priors.arm_sigma))};
   constexpr const char* kTimes[] = {"once", "twice"};
   for (int h = 0; h < estimate.size.ripples; ++h) {
     const Eigen::Index first =
@@ -93,10 +93,10 @@ std::vector<std::string> arm_in_words(const JointEstimate& estimate) {
   }
   if (model.form().posture.terms() > 0)
     words.push_back(fmt::format("it deviates smoothly from links and gears by {:.4f} mm per axis",
-                                priors.deviation_sigma / kMillimetre));
+                                mm(priors.deviation_sigma)));
   if (model.height().wave.centers.cols() > 0)
-    words.push_back(fmt::format("its lamps rise and fall by {:.3f} mm over the plane",
-                                priors.wave_sigma / kMillimetre));
+    words.push_back(
+        fmt::format("its lamps rise and fall by {:.3f} mm over the plane", mm(priors.wave_sigma)));
   if (estimate.size.warms) {
     const Eigen::Index warming = model.layout().warming;
     words.push_back(fmt::format("its links grew by {:.0f} and {:.0f} um/m an hour at the end",

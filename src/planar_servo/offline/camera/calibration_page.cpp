@@ -280,8 +280,8 @@ Verdict camera_verdict(const CameraCalibration& found) {
         "{} views agree to {:.3f} px, views left out of the fit to {:.3f} px, all corners of the "
         "picture are seen, and the camera's model places points of the plane to {:.4f} mm in "
         "the mean and {:.4f} mm at worst",
-        found.views.size(), found.rms_px, *found.held_out_rms_px,
-        found.plane_error.mean() / kMillimetre, found.plane_error.largest() / kMillimetre);
+        found.views.size(), found.rms_px, *found.held_out_rms_px, mm(found.plane_error.mean()),
+        found.plane_error.largest() / kMillimetre);
   return verdict;
 }
 

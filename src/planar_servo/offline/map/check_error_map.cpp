@@ -136,11 +136,10 @@ ReportList map_check_list(const MapCheck& check, std::size_t n_left_out) {
   list.line("pairs", "{n} ({n_outside} outside the map's valid region)", check.raw.n,
             check.n_outside);
   list.line(" ", "mean      rms       95 %      max       mm");
-  list.line(
-      "vision error",
-      "{raw_mean_mm:<10.4f}{raw_rms_mm:<10.4f}" +
-          fmt::format("{:<10.4f}{:.4f}", check.raw.p95 / kMillimetre, check.raw.max / kMillimetre),
-      check.raw.mean, check.raw.rms);
+  list.line("vision error",
+            "{raw_mean_mm:<10.4f}{raw_rms_mm:<10.4f}" +
+                fmt::format("{:<10.4f}{:.4f}", mm(check.raw.p95), mm(check.raw.max)),
+            check.raw.mean, check.raw.rms);
   list.line("with the map", "{mean_mm:<10.4f}{rms_mm:<10.4f}{p95_mm:<10.4f}{max_mm:.4f}",
             check.compensated.mean, check.compensated.rms, check.compensated.p95,
             check.compensated.max);

@@ -39,22 +39,20 @@ void log_kernel(const IdwMap& /*map*/) {}
 void log_kernel(const RbfMap& map) {
   const RbfParameters& chosen = map.parameters();
   spdlog::debug(fmt::format("chosen: width {:.1f} mm, ridge {:.3g}, tail of degree {}{}",
-                            chosen.kernel.width / kMillimetre, chosen.ridge,
-                            chosen.tail_basis.degree,
+                            mm(chosen.kernel.width), chosen.ridge, chosen.tail_basis.degree,
                             chosen.tail_basis.with_direction ? " with the tool's direction" : ""));
 }
 
 void log_kernel(const SparseRbfMap& map) {
   spdlog::debug(fmt::format("chosen: width {:.1f} mm on {} centres, ridge {:.3g}",
-                            map.parameters().width / kMillimetre, map.parameters().centers.cols(),
+                            mm(map.parameters().width), map.parameters().centers.cols(),
                             map.parameters().ridge));
 }
 
 /// Tells who asks for it what a fit decided.
 void log(const MapResult& result) {
   spdlog::debug(fmt::format("the map is {}, {:.4f} mm rms left out one by one; idw {:.4f} mm",
-                            name(kind_of(result.map)), result.loo_rms / kMillimetre,
-                            result.idw_loo_rms / kMillimetre));
+                            name(kind_of(result.map)), mm(result.loo_rms), mm(result.idw_loo_rms)));
   std::visit([](const auto& map) { log_kernel(map); }, result.map);
   for (const RejectedSample& sample : result.rejected)
     spdlog::debug(fmt::format("left out {}: {}", sample.id, sample.reason));

@@ -81,7 +81,7 @@ FieldValues field_values(const MapView& view, const std::vector<Eigen::Vector2d>
     const ErrorPrediction here = view.predict(grid_mm[i] * kMillimetre);
     const Eigen::Vector2d error = here.error / kMillimetre;
     values.sizes.push_back(here.inside ? error.norm() : kNone);
-    values.sigmas.push_back(here.inside ? here.sigma / kMillimetre : kNone);
+    values.sigmas.push_back(here.inside ? mm(here.sigma) : kNone);
     const bool has_arrow =
         i / kFieldCells % kArrowSpacing == 1 && i % kFieldCells % kArrowSpacing == 1;
     if (!here.inside || !has_arrow) continue;
@@ -137,7 +137,7 @@ Panel comparison_panel(const std::vector<ComparedField>& ways) {
   constexpr const char* kColors[] = {"#1f4e79", "#d9822b", "#5a8f3d"};
   std::vector<double> far_mm;
   far_mm.reserve(ways.size() + 1);
-  for (const ComparedField& way : ways) far_mm.push_back(quantile(way.misses, 0.95) / kMillimetre);
+  for (const ComparedField& way : ways) far_mm.push_back(mm(quantile(way.misses, 0.95)));
   far_mm.push_back(0.0);
   const Axis miss = axis_over("missed by at most, mm", far_mm);
   Panel panel("What was compared at places left out", miss,
@@ -150,7 +150,7 @@ Panel comparison_panel(const std::vector<ComparedField>& ways) {
                         static_cast<double>(k + 1) / static_cast<double>(misses.size()));
     const char* color = kColors[i % std::size(kColors)];
     panel.add_line(line, Panel::Stroke::kSolid, color);
-    panel.add_key(color, fmt::format("{}: {:.4f} mm rms", ways[i].name, ways[i].rms / kMillimetre));
+    panel.add_key(color, fmt::format("{}: {:.4f} mm rms", ways[i].name, mm(ways[i].rms)));
   }
   return panel;
 }
@@ -173,15 +173,14 @@ Verdict map_verdict(const FitErrorMapReport& report) {
              "the map helps only close to its places: in the middle of a part of the field that is "
              "{:.0f} mm wide and has no place, {:.4f} mm rms are left of the error, {:.4f} mm "
              "without a map",
-             result.gap / kMillimetre, result.blocked.value / kMillimetre,
-             result.raw_rms / kMillimetre),
+             result.gap / kMillimetre, result.blocked.value / kMillimetre, mm(result.raw_rms)),
          "record places so near to one another that no such gap stays, first in the dark parts of "
          "the right panel; until then work close to places that were recorded"});
   add_left_out_pairs(result.rejected.size(), result.n_used + result.rejected.size(), verdict);
   verdict.good = fmt::format(
       "worth using: at places left out the error falls from {:.4f} mm rms to {:.4f}, and in a gap "
       "of {:.1f} mm to {:.4f} (95 % interval {:.4f} to {:.4f})",
-      result.raw_rms / kMillimetre, result.loo_rms / kMillimetre, result.gap / kMillimetre,
+      mm(result.raw_rms), mm(result.loo_rms), result.gap / kMillimetre,
       result.blocked.value / kMillimetre, result.blocked.low / kMillimetre,
       result.blocked.high / kMillimetre);
   return verdict;
@@ -207,7 +206,7 @@ Verdict map_verdict(const LampFieldFit& fit) {
       "worth using: at places left out the error falls from {:.4f} mm rms to {:.4f}, the tracker's "
       "own noise included, {} % of it within the stated 95 %; the end point is known to {:.4f} mm "
       "per axis",
-      judged.raw_rms / kMillimetre, judged.rms / kMillimetre, fixed(100.0 * judged.coverage_95, 1),
+      mm(judged.raw_rms), mm(judged.rms), fixed(100.0 * judged.coverage_95, 1),
       fit.certainty.end_point / kMillimetre);
   return verdict;
 }

@@ -32,7 +32,7 @@ ReportList cell_list(const CellDiagnosis& cell) {
     part.unprinted("significant", term.significant);
     list.part(name.key, part);
   }
-  list.line("", fmt::format("left by all of these {:>38.4f}", cell.left_rms / kMillimetre));
+  list.line("", fmt::format("left by all of these {:>38.4f}", mm(cell.left_rms)));
   return list;
 }
 

@@ -49,13 +49,13 @@ std::string error_plots(const std::vector<PairRow>& pairs, const Summary& raw) {
     errors.points.push_back(pair.p_vision);
     errors.errors.push_back(pair.error());
   }
-  const std::vector<Eigen::Vector2d> mm = in_mm(errors.errors);
-  const double rms_mm = raw.rms / kMillimetre / std::sqrt(2.0);
+  const std::vector<Eigen::Vector2d> errors_mm = in_mm(errors.errors);
+  const double rms_mm = mm(raw.rms) / std::sqrt(2.0);
   std::vector<Panel> panels = quiver_panels({errors});
-  panels.push_back(series_panel(pairs, mm));
+  panels.push_back(series_panel(pairs, errors_mm));
   return plot_svg(panels) +
          plot_svg({histogram("The error's components", "vision minus tracker, mm",
-                             components_of(mm), {rms_mm, "their rms"})});
+                             components_of(errors_mm), {rms_mm, "their rms"})});
 }
 
 /// What neither field nor drift explains of the errors, and the step that does, dashed.
@@ -199,8 +199,7 @@ Verdict pair_verdict(const PairTrackerRequest& request, const PairTrackerReport&
   verdict.good = fmt::format(
       "{} pairs; the monuments are met to {:.4f} mm, where the tracker's deviation is {:.4f} mm "
       "per axis, and vision without a map is {:.4f} mm off in the mean",
-      pairs.size(), report.datum->rms / kMillimetre, request.cell.tracker.sigma_m / kMillimetre,
-      raw.mean / kMillimetre);
+      pairs.size(), mm(report.datum->rms), mm(request.cell.tracker.sigma_m), mm(raw.mean));
   return verdict;
 }
 

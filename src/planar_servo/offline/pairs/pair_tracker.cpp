@@ -300,7 +300,7 @@ void log(const PairTrackerReport& report) {
   if (report.datum)
     for (const MonumentResidual& monument : report.datum->residuals)
       spdlog::debug(fmt::format("monument {}: {:.4f} mm off in {} readings", monument.id,
-                                monument.residual_B.norm() / kMillimetre, monument.readings));
+                                mm(monument.residual_B.norm()), monument.readings));
   spdlog::debug(fmt::format("the workplane is fitted to {} places", report.workplane.n_used));
   for (const Refusal& doubt : report.doubts) spdlog::warn(doubt.text());
   for (const Rejection& rejection : report.rejected)

@@ -106,7 +106,7 @@ Refusal RecordedScatter::doubt() const {
           "pairs: the readings of the training places scatter by {:.4f} mm about any smooth error, "
           "where tracker and lamps state {:.4f} mm together, and are taken for as uncertain as "
           "they scatter",
-          found / kMillimetre, stated / kMillimetre),
+          mm(found), stated / kMillimetre),
       "see whether the reflector is loose on the tool or the arm still moves when it is read"};
 }
 
@@ -116,25 +116,25 @@ Refusal RecordedStep::doubt() const {
           "pairs: from place '{}' on, {} of {}, vision and tracker differ by another ({}) mm +- "
           "{:.3f}, which costs up to {:.3f} mm at the end point: {}",
           id, places - change.first, places, fixed(change.step / kMillimetre, 3, ", "),
-          change.sigma / kMillimetre, cost() / kMillimetre, causes_of(change.frame)),
+          mm(change.sigma), cost() / kMillimetre, causes_of(change.frame)),
       is_dear() ? "record again with one seating, leave one of the two parts out, or, if you "
                   "know that nothing moved, continue with --accept-step"
                 : "if something moved there, record again or leave one of the two parts out"};
 }
 
 Refusal RecordedTrend::doubt() const {
-  const double size_mm = trend.size.norm() / kMillimetre;
+  const double size_mm = mm(trend.size.norm());
   const std::string rate =
       duration_s > 0.0 ? fmt::format(", {:.3f} mm per hour", size_mm * kSecondsAnHour / duration_s)
                        : "";
-  return {fmt::format(
-              "pairs: while the training places were recorded, vision and tracker drifted apart by "
-              "({}) mm +- {:.3f}{}: {}",
-              fixed(trend.size / kMillimetre, 3, ", "), trend.sigma / kMillimetre, rate,
-              creeping(trend.frame)),
-          is_dear() ? "fasten it, let tracker and camera warm up and record again, or, if you know "
-                      "better, continue with --accept-step"
-                    : "fasten it, or let tracker and camera warm up before the next recording"};
+  return {
+      fmt::format(
+          "pairs: while the training places were recorded, vision and tracker drifted apart by "
+          "({}) mm +- {:.3f}{}: {}",
+          fixed(trend.size / kMillimetre, 3, ", "), mm(trend.sigma), rate, creeping(trend.frame)),
+      is_dear() ? "fasten it, let tracker and camera warm up and record again, or, if you know "
+                  "better, continue with --accept-step"
+                : "fasten it, or let tracker and camera warm up before the next recording"};
 }
 
 void require_axis_in_origin(const CellSettings& cell, const std::vector<ToolSight>& sights) {
@@ -156,7 +156,7 @@ void require_axis_in_origin(const CellSettings& cell, const std::vector<ToolSigh
       "places of plan sweep1 show: the monuments are shifted together; subtract ({}) from x, y "
       "of all of them in the cell file, or measure them again",
       fixed(axis->p / kMillimetre, 3, ", "), std::sqrt(0.5 * covariance.trace()) / kMillimetre,
-      axis->p.norm() / kMillimetre, points.size(), fixed(axis->p / kMillimetre, 3, ", ")));
+      mm(axis->p.norm()), points.size(), fixed(axis->p / kMillimetre, 3, ", ")));
 }
 
 void require_upright_tracker(const DatumRegistration& datum, const ToolOffsets& tool) {
@@ -166,7 +166,7 @@ void require_upright_tracker(const DatumRegistration& datum, const ToolOffsets& 
       "all in one plane, then fit upside down, with the reflector {:.1f} mm below them and the "
       "joints turning the other way round, as the tracker sees them; correct the columns of its "
       "table (where its z axis does point down: negate y and z)",
-      -tool.p_TS.z() / kMillimetre));
+      -mm(tool.p_TS.z())));
 }
 
 void require_lamps_in_order(const CellSettings& cell, const std::vector<FrameRow>& frames,
@@ -231,7 +231,7 @@ Refusal RestSpread::doubt() const {
   return {fmt::format(
               "tracker: its readings of a place at rest scatter by {:.4f} mm, where {:.4f} mm is "
               "stated; they are taken for as uncertain as they scatter",
-              rms / kMillimetre, stated / kMillimetre),
+              mm(rms), stated / kMillimetre),
           "find what shakes the reflector or the tracker, or correct tracker.sigma_mm in the cell "
           "file"};
 }

@@ -25,7 +25,7 @@ constexpr int kDecades = 5;
 
 /// Returns 0 at the least error and 1 at the most.
 double share_of_scale(double error_m) {
-  const double error_mm = std::clamp(error_m / kMillimetre, kLeastError_mm, kMostError_mm);
+  const double error_mm = std::clamp(mm(error_m), kLeastError_mm, kMostError_mm);
   return std::log10(error_mm / kLeastError_mm) / kDecades;
 }
 

@@ -77,7 +77,7 @@ PathDemand path_demand(const JointPlanner& planner, const Path& path, const Path
     demand.refusal = plan.refusal;
     if (!demand.refusal) demand.refusal = watch.objection(theta, demand);
     if (!demand.refusal) continue;
-    demand.refusal = fmt::format("{:.1f} mm along the path, at {}: {}", along_m / kMillimetre,
+    demand.refusal = fmt::format("{:.1f} mm along the path, at {}: {}", mm(along_m),
                                  place_mm(pose.p), *demand.refusal);
     break;
   }

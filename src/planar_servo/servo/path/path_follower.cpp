@@ -167,9 +167,8 @@ std::optional<PathResult> PathFollower::command(Run& run) {
   const JointPlan here = joints_at(run, now_s), next = joints_at(run, now_s + kPathStep_s);
   for (const JointPlan& plan : {here, next})
     if (plan.refusal)
-      return PathResult{ServoStatus::kRefused,
-                        fmt::format("{:.1f} mm along the path: {}",
-                                    run.along_m(now_s) / kMillimetre, *plan.refusal)};
+      return PathResult{ServoStatus::kRefused, fmt::format("{:.1f} mm along the path: {}",
+                                                           mm(run.along_m(now_s)), *plan.refusal)};
   run.near = here.theta;
   const double catch_up_s = std::max(kCatchUp_s, now_s - run.commanded_s);
   run.commanded_s = now_s;
