@@ -74,7 +74,7 @@ struct BoardRobot : GrblBench {
     return board.shafts() == before;
   }
 
-  /// Work goes on, after homing where the position was lost.
+  /// Work continues, after homing where the position was lost.
   void check_recovery(bool keeps_position) {
     CHECK(eventually([&] { return nothing_turns(); }));
     CHECK(board.shafts().x() < 11000);

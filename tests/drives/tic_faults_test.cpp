@@ -71,7 +71,7 @@ struct RobotBench : TicBench {
     return tics[0].targets_received() + tics[1].targets_received() + tics[2].targets_received();
   }
 
-  /// Work goes on: nothing moves before those that lost their position are homed.
+  /// Work continues: nothing moves before those that lost their position are homed.
   void check_recovery() {
     robot.recover(kPatience_s);
     CHECK(nothing_turns());

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# A camera that fails in the middle of a move stops the arm; when it is back the loop goes on.
+# A camera that fails in the middle of a move stops the arm; when it is back the loop continues.
 source "$(dirname "$0")/common.sh"
 source "$repository/tests/programs/live_cell.sh"
 camera=$3

@@ -23,7 +23,7 @@ until_recording() {
 grep -q "^ *seed 502 " one.txt || fail "$(cat one.txt)"
 [ "$(ls one)" = "$(printf 'figures.json\nreport.html\nrows.jsonl')" ] || fail "left over: $(ls one)"
 
-# Killed with all its processes, a campaign leaves nobody at work and goes on by the same command.
+# Killed with all its processes, a campaign leaves nobody at work and continues by the same command.
 "${campaign[@]}" --jobs 2 --out shared >/dev/null &
 until_recording shared
 kill -KILL $!
@@ -49,7 +49,7 @@ cmp one.json shared.json || fail "the figures depend on who found them"
 diff one.txt <(sed 's#shared/#one/#' shared.txt) || fail "the table depends on who found it"
 [ ! -e shared/seed_501 ] && [ ! -e shared/seed_502 ] || fail "a cell stayed: $(ls shared)"
 
-# What is there is not run again, and only the same campaign is gone on with.
+# What is there is not run again, and only the same campaign is continued.
 "${campaign[@]}" --out one --json again.json >/dev/null
 cmp one.json again.json || fail "a finished campaign changed"
 expect 2 "rows.jsonl: was begun with another cell or other options: lays 1, now 2; give the same" \

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# A calibrated cell gets a certificate; one that was broken off is gone on with by the same command.
+# A calibrated cell gets a certificate; one that was broken off is continued by the same command.
 source "$(dirname "$0")/common.sh"
 
 cp -r "$2/cell" .
@@ -34,7 +34,7 @@ cp -r DIR first
 diff certified.txt again.txt || fail "a finished certificate was made again"
 diff -r first DIR || fail "a finished certificate changed"
 
-# Broken off in the middle of a line, the same command goes on where it ended.
+# Broken off in the middle of a line, the same command continues where it ended.
 cp -r first broken
 head -n 30 first/cycles.csv >broken/cycles.csv
 printf 'v01.P4+x,direc' >>broken/cycles.csv
@@ -44,7 +44,7 @@ cut -d, -f1 first/cycles.csv | diff - <(cut -d, -f1 broken/cycles.csv) || fail "
 head -n 30 first/cycles.csv | diff - <(head -n 30 broken/cycles.csv) || fail "a judged move was made again"
 [ -s broken/certificate.html ] || fail "no page after going on"
 
-# Killed twice, a long one goes on each time, and no move is in it twice.
+# Killed twice, a long one continues each time, and no move is in it twice.
 long=("$bin/planar-certify" -q --cell cell/cell.yaml --out killed --cycles 1000 --targets 1)
 rows() { cat killed/cycles.csv 2>/dev/null | grep -c '^[cv][0-9]' || true; }
 before=0
@@ -61,7 +61,7 @@ for _ in 1 2; do
 done
 [ -z "$(cut -d, -f1 killed/cycles.csv | sort | uniq -d)" ] || fail "a move was made twice"
 
-# Only the same certificate is gone on with.
+# Only the same certificate is continued.
 certify_as() { "$bin/planar-certify" --cell cell/cell.yaml "$@"; }
 expect 2 "cycles.csv: was begun with other --cycles or --targets" certify_as --cycles 4 --targets 12 --out DIR
 sed 's/settle_ms: 200/settle_ms: 210/' cell/cell.yaml >cell/other.yaml

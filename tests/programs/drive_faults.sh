@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# A drive that fails in the middle of a move stops the arm; once it is back and homed the loop goes on
+# A drive that fails in the middle of a move stops the arm; once it is back and homed the loop continues
 # with the same target, and nothing is lost from the log.
 source "$(dirname "$0")/common.sh"
 source "$repository/tests/programs/live_cell.sh"

@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
-# One experiment: killed while it records and while it moves, it goes on by the same command; its --help shows
+# One experiment: killed while it records and while it moves, it continues by the same command; its --help shows
 # what it prints.
 source "$(dirname "$0")/common.sh"
 
 cp -r "$2/cell" .
 experiment=("$bin/planar-experiment" -q --cell cell/cell.yaml --train 40 --loop-only 5 --out DIR)
 
-# killed_at FILE LINES: begins or goes on, and is killed once the file has so many lines.
+# killed_at FILE LINES: begins or continues, and is killed once the file has so many lines.
 killed_at() {
   "${experiment[@]}" >/dev/null &
   for _ in $(seq 3000); do

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Somebody holds and lays the calibration board of a served cell, guided by planar-record, leaves in
-# the middle and goes on: loopback_only.sh held_board.sh BIN_DIR.
+# the middle and continues: loopback_only.sh held_board.sh BIN_DIR.
 source "$(dirname "$0")/common.sh"
 source "$repository/tests/programs/served.sh"
 

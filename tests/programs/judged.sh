@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# The paper's experiment on a served cell, judged by its tracker: refused without one, begun, gone on with from a
-# recording of planar-record, killed in the loop and gone on with. What it judged is held against the log of the
+# The paper's experiment on a served cell, judged by its tracker: refused without one, begun, continued from a
+# recording of planar-record, killed in the loop and continued. What it judged is compared with the log of the
 # truth, which nothing else reads: loopback_only.sh judged.sh BIN_DIR.
 source "$(dirname "$0")/common.sh"
 source "$repository/tests/programs/served.sh"
@@ -17,7 +17,7 @@ expect 2 "live.yaml: is no virtual cell; --seeds" \
   "$bin/planar-experiment" --cell live.yaml --out made --seeds 2
 [ "$(wc -l <truth.csv)" -eq 3 ] || fail "the arm moved: $(cat truth.csv)"
 
-# On a busy machine camera or drives may stop the experiment; the same command goes on.
+# On a busy machine camera or drives may stop the experiment; the same command continues.
 # A map of twelve places is no good one.
 experiment=("$bin/planar-experiment" --cell live.yaml --train 12 --accept-map --loop-only 1 --home --out DIR)
 worked() {

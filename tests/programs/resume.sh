@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# An interrupted recording and an interrupted run are gone on with; a finished run is not overwritten.
+# An interrupted recording and an interrupted run are continued; a finished run is not overwritten.
 source "$(dirname "$0")/common.sh"
 
 cp -r "$2/cell" "$2/plan.csv" .
@@ -32,7 +32,7 @@ grep -v '^#' run/results.csv | cut -d, -f1,4 | tail -n +2 >reached.txt
 printf 'a,reached\nb,reached\nc,reached\n' | diff - reached.txt || fail "not all targets were reached"
 grep -q "^targets: 3" run/run.yaml || fail "the report of a resumed run leaves targets out"
 
-# Only the same run is gone on with: the same files, and every target where it was.
+# Only the same run is continued: the same files, and every target where it was.
 sed 's/^b,-150/b,-151/' all.csv >moved.csv
 cp run/run.yaml run.yaml
 cp run/results.csv results.csv

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Whoever presses a key, Ctrl-C or Ctrl-\, or closes the terminal, stops the arm where it is: it knows its position and goes on from there.
+# Whoever presses a key, Ctrl-C or Ctrl-\, or closes the terminal, stops the arm where it is: it knows its position and continues from there.
 source "$(dirname "$0")/common.sh"
 source "$repository/tests/programs/live_cell.sh"
 

@@ -14,7 +14,7 @@ namespace planar {
 
 /// Says which cell is certified, and where the files go.
 struct CertificateRequest {
-  ServoRequest servo;  ///< `resume` is not used: the same request goes on with what there is
+  ServoRequest servo;  ///< `resume` is not used: the same request continues with what there is
   CertificateSize size;
 };
 
@@ -34,7 +34,7 @@ using OpenDevices = std::function<std::unique_ptr<CellDevices>(const CellSetting
 
 /// Moves a cell through certificate_moves() and has the end of each judged. Each judged move is
 /// appended to cycles.csv in servo.out at once, beside steps.csv and results.csv of all moves; the
-/// same request goes on where they end. Throws InputError before anything moves when nobody can
+/// same request continues where they end. Throws InputError before anything moves when nobody can
 /// judge the cell, when find_test_places() fails, and when the folder holds something else or a
 /// certificate that was begun with other files, sizes or settings. Throws what ServoRun throws.
 /// `progress` may be empty.

@@ -53,7 +53,7 @@ struct ExperimentRequest {
 
 /// Runs the paper's experiment: it records a plan, calibrates the chains from what was recorded,
 /// and closes the loop over the control targets with each. What an experiment with the same request
-/// left in `out` is gone on with: positions recorded and targets moved to are not gone to again.
+/// left in `out` is continued: positions recorded and targets moved to are not gone to again.
 /// A cell without a truth is judged by its tracker, after a person has done what record() and
 /// TrackerJudge ask for. Throws what its parts throw, and InputError when `out` holds something
 /// else and, before anything moves, for a cell that nobody can judge.
@@ -64,7 +64,7 @@ ExperimentReport run_experiment(const ExperimentRequest& request, CellDevices& d
 /// is no recording.
 PositioningPrediction predict_experiment(const ExperimentRequest& request);
 
-/// Returns how the loop is closed with a chain. It goes on with the run that the experiment's
+/// Returns how the loop is closed with a chain. It continues with the run that the experiment's
 /// folder holds.
 ServoRequest control_loop(const CalibratedChain& chain, bool with_map,
                           const ExperimentRequest& experiment);

@@ -196,7 +196,7 @@ CalibratedChain calibrate_chain(const ChainSettings& settings, const CellSetting
   chain.folder = own_folder;
   chain.cell = with_files_in(cell, own_folder, settings);
   chain.cell.servo = settings.servo;
-  // An experiment that is gone on with must see the lamps as the first time, without these.
+  // An experiment that is continued must see the lamps as the first time, without these.
   for (const MadeFile& file : calibration_files(chain.cell, true)) fs::remove(file.path);
   chain.camera = make_camera(settings, chain.cell, recorded);
   chain.pairs = make_pairs(settings, chain.cell, recorded, chain.camera.camera, own_folder);

@@ -11,7 +11,7 @@ namespace {
 // A Gaussian process is all but reproduced by Gaussians three quarters of their width apart.
 constexpr double kSpacingOverWidth = 0.75;
 constexpr int kMostCenters = 200;
-/// Beyond the last places the centres go on a little, or the field would bend there.
+/// Beyond the last places the centres continue a little, or the field would bend there.
 constexpr double kBeyond = 1.05;
 /// Keeps the kernel's matrix positive definite in double precision.
 constexpr double kJitter = 1e-8;

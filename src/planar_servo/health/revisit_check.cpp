@@ -127,8 +127,8 @@ double cost_of(const std::vector<Revisit>& revisits) {
   return most;
 }
 
-/// Returns what warmth explains and nothing smaller does. It costs nothing to go on: an arm is warm
-/// after an hour's work.
+/// Returns what warmth explains and nothing smaller does. It costs nothing to continue: an arm is
+/// warm after an hour's work.
 std::vector<HealthFinding> find_warmth(const CellModel& model,
                                        const std::vector<Revisit>& revisits) {
   constexpr double kWorthAWord_m = 50e-6;

@@ -12,7 +12,7 @@ namespace planar {
 /// Says what is to be done with what the camera sees of the board now.
 struct BoardAdvice {
   bool take{false};   ///< the view is to be taken
-  bool good{false};   ///< the board only has to go on standing still
+  bool good{false};   ///< the board only has to continue standing still
   std::string state;  ///< in words, for who holds it
 };
 

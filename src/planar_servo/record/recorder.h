@@ -59,7 +59,7 @@ struct RecordReport {
 /// are placed from the commanded pose by a coarse view learned from the first full frames. Where
 /// the lamps are not in the region, a full frame is taken instead. The monuments are read before
 /// all and, when the arm has moved, once more at the end, where a run that was broken off among
-/// them is gone on with; a plan whose rows ask for no reading needs no tracker. A place without a
+/// them is continued; a plan whose rows ask for no reading needs no tracker. A place without a
 /// good reading is repeated or left out as requested; what is left out, the next run records.
 ///
 /// Throws InputError when rows ask for readings and the cell has no tracker, or for views of a

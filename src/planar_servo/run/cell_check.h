@@ -19,20 +19,20 @@
 
 namespace planar {
 
-/// Looks whether a cell still is as its files say, before anything depends on it.
+/// Checks whether a cell still is as its files say, before anything depends on it.
 class CellCheck {
  public:
   /// Is told why the camera failed, and returns true when it is back.
   using CameraWait = std::function<bool(const std::string& reason)>;
 
   /// Takes robot, sensor and clock, which must outlive it, and the scatter that the arm was found
-  /// to have, per axis; 0 where it is not known. The drives must be on. Both checks go on after a
-  /// `wait` for the camera; without one they throw WorkError. They throw what
+  /// to have, per axis; 0 where it is not known. The drives must be on. Both checks continue after
+  /// a `wait` for the camera; without one they throw WorkError. They throw what
   /// PlanarRobot::move_to() throws.
   CellCheck(const CellSettings& cell, const VisionCalibration& vision, PlanarRobot& robot,
             LampTipSensor& sensor, Clock& clock, double scatter_m, CameraWait wait = {});
 
-  /// Moves each motor a little, near where the arm stands, and holds what is seen against what was
+  /// Moves each motor a little, near where the arm stands, and compares what is seen with what was
   /// commanded. Returns what is not as the files say. Light and focus that are not as in `record`
   /// are named before anything else.
   std::vector<HealthFinding> first_moves(const std::optional<HealthRecord>& record = {});

@@ -43,7 +43,7 @@ class PathRun {
   /// Switches the drives on. Throws as ServoRun() does, and InputError when the folder holds a run.
   PathRun(const ServoRequest& request, const PathRequest& path, CellDevices& devices);
 
-  /// Looks whether the cell is well, goes to the path's beginning and follows it. A path that ends
+  /// Checks whether the cell is well, goes to the path's beginning and follows it. A path that ends
   /// early has a result like the others. Guided by vision for the first time, it measures the play,
   /// which is led through from then on. When a drive fails or somebody stops the arm, it throws
   /// WorkError; all looks so far are in the file then.

@@ -26,7 +26,7 @@ constexpr double kSameDirection_rad = 1e-6 * kDegree;
 constexpr char kServoRemark[] = "# servo: ";
 
 /// Throws unless a run that was begun with these files was begun with the present ones, too. One
-/// that does not say what it was begun with is gone on with.
+/// that does not say what it was begun with is continued.
 void require_same_origins(const fs::path& results, const std::vector<Origin>& present) {
   const std::vector<Origin> begun = read_origins(results);
   const auto same = [](const Origin& a, const Origin& b) {
@@ -54,7 +54,7 @@ std::string settings_text(const ServoRequest& request) {
 }
 
 /// Throws unless a run was begun with the present settings. One that does not say with which it was
-/// begun is gone on with.
+/// begun is continued.
 void require_same_settings(const fs::path& results, const std::string& present) {
   const std::string begun = remark_in(results, kServoRemark);
   if (begun.empty() || begun == present) return;

@@ -19,12 +19,12 @@ std::vector<Origin> run_origins(const ServoRequest& request);
 /// Returns these and the servo's settings as comment lines of the table of results.
 std::vector<std::string> run_remarks(const ServoRequest& request);
 
-/// Returns the run's folder, which is there then. Throws InputError when there is no run to go on
-/// with, and when the folder holds that of a path.
+/// Returns the run's folder, which is there then. Throws InputError when there is no run to
+/// continue with, and when the folder holds that of a path.
 const std::filesystem::path& folder_for(const ServoRequest& request);
 
 /// Returns the results that the folder holds. Throws InputError when it holds some although no run
-/// is to be gone on with, and when they were made with other files or settings.
+/// is to be continued, and when they were made with other files or settings.
 std::vector<TargetResult> results_so_far(const ServoRequest& request);
 
 /// Throws InputError when the target `id` has a result already, but of another place or direction

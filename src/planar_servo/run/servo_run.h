@@ -45,7 +45,7 @@ class ServoRun {
   /// When a device fails for good or somebody stops the arm, it throws WorkError; all that was done
   /// is in the files then.
   ///
-  /// When the camera fails, the arm stops and waits up to a minute for it, then goes on with the
+  /// When the camera fails, the arm stops and waits up to a minute for it, then continues with the
   /// same target, but at most twenty times for one target. It does the same for a drive, which may
   /// have to be homed then, but at most three times. The result counts the corrections and the time
   /// of all attempts. A target at which a device has failed for good has no result, so that a

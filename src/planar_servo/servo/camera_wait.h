@@ -12,7 +12,7 @@ namespace planar {
 constexpr double kCameraPatience_s = 60.0;
 
 /// Waits, while the arm stands, until the camera's frames come as they should, and says so in the
-/// log. `id` names what is to be gone on with, `reason` what is wrong. Returns false once the clock
+/// log. `id` names what is to be continued, `reason` what is wrong. Returns false once the clock
 /// is past `deadline_s`. Throws what PlanarRobot::throw_if_stopped() throws.
 bool wait_for_camera(const FrameSource& camera, const PlanarRobot& robot, Clock& clock,
                      const std::string& id, const std::string& reason, double deadline_s);

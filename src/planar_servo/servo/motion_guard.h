@@ -45,7 +45,7 @@ struct Doubt {
   bool may_be_stray{false};  ///< one stop that missed explains it: the arm may come again
 };
 
-/// Holds a look against the command and against what the cell promises: its age, its noise, the
+/// Compares a look with the command and with what the cell promises: its age, its noise, the
 /// lamps' distance, the tool's place and direction, the error map's correction, and the motion
 /// since the look `before`, if there was one. Returns the first doubt.
 std::optional<Doubt> doubt(const GuardLimits& limits, const GuardedLook& look,

@@ -34,7 +34,7 @@ class PositionServo {
 
   /// Takes robot, sensor, clock and, if there is one, the model, which must outlive the servo. The
   /// planner knows where the arm, as it was found, lands; a model that learns the arm tells it more
-  /// at each target. The guard holds looks against the planner's arm() alone. Throws
+  /// at each target. The guard compares looks with the planner's arm() alone. Throws
   /// std::invalid_argument for settings out of range.
   PositionServo(const ServoSettings& settings, const GuardLimits& limits,
                 const JointPlanner& planner, PlanarRobot& robot, TipSensor& sensor, Clock& clock,
@@ -48,7 +48,7 @@ class PositionServo {
  private:
   void begin_target();
   ServoStep measure(const TipPose& target, int iteration);
-  /// Returns how the motion ended, or nothing while the loop should go on.
+  /// Returns how the motion ended, or nothing while the loop should continue.
   std::optional<ServoStatus> verdict(const std::vector<ServoStep>& steps) const;
   bool diverges_at(const std::vector<ServoStep>& steps) const;
   bool content(const ServoStep& step) const;

@@ -23,10 +23,10 @@ constexpr double kFirstDamping = 1e-3, kLeastDamping = 1e-8, kMostDamping = 1e9;
 /// A fit has converged when one more step would move its parameters by less than this share of
 /// their uncertainty, which makes their error larger by an eighth at most.
 constexpr double kConvergedShare = 0.5;
-/// It goes on until this holds for every combination of the parameters, or until a step lowers the
-/// squares by less than this part of the variance: terms that trade off, as those of the rational
-/// model, creep on for ever. Then it takes a few steps more, until the share is small, damped so
-/// much that such terms stay where they are instead of running away together.
+/// It continues until this holds for every combination of the parameters, or until a step lowers
+/// the squares by less than this part of the variance: terms that trade off, as those of the
+/// rational model, creep on for ever. Then it takes a few steps more, until the share is small,
+/// damped so much that such terms stay where they are instead of running away together.
 constexpr double kCreeping = 0.01;
 constexpr int kFinishingSteps = 5;
 constexpr double kFinishedShare = 1e-3, kFinishingDamping = 1e-6;

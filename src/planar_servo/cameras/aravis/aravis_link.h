@@ -79,11 +79,11 @@ class AravisLink {
   /// takes: the smallest on its raster that holds the wanted one.
   cv::Rect start(const cv::Rect& region_px);
 
-  /// Moves the region while the stream goes on and returns it like start(). Its size must be that
+  /// Moves the region while the stream continues and returns it like start(). Its size must be that
   /// given to start().
   cv::Rect move(const cv::Rect& region_px);
 
-  /// Sets exposure time and gain while the stream goes on.
+  /// Sets exposure time and gain while the stream continues.
   void expose(const CameraExposure& exposure);
 
   /// Starts one exposure by command.

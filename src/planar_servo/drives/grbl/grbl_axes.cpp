@@ -238,8 +238,8 @@ bool GrblAxes::has_ended() {
   return !path_ || path_->all_sent();
 }
 
-/// A board that slows down or stands on its way is given nothing more: held by hand, it would go on
-/// with it. One that has run out of pieces goes on from rest.
+/// A board that slows down or stands on its way is given nothing more: held by hand, it would
+/// continue with it. One that has run out of pieces continues from rest.
 void GrblAxes::feed() {
   if (watch_.slows() || stopped_seen_) return;
   while (path_ && board_.unanswered() < kLinesUnderWay) {

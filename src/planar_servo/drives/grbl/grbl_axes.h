@@ -83,8 +83,8 @@ class GrblAxes {
   void poll();
   /// Ends a hold, and the lock after an alarm by a reset. Forgets the faults.
   void unlock();
-  /// During a move the axes go on from the end of what is queued if the target lies beyond it, and
-  /// otherwise brake first.
+  /// During a move the axes continue from the end of what is queued if the target lies beyond it,
+  /// and otherwise brake first.
   void go_to(const AxisPulses& target, const std::array<AxisLimits, 3>& limits);
   /// Lets the board search the switches of all axes at once.
   void search_switches();

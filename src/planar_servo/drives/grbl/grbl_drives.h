@@ -26,8 +26,8 @@ class GrblDrives final : public DriveGroup {
   /// The speeds hold for the next targets. The accelerations are the board's own, so that lower
   /// ones are not kept. Throws InputError for limits beyond the cell's.
   void set_limits(const std::array<DriveLimits, 3>& limits) override;
-  /// During a move the axes go on from the end of what is queued if the targets lie beyond it, and
-  /// otherwise brake first.
+  /// During a move the axes continue from the end of what is queued if the targets lie beyond it,
+  /// and otherwise brake first.
   void set_targets(const std::array<std::int32_t, 3>& targets_pulses) override;
   /// Brakes to rest, by which the positions stay certain, and waits for it. A search for the home
   /// switches ends abruptly.

@@ -105,7 +105,7 @@ struct GrblSettings {
 
 namespace grbl {
 
-/// The longest time for which a board may go on moving when its program has died.
+/// The longest time for which a board may continue moving when its program has died.
 constexpr double kLongestRun_s = 0.19;
 /// The shortest time for which a board at full speed must have motion beyond its braking way, so
 /// that it does not brake whenever this machine pauses.

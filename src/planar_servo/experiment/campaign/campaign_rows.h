@@ -43,7 +43,7 @@ class Claims {
 /// and the seed under `seed`, in the order in which they were found.
 class CampaignRows {
  public:
-  /// Begins the file, or goes on with it and cuts off a torn last line. Throws InputError when it
+  /// Begins the file, or continues with it and cuts off a torn last line. Throws InputError when it
   /// was begun with something else, naming what differs, and when it is no file of a campaign.
   CampaignRows(const std::filesystem::path& file, const nlohmann::json& made_with);
 

@@ -7,8 +7,8 @@
 
 namespace planar {
 
-/// Describes equally spaced points of a straight line in an image: they begin at (u, v) and go on
-/// in steps of (du, dv).
+/// Describes equally spaced points of a straight line in an image: they begin at (u, v) and
+/// continue in steps of (du, dv).
 struct BandLine {
   float u, v, du, dv;
   float nu2, nv2;  ///< squared components of the line's direction

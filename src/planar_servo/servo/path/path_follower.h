@@ -18,7 +18,7 @@
 
 namespace planar {
 
-/// Remembers for a while where the drives stood when, so that a picture is held against the joints
+/// Remembers for a while where the drives stood when, so that a picture is compared with the joints
 /// at its exposure.
 class JointHistory {
  public:
@@ -65,7 +65,7 @@ struct ExposureTiming {
 
 /// Leads the end point along a path. The joints follow the inverse kinematics of the arm that was
 /// found, by velocities; a motor that turns back is first led through its play. Each look while
-/// moving is held against the joints at its exposure: what the arm missed there is a disturbance
+/// moving is compared with the joints at its exposure: what the arm missed there is a disturbance
 /// d = p - reached(theta), which changes slowly, and the path minus d is commanded. As d does not
 /// depend on the command, a late picture makes the correction late but never unstable.
 class PathFollower {
@@ -115,7 +115,7 @@ class PathFollower {
   std::optional<PathResult> look(Run& run, const Observer& observer);
   PathLook measure(Run& run);
   std::optional<PathResult> objection(Run& run, const PathLook& look) const;
-  /// Lets the joints go on until the next exposure is about to begin.
+  /// Lets the joints continue until the next exposure is about to begin.
   std::optional<PathResult> move_until_exposure(Run& run);
   std::optional<PathResult> command(Run& run);
   /// Returns the joints that bring the end point, corrected, to its place at a time.
