@@ -5,7 +5,7 @@
 # needs ViSP's header.
 cmake_minimum_required(VERSION 3.25)
 set(library core io devices arm lens tool lamps error_map calibration cell robot servo vision files
-            machine field health)
+            machine field health tables)
 string(CONCAT heavy "^#include [<\"](Eigen/(Cholesky|Dense|Eigenvalues|LU|QR|SVD|Sparse.*)|"
                     "opencv2/([a-bd-z]|calib3d|core/utils).*|nlohmann/json\\.hpp|spdlog/.*|CLI/.*|"
                     "yaml-cpp/.*|planar_servo/error_map/maps/bordered_system.*)[>\"]")

@@ -4,8 +4,8 @@
 #include "planar_servo/core/error.h"
 #include "planar_servo/files/camera_file.h"
 #include "planar_servo/io/atomic_file.h"
-#include "planar_servo/offline/camera/calibrate_camera.h"
-#include "planar_servo/offline/camera/calibration_page.h"
+#include "planar_servo/offline/calibrate_camera.h"
+#include "planar_servo/offline/calibration_page.h"
 #include "program.h"
 
 namespace planar {

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "planar_servo/core/clock.h"
-#include "planar_servo/error_map/assess/compare_methods.h"
+#include "planar_servo/error_map/compare_methods.h"
 #include "planar_servo/error_map/fit/pair_checks.h"
 #include "planar_servo/files/map_file.h"
 #include "planar_servo/files/provenance.h"

@@ -5,7 +5,6 @@
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
-#include "planar_servo/files/tables/tracker_table.h"
 #include "planar_servo/files/tool_file.h"
 #include "planar_servo/files/vision_files.h"
 #include "planar_servo/files/workplane_file.h"
@@ -16,6 +15,7 @@
 #include "planar_servo/offline/pairs/pair_files.h"
 #include "planar_servo/offline/pairs/pair_page.h"
 #include "planar_servo/offline/pairs/pair_tracker.h"
+#include "planar_servo/tables/tracker_table.h"
 #include "program.h"
 
 namespace planar {

@@ -2,9 +2,9 @@
 #include <spdlog/spdlog.h>
 
 #include "homing_options.h"
-#include "planar_servo/files/tables/plan_table.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/record/recorder.h"
+#include "planar_servo/tables/plan_table.h"
 #include "program.h"
 
 namespace planar {

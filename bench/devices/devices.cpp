@@ -14,9 +14,9 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "planar_servo/cameras/aravis/aravis_camera.h"
+#include "planar_servo/cameras/aravis_camera.h"
 #include "planar_servo/core/clock.h"
-#include "planar_servo/core/numerics/statistics.h"
+#include "planar_servo/core/statistics.h"
 #include "planar_servo/files/vision_files.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/machine/device_kinds.h"

@@ -12,7 +12,7 @@
 #include <thread>
 
 #include "planar_servo/core/units.h"
-#include "planar_servo/drives/tic/tic_drives.h"
+#include "planar_servo/drives/tic_drives.h"
 #include "planar_servo/robot/planar_robot.h"
 #include "support/tic_bench.h"
 

@@ -12,7 +12,7 @@
 
 #include "alglib_peer.h"
 #include "cases.h"
-#include "planar_servo/core/numerics/statistics.h"
+#include "planar_servo/core/statistics.h"
 #include "planar_servo/error_map/fit_error_map.h"
 #include "support/error_fields.h"
 

@@ -17,7 +17,7 @@
 #include "dlib_peer.h"
 #include "peer.h"
 #include "planar_servo/core/error.h"
-#include "planar_servo/core/numerics/statistics.h"
+#include "planar_servo/core/statistics.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/error_map/fit_error_map.h"
 #include "scipy_peer.h"

@@ -3,7 +3,7 @@
 #include <variant>
 
 #include "planar_servo/core/error.h"
-#include "planar_servo/drives/grbl/grbl_protocol.h"
+#include "planar_servo/drives/grbl_protocol.h"
 
 namespace planar {
 namespace {

@@ -9,7 +9,7 @@
 #include <thread>
 
 #include "planar_servo/core/clock.h"
-#include "planar_servo/drives/grbl/grbl_board.h"
+#include "planar_servo/drives/grbl_board.h"
 #include "planar_servo/rehearsal/pty_port.h"
 
 namespace planar {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "planar_servo/core/clock.h"
-#include "planar_servo/drives/grbl/grbl_drives.h"
+#include "planar_servo/drives/grbl_drives.h"
 #include "support/grbl_bench.h"
 
 namespace planar {

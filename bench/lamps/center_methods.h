@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "lamps/cramer_rao.h"
-#include "planar_servo/lamps/detect/blob.h"
+#include "planar_servo/lamps/blob.h"
 
 namespace planar::bench {
 

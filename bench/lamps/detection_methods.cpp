@@ -8,7 +8,7 @@
 
 #include "lamps/full_read.h"
 #include "planar_servo/core/units.h"
-#include "planar_servo/lamps/detect/lamp_detector.h"
+#include "planar_servo/lamps/lamp_detector.h"
 
 namespace planar::bench {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/lamps/detect/blob.h"
+#include "planar_servo/lamps/blob.h"
 
 namespace planar::bench {
 

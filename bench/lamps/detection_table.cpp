@@ -8,7 +8,7 @@
 #include "lamps/cluttered_frame.h"
 #include "lamps/detection_methods.h"
 #include "lamps/full_read.h"
-#include "planar_servo/core/numerics/statistics.h"
+#include "planar_servo/core/statistics.h"
 #include "planar_servo/lamps/lamp_pair.h"
 
 namespace planar::bench {

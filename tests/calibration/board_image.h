@@ -3,7 +3,7 @@
 #include <Eigen/Geometry>
 #include <opencv2/core.hpp>
 
-#include "planar_servo/calibration/board/board.h"
+#include "planar_servo/calibration/board.h"
 #include "planar_servo/core/pose.h"
 #include "planar_servo/lens/lens_models.h"
 

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "calibration/board_image.h"
-#include "planar_servo/calibration/board/board.h"
+#include "planar_servo/calibration/board.h"
 #include "planar_servo/calibration/camera_calibration.h"
 #include "planar_servo/tool/disc_image.h"
 

@@ -3,7 +3,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "calibration/board_image.h"
-#include "planar_servo/calibration/board/board.h"
+#include "planar_servo/calibration/board.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/tool/disc_image.h"
 #include "support/shared_data.h"

@@ -1,4 +1,4 @@
-#include "planar_servo/calibration/board/view_choice.h"
+#include "planar_servo/calibration/view_choice.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>

@@ -4,7 +4,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "calibration/board_views.h"
-#include "planar_servo/calibration/board/board.h"
+#include "planar_servo/calibration/board.h"
 #include "planar_servo/calibration/camera_calibration.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/lens/lens_models.h"

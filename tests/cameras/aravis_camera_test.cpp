@@ -1,11 +1,11 @@
-#include "planar_servo/cameras/aravis/aravis_camera.h"
+#include "planar_servo/cameras/aravis_camera.h"
 
 #include <catch2/catch.hpp>
 #include <chrono>
 #include <memory>
 #include <thread>
 
-#include "planar_servo/cameras/aravis/aravis_kind.h"
+#include "planar_servo/cameras/aravis_kind.h"
 #include "planar_servo/core/clock.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/rehearsal/gige_camera.h"

@@ -1,4 +1,4 @@
-#include "planar_servo/cameras/aravis/camera_path.h"
+#include "planar_servo/cameras/camera_path.h"
 
 #include <catch2/catch.hpp>
 

@@ -1,4 +1,4 @@
-#include "planar_servo/cameras/aravis/aravis_settings.h"
+#include "planar_servo/cameras/aravis_settings.h"
 
 #include <catch2/catch.hpp>
 

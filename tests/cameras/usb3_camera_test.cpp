@@ -5,10 +5,10 @@
 #include <memory>
 #include <thread>
 
-#include "planar_servo/cameras/aravis/aravis_camera.h"
-#include "planar_servo/cameras/aravis/aravis_kind.h"
-#include "planar_servo/cameras/aravis/aravis_settings.h"
-#include "planar_servo/cameras/aravis/camera_path.h"
+#include "planar_servo/cameras/aravis_camera.h"
+#include "planar_servo/cameras/aravis_kind.h"
+#include "planar_servo/cameras/aravis_settings.h"
+#include "planar_servo/cameras/camera_path.h"
 #include "planar_servo/core/clock.h"
 #include "planar_servo/core/error.h"
 #include "support/in_the_end.h"

@@ -1,4 +1,4 @@
-#include "planar_servo/core/numerics/decompositions.h"
+#include "planar_servo/core/decompositions.h"
 
 #include <catch2/catch.hpp>
 

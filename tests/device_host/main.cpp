@@ -18,7 +18,7 @@
 #include "device_host/latency.h"
 #include "device_host/true_errors.h"
 #include "planar_servo/core/error.h"
-#include "planar_servo/core/numerics/statistics.h"
+#include "planar_servo/core/statistics.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/io/format_line.h"

@@ -5,8 +5,8 @@
 #include <map>
 
 #include "planar_servo/core/error.h"
-#include "planar_servo/files/tables/target_table.h"
 #include "planar_servo/io/csv_table.h"
+#include "planar_servo/tables/target_table.h"
 
 namespace planar::test {
 namespace {

@@ -1,9 +1,9 @@
-#include "planar_servo/drives/grbl/grbl_drives.h"
+#include "planar_servo/drives/grbl_drives.h"
 
 #include <catch2/catch.hpp>
 #include <random>
 
-#include "planar_servo/drives/grbl/grbl_kind.h"
+#include "planar_servo/drives/grbl_kind.h"
 #include "support/eventually.h"
 #include "support/grbl_bench.h"
 

@@ -4,7 +4,7 @@
 #include <thread>
 
 #include "planar_servo/core/units.h"
-#include "planar_servo/drives/grbl/grbl_drives.h"
+#include "planar_servo/drives/grbl_drives.h"
 #include "planar_servo/robot/planar_robot.h"
 #include "support/eventually.h"
 #include "support/grbl_bench.h"

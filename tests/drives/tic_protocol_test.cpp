@@ -1,4 +1,4 @@
-#include "planar_servo/drives/tic/tic_bus.h"
+#include "planar_servo/drives/tic_bus.h"
 
 #include <catch2/catch.hpp>
 #include <limits>

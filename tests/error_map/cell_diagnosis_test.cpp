@@ -1,9 +1,9 @@
-#include "planar_servo/error_map/assess/cell_diagnosis.h"
+#include "planar_servo/error_map/cell_diagnosis.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "planar_servo/error_map/assess/spatial_blocks.h"
+#include "planar_servo/error_map/spatial_blocks.h"
 #include "support/error_fields.h"
 
 namespace planar {

@@ -1,4 +1,4 @@
-#include "planar_servo/error_map/assess/cross_validation.h"
+#include "planar_servo/error_map/cross_validation.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>

@@ -9,7 +9,7 @@
 #include <sstream>
 
 #include "planar_servo/core/error.h"
-#include "planar_servo/core/numerics/statistics.h"
+#include "planar_servo/core/statistics.h"
 #include "planar_servo/core/units.h"
 #include "support/error_fields.h"
 #include "support/shared_data.h"

@@ -3,7 +3,7 @@
 #include <random>
 
 #include "planar_servo/core/error.h"
-#include "planar_servo/core/numerics/statistics.h"
+#include "planar_servo/core/statistics.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/error_map/fit_error_map.h"
 #include "support/error_fields.h"

@@ -10,7 +10,7 @@
 #include <stdexcept>
 
 #include "planar_servo/core/error.h"
-#include "planar_servo/core/numerics/statistics.h"
+#include "planar_servo/core/statistics.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/error_map/fit_error_map.h"
 #include "support/error_fields.h"

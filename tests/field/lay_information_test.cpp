@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 
 #include "field/bent_cell.h"
-#include "planar_servo/core/numerics/decompositions.h"
+#include "planar_servo/core/decompositions.h"
 #include "planar_servo/field/fit_lamp_field.h"
 
 namespace planar {

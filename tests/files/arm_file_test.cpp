@@ -6,9 +6,9 @@
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
-#include "planar_servo/files/tables/joint_tables.h"
 #include "planar_servo/io/checksum.h"
 #include "planar_servo/machine/device_kinds.h"
+#include "planar_servo/tables/joint_tables.h"
 #include "support/sample_cells.h"
 #include "support/temporary_folder.h"
 

@@ -2,9 +2,9 @@
 
 #include <catch2/catch.hpp>
 
-#include "planar_servo/files/tables/pair_table.h"
 #include "planar_servo/files/tool_file.h"
 #include "planar_servo/files/workplane_file.h"
+#include "planar_servo/tables/pair_table.h"
 #include "support/temporary_folder.h"
 #include "support/texts.h"
 

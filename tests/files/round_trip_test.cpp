@@ -4,16 +4,16 @@
 #include <random>
 
 #include "planar_servo/core/plan.h"
-#include "planar_servo/files/tables/frame_table.h"
-#include "planar_servo/files/tables/lamp_table.h"
-#include "planar_servo/files/tables/pair_table.h"
-#include "planar_servo/files/tables/plan_table.h"
-#include "planar_servo/files/tables/result_table.h"
-#include "planar_servo/files/tables/target_table.h"
-#include "planar_servo/files/tables/tracker_table.h"
 #include "planar_servo/files/tool_file.h"
 #include "planar_servo/files/workplane_file.h"
 #include "planar_servo/io/sha256.h"
+#include "planar_servo/tables/frame_table.h"
+#include "planar_servo/tables/lamp_table.h"
+#include "planar_servo/tables/pair_table.h"
+#include "planar_servo/tables/plan_table.h"
+#include "planar_servo/tables/result_table.h"
+#include "planar_servo/tables/target_table.h"
+#include "planar_servo/tables/tracker_table.h"
 #include "support/temporary_folder.h"
 
 namespace planar {

@@ -1,4 +1,4 @@
-#include "planar_servo/files/tables/step_table.h"
+#include "planar_servo/tables/step_table.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>

@@ -1,4 +1,4 @@
-#include "planar_servo/files/tables/target_table.h"
+#include "planar_servo/tables/target_table.h"
 
 #include <catch2/catch.hpp>
 

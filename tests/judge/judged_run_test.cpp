@@ -1,10 +1,10 @@
 #include <catch2/catch.hpp>
 #include <memory>
 
-#include "planar_servo/files/tables/tracker_table.h"
 #include "planar_servo/files/tool_file.h"
 #include "planar_servo/judge/cell_judge.h"
 #include "planar_servo/run/servo_run.h"
+#include "planar_servo/tables/tracker_table.h"
 #include "support/sample_cells.h"
 #include "support/silent_cell.h"
 #include "support/temporary_folder.h"

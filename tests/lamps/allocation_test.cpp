@@ -2,8 +2,8 @@
 #include <cstdlib>
 #include <new>
 
-#include "planar_servo/lamps/detect/lamp_detector.h"
 #include "planar_servo/lamps/lamp_center.h"
+#include "planar_servo/lamps/lamp_detector.h"
 #include "planar_servo/lamps/lamp_pair.h"
 #include "support/rendered_lamp.h"
 

@@ -1,4 +1,4 @@
-#include "planar_servo/lamps/detect/blob.h"
+#include "planar_servo/lamps/blob.h"
 
 #include <catch2/catch.hpp>
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "planar_servo/core/units.h"
-#include "planar_servo/lamps/detect/lamp_detector.h"
+#include "planar_servo/lamps/lamp_detector.h"
 #include "support/rendered_lamp.h"
 
 namespace planar {

@@ -1,4 +1,4 @@
-#include "planar_servo/lamps/detect/lamp_detector.h"
+#include "planar_servo/lamps/lamp_detector.h"
 
 #include <catch2/catch.hpp>
 #include <opencv2/imgcodecs.hpp>

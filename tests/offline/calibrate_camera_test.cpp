@@ -1,11 +1,11 @@
-#include "planar_servo/offline/camera/calibrate_camera.h"
+#include "planar_servo/offline/calibrate_camera.h"
 
 #include <catch2/catch.hpp>
 #include <opencv2/imgcodecs.hpp>
 
 #include "calibration/board_image.h"
 #include "planar_servo/core/error.h"
-#include "planar_servo/files/tables/frame_table.h"
+#include "planar_servo/tables/frame_table.h"
 #include "support/shared_data.h"
 #include "support/temporary_folder.h"
 

@@ -1,4 +1,4 @@
-#include "planar_servo/offline/lamps/locate_lamps.h"
+#include "planar_servo/offline/locate_lamps.h"
 
 #include <Eigen/Geometry>
 #include <catch2/catch.hpp>
@@ -6,10 +6,10 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "planar_servo/core/error.h"
-#include "planar_servo/core/numerics/statistics.h"
+#include "planar_servo/core/statistics.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/lens/lens_models.h"
-#include "planar_servo/offline/lamps/lamps_report.h"
+#include "planar_servo/offline/lamps_report.h"
 #include "planar_servo/tool/vision_tip.h"
 #include "support/rendered_lamp.h"
 #include "support/temporary_folder.h"

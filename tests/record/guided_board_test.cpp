@@ -11,10 +11,10 @@
 #include <set>
 
 #include "planar_servo/core/error.h"
-#include "planar_servo/files/tables/frame_table.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/io/growing_file.h"
 #include "planar_servo/machine/device_kinds.h"
+#include "planar_servo/tables/frame_table.h"
 #include "support/manual_clock.h"
 #include "support/sample_cells.h"
 #include "support/temporary_folder.h"

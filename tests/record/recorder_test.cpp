@@ -5,10 +5,10 @@
 #include <limits>
 
 #include "planar_servo/devices/drive_group.h"
-#include "planar_servo/files/tables/frame_table.h"
-#include "planar_servo/files/tables/tracker_table.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/machine/device_kinds.h"
+#include "planar_servo/tables/frame_table.h"
+#include "planar_servo/tables/tracker_table.h"
 #include "planar_servo/vision/reference_lamps.h"
 #include "support/manual_clock.h"
 #include "support/mock_pulse_drive.h"

@@ -2,7 +2,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "planar_servo/cameras/aravis/aravis_camera.h"
+#include "planar_servo/cameras/aravis_camera.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/io/csv_table.h"
 #include "planar_servo/lamps/lamp_tracker.h"

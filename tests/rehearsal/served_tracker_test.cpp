@@ -6,8 +6,8 @@
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
-#include "planar_servo/files/tables/tracker_table.h"
 #include "planar_servo/io/atomic_file.h"
+#include "planar_servo/tables/tracker_table.h"
 #include "support/eventually.h"
 #include "support/temporary_folder.h"
 #include "virtual_cell/sample_cell.h"

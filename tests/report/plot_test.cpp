@@ -1,10 +1,10 @@
-#include "planar_servo/report/plot/plot.h"
+#include "planar_servo/report/plot.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <stdexcept>
 
-#include "planar_servo/report/plot/places.h"
+#include "planar_servo/report/places.h"
 #include "support/well_formed.h"
 
 namespace planar {

@@ -2,7 +2,7 @@
 
 #include <map>
 
-#include "planar_servo/drives/grbl/grbl_drives.h"
+#include "planar_servo/drives/grbl_drives.h"
 #include "support/faulty_grbl.h"
 #include "support/temporary_folder.h"
 

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "planar_servo/core/clock.h"
-#include "planar_servo/drives/tic/tic_drives.h"
+#include "planar_servo/drives/tic_drives.h"
 #include "support/emulated_tic.h"
 #include "support/mock_usb.h"
 

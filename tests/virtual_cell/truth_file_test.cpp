@@ -5,7 +5,7 @@
 #include <string>
 
 #include "planar_servo/core/error.h"
-#include "planar_servo/virtual_cell/image/virtual_lens.h"
+#include "planar_servo/virtual_cell/virtual_lens.h"
 #include "support/temporary_folder.h"
 #include "support/texts.h"
 

@@ -3,9 +3,9 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "planar_servo/virtual_cell/image/virtual_lens.h"
 #include "planar_servo/virtual_cell/virtual_arm.h"
 #include "planar_servo/virtual_cell/virtual_clock.h"
+#include "planar_servo/virtual_cell/virtual_lens.h"
 #include "virtual_cell/sample_cell.h"
 
 namespace planar {

@@ -6,8 +6,8 @@
 #include <stdexcept>
 
 #include "planar_servo/core/error.h"
-#include "planar_servo/virtual_cell/image/virtual_lamps.h"
-#include "planar_servo/virtual_cell/image/virtual_lens.h"
+#include "planar_servo/virtual_cell/virtual_lamps.h"
+#include "planar_servo/virtual_cell/virtual_lens.h"
 #include "virtual_cell/sample_cell.h"
 
 namespace planar {

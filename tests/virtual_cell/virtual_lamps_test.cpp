@@ -1,10 +1,10 @@
-#include "planar_servo/virtual_cell/image/virtual_lamps.h"
+#include "planar_servo/virtual_cell/virtual_lamps.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <vector>
 
-#include "planar_servo/core/numerics/statistics.h"
+#include "planar_servo/core/statistics.h"
 #include "virtual_cell/sample_cell.h"
 
 namespace planar {

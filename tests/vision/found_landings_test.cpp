@@ -2,7 +2,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "planar_servo/core/numerics/decompositions.h"
+#include "planar_servo/core/decompositions.h"
 #include "planar_servo/core/units.h"
 
 namespace planar {

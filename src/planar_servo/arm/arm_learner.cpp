@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "planar_servo/core/numerics/decompositions.h"
+#include "planar_servo/core/decompositions.h"
 #include "planar_servo/core/units.h"
 
 namespace planar {

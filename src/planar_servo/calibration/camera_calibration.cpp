@@ -5,12 +5,12 @@
 #include <limits>
 #include <optional>
 
-#include "planar_servo/calibration/board/board_pose.h"
+#include "planar_servo/calibration/board_pose.h"
 #include "planar_servo/calibration/camera/bundle_adjustment.h"
 #include "planar_servo/calibration/camera/repeated_views.h"
 #include "planar_servo/calibration/camera/visp_fit.h"
 #include "planar_servo/core/error.h"
-#include "planar_servo/core/numerics/statistics.h"
+#include "planar_servo/core/statistics.h"
 #include "planar_servo/core/threads.h"
 #include "planar_servo/tool/disc_image.h"
 

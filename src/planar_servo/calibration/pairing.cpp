@@ -8,10 +8,10 @@
 #include <map>
 #include <string>
 
+#include "planar_servo/core/decompositions.h"
 #include "planar_servo/core/error.h"
-#include "planar_servo/core/numerics/decompositions.h"
-#include "planar_servo/core/numerics/statistics.h"
 #include "planar_servo/core/pose.h"
+#include "planar_servo/core/statistics.h"
 #include "planar_servo/core/units.h"
 
 namespace planar {

@@ -8,7 +8,7 @@
 #include <stdexcept>
 
 #include "planar_servo/core/error.h"
-#include "planar_servo/core/numerics/rigid_fit.h"
+#include "planar_servo/core/rigid_fit.h"
 #include "planar_servo/core/text.h"
 #include "planar_servo/core/units.h"
 

@@ -6,9 +6,9 @@
 #include <cmath>
 
 #include "planar_servo/calibration/plane_sights.h"
+#include "planar_servo/core/decompositions.h"
 #include "planar_servo/core/error.h"
-#include "planar_servo/core/numerics/decompositions.h"
-#include "planar_servo/core/numerics/statistics.h"
+#include "planar_servo/core/statistics.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/lens/workplane.h"
 #include "planar_servo/tool/vision_tip.h"

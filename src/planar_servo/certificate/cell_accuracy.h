@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "planar_servo/certificate/pose_statistics.h"
-#include "planar_servo/core/numerics/statistics.h"
-#include "planar_servo/files/tables/cycle_table.h"
+#include "planar_servo/core/statistics.h"
+#include "planar_servo/tables/cycle_table.h"
 
 namespace planar {
 

@@ -10,8 +10,8 @@
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/io/sha256.h"
 #include "planar_servo/report/html_page.h"
-#include "planar_servo/report/plot/places.h"
-#include "planar_servo/report/plot/plot.h"
+#include "planar_servo/report/places.h"
+#include "planar_servo/report/plot.h"
 #include "planar_servo/report/text_table.h"
 
 namespace planar {

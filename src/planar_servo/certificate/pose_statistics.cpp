@@ -7,7 +7,7 @@
 #include <random>
 #include <stdexcept>
 
-#include "planar_servo/core/numerics/statistics.h"
+#include "planar_servo/core/statistics.h"
 
 namespace planar {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "planar_servo/cell/cell_settings.h"
-#include "planar_servo/files/tables/cycle_table.h"
+#include "planar_servo/tables/cycle_table.h"
 #include "planar_servo/vision/see_tool.h"
 
 namespace planar {

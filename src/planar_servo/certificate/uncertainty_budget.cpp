@@ -6,13 +6,13 @@
 #include <cmath>
 
 #include "planar_servo/calibration/plane_sights.h"
-#include "planar_servo/core/numerics/statistics.h"
+#include "planar_servo/core/statistics.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/files/provenance.h"
-#include "planar_servo/files/tables/pair_table.h"
 #include "planar_servo/files/workplane_file.h"
 #include "planar_servo/io/sha256.h"
 #include "planar_servo/plan/predicted_positioning.h"
+#include "planar_servo/tables/pair_table.h"
 
 namespace planar {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "planar_servo/cell/cell_settings.h"
 #include "planar_servo/certificate/cell_accuracy.h"
-#include "planar_servo/files/tables/cycle_table.h"
+#include "planar_servo/tables/cycle_table.h"
 #include "planar_servo/vision/see_tool.h"
 
 namespace planar {

@@ -13,7 +13,7 @@
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/progress.h"
 #include "planar_servo/core/units.h"
-#include "planar_servo/error_map/assess/cross_validation.h"
+#include "planar_servo/error_map/cross_validation.h"
 #include "planar_servo/error_map/fit/found_places.h"
 #include "planar_servo/error_map/fit/map_sites.h"
 #include "planar_servo/error_map/fit/outliers.h"

@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "planar_servo/core/progress.h"
-#include "planar_servo/error_map/assess/cell_diagnosis.h"
-#include "planar_servo/error_map/assess/spatial_blocks.h"
+#include "planar_servo/error_map/cell_diagnosis.h"
 #include "planar_servo/error_map/error_map.h"
 #include "planar_servo/error_map/map_quality.h"
+#include "planar_servo/error_map/spatial_blocks.h"
 
 namespace planar {
 

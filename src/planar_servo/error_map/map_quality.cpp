@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "planar_servo/core/numerics/statistics.h"
+#include "planar_servo/core/statistics.h"
 
 namespace planar {
 

@@ -9,12 +9,12 @@
 #include <map>
 
 #include "planar_servo/core/error.h"
-#include "planar_servo/core/numerics/statistics.h"
+#include "planar_servo/core/statistics.h"
 #include "planar_servo/core/units.h"
-#include "planar_servo/files/tables/lamp_table.h"
 #include "planar_servo/files/vision_files.h"
 #include "planar_servo/offline/map/check_error_map.h"
 #include "planar_servo/offline/map/fit_map_to_pairs.h"
+#include "planar_servo/tables/lamp_table.h"
 
 namespace planar {
 namespace {

@@ -5,16 +5,16 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/calibration/board/board.h"
+#include "planar_servo/calibration/board.h"
 #include "planar_servo/calibration/camera_calibration.h"
 #include "planar_servo/cell/cell_settings.h"
 #include "planar_servo/error_map/fit_error_map.h"
 #include "planar_servo/field/fit_lamp_field.h"
-#include "planar_servo/files/tables/frame_table.h"
-#include "planar_servo/files/tables/pair_table.h"
-#include "planar_servo/files/tables/tracker_table.h"
 #include "planar_servo/lamps/lamp.h"
-#include "planar_servo/offline/camera/calibrate_camera.h"
+#include "planar_servo/offline/calibrate_camera.h"
+#include "planar_servo/tables/frame_table.h"
+#include "planar_servo/tables/pair_table.h"
+#include "planar_servo/tables/tracker_table.h"
 
 namespace planar {
 

@@ -8,8 +8,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "planar_servo/core/numerics/decompositions.h"
-#include "planar_servo/core/numerics/statistics.h"
+#include "planar_servo/core/decompositions.h"
+#include "planar_servo/core/statistics.h"
 #include "planar_servo/tool/vision_tip.h"
 
 namespace planar {

@@ -9,7 +9,7 @@
 #include <numeric>
 
 #include "planar_servo/core/error.h"
-#include "planar_servo/core/numerics/statistics.h"
+#include "planar_servo/core/statistics.h"
 #include "planar_servo/field/arm/axis_leans.h"
 #include "planar_servo/field/joint_equations.h"
 

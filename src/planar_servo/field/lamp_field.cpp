@@ -1,7 +1,7 @@
 #include "planar_servo/field/lamp_field.h"
 
+#include "planar_servo/core/decompositions.h"
 #include "planar_servo/core/error.h"
-#include "planar_servo/core/numerics/decompositions.h"
 #include "planar_servo/field/arm/arm_terms.h"
 #include "planar_servo/tool/vision_tip.h"
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "planar_servo/core/numerics/decompositions.h"
-#include "planar_servo/core/numerics/statistics.h"
+#include "planar_servo/core/decompositions.h"
+#include "planar_servo/core/statistics.h"
 #include "planar_servo/field/lamp_field.h"
 
 namespace planar {

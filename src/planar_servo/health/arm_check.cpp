@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "planar_servo/core/numerics/decompositions.h"
+#include "planar_servo/core/decompositions.h"
 #include "planar_servo/core/pose.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/health/cause.h"

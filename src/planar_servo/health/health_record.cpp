@@ -6,8 +6,8 @@
 #include <cmath>
 #include <limits>
 
-#include "planar_servo/core/numerics/statistics.h"
 #include "planar_servo/core/pose.h"
+#include "planar_servo/core/statistics.h"
 #include "planar_servo/core/units.h"
 
 namespace planar {

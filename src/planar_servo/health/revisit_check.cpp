@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numeric>
 
-#include "planar_servo/core/numerics/decompositions.h"
-#include "planar_servo/core/numerics/statistics.h"
+#include "planar_servo/core/decompositions.h"
+#include "planar_servo/core/statistics.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/health/cause.h"
 

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "planar_servo/arm/joint_planner.h"
-#include "planar_servo/files/tables/target_table.h"
 #include "planar_servo/machine/cell_devices.h"
 #include "planar_servo/robot/planar_robot.h"
+#include "planar_servo/tables/target_table.h"
 #include "planar_servo/vision/lamp_tip_sensor.h"
 
 namespace planar {

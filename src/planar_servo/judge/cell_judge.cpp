@@ -7,11 +7,11 @@
 #include <cmath>
 #include <map>
 
+#include "planar_servo/core/decompositions.h"
 #include "planar_servo/core/error.h"
-#include "planar_servo/core/numerics/decompositions.h"
 #include "planar_servo/core/pose.h"
 #include "planar_servo/core/units.h"
-#include "planar_servo/files/tables/tracker_table.h"
+#include "planar_servo/tables/tracker_table.h"
 
 namespace planar {
 namespace {

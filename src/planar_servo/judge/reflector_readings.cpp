@@ -9,8 +9,8 @@
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
-#include "planar_servo/files/tables/tracker_table.h"
 #include "planar_servo/io/growing_file.h"
+#include "planar_servo/tables/tracker_table.h"
 
 namespace planar {
 namespace {

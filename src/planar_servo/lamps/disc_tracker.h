@@ -3,9 +3,9 @@
 #include <optional>
 #include <vector>
 
-#include "planar_servo/lamps/detect/blob.h"
-#include "planar_servo/lamps/detect/lamp_detector.h"
+#include "planar_servo/lamps/blob.h"
 #include "planar_servo/lamps/lamp.h"
+#include "planar_servo/lamps/lamp_detector.h"
 #include "planar_servo/lamps/vp_dot_tracker.h"
 
 namespace planar {

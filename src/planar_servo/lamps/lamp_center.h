@@ -2,7 +2,7 @@
 
 #include <opencv2/core.hpp>
 
-#include "planar_servo/lamps/detect/blob.h"
+#include "planar_servo/lamps/blob.h"
 #include "planar_servo/lamps/lamp.h"
 #include "planar_servo/lamps/vp_dot_tracker.h"
 

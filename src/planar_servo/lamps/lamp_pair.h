@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "planar_servo/lamps/detect/blob.h"
+#include "planar_servo/lamps/blob.h"
 #include "planar_servo/lamps/lamp.h"
 
 namespace planar {

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "planar_servo/devices/frame_source.h"
-#include "planar_servo/lamps/detect/lamp_detector.h"
 #include "planar_servo/lamps/lamp.h"
+#include "planar_servo/lamps/lamp_detector.h"
 #include "planar_servo/lamps/vp_dot_tracker.h"
 
 namespace planar {

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "planar_servo/lamps/detect/blob.h"
+#include "planar_servo/lamps/blob.h"
 
 namespace planar {
 

@@ -9,14 +9,14 @@
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/field/arm/arm_terms.h"
-#include "planar_servo/files/tables/joint_tables.h"
-#include "planar_servo/files/tables/pair_table.h"
 #include "planar_servo/files/tool_file.h"
 #include "planar_servo/offline/page_of_file.h"
-#include "planar_servo/report/plot/places.h"
-#include "planar_servo/report/plot/plot.h"
+#include "planar_servo/report/places.h"
+#include "planar_servo/report/plot.h"
 #include "planar_servo/report/quiver_plot.h"
 #include "planar_servo/report/text_table.h"
+#include "planar_servo/tables/joint_tables.h"
+#include "planar_servo/tables/pair_table.h"
 
 namespace planar {
 namespace {

@@ -8,8 +8,8 @@
 
 #include "planar_servo/arm/workspace.h"
 #include "planar_servo/cell/cell_settings.h"
-#include "planar_servo/files/tables/plan_table.h"
-#include "planar_servo/files/tables/target_table.h"
+#include "planar_servo/tables/plan_table.h"
+#include "planar_servo/tables/target_table.h"
 
 namespace planar {
 

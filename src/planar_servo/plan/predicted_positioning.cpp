@@ -6,7 +6,7 @@
 #include <utility>
 #include <variant>
 
-#include "planar_servo/core/numerics/statistics.h"
+#include "planar_servo/core/statistics.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/files/vision_files.h"
 

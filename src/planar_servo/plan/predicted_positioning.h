@@ -4,8 +4,8 @@
 
 #include "planar_servo/cell/cell_settings.h"
 #include "planar_servo/devices/tracker.h"
-#include "planar_servo/files/tables/pair_table.h"
-#include "planar_servo/files/tables/target_table.h"
+#include "planar_servo/tables/pair_table.h"
+#include "planar_servo/tables/target_table.h"
 #include "planar_servo/vision/see_tool.h"
 
 namespace planar {

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "planar_servo/cell/cell_settings.h"
-#include "planar_servo/files/tables/pair_table.h"
-#include "planar_servo/files/tables/plan_table.h"
+#include "planar_servo/tables/pair_table.h"
+#include "planar_servo/tables/plan_table.h"
 
 namespace planar {
 

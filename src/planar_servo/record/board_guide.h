@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/calibration/board/board.h"
-#include "planar_servo/calibration/board/view_choice.h"
+#include "planar_servo/calibration/board.h"
+#include "planar_servo/calibration/view_choice.h"
 
 namespace planar {
 

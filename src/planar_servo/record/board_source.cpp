@@ -4,10 +4,10 @@
 #include <fmt/ranges.h>
 
 #include "planar_servo/core/error.h"
-#include "planar_servo/files/tables/frame_table.h"
 #include "planar_servo/offline/grey_image.h"
 #include "planar_servo/report/live/board_view.h"
 #include "planar_servo/servo/camera_wait.h"
+#include "planar_servo/tables/frame_table.h"
 
 namespace planar {
 namespace {

@@ -6,14 +6,14 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/calibration/board/board.h"
+#include "planar_servo/calibration/board.h"
 #include "planar_servo/core/clock.h"
 #include "planar_servo/devices/board_presenter.h"
 #include "planar_servo/devices/frame_source.h"
-#include "planar_servo/files/tables/plan_table.h"
 #include "planar_servo/record/board_guide.h"
 #include "planar_servo/record/recorder.h"
 #include "planar_servo/report/status_line.h"
+#include "planar_servo/tables/plan_table.h"
 
 namespace planar {
 

@@ -12,8 +12,6 @@
 #include <set>
 
 #include "planar_servo/core/error.h"
-#include "planar_servo/files/tables/frame_table.h"
-#include "planar_servo/files/tables/tracker_table.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/io/growing_file.h"
 #include "planar_servo/lamps/lamp_tracker.h"
@@ -23,6 +21,8 @@
 #include "planar_servo/robot/planar_robot.h"
 #include "planar_servo/servo/approach.h"
 #include "planar_servo/servo/camera_wait.h"
+#include "planar_servo/tables/frame_table.h"
+#include "planar_servo/tables/tracker_table.h"
 #include "planar_servo/tool/coarse_view.h"
 #include "planar_servo/vision/lamp_tip_sensor.h"
 #include "planar_servo/vision/reference_lamps.h"

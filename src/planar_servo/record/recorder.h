@@ -6,16 +6,16 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/calibration/board/board.h"
+#include "planar_servo/calibration/board.h"
 #include "planar_servo/cell/cell_settings.h"
 #include "planar_servo/core/names.h"
 #include "planar_servo/devices/frame_source.h"
-#include "planar_servo/files/tables/plan_table.h"
 #include "planar_servo/judge/reflector_readings.h"
 #include "planar_servo/machine/cell_devices.h"
 #include "planar_servo/report/live/live_view.h"
 #include "planar_servo/report/report_list.h"
 #include "planar_servo/robot/homing.h"
+#include "planar_servo/tables/plan_table.h"
 
 namespace planar {
 

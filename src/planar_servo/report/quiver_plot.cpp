@@ -2,8 +2,8 @@
 
 #include <stdexcept>
 
-#include "planar_servo/report/plot/places.h"
-#include "planar_servo/report/plot/plot.h"
+#include "planar_servo/report/places.h"
+#include "planar_servo/report/plot.h"
 
 namespace planar {
 std::vector<Panel> quiver_panels(const std::vector<QuiverPanel>& panels) {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/report/plot/panel.h"
+#include "planar_servo/report/panel.h"
 
 namespace planar {
 

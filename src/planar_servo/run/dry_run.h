@@ -6,7 +6,7 @@
 
 #include "planar_servo/arm/joint_planner.h"
 #include "planar_servo/cell/cell_settings.h"
-#include "planar_servo/files/tables/target_table.h"
+#include "planar_servo/tables/target_table.h"
 #include "planar_servo/vision/see_tool.h"
 
 namespace planar {

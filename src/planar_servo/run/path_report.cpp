@@ -10,8 +10,8 @@
 #include "planar_servo/core/units.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/io/yaml_writer.h"
-#include "planar_servo/report/plot/places.h"
-#include "planar_servo/report/plot/plot.h"
+#include "planar_servo/report/places.h"
+#include "planar_servo/report/plot.h"
 #include "planar_servo/run/servo_report.h"
 
 namespace planar {

@@ -2,11 +2,11 @@
 
 #include <vector>
 
-#include "planar_servo/files/tables/path_tables.h"
 #include "planar_servo/report/html_page.h"
 #include "planar_servo/report/report_list.h"
 #include "planar_servo/run/path_run.h"
 #include "planar_servo/servo/path/path.h"
+#include "planar_servo/tables/path_tables.h"
 
 namespace planar {
 

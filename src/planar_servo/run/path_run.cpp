@@ -11,11 +11,11 @@
 #include "planar_servo/core/units.h"
 #include "planar_servo/files/arm_file.h"
 #include "planar_servo/files/provenance.h"
-#include "planar_servo/files/tables/path_tables.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/run/resumed_run.h"
 #include "planar_servo/servo/approach.h"
 #include "planar_servo/servo/path/gear_play.h"
+#include "planar_servo/tables/path_tables.h"
 
 namespace planar {
 namespace {

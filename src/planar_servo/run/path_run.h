@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/files/tables/path_tables.h"
 #include "planar_servo/io/growing_file.h"
 #include "planar_servo/run/ready_cell.h"
 #include "planar_servo/servo/path/path_check.h"
+#include "planar_servo/tables/path_tables.h"
 
 namespace planar {
 

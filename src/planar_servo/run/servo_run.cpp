@@ -8,11 +8,11 @@
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/files/provenance.h"
-#include "planar_servo/files/tables/step_table.h"
 #include "planar_servo/run/dry_run.h"
 #include "planar_servo/run/resumed_run.h"
 #include "planar_servo/run/target_scorer.h"
 #include "planar_servo/servo/camera_wait.h"
+#include "planar_servo/tables/step_table.h"
 
 namespace planar {
 namespace {

@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/files/tables/result_table.h"
-#include "planar_servo/files/tables/target_table.h"
 #include "planar_servo/io/growing_file.h"
 #include "planar_servo/run/ready_cell.h"
+#include "planar_servo/tables/result_table.h"
+#include "planar_servo/tables/target_table.h"
 
 namespace planar {
 

@@ -1,6 +1,6 @@
 #include "planar_servo/run/target_scorer.h"
 
-#include "planar_servo/files/tables/step_table.h"
+#include "planar_servo/tables/step_table.h"
 
 namespace planar {
 

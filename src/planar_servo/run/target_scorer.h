@@ -4,10 +4,10 @@
 
 #include "planar_servo/core/clock.h"
 #include "planar_servo/devices/judge.h"
-#include "planar_servo/files/tables/result_table.h"
-#include "planar_servo/files/tables/target_table.h"
 #include "planar_servo/io/growing_file.h"
 #include "planar_servo/servo/position_servo.h"
+#include "planar_servo/tables/result_table.h"
+#include "planar_servo/tables/target_table.h"
 
 namespace planar {
 

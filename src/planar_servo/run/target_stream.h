@@ -6,8 +6,8 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "planar_servo/cell/cell_settings.h"
-#include "planar_servo/files/tables/result_table.h"
-#include "planar_servo/files/tables/target_table.h"
+#include "planar_servo/tables/result_table.h"
+#include "planar_servo/tables/target_table.h"
 
 namespace planar {
 

@@ -7,8 +7,8 @@
 #include <limits>
 #include <random>
 
-#include "planar_servo/core/numerics/decompositions.h"
-#include "planar_servo/core/numerics/statistics.h"
+#include "planar_servo/core/decompositions.h"
+#include "planar_servo/core/statistics.h"
 
 namespace planar {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "planar_servo/devices/tracker.h"
-#include "planar_servo/files/tables/tracker_table.h"
+#include "planar_servo/tables/tracker_table.h"
 
 namespace planar {
 

@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "planar_servo/core/clock.h"
-#include "planar_servo/files/tables/tracker_table.h"
+#include "planar_servo/tables/tracker_table.h"
 
 namespace planar {
 

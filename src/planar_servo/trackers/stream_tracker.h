@@ -9,7 +9,7 @@
 
 #include "planar_servo/cell/cell_settings.h"
 #include "planar_servo/devices/tracker.h"
-#include "planar_servo/files/tables/tracker_table.h"
+#include "planar_servo/tables/tracker_table.h"
 #include "planar_servo/trackers/asked_tracker.h"
 #include "planar_servo/trackers/reading_stream.h"
 

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "planar_servo/cell/cell_settings.h"
-#include "planar_servo/files/tables/tracker_table.h"
+#include "planar_servo/tables/tracker_table.h"
 
 namespace planar {
 

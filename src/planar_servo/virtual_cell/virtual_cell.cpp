@@ -3,11 +3,11 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "planar_servo/virtual_cell/image/virtual_board.h"
-#include "planar_servo/virtual_cell/image/virtual_camera.h"
-#include "planar_servo/virtual_cell/image/virtual_lens.h"
 #include "planar_servo/virtual_cell/virtual_arm.h"
+#include "planar_servo/virtual_cell/virtual_board.h"
+#include "planar_servo/virtual_cell/virtual_camera.h"
 #include "planar_servo/virtual_cell/virtual_clock.h"
+#include "planar_servo/virtual_cell/virtual_lens.h"
 #include "planar_servo/virtual_cell/virtual_tracker.h"
 
 namespace planar {

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "planar_servo/core/numerics/statistics.h"
+#include "planar_servo/core/statistics.h"
 #include "planar_servo/core/units.h"
 
 namespace planar {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "planar_servo/core/numerics/decompositions.h"
+#include "planar_servo/core/decompositions.h"
 
 namespace planar {
 namespace {

@@ -5,9 +5,9 @@
 #include <opencv2/calib3d.hpp>
 #include <utility>
 
-#include "planar_servo/calibration/board/board_pose.h"
+#include "planar_servo/calibration/board_pose.h"
+#include "planar_servo/core/decompositions.h"
 #include "planar_servo/core/error.h"
-#include "planar_servo/core/numerics/decompositions.h"
 #include "planar_servo/core/pose.h"
 
 namespace planar {

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "planar_servo/core/numerics/decompositions.h"
+#include "planar_servo/core/decompositions.h"
 
 namespace planar {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "planar_servo/core/numerics/decompositions.h"
+#include "planar_servo/core/decompositions.h"
 
 namespace planar {
 namespace {

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <iostream>
 
-#include "planar_servo/calibration/board/board_pose.h"
+#include "planar_servo/calibration/board_pose.h"
+#include "planar_servo/core/decompositions.h"
 #include "planar_servo/core/error.h"
-#include "planar_servo/core/numerics/decompositions.h"
 #include "planar_servo/core/pose.h"
 #include "planar_servo/lens/lens_models.h"
 

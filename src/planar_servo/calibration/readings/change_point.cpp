@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "planar_servo/calibration/readings/smooth_errors.h"
-#include "planar_servo/core/numerics/statistics.h"
+#include "planar_servo/core/statistics.h"
 
 namespace planar {
 namespace {

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "planar_servo/core/numerics/decompositions.h"
+#include "planar_servo/core/decompositions.h"
 #include "planar_servo/core/units.h"
 
 namespace planar {

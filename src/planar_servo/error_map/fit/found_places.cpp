@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "planar_servo/core/numerics/statistics.h"
+#include "planar_servo/core/statistics.h"
 
 namespace planar {
 namespace {

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "planar_servo/core/error.h"
-#include "planar_servo/core/numerics/statistics.h"
+#include "planar_servo/core/statistics.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/error_map/maps/radial_kernel.h"
 

@@ -7,9 +7,9 @@
 #include <limits>
 #include <utility>
 
+#include "planar_servo/core/decompositions.h"
 #include "planar_servo/core/error.h"
-#include "planar_servo/core/numerics/decompositions.h"
-#include "planar_servo/core/numerics/statistics.h"
+#include "planar_servo/core/statistics.h"
 #include "planar_servo/error_map/maps/radial_kernel.h"
 #include "planar_servo/error_map/maps/tail_basis.h"
 

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <utility>
 
+#include "planar_servo/core/decompositions.h"
 #include "planar_servo/core/error.h"
-#include "planar_servo/core/numerics/decompositions.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/error_map/maps/bordered_system.h"
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "planar_servo/core/numerics/decompositions.h"
+#include "planar_servo/core/decompositions.h"
 
 namespace planar {
 namespace {

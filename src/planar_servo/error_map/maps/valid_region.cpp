@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <limits>
 
-#include "planar_servo/core/numerics/statistics.h"
 #include "planar_servo/core/pose.h"
+#include "planar_servo/core/statistics.h"
 
 namespace planar {
 namespace {

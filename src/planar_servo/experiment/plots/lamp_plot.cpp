@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "planar_servo/core/numerics/statistics.h"
+#include "planar_servo/core/statistics.h"
 #include "planar_servo/core/units.h"
-#include "planar_servo/report/plot/plot.h"
+#include "planar_servo/report/plot.h"
 
 namespace planar {
 namespace {

@@ -6,10 +6,10 @@
 #include <limits>
 #include <set>
 
-#include "planar_servo/core/numerics/statistics.h"
+#include "planar_servo/core/statistics.h"
 #include "planar_servo/core/units.h"
-#include "planar_servo/report/plot/places.h"
-#include "planar_servo/report/plot/plot.h"
+#include "planar_servo/report/places.h"
+#include "planar_servo/report/plot.h"
 
 namespace planar {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "planar_servo/core/error.h"
-#include "planar_servo/core/numerics/statistics.h"
+#include "planar_servo/core/statistics.h"
 #include "planar_servo/field/held_out.h"
 
 namespace planar {

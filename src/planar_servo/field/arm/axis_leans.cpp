@@ -4,8 +4,8 @@
 #include <cmath>
 #include <optional>
 
-#include "planar_servo/core/numerics/decompositions.h"
-#include "planar_servo/core/numerics/statistics.h"
+#include "planar_servo/core/decompositions.h"
+#include "planar_servo/core/statistics.h"
 #include "planar_servo/core/units.h"
 
 namespace planar {

@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <optional>
 
-#include "planar_servo/lamps/detect/blob.h"
+#include "planar_servo/lamps/blob.h"
 #include "planar_servo/lamps/rim/outline.h"
 #include "planar_servo/lamps/rim/pixel_noise.h"
 #include "planar_servo/lamps/rim/rim_band.h"

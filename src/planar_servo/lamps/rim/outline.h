@@ -2,7 +2,7 @@
 
 #include <Eigen/Core>
 
-#include "planar_servo/lamps/detect/blob.h"
+#include "planar_servo/lamps/blob.h"
 
 namespace planar {
 

@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "planar_servo/core/numerics/statistics.h"
+#include "planar_servo/core/statistics.h"
 
 namespace planar {
 namespace {

@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/core/numerics/statistics.h"
 #include "planar_servo/core/progress.h"
-#include "planar_servo/files/tables/pair_table.h"
+#include "planar_servo/core/statistics.h"
 #include "planar_servo/report/report_list.h"
+#include "planar_servo/tables/pair_table.h"
 #include "planar_servo/vision/see_tool.h"
 
 namespace planar {

@@ -6,7 +6,7 @@
 
 #include "planar_servo/core/progress.h"
 #include "planar_servo/error_map/fit_error_map.h"
-#include "planar_servo/files/tables/pair_table.h"
+#include "planar_servo/tables/pair_table.h"
 
 namespace planar {
 

@@ -13,10 +13,10 @@
 #include "planar_servo/devices/tracker.h"
 #include "planar_servo/files/arm_file.h"
 #include "planar_servo/files/map_file.h"
-#include "planar_servo/files/tables/lay_table.h"
-#include "planar_servo/files/tables/pair_table.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/offline/map/fit_map_to_pairs.h"
+#include "planar_servo/tables/lay_table.h"
+#include "planar_servo/tables/pair_table.h"
 
 namespace planar {
 namespace {

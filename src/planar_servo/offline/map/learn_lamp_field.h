@@ -11,8 +11,8 @@
 #include "planar_servo/field/lay_information.h"
 #include "planar_servo/field/pose_sample.h"
 #include "planar_servo/files/provenance.h"
-#include "planar_servo/files/tables/lay_table.h"
-#include "planar_servo/files/tables/pair_table.h"
+#include "planar_servo/tables/lay_table.h"
+#include "planar_servo/tables/pair_table.h"
 #include "planar_servo/vision/see_tool.h"
 
 namespace planar {

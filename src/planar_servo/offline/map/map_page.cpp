@@ -7,12 +7,12 @@
 #include <iterator>
 #include <limits>
 
-#include "planar_servo/core/numerics/statistics.h"
+#include "planar_servo/core/statistics.h"
 #include "planar_servo/core/text.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/offline/page_of_file.h"
-#include "planar_servo/report/plot/places.h"
-#include "planar_servo/report/plot/plot.h"
+#include "planar_servo/report/places.h"
+#include "planar_servo/report/plot.h"
 #include "planar_servo/report/quiver_plot.h"
 #include "planar_servo/tool/vision_tip.h"
 

@@ -4,10 +4,10 @@
 #include <vector>
 
 #include "planar_servo/cell/cell_settings.h"
-#include "planar_servo/files/tables/frame_table.h"
-#include "planar_servo/files/tables/lamp_table.h"
 #include "planar_servo/health/cause.h"
 #include "planar_servo/health/health_record.h"
+#include "planar_servo/tables/frame_table.h"
+#include "planar_servo/tables/lamp_table.h"
 #include "planar_servo/vision/see_tool.h"
 
 namespace planar {

@@ -5,12 +5,12 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/calibration/board/board.h"
+#include "planar_servo/calibration/board.h"
 #include "planar_servo/core/pose.h"
-#include "planar_servo/files/tables/frame_table.h"
-#include "planar_servo/files/tables/lay_table.h"
 #include "planar_servo/lens/camera_model.h"
 #include "planar_servo/lens/workplane.h"
+#include "planar_servo/tables/frame_table.h"
+#include "planar_servo/tables/lay_table.h"
 
 namespace planar {
 

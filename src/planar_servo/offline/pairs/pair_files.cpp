@@ -1,9 +1,9 @@
 #include "planar_servo/offline/pairs/pair_files.h"
 
 #include "planar_servo/files/health_file.h"
-#include "planar_servo/files/tables/lamp_table.h"
 #include "planar_servo/files/tool_file.h"
 #include "planar_servo/io/atomic_file.h"
+#include "planar_servo/tables/lamp_table.h"
 
 namespace planar {
 std::vector<Origin> origins_of_lamps(const CellSettings& cell, const std::filesystem::path& frames,

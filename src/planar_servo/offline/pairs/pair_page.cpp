@@ -10,8 +10,8 @@
 #include "planar_servo/core/units.h"
 #include "planar_servo/offline/page_of_file.h"
 #include "planar_servo/offline/pairs/recording_check.h"
-#include "planar_servo/report/plot/places.h"
-#include "planar_servo/report/plot/plot.h"
+#include "planar_servo/report/places.h"
+#include "planar_servo/report/plot.h"
 #include "planar_servo/report/quiver_plot.h"
 #include "planar_servo/report/text_table.h"
 

@@ -9,13 +9,13 @@
 #include "planar_servo/calibration/tracker_registration.h"
 #include "planar_servo/calibration/workplane_calibration.h"
 #include "planar_servo/cell/cell_settings.h"
-#include "planar_servo/core/numerics/statistics.h"
-#include "planar_servo/files/tables/frame_table.h"
-#include "planar_servo/files/tables/lamp_table.h"
-#include "planar_servo/files/tables/pair_table.h"
-#include "planar_servo/files/tables/tracker_table.h"
+#include "planar_servo/core/statistics.h"
 #include "planar_servo/offline/pairs/laid_boards.h"
 #include "planar_servo/offline/pairs/recording_check.h"
+#include "planar_servo/tables/frame_table.h"
+#include "planar_servo/tables/lamp_table.h"
+#include "planar_servo/tables/pair_table.h"
+#include "planar_servo/tables/tracker_table.h"
 
 namespace planar {
 

@@ -9,9 +9,9 @@
 #include "planar_servo/calibration/tracker_registration.h"
 #include "planar_servo/cell/cell_settings.h"
 #include "planar_servo/core/error.h"
-#include "planar_servo/files/tables/frame_table.h"
-#include "planar_servo/files/tables/pair_table.h"
-#include "planar_servo/files/tables/tracker_table.h"
+#include "planar_servo/tables/frame_table.h"
+#include "planar_servo/tables/pair_table.h"
+#include "planar_servo/tables/tracker_table.h"
 
 namespace planar {
 

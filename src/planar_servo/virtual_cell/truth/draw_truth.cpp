@@ -2,10 +2,10 @@
 #include <string>
 
 #include "planar_servo/core/units.h"
-#include "planar_servo/virtual_cell/image/virtual_lens.h"
 #include "planar_servo/virtual_cell/random.h"
 #include "planar_servo/virtual_cell/truth/drawing.h"
 #include "planar_servo/virtual_cell/truth/truth.h"
+#include "planar_servo/virtual_cell/virtual_lens.h"
 
 // This file holds every distribution of a drawn cell of the paper's kind. The cell in calib/paper
 // was not drawn from them: its links are truer than any that are drawn, and two of its zero offsets

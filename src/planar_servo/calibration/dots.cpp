@@ -1,0 +1,397 @@
+#include "planar_servo/calibration/dots.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <map>
+#include <opencv2/imgproc.hpp>
+#include <optional>
+#include <set>
+
+#include "planar_servo/core/pose.h"
+#include "planar_servo/core/statistics.h"
+#include "planar_servo/core/units.h"
+
+namespace planar {
+
+namespace {
+
+constexpr double kSmallestArea_px2 = 12.0;
+constexpr double kLongestAxesRatio = 4.0;
+/// Rms distance of a blob's outline from its ellipse of equal moments, relative to the radius.
+constexpr double kLargestRoughness = 0.15;
+/// Rays are sampled between these parts of the radius: inside the dot, and short of its neighbours.
+constexpr double kRayStart = 0.5;
+constexpr double kRayEnd = 1.4;
+constexpr double kRayStep_px = 0.5;
+constexpr int kFewestSamples = 8;
+constexpr double kSmallestContrast = 8.0;
+constexpr double kIndependentShare = 2.0 / 3.0;  // of the rays
+
+/// Returns the ellipse with the outline's area moments. Empty for slivers and ragged outlines.
+std::optional<Dot> dot_from_outline(const std::vector<cv::Point>& outline) {
+  const cv::Moments m = cv::moments(outline);
+  if (m.m00 < kSmallestArea_px2) return std::nullopt;
+  Eigen::Matrix2d covariance;
+  covariance << m.mu20, m.mu11, m.mu11, m.mu02;
+  covariance /= m.m00;
+  const double trace = covariance.trace();
+  const double determinant = covariance.determinant();
+  if (!(determinant * std::pow(kLongestAxesRatio + 1.0 / kLongestAxesRatio, 2) > trace * trace)) {
+    return std::nullopt;
+  }
+  const Dot dot{{m.m10 / m.m00, m.m01 / m.m00}, (4.0 * covariance).llt().matrixL()};
+  const Eigen::Matrix2d to_circle = dot.shape.inverse();
+  double squares = 0.0;
+  for (const cv::Point& point : outline) {
+    const double radius = (to_circle * (Eigen::Vector2d(point.x, point.y) - dot.center)).norm();
+    squares += (radius - 1.0) * (radius - 1.0);
+  }
+  const double roughness = std::sqrt(squares / static_cast<double>(outline.size()));
+  if (roughness > kLargestRoughness) return std::nullopt;
+  return dot;
+}
+
+/// Returns the grey value between pixels. The caller keeps `p` inside the image.
+double grey_at(const cv::Mat& image, const Eigen::Vector2d& p) {
+  const int u = static_cast<int>(p.x());
+  const int v = static_cast<int>(p.y());
+  const double a = p.x() - u;
+  const double b = p.y() - v;
+  const auto* top = image.ptr<std::uint8_t>(v) + u;
+  const auto* bottom = image.ptr<std::uint8_t>(v + 1) + u;
+  return (1.0 - b) * ((1.0 - a) * top[0] + a * top[1]) +
+         b * ((1.0 - a) * bottom[0] + a * bottom[1]);
+}
+
+bool inside(const cv::Mat& image, const Eigen::Vector2d& p) {
+  return p.x() >= 0.0 && p.y() >= 0.0 && p.x() < image.cols - 1 && p.y() < image.rows - 1;
+}
+
+double mean_of(const std::vector<double>& values, std::size_t begin, std::size_t end) {
+  double sum = 0.0;
+  for (std::size_t i = begin; i < end; ++i) sum += values[i];
+  return sum / static_cast<double>(end - begin);
+}
+
+/// Returns the index, with its fraction, at which the profile crosses the middle between the levels
+/// of its two ends. Of several crossings it is the one nearest to `expected`. Empty when the levels
+/// hardly differ.
+std::optional<double> crossing(const std::vector<double>& profile, double expected) {
+  const std::size_t n = profile.size();
+  const std::size_t quarter = std::max<std::size_t>(2, n / 5);
+  const double first = mean_of(profile, 0, quarter);
+  const double last = mean_of(profile, n - quarter, n);
+  if (std::abs(last - first) < kSmallestContrast) return std::nullopt;
+  const double middle = 0.5 * (first + last);
+  std::optional<double> nearest;
+  for (std::size_t i = 0; i + 1 < n; ++i) {
+    const double before = profile[i] - middle;
+    const double after = profile[i + 1] - middle;
+    if ((before < 0.0) == (after < 0.0)) continue;
+    const double at = static_cast<double>(i) + before / (before - after);
+    if (!nearest || std::abs(at - expected) < std::abs(*nearest - expected)) nearest = at;
+  }
+  return nearest;
+}
+
+/// Returns where the ray at this angle from the dot's centre crosses its outline, relative to the
+/// centre.
+std::optional<Eigen::Vector2d> outline_point(const cv::Mat& image, const Dot& dot, double angle) {
+  const Eigen::Vector2d radius = dot.shape * Eigen::Vector2d(std::cos(angle), std::sin(angle));
+  const double step = std::min(kRayStep_px / radius.norm(), (kRayEnd - kRayStart) / kFewestSamples);
+  if (!inside(image, dot.center + kRayEnd * radius)) return std::nullopt;
+  std::vector<double> profile;
+  for (double part = kRayStart; part <= kRayEnd; part += step) {
+    profile.push_back(grey_at(image, dot.center + part * radius));
+  }
+  const auto at = crossing(profile, (1.0 - kRayStart) / step);
+  if (!at) return std::nullopt;
+  return (kRayStart + *at * step) * radius;
+}
+
+std::optional<Dot> ellipse_through(const std::vector<cv::Point2f>& points,
+                                   const Eigen::Vector2d& origin) {
+  if (points.size() < 12) return std::nullopt;
+  const cv::RotatedRect box = cv::fitEllipseDirect(points);
+  const double angle = box.angle * kDegree;
+  Dot dot;
+  dot.center = origin + Eigen::Vector2d(box.center.x, box.center.y);
+  dot.shape = Eigen::Rotation2Dd(angle).toRotationMatrix() *
+              Eigen::Vector2d(box.size.width, box.size.height).asDiagonal() * 0.5;
+  if (!dot.center.allFinite() || !(dot.area() > 0.0)) return std::nullopt;
+  return dot;
+}
+
+/// Returns how far each point lies beyond the ellipse's outline, as a part of the radius.
+std::vector<double> offsets_from(const Dot& dot, const std::vector<cv::Point2f>& points,
+                                 const Eigen::Vector2d& origin) {
+  const Eigen::Matrix2d to_circle = dot.shape.inverse();
+  std::vector<double> offsets;
+  offsets.reserve(points.size());
+  for (const cv::Point2f& point : points) {
+    const Eigen::Vector2d p = origin + Eigen::Vector2d(point.x, point.y);
+    offsets.push_back((to_circle * (p - dot.center)).norm() - 1.0);
+  }
+  return offsets;
+}
+
+/// Returns the points within three robust deviations of the ellipse's outline.
+std::vector<cv::Point2f> without_outliers(const std::vector<cv::Point2f>& points,
+                                          const Eigen::Vector2d& origin, const Dot& dot) {
+  const std::vector<double> offsets = offsets_from(dot, points, origin);
+  const double limit = 3.0 * robust_sigma(offsets);
+  const double middle = median(offsets);
+  std::vector<cv::Point2f> kept;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (std::abs(offsets[i] - middle) <= limit) kept.push_back(points[i]);
+  }
+  return kept;
+}
+
+/// Returns the deviation of the centre of a circle through n points with these offsets: that of
+/// one of them times sqrt(2 / n), where rays beside each other, which read the same pixels, count
+/// for less.
+double center_sigma(const Dot& dot, const std::vector<double>& offsets) {
+  const double radius = std::sqrt(dot.area() / kPi);
+  const double n = kIndependentShare * static_cast<double>(offsets.size());
+  return radius * rms(offsets) * std::sqrt(2.0 / n);
+}
+
+}  // namespace
+
+double Dot::area() const {
+  return kPi * std::abs(shape.determinant());
+}
+
+std::vector<Dot> find_dark_dots(const cv::Mat& image) {
+  // A dot is darker than the mean of a neighbourhood that holds dots and the gaps between them.
+  const int neighbourhood = std::min(image.cols, image.rows) / 4 | 1;
+  cv::Mat smooth, dark;
+  cv::GaussianBlur(image, smooth, {3, 3}, 0.0);
+  cv::adaptiveThreshold(smooth, dark, 255, cv::ADAPTIVE_THRESH_MEAN_C, cv::THRESH_BINARY_INV,
+                        std::max(3, neighbourhood), kSmallestContrast);
+  std::vector<std::vector<cv::Point>> outlines;
+  cv::findContours(dark, outlines, cv::RETR_LIST, cv::CHAIN_APPROX_NONE);
+  std::vector<Dot> dots;
+  for (const auto& outline : outlines) {
+    if (const auto dot = dot_from_outline(outline)) dots.push_back(*dot);
+  }
+  return dots;
+}
+
+std::optional<Dot> measure_dot(const cv::Mat& image, const Dot& rough) {
+  const double outline_length = 2.0 * kPi * std::sqrt(rough.area() / kPi);
+  const int rays = std::clamp(static_cast<int>(outline_length), 32, 128);
+  std::vector<cv::Point2f> points;
+  for (int i = 0; i < rays; ++i) {
+    const auto point = outline_point(image, rough, 2.0 * kPi * i / rays);
+    if (point) points.emplace_back(static_cast<float>(point->x()), static_cast<float>(point->y()));
+  }
+  if (static_cast<int>(points.size()) < 3 * rays / 4) return std::nullopt;
+  const auto first = ellipse_through(points, rough.center);
+  if (!first) return std::nullopt;
+  const auto kept = without_outliers(points, rough.center, *first);
+  auto dot = ellipse_through(kept, rough.center);
+  if (dot) dot->sigma = center_sigma(*dot, offsets_from(*dot, kept, rough.center));
+  return dot;
+}
+
+namespace {
+
+using Cell = std::array<int, 2>;
+using Cells = std::map<Cell, std::size_t>;
+
+/// How far a point may lie from where its neighbours predict it, in steps: perspective changes the
+/// step from one point to the next by less.
+constexpr double kPredictionTolerance = 0.3;
+constexpr std::size_t kNeighbours = 8;
+/// Ratio of the sizes of neighbours between which a lattice starts.
+constexpr double kLikeSize = 1.6;
+
+Cell operator+(const Cell& a, const Cell& b) {
+  return {a[0] + b[0], a[1] + b[1]};
+}
+Cell operator-(const Cell& a, const Cell& b) {
+  return {a[0] - b[0], a[1] - b[1]};
+}
+Cell operator*(int k, const Cell& a) {
+  return {k * a[0], k * a[1]};
+}
+
+class LatticeSearch {
+ public:
+  LatticeSearch(const std::vector<Eigen::Vector2d>& points, const std::vector<double>& sizes,
+                int columns, int rows)
+      : points_(points), sizes_(sizes), columns_(columns), rows_(rows) {}
+
+  LatticeFit run() {
+    LatticeFit best;
+    for (std::size_t seed = 0; seed < points_.size(); ++seed) {
+      for (const Cells& start : starts_at(seed)) {
+        const Cells cells = grown(start);
+        best.most_found = std::max(best.most_found, cells.size());
+        best.indices = window(cells);
+        if (!best.indices.empty()) return best;
+      }
+    }
+    return best;
+  }
+
+ private:
+  std::vector<std::size_t> like_neighbours(std::size_t seed) const {
+    std::vector<std::size_t> others;
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      const double ratio = sizes_[i] / sizes_[seed];
+      if (i != seed && ratio < kLikeSize && ratio > 1.0 / kLikeSize) others.push_back(i);
+    }
+    const auto nearer = [&](std::size_t a, std::size_t b) {
+      return (points_[a] - points_[seed]).squaredNorm() <
+             (points_[b] - points_[seed]).squaredNorm();
+    };
+    const std::size_t count = std::min(kNeighbours, others.size());
+    std::partial_sort(others.begin(), others.begin() + count, others.end(), nearer);
+    others.resize(count);
+    return others;
+  }
+
+  /// Returns crosses of five points about the seed: two directions with a neighbour both ways.
+  std::vector<Cells> starts_at(std::size_t seed) const {
+    const std::vector<std::size_t> near = like_neighbours(seed);
+    std::vector<std::array<std::size_t, 2>> axes;
+    for (std::size_t a = 0; a < near.size(); ++a) {
+      const Eigen::Vector2d step = points_[near[a]] - points_[seed];
+      const auto opposite = nearest(points_[seed] - step, kPredictionTolerance * step.norm());
+      if (!opposite) continue;
+      const auto position = std::find(near.begin(), near.end(), *opposite);
+      if (position > near.begin() + a && position != near.end())
+        axes.push_back({near[a], *opposite});
+    }
+    std::vector<Cells> starts;
+    for (std::size_t a = 0; a < axes.size(); ++a) {
+      for (std::size_t b = a + 1; b < axes.size(); ++b) {
+        starts.push_back({{{0, 0}, seed},
+                          {{1, 0}, axes[a][0]},
+                          {{-1, 0}, axes[a][1]},
+                          {{0, 1}, axes[b][0]},
+                          {{0, -1}, axes[b][1]}});
+      }
+    }
+    return starts;
+  }
+
+  std::optional<std::size_t> nearest(const Eigen::Vector2d& place, double within) const {
+    std::optional<std::size_t> best;
+    double best_distance = within;
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      const double distance = (points_[i] - place).norm();
+      if (distance < best_distance) {
+        best = i;
+        best_distance = distance;
+      }
+    }
+    return best;
+  }
+
+  /// Returns the step from a cell in a direction, taken from the step before it or from a parallel
+  /// one beside it.
+  std::optional<Eigen::Vector2d> step_from(const Cells& cells, const Cell& cell,
+                                           const Cell& direction) const {
+    const Cell aside{direction[1], direction[0]};
+    const Cell origins[] = {cell - direction, cell + aside, cell - aside};
+    for (const Cell& origin : origins) {
+      const auto from = cells.find(origin);
+      const auto to = cells.find(origin + direction);
+      if (from != cells.end() && to != cells.end())
+        return points_[to->second] - points_[from->second];
+    }
+    return std::nullopt;
+  }
+
+  Cells grown(Cells cells) const {
+    std::set<std::size_t> taken;
+    std::vector<Cell> open;
+    for (const auto& [cell, index] : cells) {
+      taken.insert(index);
+      open.push_back(cell);
+    }
+    const int reach = columns_ + rows_;
+    while (!open.empty()) {
+      const Cell cell = open.back();
+      open.pop_back();
+      for (const Cell& direction : {Cell{1, 0}, Cell{-1, 0}, Cell{0, 1}, Cell{0, -1}}) {
+        const Cell target = cell + direction;
+        if (cells.count(target) != 0 || std::abs(target[0]) + std::abs(target[1]) > reach) continue;
+        const auto step = step_from(cells, cell, direction);
+        if (!step) continue;
+        const auto found =
+            nearest(points_[cells.at(cell)] + *step, kPredictionTolerance * step->norm());
+        if (!found || !taken.insert(*found).second) continue;
+        cells[target] = *found;
+        open.push_back(target);
+      }
+    }
+    return cells;
+  }
+
+  /// Returns the indices under the window at `origin` with the given axes. Empty when one is
+  /// missing.
+  std::vector<std::size_t> under(const Cells& cells, const Cell& origin, const Cell& x_axis,
+                                 const Cell& y_axis) const {
+    std::vector<std::size_t> indices;
+    for (int row = 0; row < rows_; ++row) {
+      for (int column = 0; column < columns_; ++column) {
+        const auto found = cells.find(origin + column * x_axis + row * y_axis);
+        if (found == cells.end()) return {};
+        indices.push_back(found->second);
+      }
+    }
+    return indices;
+  }
+
+  /// Returns the indices under the window of columns x rows that the cells fill. Empty when they
+  /// fill none, or when the window fits in several places.
+  std::vector<std::size_t> window(const Cells& cells) const {
+    if (cells.size() < static_cast<std::size_t>(columns_) * rows_) return {};
+    std::vector<std::size_t> best;
+    double most_right = -2.0;
+    const std::array<Cell, 4> axes{{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
+    for (const Cell& x_axis : axes) {
+      for (const Cell& y_axis : axes) {
+        if (x_axis[0] * y_axis[0] + x_axis[1] * y_axis[1] != 0) continue;
+        int places = 0;
+        for (const auto& [origin, index] : cells) {
+          const auto indices = under(cells, origin, x_axis, y_axis);
+          if (indices.empty()) continue;
+          const auto last_row = static_cast<std::size_t>(columns_) * (rows_ - 1);
+          const Eigen::Vector2d x = points_[indices[columns_ - 1]] - points_[indices[0]];
+          const Eigen::Vector2d y = points_[indices[last_row]] - points_[indices[0]];
+          if (cross2d(x, y) < 0.0) continue;
+          if (++places > 1) return {};
+          if (x.normalized().x() <= most_right) continue;
+          most_right = x.normalized().x();
+          best = indices;
+        }
+      }
+    }
+    return best;
+  }
+
+  const std::vector<Eigen::Vector2d>& points_;
+  const std::vector<double>& sizes_;
+  int columns_;
+  int rows_;
+};
+
+}  // namespace
+
+LatticeFit find_lattice(const std::vector<Eigen::Vector2d>& points,
+                        const std::vector<double>& sizes, int columns, int rows) {
+  return LatticeSearch(points, sizes, columns, rows).run();
+}
+
+}  // namespace planar

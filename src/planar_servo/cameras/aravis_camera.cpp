@@ -1,0 +1,275 @@
+#include "planar_servo/cameras/aravis_camera.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <exception>
+#include <future>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <utility>
+
+#include "planar_servo/cameras/aravis_link.h"
+#include "planar_servo/cameras/frame_mailbox.h"
+#include "planar_servo/core/clock.h"
+#include "planar_servo/core/error.h"
+
+namespace planar {
+namespace {
+
+// Faults of the camera must stop the arm within 3 frame periods or 100 ms, whichever is longer.
+// These limits leave the rest of that time to the polling caller and to the drives' link.
+constexpr double kAgeLimitPeriods = 2.25;
+constexpr double kAgeLimit_s = 0.070;
+
+constexpr double kStartTime_s = 0.5;  ///< allowed until a stream's first frame
+constexpr double kSilence_s = 3.0;    ///< reopen the camera after as long without a good frame
+constexpr double kPollPeriod_s = 0.005;
+constexpr double kLateness_s = 0.5;    ///< a frame as late counts as lost; restart the stream
+constexpr double kFirstPause_s = 0.1;  ///< first pause between attempts to open a lost camera
+constexpr double kLongestPause_s = 2.0;
+constexpr double kOrderTime_s = 5.0;  ///< allowed to the thread and the camera
+constexpr int kFrameBlocks = 6;       ///< two are being filled, two compared, two are spare
+
+AravisSettings checked(const AravisSettings& settings) {
+  require_settings(settings);
+  return settings;
+}
+
+}  // namespace
+
+struct AravisCamera::Impl {
+  /// An exposure that a caller wants, and the promise by which the camera's thread reports the
+  /// outcome.
+  struct ExposureOrder {
+    CameraExposure exposure;
+    std::promise<void> done;
+  };
+
+  explicit Impl(const AravisSettings& wanted)
+      : settings(checked(wanted)),
+        format(pixel_format_named(settings.pixel_format)),
+        memory(kFrameBlocks, bytes_of(format, static_cast<std::size_t>(settings.sensor_px.area()))),
+        mailbox({{}, settings.sensor_px},
+                std::max(kAgeLimitPeriods / settings.frame_rate_hz, kAgeLimit_s)) {
+    open();
+    thread = std::thread([this] { run(); });
+  }
+
+  ~Impl() {
+    stop = true;
+    mailbox.wake();
+    thread.join();
+  }
+
+  void open() {
+    link = std::make_unique<AravisLink>(settings, memory);
+    start(mailbox.region());
+  }
+
+  void start(const cv::Rect& region_px) {
+    mailbox.excuse(kStartTime_s);
+    asked_px = region_px;
+    link->start(region_px);
+    mailbox.excuse(kStartTime_s);
+  }
+
+  void run() {
+    double pause_s = kFirstPause_s;
+    while (!stop) {
+      try {
+        if (!link) {
+          unanswered_s.reset();
+          open();
+          spdlog::info("the camera is back");
+          mailbox.find();
+          mailbox.excuse(kStartTime_s);
+          pause_s = kFirstPause_s;
+        }
+        grab();
+      } catch (const std::exception& error) {
+        if (!mailbox.fault() || link)
+          spdlog::warn(fmt::format("the camera is lost: {}", error.what()));
+        mailbox.lose(fmt::format("the camera is lost: {}", error.what()));
+        link.reset();
+        rest(pause_s);
+        pause_s = std::min(2.0 * pause_s, kLongestPause_s);
+      }
+    }
+    link.reset();
+  }
+
+  void rest(double duration_s) {
+    const double until_s = clock.now_s() + duration_s;
+    while (!stop && clock.now_s() < until_s) clock.sleep_for_s(kPollPeriod_s);
+  }
+
+  /// Grabs frames until `stop` is set or the connection fails.
+  void grab() {
+    while (!stop) {
+      if (!unanswered_s) {
+        follow_exposure();
+        follow_region();
+      }
+      if (settings.trigger == CameraTrigger::kSoftware)
+        grab_by_command();
+      else
+        grab_unasked();
+      if (link->lost()) throw WorkError("it does not answer");
+      if (mailbox.age_s() > kSilence_s)
+        throw WorkError(fmt::format("it sent no good frame for {:.0f} s", kSilence_s));
+    }
+  }
+
+  void follow_exposure() {
+    std::unique_lock<std::mutex> lock(order_mutex);
+    auto order = std::exchange(exposure_order, std::nullopt);
+    lock.unlock();
+    if (!order) return;
+    try {
+      link->expose(order->exposure);
+    } catch (const std::exception&) {
+      order->done.set_exception(std::current_exception());
+      link->expose({settings.exposure_s, settings.gain_db});  // lost if this fails, too
+      return;
+    }
+    settings.exposure_s = order->exposure.time_s;
+    settings.gain_db = order->exposure.gain_db;
+    order->done.set_value();
+  }
+
+  std::future<void> order(const CameraExposure& exposure) {
+    const std::lock_guard<std::mutex> lock(order_mutex);
+    exposure_order.emplace(ExposureOrder{exposure, {}});
+    return exposure_order->done.get_future();
+  }
+
+  void withdraw_order() {
+    const std::lock_guard<std::mutex> lock(order_mutex);
+    exposure_order.reset();
+  }
+
+  void follow_region() {
+    const cv::Rect region_px = mailbox.region();
+    if (region_px == asked_px) return;
+    if (region_px.size() != asked_px.size()) {
+      start(region_px);
+    } else {
+      link->move(region_px);
+      asked_px = region_px;
+    }
+  }
+
+  /// Takes frames as they come. A frame that comes too late starts a new stream, which empties any
+  /// queue in the camera.
+  void grab_unasked() {
+    const auto arrival = link->receive(kPollPeriod_s);
+    take(arrival, std::nullopt);
+    if (arrival && arrival->late_s > kLateness_s) link->start(asked_px);
+  }
+
+  /// Triggers one exposure and waits for its frame before the next, so that a late frame is not
+  /// taken for the next trigger's.
+  void grab_by_command() {
+    if (!unanswered_s && !trigger()) return;
+    const auto arrival = link->receive(kPollPeriod_s);
+    if (arrival) {
+      take(arrival, std::exchange(unanswered_s, std::nullopt));
+    } else if (clock.now_s() > *unanswered_s + settings.exposure_s + kLateness_s) {
+      unanswered_s.reset();
+      mailbox.note_bad(FrameStatus::kTimeout);
+      link->start(asked_px);  // the lost frame cannot come in a new stream
+    }
+  }
+
+  bool trigger() {
+    mailbox.sleep_until(next_trigger_s, asked_px);
+    if (stop || mailbox.region() != asked_px) return false;
+    unanswered_s = clock.now_s();
+    next_trigger_s = *unanswered_s + 1.0 / settings.frame_rate_hz;
+    link->trigger();
+    return true;
+  }
+
+  /// Takes a frame whose exposure began at `began_s`; if that is unknown, the arrival tells it.
+  void take(const std::optional<AravisLink::Arrival>& arrival, std::optional<double> began_s) {
+    if (!arrival) return;
+    if (!arrival->complete || arrival->repeated) {
+      mailbox.note_bad(arrival->complete ? FrameStatus::kFrozen : FrameStatus::kIncomplete);
+      return;
+    }
+    const double t_s = began_s.value_or(arrival->due_s - settings.exposure_s);
+    const cv::Rect& region_px = arrival->region_px;
+    if ((region_px & asked_px) != asked_px) {  // exposed before the region moved
+      mailbox.note_good(t_s, {});
+      return;
+    }
+    if (!mailbox.note_good(t_s, asked_px)) return;
+    mailbox.deliver({unpack(format, arrival->data, region_px.size()), region_px, t_s, arrival->id});
+  }
+
+  AravisSettings settings;
+  PixelFormat format;
+  FrameMemory memory;
+  FrameMailbox mailbox;
+  SteadyClock clock;
+  std::unique_ptr<AravisLink> link;
+  cv::Rect asked_px;  ///< the region last sent to the camera, as it was asked for
+  double next_trigger_s{0.0};
+  std::optional<double> unanswered_s;  ///< when the trigger was sent whose frame has not come
+  std::mutex order_mutex;
+  std::optional<ExposureOrder> exposure_order;
+  std::atomic<bool> stop{false};
+  std::thread thread;
+};
+
+AravisCamera::AravisCamera(const AravisSettings& settings)
+    : exposure_{settings.exposure_s, settings.gain_db}, impl_(std::make_unique<Impl>(settings)) {}
+AravisCamera::~AravisCamera() = default;
+
+cv::Size AravisCamera::sensor_size_px() const {
+  return impl_->settings.sensor_px;
+}
+
+void AravisCamera::set_region(const cv::Rect& region_px) {
+  require_region(region_px, sensor_size_px());
+  const bool restarts = region_px.size() != impl_->mailbox.region().size();
+  impl_->mailbox.ask_region(region_px);
+  if (restarts) next_frame();  // the first frame shows that the camera is watched again
+}
+
+FrameResult AravisCamera::next_frame() {
+  return impl_->mailbox.next(impl_->settings.timeout_s);
+}
+
+FrameResult AravisCamera::following_frame() {
+  return impl_->mailbox.following(impl_->settings.timeout_s);
+}
+
+std::optional<std::string> AravisCamera::fault() const {
+  return impl_->mailbox.fault();
+}
+
+FrameCounts AravisCamera::counts() const {
+  return impl_->mailbox.counts();
+}
+
+void AravisCamera::set_exposure(const CameraExposure& exposure) {
+  require_exposure(exposure);
+  const double frame_rate_hz = impl_->settings.frame_rate_hz;
+  if (exposure.time_s * frame_rate_hz >= 1.0)
+    throw InputError(exposure_too_long(exposure.time_s, frame_rate_hz));
+  std::future<void> done = impl_->order(exposure);
+  if (done.wait_for(std::chrono::duration<double>(kOrderTime_s)) != std::future_status::ready) {
+    impl_->withdraw_order();
+    throw WorkError("the camera did not take the exposure: it does not answer");
+  }
+  done.get();
+  exposure_ = exposure;
+}
+
+}  // namespace planar

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "planar_servo/cameras/aravis_settings.h"
+#include "planar_servo/cell/cell_settings.h"
+#include "planar_servo/core/error.h"
+
+namespace planar {
+
+struct CameraPath;
+
+/// Holds what a camera did when it was opened and sent full frames for a moment.
+struct CameraInspection {
+  std::optional<Refusal> refusal;  ///< why it cannot be used; the rest is empty then
+  std::size_t frame_bytes{0};      ///< of a full frame
+  int packet_size{0};              ///< of GigE, bytes; 0 on USB
+  double duration_s{0.0};
+  int complete{0};
+  int incomplete{0};
+  std::uint64_t underruns{0};  ///< frames for which this machine had no memory free
+};
+
+/// Opens the camera with all settings, as a run would, and lets it send frames. Throws InputError
+/// for settings that no camera can have.
+CameraInspection inspect_camera(const AravisSettings& settings, double duration_s);
+
+/// Opens a camera as a run would and lets it send full frames for two seconds: whether it answers
+/// and may be used, whether its packets and its frames fit what they travel on, and whether frames
+/// came damaged, late or not at all.
+std::vector<Finding> examine_camera(const CameraSettings& camera, const AravisSettings& settings);
+
+// What that is judged by.
+
+/// Whether packets pass the network; a camera on USB has none. No finding where nothing is known.
+std::vector<Finding> judge_packets(const CameraInspection& seen, const CameraPath& path);
+
+/// Whether full frames, and those of the region that follows the lamps, come at the frame rate of
+/// the file. No finding where the speed is unknown.
+std::vector<Finding> judge_bandwidth(const CameraSettings& camera, const CameraInspection& seen,
+                                     const CameraPath& path);
+
+/// Whether frames came whole and at the rate of the file.
+Finding judge_frames(const CameraSettings& camera, const AravisSettings& settings,
+                     const CameraInspection& seen, const CameraPath& path);
+
+/// Whether the kernel gives USB enough memory for a USB3 camera. `parameter` is the kernel's file.
+Finding examine_usb_memory(
+    const std::filesystem::path& parameter = "/sys/module/usbcore/parameters/usbfs_memory_mb");
+
+/// A camera on GigE Vision or USB3 Vision: `source: aravis` in a cell file.
+class AravisKind final : public CameraKind {
+ public:
+  std::string name() const override { return "aravis"; }
+  std::shared_ptr<const DeviceDetails> read(Fields& camera) const override;
+  std::shared_ptr<FrameSource> open(const CellSettings& cell,
+                                    const std::shared_ptr<VirtualCell>& world) const override;
+  std::vector<Finding> examine(const CellSettings& cell) const override;
+};
+
+/// What the camera of a cell of this kind is set to.
+AravisSettings aravis_settings(const CameraSettings& camera);
+
+}  // namespace planar

@@ -1,0 +1,84 @@
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "planar_servo/drives/grbl_protocol.h"
+
+namespace planar {
+
+/// A serial port that carries lines of text. No other program that asks for the port's lock can use
+/// it at the same time.
+class SerialLine {
+ public:
+  /// Opens the port at a speed that is among bauds(). Throws WorkError with the remedy when that
+  /// fails.
+  SerialLine(const std::string& port, int baud);
+  ~SerialLine();
+  SerialLine(const SerialLine&) = delete;
+  SerialLine& operator=(const SerialLine&) = delete;
+
+  /// Returns the speeds that a port can have, bits per second.
+  static std::vector<int> bauds();
+
+  /// Sends all bytes. Throws WorkError when the line is closed or takes nothing.
+  void write(std::string_view bytes);
+
+  /// Returns the next line without its end, as soon as it has come. Empty when none has come within
+  /// the time; with a time of 0, lines that have come already are returned. A line that never ends
+  /// is cut. Throws WorkError when the line is closed.
+  std::optional<std::string> read(double timeout_s);
+
+ private:
+  bool wait_for(short events, double timeout_s) const;
+  std::optional<std::string> take_line();
+
+  int descriptor_{-1};
+  std::string received_;
+};
+
+/// A Grbl or grblHAL board on a serial port: knows which lines it has not answered yet.
+class GrblBoard {
+ public:
+  /// Opens the port, resets the board, and reads its version and settings. Nothing moves. Throws
+  /// WorkError with the remedy when there is no such board.
+  GrblBoard(const std::string& port, int baud);
+
+  const grbl::Banner& version() const { return version_; }
+  const grbl::Settings& settings() const { return settings_; }
+
+  // The following throw WorkError when the line is closed.
+
+  /// Sends a byte that the board obeys at once.
+  void tell(char byte);
+  /// Sends a line, which the board accepts or rejects later.
+  void send(const std::string& line);
+  /// Returns the next thing the board says. Empty when it says nothing for this time.
+  std::optional<grbl::Line> hear(double timeout_s);
+  /// Resets the board, which forgets what it was to do. Throws WorkError when it does not come
+  /// back.
+  void reset();
+
+  std::size_t unanswered() const { return unanswered_.size(); }
+  /// Waits for no more answers, because some were lost on the line.
+  void forget_unanswered() { unanswered_.clear(); }
+  /// Returns the line that the board answered last.
+  const std::string& answered() const { return answered_; }
+
+ private:
+  void find_board(const std::string& port, int baud);
+  void read_settings();
+  std::optional<grbl::Banner> hear_banner(double timeout_s, std::string& otherwise);
+
+  SerialLine line_;
+  grbl::Banner version_;
+  grbl::Settings settings_;
+  std::deque<std::string> unanswered_;
+  std::string answered_;
+};
+
+}  // namespace planar

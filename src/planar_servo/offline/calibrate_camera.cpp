@@ -1,0 +1,147 @@
+#include "planar_servo/offline/calibrate_camera.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "planar_servo/core/error.h"
+#include "planar_servo/files/camera_file.h"
+#include "planar_servo/offline/grey_image.h"
+#include "planar_servo/report/progress_bar.h"
+#include "planar_servo/tables/frame_table.h"
+
+namespace planar {
+
+cv::Mat read_grey(const std::filesystem::path& file, Faults& faults) {
+  cv::Mat image = read_grey_image(file);
+  if (image.empty())
+    faults.add(file.string() +
+               ": cannot be read to its end as an image; a picture such as PNG or PGM is needed");
+  return image;
+}
+
+BoardSight find_board_on_sensor(const cv::Mat& image, const cv::Point& corner_px,
+                                const Board& board) {
+  BoardSight sight = find_board(image, board);
+  for (Eigen::Vector2d& pixel : sight.pixels) pixel += Eigen::Vector2d(corner_px.x, corner_px.y);
+  return sight;
+}
+
+namespace {
+
+/// A picture of the board.
+struct Picture {
+  std::filesystem::path path;
+  std::optional<cv::Point> corner_px;  ///< of its region; empty for a whole image
+};
+
+/// Lists the images and, for a recording's folder, its frames of plan `grid`.
+std::vector<Picture> pictures_of(const std::vector<std::filesystem::path>& images) {
+  std::vector<Picture> pictures;
+  Faults absent;
+  for (const auto& path : images) {
+    if (!std::filesystem::exists(path))
+      absent.add(path.string() +
+                 ": cannot be read: there is no such image or recording; check the name");
+    if (!std::filesystem::is_directory(path)) {
+      pictures.push_back({path, std::nullopt});
+      continue;
+    }
+    const std::size_t before = pictures.size();
+    for (const FrameRow& frame : read_frames(path)) {
+      if (frame.plan == Plan::kHeldBoard)
+        pictures.push_back({path / frame.image, frame.region_px.tl()});
+    }
+    if (pictures.size() == before) {
+      throw InputError(path.string() + ": has no frame of plan 'grid' in its frames.csv");
+    }
+  }
+  absent.throw_if_any();
+  return pictures;
+}
+
+/// Adds what one picture shows: a view, or the reason why there is none.
+void add_picture(const Picture& picture, const cv::Mat& image, const Board& board,
+                 BoardViews& views) {
+  CalibrationProblem& problem = views.problem;
+  const std::string name = picture.path.string();
+  const cv::Point corner = picture.corner_px.value_or(cv::Point(0, 0));
+  const bool first = problem.width_px == 0;
+  if (!first && !picture.corner_px &&
+      image.size() != cv::Size(problem.width_px, problem.height_px)) {
+    views.rejected.push_back(
+        {name, fmt::format("is {} x {} px, not {} x {} as the first image", image.cols, image.rows,
+                           problem.width_px, problem.height_px)});
+    return;
+  }
+  problem.width_px = std::max(problem.width_px, corner.x + image.cols);
+  problem.height_px = std::max(problem.height_px, corner.y + image.rows);
+  const BoardSight sight = find_board_on_sensor(image, corner, board);
+  if (!sight.found()) {
+    views.rejected.push_back({name, sight.reason});
+    return;
+  }
+  spdlog::debug(fmt::format("{}: shows the whole board, {} points", name, sight.pixels.size()));
+  problem.views.push_back({name, board_points(board), sight.pixels, sight.dot_areas_px2});
+}
+
+/// Returns the size of an image that has the bounding box of the points in its middle.
+cv::Size size_around(const std::vector<Eigen::Vector2d>& pixels) {
+  Eigen::Vector2d from = pixels.front();
+  Eigen::Vector2d to = pixels.front();
+  for (const Eigen::Vector2d& pixel : pixels) {
+    from = from.cwiseMin(pixel);
+    to = to.cwiseMax(pixel);
+  }
+  const Eigen::Vector2d size = from + to;
+  return {static_cast<int>(std::ceil(size.x())) + 1, static_cast<int>(std::ceil(size.y())) + 1};
+}
+
+}  // namespace
+
+BoardViews find_board_views(const std::vector<std::filesystem::path>& images, const Board& board) {
+  const std::vector<Picture> pictures = pictures_of(images);
+  ProgressBar progress("boards");
+  BoardViews views;
+  Faults faults;
+  for (const Picture& picture : pictures) {
+    const cv::Mat image = read_grey(picture.path, faults);
+    if (image.empty()) continue;
+    views.inputs.push_back(picture.path);
+    add_picture(picture, image, board, views);
+    progress.show(views.inputs.size(), pictures.size());
+  }
+  faults.throw_if_any();
+  for (const auto& path : images)
+    if (std::filesystem::is_directory(path)) views.inputs.push_back(path / "frames.csv");
+  return views;
+}
+
+BoardViews board_views_from_points(const std::filesystem::path& points, const Board& board,
+                                   cv::Size size_px) {
+  const std::vector<Eigen::Vector2d> pixels = read_board_pixels(points);
+  const std::size_t per_view = static_cast<std::size_t>(board.columns) * board.rows;
+  if (pixels.size() % per_view != 0) {
+    throw InputError(
+        fmt::format("{}: has {} points; a multiple of the {} x {} of the grid is needed",
+                    points.string(), pixels.size(), board.columns, board.rows));
+  }
+  BoardViews views;
+  views.inputs = {points};
+  if (size_px.empty()) size_px = size_around(pixels);
+  views.problem.width_px = size_px.width;
+  views.problem.height_px = size_px.height;
+  for (std::size_t begin = 0; begin < pixels.size(); begin += per_view) {
+    const auto first = pixels.begin() + static_cast<std::ptrdiff_t>(begin);
+    views.problem.views.push_back({fmt::format("view {}", begin / per_view + 1),
+                                   board_points(board),
+                                   {first, first + static_cast<std::ptrdiff_t>(per_view)},
+                                   {}});
+  }
+  return views;
+}
+
+}  // namespace planar

@@ -1,0 +1,258 @@
+#include "planar_servo/offline/locate_lamps.h"
+
+#include <algorithm>
+#include <chrono>
+#include <limits>
+#include <mutex>
+
+#include "planar_servo/core/error.h"
+#include "planar_servo/core/threads.h"
+#include "planar_servo/files/vision_files.h"
+#include "planar_servo/lamps/disc_tracker.h"
+#include "planar_servo/lamps/lamp_tracker.h"
+#include "planar_servo/offline/reference_track.h"
+
+namespace planar {
+namespace {
+
+constexpr unsigned kMostThreads = 4;  // each thread holds a full frame
+constexpr std::size_t kCoarseViewImages = 48;
+
+LampRow empty_row(const LampImage& image, LampStatus status) {
+  LampRow row;
+  row.id = image.id;
+  row.image = image.name;
+  row.t_s = image.t_s;
+  row.status = status;
+  return row;
+}
+
+void add_lamp(LampRow& row, const LampCenter& lamp) {
+  row.uv_px.push_back(lamp.uv_px);
+  row.covariance_px2.push_back(lamp.covariance_px2);
+  row.looks.push_back(lamp.look);
+}
+
+/// Sees the tool in a frame. Without a calibrated vision only its lamps are located.
+SeenTool look(const std::optional<LampScene>& scene, LampTracker& tracker, const Frame& frame,
+              const PairExpectation& expectation, const ImageMotion& motion) {
+  if (scene && scene->vision) return see_tool(*scene->vision, tracker, frame, expectation, motion);
+  return {at_calibration(tracker.locate(frame, expectation), motion), std::nullopt};
+}
+
+/// Adds the position on the plane. The tool's direction is known only when the lamps are told
+/// apart; otherwise the position is known only if the end point lies midway between them.
+void add_position(LampRow& row, const ToolPlace& place, bool told_apart, bool midway) {
+  if (!told_apart && !midway) return;
+  row.p_vision = place.seen.p;
+  row.sigma = place.covariance.diagonal().cwiseSqrt();
+  if (!told_apart) return;
+  row.phi = place.seen.phi;
+  row.sigma_phi = place.sigma_phi;
+}
+
+LampRow pair_row(const LampImage& image, const SeenTool& seen,
+                 const std::optional<LampScene>& scene) {
+  LampRow row = empty_row(image, seen.lamps.status);
+  for (const LampCenter& lamp : seen.lamps.lamps) {
+    if (lamp.status != LampStatus::kOk) return row;
+  }
+  for (const LampCenter& lamp : seen.lamps.lamps) add_lamp(row, lamp);
+  if (seen.place)
+    add_position(row, *seen.place, seen.lamps.status == LampStatus::kOk,
+                 scene->vision->tool.p_TP.isZero());
+  return row;
+}
+
+/// Returns the distance of the only two lamps in a frame over the distance expected. Empty where
+/// none is expected, or there are not two.
+std::optional<double> distance_ratio(LampTracker& tracker, const Frame& frame,
+                                     const PairExpectation& expectation) {
+  if (!expectation.separation_px) return std::nullopt;
+  tracker.forget();
+  const LampPair pair = tracker.locate(frame, {});
+  if (pair.status != LampStatus::kAmbiguous) return std::nullopt;
+  const auto& [from, to] = *expectation.separation_px;
+  return (pair.lamps[1].uv_px - pair.lamps[0].uv_px).norm() / (0.5 * (from + to));
+}
+
+LampRow disc_row(const LampImage& image, const LampCenter& disc) {
+  LampRow row = empty_row(image, disc.status);
+  if (disc.status == LampStatus::kOk) add_lamp(row, disc);
+  return row;
+}
+
+std::optional<cv::Size> sensor_of(const LocateRequest& request) {
+  return request.scene ? std::optional<cv::Size>(request.scene->sensor_px) : std::nullopt;
+}
+
+/// Collects the rows of images that are looked at in any order.
+class Collector {
+ public:
+  explicit Collector(const LocateRequest& request)
+      : request_(request),
+        rows_(request.images.size()),
+        times_(request.images.size()),
+        wrong_distances_(request.images.size()),
+        faults_(request.images.size()) {}
+
+  /// Adds the row of image i, which look(frame) returns if the image can be read.
+  template <typename Look>
+  void add(std::size_t i, const Look& look) {
+    const LampImage& image = request_.images[i];
+    const LampImageRead read = read_lamp_image(image, sensor_of(request_));
+    if (read.status != LampStatus::kOk) {
+      rows_[i] = empty_row(image, read.status);
+      faults_[i] = read.fault;
+    } else {
+      const auto start = std::chrono::steady_clock::now();
+      rows_[i] = look(read.frame);
+      const auto duration = std::chrono::steady_clock::now() - start;
+      times_[i] = std::chrono::duration<double, std::milli>(duration).count();
+    }
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (request_.progress) request_.progress(++done_, rows_.size());
+  }
+
+  void add_wrong_distance(std::size_t i, std::optional<double> ratio) {
+    wrong_distances_[i] = ratio;
+  }
+
+  LocateReport finish() {
+    Faults faults;
+    for (const std::string& fault : faults_) {
+      if (!fault.empty()) faults.add(fault);
+    }
+    faults.throw_if_any();
+    LocateReport report;
+    report.rows = std::move(rows_);
+    for (const auto& time : times_) {
+      if (time) report.milliseconds.push_back(*time);
+    }
+    for (const auto& ratio : wrong_distances_) {
+      if (ratio) report.wrong_distances.push_back(*ratio);
+    }
+    return report;
+  }
+
+ private:
+  const LocateRequest& request_;
+  std::vector<LampRow> rows_;
+  std::vector<std::optional<double>> times_, wrong_distances_;
+  std::vector<std::string> faults_;
+  std::mutex mutex_;
+  std::size_t done_{0};
+};
+
+/// Says what is known of the lamps before a coarse view is learned.
+PairExpectation expectation_without_view(const LampScene& scene) {
+  PairExpectation expectation;
+  if (scene.fixed_px.empty()) return expectation;
+  expectation.diameter_over_separation = scene.lamps.diameter_over_separation();
+  expectation.fixed_px = scene.fixed_px;
+  return expectation;
+}
+
+/// Learns a map from commanded poses to the image, from images spread over all poses of the arm. A
+/// few pairs may be wrong; with more of them there is no map.
+std::optional<CoarseView> learn_view(const LocateRequest& request, const LampScene& scene) {
+  std::vector<const LampImage*> usable;
+  for (const LampImage& image : request.images) {
+    if (image.commanded && !image.shows_board) usable.push_back(&image);
+  }
+  const std::size_t n = std::min(usable.size(), kCoarseViewImages);
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  std::vector<CoarseViewRow> rows(n, {{kNone, kNone}, {kNone, kNone}});
+  const PairExpectation expectation = expectation_without_view(scene);
+  parallel_for(
+      n, kMostThreads, [&] { return LampTracker(request.method); },
+      [&](std::size_t i, LampTracker& tracker) {
+        const LampImage& image = *usable[i * usable.size() / n];
+        const LampImageRead read = read_lamp_image(image, sensor_of(request));
+        if (read.status != LampStatus::kOk) return;
+        tracker.forget();
+        const LampPair pair = tracker.locate(read.frame, expectation);
+        const auto& [first, second] = pair.lamps;
+        if (pair.status != LampStatus::kAmbiguous && pair.status != LampStatus::kOk) return;
+        rows[i] = {image.commanded->p, 0.5 * (first.uv_px + second.uv_px)};
+      });
+  return fit_coarse_view(rows);
+}
+
+/// Returns whether lamps that are fixed to the base can be followed through the images.
+bool shows_fixed_lamps(const LocateRequest& request) {
+  return request.scene && !request.scene->reference_lamps.empty() &&
+         std::any_of(request.images.begin(), request.images.end(),
+                     [](const LampImage& image) { return image.t_s.has_value(); });
+}
+
+/// Finds the fixed lamps in the images, and says in the scene where they are.
+std::vector<ReferenceLamp> reference_lamps_in(const LocateRequest& request, LampScene& scene) {
+  std::vector<ReferenceLamp> lamps;
+  if (scene.vision) lamps = scene.vision->reference_lamps;
+  const bool known = !lamps.empty();
+  if (!known)
+    lamps = find_reference_lamps(scene.reference_lamps, request.images, scene.sensor_px,
+                                 request.method);
+  scene.fixed_px = places_px(lamps);
+  if (known) return lamps;
+  const std::optional<CoarseView> view = learn_view(request, scene);
+  name_reference_lamps(
+      scene.reference_lamps,
+      [&](const Eigen::Vector2d& p_B) { return view ? view->pixel(p_B) : std::nullopt; }, lamps);
+  return lamps;
+}
+
+}  // namespace
+
+LocateReport locate_lamps(const LocateRequest& request) {
+  std::optional<LampScene> scene = request.scene;
+  ReferenceTrack track;
+  if (shows_fixed_lamps(request))
+    track = {reference_lamps_in(request, *scene), request.images, scene->sensor_px, request.method};
+  std::optional<LampPrediction> prediction;
+  if (scene) prediction.emplace(*scene, scene->vision ? std::nullopt : learn_view(request, *scene));
+  Collector collector(request);
+  parallel_for(
+      request.images.size(), kMostThreads, [&] { return LampTracker(request.method); },
+      [&](std::size_t i, LampTracker& tracker) {
+        const LampImage& image = request.images[i];
+        collector.add(i, [&](const Frame& frame) {
+          const PairExpectation expectation =
+              prediction ? prediction->of(image.commanded) : PairExpectation{};
+          tracker.forget();
+          LampRow row = pair_row(
+              image, look(scene, tracker, frame, expectation, track.at(image.t_s.value_or(0.0))),
+              scene);
+          if (row.status == LampStatus::kWrongDistance)
+            collector.add_wrong_distance(i, distance_ratio(tracker, frame, expectation));
+          return row;
+        });
+      });
+  LocateReport report = collector.finish();
+  report.reference_lamps = track.lamps();
+  return report;
+}
+
+LocateReport follow_disc(const LocateRequest& request,
+                         const std::optional<Eigen::Vector2d>& start_px) {
+  DiscTracker tracker(request.method, start_px);
+  Collector collector(request);
+  for (std::size_t i = 0; i < request.images.size(); ++i) {
+    collector.add(i, [&](const Frame& frame) {
+      return disc_row(request.images[i], tracker.locate(frame.image));
+    });
+  }
+  return collector.finish();
+}
+
+LocateReport locate_lamps_of_recording(const CellSettings& cell,
+                                       const std::filesystem::path& folder,
+                                       const std::vector<FrameRow>& frames, CenterMethod method) {
+  return locate_lamps({images_of_recording(folder, frames, PlanarArm(cell.arm.geometry)),
+                       read_lamp_scene(cell),
+                       method,
+                       {}});
+}
+
+}  // namespace planar

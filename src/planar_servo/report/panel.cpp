@@ -1,0 +1,324 @@
+#include "planar_servo/report/panel.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "planar_servo/report/html_page.h"
+
+namespace planar {
+namespace {
+
+using Rgb = std::array<double, 3>;
+
+/// Viridis at equal distances, from its light end, of which the palest part is left out because it
+/// would not show on white, to its dark one.
+constexpr Rgb kColors[] = {{216, 226, 25}, {149, 216, 64}, {85, 198, 103}, {41, 175, 127},
+                           {32, 148, 140}, {39, 120, 142}, {51, 92, 141},  {65, 62, 133},
+                           {72, 33, 115},  {68, 1, 84}};
+constexpr std::size_t kLast = std::size(kColors) - 1;
+
+constexpr double kBar = 14.0;  // width of the bar itself
+constexpr int kBands = 48;
+constexpr int kMostTicks = 6;
+
+constexpr double kLeft = 62.0, kTop = 34.0, kRight = 16.0, kBottom = 44.0;  // about a plot
+constexpr double kLine = 20.0;                                              // of the legend
+constexpr double kLongestBar = 60.0;                                        // of the arrows' legend
+constexpr double kTickSpacing = 48.0;
+constexpr double kOverlap = 0.4;  // of a field's cells, so that no seam shows
+
+std::string text(const char* of_class, double x, double y, const char* anchor,
+                 const std::string& content) {
+  return fmt::format("<text class=\"{}\" x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\">{}</text>\n",
+                     of_class, x, y, anchor, html_escaped(content));
+}
+
+int most_ticks(double length) {
+  return std::max(3, static_cast<int>(length / kTickSpacing) + 1);
+}
+
+std::string path_through(const std::vector<Eigen::Vector2d>& points) {
+  std::string path;
+  for (const Eigen::Vector2d& p : points)
+    path += fmt::format("{}{:.1f} {:.1f}", path.empty() ? "M" : " L", p.x(), p.y());
+  return path;
+}
+
+std::string line_svg(const char* of_class, const Eigen::Vector2d& from, const Eigen::Vector2d& to,
+                     const std::string& color) {
+  return fmt::format(
+      "<line class=\"{}\" x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\" "
+      "stroke=\"{}\"/>",
+      of_class, from.x(), from.y(), to.x(), to.y(), color);
+}
+
+std::string dot_svg(const Eigen::Vector2d& p, double radius, const std::string& color) {
+  return fmt::format("<circle class=\"dot\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{:g}\" fill=\"{}\"/>\n",
+                     p.x(), p.y(), radius, color);
+}
+
+/// Runs of one colour in a row become one rectangle.
+class FieldRow {
+ public:
+  FieldRow(double top, double height) : top_(top), height_(height) {}
+
+  void add(double left, double right, const std::string& color) {
+    if (color != color_) finish();
+    if (color_.empty()) left_ = left;
+    color_ = color;
+    right_ = right;
+  }
+
+  void finish() {
+    if (!color_.empty())
+      svg_ += fmt::format(
+          "<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" fill=\"{}\"/>\n",
+          left_, top_, right_ - left_ + kOverlap, height_ + kOverlap, color_);
+    color_.clear();
+  }
+
+  const std::string& svg() const { return svg_; }
+
+ private:
+  double top_, height_, left_{0.0}, right_{0.0};
+  std::string color_, svg_;
+};
+
+}  // namespace
+
+ColorScale::ColorScale(std::string label, const std::vector<double>& values, Steps steps)
+    : label_(std::move(label)), steps_(steps) {
+  double least = std::numeric_limits<double>::infinity(), most = -least;
+  for (const double value : values) {
+    if (!std::isfinite(value) || (steps == Steps::kDecades && value <= 0.0)) continue;
+    least = std::min(least, value);
+    most = std::max(most, value);
+  }
+  if (least > most) least = most = 1.0;
+  if (least == most) {
+    least = steps == Steps::kDecades ? 0.5 * least : least - 0.5 * std::abs(least);
+    most = steps == Steps::kDecades ? 2.0 * most : most + 0.5 * std::abs(most);
+  }
+  from_ = least;
+  to_ = least < most ? most : least + 1.0;
+}
+
+double ColorScale::share(double value) const {
+  const double share = steps_ == Steps::kEven ? (value - from_) / (to_ - from_)
+                       : value > 0.0          ? std::log(value / from_) / std::log(to_ / from_)
+                                              : 0.0;
+  return std::clamp(share, 0.0, 1.0);
+}
+
+std::string ColorScale::color(double value) const {
+  const double at = share(value) * static_cast<double>(kLast);
+  const std::size_t i = std::min(static_cast<std::size_t>(at), kLast - 1);
+  const double part = at - static_cast<double>(i);
+  const auto mixed = [&](std::size_t channel) {
+    return static_cast<int>(
+        std::lround((1.0 - part) * kColors[i][channel] + part * kColors[i + 1][channel]));
+  };
+  return fmt::format("#{:02x}{:02x}{:02x}", mixed(0), mixed(1), mixed(2));
+}
+
+Ticks ColorScale::bar_ticks() const {
+  return steps_ == Steps::kEven ? round_ticks(from_, to_, kMostTicks) : decade_ticks(from_, to_);
+}
+
+std::string ColorScale::bar_svg(double left, double top, double height) const {
+  std::string svg;
+  const double band = height / kBands;
+  for (int i = 0; i < kBands; ++i) {
+    const double share = (i + 0.5) / kBands;
+    const double value = steps_ == Steps::kEven ? from_ + share * (to_ - from_)
+                                                : from_ * std::pow(to_ / from_, share);
+    svg += fmt::format(
+        "<rect x=\"{:.1f}\" y=\"{:.2f}\" width=\"{}\" height=\"{:.2f}\" fill=\"{}\"/>\n", left,
+        top + height - (i + 1) * band, kBar, band + 0.5, color(value));
+  }
+  svg += fmt::format(
+      "<rect class=\"frame\" x=\"{:.1f}\" y=\"{:.1f}\" width=\"{}\" height=\"{:.1f}\"/>\n", left,
+      top, kBar, height);
+  const Ticks ticks = bar_ticks();
+  for (const double value : ticks.values)
+    svg +=
+        fmt::format("<text class=\"tick\" x=\"{:.1f}\" y=\"{:.1f}\">{}</text>\n", left + kBar + 4.0,
+                    top + height * (1.0 - share(value)) + 4.0, ticks.text(value));
+  const double x = left + kColorBarWidth - 8.0, y = top + 0.5 * height;
+  return svg + fmt::format(
+                   "<text class=\"label\" text-anchor=\"middle\" x=\"{0:.1f}\" y=\"{1:.1f}\" "
+                   "transform=\"rotate(-90 {0:.1f} {1:.1f})\">{2}</text>\n",
+                   x, y, html_escaped(label_));
+}
+
+ArrowScale arrows_over(const std::vector<Eigen::Vector2d>& vectors, const std::string& unit) {
+  double longest = 0.0;
+  for (const Eigen::Vector2d& vector : vectors) longest = std::max(longest, vector.norm());
+  return {longest, unit};
+}
+
+Panel::Panel(std::string title, Axis x, Axis y, Aspect aspect)
+    : title_(std::move(title)),
+      x_(std::move(x)),
+      y_(std::move(y)),
+      plot_width_(kPanelWidth),
+      plot_height_(kPanelHeight) {
+  if (aspect == Aspect::kFree) return;
+  const double wide = x_.highest() - x_.lowest(), high = y_.highest() - y_.lowest();
+  const double unit = std::min(kPanelWidth / wide, kPanelHeight / high);
+  plot_width_ = unit * wide;
+  plot_height_ = unit * high;
+}
+
+Eigen::Vector2d Panel::at(const Eigen::Vector2d& p) const {
+  return {kLeft + plot_width_ * x_.share(p.x()), kTop + plot_height_ * (1.0 - y_.share(p.y()))};
+}
+
+std::size_t Panel::stride(std::size_t marks) {
+  const std::size_t stride = (marks + kMostMarks - 1) / kMostMarks;
+  if (stride > 1) add_note(fmt::format("drawn is one of {}, of {} in all", stride, marks));
+  return std::max<std::size_t>(stride, 1);
+}
+
+std::vector<Eigen::Vector2d> Panel::field_places() const {
+  const auto along = [](const Axis& axis, int i) {
+    return axis.from + (i + 0.5) / kFieldCells * (axis.to - axis.from);
+  };
+  std::vector<Eigen::Vector2d> places;
+  for (int row = 0; row < kFieldCells; ++row)
+    for (int column = 0; column < kFieldCells; ++column)
+      places.emplace_back(along(x_, column), along(y_, kFieldCells - 1 - row));
+  return places;
+}
+
+void Panel::add_field(const std::vector<double>& values, const ColorScale& scale) {
+  if (values.size() != static_cast<std::size_t>(kFieldCells) * kFieldCells)
+    throw std::invalid_argument("a field needs a value for each of its places");
+  const double wide = plot_width_ / kFieldCells, high = plot_height_ / kFieldCells;
+  marks_ += "<g shape-rendering=\"crispEdges\">\n";
+  auto value = values.begin();
+  for (int row = 0; row < kFieldCells; ++row) {
+    FieldRow cells(kTop + row * high, high);
+    for (int column = 0; column < kFieldCells; ++column, ++value) {
+      if (std::isfinite(*value))
+        cells.add(kLeft + column * wide, kLeft + (column + 1) * wide, scale.color(*value));
+      else
+        cells.finish();
+    }
+    cells.finish();
+    marks_ += cells.svg();
+  }
+  marks_ += "</g>\n";
+}
+
+void Panel::add_arrows(const std::vector<Eigen::Vector2d>& points,
+                       const std::vector<Eigen::Vector2d>& vectors, const ArrowScale& scale,
+                       const Paint& paint) {
+  if (points.size() != vectors.size())
+    throw std::invalid_argument("arrows need as many vectors as points");
+  const Eigen::Vector2d along(x_.from < x_.to ? 1.0 : -1.0, y_.from < y_.to ? -1.0 : 1.0);
+  const double unit = scale.longest > 0.0 ? kLongestArrow / scale.longest : 0.0;
+  const std::size_t step = stride(points.size());
+  std::string halos, arrows;
+  for (std::size_t i = 0; i < points.size(); i += step) {
+    const Eigen::Vector2d from = at(points[i]);
+    const Eigen::Vector2d to = from + unit * along.cwiseProduct(vectors[i]);
+    halos += line_svg("halo", from, to, "#fff") + '\n';
+    arrows += line_svg("arrow", from, to, paint.of(i)) + dot_svg(from, 1.7, paint.of(i));
+  }
+  marks_ += halos + arrows;
+  if (unit == 0.0) return;
+  const double bar = round_length(kLongestBar / unit);
+  legend_.push_back(
+      line_svg("arrow", {0.0, -4.0}, {unit * bar, -4.0}, "#222") +
+      text("tick", unit * bar + 6.0, 0.0, "start", fmt::format("{:g} {}", bar, scale.unit)));
+}
+
+void Panel::add_dots(const std::vector<Eigen::Vector2d>& points, const Paint& paint,
+                     double radius) {
+  const std::size_t step = stride(points.size());
+  for (std::size_t i = 0; i < points.size(); i += step)
+    marks_ += dot_svg(at(points[i]), radius, paint.of(i));
+}
+
+void Panel::add_line(const std::vector<Eigen::Vector2d>& points, Stroke stroke,
+                     const std::string& color) {
+  std::vector<Eigen::Vector2d> placed;
+  placed.reserve(points.size());
+  for (const Eigen::Vector2d& p : points) placed.push_back(at(p));
+  marks_ += fmt::format("<path class=\"line{}\" stroke=\"{}\" d=\"{}\"/>\n",
+                        stroke == Stroke::kDashed ? " dashed" : "", color, path_through(placed));
+}
+
+void Panel::add_bars(const std::vector<double>& edges, const std::vector<double>& heights) {
+  if (edges.size() != heights.size() + 1)
+    throw std::invalid_argument("bars need one more edge than heights");
+  for (std::size_t i = 0; i < heights.size(); ++i) {
+    const Eigen::Vector2d top = at({edges[i], heights[i]}), base = at({edges[i + 1], 0.0});
+    marks_ += fmt::format(
+        "<rect class=\"bar\" x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\"/>\n",
+        top.x(), top.y(), base.x() - top.x(), base.y() - top.y());
+  }
+}
+
+void Panel::add_color_bar(const ColorScale& scale) {
+  bar_ = scale.bar_svg(kLeft + plot_width_ + kRight, kTop, plot_height_);
+}
+
+void Panel::add_note(const std::string& note) {
+  legend_.push_back(text("tick", 0.0, 0.0, "start", note));
+}
+
+void Panel::add_key(const std::string& color, const std::string& what) {
+  legend_.push_back(dot_svg({5.0, -4.0}, 4.0, color) + text("tick", 15.0, 0.0, "start", what));
+}
+
+std::string Panel::axes() const {
+  std::string lines, numbers;
+  const Ticks along_x = x_.ticks(most_ticks(plot_width_));
+  for (const double value : along_x.values) {
+    const double x = at({value, y_.from}).x();
+    lines += line_svg("grid", {x, kTop}, {x, kTop + plot_height_}, "#e4e4e0") + '\n';
+    numbers += text("tick", x, kTop + plot_height_ + 15.0, "middle", along_x.text(value));
+  }
+  const Ticks along_y = y_.ticks(most_ticks(plot_height_));
+  for (const double value : along_y.values) {
+    const double y = at({x_.from, value}).y();
+    lines += line_svg("grid", {kLeft, y}, {kLeft + plot_width_, y}, "#e4e4e0") + '\n';
+    numbers += text("tick", kLeft - 6.0, y + 4.0, "end", along_y.text(value));
+  }
+  const double middle = kTop + 0.5 * plot_height_;
+  return lines + numbers +
+         text("label", kLeft + 0.5 * plot_width_, kTop + plot_height_ + 33.0, "middle", x_.label) +
+         fmt::format("<g transform=\"rotate(-90 14 {0:.1f})\">{1}</g>\n", middle,
+                     text("label", 14.0, middle, "middle", y_.label));
+}
+
+std::string Panel::svg(double left) const {
+  std::string svg = fmt::format("<g transform=\"translate({:.1f} 0)\">\n", left);
+  svg += text("title", kLeft, 20.0, "start", title_) + axes() + marks_;
+  svg +=
+      fmt::format("<rect class=\"frame\" x=\"{}\" y=\"{}\" width=\"{:.1f}\" height=\"{:.1f}\"/>\n",
+                  kLeft, kTop, plot_width_, plot_height_);
+  double y = kTop + plot_height_ + kBottom + 14.0;
+  for (const std::string& line : legend_) {
+    svg += fmt::format("<g transform=\"translate({} {:.1f})\">{}</g>\n", kLeft, y, line);
+    y += kLine;
+  }
+  return svg + bar_ + "</g>\n";
+}
+
+double Panel::width() const {
+  return kLeft + plot_width_ + kRight + (bar_.empty() ? 0.0 : kColorBarWidth);
+}
+
+double Panel::height() const {
+  return kTop + plot_height_ + kBottom + kLine * static_cast<double>(legend_.size());
+}
+
+}  // namespace planar

@@ -1,0 +1,130 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "planar_servo/report/axis.h"
+
+namespace planar {
+
+/// Gives values colours, from light for the least to dark for the largest: viridis [van der Walt
+/// and Smith 2015] turned round, whose lightness falls evenly, in grey print as well.
+class ColorScale {
+ public:
+  enum class Steps { kEven, kDecades };
+
+  /// The ends of the scale are those of the values that are finite; kDecades takes those above
+  /// zero, and spaces colours by their logarithm. `label` says what the values are, with the unit.
+  /// Without any such value, or with one only, the scale has ends around it.
+  ColorScale(std::string label, const std::vector<double>& values, Steps steps = Steps::kEven);
+
+  /// Returns the colour as #rrggbb. Values beyond an end have the end's colour.
+  std::string color(double value) const;
+  /// Returns where a value lies on the scale, from 0 to 1.
+  double share(double value) const;
+
+  double from() const { return from_; }
+  double to() const { return to_; }
+
+  /// Draws the scale as a bar of this height with ticks and label: as SVG, its upper left corner at
+  /// (left, top).
+  std::string bar_svg(double left, double top, double height) const;
+
+ private:
+  Ticks bar_ticks() const;
+
+  std::string label_;
+  Steps steps_;
+  double from_{0.0}, to_{1.0};
+};
+
+/// Colours of series that are told apart in one panel [Okabe and Ito 2008, darkened for thin
+/// lines].
+constexpr const char* kSeriesColors[] = {"#1f4e79", "#c77f1a", "#2e8b57", "#a23b72"};
+
+/// Width of what bar_svg() draws, with its ticks and label.
+constexpr double kColorBarWidth = 90.0;
+
+/// How long arrows are drawn. Panels that share one can be compared by the arrows' lengths.
+struct ArrowScale {
+  double longest{0.0};  ///< what is drawn kLongestArrow long, in the unit of the vectors
+  std::string unit;     ///< for the legend
+};
+
+constexpr double kLongestArrow = 34.0;  ///< SVG units
+
+/// Returns the scale at which the longest vector is drawn kLongestArrow long.
+ArrowScale arrows_over(const std::vector<Eigen::Vector2d>& vectors, const std::string& unit);
+
+/// Colours of marks: one for all, or a value on a scale for each.
+struct Paint {
+  std::string color{"#1f4e79"};
+  const ColorScale* scale{nullptr};
+  std::vector<double> values{};  ///< as many as marks where there is a scale
+
+  std::string of(std::size_t i) const { return scale ? scale->color(values[i]) : color; }
+};
+
+/// One panel of a plot: axes with ticks, a title, and marks in the units of the axes. What is
+/// added later lies on top. Beyond kMostMarks marks only every n-th is drawn, and the panel says
+/// so.
+class Panel {
+ public:
+  enum class Aspect {
+    kFree,   ///< as wide as kPanelWidth and as high as kPanelHeight
+    kEqual,  ///< a unit is as long along both axes
+  };
+
+  Panel(std::string title, Axis x, Axis y, Aspect aspect = Aspect::kFree);
+
+  /// Returns the places at which add_field() wants a value: kFieldCells along each axis.
+  std::vector<Eigen::Vector2d> field_places() const;
+  /// Fills the panel with the colours of a value at each of field_places(); where it is NaN, the
+  /// panel stays empty. Throws std::invalid_argument unless there are as many values.
+  void add_field(const std::vector<double>& values, const ColorScale& scale);
+
+  /// Draws arrows in the axes' directions. Throws std::invalid_argument unless there are as many
+  /// points as vectors.
+  void add_arrows(const std::vector<Eigen::Vector2d>& points,
+                  const std::vector<Eigen::Vector2d>& vectors, const ArrowScale& scale,
+                  const Paint& paint = {});
+  void add_dots(const std::vector<Eigen::Vector2d>& points, const Paint& paint = {},
+                double radius = 2.2);
+  enum class Stroke { kSolid, kDashed };
+  void add_line(const std::vector<Eigen::Vector2d>& points, Stroke stroke = Stroke::kSolid,
+                const std::string& color = "#222");
+  /// Draws bars from zero, from one edge to the next: one more edge than heights.
+  void add_bars(const std::vector<double>& edges, const std::vector<double>& heights);
+  /// Draws a colour bar beside the panel.
+  void add_color_bar(const ColorScale& scale);
+  /// Writes a line below the panel, as a legend.
+  void add_note(const std::string& note);
+  /// Says in the legend what the marks of a colour are.
+  void add_key(const std::string& color, const std::string& what);
+
+  /// Draws the panel, its outer upper left corner at (left, 0).
+  std::string svg(double left) const;
+  double width() const;
+  double height() const;
+
+ private:
+  Eigen::Vector2d at(const Eigen::Vector2d& p) const;
+  std::string axes() const;
+  std::size_t stride(std::size_t marks);
+
+  std::string title_;
+  Axis x_, y_;
+  double plot_width_, plot_height_;
+  std::string marks_;
+  std::string bar_;
+  std::vector<std::string> legend_;  ///< lines of SVG at (0, 0)
+};
+
+constexpr double kPanelWidth = 290.0;
+constexpr double kPanelHeight = 290.0;
+constexpr std::size_t kMostMarks = 2500;
+/// Columns and rows of colours in a field.
+constexpr int kFieldCells = 48;
+
+}  // namespace planar

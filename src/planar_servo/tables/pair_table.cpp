@@ -1,0 +1,71 @@
+#include "planar_servo/tables/pair_table.h"
+
+#include "planar_servo/core/units.h"
+#include "planar_servo/io/columns.h"
+#include "planar_servo/tables/joint_tables.h"
+
+namespace planar {
+namespace {
+
+void list_lamps(Columns& columns, std::optional<std::array<Eigen::Vector2d, 2>>& lamps_B) {
+  std::optional<Eigen::Vector2d> first, second;
+  if (lamps_B) {
+    first = (*lamps_B)[0];
+    second = (*lamps_B)[1];
+  }
+  columns.optional_point("x_lamp1_mm", "y_lamp1_mm", first, kMillimetre, 6, Column::kOptional);
+  columns.optional_point("x_lamp2_mm", "y_lamp2_mm", second, kMillimetre, 6, Column::kOptional);
+  if (!columns.reading()) return;
+  lamps_B.reset();
+  if (first && second) lamps_B = {*first, *second};
+  columns.check(first.has_value() == second.has_value(),
+                "has the place of one lamp; both or none are needed");
+}
+
+const TableSchema<PairRow>& pair_schema() {
+  static const TableSchema<PairRow> pairs{
+      "pairs", [](Columns& columns, PairRow& row) {
+        columns.text("id", row.id);
+        columns.point("x_vision_mm", "y_vision_mm", row.p_vision, kMillimetre, 6);
+        columns.optional_point("x_tracker_mm", "y_tracker_mm", row.p_tracker, kMillimetre, 6,
+                               Column::kRequired);
+        columns.optional_number("phi_deg", row.phi, kDegree, 6, Column::kOptional);
+        columns.optional_number("sigma_vision_mm", row.sigma_vision, kMillimetre, 6,
+                                Column::kOptional);
+        columns.optional_number("sigma_tracker_mm", row.sigma_tracker, kMillimetre, 6,
+                                Column::kOptional);
+        columns.choice("plan", row.plan, kPlans);
+        columns.text("place", row.place, Column::kOptional);
+        list_lamps(columns, row.lamps_B);
+        columns.optional_point("x_reflector_mm", "y_reflector_mm", row.p_reflector, kMillimetre, 6,
+                               Column::kOptional);
+        columns.optional_number("z_reflector_mm", row.z_reflector, kMillimetre, 6,
+                                Column::kOptional);
+        list_joints(columns, row.theta);
+        columns.optional_number("t_s", row.t_s, 1.0, 6, Column::kOptional);
+      }};
+  return pairs;
+}
+
+}  // namespace
+
+void read_pairs(const std::filesystem::path& path,
+                const std::function<void(const PairRow&)>& take) {
+  TableFile<PairRow> table(path, pair_schema());
+  for (PairRow row; table.next(row);) take(row);
+  table.throw_if_faulty_or_empty();
+}
+
+std::vector<PairRow> read_pairs(const std::filesystem::path& path) {
+  std::vector<PairRow> rows;
+  read_pairs(path, [&](const PairRow& row) { rows.push_back(row); });
+  return rows;
+}
+
+std::string pairs_text(const std::vector<PairRow>& rows, const std::vector<std::string>& remarks) {
+  std::string text = pair_schema().header(remarks);
+  for (const PairRow& row : rows) text += pair_schema().line(row);
+  return text;
+}
+
+}  // namespace planar

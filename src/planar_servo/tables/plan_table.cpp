@@ -1,0 +1,73 @@
+#include "planar_servo/tables/plan_table.h"
+
+#include <fmt/format.h>
+
+#include <optional>
+#include <set>
+
+#include "planar_servo/core/units.h"
+#include "planar_servo/io/columns.h"
+#include "planar_servo/tables/joint_tables.h"
+
+namespace planar {
+namespace {
+
+/// Lists the columns of a position. A pose whose file names no phi takes `tool_orientation`.
+void list_place(Columns& columns, PlanRow& row, double tool_orientation) {
+  std::optional<Eigen::Vector2d> p;
+  std::optional<double> phi;
+  std::optional<Joints> theta;
+  if (const auto* tip = std::get_if<TipPose>(&row.where)) {
+    p = tip->p;
+    phi = tip->phi;
+  }
+  if (const auto* joints = std::get_if<Joints>(&row.where)) theta = *joints;
+  columns.optional_point("x_mm", "y_mm", p, kMillimetre, 6, Column::kOptional);
+  columns.optional_number("phi_deg", phi, kDegree, 6, Column::kOptional);
+  list_joints(columns, theta);
+  if (!columns.reading()) return;
+  row.where = std::monostate();
+  if (theta) row.where = *theta;
+  if (p) row.where = TipPose{*p, phi.value_or(tool_orientation)};
+  columns.check(!p || !theta, "has both x_mm and theta1_deg; give one of them");
+}
+
+TableSchema<PlanRow> schema(double tool_orientation) {
+  return {
+      "plan",
+      [=](Columns& columns, PlanRow& row) {
+        columns.text("id", row.id);
+        columns.check(row.id.find('/') == std::string::npos,
+                      fmt::format("id is '{}'; it names images, so '/' is not allowed", row.id));
+        columns.choice("plan", row.plan, kPlans);
+        list_place(columns, row, tool_orientation);
+        columns.check(shows_board(row.plan) || !std::holds_alternative<std::monostate>(row.where),
+                      "has no position; x_mm, y_mm or theta1_deg ... theta3_deg are needed");
+      },
+      UnendedRow::kRefused};
+}
+
+}  // namespace
+
+std::vector<PlanRow> read_plan(const std::filesystem::path& path, double tool_orientation) {
+  const TableSchema<PlanRow> plan = schema(tool_orientation);
+  TableFile<PlanRow> table(path, plan);
+  std::vector<PlanRow> rows;
+  std::set<std::string> ids;
+  for (PlanRow row; table.next(row);) {
+    table.require_id_not_in(ids);
+    ids.insert(row.id);
+    rows.push_back(row);
+  }
+  table.throw_if_faulty_or_empty();
+  return rows;
+}
+
+std::string plan_text(const std::vector<PlanRow>& rows) {
+  const TableSchema<PlanRow> plan = schema(0.0);
+  std::string text = plan.header();
+  for (const PlanRow& row : rows) text += plan.line(row);
+  return text;
+}
+
+}  // namespace planar

@@ -1,0 +1,154 @@
+#include "planar_servo/virtual_cell/virtual_lamps.h"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "planar_servo/core/units.h"
+#include "planar_servo/virtual_cell/polygon_coverage.h"
+
+namespace planar {
+namespace {
+
+constexpr int kOutlinePoints = 256;       // a chord is 0.0013 px off the arc of a lamp of 34 px
+constexpr double kHaloReach = 6.0;        // in decay lengths; 1/400 of the halo is left there
+constexpr double kBlurReach = 4.0;        // in standard deviations of the blur
+constexpr double kDerivativeStep = 1e-4;  // metres
+
+std::vector<Eigen::Vector2d> rim_m(const LampTruth& lamp) {
+  std::vector<Eigen::Vector2d> points;
+  for (int i = 0; i < kOutlinePoints; ++i) {
+    const double angle = 2.0 * kPi * i / kOutlinePoints;
+    double radius = 0.5 * lamp.diameter_m;
+    for (const Harmonic& h : lamp.rim)
+      radius += 0.5 * lamp.diameter_m * h.amplitude * std::sin(h.order * angle + h.phase_rad);
+    points.emplace_back(radius * std::cos(angle), radius * std::sin(angle));
+  }
+  return points;
+}
+
+int blur_margin(double blur_px) {
+  return static_cast<int>(std::ceil(kBlurReach * blur_px));
+}
+
+/// Adds the light of one lamp to `levels`, whose first pixel is `corner_px`.
+void add_light(const SeenLamp& seen, const cv::Point& corner_px, cv::Mat1f& levels) {
+  const LampTruth& lamp = *seen.lamp;
+  const cv::Mat1f coverage = polygon_coverage(seen.outline_px, seen.window_px);
+  const double radius_m = 0.5 * lamp.diameter_m;
+  const cv::Point offset = seen.window_px.tl() - corner_px;
+  for (int row = 0; row < coverage.rows; ++row) {
+    for (int column = 0; column < coverage.cols; ++column) {
+      const Eigen::Vector2d uv_px(seen.window_px.x + column, seen.window_px.y + row);
+      const Eigen::Vector2d p_m = seen.m_per_px * (uv_px - seen.center_px);
+      const double distance_m = std::max(p_m.norm(), 1e-9);
+      const double disc = std::max(0.0, 1.0 + seen.gradient.dot(p_m) / radius_m);
+      const double beyond_rim_m = std::max(0.0, distance_m - radius_m);
+      const double halo = std::max(0.0, seen.halo.dot(p_m) / distance_m) *
+                          std::exp(-beyond_rim_m / lamp.glow.halo_decay_m);
+      const double covered = coverage(row, column);
+      levels(row + offset.y, column + offset.x) +=
+          static_cast<float>(lamp.peak_level * (covered * disc + (1.0 - covered) * halo));
+    }
+  }
+}
+
+}  // namespace
+
+std::optional<SeenLamp> see_lamp(const LampTruth& lamp, const Eigen::Vector2d& place_m,
+                                 const Pose& X_BT, const VirtualLens& lens, double t_s) {
+  const auto project = [&](const Eigen::Vector3d& p_B) { return lens.project(p_B, t_s); };
+  const Eigen::Vector3d p_B = X_BT * Eigen::Vector3d(place_m.x(), place_m.y(), 0.0);
+  const auto center = project(p_B);
+  const auto along_x = project(p_B + kDerivativeStep * Eigen::Vector3d::UnitX());
+  const auto along_y = project(p_B + kDerivativeStep * Eigen::Vector3d::UnitY());
+  if (!center || !along_x || !along_y) return std::nullopt;
+
+  SeenLamp seen;
+  seen.lamp = &lamp;
+  seen.center_px = *center;
+  Eigen::Matrix2d px_per_m;
+  px_per_m << (*along_x - *center) / kDerivativeStep, (*along_y - *center) / kDerivativeStep;
+  seen.m_per_px = px_per_m.inverse();
+  for (const Eigen::Vector2d& point : rim_m(lamp)) {
+    const auto uv =
+        project(X_BT * Eigen::Vector3d(place_m.x() + point.x(), place_m.y() + point.y(), 0.0));
+    if (!uv) return std::nullopt;
+    seen.outline_px.push_back(*uv);
+  }
+  const Eigen::Vector3d ray = p_B - lens.p_BC();
+  // Tangent of the viewing angle, pointing outwards.
+  const Eigen::Vector2d view = ray.head<2>() / -ray.z();
+  const Eigen::Matrix2d R_BT = X_BT.linear().topLeftCorner<2, 2>();
+  seen.gradient = R_BT * lamp.glow.gradient_tool + lamp.glow.gradient_view * view;
+  seen.halo = R_BT * lamp.glow.halo_tool + lamp.glow.halo_view * view;
+  const double scale_px_per_m = std::sqrt(std::abs(px_per_m.determinant()));
+  seen.window_px =
+      window_around(seen.outline_px, kHaloReach * lamp.glow.halo_decay_m * scale_px_per_m);
+  return seen;
+}
+
+cv::Rect light_window(const std::vector<SeenLamp>& lamps, double blur_px) {
+  cv::Rect window;
+  for (const SeenLamp& seen : lamps) window |= seen.window_px;
+  const int margin = blur_margin(blur_px);
+  return {window.x - margin, window.y - margin, window.width + 2 * margin,
+          window.height + 2 * margin};
+}
+
+Light light_of(const std::vector<SeenLamp>& lamps, double blur_px) {
+  const cv::Rect window = light_window(lamps, blur_px);
+  const int side = 2 * blur_margin(blur_px) + 1;
+  cv::Mat1f levels(window.size(), 0.0F);
+  for (const SeenLamp& seen : lamps) add_light(seen, window.tl(), levels);
+  cv::GaussianBlur(levels, levels, cv::Size(side, side), blur_px);
+  return {window, levels};
+}
+
+VirtualLamps::VirtualLamps(const Truth& truth)
+    : lamps_(truth.lamps),
+      places_m_(truth.tool.lamps_m),
+      fixed_(truth.reference_lamps),
+      blur_px_(truth.camera.blur_px) {}
+
+std::optional<Light> VirtualLamps::render(const Pose& X_BT, const VirtualLens& lens,
+                                          double t_s) const {
+  const std::vector<SeenLamp> seen = see_tool(X_BT, lens, t_s);
+  if (seen.empty()) return std::nullopt;
+  return light_of(seen, blur_px_);
+}
+
+std::vector<Light> VirtualLamps::render_all(const Pose& X_BT, const VirtualLens& lens,
+                                            double t_s) const {
+  std::vector<std::vector<SeenLamp>> groups;
+  if (std::vector<SeenLamp> tool = see_tool(X_BT, lens, t_s); !tool.empty())
+    groups.push_back(std::move(tool));
+  for (const ReferenceLampTruth& fixed : fixed_) {
+    Pose X_BF = Pose::Identity();
+    X_BF.translation() = fixed.p_B;
+    auto seen = see_lamp(fixed.lamp, Eigen::Vector2d::Zero(), X_BF, lens, t_s);
+    if (!seen) continue;
+    const auto near = std::find_if(groups.begin(), groups.end(), [&](const auto& group) {
+      return !(light_window(group, blur_px_) & light_window({*seen}, blur_px_)).empty();
+    });
+    if (near == groups.end())
+      groups.push_back({std::move(*seen)});
+    else
+      near->push_back(std::move(*seen));
+  }
+  std::vector<Light> lights;
+  lights.reserve(groups.size());
+  for (const auto& group : groups) lights.push_back(light_of(group, blur_px_));
+  return lights;
+}
+
+std::vector<SeenLamp> VirtualLamps::see_tool(const Pose& X_BT, const VirtualLens& lens,
+                                             double t_s) const {
+  std::vector<SeenLamp> lamps;
+  for (std::size_t i = 0; i < lamps_.size(); ++i)
+    if (auto seen = see_lamp(lamps_[i], places_m_[i], X_BT, lens, t_s))
+      lamps.push_back(std::move(*seen));
+  return lamps;
+}
+
+}  // namespace planar
