@@ -22,23 +22,23 @@ if [ -s served.txt ]; then
 fi
 
 printf 'id,plan,x_mm,y_mm\nt1,train,200,100\n' >plan.csv
-"$bin/planar-record" -q --cell cell/cell.yaml --plan plan.csv --out RECORDING >recorded.txt
+"$bin/planar-record" -q --cell cell/cell.yaml --plan plan.csv --out RECORDING --json record.json >recorded.txt
 expect_sample recorded.txt "$bin/planar-record"
 
-"$bin/planar-calibrate-camera" -q --grid circles:11x11:50mm -o camera.yaml recording >camera.txt
+"$bin/planar-calibrate-camera" -q --grid circles:11x11:50mm -o camera.yaml recording --json camera.json >camera.txt
 expect_sample camera.txt "$bin/planar-calibrate-camera"
 
-"$bin/planar-locate-lamps" -q --cell cell/cell.yaml -o lamps.csv recording >lamps.txt
+"$bin/planar-locate-lamps" -q --cell cell/cell.yaml -o lamps.csv recording --json lamps.json >lamps.txt
 expect_sample lamps.txt "$bin/planar-locate-lamps"
 
 # One reading of the tracker is wrong by 5 mm; later one pair is by 3 mm.
 awk -F, -v OFS=, '$1 == "train_17" { $3 += 5 } 1' recording/tracker.csv >tracker.csv
 mv tracker.csv recording/tracker.csv
 "$bin/planar-pair-tracker" -q --cell cell/cell.yaml --lamps lamps.csv --recording recording \
-  --workplane-out workplane.yaml --tool-out tool.yaml -o paired.csv >paired.txt
+  --workplane-out workplane.yaml --tool-out tool.yaml -o paired.csv --json paired.json >paired.txt
 expect_sample paired.txt "$bin/planar-pair-tracker"
 
-"$bin/planar-calibrate-arm" -q --cell cell/cell.yaml -o arm.yaml paired.csv >arm.txt
+"$bin/planar-calibrate-arm" -q --cell cell/cell.yaml -o arm.yaml paired.csv --json arm.json >arm.txt
 expect_sample arm.txt "$bin/planar-calibrate-arm"
 "$bin/planar-plan" -q --cell cell/cell.yaml --readings 8 --after paired.csv -o next.csv >next.txt
 expect_sample next.txt "$bin/planar-plan"
@@ -46,7 +46,7 @@ cp -r cell paired_cell
 cp workplane.yaml tool.yaml paired_cell
 rm -f paired_cell/health.yaml
 "$bin/planar-fit-error-map" -q --cell paired_cell/cell.yaml --arm-out paired_cell/arm.yaml \
-  -o paired_cell/map.yaml paired.csv >field.txt
+  -o paired_cell/map.yaml paired.csv --json field.json >field.txt
 grep -q "^places left out " field.txt || fail "$(cat field.txt)"
 
 awk 'BEGIN {
@@ -60,9 +60,9 @@ awk 'BEGIN {
     printf "p%d,%.4f,%.4f,%.4f,%.4f\n", i, x, y, x - ex, y - ey
   }
 }' >pairs.csv
-"$bin/planar-fit-error-map" -q -o map.yaml pairs.csv >fitted.txt
+"$bin/planar-fit-error-map" -q -o map.yaml pairs.csv --json fitted.json >fitted.txt
 expect_sample fitted.txt "$bin/planar-fit-error-map"
-"$bin/planar-check-error-map" -q map.yaml pairs.csv >checked.txt
+"$bin/planar-check-error-map" -q map.yaml pairs.csv --json checked.json >checked.txt
 expect_sample checked.txt "$bin/planar-check-error-map"
 
 printf 'id,x_mm,y_mm\na,200,100\nb,-150,250\n' >targets.csv
@@ -70,8 +70,15 @@ echo "arm_found: arm.yaml" >>paired_cell/cell.yaml
 "$bin/planar-servo" -q --cell paired_cell/cell.yaml --targets targets.csv --no-health --out aimed \
   >aimed.txt || fail "$(cat aimed.txt)"
 grep -q "against the truth: the arm alone 0\.0[01]" aimed.txt || fail "$(cat aimed.txt)"
-"$bin/planar-servo" -q --cell cell/cell.yaml --targets targets.csv --out DIR >servo.txt
+"$bin/planar-servo" -q --cell cell/cell.yaml --targets targets.csv --out DIR --json servo.json >servo.txt
 expect_sample servo.txt "$bin/planar-servo"
 printf '%s\n' enable home 'joint 2 10' where 'teach A' |
   "$bin/planar-jog" -q --cell cell/cell.yaml --teach taught.csv >jog.txt
 expect_sample jog.txt "$bin/planar-jog"
+
+# Every key that these wrote is in the glossary of outputs.md.
+grep -ohE '"[A-Za-z0-9_]+":' ./*.json | sed -E 's/[":]//g; s/_(own_view|truth|tracker)$//; s/_[0-9](_|$)/_N\1/g' | sort -u >keys.txt
+sed -n '/^## Keys of/,/^## Pages/p' "$repository/doc/outputs.md" | grep -oE '`[A-Za-z0-9_]+`' | tr -d '`' | sort -u >glossary.txt
+[ "$(grep -c . keys.txt)" -gt 100 ] || fail "few keys: $(cat keys.txt)"
+missing=$(comm -23 keys.txt glossary.txt | tr '\n' ' ')
+[ -z "$missing" ] || fail "doc/outputs.md does not say what these keys mean: $missing"
