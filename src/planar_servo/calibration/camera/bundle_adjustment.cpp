@@ -19,16 +19,18 @@ constexpr double kCoefficientStep = 1e-4;
 constexpr double kLeastSingularValue = 1e-9;
 
 constexpr int kMostSteps = 300;
-constexpr double kFirstDamping = 1e-3, kLeastDamping = 1e-10, kMostDamping = 1e9;
+constexpr double kFirstDamping = 1e-3, kLeastDamping = 1e-8, kMostDamping = 1e9;
 /// A fit has converged when one more step would move its parameters by less than this share of
 /// their uncertainty, which makes their error larger by an eighth at most.
 constexpr double kConvergedShare = 0.5;
 /// The fit runs until this holds for every combination of the parameters, or until a step lowers
 /// the squares by less than this part of the variance, because terms that trade off, as those of
 /// the rational model, creep on for ever. Then it takes a few steps more, until the share is small.
+/// Where terms creep, these are damped so much that the terms stay where they are instead of
+/// running away together.
 constexpr double kCreeping = 0.01;
 constexpr int kFinishingSteps = 5;
-constexpr double kFinishedShare = 1e-3;
+constexpr double kFinishedShare = 1e-3, kFinishingDamping = 1e-6;
 /// Noise of a pixel coordinate below which no fit has to go.
 constexpr double kLeastNoise_px = 1e-6;
 
@@ -225,7 +227,12 @@ Bundle adjusted(Bundle bundle, const std::vector<CalibrationView>& views) {
     const FitInformation& before = bundle.information();
     const double share = share_to_go(before);
     if (share <= kFinishedShare) break;
-    if (share <= kConvergedShare || (creeps && has_converged(before))) ++finishing;
+    if (share <= kConvergedShare) {
+      ++finishing;
+    } else if (creeps && has_converged(before)) {
+      ++finishing;
+      damping = std::max(damping, kFinishingDamping);
+    }
     auto next = lowered(bundle, damping, views);
     if (!next) break;
     creeps = before.squares - next->information().squares < kCreeping * variance_of(before);
