@@ -139,8 +139,8 @@ std::optional<Board> board_of(const Options& options) {
   const Board board =
       parse_board(options.grid, gives_plane ? BoardUse::kLengths : BoardUse::kShape);
   if (!options.lays_out.empty() && board.kind != Board::Kind::kCircles)
-    throw InputError("--lays-out needs a board of dots, not '" + options.grid +
-                     "'; lay one such as circles:11x11:50mm");
+    throw InputError({"--lays-out needs a board of dots, not '" + options.grid + "'",
+                      "lay one such as circles:11x11:50mm"});
   return board;
 }
 

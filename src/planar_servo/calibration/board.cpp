@@ -140,13 +140,13 @@ Board parse_board(const std::string& text, BoardUse use) {
   board.rows = std::stoi(match[3]);
   board.pitch_known = match[4] != "?";
   if (!board.pitch_known && use == BoardUse::kLengths)
-    throw InputError("grid '" + text +
-                     "' leaves the pitch open, but lengths are taken from it here; measure it and "
-                     "state it, such as circles:11x11:50mm");
+    throw InputError(
+        {"grid '" + text + "' leaves the pitch open, but lengths are taken from it here",
+         "measure it and state it, such as circles:11x11:50mm"});
   board.pitch = (board.pitch_known ? std::stod(match[5]) : 1.0) * kMillimetre;
   if (board.columns < 3 || board.rows < 3 || board.pitch <= 0.0) {
-    throw InputError("grid '" + text +
-                     "': at least 3 x 3 points and a pitch above 0 mm are needed");
+    throw InputError(
+        {"at least 3 x 3 points and a pitch above 0 mm are needed", "", "grid '" + text + "'"});
   }
   return board;
 }

@@ -51,9 +51,9 @@ Pose moved_pose(const Pose& X_WC, const Eigen::Matrix<double, 6, 1>& change) {
 
 Pose pose_from_homography(const Eigen::Matrix3d& H_CW) {
   if (!(H_CW.determinant() < 0.0)) {
-    throw InputError(
-        "workplane: the tracker's positions are the mirror image of what the camera sees; check "
-        "that no monuments are exchanged and that their coordinates are right");
+    throw InputError({"the tracker's positions are the mirror image of what the camera sees",
+                      "check that no monuments are exchanged and that their coordinates are right",
+                      "workplane"});
   }
   const Eigen::Matrix3d M = 2.0 / (H_CW.col(0).norm() + H_CW.col(1).norm()) * H_CW;
   Eigen::Matrix3d axes;
@@ -69,7 +69,7 @@ CameraPlane board_plane(const Pose& X_CG, double points_height) {
   const Eigen::Vector3d normal = X_CG.linear().col(2);
   const double distance = -normal.dot(X_CG.translation());
   if (!X_CG.matrix().allFinite() || distance == 0.0) {
-    throw InputError("workplane: a board on the plane has no usable pose");
+    throw InputError({"a board on the plane has no usable pose", "", "workplane"});
   }
   return distance > 0.0 ? CameraPlane{normal, distance + points_height}
                         : CameraPlane{-normal, -distance + points_height};
@@ -78,7 +78,7 @@ CameraPlane board_plane(const Pose& X_CG, double points_height) {
 CameraPlane mean_plane(const std::vector<CameraPlane>& planes) {
   if (planes.empty()) {
     throw InputError(
-        "workplane: no board was found on the plane; record views of plan 'plane_grid'");
+        {"no board was found on the plane", "record views of plan 'plane_grid'", "workplane"});
   }
   CameraPlane mean{Eigen::Vector3d::Zero(), 0.0};
   for (const CameraPlane& plane : planes) {
@@ -133,7 +133,7 @@ SightSet::SightSet(const CameraModel& camera, const std::vector<ToolSight>& sigh
   Faults faults;
   for (const ToolSight& sight : sights) {
     if (!is_finite(sight)) {
-      faults.add("workplane: sight '" + sight.id + "' has a value that is not finite");
+      faults.add({"sight '" + sight.id + "' has a value that is not finite", "", "workplane"});
       continue;
     }
     const auto ray_1 = ray(camera, sight.lamps_px[0]), ray_2 = ray(camera, sight.lamps_px[1]);
@@ -145,10 +145,9 @@ SightSet::SightSet(const CameraModel& camera, const std::vector<ToolSight>& sigh
   }
   faults.throw_if_any();
   if (entries_.size() < kLeastSights) {
-    throw InputError(
-        fmt::format("workplane: {} sights with lamps and tracker; at least {} are needed, spread "
-                    "over the field",
-                    entries_.size(), kLeastSights));
+    throw InputError({fmt::format("{} sights with lamps and tracker", entries_.size()),
+                      fmt::format("at least {} are needed, spread over the field", kLeastSights),
+                      "workplane"});
   }
 }
 
@@ -203,9 +202,10 @@ void SightSet::require_few_rejected() const {
     return;
   }
   throw InputError(
-      fmt::format("workplane: {} of {} sights had to be left out, '{}' first ({}); vision and "
-                  "tracker do not belong together: check ids, times and the camera file",
-                  rejected_.size(), given_, rejected_.front().id, rejected_.front().reason));
+      {fmt::format("{} of {} sights had to be left out, '{}' first ({})", rejected_.size(), given_,
+                   rejected_.front().id, rejected_.front().reason),
+       "vision and tracker do not belong together: check ids, times and the camera file",
+       "workplane"});
 }
 
 }  // namespace planar

@@ -46,7 +46,7 @@ PixelFormat pixel_format_named(const std::string& name) {
   if (found == names.end()) {
     std::string allowed;
     for (const std::string& one : names) allowed += (allowed.empty() ? "" : ", ") + one;
-    throw InputError("the pixel format '" + name + "' is not known; allowed are " + allowed);
+    throw InputError({"the pixel format '" + name + "' is not known", "allowed are " + allowed});
   }
   return static_cast<PixelFormat>(found - names.begin());
 }
@@ -98,7 +98,7 @@ cv::Mat unpack(PixelFormat format, const std::uint8_t* data, cv::Size size) {
 void require_settings(const AravisSettings& settings) {
   Faults faults;
   const auto require = [&](bool holds, const std::string& rule) {
-    if (!holds) faults.add("camera settings: " + rule);
+    if (!holds) faults.add({rule, "", "camera settings"});
   };
   require(!settings.sensor_px.empty(), "the sensor needs pixels");
   require(settings.frame_rate_hz > 0.0, "the frame rate must be positive");

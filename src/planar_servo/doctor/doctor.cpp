@@ -82,11 +82,17 @@ Finding examine_file(const MadeFile& file, bool is_stale) {
   return {is_stale ? Verdict::kFaulty : Verdict::kWell, name, origin_text(file.path)};
 }
 
+/// Returns what speaks against a file as a finding on it.
+Finding faulty(const std::filesystem::path& file, const Refusal& refusal) {
+  return {Verdict::kFaulty, file.filename().string(),
+          Refusal{refusal.fault, "", refusal.where}.text(), refusal.remedy};
+}
+
 std::vector<Finding> examine_checksum(const std::filesystem::path& file) {
   if (!std::filesystem::exists(file)) return {};
   const auto change = later_change(file, read_file(file));
   if (!change) return {};
-  return {{Verdict::kFaulty, file.filename().string(), change->fault, change->remedy}};
+  return {faulty(file, *change)};
 }
 
 /// Says what the fit of the cell's error map says against it.
@@ -111,9 +117,7 @@ std::vector<Finding> examine_files(const CellSettings& cell) {
     std::vector<Finding> reasons = examine_checksum(file.path);
     if (reasons.empty() && file.role == Role::kErrorMap) reasons = examine_map(cell);
     for (const StaleFile& stale : all_stale)
-      if (stale.path == file.path)
-        reasons.push_back({Verdict::kFaulty, file.path.filename().string(), stale.refusal.fault,
-                           stale.refusal.remedy});
+      if (stale.path == file.path) reasons.push_back(faulty(file.path, stale.refusal));
     findings.push_back(examine_file(file, !reasons.empty()));
     findings.insert(findings.end(), reasons.begin(), reasons.end());
   }

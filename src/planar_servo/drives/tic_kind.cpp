@@ -130,9 +130,9 @@ void TicKind::read(Fields& drive, CellSettings& cell, std::size_t joint) const {
   for (std::size_t i = 0; i < joint; ++i) {
     const bool same =
         cell.drives[i].kind == this && tic_settings(cell.drives[i]).serial == settings.serial;
-    drive.check(!same, fmt::format("drives[{}] has the serial number '{}' of drives[{}]; each "
-                                   "joint needs a drive of its own",
-                                   joint, settings.serial, i));
+    drive.check(!same, {fmt::format("drives[{}] has the serial number '{}' of drives[{}]", joint,
+                                    settings.serial, i),
+                        "each joint needs a drive of its own"});
   }
   drive.number("command_timeout_ms", settings.command_timeout_s, kMillisecond,
                Range::from_to(kMinCommandTimeout_ms, kMaxCommandTimeout_ms));

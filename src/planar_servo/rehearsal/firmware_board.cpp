@@ -34,8 +34,8 @@ constexpr double kSeemingTime_s = 0.05;
 fs::path checked_program(const fs::path& simulator) {
   fs::path program = fs::absolute(simulator);
   if (fs::is_regular_file(program) && access(program.c_str(), X_OK) == 0) return program;
-  throw InputError(simulator.string() +
-                   ": is no program that can be run; name Grbl's simulator, such as grbl_sim");
+  throw InputError(
+      {"is no program that can be run", "name Grbl's simulator, such as grbl_sim", simulator});
 }
 
 std::vector<std::string> commands_of(const EmulatedGrbl::Settings& settings) {

@@ -37,8 +37,8 @@ void read_number_keys(Fields& tracker, TrackerDialect& dialect) {
     tracker.text("separator", separator);
     const bool one = separator.size() == 1;
     tracker.check(one && !(dialect.csv.decimal_comma && separator == ","),
-                  "tracker.separator is '" + separator +
-                      "'; one character is needed, and another than ',' with decimal_comma",
+                  {"tracker.separator is '" + separator + "'",
+                   "one character is needed, and another than ',' with decimal_comma"},
                   "separator");
     if (one) dialect.csv.separator = separator[0];
   }
@@ -141,8 +141,8 @@ std::shared_ptr<const DeviceDetails> TcpTrackerKind::read(Fields& tracker) const
   auto details = std::make_shared<StreamDetails>();
   tracker.text("address", details->source);
   tracker.check(details->source.empty() || !host_and_port(details->source).first.empty(),
-                "tracker.address is '" + details->source +
-                    "'; HOST:PORT is needed, such as 192.168.0.20:7000",
+                {"tracker.address is '" + details->source + "'",
+                 "HOST:PORT is needed, such as 192.168.0.20:7000"},
                 "address");
   read_dialect(tracker, details->dialect);
   return details;

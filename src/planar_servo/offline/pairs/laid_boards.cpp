@@ -105,15 +105,16 @@ std::vector<LaidBoard> boards_on_plane(const std::filesystem::path& recording,
     if (pose) {
       boards.push_back({file.stem().string(), pose->X_CG, board, sight});
     } else {
-      faults.add(file.string() +
-                 ": no board on the plane: " + (sight.found() ? "no pose" : sight.reason));
+      faults.add(
+          {"no board on the plane: " + (sight.found() ? "no pose" : sight.reason), "", file});
     }
   }
   faults.throw_if_any();
   if (boards.empty()) {
-    throw InputError(recording.string() +
-                     ": has no frame of plan 'plane_grid'; record one with the board on the plane, "
-                     "or take --workplane-from pairs without --lays-out");
+    throw InputError({"has no frame of plan 'plane_grid'",
+                      "record one with the board on the plane, or take --workplane-from pairs "
+                      "without --lays-out",
+                      recording});
   }
   return boards;
 }
@@ -131,7 +132,7 @@ std::vector<LayRow> seen_lays(const Workplane& workplane, const std::vector<Laid
   std::vector<LayRow> rows;
   for (const LaidBoard& laid : boards) {
     if (laid.board.kind != Board::Kind::kCircles)
-      throw InputError("lays of a chessboard have no dots; lay a board of circles");
+      throw InputError(Refusal{"lays of a chessboard have no dots", "lay a board of circles"});
     add_lay(dots_plane, laid, rows);
   }
   return rows;
