@@ -144,9 +144,9 @@ Outcome locate(const Options& options) {
     write_page(*page,
                lamps_page(report, options.out,
                           request.scene ? std::optional(request.scene->sensor_px) : std::nullopt));
-  const std::string doubt =
-      request.scene ? distance_doubt(report, request.scene->lamps.separation_m) : "";
-  if (!doubt.empty()) spdlog::warn(doubt);
+  if (request.scene)
+    if (const auto doubt = distance_doubt(report, request.scene->lamps.separation_m))
+      spdlog::warn(doubt->text());
   const bool any = shows_any(report);
   if (!any)
     spdlog::error(fmt::format("no image shows what was looked for; {} says why for each",

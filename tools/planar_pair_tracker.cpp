@@ -192,9 +192,9 @@ std::string write_lays(const Options& options, const PairTrackerRequest& request
                        const std::vector<LaidBoard>& boards, const WorkplaneFit& fit) {
   const std::vector<LayRow> lays =
       seen_lays(Workplane(request.camera, fit.X_WC), boards, request.dots_height);
-  for (const std::string& doubt :
+  for (const Refusal& doubt :
        doubts_of_lays(lays, fit.X_WC.translation().z() - request.dots_height))
-    spdlog::warn(doubt);
+    spdlog::warn(doubt.text());
   write_lays_file(options.lays_out, request.cell, files_of(options), tables_of(options), lays);
   return fmt::format("{:<20}{} views of the board on the plane, {} dots\n", "lays", boards.size(),
                      lays.size());

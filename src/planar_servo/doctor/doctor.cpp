@@ -102,7 +102,7 @@ std::vector<Finding> examine_map(const CellSettings& cell) {
   try {
     const auto against = objection(read_map(cell.error_map).quality);
     if (!against) return {};
-    return {{Verdict::kFaulty, name, *against,
+    return {{Verdict::kFaulty, name, against->fault,
              "record more places and fit again; planar-servo moves by it only with --accept-map"}};
   } catch (const InputError& error) {
     return {{Verdict::kFaulty, name, error.what(), "make it anew with planar-fit-error-map"}};

@@ -347,7 +347,7 @@ void check(const std::vector<PoseSample>& samples) {
 
 void require_turned(const LaidDots& board) {
   if (board.lays.empty()) return;
-  if (const std::string doubt = doubt_of_turns(board); !doubt.empty()) throw InputError(doubt);
+  if (const auto doubt = doubt_of_turns(board)) throw InputError(*doubt);
 }
 
 }  // namespace

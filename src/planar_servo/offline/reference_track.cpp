@@ -67,7 +67,7 @@ ReferenceTrack::ReferenceTrack(std::vector<ReferenceLamp> lamps,
   ReferenceWatch watch(lamps_, method);
   for (const LampImage* image : whole_frames(images, sensor_px)) {
     watch.look(frame_of(*image, sensor_px));
-    if (!watch.objection().empty()) throw WorkError({watch.objection(), "", image->file});
+    if (watch.objection()) throw WorkError(watch.objection()->at(image->file));
     looks_.push_back({*image->t_s, watch.motion()});
   }
 }

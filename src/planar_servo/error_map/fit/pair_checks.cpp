@@ -213,7 +213,7 @@ void require_one_unit(const Eigen::Matrix2Xd& p_vision, const Eigen::Matrix2Xd& 
   }
 }
 
-std::string doubt_of_shared_error(const std::vector<ErrorSample>& samples) {
+std::optional<Refusal> doubt_of_shared_error(const std::vector<ErrorSample>& samples) {
   const auto n = static_cast<Eigen::Index>(samples.size());
   Eigen::Matrix2Xd p_vision(2, n), errors(2, n);
   for (Eigen::Index i = 0; i < n; ++i) {
@@ -221,11 +221,10 @@ std::string doubt_of_shared_error(const std::vector<ErrorSample>& samples) {
     errors.col(i) = samples[static_cast<std::size_t>(i)].error;
   }
   const std::string shared = similarity_text(p_vision, p_vision - errors, median_length(errors));
-  if (shared.empty()) return "";
-  return "all pairs share nine tenths of their error: " + shared +
-         "; the map learns it; if the datum, the tracker's frame or the plane's height is wrong, "
-         "mend "
-         "that first";
+  if (shared.empty()) return std::nullopt;
+  return Refusal{"all pairs share nine tenths of their error: " + shared,
+                 "the map learns it; if the datum, the tracker's frame or the plane's height is "
+                 "wrong, mend that first"};
 }
 
 void require_live_tracker(const std::vector<ErrorSample>& samples) {
