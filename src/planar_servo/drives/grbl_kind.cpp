@@ -20,10 +20,7 @@ using Verdict = Finding::Verdict;
 
 constexpr const char* kSubject = "drives";
 
-Finding finding_of(const Refusal& refusal) {
-  return {Verdict::kFaulty, kSubject, refusal.fault,
-          refusal.remedy.empty() ? "see doc/drives.md" : refusal.remedy};
-}
+constexpr const char* kSeeDrives = "see doc/drives.md";
 
 constexpr Named<char> kAxes[] = {{'X', "X"}, {'Y', "Y"}, {'Z', "Z"}};
 /// A board at full speed needs this time to brake and keeps its reserve besides.
@@ -91,13 +88,13 @@ std::vector<Finding> examine_grbl(const GrblSettings& settings) {
   try {
     const GrblBoard board(settings.port, settings.baud);
     if (const auto unfit = grbl::unfitness(board.version(), board.settings(), settings))
-      return {finding_of(*unfit)};
+      return {faulty(kSubject, *unfit, kSeeDrives)};
     return {{Verdict::kWell, kSubject,
              fmt::format("{} at {}, its settings as the cell's; like after every opening, it is to "
                          "be homed before it moves",
                          board.version().version, settings.port)}};
   } catch (const WorkError& error) {
-    return {finding_of(error.refusal())};
+    return {faulty(kSubject, error.refusal(), kSeeDrives)};
   }
 }
 

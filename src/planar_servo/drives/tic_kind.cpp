@@ -25,9 +25,7 @@ using Verdict = Finding::Verdict;
 
 Finding examine_tic(TicBus& bus, const std::string& subject, const std::string& serial) {
   const TicInspection tic = inspect_tic(bus, serial);
-  if (tic.refusal)
-    return {Verdict::kFaulty, subject, tic.refusal->fault,
-            tic.refusal->remedy.empty() ? "see doc/drives.md" : tic.refusal->remedy};
+  if (tic.refusal) return faulty(subject, *tic.refusal, "see doc/drives.md");
   const std::string what = fmt::format(
       "{} {} at {}, firmware {}, supply {:.1f} V", tic::product_name(tic.listing.product_id),
       serial, tic.listing.device, tic::firmware_name(tic.listing.firmware), tic.supply_v);

@@ -201,8 +201,7 @@ class Recorder {
       return arrive(robot_, planner_, cell_.servo, theta,
                     [this] { return devices_.camera().fault(); });
     } catch (const DriveError& error) {
-      throw DriveError(
-          fmt::format("{}: {}; mend the drives, then start again to go on", place_, error.what()));
+      throw DriveError({error.what(), "mend the drives, then start again to go on", place_});
     }
   }
 

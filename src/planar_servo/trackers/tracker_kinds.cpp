@@ -100,8 +100,7 @@ std::vector<Finding> examine_stream(
     const std::optional<StreamEvent> event = stream.next(kListen_s);
     return {event ? verdict_of(*event, stream) : silence(stream)};
   } catch (const WorkError& error) {
-    return {
-        tracker_finding(Finding::Verdict::kFaulty, error.refusal().fault, error.refusal().remedy)};
+    return {faulty("tracker", error.refusal())};
   }
 }
 
