@@ -61,9 +61,8 @@ std::optional<Eigen::Vector2d> start_pixel(const std::string& text) {
   Eigen::Vector2d start;
   const std::vector<std::string> fields = CLI::detail::split(text, ',');
   if (fields.size() != 2 || !CLI::detail::lexical_cast(fields[0], start.x()) ||
-      !CLI::detail::lexical_cast(fields[1], start.y()) || !start.allFinite()) {
+      !CLI::detail::lexical_cast(fields[1], start.y()) || !start.allFinite())
     throw InputError({"--start is '" + text + "'", "two numbers U,V are needed"});
-  }
   return start;
 }
 
@@ -97,10 +96,9 @@ struct LocateJob {
 };
 
 LocateJob read_job(const Options& options) {
-  if (!options.start.empty() && options.lamps != 1) {
+  if (!options.start.empty() && options.lamps != 1)
     throw InputError(
         Refusal{"--start picks the disc that --lamps 1 follows", "two lamps need no start"});
-  }
   require_writable(options.out, "lamps");
   require_inputs(options.inputs);
   LocateJob job;

@@ -106,10 +106,9 @@ class Calibrator {
 
   /// Throws WorkError unless the fit has come to its end and determines the camera.
   CameraUncertainty uncertainty() const {
-    if (!lens_.converged) {
+    if (!lens_.converged)
       throw WorkError({"the fit of a camera of the model " + model_.name + " did not converge",
                        "take more views, tilted in different directions, or a simpler model"});
-    }
     return uncertainty_of(lens_, views_, model_);
   }
 
@@ -156,10 +155,9 @@ class Calibrator {
       throw InputError(message);
     }
     auto lens = fit_to(views_);
-    if (!lens) {
+    if (!lens)
       throw WorkError({"the fit of a camera of the model " + model_.name + " failed",
                        "take more views, tilted in different directions, or a simpler model"});
-    }
     lens_ = std::move(*lens);
   }
 
@@ -274,10 +272,9 @@ ChosenModel choose_model(const CalibrationProblem& problem,
   std::vector<Candidate> candidates;
   for (std::optional<Candidate>& candidate : fitted)
     if (candidate) candidates.push_back(std::move(*candidate));
-  if (candidates.empty()) {
+  if (candidates.empty())
     throw WorkError(Refusal{"the views determine a camera of none of the models",
                             "take more of them, tilted in different directions"});
-  }
   const auto best = std::min_element(
       candidates.begin(), candidates.end(),
       [](const Candidate& a, const Candidate& b) { return mean(a.squares) < mean(b.squares); });

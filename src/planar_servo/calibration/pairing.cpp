@@ -37,15 +37,13 @@ void require_finite(const std::vector<LampSight>& frames,
   Faults faults;
   for (const LampSight& frame : frames) {
     if (!std::isfinite(frame.t_s) || !frame.theta.allFinite() ||
-        (frame.fault.empty() && !(frame.uv_px[0].allFinite() && frame.uv_px[1].allFinite()))) {
+        (frame.fault.empty() && !(frame.uv_px[0].allFinite() && frame.uv_px[1].allFinite())))
       faults.add({"a frame of '" + frame.id + "' has a value that is not finite", "", "pairing"});
-    }
   }
   for (const ToolReading& reading : readings) {
-    if (!std::isfinite(reading.t_s) || !reading.p_B.allFinite()) {
+    if (!std::isfinite(reading.t_s) || !reading.p_B.allFinite())
       faults.add(
           {"a reading of '" + reading.id + "' has a value that is not finite", "", "pairing"});
-    }
   }
   faults.throw_if_any();
 }

@@ -218,13 +218,11 @@ std::map<std::string, std::vector<MonumentReading>> sort_readings(
   Faults faults;
   std::map<std::string, std::vector<MonumentReading>> by_id;
   for (const Monument& monument : monuments) {
-    if (!by_id.emplace(monument.id, std::vector<MonumentReading>()).second) {
+    if (!by_id.emplace(monument.id, std::vector<MonumentReading>()).second)
       faults.add({"monument '" + monument.id + "' is named twice", "", "datum"});
-    }
-    if (!monument.p_B.allFinite()) {
+    if (!monument.p_B.allFinite())
       faults.add(
           {"monument '" + monument.id + "' has a coordinate that is not finite", "", "datum"});
-    }
   }
   for (const MonumentReading& reading : readings) {
     const auto known = by_id.find(reading.id);
@@ -297,11 +295,10 @@ std::vector<MonumentSight> monument_sights(const std::vector<Monument>& monument
 DatumRegistration register_datum(const std::vector<Monument>& monuments,
                                  const std::vector<MonumentReading>& readings) {
   std::vector<MonumentSight> sights = monument_sights(monuments, readings);
-  if (sights.size() < 3) {
+  if (sights.size() < 3)
     throw InputError(
         {"the tracker has read " + std::to_string(sights.size()) + " of the cell's monuments",
          "at least 3 that are not on one line are needed", "datum"});
-  }
   const MonumentVerdict verdict = check_monuments(sights);
   std::optional<std::string> left_out;
   if (verdict.moved) {

@@ -56,13 +56,12 @@ SweepOffset fit_sweep_offset(const std::vector<SweepPoint>& points) {
     information += C.col(0).squaredNorm();
     sum += C.transpose() * (point.p - m.p);
   }
-  if (!(information >= kLeastInformation)) {
+  if (!(information >= kLeastInformation))
     throw InputError({"the tool's angle varies too little in the sweeps of joint 3 (" +
                           std::to_string(points.size()) + " usable places)",
                       "record a plan with rows 'sweep3' in which joint 3 alone turns through half "
                       "a turn or more",
                       "tool offsets"});
-  }
   SweepOffset result;
   result.offset = sum / information;
   double square = 0.0;
@@ -182,10 +181,9 @@ Pose start_from_pairs(const SightSet& sights, const CameraModel& camera) {
     rows.push_back({ray.p_reflector, f * ray.xy});
   }
   const std::optional<CoarseView> view = fit_coarse_view(rows);
-  if (!view) {
+  if (!view)
     throw InputError(
         {"the positions lie on one line", "record some that spread over the field", "workplane"});
-  }
   return pose_from_homography(Eigen::Vector3d(1.0 / f, 1.0 / f, 1.0).asDiagonal() *
                               view->homography());
 }

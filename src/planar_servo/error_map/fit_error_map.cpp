@@ -70,10 +70,9 @@ MethodFit fit_weighted(const MapSites& sites) {
 }
 
 MethodFit fit_by_hand(const MapSites& sites, double width) {
-  if (!(std::isfinite(width) && width > 0.0)) {
+  if (!(std::isfinite(width) && width > 0.0))
     throw InputError(
         {fmt::format("the map's width is {} mm", mm(width)), "it must be a positive number"});
-  }
   RbfFit fit = fit_hand_width(sites, width);
   Eigen::VectorXd sigmas = sigmas_of(fit);
   return {std::move(fit.map),

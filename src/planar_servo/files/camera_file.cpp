@@ -239,11 +239,10 @@ CameraRecord read_camera_xml(const std::filesystem::path& path) {
 /// model other than pinhole and visp.
 std::string camera_xml(const CameraRecord& record, const std::string& camera_name) {
   const auto* const distorted = record.camera.as<VispModel>();
-  if (!distorted && !record.camera.as<Pinhole>()) {
+  if (!distorted && !record.camera.as<Pinhole>())
     throw InputError({"a ViSP camera file holds the models pinhole and visp, not " +
                           lens_model_name(record.camera),
                       "write a .yaml file"});
-  }
   const Intrinsics k = intrinsics(record.camera);
   std::string model = fmt::format(
       "      <type>{}</type>\n      <px>{}</px>\n      <py>{}</py>\n      <u0>{}</u0>\n"
@@ -283,10 +282,9 @@ void write_camera(const std::filesystem::path& path, const CameraCalibration& ca
   if (path.extension() == ".xml") return write_file(path, camera_xml(record, name));
   if (path.extension() == ".yml") return write_file(path, opencv_text(record));
   require_camera_name(path);
-  if (calibration.camera.as<VispModel>()) {
+  if (calibration.camera.as<VispModel>())
     throw InputError(
         {"a camera_info file has no model visp", "write it to a file named .xml", path});
-  }
   write_file(path, camera_yaml(calibration, name, program, inputs));
 }
 

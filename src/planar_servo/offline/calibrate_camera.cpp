@@ -54,9 +54,8 @@ std::vector<Picture> pictures_of(const std::vector<std::filesystem::path>& image
       if (frame.plan == Plan::kHeldBoard)
         pictures.push_back({path / frame.image, frame.region_px.tl()});
     }
-    if (pictures.size() == before) {
+    if (pictures.size() == before)
       throw InputError({"has no frame of plan 'grid' in its frames.csv", "", path});
-    }
   }
   absent.throw_if_any();
   return pictures;
@@ -123,12 +122,11 @@ BoardViews board_views_from_points(const std::filesystem::path& points, const Bo
                                    cv::Size size_px) {
   const std::vector<Eigen::Vector2d> pixels = read_board_pixels(points);
   const std::size_t per_view = static_cast<std::size_t>(board.columns) * board.rows;
-  if (pixels.size() % per_view != 0) {
+  if (pixels.size() % per_view != 0)
     throw InputError(
         {fmt::format("has {} points", pixels.size()),
          fmt::format("a multiple of the {} x {} of the grid is needed", board.columns, board.rows),
          points});
-  }
   BoardViews views;
   views.inputs = {points};
   if (size_px.empty()) size_px = size_around(pixels);

@@ -175,42 +175,37 @@ void require_one_unit(const Eigen::Matrix2Xd& p_vision, const Eigen::Matrix2Xd& 
   const double tracker = spread_of(p_tracker);
   const double wide = std::max(vision, tracker);
   const double narrow = std::min(vision, tracker);
-  if (wide > kSmallestSpread && wide > kWidestRatio * narrow) {
+  if (wide > kSmallestSpread && wide > kWidestRatio * narrow)
     throw InputError({fmt::format("half of the vision positions lie within {:.4g} mm of their "
                                   "middle, half of the tracker positions within {:.4g} mm",
                                   vision / kMillimetre, tracker / kMillimetre),
                       remedy(wide / narrow)});
-  }
   const double error = median_length(p_vision - p_tracker);
-  if (wide > kSmallestSpread && error > kLargestError * narrow) {
+  if (wide > kSmallestSpread && error > kLargestError * narrow)
     throw InputError(
         {fmt::format("vision and tracker differ by {:.4g} mm in the median, while half of the "
                      "positions lie within {:.4g} mm of their middle",
                      error / kMillimetre, narrow / kMillimetre),
          fmt::format("{} (are x and y swapped, or rows paired wrongly?)", remedy(1.0))});
-  }
-  if (narrow > kLargestSpread) {
+  if (narrow > kLargestSpread)
     throw InputError({fmt::format("half of the positions lie more than {:.4g} m from their middle, "
                                   "farther than arms reach; they look like micrometres",
                                   narrow),
                       "write them in millimetres"});
-  }
-  if (error > std::max(kCameraShare * narrow, kCameraMiss)) {
+  if (error > std::max(kCameraShare * narrow, kCameraMiss))
     throw InputError({fmt::format("vision and tracker differ by {:.4g} mm in the median over "
                                   "positions half of which lie within {:.4g} mm of their middle; a "
                                   "calibrated camera errs by less than {:.0f} % of that; {}",
                                   error / kMillimetre, narrow / kMillimetre, 100.0 * kCameraShare,
                                   shared_motion(p_vision, p_tracker, error)),
                       "mend the datum, the camera or the pairing instead of learning it"});
-  }
   const double span = std::max(span_of(p_vision), span_of(p_tracker));
-  if (span < kSmallestSpread) {
+  if (span < kSmallestSpread)
     throw InputError({fmt::format("all positions lie within {:.4g} mm; they look like metres",
                                   span / kMillimetre),
                       fmt::format("write them in millimetres (or are they all of one place? a map "
                                   "needs pairs over at least {:.0f} mm)",
                                   mm(kSmallestSpread))});
-  }
 }
 
 std::optional<Refusal> doubt_of_shared_error(const std::vector<ErrorSample>& samples) {
@@ -250,7 +245,7 @@ void require_live_tracker(const std::vector<ErrorSample>& samples) {
     const auto other = std::find_if(begin, end, [&](const Reading& r) {
       return (r.sample->p_vision - begin->sample->p_vision).norm() > far;
     });
-    if (other != end) {
+    if (other != end)
       throw InputError(
           {fmt::format("{} pairs have one and the same tracker position, ({:.3f}, {:.3f}) mm, '{}' "
                        "and '{}' among them, although vision moved by {:.1f} mm: the tracker was "
@@ -260,7 +255,6 @@ void require_live_tracker(const std::vector<ErrorSample>& samples) {
                        begin->sample->id, other->sample->id,
                        (other->sample->p_vision - begin->sample->p_vision).norm() / kMillimetre),
            "remove these pairs or record them again"});
-    }
     begin = end;
   }
 }

@@ -110,12 +110,11 @@ std::vector<LaidBoard> boards_on_plane(const std::filesystem::path& recording,
     }
   }
   faults.throw_if_any();
-  if (boards.empty()) {
+  if (boards.empty())
     throw InputError({"has no frame of plan 'plane_grid'",
                       "record one with the board on the plane, or take --workplane-from pairs "
                       "without --lays-out",
                       recording});
-  }
   return boards;
 }
 
