@@ -1,5 +1,7 @@
 #include "planar_servo/calibration/camera_calibration.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -69,11 +71,9 @@ CameraUncertainty uncertainty_of(const LensFit& fit, const std::vector<Calibrati
 
 void check(const CalibrationProblem& problem, const CalibrationModels& models) {
   const std::vector<std::string> names = calibration_model_names(models);
-  if (std::find(names.begin(), names.end(), problem.model) == names.end()) {
-    std::string allowed;
-    for (const std::string& name : names) allowed += (allowed.empty() ? "" : ", ") + name;
-    throw InputError({"unknown camera model '" + problem.model + "'", "allowed are " + allowed});
-  }
+  if (std::find(names.begin(), names.end(), problem.model) == names.end())
+    throw InputError({"unknown camera model '" + problem.model + "'",
+                      fmt::format("allowed are {}", fmt::join(names, ", "))});
   Faults faults;
   for (const CalibrationView& view : problem.views) {
     const std::size_t dots = view.dot_areas_px2.size();
@@ -147,12 +147,10 @@ class Calibrator {
 
   void fit() {
     if (views_.size() < kFewestViews) {
-      std::string message = std::to_string(views_.size()) +
-                            " usable views of the board; at least " + std::to_string(kFewestViews) +
-                            " are needed";
-      for (const auto& [name, reason] : rejected_)
-        message.append("\n").append(name).append(": ").append(reason);
-      throw InputError(message);
+      std::vector<Refusal> refusals{{fmt::format("{} usable views of the board", views_.size()),
+                                     fmt::format("at least {} are needed", kFewestViews)}};
+      for (const auto& [name, reason] : rejected_) refusals.push_back({reason, "", name});
+      throw InputError(refusals, 0);
     }
     auto lens = fit_to(views_);
     if (!lens)

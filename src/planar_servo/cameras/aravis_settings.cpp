@@ -43,11 +43,9 @@ const std::vector<std::string>& pixel_format_names() {
 PixelFormat pixel_format_named(const std::string& name) {
   const auto& names = pixel_format_names();
   const auto found = std::find(names.begin(), names.end(), name);
-  if (found == names.end()) {
-    std::string allowed;
-    for (const std::string& one : names) allowed += (allowed.empty() ? "" : ", ") + one;
-    throw InputError({"the pixel format '" + name + "' is not known", "allowed are " + allowed});
-  }
+  if (found == names.end())
+    throw InputError({"the pixel format '" + name + "' is not known",
+                      fmt::format("allowed are {}", fmt::join(names, ", "))});
   return static_cast<PixelFormat>(found - names.begin());
 }
 

@@ -40,7 +40,7 @@ std::set<std::string> ids_in(const std::filesystem::path& path) {
       if (const auto target = lines.next(line)) ids.insert(target->id);
     } catch (const InputError& e) {
       if (!lines.has_columns()) throw;
-      faults.add(e.refusal());
+      for (const Refusal& refusal : e.refusals()) faults.add(refusal);
     }
     if (lines.has_columns() && !had_columns &&
         split_fields(line) != std::vector<std::string_view>{"id", "x_mm", "y_mm", "phi_deg"})
