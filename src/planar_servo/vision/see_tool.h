@@ -4,7 +4,6 @@
 #include <array>
 #include <opencv2/core/types.hpp>
 #include <optional>
-#include <string>
 #include <variant>
 #include <vector>
 
