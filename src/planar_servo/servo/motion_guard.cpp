@@ -40,12 +40,11 @@ std::optional<Doubt> separated(const GuardLimits& limits, const TipMeasurement& 
   const double separation_m = (m.lamps_B[1] - m.lamps_B[0]).norm();
   const double off_m = separation_m - limits.separation_m;
   if (!(std::abs(off_m) > limits.separation_tolerance_m)) return std::nullopt;
-  return Doubt{
-      {fmt::format("the lamps are seen {:.3f} mm apart, but were {:.3f} +- {:.3f} mm apart "
-                   "at the calibration: has a lamp moved on the tool? {}",
-                   mm(separation_m), mm(limits.separation_m), mm(limits.separation_tolerance_m),
-                   kAskCell)},
-      true};
+  return Doubt{{fmt::format("the lamps are seen {:.3f} mm apart, but were {:.3f} +- {:.3f} mm "
+                            "apart at the calibration: has a lamp moved on the tool? {}",
+                            mm(separation_m), mm(limits.separation_m),
+                            mm(limits.separation_tolerance_m), kAskCell)},
+               true};
 }
 
 std::optional<Doubt> displaced(const GuardLimits& limits, const GuardedLook& look) {
@@ -54,10 +53,10 @@ std::optional<Doubt> displaced(const GuardLimits& limits, const GuardedLook& loo
   return Doubt{
       {fmt::format("the tool is seen at {}, {:.2f} mm from where it was commanded, {}",
                    place_mm(look.measurement.tip.p), mm(off_m), place_mm(look.commanded.p)),
-       fmt::format("this cell allows {:.2f} mm: has the camera moved or a drive lost its position, "
-                   "or are the "
-                   "arm's links, gears, directions or coupling not as the cell file says? {}",
-                   mm(limits.distance_m), kAskCell)},
+       fmt::format(
+           "this cell allows {:.2f} mm: has the camera moved or a drive lost its position, or are "
+           "the arm's links, gears, directions or coupling not as the cell file says? {}",
+           mm(limits.distance_m), kAskCell)},
       true,
       off_m <= kFarthestStray_m};
 }
