@@ -25,7 +25,7 @@ std::size_t closing_quote(std::string_view text, std::size_t begin) {
 constexpr std::string_view kFormatMark = "# format: ";
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
-Refusal unended() {
+Refusal no_line_end() {
   return {"the last line does not end with a newline, so that digits may be missing",
           "end it if it is whole"};
 }
@@ -278,7 +278,7 @@ void CsvTable::add_fault(const Refusal& refusal) {
 }
 
 void CsvTable::refuse_torn_row() {
-  add_fault(unended());
+  add_fault(no_line_end());
 }
 
 void CsvTable::throw_if_faulty() {
@@ -317,7 +317,7 @@ void CsvFile::question_unended_row() {
   if (unended_ == UnendedRow::kRefused)
     refuse_torn_row();
   else
-    spdlog::warn(unended().at(row()).text());
+    spdlog::warn(no_line_end().at(row()).text());
 }
 
 bool CsvFile::next_line() {
