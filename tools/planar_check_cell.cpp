@@ -37,10 +37,9 @@ Outcome check(const Options& options) {
   require_belonging(stale_files(cell, with_map));
   const auto health = read_cell_health(cell);
   if (!health)
-    throw InputError(
-        cell.file.string() +
-        ": names no health file that exists, so there is nothing to compare with; make "
-        "one with planar-pair-tracker --health-out and name it under `health`");
+    throw InputError({"names no health file that exists, so there is nothing to compare with",
+                      "make one with planar-pair-tracker --health-out and name it under `health`",
+                      cell.file});
   heed_interrupts();
   const auto devices = open_cell(cell);
   PlanarRobot robot(PlanarArm(cell.arm.geometry), Transmission(cell.transmission),

@@ -66,7 +66,7 @@ Outcome work(const Options& options) {
   if (!options.new_cell.empty()) return write_new(options);
   if (!options.sealed.empty()) return seal(options.sealed);
   if (options.cell.empty())
-    throw InputError("--cell, --new or --seal is required; --help tells of each");
+    throw InputError(Refusal{"--cell, --new or --seal is required", "--help tells of each"});
   const auto findings = examine_cell(options.cell);
   say("{}", findings_text(findings));
   return {findings_json(findings), is_sound(findings)};

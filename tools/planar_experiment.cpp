@@ -66,9 +66,9 @@ void leave_ranks() {
 }
 #else
 int join_ranks() {
-  throw InputError(
-      "mpirun started this program, which was built without MPI; install libopenmpi-dev and build "
-      "again, or leave out mpirun and say with --jobs how many processes share the work");
+  throw InputError(Refusal{"mpirun started this program, which was built without MPI",
+                           "install libopenmpi-dev and build again, or leave out mpirun and say "
+                           "with --jobs how many processes share the work"});
 }
 void leave_ranks() {}
 #endif
@@ -103,7 +103,8 @@ Crew::Crew(const std::optional<int>& processes) {
     return;
   }
   if (processes)
-    throw InputError("--jobs does not go with mpirun, whose ranks share the work; leave one out");
+    throw InputError(
+        Refusal{"--jobs does not go with mpirun, whose ranks share the work", "leave one out"});
   leads_ = join_ranks() == 0;
   ranks_ = true;
 }
@@ -136,8 +137,8 @@ void Crew::fork_copies(int count) {
 /// Throws InputError under mpirun: its ranks would all do the same work.
 void require_no_ranks() {
   if (started_by_mpirun())
-    throw InputError(
-        "mpirun shares the cells of --seeds N among its ranks; without --seeds leave it out");
+    throw InputError(Refusal{"mpirun shares the cells of --seeds N among its ranks",
+                             "without --seeds leave it out"});
 }
 
 /// Cells are drawn from numbers of 32 bits.
@@ -229,8 +230,9 @@ void add_options(CLI::App& app, Options& options) {
 
 Outcome run_many(const ExperimentRequest& request, const Options& options) {
   if (options.seed > kLargestSeed - static_cast<std::uint64_t>(options.seeds - 1))
-    throw InputError(fmt::format("--seed {}: the last of {} seeds would be beyond {}; begin lower",
-                                 options.seed, options.seeds, kLargestSeed));
+    throw InputError(
+        {fmt::format("the last of {} seeds would be beyond {}", options.seeds, kLargestSeed),
+         "begin lower", fmt::format("--seed {}", options.seed)});
   const Crew crew(options.jobs);
   const auto rows = run_campaign(request, {static_cast<std::uint32_t>(options.seed), options.seeds},
                                  value_named(kCellKinds, options.like).value());
@@ -262,9 +264,9 @@ ExperimentRequest request_of(const Options& options) {
   request.accept_map = options.accept_map;
   if (options.board_thickness_mm) request.dots_height = *options.board_thickness_mm * kMillimetre;
   if (!request.uses_tracker && !request.dots_height)
-    throw InputError(
-        "--train 0 takes the scale from the laid board; say with --board-thickness-mm how far its "
-        "dots lie above the lamps' plane (negative below), and lay it with --lays");
+    throw InputError(Refusal{"--train 0 takes the scale from the laid board",
+                             "say with --board-thickness-mm how far its dots lie above the lamps' "
+                             "plane (negative below), and lay it with --lays"});
   return request;
 }
 

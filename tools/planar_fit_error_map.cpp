@@ -51,7 +51,7 @@ struct Options {
 
 struct Fitted {
   FitErrorMapReport report;
-  std::string doubt;
+  std::optional<Refusal> doubt;
   std::vector<MethodFigures> comparison;
 };
 
@@ -102,7 +102,7 @@ Outcome fit(const Options& options) {
   const MapMethodChoice choice = parse_map_method(options.method);
   const auto [report, doubt, comparison] = fit_and_compare(options.pairs, choice);
   write_file(options.output, map_text(report.result, options.pairs, kText.name));
-  if (!doubt.empty()) spdlog::warn(doubt);
+  if (doubt) spdlog::warn(doubt->text());
   const ReportList list = map_fit_list(report, comparison);
   say("{}", list.text());
   if (page) write_page(*page, map_page(view_of(report, list.text()), options.output));

@@ -61,9 +61,8 @@ std::optional<Eigen::Vector2d> start_pixel(const std::string& text) {
   Eigen::Vector2d start;
   const std::vector<std::string> fields = CLI::detail::split(text, ',');
   if (fields.size() != 2 || !CLI::detail::lexical_cast(fields[0], start.x()) ||
-      !CLI::detail::lexical_cast(fields[1], start.y()) || !start.allFinite()) {
-    throw InputError("--start is '" + text + "'; two numbers U,V are needed");
-  }
+      !CLI::detail::lexical_cast(fields[1], start.y()) || !start.allFinite())
+    throw InputError({"--start is '" + text + "'", "two numbers U,V are needed"});
   return start;
 }
 
@@ -73,7 +72,7 @@ void require_inputs(const std::vector<fs::path>& inputs) {
   Faults faults;
   for (const fs::path& input : inputs) {
     if (!fs::exists(input))
-      faults.add(input.string() + ": does not exist; a recording's folder or images are needed");
+      faults.add({"does not exist", "a recording's folder or images are needed", input});
   }
   faults.throw_if_any();
 }
@@ -83,9 +82,9 @@ std::optional<fs::path> recording_of(const Options& options) {
   for (const fs::path& input : options.inputs) {
     if (!fs::is_directory(input)) continue;
     if (options.inputs.size() > 1)
-      throw InputError(input.string() + ": is a folder; give one recording, or images");
+      throw InputError({"is a folder", "give one recording, or images", input});
     if (options.lamps == 1)
-      throw InputError(input.string() + ": a recording shows two lamps; --lamps 1 takes images");
+      throw InputError({"a recording shows two lamps", "--lamps 1 takes images", input});
     return input;
   }
   return std::nullopt;
@@ -97,9 +96,9 @@ struct LocateJob {
 };
 
 LocateJob read_job(const Options& options) {
-  if (!options.start.empty() && options.lamps != 1) {
-    throw InputError("--start picks the disc that --lamps 1 follows; two lamps need no start");
-  }
+  if (!options.start.empty() && options.lamps != 1)
+    throw InputError(
+        Refusal{"--start picks the disc that --lamps 1 follows", "two lamps need no start"});
   require_writable(options.out, "lamps");
   require_inputs(options.inputs);
   LocateJob job;
@@ -143,9 +142,9 @@ Outcome locate(const Options& options) {
     write_page(*page,
                lamps_page(report, options.out,
                           request.scene ? std::optional(request.scene->sensor_px) : std::nullopt));
-  const std::string doubt =
-      request.scene ? distance_doubt(report, request.scene->lamps.separation_m) : "";
-  if (!doubt.empty()) spdlog::warn(doubt);
+  if (request.scene)
+    if (const auto doubt = distance_doubt(report, request.scene->lamps.separation_m))
+      spdlog::warn(doubt->text());
   const bool any = shows_any(report);
   if (!any)
     spdlog::error(fmt::format("no image shows what was looked for; {} says why for each",

@@ -139,8 +139,8 @@ std::optional<Board> board_of(const Options& options) {
   const Board board =
       parse_board(options.grid, gives_plane ? BoardUse::kLengths : BoardUse::kShape);
   if (!options.lays_out.empty() && board.kind != Board::Kind::kCircles)
-    throw InputError("--lays-out needs a board of dots, not '" + options.grid +
-                     "'; lay one such as circles:11x11:50mm");
+    throw InputError({"--lays-out needs a board of dots, not '" + options.grid + "'",
+                      "lay one such as circles:11x11:50mm"});
   return board;
 }
 
@@ -192,9 +192,9 @@ std::string write_lays(const Options& options, const PairTrackerRequest& request
                        const std::vector<LaidBoard>& boards, const WorkplaneFit& fit) {
   const std::vector<LayRow> lays =
       seen_lays(Workplane(request.camera, fit.X_WC), boards, request.dots_height);
-  for (const std::string& doubt :
+  for (const Refusal& doubt :
        doubts_of_lays(lays, fit.X_WC.translation().z() - request.dots_height))
-    spdlog::warn(doubt);
+    spdlog::warn(doubt.text());
   write_lays_file(options.lays_out, request.cell, files_of(options), tables_of(options), lays);
   return fmt::format("{:<20}{} views of the board on the plane, {} dots\n", "lays", boards.size(),
                      lays.size());

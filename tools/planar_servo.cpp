@@ -226,10 +226,11 @@ Outcome report(const ServoRequest& request, const Options& options, const ServoR
 ServoRequest request_of(const Options& options, const CellSettings& cell) {
   if (options.judged && from_stdin(options))
     throw InputError(
-        "--judged asks a person at the terminal, but --targets - reads targets there; name a table "
-        "of targets");
+        Refusal{"--judged asks a person at the terminal, but --targets - reads targets there",
+                "name a table of targets"});
   if (options.out.empty())
-    throw InputError("--out is needed to move the arm; only --dry-run and --check do without it");
+    throw InputError(
+        Refusal{"--out is needed to move the arm", "only --dry-run and --check do without it"});
   ServoRequest request;
   request.cell = cell;
   request.center =
@@ -330,7 +331,7 @@ Outcome follow_path(const Options& options, const CellSettings& cell) {
 
 Outcome work(const Options& options) {
   if (options.require_end && !from_stdin(options))
-    throw InputError("--require-end is for targets on standard input; add --targets -");
+    throw InputError(Refusal{"--require-end is for targets on standard input", "add --targets -"});
   const CellSettings cell = read_cell(options.cell);
   return options.path.empty() ? reach_targets(options, cell) : follow_path(options, cell);
 }

@@ -86,7 +86,7 @@ Outcome draw(const Options& options) {
   const DrawTruth draw_truth_like = value_named(kCellKinds, options.like).value();
   const fs::path cell = options.folder / "cell.yaml", truth = options.folder / "truth.yaml";
   for (const fs::path& path : {cell, truth})
-    if (fs::exists(path)) throw InputError(path.string() + ": exists already; name another folder");
+    if (fs::exists(path)) throw InputError({"exists already", "name another folder", path});
   make_folder(options.folder);
   write_file(cell, cell_text_like(draw_truth_like));
   Truth drawn = draw_truth_like(options.seed);
@@ -119,9 +119,10 @@ Outcome serve(const Options& options) {
   const ServeRequest request = serve_request(options);
   const bool writes_cell = !options.live_cell.empty();
   if (writes_cell && fs::exists(options.live_cell))
-    throw InputError(options.live_cell.string() +
-                     ": exists already; name another file, or leave out --out, since served cells "
-                     "are found at the same places again");
+    throw InputError({"exists already",
+                      "name another file, or leave out --out, since served cells are found at the "
+                      "same places again",
+                      options.live_cell});
   if (writes_cell) require_writable(options.live_cell, "cell");
   heed_interrupts();
   ServedCell served(request);

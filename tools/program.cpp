@@ -157,10 +157,11 @@ std::optional<std::filesystem::path> page_for(const std::string& report,
     page = std::filesystem::path(output).replace_extension(".html");
   }
   if (page.extension() != ".html")
-    throw InputError("--report is '" + report + "'; a name that ends in .html, or none, is needed");
+    throw InputError(
+        {"--report is '" + report + "'", "a name that ends in .html, or none, is needed"});
   if (page.lexically_normal() == output.lexically_normal())
-    throw InputError(output.string() +
-                     ": is the name of the page as well; name another file for --report, or none");
+    throw InputError(
+        {"is the name of the page as well", "name another file for --report, or none", output});
   require_writable(page, "page");
   return page;
 }

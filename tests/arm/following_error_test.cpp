@@ -41,7 +41,7 @@ struct FollowedArm {
   /// Returns after how many targets there was a doubt; so many as there are when there was none.
   int doubted_after(int targets) {
     for (int i = 0; i < targets; ++i, t_s += 2.0) {
-      if (!following.doubt().empty()) return i;
+      if (following.doubt()) return i;
       following.take(look(), t_s);
     }
     return targets;
@@ -64,7 +64,7 @@ TEST_CASE("A shift of all looks by 0.1 mm is a doubt within ten targets, one by 
   FollowedArm arm;
   arm.seen_beside_m = {60e-6, -80e-6};
   CHECK(arm.doubted_after(100) < 10);
-  CHECK(arm.following.doubt().find("0.1") != std::string::npos);
+  CHECK(arm.following.doubt().value().fault.find("0.1") != std::string::npos);
   FollowedArm other;
   other.seen_beside_m = {20e-6, 0.0};
   CHECK(other.doubted_after(200) == 200);

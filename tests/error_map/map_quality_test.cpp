@@ -19,9 +19,9 @@ TEST_CASE("A map speaks against itself when it is useless or states far too litt
   CHECK_FALSE(objection({200, true, 0.95}));
   CHECK_FALSE(objection({200, true, 0.75}));  // chance makes 80 % so
   CHECK_FALSE(objection({12, true, 0.6}));
-  CHECK_THAT(objection({200, true, 0.7}).value(),
+  CHECK_THAT(objection({200, true, 0.7}).value().fault,
              Catch::Contains("only 70 % of what 200 places left out show"));
-  CHECK_THAT(objection({200, false, 0.95}).value(), Catch::Contains("not to use it"));
+  CHECK_THAT(objection({200, false, 0.95}).value().fault, Catch::Contains("not to use it"));
 }
 
 TEST_CASE("A map that nothing judges is not spoken against") {

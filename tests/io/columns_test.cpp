@@ -30,7 +30,7 @@ const TableSchema<Row> kSchema{
       columns.optional_number("var", row.variance, 1.0, Digits::significant(3), Column::kRequired);
       columns.whole_number("count", row.count);
       columns.text("note", row.note, Column::kOptional);
-      columns.check(row.count >= 0, "count is negative");
+      columns.check(row.count >= 0, {"count is negative"});
     }};
 
 std::vector<Row> rows_in(const std::string& text) {

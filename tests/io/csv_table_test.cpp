@@ -36,7 +36,7 @@ TEST_CASE("Bad rows are named with file, line and value, all at once") {
     table.throw_if_faulty();
     FAIL("no fault was found");
   } catch (const InputError& e) {
-    CHECK_THAT(e.what(), Contains("p.csv:2: x is 'nan'; a finite number is needed"));
+    CHECK(e.refusal() == Refusal{"x is 'nan'", "a finite number is needed", path.string() + ":2"});
     CHECK_THAT(e.what(), Contains("p.csv:3: has 2 fields; the header has 3"));
     CHECK_THAT(e.what(), Contains("p.csv:4: x is '1e999'"));
     CHECK_THAT(e.what(), Contains("p.csv:4: n is '2.5'; a whole number is needed"));

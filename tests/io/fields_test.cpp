@@ -81,7 +81,7 @@ void list_fields(Fields& fields, Settings& settings) {
   fields.choices("laws", settings.laws, kLaws);
   const bool read = fields.rows("limits", settings.limits, list_bump);
   fields.check(!read || settings.limits[0].place <= settings.limits[1].place,
-               "the limits are in the wrong order", "limits");
+               {"the limits are in the wrong order"}, "limits");
   const auto list = [&](Drive& drive) { list_drive(fields, drive); };
   fields.maps("drives", settings.drives, list);
   fields.maps("spares", settings.spares, list);

@@ -91,11 +91,13 @@ TEST_CASE("Boards seen in another size than they have are doubted, all or the on
   CHECK(doubts(0.0).empty());
   CHECK(doubts(0.0005).empty());
   REQUIRE(doubts(0.0055).size() == 1);
-  CHECK_THAT(doubts(0.0055)[0], Catch::Contains("as if their dots lay 5.5 mm below the plane") &&
-                                    Catch::Contains("check --board-thickness-mm"));
+  CHECK_THAT(doubts(0.0055)[0].text(),
+             Catch::Contains("as if their dots lay 5.5 mm below the plane") &&
+                 Catch::Contains("check --board-thickness-mm"));
   boards[1] = laid_at(cell, board_lying({0.1, -0.1}, 1.0, 0.003), board, board.pitch);
   REQUIRE(doubts(0.0).size() == 1);
-  CHECK_THAT(doubts(0.0)[0], Catch::Contains("'lay' is seen as if it lay 3.0 mm above the others"));
+  CHECK_THAT(doubts(0.0)[0].fault,
+             Catch::Contains("'lay' is seen as if it lay 3.0 mm above the others"));
   for (LaidBoard& laid : boards) laid.board.pitch_known = false;
   CHECK(doubts(0.0055).empty());
 }

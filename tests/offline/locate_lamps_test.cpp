@@ -253,9 +253,9 @@ TEST_CASE("A separation that is wrong in the cell is named with the measured one
   INFO("separation " << wrong << " m, " << (calibrated ? "with" : "without") << " a workplane");
   REQUIRE(report.wrong_distances.size() == 12);
   CHECK(median(report.wrong_distances) * wrong == Approx(kSeparation_m).epsilon(0.01));
-  CHECK_THAT(distance_doubt(report, wrong),
+  CHECK_THAT(distance_doubt(report, wrong).value().text(),
              Catch::Contains("the pair is 100.0 mm") && Catch::Contains("apart, the cell says"));
-  CHECK(distance_doubt({}, wrong).empty());
+  CHECK_FALSE(distance_doubt({}, wrong));
 }
 
 TEST_CASE("locate_lamps tells lamps of different size apart without a commanded pose") {

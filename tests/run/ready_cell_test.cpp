@@ -31,11 +31,11 @@ TEST_CASE("A map whose fit speaks against it is refused until a person accepts i
   const CellSettings cell = read_cell(test::workshop_cell_file());
   VisionCalibration vision = read_vision(cell, true);
   CHECK_FALSE(accept_map(cell, vision, false));
-  vision.map_objection = "its fit says not to use it";
+  vision.map_objection = Refusal{"its fit says not to use it"};
   CHECK_THROWS_WITH(accept_map(cell, vision, false),
                     Catch::Contains("map.yaml: its fit says not to use it") &&
                         Catch::Contains("--no-error-map") && Catch::Contains("--accept-map"));
-  CHECK(accept_map(cell, vision, true) == vision.map_objection);
+  CHECK(accept_map(cell, vision, true) == vision.map_objection->fault);
 }
 
 }  // namespace

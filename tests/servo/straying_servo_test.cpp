@@ -20,7 +20,7 @@ class StrayingLandings final : public LandingModel {
   void learn(const SeenLanding& seen) override { stays_off_ = seen.stays_off; }
   std::optional<Doubt> doubt() const override {
     if (!stays_off_) return std::nullopt;
-    return Doubt{"it stays off"};
+    return Doubt{{"it stays off"}};
   }
 
  private:

@@ -55,8 +55,8 @@ Eigen::MatrixXd FollowingError::patterns() const {
   return P;
 }
 
-std::string FollowingError::doubt() const {
-  if (looks_.size() < kFewest) return {};
+std::optional<Refusal> FollowingError::doubt() const {
+  if (looks_.size() < kFewest) return std::nullopt;
   const auto n = static_cast<Eigen::Index>(2 * looks_.size());
   Eigen::MatrixXd shared(n, looks_.front().rows.cols());
   Eigen::VectorXd off(n), variance(n);
@@ -75,15 +75,17 @@ std::string FollowingError::doubt() const {
   const double chi2 = off_white.squaredNorm() - (off_white - white_patterns * fitted).squaredNorm();
   const Eigen::Matrix2Xd moved = (P * fitted).reshaped(2, n / 2);
   const double rms_m = std::sqrt(moved.colwise().squaredNorm().mean());
-  if (rms_m < kTolerated_m || chi_square_tail(chi2, kPatterns) > kFalseFollowing) return {};
+  if (rms_m < kTolerated_m || chi_square_tail(chi2, kPatterns) > kFalseFollowing)
+    return std::nullopt;
   const Eigen::Vector2d mean_m = moved.rowwise().mean();
-  return fmt::format(
-      "in the last {:.0f} s, {} targets were first seen {:.3f} mm (rms) from where the arm, as it "
-      "was found, lands, by ({:.3f}, {:.3f}) mm in the mean, of which {:.3f} mm came meanwhile; "
+  return Refusal{
+      fmt::format("in the last {:.0f} s, {} targets were first seen {:.3f} mm (rms) from where the "
+                  "arm, as it was found, lands, by ({:.3f}, {:.3f}) mm in the mean, of which "
+                  "{:.3f} mm came meanwhile",
+                  looks_.back().t_s - looks_.front().t_s, looks_.size(), mm(rms_m), mm(mean_m.x()),
+                  mm(mean_m.y()), fitted.segment<2>(2).norm() / kMillimetre),
       "neither scatter nor warmth explains that: does the camera move, or does a drive lose steps? "
-      "planar-check-cell says what has moved",
-      looks_.back().t_s - looks_.front().t_s, looks_.size(), mm(rms_m), mm(mean_m.x()),
-      mm(mean_m.y()), fitted.segment<2>(2).norm() / kMillimetre);
+      "planar-check-cell says what has moved"};
 }
 
 }  // namespace planar

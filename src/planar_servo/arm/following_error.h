@@ -2,9 +2,10 @@
 
 #include <Eigen/Core>
 #include <deque>
-#include <string>
+#include <optional>
 
 #include "planar_servo/arm/arm_learner.h"
+#include "planar_servo/core/error.h"
 
 namespace planar {
 
@@ -22,9 +23,9 @@ class FollowingError {
   /// Returns whether the arm as it was found, a little warmer or colder, is likely to be seen so.
   bool explains(const ArmLook& look) const;
 
-  /// Returns in words what speaks against arm and camera being where they were; empty while what is
+  /// Returns what speaks against arm and camera being where they were; empty while what is
   /// known of them explains the looks, or while they differ by less than kTolerated_m.
-  std::string doubt() const;
+  std::optional<Refusal> doubt() const;
 
   static constexpr std::size_t kWindow = 20, kFewest = 5;  ///< targets
   /// What differs by less costs too little to stop for.

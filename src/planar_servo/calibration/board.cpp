@@ -129,25 +129,23 @@ void make_right_handed(const Board& board, std::vector<Eigen::Vector2d>& pixels)
 Board parse_board(const std::string& text, BoardUse use) {
   static const std::regex form(R"((circles|chessboard):(\d{1,3})x(\d{1,3}):(\?|(\d+(\.\d+)?)mm))");
   std::smatch match;
-  if (!std::regex_match(text, match, form)) {
+  if (!std::regex_match(text, match, form))
     throw InputError("grid '" + text +
                      "' is not circles:COLSxROWS:PITCHmm or chessboard:COLSxROWS:PITCHmm, such as "
                      "circles:11x11:50mm");
-  }
   Board board;
   board.kind = match[1] == "circles" ? Board::Kind::kCircles : Board::Kind::kChessboard;
   board.columns = std::stoi(match[2]);
   board.rows = std::stoi(match[3]);
   board.pitch_known = match[4] != "?";
   if (!board.pitch_known && use == BoardUse::kLengths)
-    throw InputError("grid '" + text +
-                     "' leaves the pitch open, but lengths are taken from it here; measure it and "
-                     "state it, such as circles:11x11:50mm");
+    throw InputError(
+        {"grid '" + text + "' leaves the pitch open, but lengths are taken from it here",
+         "measure it and state it, such as circles:11x11:50mm"});
   board.pitch = (board.pitch_known ? std::stod(match[5]) : 1.0) * kMillimetre;
-  if (board.columns < 3 || board.rows < 3 || board.pitch <= 0.0) {
-    throw InputError("grid '" + text +
-                     "': at least 3 x 3 points and a pitch above 0 mm are needed");
-  }
+  if (board.columns < 3 || board.rows < 3 || board.pitch <= 0.0)
+    throw InputError(
+        {"at least 3 x 3 points and a pitch above 0 mm are needed", "", "grid '" + text + "'"});
   return board;
 }
 

@@ -1,5 +1,7 @@
 #include "planar_servo/calibration/camera_calibration.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -41,8 +43,8 @@ bool is_fitted_by_visp(const CalibrationModel& model) {
 }
 
 [[noreturn]] void refuse(const CalibrationModel& model) {
-  throw WorkError("the views do not determine a camera of the model " + model.name +
-                  "; take more of them, tilted in different directions, or a simpler model");
+  throw WorkError({"the views do not determine a camera of the model " + model.name,
+                   "take more of them, tilted in different directions, or a simpler model"});
 }
 
 /// Returns how uncertain fx, fy, cx, cy and the distortion coefficients that are estimated are,
@@ -69,23 +71,21 @@ CameraUncertainty uncertainty_of(const LensFit& fit, const std::vector<Calibrati
 
 void check(const CalibrationProblem& problem, const CalibrationModels& models) {
   const std::vector<std::string> names = calibration_model_names(models);
-  if (std::find(names.begin(), names.end(), problem.model) == names.end()) {
-    std::string allowed;
-    for (const std::string& name : names) allowed += (allowed.empty() ? "" : ", ") + name;
-    throw InputError("unknown camera model '" + problem.model + "'; allowed are " + allowed);
-  }
+  if (std::find(names.begin(), names.end(), problem.model) == names.end())
+    throw InputError({"unknown camera model '" + problem.model + "'",
+                      fmt::format("allowed are {}", fmt::join(names, ", "))});
   Faults faults;
   for (const CalibrationView& view : problem.views) {
     const std::size_t dots = view.dot_areas_px2.size();
     if (view.points_G.size() != view.pixels.size() || (dots != 0 && dots != view.pixels.size())) {
-      faults.add(view.name + ": points, pixels and dots are not as many");
+      faults.add({"points, pixels and dots are not as many", "", view.name});
     } else if (view.pixels.size() < 6) {
-      faults.add(view.name + ": " + std::to_string(view.pixels.size()) +
-                 " points; at least 6 are needed");
+      faults.add(
+          {std::to_string(view.pixels.size()) + " points", "at least 6 are needed", view.name});
     }
     for (std::size_t i = 0; i < std::min(view.points_G.size(), view.pixels.size()); ++i) {
       if (!view.points_G[i].allFinite() || !view.pixels[i].allFinite()) {
-        faults.add(view.name + ": a number that is not finite");
+        faults.add({"a number that is not finite", "", view.name});
         break;
       }
     }
@@ -106,11 +106,9 @@ class Calibrator {
 
   /// Throws WorkError unless the fit has come to its end and determines the camera.
   CameraUncertainty uncertainty() const {
-    if (!lens_.converged) {
-      throw WorkError("the fit of a camera of the model " + model_.name +
-                      " did not converge; take more views, tilted in different directions, or a "
-                      "simpler model");
-    }
+    if (!lens_.converged)
+      throw WorkError({"the fit of a camera of the model " + model_.name + " did not converge",
+                       "take more views, tilted in different directions, or a simpler model"});
     return uncertainty_of(lens_, views_, model_);
   }
 
@@ -149,19 +147,15 @@ class Calibrator {
 
   void fit() {
     if (views_.size() < kFewestViews) {
-      std::string message = std::to_string(views_.size()) +
-                            " usable views of the board; at least " + std::to_string(kFewestViews) +
-                            " are needed";
-      for (const auto& [name, reason] : rejected_)
-        message.append("\n").append(name).append(": ").append(reason);
-      throw InputError(message);
+      std::vector<Refusal> refusals{{fmt::format("{} usable views of the board", views_.size()),
+                                     fmt::format("at least {} are needed", kFewestViews)}};
+      for (const auto& [name, reason] : rejected_) refusals.push_back({reason, "", name});
+      throw InputError(refusals, 0);
     }
     auto lens = fit_to(views_);
-    if (!lens) {
-      throw WorkError("the fit of a camera of the model " + model_.name +
-                      " failed; take more views, tilted in different directions, or a simpler "
-                      "model");
-    }
+    if (!lens)
+      throw WorkError({"the fit of a camera of the model " + model_.name + " failed",
+                       "take more views, tilted in different directions, or a simpler model"});
     lens_ = std::move(*lens);
   }
 
@@ -276,12 +270,9 @@ ChosenModel choose_model(const CalibrationProblem& problem,
   std::vector<Candidate> candidates;
   for (std::optional<Candidate>& candidate : fitted)
     if (candidate) candidates.push_back(std::move(*candidate));
-  if (candidates.empty()) {
-    throw WorkError(
-        "the views determine a camera of none of the models; take more of them, tilted in "
-        "different "
-        "directions");
-  }
+  if (candidates.empty())
+    throw WorkError(Refusal{"the views determine a camera of none of the models",
+                            "take more of them, tilted in different directions"});
   const auto best = std::min_element(
       candidates.begin(), candidates.end(),
       [](const Candidate& a, const Candidate& b) { return mean(a.squares) < mean(b.squares); });

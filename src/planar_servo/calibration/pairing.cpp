@@ -37,14 +37,13 @@ void require_finite(const std::vector<LampSight>& frames,
   Faults faults;
   for (const LampSight& frame : frames) {
     if (!std::isfinite(frame.t_s) || !frame.theta.allFinite() ||
-        (frame.fault.empty() && !(frame.uv_px[0].allFinite() && frame.uv_px[1].allFinite()))) {
-      faults.add("pairing: a frame of '" + frame.id + "' has a value that is not finite");
-    }
+        (frame.fault.empty() && !(frame.uv_px[0].allFinite() && frame.uv_px[1].allFinite())))
+      faults.add({"a frame of '" + frame.id + "' has a value that is not finite", "", "pairing"});
   }
   for (const ToolReading& reading : readings) {
-    if (!std::isfinite(reading.t_s) || !reading.p_B.allFinite()) {
-      faults.add("pairing: a reading of '" + reading.id + "' has a value that is not finite");
-    }
+    if (!std::isfinite(reading.t_s) || !reading.p_B.allFinite())
+      faults.add(
+          {"a reading of '" + reading.id + "' has a value that is not finite", "", "pairing"});
   }
   faults.throw_if_any();
 }
@@ -319,10 +318,11 @@ std::optional<int> late_rows(const std::vector<ToolSight>& sights) {
 void require_rows_in_order(const std::vector<ToolSight>& sights) {
   const auto rows = late_rows(sights);
   if (!rows) return;
-  throw InputError(fmt::format(
-      "tracker: its readings are shifted by {} row{} against their ids: with the place {} its own "
-      "each follows the lamps; put the rows of the tracker's table back",
-      std::abs(*rows), std::abs(*rows) == 1 ? "" : "s", *rows > 0 ? "before" : "after"));
+  throw InputError({fmt::format("its readings are shifted by {} row{} against their ids: with the "
+                                "place {} its own each follows the lamps",
+                                std::abs(*rows), std::abs(*rows) == 1 ? "" : "s",
+                                *rows > 0 ? "before" : "after"),
+                    "put the rows of the tracker's table back", "tracker"});
 }
 
 }  // namespace
@@ -334,10 +334,10 @@ void require_reading_order(const std::vector<ToolSight>& sights, PairBy by) {
   if (follow || !enough) return;
   if (by == PairBy::kId) require_rows_in_order(sights);
   if (share < kUnrelatedShare) return;
-  throw InputError(fmt::format(
-      "tracker: its readings do not follow the lamps: the best smooth view of {} places misses "
-      "them by {:.0f} % of the field; check that ids, times and order belong to this recording",
-      sights.size(), 100.0 * share));
+  throw InputError({fmt::format("its readings do not follow the lamps: the best smooth view of {} "
+                                "places misses them by {:.0f} % of the field",
+                                sights.size(), 100.0 * share),
+                    "check that ids, times and order belong to this recording", "tracker"});
 }
 
 std::vector<Rejection> take_out_frozen(std::vector<ToolSight>& sights) {

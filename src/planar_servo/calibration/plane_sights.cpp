@@ -50,11 +50,10 @@ Pose moved_pose(const Pose& X_WC, const Eigen::Matrix<double, 6, 1>& change) {
 }
 
 Pose pose_from_homography(const Eigen::Matrix3d& H_CW) {
-  if (!(H_CW.determinant() < 0.0)) {
-    throw InputError(
-        "workplane: the tracker's positions are the mirror image of what the camera sees; check "
-        "that no monuments are exchanged and that their coordinates are right");
-  }
+  if (!(H_CW.determinant() < 0.0))
+    throw InputError({"the tracker's positions are the mirror image of what the camera sees",
+                      "check that no monuments are exchanged and that their coordinates are right",
+                      "workplane"});
   const Eigen::Matrix3d M = 2.0 / (H_CW.col(0).norm() + H_CW.col(1).norm()) * H_CW;
   Eigen::Matrix3d axes;
   axes << M.col(0), M.col(1), M.col(0).cross(M.col(1));
@@ -68,18 +67,16 @@ Pose pose_from_homography(const Eigen::Matrix3d& H_CW) {
 CameraPlane board_plane(const Pose& X_CG, double points_height) {
   const Eigen::Vector3d normal = X_CG.linear().col(2);
   const double distance = -normal.dot(X_CG.translation());
-  if (!X_CG.matrix().allFinite() || distance == 0.0) {
-    throw InputError("workplane: a board on the plane has no usable pose");
-  }
+  if (!X_CG.matrix().allFinite() || distance == 0.0)
+    throw InputError({"a board on the plane has no usable pose", "", "workplane"});
   return distance > 0.0 ? CameraPlane{normal, distance + points_height}
                         : CameraPlane{-normal, -distance + points_height};
 }
 
 CameraPlane mean_plane(const std::vector<CameraPlane>& planes) {
-  if (planes.empty()) {
+  if (planes.empty())
     throw InputError(
-        "workplane: no board was found on the plane; record views of plan 'plane_grid'");
-  }
+        {"no board was found on the plane", "record views of plan 'plane_grid'", "workplane"});
   CameraPlane mean{Eigen::Vector3d::Zero(), 0.0};
   for (const CameraPlane& plane : planes) {
     mean.normal_C += plane.normal_C;
@@ -133,7 +130,7 @@ SightSet::SightSet(const CameraModel& camera, const std::vector<ToolSight>& sigh
   Faults faults;
   for (const ToolSight& sight : sights) {
     if (!is_finite(sight)) {
-      faults.add("workplane: sight '" + sight.id + "' has a value that is not finite");
+      faults.add({"sight '" + sight.id + "' has a value that is not finite", "", "workplane"});
       continue;
     }
     const auto ray_1 = ray(camera, sight.lamps_px[0]), ray_2 = ray(camera, sight.lamps_px[1]);
@@ -144,12 +141,10 @@ SightSet::SightSet(const CameraModel& camera, const std::vector<ToolSight>& sigh
     }
   }
   faults.throw_if_any();
-  if (entries_.size() < kLeastSights) {
-    throw InputError(
-        fmt::format("workplane: {} sights with lamps and tracker; at least {} are needed, spread "
-                    "over the field",
-                    entries_.size(), kLeastSights));
-  }
+  if (entries_.size() < kLeastSights)
+    throw InputError({fmt::format("{} sights with lamps and tracker", entries_.size()),
+                      fmt::format("at least {} are needed, spread over the field", kLeastSights),
+                      "workplane"});
 }
 
 std::vector<SightSet::MiddleRay> SightSet::middle_rays() const {
@@ -203,9 +198,10 @@ void SightSet::require_few_rejected() const {
     return;
   }
   throw InputError(
-      fmt::format("workplane: {} of {} sights had to be left out, '{}' first ({}); vision and "
-                  "tracker do not belong together: check ids, times and the camera file",
-                  rejected_.size(), given_, rejected_.front().id, rejected_.front().reason));
+      {fmt::format("{} of {} sights had to be left out, '{}' first ({})", rejected_.size(), given_,
+                   rejected_.front().id, rejected_.front().reason),
+       "vision and tracker do not belong together: check ids, times and the camera file",
+       "workplane"});
 }
 
 }  // namespace planar

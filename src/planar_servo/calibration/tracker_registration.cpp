@@ -218,20 +218,19 @@ std::map<std::string, std::vector<MonumentReading>> sort_readings(
   Faults faults;
   std::map<std::string, std::vector<MonumentReading>> by_id;
   for (const Monument& monument : monuments) {
-    if (!by_id.emplace(monument.id, std::vector<MonumentReading>()).second) {
-      faults.add("datum: monument '" + monument.id + "' is named twice");
-    }
-    if (!monument.p_B.allFinite()) {
-      faults.add("datum: monument '" + monument.id + "' has a coordinate that is not finite");
-    }
+    if (!by_id.emplace(monument.id, std::vector<MonumentReading>()).second)
+      faults.add({"monument '" + monument.id + "' is named twice", "", "datum"});
+    if (!monument.p_B.allFinite())
+      faults.add(
+          {"monument '" + monument.id + "' has a coordinate that is not finite", "", "datum"});
   }
   for (const MonumentReading& reading : readings) {
     const auto known = by_id.find(reading.id);
     if (known == by_id.end()) {
-      faults.add("datum: there is a reading of '" + reading.id +
-                 "', which is no monument of the cell");
+      faults.add({"there is a reading of '" + reading.id + "', which is no monument of the cell",
+                  "", "datum"});
     } else if (!reading.p_L.allFinite()) {
-      faults.add("datum: a reading of '" + reading.id + "' is not finite");
+      faults.add({"a reading of '" + reading.id + "' is not finite", "", "datum"});
     } else {
       known->second.push_back(reading);
     }
@@ -245,10 +244,11 @@ void require_fit(const DatumRegistration& datum, const Eigen::Matrix3Xd& p_B) {
       std::sqrt((p_B.colwise() - p_B.rowwise().mean()).colwise().squaredNorm().mean());
   if (datum.rms <= kMaxResidualShare * spread) return;
   throw InputError(
-      fmt::format("datum: the readings do not fit the monuments' places, residual {:.3f} mm rms; "
-                  "check the ids for an exchange, the unit of the readings and the coordinates in "
-                  "the cell file",
-                  mm(datum.rms)));
+      {fmt::format("the readings do not fit the monuments' places, residual {:.3f} mm rms",
+                   mm(datum.rms)),
+       "check the ids for an exchange, the unit of the readings and the coordinates in the cell "
+       "file",
+       "datum"});
 }
 
 DatumRegistration registration_of(const std::vector<MonumentSight>& sights) {
@@ -295,10 +295,10 @@ std::vector<MonumentSight> monument_sights(const std::vector<Monument>& monument
 DatumRegistration register_datum(const std::vector<Monument>& monuments,
                                  const std::vector<MonumentReading>& readings) {
   std::vector<MonumentSight> sights = monument_sights(monuments, readings);
-  if (sights.size() < 3) {
-    throw InputError("datum: the tracker has read " + std::to_string(sights.size()) +
-                     " of the cell's monuments; at least 3 that are not on one line are needed");
-  }
+  if (sights.size() < 3)
+    throw InputError(
+        {"the tracker has read " + std::to_string(sights.size()) + " of the cell's monuments",
+         "at least 3 that are not on one line are needed", "datum"});
   const MonumentVerdict verdict = check_monuments(sights);
   std::optional<std::string> left_out;
   if (verdict.moved) {
@@ -306,7 +306,7 @@ DatumRegistration register_datum(const std::vector<Monument>& monuments,
     sights.erase(sights.begin() + static_cast<std::ptrdiff_t>(*verdict.moved));
   }
   DatumRegistration result = registration_of(sights);
-  if (verdict.refused) throw InputError(verdict.doubt.text());
+  if (verdict.refused) throw InputError(verdict.doubt);
   result.left_out = left_out;
   result.doubt = verdict.doubt;
   return result;

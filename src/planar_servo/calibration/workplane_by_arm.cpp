@@ -94,9 +94,9 @@ void require_directions(const std::vector<FlatSight>& sights) {
   for (const FlatSight& seen : sights) sum += rotation2d(seen.phi).col(0);
   if (sum.norm() < kSameDirection * static_cast<double>(sights.size())) return;
   throw InputError(
-      "workplane: the lamps point in nearly the same direction at all places, so nothing tells "
-      "where the end point is on the tool; record a sweep of joint 3, or poses with the tool "
-      "turned");
+      {"the lamps point in nearly the same direction at all places, so nothing tells where the end "
+       "point is on the tool",
+       "record a sweep of joint 3, or poses with the tool turned", "workplane"});
 }
 
 double field_of(const std::vector<FlatSight>& sights) {
@@ -108,10 +108,12 @@ double field_of(const std::vector<FlatSight>& sights) {
 
 void require_same_size(const Alignment& alignment) {
   if (std::abs(alignment.scale - 1.0) < kMostSizeShare) return;
-  throw InputError(fmt::format(
-      "workplane: the arm of the cell file reaches {:.1f} % {} than the board's pitch says that it "
-      "is seen to; check the pitch in --grid, --board-thickness-mm and arm.link_lengths_mm",
-      100.0 * std::abs(alignment.scale - 1.0), alignment.scale > 1.0 ? "farther" : "less far"));
+  throw InputError({fmt::format("the arm of the cell file reaches {:.1f} % {} than the board's "
+                                "pitch says that it is seen to",
+                                100.0 * std::abs(alignment.scale - 1.0),
+                                alignment.scale > 1.0 ? "farther" : "less far"),
+                    "check the pitch in --grid, --board-thickness-mm and arm.link_lengths_mm",
+                    "workplane"});
 }
 
 std::vector<double> distances_of(const Alignment& alignment, const std::vector<FlatSight>& sights) {
@@ -144,11 +146,12 @@ bool leave_out(const Alignment& alignment, std::vector<FlatSight>& sights,
 
 void require_small(double rms, double field) {
   if (rms <= kMostRmsShare * field) return;
-  throw InputError(fmt::format(
-      "workplane: end points are seen {:.2f} mm rms from where the arm was sent, over a field of "
-      "{:.0f} mm; they do not belong together: check arm.positive_rotation, coupling and link "
-      "lengths, and that the drives kept their position",
-      mm(rms), field / kMillimetre));
+  throw InputError({fmt::format("end points are seen {:.2f} mm rms from where the arm was sent, "
+                                "over a field of {:.0f} mm",
+                                mm(rms), field / kMillimetre),
+                    "they do not belong together: check arm.positive_rotation, coupling and link "
+                    "lengths, and that the drives kept their position",
+                    "workplane"});
 }
 
 Pose in_base(const Alignment& alignment, const Pose& X_WC) {
@@ -169,13 +172,14 @@ WorkplaneFit fit_workplane_to_arm(const CameraModel& camera, const std::vector<P
   WorkplaneFit fit;
   std::vector<FlatSight> seen = flat_sights({camera, over_plane}, sights, fit.rejected);
   if (seen.size() < kFewestSights)
-    throw InputError(fmt::format("workplane: {} places with both lamps are too few; {} are needed",
-                                 seen.size(), kFewestSights));
+    throw InputError({fmt::format("{} places with both lamps are too few", seen.size()),
+                      fmt::format("{} are needed", kFewestSights), "workplane"});
   require_directions(seen);
   while (leave_out(align(seen, true), seen, fit.rejected))
     if (3 * seen.size() < 2 * sights.size())
-      throw InputError(fmt::format("workplane: {} of {} places stand out from the others",
-                                   sights.size() - seen.size(), sights.size()));
+      throw InputError({fmt::format("{} of {} places stand out from the others",
+                                    sights.size() - seen.size(), sights.size()),
+                        "", "workplane"});
   require_same_size(align(seen, false));
   const Alignment alignment = align(seen, true);
   fit.rms = rms(distances_of(alignment, seen));

@@ -56,13 +56,12 @@ SweepOffset fit_sweep_offset(const std::vector<SweepPoint>& points) {
     information += C.col(0).squaredNorm();
     sum += C.transpose() * (point.p - m.p);
   }
-  if (!(information >= kLeastInformation)) {
-    throw InputError(
-        "tool offsets: the tool's angle varies too little in the sweeps of joint 3 (" +
-        std::to_string(points.size()) +
-        " usable places); record a plan with rows 'sweep3' in which joint 3 alone turns through "
-        "half a turn or more");
-  }
+  if (!(information >= kLeastInformation))
+    throw InputError({"the tool's angle varies too little in the sweeps of joint 3 (" +
+                          std::to_string(points.size()) + " usable places)",
+                      "record a plan with rows 'sweep3' in which joint 3 alone turns through half "
+                      "a turn or more",
+                      "tool offsets"});
   SweepOffset result;
   result.offset = sum / information;
   double square = 0.0;
@@ -182,10 +181,9 @@ Pose start_from_pairs(const SightSet& sights, const CameraModel& camera) {
     rows.push_back({ray.p_reflector, f * ray.xy});
   }
   const std::optional<CoarseView> view = fit_coarse_view(rows);
-  if (!view) {
+  if (!view)
     throw InputError(
-        "workplane: the positions lie on one line; record some that spread over the field");
-  }
+        {"the positions lie on one line", "record some that spread over the field", "workplane"});
   return pose_from_homography(Eigen::Vector3d(1.0 / f, 1.0 / f, 1.0).asDiagonal() *
                               view->homography());
 }
@@ -201,7 +199,7 @@ Pose settle(const SightSet& sights, const Pose& start, const Step& step) {
     X_WC = next;
     if (change < kSettled) return X_WC;
   }
-  throw WorkError("workplane: the fit of camera pose and tool offsets does not converge");
+  throw WorkError({"the fit of camera pose and tool offsets does not converge", "", "workplane"});
 }
 
 bool reject_outliers(SightSet& sights, const Pose& X_WC) {
@@ -238,10 +236,10 @@ void require_small(double rms_m, const Seen& seen) {
   for (std::size_t i = 0; i < seen.size(); ++i) p.col(i) = seen[i].p_reflector();
   const double field = std::sqrt((p.colwise() - p.rowwise().mean()).colwise().squaredNorm().mean());
   if (rms_m <= kMaxRmsShare * field) return;
-  throw InputError(fmt::format(
-      "workplane: vision and tracker differ by {:.2f} mm rms over a field of {:.0f} mm; "
-      "they do not belong together: check ids, times and the camera file",
-      mm(rms_m), field / kMillimetre));
+  throw InputError(
+      {fmt::format("vision and tracker differ by {:.2f} mm rms over a field of {:.0f} mm",
+                   mm(rms_m), field / kMillimetre),
+       "they do not belong together: check ids, times and the camera file", "workplane"});
 }
 
 /// A fit without its covariance, and the normal equations that give it.
@@ -273,10 +271,11 @@ Settled fit_in_rounds(SightSet& sights, const Pose& start, const Step& step) {
 void require_same_lengths(const Pose& by_board, const Pose& by_tracker) {
   const double board = by_board.translation().z(), tracker = by_tracker.translation().z();
   if (std::abs(board - tracker) <= kMostHeightShare * tracker) return;
-  throw InputError(fmt::format(
-      "workplane: the camera stands {:.0f} mm above the plane by the board, and {:.0f} mm by the "
-      "tracker's readings; check the pitch in --grid and the unit of the tracker's lengths",
-      board / kMillimetre, tracker / kMillimetre));
+  throw InputError({fmt::format("the camera stands {:.0f} mm above the plane by the board, and "
+                                "{:.0f} mm by the tracker's readings",
+                                board / kMillimetre, tracker / kMillimetre),
+                    "check the pitch in --grid and the unit of the tracker's lengths",
+                    "workplane"});
 }
 
 /// Returns the covariance of the camera pose when position and turn in the plane come from the

@@ -60,10 +60,6 @@ std::optional<double> capacity_bytes_s(const CameraInspection& seen, const Camer
   return bytes_s * (seen.packet_size - kPacketHeaders) / (seen.packet_size + kPacketFrame);
 }
 
-Finding faulty(const Refusal& refusal) {
-  return {Verdict::kFaulty, "camera", refusal.fault, refusal.remedy};
-}
-
 std::optional<CameraPath> path_of(const AravisSettings& settings) {
   if (settings.address.empty()) return find_usb_path(settings.id);
   return find_network_path(settings.address);
@@ -110,7 +106,7 @@ std::vector<Finding> examine_camera(const CameraSettings& camera, const AravisSe
                "sudo cmake --install build/release && sudo udevadm control --reload && sudo "
                "udevadm trigger"}};
     const CameraInspection seen = inspect_camera(settings, kGrab_s);
-    if (seen.refusal) return {faulty(*seen.refusal)};
+    if (seen.refusal) return {faulty("camera", *seen.refusal)};
     const std::string port = path ? " over " + path->port : "";
     std::vector<Finding> findings{
         {Verdict::kWell, "camera",
@@ -123,7 +119,7 @@ std::vector<Finding> examine_camera(const CameraSettings& camera, const AravisSe
   } catch (const InputError& error) {
     return {{Verdict::kFaulty, "camera", error.what(), "correct the cell file"}};
   } catch (const WorkError& error) {
-    return {faulty(error.refusal())};
+    return {faulty("camera", error.refusal())};
   }
 }
 

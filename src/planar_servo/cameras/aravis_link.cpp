@@ -144,9 +144,9 @@ struct AravisLink::Impl {
     const std::size_t payload = frame_bytes();
     if (payload > memory.bytes())
       throw WorkError(
-          fmt::format("the camera's frames have {} bytes, but at most {} were expected; switch its "
-                      "chunk data off",
-                      payload, memory.bytes()));
+          {fmt::format("the camera's frames have {} bytes, but at most {} were expected", payload,
+                       memory.bytes()),
+           "switch its chunk data off"});
     for (int i = 0; i < memory.blocks(); ++i)
       arv_stream_push_buffer(stream.get(), arv_buffer_new(payload, memory.block(i)));
   }

@@ -43,11 +43,9 @@ const std::vector<std::string>& pixel_format_names() {
 PixelFormat pixel_format_named(const std::string& name) {
   const auto& names = pixel_format_names();
   const auto found = std::find(names.begin(), names.end(), name);
-  if (found == names.end()) {
-    std::string allowed;
-    for (const std::string& one : names) allowed += (allowed.empty() ? "" : ", ") + one;
-    throw InputError("the pixel format '" + name + "' is not known; allowed are " + allowed);
-  }
+  if (found == names.end())
+    throw InputError({"the pixel format '" + name + "' is not known",
+                      fmt::format("allowed are {}", fmt::join(names, ", "))});
   return static_cast<PixelFormat>(found - names.begin());
 }
 
@@ -98,7 +96,7 @@ cv::Mat unpack(PixelFormat format, const std::uint8_t* data, cv::Size size) {
 void require_settings(const AravisSettings& settings) {
   Faults faults;
   const auto require = [&](bool holds, const std::string& rule) {
-    if (!holds) faults.add("camera settings: " + rule);
+    if (!holds) faults.add({rule, "", "camera settings"});
   };
   require(!settings.sensor_px.empty(), "the sensor needs pixels");
   require(settings.frame_rate_hz > 0.0, "the frame rate must be positive");

@@ -79,8 +79,8 @@ void take_control(ArvDevice* device, const std::string& address) {
   const double end_s = clock.now_s() + kPatience_s;
   while (arv_gv_device_is_controller(ARV_GV_DEVICE(device)) == FALSE) {
     if (clock.now_s() > end_s)
-      throw WorkError(Refusal{"another program controls the GigE camera at " + address,
-                              "end that program; a camera obeys one at a time"});
+      throw WorkError({"another program controls the GigE camera at " + address,
+                       "end that program; a camera obeys one at a time"});
     clock.sleep_for_s(kPoll_s);
     GError* refusal = nullptr;
     arv_gv_device_take_control(ARV_GV_DEVICE(device), &refusal);
@@ -98,10 +98,10 @@ GObjectPtr<ArvDevice> reach_gige(const std::string& address) {
     }));
   } catch (const WorkError& error) {
     throw WorkError(
-        Refusal{error.what(), fmt::format("ping {0}; if nothing answers, check that the camera "
-                                          "has power and that this machine has an address in its "
-                                          "network (ip route get {0})",
-                                          address)});
+        {error.what(), fmt::format("ping {0}; if nothing answers, check that the camera "
+                                   "has power and that this machine has an address in its "
+                                   "network (ip route get {0})",
+                                   address)});
   }
 }
 
@@ -181,10 +181,10 @@ GObjectPtr<ArvCamera> open_usb(const std::string& serial) {
     return GObjectPtr<ArvCamera>(ask("the USB camera " + found + " does not open",
                                      [&](GError** e) { return arv_camera_new(device, e); }));
   }
-  throw WorkError(Refusal{fmt::format("no USB camera{} is plugged in{}",
-                                      serial.empty() ? "" : " with the serial number " + serial,
-                                      present.empty() ? "" : " (there are: " + present + ")"),
-                          "check the camera's cable and power; lsusb -t shows what is plugged in"});
+  throw WorkError({fmt::format("no USB camera{} is plugged in{}",
+                               serial.empty() ? "" : " with the serial number " + serial,
+                               present.empty() ? "" : " (there are: " + present + ")"),
+                   "check the camera's cable and power; lsusb -t shows what is plugged in"});
 }
 
 }  // namespace planar

@@ -82,9 +82,9 @@ std::string local_address_towards(const std::string& address) {
                      getsockname(probe, reinterpret_cast<sockaddr*>(&local), &size) == 0;
   if (probe >= 0) close(probe);
   if (!found)
-    throw WorkError(Refusal{
-        "no network leads to the camera at " + address,
-        "give this machine an address in the camera's network (ip route get " + address + ")"});
+    throw WorkError(
+        {"no network leads to the camera at " + address,
+         "give this machine an address in the camera's network (ip route get " + address + ")"});
   return text_of(reinterpret_cast<const sockaddr*>(&local));
 }
 

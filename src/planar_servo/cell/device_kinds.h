@@ -2,10 +2,12 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "planar_servo/cell/finding.h"
+#include "planar_servo/core/error.h"
 
 namespace planar {
 
@@ -39,9 +41,8 @@ class DeviceKind {
 /// examines it for the doctor.
 class CameraKind : public DeviceKind {
  public:
-  /// Returns why no camera of this kind can be opened and what to do instead, or an empty text when
-  /// one can be opened.
-  virtual std::string refusal() const { return ""; }
+  /// Returns why no camera of this kind can be opened and what to do instead; empty when one can.
+  virtual std::optional<Refusal> refusal() const { return std::nullopt; }
 
   /// Reads the keys that only this kind has. Faults go to the document.
   virtual std::shared_ptr<const DeviceDetails> read(Fields& /*camera*/) const { return nullptr; }

@@ -46,8 +46,8 @@ std::vector<JudgedMove> moves_so_far(const CertificateRequest& request, const st
   const fs::path file = cycles_file(request), results = request.servo.out / "results.csv";
   if (!fs::exists(file)) {
     if (fs::exists(results) && !read_results(results).empty())
-      throw InputError(results.string() +
-                       ": is a run that is no certificate's; name another folder for --out");
+      throw InputError(
+          {"is a run that is no certificate's", "name another folder for --out", results});
     return {};
   }
   drop_torn_line(file, header);
@@ -56,11 +56,10 @@ std::vector<JudgedMove> moves_so_far(const CertificateRequest& request, const st
     require_same_files(request.servo);
     return read_cycles(file);
   }
-  throw InputError(fmt::format(
-      "{}: was begun with other --cycles or --targets, with another judge or before the "
-      "cell file was changed; its first lines say with which; give the same ones to go "
-      "on, or name another folder",
-      file.string()));
+  throw InputError(
+      {"was begun with other --cycles or --targets, with another judge or before the cell file was "
+       "changed; its first lines say with which",
+       "give the same ones to go on, or name another folder", file});
 }
 
 /// Returns what speaks against the cell's files. Throws InputError with it unless it is accepted.

@@ -135,10 +135,11 @@ std::vector<Eigen::Vector2d> spread_targets(const CellSettings& cell, const Usab
     tour = free_tour(home, places);
     if (tour.size() == wanted) return tour;
   }
-  throw InputError(fmt::format(
-      "{}: {} of {} targets were found that arm, camera and error map reach; record training "
-      "positions over more of the workspace, or narrow the workspace in the cell file",
-      cell.file.string(), tour.size(), wanted));
+  throw InputError({fmt::format("{} of {} targets were found that arm, camera and error map reach",
+                                tour.size(), wanted),
+                    "record training positions over more of the workspace, or narrow the workspace "
+                    "in the cell file",
+                    cell.file});
 }
 
 }  // namespace
@@ -214,9 +215,9 @@ TestPlaces find_test_places(const CellSettings& cell, const VisionCalibration& v
     places.targets = spread_targets(cell, usable, dry, targets);
     return places;
   }
-  throw InputError(cell.file.string() +
-                   ": no square of the workspace is reached by arm, camera and error map; look "
-                   "at the limits and the workspace in the cell file with planar-doctor");
+  throw InputError({"no square of the workspace is reached by arm, camera and error map",
+                    "look at the limits and the workspace in the cell file with planar-doctor",
+                    cell.file});
 }
 
 }  // namespace planar

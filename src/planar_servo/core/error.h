@@ -7,20 +7,37 @@
 
 namespace planar {
 
-/// Reports wrong usage or input: a file, an option or an argument that breaks a rule. Programs exit
-/// with status 2. The message says what is wrong, where, the value, the rule and the remedy.
-class InputError : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
-
-/// Says why something cannot be used, and what mends that.
+/// Says why something cannot be used, what mends that, and where it was found.
 struct Refusal {
   std::string fault;
   std::string remedy{};  ///< empty where none is known
+  std::string where{};   ///< such as FILE, FILE:LINE or an option; empty where the fault says it
 
-  /// Returns both in one line, the remedy behind a semicolon.
+  /// Returns all in one line, `where: fault; remedy`.
   std::string text() const;
+  /// Returns the same, found at or within `place`.
+  Refusal at(const std::string& place) const;
+
+  friend bool operator==(const Refusal& a, const Refusal& b) {
+    return a.fault == b.fault && a.remedy == b.remedy && a.where == b.where;
+  }
+};
+
+/// Reports wrong usage or input: a file, an option or an argument that breaks a rule. Programs exit
+/// with status 2. Each refusal says what is wrong, where, the value, the rule and the remedy.
+class InputError : public std::runtime_error {
+ public:
+  explicit InputError(const std::string& fault) : InputError(Refusal{fault}) {}
+  explicit InputError(const Refusal& refusal) : InputError({refusal}, 0) {}
+  /// Reports one or more refusals, one per line, and how many further ones there are.
+  InputError(std::vector<Refusal> refusals, std::size_t n_more);
+
+  /// Returns the first refusal.
+  const Refusal& refusal() const { return refusals_.front(); }
+  const std::vector<Refusal>& refusals() const { return refusals_; }
+
+ private:
+  std::vector<Refusal> refusals_;
 };
 
 /// Reports work that failed on right input: no convergence, a target out of reach, a lost device.
@@ -38,18 +55,18 @@ class WorkError : public std::runtime_error {
 };
 
 /// Collects the faults of an input, so that the user learns all of them at once. It keeps the first
-/// hundred messages and counts the rest.
+/// hundred and counts the rest.
 class Faults {
  public:
-  /// Adds a message, unless the same one is kept already.
-  void add(const std::string& message);
-  bool empty() const { return messages_.empty(); }
+  /// Adds a fault, unless the same one is kept already.
+  void add(const Refusal& refusal);
+  bool empty() const { return refusals_.empty(); }
 
-  /// Throws an InputError with one line per fault if there is any.
+  /// Throws an InputError of all faults if there is any.
   void throw_if_any() const;
 
  private:
-  std::vector<std::string> messages_;
+  std::vector<Refusal> refusals_;
   std::size_t n_more_{0};
 };
 

@@ -28,17 +28,16 @@ bool span_enough(const Points<N>& centred) {
 template <int N>
 Eigen::Transform<double, N, Eigen::Isometry> fit_rigid(const Points<N>& p_A, const Points<N>& p_B) {
   if (p_A.cols() != p_B.cols()) throw std::invalid_argument("point sets of different size");
-  if (!p_A.allFinite() || !p_B.allFinite()) throw InputError("rigid fit: a point is not finite");
-  if (p_A.cols() < N) {
-    throw InputError("rigid fit: " + std::to_string(p_A.cols()) + " points; at least " +
-                     std::to_string(N) + " are needed");
-  }
+  if (!p_A.allFinite() || !p_B.allFinite())
+    throw InputError({"a point is not finite", "", "rigid fit"});
+  if (p_A.cols() < N)
+    throw InputError({std::to_string(p_A.cols()) + " points",
+                      "at least " + std::to_string(N) + " are needed", "rigid fit"});
   const Eigen::Vector<double, N> mean_A = p_A.rowwise().mean(), mean_B = p_B.rowwise().mean();
   const Points<N> centred_A = p_A.colwise() - mean_A, centred_B = p_B.colwise() - mean_B;
-  if (!span_enough<N>(centred_A) || !span_enough<N>(centred_B)) {
-    throw InputError(N == 2 ? "rigid fit: all points are in one place"
-                            : "rigid fit: the points lie on one line; move one of them off it");
-  }
+  if (!span_enough<N>(centred_A) || !span_enough<N>(centred_B))
+    throw InputError({N == 2 ? "all points are in one place" : "the points lie on one line",
+                      N == 2 ? "" : "move one of them off it", "rigid fit"});
   const SingularValues svd = singular_values(centred_B * centred_A.transpose());
   const Eigen::Matrix<double, N, N> U = svd.U, V = svd.V;
   Eigen::Vector<double, N> signs = Eigen::Vector<double, N>::Ones();

@@ -86,7 +86,7 @@ std::vector<Finding> examine_checksum(const std::filesystem::path& file) {
   if (!std::filesystem::exists(file)) return {};
   const auto change = later_change(file, read_file(file));
   if (!change) return {};
-  return {{Verdict::kFaulty, file.filename().string(), change->fault, change->remedy}};
+  return {faulty(file.filename().string(), *change)};
 }
 
 /// Says what the fit of the cell's error map says against it.
@@ -96,8 +96,9 @@ std::vector<Finding> examine_map(const CellSettings& cell) {
   try {
     const auto against = objection(read_map(cell.error_map).quality);
     if (!against) return {};
-    return {{Verdict::kFaulty, name, *against,
-             "record more places and fit again; planar-servo moves by it only with --accept-map"}};
+    return {faulty(
+        name, *against,
+        "record more places and fit again; planar-servo moves by it only with --accept-map")};
   } catch (const InputError& error) {
     return {{Verdict::kFaulty, name, error.what(), "make it anew with planar-fit-error-map"}};
   }
@@ -112,8 +113,7 @@ std::vector<Finding> examine_files(const CellSettings& cell) {
     if (reasons.empty() && file.role == Role::kErrorMap) reasons = examine_map(cell);
     for (const StaleFile& stale : all_stale)
       if (stale.path == file.path)
-        reasons.push_back({Verdict::kFaulty, file.path.filename().string(), stale.refusal.fault,
-                           stale.refusal.remedy});
+        reasons.push_back(faulty(file.path.filename().string(), stale.refusal));
     findings.push_back(examine_file(file, !reasons.empty()));
     findings.insert(findings.end(), reasons.begin(), reasons.end());
   }

@@ -167,10 +167,10 @@ std::vector<std::string> new_cell_drives() {
 void write_new_cell(const std::filesystem::path& path, const std::string& drives) {
   const DriveKind* const kind = kind_named(drives);
   if (kind == nullptr)
-    throw InputError(fmt::format("drives of kind '{}' are not known; name one of {}", drives,
-                                 fmt::join(new_cell_drives(), ", ")));
+    throw InputError({fmt::format("drives of kind '{}' are not known", drives),
+                      fmt::format("name one of {}", fmt::join(new_cell_drives(), ", "))});
   if (std::filesystem::exists(std::filesystem::symlink_status(path)))
-    throw InputError(path.string() + ": exists already; name another file or remove it first");
+    throw InputError({"exists already", "name another file or remove it first", path});
   require_writable(path, "cell");
   write_file(path, new_cell_text(*kind));
 }

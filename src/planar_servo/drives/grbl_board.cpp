@@ -178,11 +178,10 @@ void GrblBoard::find_board(const std::string& port, int baud) {
       return;
     }
   }
-  throw WorkError(Refusal{
-      otherwise.empty()
-          ? fmt::format("{} says nothing at {} baud", port, baud)
-          : fmt::format("{} says '{}' at {} baud, which is not Grbl's", port, otherwise, baud),
-      "give the board power, and correct `port` and `baud` in the cell file"});
+  throw WorkError({otherwise.empty() ? fmt::format("{} says nothing at {} baud", port, baud)
+                                     : fmt::format("{} says '{}' at {} baud, which is not Grbl's",
+                                                   port, otherwise, baud),
+                   "give the board power, and correct `port` and `baud` in the cell file"});
 }
 
 std::optional<grbl::Banner> GrblBoard::hear_banner(double timeout_s, std::string& otherwise) {

@@ -113,10 +113,10 @@ void GrblDrives::set_limits(const std::array<DriveLimits, 3>& limits) {
     const double speed = limits[i].speed_pulses_s, acceleration = limits[i].acceleration_pulses_s2;
     if (!(speed > 0.0 && speed <= kAllowedExcess * axis(i).speed_pulses_s) ||
         !(acceleration > 0.0 && acceleration <= kAllowedExcess * axis(i).acceleration_pulses_s2))
-      throw InputError(fmt::format(
-          "drive {} cannot keep {:g} pulses/s and {:g} pulses/s^2; its cell allows up to {:g} and "
-          "{:g}",
-          i + 1, speed, acceleration, axis(i).speed_pulses_s, axis(i).acceleration_pulses_s2));
+      throw InputError({fmt::format("drive {} cannot keep {:g} pulses/s and {:g} pulses/s^2", i + 1,
+                                    speed, acceleration),
+                        fmt::format("its cell allows up to {:g} and {:g}", axis(i).speed_pulses_s,
+                                    axis(i).acceleration_pulses_s2)});
   }
   for (std::size_t i = 0; i < 3; ++i) speeds_pulses_s_[i] = limits[i].speed_pulses_s;
 }

@@ -20,10 +20,7 @@ using Verdict = Finding::Verdict;
 
 constexpr const char* kSubject = "drives";
 
-Finding finding_of(const Refusal& refusal) {
-  return {Verdict::kFaulty, kSubject, refusal.fault,
-          refusal.remedy.empty() ? "see doc/drives.md" : refusal.remedy};
-}
+constexpr const char* kSeeDrives = "see doc/drives.md";
 
 constexpr Named<char> kAxes[] = {{'X', "X"}, {'Y', "Y"}, {'Z', "Z"}};
 /// A board at full speed needs this time to brake and keeps its reserve besides.
@@ -43,14 +40,14 @@ const GrblDetails& details_of(const DriveSettings& drive) {
 void check_line(Fields& drive, const GrblDetails& details) {
   const std::vector<int> bauds = SerialLine::bauds();
   drive.check(std::find(bauds.begin(), bauds.end(), details.baud) != bauds.end(),
-              fmt::format("baud is {}; one of {} is needed", details.baud, fmt::join(bauds, ", ")),
+              {fmt::format("baud is {}", details.baud),
+               fmt::format("one of {} is needed", fmt::join(bauds, ", "))},
               "baud");
-  drive.check(
-      grbl::keeps_pulses(details.pulses_per_mm),
-      fmt::format("pulses_per_mm is {:g}; it must divide 1000, such as 250, because Grbl counts "
-                  "thousandths of a millimetre and would lose pulses",
-                  details.pulses_per_mm),
-      "pulses_per_mm");
+  drive.check(grbl::keeps_pulses(details.pulses_per_mm),
+              {fmt::format("pulses_per_mm is {:g}", details.pulses_per_mm),
+               "it must divide 1000, such as 250, because Grbl counts thousandths of a millimetre "
+               "and would lose pulses"},
+              "pulses_per_mm");
 }
 
 /// Checks that a joint is another axis of the same board, and found as the other one.
@@ -58,20 +55,18 @@ void check_board(Fields& drive, const CellSettings& cell, std::size_t joint, std
   const GrblDetails& details = details_of(cell.drives[joint]);
   const GrblDetails& first = details_of(cell.drives[other]);
   drive.check(details.port == first.port && details.baud == first.baud,
-              fmt::format("drives[{}] has another port or baud than drives[{}]; the three joints "
-                          "are axes of one board",
-                          joint, other));
-  drive.check(
-      details.axis != first.axis,
-      fmt::format("drives[{}] is axis {} as drives[{}]; each joint needs an axis of its own", joint,
-                  details.axis, other));
+              {fmt::format("drives[{}] has another port or baud than drives[{}]", joint, other),
+               "the three joints are axes of one board"});
+  drive.check(details.axis != first.axis,
+              {fmt::format("drives[{}] is axis {} as drives[{}]", joint, details.axis, other),
+               "each joint needs an axis of its own"});
   const auto taught = [&](std::size_t i) {
     return cell.transmission.drives[i].home == HomeReference::kTaught;
   };
   drive.check(taught(joint) == taught(other),
-              fmt::format("drives[{}] and drives[{}] must both be taught or both have a home "
-                          "switch, because Grbl searches the switches of all axes",
-                          joint, other));
+              {fmt::format("drives[{}] and drives[{}] must both be taught or both have a home "
+                           "switch, because Grbl searches the switches of all axes",
+                           joint, other)});
 }
 
 /// Checks that a board whose program has died brings the motor to rest in time.
@@ -79,11 +74,11 @@ void check_braking(Fields& drive, const MotorDrive& motor) {
   const double braking_s = motor.max_speed_rad_s / motor.max_acceleration_rad_s2;
   drive.check(
       braking_s <= kLongestBraking_s * (1.0 + 1e-9),
-      fmt::format("max_speed_deg_s is {:g}; it may be at most {:g}, which is {:g} s of "
-                  "max_acceleration_deg_s2: a Grbl board runs on with what is queued when its "
-                  "program dies, and must rest within 0.2 s",
-                  motor.max_speed_rad_s / kDegree,
-                  kLongestBraking_s * motor.max_acceleration_rad_s2 / kDegree, kLongestBraking_s),
+      {fmt::format("max_speed_deg_s is {:g}", motor.max_speed_rad_s / kDegree),
+       fmt::format(
+           "it may be at most {:g}, which is {:g} s of max_acceleration_deg_s2: a Grbl board runs "
+           "on with what is queued when its program dies, and must rest within 0.2 s",
+           kLongestBraking_s * motor.max_acceleration_rad_s2 / kDegree, kLongestBraking_s)},
       "max_speed_deg_s");
 }
 
@@ -93,13 +88,13 @@ std::vector<Finding> examine_grbl(const GrblSettings& settings) {
   try {
     const GrblBoard board(settings.port, settings.baud);
     if (const auto unfit = grbl::unfitness(board.version(), board.settings(), settings))
-      return {finding_of(*unfit)};
+      return {faulty(kSubject, *unfit, kSeeDrives)};
     return {{Verdict::kWell, kSubject,
              fmt::format("{} at {}, its settings as the cell's; like after every opening, it is to "
                          "be homed before it moves",
                          board.version().version, settings.port)}};
   } catch (const WorkError& error) {
-    return {finding_of(error.refusal())};
+    return {faulty(kSubject, error.refusal(), kSeeDrives)};
   }
 }
 

@@ -32,8 +32,8 @@ constexpr unsigned kClearedByCommands = 1U << 1 | 1U << 5 | 1U << 6 | 1U << 7;
 
 std::uint32_t in_units(const char* what, double value, double lower, double upper, double units) {
   if (!(value >= lower && value <= upper))
-    throw InputError(
-        fmt::format("a Tic's {} is {} pulses; it can be from {} to {}", what, value, lower, upper));
+    throw InputError({fmt::format("a Tic's {} is {} pulses", what, value),
+                      fmt::format("it can be from {} to {}", lower, upper)});
   return static_cast<std::uint32_t>(std::llround(value * units));
 }
 

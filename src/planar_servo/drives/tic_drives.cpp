@@ -310,10 +310,9 @@ void TicDrives::start_homing(int joint_index, HomeDirection direction) {
               transfer_timeout_s_);
   if (!pins[0].error.empty()) throw DriveError(name(i) + ": " + pins[0].error);
   if (pins[0].data[0] == 0)
-    throw DriveError(
-        fmt::format("{} has no pin for its {} limit switch; set one in Pololu's Tic "
-                    "Control Center",
-                    name(i), forward ? "forward" : "reverse"));
+    throw DriveError({fmt::format("{} has no pin for its {} limit switch", name(i),
+                                  forward ? "forward" : "reverse"),
+                      "set one in Pololu's Tic Control Center"});
   joint.may_move = true;
   require({{i, Command::kGoHome, forward ? 1U : 0U}}, "look for its home switch");
   if (!read_until([&] { return joint.in_touch() && joint.last->homing(); }))

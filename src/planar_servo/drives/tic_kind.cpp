@@ -25,9 +25,7 @@ using Verdict = Finding::Verdict;
 
 Finding examine_tic(TicBus& bus, const std::string& subject, const std::string& serial) {
   const TicInspection tic = inspect_tic(bus, serial);
-  if (tic.refusal)
-    return {Verdict::kFaulty, subject, tic.refusal->fault,
-            tic.refusal->remedy.empty() ? "see doc/drives.md" : tic.refusal->remedy};
+  if (tic.refusal) return faulty(subject, *tic.refusal, "see doc/drives.md");
   const std::string what = fmt::format(
       "{} {} at {}, firmware {}, supply {:.1f} V", tic::product_name(tic.listing.product_id),
       serial, tic.listing.device, tic::firmware_name(tic.listing.firmware), tic.supply_v);
@@ -130,9 +128,9 @@ void TicKind::read(Fields& drive, CellSettings& cell, std::size_t joint) const {
   for (std::size_t i = 0; i < joint; ++i) {
     const bool same =
         cell.drives[i].kind == this && tic_settings(cell.drives[i]).serial == settings.serial;
-    drive.check(!same, fmt::format("drives[{}] has the serial number '{}' of drives[{}]; each "
-                                   "joint needs a drive of its own",
-                                   joint, settings.serial, i));
+    drive.check(!same, {fmt::format("drives[{}] has the serial number '{}' of drives[{}]", joint,
+                                    settings.serial, i),
+                        "each joint needs a drive of its own"});
   }
   drive.number("command_timeout_ms", settings.command_timeout_s, kMillisecond,
                Range::from_to(kMinCommandTimeout_ms, kMaxCommandTimeout_ms));

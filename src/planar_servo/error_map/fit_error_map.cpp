@@ -53,9 +53,9 @@ MethodFit fit_many(const MapSites& sites, const Progress& progress) {
 void require_dense(const MapSites& sites, MapMethod method) {
   if (sites.size() <= kMostDense) return;
   throw InputError(
-      fmt::format("the pairs have {} distinct positions; the method {} takes at most {}; leave "
-                  "some out, or use auto",
-                  sites.size(), name_in(kMapMethods, method), kMostDense));
+      {fmt::format("the pairs have {} distinct positions; the method {} takes at most {}",
+                   sites.size(), name_in(kMapMethods, method), kMostDense),
+       "leave some out, or use auto"});
 }
 
 MethodFit fit_weighted(const MapSites& sites) {
@@ -70,10 +70,9 @@ MethodFit fit_weighted(const MapSites& sites) {
 }
 
 MethodFit fit_by_hand(const MapSites& sites, double width) {
-  if (!(std::isfinite(width) && width > 0.0)) {
+  if (!(std::isfinite(width) && width > 0.0))
     throw InputError(
-        fmt::format("the map's width is {} mm; it must be a positive number", mm(width)));
-  }
+        {fmt::format("the map's width is {} mm", mm(width)), "it must be a positive number"});
   RbfFit fit = fit_hand_width(sites, width);
   Eigen::VectorXd sigmas = sigmas_of(fit);
   return {std::move(fit.map),

@@ -3,7 +3,8 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <optional>
-#include <string>
+
+#include "planar_servo/core/error.h"
 
 namespace planar {
 
@@ -20,6 +21,6 @@ int components_within_95(const Eigen::Vector2d& miss, const Eigen::Vector2d& sig
 /// Says why no arm should move by a map; empty where nothing speaks against it. A share within the
 /// stated 95 % speaks against it when it is below 80 % and chance makes it so in less than one of a
 /// thousand maps that reach 80 %.
-std::optional<std::string> objection(const MapQuality& quality);
+std::optional<Refusal> objection(const MapQuality& quality);
 
 }  // namespace planar

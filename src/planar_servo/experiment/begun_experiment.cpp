@@ -66,10 +66,9 @@ void require_same_making(const fs::path& file, const nlohmann::json& begun,
       differences.push_back(fmt::format("{} {}, now {}", item.key(), before, after));
   }
   if (differences.empty()) return;
-  throw InputError(fmt::format(
-      "{}: was begun with another cell or other options: {}; give the same ones to go on, or name "
-      "another folder",
-      file.string(), fmt::join(differences, "; ")));
+  throw InputError({fmt::format("was begun with another cell or other options: {}",
+                                fmt::join(differences, "; ")),
+                    "give the same ones to go on, or name another folder", file});
 }
 
 void begin_experiment(const ExperimentRequest& request) {
@@ -77,15 +76,15 @@ void begin_experiment(const ExperimentRequest& request) {
   const nlohmann::json now = making_of_experiment(request);
   if (!fs::exists(file)) {
     if (fs::exists(request.out / "recording") || fs::exists(request.out / "rows.jsonl"))
-      throw InputError(request.out.string() +
-                       ": holds a recording or a campaign already; name another folder");
+      throw InputError(
+          {"holds a recording or a campaign already", "name another folder", request.out});
     make_folder(request.out);
     return write_file(file, with_format_key("experiment_begun", now.dump(2)));
   }
   nlohmann::json begun = nlohmann::json::parse(read_file(file), nullptr, false);
   if (!begun.is_object())
-    throw InputError(file.string() +
-                     ": does not say what the experiment was begun with; name another folder");
+    throw InputError(
+        {"does not say what the experiment was begun with", "name another folder", file});
   begun.erase("format");
   require_same_making(file, begun, now);
 }

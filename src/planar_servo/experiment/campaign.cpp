@@ -37,10 +37,11 @@ nlohmann::json run_drawn_cell(const ExperimentRequest& request, std::uint32_t se
 void require_same_lamps(const CellSettings& cell, const Truth& truth, const char* kind) {
   const bool drawn = !truth.reference_lamps.empty();
   if (drawn != cell.reference_lamps.empty()) return;
-  throw InputError(fmt::format(
-      "{0}: names {1} reference_lamps, while cells of the kind {2} have {3}; give the cell.yaml "
-      "that planar-virtual-cell draw --like {2} writes",
-      cell.file.string(), drawn ? "no" : "some", kind, drawn ? "some" : "none"));
+  throw InputError(
+      {fmt::format("names {} reference_lamps, while cells of the kind {} have {}",
+                   drawn ? "no" : "some", kind, drawn ? "some" : "none"),
+       fmt::format("give the cell.yaml that planar-virtual-cell draw --like {} writes", kind),
+       cell.file});
 }
 
 /// Throws unless a drawn cell has about the links and the sensor that the cell file states.
@@ -52,14 +53,14 @@ void require_same_machine(const CellSettings& cell, const Truth& drawn) {
   if ((links_m - stated_m).norm() < kAbout * stated_m.norm() &&
       (2.0 * drawn.camera.center_px - sensor_px).norm() < kAbout * sensor_px.norm())
     return;
-  throw InputError(fmt::format(
-      "{}: states links of {:.0f} and {:.0f} mm and a sensor of {} x {} px; the cells that --seeds "
-      "draws have links of about {:.0f} and {:.0f} mm and a sensor of about {:.0f} x {:.0f} px; "
-      "give a cell.yaml such as planar-virtual-cell draw writes",
-      cell.file.string(), stated_m[0] / kMillimetre, stated_m[1] / kMillimetre,
-      cell.camera.width_px, cell.camera.height_px, links_m[0] / kMillimetre,
-      links_m[1] / kMillimetre, 2.0 * drawn.camera.center_px.x(),
-      2.0 * drawn.camera.center_px.y()));
+  throw InputError(
+      {fmt::format("states links of {:.0f} and {:.0f} mm and a sensor of {} x {} px; the cells "
+                   "that --seeds draws have links of about {:.0f} and {:.0f} mm and a sensor of "
+                   "about {:.0f} x {:.0f} px",
+                   stated_m[0] / kMillimetre, stated_m[1] / kMillimetre, cell.camera.width_px,
+                   cell.camera.height_px, links_m[0] / kMillimetre, links_m[1] / kMillimetre,
+                   2.0 * drawn.camera.center_px.x(), 2.0 * drawn.camera.center_px.y()),
+       "give a cell.yaml such as planar-virtual-cell draw writes", cell.file});
 }
 
 }  // namespace
@@ -79,15 +80,15 @@ std::vector<nlohmann::json> work_through(
 std::vector<nlohmann::json> run_campaign(const ExperimentRequest& request, const SeedRange& seeds,
                                          DrawTruth draw) {
   if (!request.cell.camera.kind->is_virtual())
-    throw InputError(request.cell.file.string() +
-                     ": is no virtual cell; --seeds draws cells, which only a virtual one can "
-                     "stand for");
+    throw InputError({"is no virtual cell",
+                      "--seeds draws cells, which only a virtual one can stand for",
+                      request.cell.file});
   const Truth first = draw(seeds.first);
   require_same_lamps(request.cell, first, name_in(kCellKinds, draw));
   require_same_machine(request.cell, first);
   if (fs::exists(request.out / "recording"))
-    throw InputError(request.out.string() +
-                     ": holds a single experiment; name another folder for the campaign");
+    throw InputError(
+        {"holds a single experiment", "name another folder for the campaign", request.out});
   make_folder(request.out);
   nlohmann::json making = making_of_campaign(request);
   making["like"] = name_in(kCellKinds, draw);

@@ -43,8 +43,9 @@ std::string line_of(const nlohmann::json& json) {
 Claims::Claims(const std::filesystem::path& file)
     : path_(file), file_(open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666)) {
   if (file_ < 0)
-    throw InputError(file.string() + ": cannot be opened to read and write: " +
-                     std::generic_category().message(errno) + "; name a place where you may write");
+    throw InputError(
+        {"cannot be opened to read and write: " + std::generic_category().message(errno),
+         "name a place where you may write", file});
 }
 
 Claims::~Claims() {
@@ -55,9 +56,9 @@ Claim Claims::claim(std::uint64_t piece, bool waits) {
   const int fault = set_lock(file_, piece, F_WRLCK, waits);
   if (fault == EAGAIN || fault == EACCES) return nullptr;
   if (fault != 0)
-    throw InputError(path_.string() +
-                     ": its file system has no locks, by which programs share work (" +
-                     std::generic_category().message(fault) + "); name a place on another one");
+    throw InputError({"its file system has no locks, by which programs share work (" +
+                          std::generic_category().message(fault) + ")",
+                      "name a place on another one", path_});
   return {this, [file = file_, piece](const void*) { set_lock(file, piece, F_UNLCK, false); }};
 }
 
@@ -75,9 +76,9 @@ CampaignRows::CampaignRows(const std::filesystem::path& file, const nlohmann::js
     if (!first.is_object() || first.value("format", "") != kRowFormat ||
         !first.contains("made_with"))
       throw InputError(
-          fmt::format("{}: does not begin as the rows of a campaign do, with the format {}; "
-                      "name another folder",
-                      file_.string(), kRowFormat));
+          {fmt::format("does not begin as the rows of a campaign do, with the format {}",
+                       kRowFormat),
+           "name another folder", file_});
     require_same_making(file_, first["made_with"], made_with);
   }
   read_new_rows();
@@ -112,10 +113,9 @@ void CampaignRows::read_new_rows() {
 void CampaignRows::take_line(const std::string& line) {
   nlohmann::json row = nlohmann::json::parse(line, nullptr, false);
   if (!row.is_object() || !row.contains("seed") || !row["seed"].is_number_unsigned())
-    throw InputError(
-        fmt::format("{}:{}: is no row of a campaign, an object of JSON with the number 'seed'; "
-                    "remove the line to have its seed run again",
-                    file_.string(), lines_));
+    throw InputError({"is no row of a campaign, an object of JSON with the number 'seed'",
+                      "remove the line to have its seed run again",
+                      fmt::format("{}:{}", file_.string(), lines_)});
   const auto seed = row["seed"].get<std::uint32_t>();
   rows_.emplace(seed, std::move(row));
 }

@@ -113,9 +113,10 @@ double take_out_turn(std::vector<TargetResult>& results) {
 void require_judge(const ExperimentRequest& request) {
   require_judging_tracker(request.cell);
   if (!request.uses_tracker)
-    throw InputError(request.cell.file.string() +
-                     ": --train 0 is for virtual cells, whose truth judges it; give a cell that "
-                     "its tracker judges readings to learn from, such as --train 40");
+    throw InputError(
+        {"--train 0 is for virtual cells, whose truth judges it",
+         "give a cell that its tracker judges readings to learn from, such as --train 40",
+         request.cell.file});
 }
 
 /// Records what is missing of the plan, unless the loop has begun: nothing may join the recording
@@ -221,9 +222,9 @@ ExperimentReport run_experiment(const ExperimentRequest& request, CellDevices& d
 PositioningPrediction predict_experiment(const ExperimentRequest& request) {
   const fs::path recording = request.out / "recording";
   if (!fs::exists(recording))
-    throw InputError(recording.string() +
-                     ": does not exist; --predict needs a recording there, of an experiment or of "
-                     "planar-record");
+    throw InputError({"does not exist",
+                      "--predict needs a recording there, of an experiment or of planar-record",
+                      recording});
   ChainSettings settings = our_settings(request);
   settings.name = "prediction";
   const CalibratedChain chain = calibrate_chain(

@@ -32,9 +32,9 @@ constexpr double kPaperImprovementMean = 0.864;                       // of the 
 
 [[noreturn]] void refuse_empty_circle(int radius_mm) {
   throw WorkError(
-      fmt::format("no place on the circle of radius {} mm has both lamps and a tracker "
-                  "reading; lamps.csv says why",
-                  radius_mm));
+      {fmt::format("no place on the circle of radius {} mm has both lamps and a tracker reading",
+                   radius_mm),
+       "lamps.csv says why"});
 }
 
 constexpr double kNotPrinted = std::numeric_limits<double>::quiet_NaN();

@@ -317,18 +317,19 @@ JointFit fit_what_agrees(const ArmModel& model, const JointPriors& priors, const
     if (!leave_out_worst(*fit, selection)) return std::move(*fit);
     if (5 * selection.left_out.size() <= n) continue;
     const bool lamps = selection.samples.front().lamps_seen;
-    throw InputError(fmt::format(
-        "{} of {} {} disagree with the others, but at most 20 % may; are {}readings and commanded "
-        "joints of one recording{}?",
-        selection.left_out.size(), n, lamps ? "poses" : "readings", lamps ? "pictures, " : "",
-        lamps ? ", and did the arm keep its position" : ""));
+    throw InputError({fmt::format("{} of {} {} disagree with the others, but at most 20 % may",
+                                  selection.left_out.size(), n, lamps ? "poses" : "readings"),
+                      fmt::format("are {}readings and commanded joints of one recording{}?",
+                                  lamps ? "pictures, " : "",
+                                  lamps ? ", and did the arm keep its position" : "")});
   }
 }
 
 void check(const std::vector<PoseSample>& samples) {
   if (samples.size() < kFewestPoses)
-    throw InputError(fmt::format("{} poses are too few to tell arm and camera apart; {} are needed",
-                                 samples.size(), kFewestPoses));
+    throw InputError(
+        {fmt::format("{} poses are too few to tell arm and camera apart", samples.size()),
+         fmt::format("{} are needed", kFewestPoses)});
   const auto is_deviation = [](double sigma) { return std::isfinite(sigma) && sigma > 0.0; };
   for (const PoseSample& sample : samples) {
     const bool finite = sample.motors.allFinite() && sample.lamps_B[0].allFinite() &&
@@ -346,7 +347,7 @@ void check(const std::vector<PoseSample>& samples) {
 
 void require_turned(const LaidDots& board) {
   if (board.lays.empty()) return;
-  if (const std::string doubt = doubt_of_turns(board); !doubt.empty()) throw InputError(doubt);
+  if (const auto doubt = doubt_of_turns(board)) throw InputError(*doubt);
 }
 
 }  // namespace

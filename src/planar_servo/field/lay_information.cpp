@@ -161,7 +161,7 @@ LayInformation lay_information(const LaidDots& board, const FieldBasis& basis, d
   return told;
 }
 
-std::string doubt_of_turns(const LaidDots& board) {
+std::optional<Refusal> doubt_of_turns(const LaidDots& board) {
   // A pattern that is turned by half a turn has the same aspect and shear, so turns count twice.
   constexpr double kLeastSpread = 10.0 * kDegree;
   std::complex<double> sum;
@@ -171,7 +171,7 @@ std::string doubt_of_turns(const LaidDots& board) {
     const double turn = std::atan2(pose.linear()(1, 0), pose.linear()(0, 0));
     sum += std::polar(1.0 / static_cast<double>(board.lays.size()), 2.0 * turn);
   }
-  if (std::abs(sum) < std::cos(2.0 * kLeastSpread)) return "";
+  if (std::abs(sum) < std::cos(2.0 * kLeastSpread)) return std::nullopt;
   const std::string what =
       board.lays.size() == 1
           ? "there is one lay of the board; it"
@@ -179,9 +179,8 @@ std::string doubt_of_turns(const LaidDots& board) {
                 "the {} lays of the board are only shifted, all turned by nearly the same "
                 "angle; they",
                 board.lays.size());
-  return "lays: " + what +
-         " cannot tell a pattern that is printed askew from a picture that is bent; lay the board "
-         "at other turns, too, some of them by 45 to 90 degrees";
+  return Refusal{what + " cannot tell a pattern that is printed askew from a picture that is bent",
+                 "lay the board at other turns, too, some of them by 45 to 90 degrees", "lays"};
 }
 
 }  // namespace planar

@@ -2,9 +2,11 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "planar_servo/core/error.h"
 #include "planar_servo/field/field_basis.h"
 
 namespace planar {
@@ -46,6 +48,6 @@ LayInformation lay_information(const LaidDots& board, const FieldBasis& basis, d
 
 /// Says why these lays cannot tell the field's shape by themselves; empty when they can. Lays that
 /// are only shifted cannot tell a board whose rows are not square from a field that stretches.
-std::string doubt_of_turns(const LaidDots& board);
+std::optional<Refusal> doubt_of_turns(const LaidDots& board);
 
 }  // namespace planar

@@ -96,7 +96,7 @@ void list_learned_arm(Fields& fields, LearnedArm& learned) {
   if (!list_lower_triangle(fields, "covariance", covariance, learned.arm.x.size())) return;
   covariance = Eigen::MatrixXd(covariance.selfadjointView<Eigen::Lower>());
   fields.check((covariance.diagonal().array() >= 0.0).all(),
-               "covariance has a diagonal element below 0", "covariance");
+               {"covariance has a diagonal element below 0"}, "covariance");
 }
 
 }  // namespace

@@ -102,7 +102,7 @@ void check_count(YamlReader& reader, std::size_t count, const std::string& model
   const bool without_k3 = model == "plumb_bob" && count == 4;
   const bool without_tilt = model == "opencv_14" && count == 12;
   reader.check(count == 0 || count == all || without_k3 || without_tilt,
-               fmt::format("lens model {} has {} coefficients, not {}", model, all, count),
+               {fmt::format("lens model {} has {} coefficients, not {}", model, all, count)},
                "distortion_coefficients");
 }
 
@@ -122,7 +122,7 @@ CameraRecord read_camera_yaml(const std::filesystem::path& path) {
   try {
     record.camera = make_camera_model(model, {K[0], K[4], K[2], K[5]}, coefficients);
   } catch (const InputError& error) {
-    reader.check(false, error.what(), "camera_matrix");
+    reader.check(false, error.refusal(), "camera_matrix");
   }
   reader.throw_if_faulty();
   return record;
@@ -135,10 +135,10 @@ bool is_opencv_storage(const std::string& text) {
 const char* opencv_model_of(std::size_t coefficients, YamlReader& reader) {
   if (coefficients == 8) return "rational_polynomial";
   if (coefficients == 12 || coefficients == 14) return "opencv_14";
-  reader.check(
-      coefficients == 4 || coefficients == 5,
-      fmt::format("has {} distortion coefficients; 4, 5, 8, 12 or 14 can be used", coefficients),
-      "distortion_coefficients");
+  reader.check(coefficients == 4 || coefficients == 5,
+               {fmt::format("has {} distortion coefficients", coefficients),
+                "4, 5, 8, 12 or 14 can be used"},
+               "distortion_coefficients");
   return "plumb_bob";
 }
 
@@ -160,7 +160,7 @@ CameraRecord read_camera_opencv(const std::filesystem::path& path) {
   try {
     record.camera = make_camera_model(model, {K[0], K[4], K[2], K[5]}, coefficients);
   } catch (const InputError& e) {
-    throw InputError(path.string() + ": " + e.what());
+    throw InputError(e.refusal().at(path));
   }
   return record;
 }
@@ -171,8 +171,8 @@ std::string opencv_text(const CameraRecord& record) {
   const std::string model = lens_model_name(record.camera);
   if (model != "pinhole" && model != "plumb_bob" && model != "rational_polynomial" &&
       model != "opencv_14")
-    throw InputError("OpenCV's file has no model " + model +
-                     "; write it to a file named .yaml or .xml");
+    throw InputError(
+        {"OpenCV's file has no model " + model, "write it to a file named .yaml or .xml"});
   const Intrinsics k = intrinsics(record.camera);
   cv::FileStorage file(".yml", cv::FileStorage::WRITE | cv::FileStorage::MEMORY);
   file << "image_width" << record.width_px << "image_height" << record.height_px;
@@ -227,22 +227,22 @@ CameraRecord read_camera_xml(const std::filesystem::path& path) {
       if (parser.parse(found, path.string(), name, model) != 0) continue;
       return record_from(parser, found);
     } catch (const vpException& e) {
-      throw InputError(path.string() + ": " + e.getMessage());
+      throw InputError({e.getMessage(), "", path});
     } catch (const InputError& e) {
-      throw InputError(path.string() + ": " + e.what());
+      throw InputError(e.refusal().at(path));
     }
   }
-  throw InputError(path.string() + ": is not a ViSP camera file with a perspective camera");
+  throw InputError({"is not a ViSP camera file with a perspective camera", "", path});
 }
 
 /// Returns the text of a file in the form of ViSP's vpXmlParserCamera. Throws InputError for a
 /// model other than pinhole and visp.
 std::string camera_xml(const CameraRecord& record, const std::string& camera_name) {
   const auto* const distorted = record.camera.as<VispModel>();
-  if (!distorted && !record.camera.as<Pinhole>()) {
-    throw InputError("a ViSP camera file holds the models pinhole and visp, not " +
-                     lens_model_name(record.camera) + "; write a .yaml file");
-  }
+  if (!distorted && !record.camera.as<Pinhole>())
+    throw InputError({"a ViSP camera file holds the models pinhole and visp, not " +
+                          lens_model_name(record.camera),
+                      "write a .yaml file"});
   const Intrinsics k = intrinsics(record.camera);
   std::string model = fmt::format(
       "      <type>{}</type>\n      <px>{}</px>\n      <py>{}</py>\n      <u0>{}</u0>\n"
@@ -250,7 +250,8 @@ std::string camera_xml(const CameraRecord& record, const std::string& camera_nam
       distorted ? "perspectiveProjWithDistortion" : "perspectiveProjWithoutDistortion", k.fx, k.fy,
       k.cx, k.cy);
   if (distorted) {
-    model += fmt::format("      <kud>{}</kud>\n      <kdu>{}</kdu>\n", distorted->kud, distorted->kdu);
+    model +=
+        fmt::format("      <kud>{}</kud>\n      <kdu>{}</kdu>\n", distorted->kud, distorted->kdu);
   }
   return fmt::format(
       "<?xml version=\"1.0\"?>\n{}<root>\n  <camera>\n    <name>{}</name>\n"
@@ -270,9 +271,8 @@ CameraRecord read_camera(const std::filesystem::path& path) {
 void require_camera_name(const std::filesystem::path& path) {
   for (const char* extension : {"", ".yaml", ".xml", ".yml"})
     if (path.extension() == extension) return;
-  throw InputError(path.string() +
-                   ": a camera file is named .yaml, .xml (for ViSP) or .yml (for OpenCV); its name "
-                   "says how it is written");
+  throw InputError({"a camera file is named .yaml, .xml (for ViSP) or .yml (for OpenCV)",
+                    "its name says how it is written", path});
 }
 
 void write_camera(const std::filesystem::path& path, const CameraCalibration& calibration,
@@ -282,10 +282,9 @@ void write_camera(const std::filesystem::path& path, const CameraCalibration& ca
   if (path.extension() == ".xml") return write_file(path, camera_xml(record, name));
   if (path.extension() == ".yml") return write_file(path, opencv_text(record));
   require_camera_name(path);
-  if (calibration.camera.as<VispModel>()) {
-    throw InputError(path.string() +
-                     ": a camera_info file has no model visp; write it to a file named .xml");
-  }
+  if (calibration.camera.as<VispModel>())
+    throw InputError(
+        {"a camera_info file has no model visp", "write it to a file named .xml", path});
   write_file(path, camera_yaml(calibration, name, program, inputs));
 }
 
@@ -304,12 +303,12 @@ std::vector<Eigen::Vector2d> read_board_pixels(const std::filesystem::path& path
     if (fields >> pixel.x() >> pixel.y() && !(fields >> rest)) {
       pixels.push_back(pixel);
     } else {
-      faults.add(
-          fmt::format("{}:{}: is '{}'; two numbers u v are needed", path.string(), number, line));
+      faults.add({fmt::format("is '{}'", line), "two numbers u v are needed",
+                  fmt::format("{}:{}", path.string(), number)});
     }
   }
   if (pixels.empty() && faults.empty())
-    faults.add(path.string() + ": has no points; lines of two numbers u v are needed");
+    faults.add({"has no points", "lines of two numbers u v are needed", path});
   faults.throw_if_any();
   return pixels;
 }

@@ -78,12 +78,11 @@ void read_joints(Fields& fields, TransmissionSettings& transmission) {
   if (!read) return;
   for (std::size_t i = 0; i < transmission.limits_rad.size(); ++i) {
     const Eigen::Vector2d& limits = transmission.limits_rad[i];
-    fields.check(
-        limits.x() < limits.y(),
-        fmt::format("arm.joint_limits_deg[{}] is [{:g}, {:g}]; the lower limit must be below the "
-                    "upper one",
-                    i, limits.x() / kDegree, limits.y() / kDegree),
-        "joint_limits_deg");
+    fields.check(limits.x() < limits.y(),
+                 {fmt::format("arm.joint_limits_deg[{}] is [{:g}, {:g}]", i, limits.x() / kDegree,
+                              limits.y() / kDegree),
+                  "the lower limit must be below the upper one"},
+                 "joint_limits_deg");
   }
 }
 
@@ -127,7 +126,7 @@ void read_workspace(Fields& fields, Workspace& workspace) {
   const bool upper =
       fields.number("radius_max_mm", workspace.radius_max_m, kMillimetre, Range::positive());
   fields.check(!lower || !upper || workspace.radius_min_m < workspace.radius_max_m,
-               "workspace.radius_min_mm must be below radius_max_mm");
+               {"workspace.radius_min_mm must be below radius_max_mm"});
   fields.maps("keep_out", workspace.keep_out, [&](KeepOut& circle) {
     fields.number("x_mm", circle.p_B.x(), kMillimetre);
     fields.number("y_mm", circle.p_B.y(), kMillimetre);
@@ -156,13 +155,14 @@ void read_reference_lamps(Fields& fields, std::vector<ReferenceLampLayout>& lamp
   std::set<std::string> ids;
   fields.maps(key, lamps, [&](ReferenceLampLayout& lamp) {
     read_reference_lamp(fields, lamp);
-    fields.check(ids.insert(lamp.id).second,
-                 fmt::format("{} has the id '{}' twice; each lamp needs its own", key, lamp.id));
+    fields.check(ids.insert(lamp.id).second, {fmt::format("{} has the id '{}' twice", key, lamp.id),
+                                              "each lamp needs its own"});
   });
   fields.check(lamps.size() >= kLeast,
-               fmt::format("{} names {}; at least {} are needed, or a lamp that was knocked cannot "
-                           "be told from a camera that moved",
-                           key, lamps.size(), kLeast),
+               {fmt::format("{} names {}", key, lamps.size()),
+                fmt::format("at least {} are needed, or a lamp that was knocked cannot be told "
+                            "from a camera that moved",
+                            kLeast)},
                key);
 }
 
@@ -223,7 +223,7 @@ void read_fields(Fields& fields, CellSettings& cell, const DeviceKinds& kinds) {
   if (fields.given("arm_learned", true))
     read_file_name(fields, "arm_learned", cell, cell.arm_learned.emplace());
   fields.check(!cell.arm_learned || cell.arm_found,
-               "arm_learned needs arm_found, which it learns from", "arm_learned");
+               {"arm_learned needs arm_found, which it learns from"}, "arm_learned");
   if (fields.given("virtual", true)) read_file_name(fields, "virtual", cell, cell.truth.emplace());
 }
 
@@ -252,7 +252,7 @@ CellSettings read_cell(const std::filesystem::path& path, const DeviceKinds& kin
 const std::filesystem::path& require_made(const std::filesystem::path& path,
                                           const std::string& program) {
   if (!std::filesystem::exists(path))
-    throw InputError(path.string() + ": does not exist yet; make it with " + program);
+    throw InputError({"does not exist yet", "make it with " + program, path});
   return path;
 }
 

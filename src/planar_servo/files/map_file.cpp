@@ -44,7 +44,7 @@ void list_height(Fields& fields, LampField& field) {
   list_wave(fields, field);
   fields.number("reach_m", field.height_form.reach, 1.0, Range::positive());
   fields.numbers("p_camera_B_m", field.p_camera_B);
-  fields.check(field.p_camera_B.z() > 0.0, "p_camera_B_m has a height that is not positive",
+  fields.check(field.p_camera_B.z() > 0.0, {"p_camera_B_m has a height that is not positive"},
                "p_camera_B_m");
 }
 
@@ -121,8 +121,8 @@ void list_fields(Fields& fields, RbfParameters& parameters) {
   const auto size = list_shared(fields, parameters);
   if (size)  // its equations are a matrix of so many rows and columns
     fields.check(*size <= kMostDense,
-                 fmt::format("centers_m has {} points; a map of this method has at most {}", *size,
-                             kMostDense),
+                 {fmt::format("centers_m has {} points", *size),
+                  fmt::format("a map of this method has at most {}", kMostDense)},
                  "centers_m");
   list_counts(fields, parameters.counts, size);
   list_points(fields, "weights_m", parameters.weights, size);
@@ -136,7 +136,7 @@ void list_fields(Fields& fields, SparseRbfParameters& parameters) {
   const Eigen::Index terms = size.value_or(0) + parameters.tail_basis.terms();
   if (list_lower_triangle(fields, "factor", parameters.factor, terms))
     fields.check((parameters.factor.diagonal().array() > 0.0).all(),
-                 "factor has a diagonal element that is not positive", "factor");
+                 {"factor has a diagonal element that is not positive"}, "factor");
 }
 
 /// Adds each term of the cell with its standard deviation.
@@ -245,7 +245,7 @@ MapRecord read_map(const std::filesystem::path& path) {
     if (method == kLampFieldMethod) return {read_lamp_field(reader), quality};
     return {read_map(reader, value_named(kMapKinds, method).value()), quality};
   } catch (const WorkError& e) {
-    throw InputError(path.string() + ": " + e.what());
+    throw InputError(e.refusal().at(path));
   }
 }
 

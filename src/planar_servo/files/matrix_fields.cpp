@@ -26,13 +26,15 @@ bool list_points(Fields& fields, const std::string& key, Eigen::Matrix2Xd& point
 void list_points(Fields& fields, const std::string& key, Eigen::Matrix2Xd& points,
                  std::optional<Eigen::Index> size) {
   if (list_points(fields, key, points) && size)
-    fields.check(points.cols() == *size,
-                 fmt::format("{} has {} points; {} are needed", key, points.cols(), *size), key);
+    fields.check(
+        points.cols() == *size,
+        {fmt::format("{} has {} points", key, points.cols()), fmt::format("{} are needed", *size)},
+        key);
 }
 
 std::optional<Eigen::Index> list_centers(Fields& fields, Eigen::Matrix2Xd& centers) {
   if (!list_points(fields, "centers_m", centers)) return std::nullopt;
-  fields.check(centers.cols() > 0, "centers_m has no points", "centers_m");
+  fields.check(centers.cols() > 0, {"centers_m has no points"}, "centers_m");
   return centers.cols();
 }
 
@@ -64,7 +66,9 @@ void list_columns(Fields& fields, const std::string& key, Eigen::MatrixXd& matri
   if (!fields.numbers(key, values, 0) || !fields.reading()) return;
   const auto n = static_cast<Eigen::Index>(values.size());
   if (fields.check(rows > 0 && n % rows == 0,
-                   fmt::format("{} has {} numbers; a multiple of {} is needed", key, n, rows), key))
+                   {fmt::format("{} has {} numbers", key, n),
+                    fmt::format("a multiple of {} is needed", rows)},
+                   key))
     matrix = Eigen::Map<const Eigen::MatrixXd>(values.data(), rows, n / rows);
 }
 

@@ -59,7 +59,7 @@ void list_covariance(Fields& fields, const std::vector<std::string>& variables,
   for (int i = 0; i < kSize; ++i) covariance.row(i) = rows[i];
   fields.check(
       covariance.isApprox(covariance.transpose()) && (covariance.diagonal().array() >= 0.0).all(),
-      "covariance must be symmetric, with variances of 0 or more on its diagonal", "covariance");
+      {"covariance must be symmetric, with variances of 0 or more on its diagonal"}, "covariance");
 }
 
 }  // namespace planar

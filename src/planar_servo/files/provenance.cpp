@@ -81,9 +81,9 @@ std::string digits(const Origin& origin) {
 
 Refusal contradiction(const MadeFile& file, const Origin& origin, const std::string& other,
                       const Origin& differs) {
-  return {fmt::format("{}: was made with {} {}, {} is {}", file.path.string(), origin.name,
-                      digits(origin), other, digits(differs)),
-          fmt::format("run {} again", remedy(file.role, origin.role))};
+  return {fmt::format("was made with {} {}, {} is {}", origin.name, digits(origin), other,
+                      digits(differs)),
+          fmt::format("run {} again", remedy(file.role, origin.role)), file.path};
 }
 
 Origin block(Role role, const CellSettings& cell, const char* key, const std::string& content) {
@@ -267,7 +267,7 @@ std::vector<StaleFile> stale_files(const CellSettings& cell, bool with_error_map
 
 void require_belonging(const std::vector<StaleFile>& stale) {
   Faults faults;
-  for (const StaleFile& file : stale) faults.add(file.refusal.text());
+  for (const StaleFile& file : stale) faults.add(file.refusal);
   faults.throw_if_any();
 }
 

@@ -23,7 +23,7 @@ void require_files(const CellSettings& cell, bool with_error_map) {
     try {
       require_made(file.path, program_for(file.role));
     } catch (const InputError& e) {
-      faults.add(e.what());
+      faults.add(e.refusal());
     }
   }
   faults.throw_if_any();
@@ -43,11 +43,13 @@ CameraModel read_cell_camera(const CellSettings& cell) {
   const CameraRecord record =
       read_camera(require_made(cell.camera_model, "planar-calibrate-camera"));
   if (record.width_px != cell.camera.width_px || record.height_px != cell.camera.height_px)
-    throw InputError(fmt::format(
-        "{}: was made for a camera with {} x {} px, but the cell's has {} x {} px; name the file "
-        "of the cell's camera in the cell file, or make it with planar-calibrate-camera",
-        cell.camera_model.string(), record.width_px, record.height_px, cell.camera.width_px,
-        cell.camera.height_px));
+    throw InputError(
+        {fmt::format("was made for a camera with {} x {} px, but the cell's has {} x {} px",
+                     record.width_px, record.height_px, cell.camera.width_px,
+                     cell.camera.height_px),
+         "name the file of the cell's camera in the cell file, or make it with "
+         "planar-calibrate-camera",
+         cell.camera_model});
   return record.camera;
 }
 
@@ -55,11 +57,12 @@ VisionCalibration read_vision(const CellSettings& cell, bool with_error_map) {
   require_files(cell, with_error_map);
   VisionCalibration vision = read_cell_workplane(cell);
   if (!cell.reference_lamps.empty() && vision.reference_lamps.empty())
-    throw InputError(fmt::format(
-        "{}: knows none of the {} reference lamps that the cell file names, so a camera that moves "
-        "would not be noticed; make it of a recording that shows them, with planar-record, "
-        "planar-locate-lamps and planar-pair-tracker",
-        cell.workplane.string(), cell.reference_lamps.size()));
+    throw InputError({fmt::format("knows none of the {} reference lamps that the cell file names, "
+                                  "so a camera that moves would not be noticed",
+                                  cell.reference_lamps.size()),
+                      "make it of a recording that shows them, with planar-record, "
+                      "planar-locate-lamps and planar-pair-tracker",
+                      cell.workplane});
   vision.tool = read_tool(cell.tool);
   if (!with_error_map) return vision;
   MapRecord record = read_map(cell.error_map);

@@ -37,7 +37,7 @@ void list_reference_lamps(Fields& fields, std::vector<ReferenceLamp>& lamps) {
 void list_fields(Fields& fields, WorkplaneRecord& record) {
   fields.map("X_WC", [&] {
     fields.check(!list_pose(fields, record.X_WC) || looks_down(record.X_WC),
-                 "X_WC must be that of a camera above the plane that looks down on it");
+                 {"X_WC must be that of a camera above the plane that looks down on it"});
   });
   Eigen::Matrix<double, 6, 6> in_file = in_length_unit(record.covariance, kMillimetre);
   list_covariance(fields, {"x_mm", "y_mm", "z_mm", "turn_x_rad", "turn_y_rad", "turn_z_rad"},

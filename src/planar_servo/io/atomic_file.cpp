@@ -84,12 +84,10 @@ void require_kind(const fs::path& path, std::string_view kind) {
   if (!fs::is_regular_file(path, error) || fs::file_size(path, error) == 0) return;
   const std::string present = kind_of_file(path);
   if (!present.empty() && present == kind) return;
-  throw InputError(
-      fmt::format("{}: is {}, which this output would replace; name another file, or remove that "
-                  "one",
-                  path.string(),
-                  present.empty() ? "a file of another program or of a person"
-                                  : "a file of planar-servo/" + present));
+  throw InputError({fmt::format("is {}, which this output would replace",
+                                present.empty() ? "a file of another program or of a person"
+                                                : "a file of planar-servo/" + present),
+                    "name another file, or remove that one", path});
 }
 
 }  // namespace
@@ -97,9 +95,8 @@ void require_kind(const fs::path& path, std::string_view kind) {
 void require_no_link(const fs::path& path) {
   std::error_code error;
   if (!fs::is_symlink(path, error) || is_device_or_pipe(path)) return;
-  throw InputError(path.string() +
-                   ": is a link, through which nothing is written; name the file "
-                   "itself, or remove the link");
+  throw InputError({"is a link, through which nothing is written",
+                    "name the file itself, or remove the link", path});
 }
 
 void write_file(const fs::path& path, std::string_view text) {
@@ -111,9 +108,10 @@ void write_file(const fs::path& path, std::string_view text) {
   require_kind(path, kind_of_text(text));
   if (!write_whole(temporary, text, in_place)) {
     if (!in_place) fs::remove(temporary, error);
-    throw WorkError(path.string() +
-                    ": cannot be written; make sure that the folder exists, that you may write "
-                    "there and that the disk is not full");
+    throw WorkError(
+        {"cannot be written",
+         "make sure that the folder exists, that you may write there and that the disk is not full",
+         path});
   }
   if (in_place) return;
   fs::rename(temporary, path, error);
@@ -121,15 +119,15 @@ void write_file(const fs::path& path, std::string_view text) {
   const std::string reason =
       (error ? error : std::error_code(errno, std::generic_category())).message();
   fs::remove(temporary, error);
-  throw WorkError(path.string() + ": cannot be put in place: " + reason);
+  throw WorkError({"cannot be put in place: " + reason, "", path});
 }
 
 std::ifstream open_file(const fs::path& path) {
   std::error_code error;
   if (fs::is_directory(path, error))
-    throw InputError(path.string() + ": is a folder; a file is needed here");
+    throw InputError({"is a folder", "a file is needed here", path});
   std::ifstream in(path, std::ios::binary);
-  if (!in) throw InputError(path.string() + ": cannot be read; check the name and the permissions");
+  if (!in) throw InputError({"cannot be read", "check the name and the permissions", path});
   spdlog::debug(fmt::format("reading {}", path.string()));
   return in;
 }
@@ -143,14 +141,14 @@ std::string read_file(const fs::path& path) {
 void require_not_input(const fs::path& output, const fs::path& input) {
   std::error_code error;
   if (fs::exists(output, error) && fs::equivalent(output, input, error))
-    throw InputError(output.string() + ": is an input of this program; name another output");
+    throw InputError({"is an input of this program", "name another output", output});
 }
 
 void require_own_names(const std::vector<fs::path>& outputs) {
   std::set<fs::path> files;
   for (const fs::path& output : outputs)
     if (!output.empty() && !files.insert(fs::weakly_canonical(fs::absolute(output))).second)
-      throw InputError(output.string() + ": two outputs have this name; give each its own");
+      throw InputError({"two outputs have this name", "give each its own", output});
 }
 
 void require_writable(const fs::path& output, std::string_view kind) {
@@ -161,13 +159,13 @@ void require_writable(const fs::path& output, std::string_view kind) {
   const fs::path folder = folder_of(output);
   std::error_code error;
   if (fs::is_directory(output, error))
-    throw InputError(output.string() + ": is a folder; name the file to write");
+    throw InputError({"is a folder", "name the file to write", output});
   if (!fs::is_directory(folder, error))
-    throw InputError(output.string() + ": cannot be written: there is no folder '" +
-                     folder.string() + "'; make it or name another place");
+    throw InputError({"cannot be written: there is no folder '" + folder.string() + "'",
+                      "make it or name another place", output});
   if (access(is_device_or_pipe(output) ? output.c_str() : folder.c_str(), W_OK) != 0)
-    throw InputError(output.string() + ": cannot be written: you may not write in '" +
-                     folder.string() + "'; name another place");
+    throw InputError({"cannot be written: you may not write in '" + folder.string() + "'",
+                      "name another place", output});
 }
 
 }  // namespace planar

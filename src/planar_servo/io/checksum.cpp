@@ -58,14 +58,14 @@ std::optional<Refusal> later_change(const std::filesystem::path& path, const std
   const std::optional<std::string> written = value_of(text, kChecksum);
   if (!written || *written == checksum_of(text)) return std::nullopt;
   return Refusal{
-      path.string() +
-          ": was changed after it had been written: its checksum is not that of its content",
-      "make it again, or, where the change is meant, run planar-doctor --seal " + path.string()};
+      "was changed after it had been written: its checksum is not that of its content",
+      "make it again, or, where the change is meant, run planar-doctor --seal " + path.string(),
+      path};
 }
 
 void require_unchanged(const std::filesystem::path& path, const std::string& text) {
   const std::string_view kind = kind_of_text(text);
-  if (const auto change = later_change(path, text)) throw InputError(change->text());
+  if (const auto change = later_change(path, text)) throw InputError(*change);
   if (!value_of(text, kChecksum) && (kind.empty() || has_checksum(kind)))
     spdlog::info(fmt::format("{}: has no checksum; a change of it goes unseen", path.string()));
 }
@@ -73,10 +73,10 @@ void require_unchanged(const std::filesystem::path& path, const std::string& tex
 bool seal_by_hand(const std::filesystem::path& path) {
   const std::string text = read_file(path);
   if (text.rfind("format: ", 0) != 0 || !has_checksum(kind_of_text(text)))
-    throw InputError(fmt::format(
-        "{}: is no calibration file, which begins with the line 'format: planar-servo/KIND/1' of a "
-        "KIND among {}; only these have a checksum",
-        path.string(), fmt::join(kSealedKinds, ", ")));
+    throw InputError({fmt::format("is no calibration file, which begins with the line 'format: "
+                                  "planar-servo/KIND/1' of a KIND among {}",
+                                  fmt::join(kSealedKinds, ", ")),
+                      "only these have a checksum", path});
   if (value_of(text, kChecksum) == checksum_of(text)) return false;
   write_file(path, with_checksum(with_line(text, kByHand, utc_now())));
   return true;

@@ -8,7 +8,8 @@ namespace planar {
 
 void Columns::refuse(std::string_view column, const std::string& word,
                      const std::vector<std::string>& allowed) {
-  check(false, fmt::format("{} is '{}'; allowed are {}", column, word, fmt::join(allowed, ", ")));
+  check(false, {fmt::format("{} is '{}'", column, word),
+                fmt::format("allowed are {}", fmt::join(allowed, ", "))});
 }
 
 void Columns::point(std::string_view x, std::string_view y, Eigen::Vector2d& field, double unit,
@@ -31,7 +32,7 @@ void Columns::optional_point(std::string_view x, std::string_view y,
   field.reset();
   if (field_x && field_y) field = Eigen::Vector2d(*field_x, *field_y);
   check(field_x.has_value() == field_y.has_value(),
-        fmt::format("{} is ''; a finite number is needed", field_x ? y : x));
+        {fmt::format("{} is ''", field_x ? y : x), "a finite number is needed"});
 }
 
 void ColumnNames::add(std::string_view column, Column need) {
@@ -75,8 +76,8 @@ void ColumnReader::optional_number(std::string_view column, std::optional<double
   if (field) *field *= unit;
 }
 
-void ColumnReader::check(bool kept, const std::string& message) {
-  if (!kept) table_.add_fault(message);
+void ColumnReader::check(bool kept, const Refusal& refusal) {
+  if (!kept) table_.add_fault(refusal);
 }
 
 void LineWriter::add(std::string_view field) {

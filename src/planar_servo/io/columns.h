@@ -69,8 +69,8 @@ class Columns {
   void optional_point(std::string_view x, std::string_view y, std::optional<Eigen::Vector2d>& field,
                       double unit, Digits digits, Column need);
 
-  /// When reading, adds the fault `message` to the row unless its rule was `kept`.
-  virtual void check(bool kept, const std::string& message) = 0;
+  /// When reading, adds the refusal to the row's faults unless its rule was `kept`.
+  virtual void check(bool kept, const Refusal& refusal) = 0;
 
  private:
   void refuse(std::string_view column, const std::string& word,
@@ -106,7 +106,7 @@ class ColumnNames : public Columns {
   void whole_number(std::string_view column, int& field) override;
   void optional_number(std::string_view column, std::optional<double>& field, double unit,
                        Digits digits, Column need) override;
-  void check(bool /*kept*/, const std::string& /*message*/) override {}
+  void check(bool /*kept*/, const Refusal& /*refusal*/) override {}
 
   const std::vector<std::string>& all() const { return all_; }
   const std::vector<std::string>& required() const { return required_; }
@@ -130,7 +130,7 @@ class ColumnReader : public Columns {
   void whole_number(std::string_view column, int& field) override;
   void optional_number(std::string_view column, std::optional<double>& field, double unit,
                        Digits digits, Column need) override;
-  void check(bool kept, const std::string& message) override;
+  void check(bool kept, const Refusal& refusal) override;
 
  private:
   CsvTable& table_;
@@ -145,7 +145,7 @@ class LineWriter : public Columns {
   void whole_number(std::string_view column, int& field) override;
   void optional_number(std::string_view column, std::optional<double>& field, double unit,
                        Digits digits, Column need) override;
-  void check(bool /*kept*/, const std::string& /*message*/) override {}
+  void check(bool /*kept*/, const Refusal& /*refusal*/) override {}
 
   /// Returns the line with its line end.
   std::string line() const { return line_ + '\n'; }

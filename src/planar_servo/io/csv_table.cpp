@@ -24,9 +24,11 @@ std::size_t closing_quote(std::string_view text, std::size_t begin) {
 
 constexpr std::string_view kFormatMark = "# format: ";
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
-constexpr char kUnended[] =
-    "the last line does not end with a newline, so that digits may be missing; end it if it is "
-    "whole";
+
+Refusal no_line_end() {
+  return {"the last line does not end with a newline, so that digits may be missing",
+          "end it if it is whole"};
+}
 
 std::string format_name(const std::string& kind) {
   return "planar-servo/" + kind + "/1";
@@ -136,17 +138,18 @@ bool CsvTable::take_line(std::string_view line, int line_number) {
   if (starts_with(line_, kFormatMark) && !has_header()) {
     const std::string_view format = trimmed(std::string_view(line_).substr(kFormatMark.size()));
     if (format != format_)
-      throw InputError(fmt::format("{}:{}: is of format '{}'; '{}' is needed here",
-                                   source_.string(), line_number, format, format_));
+      throw InputError({fmt::format("is of format '{}'", format),
+                        fmt::format("'{}' is needed here", format_), row()});
   }
   if (line_.empty() || is_comment(line_)) return false;
   if (!split_line()) return false;
   if (!has_header()) {
-    read_header(line_number);
+    read_header();
     return false;
   }
   if (fields_.size() != columns_.size()) {
-    add_fault(fmt::format("has {} fields; the header has {}", fields_.size(), columns_.size()));
+    add_fault({fmt::format("has {} fields", fields_.size()),
+               fmt::format("the header has {}", columns_.size())});
     return false;
   }
   has_rows_ = true;
@@ -161,10 +164,8 @@ bool CsvTable::split_line() {
     const CsvField field = take_field(rest, dialect_.separator);
     is_last = field.is_last;
     if (!field.is_closed) {
-      add_fault(fmt::format(
-          "field {} begins with a quote; another quote must end it, and quotes within it must be "
-          "doubled",
-          fields_.size() + 1));
+      add_fault({fmt::format("field {} begins with a quote", fields_.size() + 1),
+                 "another quote must end it, and quotes within it must be doubled"});
       return false;
     }
     fields_.push_back(field.is_quoted ? without_doubled_quotes(field.text) : field.text);
@@ -185,13 +186,13 @@ std::string_view CsvTable::without_doubled_quotes(std::string_view text) {
   return std::string_view(unquoted_).substr(begin);
 }
 
-void CsvTable::read_header(int line_number) {
+void CsvTable::read_header() {
   std::map<std::string_view, std::string_view> ours;
   for (const auto& [our_name, their_name] : dialect_.renamed_columns) {
     if (std::find(fields_.begin(), fields_.end(), their_name) == fields_.end())
-      throw InputError(fmt::format("{}:{}: there is no column '{}' to be read as {}; there are {}",
-                                   source_.string(), line_number, their_name, our_name,
-                                   fmt::join(fields_, ", ")));
+      throw InputError(
+          {fmt::format("there is no column '{}' to be read as {}", their_name, our_name),
+           fmt::format("there are {}", fmt::join(fields_, ", ")), row()});
     ours[their_name] = our_name;
   }
   std::vector<std::string> columns;
@@ -199,8 +200,8 @@ void CsvTable::read_header(int line_number) {
     const auto renamed = ours.find(name);
     const std::string column(renamed == ours.end() ? name : renamed->second);
     if (std::find(columns.begin(), columns.end(), column) != columns.end())
-      throw InputError(fmt::format("{}:{}: the column '{}' stands twice in the header",
-                                   source_.string(), line_number, column));
+      throw InputError(
+          {fmt::format("the column '{}' stands twice in the header", column), "", row()});
     columns.push_back(column);
   }
   std::vector<std::string> missing;
@@ -211,9 +212,10 @@ void CsvTable::read_header(int line_number) {
     const std::string hint =
         columns.size() > 1 ? ""
                            : fmt::format(" (what separates columns is '{}')", dialect_.separator);
-    throw InputError(fmt::format("{}: lacks the column{} {}; needed are {}; it has {}{}",
-                                 source_.string(), missing.size() > 1 ? "s" : "", joined(missing),
-                                 required_columns(), joined(columns), hint));
+    throw InputError(
+        {fmt::format("lacks the column{} {}", missing.size() > 1 ? "s" : "", joined(missing)),
+         fmt::format("needed are {}; it has {}{}", required_columns(), joined(columns), hint),
+         source_});
   }
   columns_ = std::move(columns);
 }
@@ -241,7 +243,7 @@ double CsvTable::number(std::string_view column) {
   } else {
     value = finite_number(field);
   }
-  if (!value) add_fault(fmt::format("{} is '{}'; a finite number is needed", column, field));
+  if (!value) add_fault({fmt::format("{} is '{}'", column, field), "a finite number is needed"});
   return value.value_or(0.0);
 }
 
@@ -255,28 +257,28 @@ int CsvTable::whole_number(std::string_view column) {
   int value = 0;
   const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value);
   if (error == std::errc() && end == field.data() + field.size()) return value;
-  add_fault(fmt::format("{} is '{}'; a whole number is needed", column, field));
+  add_fault({fmt::format("{} is '{}'", column, field), "a whole number is needed"});
   return 0;
 }
 
 void CsvTable::require_id_not_in(const std::set<std::string>& taken) {
   const std::string id(text("id"));
   if (id.empty())
-    add_fault("id is empty; every row needs one");
+    add_fault({"id is empty", "every row needs one"});
   else if (taken.count(id) != 0)
-    add_fault(fmt::format("the id '{}' stands twice; ids must differ", id));
+    add_fault({fmt::format("the id '{}' stands twice", id), "ids must differ"});
 }
 
-std::string CsvTable::at_row(const std::string& message) const {
-  return fmt::format("{}:{}: {}", source_.string(), line_number_, message);
+std::string CsvTable::row() const {
+  return fmt::format("{}:{}", source_.string(), line_number_);
 }
 
-void CsvTable::add_fault(const std::string& message) {
-  faults_.add(at_row(message));
+void CsvTable::add_fault(const Refusal& refusal) {
+  faults_.add(refusal.at(row()));
 }
 
 void CsvTable::refuse_torn_row() {
-  add_fault(kUnended);
+  add_fault(no_line_end());
 }
 
 void CsvTable::throw_if_faulty() {
@@ -285,7 +287,7 @@ void CsvTable::throw_if_faulty() {
 
 void CsvTable::throw_if_faulty_or_empty(const std::string& remedy) {
   throw_if_faulty();
-  if (!has_rows_) throw InputError(source_.string() + ": has no rows; " + remedy);
+  if (!has_rows_) throw InputError({"has no rows", remedy, source_});
 }
 
 CsvFile::CsvFile(const std::filesystem::path& path, const std::string& kind,
@@ -294,8 +296,9 @@ CsvFile::CsvFile(const std::filesystem::path& path, const std::string& kind,
     : CsvTable(path, kind, required, dialect), in_(open_file(path)), unended_(unended) {
   while (!has_header()) {
     if (!next_line())
-      throw InputError(fmt::format("{}: is empty; a header line with the columns {} is needed",
-                                   path.string(), required_columns()));
+      throw InputError(
+          {"is empty",
+           fmt::format("a header line with the columns {} is needed", required_columns()), path});
     take_line(buffer_, line_begin_);
     throw_if_faulty();
   }
@@ -314,13 +317,13 @@ void CsvFile::question_unended_row() {
   if (unended_ == UnendedRow::kRefused)
     refuse_torn_row();
   else
-    spdlog::warn(at_row(kUnended));
+    spdlog::warn(no_line_end().at(row()).text());
 }
 
 bool CsvFile::next_line() {
   line_begin_ = ++lines_;
   if (!std::getline(in_, buffer_)) {
-    if (in_.bad()) throw InputError(source().string() + ": cannot be read to its end");
+    if (in_.bad()) throw InputError({"cannot be read to its end", "", source()});
     return false;
   }
   if (buffer_.find('"') == std::string::npos || is_comment(buffer_)) return true;

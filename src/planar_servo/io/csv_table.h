@@ -93,26 +93,26 @@ class CsvTable {
   int whole_number(std::string_view column);
   /// Adds a fault when the field `id` is empty or one of `taken`.
   void require_id_not_in(const std::set<std::string>& taken);
-  /// Adds the fault `FILE:LINE: message`.
-  void add_fault(const std::string& message);
+  /// Adds a fault of the row, at FILE:LINE.
+  void add_fault(const Refusal& refusal);
   /// Adds a fault: the row has no line end, so that its last number may lack digits.
   void refuse_torn_row();
 
   /// Throws InputError with the faults so far, if there are any, and forgets them.
   void throw_if_faulty();
-  /// Does what throw_if_faulty() does, and also throws InputError when there was no row. That
-  /// message ends with `remedy`.
+  /// Does what throw_if_faulty() does, and also throws InputError with this remedy when there was
+  /// no row.
   void throw_if_faulty_or_empty(const std::string& remedy = "at least one is needed");
 
  protected:
   const std::filesystem::path& source() const { return source_; }
   char separator() const { return dialect_.separator; }
   std::string required_columns() const;
-  /// Returns `FILE:LINE: message` for the current row.
-  std::string at_row(const std::string& message) const;
+  /// Returns FILE:LINE of the current row.
+  std::string row() const;
 
  private:
-  void read_header(int line_number);
+  void read_header();
   /// Splits line_ into fields_. When a quoted field does not end, adds a fault and returns false.
   bool split_line();
   std::string_view without_doubled_quotes(std::string_view text);

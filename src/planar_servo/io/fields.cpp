@@ -65,7 +65,7 @@ bool list_pose(Fields& fields, Pose& pose) {
   bool read = fields.numbers("translation_mm", translation, kMillimetre);
   read = fields.numbers("quaternion_wxyz", wxyz) &&
          fields.check(std::abs(wxyz.norm() - 1.0) <= kRounding,
-                      "quaternion_wxyz must have length 1", "quaternion_wxyz") &&
+                      {"quaternion_wxyz must have length 1"}, "quaternion_wxyz") &&
          read;
   if (!fields.reading() || !read) return read;
   pose.translation() = translation;

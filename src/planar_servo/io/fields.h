@@ -8,6 +8,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "planar_servo/core/error.h"
 #include "planar_servo/core/names.h"
 #include "planar_servo/core/pose.h"
 #include "planar_servo/io/range.h"
@@ -111,10 +112,10 @@ class Fields {
   /// which ones it may have.
   virtual void allow_rest() = 0;
 
-  /// Checks a rule on several fields. When reading, adds the fault `message` unless the rule is
-  /// `kept`. The fault stands at the value of `key` or, without a key, at the map that is being
+  /// Checks a rule on several fields. When reading, adds the refusal to the faults unless the rule
+  /// is `kept`. It stands at the value of `key` or, without a key, at the map that is being
   /// visited. Returns `kept`.
-  virtual bool check(bool kept, const std::string& message, const std::string& key = "") = 0;
+  virtual bool check(bool kept, const Refusal& refusal, const std::string& key = "") = 0;
 
  protected:
   // The reader and the writer implement the following. Numbers are in the units of the file, and a

@@ -16,13 +16,13 @@ namespace planar {
 FolderLock::FolderLock(const std::filesystem::path& folder)
     : descriptor_(open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
   if (descriptor_ < 0)
-    throw InputError(folder.string() + ": cannot be opened: " +
-                     std::generic_category().message(errno) + "; name a folder that you may read");
+    throw InputError({"cannot be opened: " + std::generic_category().message(errno),
+                      "name a folder that you may read", folder});
   // A file system without locks is used as it is.
   if (flock(descriptor_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;
   close(descriptor_);
-  throw InputError(folder.string() +
-                   ": another program writes there now; wait until it ends or name another folder");
+  throw InputError(
+      {"another program writes there now", "wait until it ends or name another folder", folder});
 }
 
 FolderLock::~FolderLock() {
@@ -39,8 +39,7 @@ bool ends_with_line(const fs::path& path) {
 }
 
 [[noreturn]] void refuse_table(const fs::path& path) {
-  throw InputError(path.string() +
-                   ": holds something else already; move it away, or name another file");
+  throw InputError({"holds something else already", "move it away, or name another file", path});
 }
 
 /// Throws unless the file begins with the header's first line and has its last, the columns.
@@ -57,7 +56,7 @@ void require_growable(const fs::path& path) {
   require_no_link(path);
   if (!fs::exists(path)) return require_writable(path, {});
   if (!std::ofstream(path, std::ios::app))
-    throw InputError(path.string() + ": cannot be added to; a file that you may write is needed");
+    throw InputError({"cannot be added to", "a file that you may write is needed", path});
 }
 
 void drop_torn_line(const fs::path& path, const std::string& header) {
@@ -70,8 +69,7 @@ void drop_torn_line(const fs::path& path, const std::string& header) {
   std::error_code error;
   fs::resize_file(path, whole, error);
   if (error)
-    throw InputError(path.string() +
-                     ": its last line is torn and cannot be cut off: " + error.message());
+    throw InputError({"its last line is torn and cannot be cut off: " + error.message(), "", path});
 }
 
 void require_header(const fs::path& path, const std::string& header) {
@@ -87,7 +85,7 @@ GrowingFile::GrowingFile(fs::path path, const std::string& header) : path_(std::
 void GrowingFile::append(const std::string& lines, Durability durability) {
   const int file = open(path_.c_str(), O_WRONLY | O_APPEND | O_NOFOLLOW | O_CLOEXEC);
   if (file < 0 || !write_and_close(file, lines, durability))
-    throw WorkError(path_.string() + ": cannot be written; is the disk full?");
+    throw WorkError({"cannot be written", "is the disk full?", path_});
 }
 
 void GrowingFile::remove() {
@@ -102,8 +100,8 @@ void make_folder(const fs::path& path) {
   if (!fs::exists(above, error)) make_folder(above);
   if (fs::create_directory(path, error)) sync_folder(above);
   if (error)
-    throw InputError(path.string() + ": cannot be made: " + error.message() +
-                     "; name a folder where you may write");
+    throw InputError(
+        {"cannot be made: " + error.message(), "name a folder where you may write", path});
 }
 
 }  // namespace planar

@@ -25,15 +25,20 @@ std::string moderate_text(const std::filesystem::path& path) {
   std::error_code error;
   const double size_MB = static_cast<double>(std::filesystem::file_size(path, error)) / 1e6;
   if (error || size_MB <= kMost_MB) return read_file(path);
-  throw InputError(fmt::format(
-      "{}: has {:.1f} MB; {:g} MB are the most, because reading takes 140 times as much "
-      "memory; make a map of fewer places",
-      path.string(), size_MB, kMost_MB));
+  throw InputError(
+      {fmt::format(
+           "has {:.1f} MB; {:g} MB are the most, because reading takes 140 times as much memory",
+           size_MB, kMost_MB),
+       "make a map of fewer places", path});
 }
 
 std::string shown(const YAML::Node& node) {
   if (node.IsNull()) return "empty";
   return node.IsScalar() ? "'" + node.Scalar() + "'" : node.IsMap() ? "a map" : "a list";
+}
+
+std::string shown(const std::filesystem::path& path, const YAML::Mark& mark) {
+  return fmt::format("{}:{}:{}", path.string(), mark.line + 1, mark.column + 1);
 }
 
 std::string name_in_map(const std::string& map, const std::string& key) {
@@ -52,12 +57,11 @@ YAML::Node map_in(const std::filesystem::path& path, const std::string& text) {
   try {
     root.reset(YAML::Load(text));
   } catch (const YAML::Exception& e) {
-    throw InputError(fmt::format("{}:{}:{}: is not YAML: {}", path.string(), e.mark.line + 1,
-                                 e.mark.column + 1, e.msg));
+    throw InputError({"is not YAML: " + e.msg, "", shown(path, e.mark)});
   }
   if (root.IsMap()) return root;
-  throw InputError(fmt::format("{}: is {}; a YAML map of keys is needed", path.string(),
-                               text.empty() ? "empty" : "not a map"));
+  throw InputError(
+      {text.empty() ? "is empty" : "is not a map", "a YAML map of keys is needed", path});
 }
 
 void require_format(const std::filesystem::path& path, const YAML::Node& root,
@@ -65,9 +69,8 @@ void require_format(const std::filesystem::path& path, const YAML::Node& root,
   const std::string format = "planar-servo/" + kind + "/1";
   const YAML::Node found = root["format"];
   if (found.IsDefined() && found.IsScalar() && found.Scalar() == format) return;
-  throw InputError(fmt::format("{}:1:1: is {}; it needs the line 'format: {}'", path.string(),
-                               found.IsDefined() ? "of format " + shown(found) : "without a format",
-                               format));
+  throw InputError({found.IsDefined() ? "is of format " + shown(found) : "is without a format",
+                    fmt::format("it needs the line 'format: {}'", format), path.string() + ":1:1"});
 }
 
 }  // namespace
@@ -98,11 +101,11 @@ struct YamlReader::Impl {
   std::vector<Place> maps;                    // the last is being visited, the others contain it
   std::vector<Place> lists;
 
-  void add_fault(const YAML::Mark& mark, const std::string& message) {
-    faults.add(fmt::format("{}:{}:{}: {}", path.string(), mark.line + 1, mark.column + 1, message));
+  void add_fault(const YAML::Mark& mark, const Refusal& refusal) {
+    faults.add(refusal.at(shown(path, mark)));
   }
-  void fault(const Place& place, const std::string& message) {
-    if (place.present()) add_fault(place.node.Mark(), message);
+  void fault(const Place& place, const Refusal& refusal) {
+    if (place.present()) add_fault(place.node.Mark(), refusal);
   }
 
   VisitedMap& visit(const Place& map) {
@@ -128,11 +131,11 @@ struct YamlReader::Impl {
     const Place& map = maps.back();
     const std::string name = name_in_map(map.name, key);
     if (!is_in_map()) {
-      fault(map, fmt::format("{} is {}; a map of keys is needed", map.title(), shown(map.node)));
+      fault(map, {map.title() + " is " + shown(map.node), "a map of keys is needed"});
       return {YAML::Node(YAML::NodeType::Undefined), name};
     }
     Place value{find(key), name};
-    if (!value.present()) fault(map, fmt::format("{} lacks the key '{}'", map.title(), key));
+    if (!value.present()) fault(map, {fmt::format("{} lacks the key '{}'", map.title(), key)});
     return value;
   }
 
@@ -143,9 +146,9 @@ struct YamlReader::Impl {
     const YAML::Node& node = place.node;
     if (node.IsSequence() && (size == 0 || node.size() == size)) return true;
     fault(place,
-          fmt::format("{} is {}; a list{} is needed", place.title(),
-                      node.IsSequence() ? fmt::format("a list of {}", node.size()) : shown(node),
-                      needed));
+          {fmt::format("{} is {}", place.title(),
+                       node.IsSequence() ? fmt::format("a list of {}", node.size()) : shown(node)),
+           fmt::format("a list{} is needed", needed)});
     return false;
   }
 
@@ -159,9 +162,9 @@ struct YamlReader::Impl {
   std::optional<double> number(const YAML::Node& value, const Range& range, const Title& title) {
     const std::optional<double> found = finite_number(value);
     if (found && range.holds(*found)) return found;
-    add_fault(value.Mark(), fmt::format("{} is {}; {} is needed", title(),
-                                        found ? fmt::format("{}", *found) : shown(value),
-                                        found ? range.text() : "a finite number"));
+    add_fault(value.Mark(),
+              {fmt::format("{} is {}", title(), found ? fmt::format("{}", *found) : shown(value)),
+               (found ? range.text() : "a finite number") + " is needed"});
     return std::nullopt;
   }
 
@@ -187,7 +190,7 @@ struct YamlReader::Impl {
     const std::string needed = allowed.empty()
                                    ? "a text is needed"
                                    : fmt::format("allowed are {}", fmt::join(allowed, ", "));
-    fault(place, fmt::format("{} is {}; {}", place.title(), shown(node), needed));
+    fault(place, {place.title() + " is " + shown(node), needed});
     return std::nullopt;
   }
 
@@ -199,11 +202,12 @@ struct YamlReader::Impl {
         const std::string key = entry.first.Scalar();
         const std::string name = name_in_map(place, key);
         if (!seen.insert(key).second)
-          add_fault(entry.first.Mark(), fmt::format("the key '{}' stands twice", name));
+          add_fault(entry.first.Mark(), {fmt::format("the key '{}' stands twice", name)});
         if (strict && !map.any_key &&
             std::find(map.asked.begin(), map.asked.end(), key) == map.asked.end())
-          add_fault(entry.first.Mark(), fmt::format("unknown key '{}'; allowed are {}", name,
-                                                    fmt::join(map.asked, ", ")));
+          add_fault(entry.first.Mark(),
+                    {fmt::format("unknown key '{}'", name),
+                     fmt::format("allowed are {}", fmt::join(map.asked, ", "))});
       }
     }
   }
@@ -248,8 +252,8 @@ void YamlReader::allow_rest() {
   if (map.present()) impl_->visit(map).any_key = true;
 }
 
-bool YamlReader::check(bool kept, const std::string& message, const std::string& key) {
-  if (!kept) impl_->fault(key.empty() ? impl_->maps.back() : impl_->at(key), message);
+bool YamlReader::check(bool kept, const Refusal& refusal, const std::string& key) {
+  if (!kept) impl_->fault(key.empty() ? impl_->maps.back() : impl_->at(key), refusal);
   return kept;
 }
 

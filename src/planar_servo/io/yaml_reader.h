@@ -10,7 +10,7 @@
 namespace planar {
 
 /// Reads the fields that it visits from the keys of a YAML file. Every value that breaks a rule
-/// adds a fault `FILE:LINE:COLUMN: what is wrong; what is allowed`, so that one run names them all:
+/// adds a fault at FILE:LINE:COLUMN with what is allowed, so that one run names them all:
 ///
 ///     YamlReader reader(path, "truth");
 ///     list_fields(reader, truth);
@@ -35,7 +35,7 @@ class YamlReader : public Fields {
   bool reading() const override { return true; }
   bool given(const std::string& key, bool wanted = false) override;
   void allow_rest() override;
-  bool check(bool kept, const std::string& message, const std::string& key = "") override;
+  bool check(bool kept, const Refusal& refusal, const std::string& key = "") override;
 
  private:
   bool word(const std::string& key, std::string& field,

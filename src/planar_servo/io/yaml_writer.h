@@ -53,7 +53,7 @@ class YamlWriter : public Fields {
   bool reading() const override { return false; }
   bool given(const std::string& /*key*/, bool wanted) override { return wanted; }
   void allow_rest() override {}
-  bool check(bool kept, const std::string& /*message*/, const std::string& /*key*/) override {
+  bool check(bool kept, const Refusal& /*refusal*/, const std::string& /*key*/) override {
     return kept;
   }
 

@@ -23,8 +23,8 @@ std::string text_of(const std::filesystem::path& path) {
   if (!std::filesystem::exists(path)) return "";
   std::string text = read_file(path);
   if (!text.empty() && text.back() != '\n')
-    throw InputError(path.string() +
-                     ": the last line does not end with a newline; mend it or name another file");
+    throw InputError(
+        {"the last line does not end with a newline", "mend it or name another file", path});
   return text;
 }
 
@@ -40,19 +40,19 @@ std::set<std::string> ids_in(const std::filesystem::path& path) {
       if (const auto target = lines.next(line)) ids.insert(target->id);
     } catch (const InputError& e) {
       if (!lines.has_columns()) throw;
-      faults.add(e.what());
+      for (const Refusal& refusal : e.refusals()) faults.add(refusal);
     }
     if (lines.has_columns() && !had_columns &&
         split_fields(line) != std::vector<std::string_view>{"id", "x_mm", "y_mm", "phi_deg"})
       throw InputError(
-          fmt::format("{}:{}: the header is '{}'; targets can only be added below "
-                      "id,x_mm,y_mm,phi_deg; name another file",
-                      path.string(), lines.line(), line));
+          {fmt::format("the header is '{}'; targets can only be added below id,x_mm,y_mm,phi_deg",
+                       line),
+           "name another file", fmt::format("{}:{}", path.string(), lines.line())});
   }
   faults.throw_if_any();
   if (!whole.empty() && !lines.has_columns())
-    throw InputError(path.string() +
-                     ": has no header; write id,x_mm,y_mm,phi_deg there or name another file");
+    throw InputError(
+        {"has no header", "write id,x_mm,y_mm,phi_deg there or name another file", path});
   return ids;
 }
 
@@ -69,14 +69,15 @@ bool has_vision(const CellSettings& cell) {
 
 double number_of(const std::string& word, const std::string& what) {
   const auto value = finite_number(word);
-  if (!value) throw InputError(fmt::format("{} is '{}'; a finite number is needed", what, word));
+  if (!value)
+    throw InputError({fmt::format("{} is '{}'", what, word), "a finite number is needed"});
   return *value;
 }
 
 /// Returns the joint that a word names, counted from 0.
 int joint_of(const std::string& word) {
   if (word != "1" && word != "2" && word != "3")
-    throw InputError(fmt::format("the joint is '{}'; allowed are 1, 2, 3", word));
+    throw InputError({fmt::format("the joint is '{}'", word), "allowed are 1, 2, 3"});
   return word[0] - '1';
 }
 
@@ -88,9 +89,9 @@ TaughtTargets::TaughtTargets(std::filesystem::path path)
 }
 
 void TaughtTargets::append(const TargetRow& target) {
-  if (target.id.empty()) throw InputError("the id is empty; every target needs one");
+  if (target.id.empty()) throw InputError(Refusal{"the id is empty", "every target needs one"});
   if (ids_.count(target.id) != 0)
-    throw InputError(fmt::format("the id '{}' is taken; ids must differ", target.id));
+    throw InputError({fmt::format("the id '{}' is taken", target.id), "ids must differ"});
   // What a person has begun was read before and may begin otherwise than our own tables.
   const bool begun = std::filesystem::exists(path_) && !std::filesystem::is_empty(path_);
   GrowingFile(path_, begun ? "" : targets_header())
@@ -216,8 +217,8 @@ std::string JogConsole::move_y(const Words& words) {
 
 std::string JogConsole::move_by(const Eigen::Vector2d& step) {
   if (step.norm() > kMostStep)
-    throw InputError(fmt::format("a step of {:.3f} mm is too long; at most {:.0f} mm at a time",
-                                 mm(step.norm()), mm(kMostStep)));
+    throw InputError({fmt::format("a step of {:.3f} mm is too long", mm(step.norm())),
+                      fmt::format("at most {:.0f} mm at a time", mm(kMostStep))});
   const Joints near = robot_.commanded_joints();
   const PlanarArm& arm = planner_.arm();
   TipPose tip = arm.forward(near);
@@ -228,7 +229,7 @@ std::string JogConsole::move_by(const Eigen::Vector2d& step) {
 }
 
 std::string JogConsole::move_to(const Joints& theta) {
-  if (!enabled_) throw InputError("the drives are off; enable them first");
+  if (!enabled_) throw InputError(Refusal{"the drives are off", "enable them first"});
   if (const auto forbidden = refusal(theta)) throw InputError(*forbidden);
   FrameSource& camera = devices_.camera();
   PlanarRobot::Guard guard;  // stays empty after a loss of the camera: jogging goes on
@@ -287,7 +288,8 @@ std::string JogConsole::expose(const Words& words) {
 
 std::string JogConsole::teach(const Words& words) {
   if (!taught_)
-    throw InputError("there is no table to teach; start planar-jog with --teach targets.csv");
+    throw InputError(
+        Refusal{"there is no table to teach", "start planar-jog with --teach targets.csv"});
   const TipPose commanded = planner_.arm().forward(robot_.commanded_joints());
   if (!sensor_) {
     taught_->append({words[0], commanded.p, commanded.phi});

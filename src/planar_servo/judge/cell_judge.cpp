@@ -137,29 +137,28 @@ double TrackerJudge::common_sigma() const {
 }
 
 void require_judging_tracker(const CellSettings& cell) {
-  const auto refuse = [&](const std::string& why_and_remedy) {
-    throw InputError(fmt::format("{}: nobody can judge this cell, which has no virtual truth: {}",
-                                 cell.file.string(), why_and_remedy));
+  const auto refuse = [&](const std::string& why, const std::string& remedy) {
+    throw InputError(
+        {"nobody can judge this cell, which has no virtual truth: " + why, remedy, cell.file});
   };
   if (!cell.tracker.kind->measures())
-    refuse(
-        "tracker.source is none; set up the tracker and name its source (file, tcp or ask), see "
-        "doc/tracker.md");
+    refuse("tracker.source is none",
+           "set up the tracker and name its source (file, tcp or ask), see doc/tracker.md");
   if (cell.datum.size() < kLeastMonuments)
-    refuse(
-        fmt::format("datum has {} monument{}, but at least {} that are not on one line tie the "
-                    "tracker to the base; measure them and write them there",
-                    cell.datum.size(), cell.datum.size() == 1 ? "" : "s", kLeastMonuments));
+    refuse(fmt::format("datum has {} monument{}, but at least {} that are not on one line tie the "
+                       "tracker to the base",
+                       cell.datum.size(), cell.datum.size() == 1 ? "" : "s", kLeastMonuments),
+           "measure them and write them there");
 }
 
 JudgeKind judge_of(const CellSettings& cell, const ToolOffsets& tool) {
   if (cell.truth) return JudgeKind::kTruth;
   require_judging_tracker(cell);
   if (!tool.reflector_known)
-    throw InputError(fmt::format(
-        "{}: does not say where the reflector sits on the tool, so the tracker cannot judge the "
-        "end point; calibrate with the tracker (planar-record, planar-pair-tracker)",
-        cell.tool.string()));
+    throw InputError(
+        {"does not say where the reflector sits on the tool, so the tracker cannot judge the end "
+         "point",
+         "calibrate with the tracker (planar-record, planar-pair-tracker)", cell.tool});
   return JudgeKind::kTracker;
 }
 

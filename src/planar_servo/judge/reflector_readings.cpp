@@ -42,9 +42,9 @@ std::vector<MonumentSeen> ReflectorReadings::read_monuments(std::vector<Monument
   const std::size_t needed = std::min(kLeastMonuments, cell_.datum.size());
   if (read < needed)
     throw WorkError(
-        fmt::format("{} of {} monuments were read; at least {} tie the tracker to the "
-                    "base; read the others, too",
-                    read, cell_.datum.size(), needed));
+        {fmt::format("{} of {} monuments were read; at least {} tie the tracker to the base", read,
+                     cell_.datum.size(), needed),
+         "read the others, too"});
   return seen;
 }
 

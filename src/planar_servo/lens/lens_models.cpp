@@ -164,7 +164,7 @@ CameraModel make_camera_model(const std::string& lens_model, const Intrinsics& k
     if (lens_model == name) return sample.lens().with(k, coefficients);
     allowed += (allowed.empty() ? "" : ", ") + name;
   }
-  throw InputError("unknown lens model '" + lens_model + "'; allowed are " + allowed);
+  throw InputError({"unknown lens model '" + lens_model + "'", "allowed are " + allowed});
 }
 
 }  // namespace planar

@@ -60,15 +60,12 @@ void check_drives(const CellSettings& cell, Faults& faults) {
   const DriveKind* first = cell.drives[0].kind;
   for (const DriveSettings& drive : cell.drives) {
     if (drive.kind != first)
-      faults.add(
-          fmt::format("{}: drives have the kinds {} and {}; the three joints need drives of "
-                      "one kind",
-                      file, first->name(), drive.kind->name()));
+      faults.add({fmt::format("drives have the kinds {} and {}", first->name(), drive.kind->name()),
+                  "the three joints need drives of one kind", file});
     if (drive.kind->is_virtual() != cell.camera.kind->is_virtual())
-      faults.add(
-          fmt::format("{}: camera.source is {}, but drives have the kind {}; a virtual camera "
-                      "needs virtual drives, and a real one real drives",
-                      file, cell.camera.kind->name(), drive.kind->name()));
+      faults.add({fmt::format("camera.source is {}, but drives have the kind {}",
+                              cell.camera.kind->name(), drive.kind->name()),
+                  "a virtual camera needs virtual drives, and a real one real drives", file});
   }
 }
 
@@ -77,26 +74,22 @@ void check_drives(const CellSettings& cell, Faults& faults) {
 void require_devices(const CellSettings& cell) {
   Faults faults;
   const std::string file = cell.file.string();
-  const std::string refusal = cell.camera.kind->refusal();
-  if (!refusal.empty()) throw InputError(file + ": " + refusal);
+  if (const auto refusal = cell.camera.kind->refusal()) throw InputError(refusal->at(file));
   check_drives(cell, faults);
   const bool is_virtual = cell.camera.kind->is_virtual();
   if (cell.tracker.kind->is_virtual() && !is_virtual)
-    faults.add(
-        fmt::format("{}: tracker.source is {}, but camera.source is {}; a virtual tracker "
-                    "measures in a virtual cell only",
-                    file, cell.tracker.kind->name(), cell.camera.kind->name()));
+    faults.add({fmt::format("tracker.source is {}, but camera.source is {}",
+                            cell.tracker.kind->name(), cell.camera.kind->name()),
+                "a virtual tracker measures in a virtual cell only", file});
   if (is_virtual && !cell.truth)
-    faults.add(
-        fmt::format("{}: lacks the key 'virtual'; a virtual cell needs its truth file", file));
+    faults.add({"lacks the key 'virtual'", "a virtual cell needs its truth file", file});
   faults.throw_if_any();
 }
 
 std::unique_ptr<CellDevices> open_cell(const CellSettings& cell) {
   require_devices(cell);
   for (const Finding& doubt : question_values(cell))
-    spdlog::warn(
-        fmt::format("{}: {}: {}; {}", cell.file.string(), doubt.subject, doubt.what, doubt.remedy));
+    spdlog::warn(Refusal{doubt.what, doubt.remedy, doubt.subject}.at(cell.file).text());
   std::shared_ptr<VirtualCell> world;
   if (cell.camera.kind->is_virtual())
     world = std::make_shared<VirtualCell>(read_truth(*cell.truth), virtual_hardware(cell));

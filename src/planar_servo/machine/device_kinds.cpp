@@ -105,11 +105,11 @@ class NoTrackerKind final : public TrackerKind {
 class FilesKind final : public CameraKind {
  public:
   std::string name() const override { return "files"; }
-  std::string refusal() const override { return std::string(kNoCamera) + "; " + kRemedy; }
+  std::optional<Refusal> refusal() const override { return Refusal{kNoCamera, kRemedy}; }
   /// Throws InputError with the refusal.
   std::shared_ptr<FrameSource> open(const CellSettings& cell,
                                     const World& /*world*/) const override {
-    throw InputError(cell.file.string() + ": " + refusal());
+    throw InputError(refusal()->at(cell.file));
   }
   std::vector<Finding> examine(const CellSettings& /*cell*/) const override {
     return {{Finding::Verdict::kDoubtful, "camera", kNoCamera, kRemedy}};

@@ -31,9 +31,10 @@ bool is_table_of_pairs(const std::filesystem::path& path) {
 ArmReading reading_of(const Transmission& transmission, const PairRow& pair) {
   if (!pair.theta || !pair.p_reflector || !pair.sigma_tracker)
     throw InputError(
-        fmt::format("pair '{}' lacks its joints, its reflector or the tracker's standard "
-                    "deviation; make the pairs with planar-pair-tracker",
-                    pair.id));
+        {fmt::format(
+             "pair '{}' lacks its joints, its reflector or the tracker's standard deviation",
+             pair.id),
+         "make the pairs with planar-pair-tracker"});
   return {pair.id, pair.place, transmission.motors_from_joints(*pair.theta), *pair.p_reflector,
           *pair.sigma_tracker};
 }

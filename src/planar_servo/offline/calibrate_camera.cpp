@@ -18,8 +18,8 @@ namespace planar {
 cv::Mat read_grey(const std::filesystem::path& file, Faults& faults) {
   cv::Mat image = read_grey_image(file);
   if (image.empty())
-    faults.add(file.string() +
-               ": cannot be read to its end as an image; a picture such as PNG or PGM is needed");
+    faults.add(
+        {"cannot be read to its end as an image", "a picture such as PNG or PGM is needed", file});
   return image;
 }
 
@@ -44,8 +44,7 @@ std::vector<Picture> pictures_of(const std::vector<std::filesystem::path>& image
   Faults absent;
   for (const auto& path : images) {
     if (!std::filesystem::exists(path))
-      absent.add(path.string() +
-                 ": cannot be read: there is no such image or recording; check the name");
+      absent.add({"cannot be read: there is no such image or recording", "check the name", path});
     if (!std::filesystem::is_directory(path)) {
       pictures.push_back({path, std::nullopt});
       continue;
@@ -55,9 +54,8 @@ std::vector<Picture> pictures_of(const std::vector<std::filesystem::path>& image
       if (frame.plan == Plan::kHeldBoard)
         pictures.push_back({path / frame.image, frame.region_px.tl()});
     }
-    if (pictures.size() == before) {
-      throw InputError(path.string() + ": has no frame of plan 'grid' in its frames.csv");
-    }
+    if (pictures.size() == before)
+      throw InputError({"has no frame of plan 'grid' in its frames.csv", "", path});
   }
   absent.throw_if_any();
   return pictures;
@@ -124,11 +122,11 @@ BoardViews board_views_from_points(const std::filesystem::path& points, const Bo
                                    cv::Size size_px) {
   const std::vector<Eigen::Vector2d> pixels = read_board_pixels(points);
   const std::size_t per_view = static_cast<std::size_t>(board.columns) * board.rows;
-  if (pixels.size() % per_view != 0) {
+  if (pixels.size() % per_view != 0)
     throw InputError(
-        fmt::format("{}: has {} points; a multiple of the {} x {} of the grid is needed",
-                    points.string(), pixels.size(), board.columns, board.rows));
-  }
+        {fmt::format("has {} points", pixels.size()),
+         fmt::format("a multiple of the {} x {} of the grid is needed", board.columns, board.rows),
+         points});
   BoardViews views;
   views.inputs = {points};
   if (size_px.empty()) size_px = size_around(pixels);

@@ -197,13 +197,14 @@ bool shows_any(const LocateReport& report) {
   return count_of(report, LampStatus::kOk) + count_of(report, LampStatus::kAmbiguous) > 0;
 }
 
-std::string distance_doubt(const LocateReport& report, double separation) {
+std::optional<Refusal> distance_doubt(const LocateReport& report, double separation) {
   const auto ratio = median_of(report.wrong_distances);
-  if (!ratio) return "";
-  return fmt::format(
-      "in {} images the pair is {:.1f} mm apart, the cell says {:.4g} mm; measure the lamps and "
-      "correct lamps.separation_mm in the cell file, or the link lengths if they are wrong",
-      report.wrong_distances.size(), *ratio * separation / kMillimetre, separation / kMillimetre);
+  if (!ratio) return std::nullopt;
+  return Refusal{fmt::format("in {} images the pair is {:.1f} mm apart, the cell says {:.4g} mm",
+                             report.wrong_distances.size(), *ratio * separation / kMillimetre,
+                             separation / kMillimetre),
+                 "measure the lamps and correct lamps.separation_mm in the cell file, or the link "
+                 "lengths if they are wrong"};
 }
 
 ReportList locate_list(const LocateReport& report) {

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "planar_servo/core/error.h"
 #include "planar_servo/offline/locate_lamps.h"
 #include "planar_servo/report/html_page.h"
 #include "planar_servo/report/report_list.h"
@@ -21,7 +22,7 @@ bool shows_any(const LocateReport& report);
 
 /// Says how far apart the lamps of status wrong_distance are, in the median, where the cell says
 /// `separation`, metres. Empty when there is no such image with one pair.
-std::string distance_doubt(const LocateReport& report, double separation);
+std::optional<Refusal> distance_doubt(const LocateReport& report, double separation);
 
 /// Lists how often lamps were found, how fast and how well. What does not exist is null.
 ReportList locate_list(const LocateReport& report);

@@ -121,7 +121,7 @@ class Collector {
   LocateReport finish() {
     Faults faults;
     for (const std::string& fault : faults_) {
-      if (!fault.empty()) faults.add(fault);
+      if (!fault.empty()) faults.add({fault});
     }
     faults.throw_if_any();
     LocateReport report;

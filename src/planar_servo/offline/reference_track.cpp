@@ -31,8 +31,8 @@ std::vector<const LampImage*> whole_frames(const std::vector<LampImage>& images,
 Frame frame_of(const LampImage& image, const cv::Size& sensor_px) {
   LampImageRead read = read_lamp_image(image, sensor_px);
   if (read.status != LampStatus::kOk)
-    throw WorkError(fmt::format("{}: {}; a whole frame is needed to find the reference lamps",
-                                image.file.string(), name(read.status)));
+    throw WorkError(
+        {name(read.status), "a whole frame is needed to find the reference lamps", image.file});
   return std::move(read.frame);
 }
 
@@ -67,8 +67,7 @@ ReferenceTrack::ReferenceTrack(std::vector<ReferenceLamp> lamps,
   ReferenceWatch watch(lamps_, method);
   for (const LampImage* image : whole_frames(images, sensor_px)) {
     watch.look(frame_of(*image, sensor_px));
-    if (!watch.objection().empty())
-      throw WorkError(fmt::format("{}: {}", image->file.string(), watch.objection()));
+    if (watch.objection()) throw WorkError(watch.objection()->at(image->file));
     looks_.push_back({*image->t_s, watch.motion()});
   }
 }
@@ -88,10 +87,11 @@ std::vector<ReferenceLamp> find_reference_lamps(const std::vector<ReferenceLampL
                                                 const cv::Size& sensor_px, CenterMethod method) {
   const std::vector<const LampImage*> whole = whole_frames(images, sensor_px);
   if (whole.size() < 2)
-    throw WorkError(fmt::format(
-        "{} whole frames show the lamps; at least 2 at different places are needed to tell the {} "
-        "reference lamps of the cell file from those of the tool: record with planar-record",
-        whole.size(), layout.size()));
+    throw WorkError(
+        {fmt::format("{} whole frames show the lamps", whole.size()),
+         fmt::format("at least 2 at different places are needed to tell the {} reference lamps of "
+                     "the cell file from those of the tool: record with planar-record",
+                     layout.size())});
   LampDetector detector;
   std::vector<LampCenter> lights =
       lights_in(frame_of(*whole[0], sensor_px).image, detector, method);
@@ -105,10 +105,11 @@ std::vector<ReferenceLamp> find_reference_lamps(const std::vector<ReferenceLampL
                  lights.end());
   }
   if (lights.size() < layout.size())
-    throw WorkError(fmt::format(
-        "{} lights stand still in {} whole frames, but the cell file names {} reference lamps; "
-        "uncover them, or name those that there are",
-        lights.size(), n + 1, layout.size()));
+    throw WorkError(
+        {fmt::format(
+             "{} lights stand still in {} whole frames, but the cell file names {} reference lamps",
+             lights.size(), n + 1, layout.size()),
+         "uncover them, or name those that there are"});
   lights.resize(layout.size());
   std::vector<ReferenceLamp> lamps;
   lamps.reserve(lights.size());

@@ -142,10 +142,8 @@ std::vector<TargetRow> control_targets(const Workspace& workspace, const Experim
 ExperimentSize with_readings(ExperimentSize size, int readings) {
   constexpr int kSweepShare = 8, kFewestOfSweep = 4, kMostOfSweep = 24;
   if (readings < kFewestReadings)
-    throw InputError(
-        fmt::format("{} tracker readings are too few for plane and tool; at least {} "
-                    "are needed",
-                    readings, kFewestReadings));
+    throw InputError({fmt::format("{} tracker readings are too few for plane and tool", readings),
+                      fmt::format("at least {} are needed", kFewestReadings)});
   size.sweep_points = std::clamp(readings / kSweepShare, kFewestOfSweep, kMostOfSweep);
   size.training_points = readings - 2 * size.sweep_points;
   return size;

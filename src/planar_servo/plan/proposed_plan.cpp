@@ -88,9 +88,8 @@ std::vector<Candidate> candidates_of(const KnownCell& known) {
     candidates.push_back({pose_at(known, plan.theta), tip});
   }
   if (candidates.empty())
-    throw InputError(known.cell.file.string() +
-                     ": no place of the workspace can be reached and seen; see planar-servo "
-                     "--dry-run for the reason");
+    throw InputError({"no place of the workspace can be reached and seen",
+                      "see planar-servo --dry-run for the reason", known.cell.file});
   return candidates;
 }
 

@@ -108,15 +108,15 @@ void GuidedBoard::watch_anew() {
 Frame GuidedBoard::next_frame(const std::string& id) {
   for (const double begun_s = clock_.now_s();;) {
     if (request_.stop && request_.stop())
-      throw WorkError(fmt::format("left at {}; {}", id, kStartAgain));
+      throw WorkError({fmt::format("left at {}", id), kStartAgain});
     FrameResult result = camera_.next_frame();
     if (result.status == FrameStatus::kOk) return std::move(result.frame);
     const double waited_s = clock_.now_s() - begun_s;
     if (waited_s > kSilence_s)
       line_.show(fmt::format("no picture from the camera ({})", name(result.status)));
     if (waited_s > kCameraPatience_s)
-      throw WorkError(fmt::format("{}: the camera sent no whole frame for {} s; {}", id,
-                                  kCameraPatience_s, kStartAgain));
+      throw WorkError({fmt::format("the camera sent no whole frame for {} s", kCameraPatience_s),
+                       kStartAgain, id});
   }
 }
 
@@ -172,7 +172,7 @@ void GuidedBoard::note_sight(const std::string& id, bool is_seen, const BoardAdv
   }
   if (now_s - seen_s_ > kBoardPatience_s)
     throw WorkError(
-        fmt::format("{}: nobody showed the board for {} s; {}", id, kBoardPatience_s, kStartAgain));
+        {fmt::format("nobody showed the board for {} s", kBoardPatience_s), kStartAgain, id});
 }
 
 void GuidedBoard::conclude(const PlanRow& row, const Views& views) {
@@ -210,7 +210,7 @@ void GuidedBoard::clear_field() {
     if (!attended && now_s - seen_s_ >= kClear_s) return;
     if (now_s - begun_s > kBoardPatience_s)
       throw WorkError(
-          fmt::format("the board was not taken away for {} s; {}", kBoardPatience_s, kStartAgain));
+          {fmt::format("the board was not taken away for {} s", kBoardPatience_s), kStartAgain});
   }
 }
 

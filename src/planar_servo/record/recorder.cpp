@@ -191,8 +191,7 @@ class Recorder {
     const double deadline_s = devices_.clock().now_s() + kCameraPatience_s;
     while (const auto obstacle = try_to_arrive(theta)) {
       if (obstacle->refused)
-        throw WorkError(
-            fmt::format("{}: {}; move the place in the plan", place_, obstacle->reason));
+        throw WorkError({obstacle->reason, "move the place in the plan", place_});
       await_camera(obstacle->reason, deadline_s);
     }
   }
@@ -202,17 +201,16 @@ class Recorder {
       return arrive(robot_, planner_, cell_.servo, theta,
                     [this] { return devices_.camera().fault(); });
     } catch (const DriveError& error) {
-      throw DriveError(
-          fmt::format("{}: {}; mend the drives, then start again to go on", place_, error.what()));
+      throw DriveError({error.what(), "mend the drives, then start again to go on", place_});
     }
   }
 
   /// The arm stands. Throws when the camera is not back in time.
   void await_camera(const std::string& reason, double deadline_s) {
     if (!wait_for_camera(devices_.camera(), robot_, devices_.clock(), place_, reason, deadline_s))
-      throw WorkError(fmt::format(
-          "{}: {}; the camera was not back within {:.0f} s; mend it, then start again to go on",
-          place_, reason, kCameraPatience_s));
+      throw WorkError(
+          {fmt::format("{}; the camera was not back within {:.0f} s", reason, kCameraPatience_s),
+           "mend it, then start again to go on", place_});
   }
 
   Pictures pictures_at(const PlanRow& row, const Eigen::Vector2d& p) {

@@ -77,7 +77,7 @@ void add_rows(const RecordRequest& request, const std::vector<Joints>& joints,
     if (found == planned.end()) continue;
     const std::string other =
         difference(row, request.plan[found->second], joints[found->second], transmission);
-    if (!other.empty()) faults.add(fmt::format("{}: '{}' {}; {}", file, row.id, other, kRemedy));
+    if (!other.empty()) faults.add({fmt::format("'{}' {}", row.id, other), kRemedy, file});
   }
 }
 
@@ -85,9 +85,10 @@ void add_rows(const RecordRequest& request, const std::vector<Joints>& joints,
 void add_sensor(const RecordRequest& request, const FrameRow& first, Faults& faults) {
   const cv::Size sensor(request.cell.camera.width_px, request.cell.camera.height_px);
   if (first.region_px.size() == sensor) return;
-  faults.add(fmt::format("{}: begins with an image of {} x {} px, this cell's have {} x {}; {}",
-                         (request.recording / "frames.csv").string(), first.region_px.width,
-                         first.region_px.height, sensor.width, sensor.height, kRemedy));
+  faults.add(
+      {fmt::format("begins with an image of {} x {} px, this cell's have {} x {}",
+                   first.region_px.width, first.region_px.height, sensor.width, sensor.height),
+       kRemedy, request.recording / "frames.csv"});
 }
 
 void add_monuments(const RecordRequest& request, Faults& faults) {
@@ -97,8 +98,8 @@ void add_monuments(const RecordRequest& request, Faults& faults) {
   for (const Monument& monument : request.cell.datum) {
     if (std::none_of(rows.begin(), rows.end(),
                      [&](const TrackerRow& row) { return row.id == monument.id; }))
-      faults.add(fmt::format("{}: has no reading of the monument '{}' of this cell; {}",
-                             file.string(), monument.id, kRemedy));
+      faults.add({fmt::format("has no reading of the monument '{}' of this cell", monument.id),
+                  kRemedy, file});
   }
 }
 
@@ -127,7 +128,7 @@ std::vector<Joints> joints_of_plan(const CellSettings& cell, const std::vector<P
   for (const PlanRow& row : plan) {
     const JointPlan found = plan_row(planner, row, cell.arm.home, near);
     if (found.refusal) {
-      faults.add(fmt::format("plan row '{}': {}", row.id, *found.refusal));
+      faults.add({*found.refusal, "", fmt::format("plan row '{}'", row.id)});
     } else if (!shows_board(row.plan)) {
       near = found.theta;
     }
@@ -143,12 +144,12 @@ void require_tracker(const RecordRequest& request) {
   const auto count = std::count_if(request.plan.begin(), request.plan.end(), needs);
   if (count == 0) return;
   const PlanRow& first = *std::find_if(request.plan.begin(), request.plan.end(), needs);
-  throw InputError(fmt::format(
-      "{}: tracker.source is none, but {} row{} of the plan ask{} for a tracker reading, '{}' of "
-      "plan {} first; name the tracker's source (file, tcp or ask), or give these rows the plan "
-      "pose",
-      request.cell.file.string(), count, count == 1 ? "" : "s", count == 1 ? "s" : "", first.id,
-      name(first.plan)));
+  throw InputError(
+      {fmt::format("tracker.source is none, but {} row{} of the plan ask{} for a tracker reading, "
+                   "'{}' of plan {} first",
+                   count, count == 1 ? "" : "s", count == 1 ? "s" : "", first.id, name(first.plan)),
+       "name the tracker's source (file, tcp or ask), or give these rows the plan pose",
+       request.cell.file});
 }
 
 BegunRecording begun_recording(const RecordRequest& request, const std::vector<Joints>& joints) {
@@ -172,10 +173,10 @@ void require_board(const RecordRequest& request, const BegunRecording& begun) {
       std::count_if(request.plan.begin(), request.plan.end(),
                     [&](const PlanRow& row) { return shows_board(row.plan) && !begun.has(row); });
   if (count == 0) return;
-  throw InputError(fmt::format(
-      "the plan asks for {} view{} of the calibration board, which a person shows to the camera of "
-      "{}; say which board it is, such as --grid circles:11x11:50mm",
-      count, count == 1 ? "" : "s", request.cell.file.string()));
+  throw InputError({fmt::format("the plan asks for {} view{} of the calibration board, which a "
+                                "person shows to the camera of {}",
+                                count, count == 1 ? "" : "s", request.cell.file.string()),
+                    "say which board it is, such as --grid circles:11x11:50mm"});
 }
 
 }  // namespace planar

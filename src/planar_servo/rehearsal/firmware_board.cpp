@@ -34,8 +34,8 @@ constexpr double kSeemingTime_s = 0.05;
 fs::path checked_program(const fs::path& simulator) {
   fs::path program = fs::absolute(simulator);
   if (fs::is_regular_file(program) && access(program.c_str(), X_OK) == 0) return program;
-  throw InputError(simulator.string() +
-                   ": is no program that can be run; name Grbl's simulator, such as grbl_sim");
+  throw InputError(
+      {"is no program that can be run", "name Grbl's simulator, such as grbl_sim", simulator});
 }
 
 std::vector<std::string> commands_of(const EmulatedGrbl::Settings& settings) {
@@ -111,8 +111,8 @@ FirmwareProcess::FirmwareProcess(const fs::path& simulator, const std::vector<st
   posix_spawnattr_destroy(&session);
   posix_spawn_file_actions_destroy(&files);
   if (fault != 0)
-    throw WorkError(Refusal{simulator_.string() + " cannot be started by stdbuf",
-                            "install coreutils, which has stdbuf"});
+    throw WorkError({simulator_.string() + " cannot be started by stdbuf",
+                     "install coreutils, which has stdbuf"});
 }
 
 std::string FirmwareProcess::wait_for(std::string_view beginning, const std::string& purpose) {
@@ -127,9 +127,9 @@ std::string FirmwareProcess::wait_for(std::string_view beginning, const std::str
     }
     heard_ += read(kPause_s);
   }
-  throw WorkError(Refusal{fmt::format("{} has not answered {} with '{}' within {:g} s",
-                                      simulator_.string(), purpose, beginning, kAnswerPatience_s),
-                          "name Grbl's simulator, such as grbl_sim"});
+  throw WorkError({fmt::format("{} has not answered {} with '{}' within {:g} s",
+                               simulator_.string(), purpose, beginning, kAnswerPatience_s),
+                   "name Grbl's simulator, such as grbl_sim"});
 }
 
 void FirmwareProcess::require_running() {

@@ -33,8 +33,8 @@ void PtyPort::plug_in() {
   if (!error) return;
   close(inner_);
   close(outer_);
-  throw InputError(name_.string() + ": no link to the serial port can be made here: " +
-                   error.message() + "; name another place");
+  throw InputError({"no link to the serial port can be made here: " + error.message(),
+                    "name another place", name_});
 }
 
 void PtyPort::unplug() {

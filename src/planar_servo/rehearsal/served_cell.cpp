@@ -24,7 +24,7 @@ constexpr int kJumboPacket_bytes = 9000;
 const CellSettings& checked(const CellSettings& cell) {
   require_devices(cell);
   if (!cell.camera.kind->is_virtual())
-    throw InputError(cell.file.string() + ": is no virtual cell: its devices are real ones");
+    throw InputError({"is no virtual cell: its devices are real ones", "", cell.file});
   return cell;
 }
 

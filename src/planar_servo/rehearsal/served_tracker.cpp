@@ -28,8 +28,8 @@ constexpr int kMostWaiting = 8;
 
 void require_range(const char* what, double value, double least, double most) {
   if (value >= least && value <= most) return;
-  throw InputError(
-      fmt::format("{} is {:g}; a number from {:g} to {:g} is needed", what, value, least, most));
+  throw InputError({fmt::format("{} is {:g}", what, value),
+                    fmt::format("a number from {:g} to {:g} is needed", least, most)});
 }
 
 std::string number(double value, bool decimal_comma) {

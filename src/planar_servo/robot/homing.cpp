@@ -9,7 +9,7 @@ namespace {
 
 void ask(const MayHome& may_home, Homing way, const std::string& unhomed,
          const std::string& remedy) {
-  if (!may_home || !may_home(way, unhomed)) throw DriveError(unhomed + "; " + remedy);
+  if (!may_home || !may_home(way, unhomed)) throw DriveError({unhomed, remedy});
 }
 
 }  // namespace

@@ -137,9 +137,9 @@ void PlanarRobot::search_home(int joint) {
   const MotorDrive& motor = motor_drive(joint);
   if (const auto mark = home_mark(joint))
     throw DriveError(
-        fmt::format("drive {0} has no home switch; turn it to its mark at {1:.3f} deg, then say so "
-                    "(mark {0} in planar-jog)",
-                    joint + 1, *mark / kDegree));
+        {fmt::format("drive {} has no home switch", joint + 1),
+         fmt::format("turn it to its mark at {:.3f} deg, then say so (mark {} in planar-jog)",
+                     *mark / kDegree, joint + 1)});
   throw_if_stopped();
   require_well();
   try {
@@ -180,11 +180,11 @@ void PlanarRobot::recover(double patience_s) {
 }
 
 std::optional<std::string> PlanarRobot::move_to(const Joints& theta, const Guard& guard) {
-  if (const auto violation = transmission_.limit_violation(theta)) {
+  if (const auto violation = transmission_.limit_violation(theta))
     throw WorkError("the arm refuses to move: " + *violation);
-  }
   if (getRobotState() == STATE_VELOCITY_CONTROL)
-    throw WorkError("the arm is under velocity control; end that before it moves to a position");
+    throw WorkError(
+        Refusal{"the arm is under velocity control", "end that before it moves to a position"});
   const Pulses target = transmission_.pulses_from_joints(theta);
   require_ready();
   bool stops = false;
@@ -270,7 +270,7 @@ PlanarRobot::Status PlanarRobot::require_ready() {
   Status status = require_well();
   for (std::size_t i = 0; i < 3; ++i)
     if (!status[i].position_certain)
-      throw DriveError(fmt::format("drive {} has lost its position; home it first", i + 1));
+      throw DriveError({fmt::format("drive {} has lost its position", i + 1), "home it first"});
   note_speeds(status);
   return status;
 }

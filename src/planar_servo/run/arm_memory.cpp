@@ -61,8 +61,7 @@ LearnedArm remembered_arm(const CellSettings& cell, const JointPlanner& planner,
     [[maybe_unused]] const ArmLearner usable(found, known);
     return known;
   } catch (const std::invalid_argument& error) {
-    throw InputError(
-        fmt::format("{}: {}; start anew with --forget", cell.arm_learned->string(), error.what()));
+    throw InputError({error.what(), "start anew with --forget", *cell.arm_learned});
   }
 }
 

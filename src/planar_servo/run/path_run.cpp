@@ -37,16 +37,15 @@ constexpr double kMapStep_m = 5e-3;
 /// Returns the devices of a cell that can follow a path.
 CellDevices& able_to_follow(CellDevices& devices, const CellSettings& cell) {
   if (const auto refusal = devices.drives().stream_refusal())
-    throw InputError(fmt::format("{}: its drives cannot follow a path: {}; go to targets instead",
-                                 cell.file.string(), *refusal));
+    throw InputError({fmt::format("its drives cannot follow a path: {}", *refusal),
+                      "go to targets instead", cell.file});
   return devices;
 }
 
 const std::filesystem::path& folder_for_path(const ServoRequest& request) {
   for (const char* name : {"path_looks.csv", "results.csv"})
     if (std::filesystem::exists(request.out / name))
-      throw InputError((request.out / name).string() +
-                       ": holds a run already; name another folder");
+      throw InputError({"holds a run already", "name another folder", request.out / name});
   make_folder(request.out);
   require_writable(request.out / "run.yaml", "run");
   require_writable(request.out / "report.html", "page");
@@ -88,8 +87,9 @@ PathRequest read_path_request(const std::filesystem::path& file, const CellSetti
   for (const double speed_mm_s : speeds_mm_s) {
     const double speed_m_s = speed_mm_s * kMillimetre;
     if (!(speed_m_s >= kSlowest_m_s && speed_m_s <= kFastest_m_s))
-      throw InputError(fmt::format("--speed-mm-s {:g}: a path is followed at {:g} to {:g} mm/s",
-                                   speed_mm_s, mm(kSlowest_m_s), mm(kFastest_m_s)));
+      throw InputError({fmt::format("a path is followed at {:g} to {:g} mm/s", mm(kSlowest_m_s),
+                                    mm(kFastest_m_s)),
+                        "", fmt::format("--speed-mm-s {:g}", speed_mm_s)});
     request.speeds_m_s.push_back(speed_m_s);
   }
   return request;
@@ -102,8 +102,9 @@ std::vector<PathDemand> require_followable(const CellSettings& cell, const PathR
     const PathTiming timing(request.path, speed_m_s);
     demands.push_back(path_demand(planner, request.path, timing, cell.arm.home));
     if (demands.back().refusal)
-      throw InputError(fmt::format("{}: cannot be followed at {:g} mm/s: {}", request.file.string(),
-                                   mm(speed_m_s), *demands.back().refusal));
+      throw InputError({fmt::format("cannot be followed at {:g} mm/s: {}", mm(speed_m_s),
+                                    *demands.back().refusal),
+                        "", request.file});
   }
   return demands;
 }
@@ -113,10 +114,10 @@ void require_inside_map(const VisionCalibration& vision, const PathRequest& requ
   for (double along_m = 0.0; along_m < request.path.length_m(); along_m += kMapStep_m) {
     const TipPose pose = request.path.at(along_m).pose;
     if (predict_error_at(vision, pose).inside) continue;
-    throw InputError(
-        fmt::format("{}: {:.1f} mm along the path, at {}: the error map is not valid here: record "
-                    "training positions around this place",
-                    request.file.string(), mm(along_m), place_mm(pose.p)));
+    throw InputError({fmt::format("{:.1f} mm along the path, at {}: the error map is not valid "
+                                  "here: record training positions around this place",
+                                  mm(along_m), place_mm(pose.p)),
+                      "", request.file});
   }
 }
 

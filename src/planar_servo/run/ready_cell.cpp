@@ -72,13 +72,14 @@ std::vector<std::string> accept_stale_files(const CellSettings& cell, bool with_
 std::optional<std::string> accept_map(const CellSettings& cell, const VisionCalibration& vision,
                                       bool accepted) {
   if (!vision.map_objection) return std::nullopt;
-  const std::string text = fmt::format(
-      "{}: {}; record more places and fit again, leave the map out (--no-error-map), "
-      "or, if you know better, continue with --accept-map",
-      cell.error_map.string(), *vision.map_objection);
-  if (!accepted) throw InputError(text);
-  spdlog::warn("accepted: " + text);
-  return vision.map_objection;
+  const std::string& fault = vision.map_objection->fault;
+  const Refusal refusal{fault,
+                        "record more places and fit again, leave the map out (--no-error-map), or, "
+                        "if you know better, continue with --accept-map",
+                        cell.error_map};
+  if (!accepted) throw InputError(refusal);
+  spdlog::warn("accepted: " + refusal.text());
+  return fault;
 }
 
 ReadyCell::ReadyCell(const ServoRequest& request, CellDevices& devices)

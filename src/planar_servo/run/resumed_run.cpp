@@ -41,10 +41,9 @@ void require_same_origins(const fs::path& results, const std::vector<Origin>& pr
       texts.push_back(fmt::format("{} {}", origin.name, origin.sha256.substr(0, 8)));
     return fmt::format("{}", fmt::join(texts, ", "));
   };
-  throw InputError(
-      fmt::format("{}: the run was begun with {}; now it would go on with {}; use the same files "
-                  "and options, or name another folder",
-                  results.string(), names(begun), names(present)));
+  throw InputError({fmt::format("the run was begun with {}; now it would go on with {}",
+                                names(begun), names(present)),
+                    "use the same files and options, or name another folder", results});
 }
 
 /// Returns what decides how a target is reached, beside the calibration files.
@@ -58,10 +57,10 @@ std::string settings_text(const ServoRequest& request) {
 void require_same_settings(const fs::path& results, const std::string& present) {
   const std::string begun = remark_in(results, kServoRemark);
   if (begun.empty() || begun == present) return;
-  throw InputError(fmt::format(
-      "{}: the run was begun with the servo settings {}; now it would go on with {}; use "
-      "the same settings, or name another folder",
-      results.string(), begun, present));
+  throw InputError(
+      {fmt::format("the run was begun with the servo settings {}; now it would go on with {}",
+                   begun, present),
+       "use the same settings, or name another folder", results});
 }
 
 /// Returns whether a run was begun in this folder, even if it was killed before its first result.
@@ -108,13 +107,13 @@ std::vector<std::string> run_remarks(const ServoRequest& request) {
 
 const fs::path& folder_for(const ServoRequest& request) {
   if (request.resume && !holds_begun_run(request.out))
-    throw InputError(request.out.string() +
-                     ": holds no run to go on with; name the folder of one, or leave out --resume "
-                     "to begin one there");
+    throw InputError({"holds no run to go on with",
+                      "name the folder of one, or leave out --resume to begin one there",
+                      request.out});
   // A run would put its own report in the place of the path's.
   const fs::path looks = request.out / "path_looks.csv";
   if (fs::exists(looks))
-    throw InputError(looks.string() + ": the folder holds the run of a path; name another folder");
+    throw InputError({"the folder holds the run of a path", "name another folder", looks});
   make_folder(request.out);
   require_writable(request.out / "run.yaml", "run");
   require_writable(request.out / "report.html", "page");
@@ -125,8 +124,7 @@ std::vector<TargetResult> results_so_far(const ServoRequest& request) {
   const fs::path results = results_file(request);
   if (!fs::exists(results) || fs::is_empty(results)) return {};
   if (!request.resume)
-    throw InputError(results.string() +
-                     ": holds a run already; name another folder or add --resume");
+    throw InputError({"holds a run already", "name another folder or add --resume", results});
   drop_torn_line(results, results_header());
   require_same_origins(results, run_origins(request));
   require_same_settings(results, settings_text(request));
@@ -138,15 +136,15 @@ void require_same_goal(const std::string& id, const TipPose& goal,
   for (const TargetResult& result : results) {
     if (result.id != id) continue;
     if ((result.p_d - goal.p).norm() > kSamePlace_m)
-      throw InputError(fmt::format(
-          "target '{}' is at {} now; the run to go on with has a result of it at {}; name another "
-          "folder, or another id for the new place",
-          id, place_mm(goal.p), place_mm(result.p_d)));
+      throw InputError(
+          {fmt::format("target '{}' is at {} now; the run to go on with has a result of it at {}",
+                       id, place_mm(goal.p), place_mm(result.p_d)),
+           "name another folder, or another id for the new place"});
     if (result.phi_d && std::abs(wrap_angle(*result.phi_d - goal.phi)) > kSameDirection_rad)
-      throw InputError(fmt::format(
-          "target '{}' has the direction {:.6f} degrees now; the run to go on with has a result of "
-          "it at {:.6f} degrees; name another folder, or another id for the new direction",
-          id, goal.phi / kDegree, *result.phi_d / kDegree));
+      throw InputError({fmt::format("target '{}' has the direction {:.6f} degrees now; the run to "
+                                    "go on with has a result of it at {:.6f} degrees",
+                                    id, goal.phi / kDegree, *result.phi_d / kDegree),
+                        "name another folder, or another id for the new direction"});
   }
 }
 

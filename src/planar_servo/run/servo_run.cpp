@@ -25,8 +25,8 @@ bool saw_nothing(const ServoResult& attempt) {
 
 [[noreturn]] void give_up(const TargetRow& target, const std::string& reason,
                           const std::string& camera) {
-  throw WorkError(fmt::format("{}: {}; the camera {}; mend it, then start again to go on",
-                              target.id, reason, camera));
+  throw WorkError({fmt::format("{}; the camera {}", reason, camera),
+                   "mend it, then start again to go on", target.id});
 }
 
 /// Returns the answer to a target that comes after a run has ended.

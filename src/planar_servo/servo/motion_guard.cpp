@@ -24,26 +24,26 @@ std::optional<Doubt> old(const GuardedLook& look) {
   const double age_s = look.arrived_s - look.measurement.t_s;
   if (age_s <= kClockUncertainty_s) return std::nullopt;
   return Doubt{
-      fmt::format("the picture was taken {:.3f} s before the arm had come to rest", age_s)};
+      {fmt::format("the picture was taken {:.3f} s before the arm had come to rest", age_s)}};
 }
 
 std::optional<Doubt> noisy(const GuardLimits& limits, const TipMeasurement& m) {
   const double noise_m = 2.0 * m.noise_m();
   if (noise_m <= limits.noise_m) return std::nullopt;
-  return Doubt{
-      fmt::format("vision is uncertain by +- {:.3f} mm; allowed is {:.3f} mm: are the "
-                  "lamps dim or partly covered, or is the exposure too short?",
-                  mm(noise_m), mm(limits.noise_m))};
+  return Doubt{{fmt::format("vision is uncertain by +- {:.3f} mm", mm(noise_m)),
+                fmt::format("allowed is {:.3f} mm: are the lamps dim or partly covered, or is the "
+                            "exposure too short?",
+                            mm(limits.noise_m))}};
 }
 
 std::optional<Doubt> separated(const GuardLimits& limits, const TipMeasurement& m) {
   const double separation_m = (m.lamps_B[1] - m.lamps_B[0]).norm();
   const double off_m = separation_m - limits.separation_m;
   if (!(std::abs(off_m) > limits.separation_tolerance_m)) return std::nullopt;
-  return Doubt{fmt::format("the lamps are seen {:.3f} mm apart, but were {:.3f} +- {:.3f} mm apart "
-                           "at the calibration: has a lamp moved on the tool? {}",
-                           mm(separation_m), mm(limits.separation_m),
-                           mm(limits.separation_tolerance_m), kAskCell),
+  return Doubt{{fmt::format("the lamps are seen {:.3f} mm apart, but were {:.3f} +- {:.3f} mm "
+                            "apart at the calibration: has a lamp moved on the tool? {}",
+                            mm(separation_m), mm(limits.separation_m),
+                            mm(limits.separation_tolerance_m), kAskCell)},
                true};
 }
 
@@ -51,31 +51,34 @@ std::optional<Doubt> displaced(const GuardLimits& limits, const GuardedLook& loo
   const double off_m = (look.measurement.tip.p - look.commanded.p).norm();
   if (off_m <= limits.distance_m) return std::nullopt;
   return Doubt{
-      fmt::format("the tool is seen at {}, {:.2f} mm from where it was commanded, {}; this cell "
-                  "allows {:.2f} mm: has the camera moved or a drive lost its position, or are the "
-                  "arm's links, gears, directions or coupling not as the cell file says? {}",
-                  place_mm(look.measurement.tip.p), mm(off_m), place_mm(look.commanded.p),
-                  mm(limits.distance_m), kAskCell),
-      true, off_m <= kFarthestStray_m};
+      {fmt::format("the tool is seen at {}, {:.2f} mm from where it was commanded, {}",
+                   place_mm(look.measurement.tip.p), mm(off_m), place_mm(look.commanded.p)),
+       fmt::format(
+           "this cell allows {:.2f} mm: has the camera moved or a drive lost its position, or are "
+           "the arm's links, gears, directions or coupling not as the cell file says? {}",
+           mm(limits.distance_m), kAskCell)},
+      true,
+      off_m <= kFarthestStray_m};
 }
 
 std::optional<Doubt> turned(const GuardLimits& limits, const GuardedLook& look) {
   const double off = wrap_angle(look.measurement.tip.phi - look.commanded.phi);
   if (std::abs(off) <= limits.turn) return std::nullopt;
-  return Doubt{fmt::format("the tool is seen turned by {:.2f} deg from where it was commanded; "
-                           "this cell allows {:.2f} deg: has joint 3 lost its zero, has a lamp "
-                           "moved, or are direction or coupling of joint 3 not as the cell file "
-                           "says? {}",
-                           off / kDegree, limits.turn / kDegree, kAskCell),
-               true};
+  return Doubt{
+      {fmt::format("the tool is seen turned by {:.2f} deg from where it was commanded",
+                   off / kDegree),
+       fmt::format("this cell allows {:.2f} deg: has joint 3 lost its zero, has a lamp moved, or "
+                   "are direction or coupling of joint 3 not as the cell file says? {}",
+                   limits.turn / kDegree, kAskCell)},
+      true};
 }
 
 std::optional<Doubt> overcorrected(const GuardLimits& limits, const TipMeasurement& m) {
   if (m.correction.norm() <= limits.correction_m) return std::nullopt;
-  return Doubt{
-      fmt::format("the error map would correct by {:.3f} mm; within its region it never "
-                  "corrects by more than {:.3f} mm: record training positions here",
-                  mm(m.correction.norm()), mm(limits.correction_m))};
+  return Doubt{{fmt::format("the error map would correct by {:.3f} mm", mm(m.correction.norm())),
+                fmt::format("within its region it never corrects by more than {:.3f} mm: record "
+                            "training positions here",
+                            mm(limits.correction_m))}};
 }
 
 std::optional<Doubt> jumped(const GuardLimits& limits, const GuardedLook& look,
@@ -85,11 +88,13 @@ std::optional<Doubt> jumped(const GuardLimits& limits, const GuardedLook& look,
   const double off_m = (seen - commanded).norm();
   if (off_m <= limits.play_m + limits.scatter_m + kMotionShare * commanded.norm())
     return std::nullopt;
-  return Doubt{
-      fmt::format("the tool was seen to move by {}, the command was {}; they differ by {:.3f} mm: "
-                  "does the camera see a reflection, has it been touched, or does a joint slip? {}",
-                  place_mm(seen), place_mm(commanded), mm(off_m), kAskCell),
-      true, off_m <= kFarthestStray_m};
+  return Doubt{{fmt::format("the tool was seen to move by {}, the command was {}", place_mm(seen),
+                            place_mm(commanded)),
+                fmt::format("they differ by {:.3f} mm: does the camera see a reflection, has it "
+                            "been touched, or does a joint slip? {}",
+                            mm(off_m), kAskCell)},
+               true,
+               off_m <= kFarthestStray_m};
 }
 
 }  // namespace

@@ -2,9 +2,9 @@
 
 #include <limits>
 #include <optional>
-#include <string>
 #include <vector>
 
+#include "planar_servo/core/error.h"
 #include "planar_servo/core/pose.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/servo/tip_sensor.h"
@@ -40,8 +40,8 @@ struct GuardedLook {
 
 /// Says why a look must not move the arm.
 struct Doubt {
-  std::string reason;
-  bool of_cell{false};       ///< the reason holds for other targets, too
+  Refusal refusal;
+  bool of_cell{false};       ///< it holds for other targets, too
   bool may_be_stray{false};  ///< one stop that missed explains it: the arm may come again
 };
 

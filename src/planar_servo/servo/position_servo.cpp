@@ -87,7 +87,7 @@ ServoResult PositionServo::move_to(const TipPose& target, const Observer& observ
     }
     if (found) {
       result.cell_in_doubt = found->of_cell;
-      return finish(ServoStatus::kHeld, found->reason);
+      return finish(ServoStatus::kHeld, found->refusal.text());
     }
     if (const auto status = verdict(result.steps)) {
       result.cell_in_doubt = *status == ServoStatus::kDiverged;

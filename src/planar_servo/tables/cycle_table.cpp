@@ -20,8 +20,8 @@ const TableSchema<JudgedMove>& cycle_schema() {
         columns.choice("part", row.move.part, kCertificateParts);
         columns.text("pose", row.move.pose);
         columns.check(has_its_pose(row.move),
-                      "pose is '" + row.move.pose +
-                          "'; P1 to P5 is needed, and none for a target of the workspace");
+                      {"pose is '" + row.move.pose + "'",
+                       "P1 to P5 is needed, and none for a target of the workspace"});
         columns.text("from", row.move.from);
         columns.whole_number("cycle", row.move.cycle);
         columns.point("x_mm", "y_mm", row.move.p_d, kMillimetre, 6);

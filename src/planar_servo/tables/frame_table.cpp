@@ -31,12 +31,12 @@ const TableSchema<FrameRow>& frame_schema() {
 
 std::vector<FrameRow> read_frames(const std::filesystem::path& recording) {
   if (!std::filesystem::is_directory(recording))
-    throw InputError(recording.string() +
-                     ": is not a folder; a recording made by planar-record is needed");
+    throw InputError({"is not a folder", "a recording made by planar-record is needed", recording});
   if (!std::filesystem::exists(recording / "frames.csv"))
-    throw InputError(recording.string() +
-                     ": holds no frames.csv; a recording made by planar-record is needed (pictures "
-                     "are named one by one: FOLDER/*)");
+    throw InputError(
+        {"holds no frames.csv",
+         "a recording made by planar-record is needed (pictures are named one by one: FOLDER/*)",
+         recording});
   TableFile<FrameRow> table(recording / "frames.csv", frame_schema());
   std::vector<FrameRow> rows;
   for (FrameRow row; table.next(row);) rows.push_back(row);

@@ -39,7 +39,7 @@ void list_joints(Columns& columns, std::optional<Joints>& theta) {
   if (std::none_of(angles.begin(), angles.end(), is_given)) return;
   for (std::size_t j = 0; j < angles.size(); ++j)
     columns.check(is_given(angles[j]),
-                  fmt::format("{} is ''; a finite number is needed", kNames[j]));
+                  {fmt::format("{} is ''", kNames[j]), "a finite number is needed"});
   theta = Joints(angles[0].value_or(0.0), angles[1].value_or(0.0), angles[2].value_or(0.0));
 }
 

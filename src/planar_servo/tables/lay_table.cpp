@@ -25,7 +25,7 @@ const TableSchema<LayRow>& lay_schema() {
         columns.point("x_board_mm", "y_board_mm", row.p_board, kMillimetre, 6);
         columns.point("x_seen_mm", "y_seen_mm", row.p_seen, kMillimetre, 6);
         columns.number("sigma_mm", row.sigma, kMillimetre, 6);
-        columns.check(row.sigma >= 0.0, "sigma_mm is negative; a standard deviation is needed");
+        columns.check(row.sigma >= 0.0, {"sigma_mm is negative", "a standard deviation is needed"});
         list_pitch(columns, row.pitch_known);
       }};
   return lays;

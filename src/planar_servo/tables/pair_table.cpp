@@ -19,7 +19,7 @@ void list_lamps(Columns& columns, std::optional<std::array<Eigen::Vector2d, 2>>&
   lamps_B.reset();
   if (first && second) lamps_B = {*first, *second};
   columns.check(first.has_value() == second.has_value(),
-                "has the place of one lamp; both or none are needed");
+                {"has the place of one lamp", "both or none are needed"});
 }
 
 const TableSchema<PairRow>& pair_schema() {

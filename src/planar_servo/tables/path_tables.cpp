@@ -1,7 +1,5 @@
 #include "planar_servo/tables/path_tables.h"
 
-#include <fmt/format.h>
-
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/io/columns.h"
@@ -28,11 +26,12 @@ const TableSchema<PathRow>& path_schema() {
 }
 
 /// Says why a row cannot be reached from the place before it; empty when it can.
-std::optional<std::string> fault_of(const Waypoint& to, const Waypoint& from) {
+std::optional<Refusal> fault_of(const Waypoint& to, const Waypoint& from) {
   if (!to.via && (to.pose.p - from.pose.p).norm() < kSamePoint_m)
-    return "repeats the place before it; leave the row out";
+    return Refusal{"repeats the place before it", "leave the row out"};
   const auto fault = to.via ? arc_fault(from.pose.p, *to.via, to.pose.p) : std::nullopt;
-  return fault ? std::optional<std::string>(*fault) : std::nullopt;
+  if (!fault) return std::nullopt;
+  return Refusal{*fault};
 }
 
 void list_number(Columns& columns, const std::string& column, const std::optional<double>& value) {
@@ -118,14 +117,14 @@ Path read_path(const std::filesystem::path& file, double tool_orientation) {
   for (PathRow row; table.next(row);) {
     const Waypoint next{{row.p, row.phi.value_or(tool_orientation)}, row.via};
     if (waypoints.empty() && row.via)
-      table.add_fault("the first row is where the path begins; its via columns must be empty");
+      table.add_fault({"the first row is where the path begins", "its via columns must be empty"});
     if (!waypoints.empty())
       if (const auto fault = fault_of(next, waypoints.back())) table.add_fault(*fault);
     waypoints.push_back(next);
   }
   table.throw_if_faulty_or_empty();
   if (waypoints.size() < 2)
-    throw InputError(file.string() + ": a path needs at least two rows: its beginning and its end");
+    throw InputError({"a path needs at least two rows: its beginning and its end", "", file});
   return Path(waypoints);
 }
 

@@ -29,22 +29,23 @@ void list_place(Columns& columns, PlanRow& row, double tool_orientation) {
   row.where = std::monostate();
   if (theta) row.where = *theta;
   if (p) row.where = TipPose{*p, phi.value_or(tool_orientation)};
-  columns.check(!p || !theta, "has both x_mm and theta1_deg; give one of them");
+  columns.check(!p || !theta, {"has both x_mm and theta1_deg", "give one of them"});
 }
 
 TableSchema<PlanRow> schema(double tool_orientation) {
-  return {
-      "plan",
-      [=](Columns& columns, PlanRow& row) {
-        columns.text("id", row.id);
-        columns.check(row.id.find('/') == std::string::npos,
-                      fmt::format("id is '{}'; it names images, so '/' is not allowed", row.id));
-        columns.choice("plan", row.plan, kPlans);
-        list_place(columns, row, tool_orientation);
-        columns.check(shows_board(row.plan) || !std::holds_alternative<std::monostate>(row.where),
-                      "has no position; x_mm, y_mm or theta1_deg ... theta3_deg are needed");
-      },
-      UnendedRow::kRefused};
+  return {"plan",
+          [=](Columns& columns, PlanRow& row) {
+            columns.text("id", row.id);
+            columns.check(
+                row.id.find('/') == std::string::npos,
+                {fmt::format("id is '{}'", row.id), "it names images, so '/' is not allowed"});
+            columns.choice("plan", row.plan, kPlans);
+            list_place(columns, row, tool_orientation);
+            columns.check(
+                shows_board(row.plan) || !std::holds_alternative<std::monostate>(row.where),
+                {"has no position", "x_mm, y_mm or theta1_deg ... theta3_deg are needed"});
+          },
+          UnendedRow::kRefused};
 }
 
 }  // namespace

@@ -80,8 +80,8 @@ std::map<std::string, std::string> renamed_tracker_columns(const std::string& te
     const std::size_t equals = item.find('=');
     const auto known = tracker_columns().find(std::string(item.substr(0, equals)));
     if (equals == std::string_view::npos || known == tracker_columns().end())
-      throw InputError("--tracker-columns has '" + std::string(item) +
-                       "'; needed are items such as x=X, for id, t, x, y or z");
+      throw InputError({"--tracker-columns has '" + std::string(item) + "'",
+                        "needed are items such as x=X, for id, t, x, y or z"});
     renamed[known->second] = item.substr(equals + 1);
   }
   return renamed;

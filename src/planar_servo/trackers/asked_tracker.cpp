@@ -24,10 +24,8 @@ bool is_input(int descriptor) {
 
 [[noreturn]] void nobody_answers(const std::string& question, const std::string& why) {
   throw WorkError(
-      fmt::format("nobody answers '{}': {}; start the program in a terminal, or give "
-                  "tracker.source file or tcp "
-                  "with a column id",
-                  trimmed(question), why));
+      {fmt::format("nobody answers '{}': {}", trimmed(question), why),
+       "start the program in a terminal, or give tracker.source file or tcp with a column id"});
 }
 
 }  // namespace

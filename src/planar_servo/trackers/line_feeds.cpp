@@ -56,10 +56,9 @@ void watch(int socket) {
 FileFeed::FileFeed(std::filesystem::path path, ReadingStream& stream)
     : path_(std::move(path)), stream_(stream) {
   if (!open())
-    throw WorkError(
-        fmt::format("tracker: {}: cannot be read ({}); start the tracker's program first, or "
-                    "correct tracker.path",
-                    path_.string(), std::strerror(errno)));
+    throw WorkError({fmt::format("cannot be read ({})", std::strerror(errno)),
+                     "start the tracker's program first, or correct tracker.path",
+                     "tracker: " + path_.string()});
   read_rest();
   follower_ = std::thread([this] { follow(); });
 }
@@ -130,9 +129,8 @@ TcpFeed::TcpFeed(const std::string& address, ReadingStream& stream) : stream_(st
   std::tie(host_, port_) = host_and_port(address);
   const std::string fault = connect();
   if (!fault.empty())
-    throw WorkError(fmt::format(
-        "tracker: {}: {}; start the tracker's program first, or correct tracker.address", address,
-        fault));
+    throw WorkError({fault, "start the tracker's program first, or correct tracker.address",
+                     "tracker: " + address});
   receiver_ = std::thread([this] { serve(); });
 }
 

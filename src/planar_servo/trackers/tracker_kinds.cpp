@@ -37,8 +37,8 @@ void read_number_keys(Fields& tracker, TrackerDialect& dialect) {
     tracker.text("separator", separator);
     const bool one = separator.size() == 1;
     tracker.check(one && !(dialect.csv.decimal_comma && separator == ","),
-                  "tracker.separator is '" + separator +
-                      "'; one character is needed, and another than ',' with decimal_comma",
+                  {"tracker.separator is '" + separator + "'",
+                   "one character is needed, and another than ',' with decimal_comma"},
                   "separator");
     if (one) dialect.csv.separator = separator[0];
   }
@@ -100,8 +100,7 @@ std::vector<Finding> examine_stream(
     const std::optional<StreamEvent> event = stream.next(kListen_s);
     return {event ? verdict_of(*event, stream) : silence(stream)};
   } catch (const WorkError& error) {
-    return {
-        tracker_finding(Finding::Verdict::kFaulty, error.refusal().fault, error.refusal().remedy)};
+    return {faulty("tracker", error.refusal())};
   }
 }
 
@@ -141,8 +140,8 @@ std::shared_ptr<const DeviceDetails> TcpTrackerKind::read(Fields& tracker) const
   auto details = std::make_shared<StreamDetails>();
   tracker.text("address", details->source);
   tracker.check(details->source.empty() || !host_and_port(details->source).first.empty(),
-                "tracker.address is '" + details->source +
-                    "'; HOST:PORT is needed, such as 192.168.0.20:7000",
+                {"tracker.address is '" + details->source + "'",
+                 "HOST:PORT is needed, such as 192.168.0.20:7000"},
                 "address");
   read_dialect(tracker, details->dialect);
   return details;

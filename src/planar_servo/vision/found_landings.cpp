@@ -100,7 +100,7 @@ void FoundLandings::learn(const SeenLanding& seen) {
   if (!seen.stays_off) return;
   const bool agrees = lamps_.agrees(separation_m, turn);
   of_view_ = {
-      fmt::format(
+      {fmt::format(
           "the tool is seen {:.3f} mm from where the arm should land here, as before the arm "
           "went away and came again, and {}: is something on the camera's window or in its "
           "view (a drop, a reflection), or does the arm stray? planar-check-cell says what "
@@ -108,13 +108,13 @@ void FoundLandings::learn(const SeenLanding& seen) {
           (seen.look.tip.p - landed.p).norm() / kMillimetre,
           agrees           ? "the lamps stand to each other as at other targets"
           : lamps_.knows() ? "the lamps do not stand to each other as at other targets"
-                           : "too few other targets were seen to compare the lamps with"),
+                           : "too few other targets were seen to compare the lamps with")},
       lamps_.knows() && !agrees};
 }
 
 std::optional<Doubt> FoundLandings::doubt() const {
   if (of_view_) return of_view_;
-  if (std::string moved = following_.doubt(); !moved.empty()) return Doubt{std::move(moved), true};
+  if (auto moved = following_.doubt()) return Doubt{std::move(*moved), true};
   return std::nullopt;
 }
 

@@ -123,8 +123,8 @@ std::optional<TipMeasurement> LampTipSensor::watch_camera(double t_s) {
   if (whole.status != FrameStatus::kOk)
     return failed_look(TipStatus::kNoPicture, name(whole.status), whole.frame.t_s);
   watch_.look(whole.frame);
-  if (watch_.objection().empty()) return std::nullopt;
-  spdlog::warn(watch_.objection());
+  if (!watch_.objection()) return std::nullopt;
+  spdlog::warn(watch_.objection()->text());
   return failed_look(TipStatus::kNoLamps, kReferenceLamps, whole.frame.t_s);
 }
 

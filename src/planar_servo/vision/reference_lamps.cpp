@@ -90,7 +90,7 @@ cv::Mat ReferenceWatch::without_lamps(const cv::Mat& image) const {
 
 bool ReferenceWatch::is_due(double t_s) const {
   if (lamps_.empty()) return false;
-  return !looked_s_ || !objection_.empty() || t_s - *looked_s_ >= kReferencePeriod_s;
+  return !looked_s_ || objection_ || t_s - *looked_s_ >= kReferencePeriod_s;
 }
 
 void ReferenceWatch::look(const Frame& frame) {
@@ -98,10 +98,9 @@ void ReferenceWatch::look(const Frame& frame) {
   looked_s_ = frame.t_s;
   const std::vector<Sight> sights = find(frame);
   if (sights.size() < kLeastLamps) {
-    objection_ = fmt::format(
-        "{} of {} reference lamps are seen, fewer than {}; uncover them, or calibrate again if the "
-        "camera was moved",
-        sights.size(), lamps_.size(), kLeastLamps);
+    objection_ = {fmt::format("{} of {} reference lamps are seen, fewer than {}", sights.size(),
+                              lamps_.size(), kLeastLamps),
+                  "uncover them, or calibrate again if the camera was moved"};
     return;
   }
   take_motion(sights);
@@ -132,14 +131,14 @@ void ReferenceWatch::take_motion(const std::vector<Sight>& sights) {
     }
   }
   if (!fit || !fit->holds()) {
-    objection_ = fmt::format(
-        "the reference lamps disagree by up to {:.3f} px, more than noise explains; lens or lamps "
-        "have moved and the calibration is void: record and calibrate again",
-        fit ? farthest_px(*fit) : 0.0);
+    objection_ = {
+        fmt::format("the reference lamps disagree by up to {:.3f} px, more than noise explains",
+                    fit ? farthest_px(*fit) : 0.0),
+        "lens or lamps have moved and the calibration is void: record and calibrate again"};
     return;
   }
   motion_ = fit->motion;
-  objection_.clear();
+  objection_.reset();
   spdlog::debug(fmt::format("reference lamps: {} seen, chi squared {:.1f} of {}, up to {:.4f} px",
                             sights.size(), fit->chi2, fit->freedom, farthest_px(*fit)));
 }

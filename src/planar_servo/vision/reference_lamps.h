@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "planar_servo/core/error.h"
 #include "planar_servo/devices/frame_source.h"
 #include "planar_servo/lamps/lamp.h"
 #include "planar_servo/lamps/lamp_detector.h"
@@ -50,8 +51,8 @@ class ReferenceWatch {
   cv::Mat without_lamps(const cv::Mat& image) const;
 
   const ImageMotion& motion() const { return motion_; }
-  /// Returns why the motion of the last look is not to be trusted, in words. Empty when it is.
-  const std::string& objection() const { return objection_; }
+  /// Returns why the motion of the last look is not to be trusted; empty when it is.
+  const std::optional<Refusal>& objection() const { return objection_; }
 
   const std::vector<ReferenceLamp>& lamps() const { return lamps_; }
 
@@ -71,7 +72,7 @@ class ReferenceWatch {
   LampDetector detector_;
   ImageMotion motion_;
   std::optional<double> looked_s_;
-  std::string objection_;
+  std::optional<Refusal> objection_;
   std::string knocked_;  ///< the lamp that was named last
 };
 

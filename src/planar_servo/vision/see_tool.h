@@ -4,10 +4,10 @@
 #include <array>
 #include <opencv2/core/types.hpp>
 #include <optional>
-#include <string>
 #include <variant>
 #include <vector>
 
+#include "planar_servo/core/error.h"
 #include "planar_servo/core/pose.h"
 #include "planar_servo/devices/frame_source.h"
 #include "planar_servo/error_map/error_map.h"
@@ -30,8 +30,8 @@ struct VisionCalibration {
   LampLayout lamps;
   Workplane workplane;
   ToolOffsets tool;  ///< zero for an ideal tool, whose P lies midway between the lamps
-  std::optional<VisionErrorMap> error_map{};   ///< without one, positions are not compensated
-  std::optional<std::string> map_objection{};  ///< what the map's fit says against moving by it
+  std::optional<VisionErrorMap> error_map{};  ///< without one, positions are not compensated
+  std::optional<Refusal> map_objection{};     ///< what the map's fit says against moving by it
   /// The lamps that are fixed to the base; none when nothing watches the camera.
   std::vector<ReferenceLamp> reference_lamps{};
 };

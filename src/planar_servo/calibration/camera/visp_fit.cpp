@@ -145,10 +145,10 @@ ViewShare share_of(const VispModel& camera, const Pose& X_CG, const CalibrationV
 
 std::optional<LensFit> fit_by_visp(const std::vector<CalibrationView>& views, int width_px,
                                    int height_px) {
-  if (views.size() > kMostViews) {
-    throw InputError(std::to_string(views.size()) + " views; ViSP's calibration holds at most " +
-                     std::to_string(kMostViews) + "; give it fewer or take another model");
-  }
+  if (views.size() > kMostViews)
+    throw InputError({std::to_string(views.size()) + " views; ViSP's calibration holds at most " +
+                          std::to_string(kMostViews),
+                      "give it fewer or take another model"});
   const auto pinhole = fit_by_bundle(views, width_px, height_px, {"pinhole", Pinhole{}, 0});
   if (!pinhole) return std::nullopt;
   const Intrinsics start = intrinsics(pinhole->camera);

@@ -305,8 +305,9 @@ bool same_clock(const Candidate& a, const Candidate& b) {
 
 [[noreturn]] void refuse_clock(const std::string& why) {
   throw InputError(
-      "tracker: how its clock runs beside the camera's cannot be told: " + why +
-      "; check the column t of the tracker's table, which counts seconds, or pair by id");
+      {"how its clock runs beside the camera's cannot be told: " + why,
+       "check the column t of the tracker's table, which counts seconds, or pair by id",
+       "tracker"});
 }
 
 }  // namespace

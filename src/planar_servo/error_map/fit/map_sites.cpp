@@ -28,8 +28,8 @@ void require_finite(const std::vector<ErrorSample>& samples) {
         std::isfinite(sample.phi.value_or(0.0)))
       continue;
     faults.add(
-        fmt::format("pair {}: position, error or direction is not a finite number; remove the pair",
-                    sample.id));
+        {fmt::format("pair {}: position, error or direction is not a finite number", sample.id),
+         "remove the pair"});
   }
   faults.throw_if_any();
 }
@@ -59,9 +59,9 @@ Groups group_by_site(const std::vector<ErrorSample>& samples, const std::vector<
 
 void require_enough(const Groups& groups, const std::vector<ErrorSample>& samples) {
   if (groups.size() >= kFewestSites) return;
-  throw InputError(fmt::format(
-      "{} pairs have {} distinct {}; a map needs at least {} distinct positions", samples.size(),
-      groups.size(), names_places(samples) ? "places" : "positions", kFewestSites));
+  throw InputError({fmt::format("{} pairs have {} distinct {}", samples.size(), groups.size(),
+                                names_places(samples) ? "places" : "positions"),
+                    fmt::format("a map needs at least {} distinct positions", kFewestSites)});
 }
 
 double stated_sigma_of(const std::vector<ErrorSample>& samples, const Groups& groups) {

@@ -207,10 +207,9 @@ double outlier_sigmas(Eigen::Index sites, double dof) {
 
 void require_few(const Outliers& dropped, Eigen::Index sites) {
   if (static_cast<double>(dropped.size()) <= kLargestShare * static_cast<double>(sites)) return;
-  throw InputError(fmt::format(
-      "{} of {} pairs disagree with the others, but at most {:.0f} % may; are the positions of "
-      "vision and tracker paired rightly?",
-      dropped.size(), sites, 100.0 * kLargestShare));
+  throw InputError({fmt::format("{} of {} pairs disagree with the others, but at most {:.0f} % may",
+                                dropped.size(), sites, 100.0 * kLargestShare),
+                    "are the positions of vision and tracker paired rightly?"});
 }
 
 std::vector<Eigen::Index> sites_without(const Outliers& dropped, Eigen::Index count) {

@@ -175,43 +175,40 @@ void require_one_unit(const Eigen::Matrix2Xd& p_vision, const Eigen::Matrix2Xd& 
   const double tracker = spread_of(p_tracker);
   const double wide = std::max(vision, tracker);
   const double narrow = std::min(vision, tracker);
-  if (wide > kSmallestSpread && wide > kWidestRatio * narrow) {
-    throw InputError(fmt::format(
-        "half of the vision positions lie within {:.4g} mm of their middle, half of the tracker "
-        "positions within {:.4g} mm; {}",
-        vision / kMillimetre, tracker / kMillimetre, remedy(wide / narrow)));
-  }
+  if (wide > kSmallestSpread && wide > kWidestRatio * narrow)
+    throw InputError({fmt::format("half of the vision positions lie within {:.4g} mm of their "
+                                  "middle, half of the tracker positions within {:.4g} mm",
+                                  vision / kMillimetre, tracker / kMillimetre),
+                      remedy(wide / narrow)});
   const double error = median_length(p_vision - p_tracker);
-  if (wide > kSmallestSpread && error > kLargestError * narrow) {
-    throw InputError(fmt::format(
-        "vision and tracker differ by {:.4g} mm in the median, while half of the positions lie "
-        "within {:.4g} mm of their middle; {} (are x and y swapped, or rows paired wrongly?)",
-        error / kMillimetre, narrow / kMillimetre, remedy(1.0)));
-  }
-  if (narrow > kLargestSpread) {
-    throw InputError(fmt::format(
-        "half of the positions lie more than {:.4g} m from their middle, farther than arms reach; "
-        "they look like micrometres; write them in millimetres",
-        narrow));
-  }
-  if (error > std::max(kCameraShare * narrow, kCameraMiss)) {
-    throw InputError(fmt::format(
-        "vision and tracker differ by {:.4g} mm in the median over positions half of which lie "
-        "within {:.4g} mm of their middle; a calibrated camera errs by less than {:.0f} % of that; "
-        "{}; mend the datum, the camera or the pairing instead of learning it",
-        error / kMillimetre, narrow / kMillimetre, 100.0 * kCameraShare,
-        shared_motion(p_vision, p_tracker, error)));
-  }
+  if (wide > kSmallestSpread && error > kLargestError * narrow)
+    throw InputError(
+        {fmt::format("vision and tracker differ by {:.4g} mm in the median, while half of the "
+                     "positions lie within {:.4g} mm of their middle",
+                     error / kMillimetre, narrow / kMillimetre),
+         fmt::format("{} (are x and y swapped, or rows paired wrongly?)", remedy(1.0))});
+  if (narrow > kLargestSpread)
+    throw InputError({fmt::format("half of the positions lie more than {:.4g} m from their middle, "
+                                  "farther than arms reach; they look like micrometres",
+                                  narrow),
+                      "write them in millimetres"});
+  if (error > std::max(kCameraShare * narrow, kCameraMiss))
+    throw InputError({fmt::format("vision and tracker differ by {:.4g} mm in the median over "
+                                  "positions half of which lie within {:.4g} mm of their middle; a "
+                                  "calibrated camera errs by less than {:.0f} % of that; {}",
+                                  error / kMillimetre, narrow / kMillimetre, 100.0 * kCameraShare,
+                                  shared_motion(p_vision, p_tracker, error)),
+                      "mend the datum, the camera or the pairing instead of learning it"});
   const double span = std::max(span_of(p_vision), span_of(p_tracker));
-  if (span < kSmallestSpread) {
-    throw InputError(fmt::format(
-        "all positions lie within {:.4g} mm; they look like metres; write them in millimetres "
-        "(or are they all of one place? a map needs pairs over at least {:.0f} mm)",
-        span / kMillimetre, mm(kSmallestSpread)));
-  }
+  if (span < kSmallestSpread)
+    throw InputError({fmt::format("all positions lie within {:.4g} mm; they look like metres",
+                                  span / kMillimetre),
+                      fmt::format("write them in millimetres (or are they all of one place? a map "
+                                  "needs pairs over at least {:.0f} mm)",
+                                  mm(kSmallestSpread))});
 }
 
-std::string doubt_of_shared_error(const std::vector<ErrorSample>& samples) {
+std::optional<Refusal> doubt_of_shared_error(const std::vector<ErrorSample>& samples) {
   const auto n = static_cast<Eigen::Index>(samples.size());
   Eigen::Matrix2Xd p_vision(2, n), errors(2, n);
   for (Eigen::Index i = 0; i < n; ++i) {
@@ -219,11 +216,10 @@ std::string doubt_of_shared_error(const std::vector<ErrorSample>& samples) {
     errors.col(i) = samples[static_cast<std::size_t>(i)].error;
   }
   const std::string shared = similarity_text(p_vision, p_vision - errors, median_length(errors));
-  if (shared.empty()) return "";
-  return "all pairs share nine tenths of their error: " + shared +
-         "; the map learns it; if the datum, the tracker's frame or the plane's height is wrong, "
-         "mend "
-         "that first";
+  if (shared.empty()) return std::nullopt;
+  return Refusal{"all pairs share nine tenths of their error: " + shared,
+                 "the map learns it; if the datum, the tracker's frame or the plane's height is "
+                 "wrong, mend that first"};
 }
 
 void require_live_tracker(const std::vector<ErrorSample>& samples) {
@@ -249,17 +245,16 @@ void require_live_tracker(const std::vector<ErrorSample>& samples) {
     const auto other = std::find_if(begin, end, [&](const Reading& r) {
       return (r.sample->p_vision - begin->sample->p_vision).norm() > far;
     });
-    if (other != end) {
-      throw InputError(fmt::format(
-          "{} pairs have one and the same tracker position, ({:.3f}, {:.3f}) mm, '{}' and '{}' "
-          "among "
-          "them, although vision moved by {:.1f} mm: the tracker was frozen, or rows were copied; "
-          "remove these pairs or record them again",
-          end - begin, static_cast<double>(begin->x) * kSameReading / kMillimetre,
-          static_cast<double>(begin->y) * kSameReading / kMillimetre, begin->sample->id,
-          other->sample->id,
-          (other->sample->p_vision - begin->sample->p_vision).norm() / kMillimetre));
-    }
+    if (other != end)
+      throw InputError(
+          {fmt::format("{} pairs have one and the same tracker position, ({:.3f}, {:.3f}) mm, '{}' "
+                       "and '{}' among them, although vision moved by {:.1f} mm: the tracker was "
+                       "frozen, or rows were copied",
+                       end - begin, static_cast<double>(begin->x) * kSameReading / kMillimetre,
+                       static_cast<double>(begin->y) * kSameReading / kMillimetre,
+                       begin->sample->id, other->sample->id,
+                       (other->sample->p_vision - begin->sample->p_vision).norm() / kMillimetre),
+           "remove these pairs or record them again"});
     begin = end;
   }
 }
@@ -270,10 +265,10 @@ void require_narrow_places(const std::vector<ErrorSample>& samples, const MapSit
   for (const SamplesOfPlace& of : sites.samples) {
     const double width = width_of(samples, of);
     if (width <= widest || samples[of.front()].place.empty()) continue;
-    faults.add(fmt::format(
-        "place '{}': its {} pairs lie up to {:.1f} mm apart, where {:.1f} mm is allowed, a tenth "
-        "of the field; name the places of single positions, or remove the column place",
-        samples[of.front()].place, of.size(), mm(width), widest / kMillimetre));
+    faults.add({fmt::format("place '{}': its {} pairs lie up to {:.1f} mm apart, where {:.1f} mm "
+                            "is allowed, a tenth of the field",
+                            samples[of.front()].place, of.size(), mm(width), widest / kMillimetre),
+                "name the places of single positions, or remove the column place"});
   }
   faults.throw_if_any();
 }

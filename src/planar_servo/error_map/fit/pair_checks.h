@@ -1,9 +1,10 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <string>
+#include <optional>
 #include <vector>
 
+#include "planar_servo/core/error.h"
 #include "planar_servo/error_map/error_sample.h"
 #include "planar_servo/error_map/fit/map_sites.h"
 #include "planar_servo/error_map/fit/outliers.h"
@@ -19,10 +20,10 @@ namespace planar {
 /// half, do not matter.
 void require_one_unit(const Eigen::Matrix2Xd& p_vision, const Eigen::Matrix2Xd& p_tracker);
 
-/// Says in words which shift, turn and scale all pairs share, when these make up nine tenths of the
+/// Says which shift, turn and scale all pairs share, when these make up nine tenths of the
 /// error and it is not large enough to be refused. A map learns it as well as a vision error; only
 /// who made the pairs knows whether it is one. Empty otherwise.
-std::string doubt_of_shared_error(const std::vector<ErrorSample>& samples);
+std::optional<Refusal> doubt_of_shared_error(const std::vector<ErrorSample>& samples);
 
 /// Throws InputError when the tracker has one and the same position, to the last digit, where
 /// vision has positions farther apart than such an error: a tracker that was frozen, or a row that

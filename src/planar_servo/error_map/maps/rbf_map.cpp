@@ -34,10 +34,11 @@ std::shared_ptr<const BorderedSystem> map_equations(const RbfParameters& paramet
   if (system && system->pivot_ratio() >= kSmallestPivotRatio) {
     return std::make_shared<const BorderedSystem>(*std::move(system));
   }
-  throw WorkError(fmt::format(
-      "the kernel matrix of {} samples with a width of {:.4g} mm and a ridge of {:.3g} is too ill "
-      "conditioned to be solved; use a smaller width, or let the map choose width and ridge",
-      parameters.centers.cols(), mm(parameters.kernel.width), parameters.ridge));
+  throw WorkError(
+      {fmt::format("the kernel matrix of {} samples with a width of {:.4g} mm and a ridge of "
+                   "{:.3g} is too ill conditioned to be solved",
+                   parameters.centers.cols(), mm(parameters.kernel.width), parameters.ridge),
+       "use a smaller width, or let the map choose width and ridge"});
 }
 
 RbfMap::RbfMap(RbfParameters parameters, std::shared_ptr<const BorderedSystem> equations)

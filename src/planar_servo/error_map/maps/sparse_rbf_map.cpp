@@ -27,10 +27,10 @@ Eigen::MatrixXd center_factor(const Eigen::Matrix2Xd& centers, double width) {
   kernel_matrix(gaussian(width), squared_distances(centers), kernel);
   kernel.diagonal().array() += kTrace;
   if (auto factor = lower_factor(kernel)) return std::move(*factor);
-  throw WorkError(fmt::format(
-      "the kernel matrix of {} centres with a width of {:.4g} mm is too ill conditioned "
-      "to be solved; use a smaller width",
-      centers.cols(), mm(width)));
+  throw WorkError({fmt::format("the kernel matrix of {} centres with a width of {:.4g} mm is too "
+                               "ill conditioned to be solved",
+                               centers.cols(), mm(width)),
+                   "use a smaller width"});
 }
 
 SparseRbfMap::SparseRbfMap(SparseRbfParameters parameters)

@@ -79,10 +79,10 @@ std::vector<PairRow> pairs_to_check(std::vector<PairRow> pairs, const std::vecto
                              [&](const PairRow& pair) { return !is_wanted(pair, plans); }),
               pairs.end());
   if (pairs.empty())
-    throw InputError(fmt::format(
-        "none of {} pairs is of {}; their plans are: {}", all,
-        plans.empty() ? std::string("a plan other than train") : "plan " + joined(plans),
-        joined(present)));
+    throw InputError({fmt::format("none of {} pairs is of {}", all,
+                                  plans.empty() ? std::string("a plan other than train")
+                                                : "plan " + joined(plans)),
+                      fmt::format("their plans are: {}", joined(present))});
   return pairs;
 }
 
@@ -92,12 +92,12 @@ void require_what_it_needs(const VisionErrorMap& map, const std::vector<PairRow>
   if (!at_lamps && !depends_on_direction(std::get<ErrorMap>(map))) return;
   for (const PairRow& pair : pairs) {
     if (at_lamps ? pair.lamps_B && pair.p_reflector : pair.phi.has_value()) continue;
-    throw InputError(fmt::format("{}: the map depends on {}, which pair {} leaves empty",
-                                 file.string(),
-                                 at_lamps ? "the lamps; pairs need columns x_lamp1_mm to "
-                                            "y_lamp2_mm and x_reflector_mm, y_reflector_mm"
-                                          : "the tool's direction; pairs need a column phi_deg",
-                                 pair.id));
+    throw InputError({fmt::format("the map depends on {}, which pair {} leaves empty",
+                                  at_lamps ? "the lamps; pairs need columns x_lamp1_mm to "
+                                             "y_lamp2_mm and x_reflector_mm, y_reflector_mm"
+                                           : "the tool's direction; pairs need a column phi_deg",
+                                  pair.id),
+                      "", file});
   }
 }
 

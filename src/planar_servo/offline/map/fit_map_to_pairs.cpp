@@ -78,8 +78,8 @@ MapMethodChoice parse_map_method(const std::string& text) {
     const auto [stop, fault] = std::from_chars(text.data() + hand.size(), end, width_mm);
     if (fault == std::errc() && stop == end) return {MapMethod::kHandWidth, width_mm * kMillimetre};
   }
-  throw InputError(fmt::format(
-      "--method is '{}'; allowed are auto, rbf, idw, hand:WIDTH_MM (such as hand:48)", text));
+  throw InputError({fmt::format("--method is '{}'", text),
+                    "allowed are auto, rbf, idw, hand:WIDTH_MM (such as hand:48)"});
 }
 
 TrainingPairs read_training_pairs(const std::filesystem::path& path,

@@ -38,10 +38,10 @@ double last_s(const std::vector<PairRow>& pairs) {
 PoseSample pose_sample(const Transmission& transmission, const PairRow& pair, double now_s) {
   if (!pair.lamps_B || !pair.theta || !pair.sigma_vision || (pair.p_tracker && !pair.p_reflector) ||
       (pair.p_reflector && !pair.sigma_tracker))
-    throw InputError(fmt::format(
-        "pair '{}' lacks its lamps, its joints or a standard deviation, by which field and arm are "
-        "told; make the pairs with planar-pair-tracker, or leave --cell out",
-        pair.id));
+    throw InputError({fmt::format("pair '{}' lacks its lamps, its joints or a standard deviation, "
+                                  "by which field and arm are told",
+                                  pair.id),
+                      "make the pairs with planar-pair-tracker, or leave --cell out"});
   PoseSample sample;
   sample.id = pair.id;
   sample.place = pair.place;
@@ -117,10 +117,11 @@ LaidDots laid_dots(const std::vector<LayRow>& rows) {
   std::map<std::string, std::vector<const LayRow*>> lays;
   for (const LayRow& row : rows) {
     if (!(row.sigma > 0.0))
-      throw InputError("lays: a dot of '" + row.lay +
-                       "' has sigma_mm 0; make the table with planar-pair-tracker --lays-out");
+      throw InputError({"a dot of '" + row.lay + "' has sigma_mm 0",
+                        "make the table with planar-pair-tracker --lays-out", "lays"});
     if (row.pitch_known != rows.front().pitch_known)
-      throw InputError("lays: the pitch is known of some lays only; all must be of one board");
+      throw InputError(
+          {"the pitch is known of some lays only", "all must be of one board", "lays"});
     const auto [lay, is_new] = lays.try_emplace(row.lay);
     if (is_new) order.push_back(row.lay);
     lay->second.push_back(&row);

@@ -105,16 +105,16 @@ std::vector<LaidBoard> boards_on_plane(const std::filesystem::path& recording,
     if (pose) {
       boards.push_back({file.stem().string(), pose->X_CG, board, sight});
     } else {
-      faults.add(file.string() +
-                 ": no board on the plane: " + (sight.found() ? "no pose" : sight.reason));
+      faults.add(
+          {"no board on the plane: " + (sight.found() ? "no pose" : sight.reason), "", file});
     }
   }
   faults.throw_if_any();
-  if (boards.empty()) {
-    throw InputError(recording.string() +
-                     ": has no frame of plan 'plane_grid'; record one with the board on the plane, "
-                     "or take --workplane-from pairs without --lays-out");
-  }
+  if (boards.empty())
+    throw InputError({"has no frame of plan 'plane_grid'",
+                      "record one with the board on the plane, or take --workplane-from pairs "
+                      "without --lays-out",
+                      recording});
   return boards;
 }
 
@@ -131,31 +131,30 @@ std::vector<LayRow> seen_lays(const Workplane& workplane, const std::vector<Laid
   std::vector<LayRow> rows;
   for (const LaidBoard& laid : boards) {
     if (laid.board.kind != Board::Kind::kCircles)
-      throw InputError("lays of a chessboard have no dots; lay a board of circles");
+      throw InputError(Refusal{"lays of a chessboard have no dots", "lay a board of circles"});
     add_lay(dots_plane, laid, rows);
   }
   return rows;
 }
 
-std::vector<std::string> doubts_of_lays(const std::vector<LayRow>& lays, double camera_height) {
+std::vector<Refusal> doubts_of_lays(const std::vector<LayRow>& lays, double camera_height) {
   const std::map<std::string, double> heights = apparent_heights(lays, camera_height);
   if (heights.empty()) return {};
   std::vector<double> all;
   all.reserve(heights.size());
   for (const auto& [lay, height] : heights) all.push_back(height);
   const double middle = median(all);
-  std::vector<std::string> doubts;
+  std::vector<Refusal> doubts;
   if (std::abs(middle) > kHeightDoubt)
     doubts.push_back(
-        fmt::format("lays: the boards are seen as if their dots lay {} the plane that was stated; "
-                    "check --board-thickness-mm and the pitch in --grid",
-                    above_or_below(middle)));
+        {fmt::format("the boards are seen as if their dots lay {} the plane that was stated",
+                     above_or_below(middle)),
+         "check --board-thickness-mm and the pitch in --grid", "lays"});
   for (const auto& [lay, height] : heights)
     if (std::abs(height - middle) > kHeightDoubt)
-      doubts.push_back(
-          fmt::format("lays: '{}' is seen as if it lay {} the others; lay it flat and "
-                      "record it again, or leave it out",
-                      lay, above_or_below(height - middle)));
+      doubts.push_back({fmt::format("'{}' is seen as if it lay {} the others", lay,
+                                    above_or_below(height - middle)),
+                        "lay it flat and record it again, or leave it out", "lays"});
   return doubts;
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "planar_servo/calibration/board.h"
+#include "planar_servo/core/error.h"
 #include "planar_servo/core/pose.h"
 #include "planar_servo/lens/camera_model.h"
 #include "planar_servo/lens/workplane.h"
@@ -36,9 +37,9 @@ std::vector<Pose> poses_of(const std::vector<LaidBoard>& boards);
 std::vector<LayRow> seen_lays(const Workplane& workplane, const std::vector<LaidBoard>& boards,
                               double dots_height);
 
-/// Returns doubts in words where boards of known pitch are seen in another size than they have:
+/// Returns doubts where boards of known pitch are seen in another size than they have:
 /// one when all seem to lie off the height that was stated, and one for each that seems to lie off
 /// the others. The camera is this far above the dots' plane, metres.
-std::vector<std::string> doubts_of_lays(const std::vector<LayRow>& lays, double camera_height);
+std::vector<Refusal> doubts_of_lays(const std::vector<LayRow>& lays, double camera_height);
 
 }  // namespace planar

@@ -37,8 +37,9 @@ std::vector<LampSight> lamp_sights(const std::vector<LampRow>& lamps,
     const auto& index = row.image.empty() ? by_id : by_image;
     const auto found = index.find(row.image.empty() ? row.id : row.image);
     if (found == index.end() || found->second->id != row.id) {
-      faults.add(fmt::format("lamps: id '{}', image '{}' is not in the recording's frames.csv",
-                             row.id, row.image));
+      faults.add({fmt::format("id '{}', image '{}' is not in the recording's frames.csv", row.id,
+                              row.image),
+                  "", "lamps"});
       continue;
     }
     const FrameRow& frame = *found->second;
@@ -181,7 +182,7 @@ DatumRegistration registered(const std::vector<Monument>& datum, const SortedRea
   add_doubt(registration.doubt, report);
   const MonumentVerdict drift =
       check_drift(monument_sights(datum, readings.begin), monument_sights(datum, readings.end));
-  if (drift.refused) throw InputError(drift.doubt.text());
+  if (drift.refused) throw InputError(drift.doubt);
   add_doubt(drift.doubt, report);
   if (readings.end.empty() || !drift.doubt.fault.empty()) return registration;
   std::vector<MonumentReading> both = readings.begin;
@@ -286,7 +287,7 @@ void look_for_scatter(const std::vector<PairRow>& in_time, PairTrackerReport& re
 void look_for_motion(const PairTrackerRequest& request, const std::vector<PairRow>& in_time,
                      PairTrackerReport& report) {
   const auto doubt = [&](const auto& motion) {
-    if (motion.is_dear() && !request.accept_step) throw InputError(motion.doubt().text());
+    if (motion.is_dear() && !request.accept_step) throw InputError(motion.doubt());
     report.doubts.push_back(motion.doubt());
   };
   report.step = find_step(in_time);
@@ -310,9 +311,10 @@ void log(const PairTrackerReport& report) {
 /// Makes the pairs of a recording that no tracker watched.
 PairTrackerReport pair_without_tracker(const PairTrackerRequest& request) {
   if (request.boards_on_plane.empty())
-    throw InputError(
-        "tracker: there is no reading of the tool; without a tracker the plane must come from a "
-        "board that was laid on it, with --workplane-from grid --grid circles:COLSxROWS:PITCHmm");
+    throw InputError({"there is no reading of the tool",
+                      "without a tracker the plane must come from a board that was laid on it, "
+                      "with --workplane-from grid --grid circles:COLSxROWS:PITCHmm",
+                      "tracker"});
   PairTrackerReport report;
   Pairing places = unattended_sights(lamp_sights(request.lamps, request.frames));
   report.workplane = fit_to_arm(request, places.unattended);

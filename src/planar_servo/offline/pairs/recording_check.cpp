@@ -151,22 +151,27 @@ void require_axis_in_origin(const CellSettings& cell, const std::vector<ToolSigh
   // The monuments' common error is no smaller than a reading's systematic one.
   const Eigen::Matrix2d covariance = axis->covariance + sigma * sigma * Eigen::Matrix2d::Identity();
   if (chi_square_tail(axis->p.dot(covariance.inverse() * axis->p), 2) >= kFalseAlarm) return;
-  throw InputError(fmt::format(
-      "datum: joint 1 turns about ({}) mm +- {:.3f}, {:.3f} mm from the base's origin, as {} "
-      "places of plan sweep1 show: the monuments are shifted together; subtract ({}) from x, y "
-      "of all of them in the cell file, or measure them again",
-      fixed(axis->p / kMillimetre, 3, ", "), std::sqrt(0.5 * covariance.trace()) / kMillimetre,
-      mm(axis->p.norm()), points.size(), fixed(axis->p / kMillimetre, 3, ", ")));
+  throw InputError(
+      {fmt::format("joint 1 turns about ({}) mm +- {:.3f}, {:.3f} mm from the base's origin, as {} "
+                   "places of plan sweep1 show: the monuments are shifted together",
+                   fixed(axis->p / kMillimetre, 3, ", "),
+                   std::sqrt(0.5 * covariance.trace()) / kMillimetre, mm(axis->p.norm()),
+                   points.size()),
+       fmt::format("subtract ({}) from x, y of all of them in the cell file, or measure them again",
+                   fixed(axis->p / kMillimetre, 3, ", ")),
+       "datum"});
 }
 
 void require_upright_tracker(const DatumRegistration& datum, const ToolOffsets& tool) {
   if (datum.X_BL.linear()(2, 2) >= 0.0 || tool.p_TS.z() >= 0.0) return;
-  throw InputError(fmt::format(
-      "tracker: its frame is mirrored (x and y exchanged, or one of them negated?): the monuments, "
-      "all in one plane, then fit upside down, with the reflector {:.1f} mm below them and the "
-      "joints turning the other way round, as the tracker sees them; correct the columns of its "
-      "table (where its z axis does point down: negate y and z)",
-      -mm(tool.p_TS.z())));
+  throw InputError(
+      {fmt::format(
+           "its frame is mirrored (x and y exchanged, or one of them negated?): the monuments, all "
+           "in one plane, then fit upside down, with the reflector {:.1f} mm below them and the "
+           "joints turning the other way round, as the tracker sees them",
+           -mm(tool.p_TS.z())),
+       "correct the columns of its table (where its z axis does point down: negate y and z)",
+       "tracker"});
 }
 
 void require_lamps_in_order(const CellSettings& cell, const std::vector<FrameRow>& frames,
@@ -184,11 +189,12 @@ void require_lamps_in_order(const CellSettings& cell, const std::vector<FrameRow
   }
   // A mean direction is one when most of the directions agree; then it must not point backwards.
   if (n == 0.0 || sum.norm() < 0.5 * n || sum.x() >= 0.0) return;
-  throw InputError(fmt::format(
-      "lamps: at {} places the tool is seen {:.1f} degrees from where joint 3 was sent: lamp 1 and "
-      "lamp 2 are exchanged in lamps.csv, or joint 3's zero is off by half a turn; run "
-      "planar-locate-lamps again with this cell, and look at which lamp is which",
-      n, std::abs(std::atan2(sum.y(), sum.x())) / kDegree));
+  throw InputError(
+      {fmt::format(
+           "at {} places the tool is seen {:.1f} degrees from where joint 3 was sent: lamp 1 and "
+           "lamp 2 are exchanged in lamps.csv, or joint 3's zero is off by half a turn",
+           n, std::abs(std::atan2(sum.y(), sum.x())) / kDegree),
+       "run planar-locate-lamps again with this cell, and look at which lamp is which", "lamps"});
 }
 
 RestSpread rest_spread(const CellSettings& cell, const std::vector<TrackerRow>& readings,

@@ -97,9 +97,9 @@ std::unique_ptr<LiveView> open_display(DisplayPolicy policy, const std::filesyst
   const bool window = XWindow::server_answers();
   if (!window && policy == DisplayPolicy::kX) {
     const char* display = std::getenv("DISPLAY");
-    throw InputError(fmt::format(
-        "--display x: no X server answers at DISPLAY '{}'; start one, or use --display auto",
-        display == nullptr ? "" : display));
+    throw InputError(
+        {fmt::format("no X server answers at DISPLAY '{}'", display == nullptr ? "" : display),
+         "start one, or use --display auto", "--display x"});
   }
   return std::make_unique<LiveView>(picture, window, title);
 }

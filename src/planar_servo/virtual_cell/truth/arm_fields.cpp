@@ -81,7 +81,7 @@ void list_microsteps(Fields& fields, Reducers& reducers) {
     list_each(fields, reducers, &ReducerTruth::microsteps, kFullStep);
     for (std::size_t i = 0; i < reducers.size(); ++i)
       fields.check(turns_on(reducers[i].microsteps),
-                   "arm.microsteps must not turn the motor back between two microsteps",
+                   {"arm.microsteps must not turn the motor back between two microsteps"},
                    kJoints[i]);
   });
 }
@@ -127,7 +127,7 @@ void list_warming(Fields& fields, std::optional<ArmWarmingTruth>& warming) {
       fields.number("link_time_constant_h", warm.link_time_s, kHour, Range::positive());
       fields.number("holding_share", warm.holding_share, 1.0, Range::from_to(0.0, 1.0));
       fields.check(warm.motor_time_s != warm.link_time_s,
-                   "arm.warming must have two different time constants", "link_time_constant_h");
+                   {"arm.warming must have two different time constants"}, "link_time_constant_h");
     });
   });
 }

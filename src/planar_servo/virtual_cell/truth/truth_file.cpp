@@ -27,7 +27,7 @@ void list_given_harmonics(Fields& fields, const std::string& key, std::vector<Ha
 void list_directions(Fields& fields, Eigen::Vector3d& directions) {
   const char* const key = "directions";
   if (fields.numbers(key, directions))
-    fields.check((directions.array().abs() == 1.0).all(), "arm.directions may be 1 and -1", key);
+    fields.check((directions.array().abs() == 1.0).all(), {"arm.directions may be 1 and -1"}, key);
 }
 
 /// Lists the keys of the block `arm` that may differ from what the cell file states.
@@ -63,7 +63,7 @@ void list_outliers(Fields& fields, std::optional<OutlierTruth>& outliers) {
       fields.number("share", stray.share, 1.0, Range::from_to(0.0, 1.0));
       fields.number("from_mm", stray.from_m, kMillimetre, Range::positive());
       fields.number("to_mm", stray.to_m, kMillimetre, Range::positive());
-      fields.check(stray.from_m <= stray.to_m, "outliers.from_mm must not exceed outliers.to_mm",
+      fields.check(stray.from_m <= stray.to_m, {"outliers.from_mm must not exceed outliers.to_mm"},
                    "from_mm");
     });
   });
