@@ -41,17 +41,15 @@ cv::Size parse_size(const std::string& text) {
   if (text.empty()) return {};
   static const std::regex form(R"((\d{1,5})x(\d{1,5}))");
   std::smatch match;
-  if (!std::regex_match(text, match, form)) {
+  if (!std::regex_match(text, match, form))
     throw InputError("--image-size '" + text + "' is not WIDTHxHEIGHT in pixels");
-  }
   return {std::stoi(match[1]), std::stoi(match[2])};
 }
 
 BoardViews read_views(const Options& options) {
   const Board board = parse_board(options.grid);
-  if (options.points.empty() == options.images.empty()) {
+  if (options.points.empty() == options.images.empty())
     throw InputError("give either images (or a recording) or --points FILE");
-  }
   if (options.points.empty()) return find_board_views(options.images, board);
   return board_views_from_points(options.points, board, parse_size(options.image_size));
 }

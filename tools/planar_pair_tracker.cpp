@@ -5,7 +5,6 @@
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
-#include "planar_servo/files/tool_file.h"
 #include "planar_servo/files/vision_files.h"
 #include "planar_servo/files/workplane_file.h"
 #include "planar_servo/io/atomic_file.h"

@@ -1,5 +1,4 @@
 
-#include <nlohmann/json.hpp>
 
 #include "planar_servo/core/units.h"
 #include "planar_servo/files/cell_file.h"

@@ -1,5 +1,4 @@
 #include <fcntl.h>
-#include <fmt/format.h>
 #include <spdlog/pattern_formatter.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
@@ -8,8 +7,6 @@
 #include <CLI/CLI.hpp>
 #include <Eigen/Core>
 #include <csignal>
-#include <cstdio>
-#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <opencv2/core/utils/logger.hpp>

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstddef>
 #include <opencv2/calib3d.hpp>
-#include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 #include <regex>
 #include <stdexcept>
@@ -100,9 +99,8 @@ BoardSight find_chessboard(const cv::Mat& image, const Board& board) {
   if (!cv::findChessboardCorners(small, pattern, corners)) {
     return {{}, {}, {}, "no chessboard of that size found"};
   }
-  for (cv::Point2f& corner : corners) {
+  for (cv::Point2f& corner : corners)
     corner = (corner + cv::Point2f(0.5F, 0.5F)) / scale - cv::Point2f(0.5F, 0.5F);
-  }
   const double square_px = cv::norm(corners[1] - corners[0]);
   const int half_window = std::max(2, static_cast<int>(square_px / 4.0));
   cv::cornerSubPix(image, corners, {half_window, half_window}, {-1, -1},
@@ -129,11 +127,10 @@ void make_right_handed(const Board& board, std::vector<Eigen::Vector2d>& pixels)
 Board parse_board(const std::string& text, BoardUse use) {
   static const std::regex form(R"((circles|chessboard):(\d{1,3})x(\d{1,3}):(\?|(\d+(\.\d+)?)mm))");
   std::smatch match;
-  if (!std::regex_match(text, match, form)) {
+  if (!std::regex_match(text, match, form))
     throw InputError("grid '" + text +
                      "' is not circles:COLSxROWS:PITCHmm or chessboard:COLSxROWS:PITCHmm, such as "
                      "circles:11x11:50mm");
-  }
   Board board;
   board.kind = match[1] == "circles" ? Board::Kind::kCircles : Board::Kind::kChessboard;
   board.columns = std::stoi(match[2]);
@@ -144,19 +141,17 @@ Board parse_board(const std::string& text, BoardUse use) {
                      "' leaves the pitch open, but lengths are taken from it here; measure it and "
                      "state it, such as circles:11x11:50mm");
   board.pitch = (board.pitch_known ? std::stod(match[5]) : 1.0) * kMillimetre;
-  if (board.columns < 3 || board.rows < 3 || board.pitch <= 0.0) {
+  if (board.columns < 3 || board.rows < 3 || board.pitch <= 0.0)
     throw InputError("grid '" + text +
                      "': at least 3 x 3 points and a pitch above 0 mm are needed");
-  }
   return board;
 }
 
 std::vector<Eigen::Vector2d> board_points(const Board& board) {
   std::vector<Eigen::Vector2d> points;
   for (int row = 0; row < board.rows; ++row) {
-    for (int column = 0; column < board.columns; ++column) {
+    for (int column = 0; column < board.columns; ++column)
       points.emplace_back(column * board.pitch, row * board.pitch);
-    }
   }
   return points;
 }

@@ -4,9 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
-#include <string>
 
 #include "planar_servo/core/decompositions.h"
 #include "planar_servo/core/error.h"
@@ -37,14 +35,12 @@ void require_finite(const std::vector<LampSight>& frames,
   Faults faults;
   for (const LampSight& frame : frames) {
     if (!std::isfinite(frame.t_s) || !frame.theta.allFinite() ||
-        (frame.fault.empty() && !(frame.uv_px[0].allFinite() && frame.uv_px[1].allFinite()))) {
+        (frame.fault.empty() && !(frame.uv_px[0].allFinite() && frame.uv_px[1].allFinite())))
       faults.add("pairing: a frame of '" + frame.id + "' has a value that is not finite");
-    }
   }
   for (const ToolReading& reading : readings) {
-    if (!std::isfinite(reading.t_s) || !reading.p_B.allFinite()) {
+    if (!std::isfinite(reading.t_s) || !reading.p_B.allFinite())
       faults.add("pairing: a reading of '" + reading.id + "' has a value that is not finite");
-    }
   }
   faults.throw_if_any();
 }

@@ -5,11 +5,9 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "planar_servo/core/decompositions.h"
 #include "planar_servo/core/error.h"
-#include "planar_servo/core/pose.h"
 #include "planar_servo/core/statistics.h"
 #include "planar_servo/core/units.h"
 
@@ -68,9 +66,8 @@ Pose pose_from_homography(const Eigen::Matrix3d& H_CW) {
 CameraPlane board_plane(const Pose& X_CG, double points_height) {
   const Eigen::Vector3d normal = X_CG.linear().col(2);
   const double distance = -normal.dot(X_CG.translation());
-  if (!X_CG.matrix().allFinite() || distance == 0.0) {
+  if (!X_CG.matrix().allFinite() || distance == 0.0)
     throw InputError("workplane: a board on the plane has no usable pose");
-  }
   return distance > 0.0 ? CameraPlane{normal, distance + points_height}
                         : CameraPlane{-normal, -distance + points_height};
 }
@@ -199,9 +196,8 @@ bool SightSet::reject_beyond(const std::vector<SeenSight>& seen, const std::vect
 }
 
 void SightSet::require_few_rejected() const {
-  if (static_cast<double>(rejected_.size()) <= kMaxRejectedShare * static_cast<double>(given_)) {
+  if (static_cast<double>(rejected_.size()) <= kMaxRejectedShare * static_cast<double>(given_))
     return;
-  }
   throw InputError(
       fmt::format("workplane: {} of {} sights had to be left out, '{}' first ({}); vision and "
                   "tracker do not belong together: check ids, times and the camera file",

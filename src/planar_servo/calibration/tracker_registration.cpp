@@ -5,9 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <stdexcept>
 
-#include "planar_servo/core/error.h"
 #include "planar_servo/core/rigid_fit.h"
 #include "planar_servo/core/text.h"
 #include "planar_servo/core/units.h"
@@ -218,12 +216,10 @@ std::map<std::string, std::vector<MonumentReading>> sort_readings(
   Faults faults;
   std::map<std::string, std::vector<MonumentReading>> by_id;
   for (const Monument& monument : monuments) {
-    if (!by_id.emplace(monument.id, std::vector<MonumentReading>()).second) {
+    if (!by_id.emplace(monument.id, std::vector<MonumentReading>()).second)
       faults.add("datum: monument '" + monument.id + "' is named twice");
-    }
-    if (!monument.p_B.allFinite()) {
+    if (!monument.p_B.allFinite())
       faults.add("datum: monument '" + monument.id + "' has a coordinate that is not finite");
-    }
   }
   for (const MonumentReading& reading : readings) {
     const auto known = by_id.find(reading.id);

@@ -1,14 +1,12 @@
 #include "planar_servo/certificate/certify.h"
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <cmath>
 #include <set>
 
 #include "planar_servo/core/error.h"
-#include "planar_servo/core/units.h"
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/files/vision_files.h"
 #include "planar_servo/io/atomic_file.h"

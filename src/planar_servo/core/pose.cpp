@@ -1,6 +1,5 @@
 #include "planar_servo/core/pose.h"
 
-#include <Eigen/Geometry>
 #include <cmath>
 
 #include "planar_servo/core/units.h"

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <numeric>
-#include <optional>
 
 #include "planar_servo/core/statistics.h"
 #include "planar_servo/report/html_page.h"

@@ -14,9 +14,7 @@
 #include "planar_servo/experiment/begun_experiment.h"
 #include "planar_servo/files/arm_file.h"
 #include "planar_servo/io/atomic_file.h"
-#include "planar_servo/io/growing_file.h"
 #include "planar_servo/judge/cell_judge.h"
-#include "planar_servo/plan/experiment_plan.h"
 #include "planar_servo/record/recorder.h"
 #include "planar_servo/run/resumed_run.h"
 

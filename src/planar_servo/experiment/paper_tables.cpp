@@ -3,10 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
-#include <map>
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/statistics.h"
@@ -14,6 +12,7 @@
 #include "planar_servo/files/vision_files.h"
 #include "planar_servo/offline/map/check_error_map.h"
 #include "planar_servo/offline/map/fit_map_to_pairs.h"
+#include "planar_servo/run/servo_report.h"
 #include "planar_servo/tables/lamp_table.h"
 
 namespace planar {

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <vector>
 
 #include "planar_servo/core/units.h"
 #include "planar_servo/files/cell_file.h"

@@ -4,7 +4,6 @@
 #include <visp3/core/vpXmlParserCamera.h>
 
 #include <algorithm>
-#include <cmath>
 #include <iostream>
 #include <locale>
 #include <opencv2/core.hpp>
@@ -52,9 +51,8 @@ std::string ros_model(const CameraModel& camera) {
 /// Returns the names that a file may have.
 std::vector<std::string> ros_models() {
   std::vector<std::string> names;
-  for (const CameraModel& camera : sample_cameras()) {
+  for (const CameraModel& camera : sample_cameras())
     if (!camera.as<Pinhole>() && !camera.as<VispModel>()) names.push_back(lens_model_name(camera));
-  }
   return names;
 }
 
@@ -250,7 +248,8 @@ std::string camera_xml(const CameraRecord& record, const std::string& camera_nam
       distorted ? "perspectiveProjWithDistortion" : "perspectiveProjWithoutDistortion", k.fx, k.fy,
       k.cx, k.cy);
   if (distorted) {
-    model += fmt::format("      <kud>{}</kud>\n      <kdu>{}</kdu>\n", distorted->kud, distorted->kdu);
+    model +=
+        fmt::format("      <kud>{}</kud>\n      <kdu>{}</kdu>\n", distorted->kud, distorted->kdu);
   }
   return fmt::format(
       "<?xml version=\"1.0\"?>\n{}<root>\n  <camera>\n    <name>{}</name>\n"

@@ -1,7 +1,6 @@
 #include "planar_servo/lamps/lamp_detector.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
@@ -186,9 +185,8 @@ bool LampDetector::search_block(const cv::Mat& image, const Span& block, int thr
 /// Adds the lamps in the patch round a run; returns whether there is one.
 bool LampDetector::examine(const cv::Mat& image, const Span& run, int threshold, int layer) {
   if (run.end - run.begin < kLeastRun_px || !is_tall(image, run, threshold) ||
-      patches_.is_taken(run.begin, run.v, layer)) {
+      patches_.is_taken(run.begin, run.v, layer))
     return false;
-  }
   const Patch patch = patches_.grow(image, run, threshold, layer, kMostArea_px2);
   const Blob blob =
       describe_blob(image, patch.box_px, patches_.begin(patch), patches_.end(patch), threshold);
@@ -199,9 +197,8 @@ bool LampDetector::examine(const cv::Mat& image, const Span& run, int threshold,
   }
   const int most = brightest(image, patches_.begin(patch), patches_.end(patch));
   if (most > blob.level + kLeastContrast &&
-      take_apart(image, patch, (threshold + most) / 2, layer + 1)) {
+      take_apart(image, patch, (threshold + most) / 2, layer + 1))
     return true;
-  }
   return !is_filled(blob) && find_discs(image, patch, threshold);
 }
 

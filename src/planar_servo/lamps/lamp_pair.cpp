@@ -50,9 +50,8 @@ int vote_of_looks(const Blob& a, const Blob& b, const PairExpectation& expectati
     const auto [first, second] = *expectation.diameter_over_separation;
     sizes = vote(b.diameter_px() / a.diameter_px(), second / first, kTellingDiameters);
   }
-  if (expectation.contrast_ratio) {
+  if (expectation.contrast_ratio)
     contrasts = vote(b.contrast() / a.contrast(), *expectation.contrast_ratio, kTellingContrasts);
-  }
   if (sizes * contrasts < 0) return 0;
   return sizes != 0 ? sizes : contrasts;
 }

@@ -4,7 +4,6 @@
 
 #include "planar_servo/lamps/lamp_center.h"
 #include "planar_servo/lamps/lamp_pair.h"
-#include "planar_servo/lamps/vp_dot_tracker.h"
 
 namespace planar {
 namespace {
@@ -21,9 +20,8 @@ Eigen::Vector2d corner_of(const Frame& frame) {
 
 /// The expectation in pixels of an image whose first pixel is `origin` on the sensor.
 PairExpectation shifted(PairExpectation expectation, const Eigen::Vector2d& origin) {
-  if (expectation.predicted_px) {
+  if (expectation.predicted_px)
     for (Eigen::Vector2d& uv : *expectation.predicted_px) uv -= origin;
-  }
   for (Eigen::Vector2d& uv : expectation.fixed_px) uv -= origin;
   return expectation;
 }

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <optional>
 
-#include "planar_servo/core/error.h"
 #include "planar_servo/files/camera_file.h"
 #include "planar_servo/offline/grey_image.h"
 #include "planar_servo/report/progress_bar.h"
@@ -55,9 +54,8 @@ std::vector<Picture> pictures_of(const std::vector<std::filesystem::path>& image
       if (frame.plan == Plan::kHeldBoard)
         pictures.push_back({path / frame.image, frame.region_px.tl()});
     }
-    if (pictures.size() == before) {
+    if (pictures.size() == before)
       throw InputError(path.string() + ": has no frame of plan 'grid' in its frames.csv");
-    }
   }
   absent.throw_if_any();
   return pictures;

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "planar_servo/arm/transmission.h"
 #include "planar_servo/core/units.h"
 
 namespace planar {
@@ -180,9 +179,8 @@ void PlanarRobot::recover(double patience_s) {
 }
 
 std::optional<std::string> PlanarRobot::move_to(const Joints& theta, const Guard& guard) {
-  if (const auto violation = transmission_.limit_violation(theta)) {
+  if (const auto violation = transmission_.limit_violation(theta))
     throw WorkError("the arm refuses to move: " + *violation);
-  }
   if (getRobotState() == STATE_VELOCITY_CONTROL)
     throw WorkError("the arm is under velocity control; end that before it moves to a position");
   const Pulses target = transmission_.pulses_from_joints(theta);

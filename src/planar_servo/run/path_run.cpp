@@ -15,7 +15,6 @@
 #include "planar_servo/run/resumed_run.h"
 #include "planar_servo/servo/approach.h"
 #include "planar_servo/servo/path/gear_play.h"
-#include "planar_servo/tables/path_tables.h"
 
 namespace planar {
 namespace {

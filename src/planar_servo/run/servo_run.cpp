@@ -7,7 +7,6 @@
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
-#include "planar_servo/files/provenance.h"
 #include "planar_servo/run/dry_run.h"
 #include "planar_servo/run/resumed_run.h"
 #include "planar_servo/run/target_scorer.h"

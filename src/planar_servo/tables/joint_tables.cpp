@@ -6,7 +6,6 @@
 #include <array>
 
 #include "planar_servo/core/units.h"
-#include "planar_servo/io/columns.h"
 
 namespace planar {
 namespace {

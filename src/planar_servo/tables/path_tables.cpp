@@ -1,7 +1,5 @@
 #include "planar_servo/tables/path_tables.h"
 
-#include <fmt/format.h>
-
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/io/columns.h"

@@ -1,7 +1,5 @@
 #include "planar_servo/tables/step_table.h"
 
-#include <optional>
-
 #include "planar_servo/core/units.h"
 #include "planar_servo/io/columns.h"
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/servo/position_servo.h"
+#include "planar_servo/servo/servo_result.h"
 
 namespace planar {
 

@@ -4,10 +4,8 @@
 #include <charconv>
 #include <cmath>
 #include <utility>
-#include <vector>
 
 #include "planar_servo/core/error.h"
-#include "planar_servo/core/units.h"
 #include "planar_servo/io/columns.h"
 
 namespace planar {

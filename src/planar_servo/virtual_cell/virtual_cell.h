@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <memory>
-#include <string>
 
 #include "planar_servo/core/clock.h"
 #include "planar_servo/core/pose.h"

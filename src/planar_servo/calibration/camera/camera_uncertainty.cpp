@@ -1,11 +1,9 @@
 #include "planar_servo/calibration/camera/camera_uncertainty.h"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <opencv2/imgproc.hpp>
 #include <utility>
-#include <vector>
 
 #include "planar_servo/core/decompositions.h"
 

@@ -1,12 +1,9 @@
 #include "planar_servo/calibration/readings/change_point.h"
 
-#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <utility>
 
-#include "planar_servo/calibration/readings/smooth_errors.h"
 #include "planar_servo/core/statistics.h"
 
 namespace planar {

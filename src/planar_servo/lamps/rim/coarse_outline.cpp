@@ -68,9 +68,8 @@ class EdgeFits {
   double scatter(const OutlineFit& fit, const NormalFlags& use) const {
     const PerNormal residual = residuals(fit);
     double squares = 0.0;
-    for (Eigen::Index k = 0; k < residual.size(); ++k) {
+    for (Eigen::Index k = 0; k < residual.size(); ++k)
       if (use[k]) squares += residual[k] * residual[k];
-    }
     const auto count = static_cast<double>(std::max<Eigen::Index>(1, use.count()));
     return squares / (count * sigma_px_ * sigma_px_);
   }
@@ -79,9 +78,8 @@ class EdgeFits {
   bool explains(const OutlineFit& fit) const {
     constexpr double kMostScatter = 2.5, kMostSigmas = 5.0;
     const PerNormal residual = residuals(fit);
-    for (Eigen::Index k = 0; k < residual.size(); ++k) {
+    for (Eigen::Index k = 0; k < residual.size(); ++k)
       if (edges_.found[k] && std::abs(residual[k]) > kMostSigmas * sigma_px_) return false;
-    }
     return scatter(fit, edges_.found) < kMostScatter;
   }
 

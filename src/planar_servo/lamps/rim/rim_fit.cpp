@@ -155,9 +155,7 @@ std::optional<Refined> refine(const cv::Mat& image, const Blob& blob, const Coar
   for (int i = 0; i < kRounds; ++i) {
     if (!is_near(outline, blob)) return std::nullopt;
     const std::optional<Round> round = measure(image, outline, noise, reach_px, use, band);
-    if (!round || 2 * round->use.count() < band.normals.count()) {
-      return std::nullopt;
-    }
+    if (!round || 2 * round->use.count() < band.normals.count()) return std::nullopt;
     outline.change(round->fit.terms);
     const bool is_settled = round->is_settled(use);
     use = round->use;

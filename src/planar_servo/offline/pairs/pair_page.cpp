@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "planar_servo/core/text.h"
 #include "planar_servo/core/units.h"

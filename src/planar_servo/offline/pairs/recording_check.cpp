@@ -9,7 +9,6 @@
 #include <set>
 
 #include "planar_servo/calibration/readings/joint1_axis.h"
-#include "planar_servo/core/error.h"
 #include "planar_servo/core/statistics.h"
 #include "planar_servo/core/text.h"
 #include "planar_servo/core/units.h"
