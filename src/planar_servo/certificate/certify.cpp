@@ -10,9 +10,9 @@
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/files/vision_files.h"
 #include "planar_servo/io/atomic_file.h"
+#include "planar_servo/io/checksum.h"
 #include "planar_servo/io/format_line.h"
 #include "planar_servo/io/growing_file.h"
-#include "planar_servo/io/sha256.h"
 #include "planar_servo/run/resumed_run.h"
 
 namespace planar {

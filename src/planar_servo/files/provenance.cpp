@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "planar_servo/io/atomic_file.h"
-#include "planar_servo/io/sha256.h"
+#include "planar_servo/io/checksum.h"
 
 namespace planar {
 namespace {

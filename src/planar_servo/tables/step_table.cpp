@@ -79,11 +79,7 @@ std::string step_line(const std::string& id, const ServoStep& step) {
 }
 
 std::vector<StepError> read_step_errors(const std::filesystem::path& path) {
-  TableFile<StepError> table(path, step_error_schema());
-  std::vector<StepError> steps;
-  for (StepError step; table.next(step);) steps.push_back(step);
-  table.throw_if_faulty_or_empty();
-  return steps;
+  return TableFile<StepError>(path, step_error_schema()).rows();
 }
 
 }  // namespace planar
