@@ -34,13 +34,10 @@ struct Options {
 };
 
 void add_options(CLI::App& app, Options& options) {
-  app.add_option("--cell", options.cell, "the calibrated cell")->required()->type_name("FILE");
-  app.add_option(
-         "--out", options.out,
-         "folder for the page, the figures and every cycle; the same command goes on with a "
-         "run that was broken off")
-      ->required()
-      ->type_name("DIR");
+  add_required(app, "--cell", options.cell, "FILE", "the calibrated cell");
+  add_required(app, "--out", options.out, "DIR",
+               "folder for the page, the figures and every cycle; the same command goes on with a "
+               "run that was broken off");
   app.add_option("--cycles", options.size.cycles,
                  "cycles of the five poses, and of the directions of approach; the standard has 30")
       ->check(CLI::Range(2, 1000))

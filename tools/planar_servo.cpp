@@ -57,15 +57,11 @@ struct Options {
 /// Adds where the end point is to go: targets or a path.
 void add_goals(CLI::App& app, Options& options) {
   auto* goals = app.add_option_group("where to");
-  goals
-      ->add_option("--targets", options.targets,
-                   "table of targets; '-' reads lines id,x_mm,y_mm[,phi_deg] from standard input "
-                   "and answers each with one line of JSON")
-      ->type_name("FILE");
-  auto* path = goals
-                   ->add_option("--path", options.path,
-                                "table of the places that a path goes through, straight or on arcs")
-                   ->type_name("FILE");
+  add_value(*goals, "--targets", options.targets, "FILE",
+            "table of targets; '-' reads lines id,x_mm,y_mm[,phi_deg] from standard input "
+            "and answers each with one line of JSON");
+  auto* path = add_value(*goals, "--path", options.path, "FILE",
+                         "table of the places that a path goes through, straight or on arcs");
   goals->require_option(1);
   app.add_flag(
       "--require-end", options.require_end,
@@ -88,9 +84,9 @@ void add_goals(CLI::App& app, Options& options) {
 }
 
 void add_options(CLI::App& app, Options& options) {
-  app.add_option("--cell", options.cell, "the cell")->required()->type_name("FILE");
+  add_required(app, "--cell", options.cell, "FILE", "the cell");
   add_goals(app, options);
-  auto* out = app.add_option("--out", options.out, "folder for log and report")->type_name("DIR");
+  auto* out = add_value(app, "--out", options.out, "DIR", "folder for log and report");
   app.add_flag("--no-error-map", options.no_error_map, "use vision without the error map");
   app.add_option("--centre", options.center,
                  "how a lamp's centre is measured; by default the cell's lamps.method")
@@ -116,13 +112,10 @@ void add_options(CLI::App& app, Options& options) {
   app.add_flag("--resume", options.resume, "continue the run in DIR")
       ->needs(out)
       ->excludes("--path");
-  app.add_option(
-         "--display", options.display,
-         "auto: draw every step into DIR/view.png and, where an X server answers, a window; "
-         "x: insist on the window; none")
-      ->check(CLI::IsMember(names_of(kDisplayPolicies)))
-      ->excludes("--path")
-      ->capture_default_str();
+  add_choice(app, "--display", options.display, names_of(kDisplayPolicies),
+             "auto: draw every step into DIR/view.png and, where an X server answers, a window; "
+             "x: insist on the window; none")
+      ->excludes("--path");
   auto* dry = app.add_flag("--dry-run", options.dry_run,
                            "print the first move to each target; nothing moves")
                   ->excludes(out);
@@ -313,11 +306,7 @@ Outcome follow_path(const Options& options, const CellSettings& cell) {
       read_path_request(options.path, cell, options.speeds_mm_s, guidances_of(options));
   const std::vector<PathDemand> demands = require_followable(cell, path);
   if (options.check) require_inside_map(check_files(options, cell), path);
-  if (options.check || options.dry_run) {
-    const ReportList list = path_demand_list(path, demands);
-    say("{}", list.text());
-    return {list.json(), true};
-  }
+  if (options.check || options.dry_run) return told(path_demand_list(path, demands));
   const ServoRequest request = request_of(options, cell);
   heed_interrupts();
   const auto devices = open_cell(request.cell);

@@ -128,7 +128,6 @@ class CertificateDriver {
   ServoRun run_;
 };
 
-/// Returns the moves that are yet to be made.
 std::vector<CertificateMove> moves_left(const CertificateRun& certificate) {
   std::set<std::string> made;
   for (const JudgedMove& move : certificate.moves) made.insert(move.move.id);

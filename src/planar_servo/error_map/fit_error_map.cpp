@@ -108,7 +108,6 @@ constexpr double kClearMiss = 1.25;
 
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
-/// A fit and what it was fitted to.
 struct FitAtPlaces {
   MethodFit fit;
   MapSites sites;

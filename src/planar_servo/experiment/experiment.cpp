@@ -35,7 +35,6 @@ bool has_begun_loop(const ExperimentRequest& experiment) {
   return fs::exists(results_file(loop));
 }
 
-/// Returns whether the run of a loop has a result of every target.
 bool is_done(const ServoRequest& loop, const std::vector<TargetRow>& targets) {
   return loop.resume && results_so_far(loop).size() == targets.size();
 }

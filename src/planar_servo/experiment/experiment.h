@@ -16,7 +16,6 @@
 
 namespace planar {
 
-/// Holds what an experiment found.
 struct ExperimentReport {
   std::vector<ControlCircle> circles;
   std::vector<TargetResult> ours;          ///< our chain with its error map

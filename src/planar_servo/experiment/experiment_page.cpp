@@ -91,7 +91,6 @@ void add_files(HtmlPage& page, const fs::path& out) {
   page.add_html("<ul>\n" + rows + "</ul>\n");
 }
 
-/// Returns the errors before and after at the control targets as one SVG.
 std::string error_plot(const ExperimentReport& report) {
   return quiver_svg({error_panel("Open loop", report.paper, &TargetResult::before_truth),
                      error_panel("Paper's chain", report.paper, &TargetResult::after_truth),

@@ -151,7 +151,6 @@ AccuracyRow mean_row(const std::string& label, const std::vector<AccuracyRow>& r
   return sum;
 }
 
-/// Returns the results at the targets of one control circle.
 std::vector<TargetResult> results_on(const ControlCircle& circle,
                                      const std::vector<TargetResult>& results) {
   std::vector<TargetResult> found;

@@ -23,7 +23,6 @@ void list_waves(Fields& fields, const char* key, std::vector<Wave>& waves) {
   });
 }
 
-/// The terms of an arm by their names in a file.
 struct NamedTerms {
   explicit NamedTerms(const FoundArm& arm)
       : links(arm.x.head<2>()),

@@ -41,7 +41,6 @@ class TaughtTargets {
 /// towards it are open.
 class JogConsole {
  public:
-  /// The answer to a command.
   struct Answer {
     bool done{true};
     std::string text;  ///< says what was done, or why it was not
@@ -53,7 +52,6 @@ class JogConsole {
   JogConsole(const CellSettings& cell, CellDevices& devices, const std::filesystem::path& teach,
              const std::function<bool()>& stop = {});
 
-  /// Executes one command.
   Answer execute(const std::string& line);
 
   /// Returns a line for each command.

@@ -88,7 +88,6 @@ bool is_large_enough(const Blob& blob) {
   return blob.area_px2 >= kLeastArea_px2;
 }
 
-/// Returns the share of a ring on which the mask is set.
 double ring_share(const cv::Mat& mask, const cv::Point& center, double radius_px) {
   constexpr int kPoints = 48;
   int set = 0;

@@ -56,7 +56,6 @@ int vote_of_looks(const Blob& a, const Blob& b, const PairExpectation& expectati
   return sizes != 0 ? sizes : contrasts;
 }
 
-/// Returns the vote of the predicted direction.
 int vote_of_prediction(const Blob& a, const Blob& b, const PairExpectation& expectation) {
   if (!expectation.predicted_px) return 0;
   const Eigen::Vector2d seen = b.uv_px - a.uv_px;

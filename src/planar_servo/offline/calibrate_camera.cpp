@@ -31,7 +31,6 @@ BoardSight find_board_on_sensor(const cv::Mat& image, const cv::Point& corner_px
 
 namespace {
 
-/// A picture of the board.
 struct Picture {
   std::filesystem::path path;
   std::optional<cv::Point> corner_px;  ///< of its region; empty for a whole image

@@ -16,7 +16,6 @@
 
 namespace planar {
 
-/// Selects one of the errors of a TargetResult.
 using TargetError = std::optional<Eigen::Vector2d> TargetResult::*;
 
 /// Returns the lengths of an error at the targets where it is known, metres.

@@ -12,7 +12,6 @@ namespace planar {
 // The table steps.csv grows: the header first, then a line at a time.
 
 std::string steps_header();
-/// Returns the line of one step on the way to the target `id`.
 std::string step_line(const std::string& id, const ServoStep& step);
 
 /// One step on the way to a target: the distance to it by the servo's own view, metres. Empty where

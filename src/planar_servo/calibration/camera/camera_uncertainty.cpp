@@ -19,7 +19,6 @@ Eigen::Array4d four_of(const CameraModel& camera) {
   return {k.fx, k.fy, k.cx, k.cy};
 }
 
-/// The convex hull of pixels.
 class PixelHull {
  public:
   explicit PixelHull(const std::vector<Eigen::Vector2d>& pixels) {

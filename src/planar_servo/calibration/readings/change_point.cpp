@@ -58,7 +58,6 @@ SmoothErrors::Outliers no_outliers(const SmoothErrors& errors) {
   return SmoothErrors::Outliers(static_cast<std::size_t>(errors.size()), false);
 }
 
-/// Returns the explanation without a step.
 Explanation without_step(const SmoothErrors& errors) {
   Explanation found;
   found.outliers = no_outliers(errors);

@@ -15,7 +15,6 @@ namespace {
 
 constexpr int kAboutLamp_px = 6;  // shown beyond a lamp's box
 
-/// A lamp row with the frame in which it was found.
 struct SeenFrame {
   const FrameRow* frame{nullptr};
   LampRow lamps;
