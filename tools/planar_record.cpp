@@ -21,7 +21,8 @@ const ProgramText kText{
     "found 0 times"};
 
 struct Options {
-  std::filesystem::path cell, plan, recording;
+  std::filesystem::path cell, plan;
+  RecordRequest request;
   std::string grid;  ///< empty: none
   std::string display{"none"};
   std::string on_bad_reading{"repeat"};
@@ -31,7 +32,7 @@ struct Options {
 void add_options(CLI::App& app, Options& options) {
   add_required(app, "--cell", options.cell, "FILE", "the cell");
   add_required(app, "--plan", options.plan, "FILE", "positions and board views to record");
-  add_required(app, "--out", options.recording, "DIR",
+  add_required(app, "--out", options.request.recording, "DIR",
                "folder of the recording; a recording that was begun is continued");
   add_homing_options(app, options.homing);
   add_value(app, "--grid", options.grid, "BOARD",
@@ -52,10 +53,9 @@ std::optional<Board> board_of(const Options& options) {
 }
 
 Outcome run(const Options& options) {
-  RecordRequest request;
+  RecordRequest request = options.request;
   request.cell = read_cell(options.cell);
   request.plan = read_plan(options.plan, request.cell.tool_orientation);
-  request.recording = options.recording;
   request.stop = interrupted;
   request.on_bad_reading = value_named(kBadReadings, options.on_bad_reading).value();
   request.board = board_of(options);
@@ -67,7 +67,7 @@ Outcome run(const Options& options) {
   for (const std::string& id : report.without_lamps)
     spdlog::warn(fmt::format("{}: no pair of lamps was seen; its frames are kept", id));
   const FrameCounts frames = devices->camera().counts();
-  return told(record_list(report, frames, options.recording));
+  return told(record_list(report, frames, request.recording));
 }
 
 }  // namespace

@@ -44,14 +44,14 @@ log and report: DIR)"};
 constexpr char kStdin[] = "standard input";
 
 struct Options {
-  fs::path cell, targets, path, out;
+  fs::path cell, targets, path;
+  ServoRequest request;
   std::vector<double> speeds_mm_s{10.0};
   std::string display{"none"};
   std::string center;  ///< empty: the cell's lamps.method
-  bool no_error_map{false}, dry_run{false}, check{false}, resume{false};
+  bool no_error_map{false}, no_health{false}, dry_run{false}, check{false}, judged{false};
   HomingOptions homing;
-  bool accept_stale{false}, accept_map{false}, no_health{false}, keep_going{false}, judged{false};
-  bool no_vision{false}, compare{false}, forget{false}, require_end{false};
+  bool no_vision{false}, compare{false}, require_end{false};
 };
 
 /// Adds where the end point is to go: targets or a path.
@@ -86,21 +86,21 @@ void add_goals(CLI::App& app, Options& options) {
 void add_options(CLI::App& app, Options& options) {
   add_required(app, "--cell", options.cell, "FILE", "the cell");
   add_goals(app, options);
-  auto* out = add_value(app, "--out", options.out, "DIR", "folder for log and report");
+  auto* out = add_value(app, "--out", options.request.out, "DIR", "folder for log and report");
   app.add_flag("--no-error-map", options.no_error_map, "use vision without the error map");
   app.add_option("--centre", options.center,
                  "how a lamp's centre is measured; by default the cell's lamps.method")
       ->check(CLI::IsMember(names_of(kCenterMethods)));
   add_homing_options(app, options.homing);
-  app.add_flag("--accept-stale", options.accept_stale,
+  app.add_flag("--accept-stale", options.request.accept_stale,
                "move even with files that were not made from one another; the run says which");
-  app.add_flag("--accept-map", options.accept_map, kAcceptMap);
+  app.add_flag("--accept-map", options.request.accept_map, kAcceptMap);
   app.add_flag("--no-health", options.no_health,
                "move without looking first whether the cell still is as it was calibrated");
-  app.add_flag("--keep-going", options.keep_going,
+  app.add_flag("--keep-going", options.request.keep_going,
                "try the next target even when the cell itself is in doubt: after a look that "
                "contradicts the command or the calibration, or an error that grew");
-  app.add_flag("--forget", options.forget,
+  app.add_flag("--forget", options.request.forgets,
                "learn the arm anew: do not begin with what the cell's arm_learned file holds")
       ->excludes("--path");
   app.add_flag(
@@ -109,7 +109,7 @@ void add_options(CLI::App& app, Options& options) {
          "monuments, then on the tool, and its readings stand in judge.csv")
       ->needs(out)
       ->excludes("--path");
-  app.add_flag("--resume", options.resume, "continue the run in DIR")
+  app.add_flag("--resume", options.request.resume, "continue the run in DIR")
       ->needs(out)
       ->excludes("--path");
   add_choice(app, "--display", options.display, names_of(kDisplayPolicies),
@@ -221,19 +221,14 @@ ServoRequest request_of(const Options& options, const CellSettings& cell) {
     throw InputError(
         "--judged asks a person at the terminal, but --targets - reads targets there; name a table "
         "of targets");
-  if (options.out.empty())
+  if (options.request.out.empty())
     throw InputError("--out is needed to move the arm; only --dry-run and --check do without it");
-  ServoRequest request;
+  ServoRequest request = options.request;
   request.cell = cell;
   request.center =
       options.center.empty() ? cell.lamps.method : *value_named(kCenterMethods, options.center);
   request.use_error_map = !options.no_error_map;
-  request.out = options.out;
-  request.resume = options.resume;
-  request.accept_stale = options.accept_stale;
-  request.accept_map = options.accept_map;
   request.check_health = !options.no_health;
-  request.keep_going = options.keep_going;
   request.may_home = may_home(options.homing, !from_stdin(options));
   request.stop = interrupted;
   return request;
@@ -244,8 +239,8 @@ VisionCalibration check_files(const Options& options, const CellSettings& cell) 
   require_devices(cell);
   VisionCalibration vision = read_vision(cell, !options.no_error_map);
   read_cell_health(cell);
-  accept_stale_files(cell, !options.no_error_map, options.accept_stale);
-  accept_map(cell, vision, options.accept_map);
+  accept_stale_files(cell, !options.no_error_map, options.request.accept_stale);
+  accept_map(cell, vision, options.request.accept_map);
   return vision;
 }
 
@@ -269,12 +264,11 @@ Outcome reach_targets(const Options& options, const CellSettings& cell) {
     return from_stdin(options) ? plan_stream(options, cell) : print_dry_run(cell, targets);
   ServoRequest request = request_of(options, cell);
   request.learns = cell.servo.learns;
-  request.forgets = options.forget;
   heed_interrupts();
   const auto devices = open_cell(request.cell);
   if (options.judged) request.judge = judge_by_tracker(request, *devices);
   ServoDisplay display(value_named(kDisplayPolicies, options.display).value(),
-                       options.out / "view.png");
+                       options.request.out / "view.png");
   ServoRun run(request, *devices, [&](const ServoSight& sight) { display.show(sight); });
   const bool good_input = move(run, options, targets);
   display.close();

@@ -50,6 +50,13 @@ double rms(const std::vector<double>& values) {
   return std::sqrt(sum / static_cast<double>(values.size()));
 }
 
+double standard_deviation(const std::vector<double>& values) {
+  const double middle = mean(values);
+  double sum = 0.0;
+  for (const double value : values) sum += (value - middle) * (value - middle);
+  return std::sqrt(sum / static_cast<double>(values.size() - 1));
+}
+
 double quantile(std::vector<double> values, double fraction) {
   require_values(values);
   if (!(fraction >= 0.0 && fraction <= 1.0)) throw std::invalid_argument("fraction not in [0, 1]");

@@ -35,6 +35,8 @@ struct Summary {
 double mean(const std::vector<double>& values);
 double rms(const std::vector<double>& values);
 double median(std::vector<double> values);
+/// Returns the standard deviation over n - 1; NaN for one value.
+double standard_deviation(const std::vector<double>& values);
 
 /// Interpolates linearly between order statistics; `fraction` lies in [0, 1].
 double quantile(std::vector<double> values, double fraction);

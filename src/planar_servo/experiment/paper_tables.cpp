@@ -83,14 +83,6 @@ double run_correlation(const ComparedChain& compared, int radius_mm) {
          3.0;
 }
 
-/// Returns the standard deviation of a few values; NaN for fewer than two.
-double standard_deviation(const std::vector<double>& values) {
-  const double middle = mean(values);
-  double sum = 0.0;
-  for (const double value : values) sum += (value - middle) * (value - middle);
-  return std::sqrt(sum / (static_cast<double>(values.size()) - 1.0));
-}
-
 /// Returns the largest standard deviation over the points of one check circle, metres. At each
 /// point it is that of what the map predicts from each of its frames. NaN where no point has two.
 double prediction_repeatability(const ComparedChain& compared, int radius_mm) {

@@ -126,10 +126,6 @@ CameraRecord read_camera_yaml(const std::filesystem::path& path) {
   return record;
 }
 
-bool is_opencv_storage(const std::string& text) {
-  return text.rfind("%YAML:1.0", 0) == 0;
-}
-
 const char* opencv_model_of(std::size_t coefficients, YamlReader& reader) {
   if (coefficients == 8) return "rational_polynomial";
   if (coefficients == 12 || coefficients == 14) return "opencv_14";
@@ -263,7 +259,7 @@ std::string camera_xml(const CameraRecord& record, const std::string& camera_nam
 CameraRecord read_camera(const std::filesystem::path& path) {
   if (path.extension() == ".xml") return read_camera_xml(path);
   const std::string text = read_file(path);
-  return is_opencv_storage(text) ? read_camera_opencv(path) : read_camera_yaml(path);
+  return text.rfind("%YAML:1.0", 0) == 0 ? read_camera_opencv(path) : read_camera_yaml(path);
 }
 
 void require_camera_name(const std::filesystem::path& path) {

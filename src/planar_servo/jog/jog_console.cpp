@@ -63,10 +63,6 @@ namespace fs = std::filesystem;
 constexpr double kMostTurn = 15.0 * kDegree;
 constexpr double kMostStep = 50.0 * kMillimetre;
 
-bool has_vision(const CellSettings& cell) {
-  return fs::exists(cell.camera_model) && fs::exists(cell.workplane) && fs::exists(cell.tool);
-}
-
 double number_of(const std::string& word, const std::string& what) {
   const auto value = finite_number(word);
   if (!value) throw InputError(fmt::format("{} is '{}'; a finite number is needed", what, word));
@@ -129,7 +125,7 @@ JogConsole::JogConsole(const CellSettings& cell, CellDevices& devices, const fs:
       planner_(joint_planner(cell)),
       robot_(planner_.arm(), planner_.transmission(), devices.drives(), devices.clock()) {
   robot_.stop_when(stop);
-  if (has_vision(cell)) {
+  if (fs::exists(cell.camera_model) && fs::exists(cell.workplane) && fs::exists(cell.tool)) {
     compensated_ = fs::exists(cell.error_map);
     sensor_.emplace(read_vision(cell, compensated_), cell.lamps.method, devices.camera(),
                     cell.camera.follow_region_px);

@@ -55,10 +55,6 @@ std::string causes_of(const std::optional<StepFrame>& frame) {
   return "it does not turn with the tool: the camera or the tracker moved there";
 }
 
-bool joint1_carries_all(const TransmissionSettings& transmission) {
-  return transmission.coupling == std::array{Coupling::kRelative, Coupling::kRelative};
-}
-
 }  // namespace
 
 bool RecordedStep::is_dear() const {
@@ -137,7 +133,7 @@ Refusal RecordedTrend::doubt() const {
 }
 
 void require_axis_in_origin(const CellSettings& cell, const std::vector<ToolSight>& sights) {
-  if (!joint1_carries_all(cell.transmission)) return;
+  if (cell.transmission.coupling != std::array{Coupling::kRelative, Coupling::kRelative}) return;
   std::vector<Eigen::Vector2d> points;
   double sigma = 0.0;
   for (const ToolSight& sight : sights) {
