@@ -5,7 +5,7 @@
 #include "planar_servo/certificate/certificate_report.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/machine/device_kinds.h"
-#include "planar_servo/report/progress_bar.h"
+#include "planar_servo/report/status_line.h"
 #include "program.h"
 
 namespace planar {

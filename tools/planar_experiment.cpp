@@ -19,7 +19,6 @@
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/experiment/campaign.h"
-#include "planar_servo/experiment/campaign_report.h"
 #include "planar_servo/experiment/experiment.h"
 #include "planar_servo/experiment/experiment_report.h"
 #include "planar_servo/io/atomic_file.h"

@@ -15,7 +15,7 @@
 #include "planar_servo/offline/map/learn_lamp_field.h"
 #include "planar_servo/offline/map/map_page.h"
 #include "planar_servo/offline/map/map_report.h"
-#include "planar_servo/report/progress_bar.h"
+#include "planar_servo/report/status_line.h"
 #include "program.h"
 
 namespace planar {

@@ -10,7 +10,7 @@
 #include "planar_servo/offline/lamps_report.h"
 #include "planar_servo/offline/locate_lamps.h"
 #include "planar_servo/offline/pairs/pair_files.h"
-#include "planar_servo/report/progress_bar.h"
+#include "planar_servo/report/status_line.h"
 #include "planar_servo/tables/lamp_table.h"
 #include "program.h"
 

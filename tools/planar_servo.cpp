@@ -7,15 +7,15 @@
 #include "homing_options.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
-#include "planar_servo/files/tool_file.h"
 #include "planar_servo/files/vision_files.h"
+#include "planar_servo/files/workplane_file.h"
 #include "planar_servo/judge/cell_judge.h"
 #include "planar_servo/machine/device_kinds.h"
-#include "planar_servo/report/progress_bar.h"
+#include "planar_servo/report/live/servo_view.h"
+#include "planar_servo/report/status_line.h"
 #include "planar_servo/run/cell_check.h"
 #include "planar_servo/run/dry_run.h"
 #include "planar_servo/run/path_report.h"
-#include "planar_servo/run/servo_display.h"
 #include "planar_servo/run/servo_report.h"
 #include "planar_servo/run/servo_run.h"
 #include "planar_servo/run/target_stream.h"
@@ -123,6 +123,51 @@ void add_options(CLI::App& app, Options& options) {
       ->excludes(out)
       ->excludes(dry);
 }
+
+std::string title_of(const ServoSight& sight) {
+  const ServoStep& step = sight.step;
+  const std::string what = fmt::format("{}   step {}", sight.target_id, step.iteration);
+  if (!step.measurement.ok())
+    return fmt::format("{}   not measured: {}", what, step.measurement.word);
+  return fmt::format("{}   {:.4f} mm from the target, +- {:.4f} mm{}", what, mm(step.miss_m()),
+                     mm(step.uncertainty_m()),
+                     step.measurement.inside_map ? "" : "   outside the error map");
+}
+
+/// Shows every step of a servo as it is measured.
+class ServoDisplay {
+ public:
+  /// Opens what the policy asks for; `picture` is the file that is drawn. Throws InputError when a
+  /// window is asked for and no X server answers.
+  ServoDisplay(DisplayPolicy policy, const fs::path& picture)
+      : view_(open_display(policy, picture, "planar-servo")) {}
+
+  /// Shows a step. It does nothing when nothing is to be drawn.
+  void show(const ServoSight& sight) {
+    if (!view_) return;
+    if (sight.step.iteration == 0) errors_m_.clear();
+    ServoView view;
+    view.title = title_of(sight);
+    view.measured = sight.step.measurement.ok();
+    if (view.measured) {
+      errors_m_.emplace_back(sight.step.believed_p() - sight.step.target.p);
+      const auto& lamps_px = sight.step.measurement.lamps_px;
+      view.lamps_px.assign(lamps_px.begin(), lamps_px.end());
+    }
+    if (sight.wanted_px) view.wanted_px.assign(sight.wanted_px->begin(), sight.wanted_px->end());
+    view.frame = sight.frame;
+    view.errors_m = errors_m_;
+    view.stop_below_m = sight.step.stop_below_m;
+    view_->show(plot_of(std::move(view)));
+  }
+
+  /// Draws the last step if it has not been drawn yet, and warns of what went wrong.
+  void close() { close_display(view_.get()); }
+
+ private:
+  std::unique_ptr<LiveView> view_;  ///< null when nothing is drawn
+  std::vector<Eigen::Vector2d> errors_m_;
+};
 
 bool from_stdin(const Options& options) {
   return options.targets == "-";

@@ -4,7 +4,6 @@
 #include <random>
 
 #include "planar_servo/core/plan.h"
-#include "planar_servo/files/tool_file.h"
 #include "planar_servo/files/workplane_file.h"
 #include "planar_servo/io/checksum.h"
 #include "planar_servo/tables/frame_table.h"

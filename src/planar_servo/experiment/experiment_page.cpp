@@ -9,7 +9,7 @@
 #include "planar_servo/io/format_line.h"
 #include "planar_servo/io/growing_file.h"
 #include "planar_servo/report/html_page.h"
-#include "planar_servo/report/quiver_plot.h"
+#include "planar_servo/report/plot.h"
 #include "planar_servo/run/servo_report.h"
 
 namespace planar {

@@ -9,7 +9,7 @@
 #include "planar_servo/core/statistics.h"
 #include "planar_servo/devices/frame_source.h"
 #include "planar_servo/report/html_page.h"
-#include "planar_servo/report/quiver_plot.h"
+#include "planar_servo/report/plot.h"
 #include "planar_servo/report/report_list.h"
 #include "planar_servo/run/servo_run.h"
 #include "planar_servo/tables/result_table.h"

@@ -1,7 +1,7 @@
 #include "planar_servo/offline/pairs/pair_files.h"
 
 #include "planar_servo/files/health_file.h"
-#include "planar_servo/files/tool_file.h"
+#include "planar_servo/files/workplane_file.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/tables/lamp_table.h"
 
