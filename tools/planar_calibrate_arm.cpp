@@ -1,6 +1,3 @@
-
-#include <nlohmann/json.hpp>
-
 #include "planar_servo/field/arm/arm_terms.h"
 #include "planar_servo/files/arm_file.h"
 #include "planar_servo/io/atomic_file.h"

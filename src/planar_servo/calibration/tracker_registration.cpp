@@ -6,7 +6,6 @@
 #include <cmath>
 #include <map>
 
-#include "planar_servo/core/pose.h"
 #include "planar_servo/core/text.h"
 #include "planar_servo/core/units.h"
 

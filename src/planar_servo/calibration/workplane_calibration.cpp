@@ -11,7 +11,6 @@
 #include "planar_servo/calibration/plane_sights.h"
 #include "planar_servo/core/decompositions.h"
 #include "planar_servo/core/error.h"
-#include "planar_servo/core/pose.h"
 #include "planar_servo/core/statistics.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/tool/coarse_view.h"
