@@ -135,11 +135,6 @@ volatile std::sig_atomic_t interrupts = 0;
 
 }  // namespace
 
-Outcome told(const ReportList& list, bool success) {
-  say("{}", list.text());
-  return {list.json(), success};
-}
-
 CLI::Option* add_choice(CLI::App& app, const std::string& name, std::string& value,
                         const std::vector<std::string>& words, const std::string& text) {
   return app.add_option(name, value, text)->check(CLI::IsMember(words))->capture_default_str();
