@@ -1,6 +1,3 @@
-
-#include <nlohmann/json.hpp>
-
 #include "planar_servo/field/arm/arm_terms.h"
 #include "planar_servo/files/arm_file.h"
 #include "planar_servo/io/atomic_file.h"
@@ -37,21 +34,18 @@ Outcome calibrate(const Options& options) {
   const std::vector<Origin> origins{origin_of({Role::kPairs, options.table}), arm_origin(cell)};
   write_file(options.output,
              found_arm_text(found_arm(fit.estimate), arm_terms(fit.estimate), origins, kText.name));
-  const ReportList list = arm_list(fit);
-  say("{}", list.text());
+  const Outcome outcome = told(arm_list(fit));
   if (page) write_page(*page, arm_page(fit, options.output));
-  return {list.json()};
+  return outcome;
 }
 
 void add_options(CLI::App& app, Options& options) {
-  app.add_option("--cell", options.cell, "the cell")->required()->type_name("FILE");
-  app.add_option("-o,--out", options.output, "the arm to write")->required()->type_name("arm.yaml");
+  add_required(app, "--cell", options.cell, "FILE", "the cell");
+  add_required(app, "-o,--out", options.output, "arm.yaml", "the arm to write");
   add_report_option(app, options.report);
-  app.add_option("table", options.table,
-                 "pairs.csv of planar-pair-tracker, or a table id,theta1_deg,theta2_deg,"
-                 "theta3_deg,x_mm,y_mm,sigma_mm")
-      ->required()
-      ->type_name("TABLE");
+  add_required(app, "table", options.table, "TABLE",
+               "pairs.csv of planar-pair-tracker, or a table id,theta1_deg,theta2_deg,"
+               "theta3_deg,x_mm,y_mm,sigma_mm");
 }
 
 }  // namespace

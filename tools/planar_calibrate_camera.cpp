@@ -41,17 +41,15 @@ cv::Size parse_size(const std::string& text) {
   if (text.empty()) return {};
   static const std::regex form(R"((\d{1,5})x(\d{1,5}))");
   std::smatch match;
-  if (!std::regex_match(text, match, form)) {
+  if (!std::regex_match(text, match, form))
     throw InputError("--image-size '" + text + "' is not WIDTHxHEIGHT in pixels");
-  }
   return {std::stoi(match[1]), std::stoi(match[2])};
 }
 
 BoardViews read_views(const Options& options) {
   const Board board = parse_board(options.grid);
-  if (options.points.empty() == options.images.empty()) {
+  if (options.points.empty() == options.images.empty())
     throw InputError("give either images (or a recording) or --points FILE");
-  }
   if (options.points.empty()) return find_board_views(options.images, board);
   return board_views_from_points(options.points, board, parse_size(options.image_size));
 }
@@ -65,41 +63,33 @@ Outcome calibrate(const Options& options) {
   views.problem.model = options.model;
   CameraCalibration found = calibrate_camera(views.problem, views.rejected);
   write_camera(options.output, found, kText.name, views.inputs);
-  const ReportList list = calibration_list(found);
-  say("{}", list.text());
+  const Outcome outcome = told(calibration_list(found));
   if (page) write_page(*page, camera_page(found, options.output, views.inputs));
-  return {list.json()};
+  return outcome;
 }
 
 void add_options(CLI::App& app, Options& options) {
-  app.add_option(
-         "--grid", options.grid,
-         "circles:COLSxROWS:PITCHmm, or chessboard:COLSxROWS:PITCHmm, which counts inner corners")
-      ->required()
-      ->type_name("GRID");
-  app.add_option(
-         "--model", options.model,
-         "pinhole, plumb_bob_k1, plumb_bob, rational_polynomial, opencv_14 (with thin prism and "
-         "tilted sensor), equidistant, visp (written to an .xml file), or auto: the simplest model "
-         "that predicts views left out as well as any, opencv_14 and visp not tried")
-      ->type_name("MODEL")
+  add_required(
+      app, "--grid", options.grid, "GRID",
+      "circles:COLSxROWS:PITCHmm, or chessboard:COLSxROWS:PITCHmm, which counts inner corners");
+  add_value(
+      app, "--model", options.model, "MODEL",
+      "pinhole, plumb_bob_k1, plumb_bob, rational_polynomial, opencv_14 (with thin prism and "
+      "tilted sensor), equidistant, visp (written to an .xml file), or auto: the simplest model "
+      "that predicts views left out as well as any, opencv_14 and visp not tried")
       ->capture_default_str();
-  auto* points = app.add_option("--points", options.points,
-                                "a file of pixels `u v` found by another program, instead of "
-                                "images: view after view, each row by row")
-                     ->type_name("FILE");
-  app.add_option("--image-size", options.image_size,
-                 "the size of the images behind --points; without it the points are taken to lie "
-                 "about the middle")
-      ->type_name("WIDTHxHEIGHT")
+  auto* points = add_value(app, "--points", options.points, "FILE",
+                           "a file of pixels `u v` found by another program, instead of "
+                           "images: view after view, each row by row");
+  add_value(app, "--image-size", options.image_size, "WIDTHxHEIGHT",
+            "the size of the images behind --points; without it the points are taken to lie "
+            "about the middle")
       ->needs(points);
-  app.add_option("-o,--out", options.output,
-                 "the camera file to write: .yaml, .xml for ViSP or .yml for OpenCV")
-      ->required()
-      ->type_name("camera.yaml");
+  add_required(app, "-o,--out", options.output, "camera.yaml",
+               "the camera file to write: .yaml, .xml for ViSP or .yml for OpenCV");
   add_report_option(app, options.report);
-  app.add_option("images", options.images, "images, or a recording with frames of plan grid")
-      ->type_name("IMAGE|RECORDING");
+  add_value(app, "images", options.images, "IMAGE|RECORDING",
+            "images, or a recording with frames of plan grid");
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 #include "planar_servo/certificate/certificate_report.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/machine/device_kinds.h"
-#include "planar_servo/report/progress_bar.h"
+#include "planar_servo/report/status_line.h"
 #include "program.h"
 
 namespace planar {
@@ -27,46 +27,38 @@ budget              0.0095 mm rms expected, 0.0153 found; field: error map weigh
 certificate: DIR/certificate.html)"};
 
 struct Options {
-  std::filesystem::path cell, out;
-  CertificateSize size;
-  bool accept_stale{false}, accept_map{false};
+  std::filesystem::path cell;
+  CertificateRequest request;
   HomingOptions homing;
 };
 
 void add_options(CLI::App& app, Options& options) {
-  app.add_option("--cell", options.cell, "the calibrated cell")->required()->type_name("FILE");
-  app.add_option(
-         "--out", options.out,
-         "folder for the page, the figures and every cycle; the same command goes on with a "
-         "run that was broken off")
-      ->required()
-      ->type_name("DIR");
-  app.add_option("--cycles", options.size.cycles,
+  add_required(app, "--cell", options.cell, "FILE", "the calibrated cell");
+  add_required(app, "--out", options.request.servo.out, "DIR",
+               "folder for the page, the figures and every cycle; the same command goes on with a "
+               "run that was broken off");
+  app.add_option("--cycles", options.request.size.cycles,
                  "cycles of the five poses, and of the directions of approach; the standard has 30")
       ->check(CLI::Range(2, 1000))
       ->type_name("N")
       ->capture_default_str();
-  app.add_option("--targets", options.size.targets,
+  app.add_option("--targets", options.request.size.targets,
                  "targets over the whole workspace; with fewer than 72 the 95 % have no interval")
       ->check(CLI::Range(1, 10000))
       ->type_name("N")
       ->capture_default_str();
   add_homing_options(app, options.homing);
-  app.add_flag("--accept-stale", options.accept_stale,
+  app.add_flag("--accept-stale", options.request.servo.accept_stale,
                "move even with files that were not made from one another; the page says which");
-  app.add_flag("--accept-map", options.accept_map, kAcceptMap);
+  app.add_flag("--accept-map", options.request.servo.accept_map, kAcceptMap);
 }
 
 CertificateRequest request_of(const Options& options) {
-  CertificateRequest request;
+  CertificateRequest request = options.request;
   request.servo.cell = read_cell(options.cell);
   request.servo.center = request.servo.cell.lamps.method;
-  request.servo.out = options.out;
-  request.servo.accept_stale = options.accept_stale;
-  request.servo.accept_map = options.accept_map;
   request.servo.may_home = may_home(options.homing);
   request.servo.stop = interrupted;
-  request.size = options.size;
   return request;
 }
 
@@ -84,7 +76,7 @@ Outcome certify(const Options& options) {
         certificate.run.ended_by));
   write_certificate(certificate);
   const ReportList list = certificate_list(certificate);
-  say("{}certificate: {}\n", list.text(), (options.out / "certificate.html").string());
+  say("{}certificate: {}\n", list.text(), (request.servo.out / "certificate.html").string());
   return {list.json(), certificate.all_count()};
 }
 

@@ -26,7 +26,7 @@ struct Options {
 };
 
 void add_options(CLI::App& app, Options& options) {
-  app.add_option("--cell", options.cell, "the cell")->required()->type_name("FILE");
+  add_required(app, "--cell", options.cell, "FILE", "the cell");
   add_homing_options(app, options.homing);
 }
 

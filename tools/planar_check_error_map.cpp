@@ -5,7 +5,7 @@
 #include "planar_servo/files/map_file.h"
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/offline/map/check_error_map.h"
-#include "planar_servo/report/progress_bar.h"
+#include "planar_servo/report/status_line.h"
 #include "program.h"
 
 namespace planar {
@@ -48,9 +48,7 @@ Outcome check_pairs(const Options& options) {
   const std::size_t count = all.size();
   const std::vector<PairRow> pairs = pairs_to_check(std::move(all), plans_of(options));
   require_what_it_needs(map, pairs, options.pairs);
-  const ReportList list = map_check_list(check(map, pairs), count - pairs.size());
-  say("{}", list.text());
-  return {list.json()};
+  return told(map_check_list(check(map, pairs), count - pairs.size()));
 }
 
 void add_options(CLI::App& app, Options& options) {
@@ -60,8 +58,8 @@ void add_options(CLI::App& app, Options& options) {
       ->delimiter(',')
       ->allow_extra_args(false)
       ->type_name("NAME");
-  app.add_option("map", options.map, "the map")->required()->type_name("map.yaml");
-  app.add_option("pairs", options.pairs, "the pairs")->required()->type_name("pairs.csv");
+  add_required(app, "map", options.map, "map.yaml", "the map");
+  add_required(app, "pairs", options.pairs, "pairs.csv", "the pairs");
 }
 
 }  // namespace

@@ -30,19 +30,17 @@ struct Options {
 };
 
 void add_options(CLI::App& app, Options& options) {
-  CLI::Option* cell = app.add_option("--cell", options.cell, "the cell")->type_name("FILE");
+  CLI::Option* cell = add_value(app, "--cell", options.cell, "FILE", "the cell");
   CLI::Option* new_cell =
-      app.add_option("--new", options.new_cell, "write a commented cell file to fill in")
-          ->type_name("FILE")
+      add_value(app, "--new", options.new_cell, "FILE", "write a commented cell file to fill in")
           ->excludes(cell);
   CLI::Option* drives =
       app.add_option("--drives", options.drives, "the kind of drives of the new cell")
           ->check(CLI::IsMember(new_cell_drives()))
           ->needs(new_cell);
   new_cell->needs(drives);
-  app.add_option("--seal", options.sealed,
-                 "say in a calibration file that it was edited by hand, so that it is read again")
-      ->type_name("FILE")
+  add_value(app, "--seal", options.sealed, "FILE",
+            "say in a calibration file that it was edited by hand, so that it is read again")
       ->excludes(cell)
       ->excludes(new_cell);
 }

@@ -19,7 +19,6 @@
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/experiment/campaign.h"
-#include "planar_servo/experiment/campaign_report.h"
 #include "planar_servo/experiment/experiment.h"
 #include "planar_servo/experiment/experiment_report.h"
 #include "planar_servo/io/atomic_file.h"
@@ -158,15 +157,11 @@ struct Options {
 };
 
 void add_options(CLI::App& app, Options& options) {
-  app.add_option("--cell", options.cell, "the cell")->required()->type_name("FILE");
-  app.add_option("--out", options.out,
-                 "folder for the recording, each chain's files and the report; what the same "
-                 "command left there unfinished is gone on with")
-      ->required()
-      ->type_name("DIR");
-  app.add_option("--grid", options.grid, "the calibration board")
-      ->type_name("BOARD")
-      ->capture_default_str();
+  add_required(app, "--cell", options.cell, "FILE", "the cell");
+  add_required(app, "--out", options.out, "DIR",
+               "folder for the recording, each chain's files and the report; what the same "
+               "command left there unfinished is gone on with");
+  add_value(app, "--grid", options.grid, "BOARD", "the calibration board")->capture_default_str();
   app.add_option("--seed", options.seed, "draws the training and test positions")
       ->capture_default_str();
   app.add_option("--train", options.train,
@@ -191,21 +186,18 @@ void add_options(CLI::App& app, Options& options) {
       ->check(CLI::Range(1, 100))
       ->type_name("L")
       ->capture_default_str();
-  app.add_option("--board-thickness-mm", options.board_thickness_mm,
-                 "height of the laid board's dots above the lamps' plane, negative below: the lays "
-                 "tell the vision error, too")
-      ->type_name("T");
+  add_value(app, "--board-thickness-mm", options.board_thickness_mm, "T",
+            "height of the laid board's dots above the lamps' plane, negative below: the lays "
+            "tell the vision error, too");
   auto* seeds =
       app.add_option("--seeds", options.seeds,
                      "run on N virtual cells drawn from the seeds --seed, --seed + 1, ...; each "
                      "has its row in DIR/rows.jsonl as soon as it is done")
           ->check(CLI::Range(1, 10000))
           ->type_name("N");
-  app.add_option("--like", options.like,
-                 "the kind of cells that --seeds draws, as planar-virtual-cell draw knows them")
-      ->check(CLI::IsMember(names_of(kCellKinds)))
-      ->needs(seeds)
-      ->capture_default_str();
+  add_choice(app, "--like", options.like, names_of(kCellKinds),
+             "the kind of cells that --seeds draws, as planar-virtual-cell draw knows them")
+      ->needs(seeds);
   app.add_option("--jobs", options.jobs,
                  "processes that share the cells; without the option as many as there are cores, "
                  "and under mpirun its ranks")
@@ -220,12 +212,10 @@ void add_options(CLI::App& app, Options& options) {
                "predict the true error from the recording in DIR alone; nothing moves")
       ->excludes(seeds);
   for (CLI::Option* homing : add_homing_options(app, options.homing)) homing->excludes(seeds);
-  app.add_option("--display", options.display,
-                 "what a real cell's camera sees of the board that a person shows to it: auto: "
-                 "DIR/recording/view.png and, where an X server answers, a window; x: insist on "
-                 "the window; none")
-      ->check(CLI::IsMember(names_of(kDisplayPolicies)))
-      ->capture_default_str();
+  add_choice(app, "--display", options.display, names_of(kDisplayPolicies),
+             "what a real cell's camera sees of the board that a person shows to it: auto: "
+             "DIR/recording/view.png and, where an X server answers, a window; x: insist on "
+             "the window; none");
 }
 
 Outcome run_many(const ExperimentRequest& request, const Options& options) {
@@ -273,12 +263,7 @@ ExperimentRequest request_of(const Options& options) {
 Outcome run(const Options& options) {
   if (options.seeds == 0) require_no_ranks();
   const ExperimentRequest request = request_of(options);
-  if (options.predict) {
-    const PositioningPrediction prediction = predict_experiment(request);
-    const ReportList list = prediction_list(prediction);
-    say("{}", list.text());
-    return {list.json()};
-  }
+  if (options.predict) return told(prediction_list(predict_experiment(request)));
   if (options.seeds > 0) return run_many(request, options);
   heed_interrupts();
   const auto devices = open_cell(request.cell);

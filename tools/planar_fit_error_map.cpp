@@ -15,7 +15,7 @@
 #include "planar_servo/offline/map/learn_lamp_field.h"
 #include "planar_servo/offline/map/map_page.h"
 #include "planar_servo/offline/map/map_report.h"
-#include "planar_servo/report/progress_bar.h"
+#include "planar_servo/report/status_line.h"
 #include "program.h"
 
 namespace planar {
@@ -111,10 +111,9 @@ Outcome fit(const Options& options) {
 
 void add_options(CLI::App& app, Options& options) {
   CLI::Option* method =
-      app.add_option("--method", options.method,
-                     "of a map at the end point: auto (by leave-one-out error), rbf (one Gaussian "
-                     "width), idw, or hand:WIDTH_MM (the paper's Gaussian)")
-          ->type_name("METHOD")
+      add_value(app, "--method", options.method, "METHOD",
+                "of a map at the end point: auto (by leave-one-out error), rbf (one Gaussian "
+                "width), idw, or hand:WIDTH_MM (the paper's Gaussian)")
           ->capture_default_str();
   CLI::Option* cell =
       app.add_option("--cell", options.cell,
@@ -131,8 +130,8 @@ void add_options(CLI::App& app, Options& options) {
       ->needs(cell)
       ->type_name("arm.yaml");
   add_report_option(app, options.report);
-  app.add_option("-o,--out", options.output, "the map to write")->required()->type_name("map.yaml");
-  app.add_option("pairs", options.pairs, "the pairs")->required()->type_name("pairs.csv");
+  add_required(app, "-o,--out", options.output, "map.yaml", "the map to write");
+  add_required(app, "pairs", options.pairs, "pairs.csv", "the pairs");
 }
 
 }  // namespace

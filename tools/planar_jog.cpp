@@ -25,9 +25,9 @@ struct Options {
 };
 
 void add_options(CLI::App& app, Options& options) {
-  app.add_option("--cell", options.cell, "the cell")->required()->type_name("FILE");
-  app.add_option("--teach", options.teach, "table of targets to append taught places to")
-      ->type_name("targets.csv");
+  add_required(app, "--cell", options.cell, "FILE", "the cell");
+  add_value(app, "--teach", options.teach, "targets.csv",
+            "table of targets to append taught places to");
   app.footer(
       std::string("Commands, one a line (on a terminal: keys, and ':' before a command):\n") +
       JogConsole::help());

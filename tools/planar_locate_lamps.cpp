@@ -10,7 +10,7 @@
 #include "planar_servo/offline/lamps_report.h"
 #include "planar_servo/offline/locate_lamps.h"
 #include "planar_servo/offline/pairs/pair_files.h"
-#include "planar_servo/report/progress_bar.h"
+#include "planar_servo/report/status_line.h"
 #include "planar_servo/tables/lamp_table.h"
 #include "program.h"
 
@@ -37,9 +37,8 @@ struct Options {
 };
 
 void add_options(CLI::App& app, Options& options) {
-  app.add_option("--cell", options.cell,
-                 "the cell; without it images may have any size and only pixels are written")
-      ->type_name("FILE");
+  add_value(app, "--cell", options.cell, "FILE",
+            "the cell; without it images may have any size and only pixels are written");
   app.add_option("--lamps", options.lamps, "lamps in view; 1 follows one disc through the images")
       ->check(CLI::IsMember({1, 2}))
       ->capture_default_str();
@@ -47,13 +46,11 @@ void add_options(CLI::App& app, Options& options) {
                  "how a lamp's centre is measured; by default the cell's lamps.method or auto; "
                  "fast suits even lamps only, canny-kasa is the paper's way")
       ->check(CLI::IsMember(names_of(kCenterMethods)));
-  app.add_option("--start", options.start, "pixel of the disc in the first image")
-      ->type_name("U,V");
-  app.add_option("-o,--out", options.out, "lamps.csv to write")->required()->type_name("FILE");
+  add_value(app, "--start", options.start, "U,V", "pixel of the disc in the first image");
+  add_required(app, "-o,--out", options.out, "FILE", "lamps.csv to write");
   add_report_option(app, options.report);
-  app.add_option("images", options.inputs, "a recording's folder, or images in their order")
-      ->required()
-      ->type_name("RECORDING | IMAGE...");
+  add_required(app, "images", options.inputs, "RECORDING | IMAGE...",
+               "a recording's folder, or images in their order");
 }
 
 std::optional<Eigen::Vector2d> start_pixel(const std::string& text) {

@@ -5,7 +5,6 @@
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
-#include "planar_servo/files/tool_file.h"
 #include "planar_servo/files/vision_files.h"
 #include "planar_servo/files/workplane_file.h"
 #include "planar_servo/io/atomic_file.h"
@@ -46,38 +45,28 @@ struct Options {
 };
 
 void add_options(CLI::App& app, Options& options) {
-  app.add_option("--cell", options.cell, "the cell")->required()->type_name("FILE");
-  app.add_option("--lamps", options.lamps, "lamps.csv made by planar-locate-lamps")
-      ->required()
-      ->type_name("FILE");
-  app.add_option("--recording", options.recording, "folder made by planar-record")
-      ->required()
-      ->type_name("DIR");
-  app.add_option("--workplane-from", options.workplane_from,
-                 "the source of the plane's height and tilt")
-      ->check(CLI::IsMember(names_of(kWorkplaneSources)))
-      ->capture_default_str();
+  add_required(app, "--cell", options.cell, "FILE", "the cell");
+  add_required(app, "--lamps", options.lamps, "FILE", "lamps.csv made by planar-locate-lamps");
+  add_required(app, "--recording", options.recording, "DIR", "folder made by planar-record");
+  add_choice(app, "--workplane-from", options.workplane_from, names_of(kWorkplaneSources),
+             "the source of the plane's height and tilt");
   auto* grid =
-      app.add_option("--grid", options.grid,
-                     "board laid on the plane, circles:COLSxROWS:PITCHmm; ? for an unknown pitch "
-                     "when the pairs give the plane")
-          ->type_name("BOARD");
+      add_value(app, "--grid", options.grid, "BOARD",
+                "board laid on the plane, circles:COLSxROWS:PITCHmm; ? for an unknown pitch "
+                "when the pairs give the plane");
   app.add_option("--board-thickness-mm", options.board_thickness_mm,
                  "by how much the board's dots lie above the plane in which the lamps move; "
                  "negative for dots below the lamps")
       ->check(CLI::Range(-kThickest_mm, kThickest_mm))
       ->type_name("T")
       ->needs(grid);
-  app.add_option("--lays-out", options.lays_out,
-                 "lays.csv to write: every dot of the boards laid on the plane, where it is seen")
-      ->type_name("FILE")
+  add_value(app, "--lays-out", options.lays_out, "FILE",
+            "lays.csv to write: every dot of the boards laid on the plane, where it is seen")
       ->needs(grid);
-  app.add_option("--pair-by", options.pair_by, "how frames and readings are matched")
-      ->check(CLI::IsMember({"id", "time"}))
-      ->capture_default_str();
-  app.add_option("--tracker", options.tracker,
-                 "the tracker's table of readings; by default RECORDING/tracker.csv")
-      ->type_name("FILE");
+  add_choice(app, "--pair-by", options.pair_by, {"id", "time"},
+             "how frames and readings are matched");
+  add_value(app, "--tracker", options.tracker, "FILE",
+            "the tracker's table of readings; by default RECORDING/tracker.csv");
   app.add_option("--tracker-columns", options.columns,
                  "names of the columns in the tracker's table: x=X,y=Y,z=Z,id=NAME");
   app.add_option("--separator", options.separator,
@@ -88,20 +77,13 @@ void add_options(CLI::App& app, Options& options) {
   app.add_flag("--accept-step", options.accept_step,
                "write the pairs although something seems to have moved between them, which would "
                "cost more than 0.05 mm at the end point");
-  app.add_option("--workplane-out", options.workplane_out, "workplane.yaml to write")
-      ->required()
-      ->type_name("FILE");
-  app.add_option("--tool-out", options.tool_out, "tool.yaml to write")
-      ->required()
-      ->type_name("FILE");
-  app.add_option("--health-out", options.health_out,
-                 "health.yaml to write: places and measures by which planar-check-cell and "
-                 "planar-servo see later what has changed")
-      ->type_name("FILE");
+  add_required(app, "--workplane-out", options.workplane_out, "FILE", "workplane.yaml to write");
+  add_required(app, "--tool-out", options.tool_out, "FILE", "tool.yaml to write");
+  add_value(app, "--health-out", options.health_out, "FILE",
+            "health.yaml to write: places and measures by which planar-check-cell and "
+            "planar-servo see later what has changed");
   add_report_option(app, options.report);
-  app.add_option("-o,--out", options.pairs_out, "pairs.csv to write")
-      ->required()
-      ->type_name("FILE");
+  add_required(app, "-o,--out", options.pairs_out, "FILE", "pairs.csv to write");
 }
 
 RecordedTables tables_of(const Options& options) {
@@ -211,11 +193,10 @@ Outcome pair(const Options& options) {
   write_pair_files(files_of(options), request.cell, tables_of(options), report.workplane,
                    source_of(options), report.pairs, kText.name);
   look_at_cell(options, request, report);
-  const ReportList list = pair_tracker_list(report);
-  say("{}", list.text());
+  const Outcome outcome = told(pair_tracker_list(report));
   if (page) write_page(*page, pair_page(request, report, options.pairs_out));
   if (!options.lays_out.empty()) say("{}", write_lays(options, request, boards, report.workplane));
-  return {list.json()};
+  return outcome;
 }
 
 }  // namespace

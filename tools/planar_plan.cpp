@@ -1,5 +1,4 @@
 
-#include <nlohmann/json.hpp>
 
 #include "planar_servo/core/units.h"
 #include "planar_servo/files/cell_file.h"
@@ -40,19 +39,14 @@ Outcome propose(const Options& options) {
 }
 
 void add_options(CLI::App& app, Options& options) {
-  app.add_option("--cell", options.cell, "the cell")->required()->type_name("FILE");
-  app.add_option("--readings", options.readings,
-                 "tracker readings to plan; the sweeps of a first plan take a quarter of them")
-      ->required()
-      ->check(CLI::Range(1, 10000))
-      ->type_name("N");
-  app.add_option("--after", options.after,
-                 "pairs of the readings so far; without them the plan "
-                 "begins a calibration")
-      ->type_name("pairs.csv");
-  app.add_option("-o,--out", options.output, "the plan to write")
-      ->required()
-      ->type_name("plan.csv");
+  add_required(app, "--cell", options.cell, "FILE", "the cell");
+  add_required(app, "--readings", options.readings, "N",
+               "tracker readings to plan; the sweeps of a first plan take a quarter of them")
+      ->check(CLI::Range(1, 10000));
+  add_value(app, "--after", options.after, "pairs.csv",
+            "pairs of the readings so far; without them the plan "
+            "begins a calibration");
+  add_required(app, "-o,--out", options.output, "plan.csv", "the plan to write");
 }
 
 }  // namespace

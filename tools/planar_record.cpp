@@ -21,7 +21,8 @@ const ProgramText kText{
     "found 0 times"};
 
 struct Options {
-  std::filesystem::path cell, plan, recording;
+  std::filesystem::path cell, plan;
+  RecordRequest request;
   std::string grid;  ///< empty: none
   std::string display{"none"};
   std::string on_bad_reading{"repeat"};
@@ -29,31 +30,21 @@ struct Options {
 };
 
 void add_options(CLI::App& app, Options& options) {
-  app.add_option("--cell", options.cell, "the cell")->required()->type_name("FILE");
-  app.add_option("--plan", options.plan, "positions and board views to record")
-      ->required()
-      ->type_name("FILE");
-  app.add_option("--out", options.recording,
-                 "folder of the recording; a recording that was begun is continued")
-      ->required()
-      ->type_name("DIR");
+  add_required(app, "--cell", options.cell, "FILE", "the cell");
+  add_required(app, "--plan", options.plan, "FILE", "positions and board views to record");
+  add_required(app, "--out", options.request.recording, "DIR",
+               "folder of the recording; a recording that was begun is continued");
   add_homing_options(app, options.homing);
-  app.add_option(
-         "--grid", options.grid,
-         "the board that a person shows to a real cell's camera: circles or chessboard, such "
-         "as circles:11x11:50mm; ? for a pitch that is not known")
-      ->type_name("BOARD");
-  app.add_option(
-         "--display", options.display,
-         "auto: draw what the camera sees of the board and what is missing into RECORDING/view.png "
-         "and, where an X server answers, a window; x: insist on the window; none")
-      ->check(CLI::IsMember(names_of(kDisplayPolicies)))
-      ->capture_default_str();
-  app.add_option("--on-bad-reading", options.on_bad_reading,
-                 "what happens to a place of which the tracker gives no good reading: it is taken "
-                 "again up to twice, left out, or the recording stops")
-      ->check(CLI::IsMember(names_of(kBadReadings)))
-      ->capture_default_str();
+  add_value(app, "--grid", options.grid, "BOARD",
+            "the board that a person shows to a real cell's camera: circles or chessboard, such "
+            "as circles:11x11:50mm; ? for a pitch that is not known");
+  add_choice(
+      app, "--display", options.display, names_of(kDisplayPolicies),
+      "auto: draw what the camera sees of the board and what is missing into RECORDING/view.png "
+      "and, where an X server answers, a window; x: insist on the window; none");
+  add_choice(app, "--on-bad-reading", options.on_bad_reading, names_of(kBadReadings),
+             "what happens to a place of which the tracker gives no good reading: it is taken "
+             "again up to twice, left out, or the recording stops");
 }
 
 std::optional<Board> board_of(const Options& options) {
@@ -62,11 +53,9 @@ std::optional<Board> board_of(const Options& options) {
 }
 
 Outcome run(const Options& options) {
-  const CellSettings cell = read_cell(options.cell);
-  RecordRequest request;
-  request.cell = cell;
-  request.plan = read_plan(options.plan, cell.tool_orientation);
-  request.recording = options.recording;
+  RecordRequest request = options.request;
+  request.cell = read_cell(options.cell);
+  request.plan = read_plan(options.plan, request.cell.tool_orientation);
   request.stop = interrupted;
   request.on_bad_reading = value_named(kBadReadings, options.on_bad_reading).value();
   request.board = board_of(options);
@@ -78,9 +67,7 @@ Outcome run(const Options& options) {
   for (const std::string& id : report.without_lamps)
     spdlog::warn(fmt::format("{}: no pair of lamps was seen; its frames are kept", id));
   const FrameCounts frames = devices->camera().counts();
-  const ReportList list = record_list(report, frames, options.recording);
-  say("{}", list.text());
-  return {list.json()};
+  return told(record_list(report, frames, request.recording));
 }
 
 }  // namespace

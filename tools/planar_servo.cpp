@@ -7,15 +7,15 @@
 #include "homing_options.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
-#include "planar_servo/files/tool_file.h"
 #include "planar_servo/files/vision_files.h"
+#include "planar_servo/files/workplane_file.h"
 #include "planar_servo/judge/cell_judge.h"
 #include "planar_servo/machine/device_kinds.h"
-#include "planar_servo/report/progress_bar.h"
+#include "planar_servo/report/live/servo_view.h"
+#include "planar_servo/report/status_line.h"
 #include "planar_servo/run/cell_check.h"
 #include "planar_servo/run/dry_run.h"
 #include "planar_servo/run/path_report.h"
-#include "planar_servo/run/servo_display.h"
 #include "planar_servo/run/servo_report.h"
 #include "planar_servo/run/servo_run.h"
 #include "planar_servo/run/target_stream.h"
@@ -44,28 +44,24 @@ log and report: DIR)"};
 constexpr char kStdin[] = "standard input";
 
 struct Options {
-  fs::path cell, targets, path, out;
+  fs::path cell, targets, path;
+  ServoRequest request;
   std::vector<double> speeds_mm_s{10.0};
   std::string display{"none"};
   std::string center;  ///< empty: the cell's lamps.method
-  bool no_error_map{false}, dry_run{false}, check{false}, resume{false};
+  bool no_error_map{false}, no_health{false}, dry_run{false}, check{false}, judged{false};
   HomingOptions homing;
-  bool accept_stale{false}, accept_map{false}, no_health{false}, keep_going{false}, judged{false};
-  bool no_vision{false}, compare{false}, forget{false}, require_end{false};
+  bool no_vision{false}, compare{false}, require_end{false};
 };
 
 /// Adds where the end point is to go: targets or a path.
 void add_goals(CLI::App& app, Options& options) {
   auto* goals = app.add_option_group("where to");
-  goals
-      ->add_option("--targets", options.targets,
-                   "table of targets; '-' reads lines id,x_mm,y_mm[,phi_deg] from standard input "
-                   "and answers each with one line of JSON")
-      ->type_name("FILE");
-  auto* path = goals
-                   ->add_option("--path", options.path,
-                                "table of the places that a path goes through, straight or on arcs")
-                   ->type_name("FILE");
+  add_value(*goals, "--targets", options.targets, "FILE",
+            "table of targets; '-' reads lines id,x_mm,y_mm[,phi_deg] from standard input "
+            "and answers each with one line of JSON");
+  auto* path = add_value(*goals, "--path", options.path, "FILE",
+                         "table of the places that a path goes through, straight or on arcs");
   goals->require_option(1);
   app.add_flag(
       "--require-end", options.require_end,
@@ -88,23 +84,23 @@ void add_goals(CLI::App& app, Options& options) {
 }
 
 void add_options(CLI::App& app, Options& options) {
-  app.add_option("--cell", options.cell, "the cell")->required()->type_name("FILE");
+  add_required(app, "--cell", options.cell, "FILE", "the cell");
   add_goals(app, options);
-  auto* out = app.add_option("--out", options.out, "folder for log and report")->type_name("DIR");
+  auto* out = add_value(app, "--out", options.request.out, "DIR", "folder for log and report");
   app.add_flag("--no-error-map", options.no_error_map, "use vision without the error map");
   app.add_option("--centre", options.center,
                  "how a lamp's centre is measured; by default the cell's lamps.method")
       ->check(CLI::IsMember(names_of(kCenterMethods)));
   add_homing_options(app, options.homing);
-  app.add_flag("--accept-stale", options.accept_stale,
+  app.add_flag("--accept-stale", options.request.accept_stale,
                "move even with files that were not made from one another; the run says which");
-  app.add_flag("--accept-map", options.accept_map, kAcceptMap);
+  app.add_flag("--accept-map", options.request.accept_map, kAcceptMap);
   app.add_flag("--no-health", options.no_health,
                "move without looking first whether the cell still is as it was calibrated");
-  app.add_flag("--keep-going", options.keep_going,
+  app.add_flag("--keep-going", options.request.keep_going,
                "try the next target even when the cell itself is in doubt: after a look that "
                "contradicts the command or the calibration, or an error that grew");
-  app.add_flag("--forget", options.forget,
+  app.add_flag("--forget", options.request.forgets,
                "learn the arm anew: do not begin with what the cell's arm_learned file holds")
       ->excludes("--path");
   app.add_flag(
@@ -113,16 +109,13 @@ void add_options(CLI::App& app, Options& options) {
          "monuments, then on the tool, and its readings stand in judge.csv")
       ->needs(out)
       ->excludes("--path");
-  app.add_flag("--resume", options.resume, "continue the run in DIR")
+  app.add_flag("--resume", options.request.resume, "continue the run in DIR")
       ->needs(out)
       ->excludes("--path");
-  app.add_option(
-         "--display", options.display,
-         "auto: draw every step into DIR/view.png and, where an X server answers, a window; "
-         "x: insist on the window; none")
-      ->check(CLI::IsMember(names_of(kDisplayPolicies)))
-      ->excludes("--path")
-      ->capture_default_str();
+  add_choice(app, "--display", options.display, names_of(kDisplayPolicies),
+             "auto: draw every step into DIR/view.png and, where an X server answers, a window; "
+             "x: insist on the window; none")
+      ->excludes("--path");
   auto* dry = app.add_flag("--dry-run", options.dry_run,
                            "print the first move to each target; nothing moves")
                   ->excludes(out);
@@ -130,6 +123,51 @@ void add_options(CLI::App& app, Options& options) {
       ->excludes(out)
       ->excludes(dry);
 }
+
+std::string title_of(const ServoSight& sight) {
+  const ServoStep& step = sight.step;
+  const std::string what = fmt::format("{}   step {}", sight.target_id, step.iteration);
+  if (!step.measurement.ok())
+    return fmt::format("{}   not measured: {}", what, step.measurement.word);
+  return fmt::format("{}   {:.4f} mm from the target, +- {:.4f} mm{}", what, mm(step.miss_m()),
+                     mm(step.uncertainty_m()),
+                     step.measurement.inside_map ? "" : "   outside the error map");
+}
+
+/// Shows every step of a servo as it is measured.
+class ServoDisplay {
+ public:
+  /// Opens what the policy asks for; `picture` is the file that is drawn. Throws InputError when a
+  /// window is asked for and no X server answers.
+  ServoDisplay(DisplayPolicy policy, const fs::path& picture)
+      : view_(open_display(policy, picture, "planar-servo")) {}
+
+  /// Shows a step. It does nothing when nothing is to be drawn.
+  void show(const ServoSight& sight) {
+    if (!view_) return;
+    if (sight.step.iteration == 0) errors_m_.clear();
+    ServoView view;
+    view.title = title_of(sight);
+    view.measured = sight.step.measurement.ok();
+    if (view.measured) {
+      errors_m_.emplace_back(sight.step.believed_p() - sight.step.target.p);
+      const auto& lamps_px = sight.step.measurement.lamps_px;
+      view.lamps_px.assign(lamps_px.begin(), lamps_px.end());
+    }
+    if (sight.wanted_px) view.wanted_px.assign(sight.wanted_px->begin(), sight.wanted_px->end());
+    view.frame = sight.frame;
+    view.errors_m = errors_m_;
+    view.stop_below_m = sight.step.stop_below_m;
+    view_->show(plot_of(std::move(view)));
+  }
+
+  /// Draws the last step if it has not been drawn yet, and warns of what went wrong.
+  void close() { close_display(view_.get()); }
+
+ private:
+  std::unique_ptr<LiveView> view_;  ///< null when nothing is drawn
+  std::vector<Eigen::Vector2d> errors_m_;
+};
 
 bool from_stdin(const Options& options) {
   return options.targets == "-";
@@ -228,20 +266,15 @@ ServoRequest request_of(const Options& options, const CellSettings& cell) {
     throw InputError(
         Refusal{"--judged asks a person at the terminal, but --targets - reads targets there",
                 "name a table of targets"});
-  if (options.out.empty())
+  if (options.request.out.empty())
     throw InputError(
         Refusal{"--out is needed to move the arm", "only --dry-run and --check do without it"});
-  ServoRequest request;
+  ServoRequest request = options.request;
   request.cell = cell;
   request.center =
       options.center.empty() ? cell.lamps.method : *value_named(kCenterMethods, options.center);
   request.use_error_map = !options.no_error_map;
-  request.out = options.out;
-  request.resume = options.resume;
-  request.accept_stale = options.accept_stale;
-  request.accept_map = options.accept_map;
   request.check_health = !options.no_health;
-  request.keep_going = options.keep_going;
   request.may_home = may_home(options.homing, !from_stdin(options));
   request.stop = interrupted;
   return request;
@@ -252,8 +285,8 @@ VisionCalibration check_files(const Options& options, const CellSettings& cell) 
   require_devices(cell);
   VisionCalibration vision = read_vision(cell, !options.no_error_map);
   read_cell_health(cell);
-  accept_stale_files(cell, !options.no_error_map, options.accept_stale);
-  accept_map(cell, vision, options.accept_map);
+  accept_stale_files(cell, !options.no_error_map, options.request.accept_stale);
+  accept_map(cell, vision, options.request.accept_map);
   return vision;
 }
 
@@ -277,12 +310,11 @@ Outcome reach_targets(const Options& options, const CellSettings& cell) {
     return from_stdin(options) ? plan_stream(options, cell) : print_dry_run(cell, targets);
   ServoRequest request = request_of(options, cell);
   request.learns = cell.servo.learns;
-  request.forgets = options.forget;
   heed_interrupts();
   const auto devices = open_cell(request.cell);
   if (options.judged) request.judge = judge_by_tracker(request, *devices);
   ServoDisplay display(value_named(kDisplayPolicies, options.display).value(),
-                       options.out / "view.png");
+                       options.request.out / "view.png");
   ServoRun run(request, *devices, [&](const ServoSight& sight) { display.show(sight); });
   const bool good_input = move(run, options, targets);
   display.close();
@@ -314,11 +346,7 @@ Outcome follow_path(const Options& options, const CellSettings& cell) {
       read_path_request(options.path, cell, options.speeds_mm_s, guidances_of(options));
   const std::vector<PathDemand> demands = require_followable(cell, path);
   if (options.check) require_inside_map(check_files(options, cell), path);
-  if (options.check || options.dry_run) {
-    const ReportList list = path_demand_list(path, demands);
-    say("{}", list.text());
-    return {list.json(), true};
-  }
+  if (options.check || options.dry_run) return told(path_demand_list(path, demands));
   const ServoRequest request = request_of(options, cell);
   heed_interrupts();
   const auto devices = open_cell(request.cell);

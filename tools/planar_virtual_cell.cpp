@@ -142,18 +142,13 @@ Outcome work(const Options& options) {
 }
 
 void add_serve_options(CLI::App& server, Options& options) {
-  server.add_option("--cell", options.cell, "the virtual cell")->required()->type_name("FILE");
-  server
-      .add_option("--out", options.live_cell,
-                  "a cell file to be written, which describes the served devices as real ones")
-      ->type_name("FILE");
+  add_required(server, "--cell", options.cell, "FILE", "the virtual cell");
+  add_value(server, "--out", options.live_cell, "FILE",
+            "a cell file to be written, which describes the served devices as real ones");
   server.add_option("--address", options.address, "an address of this machine")
       ->capture_default_str();
-  server
-      .add_option("--tracker", options.tracker,
-                  "the tracker's lines come from port 7701, or in tracker.txt beside the cell")
-      ->check(CLI::IsMember({kTcp, kFile}))
-      ->capture_default_str();
+  add_choice(server, "--tracker", options.tracker, {kTcp, kFile},
+             "the tracker's lines come from port 7701, or in tracker.txt beside the cell");
   server
       .add_option(
           "--tracker-clock", options.tracker_clock,
@@ -164,21 +159,14 @@ void add_serve_options(CLI::App& server, Options& options) {
       ->type_name("OFFSET_S,PPM");
   server.add_flag("--decimal-comma", options.decimal_comma,
                   "the tracker writes 1,5 for 1.5, and ; between columns");
-  server
-      .add_option(
-          "--broken-beams", options.broken_percent,
-          "share of the time in which the tracker's beam is broken, and nothing sent, for 6 "
-          "s at a time")
-      ->type_name("PERCENT");
-  server
-      .add_option("--truth-log", options.truth_log,
-                  "where the tool really is, whenever it has moved; for scoring only")
-      ->type_name("FILE");
-  server
-      .add_option("--grbl-firmware", options.firmware,
-                  "the simulator of Grbl 1.1, which is the drives' board instead of an emulated "
-                  "one; it has no home switches")
-      ->type_name("PROGRAM");
+  add_value(server, "--broken-beams", options.broken_percent, "PERCENT",
+            "share of the time in which the tracker's beam is broken, and nothing sent, for 6 "
+            "s at a time");
+  add_value(server, "--truth-log", options.truth_log, "FILE",
+            "where the tool really is, whenever it has moved; for scoring only");
+  add_value(server, "--grbl-firmware", options.firmware, "PROGRAM",
+            "the simulator of Grbl 1.1, which is the drives' board instead of an emulated "
+            "one; it has no home switches");
 }
 
 void add_options(CLI::App& app, Options& options) {
@@ -193,16 +181,11 @@ void add_options(CLI::App& app, Options& options) {
                     options);
   CLI::App* command = app.add_subcommand(kDraw.name, "Draws a new random cell with its truth.");
   command->add_option("--seed", options.seed, "the same seed draws the same cell")->required();
-  command
-      ->add_option("--like", options.like,
-                   "the kind of cell: the paper's; one whose arm and readings have what the "
-                   "estimators' models lack; one that warms, with fixed lamps; one with an "
-                   "ordinary or a cheap real arm")
-      ->check(CLI::IsMember(names_of(kCellKinds)))
-      ->capture_default_str();
-  command->add_option("-o,--out", options.folder, "folder for cell.yaml and truth.yaml")
-      ->required()
-      ->type_name("DIR");
+  add_choice(*command, "--like", options.like, names_of(kCellKinds),
+             "the kind of cell: the paper's; one whose arm and readings have what the "
+             "estimators' models lack; one that warms, with fixed lamps; one with an "
+             "ordinary or a cheap real arm");
+  add_required(*command, "-o,--out", options.folder, "DIR", "folder for cell.yaml and truth.yaml");
 }
 
 }  // namespace

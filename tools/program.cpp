@@ -1,5 +1,4 @@
 #include <fcntl.h>
-#include <fmt/format.h>
 #include <spdlog/pattern_formatter.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
@@ -8,8 +7,6 @@
 #include <CLI/CLI.hpp>
 #include <Eigen/Core>
 #include <csignal>
-#include <cstdio>
-#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <opencv2/core/utils/logger.hpp>
@@ -137,6 +134,11 @@ void require_printed() {
 volatile std::sig_atomic_t interrupts = 0;
 
 }  // namespace
+
+CLI::Option* add_choice(CLI::App& app, const std::string& name, std::string& value,
+                        const std::vector<std::string>& words, const std::string& text) {
+  return app.add_option(name, value, text)->check(CLI::IsMember(words))->capture_default_str();
+}
 
 void add_report_option(CLI::App& app, std::string& report) {
   app.add_option("--report", report,

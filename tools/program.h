@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "planar_servo/core/text.h"
+#include "planar_servo/report/report_list.h"
 
 namespace planar {
 
@@ -50,10 +51,32 @@ struct Outcome {
   bool success{true};  ///< false when the work was done but failed (exit status 1)
 };
 
+/// Prints a list, whose figures are the outcome.
+inline Outcome told(const ReportList& list) {
+  say("{}", list.text());
+  return {list.json()};
+}
+
 /// Describes --accept-map of the programs that move by an error map.
 inline constexpr char kAcceptMap[] =
     "move even by an error map whose own fit speaks against it; what it says is kept with the "
     "result";
+
+/// Adds an option whose value --help calls `type`.
+template <typename Value>
+CLI::Option* add_value(CLI::App& app, const std::string& name, Value& value,
+                       const std::string& type, const std::string& text) {
+  return app.add_option(name, value, text)->type_name(type);
+}
+/// Adds one that must be given.
+template <typename Value>
+CLI::Option* add_required(CLI::App& app, const std::string& name, Value& value,
+                          const std::string& type, const std::string& text) {
+  return add_value(app, name, value, type, text)->required();
+}
+/// Adds one that is one of these words, by default what `value` is now.
+CLI::Option* add_choice(CLI::App& app, const std::string& name, std::string& value,
+                        const std::vector<std::string>& words, const std::string& text);
 
 /// Adds the option --report of a program that writes a page beside its file.
 void add_report_option(CLI::App& app, std::string& report);

@@ -9,7 +9,7 @@
 #include "lamps/detection_methods.h"
 #include "lamps/full_read.h"
 #include "planar_servo/core/statistics.h"
-#include "planar_servo/lamps/lamp_pair.h"
+#include "planar_servo/lamps/lamp_tracker.h"
 
 namespace planar::bench {
 namespace {

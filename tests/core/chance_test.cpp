@@ -16,12 +16,6 @@ TEST_CASE("The tail of chi square is that of the tables") {
   CHECK_THROWS_AS(chi_square_tail(1.0, 0), std::invalid_argument);
 }
 
-TEST_CASE("The tail of F with two degrees of freedom above is that of the tables") {
-  CHECK(f_tail_of_two(4.103, 10.0) == Approx(0.05).epsilon(1e-3));
-  CHECK(f_tail_of_two(9.953, 20.0) == Approx(1e-3).epsilon(1e-3));
-  CHECK(f_tail_of_two(0.0, 5.0) == 1.0);
-}
-
 TEST_CASE("The chance of few successes is the binomial distribution's") {
   CHECK(binomial_tail(5, 10, 0.5) == Approx(0.623046875));
   CHECK(binomial_tail(70, 100, 0.8) == Approx(0.0112489787));

@@ -1,4 +1,4 @@
-#include "planar_servo/core/rigid_fit.h"
+#include "planar_servo/core/pose.h"
 
 #include <Eigen/LU>
 #include <catch2/catch.hpp>

@@ -2,7 +2,6 @@
 
 #include <catch2/catch.hpp>
 
-#include "planar_servo/files/tool_file.h"
 #include "planar_servo/files/workplane_file.h"
 #include "planar_servo/tables/pair_table.h"
 #include "support/temporary_folder.h"

@@ -4,9 +4,8 @@
 #include <random>
 
 #include "planar_servo/core/plan.h"
-#include "planar_servo/files/tool_file.h"
 #include "planar_servo/files/workplane_file.h"
-#include "planar_servo/io/sha256.h"
+#include "planar_servo/io/checksum.h"
 #include "planar_servo/tables/frame_table.h"
 #include "planar_servo/tables/lamp_table.h"
 #include "planar_servo/tables/pair_table.h"

@@ -1,4 +1,4 @@
-#include "planar_servo/files/tool_file.h"
+#include "planar_servo/files/workplane_file.h"
 
 #include <catch2/catch.hpp>
 

@@ -16,7 +16,6 @@
 #include "planar_servo/files/camera_file.h"
 #include "planar_servo/files/map_file.h"
 #include "planar_servo/files/provenance.h"
-#include "planar_servo/files/tool_file.h"
 #include "planar_servo/files/workplane_file.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/machine/device_kinds.h"

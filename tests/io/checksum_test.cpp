@@ -4,7 +4,6 @@
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/io/atomic_file.h"
-#include "planar_servo/io/sha256.h"
 #include "planar_servo/io/yaml_reader.h"
 #include "planar_servo/io/yaml_writer.h"
 #include "support/temporary_folder.h"

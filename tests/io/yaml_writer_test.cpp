@@ -4,7 +4,7 @@
 #include <limits>
 #include <random>
 
-#include "planar_servo/io/sha256.h"
+#include "planar_servo/io/checksum.h"
 #include "planar_servo/io/yaml_reader.h"
 #include "support/temporary_folder.h"
 

@@ -6,7 +6,6 @@
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/io/atomic_file.h"
-#include "planar_servo/jog/exposure_meter.h"
 #include "planar_servo/jog/jog_keys.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "support/sample_cells.h"

@@ -4,7 +4,7 @@
 
 #include "planar_servo/lamps/lamp_center.h"
 #include "planar_servo/lamps/lamp_detector.h"
-#include "planar_servo/lamps/lamp_pair.h"
+#include "planar_servo/lamps/lamp_tracker.h"
 #include "support/rendered_lamp.h"
 
 // Not under AddressSanitizer, which has allocation functions of its own.

@@ -1,4 +1,4 @@
-#include "planar_servo/lamps/lamp_pair.h"
+#include "planar_servo/lamps/lamp_tracker.h"
 
 #include <catch2/catch.hpp>
 

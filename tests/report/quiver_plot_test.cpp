@@ -1,4 +1,4 @@
-#include "planar_servo/report/quiver_plot.h"
+#include "planar_servo/report/plot.h"
 
 #include <catch2/catch.hpp>
 #include <stdexcept>

@@ -5,7 +5,6 @@
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/devices/drive_group.h"
-#include "planar_servo/files/tool_file.h"
 #include "planar_servo/files/workplane_file.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/run/resumed_run.h"

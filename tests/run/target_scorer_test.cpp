@@ -1,4 +1,4 @@
-#include "planar_servo/run/target_scorer.h"
+#include "planar_servo/run/servo_run.h"
 
 #include <catch2/catch.hpp>
 

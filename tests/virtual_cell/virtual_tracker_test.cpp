@@ -1,4 +1,4 @@
-#include "planar_servo/virtual_cell/virtual_tracker.h"
+#include "planar_servo/virtual_cell/virtual_cell.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>

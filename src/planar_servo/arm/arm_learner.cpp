@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "planar_servo/core/decompositions.h"
-#include "planar_servo/core/units.h"
 
 namespace planar {
 namespace {

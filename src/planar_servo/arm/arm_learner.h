@@ -23,7 +23,6 @@ LearnedArm not_yet_learned(FoundArm found, const std::vector<Joints>& postures);
 /// The same with these Gaussians.
 LearnedArm unlearned(FoundArm found, const PostureBasis& posture);
 
-/// What one look says of an arm.
 struct ArmLook {
   Eigen::Vector3d motors{0.0, 0.0, 0.0};
   Eigen::Vector2d p{0.0, 0.0};  ///< where vision, compensated, sees the end point

@@ -7,7 +7,6 @@
 #include <array>
 #include <utility>
 
-#include "planar_servo/arm/transmission.h"
 #include "planar_servo/core/text.h"
 #include "planar_servo/core/units.h"
 

@@ -52,9 +52,8 @@ PlanarArm::PlanarArm(const ArmGeometry& geometry)
     : geometry_(geometry),
       sense_(geometry.positive_rotation == Rotation::kCounterclockwise ? 1.0 : -1.0) {
   require_finite(geometry.link_lengths_m, "link lengths");
-  if (geometry.link_lengths_m.minCoeff() <= 0.0) {
+  if (geometry.link_lengths_m.minCoeff() <= 0.0)
     throw std::invalid_argument("link lengths must be positive");
-  }
 }
 
 TipPose PlanarArm::forward(const Joints& theta) const {

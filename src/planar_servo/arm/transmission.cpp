@@ -64,9 +64,8 @@ Joints Transmission::joints_from_motors(const Eigen::Vector3d& motors) const {
 
 Pulses Transmission::pulses_from_joints(const Joints& theta) const {
   const Eigen::Vector3d pulses = K_.cwiseProduct(motors_from_joints(theta)).array().round();
-  if (pulses.cwiseAbs().maxCoeff() > std::numeric_limits<int>::max()) {
+  if (pulses.cwiseAbs().maxCoeff() > std::numeric_limits<int>::max())
     throw std::out_of_range("motor positions need more pulses than 32 bits hold");
-  }
   return pulses.cast<int>();
 }
 

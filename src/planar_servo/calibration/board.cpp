@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstddef>
 #include <opencv2/calib3d.hpp>
-#include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 #include <regex>
 #include <stdexcept>
@@ -100,9 +99,8 @@ BoardSight find_chessboard(const cv::Mat& image, const Board& board) {
   if (!cv::findChessboardCorners(small, pattern, corners)) {
     return {{}, {}, {}, "no chessboard of that size found"};
   }
-  for (cv::Point2f& corner : corners) {
+  for (cv::Point2f& corner : corners)
     corner = (corner + cv::Point2f(0.5F, 0.5F)) / scale - cv::Point2f(0.5F, 0.5F);
-  }
   const double square_px = cv::norm(corners[1] - corners[0]);
   const int half_window = std::max(2, static_cast<int>(square_px / 4.0));
   cv::cornerSubPix(image, corners, {half_window, half_window}, {-1, -1},
@@ -152,9 +150,8 @@ Board parse_board(const std::string& text, BoardUse use) {
 std::vector<Eigen::Vector2d> board_points(const Board& board) {
   std::vector<Eigen::Vector2d> points;
   for (int row = 0; row < board.rows; ++row) {
-    for (int column = 0; column < board.columns; ++column) {
+    for (int column = 0; column < board.columns; ++column)
       points.emplace_back(column * board.pitch, row * board.pitch);
-    }
   }
   return points;
 }

@@ -24,9 +24,8 @@ std::optional<Pose> pose_of(const std::vector<cv::Point3d>& points,
   const cv::Matx33d identity = cv::Matx33d::eye();
   try {
     if (!cv::solvePnP(points, rays, identity, cv::noArray(), rotation, translation, false,
-                      cv::SOLVEPNP_ITERATIVE)) {
+                      cv::SOLVEPNP_ITERATIVE))
       return std::nullopt;
-    }
     cv::solvePnPRefineLM(points, rays, identity, cv::noArray(), rotation, translation);
   } catch (const cv::Exception&) {
     return std::nullopt;  // how OpenCV reports points on one line
@@ -43,9 +42,8 @@ std::optional<Pose> pose_of(const std::vector<cv::Point3d>& points,
 std::optional<BoardPose> estimate_board_pose(const CameraModel& camera,
                                              const std::vector<Eigen::Vector2d>& points_G,
                                              const std::vector<Eigen::Vector2d>& pixels) {
-  if (points_G.size() != pixels.size()) {
+  if (points_G.size() != pixels.size())
     throw std::invalid_argument("estimate_board_pose: there must be as many pixels as points");
-  }
   if (pixels.size() < 4) return std::nullopt;
   const auto rays = normalized(camera, pixels);
   if (!rays) return std::nullopt;

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
 
 #include "planar_servo/calibration/board_pose.h"
 #include "planar_servo/calibration/camera/bundle_adjustment.h"
@@ -124,9 +123,8 @@ class Calibrator {
     std::vector<double> squares(views_.size(), 0.0);
     for (std::size_t fold = 0; fold < folds; ++fold) {
       std::vector<CalibrationView> used;
-      for (std::size_t i = 0; i < views_.size(); ++i) {
+      for (std::size_t i = 0; i < views_.size(); ++i)
         if (i % folds != fold) used.push_back(views_[i]);
-      }
       const auto lens = fit_to(used);
       if (!lens) return std::nullopt;
       for (std::size_t i = fold; i < views_.size(); i += folds) {

@@ -9,7 +9,6 @@
 #include <cstdlib>
 #include <map>
 #include <opencv2/imgproc.hpp>
-#include <optional>
 #include <set>
 
 #include "planar_servo/core/pose.h"
@@ -41,9 +40,8 @@ std::optional<Dot> dot_from_outline(const std::vector<cv::Point>& outline) {
   covariance /= m.m00;
   const double trace = covariance.trace();
   const double determinant = covariance.determinant();
-  if (!(determinant * std::pow(kLongestAxesRatio + 1.0 / kLongestAxesRatio, 2) > trace * trace)) {
+  if (!(determinant * std::pow(kLongestAxesRatio + 1.0 / kLongestAxesRatio, 2) > trace * trace))
     return std::nullopt;
-  }
   const Dot dot{{m.m10 / m.m00, m.m01 / m.m00}, (4.0 * covariance).llt().matrixL()};
   const Eigen::Matrix2d to_circle = dot.shape.inverse();
   double squares = 0.0;
@@ -106,9 +104,8 @@ std::optional<Eigen::Vector2d> outline_point(const cv::Mat& image, const Dot& do
   const double step = std::min(kRayStep_px / radius.norm(), (kRayEnd - kRayStart) / kFewestSamples);
   if (!inside(image, dot.center + kRayEnd * radius)) return std::nullopt;
   std::vector<double> profile;
-  for (double part = kRayStart; part <= kRayEnd; part += step) {
+  for (double part = kRayStart; part <= kRayEnd; part += step)
     profile.push_back(grey_at(image, dot.center + part * radius));
-  }
   const auto at = crossing(profile, (1.0 - kRayStart) / step);
   if (!at) return std::nullopt;
   return (kRayStart + *at * step) * radius;
@@ -147,9 +144,8 @@ std::vector<cv::Point2f> without_outliers(const std::vector<cv::Point2f>& points
   const double limit = 3.0 * robust_sigma(offsets);
   const double middle = median(offsets);
   std::vector<cv::Point2f> kept;
-  for (std::size_t i = 0; i < points.size(); ++i) {
+  for (std::size_t i = 0; i < points.size(); ++i)
     if (std::abs(offsets[i] - middle) <= limit) kept.push_back(points[i]);
-  }
   return kept;
 }
 
@@ -178,9 +174,8 @@ std::vector<Dot> find_dark_dots(const cv::Mat& image) {
   std::vector<std::vector<cv::Point>> outlines;
   cv::findContours(dark, outlines, cv::RETR_LIST, cv::CHAIN_APPROX_NONE);
   std::vector<Dot> dots;
-  for (const auto& outline : outlines) {
+  for (const auto& outline : outlines)
     if (const auto dot = dot_from_outline(outline)) dots.push_back(*dot);
-  }
   return dots;
 }
 

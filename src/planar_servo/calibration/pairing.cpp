@@ -4,9 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
-#include <string>
 
 #include "planar_servo/core/decompositions.h"
 #include "planar_servo/core/error.h"

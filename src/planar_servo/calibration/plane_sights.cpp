@@ -5,11 +5,9 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "planar_servo/core/decompositions.h"
 #include "planar_servo/core/error.h"
-#include "planar_servo/core/pose.h"
 #include "planar_servo/core/statistics.h"
 #include "planar_servo/core/units.h"
 
@@ -194,9 +192,8 @@ bool SightSet::reject_beyond(const std::vector<SeenSight>& seen, const std::vect
 }
 
 void SightSet::require_few_rejected() const {
-  if (static_cast<double>(rejected_.size()) <= kMaxRejectedShare * static_cast<double>(given_)) {
+  if (static_cast<double>(rejected_.size()) <= kMaxRejectedShare * static_cast<double>(given_))
     return;
-  }
   throw InputError(
       {fmt::format("{} of {} sights had to be left out, '{}' first ({})", rejected_.size(), given_,
                    rejected_.front().id, rejected_.front().reason),

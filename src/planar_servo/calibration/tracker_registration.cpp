@@ -5,10 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <stdexcept>
 
-#include "planar_servo/core/error.h"
-#include "planar_servo/core/rigid_fit.h"
 #include "planar_servo/core/text.h"
 #include "planar_servo/core/units.h"
 

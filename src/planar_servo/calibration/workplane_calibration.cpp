@@ -11,8 +11,6 @@
 #include "planar_servo/calibration/plane_sights.h"
 #include "planar_servo/core/decompositions.h"
 #include "planar_servo/core/error.h"
-#include "planar_servo/core/pose.h"
-#include "planar_servo/core/rigid_fit.h"
 #include "planar_servo/core/statistics.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/tool/coarse_view.h"
@@ -122,9 +120,8 @@ Eigen::Vector2d reflector_by_vision(const SeenSight& s, const Eigen::Vector2d& p
 
 std::vector<double> distances(const Seen& seen, const Eigen::Vector2d& p_reflector) {
   std::vector<double> lengths;
-  for (const SeenSight& s : seen) {
+  for (const SeenSight& s : seen)
     lengths.push_back((reflector_by_vision(s, p_reflector) - s.p_reflector()).norm());
-  }
   return lengths;
 }
 
@@ -225,9 +222,8 @@ ToolOffsets tool_offsets(const Seen& seen, const SweepFits& fits) {
   tool.p_TS << fits.reflector.offset, height;
   tool.covariance.diagonal() << fits.lamps.variance, fits.lamps.variance, fits.reflector.variance,
       fits.reflector.variance, 0.0;
-  for (const double h : heights) {
+  for (const double h : heights)
     tool.covariance(4, 4) += (h - height) * (h - height) / (n * (n - 1.0));
-  }
   return tool;
 }
 

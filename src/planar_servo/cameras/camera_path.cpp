@@ -37,7 +37,6 @@ std::string text_of(const sockaddr* address) {
                    sizeof(text));
 }
 
-/// Returns the network interface with this local address.
 std::string interface_with(const std::string& local_address) {
   ifaddrs* first = nullptr;
   if (getifaddrs(&first) != 0) throw WorkError("this machine does not tell its networks");

@@ -1,11 +1,9 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <array>
 #include <filesystem>
 #include <memory>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "planar_servo/arm/joint_planner.h"

@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/cell/finding.h"
 #include "planar_servo/core/error.h"
 
 namespace planar {
@@ -17,6 +16,22 @@ class FrameSource;
 class Tracker;
 class VirtualCell;
 struct CellSettings;
+
+/// Says how one part of a cell was found, and what mends it if it is not well.
+struct Finding {
+  enum class Verdict { kWell, kDoubtful, kFaulty };
+  Verdict verdict{Verdict::kWell};
+  std::string subject;   ///< the part that was looked at, such as "drive 2"
+  std::string what;      ///< what was found, in words
+  std::string remedy{};  ///< a command or an action; empty when all is well
+};
+
+/// Returns a refusal as a fault of `subject`, with the remedy `otherwise` where it names none.
+inline Finding faulty(const std::string& subject, const Refusal& refusal,
+                      const std::string& otherwise = "") {
+  return {Finding::Verdict::kFaulty, subject, Refusal{refusal.fault, "", refusal.where}.text(),
+          refusal.remedy.empty() ? otherwise : refusal.remedy};
+}
 
 /// Base of the settings that only one kind of device has. Each kind derives its own and alone reads
 /// them.
@@ -35,6 +50,10 @@ class DeviceKind {
   /// Returns true for devices that exist only in a virtual cell. Virtual and real devices do not
   /// mix.
   virtual bool is_virtual() const { return false; }
+
+  /// Says what is well with a cell's devices of this kind and what is not. It moves nothing and
+  /// switches nothing on.
+  virtual std::vector<Finding> examine(const CellSettings& cell) const = 0;
 };
 
 /// One kind of camera. It reads its own keys of a cell file's `camera` block, opens the camera, and
@@ -52,9 +71,6 @@ class CameraKind : public DeviceKind {
   /// and InputError for settings that it cannot have.
   virtual std::shared_ptr<FrameSource> open(const CellSettings& cell,
                                             const std::shared_ptr<VirtualCell>& world) const = 0;
-
-  /// Says what is well with the camera and what is not. It moves nothing.
-  virtual std::vector<Finding> examine(const CellSettings& cell) const = 0;
 };
 
 /// One kind of drive. It reads its own keys of an item of `drives`, opens the drives, and examines
@@ -78,9 +94,6 @@ class DriveKind : public DeviceKind {
   /// Throws DriveError when a drive cannot be used.
   virtual std::shared_ptr<DriveGroup> open(const CellSettings& cell,
                                            const std::shared_ptr<VirtualCell>& world) const = 0;
-
-  /// Says what is well with the drives and what is not. It moves nothing and switches nothing on.
-  virtual std::vector<Finding> examine(const CellSettings& cell) const = 0;
 };
 
 /// One kind of tracker. It reads its own keys of a cell file's `tracker` block, opens the tracker,
@@ -100,9 +113,6 @@ class TrackerKind : public DeviceKind {
   /// CameraKind::open(). Throws WorkError when the tracker cannot be heard at all.
   virtual std::shared_ptr<Tracker> open(const CellSettings& cell,
                                         const std::shared_ptr<VirtualCell>& world) const = 0;
-
-  /// Says what is well with the tracker and what is not.
-  virtual std::vector<Finding> examine(const CellSettings& cell) const = 0;
 };
 
 /// Lists the kinds of devices that a cell file may ask for.

@@ -97,27 +97,24 @@ std::optional<WorkspaceFigures> workspace_figures(const std::vector<JudgedMove>&
   return figures;
 }
 
+template <typename Figures, typename FigureOf>
+const Figures& worst(const std::vector<Figures>& all, const FigureOf& of) {
+  return *std::max_element(all.begin(), all.end(),
+                           [&](const Figures& a, const Figures& b) { return of(a) < of(b); });
+}
+
 }  // namespace
 
 const PoseFigures& CellAccuracy::worst_accuracy() const {
-  return *std::max_element(poses.begin(), poses.end(),
-                           [](const PoseFigures& a, const PoseFigures& b) {
-                             return a.position.accuracy < b.position.accuracy;
-                           });
+  return worst(poses, [](const PoseFigures& pose) { return pose.position.accuracy; });
 }
 
 const PoseFigures& CellAccuracy::worst_repeatability() const {
-  return *std::max_element(poses.begin(), poses.end(),
-                           [](const PoseFigures& a, const PoseFigures& b) {
-                             return a.position.repeatability < b.position.repeatability;
-                           });
+  return worst(poses, [](const PoseFigures& pose) { return pose.position.repeatability; });
 }
 
 const DirectionFigures& CellAccuracy::worst_variation() const {
-  return *std::max_element(directions.begin(), directions.end(),
-                           [](const DirectionFigures& a, const DirectionFigures& b) {
-                             return a.variation < b.variation;
-                           });
+  return worst(directions, [](const DirectionFigures& found) { return found.variation; });
 }
 
 CellAccuracy cell_accuracy(const std::vector<JudgedMove>& moves) {

@@ -7,8 +7,7 @@
 
 #include "planar_servo/core/text.h"
 #include "planar_servo/core/units.h"
-#include "planar_servo/files/provenance.h"
-#include "planar_servo/io/sha256.h"
+#include "planar_servo/io/checksum.h"
 #include "planar_servo/report/html_page.h"
 #include "planar_servo/report/places.h"
 #include "planar_servo/report/plot.h"

@@ -1,20 +1,18 @@
 #include "planar_servo/certificate/certify.h"
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <cmath>
 #include <set>
 
 #include "planar_servo/core/error.h"
-#include "planar_servo/core/units.h"
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/files/vision_files.h"
 #include "planar_servo/io/atomic_file.h"
+#include "planar_servo/io/checksum.h"
 #include "planar_servo/io/format_line.h"
 #include "planar_servo/io/growing_file.h"
-#include "planar_servo/io/sha256.h"
 #include "planar_servo/run/resumed_run.h"
 
 namespace planar {
@@ -129,7 +127,6 @@ class CertificateDriver {
   ServoRun run_;
 };
 
-/// Returns the moves that are yet to be made.
 std::vector<CertificateMove> moves_left(const CertificateRun& certificate) {
   std::set<std::string> made;
   for (const JudgedMove& move : certificate.moves) made.insert(move.move.id);

@@ -18,7 +18,6 @@ struct CertificateRequest {
   CertificateSize size;
 };
 
-/// What a certificate is made of.
 struct CertificateRun {
   CertificateRequest request;
   VisionCalibration vision;
@@ -29,7 +28,6 @@ struct CertificateRun {
   std::string ended_by{};               ///< why no further move was made; empty when complete
 };
 
-/// Opens the devices of a cell.
 using OpenDevices = std::function<std::unique_ptr<CellDevices>(const CellSettings&)>;
 
 /// Moves a cell through certificate_moves() and has the end of each judged. Each judged move is

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <random>
 #include <stdexcept>
@@ -14,15 +13,6 @@ namespace {
 
 /// The standard's number of standard deviations.
 constexpr double kDeviations = 3.0;
-
-/// Returns the standard deviation over n - 1; NaN for fewer than two values.
-double deviation(const std::vector<double>& values) {
-  if (values.size() < 2) return std::numeric_limits<double>::quiet_NaN();
-  const double middle = mean(values);
-  double sum = 0.0;
-  for (const double value : values) sum += (value - middle) * (value - middle);
-  return std::sqrt(sum / static_cast<double>(values.size() - 1));
-}
 
 constexpr int kDraws = 2000;
 /// The same errors have the same intervals.
@@ -109,11 +99,11 @@ PoseAccuracy pose_accuracy(const PoseErrors& errors) {
   std::vector<double> lengths;
   lengths.reserve(errors.size());
   for (const Eigen::Vector2d& error : errors) lengths.push_back((error - middle).norm());
-  return {middle.norm(), mean(lengths) + kDeviations * deviation(lengths)};
+  return {middle.norm(), mean(lengths) + kDeviations * standard_deviation(lengths)};
 }
 
 PoseAccuracy angle_accuracy(const std::vector<double>& errors) {
-  return {std::abs(mean(errors)), kDeviations * deviation(errors)};
+  return {std::abs(mean(errors)), kDeviations * standard_deviation(errors)};
 }
 
 double direction_variation(const std::vector<PoseErrors>& by_direction) {

@@ -22,7 +22,6 @@ struct PoseAccuracy {
 // The figures of ISO 9283:1998 in the plane: z is left out. All throw std::invalid_argument for
 // empty sets.
 
-/// Returns the barycentre of the errors.
 Eigen::Vector2d barycentre(const PoseErrors& errors);
 
 /// Returns AP = |mean of the errors| and RP = mean l + 3 S_l [ISO 9283:1998, 7.2], with the

@@ -10,7 +10,7 @@
 #include "planar_servo/core/units.h"
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/files/workplane_file.h"
-#include "planar_servo/io/sha256.h"
+#include "planar_servo/io/checksum.h"
 #include "planar_servo/plan/predicted_positioning.h"
 #include "planar_servo/tables/pair_table.h"
 

@@ -35,10 +35,6 @@ double binomial_tail(int k, int n, double p) {
   return tail;
 }
 
-double f_tail_of_two(double ratio, double degrees) {
-  return ratio <= 0.0 ? 1.0 : std::pow(1.0 + 2.0 * ratio / degrees, -0.5 * degrees);
-}
-
 double mean(const std::vector<double>& values) {
   require_values(values);
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
@@ -48,6 +44,13 @@ double rms(const std::vector<double>& values) {
   require_values(values);
   const double sum = std::inner_product(values.begin(), values.end(), values.begin(), 0.0);
   return std::sqrt(sum / static_cast<double>(values.size()));
+}
+
+double standard_deviation(const std::vector<double>& values) {
+  const double middle = mean(values);
+  double sum = 0.0;
+  for (const double value : values) sum += (value - middle) * (value - middle);
+  return std::sqrt(sum / static_cast<double>(values.size() - 1));
 }
 
 double quantile(std::vector<double> values, double fraction) {

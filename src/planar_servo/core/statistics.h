@@ -17,10 +17,6 @@ double chi_square_tail(double square, int degrees);
 /// Returns the chance that at most `k` of `n` independent draws succeed, each with chance `p`.
 double binomial_tail(int k, int n, double p);
 
-/// Returns the chance that a mean square with two degrees of freedom exceeds one with `degrees` of
-/// them, drawn from the same noise, by more than `ratio`.
-double f_tail_of_two(double ratio, double degrees);
-
 /// Summarizes a set of deviations or of any other numbers.
 struct Summary {
   std::size_t n{0};
@@ -35,6 +31,8 @@ struct Summary {
 double mean(const std::vector<double>& values);
 double rms(const std::vector<double>& values);
 double median(std::vector<double> values);
+/// Returns the standard deviation over n - 1; NaN for one value.
+double standard_deviation(const std::vector<double>& values);
 
 /// Interpolates linearly between order statistics; `fraction` lies in [0, 1].
 double quantile(std::vector<double> values, double fraction);

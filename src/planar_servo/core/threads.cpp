@@ -1,6 +1,5 @@
 #include "planar_servo/core/threads.h"
 
-#include <algorithm>
 #include <utility>
 
 #include "planar_servo/core/clock.h"

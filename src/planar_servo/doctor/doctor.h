@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "planar_servo/cell/cell_settings.h"
-#include "planar_servo/cell/finding.h"
+#include "planar_servo/cell/device_kinds.h"
 
 namespace planar {
 

@@ -6,7 +6,7 @@
 #include <array>
 
 #include "planar_servo/arm/transmission.h"
-#include "planar_servo/cell/finding.h"
+#include "planar_servo/cell/device_kinds.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/drives/home_fields.h"

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <vector>
 
 #include "planar_servo/error_map/fit/map_sites.h"

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/statistics.h"
@@ -51,11 +50,10 @@ Eigen::Matrix2Xd predictions(const RbfMap& map, const MapSites& rest, const MapS
 /// Returns the residual of each site when its block is left out.
 Eigen::Matrix2Xd left_out(const IdwMap& map, const MapSites& sites, const Blocks& blocks) {
   Eigen::Matrix2Xd residuals(2, sites.size());
-  for (std::size_t b = 0; b < blocks.size(); ++b) {
+  for (std::size_t b = 0; b < blocks.size(); ++b)
     residuals(Eigen::all, blocks[b]) =
         sites.errors(Eigen::all, blocks[b]) -
         predictions(map, sites.subset(all_but(blocks, b)), sites.subset(blocks[b]));
-  }
   return residuals;
 }
 

@@ -4,14 +4,10 @@
 
 #include <Eigen/Core>
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <optional>
 #include <utility>
-#include <vector>
 
 #include "planar_servo/core/error.h"
-#include "planar_servo/core/progress.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/error_map/cross_validation.h"
 #include "planar_servo/error_map/fit/found_places.h"
@@ -111,7 +107,6 @@ constexpr double kClearMiss = 1.25;
 
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
-/// A fit and what it was fitted to.
 struct FitAtPlaces {
   MethodFit fit;
   MapSites sites;

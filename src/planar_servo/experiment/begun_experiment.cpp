@@ -7,9 +7,9 @@
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/io/atomic_file.h"
+#include "planar_servo/io/checksum.h"
 #include "planar_servo/io/format_line.h"
 #include "planar_servo/io/growing_file.h"
-#include "planar_servo/io/sha256.h"
 
 namespace planar {
 namespace {

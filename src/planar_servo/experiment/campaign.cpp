@@ -1,19 +1,244 @@
 #include "planar_servo/experiment/campaign.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
-#include <nlohmann/json.hpp>
+#include <algorithm>
+#include <cerrno>
+#include <numeric>
+#include <sstream>
+#include <system_error>
 
 #include "planar_servo/core/error.h"
+#include "planar_servo/core/statistics.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/experiment/begun_experiment.h"
-#include "planar_servo/experiment/campaign_report.h"
 #include "planar_servo/experiment/experiment_report.h"
+#include "planar_servo/io/atomic_file.h"
 #include "planar_servo/io/growing_file.h"
+#include "planar_servo/report/html_page.h"
+#include "planar_servo/report/text_table.h"
 #include "planar_servo/virtual_cell/truth/truth_file.h"
 
 namespace planar {
+namespace {
+
+constexpr double kConfidence = 0.95;
+
+struct Column {
+  const char* title;
+  const char* key;  ///< a key of experiment_list(), or of its part `part`
+  const char* part{nullptr};
+};
+
+constexpr Column kColumns[] = {
+    {"before", "before_mean_mm_truth", "paper_chain"},
+    {"paper's chain", "after_mean_mm_truth", "paper_chain"},
+    {"ours", "after_mean_mm_truth"},
+    {"ours, 95 %", "after_p95_mm_truth"},
+    {"ours, max", "after_max_mm_truth"},
+    {"predicted", "predicted_mean_mm"},
+    {"predicted, 95 %", "predicted_p95_mm"},
+};
+
+double value_of(const nlohmann::json& row, const Column& column) {
+  return (column.part ? row.at(column.part) : row).at(column.key).get<double>();
+}
+
+std::vector<double> values_of(const std::vector<nlohmann::json>& rows, const Column& column) {
+  std::vector<double> values;
+  values.reserve(rows.size());
+  for (const nlohmann::json& row : rows) values.push_back(value_of(row, column));
+  return values;
+}
+
+double largest(const std::vector<double>& values) {
+  return *std::max_element(values.begin(), values.end());
+}
+
+std::string four_decimals(double value) {
+  return fmt::format("{:.4f}", value);
+}
+
+std::string interval_text(const std::vector<double>& values) {
+  const auto interval = median_interval(values, kConfidence);
+  return interval ? fmt::format("{:.4f} to {:.4f}", interval->first, interval->second) : "–";
+}
+
+TextTable campaign_table(const std::vector<nlohmann::json>& rows) {
+  std::vector<std::string> header{"drawn cell"}, middle{"median"};
+  std::vector<std::string> interval{"95 % interval of the median"}, worst{"worst"};
+  for (const Column& column : kColumns) {
+    const std::vector<double> values = values_of(rows, column);
+    header.emplace_back(column.title);
+    middle.push_back(four_decimals(median(values)));
+    interval.push_back(interval_text(values));
+    worst.push_back(four_decimals(largest(values)));
+  }
+  TextTable table("True positioning error in mm, mean of the control targets", header);
+  for (const nlohmann::json& row : rows) {
+    std::vector<std::string> fields{fmt::format("seed {}", row.at("seed").get<std::uint32_t>())};
+    for (const Column& column : kColumns) fields.push_back(four_decimals(value_of(row, column)));
+    table.add_row(std::move(fields));
+  }
+  for (auto* line : {&middle, &interval, &worst}) table.add_row(std::move(*line));
+  return table;
+}
+
+bool is_sum(const std::string& key) {
+  return key == "targets" || key == "reached";
+}
+
+bool is_number_in_all(const std::string& key, const std::vector<nlohmann::json>& rows) {
+  return std::all_of(rows.begin(), rows.end(), [&](const nlohmann::json& row) {
+    return row.contains(key) && row[key].is_number();
+  });
+}
+
+}  // namespace
+
+nlohmann::json campaign_json(const std::vector<nlohmann::json>& rows) {
+  nlohmann::json json{{"seeds", rows.size()}, {"cells", rows}};
+  nlohmann::json intervals = nlohmann::json::object();
+  for (const auto& item : rows.front().items()) {
+    const std::string& key = item.key();
+    if (key == "seed" || !is_number_in_all(key, rows)) continue;
+    const std::vector<double> values = values_of(rows, {"", key.c_str()});
+    json[key] = is_sum(key) ? std::accumulate(values.begin(), values.end(), 0.0) : median(values);
+    const auto interval = median_interval(values, kConfidence);
+    if (interval && !is_sum(key)) intervals[key] = {interval->first, interval->second};
+  }
+  json["median_95"] = std::move(intervals);
+  json["worst_after_mean_mm_truth"] = largest(values_of(rows, {"", "after_mean_mm_truth"}));
+  return json;
+}
+
+std::string campaign_row_text(const nlohmann::json& row) {
+  std::vector<std::string> figures;
+  for (const Column& column : kColumns)
+    figures.push_back(fmt::format("{} {}", column.title, four_decimals(value_of(row, column))));
+  return fmt::format("{} mm", fmt::join(figures, "; "));
+}
+
+std::string campaign_text(const std::vector<nlohmann::json>& rows) {
+  return campaign_table(rows).plain_text();
+}
+
+std::string campaign_page(const std::vector<nlohmann::json>& rows, const std::string& cell_name) {
+  HtmlPage page(
+      fmt::format("The paper's experiment on {} cells drawn like {}", rows.size(), cell_name));
+  page.add_html(campaign_table(rows).html());
+  return page.text();
+}
+
+namespace {
+
+/// These locks belong to the opened file and not to the process, so that nobody else who closes the
+/// same file in this program gives them back.
+int set_lock(int file, std::uint64_t piece, short kind, bool wait) {
+  struct flock range {};
+  range.l_type = kind;
+  range.l_whence = SEEK_SET;
+  range.l_start = static_cast<off_t>(piece);
+  range.l_len = 1;
+  while (fcntl(file, wait ? F_OFD_SETLKW : F_OFD_SETLK, &range) != 0)
+    if (errno != EINTR) return errno;
+  return 0;
+}
+
+constexpr char kRowFormat[] = "planar-servo/campaign/1";
+constexpr char kFirstRow[] = "{\"format\":\"planar-servo/campaign/1\"";  // as it begins
+/// What is claimed to write to the file: a number beyond all seeds.
+constexpr std::uint64_t kWriting = std::uint64_t{1} << 32;
+
+std::string line_of(const nlohmann::json& json) {
+  return json.dump() + "\n";
+}
+
+}  // namespace
+
+Claims::Claims(const std::filesystem::path& file)
+    : path_(file), file_(open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666)) {
+  if (file_ < 0)
+    throw InputError(
+        {"cannot be opened to read and write: " + std::generic_category().message(errno),
+         "name a place where you may write", file});
+}
+
+Claims::~Claims() {
+  close(file_);
+}
+
+Claim Claims::claim(std::uint64_t piece, bool waits) {
+  const int fault = set_lock(file_, piece, F_WRLCK, waits);
+  if (fault == EAGAIN || fault == EACCES) return nullptr;
+  if (fault != 0)
+    throw InputError({"its file system has no locks, by which programs share work (" +
+                          std::generic_category().message(fault) + ")",
+                      "name a place on another one", path_});
+  return {this, [file = file_, piece](const void*) { set_lock(file, piece, F_UNLCK, false); }};
+}
+
+CampaignRows::CampaignRows(const std::filesystem::path& file, const nlohmann::json& made_with)
+    : file_(file), claims_(file) {
+  const Claim writing = claims_.claim(kWriting);
+  drop_torn_line(file_, kFirstRow);
+  const std::string text = read_file(file_);
+  const std::string begun = text.substr(0, text.find('\n'));
+  const nlohmann::json present{{"format", kRowFormat}, {"made_with", made_with}};
+  if (begun.empty()) {
+    GrowingFile(file_, "").append(line_of(present));
+  } else {
+    const nlohmann::json first = nlohmann::json::parse(begun, nullptr, false);
+    if (!first.is_object() || first.value("format", "") != kRowFormat ||
+        !first.contains("made_with"))
+      throw InputError(
+          {fmt::format("does not begin as the rows of a campaign do, with the format {}",
+                       kRowFormat),
+           "name another folder", file_});
+    require_same_making(file_, first["made_with"], made_with);
+  }
+  read_new_rows();
+}
+
+bool CampaignRows::has(std::uint32_t seed) {
+  if (rows_.count(seed) == 0) read_new_rows();
+  return rows_.count(seed) != 0;
+}
+
+void CampaignRows::append(std::uint32_t seed, nlohmann::json figures) {
+  figures["seed"] = seed;
+  const Claim writing = claims_.claim(kWriting);
+  drop_torn_line(file_, kFirstRow);
+  GrowingFile(file_, "").append(line_of(figures), Durability::kPowerLoss);
+  read_new_rows();
+}
+
+void CampaignRows::read_new_rows() {
+  std::ifstream in = open_file(file_);
+  in.seekg(static_cast<std::streamoff>(read_));
+  std::ostringstream rest;
+  rest << in.rdbuf();
+  const std::string text = rest.str();
+  for (std::size_t begin = 0, end; (end = text.find('\n', begin)) != std::string::npos;
+       begin = end + 1) {
+    if (lines_++ > 0) take_line(text.substr(begin, end - begin));
+    read_ += end + 1 - begin;
+  }
+}
+
+void CampaignRows::take_line(const std::string& line) {
+  nlohmann::json row = nlohmann::json::parse(line, nullptr, false);
+  if (!row.is_object() || !row.contains("seed") || !row["seed"].is_number_unsigned())
+    throw InputError({"is no row of a campaign, an object of JSON with the number 'seed'",
+                      "remove the line to have its seed run again",
+                      fmt::format("{}:{}", file_.string(), lines_)});
+  const auto seed = row["seed"].get<std::uint32_t>();
+  rows_.emplace(seed, std::move(row));
+}
+
 namespace {
 
 namespace fs = std::filesystem;

@@ -14,9 +14,7 @@
 #include "planar_servo/experiment/begun_experiment.h"
 #include "planar_servo/files/arm_file.h"
 #include "planar_servo/io/atomic_file.h"
-#include "planar_servo/io/growing_file.h"
 #include "planar_servo/judge/cell_judge.h"
-#include "planar_servo/plan/experiment_plan.h"
 #include "planar_servo/record/recorder.h"
 #include "planar_servo/run/resumed_run.h"
 
@@ -37,7 +35,6 @@ bool has_begun_loop(const ExperimentRequest& experiment) {
   return fs::exists(results_file(loop));
 }
 
-/// Returns whether the run of a loop has a result of every target.
 bool is_done(const ServoRequest& loop, const std::vector<TargetRow>& targets) {
   return loop.resume && results_so_far(loop).size() == targets.size();
 }

@@ -3,7 +3,6 @@
 #include <filesystem>
 #include <functional>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "planar_servo/experiment/paper_tables.h"
@@ -17,7 +16,6 @@
 
 namespace planar {
 
-/// Holds what an experiment found.
 struct ExperimentReport {
   std::vector<ControlCircle> circles;
   std::vector<TargetResult> ours;          ///< our chain with its error map

@@ -9,7 +9,7 @@
 #include "planar_servo/io/format_line.h"
 #include "planar_servo/io/growing_file.h"
 #include "planar_servo/report/html_page.h"
-#include "planar_servo/report/quiver_plot.h"
+#include "planar_servo/report/plot.h"
 #include "planar_servo/run/servo_report.h"
 
 namespace planar {
@@ -91,7 +91,6 @@ void add_files(HtmlPage& page, const fs::path& out) {
   page.add_html("<ul>\n" + rows + "</ul>\n");
 }
 
-/// Returns the errors before and after at the control targets as one SVG.
 std::string error_plot(const ExperimentReport& report) {
   return quiver_svg({error_panel("Open loop", report.paper, &TargetResult::before_truth),
                      error_panel("Paper's chain", report.paper, &TargetResult::after_truth),

@@ -3,10 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
-#include <map>
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/statistics.h"
@@ -14,6 +12,7 @@
 #include "planar_servo/files/vision_files.h"
 #include "planar_servo/offline/map/check_error_map.h"
 #include "planar_servo/offline/map/fit_map_to_pairs.h"
+#include "planar_servo/run/servo_report.h"
 #include "planar_servo/tables/lamp_table.h"
 
 namespace planar {
@@ -84,14 +83,6 @@ double run_correlation(const ComparedChain& compared, int radius_mm) {
          3.0;
 }
 
-/// Returns the standard deviation of a few values; NaN for fewer than two.
-double standard_deviation(const std::vector<double>& values) {
-  const double middle = mean(values);
-  double sum = 0.0;
-  for (const double value : values) sum += (value - middle) * (value - middle);
-  return std::sqrt(sum / (static_cast<double>(values.size()) - 1.0));
-}
-
 /// Returns the largest standard deviation over the points of one check circle, metres. At each
 /// point it is that of what the map predicts from each of its frames. NaN where no point has two.
 double prediction_repeatability(const ComparedChain& compared, int radius_mm) {
@@ -152,7 +143,6 @@ AccuracyRow mean_row(const std::string& label, const std::vector<AccuracyRow>& r
   return sum;
 }
 
-/// Returns the results at the targets of one control circle.
 std::vector<TargetResult> results_on(const ControlCircle& circle,
                                      const std::vector<TargetResult>& results) {
   std::vector<TargetResult> found;

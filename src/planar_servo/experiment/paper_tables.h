@@ -7,7 +7,6 @@
 
 #include "planar_servo/experiment/vision_chain.h"
 #include "planar_servo/plan/experiment_plan.h"
-#include "planar_servo/run/servo_report.h"
 #include "planar_servo/tables/pair_table.h"
 #include "planar_servo/tables/result_table.h"
 

@@ -180,7 +180,6 @@ double radius_of(const std::vector<PoseSample>& samples) {
   return radius;
 }
 
-/// Returns the largest model of these samples.
 ArmModelSize largest_size(const ArmNominal& nominal, const std::vector<PoseSample>& samples,
                           double radius, ArmTrust trust) {
   ArmModelSize size;

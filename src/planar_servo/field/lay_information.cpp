@@ -6,7 +6,7 @@
 #include <cmath>
 #include <complex>
 
-#include "planar_servo/core/rigid_fit.h"
+#include "planar_servo/core/pose.h"
 #include "planar_servo/core/units.h"
 
 namespace planar {

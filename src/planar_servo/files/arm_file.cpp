@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <vector>
 
 #include "planar_servo/core/units.h"
 #include "planar_servo/files/cell_file.h"
@@ -24,7 +23,6 @@ void list_waves(Fields& fields, const char* key, std::vector<Wave>& waves) {
   });
 }
 
-/// The terms of an arm by their names in a file.
 struct NamedTerms {
   explicit NamedTerms(const FoundArm& arm)
       : links(arm.x.head<2>()),

@@ -4,7 +4,6 @@
 #include <visp3/core/vpXmlParserCamera.h>
 
 #include <algorithm>
-#include <cmath>
 #include <iostream>
 #include <locale>
 #include <opencv2/core.hpp>
@@ -52,9 +51,8 @@ std::string ros_model(const CameraModel& camera) {
 /// Returns the names that a file may have.
 std::vector<std::string> ros_models() {
   std::vector<std::string> names;
-  for (const CameraModel& camera : sample_cameras()) {
+  for (const CameraModel& camera : sample_cameras())
     if (!camera.as<Pinhole>() && !camera.as<VispModel>()) names.push_back(lens_model_name(camera));
-  }
   return names;
 }
 
@@ -126,10 +124,6 @@ CameraRecord read_camera_yaml(const std::filesystem::path& path) {
   }
   reader.throw_if_faulty();
   return record;
-}
-
-bool is_opencv_storage(const std::string& text) {
-  return text.rfind("%YAML:1.0", 0) == 0;
 }
 
 const char* opencv_model_of(std::size_t coefficients, YamlReader& reader) {
@@ -265,7 +259,7 @@ std::string camera_xml(const CameraRecord& record, const std::string& camera_nam
 CameraRecord read_camera(const std::filesystem::path& path) {
   if (path.extension() == ".xml") return read_camera_xml(path);
   const std::string text = read_file(path);
-  return is_opencv_storage(text) ? read_camera_opencv(path) : read_camera_yaml(path);
+  return text.rfind("%YAML:1.0", 0) == 0 ? read_camera_opencv(path) : read_camera_yaml(path);
 }
 
 void require_camera_name(const std::filesystem::path& path) {

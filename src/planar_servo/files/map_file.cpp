@@ -5,13 +5,10 @@
 #include <cmath>
 #include <optional>
 #include <variant>
-#include <vector>
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
-#include "planar_servo/error_map/fit_error_map.h"
 #include "planar_servo/files/matrix_fields.h"
-#include "planar_servo/files/provenance.h"
 #include "planar_servo/io/yaml_reader.h"
 #include "planar_servo/io/yaml_writer.h"
 

@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/error_map/error_map.h"
 #include "planar_servo/error_map/fit_error_map.h"
 #include "planar_servo/field/fit_lamp_field.h"
 #include "planar_servo/files/provenance.h"

@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "planar_servo/io/atomic_file.h"
-#include "planar_servo/io/sha256.h"
+#include "planar_servo/io/checksum.h"
 
 namespace planar {
 namespace {
@@ -62,10 +62,6 @@ std::string rows_of(const std::string& table) {
     begin = end;
   }
   return rows;
-}
-
-bool belongs_to_list(const std::string& line) {
-  return !line.empty() && (line[0] == ' ' || line[0] == '-');
 }
 
 /// Returns the programs that make a file of this role anew when an origin has changed.
@@ -169,7 +165,8 @@ std::vector<Origin> read_origins(const fs::path& path) {
     if (line.rfind(kRemark, 0) == 0) add_remark(remarks, role, line);
     if (line != "inputs:") continue;
     list = line + "\n";
-    while (std::getline(in, line) && belongs_to_list(line)) list += line + "\n";
+    while (std::getline(in, line) && (!line.empty() && (line[0] == ' ' || line[0] == '-')))
+      list += line + "\n";
     return origins_of_list(list);
   }
   return remarks;

@@ -60,7 +60,6 @@ struct MadeFile {
   std::filesystem::path path;
 };
 
-/// Returns the program that makes files of this role.
 const char* program_for(Role role);
 
 /// Returns the cell's calibration files in the order of their making, whether they exist or not.

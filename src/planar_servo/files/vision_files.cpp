@@ -10,7 +10,6 @@
 #include "planar_servo/files/cell_file.h"
 #include "planar_servo/files/map_file.h"
 #include "planar_servo/files/provenance.h"
-#include "planar_servo/files/tool_file.h"
 #include "planar_servo/files/workplane_file.h"
 
 namespace planar {

@@ -8,9 +8,17 @@
 #include "planar_servo/core/names.h"
 #include "planar_servo/core/pose.h"
 #include "planar_servo/files/provenance.h"
+#include "planar_servo/tool/tool_offsets.h"
 #include "planar_servo/vision/reference_lamps.h"
 
 namespace planar {
+
+/// Returns the text of tool.yaml, with lengths in mm and the covariance in mm^2.
+std::string tool_text(const ToolOffsets& tool, const std::string& program,
+                      const std::vector<Origin>& origins);
+
+/// Reads tool.yaml. Throws InputError naming every fault.
+ToolOffsets read_tool(const std::filesystem::path& path);
 
 /// Says what determines the camera's pose: the pairs alone, or the pairs and a board laid on the
 /// plane, which determines the camera's height and tilt.

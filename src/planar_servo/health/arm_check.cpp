@@ -7,7 +7,6 @@
 #include "planar_servo/core/decompositions.h"
 #include "planar_servo/core/pose.h"
 #include "planar_servo/core/units.h"
-#include "planar_servo/health/cause.h"
 
 namespace planar {
 namespace {

@@ -1,13 +1,15 @@
 #include "planar_servo/io/checksum.h"
 
 #include <fmt/format.h>
-
+#include <openssl/evp.h>
 #include <spdlog/spdlog.h>
+
 #include <algorithm>
+#include <array>
+#include <stdexcept>
 
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/io/format_line.h"
-#include "planar_servo/io/sha256.h"
 
 namespace planar {
 namespace {
@@ -45,6 +47,34 @@ std::string with_line(const std::string& text, const std::string& key, const std
 }
 
 }  // namespace
+
+std::string sha256(std::string_view bytes) {
+  std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
+  unsigned int size = 0;
+  if (EVP_Digest(bytes.data(), bytes.size(), digest.data(), &size, EVP_sha256(), nullptr) != 1)
+    throw std::runtime_error("SHA-256 failed in the crypto library");
+  return fmt::format("{:02x}", fmt::join(digest.data(), digest.data() + size, ""));
+}
+
+std::string sha256_without(std::string_view text,
+                           std::initializer_list<std::string_view> left_out) {
+  std::string left;
+  while (!text.empty()) {
+    const std::string_view line = text.substr(0, std::min(text.find('\n'), text.size() - 1) + 1);
+    const auto begins = [&](std::string_view key) { return line.substr(0, key.size()) == key; };
+    if (std::none_of(left_out.begin(), left_out.end(), begins)) left += line;
+    text.remove_prefix(line.size());
+  }
+  return sha256(left);
+}
+
+std::string content_sha256(const std::filesystem::path& path) {
+  return content_sha256_of(read_file(path));
+}
+
+std::string content_sha256_of(const std::string& text) {
+  return sha256_without(text, {"created:", "checksum:", "edited_by_hand:"});
+}
 
 bool has_checksum(std::string_view kind) {
   return std::count(std::begin(kSealedKinds), std::end(kSealedKinds), kind) != 0;

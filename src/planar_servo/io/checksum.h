@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <initializer_list>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -8,6 +9,20 @@
 #include "planar_servo/core/error.h"
 
 namespace planar {
+
+/// Returns the SHA-256 of the bytes [FIPS 180-4] as 64 lower-case hexadecimal digits.
+std::string sha256(std::string_view bytes);
+
+/// Returns the SHA-256 of the lines that begin with none of these keys.
+std::string sha256_without(std::string_view text, std::initializer_list<std::string_view> left_out);
+
+/// Returns the SHA-256 of a file without its line `created:`, in which two identical runs differ,
+/// and without those that only seal it, `checksum:` and `edited_by_hand:`. Throws InputError when
+/// it cannot be read.
+std::string content_sha256(const std::filesystem::path& path);
+
+/// Returns the same for a file that has this text.
+std::string content_sha256_of(const std::string& text);
 
 /// Returns whether files of this kind are calibration files, which have a checksum.
 bool has_checksum(std::string_view kind);

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -179,7 +180,17 @@ struct TableSchema {
     list_columns(writer, row);
     return writer.line();
   }
+  /// Returns the whole table.
+  std::string text(const std::vector<Row>& rows,
+                   const std::vector<std::string>& remarks = {}) const {
+    std::string text = header(remarks);
+    for (const Row& row : rows) text += line(row);
+    return text;
+  }
 };
+
+/// Says whether every row of a table has an id of its own.
+enum class RowIds { kAny, kOwn };
 
 /// Reads a table's file row by row:
 ///
@@ -200,6 +211,26 @@ class TableFile : public CsvFile {
     if (!next_row()) return false;
     schema_.list_columns(reader_, row);
     return true;
+  }
+
+  /// Reads the rows that are left, of which there may be none. Throws as throw_if_faulty() does.
+  std::vector<Row> any_rows(RowIds ids = RowIds::kAny) {
+    std::vector<Row> rows;
+    std::set<std::string> taken;
+    for (Row row; next(row); rows.push_back(row)) {
+      if (ids == RowIds::kAny) continue;
+      require_id_not_in(taken);
+      taken.emplace(text("id"));
+    }
+    throw_if_faulty();
+    return rows;
+  }
+  /// Reads the rows that are left. Throws as throw_if_faulty_or_empty() does.
+  std::vector<Row> rows(RowIds ids = RowIds::kAny,
+                        const std::string& remedy = "at least one is needed") {
+    std::vector<Row> rows = any_rows(ids);
+    throw_if_faulty_or_empty(remedy);
+    return rows;
   }
 
  private:

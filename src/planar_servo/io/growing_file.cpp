@@ -9,7 +9,6 @@
 #include <system_error>
 
 #include "planar_servo/core/error.h"
-#include "planar_servo/io/atomic_file.h"
 
 namespace planar {
 

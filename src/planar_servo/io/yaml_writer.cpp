@@ -9,7 +9,6 @@
 
 #include "planar_servo/io/checksum.h"
 #include "planar_servo/io/format_line.h"
-#include "planar_servo/io/sha256.h"
 
 namespace planar {
 namespace {

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <sstream>
 
 #include "planar_servo/core/error.h"
@@ -13,9 +15,72 @@
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/io/csv_table.h"
 #include "planar_servo/io/growing_file.h"
-#include "planar_servo/jog/exposure_meter.h"
 
 namespace planar {
+namespace {
+
+constexpr int kWhite = 255;
+constexpr int kLeastPeak = 128;  // below this, half of the grey levels are unused
+/// The share of lit pixels that may be saturated. Lamps are measured by their edges, which clipping
+/// at the top leaves alone; a larger share says that the edges are clipped soon.
+constexpr double kMostSaturated = 0.02;
+constexpr std::size_t kHotPixels = 20;
+constexpr int kBarWidth = 32;
+
+using Histogram = std::array<std::size_t, 256>;
+
+Histogram histogram_of(const cv::Mat& image) {
+  Histogram counts{};
+  for (int row = 0; row < image.rows; ++row) {
+    const auto* pixel = image.ptr<unsigned char>(row);
+    for (int column = 0; column < image.cols; ++column) ++counts[pixel[column]];
+  }
+  return counts;
+}
+
+/// Returns the highest level that more than `n` pixels reach.
+int level_reached(const Histogram& counts, std::size_t n) {
+  std::size_t above = 0;
+  for (int level = kWhite; level > 0; --level) {
+    above += counts[static_cast<std::size_t>(level)];
+    if (above > n) return level;
+  }
+  return 0;
+}
+
+}  // namespace
+
+bool ExposureReading::too_dark() const {
+  return peak_level < kLeastPeak;
+}
+
+bool ExposureReading::too_bright() const {
+  return saturated_share > kMostSaturated;
+}
+
+std::string ExposureReading::text() const {
+  const auto filled = static_cast<std::size_t>(kBarWidth * peak_level / kWhite);
+  return fmt::format("[{}{}] peak {} of {}, {:.1f} % of the lit pixels saturated: {}",
+                     std::string(filled, '='), std::string(kBarWidth - filled, ' '), peak_level,
+                     kWhite, 100.0 * saturated_share,
+                     too_bright() ? "too bright, expose less"
+                     : too_dark() ? "too dark, expose more"
+                                  : "good");
+}
+
+ExposureReading read_exposure(const cv::Mat& image) {
+  const Histogram counts = histogram_of(image);
+  ExposureReading reading;
+  reading.peak_level = level_reached(counts, kHotPixels);
+  const int median = level_reached(counts, image.total() / 2);
+  std::size_t lit = 0;
+  for (int level = (median + reading.peak_level) / 2 + 1; level <= kWhite; ++level)
+    lit += counts[static_cast<std::size_t>(level)];
+  if (lit > 0)
+    reading.saturated_share = static_cast<double>(counts[kWhite]) / static_cast<double>(lit);
+  return reading;
+}
+
 namespace {
 
 /// Returns the text of a table that is to grow; empty when there is no file.
@@ -62,10 +127,6 @@ namespace fs = std::filesystem;
 // planar-servo.
 constexpr double kMostTurn = 15.0 * kDegree;
 constexpr double kMostStep = 50.0 * kMillimetre;
-
-bool has_vision(const CellSettings& cell) {
-  return fs::exists(cell.camera_model) && fs::exists(cell.workplane) && fs::exists(cell.tool);
-}
 
 double number_of(const std::string& word, const std::string& what) {
   const auto value = finite_number(word);
@@ -130,7 +191,7 @@ JogConsole::JogConsole(const CellSettings& cell, CellDevices& devices, const fs:
       planner_(joint_planner(cell)),
       robot_(planner_.arm(), planner_.transmission(), devices.drives(), devices.clock()) {
   robot_.stop_when(stop);
-  if (has_vision(cell)) {
+  if (fs::exists(cell.camera_model) && fs::exists(cell.workplane) && fs::exists(cell.tool)) {
     compensated_ = fs::exists(cell.error_map);
     sensor_.emplace(read_vision(cell, compensated_), cell.lamps.method, devices.camera(),
                     cell.camera.follow_region_px);

@@ -1,8 +1,8 @@
 #pragma once
 
-#include <cstddef>
 #include <filesystem>
 #include <functional>
+#include <opencv2/core.hpp>
 #include <optional>
 #include <set>
 #include <string>
@@ -15,6 +15,23 @@
 #include "planar_servo/vision/lamp_tip_sensor.h"
 
 namespace planar {
+
+/// Says how bright the lit part of an image is.
+struct ExposureReading {
+  int peak_level{0};            ///< grey level of the brightest part, without a few hot pixels
+  double saturated_share{0.0};  ///< share of the lit pixels that are at 255
+
+  /// Returns true when the lamps use less than half of the grey levels.
+  bool too_dark() const;
+  /// Returns true when more than 2 % of the lit pixels are saturated.
+  bool too_bright() const;
+  /// Returns one line with a bar, the figures, and what to do.
+  std::string text() const;
+};
+
+/// Reads the exposure of an image, which is CV_8UC1 and not empty. Pixels are lit that lie above
+/// the middle between the median level and the peak.
+ExposureReading read_exposure(const cv::Mat& image);
 
 /// A targets.csv to which taught places are appended, a whole line at a time.
 class TaughtTargets {
@@ -42,7 +59,6 @@ class TaughtTargets {
 /// towards it are open.
 class JogConsole {
  public:
-  /// The answer to a command.
   struct Answer {
     bool done{true};
     std::string text;  ///< says what was done, or why it was not
@@ -54,7 +70,6 @@ class JogConsole {
   JogConsole(const CellSettings& cell, CellDevices& devices, const std::filesystem::path& teach,
              const std::function<bool()>& stop = {});
 
-  /// Executes one command.
   Answer execute(const std::string& line);
 
   /// Returns a line for each command.

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <utility>
 
-#include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/io/growing_file.h"
 #include "planar_servo/tables/tracker_table.h"

@@ -18,7 +18,6 @@ class GrowingFile;
 /// The fewest monuments that tie a tracker to the base.
 constexpr std::size_t kLeastMonuments = 3;
 
-/// A reading of a monument.
 struct MonumentSeen {
   std::string id;
   TrackerReading reading;

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
-#include <vector>
 
 #include "planar_servo/core/units.h"
 #include "planar_servo/lamps/level_histogram.h"
@@ -38,9 +37,8 @@ LevelHistogram surrounding_levels(const cv::Mat& image, const cv::Rect& box) {
                        box.height + 2 * margin);
   LevelHistogram histogram;
   const auto add = [&](int u, int v) {
-    if (u >= 0 && v >= 0 && u < image.cols && v < image.rows) {
+    if (u >= 0 && v >= 0 && u < image.cols && v < image.rows)
       histogram.add(image.at<std::uint8_t>(v, u));
-    }
   };
   for (int u = outer.x; u < outer.br().x; ++u) {
     add(u, outer.y);
@@ -104,9 +102,8 @@ void sum_up(const cv::Mat& image, const Span* begin, const Span* end, double lea
     squares += (Eigen::Matrix2d() << uu, down * u, down * u, down * down * count).finished();
   };
   for (const Span* span = begin; span != end; ++span) {
-    for (int u = span->begin; u < span->end; u += kPiece_px) {
+    for (int u = span->begin; u < span->end; u += kPiece_px)
       add(span->v, u, std::min(u + kPiece_px, span->end));
-    }
   }
   const Eigen::Vector2d mean = sum / n;
   blob.uv_px = mean + Eigen::Vector2d(origin.x, origin.y);
@@ -213,9 +210,8 @@ bool is_lamp_like(const Blob& blob) {
 }
 
 void require_8_bit(const cv::Mat& image) {
-  if (!image.empty() && image.type() != CV_8UC1) {
+  if (!image.empty() && image.type() != CV_8UC1)
     throw std::invalid_argument("lamps are looked for in 8-bit images of one channel only");
-  }
 }
 
 }  // namespace planar

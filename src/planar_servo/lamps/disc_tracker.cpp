@@ -2,10 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
 
 #include "planar_servo/lamps/lamp_center.h"
-#include "planar_servo/lamps/vp_dot_tracker.h"
 
 namespace planar {
 namespace {

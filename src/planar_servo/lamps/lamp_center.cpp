@@ -9,7 +9,6 @@
 #include "planar_servo/lamps/rim/outline.h"
 #include "planar_servo/lamps/rim/pixel_noise.h"
 #include "planar_servo/lamps/rim/rim_fit.h"
-#include "planar_servo/lamps/vp_dot_tracker.h"
 
 namespace planar {
 namespace {

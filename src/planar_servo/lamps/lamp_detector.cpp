@@ -1,7 +1,6 @@
 #include "planar_servo/lamps/lamp_detector.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
@@ -89,7 +88,6 @@ bool is_large_enough(const Blob& blob) {
   return blob.area_px2 >= kLeastArea_px2;
 }
 
-/// Returns the share of a ring on which the mask is set.
 double ring_share(const cv::Mat& mask, const cv::Point& center, double radius_px) {
   constexpr int kPoints = 48;
   int set = 0;
@@ -186,9 +184,8 @@ bool LampDetector::search_block(const cv::Mat& image, const Span& block, int thr
 /// Adds the lamps in the patch round a run; returns whether there is one.
 bool LampDetector::examine(const cv::Mat& image, const Span& run, int threshold, int layer) {
   if (run.end - run.begin < kLeastRun_px || !is_tall(image, run, threshold) ||
-      patches_.is_taken(run.begin, run.v, layer)) {
+      patches_.is_taken(run.begin, run.v, layer))
     return false;
-  }
   const Patch patch = patches_.grow(image, run, threshold, layer, kMostArea_px2);
   const Blob blob =
       describe_blob(image, patch.box_px, patches_.begin(patch), patches_.end(patch), threshold);
@@ -199,9 +196,8 @@ bool LampDetector::examine(const cv::Mat& image, const Span& run, int threshold,
   }
   const int most = brightest(image, patches_.begin(patch), patches_.end(patch));
   if (most > blob.level + kLeastContrast &&
-      take_apart(image, patch, (threshold + most) / 2, layer + 1)) {
+      take_apart(image, patch, (threshold + most) / 2, layer + 1))
     return true;
-  }
   return !is_filled(blob) && find_discs(image, patch, threshold);
 }
 

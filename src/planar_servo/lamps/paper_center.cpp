@@ -68,9 +68,8 @@ GreyMoments::GreyMoments(int half_width) : half_width_(half_width) {
 std::optional<Eigen::Vector2d> GreyMoments::edge(const cv::Mat& image, const cv::Point& pixel,
                                                  double least_contrast) const {
   if (pixel.x < half_width_ || pixel.y < half_width_ || pixel.x + half_width_ >= image.cols ||
-      pixel.y + half_width_ >= image.rows) {
+      pixel.y + half_width_ >= image.rows)
     return std::nullopt;
-  }
   double m1 = 0.0, m2 = 0.0, m3 = 0.0, saturated = 0.0;
   Eigen::Vector2d slope = Eigen::Vector2d::Zero();
   for (const Sample& s : samples_) {
@@ -158,9 +157,8 @@ double edges_per_independent(std::vector<EdgeResidual> residuals, int reach) {
   const std::size_t n = residuals.size();
   const auto covariance = [&](std::size_t lag) {
     double sum = 0.0;
-    for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t i = 0; i < n; ++i)
       sum += residuals[i].distance * residuals[(i + lag) % n].distance;
-    }
     return sum;
   };
   const double variance = covariance(0);

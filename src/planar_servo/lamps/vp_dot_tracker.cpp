@@ -15,9 +15,8 @@ constexpr double kDotReach = 3.0;
 vpImage<unsigned char> visp_image(const cv::Mat& patch) {
   vpImage<unsigned char> image(static_cast<unsigned>(patch.rows),
                                static_cast<unsigned>(patch.cols));
-  for (int v = 0; v < patch.rows; ++v) {
+  for (int v = 0; v < patch.rows; ++v)
     std::copy_n(patch.ptr<std::uint8_t>(v), patch.cols, image[static_cast<unsigned>(v)]);
-  }
   return image;
 }
 

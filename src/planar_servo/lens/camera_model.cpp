@@ -9,11 +9,10 @@ namespace planar {
 
 void lens::check_camera(const char* lens_model, const Intrinsics& k,
                         const std::vector<double>& coefficients, std::size_t most_coefficients) {
-  if (coefficients.size() > most_coefficients) {
+  if (coefficients.size() > most_coefficients)
     throw InputError(std::string("lens model ") + lens_model + " has " +
                      std::to_string(most_coefficients) + " coefficients, not " +
                      std::to_string(coefficients.size()));
-  }
   std::vector<double> numbers{k.fx, k.fy, k.cx, k.cy};
   numbers.insert(numbers.end(), coefficients.begin(), coefficients.end());
   const auto is_finite = [](double v) { return std::isfinite(v); };
@@ -76,9 +75,8 @@ std::optional<Eigen::Vector3d> ray(const CameraModel& camera, const Eigen::Vecto
   const Eigen::Vector2d xy_d((uv_px.x() - k.cx) / k.fx, (uv_px.y() - k.cy) / k.fy);
   const auto ideal = camera.lens().undistort(xy_d);
   if (!ideal) return std::nullopt;
-  if (d_xy_d_uv != nullptr) {
+  if (d_xy_d_uv != nullptr)
     *d_xy_d_uv = ideal->J * Eigen::Vector2d(1.0 / k.fx, 1.0 / k.fy).asDiagonal();
-  }
   return Eigen::Vector3d(ideal->xy.x(), ideal->xy.y(), 1.0);
 }
 

@@ -126,7 +126,6 @@ struct CalibrationModel {
 /// Returns all of them. The lens models of files are those of the samples.
 const std::vector<CalibrationModel>& calibration_models();
 
-/// Returns the sample camera of every lens model.
 std::vector<CameraModel> sample_cameras();
 
 /// Returns the camera with that lens model. Throws InputError for an unknown model; see

@@ -58,9 +58,7 @@ double value(const Polynomial& a, double s) {
 Polynomial derivative(const Polynomial& a) {
   Polynomial result(std::max<Eigen::Index>(1, a.size() - 1));
   result.setZero();
-  for (Eigen::Index i = 1; i < a.size(); ++i) {
-    result[i - 1] = static_cast<double>(i) * a[i];
-  }
+  for (Eigen::Index i = 1; i < a.size(); ++i) result[i - 1] = static_cast<double>(i) * a[i];
   return result;
 }
 

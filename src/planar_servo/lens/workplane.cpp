@@ -1,7 +1,5 @@
 #include "planar_servo/lens/workplane.h"
 
-#include <utility>
-
 namespace planar {
 
 Workplane::Workplane(const CameraModel& camera, const Pose& X_WC)

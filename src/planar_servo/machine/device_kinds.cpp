@@ -21,7 +21,6 @@ constexpr char kRemedy[] =
     "name virtual or aravis; stored pictures are read by planar-locate-lamps IMAGE... and "
     "planar-calibrate-camera IMAGE...";
 
-/// No tracker at all.
 class NoTracker final : public Tracker {
  public:
   TrackerAnswer measure_tool(const std::string& /*place*/) override { return refused(); }

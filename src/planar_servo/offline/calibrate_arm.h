@@ -21,7 +21,6 @@ std::vector<ArmReading> read_arm_readings(const CellSettings& cell,
 /// reflector may be anywhere on the tool.
 ArmNominal arm_of_files(const CellSettings& cell);
 
-/// Lists what a fit of an arm found.
 ReportList arm_list(const ArmFit& fit);
 
 /// Lists what a pose says of the arm: every number with its standard deviation, and whether it is
@@ -31,7 +30,6 @@ ReportList arm_terms_list(const JointEstimate& estimate);
 /// Says whether an arm is good, by readings at places left out and by what the readings leave open.
 Verdict arm_verdict(const ArmFit& fit);
 
-/// Returns the page about an arm file.
 std::string arm_page(const ArmFit& fit, const std::filesystem::path& file);
 
 }  // namespace planar

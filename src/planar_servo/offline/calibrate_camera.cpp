@@ -7,10 +7,9 @@
 #include <cmath>
 #include <optional>
 
-#include "planar_servo/core/error.h"
 #include "planar_servo/files/camera_file.h"
 #include "planar_servo/offline/grey_image.h"
-#include "planar_servo/report/progress_bar.h"
+#include "planar_servo/report/status_line.h"
 #include "planar_servo/tables/frame_table.h"
 
 namespace planar {
@@ -32,7 +31,6 @@ BoardSight find_board_on_sensor(const cv::Mat& image, const cv::Point& corner_px
 
 namespace {
 
-/// A picture of the board.
 struct Picture {
   std::filesystem::path path;
   std::optional<cv::Point> corner_px;  ///< of its region; empty for a whole image

@@ -5,14 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
-#include <string>
-#include <vector>
 
 #include "planar_servo/core/statistics.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/offline/page_of_file.h"
-#include "planar_servo/report/places.h"
 #include "planar_servo/report/plot.h"
 #include "planar_servo/report/text_table.h"
 

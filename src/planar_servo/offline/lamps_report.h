@@ -1,9 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <cstddef>
 #include <filesystem>
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>

@@ -54,9 +54,8 @@ void add_position(LampRow& row, const ToolPlace& place, bool told_apart, bool mi
 LampRow pair_row(const LampImage& image, const SeenTool& seen,
                  const std::optional<LampScene>& scene) {
   LampRow row = empty_row(image, seen.lamps.status);
-  for (const LampCenter& lamp : seen.lamps.lamps) {
+  for (const LampCenter& lamp : seen.lamps.lamps)
     if (lamp.status != LampStatus::kOk) return row;
-  }
   for (const LampCenter& lamp : seen.lamps.lamps) add_lamp(row, lamp);
   if (seen.place)
     add_position(row, *seen.place, seen.lamps.status == LampStatus::kOk,
@@ -120,18 +119,15 @@ class Collector {
 
   LocateReport finish() {
     Faults faults;
-    for (const std::string& fault : faults_) {
+    for (const std::string& fault : faults_)
       if (!fault.empty()) faults.add({fault});
-    }
     faults.throw_if_any();
     LocateReport report;
     report.rows = std::move(rows_);
-    for (const auto& time : times_) {
+    for (const auto& time : times_)
       if (time) report.milliseconds.push_back(*time);
-    }
-    for (const auto& ratio : wrong_distances_) {
+    for (const auto& ratio : wrong_distances_)
       if (ratio) report.wrong_distances.push_back(*ratio);
-    }
     return report;
   }
 
@@ -157,9 +153,8 @@ PairExpectation expectation_without_view(const LampScene& scene) {
 /// few pairs may be wrong; with more of them there is no map.
 std::optional<CoarseView> learn_view(const LocateRequest& request, const LampScene& scene) {
   std::vector<const LampImage*> usable;
-  for (const LampImage& image : request.images) {
+  for (const LampImage& image : request.images)
     if (image.commanded && !image.shows_board) usable.push_back(&image);
-  }
   const std::size_t n = std::min(usable.size(), kCoarseViewImages);
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   std::vector<CoarseViewRow> rows(n, {{kNone, kNone}, {kNone, kNone}});

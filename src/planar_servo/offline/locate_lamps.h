@@ -22,7 +22,6 @@ struct LocateRequest {
   std::function<void(std::size_t done, std::size_t all)> progress;  ///< may be empty
 };
 
-/// Holds what was located.
 struct LocateReport {
   std::vector<LampRow> rows;         ///< one per image, in the order of the images
   std::vector<double> milliseconds;  ///< time per image, without reading its file
@@ -48,7 +47,6 @@ LocateReport locate_lamps(const LocateRequest& request);
 LocateReport follow_disc(const LocateRequest& request,
                          const std::optional<Eigen::Vector2d>& start_px);
 
-/// Returns what locate_lamps() finds in a recording of the cell.
 LocateReport locate_lamps_of_recording(const CellSettings& cell,
                                        const std::filesystem::path& folder,
                                        const std::vector<FrameRow>& frames, CenterMethod method);

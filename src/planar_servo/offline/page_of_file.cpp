@@ -1,7 +1,7 @@
 #include "planar_servo/offline/page_of_file.h"
 
 #include "planar_servo/files/provenance.h"
-#include "planar_servo/io/sha256.h"
+#include "planar_servo/io/checksum.h"
 #include "planar_servo/report/text_table.h"
 
 namespace planar {

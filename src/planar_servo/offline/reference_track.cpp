@@ -54,10 +54,6 @@ bool stands(const LampCenter& light, const Frame& frame, LampDetector& detector,
   return seen && (seen->uv_px - light.uv_px).norm() < 0.5 * light.diameter_px;
 }
 
-ReferenceLamp as_seen(const LampCenter& light) {
-  return {"", light.uv_px, std::sqrt(0.5 * light.covariance_px2.trace())};
-}
-
 }  // namespace
 
 ReferenceTrack::ReferenceTrack(std::vector<ReferenceLamp> lamps,
@@ -113,7 +109,8 @@ std::vector<ReferenceLamp> find_reference_lamps(const std::vector<ReferenceLampL
   lights.resize(layout.size());
   std::vector<ReferenceLamp> lamps;
   lamps.reserve(lights.size());
-  for (const LampCenter& light : lights) lamps.push_back(as_seen(light));
+  for (const LampCenter& light : lights)
+    lamps.push_back({"", light.uv_px, std::sqrt(0.5 * light.covariance_px2.trace())});
   return lamps;
 }
 

@@ -21,10 +21,6 @@ constexpr double kFinestBound_px = 0.3;
 constexpr double kTakenAnyway_s = 8.0;
 constexpr std::size_t kFewestDots = 9;  // that hint at a board
 
-double still_for(Plan plan) {
-  return plan == Plan::kLaidBoard ? kLaidStill_s : kHeldStill_s;
-}
-
 double rest_bound_px(Plan plan, const cv::Size& sensor_px, double exposure_s) {
   const double side_px = std::max(sensor_px.width, sensor_px.height);
   if (plan == Plan::kLaidBoard) return std::max(kFinestBound_px, kLaidBound * side_px);
@@ -54,7 +50,7 @@ BoardGuide::BoardGuide(Plan plan, const Board& board, const cv::Size& sensor_px,
     : plan_(plan),
       board_(board),
       sensor_px_(sensor_px),
-      still_s_(still_for(plan)),
+      still_s_(plan == Plan::kLaidBoard ? kLaidStill_s : kHeldStill_s),
       rest_(rest_bound_px(plan, sensor_px, exposure_s)),
       choice_(plan) {}
 

@@ -8,8 +8,6 @@
 #include <map>
 #include <memory>
 #include <opencv2/imgcodecs.hpp>
-#include <optional>
-#include <set>
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/io/atomic_file.h"
@@ -17,7 +15,6 @@
 #include "planar_servo/lamps/lamp_tracker.h"
 #include "planar_servo/record/board_source.h"
 #include "planar_servo/record/recording_start.h"
-#include "planar_servo/robot/homing.h"
 #include "planar_servo/robot/planar_robot.h"
 #include "planar_servo/servo/approach.h"
 #include "planar_servo/servo/camera_wait.h"

@@ -29,7 +29,6 @@ enum class BadReading {
 constexpr Named<BadReading> kBadReadings[] = {
     {BadReading::kRepeat, "repeat"}, {BadReading::kSkip, "skip"}, {BadReading::kStop, "stop"}};
 
-/// Says what is to be recorded, and where.
 struct RecordRequest {
   CellSettings cell;
   std::vector<PlanRow> plan;
@@ -42,7 +41,6 @@ struct RecordRequest {
   MayHome may_home{};
 };
 
-/// Says what a recording holds.
 struct RecordReport {
   int recorded{0};  ///< plan rows recorded by this run
   int present{0};   ///< plan rows that the recording held before

@@ -2,7 +2,6 @@
 
 #include <Eigen/Core>
 #include <atomic>
-#include <cstdint>
 #include <deque>
 #include <filesystem>
 #include <functional>

@@ -126,10 +126,6 @@ std::string ColorScale::color(double value) const {
   return fmt::format("#{:02x}{:02x}{:02x}", mixed(0), mixed(1), mixed(2));
 }
 
-Ticks ColorScale::bar_ticks() const {
-  return steps_ == Steps::kEven ? round_ticks(from_, to_, kMostTicks) : decade_ticks(from_, to_);
-}
-
 std::string ColorScale::bar_svg(double left, double top, double height) const {
   std::string svg;
   const double band = height / kBands;
@@ -144,7 +140,8 @@ std::string ColorScale::bar_svg(double left, double top, double height) const {
   svg += fmt::format(
       "<rect class=\"frame\" x=\"{:.1f}\" y=\"{:.1f}\" width=\"{}\" height=\"{:.1f}\"/>\n", left,
       top, kBar, height);
-  const Ticks ticks = bar_ticks();
+  const Ticks ticks =
+      steps_ == Steps::kEven ? round_ticks(from_, to_, kMostTicks) : decade_ticks(from_, to_);
   for (const double value : ticks.values)
     svg +=
         fmt::format("<text class=\"tick\" x=\"{:.1f}\" y=\"{:.1f}\">{}</text>\n", left + kBar + 4.0,

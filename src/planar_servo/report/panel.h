@@ -32,8 +32,6 @@ class ColorScale {
   std::string bar_svg(double left, double top, double height) const;
 
  private:
-  Ticks bar_ticks() const;
-
   std::string label_;
   Steps steps_;
   double from_{0.0}, to_{1.0};

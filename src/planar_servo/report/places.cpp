@@ -1,7 +1,5 @@
 #include "planar_servo/report/places.h"
 
-#include <algorithm>
-
 #include "planar_servo/core/units.h"
 
 namespace planar {

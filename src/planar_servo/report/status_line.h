@@ -2,7 +2,10 @@
 
 #include <unistd.h>
 
+#include <cstddef>
 #include <string>
+
+#include "planar_servo/core/clock.h"
 
 namespace planar {
 
@@ -50,6 +53,25 @@ class OperatorLine {
   int in_;
   bool ended_{false};  ///< nothing more comes from `in`
   StatusLine line_;
+};
+
+/// A progress bar on standard error. It appears when that is a terminal, the log is not quiet and
+/// the work has taken a second; it is wiped away at the end.
+class ProgressBar {
+ public:
+  explicit ProgressBar(std::string label = {});
+
+  void show(std::size_t done, std::size_t all);
+  /// Shows a phase of work, as a `Progress` reports it.
+  void show(const std::string& phase, double share);
+
+ private:
+  void draw(const std::string& label, double share, const std::string& figure);
+
+  std::string label_;
+  StatusLine line_;
+  SteadyClock clock_;
+  double draw_after_s_;
 };
 
 }  // namespace planar

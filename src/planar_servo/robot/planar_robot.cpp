@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "planar_servo/arm/transmission.h"
 #include "planar_servo/core/units.h"
 
 namespace planar {

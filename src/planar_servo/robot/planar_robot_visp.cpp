@@ -94,16 +94,14 @@ void PlanarRobot::setPosition(const vpControlFrameType frame, const vpColVector&
 
 Joints PlanarRobot::joints_from_pose(const vpColVector& pose) const {
   require_size(pose, 6);
-  if (pose[2] != 0.0 || pose[3] != 0.0 || pose[4] != 0.0) {
+  if (pose[2] != 0.0 || pose[3] != 0.0 || pose[4] != 0.0)
     throw vpRobotException(vpRobotException::positionOutOfRangeError,
                            "PlanarRobot: the tool stays in the plane z = 0, upright");
-  }
   const Joints near = commanded_joints();
   const InverseResult inverse = arm_.inverse({{pose[0], pose[1]}, pose[5]}, arm_.elbow(near), near);
-  if (inverse.status != ReachStatus::kOk) {
+  if (inverse.status != ReachStatus::kOk)
     throw vpRobotException(vpRobotException::positionOutOfRangeError, "PlanarRobot: %s",
                            describe(inverse.status));
-  }
   return inverse.theta;
 }
 

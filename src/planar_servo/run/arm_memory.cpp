@@ -19,7 +19,6 @@ constexpr char kLearner[] = "planar-servo";
 /// than these are wide.
 constexpr double kPlacesAcross = 24.0;
 
-/// Returns postures all over the workspace.
 std::vector<Joints> reachable_postures(const CellSettings& cell, const JointPlanner& planner) {
   std::vector<Joints> postures;
   const double reach_m = cell.workspace.radius_max_m;

@@ -8,12 +8,10 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <utility>
-#include <variant>
 
 #include "planar_servo/core/units.h"
 #include "planar_servo/files/health_file.h"
 #include "planar_servo/health/arm_check.h"
-#include "planar_servo/health/revisit_check.h"
 #include "planar_servo/servo/approach.h"
 #include "planar_servo/tool/vision_tip.h"
 #include "planar_servo/vision/seen_cell.h"

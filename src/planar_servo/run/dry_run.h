@@ -47,7 +47,6 @@ void refuse_outside_map(std::vector<DryRunRow>& rows, const std::vector<TargetRo
 std::vector<DryRunRow> first_moves_to(const CellSettings& cell,
                                       const std::vector<TargetRow>& targets);
 
-/// Counts the targets that are refused.
 std::size_t count_refused(const std::vector<DryRunRow>& rows);
 
 /// Returns a line for each target: its joints and pulses, or why it is refused.

@@ -15,7 +15,6 @@
 #include "planar_servo/run/resumed_run.h"
 #include "planar_servo/servo/approach.h"
 #include "planar_servo/servo/path/gear_play.h"
-#include "planar_servo/tables/path_tables.h"
 
 namespace planar {
 namespace {
@@ -54,10 +53,6 @@ const std::filesystem::path& folder_for_path(const ServoRequest& request) {
 
 PathResult ended_at(const Obstacle& obstacle) {
   return {obstacle.refused ? ServoStatus::kRefused : ServoStatus::kLostCamera, obstacle.reason};
-}
-
-ExposureTiming exposures_of(const CellSettings& cell, const FrameSource& camera) {
-  return {1.0 / cell.camera.frame_rate_hz, camera.exposure().time_s};
 }
 
 }  // namespace
@@ -127,7 +122,8 @@ PathRun::PathRun(const ServoRequest& request, const PathRequest& path, CellDevic
       keep_going_(request.keep_going),
       cell_(request, able_to_follow(devices, request.cell)),
       follower_(cell_.settings().servo, cell_.limits(), cell_.planner(), cell_.robot(),
-                cell_.sensor(), devices.clock(), exposures_of(cell_.settings(), devices.camera())),
+                cell_.sensor(), devices.clock(),
+                {1.0 / cell_.settings().camera.frame_rate_hz, devices.camera().exposure().time_s}),
       lock_(folder_for_path(request)),
       look_table_(request.out / "path_looks.csv", path_looks_header()),
       result_table_(request.out / "path_results.csv",

@@ -6,7 +6,6 @@
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/run/servo_run.h"
 #include "planar_servo/tables/result_table.h"
-#include "planar_servo/tables/target_table.h"
 
 namespace planar {
 

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstddef>
-#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
@@ -10,14 +9,13 @@
 #include "planar_servo/core/statistics.h"
 #include "planar_servo/devices/frame_source.h"
 #include "planar_servo/report/html_page.h"
-#include "planar_servo/report/quiver_plot.h"
+#include "planar_servo/report/plot.h"
 #include "planar_servo/report/report_list.h"
 #include "planar_servo/run/servo_run.h"
 #include "planar_servo/tables/result_table.h"
 
 namespace planar {
 
-/// Selects one of the errors of a TargetResult.
 using TargetError = std::optional<Eigen::Vector2d> TargetResult::*;
 
 /// Returns the lengths of an error at the targets where it is known, metres.

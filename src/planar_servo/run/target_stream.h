@@ -11,7 +11,6 @@
 
 namespace planar {
 
-/// Returns the answer to one target.
 using TargetAnswer = std::function<nlohmann::ordered_json(const TargetRow&)>;
 
 /// Says how a stream of targets went.

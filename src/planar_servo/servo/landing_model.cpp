@@ -1,7 +1,6 @@
 #include "planar_servo/servo/landing_model.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace planar {
 namespace {

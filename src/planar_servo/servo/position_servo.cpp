@@ -6,7 +6,6 @@
 #include <string>
 
 #include "planar_servo/core/units.h"
-#include "planar_servo/servo/approach.h"
 #include "planar_servo/servo/control_law.h"
 
 namespace planar {

@@ -1,7 +1,5 @@
 #include "planar_servo/tables/cycle_table.h"
 
-#include <set>
-
 #include "planar_servo/core/units.h"
 #include "planar_servo/io/columns.h"
 
@@ -53,16 +51,7 @@ std::string cycle_line(const JudgedMove& move) {
 }
 
 std::vector<JudgedMove> read_cycles(const std::filesystem::path& path) {
-  TableFile<JudgedMove> table(path, cycle_schema());
-  std::vector<JudgedMove> rows;
-  std::set<std::string> taken;
-  for (JudgedMove row; table.next(row);) {
-    table.require_id_not_in(taken);
-    taken.insert(row.move.id);
-    rows.push_back(row);
-  }
-  table.throw_if_faulty();
-  return rows;
+  return TableFile<JudgedMove>(path, cycle_schema()).any_rows(RowIds::kOwn);
 }
 
 }  // namespace planar

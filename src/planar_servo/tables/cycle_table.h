@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "planar_servo/core/names.h"
-#include "planar_servo/servo/position_servo.h"
+#include "planar_servo/servo/servo_result.h"
 
 namespace planar {
 

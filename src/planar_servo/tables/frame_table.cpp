@@ -37,11 +37,8 @@ std::vector<FrameRow> read_frames(const std::filesystem::path& recording) {
         {"holds no frames.csv",
          "a recording made by planar-record is needed (pictures are named one by one: FOLDER/*)",
          recording});
-  TableFile<FrameRow> table(recording / "frames.csv", frame_schema());
-  std::vector<FrameRow> rows;
-  for (FrameRow row; table.next(row);) rows.push_back(row);
-  table.throw_if_faulty_or_empty("record some with planar-record");
-  return rows;
+  return TableFile<FrameRow>(recording / "frames.csv", frame_schema())
+      .rows(RowIds::kAny, "record some with planar-record");
 }
 
 std::string frames_header() {

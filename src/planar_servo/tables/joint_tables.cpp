@@ -6,7 +6,6 @@
 #include <array>
 
 #include "planar_servo/core/units.h"
-#include "planar_servo/io/columns.h"
 
 namespace planar {
 namespace {
@@ -44,11 +43,7 @@ void list_joints(Columns& columns, std::optional<Joints>& theta) {
 }
 
 std::vector<ArmSampleRow> read_arm_samples(const std::filesystem::path& path) {
-  TableFile<ArmSampleRow> table(path, arm_sample_schema());
-  std::vector<ArmSampleRow> rows;
-  for (ArmSampleRow row; table.next(row);) rows.push_back(row);
-  table.throw_if_faulty_or_empty();
-  return rows;
+  return TableFile<ArmSampleRow>(path, arm_sample_schema()).rows();
 }
 
 }  // namespace planar

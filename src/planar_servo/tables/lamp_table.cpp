@@ -106,17 +106,11 @@ const TableSchema<LampRow>& lamp_schema() {
 }  // namespace
 
 std::vector<LampRow> read_lamps(const std::filesystem::path& path) {
-  TableFile<LampRow> table(path, lamp_schema());
-  std::vector<LampRow> rows;
-  for (LampRow row; table.next(row);) rows.push_back(row);
-  table.throw_if_faulty_or_empty();
-  return rows;
+  return TableFile<LampRow>(path, lamp_schema()).rows();
 }
 
 std::string lamps_text(const std::vector<LampRow>& rows, const std::vector<std::string>& remarks) {
-  std::string text = lamp_schema().header(remarks);
-  for (const LampRow& row : rows) text += lamp_schema().line(row);
-  return text;
+  return lamp_schema().text(rows, remarks);
 }
 
 std::vector<std::string> lamp_remarks(const std::vector<Origin>& origins,

@@ -34,17 +34,11 @@ const TableSchema<LayRow>& lay_schema() {
 }  // namespace
 
 std::vector<LayRow> read_lays(const std::filesystem::path& path) {
-  TableFile<LayRow> table(path, lay_schema());
-  std::vector<LayRow> rows;
-  for (LayRow row; table.next(row);) rows.push_back(row);
-  table.throw_if_faulty_or_empty();
-  return rows;
+  return TableFile<LayRow>(path, lay_schema()).rows();
 }
 
 std::string lays_text(const std::vector<LayRow>& rows, const std::vector<std::string>& remarks) {
-  std::string text = lay_schema().header(remarks);
-  for (const LayRow& row : rows) text += lay_schema().line(row);
-  return text;
+  return lay_schema().text(rows, remarks);
 }
 
 }  // namespace planar

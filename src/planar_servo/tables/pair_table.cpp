@@ -57,15 +57,11 @@ void read_pairs(const std::filesystem::path& path,
 }
 
 std::vector<PairRow> read_pairs(const std::filesystem::path& path) {
-  std::vector<PairRow> rows;
-  read_pairs(path, [&](const PairRow& row) { rows.push_back(row); });
-  return rows;
+  return TableFile<PairRow>(path, pair_schema()).rows();
 }
 
 std::string pairs_text(const std::vector<PairRow>& rows, const std::vector<std::string>& remarks) {
-  std::string text = pair_schema().header(remarks);
-  for (const PairRow& row : rows) text += pair_schema().line(row);
-  return text;
+  return pair_schema().text(rows, remarks);
 }
 
 }  // namespace planar

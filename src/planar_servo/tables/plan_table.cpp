@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <optional>
-#include <set>
 
 #include "planar_servo/core/units.h"
 #include "planar_servo/io/columns.h"
@@ -52,23 +51,11 @@ TableSchema<PlanRow> schema(double tool_orientation) {
 
 std::vector<PlanRow> read_plan(const std::filesystem::path& path, double tool_orientation) {
   const TableSchema<PlanRow> plan = schema(tool_orientation);
-  TableFile<PlanRow> table(path, plan);
-  std::vector<PlanRow> rows;
-  std::set<std::string> ids;
-  for (PlanRow row; table.next(row);) {
-    table.require_id_not_in(ids);
-    ids.insert(row.id);
-    rows.push_back(row);
-  }
-  table.throw_if_faulty_or_empty();
-  return rows;
+  return TableFile<PlanRow>(path, plan).rows(RowIds::kOwn);
 }
 
 std::string plan_text(const std::vector<PlanRow>& rows) {
-  const TableSchema<PlanRow> plan = schema(0.0);
-  std::string text = plan.header();
-  for (const PlanRow& row : rows) text += plan.line(row);
-  return text;
+  return schema(0.0).text(rows);
 }
 
 }  // namespace planar

@@ -96,11 +96,7 @@ void write_results(const std::filesystem::path& path, const std::string& header,
 }
 
 std::vector<TargetResult> read_results(const std::filesystem::path& path) {
-  TableFile<TargetResult> table(path, result_schema());
-  std::vector<TargetResult> results;
-  for (TargetResult result; table.next(result);) results.push_back(result);
-  table.throw_if_faulty();
-  return results;
+  return TableFile<TargetResult>(path, result_schema()).any_rows();
 }
 
 }  // namespace planar

@@ -1,7 +1,5 @@
 #include "planar_servo/tables/step_table.h"
 
-#include <optional>
-
 #include "planar_servo/core/units.h"
 #include "planar_servo/io/columns.h"
 
@@ -81,11 +79,7 @@ std::string step_line(const std::string& id, const ServoStep& step) {
 }
 
 std::vector<StepError> read_step_errors(const std::filesystem::path& path) {
-  TableFile<StepError> table(path, step_error_schema());
-  std::vector<StepError> steps;
-  for (StepError step; table.next(step);) steps.push_back(step);
-  table.throw_if_faulty_or_empty();
-  return steps;
+  return TableFile<StepError>(path, step_error_schema()).rows();
 }
 
 }  // namespace planar

@@ -5,14 +5,13 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/servo/position_servo.h"
+#include "planar_servo/servo/servo_result.h"
 
 namespace planar {
 
 // The table steps.csv grows: the header first, then a line at a time.
 
 std::string steps_header();
-/// Returns the line of one step on the way to the target `id`.
 std::string step_line(const std::string& id, const ServoStep& step);
 
 /// One step on the way to a target: the distance to it by the servo's own view, metres. Empty where

@@ -28,16 +28,7 @@ bool has_number(const std::vector<std::string_view>& fields) {
 }  // namespace
 
 std::vector<TargetRow> read_targets(const std::filesystem::path& path) {
-  TableFile<TargetRow> table(path, target_schema());
-  std::vector<TargetRow> rows;
-  std::set<std::string> ids;
-  for (TargetRow row; table.next(row);) {
-    table.require_id_not_in(ids);
-    ids.insert(row.id);
-    rows.push_back(row);
-  }
-  table.throw_if_faulty_or_empty();
-  return rows;
+  return TableFile<TargetRow>(path, target_schema()).rows(RowIds::kOwn);
 }
 
 std::string targets_header() {

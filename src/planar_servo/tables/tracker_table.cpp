@@ -4,10 +4,8 @@
 #include <charconv>
 #include <cmath>
 #include <utility>
-#include <vector>
 
 #include "planar_servo/core/error.h"
-#include "planar_servo/core/units.h"
 #include "planar_servo/io/columns.h"
 
 namespace planar {
@@ -52,11 +50,7 @@ std::size_t last_counted(const std::map<std::string, std::string>& renamed) {
 }  // namespace
 
 std::vector<TrackerRow> read_tracker(const std::filesystem::path& path, const CsvDialect& dialect) {
-  TableFile<TrackerRow> table(path, tracker_schema(), dialect);
-  std::vector<TrackerRow> rows;
-  for (TrackerRow row; table.next(row);) rows.push_back(row);
-  table.throw_if_faulty_or_empty();
-  return rows;
+  return TableFile<TrackerRow>(path, tracker_schema(), dialect).rows();
 }
 
 std::string tracker_header() {

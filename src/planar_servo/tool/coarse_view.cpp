@@ -137,9 +137,8 @@ Rows inliers(const Eigen::Matrix3d& H_IB, const Rows& rows, double least_px) {
   const std::vector<double> residuals = residuals_px(H_IB, rows);
   const double limit = std::max(least_px, kRowSigmas * kSigmaPerMedian * median(residuals));
   Rows kept;
-  for (std::size_t i = 0; i < rows.size(); ++i) {
+  for (std::size_t i = 0; i < rows.size(); ++i)
     if (residuals[i] <= limit) kept.push_back(rows[i]);
-  }
   return kept;
 }
 
@@ -158,9 +157,8 @@ double field_px(const Rows& rows) {
 std::optional<Eigen::Matrix3d> fit_robust(const Rows& rows) {
   std::optional<Eigen::Matrix3d> H = fit_least_median(rows);
   if (H) H = fit_best(inliers(*H, rows, kPerspectiveShare * field_px(rows)));
-  for (int round = 0; round < kRobustRounds && H; ++round) {
+  for (int round = 0; round < kRobustRounds && H; ++round)
     H = fit_best(inliers(*H, rows, kLeastOutlierPx));
-  }
   return H;
 }
 

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 
-#include "planar_servo/core/pose.h"
 #include "planar_servo/core/units.h"
 
 namespace planar {

@@ -2,7 +2,6 @@
 
 #include <Eigen/Core>
 #include <optional>
-#include <vector>
 
 #include "planar_servo/core/pose.h"
 #include "planar_servo/lens/camera_model.h"

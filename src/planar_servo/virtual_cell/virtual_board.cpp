@@ -8,7 +8,6 @@
 
 #include "planar_servo/core/units.h"
 #include "planar_servo/virtual_cell/polygon_coverage.h"
-#include "planar_servo/virtual_cell/random.h"
 
 namespace planar {
 namespace {

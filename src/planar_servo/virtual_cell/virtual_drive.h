@@ -4,13 +4,11 @@
 #include <functional>
 #include <limits>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "planar_servo/core/clock.h"
 #include "planar_servo/devices/drive_group.h"
 #include "planar_servo/virtual_cell/truth/arm_truth.h"
-#include "planar_servo/virtual_cell/truth/truth.h"
 
 namespace planar {
 

@@ -3,9 +3,6 @@
 #include <Eigen/Core>
 #include <array>
 #include <opencv2/core.hpp>
-#include <string>
-#include <utility>
-#include <vector>
 
 #include "planar_servo/virtual_cell/truth/arm_truth.h"
 

@@ -19,7 +19,6 @@ constexpr std::size_t kLeastLamps = 3;
 /// Without one of so many, the others still show whether they agree by more than one lamp.
 constexpr std::size_t kLeastToLeaveOut = 5;
 
-/// Returns the window round a place of an image.
 cv::Rect window_round(const Eigen::Vector2d& place_px) {
   return {static_cast<int>(std::lround(place_px.x())) - kHalfWindow_px,
           static_cast<int>(std::lround(place_px.y())) - kHalfWindow_px, 2 * kHalfWindow_px,

@@ -24,7 +24,6 @@ struct ReferenceLamp {
   double sigma_px{0.0};  ///< standard deviation per axis
 };
 
-/// Returns the lamps' places.
 std::vector<Eigen::Vector2d> places_px(const std::vector<ReferenceLamp>& lamps);
 
 /// Returns the light nearest to `place_px` in a window round it, measured, or nothing where there

@@ -1,4 +1,4 @@
-#include "planar_servo/experiment/campaign_report.h"
+#include "planar_servo/experiment/campaign.h"
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>

@@ -1,4 +1,4 @@
-#include "planar_servo/experiment/campaign_rows.h"
+#include "planar_servo/experiment/campaign.h"
 
 #include <sys/wait.h>
 #include <unistd.h>

@@ -1,7 +1,6 @@
 #include "planar_servo/calibration/camera/bundle_adjustment.h"
 
 #include <algorithm>
-#include <limits>
 #include <opencv2/calib3d.hpp>
 #include <utility>
 

@@ -1,11 +1,9 @@
 #include "planar_servo/calibration/camera/camera_uncertainty.h"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <opencv2/imgproc.hpp>
 #include <utility>
-#include <vector>
 
 #include "planar_servo/core/decompositions.h"
 
@@ -21,7 +19,6 @@ Eigen::Array4d four_of(const CameraModel& camera) {
   return {k.fx, k.fy, k.cx, k.cy};
 }
 
-/// The convex hull of pixels.
 class PixelHull {
  public:
   explicit PixelHull(const std::vector<Eigen::Vector2d>& pixels) {

@@ -1,12 +1,9 @@
 #include "planar_servo/calibration/readings/change_point.h"
 
-#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <utility>
 
-#include "planar_servo/calibration/readings/smooth_errors.h"
 #include "planar_servo/core/statistics.h"
 
 namespace planar {
@@ -61,7 +58,6 @@ SmoothErrors::Outliers no_outliers(const SmoothErrors& errors) {
   return SmoothErrors::Outliers(static_cast<std::size_t>(errors.size()), false);
 }
 
-/// Returns the explanation without a step.
 Explanation without_step(const SmoothErrors& errors) {
   Explanation found;
   found.outliers = no_outliers(errors);

@@ -44,10 +44,6 @@ Eigen::Vector2d product(const Eigen::MatrixX2d& a, const Eigen::MatrixX2d& b) {
           a.col(0).dot(b.col(1)) - a.col(1).dot(b.col(0))};
 }
 
-double outliers_in(const SmoothErrors::Outliers& outliers) {
-  return static_cast<double>(std::count(outliers.begin(), outliers.end(), true));
-}
-
 }  // namespace
 
 SmoothErrors::SmoothErrors(const std::vector<TimedError>& errors, SlowDrift drift)
@@ -120,7 +116,8 @@ SmoothFit SmoothErrors::fit(const ErrorTuning& tuning, const Outliers& outliers,
     fit.step = product(X.rightCols<2>(), X.leftCols<2>()) / part;
     squares -= part * fit.step.squaredNorm();
   }
-  const double out = outliers_in(outliers), in = static_cast<double>(size()) - out;
+  const double out = static_cast<double>(std::count(outliers.begin(), outliers.end(), true)),
+               in = static_cast<double>(size()) - out;
   const double variance = squares / (2.0 * in);
   fit.noise = std::sqrt(variance);
   fit.step_sigma = fit.noise / std::sqrt(part);

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <map>
 #include <tuple>
-#include <utility>
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
@@ -154,9 +153,8 @@ MapSites merge_samples(const std::vector<ErrorSample>& samples, const std::vecto
       sites.positions.col(site) += samples[i].p_vision / sites.counts[site];
       sites.errors.col(site) += samples[i].error / sites.counts[site];
     }
-    for (const std::size_t i : merged) {
+    for (const std::size_t i : merged)
       sites.scatter[site] += (samples[i].error - sites.errors.col(site)).squaredNorm();
-    }
   }
   return sites;
 }

@@ -59,11 +59,10 @@ Neighbours nearest_sites(const MapSites& sites) {
 std::vector<Eigen::Index> sites_like_their_neighbours(const MapSites& sites,
                                                       const Neighbours& neighbours) {
   std::vector<double> differences;
-  for (Eigen::Index i = 0; i < sites.size(); ++i) {
+  for (Eigen::Index i = 0; i < sites.size(); ++i)
     differences.push_back(
         (sites.errors.col(i) - median_error(sites, neighbours[static_cast<std::size_t>(i)]))
             .norm());
-  }
   const double limit = kGross * median(differences);
   std::vector<Eigen::Index> alike;
   for (Eigen::Index i = 0; i < sites.size(); ++i)
@@ -214,9 +213,8 @@ void require_few(const Outliers& dropped, Eigen::Index sites) {
 
 std::vector<Eigen::Index> sites_without(const Outliers& dropped, Eigen::Index count) {
   std::vector<Eigen::Index> kept;
-  for (Eigen::Index i = 0; i < count; ++i) {
+  for (Eigen::Index i = 0; i < count; ++i)
     if (dropped.count(i) == 0) kept.push_back(i);
-  }
   return kept;
 }
 

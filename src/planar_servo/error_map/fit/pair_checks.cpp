@@ -9,7 +9,6 @@
 #include <cstdint>
 #include <limits>
 #include <tuple>
-#include <vector>
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/statistics.h"

@@ -11,7 +11,6 @@
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/statistics.h"
 #include "planar_servo/error_map/maps/radial_kernel.h"
-#include "planar_servo/error_map/maps/tail_basis.h"
 
 namespace planar {
 namespace {

@@ -6,7 +6,6 @@
 #include <limits>
 #include <nlopt.hpp>
 #include <optional>
-#include <utility>
 #include <vector>
 
 #include "planar_servo/error_map/fit/rbf_fit.h"

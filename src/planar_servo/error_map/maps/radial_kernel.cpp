@@ -34,10 +34,9 @@ double span_of(const Eigen::Matrix2Xd& positions) {
 Eigen::MatrixXd squared_distances(const Eigen::Matrix2Xd& positions) {
   const Eigen::Index n = positions.cols();
   Eigen::MatrixXd distances2(n, n);
-  for (Eigen::Index j = 0; j < n; ++j) {
+  for (Eigen::Index j = 0; j < n; ++j)
     distances2.col(j).tail(n - j) =
         (positions.rightCols(n - j).colwise() - positions.col(j)).colwise().squaredNorm();
-  }
   return distances2;
 }
 

@@ -31,9 +31,8 @@ std::shared_ptr<const BorderedSystem> map_equations(const RbfParameters& paramet
   auto system = BorderedSystem::factorize(
       ridged_kernel_matrix(parameters),
       parameters.tail_basis.at_each(parameters.centers, parameters.directions));
-  if (system && system->pivot_ratio() >= kSmallestPivotRatio) {
+  if (system && system->pivot_ratio() >= kSmallestPivotRatio)
     return std::make_shared<const BorderedSystem>(*std::move(system));
-  }
   throw WorkError(
       {fmt::format("the kernel matrix of {} samples with a width of {:.4g} mm and a ridge of "
                    "{:.3g} is too ill conditioned to be solved",

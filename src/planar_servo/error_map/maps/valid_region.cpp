@@ -23,9 +23,8 @@ std::vector<Eigen::Vector2d> monotone_chain(Iterator first, Iterator last) {
   std::vector<Eigen::Vector2d> chain;
   for (; first != last; ++first) {
     while (chain.size() >= 2 &&
-           cross2d(chain.back() - chain[chain.size() - 2], *first - chain.back()) <= 0.0) {
+           cross2d(chain.back() - chain[chain.size() - 2], *first - chain.back()) <= 0.0)
       chain.pop_back();
-    }
     chain.push_back(*first);
   }
   chain.pop_back();

@@ -6,7 +6,6 @@
 
 #include "planar_servo/experiment/paper_tables.h"
 #include "planar_servo/lamps/lamp_detector.h"
-#include "planar_servo/lamps/paper_center.h"
 #include "planar_servo/offline/grey_image.h"
 #include "planar_servo/offline/map/fit_map_to_pairs.h"
 #include "planar_servo/tables/lamp_table.h"
@@ -16,7 +15,6 @@ namespace {
 
 constexpr int kAboutLamp_px = 6;  // shown beyond a lamp's box
 
-/// A lamp row with the frame in which it was found.
 struct SeenFrame {
   const FrameRow* frame{nullptr};
   LampRow lamps;

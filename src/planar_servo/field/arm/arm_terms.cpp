@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-
 #include "planar_servo/core/units.h"
 
 namespace planar {

@@ -48,9 +48,8 @@ PerNormal residuals(const Normals& normals, const PerNormal& offset_px, const Ou
 double robust_sigma(const PerNormal& residual, const NormalFlags& use) {
   std::array<double, Normals::kMost> sizes;
   std::size_t n = 0;
-  for (Eigen::Index k = 0; k < residual.size(); ++k) {
+  for (Eigen::Index k = 0; k < residual.size(); ++k)
     if (use[k]) sizes[n++] = std::abs(residual[k]);
-  }
   if (n == 0) return 0.0;
   const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(n / 2);
   std::nth_element(sizes.begin(), middle, sizes.begin() + static_cast<std::ptrdiff_t>(n));
@@ -141,9 +140,8 @@ NormalFlags agreeing(const Normals& normals, const PerNormal& offset_px, const O
   for (Eigen::Index k = 0; k < n; ++k) {
     if (!use[k] || !next[k]) continue;
     for (const Eigen::Index step : {Eigen::Index{1}, n - 1}) {
-      for (Eigen::Index i = (k + step) % n; !use[i] && !next[i] && agrees(i); i = (i + step) % n) {
+      for (Eigen::Index i = (k + step) % n; !use[i] && !next[i] && agrees(i); i = (i + step) % n)
         next[i] = true;
-      }
     }
   }
   return clear_of_others(normals, next, agreement.blur_px);

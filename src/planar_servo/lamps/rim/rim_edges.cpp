@@ -109,9 +109,8 @@ int first_unclipped(const RimBand& band, const NormalFlags& use) {
     return ((band.level.row(place).transpose().array() == RimBand::kClipped) && use).count();
   };
   int first = 0;
-  for (int j = 0; j < RimBand::kPlaces; ++j) {
+  for (int j = 0; j < RimBand::kPlaces; ++j)
     if (static_cast<double>(clipped(j)) > kMany * static_cast<double>(use.count())) first = j + 1;
-  }
   while (first > 0 && first < RimBand::kPlaces && clipped(first) > 0) ++first;
   return first;
 }
@@ -146,9 +145,8 @@ NormalFlags readable(const RimBand& band, const CommonProfile& common) {
   NormalFlags flags = NormalFlags::Constant(band.normals.count(), true);
   if (band.level.maxCoeff() < RimBand::kClipped) return flags;
   for (Eigen::Index k = 0; k < flags.size(); ++k) {
-    for (int j = 0; j < RimBand::kPlaces; ++j) {
+    for (int j = 0; j < RimBand::kPlaces; ++j)
       if (common.weight[j] > 0.0 && band.level(j, k) == RimBand::kClipped) flags[k] = false;
-    }
   }
   return flags;
 }
@@ -230,11 +228,10 @@ RimLevels solve(const LevelEquations& equations, const KindFlags& varies) {
   Column right(size);
   for (std::size_t i = 0; i < n; ++i) {
     right[static_cast<Eigen::Index>(i)] = equations.right(terms[i].kind, terms[i].harmonic);
-    for (std::size_t j = 0; j < n; ++j) {
+    for (std::size_t j = 0; j < n; ++j)
       normal(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) =
           equations.kinds(terms[i].kind, terms[j].kind) *
           equations.harmonics(terms[i].harmonic, terms[j].harmonic);
-    }
   }
   const Eigen::LLT<LevelSquare> solver(normal);
   const Column x = solver.solve(right);
@@ -243,10 +240,9 @@ RimLevels solve(const LevelEquations& equations, const KindFlags& varies) {
   const auto place = [](const Term& term) { return term.kind * kHarmonics + term.harmonic; };
   for (std::size_t i = 0; i < n; ++i) {
     levels.harmonics(terms[i].kind, terms[i].harmonic) = x[static_cast<Eigen::Index>(i)];
-    for (std::size_t j = 0; j < n; ++j) {
+    for (std::size_t j = 0; j < n; ++j)
       levels.covariance(place(terms[i]), place(terms[j])) =
           inverse(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
-    }
   }
   return levels;
 }

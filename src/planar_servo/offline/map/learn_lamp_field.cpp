@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <string>
 
 #include "planar_servo/arm/transmission.h"
 #include "planar_servo/cell/device_kinds.h"
@@ -15,8 +14,6 @@
 #include "planar_servo/files/map_file.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/offline/map/fit_map_to_pairs.h"
-#include "planar_servo/tables/lay_table.h"
-#include "planar_servo/tables/pair_table.h"
 
 namespace planar {
 namespace {

@@ -13,7 +13,6 @@
 #include "planar_servo/offline/page_of_file.h"
 #include "planar_servo/report/places.h"
 #include "planar_servo/report/plot.h"
-#include "planar_servo/report/quiver_plot.h"
 #include "planar_servo/tool/vision_tip.h"
 
 namespace planar {

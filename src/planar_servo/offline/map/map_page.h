@@ -38,7 +38,6 @@ Verdict map_verdict(const LampFieldFit& fit);
 MapView view_of(const FitErrorMapReport& report, const std::string& text);
 MapView view_of(const LampFieldFit& fit, const std::string& text);
 
-/// Returns the page about a map file.
 std::string map_page(const MapView& view, const std::filesystem::path& file);
 
 }  // namespace planar

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "planar_servo/core/text.h"
 #include "planar_servo/core/units.h"
@@ -12,7 +11,6 @@
 #include "planar_servo/offline/pairs/recording_check.h"
 #include "planar_servo/report/places.h"
 #include "planar_servo/report/plot.h"
-#include "planar_servo/report/quiver_plot.h"
 #include "planar_servo/report/text_table.h"
 
 namespace planar {

@@ -10,13 +10,10 @@
 #include <utility>
 
 #include "planar_servo/arm/planar_arm.h"
-#include "planar_servo/calibration/pairing.h"
-#include "planar_servo/calibration/readings/tracker_clock.h"
 #include "planar_servo/calibration/workplane_by_arm.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/lens/workplane.h"
-#include "planar_servo/offline/pairs/recording_check.h"
 #include "planar_servo/tool/vision_tip.h"
 
 namespace planar {
@@ -367,9 +364,8 @@ PairTrackerReport pair_tracker(const PairTrackerRequest& asked) {
 
 Summary raw_error(const std::vector<PairRow>& pairs, std::optional<Plan> plan) {
   std::vector<double> lengths;
-  for (const PairRow& pair : pairs) {
+  for (const PairRow& pair : pairs)
     if (pair.is_attended() && (!plan || pair.plan == plan)) lengths.push_back(pair.error().norm());
-  }
   return summarize(lengths);
 }
 

@@ -9,7 +9,6 @@
 #include <set>
 
 #include "planar_servo/calibration/readings/joint1_axis.h"
-#include "planar_servo/core/error.h"
 #include "planar_servo/core/statistics.h"
 #include "planar_servo/core/text.h"
 #include "planar_servo/core/units.h"
@@ -54,10 +53,6 @@ std::string causes_of(const std::optional<StepFrame>& frame) {
   if (*frame == StepFrame::kTool)
     return "it turns with the tool: the reflector was bumped or seated anew, or a lamp moved there";
   return "it does not turn with the tool: the camera or the tracker moved there";
-}
-
-bool joint1_carries_all(const TransmissionSettings& transmission) {
-  return transmission.coupling == std::array{Coupling::kRelative, Coupling::kRelative};
 }
 
 }  // namespace
@@ -138,7 +133,7 @@ Refusal RecordedTrend::doubt() const {
 }
 
 void require_axis_in_origin(const CellSettings& cell, const std::vector<ToolSight>& sights) {
-  if (!joint1_carries_all(cell.transmission)) return;
+  if (cell.transmission.coupling != std::array{Coupling::kRelative, Coupling::kRelative}) return;
   std::vector<Eigen::Vector2d> points;
   double sigma = 0.0;
   for (const ToolSight& sight : sights) {

@@ -1,6 +1,5 @@
 #include "planar_servo/report/live/board_view.h"
 
-#include <fmt/format.h>
 #include <visp3/core/vpImageDraw.h>
 
 #include <sstream>

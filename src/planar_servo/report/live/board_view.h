@@ -1,10 +1,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <opencv2/core.hpp>
 #include <string>
 #include <vector>
 
-#include "planar_servo/devices/frame_source.h"
 #include "planar_servo/report/live/live_view.h"
 
 namespace planar {

@@ -3,10 +3,8 @@
 #include <fmt/format.h>
 
 #include <Eigen/LU>
-#include <algorithm>
 
 #include "planar_servo/core/units.h"
-#include "planar_servo/servo/approach.h"
 
 namespace planar {
 namespace {

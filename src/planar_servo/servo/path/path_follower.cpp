@@ -6,7 +6,6 @@
 #include <limits>
 #include <stdexcept>
 
-#include "planar_servo/core/text.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/servo/approach.h"
 #include "planar_servo/servo/path/path_check.h"

@@ -49,7 +49,6 @@ struct PathLook {
   double along_now_m{0.0};               ///< how far along it should be when this is reported
 };
 
-/// Says how a path ended.
 struct PathResult {
   ServoStatus status{ServoStatus::kReached};
   std::string reason{};       ///< in words; empty when the path's end was reached

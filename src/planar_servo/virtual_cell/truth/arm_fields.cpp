@@ -34,7 +34,6 @@ void list_axis_leans(Fields& fields, ArmTruth& arm) {
                 });
 }
 
-/// Visits one number of every reducer.
 void list_each(Fields& fields, const char* key, Reducers& reducers, double ReducerTruth::*number,
                double unit, const Range& range) {
   fields.row(key, [&](RowFields& row) {
