@@ -9,6 +9,7 @@
 #include "planar_servo/experiment/experiment_report.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/machine/device_kinds.h"
+#include "planar_servo/run/servo_report.h"
 #include "planar_servo/tables/lamp_table.h"
 #include "support/sample_cells.h"
 #include "support/temporary_folder.h"
