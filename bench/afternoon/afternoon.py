@@ -5,7 +5,7 @@
         [--pair-by id|time] [--crash] [--certify CYCLES TARGETS]
         [--serve OPTION ...]
 
-One terminal serves the cell, the other runs the programs of doc/served_cell.md; this script types what they ask
+One terminal serves the cell, the other runs the programs of doc/virtual_cell.md; this script types what they ask
 for, and nothing else of the simulation reaches them. The same cell is calibrated and run in process as well.
 OUT gets the logs and recordings of both, and afternoon.json the mean true errors. With --certify the served cell
 gets a certificate, which its tracker judges; its figures are printed beside those of the truth.

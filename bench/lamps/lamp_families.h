@@ -28,7 +28,7 @@ struct LampFamily {
 constexpr int kWindowSide_px = 128;
 constexpr double kBackground = 12.0;
 
-/// Returns clean lamps and the defects of doc/lamp_centers.md.
+/// Returns clean lamps and the defects of bench/lamps/README.md.
 std::vector<LampFamily> lamp_families();
 
 }  // namespace planar::bench

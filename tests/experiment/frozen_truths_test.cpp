@@ -26,7 +26,7 @@ TEST_CASE("The truths of the cells are those that were frozen, as their page say
   for (const auto& [cell, hash] : kFrozen) {
     INFO(cell);
     CHECK(sha256(read_file(calib / cell / "truth.yaml")) == hash);
-    CHECK_THAT(read_file(calib / "../doc/cells.md"), Catch::Contains(hash));
+    CHECK_THAT(read_file(calib / "../doc/virtual_cell.md"), Catch::Contains(hash));
   }
 }
 

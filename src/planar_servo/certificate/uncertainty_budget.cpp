@@ -148,7 +148,7 @@ std::vector<BudgetTerm> vision_terms(const CellSettings& cell, const TermsOverTa
 
 std::vector<BudgetTerm> run_terms(const std::optional<PoseDrift>& drift, double judge) {
   return {{"drift during the run", "", drift_sigma(drift), true, "run, poses P1 to P5",
-           "let the cell warm up, or fix lamps to the base (doc/fixed_lamps.md)"},
+           "let the cell warm up, or fix lamps to the base (doc/lamps.md)"},
           {"judge", "who measured", judge, true,
            judge > 0.0 ? "cell file, monuments, tool" : "the truth is exact",
            "judge with a better tracker, or from nearer"}};

@@ -53,9 +53,9 @@ health: health.yaml                # by planar-pair-tracker --health-out
 lamps:
   diameter_mm: [8.0, 8.0]          # bright discs on the tool, lamps 1 and 2, by calipers
   separation_mm: 40.0              # from centre to centre
-  method: auto                     # how centres are measured; see doc/lamp_centers.md
+  method: auto                     # how centres are measured; see doc/lamps.md
 
-# Lamps fixed to the base, three or more, show how the camera moves; see doc/fixed_lamps.md.
+# Lamps fixed to the base, three or more, show how the camera moves; see doc/lamps.md.
 # reference_lamps:
 #   - {id: R1, diameter_mm: 8.0, x_mm: 570, y_mm: 350}
 
