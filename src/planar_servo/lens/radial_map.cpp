@@ -64,12 +64,18 @@ Polynomial derivative(const Polynomial& a) {
 
 Polynomial product(const Polynomial& a, const Polynomial& b) {
   Polynomial result = Polynomial::Zero(a.size() + b.size() - 1);
-  for (Eigen::Index i = 0; i < a.size(); ++i) result.segment(i, b.size()) += a[i] * b;
+  for (Eigen::Index i = 0; i < a.size(); ++i)
+    for (Eigen::Index j = 0; j < b.size(); ++j) result[i + j] += a[i] * b[j];
   return result;
 }
 
 bool positive_up_to(double end, const Polynomial& a) {
-  return positive(bernstein_coefficients(end, a), kSubdivisions);
+  double least = a[0], power = 1.0;  // by the negative terms alone
+  for (Eigen::Index i = 1; i < a.size(); ++i) {
+    power *= end;
+    least += std::min(a[i], 0.0) * power;
+  }
+  return least > 0.0 || positive(bernstein_coefficients(end, a), kSubdivisions);
 }
 
 namespace {
