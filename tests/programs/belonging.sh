@@ -69,6 +69,13 @@ sed '/^# role: camera$/{n;s/[0-9a-f]*$/0000000000000000/}' cell/pairs.csv >pairs
 expect 2 "map.yaml: was made with camera.yaml .*, that of pairs.csv is 00000000" \
   "$bin/planar-check-error-map" --plan train cell/map.yaml pairs.csv
 
+# No plan goes on from the pairs of another calibration, until a person accepts it.
+plan_after() { "$bin/planar-plan" --cell cell/cell.yaml --readings 5 --after "$@"; }
+expect 2 "pairs.csv: was made with camera.yaml 00000000..., this one is .*; run planar-pair-tracker again" \
+  plan_after pairs.csv -o made
+plan_after pairs.csv --accept-stale -o next.csv >out.txt 2>err.txt || fail "$(cat err.txt)"
+grep -q "accepted: .*pairs.csv: was made with camera.yaml" err.txt || fail "$(cat err.txt)"
+
 # Pairs that somebody has edited are told from those that were written.
 sed -E '/^train_3,/s/,-?[0-9]/,9/' cell/pairs.csv >pairs.csv
 "$bin/planar-fit-error-map" -o map.yaml pairs.csv >out.txt 2>err.txt || fail "$(cat err.txt)"

@@ -60,13 +60,7 @@ std::unique_ptr<LandingModel> landings_of(const ServoRequest& request,
 
 std::vector<std::string> accept_stale_files(const CellSettings& cell, bool with_error_map,
                                             bool accepted) {
-  const std::vector<StaleFile> stale = stale_files(cell, with_error_map);
-  if (!accepted) require_belonging(stale);
-  std::vector<std::string> texts;
-  texts.reserve(stale.size());
-  for (const StaleFile& file : stale) texts.push_back(file.refusal.text());
-  for (const std::string& text : texts) spdlog::warn("accepted: " + text);
-  return texts;
+  return accept_stale(stale_files(cell, with_error_map), accepted);
 }
 
 std::optional<std::string> accept_map(const CellSettings& cell, const VisionCalibration& vision,
