@@ -133,7 +133,7 @@ std::vector<Finding> question_diameters(const CellSettings& cell) {
 
 std::vector<Finding> question_servo(const ServoSettings& servo) {
   return question_unusual(
-      {{"servo.tolerance_mm", mm(servo.tolerance_m), 1e-4, 0.5,
+      {{"servo.tolerance_mm", mm(servo.tolerance_m), 1e-3, 0.5,
         "arms are usually positioned within {:g} to {:g} mm",
         "write millimetres, such as 0.005 for 5 micrometres"},
        {"servo.max_step_mm", mm(servo.max_step_m), 0.05, 500.0,
