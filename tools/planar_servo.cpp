@@ -18,6 +18,7 @@
 #include "planar_servo/run/path_report.h"
 #include "planar_servo/run/servo_report.h"
 #include "planar_servo/run/servo_run.h"
+#include "planar_servo/run/target_doubts.h"
 #include "planar_servo/run/target_stream.h"
 #include "program.h"
 
@@ -302,6 +303,7 @@ std::shared_ptr<Judge> judge_by_tracker(const ServoRequest& request, CellDevices
 Outcome reach_targets(const Options& options, const CellSettings& cell) {
   const std::vector<TargetRow> targets =
       from_stdin(options) ? std::vector<TargetRow>() : read_targets(options.targets);
+  if (!from_stdin(options)) question_targets(targets, cell.workspace, options.targets);
   if (options.check) {
     const VisionCalibration vision = check_files(options, cell);
     return from_stdin(options) ? plan_stream(options, cell) : print_check(cell, vision, targets);

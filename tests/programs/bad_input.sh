@@ -122,12 +122,33 @@ status=0
 "$bin/planar-servo" --cell cell/cell.yaml --targets far_target.csv --dry-run >out.txt || status=$?
 [ "$status" -eq 1 ] || fail "a dry run to an unreachable target ended with $status"
 grep -q "far: refused:" out.txt || fail "$(cat out.txt)"
-printf 'id,x_mm,y_mm\nnear,0.2,0.1\n' >metres.csv
+printf 'id,x_mm,y_mm\nnear,10,0.1\n' >near_target.csv
 status=0
-"$bin/planar-servo" --cell cell/cell.yaml --targets metres.csv --dry-run >out.txt || status=$?
-[ "$status" -eq 1 ] || fail "a dry run to a target in metres ended with $status"
-grep -q "near: refused: (0.200, 0.100) mm is 0.224 mm from the base; the workspace" out.txt ||
+"$bin/planar-servo" --cell cell/cell.yaml --targets near_target.csv --dry-run >out.txt || status=$?
+[ "$status" -eq 1 ] || fail "a dry run to a target near the base ended with $status"
+grep -q "near: refused: (10.000, 0.100) mm is 10.000 mm from the base; the workspace" out.txt ||
   fail "$(cat out.txt)"
+
+# Targets in other units, and a plan in their place.
+printf 'id,x_mm,y_mm\nnear,0.2,0.1\n' >metres.csv
+expect 2 "metres.csv: no coordinate is larger than 0.2 mm, while .* metres would be such numbers; write millimetres" \
+  "$bin/planar-servo" --cell cell/cell.yaml --targets metres.csv --dry-run
+printf 'id,x_mm,y_mm,phi_rad\na,200,100,1.57\n' >radians.csv
+expect 2 "radians.csv: the column phi_rad is probably phi_deg \(in degrees\); write it so" \
+  "$bin/planar-servo" --cell cell/cell.yaml --targets radians.csv --out made
+sed -i 's/phi_rad/phi_deg/' radians.csv
+"$bin/planar-servo" --cell cell/cell.yaml --targets radians.csv --dry-run >out.txt 2>err.txt || fail "$(cat err.txt)"
+grep -q "radians.csv: no phi_deg is 0 or beyond 1.57; radians would be such numbers" err.txt || fail "$(cat err.txt)"
+{
+  printf 'id,plan,x_mm,y_mm\n'
+  printf 'g%d,grid,,\n' 1 2 3 4 5
+} >views.csv
+expect 2 "views.csv: is a plan for planar-record, .*; a table of targets is needed" \
+  "$bin/planar-servo" --cell cell/cell.yaml --targets views.csv --out made
+[ "$(wc -l <err.txt)" -eq 1 ] || fail "a plan in place of targets is told more than once: $(cat err.txt)"
+printf 'id,x_mm,y_mm\n' >no_numbers.csv
+printf 't%d,"200 mm",100\n' 1 2 3 4 5 6 >>no_numbers.csv
+expect 2 "^... and 3 more" "$bin/planar-servo" --cell cell/cell.yaml --targets no_numbers.csv --out made
 
 # An output that is an input stays as it was.
 printf '%s\na,1,2,1,2\nb,3,4,3,4\nc,5,1,5,1\n' "$pairs_header" >same.csv
