@@ -222,16 +222,11 @@ bool move(ServoRun& run, const Options& options, const std::vector<TargetRow>& t
   std::set<std::string> taken;
   for (const TargetResult& result : run.results()) taken.insert(result.id);
   TargetLines lines(kStdin, std::move(taken));
-  try {
-    const StreamEnd end = answer_targets(std::cin, std::cout, lines, [&](const TargetRow& target) {
-      return result_answer(run.move_to(target));
-    });
-    run.finish();
-    return is_good(end, options.require_end);
-  } catch (const InputError&) {
-    run.discard_if_empty();
-    throw;
-  }
+  const StreamEnd end = answer_targets(std::cin, std::cout, lines, [&](const TargetRow& target) {
+    return result_answer(run.move_to(target));
+  });
+  run.finish();
+  return is_good(end, options.require_end);
 }
 
 Outcome report(const ServoRequest& request, const Options& options, const ServoRun& run,

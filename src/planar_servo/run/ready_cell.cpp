@@ -106,10 +106,15 @@ void ReadyCell::switch_on() {
 std::optional<std::string> ReadyCell::examine_if_due() {
   if (!examined_s_) {
     if (const std::string unwell = examine(); !unwell.empty()) throw WorkError(unwell);
+    begun_at_ = robot_.commanded_pulses();
     return std::string();
   }
   if (!was_examined_s_ago(kExamineEvery_s)) return std::nullopt;
   return examine();
+}
+
+bool ReadyCell::has_moved_on() const {
+  return begun_at_ && robot_.commanded_pulses() != *begun_at_;
 }
 
 std::optional<std::string> ReadyCell::examine_at_end() {
@@ -158,7 +163,7 @@ bool ReadyCell::was_examined_s_ago(double seconds) const {
 void ReadyCell::recover_drives(const std::string& id, const std::string& reason) {
   spdlog::warn(fmt::format("{}: {}; the arm stands and waits", id, reason));
   robot_.recover(kDrivePatience_s);
-  home_where_needed(robot_, may_home_, "home them with planar-jog, then go on with --resume");
+  home_where_needed(robot_, may_home_, "; a run that has begun goes on with --resume as well");
   spdlog::info(fmt::format("{}: the drives are ready again; going on", id));
 }
 
