@@ -18,7 +18,7 @@ TEST_CASE("A column in another unit, without one, misspelt or written otherwise 
 }
 
 TEST_CASE("A column that has nothing to do with ours is not taken for one") {
-  for (const char* name : {"z_mm", "dx_mm", "psi_deg", "note", "s", "", "_", "mm", "plan"})
+  for (const char* name : {"z_mm", "dx_mm", "theta_deg", "note", "s", "", "_", "mm", "plan"})
     CHECK(likely_column(name, kTargetColumns).empty());
 }
 

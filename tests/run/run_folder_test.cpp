@@ -10,12 +10,11 @@ namespace {
 
 struct BrokenOff {};
 
-/// Makes the folder and its two tables, and breaks off.
+/// Makes the folder and the two tables, as far as they are not there, and breaks off.
 void begin_and_fail(const std::filesystem::path& folder, bool keeps) {
   RunFolder run(folder, {"steps.csv", "results.csv"});
   make_folder(folder);
-  write_file(folder / "steps.csv", "a\n");
-  write_file(folder / "results.csv", "b\n");
+  GrowingFile steps(folder / "steps.csv", "a\n"), results(folder / "results.csv", "b\n");
   if (keeps) run.keep();
   throw BrokenOff();
 }
@@ -30,7 +29,7 @@ TEST_CASE("A run that breaks off before it moves leaves no folder that was not t
 
 TEST_CASE("Of a folder that was there only the new tables are taken back") {
   const test::TemporaryFolder folder;
-  const std::filesystem::path results = folder.write("results.csv", "old\n");
+  const std::filesystem::path results = folder.write("results.csv", "b\n1\n");
   CHECK_THROWS_AS(begin_and_fail(folder.path(), false), BrokenOff);
   CHECK(std::filesystem::exists(results));
   CHECK_FALSE(std::filesystem::exists(folder / "steps.csv"));

@@ -77,7 +77,7 @@ std::string nearest_word(std::string_view word, const std::vector<std::string>& 
   std::size_t least = kMostApart + 1;
   for (const std::string& known : words) {
     const std::size_t apart = letters_apart(word, known);
-    if (apart >= least || apart > std::min(word.size(), known.size()) / kLettersPerFault) continue;
+    if (apart >= least || apart > std::max(word.size(), known.size()) / kLettersPerFault) continue;
     nearest = known;
     least = apart;
   }
