@@ -11,6 +11,7 @@
 #include "planar_servo/files/workplane_file.h"
 #include "planar_servo/judge/cell_judge.h"
 #include "planar_servo/machine/device_kinds.h"
+#include "planar_servo/machine/plausibility.h"
 #include "planar_servo/report/live/servo_view.h"
 #include "planar_servo/report/status_line.h"
 #include "planar_servo/run/cell_check.h"
@@ -279,6 +280,7 @@ ServoRequest request_of(const Options& options, const CellSettings& cell) {
 /// Reads and checks every file that a run would use.
 VisionCalibration check_files(const Options& options, const CellSettings& cell) {
   require_devices(cell);
+  warn_of_values(cell);
   VisionCalibration vision = read_vision(cell, !options.no_error_map);
   read_cell_health(cell);
   accept_stale_files(cell, !options.no_error_map, options.request.accept_stale);

@@ -12,6 +12,12 @@ servo --check >out.txt || fail "$(cat out.txt)"
 grep -q "map.yaml: made by planar-fit-error-map .* from pairs.csv, lamps (cell.yaml), .*camera.yaml" doctor.txt ||
   fail "$(cat doctor.txt)"
 
+# A tolerance that no arm keeps is questioned before anything moves.
+sed 's/tolerance_mm: [0-9.]*/tolerance_mm: 0.0009/' cell/cell.yaml >cell/fine.yaml
+"$bin/planar-servo" --cell cell/fine.yaml --targets targets.csv --check >out.txt 2>err.txt || fail "$(cat err.txt)"
+grep -q "fine.yaml: servo.tolerance_mm: is 0.0009; arms are usually positioned within 0.001 to 0.5 mm" err.txt ||
+  fail "$(cat err.txt)"
+
 # A weight of the map that somebody changed is refused by who reads it, until that person seals it.
 cp cell/map.yaml good_map.yaml
 awk -F'[][,]' '/^weights_m:/ { row = NR + 1 } NR == row { print "  - [" $2 + 0.001 "," $3 "]"; next } 1' good_map.yaml \
