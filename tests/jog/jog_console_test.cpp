@@ -126,14 +126,13 @@ TEST_CASE("Before homing, and at a jog that needs it, the keys are named that le
   UnhomedCell devices(cell);
   for (test::MockPulseDrive& motor : devices.motors) motor.knows_position = false;
   JogConsole console(cell, devices, "");
-  const auto to_do = Contains("joint 1, joint 2: press h (command home)") &&
-                     Contains(
-                         "turn joint 3 to its mark at 10.000 deg by hand, then give the "
-                         "command mark 3 (key ':')");
-  CHECK_THAT(console.execute("enable").text, Contains("still to be homed: ") && to_do);
+  const std::string to_do =
+      "joint 1, joint 2: press h (command home), which searches the home switches and moves the "
+      "arm; turn joint 3 to its mark at 10.000 deg by hand, then give the command mark 3 (key ':')";
+  CHECK(console.execute("enable").text == "the drives are on; still to be homed: " + to_do);
   const auto refused = console.execute("joint 1 1");
   CHECK_FALSE(refused.done);
-  CHECK_THAT(refused.text, Contains("drives do not know where they stand; ") && to_do);
+  CHECK(refused.text == "drives do not know where they stand; " + to_do);
   CHECK(console.execute("mark 3").done);
   CHECK(console.execute("home").text == "2 joints homed");
   CHECK(console.execute("enable").text == "the drives are on and know where they stand");
