@@ -138,7 +138,7 @@ expect 2 "radians.csv: the column phi_rad is probably phi_deg \(in degrees\); wr
   "$bin/planar-servo" --cell cell/cell.yaml --targets radians.csv --out made
 sed -i 's/phi_rad/phi_deg/' radians.csv
 "$bin/planar-servo" --cell cell/cell.yaml --targets radians.csv --dry-run >out.txt 2>err.txt || fail "$(cat err.txt)"
-grep -q "radians.csv: no phi_deg is 0 or beyond 1.57; radians would be such numbers" err.txt || fail "$(cat err.txt)"
+grep -q "radians.csv: phi_deg is 0 in no row and at most 1.57; radians would be such numbers" err.txt || fail "$(cat err.txt)"
 {
   printf 'id,plan,x_mm,y_mm\n'
   printf 'g%d,grid,,\n' 1 2 3 4 5

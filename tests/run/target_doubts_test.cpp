@@ -38,7 +38,7 @@ TEST_CASE("Directions that look like radians are questioned, and hold nothing up
   const auto targets = written_targets(200.0, 100.0, {1.5708, -3.1416, 2.0});
   REQUIRE(target_doubts(targets, kWideRing).size() == 1);
   CHECK_THAT(target_doubts(targets, kWideRing)[0].text(),
-             Contains("no phi_deg is 0 or beyond 3.1416; radians would be such numbers") &&
+             Contains("phi_deg is 0 in no row and at most 3.1416; radians would be such numbers") &&
                  Contains("write degrees, such as 90 for 1.571 radians"));
   CHECK_NOTHROW(question_targets(targets, kWideRing, "t.csv"));
   CHECK_NOTHROW(question_targets(written_targets(900.0, 0.0, {1.5}), kWideRing, "t.csv"));

@@ -45,8 +45,8 @@ std::optional<Refusal> doubt_of_directions(const std::vector<TargetRow>& targets
     any_broken = any_broken || !is_whole(number);
   }
   if (!any_broken) return std::nullopt;
-  return Refusal{fmt::format("no phi_deg is 0 or beyond {:g}; radians would be such numbers, while "
-                             "degrees are read",
+  return Refusal{fmt::format("phi_deg is 0 in no row and at most {:g}; radians would be such "
+                             "numbers, while degrees are read",
                              largest),
                  "write degrees, such as 90 for 1.571 radians, or leave it if it is meant so"};
 }
