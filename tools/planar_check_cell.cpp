@@ -46,8 +46,7 @@ Outcome check(const Options& options) {
                     devices->drives(), devices->clock());
   robot.stop_when(interrupted);
   robot.energize();
-  home_where_needed(robot, may_home(options.homing),
-                    "start with --home, or home them with planar-jog");
+  home_where_needed(robot, may_home(options.homing));
   LampTipSensor sensor(vision, cell.lamps.method, devices->camera(), cell.camera.follow_region_px);
   CellCheck procedure(cell, vision, robot, sensor, devices->clock(),
                       servo_planner(cell).scatter_m(), [&](const std::string& reason) {

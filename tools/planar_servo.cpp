@@ -11,6 +11,7 @@
 #include "planar_servo/files/workplane_file.h"
 #include "planar_servo/judge/cell_judge.h"
 #include "planar_servo/machine/device_kinds.h"
+#include "planar_servo/machine/plausibility.h"
 #include "planar_servo/report/live/servo_view.h"
 #include "planar_servo/report/status_line.h"
 #include "planar_servo/run/cell_check.h"
@@ -18,6 +19,7 @@
 #include "planar_servo/run/path_report.h"
 #include "planar_servo/run/servo_report.h"
 #include "planar_servo/run/servo_run.h"
+#include "planar_servo/run/target_doubts.h"
 #include "planar_servo/run/target_stream.h"
 #include "program.h"
 
@@ -221,16 +223,11 @@ bool move(ServoRun& run, const Options& options, const std::vector<TargetRow>& t
   std::set<std::string> taken;
   for (const TargetResult& result : run.results()) taken.insert(result.id);
   TargetLines lines(kStdin, std::move(taken));
-  try {
-    const StreamEnd end = answer_targets(std::cin, std::cout, lines, [&](const TargetRow& target) {
-      return result_answer(run.move_to(target));
-    });
-    run.finish();
-    return is_good(end, options.require_end);
-  } catch (const InputError&) {
-    run.discard_if_empty();
-    throw;
-  }
+  const StreamEnd end = answer_targets(std::cin, std::cout, lines, [&](const TargetRow& target) {
+    return result_answer(run.move_to(target));
+  });
+  run.finish();
+  return is_good(end, options.require_end);
 }
 
 Outcome report(const ServoRequest& request, const Options& options, const ServoRun& run,
@@ -283,6 +280,7 @@ ServoRequest request_of(const Options& options, const CellSettings& cell) {
 /// Reads and checks every file that a run would use.
 VisionCalibration check_files(const Options& options, const CellSettings& cell) {
   require_devices(cell);
+  warn_of_values(cell);
   VisionCalibration vision = read_vision(cell, !options.no_error_map);
   read_cell_health(cell);
   accept_stale_files(cell, !options.no_error_map, options.request.accept_stale);
@@ -302,6 +300,7 @@ std::shared_ptr<Judge> judge_by_tracker(const ServoRequest& request, CellDevices
 Outcome reach_targets(const Options& options, const CellSettings& cell) {
   const std::vector<TargetRow> targets =
       from_stdin(options) ? std::vector<TargetRow>() : read_targets(options.targets);
+  if (!from_stdin(options)) question_targets(targets, cell.workspace, options.targets);
   if (options.check) {
     const VisionCalibration vision = check_files(options, cell);
     return from_stdin(options) ? plan_stream(options, cell) : print_check(cell, vision, targets);

@@ -6,6 +6,7 @@
 
 #include <CLI/CLI.hpp>
 #include <Eigen/Core>
+#include <algorithm>
 #include <csignal>
 #include <iostream>
 #include <memory>
@@ -52,8 +53,62 @@ std::vector<std::string> missing_options(const CLI::App& app) {
   return missing;
 }
 
-/// Names all options that are missing; the parser stops at the first one.
+/// Returns the names of the subcommands in the order of the alphabet.
+std::vector<std::string> subcommands_of(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands({}))
+    if (!command->get_name().empty()) names.push_back(command->get_name());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+bool lacks_subcommand(const CLI::App& app) {
+  return app.get_require_subcommand_min() > app.get_subcommands().size();
+}
+
+/// Returns the long names of the options that may be given here, those of option groups and of the
+/// given subcommand included, without their dashes.
+std::vector<std::string> option_names(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : app.get_options())
+    names.insert(names.end(), option->get_lnames().begin(), option->get_lnames().end());
+  const auto may_be_given = [](const CLI::App* part) {
+    return part->get_name().empty() || part->parsed();
+  };
+  for (const CLI::App* part : app.get_subcommands(may_be_given))
+    for (std::string& name : option_names(*part)) names.push_back(std::move(name));
+  return names;
+}
+
+/// Returns the option or the subcommand that a word which was not understood probably means; empty
+/// when there is none like it.
+std::string probable_word(const CLI::App& app, const std::string& word) {
+  const std::size_t begin = word.find_first_not_of('-');
+  if (begin == std::string::npos) return {};
+  if (begin == 0)
+    return lacks_subcommand(app) ? nearest_word(word, subcommands_of(app)) : std::string();
+  const std::string name =
+      nearest_word(word.substr(begin, word.find('=') - begin), option_names(app));
+  return name.empty() ? name : "--" + name;
+}
+
+/// Names the words that were not understood, and what they probably mean.
+std::string strangers_fault(const CLI::App& app, const std::vector<std::string>& strangers) {
+  std::vector<std::string> meant;
+  for (const std::string& word : strangers) {
+    std::string probable = probable_word(app, word);
+    if (!probable.empty()) meant.push_back(std::move(probable));
+  }
+  return fmt::format(
+      "not understood: {}{}", fmt::join(strangers, " "),
+      meant.empty() ? "" : fmt::format(" (did you mean {}?)", fmt::join(meant, ", ")));
+}
+
+/// Names all options that are missing, or the subcommands of which one is; the parser stops at the
+/// first fault.
 std::string parser_fault(const CLI::App& app, const CLI::Error& fault) {
+  if (lacks_subcommand(app))
+    return fmt::format("needs a subcommand: {}", fmt::join(subcommands_of(app), " or "));
   const std::vector<std::string> missing = missing_options(app);
   if (fault.get_exit_code() != static_cast<int>(CLI::ExitCodes::RequiredError) || missing.empty())
     return fault.what();
@@ -68,8 +123,7 @@ std::string usage_fault(const CLI::App* app, const CLI::Error& fault) {
   if (fault.get_exit_code() != static_cast<int>(CLI::ExitCodes::ExtrasError))
     faults.push_back(parser_fault(*app, fault));
   const std::vector<std::string> strangers = app->remaining(true);
-  if (!strangers.empty())
-    faults.push_back(fmt::format("not understood: {}", fmt::join(strangers, " ")));
+  if (!strangers.empty()) faults.push_back(strangers_fault(*app, strangers));
   return fmt::format("{}: {}; --help lists the options and their values\n", app->get_name(),
                      fmt::join(faults, "; "));
 }

@@ -72,6 +72,8 @@ TEST_CASE("A camera that is not the one of the workplane is named, and what to r
   CHECK_THAT(stale[1], Contains("tool.yaml: was made with camera.yaml "));
   CHECK_THROWS_WITH(require_belonging(stale_files(made.cell, true)),
                     Contains("workplane.yaml: was made") && Contains("tool.yaml: was made"));
+  CHECK_THROWS_AS(accept_stale(stale_files(made.cell, true), false), InputError);
+  CHECK(accept_stale(stale_files(made.cell, true), true) == stale);
 }
 
 TEST_CASE("Blocks of the cell count by what they say, and only those that a file was made from") {

@@ -25,6 +25,32 @@ TEST_CASE("Targets are found by column name, ids must differ") {
   CHECK_THROWS_WITH(read_targets(folder.write("t.csv", "id,x_mm,y_mm\n")), Contains("has no rows"));
 }
 
+TEST_CASE("Directions in radians or without a unit are refused, other columns are ignored") {
+  const test::TemporaryFolder folder;
+  for (const std::string column : {"phi_rad", "phi", "Phi_deg", "ph_deg"}) {
+    const std::string text = "id,x_mm,y_mm," + column + "\na,1,2,1.5\n";
+    CHECK_THROWS_WITH(read_targets(folder.write("t.csv", text)),
+                      Contains("the column " + column + " is probably phi_deg (in degrees)"));
+    TargetLines lines("stdin");
+    CHECK_THROWS_WITH(lines.next(text.substr(0, text.find('\n'))), Contains("is probably phi_deg"));
+  }
+  CHECK_THROWS_WITH(read_targets(folder.write("t.csv", "id,x,Y_mm\na,1,2\n")),
+                    Contains("x is probably x_mm (in millimetres), Y_mm is probably y_mm"));
+  CHECK(read_targets(folder.write("t.csv", "id,x_mm,y_mm,z_mm,part\na,1,2,3,lid\n")).size() == 1);
+}
+
+TEST_CASE("A plan that is given as targets is told in one sentence") {
+  const test::TemporaryFolder folder;
+  CHECK_THROWS_WITH(
+      read_targets(
+          folder.write("p.csv", "id,plan,x_mm,y_mm\ng1,grid,,\ng2,grid,,\nt1,train,200,100\n")),
+      folder.path().string() +
+          "/p.csv: is a plan for planar-record, by its column plan, and not every row has a place "
+          "to go to; a table of targets is needed, with the columns id, x_mm, y_mm and perhaps "
+          "phi_deg");
+  CHECK(read_targets(folder.write("p.csv", "id,plan,x_mm,y_mm\nt1,train,200,100\n")).size() == 1);
+}
+
 TEST_CASE("A table of targets whose last line is torn is refused") {
   const test::TemporaryFolder folder;
   CHECK_THROWS_WITH(read_targets(folder.write("t.csv", "id,x_mm,y_mm\nA,200,100\nB,150,29")),

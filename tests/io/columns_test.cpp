@@ -60,6 +60,16 @@ TEST_CASE("Only the required columns are needed, and what is not there is empty"
                     Contains("lacks the columns y_mm, var; needed are id, x_mm, y_mm, var, count"));
 }
 
+TEST_CASE("A column that is probably one of ours is named with it, others are ignored") {
+  CHECK_THROWS_WITH(rows_in("id,x_m,Y_mm,var,count\n"),
+                    Contains("lacks the columns x_mm, y_mm") &&
+                        Contains("x_m is probably x_mm (in millimetres), Y_mm is probably y_mm"));
+  CHECK_THROWS_WITH(rows_in("id,x_mm,y_mm,var,count,qx_m,Note\n"),
+                    Contains("t.csv: the column qx_m is probably qx_mm (in millimetres), Note is "
+                             "probably note; write it so, or give it quite another name"));
+  CHECK(rows_in("id,x_mm,y_mm,var,count,z_mm,x_m,remark\na,1,2,,7,3,0.001,r\n").size() == 1);
+}
+
 TEST_CASE("Values of a row before do not stay where a field is empty") {
   const std::string lines = kSchema.line({"a", "n", {1.0, 2.0}, Eigen::Vector2d(3.0, 4.0), 5.0, 6});
   const std::vector<Row> rows = rows_in(kSchema.header() + lines + kSchema.line({}));

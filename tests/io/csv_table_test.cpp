@@ -94,16 +94,28 @@ TEST_CASE("A last row without its end is refused where the table says so, and re
   CHECK(read("id,x\na,1\r\n ", UnendedRow::kRefused) == 1.0);
 }
 
+TEST_CASE("Of a column that is faulty in all rows three are told, the next rows by themselves") {
+  CsvTable table("p.csv", "pairs", {"id", "x"});
+  table.take_line("id,x", 1);
+  for (int line = 2; line < 12; ++line)
+    if (table.take_line("a,?", line)) table.number("x");
+  CHECK_THROWS_WITH(table.throw_if_faulty(), Contains("p.csv:4: x is '?'") &&
+                                                 !Contains("p.csv:5:") &&
+                                                 Contains("... and 7 more"));
+  CHECK_FALSE(table.take_line("a,1,2", 12));
+  CHECK_THROWS_WITH(table.throw_if_faulty(), "p.csv:12: has 3 fields; the header has 2");
+}
+
 TEST_CASE("Of very many faults the first hundred are told, and how many more there are") {
   constexpr int kRows = 100000;
-  std::string text = "id,x\n";
-  for (int i = 0; i < kRows; ++i) text += "a,nan\n";
+  std::string text = "id,x\na,1\n";
+  for (int i = 1; i < kRows; ++i) text += "a,nan\n";
   const test::TemporaryFolder folder;
   CsvFile table(folder.write("p.csv", text), "pairs", {"id", "x"});
   while (table.next_row()) table.number("x");
-  CHECK_THROWS_WITH(table.throw_if_faulty(), Contains("p.csv:101: x is 'nan'") &&
-                                                 !Contains("p.csv:102:") &&
-                                                 Contains("... and 99900 more"));
+  CHECK_THROWS_WITH(table.throw_if_faulty(), Contains("p.csv:102: x is 'nan'") &&
+                                                 !Contains("p.csv:103:") &&
+                                                 Contains("... and 99899 more"));
 }
 
 TEST_CASE("Tables of other programs are read with their separator, comma and names") {

@@ -1,5 +1,6 @@
 #include "planar_servo/jog/jog_console.h"
 
+#include <array>
 #include <catch2/catch.hpp>
 #include <limits>
 
@@ -8,6 +9,8 @@
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/jog/jog_keys.h"
 #include "planar_servo/machine/device_kinds.h"
+#include "support/manual_clock.h"
+#include "support/mock_pulse_drive.h"
 #include "support/sample_cells.h"
 #include "support/temporary_folder.h"
 
@@ -89,6 +92,51 @@ class FailingCamera final : public CellDevices, public FrameSource {
  private:
   std::unique_ptr<CellDevices> whole_;
 };
+
+/// A cell whose drives may have lost their positions.
+class UnhomedCell final : public CellDevices {
+ public:
+  explicit UnhomedCell(const CellSettings& cell) : whole_(open_cell(cell)) {}
+
+  Clock& clock() override { return clock_; }
+  FrameSource& camera() override { return whole_->camera(); }
+  DriveGroup& drives() override { return drives_; }
+  Tracker& tracker() override { return whole_->tracker(); }
+  BoardPresenter* board_presenter() override { return nullptr; }
+  std::shared_ptr<Judge> truth() override { return nullptr; }
+
+ private:
+  std::unique_ptr<CellDevices> whole_;
+  test::ManualClock clock_;
+
+ public:
+  std::array<test::MockPulseDrive, 3> motors{
+      test::MockPulseDrive(clock_), test::MockPulseDrive(clock_), test::MockPulseDrive(clock_)};
+
+ private:
+  SeparateDrives drives_{{&motors[0], &motors[1], &motors[2]}};
+};
+
+TEST_CASE("Before homing, and at a jog that needs it, the keys are named that lead on") {
+  CellSettings cell = read_cell(test::paper_cell_file());
+  cell.transmission.drives[0].home = cell.transmission.drives[1].home =
+      HomeReference::kReverseSwitch;
+  cell.transmission.drives[2].home = HomeReference::kTaught;
+  cell.transmission.drives[2].home_rad = 10.0 * kDegree;
+  UnhomedCell devices(cell);
+  for (test::MockPulseDrive& motor : devices.motors) motor.knows_position = false;
+  JogConsole console(cell, devices, "");
+  const std::string to_do =
+      "joint 1, joint 2: press h (command home), which searches the home switches and moves the "
+      "arm; turn joint 3 to its mark at 10.000 deg by hand, then give the command mark 3 (key ':')";
+  CHECK(console.execute("enable").text == "the drives are on; still to be homed: " + to_do);
+  const auto refused = console.execute("joint 1 1");
+  CHECK_FALSE(refused.done);
+  CHECK(refused.text == "drives do not know where they stand; " + to_do);
+  CHECK(console.execute("mark 3").done);
+  CHECK(console.execute("home").text == "2 joints homed");
+  CHECK(console.execute("enable").text == "the drives are on and know where they stand");
+}
 
 TEST_CASE("A camera that fails stops a jog, and the next one goes without it") {
   const CellSettings cell = read_cell(test::paper_cell_file());

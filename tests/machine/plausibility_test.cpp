@@ -124,9 +124,9 @@ TEST_CASE("A home pose and a direction of the tool in radians are questioned, sm
 
 TEST_CASE("A tolerance in micrometres or metres is questioned, and a longest step in metres") {
   CellSettings cell = paper_cell();
-  for (const double tolerance_m : {5e-3, 5e-9}) {
+  for (const double tolerance_m : {5e-3, 0.9e-6, 5e-9}) {
     cell.servo.tolerance_m = tolerance_m;
-    check_question(cell, "servo.tolerance_mm", "positioned within 0.0001 to 0.5 mm");
+    check_question(cell, "servo.tolerance_mm", "positioned within 0.001 to 0.5 mm");
   }
   cell.servo.tolerance_m = 0.5e-3;
   CHECK(question_values(cell).empty());

@@ -9,7 +9,7 @@ printf 'id,plan,x_mm,y_mm\nt1,train,200,100\n' >plan.csv
 pairs_header=id,x_vision_mm,y_vision_mm,x_tracker_mm,y_tracker_mm
 
 for program in "$bin"/planar-*; do
-  expect 2 "^$(basename "$program"): .+ (is|are) required; --help" "$program"
+  expect 2 "^$(basename "$program"): (.+ (is|are) required|needs a subcommand: .+); --help" "$program"
   grep -q "Usage: $(basename "$program")" <("$program" --help) || fail "help of $program"
   grep -q "$(basename "$program") [0-9]" <("$program" --version) || fail "version of $program"
   expect 2 "^$(basename "$program"): .*not understood: --nonsense; --help" "$program" --nonsense
@@ -91,7 +91,7 @@ expect 1 "no image shows what was looked for; dark.csv says why for each" \
   "$bin/planar-locate-lamps" -q -o dark.csv dark.pgm
 grep -q "no_lamp" dark.csv || fail "a dark image has no lamp: $(cat dark.csv)"
 expect 2 "absent.png: does not exist" "$bin/planar-locate-lamps" -o made absent.png
-expect 2 "not understood: --lmaps;" "$bin/planar-locate-lamps" -o made --lmaps 2 dark.pgm
+expect 2 "not understood: --lmaps \(did you mean --lamps\?\);" "$bin/planar-locate-lamps" -o made --lmaps 2 dark.pgm
 head -c 100000 "$2/recording/images/grid_1_0.pgm" >cut.pgm
 expect 2 "cut.pgm: cannot be read to its end as an image" \
   "$bin/planar-calibrate-camera" --grid circles:6x6:30mm -o made cut.pgm
@@ -122,12 +122,33 @@ status=0
 "$bin/planar-servo" --cell cell/cell.yaml --targets far_target.csv --dry-run >out.txt || status=$?
 [ "$status" -eq 1 ] || fail "a dry run to an unreachable target ended with $status"
 grep -q "far: refused:" out.txt || fail "$(cat out.txt)"
-printf 'id,x_mm,y_mm\nnear,0.2,0.1\n' >metres.csv
+printf 'id,x_mm,y_mm\nnear,10,0.1\n' >near_target.csv
 status=0
-"$bin/planar-servo" --cell cell/cell.yaml --targets metres.csv --dry-run >out.txt || status=$?
-[ "$status" -eq 1 ] || fail "a dry run to a target in metres ended with $status"
-grep -q "near: refused: (0.200, 0.100) mm is 0.224 mm from the base; the workspace" out.txt ||
+"$bin/planar-servo" --cell cell/cell.yaml --targets near_target.csv --dry-run >out.txt || status=$?
+[ "$status" -eq 1 ] || fail "a dry run to a target near the base ended with $status"
+grep -q "near: refused: (10.000, 0.100) mm is 10.000 mm from the base; the workspace" out.txt ||
   fail "$(cat out.txt)"
+
+# Targets in other units, and a plan in their place.
+printf 'id,x_mm,y_mm\nnear,0.2,0.1\n' >metres.csv
+expect 2 "metres.csv: no coordinate is larger than 0.2 mm, while .* metres would be such numbers; write millimetres" \
+  "$bin/planar-servo" --cell cell/cell.yaml --targets metres.csv --dry-run
+printf 'id,x_mm,y_mm,phi_rad\na,200,100,1.57\n' >radians.csv
+expect 2 "radians.csv: the column phi_rad is probably phi_deg \(in degrees\); write it so" \
+  "$bin/planar-servo" --cell cell/cell.yaml --targets radians.csv --out made
+sed -i 's/phi_rad/phi_deg/' radians.csv
+"$bin/planar-servo" --cell cell/cell.yaml --targets radians.csv --dry-run >out.txt 2>err.txt || fail "$(cat err.txt)"
+grep -q "radians.csv: phi_deg is 0 in no row and at most 1.57; radians would be such numbers" err.txt || fail "$(cat err.txt)"
+{
+  printf 'id,plan,x_mm,y_mm\n'
+  printf 'g%d,grid,,\n' 1 2 3 4 5
+} >views.csv
+expect 2 "views.csv: is a plan for planar-record, .*; a table of targets is needed" \
+  "$bin/planar-servo" --cell cell/cell.yaml --targets views.csv --out made
+[ "$(wc -l <err.txt)" -eq 1 ] || fail "a plan in place of targets is told more than once: $(cat err.txt)"
+printf 'id,x_mm,y_mm\n' >no_numbers.csv
+printf 't%d,"200 mm",100\n' 1 2 3 4 5 6 >>no_numbers.csv
+expect 2 "^... and 3 more" "$bin/planar-servo" --cell cell/cell.yaml --targets no_numbers.csv --out made
 
 # An output that is an input stays as it was.
 printf '%s\na,1,2,1,2\nb,3,4,3,4\nc,5,1,5,1\n' "$pairs_header" >same.csv
@@ -150,7 +171,11 @@ expect 2 "there is no folder 'absent'" "$bin/planar-pair-tracker" --cell cell/ce
 expect 2 "^planar-record: --cell, --plan, --out are required; --help" "$bin/planar-record"
 expect 2 "^planar-check-error-map: map, pairs are required;" "$bin/planar-check-error-map"
 expect 2 "^planar-virtual-cell: --seed, --out are required;" "$bin/planar-virtual-cell" draw
-expect 2 "^planar-virtual-cell: A subcommand is required;" "$bin/planar-virtual-cell"
+expect 2 "^planar-virtual-cell: needs a subcommand: draw or serve; --help" "$bin/planar-virtual-cell"
+expect 2 "needs a subcommand: draw or serve; not understood: drwa --seed 1 \(did you mean draw\?\);" \
+  "$bin/planar-virtual-cell" drwa --seed 1
+expect 2 "not understood: --lik=paper \(did you mean --like\?\);" \
+  "$bin/planar-virtual-cell" draw --seed 1 --out made --lik=paper
 
 # A subcommand's help is its own.
 "$bin/planar-virtual-cell" serve --help >out.txt
@@ -158,10 +183,12 @@ grep -q "^Usage: planar-virtual-cell serve --cell" out.txt || fail "$(cat out.tx
 if grep -q "draw" out.txt; then fail "the help of serve tells of draw: $(cat out.txt)"; fi
 
 # An option mistyped is named, also where a required one is missing for it; units are not guessed.
-expect 2 "^planar-record: --cell is required; not understood: --cel" \
+expect 2 "^planar-record: --cell is required; not understood: --cel .* \(did you mean --cell\?\);" \
   "$bin/planar-record" --cel cell/cell.yaml --plan plan.csv --out made
-expect 2 "^planar-record: not understood: --cel cell.yaml;" "$bin/planar-record" \
+expect 2 "^planar-record: not understood: --cel cell.yaml \(did you mean --cell\?\);" "$bin/planar-record" \
   --cell cell/cell.yaml --plan plan.csv --out made --cel cell.yaml
+expect 2 "not understood: --target targets.csv --no_error_map \(did you mean --targets, --no-error-map\?\);" \
+  "$bin/planar-servo" --cell cell/cell.yaml --path absent.csv --target targets.csv --no_error_map
 # Where lengths are taken from a board, its pitch must be known; lays are of dots.
 expect 2 "grid 'circles:6x6:\\?' leaves the pitch open, but lengths are taken from it here; measure it" \
   "$bin/planar-calibrate-camera" --grid 'circles:6x6:?' -o made dark.pgm

@@ -12,6 +12,12 @@ servo --check >out.txt || fail "$(cat out.txt)"
 grep -q "map.yaml: made by planar-fit-error-map .* from pairs.csv, lamps (cell.yaml), .*camera.yaml" doctor.txt ||
   fail "$(cat doctor.txt)"
 
+# A tolerance that no arm keeps is questioned before anything moves.
+sed 's/tolerance_mm: [0-9.]*/tolerance_mm: 0.0009/' cell/cell.yaml >cell/fine.yaml
+"$bin/planar-servo" --cell cell/fine.yaml --targets targets.csv --check >out.txt 2>err.txt || fail "$(cat err.txt)"
+grep -q "fine.yaml: servo.tolerance_mm: is 0.0009; arms are usually positioned within 0.001 to 0.5 mm" err.txt ||
+  fail "$(cat err.txt)"
+
 # A weight of the map that somebody changed is refused by who reads it, until that person seals it.
 cp cell/map.yaml good_map.yaml
 awk -F'[][,]' '/^weights_m:/ { row = NR + 1 } NR == row { print "  - [" $2 + 0.001 "," $3 "]"; next } 1' good_map.yaml \
@@ -68,6 +74,13 @@ grep -q "workplane.yaml: was made with camera.yaml" doctor.txt || fail "$(cat do
 sed '/^# role: camera$/{n;s/[0-9a-f]*$/0000000000000000/}' cell/pairs.csv >pairs.csv
 expect 2 "map.yaml: was made with camera.yaml .*, that of pairs.csv is 00000000" \
   "$bin/planar-check-error-map" --plan train cell/map.yaml pairs.csv
+
+# No plan goes on from the pairs of another calibration, until a person accepts it.
+plan_after() { "$bin/planar-plan" --cell cell/cell.yaml --readings 5 --after "$@"; }
+expect 2 "pairs.csv: was made with camera.yaml 00000000..., this one is .*; run planar-pair-tracker again" \
+  plan_after pairs.csv -o made
+plan_after pairs.csv --accept-stale -o next.csv >out.txt 2>err.txt || fail "$(cat err.txt)"
+grep -q "accepted: .*pairs.csv: was made with camera.yaml" err.txt || fail "$(cat err.txt)"
 
 # Pairs that somebody has edited are told from those that were written.
 sed -E '/^train_3,/s/,-?[0-9]/,9/' cell/pairs.csv >pairs.csv

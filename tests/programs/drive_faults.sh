@@ -47,7 +47,7 @@ for fault in drive-unplugged drive-power-cycle; do
   if servo two.csv --resume -- --fault $fault; then fail "$fault: an unhomed arm moved on"; fi
   cat said.txt
   grep -q "b: drive 2.*the arm stands and waits" said.txt || fail "$fault: not noticed"
-  grep -q "lost their position:.* 2.*; home them with planar-jog, then go on with --resume" \
+  grep -q "lost their position:.* 2.*; start with --home, .*; a run that has begun goes on with --resume" \
     said.txt || fail "$fault: homing was not asked for"
   grep -q '^a,.*,reached,' run/results.csv || fail "$fault: the first result is lost"
   if grep -q '^b,' run/results.csv; then fail "$fault: an unhomed arm has a result"; fi

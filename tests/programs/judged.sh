@@ -91,11 +91,13 @@ cp DIR/ours/{camera,workplane,tool,map,health,arm}.yaml .
 echo "arm_found: arm.yaml" | tee -a live.yaml >>untracked.yaml
 
 # Opened anew, a board with Grbl has lost its position.
+printf 'id,x_mm,y_mm\na,200,100\n' >targets.csv
 expect 1 "lost their position: 1 2 3; start with --home" "$bin/planar-check-cell" --cell live.yaml
+expect 1 "lost their position: 1 2 3; start with --home, .*; a run that has begun goes on with --resume" \
+  "$bin/planar-servo" --cell live.yaml --targets targets.csv --accept-map --out made
 "$bin/planar-check-cell" --cell live.yaml --home >said.txt || fail "$(cat said.txt)"
 grep -q "as it was at its calibration" said.txt || fail "$(cat said.txt)"
 
-printf 'id,x_mm,y_mm\na,200,100\n' >targets.csv
 expect 2 "untracked.yaml: nobody can judge this cell" \
   "$bin/planar-servo" --cell untracked.yaml --targets targets.csv --out made --judged
 operated said.err "$bin/planar-servo" --cell live.yaml --targets targets.csv --out run --home --accept-map --judged --json run.json \

@@ -1,5 +1,5 @@
 # Sourced after common.sh: cells whose camera and drives device_host serves.
-host=$bin/device_host
+host=$bin/../tests/device_host/device_host
 loopback_only=$repository/tests/support/loopback_only.sh
 
 [ -x "$host" ] || {

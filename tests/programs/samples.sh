@@ -40,11 +40,11 @@ expect_sample paired.txt "$bin/planar-pair-tracker"
 
 "$bin/planar-calibrate-arm" -q --cell cell/cell.yaml -o arm.yaml paired.csv --json arm.json >arm.txt
 expect_sample arm.txt "$bin/planar-calibrate-arm"
-"$bin/planar-plan" -q --cell cell/cell.yaml --readings 8 --after paired.csv -o next.csv >next.txt
-expect_sample next.txt "$bin/planar-plan"
 cp -r cell paired_cell
 cp workplane.yaml tool.yaml paired_cell
 rm -f paired_cell/health.yaml
+"$bin/planar-plan" -q --cell paired_cell/cell.yaml --readings 8 --after paired.csv -o next.csv >next.txt
+expect_sample next.txt "$bin/planar-plan"
 "$bin/planar-fit-error-map" -q --cell paired_cell/cell.yaml --arm-out paired_cell/arm.yaml \
   -o paired_cell/map.yaml paired.csv --json field.json >field.txt
 grep -q "^places left out " field.txt || fail "$(cat field.txt)"

@@ -175,8 +175,9 @@ TEST_CASE("Drives that lost their position are homed only when somebody allows i
   settings.drives[1].home = HomeReference::kForwardSwitch;
   ReadyBench bench(settings);
   bench.drives[1].knows_position = false;
-  CHECK_THROWS_WITH(home_where_needed(bench.robot, {}, "home it"),
-                    Catch::Contains("position: 2; home it"));
+  CHECK_THROWS_WITH(home_where_needed(bench.robot, {}, "; go on"),
+                    Catch::Contains("position: 2; start with --home, which searches their home "
+                                    "switches and moves the arm; go on"));
   std::string asked;
   const auto answer = [&](bool allowed) {
     return [&asked, allowed](Homing way, const std::string& unhomed) {
@@ -185,13 +186,13 @@ TEST_CASE("Drives that lost their position are homed only when somebody allows i
       return allowed;
     };
   };
-  CHECK_THROWS_AS(home_where_needed(bench.robot, answer(false), ""), DriveError);
+  CHECK_THROWS_AS(home_where_needed(bench.robot, answer(false)), DriveError);
   CHECK(bench.robot.unhomed() == std::vector<int>{1});
-  home_where_needed(bench.robot, answer(true), "");
+  home_where_needed(bench.robot, answer(true));
   CHECK(bench.robot.unhomed().empty());
   CHECK(asked == "drives that have lost their position: 2");
   asked.clear();
-  home_where_needed(bench.robot, answer(false), "");
+  home_where_needed(bench.robot, answer(false));
   CHECK(asked.empty());
 }
 
@@ -208,11 +209,11 @@ TEST_CASE("A drive without a home switch counts from its mark once somebody says
       return way == Homing::kSearch || at_mark;
     };
   };
-  CHECK_THROWS_WITH(home_where_needed(bench.robot, answer(false), ""),
+  CHECK_THROWS_WITH(home_where_needed(bench.robot, answer(false)),
                     Catch::Contains("no home switch: 1 (mark at 28.648 deg); turn them to their "
                                     "marks, then start with --at-marks"));
   CHECK(bench.nothing_was_sent());
-  home_where_needed(bench.robot, answer(true), "");
+  home_where_needed(bench.robot, answer(true));
   CHECK(asked.size() == 3);
   CHECK(bench.robot.unhomed().empty());
   CHECK(bench.robot.commanded_pulses()[0] == std::lround(0.5 * 1e6 / (2.0 * kPi)));

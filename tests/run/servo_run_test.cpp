@@ -140,6 +140,24 @@ TEST_CASE("A drive is waited for three times on the way to a target, whatever th
   CHECK_FALSE(run.has("a"));
 }
 
+/// Begins a run and moves to a target; what fails ends the run.
+void run_to_a(const ServoRequest& request, CellDevices& devices) {
+  ServoRun(request, devices).move_to({"a", {0.3, 0.2}, std::nullopt});
+}
+
+TEST_CASE("A run that fails before the arm moves to a target leaves no folder, a later one does") {
+  const test::TemporaryFolder folder;
+  FlakyCell devices;
+  ServoRequest request = ideal_request(folder);
+  CHECK_THROWS_AS(run_to_a(request, devices), WorkError);
+  CHECK_FALSE(std::filesystem::exists(request.out));
+  request.check_health = false;
+  FlakyCell others;
+  others.lost.takes_drive_along = 0;
+  CHECK_THROWS_AS(run_to_a(request, others), WorkError);
+  CHECK(std::filesystem::exists(request.out / "steps.csv"));
+}
+
 TEST_CASE("A camera that is not back within a minute ends the run without a result of the target") {
   const test::TemporaryFolder folder;
   FlakyCell devices;

@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <utility>
+
 #include "planar_servo/core/units.h"
 
 namespace planar {
@@ -12,6 +15,23 @@ constexpr unsigned char kDelete = 0x7f;
 /// Returns whether the text begins with a control character from U+0080 to U+009F in UTF-8.
 bool begins_with_c1(std::string_view text) {
   return text.size() >= 2 && text[0] == '\xc2' && static_cast<unsigned char>(text[1]) < 0xa0;
+}
+
+/// Returns how many letters have to be changed, put in, left out or swapped with the next one to
+/// make one word the other.
+std::size_t letters_apart(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> before, above(b.size() + 1), row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    before = std::exchange(above, row);
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      row[j] = std::min({above[j] + 1, row[j - 1] + 1, above[j - 1] + (a[i - 1] != b[j - 1])});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+        row[j] = std::min(row[j], before[j - 2] + 1);
+    }
+  }
+  return row[b.size()];
 }
 
 }  // namespace
@@ -49,6 +69,19 @@ std::string visible(std::string_view text) {
       shown += text[i];
   }
   return shown;
+}
+
+std::string nearest_word(std::string_view word, const std::vector<std::string>& words) {
+  constexpr std::size_t kMostApart = 2, kLettersPerFault = 3;
+  std::string nearest;
+  std::size_t least = kMostApart + 1;
+  for (const std::string& known : words) {
+    const std::size_t apart = letters_apart(word, known);
+    if (apart >= least || apart > std::max(word.size(), known.size()) / kLettersPerFault) continue;
+    nearest = known;
+    least = apart;
+  }
+  return nearest;
 }
 
 }  // namespace planar

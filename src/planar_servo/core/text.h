@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace planar {
 
@@ -20,5 +21,10 @@ std::string place_mm(const Eigen::Vector2d& p);
 /// Returns the text for a terminal: every control character but the line end and the tabulator is
 /// written as `\x1b`, so that what stands in a file or comes from a port controls no terminal.
 std::string visible(std::string_view text);
+
+/// Returns the word that is most like this one, the first of those equally like it. They may differ
+/// by a letter in three, and by two letters at most; two letters in each other's place count once.
+/// Empty when no word is as like.
+std::string nearest_word(std::string_view word, const std::vector<std::string>& words);
 
 }  // namespace planar

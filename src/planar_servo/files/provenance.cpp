@@ -1,6 +1,7 @@
 #include "planar_servo/files/provenance.h"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
@@ -266,6 +267,15 @@ void require_belonging(const std::vector<StaleFile>& stale) {
   Faults faults;
   for (const StaleFile& file : stale) faults.add(file.refusal);
   faults.throw_if_any();
+}
+
+std::vector<std::string> accept_stale(const std::vector<StaleFile>& stale, bool accepted) {
+  if (!accepted) require_belonging(stale);
+  std::vector<std::string> texts;
+  texts.reserve(stale.size());
+  for (const StaleFile& file : stale) texts.push_back(file.refusal.text());
+  for (const std::string& text : texts) spdlog::warn("accepted: " + text);
+  return texts;
 }
 
 }  // namespace planar

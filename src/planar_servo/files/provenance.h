@@ -131,4 +131,8 @@ std::vector<StaleFile> stale_files(const CellSettings& cell, bool with_error_map
 /// Throws InputError with these refusals, unless there are none.
 void require_belonging(const std::vector<StaleFile>& stale);
 
+/// Returns these refusals as sentences, and shows them in the log. Throws InputError with them
+/// unless they are accepted.
+std::vector<std::string> accept_stale(const std::vector<StaleFile>& stale, bool accepted);
+
 }  // namespace planar

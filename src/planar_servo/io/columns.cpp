@@ -37,7 +37,7 @@ void Columns::optional_point(std::string_view x, std::string_view y,
 
 void ColumnNames::add(std::string_view column, Column need) {
   all_.emplace_back(column);
-  if (need == Column::kRequired) required_.emplace_back(column);
+  (need == Column::kRequired ? required_ : optional_).emplace_back(column);
 }
 
 void ColumnNames::text(std::string_view column, std::string& /*field*/, Column need) {

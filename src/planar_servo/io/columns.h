@@ -98,7 +98,7 @@ void Columns::choice(std::string_view column, std::optional<Value>& field,
   if (!field && !word.empty()) refuse(column, word, names_of(table));
 }
 
-/// Collects the names of all columns, and of those that a table must have.
+/// Collects the names of all columns, of those that a table must have and of those it may lack.
 class ColumnNames : public Columns {
  public:
   bool reading() const override { return false; }
@@ -111,12 +111,13 @@ class ColumnNames : public Columns {
 
   const std::vector<std::string>& all() const { return all_; }
   const std::vector<std::string>& required() const { return required_; }
+  const std::vector<std::string>& optional() const { return optional_; }
 
  private:
   void add(std::string_view column, Column need);
 
   std::vector<std::string> all_;
-  std::vector<std::string> required_;
+  std::vector<std::string> required_, optional_;
 };
 
 /// Reads the columns that it visits from a table's current row.
@@ -203,7 +204,8 @@ class TableFile : public CsvFile {
   /// Opens the file and throws as CsvFile() does. `schema` must outlive the table.
   TableFile(const std::filesystem::path& path, const TableSchema<Row>& schema,
             const CsvDialect& dialect = {})
-      : CsvFile(path, schema.kind, schema.columns().required(), dialect, schema.unended),
+      : CsvFile(path, schema.kind, schema.columns().required(), dialect, schema.unended,
+                schema.columns().optional()),
         schema_(schema) {}
 
   /// Reads the next row. Returns false at the end of the file.

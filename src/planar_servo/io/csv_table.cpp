@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "planar_servo/io/atomic_file.h"
+#include "planar_servo/io/likely_column.h"
 
 namespace planar {
 namespace {
@@ -40,6 +41,31 @@ bool starts_with(std::string_view text, std::string_view beginning) {
 
 std::string joined(const std::vector<std::string>& names) {
   return fmt::format("{}", fmt::join(names, ", "));
+}
+
+bool has(const std::vector<std::string>& columns, const std::string& column) {
+  return std::find(columns.begin(), columns.end(), column) != columns.end();
+}
+
+/// Returns those of the names that are not among the columns.
+std::vector<std::string> not_among(const std::vector<std::string>& columns,
+                                   const std::vector<std::string>& names) {
+  std::vector<std::string> absent;
+  for (const std::string& name : names)
+    if (!has(columns, name)) absent.push_back(name);
+  return absent;
+}
+
+/// Says of each column that is none of the known ones which of the `absent` ones it probably is.
+std::vector<std::string> misnamed_columns(const std::vector<std::string>& columns,
+                                          const std::vector<std::string>& known,
+                                          const std::vector<std::string>& absent) {
+  std::vector<std::string> texts;
+  for (const std::string& name : not_among(known, columns)) {
+    const std::string ours = likely_column(name, absent);
+    if (!ours.empty()) texts.push_back(fmt::format("{} is probably {}", name, with_unit(ours)));
+  }
+  return texts;
 }
 
 }  // namespace
@@ -124,10 +150,12 @@ std::string csv_header(const std::string& kind, const std::vector<std::string>& 
 }
 
 CsvTable::CsvTable(std::filesystem::path source, const std::string& kind,
-                   std::vector<std::string> required, CsvDialect dialect)
+                   std::vector<std::string> required, CsvDialect dialect,
+                   std::vector<std::string> optional)
     : source_(std::move(source)),
       format_(format_name(kind)),
       required_(std::move(required)),
+      optional_(std::move(optional)),
       dialect_(std::move(dialect)) {}
 
 bool CsvTable::take_line(std::string_view line, int line_number) {
@@ -142,6 +170,7 @@ bool CsvTable::take_line(std::string_view line, int line_number) {
                         fmt::format("'{}' is needed here", format_), row()});
   }
   if (line_.empty() || is_comment(line_)) return false;
+  if (has_header()) faults_.count_row();
   if (!split_line()) return false;
   if (!has_header()) {
     read_header();
@@ -199,29 +228,42 @@ void CsvTable::read_header() {
   for (const std::string_view name : fields_) {
     const auto renamed = ours.find(name);
     const std::string column(renamed == ours.end() ? name : renamed->second);
-    if (std::find(columns.begin(), columns.end(), column) != columns.end())
+    if (has(columns, column))
       throw InputError(
           {fmt::format("the column '{}' stands twice in the header", column), "", row()});
     columns.push_back(column);
   }
-  std::vector<std::string> missing;
-  for (const std::string& column : required_)
-    if (std::find(columns.begin(), columns.end(), column) == columns.end())
-      missing.push_back(column);
-  if (!missing.empty()) {
-    const std::string hint =
-        columns.size() > 1 ? ""
-                           : fmt::format(" (what separates columns is '{}')", dialect_.separator);
-    throw InputError(
-        {fmt::format("lacks the column{} {}", missing.size() > 1 ? "s" : "", joined(missing)),
-         fmt::format("needed are {}; it has {}{}", required_columns(), joined(columns), hint),
-         source_});
-  }
+  require_columns(columns);
   columns_ = std::move(columns);
+}
+
+void CsvTable::require_columns(const std::vector<std::string>& columns) const {
+  std::vector<std::string> known = required_;
+  known.insert(known.end(), optional_.begin(), optional_.end());
+  const std::vector<std::string> missing = not_among(columns, required_);
+  const std::vector<std::string> misnamed =
+      misnamed_columns(columns, known, not_among(columns, known));
+  if (missing.empty() && misnamed.empty()) return;
+  if (missing.empty())
+    throw InputError({fmt::format("the column {}", fmt::join(misnamed, ", ")),
+                      "write it so, or give it quite another name if it is something else",
+                      source_});
+  const std::string hint =
+      columns.size() > 1 ? ""
+                         : fmt::format(" (what separates columns is '{}')", dialect_.separator);
+  throw InputError(
+      {fmt::format("lacks the column{} {}", missing.size() > 1 ? "s" : "", joined(missing)),
+       fmt::format("needed are {}; it has {}{}{}{}", required_columns(), joined(columns), hint,
+                   misnamed.empty() ? "" : "; ", joined(misnamed)),
+       source_});
 }
 
 std::string CsvTable::required_columns() const {
   return joined(required_);
+}
+
+bool CsvTable::has_column(const std::string& column) const {
+  return has(columns_, column);
 }
 
 std::string_view CsvTable::text(std::string_view column) const {
@@ -292,8 +334,8 @@ void CsvTable::throw_if_faulty_or_empty(const std::string& remedy) {
 
 CsvFile::CsvFile(const std::filesystem::path& path, const std::string& kind,
                  const std::vector<std::string>& required, const CsvDialect& dialect,
-                 UnendedRow unended)
-    : CsvTable(path, kind, required, dialect), in_(open_file(path)), unended_(unended) {
+                 UnendedRow unended, const std::vector<std::string>& optional)
+    : CsvTable(path, kind, required, dialect, optional), in_(open_file(path)), unended_(unended) {
   while (!has_header()) {
     if (!next_line())
       throw InputError(

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "planar_servo/core/error.h"
+#include "planar_servo/io/table_faults.h"
 
 namespace planar {
 
@@ -60,24 +61,27 @@ struct CsvDialect {
 };
 
 /// Reads a CSV table line by line and holds the current row only. Columns are found by name, in any
-/// order. `#` comments and blank lines are skipped, and extra columns are ignored. A field in
-/// quotes [RFC 4180] may hold the separator and line ends. The first line may be
-/// `# format: planar-servo/<kind>/1`; another format there is refused. Faults of rows are collected
-/// with FILE:LINE and thrown all at once.
+/// order. `#` comments and blank lines are skipped. Extra columns are ignored, unless they look
+/// like one of ours that is not there. A field in quotes [RFC 4180] may hold the separator and line
+/// ends. The first line may be `# format: planar-servo/<kind>/1`; another format there is refused.
+/// Faults of rows are collected with FILE:LINE and thrown all at once.
 class CsvTable {
  public:
-  /// Begins without a header or a row. `source` names the file in messages.
+  /// Begins without a header or a row. `source` names the file in messages, `optional` the columns
+  /// that it may lack.
   CsvTable(std::filesystem::path source, const std::string& kind, std::vector<std::string> required,
-           CsvDialect dialect = {});
+           CsvDialect dialect = {}, std::vector<std::string> optional = {});
   CsvTable(const CsvTable&) = delete;  // the fields are views of the line
   CsvTable& operator=(const CsvTable&) = delete;
 
   /// Takes one more line. Returns true when it is a row, which is the current one then. A row whose
   /// number of fields differs from the header's is a fault. Throws InputError for another format
-  /// and for a header that lacks a required column or names one twice; such a header is not taken.
+  /// and for a header that lacks a required column, names one twice or has a misnamed optional one;
+  /// such a header is not taken.
   bool take_line(std::string_view line, int line_number);
 
   bool has_header() const { return !columns_.empty(); }
+  bool has_column(const std::string& column) const;
 
   // These functions read the current row.
 
@@ -113,13 +117,14 @@ class CsvTable {
 
  private:
   void read_header();
+  void require_columns(const std::vector<std::string>& columns) const;
   /// Splits line_ into fields_. When a quoted field does not end, adds a fault and returns false.
   bool split_line();
   std::string_view without_doubled_quotes(std::string_view text);
 
   std::filesystem::path source_;
   std::string format_;
-  std::vector<std::string> required_;
+  std::vector<std::string> required_, optional_;
   CsvDialect dialect_;
   std::vector<std::string> columns_;
   std::string line_;
@@ -128,7 +133,7 @@ class CsvTable {
   std::string unquoted_;                  ///< fields that had doubled quotes
   mutable std::size_t next_column_{0};    ///< most callers ask for the columns in their order
   bool has_rows_{false};
-  Faults faults_;
+  TableFaults faults_;
 };
 
 /// Says what a last row without a line end is: torn, as by a program that was killed while it
@@ -146,7 +151,7 @@ class CsvFile : public CsvTable {
   /// header line, and when take_line() does.
   CsvFile(const std::filesystem::path& path, const std::string& kind,
           const std::vector<std::string>& required, const CsvDialect& dialect = {},
-          UnendedRow unended = UnendedRow::kWarned);
+          UnendedRow unended = UnendedRow::kWarned, const std::vector<std::string>& optional = {});
 
   /// Takes the next row. Returns false at the end of the file.
   bool next_row();

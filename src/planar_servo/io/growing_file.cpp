@@ -87,11 +87,6 @@ void GrowingFile::append(const std::string& lines, Durability durability) {
     throw WorkError({"cannot be written", "is the disk full?", path_});
 }
 
-void GrowingFile::remove() {
-  std::error_code error;
-  fs::remove(path_, error);
-}
-
 void make_folder(const fs::path& path) {
   std::error_code error;
   const fs::path above = fs::absolute(path).lexically_normal().parent_path();

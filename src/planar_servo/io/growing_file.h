@@ -46,9 +46,6 @@ class GrowingFile {
   /// Appends whole lines. Throws WorkError when they cannot be written, as on a full disk.
   void append(const std::string& lines, Durability durability = Durability::kCrash);
 
-  /// Removes the file, which must not grow any more then.
-  void remove();
-
  private:
   std::filesystem::path path_;
 };

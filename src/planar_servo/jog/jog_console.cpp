@@ -239,11 +239,27 @@ std::string JogConsole::enable(const Words& /*words*/) {
   constexpr double kOnce = 0.0;
   robot_.recover(kOnce);
   enabled_ = true;
-  const std::vector<int> unhomed = robot_.unhomed();
-  if (unhomed.empty()) return "the drives are on and know where they stand";
-  std::string text = "the drives are on; still to be homed:";
-  for (const int joint : unhomed) text += fmt::format(" joint {}", joint + 1);
-  return text;
+  const std::string to_do = how_to_home();
+  if (to_do.empty()) return "the drives are on and know where they stand";
+  return "the drives are on; still to be homed: " + to_do;
+}
+
+std::string JogConsole::how_to_home() {
+  std::vector<std::string> to_search, ways;
+  for (const int joint : robot_.unhomed()) {
+    if (const auto mark = robot_.home_mark(joint))
+      ways.push_back(
+          fmt::format("turn joint {0} to its mark at {1:.3f} deg by hand, then give the "
+                      "command mark {0} (key ':')",
+                      joint + 1, *mark / kDegree));
+    else
+      to_search.push_back(fmt::format("joint {}", joint + 1));
+  }
+  if (!to_search.empty())
+    ways.insert(ways.begin(), fmt::format("{}: press h (command home), which searches the "
+                                          "home switches and moves the arm",
+                                          fmt::join(to_search, ", ")));
+  return fmt::format("{}", fmt::join(ways, "; "));
 }
 
 std::string JogConsole::home(const Words& words) {
@@ -290,7 +306,10 @@ std::string JogConsole::move_by(const Eigen::Vector2d& step) {
 }
 
 std::string JogConsole::move_to(const Joints& theta) {
-  if (!enabled_) throw InputError(Refusal{"the drives are off", "enable them first"});
+  if (!enabled_)
+    throw InputError(Refusal{"the drives are off", "enable them first (key o, command enable)"});
+  if (const std::string to_do = how_to_home(); !to_do.empty())
+    throw InputError(Refusal{"drives do not know where they stand", to_do});
   if (const auto forbidden = refusal(theta)) throw InputError(*forbidden);
   FrameSource& camera = devices_.camera();
   PlanarRobot::Guard guard;  // stays empty after a loss of the camera: jogging goes on

@@ -93,6 +93,8 @@ class JogConsole {
 
   std::string move_by(const Eigen::Vector2d& step);
   std::string move_to(const Joints& theta);
+  /// Returns what makes the drives known that do not know their position; empty when all do.
+  std::string how_to_home();
   /// Returns what forbids the way from where the arm is to these joints, if anything does.
   std::optional<std::string> refusal(const Joints& theta) const;
   TipMeasurement measure();

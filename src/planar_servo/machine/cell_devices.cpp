@@ -1,7 +1,6 @@
 #include "planar_servo/machine/cell_devices.h"
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/machine/device_kinds.h"
@@ -88,8 +87,7 @@ void require_devices(const CellSettings& cell) {
 
 std::unique_ptr<CellDevices> open_cell(const CellSettings& cell) {
   require_devices(cell);
-  for (const Finding& doubt : question_values(cell))
-    spdlog::warn(Refusal{doubt.what, doubt.remedy, doubt.subject}.at(cell.file).text());
+  warn_of_values(cell);
   std::shared_ptr<VirtualCell> world;
   if (cell.camera.kind->is_virtual())
     world = std::make_shared<VirtualCell>(read_truth(*cell.truth), virtual_hardware(cell));

@@ -1,6 +1,7 @@
 #include "planar_servo/machine/plausibility.h"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <array>
@@ -8,6 +9,7 @@
 #include <optional>
 #include <string>
 
+#include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
 
 namespace planar {
@@ -133,7 +135,7 @@ std::vector<Finding> question_diameters(const CellSettings& cell) {
 
 std::vector<Finding> question_servo(const ServoSettings& servo) {
   return question_unusual(
-      {{"servo.tolerance_mm", mm(servo.tolerance_m), 1e-4, 0.5,
+      {{"servo.tolerance_mm", mm(servo.tolerance_m), 1e-3, 0.5,
         "arms are usually positioned within {:g} to {:g} mm",
         "write millimetres, such as 0.005 for 5 micrometres"},
        {"servo.max_step_mm", mm(servo.max_step_m), 0.05, 500.0,
@@ -261,6 +263,11 @@ std::vector<Finding> question_values(const CellSettings& cell) {
         question_tracker(cell.tracker), question_datum(cell.datum, links_m.sum())})
     findings.insert(findings.end(), questions.begin(), questions.end());
   return findings;
+}
+
+void warn_of_values(const CellSettings& cell) {
+  for (const Finding& doubt : question_values(cell))
+    spdlog::warn(Refusal{doubt.what, doubt.remedy, doubt.subject}.at(cell.file).text());
 }
 
 }  // namespace planar

@@ -12,4 +12,7 @@ namespace planar {
 /// all is plausible.
 std::vector<Finding> question_values(const CellSettings& cell);
 
+/// Shows these questions in the log.
+void warn_of_values(const CellSettings& cell);
+
 }  // namespace planar

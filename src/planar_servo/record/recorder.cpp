@@ -169,7 +169,7 @@ class Recorder {
 
   void make_ready() {
     robot_.energize();
-    home_where_needed(robot_, may_home_, "start with --home, or home them with planar-jog");
+    home_where_needed(robot_, may_home_);
     energized_ = true;
   }
 

@@ -14,7 +14,7 @@ void ask(const MayHome& may_home, Homing way, const std::string& unhomed,
 
 }  // namespace
 
-void home_where_needed(PlanarRobot& robot, const MayHome& may_home, const std::string& remedy) {
+void home_where_needed(PlanarRobot& robot, const MayHome& may_home, const std::string& beside) {
   std::vector<int> to_search, at_mark;
   std::string with_switch = "drives that have lost their position:";
   std::string with_mark = "drives that have lost their position and have no home switch:";
@@ -27,8 +27,13 @@ void home_where_needed(PlanarRobot& robot, const MayHome& may_home, const std::s
       with_switch += fmt::format(" {}", joint + 1);
   }
   if (!at_mark.empty())
-    ask(may_home, Homing::kMark, with_mark, "turn them to their marks, then start with --at-marks");
-  if (!to_search.empty()) ask(may_home, Homing::kSearch, with_switch, remedy);
+    ask(may_home, Homing::kMark, with_mark,
+        "turn them to their marks, then start with --at-marks" + beside);
+  // Not by planar-jog: a board with Grbl has lost its position again when the next program opens
+  // it.
+  if (!to_search.empty())
+    ask(may_home, Homing::kSearch, with_switch,
+        "start with --home, which searches their home switches and moves the arm" + beside);
   for (const int joint : at_mark) robot.teach_home(joint);
   for (const int joint : to_search) robot.search_home(joint);
 }

@@ -124,11 +124,16 @@ PathRun::PathRun(const ServoRequest& request, const PathRequest& path, CellDevic
       follower_(cell_.settings().servo, cell_.limits(), cell_.planner(), cell_.robot(),
                 cell_.sensor(), devices.clock(),
                 {1.0 / cell_.settings().camera.frame_rate_hz, devices.camera().exposure().time_s}),
+      folder_(request.out, {"path_looks.csv", "path_results.csv"}),
       lock_(folder_for_path(request)),
       look_table_(request.out / "path_looks.csv", path_looks_header()),
       result_table_(request.out / "path_results.csv",
                     path_results_header(csv_remarks(run_origins(request)))) {
   cell_.switch_on();
+}
+
+PathRun::~PathRun() {
+  if (!results_.empty() || cell_.has_moved_on()) folder_.keep();
 }
 
 const PathSpeedResult& PathRun::follow(double speed_m_s, Guidance guidance) {

@@ -7,6 +7,7 @@
 
 #include "planar_servo/io/growing_file.h"
 #include "planar_servo/run/ready_cell.h"
+#include "planar_servo/run/run_folder.h"
 #include "planar_servo/servo/path/path_check.h"
 #include "planar_servo/tables/path_tables.h"
 
@@ -41,6 +42,8 @@ class PathRun {
  public:
   /// Switches the drives on. Throws as ServoRun() does, and InputError when the folder holds a run.
   PathRun(const ServoRequest& request, const PathRequest& path, CellDevices& devices);
+  /// Does what ~ServoRun() does.
+  ~PathRun();
 
   /// Checks whether the cell is well, goes to the path's beginning and follows it. A path that ends
   /// early has a result like the others. Guided by vision for the first time, it measures the play,
@@ -70,6 +73,7 @@ class PathRun {
   std::optional<Eigen::Vector3d> play_rad_;  ///< once it was measured
   ReadyCell cell_;
   PathFollower follower_;
+  RunFolder folder_;
   FolderLock lock_;
   std::vector<PathSpeedResult> results_;
   std::vector<PathLookRow> looks_;

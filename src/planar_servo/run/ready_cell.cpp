@@ -60,13 +60,7 @@ std::unique_ptr<LandingModel> landings_of(const ServoRequest& request,
 
 std::vector<std::string> accept_stale_files(const CellSettings& cell, bool with_error_map,
                                             bool accepted) {
-  const std::vector<StaleFile> stale = stale_files(cell, with_error_map);
-  if (!accepted) require_belonging(stale);
-  std::vector<std::string> texts;
-  texts.reserve(stale.size());
-  for (const StaleFile& file : stale) texts.push_back(file.refusal.text());
-  for (const std::string& text : texts) spdlog::warn("accepted: " + text);
-  return texts;
+  return accept_stale(stale_files(cell, with_error_map), accepted);
 }
 
 std::optional<std::string> accept_map(const CellSettings& cell, const VisionCalibration& vision,
@@ -112,10 +106,15 @@ void ReadyCell::switch_on() {
 std::optional<std::string> ReadyCell::examine_if_due() {
   if (!examined_s_) {
     if (const std::string unwell = examine(); !unwell.empty()) throw WorkError(unwell);
+    begun_at_ = robot_.commanded_pulses();
     return std::string();
   }
   if (!was_examined_s_ago(kExamineEvery_s)) return std::nullopt;
   return examine();
+}
+
+bool ReadyCell::has_moved_on() const {
+  return begun_at_ && robot_.commanded_pulses() != *begun_at_;
 }
 
 std::optional<std::string> ReadyCell::examine_at_end() {
@@ -164,7 +163,7 @@ bool ReadyCell::was_examined_s_ago(double seconds) const {
 void ReadyCell::recover_drives(const std::string& id, const std::string& reason) {
   spdlog::warn(fmt::format("{}: {}; the arm stands and waits", id, reason));
   robot_.recover(kDrivePatience_s);
-  home_where_needed(robot_, may_home_, "home them with planar-jog, then go on with --resume");
+  home_where_needed(robot_, may_home_, "; a run that has begun goes on with --resume as well");
   spdlog::info(fmt::format("{}: the drives are ready again; going on", id));
 }
 

@@ -71,7 +71,10 @@ class ReadyCell {
   /// empty text when the cell is well, else what is not. Throws WorkError when it is not well at
   /// first.
   std::optional<std::string> examine_if_due();
-  /// The same once the work is done, if the last look was more than a minute ago.
+  /// Returns whether the arm was moved since the first of these looks. Homing counts.
+  bool has_moved_on() const;
+  /// The same as examine_if_due() once the work is done, if the last look was more than a minute
+  /// ago.
   std::optional<std::string> examine_at_end();
 
   /// Keeps every ten minutes what was learned of the arm.
@@ -116,6 +119,7 @@ class ReadyCell {
   MayHome may_home_;
   bool check_health_;
   std::optional<double> examined_s_;  ///< when the cell was last looked at
+  std::optional<Pulses> begun_at_;    ///< where the arm stood after the first look
   VisionCalibration vision_;
   std::optional<HealthRecord> health_;
   GuardLimits limits_;

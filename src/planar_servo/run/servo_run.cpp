@@ -105,6 +105,7 @@ ServoRun::ServoRun(const ServoRequest& request, CellDevices& devices, Observer o
       judge_(devices.truth() ? devices.truth() : request.judge),
       keep_going_(request.keep_going),
       cell_(request, devices),
+      folder_(request.out, {"steps.csv", "results.csv"}),
       lock_(folder_for(request)),
       results_(results_so_far(request)),
       results_before_(results_.size()),
@@ -114,6 +115,10 @@ ServoRun::ServoRun(const ServoRequest& request, CellDevices& devices, Observer o
       steps_(request.out / "steps.csv", steps_header()),
       table_(table_file_, table_header_) {
   cell_.switch_on();
+}
+
+ServoRun::~ServoRun() {
+  if (!results_.empty() || cell_.has_moved_on()) folder_.keep();
 }
 
 ServoResult ServoRun::attempt(const TargetRow& target, TargetScorer& scorer) {
@@ -189,12 +194,6 @@ TargetResult ServoRun::move_to(const TargetRow& target) {
   }
   cell_.keep_lessons_if_due();
   return results_.back();
-}
-
-void ServoRun::discard_if_empty() {
-  if (!results_.empty()) return;
-  steps_.remove();
-  table_.remove();
 }
 
 void ServoRun::require_same(const TargetRow& target) const {

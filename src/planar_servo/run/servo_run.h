@@ -10,6 +10,7 @@
 #include "planar_servo/devices/judge.h"
 #include "planar_servo/io/growing_file.h"
 #include "planar_servo/run/ready_cell.h"
+#include "planar_servo/run/run_folder.h"
 #include "planar_servo/servo/position_servo.h"
 #include "planar_servo/tables/result_table.h"
 #include "planar_servo/tables/target_table.h"
@@ -66,6 +67,9 @@ class ServoRun {
   /// servo settings, and `resume` is set, when another program writes there, and for calibration
   /// files that do not belong together unless `accept_stale` is set.
   ServoRun(const ServoRequest& request, CellDevices& devices, Observer observer = {});
+  /// When an exception ends the run before the arm was moved to a target, removes what the run has
+  /// made: its tables, and the folder where it was not there.
+  ~ServoRun();
 
   /// Looks before the first target, and every ten minutes after it, whether the cell still is as
   /// its files say and as it was at its calibration; throws WorkError with what it finds at first.
@@ -94,8 +98,6 @@ class ServoRun {
   bool has(const std::string& id) const;
   /// Returns whether move_to() has added a result to those that the folder held.
   bool has_new_results() const { return results_.size() > results_before_; }
-  /// Removes the tables of a run without any result, as when no target could be read.
-  void discard_if_empty();
   /// Returns the sentences on files that do not belong together and were accepted.
   const std::vector<std::string>& accepted_stale() const { return cell_.accepted_stale(); }
   const std::optional<std::string>& accepted_map() const { return cell_.accepted_map(); }
@@ -117,6 +119,7 @@ class ServoRun {
   bool keep_going_;
   std::optional<std::string> ended_by_;
   ReadyCell cell_;
+  RunFolder folder_;
   FolderLock lock_;
   std::vector<TargetResult> results_;
   std::size_t results_before_;

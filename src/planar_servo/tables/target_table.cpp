@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/io/columns.h"
 
@@ -28,7 +29,19 @@ bool has_number(const std::vector<std::string_view>& fields) {
 }  // namespace
 
 std::vector<TargetRow> read_targets(const std::filesystem::path& path) {
-  return TableFile<TargetRow>(path, target_schema()).rows(RowIds::kOwn);
+  TableFile<TargetRow> table(path, target_schema());
+  try {
+    return table.rows(RowIds::kOwn);
+  } catch (const InputError&) {
+    // Its board views and sweeps need no place.
+    if (!table.has_column("plan")) throw;
+    throw InputError(
+        {"is a plan for planar-record, by its column plan, and not every row has a "
+         "place to go to",
+         "a table of targets is needed, with the columns id, x_mm, y_mm and perhaps "
+         "phi_deg",
+         path});
+  }
 }
 
 std::string targets_header() {
@@ -40,7 +53,8 @@ std::string target_line(const TargetRow& row) {
 }
 
 TargetLines::TargetLines(const std::string& source, std::set<std::string> taken)
-    : table_(source, target_schema().kind, target_schema().columns().required()),
+    : table_(source, target_schema().kind, target_schema().columns().required(), {},
+             target_schema().columns().optional()),
       taken_(std::move(taken)) {}
 
 std::optional<TargetRow> TargetLines::next(const std::string& line, bool has_end) {

@@ -1,0 +1,56 @@
+#include "planar_servo/run/target_doubts.h"
+
+#include <catch2/catch.hpp>
+
+#include "planar_servo/core/units.h"
+
+namespace planar {
+namespace {
+
+using Catch::Contains;
+
+const Workspace kWideRing{60.0 * kMillimetre, 590.0 * kMillimetre, {}};
+const Workspace kWideDisc{0.0, 590.0 * kMillimetre, {}};
+
+/// Returns targets at places that are written as these numbers, and with these directions.
+std::vector<TargetRow> written_targets(double x, double y, const std::vector<double>& phi_deg) {
+  std::vector<TargetRow> targets;
+  for (const double phi : phi_deg)
+    targets.push_back(
+        {std::to_string(targets.size()), Eigen::Vector2d(x, y) * kMillimetre, phi * kDegree});
+  return targets;
+}
+
+TEST_CASE("Targets in metres are refused where none can be reached, and questioned elsewhere") {
+  const auto targets = written_targets(0.2, -0.35, {0.0, 90.0});
+  CHECK_THROWS_WITH(question_targets(targets, kWideRing, "t.csv"),
+                    "t.csv: no coordinate is larger than 0.35 mm, while the workspace reaches to "
+                    "590 mm; metres would be such numbers; write millimetres, such as 200 for 0.2 "
+                    "m");
+  CHECK_NOTHROW(question_targets(targets, kWideDisc, "t.csv"));
+  CHECK(target_doubts(targets, kWideDisc).size() == 1);
+  auto mixed = targets;
+  mixed.push_back({"far", {0.2, 0.1}, {}});
+  CHECK(target_doubts(mixed, kWideRing).empty());
+}
+
+TEST_CASE("Directions that look like radians are questioned, and hold nothing up") {
+  const auto targets = written_targets(200.0, 100.0, {1.5708, -3.1416, 2.0});
+  REQUIRE(target_doubts(targets, kWideRing).size() == 1);
+  CHECK_THAT(target_doubts(targets, kWideRing)[0].text(),
+             Contains("phi_deg is 0 in no row and at most 3.1416; radians would be such numbers") &&
+                 Contains("write degrees, such as 90 for 1.571 radians"));
+  CHECK_NOTHROW(question_targets(targets, kWideRing, "t.csv"));
+  CHECK_NOTHROW(question_targets(written_targets(900.0, 0.0, {1.5}), kWideRing, "t.csv"));
+}
+
+TEST_CASE("Directions that degrees would be as well are not questioned") {
+  for (const std::vector<double>& phi_deg :
+       {std::vector<double>{1.5, 0.0}, {1.5, 6.5}, {1.0, 2.0, -3.0}})
+    CHECK(target_doubts(written_targets(200.0, 100.0, phi_deg), kWideRing).empty());
+  CHECK(target_doubts({{"a", {0.2, 0.1}, {}}}, kWideRing).empty());
+  CHECK(target_doubts({}, kWideRing).empty());
+}
+
+}  // namespace
+}  // namespace planar
