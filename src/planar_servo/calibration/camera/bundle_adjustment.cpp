@@ -42,22 +42,18 @@ struct ViewEquations {
   double squares{0.0}, points{0.0};
 };
 
-/// A camera with one distortion coefficient a step less and a step more.
-using CameraPair = std::pair<CameraModel, CameraModel>;
-
-std::vector<CameraPair> moved_cameras(const CameraModel& camera, Eigen::Index parameters) {
-  std::vector<CameraPair> moved;
-  for (Eigen::Index c = 4; c < parameters; ++c) {
-    const Eigen::VectorXd step = kCoefficientStep * Eigen::VectorXd::Unit(parameters, c);
-    moved.emplace_back(moved_camera(camera, -step), moved_camera(camera, step));
-  }
+/// Returns the camera with one distortion coefficient a step more, for each.
+std::vector<CameraModel> moved_cameras(const CameraModel& camera, Eigen::Index parameters) {
+  std::vector<CameraModel> moved;
+  for (Eigen::Index c = 4; c < parameters; ++c)
+    moved.push_back(moved_camera(camera, kCoefficientStep * Eigen::VectorXd::Unit(parameters, c)));
   return moved;
 }
 
-/// Returns the equations of a view. The derivatives by the coefficients are central differences,
-/// because lens models are nearly linear in them. Empty when a point has no pixel.
+/// Returns the equations of a view. The derivatives by the coefficients are differences, because
+/// lens models are nearly linear in them. Empty when a point has no pixel.
 std::optional<ViewEquations> equations_of(const CameraModel& camera,
-                                          const std::vector<CameraPair>& moved, const Pose& X_CG,
+                                          const std::vector<CameraModel>& moved, const Pose& X_CG,
                                           const CalibrationView& view) {
   const Intrinsics k = intrinsics(camera);
   const Eigen::Index rows = 2 * static_cast<Eigen::Index>(view.pixels.size());
@@ -76,10 +72,9 @@ std::optional<ViewEquations> equations_of(const CameraModel& camera,
     J_K.block<2, 4>(row, 0) << (uv->x() - k.cx) / k.fx, 0.0, 1.0, 0.0, 0.0, (uv->y() - k.cy) / k.fy,
         0.0, 1.0;
     for (std::size_t c = 0; c < moved.size(); ++c) {
-      const auto less = project(moved[c].first, p_C), more = project(moved[c].second, p_C);
-      if (!less || !more) return std::nullopt;
-      J_K.block<2, 1>(row, 4 + static_cast<Eigen::Index>(c)) =
-          (*more - *less) / (2.0 * kCoefficientStep);
+      const auto more = project(moved[c], p_C);
+      if (!more) return std::nullopt;
+      J_K.block<2, 1>(row, 4 + static_cast<Eigen::Index>(c)) = (*more - *uv) / kCoefficientStep;
     }
   }
   ViewEquations result;
@@ -145,7 +140,7 @@ class Bundle {
                                      Eigen::Index parameters) {
     Bundle bundle{camera, X_CG};
     try {
-      const std::vector<CameraPair> moved = moved_cameras(camera, parameters);
+      const std::vector<CameraModel> moved = moved_cameras(camera, parameters);
       for (std::size_t i = 0; i < views.size(); ++i) {
         auto of_view = equations_of(camera, moved, X_CG[i], views[i]);
         if (!of_view) return std::nullopt;
