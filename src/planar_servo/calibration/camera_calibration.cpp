@@ -59,8 +59,8 @@ CameraUncertainty uncertainty_of(const LensFit& fit, const std::vector<Calibrati
   const auto covariance =
       by_visp ? visp_covariance(fit, views) : covariance_from(jacobians_of(*information));
   if (!covariance) refuse(model);
-  const CameraUncertainty uncertainty{*covariance * (information->squares / information->freedom),
-                                      scatter_over_views(*information)};
+  CameraUncertainty uncertainty{*covariance * (information->squares / information->freedom),
+                                scatter_over_views(*information)};
   const Eigen::VectorXd sigma = deviations(uncertainty, fit.camera);
   const Intrinsics k = intrinsics(fit.camera);
   if (!sigma.allFinite() || sigma.head<4>().maxCoeff() > kMostUncertain * std::min(k.fx, k.fy))

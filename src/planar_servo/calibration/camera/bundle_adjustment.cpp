@@ -37,7 +37,7 @@ constexpr double kLeastNoise_px = 1e-6;
 /// board's pose, and mixed.
 struct ViewEquations {
   Eigen::MatrixXd camera, mixed, pose;
-  Eigen::MatrixXd J_own;  ///< of the camera, the pose eliminated
+  Eigen::MatrixXd J_K;  ///< of the camera, the pose eliminated
   Eigen::VectorXd camera_gradient, pose_gradient;
   double squares{0.0}, points{0.0};
 };
@@ -81,7 +81,7 @@ std::optional<ViewEquations> equations_of(const CameraModel& camera,
   result.camera = J_K.transpose() * J_K;
   result.mixed = J_CG.transpose() * J_K;
   result.pose = J_CG.transpose() * J_CG;
-  result.J_own = J_K - J_CG * solve_symmetric(result.pose, result.mixed);
+  result.J_K = J_K - J_CG * solve_symmetric(result.pose, result.mixed);
   result.camera_gradient = J_K.transpose() * residuals;
   result.pose_gradient = J_CG.transpose() * residuals;
   result.squares = residuals.squaredNorm();
@@ -99,8 +99,8 @@ FitInformation information_of(const std::vector<ViewEquations>& views) {
   Eigen::VectorXd gradient = Eigen::VectorXd::Zero(parameters);
   for (const ViewEquations& view : views) {
     const Eigen::VectorXd pose_step = solve_symmetric(view.pose, view.pose_gradient);
-    sum.views.push_back({view.J_own, view.camera_gradient - view.mixed.transpose() * pose_step});
-    sum.camera += view.J_own.transpose() * view.J_own;
+    sum.views.push_back({view.J_K, view.camera_gradient - view.mixed.transpose() * pose_step});
+    sum.camera += view.J_K.transpose() * view.J_K;
     gradient += sum.views.back().gradient;
     sum.decrease += view.pose_gradient.dot(pose_step);
     sum.squares += view.squares;
@@ -301,7 +301,7 @@ std::optional<FitInformation> fit_information(const LensFit& fit,
 
 std::vector<Eigen::MatrixXd> jacobians_of(const FitInformation& information) {
   std::vector<Eigen::MatrixXd> jacobians;
-  for (const FitInformation::OfView& view : information.views) jacobians.push_back(view.J_camera);
+  for (const FitInformation::OfView& view : information.views) jacobians.push_back(view.J_K);
   return jacobians;
 }
 

@@ -37,7 +37,7 @@ struct FitInformation {
   /// What one view adds to the gradient of half the squares, and to `camera`: the square of its
   /// Jacobian.
   struct OfView {
-    Eigen::MatrixXd J_camera;
+    Eigen::MatrixXd J_K;
     Eigen::VectorXd gradient;
   };
   std::vector<OfView> views;
