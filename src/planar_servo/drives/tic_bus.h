@@ -84,8 +84,6 @@ class StatusBlock {
   bool position_certain() const { return !flag(kPositionUncertain); }
   bool homing() const { return flag(kHoming); }
   double supply_v() const { return read<std::uint16_t>(0x33) * 1e-3; }
-  std::uint32_t max_speed_units() const { return read<std::uint32_t>(0x16); }
-  std::uint32_t max_acceleration_units() const { return read<std::uint32_t>(0x1e); }
 
   /// Returns the target position, or the present one unless a position was commanded.
   std::int32_t target() const;
