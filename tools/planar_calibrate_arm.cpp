@@ -1,4 +1,4 @@
-#include "planar_servo/field/arm/arm_terms.h"
+#include "planar_servo/field/arm/arm_fit.h"
 #include "planar_servo/files/arm_file.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/machine/device_kinds.h"
@@ -33,7 +33,7 @@ Outcome calibrate(const Options& options) {
   const ArmFit fit = fit_arm(arm_of_files(cell), read_arm_readings(cell, options.table));
   const std::vector<Origin> origins{origin_of({Role::kPairs, options.table}), arm_origin(cell)};
   write_file(options.output,
-             found_arm_text(found_arm(fit.estimate), arm_terms(fit.estimate), origins, kText.name));
+             found_arm_text(fit.estimate.arm(), arm_terms(fit.estimate), origins, kText.name));
   const Outcome outcome = told(arm_list(fit));
   if (page) write_page(*page, arm_page(fit, options.output));
   return outcome;

@@ -8,7 +8,7 @@
 #include "planar_servo/machine/cell_devices.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/run/cell_check.h"
-#include "planar_servo/servo/camera_wait.h"
+#include "planar_servo/servo/approach.h"
 #include "program.h"
 
 namespace planar {

@@ -5,7 +5,6 @@
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/doctor/doctor.h"
-#include "planar_servo/doctor/new_cell.h"
 #include "planar_servo/io/checksum.h"
 #include "program.h"
 

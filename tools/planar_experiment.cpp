@@ -22,7 +22,6 @@
 #include "planar_servo/experiment/experiment.h"
 #include "planar_servo/experiment/experiment_report.h"
 #include "planar_servo/io/atomic_file.h"
-#include "planar_servo/io/format_line.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/plan/experiment_plan.h"
 #include "program.h"

@@ -5,8 +5,8 @@
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
+#include "planar_servo/files/calibration_files.h"
 #include "planar_servo/files/vision_files.h"
-#include "planar_servo/files/workplane_file.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/offline/pairs/health_of_recording.h"

@@ -4,7 +4,7 @@
 #include "homing_options.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/record/recorder.h"
-#include "planar_servo/tables/plan_table.h"
+#include "planar_servo/tables/recording_tables.h"
 #include "program.h"
 
 namespace planar {

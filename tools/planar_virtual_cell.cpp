@@ -16,7 +16,6 @@
 #include "planar_servo/rehearsal/cell_commands.h"
 #include "planar_servo/rehearsal/served_cell.h"
 #include "planar_servo/virtual_cell/truth/truth.h"
-#include "planar_servo/virtual_cell/truth/truth_file.h"
 #include "program.h"
 
 namespace planar {

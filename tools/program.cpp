@@ -14,7 +14,6 @@
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/io/atomic_file.h"
-#include "planar_servo/io/format_line.h"
 #include "program.h"
 
 namespace planar {

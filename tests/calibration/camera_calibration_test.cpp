@@ -7,7 +7,6 @@
 #include "calibration/board_image.h"
 #include "calibration/board_views.h"
 #include "planar_servo/calibration/board.h"
-#include "planar_servo/calibration/board_pose.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/lens/lens_models.h"
 #include "support/shared_data.h"

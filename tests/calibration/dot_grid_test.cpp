@@ -5,7 +5,7 @@
 #include "calibration/board_image.h"
 #include "planar_servo/calibration/board.h"
 #include "planar_servo/core/error.h"
-#include "planar_servo/tool/disc_image.h"
+#include "planar_servo/lens/workplane.h"
 #include "support/shared_data.h"
 
 namespace planar {
@@ -174,8 +174,8 @@ TEST_CASE("A board of unknown pitch has a shape, and no lengths are taken from i
   CHECK(board.pitch == 0.001);
   CHECK(parse_board("circles:6x5:34.5mm", BoardUse::kShape).pitch_known);
   CHECK_THROWS_WITH(parse_board("circles:6x5:?"),
-                    Catch::Contains("'circles:6x5:?' leaves the pitch open") &&
-                        Catch::Contains("measure it and state it"));
+                    Catch::Contains("'circles:6x5:?' has no pitch") &&
+                        Catch::Contains("measure the pitch and state it"));
   CHECK_THROWS_AS(parse_board("circles:6x5:?mm", BoardUse::kShape), InputError);
 }
 

@@ -25,7 +25,7 @@ std::vector<Eigen::Vector2d> turned(const Eigen::Vector2d& axis, double arc, dou
 
 }  // namespace
 
-TEST_CASE("The axis of a turning joint is found, whatever the angles were, as well as is said") {
+TEST_CASE("The axis of a turning joint is found within its stated deviation, whatever the angles") {
   constexpr double kNoise = 0.010 * kMillimetre;
   constexpr int kSeeds = 400;
   const Eigen::Vector2d axis(1.0 * kMillimetre, -0.3 * kMillimetre);

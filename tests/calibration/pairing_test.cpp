@@ -61,7 +61,7 @@ TEST_CASE("By time each reading goes to the nearest frame, whatever its id says"
   CHECK_THAT(reason_of(pairing, "3"), Contains("7.000 s"));
 }
 
-TEST_CASE("By time a stretch of readings without a frame is told once, as of a scan that goes on") {
+TEST_CASE("By time a stretch of readings without a frame is reported once, as in a scan") {
   std::vector<ToolReading> scan;
   scan.reserve(1000);
   for (int i = 0; i < 1000; ++i) scan.push_back(reading("scan", 0.01 * i, 0.1));

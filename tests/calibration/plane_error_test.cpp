@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "calibration/board_views.h"
-#include "planar_servo/calibration/board_pose.h"
+#include "planar_servo/calibration/board.h"
 #include "planar_servo/calibration/camera_calibration.h"
 #include "planar_servo/lens/lens_models.h"
 #include "planar_servo/lens/workplane.h"

@@ -3,7 +3,7 @@
 #include <random>
 #include <vector>
 
-#include "planar_servo/calibration/tool_sight.h"
+#include "planar_servo/calibration/pairing.h"
 #include "planar_servo/core/pose.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/lens/lens_models.h"

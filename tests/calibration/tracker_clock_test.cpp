@@ -105,7 +105,7 @@ void require_clock(const ClockBench& bench, const TrackerClock& clock, double si
 
 }  // namespace
 
-TEST_CASE("The clock of a tracker that reads all the time is found to tenths of a second") {
+TEST_CASE("The clock of a tracker that reads continuously is found to tenths of a second") {
   for (unsigned seed = 1; seed <= 10; ++seed) {
     ClockBench bench(120, seed);
     const std::vector<ToolReading> resting = readings_at_rest(bench.stream());
@@ -134,7 +134,7 @@ TEST_CASE("The clock is found from one reading at each place, too") {
   }
 }
 
-TEST_CASE("Of a tracker that reads all the time only what it reads at rest is kept") {
+TEST_CASE("Of a tracker that reads continuously only the readings at rest are kept") {
   ClockBench bench(20);
   const std::vector<ToolReading> stream = bench.stream();
   const std::vector<ToolReading> resting = readings_at_rest(stream);
@@ -147,19 +147,19 @@ TEST_CASE("Of a tracker that reads all the time only what it reads at rest is ke
   CHECK(readings_at_rest(bench.single()).size() == 20);
 }
 
-TEST_CASE("A clock that cannot be told is refused with the reason") {
+TEST_CASE("A clock that cannot be determined is refused with the reason") {
   ClockBench bench(60), other(60, 2), few(9);
   CHECK_THROWS_WITH(estimate_tracker_clock(few.frames, few.single()),
                     Contains("9 places and 9 rests of the tracker are too few"));
   CHECK_THROWS_WITH(estimate_tracker_clock(bench.frames, other.single()),
-                    Contains("with no offset do the readings follow the lamps"));
+                    Contains("no offset makes the readings follow the lamps"));
   std::vector<ToolReading> milliseconds = bench.single();
   for (ToolReading& reading : milliseconds) reading.t_s *= 1000.0;
   CHECK_THROWS_AS(estimate_tracker_clock(bench.frames, milliseconds), InputError);
   CHECK_THROWS_AS(estimate_tracker_clock(bench.frames, {}), InputError);
 }
 
-TEST_CASE("A round that is made twice leaves open which of them the tracker read") {
+TEST_CASE("A tour that is made twice leaves it open which one the tracker read") {
   ClockBench bench(30);
   std::vector<LampSight> twice = bench.frames;
   for (LampSight frame : bench.frames) {
@@ -167,8 +167,7 @@ TEST_CASE("A round that is made twice leaves open which of them the tracker read
     frame.id += "_again";
     twice.push_back(frame);
   }
-  CHECK_THROWS_WITH(estimate_tracker_clock(twice, bench.single()),
-                    Contains("ahead of the camera's fit as well"));
+  CHECK_THROWS_WITH(estimate_tracker_clock(twice, bench.single()), Contains("fit equally well"));
 }
 
 }  // namespace planar

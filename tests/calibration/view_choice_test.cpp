@@ -101,7 +101,7 @@ TEST_CASE("What is asked for next is what no view has shown") {
   CHECK(choice.request() == "any place, tilt or turn unlike those taken");
 }
 
-TEST_CASE("Views that are left serve what is missing, and only spare ones may show anything new") {
+TEST_CASE("The views left go to what is missing, and only spare ones may show anything new") {
   ViewChoice choice(Plan::kHeldBoard);
   const BoardStance plain = stance_of(kSquareBoard, 0.0, 0.0);
   CHECK(choice.worth(plain, 5) == ViewWorth::kNew);

@@ -24,13 +24,12 @@ constexpr double kVispDeviations = 5.0;
 /// the first one was calibrated.
 double projection_difference_px(const CameraCalibration& calibration, const CameraModel& other) {
   constexpr int kSteps = 20;
+  const PlaneError& box = calibration.plane_error;
   double squares = 0.0;
   for (int i = 0; i <= kSteps; ++i) {
     for (int j = 0; j <= kSteps; ++j) {
       const Eigen::Vector2d share(static_cast<double>(i) / kSteps, static_cast<double>(j) / kSteps);
-      const Eigen::Vector2d uv =
-          calibration.region_from_px +
-          share.cwiseProduct(calibration.region_to_px - calibration.region_from_px);
+      const Eigen::Vector2d uv = box.from_px + share.cwiseProduct(box.to_px - box.from_px);
       squares += (project(other, ray(calibration.camera, uv).value()).value() - uv).squaredNorm();
     }
   }

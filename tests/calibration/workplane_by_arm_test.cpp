@@ -1,4 +1,4 @@
-#include "planar_servo/calibration/workplane_by_arm.h"
+#include "planar_servo/calibration/workplane_calibration.h"
 
 #include <catch2/catch.hpp>
 
@@ -74,7 +74,7 @@ TEST_CASE("A place that the arm did not reach is left out and named") {
   CHECK(found.n_used == 59);
 }
 
-TEST_CASE("What cannot tell the plane is refused in words") {
+TEST_CASE("Sights that do not determine the plane are refused with the reason") {
   const SyntheticCell cell = quiet_cell();
   CHECK_THROWS_WITH(fit(cell, sent_anywhere(cell, 0.05)), Contains("same direction"));
   std::vector<SentSight> sent = sent_anywhere(cell);

@@ -148,7 +148,7 @@ TEST_CASE("Recordings that do not determine the workplane say what is missing") 
   CHECK_THROWS_WITH(fit_workplane_to_pairs(cell.lens, line), Contains("one line"));
 }
 
-TEST_CASE("A board of another pitch than was told is refused, and the pitch is named") {
+TEST_CASE("A board whose pitch is not the stated one is refused, and the pitch is named") {
   const SyntheticCell cell;
   Pose X_CG = board(cell, 0.0, 0.3);
   X_CG.translation() *= 0.5;

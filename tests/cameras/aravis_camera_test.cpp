@@ -124,7 +124,7 @@ TEST_CASE("The frame that follows may have been exposed before it was asked for"
   }
 }
 
-TEST_CASE("Frames keep coming when the camera's count of 16 bits begins anew") {
+TEST_CASE("Frames keep coming when the camera's count of 16 bits wraps around") {
   test::SceneSensor sensor;
   const Server server(sensor);
   AravisCamera camera(settings_with(CameraTrigger::kSoftware));
@@ -151,7 +151,7 @@ TEST_CASE("Exposure time and gain reach the sensor") {
   CHECK(sensor.brightness() == Approx(0.5 * std::pow(10.0, 0.3)));
 }
 
-TEST_CASE("A new exposure holds for the next frame, one that cannot be leaves the old one") {
+TEST_CASE("A new exposure holds for the next frame, an impossible one leaves the old one") {
   for (const CameraTrigger trigger : {CameraTrigger::kFreeRun, CameraTrigger::kSoftware}) {
     test::SceneSensor sensor;
     const Server server(sensor);
@@ -166,7 +166,7 @@ TEST_CASE("A new exposure holds for the next frame, one that cannot be leaves th
   }
 }
 
-TEST_CASE("A camera that refuses an exposure says what it can do, and goes on with the old one") {
+TEST_CASE("A camera that refuses an exposure says what it can do, and keeps the old one") {
   test::SceneSensor sensor;
   const Server server(sensor);
   AravisCamera camera(settings_with(CameraTrigger::kSoftware));
@@ -223,7 +223,7 @@ TEST_CASE("A camera that repeats one picture is at fault until it shows another"
   CHECK_FALSE(camera.fault());
 }
 
-TEST_CASE("A camera that died and came back goes on with its settings and its region") {
+TEST_CASE("A camera that died and came back keeps its settings and its region") {
   test::SceneSensor sensor;
   auto server = std::make_unique<Server>(sensor);
   AravisSettings settings = settings_with(CameraTrigger::kSoftware);

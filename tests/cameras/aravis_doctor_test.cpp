@@ -2,7 +2,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "planar_servo/cameras/camera_path.h"
+#include "planar_servo/cameras/aravis_settings.h"
 #include "support/temporary_folder.h"
 
 namespace planar {

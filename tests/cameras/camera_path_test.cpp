@@ -1,4 +1,4 @@
-#include "planar_servo/cameras/camera_path.h"
+#include "planar_servo/cameras/aravis_settings.h"
 
 #include <catch2/catch.hpp>
 
@@ -41,7 +41,7 @@ TEST_CASE("A USB camera is found by its serial number or by what it is") {
   CHECK_FALSE(find_usb_path("", dev.path(), dev.path()));
 }
 
-TEST_CASE("The network towards an address is told with its packets and its speed") {
+TEST_CASE("The network towards an address is found with its packets and its speed") {
   const test::TemporaryFolder sys;
   fs::create_directories(sys.path() / "class/net/lo");
   sys.write("class/net/lo/mtu", "9000\n");

@@ -62,7 +62,7 @@ void hand_over_and_keep(FrameMailbox& mailbox) {
   mailbox.deliver(frame_at(began_s, 2));
 }
 
-TEST_CASE("The frame that follows is kept for whoever asks on, and no later one") {
+TEST_CASE("The frame that follows is kept until it is asked for, and no later one") {
   FrameMailbox mailbox(kRegion, kNoLimit_s);
   hand_over_and_keep(mailbox);
   CHECK_FALSE(mailbox.note_good(now_s(), kRegion));
@@ -72,7 +72,7 @@ TEST_CASE("The frame that follows is kept for whoever asks on, and no later one"
   CHECK(mailbox.following(0.0).status == FrameStatus::kTimeout);
 }
 
-TEST_CASE("A frame that was kept is neither from now on nor of another region") {
+TEST_CASE("A frame that was kept serves neither a new request nor another region") {
   FrameMailbox mailbox(kRegion, kNoLimit_s);
   hand_over_and_keep(mailbox);
   SECTION("from now on") {

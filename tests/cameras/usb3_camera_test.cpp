@@ -8,7 +8,6 @@
 #include "planar_servo/cameras/aravis_camera.h"
 #include "planar_servo/cameras/aravis_kind.h"
 #include "planar_servo/cameras/aravis_settings.h"
-#include "planar_servo/cameras/camera_path.h"
 #include "planar_servo/core/clock.h"
 #include "planar_servo/core/error.h"
 #include "support/in_the_end.h"
@@ -184,7 +183,7 @@ TEST_CASE("Frames over USB without their end are counted and never handed over")
   CHECK(test::in_the_end([&] { return !camera.fault(); }));
 }
 
-TEST_CASE("A camera that was unplugged and plugged in again goes on with its settings") {
+TEST_CASE("A camera that was unplugged and plugged in again keeps its settings") {
   PluggedCamera plugged;
   AravisSettings settings = settings_with(CameraTrigger::kSoftware);
   settings.id = "U3V1";

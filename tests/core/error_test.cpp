@@ -1,10 +1,13 @@
 #include "planar_servo/core/error.h"
 
 #include <catch2/catch.hpp>
+#include <limits>
 #include <string>
 
 namespace planar {
 namespace {
+
+using Catch::Contains;
 
 TEST_CASE("A refusal's text has its place in front and its remedy behind, where it has them") {
   CHECK(Refusal{"is empty"}.text() == "is empty");
@@ -29,9 +32,10 @@ TEST_CASE("Errors keep their refusal as data and say its text") {
 }
 
 /// Returns what throw_if_any() throws.
-InputError thrown(const Faults& faults) {
+InputError thrown(const Faults& faults,
+                  std::size_t rows = std::numeric_limits<std::size_t>::max()) {
   try {
-    faults.throw_if_any();
+    faults.throw_if_any(rows);
   } catch (const InputError& error) {
     return error;
   }
@@ -57,6 +61,39 @@ TEST_CASE("Faults beyond a hundred are counted") {
   const InputError error = thrown(faults);
   CHECK(error.refusals().size() == 100);
   CHECK_THAT(error.what(), Catch::EndsWith("100: is empty\n... and 3 more"));
+}
+
+Refusal no_number(int row) {
+  return {"x is '" + std::to_string(row) + "a'", "a number is needed", std::to_string(row)};
+}
+
+TEST_CASE("Of a fault that all rows have, the first three are told, and how many more there are") {
+  Faults faults;
+  for (int row = 1; row <= 8; ++row) {
+    faults.add(no_number(row), "x");
+    if (row == 7) faults.add({"y is ''", "a number is needed", "7"}, "y");
+  }
+  CHECK_THROWS_WITH(faults.throw_if_any(8),
+                    "1: x is '1a'; a number is needed\n2: x is '2a'; a number is needed\n3: x is "
+                    "'3a'; a number is needed\n7: y is ''; a number is needed\n... and 5 more");
+}
+
+TEST_CASE("A fault that a row does not have is told of every other row") {
+  Faults faults;
+  for (int row = 1; row <= 8; ++row)
+    if (row != 4) faults.add(no_number(row), "x");
+  CHECK_THROWS_WITH(faults.throw_if_any(8), Contains("8: x is '8a'") && !Contains("more"));
+}
+
+TEST_CASE("Faults are alike by column and rule, not by their sentences") {
+  Faults faults;
+  for (int row = 1; row <= 8; ++row) {
+    faults.add({"has " + std::to_string(row) + " of 9 fields", "the header has 9"});
+    faults.add({"don't know '" + std::to_string(row) + "'", "needed is a"}, row < 5 ? "x" : "y");
+  }
+  const std::string text = thrown(faults, 8).what();
+  CHECK_THAT(text, Contains("has 3 of 9") && !Contains("has 4 of 9"));
+  CHECK_THAT(text, Contains("know '8'") && Contains("... and 5 more"));
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 
 #include "planar_servo/core/units.h"
 #include "planar_servo/machine/device_kinds.h"
-#include "planar_servo/virtual_cell/truth/truth_file.h"
+#include "planar_servo/virtual_cell/truth/truth.h"
 #include "planar_servo/virtual_cell/virtual_hardware.h"
 
 namespace planar::test {

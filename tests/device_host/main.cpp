@@ -21,7 +21,6 @@
 #include "planar_servo/core/statistics.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/io/atomic_file.h"
-#include "planar_servo/io/format_line.h"
 #include "planar_servo/machine/device_kinds.h"
 
 namespace planar::test {

@@ -1,10 +1,9 @@
-#include "planar_servo/doctor/new_cell.h"
+#include "planar_servo/doctor/doctor.h"
 
 #include <catch2/catch.hpp>
 #include <sstream>
 
 #include "planar_servo/core/error.h"
-#include "planar_servo/doctor/doctor.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/machine/cell_devices.h"
 #include "planar_servo/machine/device_kinds.h"

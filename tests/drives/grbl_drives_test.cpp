@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 #include <random>
 
-#include "planar_servo/drives/grbl_kind.h"
+#include "planar_servo/drives/drive_kinds.h"
 #include "support/eventually.h"
 #include "support/grbl_bench.h"
 
@@ -96,7 +96,7 @@ TEST_CASE("A move begins with its command, not with the next question") {
   }
 }
 
-TEST_CASE("A new target ahead is gone to without a stop, one behind after braking") {
+TEST_CASE("A new target ahead is reached without a stop, one behind after braking") {
   ReadyBench bench;
   bench.drives.set_targets({3000, 0, 0});
   REQUIRE(eventually([&] { return bench.drives.status()[0].position_pulses > 1000; }));

@@ -138,7 +138,7 @@ TEST_CASE("An input that has been pressed since before the move does not stop it
   CHECK_FALSE(bench.robot.move_to(kAhead).has_value());
 }
 
-TEST_CASE("An alarm comes in words and asks for homing") {
+TEST_CASE("An alarm is explained in words and asks for homing") {
   BoardRobot bench(HomeReference::kForwardSwitch);
   CHECK_THAT(bench.failure_of_move([&] { bench.board.raise_alarm(17); }),
              Contains("alarm 17: a motor driver reports a fault"));
@@ -158,7 +158,7 @@ TEST_CASE("A hold by hand stops the arm and keeps its position") {
   bench.check_recovery(true);
 }
 
-TEST_CASE("A board on hold at rest is told to go on when it is switched on again") {
+TEST_CASE("A board on hold at rest is resumed when it is switched on again") {
   BoardRobot bench;
   bench.board.press_hold();
   CHECK_THROWS_WITH(bench.robot.move_to(kAhead), Contains("it is on hold"));

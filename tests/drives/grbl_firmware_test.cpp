@@ -102,7 +102,7 @@ TEST_CASE("Real firmware makes the steps that were commanded") {
   bench.check_steps(last);
 }
 
-TEST_CASE("Real firmware rests at once when halted, knows where, and goes on") {
+TEST_CASE("Real firmware rests at once when halted, knows where, and can move on") {
   const auto path = simulator(GENERATE("grbl_sim", "grblHAL_sim"));
   if (!path) return;
   FirmwareBench bench(*path);

@@ -105,7 +105,7 @@ TEST_CASE("Only scales that divide 1000 keep whole pulses") {
     CHECK_FALSE(keeps_pulses(lost));
 }
 
-TEST_CASE("A board that suits the cell is taken") {
+TEST_CASE("A board that matches the cell is accepted") {
   CHECK(refusal_of(suitable()).empty());
   Settings homing = suitable();
   homing[22] = 1;

@@ -92,7 +92,7 @@ TEST_CASE("An input that one garbled report leaves out counts as pressed since b
   CHECK_FALSE(board.watch.newly_pressed('X'));
 }
 
-TEST_CASE("Garbled reports are minded when three come in a row, other garbage at once") {
+TEST_CASE("Garbled reports end a move when three come in a row, other garbage at once") {
   WatchedBoard board;
   const grbl::Garbage garbled{"<Jo", true}, noise{"#7", false};
   CHECK_FALSE(board.watch.minds(garbled));

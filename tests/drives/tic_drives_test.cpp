@@ -182,7 +182,7 @@ TEST_CASE("A drive whose caller falls silent while it moves stops by itself and 
   CHECK(status[1].faults.empty());
 }
 
-TEST_CASE("A drive that was stopped does not take up its old move when it is switched on again") {
+TEST_CASE("A drive that was stopped does not resume its old move when it is switched on again") {
   TicBench bench(kShortTimeout_s);
   ReadyDrives ready(bench);
   ready.drives.set_targets({3900, 0, 0});

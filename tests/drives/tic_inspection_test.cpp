@@ -1,4 +1,4 @@
-#include "planar_servo/drives/tic_kind.h"
+#include "planar_servo/drives/drive_kinds.h"
 
 #include <catch2/catch.hpp>
 

@@ -28,7 +28,7 @@ StatusBlock::Bytes going_down() {
 
 }  // namespace
 
-TEST_CASE("Speeds and accelerations are told in the units of a Tic, within its bounds") {
+TEST_CASE("Speeds and accelerations are converted to a Tic's units, within its bounds") {
   CHECK(speed_units(1.0) == 10000);
   CHECK(speed_units(50e3) == 500000000);
   CHECK(acceleration_units(1.0) == 100);
@@ -50,7 +50,7 @@ TEST_CASE("A status block tells where the drive stands and where it goes") {
   CHECK(StatusBlock(negative).position() == -1);
 }
 
-TEST_CASE("Error bits come in words, being switched off is none") {
+TEST_CASE("Error bits are explained in words, and being switched off is no error") {
   auto bytes = at_rest();
   bytes[0x00] = 4;
   bytes[0x02] = 0x45;

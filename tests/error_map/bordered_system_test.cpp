@@ -2,8 +2,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "planar_servo/error_map/maps/radial_kernel.h"
-#include "planar_servo/error_map/maps/tail_basis.h"
+#include "planar_servo/error_map/maps/rbf_basis.h"
 #include "support/error_fields.h"
 
 namespace planar {

@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "planar_servo/error_map/spatial_blocks.h"
+#include "planar_servo/error_map/cross_validation.h"
 #include "support/error_fields.h"
 
 namespace planar {

@@ -4,7 +4,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "planar_servo/error_map/fit/rbf_families.h"
+#include "planar_servo/error_map/fit/rbf_fit.h"
 #include "planar_servo/error_map/fit/sparse_fit.h"
 #include "planar_servo/error_map/fit_error_map.h"
 #include "support/error_fields.h"

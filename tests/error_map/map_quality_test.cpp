@@ -1,4 +1,4 @@
-#include "planar_servo/error_map/map_quality.h"
+#include "planar_servo/error_map/error_map.h"
 
 #include <catch2/catch.hpp>
 

@@ -1,4 +1,4 @@
-#include "planar_servo/error_map/spatial_blocks.h"
+#include "planar_servo/error_map/cross_validation.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>

@@ -8,7 +8,6 @@
 #include "planar_servo/core/units.h"
 #include "planar_servo/field/arm/arm_model.h"
 #include "planar_servo/field/lay_information.h"
-#include "planar_servo/field/pose_sample.h"
 
 namespace planar::test {
 

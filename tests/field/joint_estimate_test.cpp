@@ -5,7 +5,7 @@
 
 #include "field/bent_cell.h"
 #include "planar_servo/core/error.h"
-#include "planar_servo/field/arm/arm_terms.h"
+#include "planar_servo/field/arm/arm_fit.h"
 #include "planar_servo/field/lamp_field.h"
 
 namespace planar {
@@ -63,7 +63,7 @@ TEST_CASE("How far an arm scatters is found, and the field is better for it") {
   const std::vector<PoseSample> samples = cell.samples(60, 120, random);
   JointEstimate estimate = estimate_jointly(cell.nominal(), samples);
   CHECK(estimate.priors.arm_sigma == Approx(cell.scatter).epsilon(0.3));
-  CHECK(found_arm(estimate).scatter_m == estimate.priors.arm_sigma);
+  CHECK(estimate.arm().scatter_m == estimate.priors.arm_sigma);
   const double knowing_m = mean_miss_m(cell, estimate, samples);
   JointPriors held = estimate.priors;
   held.arm_sigma = 5e-6;

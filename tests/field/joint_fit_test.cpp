@@ -90,8 +90,12 @@ TEST_CASE("The likelihood of a fit prefers the arm that the samples came from") 
   const test::BentCell cell;
   std::mt19937 random(6);
   const auto samples = cell.samples(80, 0, random);
+  const LaidDots no_board;
   const auto likelihood = [&](const ArmModelSize& size) {
-    return joint_log_likelihood(ArmModel(cell.nominal(), size), {}, samples, kFieldRadius).value();
+    const ArmModel model(cell.nominal(), size);
+    JointEquations equations(model, samples, kFieldRadius, no_board);
+    REQUIRE(equations.solve_in_steps({}));
+    return equations.log_likelihood();
   };
   const double right = likelihood({2, true});
   CHECK(right > likelihood({1, true}) + 100.0);

@@ -8,7 +8,7 @@
 #include "planar_servo/core/units.h"
 #include "planar_servo/io/checksum.h"
 #include "planar_servo/machine/device_kinds.h"
-#include "planar_servo/tables/joint_tables.h"
+#include "planar_servo/tables/pair_table.h"
 #include "support/sample_cells.h"
 #include "support/temporary_folder.h"
 

@@ -31,7 +31,7 @@ CameraCalibration sample(const CameraModel& camera, const std::string& model) {
   calibration.standard_deviations = {1.0, 1.1, 0.5, 0.6};
   calibration.views = {{"a.png", Pose::Identity(), 0.2, {}, {}}};
   calibration.rejected = {{"b.png", "no board"}};
-  calibration.region_to_px = {600.0, 400.0};
+  calibration.plane_error.to_px = {600.0, 400.0};
   return calibration;
 }
 

@@ -4,7 +4,7 @@
 #include <regex>
 
 #include "planar_servo/core/error.h"
-#include "planar_servo/error_map/fit/rbf_families.h"
+#include "planar_servo/error_map/fit/rbf_fit.h"
 #include "planar_servo/io/checksum.h"
 #include "support/error_fields.h"
 #include "support/temporary_folder.h"

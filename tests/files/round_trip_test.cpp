@@ -4,12 +4,11 @@
 #include <random>
 
 #include "planar_servo/core/plan.h"
-#include "planar_servo/files/workplane_file.h"
+#include "planar_servo/files/calibration_files.h"
 #include "planar_servo/io/checksum.h"
-#include "planar_servo/tables/frame_table.h"
 #include "planar_servo/tables/lamp_table.h"
 #include "planar_servo/tables/pair_table.h"
-#include "planar_servo/tables/plan_table.h"
+#include "planar_servo/tables/recording_tables.h"
 #include "planar_servo/tables/result_table.h"
 #include "planar_servo/tables/target_table.h"
 #include "planar_servo/tables/tracker_table.h"

@@ -51,6 +51,19 @@ TEST_CASE("A plan that is given as targets is told in one sentence") {
   CHECK(read_targets(folder.write("p.csv", "id,plan,x_mm,y_mm\nt1,train,200,100\n")).size() == 1);
 }
 
+TEST_CASE("Only a plan without places is called a plan, other faults are told as they are") {
+  const test::TemporaryFolder folder;
+  const auto read = [&](const std::string& text) { read_targets(folder.write("p.csv", text)); };
+  CHECK_THROWS_WITH(read("id,plan,x_mm,y_mm\nt1,train,200,l00\n"),
+                    Contains("p.csv:2: y_mm is 'l00'") && !Contains("is a plan"));
+  CHECK_THROWS_WITH(read("id,plan,x_mm,y_mm\nt1,train,2,1\nt1,train,2,2\n"),
+                    Contains("p.csv:3: the id 't1'") && !Contains("is a plan"));
+  CHECK_THROWS_WITH(read("id,plan,x_m,y_m\nt1,train,0.2,0.1\n"),
+                    Contains("x_m is probably x_mm") && !Contains("is a plan"));
+  CHECK_THROWS_WITH(read("id,plan,theta1_deg,theta2_deg,theta3_deg\nt1,sweep1,1,2,3\n"),
+                    Contains("is a plan for planar-record"));
+}
+
 TEST_CASE("A table of targets whose last line is torn is refused") {
   const test::TemporaryFolder folder;
   CHECK_THROWS_WITH(read_targets(folder.write("t.csv", "id,x_mm,y_mm\nA,200,100\nB,150,29")),

@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 
 #include "planar_servo/core/error.h"
-#include "planar_servo/files/workplane_file.h"
+#include "planar_servo/files/calibration_files.h"
 #include "support/temporary_folder.h"
 
 namespace planar {

@@ -5,7 +5,6 @@
 #include <catch2/catch.hpp>
 
 #include "planar_servo/core/error.h"
-#include "planar_servo/io/format_line.h"
 #include "support/temporary_folder.h"
 
 namespace planar {

@@ -1,7 +1,7 @@
 #include <catch2/catch.hpp>
 #include <memory>
 
-#include "planar_servo/files/workplane_file.h"
+#include "planar_servo/files/calibration_files.h"
 #include "planar_servo/judge/cell_judge.h"
 #include "planar_servo/run/servo_run.h"
 #include "planar_servo/tables/tracker_table.h"

@@ -5,7 +5,7 @@
 namespace planar {
 namespace {
 
-TEST_CASE("describe_blob knows area, middle, moments and levels of a patch, however wide") {
+TEST_CASE("describe_blob finds area, middle, moments and levels of a patch, however wide") {
   constexpr double kRounded = 1e-9;  // relative
   const cv::Size image_size(3000, 60);
   for (const cv::Rect lit : {cv::Rect(200, 20, 40, 30), cv::Rect(300, 20, 2600, 12)}) {

@@ -1,4 +1,4 @@
-#include "planar_servo/lamps/disc_tracker.h"
+#include "planar_servo/lamps/lamp_tracker.h"
 
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
@@ -84,7 +84,7 @@ TEST_CASE("DiscTracker moves little, or says at_border, when photographs are cro
   }
 }
 
-TEST_CASE("DiscTracker measures a disc with a notch right, or says that it cannot") {
+TEST_CASE("DiscTracker measures a disc with a notch correctly, or says that it cannot") {
   const auto path = test::visp_image("circle/circle.pgm");
   if (!path) return;
   const cv::Mat image = cv::imread(path->string(), cv::IMREAD_GRAYSCALE);

@@ -26,7 +26,7 @@ std::vector<EdgeResidual> residuals(std::size_t width) {
   return result;
 }
 
-TEST_CASE("edges_per_independent is one for edges that do not know of one another") {
+TEST_CASE("edges_per_independent is one for independent edges") {
   CHECK(edges_per_independent(residuals(1), 6) == Approx(1.0).margin(kEstimate));
 }
 

@@ -86,7 +86,7 @@ TEST_CASE("measure_lamp reaches the published error and states it: the light's c
   check_honest(CenterMethod::kFast, {{}, 40.0, 0.8}, 0.0067);
 }
 
-TEST_CASE("measure_lamp tells the diameter without the straight-edge bias") {
+TEST_CASE("measure_lamp measures the diameter without the straight-edge bias") {
   cv::Mat scene = test::background({128, 128});
   test::add_lamp(scene, {{64.2, 63.9}});
   constexpr double kDiameter_px = 0.1;
@@ -120,7 +120,7 @@ TEST_CASE("measure_lamp measures a clipped lamp by what is left of its rim, or s
   CHECK(measure_lamp(image, blob, CenterMethod::kAuto).status == LampStatus::kSaturated);
 }
 
-TEST_CASE("measure_lamp says low_contrast for a blob that does not stand out") {
+TEST_CASE("measure_lamp says low_contrast for a blob without contrast") {
   Blob blob;
   blob.uv_px = {64, 64};
   blob.box_px = {50, 50, 28, 28};

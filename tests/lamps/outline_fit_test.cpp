@@ -1,4 +1,4 @@
-#include "planar_servo/lamps/rim/outline_fit.h"
+#include "planar_servo/lamps/rim/outline.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>

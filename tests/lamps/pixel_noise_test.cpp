@@ -1,4 +1,4 @@
-#include "planar_servo/lamps/rim/pixel_noise.h"
+#include "planar_servo/lamps/rim/rim_band.h"
 
 #include <catch2/catch.hpp>
 

@@ -57,7 +57,7 @@ TEST_CASE("sample_line_fast gives the same bits as sample_line") {
   }
 }
 
-TEST_CASE("RimBand goes on with the outermost pixels beyond the image") {
+TEST_CASE("RimBand continues with the outermost pixels beyond the image") {
   const cv::Mat image(40, 40, CV_8UC1, cv::Scalar(77));
   Outline outline;
   outline.center = {2.0, 39.0};

@@ -5,7 +5,7 @@
 
 #include "calibration/board_image.h"
 #include "planar_servo/core/error.h"
-#include "planar_servo/tables/frame_table.h"
+#include "planar_servo/tables/recording_tables.h"
 #include "support/shared_data.h"
 #include "support/temporary_folder.h"
 

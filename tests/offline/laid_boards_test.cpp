@@ -7,7 +7,7 @@
 
 #include "calibration/synthetic_cell.h"
 #include "planar_servo/core/error.h"
-#include "planar_servo/tool/disc_image.h"
+#include "planar_servo/lens/workplane.h"
 
 namespace planar {
 namespace {

@@ -7,7 +7,7 @@
 #include "field/bent_cell.h"
 #include "planar_servo/core/text.h"
 #include "planar_servo/core/units.h"
-#include "planar_servo/io/format_line.h"
+#include "planar_servo/io/atomic_file.h"
 #include "planar_servo/lens/lens_models.h"
 #include "planar_servo/offline/calibrate_arm.h"
 #include "planar_servo/offline/calibration_page.h"

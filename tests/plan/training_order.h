@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "planar_servo/core/plan.h"
-#include "planar_servo/tables/plan_table.h"
+#include "planar_servo/tables/recording_tables.h"
 
 namespace planar::test {
 

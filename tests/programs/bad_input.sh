@@ -190,13 +190,13 @@ expect 2 "^planar-record: not understood: --cel cell.yaml \(did you mean --cell\
 expect 2 "not understood: --target targets.csv --no_error_map \(did you mean --targets, --no-error-map\?\);" \
   "$bin/planar-servo" --cell cell/cell.yaml --path absent.csv --target targets.csv --no_error_map
 # Where lengths are taken from a board, its pitch must be known; lays are of dots.
-expect 2 "grid 'circles:6x6:\\?' leaves the pitch open, but lengths are taken from it here; measure it" \
+expect 2 "grid 'circles:6x6:\\?' has no pitch, but lengths depend on it here; measure the pitch" \
   "$bin/planar-calibrate-camera" --grid 'circles:6x6:?' -o made dark.pgm
 lays() {
   "$bin/planar-pair-tracker" --cell cell/cell.yaml --lamps same.csv --recording cell \
     --workplane-out made --tool-out made -o made "$@"
 }
-expect 2 "grid 'circles:6x6:\?' leaves the pitch open, but lengths are taken from it" \
+expect 2 "grid 'circles:6x6:\?' has no pitch, but lengths depend on it" \
   lays --workplane-from grid --grid 'circles:6x6:?'
 expect 2 "--lays-out needs a board of dots, not 'chessboard:6x6:30mm'" \
   lays --grid chessboard:6x6:30mm --lays-out made

@@ -14,7 +14,7 @@
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/io/growing_file.h"
 #include "planar_servo/machine/device_kinds.h"
-#include "planar_servo/tables/frame_table.h"
+#include "planar_servo/tables/recording_tables.h"
 #include "support/manual_clock.h"
 #include "support/sample_cells.h"
 #include "support/temporary_folder.h"

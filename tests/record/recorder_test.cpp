@@ -7,7 +7,7 @@
 #include "planar_servo/devices/drive_group.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/machine/device_kinds.h"
-#include "planar_servo/tables/frame_table.h"
+#include "planar_servo/tables/recording_tables.h"
 #include "planar_servo/tables/tracker_table.h"
 #include "planar_servo/vision/reference_lamps.h"
 #include "support/manual_clock.h"

@@ -8,7 +8,7 @@
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/record/recorder.h"
-#include "planar_servo/tables/frame_table.h"
+#include "planar_servo/tables/recording_tables.h"
 #include "planar_servo/tables/tracker_table.h"
 #include "support/line_server.h"
 #include "support/sample_cells.h"

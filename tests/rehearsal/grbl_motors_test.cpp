@@ -7,7 +7,7 @@
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/rehearsal/served_cell.h"
-#include "planar_servo/virtual_cell/truth/truth_file.h"
+#include "planar_servo/virtual_cell/truth/truth.h"
 #include "support/eventually.h"
 #include "support/sample_cells.h"
 #include "support/temporary_folder.h"

@@ -2,7 +2,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "planar_servo/tables/step_table.h"
+#include "planar_servo/tables/result_table.h"
 
 #include "support/temporary_folder.h"
 

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "planar_servo/core/units.h"
-#include "planar_servo/virtual_cell/virtual_clock.h"
+#include "planar_servo/virtual_cell/virtual_drive.h"
 #include "virtual_cell/sample_cell.h"
 
 namespace planar {

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "planar_servo/virtual_cell/virtual_arm.h"
-#include "planar_servo/virtual_cell/virtual_clock.h"
 #include "virtual_cell/sample_cell.h"
 
 namespace planar {

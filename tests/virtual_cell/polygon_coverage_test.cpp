@@ -1,4 +1,4 @@
-#include "planar_servo/virtual_cell/polygon_coverage.h"
+#include "planar_servo/virtual_cell/virtual_lamps.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>

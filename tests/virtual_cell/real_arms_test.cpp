@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "planar_servo/virtual_cell/truth/arm_truth.h"
-#include "planar_servo/virtual_cell/truth/truth_file.h"
+#include "planar_servo/virtual_cell/truth/truth.h"
 #include "support/temporary_folder.h"
 #include "virtual_cell/sample_cell.h"
 

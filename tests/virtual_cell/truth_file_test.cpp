@@ -1,4 +1,4 @@
-#include "planar_servo/virtual_cell/truth/truth_file.h"
+#include "planar_servo/virtual_cell/truth/truth.h"
 
 #include <array>
 #include <catch2/catch.hpp>

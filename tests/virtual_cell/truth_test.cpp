@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "planar_servo/virtual_cell/virtual_arm.h"
-#include "planar_servo/virtual_cell/virtual_clock.h"
+#include "planar_servo/virtual_cell/virtual_drive.h"
 #include "planar_servo/virtual_cell/virtual_lens.h"
 #include "virtual_cell/sample_cell.h"
 

@@ -6,7 +6,6 @@
 #include <stdexcept>
 
 #include "planar_servo/core/error.h"
-#include "planar_servo/virtual_cell/virtual_clock.h"
 
 namespace planar {
 namespace {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/virtual_cell/virtual_clock.h"
+#include "planar_servo/virtual_cell/virtual_drive.h"
 #include "virtual_cell/sample_cell.h"
 
 namespace planar {

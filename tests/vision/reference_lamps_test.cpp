@@ -50,7 +50,7 @@ TEST_CASE("Fixed lamps tell how the camera's image has moved") {
   CHECK(std::sqrt(covariance.trace()) < 0.02);
 }
 
-TEST_CASE("A camera that goes on moving is followed further than a window reaches") {
+TEST_CASE("A camera that keeps moving is followed further than a window reaches") {
   ReferenceWatch watch(lamps(), CenterMethod::kAuto);
   for (const double part : {1.0, 2.0, 3.0})
     watch.look(frame_with(shifted(part * Eigen::Vector2d(-10.0, 0.0))));
@@ -70,7 +70,7 @@ TEST_CASE("A covered lamp does not matter, and too few lamps are said to be too 
   CHECK_FALSE(watch.objection());
 }
 
-TEST_CASE("One knocked lamp is left out, and the others tell the motion") {
+TEST_CASE("One knocked lamp is left out, and the others show the motion") {
   ReferenceWatch watch(lamps(), CenterMethod::kAuto);
   auto places = shifted(kShift);
   places[1] += Eigen::Vector2d(0.0, 2.0);

@@ -26,7 +26,7 @@ ErrorMap constant_map(const Eigen::Vector2d& error) {
   return map;
 }
 
-TEST_CASE("The tool is seen where it stands and as it points") {
+TEST_CASE("The tool is seen where it is and as it points") {
   const TipPose tip{{0.03, -0.02}, GENERATE(0.0, 90.0, -150.0) * kDegree};
   const VisionCalibration vision = test::vision_with(std::nullopt);
   LampTracker tracker(CenterMethod::kAuto);
@@ -87,7 +87,7 @@ TEST_CASE("Lamps at another distance than they were built to are no pair") {
   CHECK_FALSE(seen.place.has_value());
 }
 
-TEST_CASE("Equal lamps without a prediction have a place, but nobody knows which is which") {
+TEST_CASE("Equal lamps without a prediction have a place, but it is unknown which is which") {
   const TipPose tip{{0.02, 0.01}, 0.3};
   const VisionCalibration vision = test::vision_with(std::nullopt);
   LampTracker tracker(CenterMethod::kAuto);

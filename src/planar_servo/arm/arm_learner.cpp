@@ -19,7 +19,6 @@ constexpr double kUnseenShare = 0.5;
 constexpr double kGrowthPerHour = 100e-6;
 constexpr double kTurnPerHour = 0.002 * kDegree;
 constexpr double kWearPerHour_m = 1e-6;
-constexpr double kHourInSeconds = 3600.0;
 /// A look with a smaller chance teaches nothing.
 constexpr double kLeastChance = 1e-3;
 
@@ -110,7 +109,7 @@ ArmLearner::ArmLearner(const FoundArm& found, LearnedArm start)
 }
 
 double ArmLearner::hours_since(double t_s) const {
-  return std::isnan(t_s_) ? 0.0 : std::max(0.0, t_s - t_s_) / kHourInSeconds;
+  return std::isnan(t_s_) ? 0.0 : std::max(0.0, t_s - t_s_) / kHour;
 }
 
 Lesson ArmLearner::take(const ArmLook& look, double t_s) {

@@ -5,11 +5,22 @@
 #include <stdexcept>
 #include <string>
 
+#include "planar_servo/core/names.h"
+
 namespace planar {
 namespace {
 
 /// Rounding may put a point at the edge of the reach this far outside, relative to the reach.
 constexpr double kRimRounding = 1e-12;
+
+constexpr Named<ReachStatus> kReachStatuses[] = {
+    {ReachStatus::kOk, "within reach"},
+    {ReachStatus::kTooFar,
+     "out of reach: the point lies farther from the base than both links together reach"},
+    {ReachStatus::kTooClose,
+     "out of reach: the point lies nearer to the base than the difference of the links' lengths"},
+    {ReachStatus::kUndetermined,
+     "the point lies on the base's axis, where joint 1 is not determined"}};
 
 template <typename Vector>
 void require_finite(const Vector& values, const char* what) {
@@ -34,18 +45,7 @@ double four_areas(double a, double b, double c) {
 }  // namespace
 
 const char* describe(ReachStatus status) {
-  switch (status) {
-    case ReachStatus::kOk:
-      return "within reach";
-    case ReachStatus::kTooFar:
-      return "out of reach: the point lies farther from the base than both links together reach";
-    case ReachStatus::kTooClose:
-      return "out of reach: the point lies nearer to the base than the difference of the links' "
-             "lengths";
-    case ReachStatus::kUndetermined:
-      return "the point lies on the base's axis, where joint 1 is not determined";
-  }
-  throw std::invalid_argument("unknown ReachStatus");
+  return name_in(kReachStatuses, status);
 }
 
 PlanarArm::PlanarArm(const ArmGeometry& geometry)

@@ -10,13 +10,13 @@
 
 #include "planar_servo/calibration/dots.h"
 #include "planar_servo/core/error.h"
-#include "planar_servo/core/pose.h"
 #include "planar_servo/core/units.h"
 
 namespace planar {
 namespace {
 
-/// Longest side of the first image in which dots are looked for; then twice that, and so on.
+/// Longest side of the first image that is searched for dots; the next ones are twice as large
+/// each.
 constexpr int kFirstSize_px = 1280;
 
 struct RoughGrid {
@@ -86,7 +86,7 @@ BoardSight find_dot_grid(const cv::Mat& image, int columns, int rows) {
   return sight;
 }
 
-/// Longest side of the image in which a chessboard, or any board at a glance, is looked for.
+/// Longest side of the image that is searched for a chessboard, or for any board at a glance.
 constexpr int kSearchSize_px = 1280;
 
 BoardSight find_chessboard(const cv::Mat& image, const Board& board) {
@@ -137,9 +137,8 @@ Board parse_board(const std::string& text, BoardUse use) {
   board.rows = std::stoi(match[3]);
   board.pitch_known = match[4] != "?";
   if (!board.pitch_known && use == BoardUse::kLengths)
-    throw InputError(
-        {"grid '" + text + "' leaves the pitch open, but lengths are taken from it here",
-         "measure it and state it, such as circles:11x11:50mm"});
+    throw InputError({"grid '" + text + "' has no pitch, but lengths depend on it here",
+                      "measure the pitch and state it, such as circles:11x11:50mm"});
   board.pitch = (board.pitch_known ? std::stod(match[5]) : 1.0) * kMillimetre;
   if (board.columns < 3 || board.rows < 3 || board.pitch <= 0.0)
     throw InputError(
@@ -176,6 +175,77 @@ BoardSight glance_at_board(const cv::Mat& image, const Board& board) {
   for (double& area : sight.dot_areas_px2) area *= factor * factor;
   for (double& sigma : sight.dot_sigmas_px) sigma *= factor;
   return sight;
+}
+
+namespace {
+
+std::optional<std::vector<cv::Point2d>> normalized(const CameraModel& camera,
+                                                   const std::vector<Eigen::Vector2d>& pixels) {
+  std::vector<cv::Point2d> rays;
+  for (const Eigen::Vector2d& pixel : pixels) {
+    const auto ray_C = ray(camera, pixel);
+    if (!ray_C) return std::nullopt;
+    rays.emplace_back(ray_C->x(), ray_C->y());
+  }
+  return rays;
+}
+
+std::optional<Pose> pose_of(const std::vector<cv::Point3d>& points,
+                            const std::vector<cv::Point2d>& rays) {
+  cv::Vec3d rotation, translation;
+  const cv::Matx33d identity = cv::Matx33d::eye();
+  try {
+    if (!cv::solvePnP(points, rays, identity, cv::noArray(), rotation, translation, false,
+                      cv::SOLVEPNP_ITERATIVE))
+      return std::nullopt;
+    cv::solvePnPRefineLM(points, rays, identity, cv::noArray(), rotation, translation);
+  } catch (const cv::Exception&) {
+    return std::nullopt;  // how OpenCV reports points on one line
+  }
+  Pose X_CG = Pose::Identity();
+  X_CG.linear() = rotation_from_vector({rotation[0], rotation[1], rotation[2]});
+  X_CG.translation() << translation[0], translation[1], translation[2];
+  if (!X_CG.matrix().allFinite()) return std::nullopt;
+  return X_CG;
+}
+
+}  // namespace
+
+std::optional<BoardPose> estimate_board_pose(const CameraModel& camera,
+                                             const std::vector<Eigen::Vector2d>& points_G,
+                                             const std::vector<Eigen::Vector2d>& pixels) {
+  if (points_G.size() != pixels.size())
+    throw std::invalid_argument("estimate_board_pose: there must be as many pixels as points");
+  if (pixels.size() < 4) return std::nullopt;
+  const auto rays = normalized(camera, pixels);
+  if (!rays) return std::nullopt;
+  std::vector<cv::Point3d> points;
+  points.reserve(points_G.size());
+  for (const Eigen::Vector2d& p : points_G) points.emplace_back(p.x(), p.y(), 0.0);
+  const auto X_CG = pose_of(points, *rays);
+  if (!X_CG) return std::nullopt;
+  const auto residuals = board_residuals(camera, *X_CG, points_G, pixels);
+  if (!residuals) return std::nullopt;
+  return BoardPose{*X_CG, rms_length(*residuals)};
+}
+
+std::optional<std::vector<Eigen::Vector2d>> board_residuals(
+    const CameraModel& camera, const Pose& X_CG, const std::vector<Eigen::Vector2d>& points_G,
+    const std::vector<Eigen::Vector2d>& pixels) {
+  std::vector<Eigen::Vector2d> residuals;
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    const auto pixel =
+        project(camera, X_CG * Eigen::Vector3d(points_G[i].x(), points_G[i].y(), 0.0));
+    if (!pixel) return std::nullopt;
+    residuals.push_back(pixels[i] - *pixel);
+  }
+  return residuals;
+}
+
+double rms_length(const std::vector<Eigen::Vector2d>& residuals) {
+  double squares = 0.0;
+  for (const Eigen::Vector2d& residual : residuals) squares += residual.squaredNorm();
+  return std::sqrt(squares / static_cast<double>(residuals.size()));
 }
 
 }  // namespace planar

@@ -4,16 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
-#include "planar_servo/calibration/board_pose.h"
-#include "planar_servo/calibration/camera/bundle_adjustment.h"
-#include "planar_servo/calibration/camera/repeated_views.h"
-#include "planar_servo/calibration/camera/visp_fit.h"
+#include "planar_servo/calibration/board.h"
+#include "planar_servo/calibration/camera/lens_fit.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/statistics.h"
 #include "planar_servo/core/threads.h"
-#include "planar_servo/tool/disc_image.h"
+#include "planar_servo/lens/workplane.h"
 
 namespace planar {
 namespace {
@@ -43,7 +40,7 @@ bool is_fitted_by_visp(const CalibrationModel& model) {
 
 [[noreturn]] void refuse(const CalibrationModel& model) {
   throw WorkError({"the views do not determine a camera of the model " + model.name,
-                   "take more of them, tilted in different directions, or a simpler model"});
+                   "take more of them, tilted in different directions, or use a simpler model"});
 }
 
 /// Returns how uncertain fx, fy, cx, cy and the distortion coefficients that are estimated are,
@@ -77,7 +74,7 @@ void check(const CalibrationProblem& problem, const CalibrationModels& models) {
   for (const CalibrationView& view : problem.views) {
     const std::size_t dots = view.dot_areas_px2.size();
     if (view.points_G.size() != view.pixels.size() || (dots != 0 && dots != view.pixels.size())) {
-      faults.add({"points, pixels and dots are not as many", "", view.name});
+      faults.add({"the numbers of points, pixels and dots differ", "", view.name});
     } else if (view.pixels.size() < 6) {
       faults.add(
           {std::to_string(view.pixels.size()) + " points", "at least 6 are needed", view.name});
@@ -92,7 +89,7 @@ void check(const CalibrationProblem& problem, const CalibrationModels& models) {
   faults.throw_if_any();
 }
 
-/// The course of one calibration: views as used so far, and the fit to them.
+/// The state of one calibration: the views in use, and the fit to them.
 class Calibrator {
  public:
   Calibrator(const CalibrationProblem& problem, const CalibrationModel& model,
@@ -103,11 +100,11 @@ class Calibrator {
     correct_eccentricity();
   }
 
-  /// Throws WorkError unless the fit has come to its end and determines the camera.
+  /// Throws WorkError unless the fit has converged and determines the camera.
   CameraUncertainty uncertainty() const {
     if (!lens_.converged)
       throw WorkError({"the fit of a camera of the model " + model_.name + " did not converge",
-                       "take more views, tilted in different directions, or a simpler model"});
+                       "take more views, tilted in different directions, or use a simpler model"});
     return uncertainty_of(lens_, views_, model_);
   }
 
@@ -116,8 +113,8 @@ class Calibrator {
   const std::vector<RejectedView>& rejected() const { return rejected_; }
   double dot_diameter() const { return dot_diameter_; }
 
-  /// Mean square distance in each view when it had no part in the fit of the camera; empty when a
-  /// fit without it failed.
+  /// Returns the mean square distance in each view when the camera was fitted without it; empty
+  /// when such a fit failed.
   std::optional<std::vector<double>> held_out_squares() const {
     const std::size_t folds = std::min(kFolds, views_.size());
     std::vector<double> squares(views_.size(), 0.0);
@@ -153,7 +150,7 @@ class Calibrator {
     auto lens = fit_to(views_);
     if (!lens)
       throw WorkError({"the fit of a camera of the model " + model_.name + " failed",
-                       "take more views, tilted in different directions, or a simpler model"});
+                       "take more views, tilted in different directions, or use a simpler model"});
     lens_ = std::move(*lens);
   }
 
@@ -208,12 +205,12 @@ class Calibrator {
   double dot_diameter_{0.0};
 };
 
-/// A model is taken for as good as the best within so many standard errors, and is ruled out beyond
-/// so many.
+/// Within the first of these numbers of standard errors a model counts as good as the best; beyond
+/// the second it is ruled out.
 constexpr double kTakenFor = 1.0, kRuledOut = 2.0;
 
-/// Whether a model's held-out squares exceed the best model's by more than so many standard errors
-/// of their mean difference, view by view.
+/// Returns whether a model's held-out squares exceed the best model's by more than so many standard
+/// errors of the mean difference, taken view by view.
 bool clearly_worse(const std::vector<double>& squares, const std::vector<double>& best,
                    double standard_errors) {
   const double n = static_cast<double>(best.size());
@@ -224,8 +221,8 @@ bool clearly_worse(const std::vector<double>& squares, const std::vector<double>
   return mean(excess) > standard_errors * std::sqrt(scatter / (n * (n - 1.0)));
 }
 
-/// A model that `auto` takes, and the cameras of others that predict views left out as well as any:
-/// the views do not tell which lens it is.
+/// The model that `auto` chose, and the cameras of others that predict held-out views as well: the
+/// views do not tell which lens it is.
 struct ChosenModel {
   std::string name;
   std::vector<CameraModel> as_good{};
@@ -234,7 +231,8 @@ struct ChosenModel {
 ChosenModel choose_model(const CalibrationProblem& problem,
                          const std::vector<RejectedView>& rejected,
                          const CalibrationModels& models) {
-  // Views are judged once, by a model that fits most lenses, so that all models see the same ones.
+  // Views are judged once, by a model that fits most lenses, so that all models are compared on the
+  // same ones.
   CalibrationProblem common = problem;
   common.views = Calibrator(problem, model_named("plumb_bob", models), rejected).views();
   for (CalibrationView& view : common.views) view.dot_areas_px2.clear();  // eccentricity is off
@@ -269,7 +267,7 @@ ChosenModel choose_model(const CalibrationProblem& problem,
   for (std::optional<Candidate>& candidate : fitted)
     if (candidate) candidates.push_back(std::move(*candidate));
   if (candidates.empty())
-    throw WorkError(Refusal{"the views determine a camera of none of the models",
+    throw WorkError(Refusal{"the views determine no camera, whatever the model",
                             "take more of them, tilted in different directions"});
   const auto best = std::min_element(
       candidates.begin(), candidates.end(),
@@ -287,9 +285,6 @@ ChosenModel choose_model(const CalibrationProblem& problem,
 }
 
 void describe_views(const Calibrator& calibrator, CameraCalibration& result) {
-  constexpr double kFar = std::numeric_limits<double>::infinity();
-  result.region_from_px.setConstant(kFar);
-  result.region_to_px.setConstant(-kFar);
   double squares = 0.0;
   double points = 0.0;
   for (std::size_t i = 0; i < calibrator.views().size(); ++i) {
@@ -301,10 +296,6 @@ void describe_views(const Calibrator& calibrator, CameraCalibration& result) {
          board_residuals(result.camera, X_CG, view.points_G, view.pixels).value()});
     squares += rms_px * rms_px * static_cast<double>(view.pixels.size());
     points += static_cast<double>(view.pixels.size());
-    for (const Eigen::Vector2d& uv : view.pixels) {
-      result.region_from_px = result.region_from_px.cwiseMin(uv);
-      result.region_to_px = result.region_to_px.cwiseMax(uv);
-    }
   }
   result.rms_px = std::sqrt(squares / points);
 }
@@ -364,7 +355,7 @@ CameraCalibration calibrate_camera(const CalibrationProblem& problem,
   result.rejected = calibrator.rejected();
   result.dot_diameter = calibrator.dot_diameter();
   describe_views(calibrator, result);
-  judge_held_out(calibrator, result);
+  if (problem.leaves_views_out) judge_held_out(calibrator, result);
   result.plane_error =
       plane_error(result.camera, uncertainty, pixels_of(result.views), median_distance(result));
   return result;

@@ -25,6 +25,8 @@ struct CalibrationProblem {
   int height_px{0};
   /// One of calibration_model_names().
   std::string model{"plumb_bob_k1"};
+  /// Whether the camera is judged by views that are left out in turn, which takes five more fits.
+  bool leaves_views_out{true};
 };
 
 struct CalibratedView {
@@ -46,21 +48,18 @@ struct CameraCalibration {
   int width_px{0};
   int height_px{0};
   double rms_px{0.0};  ///< root of the mean square distance over all points used
-  /// Of fx, fy, cx, cy and the estimated distortion coefficients in the model's order (zero for
-  /// those that were held at zero).
+  /// Of fx, fy, cx, cy and the distortion coefficients in the model's order; zero for coefficients
+  /// that were fixed at zero.
   std::vector<double> standard_deviations;
   std::vector<CalibratedView> views;
   std::vector<RejectedView> rejected;
-  /// Over views left out of the fit, each of which gave its own pose only; empty when the views
-  /// left do not determine the camera.
+  /// Over views left out of the fit, for which only their own poses were fitted; empty when the
+  /// remaining views do not determine the camera, or none was to be left out.
   std::optional<double> held_out_rms_px;
-  /// held_out_rms_px seen at the boards' median distance, metres in a plane facing the camera.
+  /// held_out_rms_px in metres, in a plane that faces the camera at the boards' median distance.
   std::optional<double> expected_error;
-  /// Bounding box of the pixels used, beyond which the lens model extrapolates: u and v, from and
-  /// to.
-  Eigen::Vector2d region_from_px{0.0, 0.0};
-  Eigen::Vector2d region_to_px{0.0, 0.0};
-  /// At the boards' median distance, over the hull of the pixels used.
+  /// At the boards' median distance, over the hull of the pixels used, beyond whose box the lens
+  /// model extrapolates.
   PlaneError plane_error;
   double dot_diameter{0.0};  ///< metres, from the dots' areas; 0 without them
 };
@@ -71,18 +70,18 @@ using CalibrationModels = std::vector<CalibrationModel>;
 std::vector<std::string> calibration_model_names(
     const CalibrationModels& models = calibration_models());
 
-/// Least squares on the pixel residuals of all views, by bundle adjustment or, for `visp`, by
-/// ViSP's vpCalibration; after it the dots' centres are corrected for their eccentricity and fitted
-/// again. A view that repeats another one within the noise counts once.
-/// Views whose residuals stand far out are left out one by one. `auto` takes the simplest model
-/// whose held-out residuals are within one standard error of the best one's.
+/// Calibrates a camera by least squares on the pixel residuals of all views: by bundle adjustment
+/// or, for `visp`, by ViSP's vpCalibration. The dots' centres are then corrected for their
+/// eccentricity and the fit is repeated. A view that repeats another within the noise counts once.
+/// Views with residuals far larger than the others' are left out one by one. `auto` takes the
+/// simplest model whose held-out residuals are within one standard error of the best one's.
 ///
-/// `without_board` are pictures that gave no view: they join the result's rejected views and, when
-/// too few are left, the message.
+/// `without_board` lists pictures in which no board was found: they are added to the rejected views
+/// and, when too few views are left, to the error message.
 ///
-/// Throws InputError for an unknown model, fewer than 3 usable views, points and pixels that are
-/// not as many, numbers that are not finite, or more than 256 views for `visp`; WorkError when the
-/// fit does not converge or the views do not determine the camera.
+/// Throws InputError for an unknown model, fewer than 3 usable views, unequal numbers of points and
+/// pixels, numbers that are not finite, or more than 256 views for `visp`; WorkError when the fit
+/// does not converge or the views do not determine the camera.
 CameraCalibration calibrate_camera(const CalibrationProblem& problem,
                                    const std::vector<RejectedView>& without_board = {},
                                    const CalibrationModels& models = calibration_models());

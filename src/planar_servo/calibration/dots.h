@@ -23,23 +23,22 @@ struct Dot {
 std::vector<Dot> find_dark_dots(const cv::Mat& image);
 
 /// Measures the dot's ellipse to a few hundredths of a pixel. Along rays from its centre it finds
-/// where the grey value crosses the middle between dot and surroundings, and fits an ellipse to
-/// these places without the outliers among them. Each ray has grey levels of its own, so that
-/// shading does not shift the outline. Empty when the image has no such outline there.
+/// where the grey level crosses the middle between dot and surroundings, and fits an ellipse to
+/// these points, leaving out outliers. Each ray has grey levels of its own, so that shading does
+/// not shift the outline. Empty when there is no such outline.
 std::optional<Dot> measure_dot(const cv::Mat& image, const Dot& rough);
 
 /// Holds the indices of the points that form a lattice of columns x rows, row by row. Every point
 /// of the lattice must be there. The order is not mirrored (x turns to y as u turns to v), and the
 /// x axis points most to the right among the orientations that the counts allow. Points outside the
-/// lattice are ignored, but when a further row or column of it is there too, the lattice is
-/// ambiguous and is not found.
+/// lattice are ignored, but a lattice with a further row or column is ambiguous and is not found.
 struct LatticeFit {
   std::vector<std::size_t> indices;  ///< empty when there is no such lattice
   std::size_t most_found{0};         ///< points of the largest lattice seen
 };
 
-/// Finds a lattice among `points`. `sizes` has a length of each point, such as a dot's radius; the
-/// search starts between points of like size.
+/// Finds a lattice among `points`. `sizes` holds a length for each point, such as a dot's radius;
+/// the search starts between points of similar size.
 LatticeFit find_lattice(const std::vector<Eigen::Vector2d>& points,
                         const std::vector<double>& sizes, int columns, int rows);
 

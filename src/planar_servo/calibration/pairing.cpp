@@ -15,7 +15,7 @@
 namespace planar {
 namespace {
 
-// Differences this far beyond the noise of a lamp's centre and of a tracker are motion.
+// Differences above these, far beyond the noise of lamps and tracker, are motion.
 constexpr double kMotionPx = 1.0;
 constexpr double kMotion = 0.2 * kMillimetre;
 constexpr double kTimeWindow = 0.5;  // s
@@ -87,7 +87,7 @@ double farthest_from_mean(const std::vector<const T*>& items, const Value& value
   return farthest;
 }
 
-/// Says why the lamps' places there cannot be used; empty when they can.
+/// Returns why the frames cannot be used; empty when they can.
 std::string fault_of_frames(const Place& place) {
   if (place.frames.empty()) return "no frame with both lamps: " + place.failed.front()->fault;
   for (std::size_t k = 0; k < 2; ++k) {
@@ -100,7 +100,7 @@ std::string fault_of_frames(const Place& place) {
   return "";
 }
 
-/// Says why the readings there cannot be used; empty when they can.
+/// Returns why the readings cannot be used; empty when they can.
 std::string fault_of_readings(const Place& place) {
   if (place.readings.empty()) return "no tracker reading";
   const double far = farthest_from_mean(place.readings, [](const ToolReading& r) { return r.p_B; });
@@ -111,7 +111,7 @@ std::string fault_of_readings(const Place& place) {
   return "";
 }
 
-/// Says why the place cannot be used; empty when it can.
+/// Returns why the place cannot be used; empty when it can.
 std::string fault_of(const Place& place) {
   const std::string fault = fault_of_frames(place);
   return fault.empty() && place.plan() != Plan::kPose ? fault_of_readings(place) : fault;
@@ -174,8 +174,8 @@ Rejection far_from_frames(const std::vector<const ToolReading*>& stretch) {
                       kTimeWindow, stretch.size(), first.t_s, stretch.back()->t_s)};
 }
 
-/// Adds readings to the places nearest in time. A tracker that measures all the time leaves long
-/// stretches without a frame; each is reported once.
+/// Adds readings to the places nearest in time. Readings of a tracker that measures continuously
+/// come in long stretches without a frame; each stretch is reported once.
 void add_by_time(const std::vector<ToolReading>& readings, const std::vector<LampSight>& frames,
                  Places& places, std::vector<Rejection>& rejected) {
   std::vector<const ToolReading*> stretch;
@@ -278,7 +278,7 @@ Eigen::MatrixXd view_matrix(const std::vector<ToolSight>& sights) {
   return terms;
 }
 
-/// Returns the share of the readings' spread that a smooth view leaves in the median.
+/// Returns the median residual of a smooth view, as a share of the readings' spread.
 double share_left(const Eigen::MatrixXd& terms, const Eigen::MatrixX2d& readings) {
   Eigen::MatrixX2d left = readings;
   for (int axis = 0; axis < 2; ++axis)
@@ -300,7 +300,7 @@ double share_left(const std::vector<ToolSight>& sights) {
   return share_left(view_matrix(sights), reflectors(sights));
 }
 
-/// Returns by how many rows the readings come late, if the lamps follow them then.
+/// Returns by how many rows the readings come late, if with that shift they follow the lamps.
 std::optional<int> late_rows(const std::vector<ToolSight>& sights) {
   const Eigen::MatrixXd terms = view_matrix(sights);
   const Eigen::MatrixX2d points = reflectors(sights);
@@ -316,11 +316,11 @@ std::optional<int> late_rows(const std::vector<ToolSight>& sights) {
 void require_rows_in_order(const std::vector<ToolSight>& sights) {
   const auto rows = late_rows(sights);
   if (!rows) return;
-  throw InputError({fmt::format("its readings are shifted by {} row{} against their ids: with the "
-                                "place {} its own each follows the lamps",
+  throw InputError({fmt::format("its readings are shifted by {} row{} against their ids: each fits "
+                                "the place {} its own",
                                 std::abs(*rows), std::abs(*rows) == 1 ? "" : "s",
                                 *rows > 0 ? "before" : "after"),
-                    "put the rows of the tracker's table back", "tracker"});
+                    "restore the order of the rows in the tracker's table", "tracker"});
 }
 
 }  // namespace
@@ -345,8 +345,9 @@ std::vector<Rejection> take_out_frozen(std::vector<ToolSight>& sights) {
     const bool repeated = !alive.empty() && sight.p_reflector_B == alive.back().p_reflector_B &&
                           (sight.lamps_px[0] - alive.back().lamps_px[0]).norm() > kMovedLampsPx;
     if (repeated)
-      frozen.push_back({sight.id, "frozen: the tracker's reading is that of '" + alive.back().id +
-                                      "' to the last digit, while the lamps moved"});
+      frozen.push_back({sight.id, "frozen: the tracker repeated the reading of '" +
+                                      alive.back().id +
+                                      "' to the last digit, although the lamps had moved"});
     else
       alive.push_back(std::move(sight));
   }

@@ -1,14 +1,41 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <string>
 #include <vector>
 
-#include "planar_servo/calibration/tool_sight.h"
 #include "planar_servo/core/plan.h"
 #include "planar_servo/tool/tool_offsets.h"
 
 namespace planar {
+
+/// The tool at rest at one place, as the camera saw it: the means of its frames there.
+struct PoseSight {
+  std::string id;
+  Plan plan{Plan::kTrain};
+  double t_s{0.0};                       ///< of its first frame
+  Eigen::Vector3d theta{0.0, 0.0, 0.0};  ///< commanded joint angles, radians
+  std::array<Eigen::Vector2d, 2> lamps_px{Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};
+  std::array<Eigen::Matrix2d, 2> covariances_px2{Eigen::Matrix2d::Zero(), Eigen::Matrix2d::Zero()};
+};
+
+/// The tool at a place that the tracker watched as well, with the mean of its readings there.
+struct ToolSight : PoseSight {
+  /// Number of the joint-3 sweep of this place; the places of one sweep share the end point.
+  /// kNoSweep for places outside a sweep.
+  int sweep{kNoSweep};
+  Eigen::Vector3d p_reflector_B{0.0, 0.0, 0.0};  ///< metres
+  double sigma_tracker{0.0};                     ///< per axis, metres
+
+  static constexpr int kNoSweep = -1;
+};
+
+/// Something that was left out, and why.
+struct Rejection {
+  std::string id;
+  std::string reason;
+};
 
 /// The lamps in one frame and the commanded joint angles.
 struct LampSight {
@@ -40,10 +67,10 @@ struct Pairing {
 /// Pairs frames and readings by id or by time stamp. The good frames of one id are averaged, and so
 /// are its readings; by time these are the readings within half a second of its frames, each given
 /// to the nearest id. Places of plan sweep3 with the same commanded joints 1 and 2 form a sweep.
-/// Places of plan pose need no reading, and one that they have is not used.
-/// Rejected, with the reason, are ids without a good frame or reading, readings without a frame,
-/// and places where the arm was not at rest because frames or readings disagree. Throws InputError
-/// naming values that are not finite.
+/// Places of plan `pose` need no reading; if they have one, it is not used. Rejected, with the
+/// reason, are ids without a good frame or reading, readings without a frame, and places where the
+/// arm was not at rest because frames or readings disagree. Throws InputError naming values that
+/// are not finite.
 Pairing pair_sights(const std::vector<LampSight>& frames, const std::vector<ToolReading>& readings,
                     PairBy by);
 
@@ -56,16 +83,16 @@ Pairing unattended_sights(const std::vector<LampSight>& frames);
 /// direction of the lamps, radians.
 Eigen::Vector2d end_point_by_tracker(const ToolOffsets& tool, const ToolSight& sight, double phi);
 
-/// Throws InputError when the readings do not belong to the places that they are given to. Pixels
-/// and direction of the lamps determine the reflector's place by a smooth view, a cubic, which
-/// misses half of the places by less than two hundredths of the field. Where it misses more and the
-/// pairing is by id, rows shifted by up to three places are tried; the error names the shift with
-/// which the readings follow the lamps. Where none helps, only readings missed by a quarter of the
-/// field are refused, because no camera bends the plane by that. Too few places say nothing.
+/// Throws InputError when readings were assigned to the wrong places. A cubic function of the
+/// lamps' pixels and direction predicts the reflector's position; for right pairs its median error
+/// is below 2 % of the field. Where it is larger and the pairing is by id, shifts by up to three
+/// rows are tried; the error names the shift with which the readings follow the lamps. Where no
+/// shift helps, readings are refused only from a quarter of the field on, because no camera bends
+/// the plane by that. Too few places are not checked.
 void require_reading_order(const std::vector<ToolSight>& sights, PairBy by);
 
-/// Takes out places at which the tracker gave the very reading of the place before, although the
-/// lamps had moved. Returns each with the reason.
+/// Removes places at which the tracker repeated the reading of the place before exactly, although
+/// the lamps had moved. Returns each with the reason.
 std::vector<Rejection> take_out_frozen(std::vector<ToolSight>& sights);
 
 }  // namespace planar

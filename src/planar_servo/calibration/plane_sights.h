@@ -7,13 +7,14 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/calibration/tool_sight.h"
+#include "planar_servo/calibration/pairing.h"
 #include "planar_servo/core/pose.h"
 #include "planar_servo/lens/camera_model.h"
 
 namespace planar {
 
-/// The derivative by (dc, dw) of something seen by a camera at the pose (c + dc, exp(dw) R) in W.
+/// The derivative by (dc, dw) of something that a camera sees from the pose (c + dc, exp(dw) R) in
+/// W.
 template <int N>
 using PoseJacobian = Eigen::Matrix<double, N, 6>;
 
@@ -42,8 +43,8 @@ Pose moved_pose(const Pose& X_WC, const Eigen::Matrix<double, 6, 1>& change);
 /// mirrored homography, which would need a camera below the plane.
 Pose pose_from_homography(const Eigen::Matrix3d& H_CW);
 
-/// A plane in the camera's frame: its unit normal towards the camera, and the camera's distance,
-/// metres.
+/// A plane in the camera's frame: its unit normal towards the camera, and its distance from the
+/// camera, metres.
 struct CameraPlane {
   Eigen::Vector3d normal_C{0.0, 0.0, 1.0};
   double distance{0.0};
@@ -56,8 +57,8 @@ CameraPlane board_plane(const Pose& X_CG, double points_height);
 /// Returns the mean of planes that are nearly the same; throws InputError when there are none.
 CameraPlane mean_plane(const std::vector<CameraPlane>& planes);
 
-/// Returns the covariance of the mean of several planes of a camera at X_WC: of its height and of
-/// its rotations about x_W and y_W. It is zero for a single one.
+/// Returns the covariance of the mean of several planes, seen by a camera at X_WC: of its height
+/// and of its rotations about x_W and y_W. It is zero for a single plane.
 Eigen::Matrix3d scatter_of_planes(const Pose& X_WC, const std::vector<CameraPlane>& planes);
 
 /// Returns a camera pose over this plane. Its origin and direction in the plane are arbitrary: the
@@ -73,7 +74,7 @@ struct SeenSight {
   Eigen::Vector2d p_reflector() const { return sight->p_reflector_B.head<2>(); }
 };
 
-/// The observations of a fit: their rays, which of them are still used, and why the others are not.
+/// The observations of a fit: their rays, which of them are in use, and why the others are not.
 class SightSet {
  public:
   /// Throws InputError naming observations that are not finite, or when fewer than 6 are usable.
@@ -95,7 +96,7 @@ class SightSet {
   /// any.
   bool reject_unseen(const Pose& X_WC);
 
-  /// Leaves out those of `seen` whose length is far beyond the scatter of all `lengths`; returns
+  /// Leaves out those of `seen` whose length is far beyond the scatter of `lengths`; returns
   /// whether there were any.
   bool reject_beyond(const std::vector<SeenSight>& seen, const std::vector<double>& lengths,
                      const std::string& what);

@@ -57,8 +57,8 @@ bool explains(double sigma, double square, std::size_t degrees) {
   return chi_square_tail(square / (sigma * sigma), static_cast<int>(degrees)) >= kFalseAlarm;
 }
 
-/// Returns whether noise of this size explains what a rigid motion leaves of the monuments. Those
-/// on one line tell nothing.
+/// Returns whether noise of this size explains what a rigid fit leaves. Monuments on one line show
+/// nothing.
 bool fits(const Monuments& monuments, double sigma) {
   try {
     return explains(sigma, square_left(monuments), 3 * monuments.size() - 6);
@@ -67,8 +67,8 @@ bool fits(const Monuments& monuments, double sigma) {
   }
 }
 
-/// Returns how far a monument lies from its place, as the others say. Others on one line say
-/// nothing.
+/// Returns how far a monument lies from its known position, by the others; zero when those lie on
+/// one line.
 Eigen::Vector3d offset_of(const Monuments& monuments, std::size_t i) {
   try {
     return rigid_pose(all_but(monuments, i)) * monuments[i].p_read - monuments[i].p_known;
@@ -130,8 +130,8 @@ MonumentVerdict verdict(const Monuments& monuments, double sigma) {
   }
   result.doubt = {
       fmt::format(
-          "datum: a monument has moved, or is wrong in the cell file: {}; which one, {} monuments "
-          "do not tell",
+          "datum: a monument has moved, or is wrong in the cell file: {}; {} monuments do not show "
+          "which one",
           monuments.size() == 3 ? worst_side(monuments, sigma) : worst_offset(monuments, sigma),
           monuments.size()),
       kReadAgain};
@@ -165,13 +165,13 @@ Refusal doubt_of_drift(const Monuments& ends, double sigma) {
   const bool rigid = ends.size() >= 3 && fits(ends, sigma);
   const std::string who =
       rigid ? fmt::format(
-                  "their distances are kept, as when the tracker or the base moves, here by {:.3f} "
-                  "mm in the mean",
+                  "their distances have not changed, so the tracker or the base moved, by {:.3f} "
+                  "mm on average",
                   mm(mean_shift(ends).norm()))
-            : "not together, so one of them moved";
+            : "not all alike, so one of them moved";
   return {
       fmt::format("datum: between the beginning and the end of the recording the monuments moved "
-                  "before the tracker: {} mm, +- {:.3f} per axis; {}",
+                  "relative to the tracker: {} mm, +- {:.3f} per axis; {}",
                   sizes, mm(sigma), who),
       "record again with tracker and monuments at rest"};
 }
@@ -224,7 +224,7 @@ std::map<std::string, std::vector<MonumentReading>> sort_readings(
   for (const MonumentReading& reading : readings) {
     const auto known = by_id.find(reading.id);
     if (known == by_id.end()) {
-      faults.add({"there is a reading of '" + reading.id + "', which is no monument of the cell",
+      faults.add({"there is a reading of '" + reading.id + "', which is not a monument of the cell",
                   "", "datum"});
     } else if (!reading.p_L.allFinite()) {
       faults.add({"a reading of '" + reading.id + "' is not finite", "", "datum"});
@@ -241,10 +241,10 @@ void require_fit(const DatumRegistration& datum, const Eigen::Matrix3Xd& p_B) {
       std::sqrt((p_B.colwise() - p_B.rowwise().mean()).colwise().squaredNorm().mean());
   if (datum.rms <= kMaxResidualShare * spread) return;
   throw InputError(
-      {fmt::format("the readings do not fit the monuments' places, residual {:.3f} mm rms",
+      {fmt::format("the readings do not fit the monuments' positions, residual {:.3f} mm rms",
                    mm(datum.rms)),
-       "check the ids for an exchange, the unit of the readings and the coordinates in the cell "
-       "file",
+       "check for exchanged ids, and check the unit of the readings and the coordinates in the "
+       "cell file",
        "datum"});
 }
 

@@ -12,7 +12,8 @@
 
 namespace planar {
 
-/// A monument where it should be, in any frame, and where the tracker has read it, in its own.
+/// A monument's known position, in any frame, and its position as read by the tracker, in the
+/// tracker's frame.
 struct MonumentSight {
   std::string id;
   Eigen::Vector3d p_known{0.0, 0.0, 0.0};  ///< metres
@@ -21,27 +22,28 @@ struct MonumentSight {
   double sigma{0.0};  ///< of one reading per axis, metres; zero when it is not known
 };
 
-/// Says what the distances between the monuments tell.
+/// What the readings of the monuments show.
 struct MonumentVerdict {
-  /// The one monument without which the others fit, while without any other they do not.
+  /// The only monument without which the others fit.
   std::optional<std::size_t> moved;
   Refusal doubt;        ///< with sizes; empty when the readings fit
-  bool refused{false};  ///< whether no registration may rest on these readings
+  bool refused{false};  ///< whether these readings must not be used
 };
 
-/// Holds the monuments' mutual places as read against those of the cell file, by the sum of squares
-/// that a rigid motion leaves. Two uncertainties bound it, each with a false alarm of kFalseAlarm.
-/// A mean of n readings may be as good as sigma / sqrt(n); what this does not explain is doubted. A
-/// stated sigma may as well be common to all readings of a monument; what even this does not
-/// explain is a contradiction: the one monument that explains it is named as moved, and where no
-/// single one does, or there are only three, the readings are refused. Four monuments in one plane
-/// show that one of them rose or sank, but not which; three show nothing of it.
+/// Compares the monuments' relative positions as read with those of the cell file, by the sum of
+/// squares that a rigid fit leaves. It is tested against two uncertainties, each with a false-alarm
+/// rate of kFalseAlarm. The mean of n readings may be as good as sigma / sqrt(n): what this does
+/// not explain is doubted. But sigma may also be common to all readings of a monument: what even
+/// this does not explain is a contradiction. The one monument that explains it is then named as
+/// moved; where no single one does, or there are only three, the readings are refused. Four
+/// monuments in one plane show that one of them rose or sank, but not which one; three do not show
+/// it at all.
 MonumentVerdict check_monuments(const std::vector<MonumentSight>& monuments);
 
-/// Compares the readings of the same monuments at the beginning and at the end of a recording
-/// (p_read). What the means' noise does not explain is doubted, what the noise of single
-/// readings does not explain is refused. The words tell a tracker that moved as a whole from a
-/// monument that did.
+/// Compares the readings (p_read) of the same monuments at the beginning and at the end of a
+/// recording. What the noise of the means does not explain is doubted; what the noise of single
+/// readings does not explain is refused. The message distinguishes a tracker that moved from a
+/// single monument that did.
 MonumentVerdict check_drift(const std::vector<MonumentSight>& begin,
                             const std::vector<MonumentSight>& end);
 
@@ -67,7 +69,7 @@ struct DatumRegistration {
 };
 
 /// Returns the monuments that were read, in their order, with the means of their readings. Throws
-/// InputError as register_datum() does for readings and monuments that are wrong.
+/// InputError for wrong readings and monuments, as register_datum() does.
 std::vector<MonumentSight> monument_sights(const std::vector<Monument>& monuments,
                                            const std::vector<MonumentReading>& readings);
 
@@ -75,8 +77,8 @@ std::vector<MonumentSight> monument_sights(const std::vector<Monument>& monument
 /// position. Throws InputError, with all faults at once, for readings of unknown monuments, values
 /// that are not finite, a monument named twice, fewer than 3 monuments read or all of them on one
 /// line, residuals above a hundredth of the monuments' spread, and readings that contradict the
-/// monuments' places without telling which of them moved; see check_monuments(). The one that moved
-/// is left out.
+/// monuments' positions without showing which one moved; see check_monuments(). A monument that
+/// moved is left out.
 DatumRegistration register_datum(const std::vector<Monument>& monuments,
                                  const std::vector<MonumentReading>& readings);
 

@@ -12,17 +12,17 @@
 
 namespace planar {
 
-/// Tells for how long a board has stood still: its points, seen again and again, lie within a bound
+/// Measures for how long a board has been still: in all its sights, its points lie within a bound
 /// of where they are now (root of the mean square distance).
 class BoardRest {
  public:
   explicit BoardRest(double bound_px) : bound_px_(bound_px) {}
 
-  /// Takes the points of the board as seen at this time, which never goes back; none when it is
-  /// not seen.
+  /// Takes the points of the board as seen at this time, none when it is not seen. Times must not
+  /// decrease.
   void see(double t_s, const std::vector<Eigen::Vector2d>& pixels);
 
-  /// Returns the seconds, up to ten, for which it has stood still; 0 unless it was seen twice.
+  /// Returns the seconds, up to ten, for which it has been still; 0 unless it was seen twice.
   double still_for_s() const;
 
  private:
@@ -44,7 +44,7 @@ constexpr std::array<PictureCorner, 4> kPictureCorners{
 /// Returns the corner of a picture of this size, a sixth of each side.
 cv::Rect2d corner_of_picture(PictureCorner corner, const cv::Size& picture_px);
 
-/// Describes how a board stands in a picture, as far as a camera tells that nobody has calibrated.
+/// Describes how a board is placed in a picture, as far as an uncalibrated camera shows it.
 /// Directions are the picture's, x right and y down.
 struct BoardStance {
   Eigen::Vector2d middle{0.0, 0.0};      ///< of the board, as shares of the picture's sides
@@ -62,8 +62,8 @@ struct BoardStance {
 /// Estimates the stance of a board from its points in a picture of this size, by the homography
 /// from the board. The gradient of the inverse depth over the picture, which is that of a plane
 /// [Hartley and Zisserman 2004, 8.1], gives the tilt against the image plane, as it is under a lens
-/// whose focal length is 1.5 times the picture's longer side; the lens's distortion counts as
-/// tilt, so that 10 degrees more or less mean nothing. Empty without points, and when they lie on a
+/// whose focal length is 1.5 times the picture's longer side; the lens's distortion counts as tilt,
+/// so that differences of 10 degrees mean nothing. Empty without points, and when they lie on a
 /// line.
 std::optional<BoardStance> board_stance(const Board& board,
                                         const std::vector<Eigen::Vector2d>& pixels,
@@ -72,19 +72,19 @@ std::optional<BoardStance> board_stance(const Board& board,
 /// Returns the angle in (-period/2, period/2] that differs from `angle` by whole periods.
 double wrap_to_period(double angle, double period);
 
-/// Something that one view of the board at least should show.
+/// Something that at least one view of the board should show.
 struct BoardWish {
-  const char* request;  ///< to who holds the board: "tilt its left edge towards the camera"
+  const char* request;  ///< to the person who holds it: "tilt its left edge towards the camera"
   const char* lack;     ///< of a set of views: "none has its left edge nearer to the camera"
   bool (*granted)(const BoardStance& stance);
-  bool is_needed{true};  ///< by what the views are taken for; otherwise it is only better so
+  bool is_needed{true};  ///< for the purpose of the views; otherwise it is only better
 };
 
-/// Says what a view is worth beside those that were taken.
+/// What a view adds to those that were taken.
 enum class ViewWorth {
-  kNew,        ///< it shows something that is missing, or something else where nothing is needed
-  kUnneeded,   ///< it differs from the others, but the views left are needed for what is missing
-  kLikeTaken,  ///< a view like it was taken
+  kNew,        ///< it shows what is missing, or is unlike the others when views can be spared
+  kUnneeded,   ///< it is unlike the others, but all views left are needed for what is missing
+  kLikeTaken,  ///< it is like a view that was taken
 };
 
 /// Chooses views of the calibration board. Held views should reach the corners of the picture,
@@ -98,16 +98,16 @@ class ViewChoice {
 
   void take(const std::string& id, const BoardStance& stance);
 
-  /// Judges a view while `left` views are still to be taken, it included.
+  /// Judges a view when `left` views, including this one, are still to be taken.
   ViewWorth worth(const BoardStance& stance, std::size_t left) const;
-  /// Returns the id of a view that was taken like this one; empty when there is none.
+  /// Returns the id of a taken view that is like this one; empty when there is none.
   std::string like(const BoardStance& stance) const;
 
   /// Returns what no view has shown so far, places first.
   std::vector<BoardWish> missing() const;
   /// Returns the corners that no view reaches, though one should.
   std::vector<PictureCorner> open_corners() const;
-  /// Says in words what the next view should show.
+  /// Returns in words what the next view should show.
   std::string request() const;
 
  private:
@@ -117,18 +117,18 @@ class ViewChoice {
   };
 
   std::vector<BoardWish> ungranted(const std::vector<BoardWish>& wishes) const;
-  /// Returns how many views are needed to grant what is missing; a view may grant a place and an
+  /// Returns how many views are needed to show what is missing; one view may show a place and an
   /// attitude at once.
   std::size_t views_needed() const;
 
   Plan plan_;
-  std::vector<BoardWish> first_;  ///< is granted before the others are asked for
+  std::vector<BoardWish> first_;  ///< asked for before the others
   std::vector<BoardWish> places_, attitudes_;
   std::vector<Taken> taken_;
 };
 
-/// Returns whether two views show a board of about the same place, size, tilt and turn; of laid
-/// boards place and turn count.
+/// Returns whether two views show a board at about the same place, size, tilt and turn; of laid
+/// boards only place and turn count.
 bool alike(Plan plan, const BoardStance& a, const BoardStance& b);
 
 }  // namespace planar

@@ -1,11 +1,10 @@
-#include "planar_servo/calibration/workplane_by_arm.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "planar_servo/calibration/plane_sights.h"
+#include "planar_servo/calibration/workplane_calibration.h"
 #include "planar_servo/core/decompositions.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/statistics.h"
@@ -17,12 +16,12 @@ namespace planar {
 namespace {
 
 constexpr std::size_t kFewestSights = 6;
-/// Places this many times as far off as half of all are, stand out.
+/// Places off by more than this many times the median are left out.
 constexpr double kStandsOut = 8.0;
-/// Arms err by less, so a place within this of where it was sent never stands out, metres.
+/// Metres; arms may err by this much, so a place closer to where it was sent is never left out.
 constexpr double kArmErr = 0.1 * kMillimetre;
 constexpr double kMostSizeShare = 0.05, kMostRmsShare = 0.02;
-/// Directions whose mean is nearly as long as they are do not tell the end point on the tool.
+/// Unit directions whose mean is longer do not determine the end point on the tool.
 constexpr double kSameDirection = 0.98;
 
 /// The lamps of one place in a plane whose origin and turn are arbitrary.
@@ -32,7 +31,7 @@ struct FlatSight {
   double phi{0.0};
 };
 
-/// How the arbitrary plane lies to the base, p_B = scale R(turn) p + shift, with the end point on
+/// How the arbitrary plane relates to the base, p_B = scale R(turn) p + shift, and the end point on
 /// the tool.
 struct Alignment {
   double scale{1.0}, turn{0.0};
@@ -94,8 +93,8 @@ void require_directions(const std::vector<FlatSight>& sights) {
   for (const FlatSight& seen : sights) sum += rotation2d(seen.phi).col(0);
   if (sum.norm() < kSameDirection * static_cast<double>(sights.size())) return;
   throw InputError(
-      {"the lamps point in nearly the same direction at all places, so nothing tells where the end "
-       "point is on the tool",
+      {"the lamps point in nearly the same direction at all places, which does not show where the "
+       "end point is on the tool",
        "record a sweep of joint 3, or poses with the tool turned", "workplane"});
 }
 
@@ -108,8 +107,8 @@ double field_of(const std::vector<FlatSight>& sights) {
 
 void require_same_size(const Alignment& alignment) {
   if (std::abs(alignment.scale - 1.0) < kMostSizeShare) return;
-  throw InputError({fmt::format("the arm of the cell file reaches {:.1f} % {} than the board's "
-                                "pitch says that it is seen to",
+  throw InputError({fmt::format("the arm reaches {:.1f} % {} by the cell file than by the "
+                                "camera and the board's pitch",
                                 100.0 * std::abs(alignment.scale - 1.0),
                                 alignment.scale > 1.0 ? "farther" : "less far"),
                     "check the pitch in --grid, --board-thickness-mm and arm.link_lengths_mm",
@@ -123,7 +122,7 @@ std::vector<double> distances_of(const Alignment& alignment, const std::vector<F
   return all;
 }
 
-/// Leaves out what stands out; returns whether there was any.
+/// Leaves out outlying places; returns whether there were any.
 bool leave_out(const Alignment& alignment, std::vector<FlatSight>& sights,
                std::vector<Rejection>& rejected) {
   const std::vector<double> off = distances_of(alignment, sights);
@@ -177,7 +176,7 @@ WorkplaneFit fit_workplane_to_arm(const CameraModel& camera, const std::vector<P
   require_directions(seen);
   while (leave_out(align(seen, true), seen, fit.rejected))
     if (3 * seen.size() < 2 * sights.size())
-      throw InputError({fmt::format("{} of {} places stand out from the others",
+      throw InputError({fmt::format("{} of {} places lie far off the others",
                                     sights.size() - seen.size(), sights.size()),
                         "", "workplane"});
   require_same_size(align(seen, false));

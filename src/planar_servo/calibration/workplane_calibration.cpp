@@ -94,8 +94,8 @@ struct SweepFits {
   Seen seen;  // in the order of the residuals
   SweepOffset lamps, reflector;
 
-  /// Returns p_TP + p_TS, the reflector in the lamps' frame. The other observations depend on it
-  /// alone.
+  /// Returns p_TP + p_TS, the reflector in the lamps' frame. Of the tool, the other observations
+  /// depend on nothing else.
   Eigen::Vector2d reflector_in_lamps() const { return reflector.offset - lamps.offset; }
 };
 
@@ -180,7 +180,7 @@ Pose start_from_pairs(const SightSet& sights, const CameraModel& camera) {
   const std::optional<CoarseView> view = fit_coarse_view(rows);
   if (!view)
     throw InputError(
-        {"the positions lie on one line", "record some that spread over the field", "workplane"});
+        {"the positions lie on one line", "record positions all over the field", "workplane"});
   return pose_from_homography(Eigen::Vector3d(1.0 / f, 1.0 / f, 1.0).asDiagonal() *
                               view->homography());
 }
@@ -267,7 +267,7 @@ Settled fit_in_rounds(SightSet& sights, const Pose& start, const Step& step) {
 void require_same_lengths(const Pose& by_board, const Pose& by_tracker) {
   const double board = by_board.translation().z(), tracker = by_tracker.translation().z();
   if (std::abs(board - tracker) <= kMostHeightShare * tracker) return;
-  throw InputError({fmt::format("the camera stands {:.0f} mm above the plane by the board, and "
+  throw InputError({fmt::format("the camera is {:.0f} mm above the plane by the board, but "
                                 "{:.0f} mm by the tracker's readings",
                                 board / kMillimetre, tracker / kMillimetre),
                     "check the pitch in --grid and the unit of the tracker's lengths",
@@ -275,7 +275,7 @@ void require_same_lengths(const Pose& by_board, const Pose& by_tracker) {
 }
 
 /// Returns the covariance of the camera pose when position and turn in the plane come from the
-/// pairs, and height and tilt from the board. The pairs make good a part of the board's error.
+/// pairs, and height and tilt from the board. The pairs compensate part of the board's error.
 Matrix6d board_covariance(const NormalEquations& sum, const Eigen::Matrix3d& board) {
   const std::array<int, 3> inner{0, 1, 5}, outer{2, 3, 4};
   const Eigen::Matrix3d inverse = Eigen::Matrix3d(sum.information(inner, inner)).inverse();

@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "planar_servo/calibration/tool_sight.h"
+#include "planar_servo/calibration/pairing.h"
 #include "planar_servo/core/pose.h"
 #include "planar_servo/lens/camera_model.h"
 #include "planar_servo/tool/tool_offsets.h"
@@ -30,8 +30,7 @@ struct SweepOffset {
 /// certain than a single reading (s < 1).
 SweepOffset fit_sweep_offset(const std::vector<SweepPoint>& points);
 
-/// The pose of the camera over the plane of the lamps, and the offsets of the tool that moves in
-/// it.
+/// The pose of the camera over the plane of the lamps, and the offsets of the tool in it.
 struct WorkplaneFit {
   Pose X_WC{Pose::Identity()};
   /// Covariance of (dc, dw), where the pose is (c + dc, exp(dw) R); m and rad.
@@ -58,10 +57,28 @@ WorkplaneFit fit_workplane_to_pairs(const CameraModel& camera,
 /// Fits position and turn in the plane to the pairs, rigidly and without scale. Height and tilt of
 /// the plane come from a board laid once or several times (X_CG), whose points lie `points_height`
 /// above the lamps' plane (metres, negative below); their covariance is that of the mean over the
-/// views, and zero for a single view. Throws like fit_workplane_to_pairs(), and InputError when
-/// board and tracker say heights of the camera that differ by more than 5 %.
+/// views, and zero for a single view. Throws like fit_workplane_to_pairs(), and InputError when the
+/// camera's heights by board and by tracker differ by more than 5 %.
 WorkplaneFit fit_workplane_to_board(const CameraModel& camera, const std::vector<Pose>& X_CG,
                                     const std::vector<ToolSight>& sights,
                                     double points_height = 0.0);
+
+/// The tool at rest at a place that no tracker watched, and the position to which the arm was sent.
+struct SentSight {
+  PoseSight sight;
+  Eigen::Vector2d p_sent_B{0.0, 0.0};  ///< the end point by the cell file's arm, metres
+};
+
+/// Finds X_WC and the end point on the tool without a tracker. Height and tilt of the plane come
+/// from a board laid on it (X_CG), whose points lie `points_height` above the lamps' plane (metres,
+/// negative below); position and turn in the plane are those that bring the end points as seen
+/// nearest to where the arm was sent, by least squares over p_sent = R (m + R(phi) p_TP) + t with
+/// the lamps' middle m. The reflector stays unknown. Outlying places are left out.
+///
+/// Throws InputError for fewer than 6 places, for lamps that point in nearly the same direction
+/// everywhere, for a scale that differs from the arm's by more than 5 %, an rms above 2 % of the
+/// field, and when more than a third of the places are left out.
+WorkplaneFit fit_workplane_to_arm(const CameraModel& camera, const std::vector<Pose>& X_CG,
+                                  const std::vector<SentSight>& sights, double points_height);
 
 }  // namespace planar

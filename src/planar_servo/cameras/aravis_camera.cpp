@@ -22,7 +22,7 @@ namespace planar {
 namespace {
 
 // Faults of the camera must stop the arm within 3 frame periods or 100 ms, whichever is longer.
-// These limits leave the rest of that time to the polling caller and to the drives' link.
+// These limits leave part of that time to the polling caller and to the drives' link.
 constexpr double kAgeLimitPeriods = 2.25;
 constexpr double kAgeLimit_s = 0.070;
 
@@ -173,7 +173,7 @@ struct AravisCamera::Impl {
   }
 
   /// Triggers one exposure and waits for its frame before the next, so that a late frame is not
-  /// taken for the next trigger's.
+  /// mistaken for the next trigger's.
   void grab_by_command() {
     if (!unanswered_s && !trigger()) return;
     const auto arrival = link->receive(kPollPeriod_s);
@@ -195,7 +195,8 @@ struct AravisCamera::Impl {
     return true;
   }
 
-  /// Takes a frame whose exposure began at `began_s`; if that is unknown, the arrival tells it.
+  /// Takes a frame whose exposure began at `began_s`; if that is unknown, it follows from the
+  /// arrival.
   void take(const std::optional<AravisLink::Arrival>& arrival, std::optional<double> began_s) {
     if (!arrival) return;
     if (!arrival->complete || arrival->repeated) {
@@ -266,7 +267,7 @@ void AravisCamera::set_exposure(const CameraExposure& exposure) {
   std::future<void> done = impl_->order(exposure);
   if (done.wait_for(std::chrono::duration<double>(kOrderTime_s)) != std::future_status::ready) {
     impl_->withdraw_order();
-    throw WorkError("the camera did not take the exposure: it does not answer");
+    throw WorkError("the camera has not set the exposure: it does not answer");
   }
   done.get();
   exposure_ = exposure;

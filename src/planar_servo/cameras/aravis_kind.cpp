@@ -6,7 +6,7 @@
 
 #include "planar_servo/cameras/aravis_camera.h"
 #include "planar_servo/cameras/aravis_link.h"
-#include "planar_servo/cameras/camera_path.h"
+#include "planar_servo/cameras/aravis_settings.h"
 #include "planar_servo/core/clock.h"
 #include "planar_servo/core/names.h"
 #include "planar_servo/core/units.h"
@@ -18,7 +18,7 @@ namespace {
 constexpr int kCameraBlocks = 6;  // the number that AravisCamera has
 constexpr double kTestLateness_s = 0.1;
 
-/// What mends a refusal of a camera that answers.
+/// The remedy where a camera answers but refuses.
 constexpr char kCorrectSettings[] =
     "correct the settings of `camera` in the cell file to what this camera is and can do";
 

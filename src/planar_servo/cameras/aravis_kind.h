@@ -14,7 +14,7 @@ namespace planar {
 
 struct CameraPath;
 
-/// Holds what a camera did when it was opened and sent full frames for a moment.
+/// What a camera did when it was opened and sent full frames for a moment.
 struct CameraInspection {
   std::optional<Refusal> refusal;  ///< why it cannot be used; the rest is empty then
   std::size_t frame_bytes{0};      ///< of a full frame
@@ -29,26 +29,28 @@ struct CameraInspection {
 /// for settings that no camera can have.
 CameraInspection inspect_camera(const AravisSettings& settings, double duration_s);
 
-/// Opens a camera as a run would and lets it send full frames for two seconds: whether it answers
-/// and may be used, whether its packets and its frames fit what they travel on, and whether frames
+/// Opens a camera as a run would and lets it send full frames for two seconds. Finds whether it
+/// answers and may be used, whether the link carries its packets and frames, and whether frames
 /// came damaged, late or not at all.
 std::vector<Finding> examine_camera(const CameraSettings& camera, const AravisSettings& settings);
 
 // What that is judged by.
 
-/// Whether packets pass the network; a camera on USB has none. No finding where nothing is known.
+/// Judges whether packets pass the network; a camera on USB has none. No finding where nothing is
+/// known.
 std::vector<Finding> judge_packets(const CameraInspection& seen, const CameraPath& path);
 
-/// Whether full frames, and those of the region that follows the lamps, come at the frame rate of
-/// the file. No finding where the speed is unknown.
+/// Judges whether full frames, and those of the follow region, come at the frame rate of the file.
+/// No finding where the speed is unknown.
 std::vector<Finding> judge_bandwidth(const CameraSettings& camera, const CameraInspection& seen,
                                      const CameraPath& path);
 
-/// Whether frames came whole and at the rate of the file.
+/// Judges whether frames came whole and at the rate of the file.
 Finding judge_frames(const CameraSettings& camera, const AravisSettings& settings,
                      const CameraInspection& seen, const CameraPath& path);
 
-/// Whether the kernel gives USB enough memory for a USB3 camera. `parameter` is the kernel's file.
+/// Judges whether the kernel gives USB enough memory for a USB3 camera. `parameter` is the kernel's
+/// file.
 Finding examine_usb_memory(
     const std::filesystem::path& parameter = "/sys/module/usbcore/parameters/usbfs_memory_mb");
 
@@ -62,7 +64,7 @@ class AravisKind final : public CameraKind {
   std::vector<Finding> examine(const CellSettings& cell) const override;
 };
 
-/// What the camera of a cell of this kind is set to.
+/// Returns the settings of a cell's camera of this kind.
 AravisSettings aravis_settings(const CameraSettings& camera);
 
 }  // namespace planar

@@ -19,7 +19,7 @@
 namespace planar {
 namespace {
 
-// Crystals are good to 100 ppm, and a steady clock that is being disciplined may be off by 500 ppm.
+// Crystals are good to 100 ppm, and a steady clock that is being adjusted may be off by 500 ppm.
 constexpr double kDrift = 600e-6;
 
 constexpr std::size_t kPageBytes = 4096;
@@ -101,7 +101,7 @@ struct AravisLink::Impl {
 
   void read_raster() {
     const auto step = [&](gint (*increment)(ArvCamera*, GError**)) {
-      return ask("the camera does not tell in which steps its region can be set",
+      return ask("the camera does not report the steps in which its region can be set",
                  [&](GError** e) { return increment(camera.get(), e); });
     };
     raster_px = {step(arv_camera_get_x_offset_increment), step(arv_camera_get_y_offset_increment),
@@ -131,7 +131,7 @@ struct AravisLink::Impl {
   }
 
   std::size_t frame_bytes() const {
-    return ask("the camera does not tell the size of its frames",
+    return ask("the camera does not report its frame size",
                [&](GError** e) { return arv_camera_get_payload(camera.get(), e); });
   }
 
@@ -187,7 +187,7 @@ struct AravisLink::Impl {
     arrival.late_s = arrival_s - arrival.due_s;
     if (believed && !clock.believed())
       spdlog::warn(
-          "the camera's clock runs slow; its frames are dated by their arrival from now on");
+          "the camera's clock runs slow; from now on its frames are dated by their arrival");
   }
 
   AravisSettings settings;
@@ -268,7 +268,7 @@ std::size_t AravisLink::frame_bytes() const {
 
 int AravisLink::packet_size() const {
   if (!arv_camera_is_gv_device(impl_->camera.get())) return 0;
-  return static_cast<int>(ask("the camera does not tell the size of its packets", [&](GError** e) {
+  return static_cast<int>(ask("the camera does not report its packet size", [&](GError** e) {
     return arv_camera_gv_get_packet_size(impl_->camera.get(), e);
   }));
 }

@@ -10,26 +10,27 @@
 
 namespace planar {
 
-/// Dates a camera's frames by the camera's own clock. Delays of the camera, the link and this host
+/// Dates a camera's frames by the camera's own clock. Delays in the camera, the link and this host
 /// can only make a frame arrive later. The least difference between arrival and stamp is therefore
 /// the clocks' offset plus the shortest delay, and it grows no faster than the clocks drift apart.
-/// Where in the exposure the stamp is taken does not matter as long as it stays the same.
+/// It does not matter when during the exposure the stamp is taken, as long as that stays the same.
 ///
 /// Frames are dated by their arrival when the camera's clock stands still or runs fast, and once
-/// after it jumps. A slow clock makes frames seem later and later, as a growing queue in the camera
-/// does; but a queue ends with its stream. When frames come too late, begin a new stream: if its
-/// first frame then dates from before the stream's beginning, the clock is not believed any more.
+/// after it jumps. A slow clock makes frames seem later and later, as does a growing queue in the
+/// camera; but a queue ends with its stream. When frames come too late, begin a new stream: if its
+/// first frame is then dated before the stream's beginning, the clock is no longer believed.
 class CameraClock {
  public:
   /// Notes that a stream begins at `start_s` on the steady clock; its frames are stamped later.
   void begin_stream(double start_s);
 
-  /// Returns when a frame that the camera stamped `device_s` would have arrived without delay, on
-  /// the steady clock; never later than its arrival at `arrival_s`. Frames must be given in the
-  /// order of their arrival. Throws std::invalid_argument unless both times are finite.
+  /// Returns when a frame stamped `device_s` by the camera would have arrived without delay, on the
+  /// steady clock; never later than its arrival at `arrival_s`. Frames must be given in the order
+  /// of their arrival. Throws std::invalid_argument unless both times are finite.
   double due_s(double device_s, double arrival_s);
 
-  /// Returns false once the clock was found to run slow; every frame is then due when it arrives.
+  /// Returns false once the clock was found to run slow; from then on every frame is due when it
+  /// arrives.
   bool believed() const { return believed_; }
 
  private:
@@ -57,7 +58,7 @@ class FrameMemory {
 
 /// One connection to a camera, from opening to loss. Its calls may block for seconds when the
 /// camera is gone, so use it from a thread of its own. Every failure throws WorkError; after that
-/// the connection is of no further use.
+/// the connection cannot be used.
 class AravisLink {
  public:
   /// A frame as it came. Its data stay valid until the next receive() or start().
@@ -75,12 +76,12 @@ class AravisLink {
   AravisLink(const AravisSettings& settings, FrameMemory& memory);
   ~AravisLink();
 
-  /// Starts to stream this region and ends the stream before. Returns the region that the camera
-  /// takes: the smallest on its raster that holds the wanted one.
+  /// Starts to stream this region and ends any stream before. Returns the region that the camera
+  /// takes: the smallest on its raster that contains the wanted one.
   cv::Rect start(const cv::Rect& region_px);
 
-  /// Moves the region while the stream continues and returns it like start(). Its size must be that
-  /// given to start().
+  /// Moves the region while the stream continues, and returns it as start() does. Its size must be
+  /// that given to start().
   cv::Rect move(const cv::Rect& region_px);
 
   /// Sets exposure time and gain while the stream continues.
@@ -95,7 +96,7 @@ class AravisLink {
   /// Returns whether the camera has not answered for some seconds or its cable is out.
   bool lost() const;
 
-  // // These describe the stream that start() began.
+  // These describe the stream that start() began.
   std::size_t frame_bytes() const;
   /// Returns the bytes of a GigE packet with its headers; 0 on USB.
   int packet_size() const;

@@ -2,7 +2,9 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <opencv2/core.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -45,7 +47,7 @@ struct AravisSettings {
   std::string address;  ///< of a GigE camera; empty for USB
   std::string id;       ///< serial number; empty for the first that answers
   cv::Size sensor_px;
-  double frame_rate_hz{0.0};  ///< frames come at least at this rate, else the camera is at fault
+  double frame_rate_hz{0.0};  ///< frames come at least at this rate, or the camera is at fault
   double exposure_s{0.0};
   double gain_db{0.0};
   std::string pixel_format{"Mono8"};  ///< one of pixel_format_names()
@@ -59,5 +61,27 @@ void require_settings(const AravisSettings& settings);
 
 /// Returns a message that says why this exposure time does not fit the frame rate.
 std::string exposure_too_long(double exposure_s, double frame_rate_hz);
+
+/// The port by which frames reach this machine, as the kernel describes it.
+struct CameraPath {
+  std::string port;                     ///< "eth0", "/dev/bus/usb/002/003"
+  std::optional<int> mtu_bytes{};       ///< of a network interface
+  std::optional<double> speed_bit_s{};  ///< unknown for a wireless network
+  bool permitted{true};                 ///< for USB, whether this user may open the device
+};
+
+/// Returns this machine's address from which `address` is reached, without any broadcast. Throws
+/// InputError unless `address` is an IPv4 address, and WorkError when no network leads there.
+std::string local_address_towards(const std::string& address);
+
+/// Returns the network interface towards a GigE camera; throws like local_address_towards(). `sys`
+/// is where sysfs is mounted.
+CameraPath find_network_path(const std::string& address, const std::filesystem::path& sys = "/sys");
+
+/// Returns the port of the USB camera with this serial number, or of the first one when `serial` is
+/// empty; empty when there is none.
+std::optional<CameraPath> find_usb_path(const std::string& serial,
+                                        const std::filesystem::path& sys = "/sys",
+                                        const std::filesystem::path& dev = "/dev");
 
 }  // namespace planar

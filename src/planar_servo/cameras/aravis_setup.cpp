@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "planar_servo/cameras/camera_path.h"
+#include "planar_servo/cameras/aravis_settings.h"
 #include "planar_servo/core/clock.h"
 
 namespace planar {
@@ -12,7 +12,7 @@ namespace {
 std::string hardware_trigger(ArvCamera* camera) {
   guint n = 0;
   const std::unique_ptr<const char*, void (*)(gpointer)> sources(
-      ask("the camera does not name its trigger sources",
+      ask("the camera does not list its trigger sources",
           [&](GError** e) { return arv_camera_dup_available_trigger_sources(camera, &n, e); }),
       g_free);
   for (guint i = 0; i < n; ++i) {
@@ -26,7 +26,7 @@ template <typename GetBounds>
 void require_within(ArvCamera* camera, const char* what, double value, const char* unit,
                     GetBounds get_bounds) {
   double least = 0.0, most = 0.0;
-  ask(fmt::format("the camera does not tell the bounds of {}", what),
+  ask(fmt::format("the camera does not report the bounds of {}", what),
       [&](GError** e) { get_bounds(camera, &least, &most, e); });
   if (value < least || value > most)
     throw WorkError(fmt::format("the camera refuses {} of {:.6g} {}; it can do {:.6g} to {:.6g} {}",
@@ -41,10 +41,10 @@ void apply_picture(ArvCamera* camera, const AravisSettings& settings) {
     if (!ask(what, [&](GError** e) { return available(camera, e); })) return;
     ask(what, [&](GError** e) { set(camera, ARV_AUTO_OFF, e); });
   };
-  automatic_off("the camera keeps its exposure automatic", arv_camera_is_exposure_auto_available,
-                arv_camera_set_exposure_time_auto);
-  automatic_off("the camera keeps its gain automatic", arv_camera_is_gain_auto_available,
-                arv_camera_set_gain_auto);
+  automatic_off("the camera does not switch its automatic exposure off",
+                arv_camera_is_exposure_auto_available, arv_camera_set_exposure_time_auto);
+  automatic_off("the camera does not switch its automatic gain off",
+                arv_camera_is_gain_auto_available, arv_camera_set_gain_auto);
   apply_exposure(camera, {settings.exposure_s, settings.gain_db});
 }
 
@@ -69,8 +69,9 @@ void apply_packet_size(ArvCamera* camera, const AravisSettings& settings) {
       [&](GError** e) { arv_camera_gv_set_packet_size(camera, settings.packet_size, e); });
 }
 
-/// A camera obeys one program at a time. It waits so long, by the standard's default [GigE Vision
-/// 2.0, GevHeartbeatTimeout], for a sign of life of one that ended without taking leave; seconds.
+/// A camera obeys one program at a time. By the standard's default [GigE Vision 2.0,
+/// GevHeartbeatTimeout] it waits this long for a sign of life from a program that ended without
+/// closing it; seconds.
 constexpr double kLeave_s = 3.0;
 constexpr double kPatience_s = kLeave_s + 1.0, kPoll_s = 0.2;
 
@@ -108,28 +109,18 @@ GObjectPtr<ArvDevice> reach_gige(const std::string& address) {
 }  // namespace
 
 ArvPixelFormat arv_format(PixelFormat format) {
-  switch (format) {
-    case PixelFormat::kMono8:
-      return ARV_PIXEL_FORMAT_MONO_8;
-    case PixelFormat::kMono10:
-      return ARV_PIXEL_FORMAT_MONO_10;
-    case PixelFormat::kMono10p:
-      return 0x010a0046;  // the number in GenICam's convention, for which Aravis has no name
-    case PixelFormat::kMono10Packed:
-      return ARV_PIXEL_FORMAT_MONO_10_PACKED;
-    case PixelFormat::kMono12:
-      return ARV_PIXEL_FORMAT_MONO_12;
-    case PixelFormat::kMono12p:
-      return 0x010c0047;
-    case PixelFormat::kMono12Packed:
-      return ARV_PIXEL_FORMAT_MONO_12_PACKED;
-  }
-  throw std::invalid_argument("unknown PixelFormat");
+  // Aravis has no name for two of these numbers of GenICam's convention.
+  constexpr ArvPixelFormat kMono10p = 0x010a0046, kMono12p = 0x010c0047;
+  constexpr ArvPixelFormat kFormats[] = {
+      ARV_PIXEL_FORMAT_MONO_8,         ARV_PIXEL_FORMAT_MONO_10, kMono10p,
+      ARV_PIXEL_FORMAT_MONO_10_PACKED, ARV_PIXEL_FORMAT_MONO_12, kMono12p,
+      ARV_PIXEL_FORMAT_MONO_12_PACKED};
+  return kFormats[static_cast<std::size_t>(format)];
 }
 
 void require_identity(ArvCamera* camera, const AravisSettings& settings) {
   if (!settings.id.empty()) {
-    const std::string serial = ask("the camera does not tell its serial number", [&](GError** e) {
+    const std::string serial = ask("the camera does not report its serial number", [&](GError** e) {
       return arv_camera_get_device_serial_number(camera, e);
     });
     if (serial != settings.id)
@@ -137,7 +128,7 @@ void require_identity(ArvCamera* camera, const AravisSettings& settings) {
                                   settings.address, serial, settings.id));
   }
   cv::Size sensor;
-  ask("the camera does not tell the size of its sensor",
+  ask("the camera does not report its sensor size",
       [&](GError** e) { arv_camera_get_sensor_size(camera, &sensor.width, &sensor.height, e); });
   if (sensor != settings.sensor_px)
     throw WorkError(fmt::format("the camera's sensor has {} x {} pixels; the cell says {} x {}",

@@ -9,8 +9,8 @@
 
 namespace planar {
 
-/// Passes frames from the thread that talks to a camera to the thread that steers the arm. It takes
-/// the servo's wishes, hands over the newest frame and watches the age of the last good one.
+/// Passes frames from the thread that talks to a camera to the thread that moves the arm. It takes
+/// the servo's requests, hands over the newest frame and watches the age of the last good one.
 class FrameMailbox {
  public:
   /// The camera counts as at fault when no good frame came for `age_limit_s`.
@@ -20,7 +20,7 @@ class FrameMailbox {
   void ask_region(const cv::Rect& region_px);
   /// Waits for a frame whose exposure begins after this call.
   FrameResult next(double timeout_s);
-  /// Returns the frame that followed the one returned last, if it is kept; otherwise waits for it.
+  /// Returns the frame that followed the one returned last if it was kept; otherwise waits for it.
   FrameResult following(double timeout_s);
   std::optional<std::string> fault() const;
   FrameCounts counts() const;
@@ -39,7 +39,7 @@ class FrameMailbox {
   void deliver(const Frame& frame);
   /// Counts a frame that must not be measured.
   void note_bad(FrameStatus status);
-  /// Allows the camera `duration_s` without a frame, as when its stream starts.
+  /// Allows the camera `duration_s` without a frame, such as when its stream starts.
   void excuse(double duration_s);
   void lose(const std::string& reason);
   void find();

@@ -9,7 +9,6 @@
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/io/checksum.h"
-#include "planar_servo/io/format_line.h"
 
 namespace planar {
 namespace {

@@ -1,6 +1,9 @@
 #include "planar_servo/core/clock.h"
 
+#include <fmt/chrono.h>
+
 #include <chrono>
+#include <ctime>
 #include <thread>
 
 namespace planar {
@@ -11,6 +14,10 @@ double SteadyClock::now_s() const {
 
 void SteadyClock::sleep_for_s(double duration_s) {
   std::this_thread::sleep_for(std::chrono::duration<double>(duration_s));
+}
+
+std::string utc_now() {
+  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
 }
 
 }  // namespace planar

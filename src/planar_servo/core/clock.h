@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 namespace planar {
 
 /// A clock that counts seconds from an arbitrary start. A virtual cell has a clock of its own, on
@@ -17,5 +19,8 @@ class SteadyClock final : public Clock {
   double now_s() const override;
   void sleep_for_s(double duration_s) override;
 };
+
+/// Returns the present time as our files have it, such as "2026-11-22T08:17:53Z".
+std::string utc_now();
 
 }  // namespace planar

@@ -25,17 +25,25 @@ Refusal Refusal::at(const std::string& place) const {
 InputError::InputError(std::vector<Refusal> refusals, std::size_t n_more)
     : std::runtime_error(lines(refusals, n_more)), refusals_(std::move(refusals)) {}
 
-void Faults::add(const Refusal& refusal) {
+void Faults::add(const Refusal& refusal, std::string_view column) {
   constexpr std::size_t kMostKept = 100;
-  if (std::find(refusals_.begin(), refusals_.end(), refusal) != refusals_.end()) return;
-  if (refusals_.size() < kMostKept)
-    refusals_.push_back(refusal);
-  else
-    ++n_more_;
+  const auto is_same = [&](const Kept& kept) { return kept.refusal == refusal; };
+  if (std::any_of(kept_.begin(), kept_.end(), is_same)) return;
+  const std::string& rule = refusal.remedy.empty() ? refusal.fault : refusal.remedy;
+  const std::string likeness = std::string(column) + '\n' + rule;
+  ++count_;
+  ++alike_[likeness];
+  if (kept_.size() < kMostKept) kept_.push_back({refusal, likeness});
 }
 
-void Faults::throw_if_any() const {
-  if (!empty()) throw InputError(refusals_, n_more_);
+void Faults::throw_if_any(std::size_t rows) const {
+  constexpr std::size_t kMostAlike = 3;
+  if (empty()) return;
+  std::vector<Refusal> told;
+  std::map<std::string, std::size_t> alike;
+  for (const auto& [refusal, likeness] : kept_)
+    if (++alike[likeness] <= kMostAlike || alike_.at(likeness) < rows) told.push_back(refusal);
+  throw InputError(told, count_ - told.size());
 }
 
 }  // namespace planar

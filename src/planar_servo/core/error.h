@@ -1,8 +1,11 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
+#include <map>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace planar {
@@ -58,16 +61,23 @@ class WorkError : public std::runtime_error {
 /// hundred and counts the rest.
 class Faults {
  public:
-  /// Adds a fault, unless the same one is kept already.
-  void add(const Refusal& refusal);
-  bool empty() const { return refusals_.empty(); }
+  /// Adds a fault, unless the same one is kept already. Faults of one column, or of none, that have
+  /// one remedy, or else one fault, are alike.
+  void add(const Refusal& refusal, std::string_view column = {});
+  bool empty() const { return kept_.empty(); }
 
-  /// Throws an InputError of all faults if there is any.
-  void throw_if_any() const;
+  /// Throws an InputError of all faults if there is any. Of those that are alike in all of so many
+  /// `rows`, as where a column is in another unit, it tells the first three.
+  void throw_if_any(std::size_t rows = std::numeric_limits<std::size_t>::max()) const;
 
  private:
-  std::vector<Refusal> refusals_;
-  std::size_t n_more_{0};
+  struct Kept {
+    Refusal refusal;
+    std::string likeness;
+  };
+  std::vector<Kept> kept_;
+  std::size_t count_{0};
+  std::map<std::string, std::size_t> alike_;  ///< counts by likeness
 };
 
 }  // namespace planar

@@ -24,12 +24,18 @@ constexpr Named<Plan> kPlans[] = {
     {Plan::kControl, "control"}, {Plan::kCheck, "check"},          {Plan::kPose, "pose"}};
 
 /// Returns the plan's word.
-const char* name(Plan plan);
+inline const char* name(Plan plan) {
+  return name_in(kPlans, plan);
+}
 
 /// Returns true for a plan whose pictures show the calibration board instead of the lamps.
-bool shows_board(Plan plan);
+constexpr bool shows_board(Plan plan) {
+  return plan == Plan::kHeldBoard || plan == Plan::kLaidBoard;
+}
 
 /// Returns true for a plan whose places ask for a tracker reading.
-bool needs_reading(Plan plan);
+constexpr bool needs_reading(Plan plan) {
+  return !shows_board(plan) && plan != Plan::kPose;
+}
 
 }  // namespace planar

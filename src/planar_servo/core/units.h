@@ -10,6 +10,7 @@ constexpr double kMicrometre = 1e-6;
 constexpr double kMillisecond = 1e-3;
 constexpr double kMicrosecond = 1e-6;
 constexpr double kDegree = kPi / 180.0;
+constexpr double kHour = 3600.0;
 
 /// Returns a length (metres) in millimetres.
 constexpr double mm(double metres) {

@@ -1,4 +1,4 @@
-#include "planar_servo/doctor/new_cell.h"
+#include "planar_servo/doctor/doctor.h"
 
 #include <fmt/format.h>
 

@@ -10,10 +10,10 @@ namespace planar {
 namespace {
 
 constexpr double kFarthestReported_pulses = 1 << 30;
-/// So many garbled reports in a row are one too many.
+/// This many garbled reports in a row end a move.
 constexpr int kGarbledReports = 3;
 
-/// The share of a speed down to which it has not changed: boards round it.
+/// A speed above this share of the last one counts as unchanged, because boards round it.
 constexpr double kSameSpeed = 0.98;
 
 bool holds(const std::string& letters, char letter) {
@@ -26,19 +26,19 @@ void drop(std::string& letters, char letter) {
 
 using grbl::State;
 
-/// A board that says nothing for so long is out of touch. By then it has long come to rest.
+/// A board that says nothing for this long is out of touch. By then it has come to rest.
 constexpr double kAnswerPatience_s = 1.0;
-/// It is asked again after this time, because simulators read on only when more comes.
+/// It is asked again after this time, because simulators continue to read only when more comes.
 constexpr double kAskPeriod_s = 0.05;
-/// A board that jogs answers a piece within some milliseconds. While it brakes for a hold it reads
-/// none, for so long and in so many reports.
+/// A board that jogs answers a piece within some milliseconds. One that reads none for this long,
+/// in this many reports, brakes for a hold.
 constexpr double kReadingPatience_s = 0.03;
 constexpr int kUnreadReports = 3;
 constexpr double kStatePatience_s = 1.0;
-/// A board that was told to brake rests by then, or is reset.
+/// A board that was told to brake and does not rest by then is reset.
 constexpr double kRestPatience_s = 2.0;
 constexpr double kPollPause_s = 5e-3;
-/// So many lines are under way at once that they fit into the smallest board's memory of 128 bytes.
+/// The lines that are sent ahead fit into the smallest board's memory of 128 bytes.
 constexpr std::size_t kLinesUnderWay = 2;
 constexpr std::size_t kMostFaults = 4;
 constexpr const char* kStoppedWords = "it has stopped on its way (was it told to hold?)";
@@ -170,7 +170,7 @@ void GrblAxes::take(const grbl::Line& line) {
     brake_for(grbl::alarm_words(alarm->number));
   } else if (std::holds_alternative<grbl::Banner>(line)) {
     lose_state();
-    brake_for("it was reset, or lost its power for a moment");
+    brake_for("it was reset, or lost power for a moment");
   } else if (const auto* garbage = std::get_if<grbl::Garbage>(&line)) {
     if (watch_.minds(*garbage))
       brake_for(fmt::format("it says '{}', which is not Grbl's (check its cable and its baud rate)",
@@ -186,7 +186,7 @@ void GrblAxes::take_report(const grbl::Report& report) {
 }
 
 void GrblAxes::judge() {
-  if (!watch_.knows_place()) return brake_for("it does not say where it is");
+  if (!watch_.knows_place()) return brake_for("it does not report its position");
   if (watch_.state() == State::kAlarm) lose_place();
   for (std::size_t i = 0; i < 3 && may_move_; ++i) {
     const char letter = "XYZ"[i];
@@ -200,7 +200,7 @@ void GrblAxes::judge() {
   follow();
 }
 
-/// Returns whether the board brakes on its way for a hold. The last piece tells nothing: every move
+/// Returns whether the board brakes on its way for a hold. The last piece shows nothing: every move
 /// slows down at its end, and an answer may have been lost.
 bool GrblAxes::reads_no_longer() {
   const double now_s = clock_.now_s();
@@ -238,8 +238,8 @@ bool GrblAxes::has_ended() {
   return !path_ || path_->all_sent();
 }
 
-/// A board that slows down or stands on its way is given nothing more: held by hand, it would
-/// continue with it. One that has run out of pieces continues from rest.
+/// A board that slows down or stops on its way is given nothing more, because one held by hand
+/// would continue with it. One that has run out of pieces continues from rest.
 void GrblAxes::feed() {
   if (watch_.slows() || stopped_seen_) return;
   while (path_ && board_.unanswered() < kLinesUnderWay) {
@@ -295,12 +295,12 @@ void GrblAxes::search_switches() {
   searching_ = may_move_ = true;
 }
 
-/// The place where the switches are is told twice, because one report may be garbled.
+/// The position at the switches is read twice, because one report may be garbled.
 void GrblAxes::end_search() {
   searching_ = may_move_ = false;
   watch_.forget_way();
   if (!hear_report() || !hear_report() || !watch_.knows_place() || !watch_.settled())
-    return brake_for("it does not say where its switches are");
+    return brake_for("it does not report the position of its switches");
   watch_.end_way();
   found_switches_ = true;
 }
@@ -339,7 +339,7 @@ void GrblAxes::abandon() {
   }
 }
 
-/// The board is no longer as it was unlocked: it searches no switches, and nothing is certain.
+/// The board is locked again: it does not search for switches, and nothing is certain.
 void GrblAxes::lose_state() {
   unlocked_ = searching_ = false;
   lose_place();

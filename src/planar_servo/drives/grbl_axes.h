@@ -13,25 +13,25 @@
 
 namespace planar {
 
-/// What is believed of a board's reports. Grbl's lines have no checksum, so that a single report
-/// may be garbled: a place off the way, a pressed or released input is believed when the next
-/// report says the same. The way is a box that holds all places where the axes may be.
+/// What is believed of a board's reports. Grbl's lines have no checksum, so a single report may be
+/// garbled: a position off the way, or an input that is pressed or released, is believed when the
+/// next report says the same. The way is a box of all positions where the axes may be.
 class GrblWatch {
  public:
   explicit GrblWatch(const Eigen::Vector3d& pulses_per_mm);
 
   void take(const grbl::Report& report);
-  /// Returns whether garbage must end a move. Garbled reports must when there are several in a row.
+  /// Returns whether garbage must end a move; garbled reports do when there are several in a row.
   bool minds(const grbl::Garbage& garbage);
 
   grbl::State state() const { return report_.state; }
   bool turns() const { return report_.turns; }
-  /// Returns whether the axes turn, have slowed down and did not speed up since.
+  /// Returns whether the axes turn, have slowed down and have not sped up since.
   bool slows() const { return slows_; }
   /// Returns whether the board has said where it is.
   bool knows_place() const { return knows_place_; }
   const AxisPulses& here() const { return here_; }
-  /// Returns false when the axes are off their way, as far as there is one.
+  /// Returns false when the axes are off their way, if there is one.
   bool on_way() const { return way_.isEmpty() || on_way(here_); }
   /// Returns whether the last report was of a place on the way.
   bool settled() const { return !off_way_seen_; }
@@ -41,10 +41,10 @@ class GrblWatch {
   void extend_way(const AxisPulses& place) { way_.extend(place); }
   /// The axes rest where they are.
   void end_way() { way_ = Eigen::AlignedBox3i(here_); }
-  /// The next place that is reported is believed.
+  /// The next position that is reported is believed.
   void forget_way();
 
-  /// A move begins: inputs that are pressed now do not count until they were released.
+  /// A move begins: inputs that are pressed now do not count until they have been released.
   void begin_move() { pressed_from_start_ = pressed_ + report_.pins; }
   /// Returns whether the input of an axis 'X' to 'Z' was pressed since then.
   bool newly_pressed(char axis) const;
@@ -67,8 +67,9 @@ class GrblWatch {
 /// together. poll() hands a move to the board in pieces, never more than it travels in
 /// grbl::kLongestRun_s, so that it stops when its caller does.
 ///
-/// What the board says and should not ends the move: the board brakes to rest, and faults() says
-/// why until it is unlocked. All but the queries throw WorkError when the board is out of touch.
+/// Anything unexpected from the board ends the move: the board brakes to rest, and faults() says
+/// why until it is unlocked. All methods but the queries throw WorkError when the board is out of
+/// touch.
 class GrblAxes {
  public:
   /// Opens the board, which resets it; moves nothing. Throws WorkError with the remedy when it
@@ -79,18 +80,18 @@ class GrblAxes {
   GrblAxes(const GrblAxes&) = delete;
   GrblAxes& operator=(const GrblAxes&) = delete;
 
-  /// Hears what the board says, judges it, and hands it the next pieces.
+  /// Reads what the board says, judges it, and sends the next pieces.
   void poll();
-  /// Ends a hold, and the lock after an alarm by a reset. Forgets the faults.
+  /// Ends a hold, or by a reset the lock after an alarm. Clears the faults.
   void unlock();
   /// During a move the axes continue from the end of what is queued if the target lies beyond it,
   /// and otherwise brake first.
   void go_to(const AxisPulses& target, const std::array<AxisLimits, 3>& limits);
-  /// Lets the board search the switches of all axes at once.
+  /// Has the board search for the switches of all axes at once.
   void search_switches();
-  /// Brakes to rest, by which the place stays certain, and waits for it. A search ends abruptly.
+  /// Brakes to rest and waits for it; the position stays certain. A search ends abruptly.
   void halt();
-  /// Says no more to a board that is out of touch than that it should brake.
+  /// Sends a board that is out of touch nothing more but the command to brake.
   void abandon();
 
   const AxisPulses& here() const { return watch_.here(); }
@@ -103,7 +104,7 @@ class GrblAxes {
   bool unlocked() const { return unlocked_; }
   /// Returns the board's state as a fault, in words. Empty when it can take moves.
   std::string state_words() const { return grbl::state_words(watch_.state()); }
-  /// Returns how often the count of the axes was lost.
+  /// Returns how often the axes' position was lost.
   int losses() const { return losses_; }
   /// Returns what is wrong with an axis, 0 for X to 2 for Z.
   const std::vector<std::string>& faults(std::size_t axis) const { return faults_.at(axis); }
@@ -118,7 +119,7 @@ class GrblAxes {
   bool has_ended();
   void feed();
   void end_search();
-  /// Polls until the condition holds; returns false when it does not after a while.
+  /// Polls until the condition holds; returns false when it does not in time.
   template <typename Condition>
   bool poll_until(const Condition& holds, double patience_s);
 

@@ -87,7 +87,8 @@ bool make_raw(int descriptor, int baud) {
   return tcsetattr(descriptor, TCSANOW, &settings) == 0 && tcflush(descriptor, TCIOFLUSH) == 0;
 }
 
-/// Many boards start anew when their port is opened, and take this many times that time for it.
+/// Many boards restart when their port is opened; this many attempts of this duration give them
+/// time.
 constexpr int kResetAttempts = 4;
 constexpr double kResetPatience_s = 1.0;
 constexpr double kSettingsPatience_s = 0.1;
@@ -132,7 +133,7 @@ void SerialLine::write(std::string_view bytes) {
     } else if (errno != EAGAIN && errno != EINTR) {
       throw WorkError("its line is closed: " + why_errno());
     } else if (!wait_for(POLLOUT, kWritePatience_s)) {
-      throw WorkError("its line takes nothing more");
+      throw WorkError("its line accepts nothing more");
     }
   }
 }
@@ -199,7 +200,7 @@ void GrblBoard::read_settings() {
   send("$$");
   for (int failures = 0; failures < kSettingsAttempts;) {
     const auto line = hear(kSettingsPatience_s);
-    // A question makes boards read on that take bytes in bunches, as simulators do.
+    // A question makes boards continue that read bytes in batches, as simulators do.
     if (!line) tell(grbl::kAskStatus);
     if (!line || std::holds_alternative<grbl::Report>(*line)) {
       ++failures;
@@ -214,9 +215,9 @@ void GrblBoard::read_settings() {
       send("$$");
     }
     if (const auto* rejected = std::get_if<grbl::Rejected>(&*line))
-      throw WorkError("it does not tell its settings: " + grbl::error_words(rejected->error));
+      throw WorkError("it does not report its settings: " + grbl::error_words(rejected->error));
   }
-  throw WorkError("it does not tell its settings");
+  throw WorkError("it does not report its settings");
 }
 
 void GrblBoard::tell(char byte) {

@@ -11,7 +11,7 @@
 
 namespace planar {
 
-/// A serial port that carries lines of text. No other program that asks for the port's lock can use
+/// A serial port that carries lines of text. No other program that respects the port's lock can use
 /// it at the same time.
 class SerialLine {
  public:
@@ -28,9 +28,9 @@ class SerialLine {
   /// Sends all bytes. Throws WorkError when the line is closed or takes nothing.
   void write(std::string_view bytes);
 
-  /// Returns the next line without its end, as soon as it has come. Empty when none has come within
-  /// the time; with a time of 0, lines that have come already are returned. A line that never ends
-  /// is cut. Throws WorkError when the line is closed.
+  /// Returns the next line, without its end, as soon as it has come. Empty when none comes within
+  /// the time; with a time of 0, only lines that have already come are returned. A line that never
+  /// ends is cut. Throws WorkError when the line is closed.
   std::optional<std::string> read(double timeout_s);
 
  private:
@@ -41,7 +41,7 @@ class SerialLine {
   std::string received_;
 };
 
-/// A Grbl or grblHAL board on a serial port: knows which lines it has not answered yet.
+/// A Grbl or grblHAL board on a serial port; keeps track of the lines that it has not answered yet.
 class GrblBoard {
  public:
   /// Opens the port, resets the board, and reads its version and settings. Nothing moves. Throws
@@ -57,14 +57,14 @@ class GrblBoard {
   void tell(char byte);
   /// Sends a line, which the board accepts or rejects later.
   void send(const std::string& line);
-  /// Returns the next thing the board says. Empty when it says nothing for this time.
+  /// Returns the next line from the board. Empty when none comes within this time.
   std::optional<grbl::Line> hear(double timeout_s);
-  /// Resets the board, which forgets what it was to do. Throws WorkError when it does not come
-  /// back.
+  /// Resets the board, which discards what it was told to do. Throws WorkError when it does not
+  /// come back.
   void reset();
 
   std::size_t unanswered() const { return unanswered_.size(); }
-  /// Waits for no more answers, because some were lost on the line.
+  /// Stops waiting for answers, because some were lost on the line.
   void forget_unanswered() { unanswered_.clear(); }
   /// Returns the line that the board answered last.
   const std::string& answered() const { return answered_; }

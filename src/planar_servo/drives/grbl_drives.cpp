@@ -69,7 +69,7 @@ void GrblDrives::poll() {
   }
 }
 
-/// Takes over what the axes have lost, and where a search has ended.
+/// Updates the joints where the axes have lost their position, or a search has ended.
 void GrblDrives::heed_axes() {
   if (losses_ != axes_->losses())
     for (Joint& joint : joints_) joint.certain = joint.switch_found = false;

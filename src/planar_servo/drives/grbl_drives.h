@@ -12,29 +12,29 @@
 
 namespace planar {
 
-/// Drives three motors on one Grbl or grblHAL board, which GrblAxes moves. Opening resets the board
-/// and refuses one whose settings differ from the cell's. No position is certain after opening, nor
-/// after an alarm, a reset, or when the board was out of touch.
+/// Drives three motors on one Grbl or grblHAL board, by GrblAxes. Opening resets the board and
+/// refuses one whose settings differ from the cell's. No position is certain after opening, an
+/// alarm or a reset, or once the board was out of touch.
 class GrblDrives final : public DriveGroup {
  public:
   /// Opens the board; moves nothing. Throws DriveError with the remedy when it cannot be used.
   explicit GrblDrives(const GrblSettings& settings);
 
-  /// Unlocks the board after an alarm, and ends a hold. A board that stays locked says why in its
-  /// status.
+  /// Unlocks the board after an alarm, or ends a hold. The status of a board that stays locked says
+  /// why.
   void energize() override;
-  /// The speeds hold for the next targets. The accelerations are the board's own, so that lower
-  /// ones are not kept. Throws InputError for limits beyond the cell's.
+  /// The speeds hold for the next targets. The accelerations are the board's own; lower ones are
+  /// ignored. Throws InputError for limits beyond the cell's.
   void set_limits(const std::array<DriveLimits, 3>& limits) override;
   /// During a move the axes continue from the end of what is queued if the targets lie beyond it,
   /// and otherwise brake first.
   void set_targets(const std::array<std::int32_t, 3>& targets_pulses) override;
-  /// Brakes to rest, by which the positions stay certain, and waits for it. A search for the home
-  /// switches ends abruptly.
+  /// Brakes to rest and waits for it; the positions stay certain. A search for the home switches
+  /// ends abruptly.
   void halt() override;
   std::array<DriveStatus, 3> status() override;
-  /// The board searches the switches of all axes at once; the other joints, too, are homed by
-  /// calling this for each of them, without a further search.
+  /// The board searches for the switches of all axes at once; calling this for the other joints
+  /// homes them without another search.
   void start_homing(int joint, HomeDirection direction) override;
   void set_position(int joint, std::int32_t position_pulses) override;
   std::optional<std::string> stream_refusal() const override {
@@ -53,10 +53,10 @@ class GrblDrives final : public DriveGroup {
   void lose(const std::string& why);
   bool in_touch() const { return axes_ != nullptr && error_.empty(); }
   void require_touch(const std::string& purpose) const;
-  /// Does something with the board. Throws DriveError when it is out of touch, or gets so.
+  /// Does something with the board. Throws DriveError when it is, or gets, out of touch.
   template <typename Deed>
   void command(const std::string& purpose, const Deed& deed);
-  /// Hears what the board says and keeps the joints up to it.
+  /// Reads what the board says and updates the joints.
   void poll();
   void heed_axes();
 
@@ -72,7 +72,7 @@ class GrblDrives final : public DriveGroup {
   std::string error_;  ///< why the board is out of touch
   std::array<Joint, 3> joints_;
   std::array<double, 3> speeds_pulses_s_{};
-  int losses_{0};  ///< of the axes, which the joints know of
+  int losses_{0};  ///< of the axes' position, as of the last update
   std::optional<std::size_t> homing_joint_;
 };
 

@@ -25,18 +25,26 @@ constexpr Named<State> kStates[] = {{State::kIdle, "Idle"},   {State::kRun, "Run
                                     {State::kCheck, "Check"}, {State::kHome, "Home"},
                                     {State::kSleep, "Sleep"}, {State::kToolChange, "Tool"}};
 
+constexpr Named<State> kStateFaults[] = {{State::kHold, "it is on hold"},
+                                         {State::kAlarm, "it is locked by an alarm"},
+                                         {State::kDoor, "its safety door is open"},
+                                         {State::kCheck, "it only checks commands ($C)"},
+                                         {State::kSleep, "it is asleep"},
+                                         {State::kToolChange, "it waits for a tool change"},
+                                         {State::kRun, "it runs somebody else's program"}};
+
 constexpr Named<int> kGrblAlarms[] = {
     {1, "a limit switch was hit"},
     {2, "a target lay beyond the soft limits"},
     {3, "it was reset while it moved"},
     {4, "the probe was not in its initial state"},
     {5, "the probe found nothing"},
-    {6, "the search for the home switches was broken off by a reset"},
+    {6, "the search for the home switches was interrupted by a reset"},
     {7, "the safety door was opened during the search for the home switches"},
     {8, "a home switch stays pressed after pulling off ($27)"},
-    {9, "no home switch was found within its way ($130 to $132)"},
+    {9, "no home switch was found within its travel ($130 to $132)"},
     {10, "the emergency stop is pressed"},
-    {11, "it wants to be homed first"},
+    {11, "it must be homed first"},
     {12, "a limit switch is pressed"},
     {13, "the probe is protected"},
     {14, "the spindle did not come up to speed"},
@@ -52,7 +60,7 @@ constexpr Named<int> kGrblErrors[] = {
     {4, "a value is negative"},
     {5, "homing is switched off ($22)"},
     {6, "a step pulse is too short ($0)"},
-    {7, "its stored settings were lost and are its maker's again"},
+    {7, "its stored settings were lost and are its maker's defaults"},
     {8, "it is not idle"},
     {9, "it is locked by an alarm"},
     {10, "soft limits need homing ($22)"},
@@ -76,9 +84,9 @@ constexpr Named<int> kGrblErrors[] = {
     {33, "the target is invalid"},
     {38, "a tool number is too large"},
     {45, "a limit switch is pressed"},
-    {46, "it wants to be homed first"}};
+    {46, "it must be homed first"}};
 
-/// Takes a number off the front of a text. Empty, and the text unchanged, when none stands there.
+/// Takes a number off the front of a text. Empty, and the text unchanged, when there is none.
 template <typename Number>
 std::optional<Number> take_number(std::string_view& text) {
   Number number{};
@@ -104,7 +112,7 @@ Garbage garbage(std::string_view text) {
   return found;
 }
 
-/// Understands a whole number that is all of `text`.
+/// Parses a whole number that is all of `text`.
 template <typename Numbered>
 Line numbered(std::string_view text, std::string_view line) {
   const auto number = take_number<int>(text);
@@ -124,13 +132,13 @@ std::optional<std::array<double, 3>> parse_position(std::string_view text) {
   return position_mm;
 }
 
-/// `word` names the state with its part, "Hold:1" while a board brakes to a hold.
+/// `word` is the state with its substate, such as "Hold:1" while a board brakes to a hold.
 bool motors_turn(State state, std::string_view word) {
   return state == State::kJog || state == State::kRun || state == State::kHome ||
          word == "Hold:1" || word == "Door:2" || word == "Door:3";
 }
 
-/// Understands "Idle|MPos:1.000,0.500,0.200|FS:0,0|Pn:X".
+/// Parses "Idle|MPos:1.000,0.500,0.200|FS:0,0|Pn:X".
 Line parse_report(std::string_view text, std::string_view line) {
   Report report;
   const std::string_view word = text.substr(0, text.find('|'));
@@ -160,7 +168,7 @@ Line parse_setting(std::string_view text, std::string_view line) {
   return StoredSetting{*number, *value};
 }
 
-/// Understands "Grbl 1.1h ['$' for help]" and "GrblHAL 1.1f [...]".
+/// Parses "Grbl 1.1h ['$' for help]" and "GrblHAL 1.1f [...]".
 Line parse_banner(std::string_view line) {
   const std::size_t gap = line.find(' ');
   if (gap == std::string_view::npos) return garbage(line);
@@ -196,7 +204,7 @@ bool whole(double value) {
   return std::abs(value - std::round(value)) < 1e-9 * std::max(1.0, std::abs(value));
 }
 
-/// Gathers what a board's settings should be instead.
+/// Collects what a board's settings should be instead.
 class Comparison {
  public:
   explicit Comparison(const Settings& settings) : settings_(settings) {}
@@ -221,7 +229,7 @@ class Comparison {
 
   std::optional<Refusal> refusal() const {
     if (faults_.empty()) return std::nullopt;
-    return Refusal{fmt::format("its settings do not suit the cell: {}", fmt::join(faults_, ", ")),
+    return Refusal{fmt::format("its settings do not match the cell: {}", fmt::join(faults_, ", ")),
                    fmt::format("send it {} with a terminal program, or correct the cell file",
                                fmt::join(commands_, " and "))};
   }
@@ -278,26 +286,8 @@ std::string error_words(int number) {
 }
 
 std::string state_words(State state) {
-  switch (state) {
-    case State::kHold:
-      return "it is on hold";
-    case State::kAlarm:
-      return "it is locked by an alarm";
-    case State::kDoor:
-      return "its safety door is open";
-    case State::kCheck:
-      return "it only checks commands ($C)";
-    case State::kSleep:
-      return "it sleeps";
-    case State::kToolChange:
-      return "it waits for a change of tools";
-    case State::kRun:
-      return "it runs a program of somebody else";
-    case State::kIdle:
-    case State::kJog:
-    case State::kHome:
-      break;
-  }
+  for (const auto& [fault, words] : kStateFaults)
+    if (fault == state) return words;
   return "";
 }
 

@@ -34,7 +34,7 @@ struct Report {
   std::optional<std::array<double, 3>> position_mm;  ///< in the machine's coordinates, X to Z
   std::string pins;                                  ///< letters of the inputs that are pressed
   double speed_mm_min{0.0};                          ///< along the way
-  bool turns{false};                                 ///< whether the motors turn, be it to a stop
+  bool turns{false};                                 ///< whether the motors turn, even to stop
 
   bool pressed(char axis) const { return pins.find(axis) != std::string::npos; }
 };
@@ -56,9 +56,10 @@ struct StoredSetting {
   int number{0};
   double value{0.0};
 };
-/// Nothing that matters here: a message in brackets, an empty line, a setting that is a text.
+/// A line that does not matter here: a message in brackets, an empty line, a setting that is a
+/// text.
 struct Remark {};
-/// What no Grbl board says.
+/// A line that no Grbl board sends.
 struct Garbage {
   std::string text;    ///< printable, and cut where it is long
   bool report{false};  ///< whether it may have been a report
@@ -68,7 +69,7 @@ using Line =
     std::variant<Report, Accepted, Rejected, Alarm, Banner, StoredSetting, Remark, Garbage>;
 using Settings = std::map<int, double>;
 
-/// Understands one line of a board without its end. It never throws.
+/// Parses one line of a board, without its end. Never throws.
 Line parse_line(std::string_view text);
 
 /// Returns what an alarm or an error means, with its number: "alarm 1: a limit switch was hit".
@@ -78,7 +79,7 @@ std::string error_words(int number);
 std::string state_words(State state);
 
 /// Returns the line that starts a straight move to a position in the machine's coordinates at a
-/// speed along the way. A board refuses speeds of 0, so that slow ones become 1 mm/min.
+/// speed along the way. A board refuses a speed of 0, so slow ones become 1 mm/min.
 std::string jog_line(const std::array<double, 3>& target_mm, double speed_mm_s);
 
 }  // namespace grbl
@@ -104,17 +105,18 @@ struct GrblSettings {
 
 namespace grbl {
 
-/// The longest time for which a board may continue moving when its program has died.
+/// The longest time for which a board may keep moving when its program has died.
 constexpr double kLongestRun_s = 0.19;
 /// The shortest time for which a board at full speed must have motion beyond its braking way, so
 /// that it does not brake whenever this machine pauses.
 constexpr double kReserve_s = 0.04;
 
-/// Returns whether whole pulses are lengths that a board can be told and tells, in thousandths of a
-/// millimetre.
+/// Returns whether every whole number of pulses is a whole number of thousandths of a millimetre,
+/// in which a board is told and reports lengths.
 bool keeps_pulses(double pulses_per_mm);
 
-/// Says why a board with this version and these settings cannot serve the cell; empty when it can.
+/// Returns why a board with this version and these settings cannot be used for the cell; empty when
+/// it can.
 std::optional<Refusal> unfitness(const Banner& version, const Settings& settings,
                                  const GrblSettings& cell);
 

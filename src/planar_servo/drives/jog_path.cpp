@@ -10,7 +10,7 @@
 namespace planar {
 namespace {
 
-/// The shortest piece, as time at full speed: shorter ones would only fill the line.
+/// The shortest piece, as time at full speed; shorter ones would only load the line.
 constexpr double kShortestPiece_s = 0.02;
 
 }  // namespace
@@ -48,7 +48,7 @@ Eigen::Vector3d JogPath::in_mm(const AxisPulses& pulses) const {
 
 std::optional<AxisPulses> JogPath::next_piece(const AxisPulses& here) {
   if (all_sent()) return std::nullopt;
-  // Before its beginning lies the rest of another way, of which the distance is known.
+  // Before its beginning lies the rest of another way, of known distance.
   const Eigen::Vector3d since = in_mm(here) - in_mm(from_);
   const double along = direction_.dot(since);
   const double passed = along - (since - along * direction_).norm();

@@ -16,28 +16,27 @@ struct AxisLimits {
   double acceleration_mm_s2{0.0};
 };
 
-/// Returns how far a motion may be queued beyond a place that is passed at `speed` so that, left
+/// Returns how far beyond a position that is passed at `speed` a motion may be queued so that, left
 /// alone, it ends within `duration`. It speeds up to at most `top_speed` and ends at rest. All in
 /// one unit of length and time.
 double reach(double speed, double top_speed, double acceleration, double duration);
 
-/// A straight way of a board's axes, which is handed out in short pieces as it is travelled, so
-/// that no more is queued on the board than it travels in grbl::kLongestRun_s.
+/// A straight way of a board's axes, handed out in short pieces as it is travelled, so that the
+/// board never has more in its queue than it travels in grbl::kLongestRun_s.
 class JogPath {
  public:
   JogPath(const AxisPulses& from, const AxisPulses& to, const std::array<AxisLimits, 3>& limits);
 
   /// Returns the end of the next piece, given where the axes are. Empty while enough is queued and
-  /// when all is sent.
+  /// once all is sent.
   std::optional<AxisPulses> next_piece(const AxisPulses& here);
 
   /// Returns the end of the last piece that was handed out.
   const AxisPulses& sent() const { return sent_; }
   bool all_sent() const { return sent_ == to_; }
-  const AxisPulses& target() const { return to_; }
   double speed_mm_s() const { return speed_; }
-  /// Returns whether no axis has to turn round on its way from here to a target beyond the end of
-  /// the last piece.
+  /// Returns whether a target can be reached from here, by the end of the last piece, without any
+  /// axis turning back.
   bool leads_to(const AxisPulses& target, const AxisPulses& here) const;
 
  private:

@@ -6,8 +6,9 @@
 #include <algorithm>
 #include <cmath>
 
-namespace planar::tic {
+#include "planar_servo/core/names.h"
 
+namespace planar::tic {
 namespace {
 
 constexpr double kSpeedUnits = 1e4;         // per pulse/s
@@ -26,6 +27,10 @@ constexpr std::array<const char*, 9> kErrors{nullptr,
                                              "command timeout",
                                              "safe start: it has to be switched on again",
                                              "its ERR line is high"};
+
+constexpr Named<std::uint16_t> kProducts[] = {{0x00b3, "Tic T825"}, {0x00b5, "Tic T834"},
+                                              {0x00bd, "Tic T500"}, {0x00c3, "Tic N825"},
+                                              {0x00c9, "Tic T249"}, {0x00cb, "Tic 36v4"}};
 
 /// The bits for driver error, serial error, command timeout and safe start.
 constexpr unsigned kClearedByCommands = 1U << 1 | 1U << 5 | 1U << 6 | 1U << 7;
@@ -66,22 +71,9 @@ std::optional<Refusal> unfitness(std::uint16_t firmware,
 }
 
 std::string product_name(std::uint16_t product_id) {
-  switch (product_id) {
-    case 0x00b3:
-      return "Tic T825";
-    case 0x00b5:
-      return "Tic T834";
-    case 0x00bd:
-      return "Tic T500";
-    case 0x00c3:
-      return "Tic N825";
-    case 0x00c9:
-      return "Tic T249";
-    case 0x00cb:
-      return "Tic 36v4";
-    default:
-      return "";
-  }
+  for (const auto& [known, name] : kProducts)
+    if (known == product_id) return name;
+  return "";
 }
 
 std::string firmware_name(std::uint16_t bcd) {

@@ -55,15 +55,15 @@ constexpr std::uint8_t kResponseHaltAndHold = 1;
 constexpr std::uint16_t kOldestFirmware = 0x0106;  ///< the first version that can home
 constexpr double kMaxSpeed = 50e3;                 ///< pulses/s
 
-/// Convert to the drive's units: pulses per 10 000 s, and pulses/s per 100 s. Throw InputError with
-/// the bounds for values beyond them and for NaN.
+/// Convert to the drive's units: pulses per 10 000 s, and pulses/s per 100 s. Throw InputError,
+/// which names the bounds, for values beyond them and for NaN.
 std::uint32_t speed_units(double speed_pulses_s);
 std::uint32_t acceleration_units(double acceleration_pulses_s2);
 
 /// Number of bytes from the first setting to the last one that is read.
 constexpr std::size_t kSettingsBytes = 0x61;
 
-/// Says why a drive with this firmware and these settings cannot be used; empty when it can.
+/// Returns why a drive with this firmware and these settings cannot be used; empty when it can.
 std::optional<Refusal> unfitness(std::uint16_t firmware, const std::vector<std::uint8_t>& settings);
 
 /// Returns the product's name, such as "Tic 36v4"; empty for products that are not Tics.
@@ -115,7 +115,7 @@ class StatusBlock {
 
 }  // namespace tic
 
-/// Describes a Tic that is plugged in.
+/// A Tic that is plugged in.
 struct TicListing {
   std::string serial;
   std::uint16_t product_id{0};
@@ -161,12 +161,12 @@ class TicBus {
   TicBus(const TicBus&) = delete;
   TicBus& operator=(const TicBus&) = delete;
 
-  /// Opens the Tic with this serial number. Returns nothing when that fails; `why` then says what
-  /// is wrong.
+  /// Opens the Tic with this serial number. Returns null when that fails; `why` then says what is
+  /// wrong.
   std::unique_ptr<TicPort> open(const std::string& serial, Refusal& why);
 
-  /// Runs all transfers and waits until each has ended or has taken longer than the timeout.
-  /// Transfers to one device run in their order, those to different devices at the same time.
+  /// Runs all transfers and waits until each has ended or timed out. Transfers to one device run in
+  /// order, those to different devices at the same time.
   void exchange(std::vector<TicTransfer>& transfers, double timeout_s);
 
  private:

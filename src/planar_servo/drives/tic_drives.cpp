@@ -29,10 +29,6 @@ constexpr std::uint32_t from_offset(Setting setting) {
   return static_cast<std::uint32_t>(setting) << 16;
 }
 
-std::chrono::duration<double> seconds(double duration_s) {
-  return std::chrono::duration<double>(duration_s);
-}
-
 }  // namespace
 
 TicDrives::TicDrives(const std::array<TicSettings, 3>& settings) {
@@ -220,7 +216,7 @@ void TicDrives::energize() {
   std::vector<Request> requests;
   for (std::size_t i = 0; i < 3; ++i) {
     if (joints_[i].ready()) continue;
-    // A Tic keeps its last target through an error; without a new one it would go on to it.
+    // A Tic keeps its last target through an error and would resume its move without a new one.
     const std::int32_t here = joints_[i].last ? joints_[i].last->position() : 0;
     requests.push_back({i, Command::kSetTargetPosition, static_cast<std::uint32_t>(here)});
     for (const Command command :
@@ -337,7 +333,8 @@ void TicDrives::reconnect() {
 
 void TicDrives::feed_those_at_rest() {
   std::unique_lock lock(mutex_);
-  while (!wake_.wait_for(lock, seconds(feed_period_s_), [this] { return ending_; })) {
+  const std::chrono::duration<double> period(feed_period_s_);
+  while (!wake_.wait_for(lock, period, [this] { return ending_; })) {
     std::vector<Request> requests;
     for (std::size_t i = 0; i < 3; ++i)
       if (joints_[i].in_touch() && !joints_[i].may_move)
@@ -346,8 +343,8 @@ void TicDrives::feed_those_at_rest() {
   }
 }
 
-/// Leaves every drive that knows its position holding it. The command timeout would make a Tic's
-/// position uncertain by ending its normal state, so each one is put into safe start first and then
+/// Leaves every drive that knows its position holding it. The command timeout would end a Tic's
+/// normal state and make its position uncertain, so each one is first put into safe start and then
 /// told its position again.
 void TicDrives::park() {
   halt_what_moves();

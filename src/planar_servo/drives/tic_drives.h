@@ -26,11 +26,11 @@ struct TicSettings {
 /// make the drive move wrongly: another control mode, disabled safe start, firmware that cannot
 /// home.
 ///
-/// The command timeout is always on. While a drive moves, only status() resets it, so that the
-/// drive stops when its caller does; at rest a thread of this class resets it.
+/// The command timeout is always on. While a drive moves, only status() resets it, so the drive
+/// stops when its caller does; at rest a thread of this class resets it.
 ///
-/// The destructor halts what moves and leaves each drive that knows its position holding it, so
-/// that the next program need not home it.
+/// The destructor halts what moves and leaves each drive that knows its position holding that
+/// position, so the next program need not home it.
 class TicDrives final : public DriveGroup {
  public:
   /// Opens the drives; switches nothing on and moves nothing. Throws DriveError naming every drive
@@ -42,7 +42,7 @@ class TicDrives final : public DriveGroup {
   TicDrives& operator=(const TicDrives&) = delete;
 
   /// Switches all drives on. A drive that was stopped does not resume its old move. Throws
-  /// DriveError for a drive out of touch; a drive that does not switch on says why in its status.
+  /// DriveError for a drive out of touch; the status of a drive that does not switch on says why.
   void energize() override;
   /// Throws InputError for limits that no Tic can keep and DriveError when a drive does not take
   /// them.
@@ -86,7 +86,7 @@ class TicDrives final : public DriveGroup {
   void require(const std::vector<Request>& requests, const std::string& what);
   void read_status();
   void take_status(Joint& joint, const TicTransfer& transfer);
-  /// Polls until the condition holds; returns false when it does not after a while.
+  /// Polls until the condition holds; returns false when it does not in time.
   template <typename Condition>
   bool read_until(const Condition& holds);
   /// Halts every drive that may move. Returns what could not be halted, in words.

@@ -6,7 +6,7 @@
 
 #include "planar_servo/core/decompositions.h"
 #include "planar_servo/core/units.h"
-#include "planar_servo/error_map/spatial_blocks.h"
+#include "planar_servo/error_map/cross_validation.h"
 
 namespace planar {
 namespace {

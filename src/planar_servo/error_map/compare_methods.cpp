@@ -8,8 +8,8 @@
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/error_map/cross_validation.h"
-#include "planar_servo/error_map/fit/found_places.h"
-#include "planar_servo/error_map/fit/rbf_families.h"
+#include "planar_servo/error_map/fit/map_sites.h"
+#include "planar_servo/error_map/fit/rbf_fit.h"
 
 namespace planar {
 namespace {
@@ -23,17 +23,8 @@ MapSites sites_used(const MapProblem& problem, const MapResult& result) {
 }
 
 std::string name_of(MapMethod method, double width) {
-  switch (method) {
-    case MapMethod::kIdw:
-      return "idw";
-    case MapMethod::kHandWidth:
-      return fmt::format("hand:{:g}", mm(width));
-    case MapMethod::kRbf:
-      return "rbf";
-    case MapMethod::kAuto:
-      break;
-  }
-  return "auto";
+  const std::string name = name_in(kMapMethods, method);
+  return method == MapMethod::kHandWidth ? fmt::format("{}:{:g}", name, mm(width)) : name;
 }
 
 RbfFit rbf_fit(MapMethod method, double width, const MapSites& sites) {

@@ -5,8 +5,8 @@
 
 #include "planar_servo/core/progress.h"
 #include "planar_servo/core/units.h"
+#include "planar_servo/error_map/cross_validation.h"
 #include "planar_servo/error_map/fit_error_map.h"
-#include "planar_servo/error_map/spatial_blocks.h"
 
 namespace planar {
 

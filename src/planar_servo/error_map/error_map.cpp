@@ -1,11 +1,13 @@
 #include "planar_servo/error_map/error_map.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 
-namespace planar {
+#include "planar_servo/core/statistics.h"
 
+namespace planar {
 namespace {
 
 void require_finite(const Eigen::Vector2d& p) {
@@ -18,36 +20,14 @@ Eigen::Vector2d direction_of(std::optional<double> phi) {
   throw std::invalid_argument("the error map depends on the tool's direction, which is not known");
 }
 
-MapKind kind(const IdwMap&) {
-  return MapKind::kIdw;
-}
-
-MapKind kind(const RbfMap& map) {
-  return map.parameters().kernel.shape == KernelShape::kGaussian ? MapKind::kGaussianRbf
-                                                                 : MapKind::kMultiquadricRbf;
-}
-
-MapKind kind(const SparseRbfMap&) {
-  return MapKind::kSparseGaussianRbf;
-}
-
-double noise_of(const IdwMap&) {
-  return std::numeric_limits<double>::quiet_NaN();
-}
-
-double noise_of(const RbfMap& map) {
-  const bool has_ridge = map.parameters().ridge > 0.0;
-  return has_ridge ? map.noise_sigma() : std::numeric_limits<double>::quiet_NaN();
-}
-
-double noise_of(const SparseRbfMap& map) {
-  return map.noise_sigma();
-}
-
 }  // namespace
 
 MapKind kind_of(const ErrorMap& map) {
-  return std::visit([](const auto& of_kind) { return kind(of_kind); }, map);
+  if (std::holds_alternative<IdwMap>(map)) return MapKind::kIdw;
+  const auto* dense = std::get_if<RbfMap>(&map);
+  if (dense == nullptr) return MapKind::kSparseGaussianRbf;
+  return dense->parameters().kernel.shape == KernelShape::kGaussian ? MapKind::kGaussianRbf
+                                                                    : MapKind::kMultiquadricRbf;
 }
 
 const char* name(MapKind kind) {
@@ -80,7 +60,27 @@ std::optional<ToolBias> tool_bias(const ErrorMap& map) {
 }
 
 double noise_sigma(const ErrorMap& map) {
-  return std::visit([](const auto& method) { return noise_of(method); }, map);
+  return std::visit([](const auto& method) { return method.noise_sigma(); }, map);
+}
+
+int components_within_95(const Eigen::Vector2d& miss, const Eigen::Vector2d& sigma) {
+  return static_cast<int>((miss.array().abs() <= 1.96 * sigma.array()).count());
+}
+
+std::optional<Refusal> objection(const MapQuality& quality) {
+  constexpr double kLeastCoverage = 0.8;
+  if (quality.n == 0) return std::nullopt;
+  if (!quality.worth_using)
+    return Refusal{
+        "its fit says not to use it: between its places it removes too little of the error, or no "
+        "more than chance would"};
+  const auto components = static_cast<int>(2 * quality.n);
+  const auto within = static_cast<int>(std::lround(quality.coverage_95 * components));
+  if (binomial_tail(within, components, kLeastCoverage) >= kFalseAlarm) return std::nullopt;
+  return Refusal{fmt::format(
+      "only {:.0f} % of what {} places left out show lies within its stated 95 %: something moved "
+      "while it was recorded, or readings scatter more than the cell file states",
+      100.0 * quality.coverage_95, quality.n)};
 }
 
 }  // namespace planar

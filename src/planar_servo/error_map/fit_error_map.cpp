@@ -10,11 +10,10 @@
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/error_map/cross_validation.h"
-#include "planar_servo/error_map/fit/found_places.h"
 #include "planar_servo/error_map/fit/map_sites.h"
 #include "planar_servo/error_map/fit/outliers.h"
 #include "planar_servo/error_map/fit/pair_checks.h"
-#include "planar_servo/error_map/fit/rbf_families.h"
+#include "planar_servo/error_map/fit/rbf_fit.h"
 #include "planar_servo/error_map/fit/sparse_fit.h"
 
 namespace planar {
@@ -46,14 +45,6 @@ MethodFit fit_many(const MapSites& sites, const Progress& progress) {
           std::move(fit.residuals), std::move(fit.sigmas)};
 }
 
-void require_dense(const MapSites& sites, MapMethod method) {
-  if (sites.size() <= kMostDense) return;
-  throw InputError(
-      {fmt::format("the pairs have {} distinct positions; the method {} takes at most {}",
-                   sites.size(), name_in(kMapMethods, method), kMostDense),
-       "leave some out, or use auto"});
-}
-
 MethodFit fit_weighted(const MapSites& sites) {
   const IdwMap map = idw_map(sites);
   Eigen::Matrix2Xd residuals = leave_one_out_residuals(map);
@@ -81,7 +72,11 @@ MethodFit fit_by_hand(const MapSites& sites, double width) {
 /// Fits by the method of `problem` to sites merged of its samples.
 MethodFit fit_by_method(const MapSites& sites, const MapProblem& problem,
                         const Progress& progress) {
-  if (problem.method != MapMethod::kAuto) require_dense(sites, problem.method);
+  if (problem.method != MapMethod::kAuto && sites.size() > kMostDense)
+    throw InputError(
+        {fmt::format("the pairs have {} distinct positions; the method {} takes at most {}",
+                     sites.size(), name_in(kMapMethods, problem.method), kMostDense),
+         "leave some out, or use auto"});
   switch (problem.method) {
     case MapMethod::kIdw:
       return fit_weighted(sites);

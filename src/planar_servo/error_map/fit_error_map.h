@@ -8,9 +8,8 @@
 
 #include "planar_servo/core/progress.h"
 #include "planar_servo/error_map/cell_diagnosis.h"
+#include "planar_servo/error_map/cross_validation.h"
 #include "planar_servo/error_map/error_map.h"
-#include "planar_servo/error_map/map_quality.h"
-#include "planar_servo/error_map/spatial_blocks.h"
 
 namespace planar {
 

@@ -8,7 +8,6 @@
 #include "planar_servo/core/units.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/io/checksum.h"
-#include "planar_servo/io/format_line.h"
 #include "planar_servo/io/growing_file.h"
 
 namespace planar {

@@ -20,7 +20,7 @@
 #include "planar_servo/io/growing_file.h"
 #include "planar_servo/report/html_page.h"
 #include "planar_servo/report/text_table.h"
-#include "planar_servo/virtual_cell/truth/truth_file.h"
+#include "planar_servo/virtual_cell/truth/truth.h"
 
 namespace planar {
 namespace {

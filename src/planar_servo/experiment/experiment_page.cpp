@@ -6,7 +6,6 @@
 #include "planar_servo/experiment/paper_tables.h"
 #include "planar_servo/experiment/plots/plots.h"
 #include "planar_servo/io/atomic_file.h"
-#include "planar_servo/io/format_line.h"
 #include "planar_servo/io/growing_file.h"
 #include "planar_servo/report/html_page.h"
 #include "planar_servo/report/plot.h"

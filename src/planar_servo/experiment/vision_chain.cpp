@@ -5,11 +5,11 @@
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
+#include "planar_servo/files/calibration_files.h"
 #include "planar_servo/files/camera_file.h"
 #include "planar_servo/files/map_file.h"
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/files/vision_files.h"
-#include "planar_servo/files/workplane_file.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/io/growing_file.h"
 #include "planar_servo/offline/locate_lamps.h"
@@ -64,6 +64,7 @@ CameraCalibration make_camera(const ChainSettings& settings, const CellSettings&
                               const RecordedCell& recorded) {
   CalibrationProblem problem = recorded.boards.problem;
   problem.model = settings.camera_model;
+  problem.leaves_views_out = settings.camera_model != kViSPModel;  // whose XML does not hold it
   CameraCalibration calibration = calibrate_camera(problem, recorded.boards.rejected);
   write_camera(cell.camera_model, calibration, kProgram, recorded.boards.inputs);
   return calibration;

@@ -12,8 +12,8 @@
 #include "planar_servo/field/fit_lamp_field.h"
 #include "planar_servo/lamps/lamp.h"
 #include "planar_servo/offline/calibrate_camera.h"
-#include "planar_servo/tables/frame_table.h"
 #include "planar_servo/tables/pair_table.h"
+#include "planar_servo/tables/recording_tables.h"
 #include "planar_servo/tables/tracker_table.h"
 
 namespace planar {

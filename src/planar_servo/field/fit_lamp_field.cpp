@@ -26,6 +26,24 @@ Eigen::MatrixXd common_motions(const Eigen::Matrix2Xd& tips) {
   return A;
 }
 
+FieldCertainty certainty_of(const LampField& field, const std::vector<PoseSample>& poses) {
+  const std::size_t n = std::min(poses.size(), kJudgingPoses);
+  Eigen::MatrixXd rows(2 * n, field.factor.rows());
+  Eigen::Matrix2Xd tips(2, n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto& lamps_B = poses[i * poses.size() / n].lamps_B;
+    const auto at = static_cast<Eigen::Index>(i);
+    rows.middleRows<2>(2 * at) = end_point_rows(field, lamps_B);
+    tips.col(at) = compensate(field, lamps_B).tip.p;
+  }
+  const Eigen::MatrixXd scaled = rows * field.factor;
+  const Eigen::MatrixXd A = common_motions(tips);
+  const Eigen::MatrixXd motions = solve_symmetric(A.transpose() * A, A.transpose() * scaled);
+  const Eigen::VectorXd sigma = motions.rowwise().norm();
+  return {sigma[3], std::sqrt(0.5 * sigma.head<2>().squaredNorm()), sigma[2],
+          std::sqrt(scaled.squaredNorm() / static_cast<double>(scaled.rows()))};
+}
+
 /// Returns the end point's deviation when field and arm are fitted to these only; what was decided
 /// on the way to the estimate stays.
 double end_point_with(const JointEstimate& estimate, const std::vector<PoseSample>& used,
@@ -36,6 +54,32 @@ double end_point_with(const JointEstimate& estimate, const std::vector<PoseSampl
   if (!fit) return std::nan("");
   other.fit = std::move(*fit);
   return certainty_of(lamp_field(other, judged), judged).end_point;
+}
+
+/// Returns the worth of readings, unattended poses and lays, each as far as there is any, by fits
+/// with the estimate's priors in which one of them is left out.
+std::vector<SourceWorth> worth_of_sources(const JointEstimate& estimate,
+                                          const std::vector<PoseSample>& samples,
+                                          const LaidDots& board) {
+  std::vector<PoseSample> readings, without_readings = samples;
+  for (PoseSample& sample : without_readings) {
+    if (!sample.reflector_B) continue;
+    readings.push_back(sample);
+    sample.reflector_B.reset();
+  }
+  const std::size_t n_unattended = samples.size() - readings.size();
+  std::vector<SourceWorth> sources;
+  const auto add = [&](const char* name, const std::string& amount,
+                       const std::vector<PoseSample>& used, const LaidDots& used_board) {
+    sources.push_back({name, amount, end_point_with(estimate, used, used_board, samples)});
+  };
+  if (!readings.empty())
+    add("tracker", fmt::format("{} readings", readings.size()), without_readings, board);
+  if (n_unattended > 0)
+    add("poses", fmt::format("{} without a reading", n_unattended), readings, board);
+  if (!board.lays.empty())
+    add("board", fmt::format("{} lays, {} dots", board.lays.size(), board.dots()), samples, {});
+  return sources;
 }
 
 std::vector<std::string> ids_of(const std::vector<JointOutlier>& left_out,
@@ -56,7 +100,7 @@ double landing_sigma(const JointEstimate& estimate, const LampField& field,
   for (const PoseSample& sample : samples)
     squares.push_back((compensate(field, sample.lamps_B).tip.p -
                        sample.t_h * estimate.fit.drift_m_per_h -
-                       model.at({sample.motors, sample.t_h}, estimate.fit.arm).tip.p)
+                       model.at(sample, estimate.fit.arm).tip.p)
                           .squaredNorm());
   constexpr double kMedianOfTwo = 1.386;
   return std::sqrt(median(squares) / kMedianOfTwo);
@@ -172,48 +216,6 @@ FixedBy fixed_by(std::size_t n_readings, const LaidDots& board) {
   if (n_readings >= 1) fixed.datum = FieldSource::kTracker;
   if (n_readings >= 2) fixed.scale = fixed.turn = FieldSource::kTracker;
   return fixed;
-}
-
-FieldCertainty certainty_of(const LampField& field, const std::vector<PoseSample>& poses) {
-  const std::size_t n = std::min(poses.size(), kJudgingPoses);
-  Eigen::MatrixXd rows(2 * n, field.factor.rows());
-  Eigen::Matrix2Xd tips(2, n);
-  for (std::size_t i = 0; i < n; ++i) {
-    const auto& lamps_B = poses[i * poses.size() / n].lamps_B;
-    const auto at = static_cast<Eigen::Index>(i);
-    rows.middleRows<2>(2 * at) = end_point_rows(field, lamps_B);
-    tips.col(at) = compensate(field, lamps_B).tip.p;
-  }
-  const Eigen::MatrixXd scaled = rows * field.factor;
-  const Eigen::MatrixXd A = common_motions(tips);
-  const Eigen::MatrixXd motions = solve_symmetric(A.transpose() * A, A.transpose() * scaled);
-  const Eigen::VectorXd sigma = motions.rowwise().norm();
-  return {sigma[3], std::sqrt(0.5 * sigma.head<2>().squaredNorm()), sigma[2],
-          std::sqrt(scaled.squaredNorm() / static_cast<double>(scaled.rows()))};
-}
-
-std::vector<SourceWorth> worth_of_sources(const JointEstimate& estimate,
-                                          const std::vector<PoseSample>& samples,
-                                          const LaidDots& board) {
-  std::vector<PoseSample> readings, without_readings = samples;
-  for (PoseSample& sample : without_readings) {
-    if (!sample.reflector_B) continue;
-    readings.push_back(sample);
-    sample.reflector_B.reset();
-  }
-  const std::size_t n_unattended = samples.size() - readings.size();
-  std::vector<SourceWorth> sources;
-  const auto add = [&](const char* name, const std::string& amount,
-                       const std::vector<PoseSample>& used, const LaidDots& used_board) {
-    sources.push_back({name, amount, end_point_with(estimate, used, used_board, samples)});
-  };
-  if (!readings.empty())
-    add("tracker", fmt::format("{} readings", readings.size()), without_readings, board);
-  if (n_unattended > 0)
-    add("poses", fmt::format("{} without a reading", n_unattended), readings, board);
-  if (!board.lays.empty())
-    add("board", fmt::format("{} lays, {} dots", board.lays.size(), board.dots()), samples, {});
-  return sources;
 }
 
 LampFieldFit fit_lamp_field(const ArmNominal& nominal, const std::vector<PoseSample>& samples,

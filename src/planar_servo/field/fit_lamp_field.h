@@ -41,20 +41,12 @@ struct FieldCertainty {
   double scale{0.0}, shift{0.0}, turn{0.0}, end_point{0.0};
 };
 
-FieldCertainty certainty_of(const LampField& field, const std::vector<PoseSample>& poses);
-
 /// What one source adds to an estimate.
 struct SourceWorth {
   std::string name;               ///< of the source
   std::string amount;             ///< how much of it there was; empty for none
   double end_point_without{0.0};  ///< as in FieldCertainty, were it left out
 };
-
-/// Returns the worth of readings, unattended poses and lays, each as far as there is any, by fits
-/// with the estimate's priors in which one of them is left out.
-std::vector<SourceWorth> worth_of_sources(const JointEstimate& estimate,
-                                          const std::vector<PoseSample>& samples,
-                                          const LaidDots& board);
 
 /// A way to predict the vision error that was tried, and how it meets places left out.
 struct ComparedField {

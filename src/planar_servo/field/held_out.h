@@ -5,7 +5,7 @@
 #include <functional>
 #include <vector>
 
-#include "planar_servo/error_map/map_quality.h"
+#include "planar_servo/error_map/error_map.h"
 #include "planar_servo/field/joint_estimate.h"
 
 namespace planar {

@@ -10,8 +10,7 @@
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/statistics.h"
-#include "planar_servo/field/arm/axis_leans.h"
-#include "planar_servo/field/joint_equations.h"
+#include "planar_servo/field/arm/arm_model.h"
 
 namespace planar {
 namespace {
@@ -123,9 +122,9 @@ struct Unlikeliness {
 /// Improves priors by the likelihood of the model, linearised about the arm that they lead to.
 TriedModel tune(const TuningProblem& problem, const ArmModelSize& size, const JointPriors& first) {
   const ArmModel model(problem.nominal, size);
-  const auto start = arm_under(model, first, problem.samples, problem.radius, problem.board);
-  if (!start) return {size, first, -std::numeric_limits<double>::infinity()};
   JointEquations equations(model, problem.samples, problem.radius, problem.board);
+  const auto start = equations.solve_in_steps(first);
+  if (!start) return {size, first, -std::numeric_limits<double>::infinity()};
   equations.linearize(*start);
   const auto searched = searched_priors(problem);
   Logs logs, low, high;
@@ -154,9 +153,10 @@ TriedModel tune(const TuningProblem& problem, const ArmModelSize& size, const Jo
 }
 
 double log_likelihood_of(const TuningProblem& problem, const TriedModel& tried) {
-  return joint_log_likelihood(ArmModel(problem.nominal, tried.size), tried.priors, problem.samples,
-                              problem.radius, problem.board)
-      .value_or(-std::numeric_limits<double>::infinity());
+  const ArmModel model(problem.nominal, tried.size);
+  JointEquations equations(model, problem.samples, problem.radius, problem.board);
+  return equations.solve_in_steps(tried.priors) ? equations.log_likelihood()
+                                                : -std::numeric_limits<double>::infinity();
 }
 
 /// Returns a part of the samples: the attended ones first, then evenly among the others.

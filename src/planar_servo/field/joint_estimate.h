@@ -30,6 +30,11 @@ struct JointEstimate {
   std::vector<JointOutlier> left_out;
 
   ArmModel model() const { return {nominal, size}; }
+  /// Returns the arm with its scatter but without a covariance.
+  FoundArm arm() const {
+    const ArmForm form = model().form();
+    return {form, fit.arm.head(form.terms()), {}, priors.arm_sigma};
+  }
 };
 
 /// Says whether the commands of the poses tell anything.

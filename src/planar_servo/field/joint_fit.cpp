@@ -1,8 +1,10 @@
 #include "planar_servo/field/joint_fit.h"
 
+#include <Eigen/Cholesky>
+#include <cmath>
 #include <limits>
 
-#include "planar_servo/field/joint_equations.h"
+#include "planar_servo/core/decompositions.h"
 
 namespace planar {
 namespace {
@@ -11,34 +13,231 @@ constexpr int kMostSteps = 8;
 /// Steps smaller than this share of the prior deviations end the iteration.
 constexpr double kSmallStep = 1e-4;
 
-/// Returns the arm's unknowns; empty when the steps do not converge.
-std::optional<Eigen::VectorXd> solve_in_steps(JointEquations& equations, const ArmModel& model,
-                                              const JointPriors& priors,
-                                              const Eigen::VectorXd& start) {
-  Eigen::VectorXd x = start.size() > 0 ? start : model.nominal();
+/// Prior deviation of each term of the field's quadratic, metres.
+constexpr double kQuadraticSigma = 1e-3;
+/// Prior deviation of the camera's drift along an axis, metres an hour.
+constexpr double kDriftSigma = 30e-6;
+
+double log_det_of(const Eigen::MatrixXd& lower) {
+  return 2.0 * lower.diagonal().array().log().sum();
+}
+
+double log_det_of_kernel(const Eigen::MatrixXd& kernel) {
+  return kernel.size() == 0 ? 0.0 : log_det_of(*lower_factor(kernel));
+}
+
+bool same_noise(const JointPriors& a, const JointPriors& b) {
+  return a.lamp_factor == b.lamp_factor && a.arm_sigma == b.arm_sigma &&
+         a.tool_sigma == b.tool_sigma && a.air_sigma == b.air_sigma && a.dot_factor == b.dot_factor;
+}
+
+}  // namespace
+
+JointEquations::JointEquations(const ArmModel& model, const std::vector<PoseSample>& samples,
+                               double radius, const LaidDots& board)
+    : model_(model),
+      samples_(samples),
+      radius_(radius),
+      board_(board),
+      nominal_(model.nominal()),
+      sigma_(model.prior_sigma()),
+      posture_kernel_(model.form().posture.kernel_matrix()),
+      wave_kernel_(model.height().wave.kernel_matrix()),
+      posture_log_det_(log_det_of_kernel(posture_kernel_)),
+      wave_log_det_(log_det_of_kernel(wave_kernel_)) {
+  linearize(nominal_);
+}
+
+void JointEquations::linearize(const Eigen::VectorXd& x) {
+  x_ = x;
+  const auto n = static_cast<Eigen::Index>(samples_.size());
+  J_.resize(kRows * n, model_.terms());
+  z_.resize(kRows * n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const PoseSample& sample = samples_[static_cast<std::size_t>(i)];
+    const ToolPoints at = model_.at(sample, x);
+    J_.middleRows<kRows>(kRows * i) = model_.jacobian(sample, x);
+    z_.segment<kRows>(kRows * i) << sample.reflector_B.value_or(at.points.col(0)) -
+                                        at.points.col(0),
+        sample.lamps_B[0] - at.points.col(1), sample.lamps_B[1] - at.points.col(2);
+  }
+  weighed_ = false;
+}
+
+void JointEquations::set_width(double width) {
+  basis_ = basis_over_disc(radius_, width);
+  kernel_ = basis_.kernel_matrix();
+  kernel_log_det_ = log_det_of_kernel(kernel_);
+  const Eigen::Index nb = basis_.terms();
+  F_ = Eigen::MatrixXd::Zero(J_.rows(), field_terms());
+  for (std::size_t i = 0; i < samples_.size(); ++i)
+    for (std::size_t lamp = 0; lamp < 2; ++lamp) {
+      Eigen::RowVectorXd b(nb + 1);
+      b << basis_.at(samples_[i].lamps_B[lamp]), samples_[i].t_h;
+      const auto row = static_cast<Eigen::Index>(kRows * i + 2 + 2 * lamp);
+      F_.row(row).head(nb + 1) = b;
+      F_.row(row + 1).tail(nb + 1) = b;
+    }
+  weighed_ = false;
+}
+
+/// Rows of the result times a pose's residuals have unit variance. Reflector and lamps share the
+/// scatter of the pose, a shift of the end point and a turn about it; the lamps share the air.
+JointEquations::PoseWeight JointEquations::whitening_of(const PoseSample& sample,
+                                                        const JointPriors& priors) {
+  const Eigen::Index first = sample.reflector_B ? 0 : 2;
+  const Eigen::Index n = (sample.lamps_seen ? kRows : 2) - first;
+  const ToolPoints seen = model_.at(sample, nominal_);
+  const double lamp = priors.lamp_factor * sample.sigma_lamp;
+  PoseRows variance = PoseRows::Constant(lamp * lamp);
+  variance.head<2>().setConstant(sample.sigma_reflector * sample.sigma_reflector);
+  Eigen::Matrix<double, kRows, 5> shared = Eigen::Matrix<double, kRows, 5>::Zero();
+  for (Eigen::Index point = 0; point < 3; ++point) {
+    const Eigen::Vector2d offset = seen.points.col(point) - seen.tip.p;
+    auto rows = shared.middleRows<2>(2 * point);
+    rows.leftCols<3>() << priors.arm_sigma, 0.0, -priors.tool_sigma * offset.y(), 0.0,
+        priors.arm_sigma, priors.tool_sigma * offset.x();
+    if (point > 0) rows.rightCols<2>() = priors.air_sigma * Eigen::Matrix2d::Identity();
+  }
+  PoseWeight covariance = shared * shared.transpose();
+  covariance.diagonal() += variance;
+  const Eigen::MatrixXd L = *lower_factor(covariance.block(first, first, n, n));
+  noise_log_det_ += log_det_of(L);
+  PoseWeight whiten = PoseWeight::Zero();
+  whiten.block(first, first, n, n) =
+      L.triangularView<Eigen::Lower>().solve(Eigen::MatrixXd::Identity(n, n));
+  return whiten;
+}
+
+void JointEquations::weigh(const JointPriors& priors) {
+  A_.resize(J_.rows(), terms());
+  z_white_.resize(J_.rows());
+  noise_log_det_ = 0.0;
+  for (std::size_t i = 0; i < samples_.size(); ++i) {
+    const PoseWeight whiten = whitening_of(samples_[i], priors);
+    const auto row = static_cast<Eigen::Index>(kRows * i);
+    A_.middleRows<kRows>(row).leftCols(field_terms()).noalias() =
+        whiten * F_.middleRows<kRows>(row);
+    A_.middleRows<kRows>(row).rightCols(model_.terms()).noalias() =
+        whiten * J_.middleRows<kRows>(row);
+    z_white_.segment<kRows>(row) = whiten * z_.segment<kRows>(row);
+  }
+  S_ = Eigen::MatrixXd::Zero(terms(), terms());
+  if (A_.rows() > 0)  // Eigen divides by the number of rows
+    S_.selfadjointView<Eigen::Lower>().rankUpdate(A_.transpose());
+  s_ = A_.transpose() * z_white_;
+  squares_ = z_white_.squaredNorm();
+  told_ = lay_information(board_, basis_, priors.dot_factor);
+  const Eigen::Index nb = basis_.terms();
+  for (const Eigen::Index row : {0, 1}) {
+    for (const Eigen::Index column : {0, 1})
+      S_.block(row * (nb + 1), column * (nb + 1), nb, nb) +=
+          told_.H.block(row * nb, column * nb, nb, nb);
+    s_.segment(row * (nb + 1), nb) += told_.right.segment(row * nb, nb);
+  }
+  weighed_by_ = priors;
+  weighed_ = true;
+}
+
+void JointEquations::add_priors(const JointPriors& priors) {
+  H_ = S_;
+  half_ = s_;
+  prior_squares_ = prior_log_det_ = 0.0;
+  const auto add_diagonal = [&](Eigen::Index i, double sigma, double off) {
+    H_(i, i) += 1.0 / (sigma * sigma);
+    half_[i] += off / (sigma * sigma);
+    prior_squares_ += off * off / (sigma * sigma);
+    prior_log_det_ -= 2.0 * std::log(sigma);
+  };
+  const auto add_kernel = [&](Eigen::Index first, const Eigen::MatrixXd& kernel, double log_det,
+                              double sigma, const Eigen::VectorXd& off) {
+    const Eigen::Index n = kernel.rows();
+    const Eigen::VectorXd pull = kernel * off / (sigma * sigma);
+    H_.block(first, first, n, n) += kernel / (sigma * sigma);
+    half_.segment(first, n) += pull;
+    prior_squares_ += off.dot(pull);
+    prior_log_det_ += log_det - 2.0 * static_cast<double>(n) * std::log(sigma);
+  };
+  const Eigen::Index nb = basis_.terms(), nc = basis_.centers.cols();
+  for (const Eigen::Index first : {Eigen::Index{0}, nb + 1}) {
+    add_kernel(first, kernel_, kernel_log_det_, priors.field_sigma, Eigen::VectorXd::Zero(nc));
+    for (Eigen::Index i = nc; i < nb; ++i) add_diagonal(first + i, kQuadraticSigma, 0.0);
+    add_diagonal(first + nb, kDriftSigma, 0.0);
+  }
+  const Eigen::VectorXd off = nominal_ - x_;
+  const Eigen::Index arm = field_terms(), np = posture_kernel_.rows(), nw = wave_kernel_.rows();
+  const Eigen::Index deviation = model_.form().deviation(), wave = model_.layout().tool - nw;
+  for (const Eigen::Index first : {deviation, deviation + np})
+    add_kernel(arm + first, posture_kernel_, posture_log_det_, priors.deviation_sigma,
+               off.segment(first, np));
+  add_kernel(arm + wave, wave_kernel_, wave_log_det_, priors.wave_sigma, off.segment(wave, nw));
+  for (Eigen::Index i = 0; i < model_.terms(); ++i)
+    if ((i < deviation || i >= deviation + 2 * np) && (i < wave || i >= wave + nw))
+      add_diagonal(arm + i, sigma_[i], off[i]);
+}
+
+bool JointEquations::solve(const JointPriors& priors) {
+  if (basis_.width != priors.field_width || F_.rows() != J_.rows()) set_width(priors.field_width);
+  if (!weighed_ || !same_noise(priors, weighed_by_)) weigh(priors);
+  add_priors(priors);
+  auto L = lower_factor(H_);
+  if (!L) return false;
+  L_ = std::move(*L);
+  L_.triangularView<Eigen::Lower>().solveInPlace(half_);
+  solution_ = L_.transpose().triangularView<Eigen::Upper>().solve(half_);
+  return true;
+}
+
+std::optional<Eigen::VectorXd> JointEquations::solve_in_steps(const JointPriors& priors,
+                                                              const Eigen::VectorXd& start) {
+  Eigen::VectorXd x = start.size() > 0 ? start : nominal_;
   // The Gaussians' weights balance each other by much more than the function that they make.
   constexpr double kAnySize = std::numeric_limits<double>::infinity();
-  Eigen::VectorXd size = model.prior_sigma();
-  size.segment(model.form().deviation(), 2 * model.form().posture.terms()).setConstant(kAnySize);
-  const Eigen::Index waves = model.height().wave.centers.cols();
-  size.segment(model.layout().tool - waves, waves).setConstant(kAnySize);
+  Eigen::VectorXd size = sigma_;
+  size.segment(model_.form().deviation(), 2 * posture_kernel_.rows()).setConstant(kAnySize);
+  size.segment(model_.layout().tool - wave_kernel_.rows(), wave_kernel_.rows())
+      .setConstant(kAnySize);
   for (int step = 0; step < kMostSteps; ++step) {
-    equations.linearize(x);
-    if (!equations.solve(priors)) return std::nullopt;
-    const Eigen::VectorXd dx = equations.solution().tail(model.terms());
+    linearize(x);
+    if (!solve(priors)) return std::nullopt;
+    const Eigen::VectorXd dx = solution_.tail(model_.terms());
     x += dx;
     if ((dx.array() / size.array()).abs().maxCoeff() < kSmallStep) return x;
   }
   return std::nullopt;
 }
 
-}  // namespace
+Eigen::MatrixXd JointEquations::covariance() const {
+  const Eigen::MatrixXd inverse =
+      L_.triangularView<Eigen::Lower>().solve(Eigen::MatrixXd::Identity(terms(), terms()));
+  return inverse.transpose() * inverse;
+}
+
+double JointEquations::log_likelihood() const {
+  return -0.5 * (squares_ + told_.squares + prior_squares_ - half_.squaredNorm() + noise_log_det_ +
+                 told_.log_determinant + log_det_of(L_) - prior_log_det_);
+}
+
+std::vector<double> JointEquations::chi2() const {
+  // A sample pulls the fit towards itself; its residual's covariance is what that leaves of its
+  // noise, I - A (A^T A)^-1 A^T.
+  const Eigen::VectorXd left = z_white_ - A_ * solution_;
+  const Eigen::MatrixXd pull = L_.triangularView<Eigen::Lower>().solve(A_.transpose());
+  std::vector<double> all;
+  for (Eigen::Index row = 0; row < A_.rows(); row += kRows) {
+    const auto of_pose = pull.middleCols<kRows>(row);
+    const PoseWeight covariance = PoseWeight::Identity() - of_pose.transpose() * of_pose;
+    const PoseRows residual = left.segment<kRows>(row);
+    all.push_back(residual.dot(covariance.ldlt().solve(residual)));
+  }
+  return all;
+}
 
 std::optional<JointFit> fit_jointly(const ArmModel& model, const JointPriors& priors,
                                     const std::vector<PoseSample>& samples, double field_radius,
                                     const LaidDots& board, const Eigen::VectorXd& start) {
   JointEquations equations(model, samples, field_radius, board);
-  const auto x = solve_in_steps(equations, model, priors, start);
+  const auto x = equations.solve_in_steps(priors, start);
   if (!x) return std::nullopt;
   JointFit fit;
   fit.basis = equations.basis();
@@ -52,21 +251,6 @@ std::optional<JointFit> fit_jointly(const ArmModel& model, const JointPriors& pr
   fit.log_likelihood = equations.log_likelihood();
   fit.chi2 = equations.chi2();
   return fit;
-}
-
-std::optional<Eigen::VectorXd> arm_under(const ArmModel& model, const JointPriors& priors,
-                                         const std::vector<PoseSample>& samples,
-                                         double field_radius, const LaidDots& board) {
-  JointEquations equations(model, samples, field_radius, board);
-  return solve_in_steps(equations, model, priors, {});
-}
-
-std::optional<double> joint_log_likelihood(const ArmModel& model, const JointPriors& priors,
-                                           const std::vector<PoseSample>& samples,
-                                           double field_radius, const LaidDots& board) {
-  JointEquations equations(model, samples, field_radius, board);
-  if (!solve_in_steps(equations, model, priors, {})) return std::nullopt;
-  return equations.log_likelihood();
 }
 
 }  // namespace planar

@@ -2,7 +2,6 @@
 
 #include "planar_servo/core/decompositions.h"
 #include "planar_servo/core/error.h"
-#include "planar_servo/field/arm/arm_terms.h"
 #include "planar_servo/tool/vision_tip.h"
 
 namespace planar {
@@ -64,37 +63,6 @@ Eigen::MatrixXd factor_of(const Eigen::MatrixXd& covariance) {
   return sigma.asDiagonal() * *L;
 }
 
-}  // namespace
-
-CompensatedTip compensate(const LampField& field, const Places& seen_B) {
-  CompensatedTip result;
-  const Seen seen(field, seen_B);
-  result.lamps_B = seen.lamps_B;
-  result.tip = tip_from_places(seen.lamps_B, field.tool);
-  const Eigen::MatrixXd scaled = rows_of(field, seen) * field.factor;
-  result.covariance = scaled * scaled.transpose();
-  result.inside = field.region.contains(0.5 * (seen_B[0] + seen_B[1]));
-  return result;
-}
-
-Eigen::Matrix2Xd end_point_rows(const LampField& field, const Places& seen_B) {
-  return rows_of(field, Seen(field, seen_B));
-}
-
-std::vector<Eigen::Index> field_unknowns(const JointEstimate& estimate) {
-  const JointFit& fit = estimate.fit;
-  const ArmModel::Layout at = estimate.model().layout();
-  const Eigen::Index arm = 2 * fit.field_terms();
-  std::vector<Eigen::Index> unknowns;
-  for (const Eigen::Index first : {Eigen::Index{0}, fit.field_terms()})
-    for (Eigen::Index i = 0; i < fit.basis.terms(); ++i) unknowns.push_back(first + i);
-  for (Eigen::Index i = at.height; i < at.tool; ++i) unknowns.push_back(arm + i);
-  for (Eigen::Index i = 1; i < 3; ++i) unknowns.push_back(arm + at.tool + i);
-  return unknowns;
-}
-
-namespace {
-
 /// Returns the field without its covariance.
 LampField bare_field(const JointEstimate& estimate, const std::vector<PoseSample>& samples) {
   const JointFit& fit = estimate.fit;
@@ -142,9 +110,36 @@ Eigen::MatrixXd telling_directions(const FieldAndArm& found, const Eigen::Matrix
 
 }  // namespace
 
+CompensatedTip compensate(const LampField& field, const Places& seen_B) {
+  CompensatedTip result;
+  const Seen seen(field, seen_B);
+  result.lamps_B = seen.lamps_B;
+  result.tip = tip_from_places(seen.lamps_B, field.tool);
+  const Eigen::MatrixXd scaled = rows_of(field, seen) * field.factor;
+  result.covariance = scaled * scaled.transpose();
+  result.inside = field.region.contains(0.5 * (seen_B[0] + seen_B[1]));
+  return result;
+}
+
+Eigen::Matrix2Xd end_point_rows(const LampField& field, const Places& seen_B) {
+  return rows_of(field, Seen(field, seen_B));
+}
+
+std::vector<Eigen::Index> field_unknowns(const JointEstimate& estimate) {
+  const JointFit& fit = estimate.fit;
+  const ArmModel::Layout at = estimate.model().layout();
+  const Eigen::Index arm = 2 * fit.field_terms();
+  std::vector<Eigen::Index> unknowns;
+  for (const Eigen::Index first : {Eigen::Index{0}, fit.field_terms()})
+    for (Eigen::Index i = 0; i < fit.basis.terms(); ++i) unknowns.push_back(first + i);
+  for (Eigen::Index i = at.height; i < at.tool; ++i) unknowns.push_back(arm + i);
+  for (Eigen::Index i = 1; i < 3; ++i) unknowns.push_back(arm + at.tool + i);
+  return unknowns;
+}
+
 FieldAndArm field_and_arm(const JointEstimate& estimate, const std::vector<PoseSample>& samples) {
   const Eigen::Index arms = estimate.model().form().terms();
-  FieldAndArm found{bare_field(estimate, samples), found_arm(estimate)};
+  FieldAndArm found{bare_field(estimate, samples), estimate.arm()};
   std::vector<Eigen::Index> kept = field_unknowns(estimate);
   for (Eigen::Index i = 0; i < arms; ++i) kept.push_back(2 * estimate.fit.field_terms() + i);
   Eigen::MatrixXd factor = factor_of(estimate.fit.covariance(kept, kept));

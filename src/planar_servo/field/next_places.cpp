@@ -37,8 +37,7 @@ class Knowledge {
     const JointFit& fit = estimate_.fit;
     const Eigen::Index n = fit.field_terms();
     Eigen::MatrixXd A = Eigen::MatrixXd::Zero(6, covariance_.rows());
-    A.rightCols(estimate_.model().terms()) =
-        estimate_.model().jacobian({pose.motors, pose.t_h}, fit.arm);
+    A.rightCols(estimate_.model().terms()) = estimate_.model().jacobian(pose, fit.arm);
     for (int lamp = 0; lamp < 2; ++lamp) {
       const Eigen::RowVectorXd b = fit.basis.at(pose.lamps_B[static_cast<std::size_t>(lamp)]);
       A.row(2 + 2 * lamp).head(b.size()) = b;

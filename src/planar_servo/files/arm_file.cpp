@@ -76,6 +76,26 @@ void list_deviation(Fields& fields, PostureBasis& posture, Eigen::VectorXd& weig
   fields.numbers("weights_mm", weights, kMillimetre);
 }
 
+void list_found_arm(Fields& fields, FoundArm& arm) {
+  NamedTerms terms(arm);
+  fields.numbers("link_lengths_mm", terms.links, kMillimetre, Range::positive());
+  fields.numbers("zero_offsets_deg", terms.zeros, kDegree);
+  list_waves(fields, "eccentricity_deg", terms.eccentricity);
+  if (fields.given("ripple_deg", !terms.ripple.empty()))
+    list_waves(fields, "ripple_deg", terms.ripple);
+  if (fields.given("runout3_mm", !terms.runout.isZero(0.0)))
+    fields.numbers("runout3_mm", terms.runout, kMillimetre);
+  if (fields.given("deviation", arm.form.posture.terms() > 0))
+    fields.map("deviation", [&] { list_deviation(fields, arm.form.posture, terms.deviation); });
+  if (fields.given("scatter_mm", arm.scatter_m > 0.0))
+    fields.number("scatter_mm", arm.scatter_m, kMillimetre, Range::positive());
+  arm.form.harmonics = static_cast<int>(terms.eccentricity.size());
+  arm.form.ripples = static_cast<int>(terms.ripple.size());
+  arm.x = terms.x();
+  if (fields.given("factor", arm.factor.size() > 0))
+    list_columns(fields, "factor", arm.factor, arm.x.size());
+}
+
 void add_terms(YamlWriter& yaml, std::vector<ArmTerm> terms) {
   yaml.maps("terms", terms, [&](const ArmTerm& term) {
     yaml.add("name", term.key);
@@ -98,26 +118,6 @@ void list_learned_arm(Fields& fields, LearnedArm& learned) {
 }
 
 }  // namespace
-
-void list_found_arm(Fields& fields, FoundArm& arm) {
-  NamedTerms terms(arm);
-  fields.numbers("link_lengths_mm", terms.links, kMillimetre, Range::positive());
-  fields.numbers("zero_offsets_deg", terms.zeros, kDegree);
-  list_waves(fields, "eccentricity_deg", terms.eccentricity);
-  if (fields.given("ripple_deg", !terms.ripple.empty()))
-    list_waves(fields, "ripple_deg", terms.ripple);
-  if (fields.given("runout3_mm", !terms.runout.isZero(0.0)))
-    fields.numbers("runout3_mm", terms.runout, kMillimetre);
-  if (fields.given("deviation", arm.form.posture.terms() > 0))
-    fields.map("deviation", [&] { list_deviation(fields, arm.form.posture, terms.deviation); });
-  if (fields.given("scatter_mm", arm.scatter_m > 0.0))
-    fields.number("scatter_mm", arm.scatter_m, kMillimetre, Range::positive());
-  arm.form.harmonics = static_cast<int>(terms.eccentricity.size());
-  arm.form.ripples = static_cast<int>(terms.ripple.size());
-  arm.x = terms.x();
-  if (fields.given("factor", arm.factor.size() > 0))
-    list_columns(fields, "factor", arm.factor, arm.x.size());
-}
 
 std::string found_arm_text(const FoundArm& arm, const std::vector<ArmTerm>& terms,
                            const std::vector<Origin>& origins, const std::string& program) {

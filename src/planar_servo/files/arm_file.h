@@ -8,9 +8,8 @@
 #include "planar_servo/arm/arm_learner.h"
 #include "planar_servo/arm/found_arm.h"
 #include "planar_servo/cell/cell_settings.h"
-#include "planar_servo/field/arm/arm_terms.h"
+#include "planar_servo/field/arm/arm_fit.h"
 #include "planar_servo/files/provenance.h"
-#include "planar_servo/io/fields.h"
 
 namespace planar {
 
@@ -18,9 +17,6 @@ namespace planar {
 /// and every term with its standard deviation and whether the poses determine it.
 std::string found_arm_text(const FoundArm& arm, const std::vector<ArmTerm>& terms,
                            const std::vector<Origin>& origins, const std::string& program);
-
-/// Visits the keys of the `arm` block.
-void list_found_arm(Fields& fields, FoundArm& arm);
 
 /// Reads the arm from arm.yaml. Throws InputError naming every fault.
 FoundArm read_found_arm(const std::filesystem::path& path);

@@ -12,7 +12,6 @@
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/io/atomic_file.h"
-#include "planar_servo/io/format_line.h"
 #include "planar_servo/io/yaml_reader.h"
 #include "planar_servo/io/yaml_writer.h"
 #include "planar_servo/lens/lens_models.h"
@@ -85,8 +84,8 @@ std::string camera_yaml(const CameraCalibration& calibration, const std::string&
       .add("standard_deviations", calibration.standard_deviations)
       .add("rms_px", calibration.rms_px);
   if (calibration.held_out_rms_px) writer.add("held_out_rms_px", *calibration.held_out_rms_px);
-  const Eigen::Vector2d& from = calibration.region_from_px;
-  const Eigen::Vector2d& to = calibration.region_to_px;
+  const Eigen::Vector2d& from = calibration.plane_error.from_px;
+  const Eigen::Vector2d& to = calibration.plane_error.to_px;
   writer.add("images", used)
       .add("rejected_images", rejected)
       .add("calibrated_region_px", std::vector<double>{from.x(), from.y(), to.x(), to.y()});

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/error_map/map_quality.h"
+#include "planar_servo/error_map/error_map.h"
 #include "planar_servo/error_map/maps/valid_region.h"
 #include "planar_servo/io/fields.h"
 #include "planar_servo/io/yaml_writer.h"

@@ -6,11 +6,11 @@
 #include <utility>
 
 #include "planar_servo/core/error.h"
+#include "planar_servo/files/calibration_files.h"
 #include "planar_servo/files/camera_file.h"
 #include "planar_servo/files/cell_file.h"
 #include "planar_servo/files/map_file.h"
 #include "planar_servo/files/provenance.h"
-#include "planar_servo/files/workplane_file.h"
 
 namespace planar {
 namespace {

@@ -7,7 +7,6 @@
 
 #include "planar_servo/arm/planar_arm.h"
 #include "planar_servo/health/cause.h"
-#include "planar_servo/health/cell_model.h"
 #include "planar_servo/lamps/lamp.h"
 
 namespace planar {

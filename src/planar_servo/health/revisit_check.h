@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "planar_servo/health/cause.h"
-#include "planar_servo/health/cell_model.h"
 
 namespace planar {
 

@@ -7,15 +7,40 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <initializer_list>
 #include <set>
 #include <sstream>
 #include <system_error>
 
 #include "planar_servo/core/error.h"
-#include "planar_servo/io/format_line.h"
 
 namespace planar {
+
+namespace fs = std::filesystem;
+
 namespace {
+
+constexpr int kHeadLines = 4;
+constexpr int kHeadBytes = 4096;
+constexpr std::string_view kPictureBegin = "P5";
+
+/// Takes off the first of these beginnings that the text has. Returns whether it has one.
+bool drop_one_of(std::initializer_list<std::string_view> beginnings, std::string_view& text) {
+  for (const std::string_view beginning : beginnings) {
+    if (text.substr(0, beginning.size()) != beginning) continue;
+    text.remove_prefix(beginning.size());
+    return true;
+  }
+  return false;
+}
+
+std::string_view kind_of_line(std::string_view line) {
+  drop_one_of({"# ", "<!-- ", "  ", "{"}, line);
+  if (!drop_one_of({"format: ", "\"format\": \"", "\"format\":\""}, line) ||
+      !drop_one_of({"planar-servo/"}, line))
+    return {};
+  return line.substr(0, line.find('/'));
+}
 
 bool write_all(int file, std::string_view text) {
   while (!text.empty()) {
@@ -34,6 +59,27 @@ bool sync(int file) {
 
 }  // namespace
 
+std::string_view kind_of_text(std::string_view text) {
+  if (text.substr(0, 2) == kPictureBegin) return "image";
+  for (int i = 0; i < kHeadLines && !text.empty(); ++i) {
+    const std::size_t length = std::min(text.find('\n'), text.size() - 1) + 1;
+    const std::string_view kind = kind_of_line(text.substr(0, length));
+    if (!kind.empty()) return kind;
+    text.remove_prefix(length);
+  }
+  return {};
+}
+
+std::string with_format_key(const std::string& kind, const std::string& object) {
+  const std::string rest = object.substr(object.find('{') + 1);
+  return fmt::format("{{\n  \"format\": \"planar-servo/{}/1\"{}{}\n", kind,
+                     rest.find('"') == std::string::npos ? "\n" : ",", rest);
+}
+
+std::string format_comment(const std::string& kind) {
+  return fmt::format("<!-- format: planar-servo/{}/1 -->\n", kind);
+}
+
 bool write_and_close(int file, std::string_view text, Durability durability) {
   const bool done = write_all(file, text) && (durability == Durability::kCrash || sync(file));
   return close(file) == 0 && done;
@@ -46,8 +92,6 @@ bool sync_folder(const std::filesystem::path& folder) {
   close(file);
   return done;
 }
-
-namespace fs = std::filesystem;
 
 namespace {
 
@@ -75,6 +119,13 @@ bool is_device_or_pipe(const fs::path& path) {
 
 fs::path folder_of(const fs::path& path) {
   return path.has_parent_path() ? path.parent_path() : ".";
+}
+
+std::string kind_of_file(const fs::path& path) {
+  std::string head(kHeadBytes, '\0');
+  std::ifstream in(path, std::ios::binary);
+  in.read(head.data(), kHeadBytes);
+  return std::string(kind_of_text({head.data(), static_cast<std::size_t>(in.gcount())}));
 }
 
 /// Throws InputError where this output would replace what is not ours or of another kind, as when

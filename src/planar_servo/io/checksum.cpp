@@ -6,10 +6,11 @@
 
 #include <algorithm>
 #include <array>
+#include <initializer_list>
 #include <stdexcept>
 
+#include "planar_servo/core/clock.h"
 #include "planar_servo/io/atomic_file.h"
-#include "planar_servo/io/format_line.h"
 
 namespace planar {
 namespace {
@@ -17,6 +18,19 @@ namespace {
 constexpr std::string_view kSealedKinds[] = {"camera", "workplane", "tool",       "map",
                                              "health", "arm",       "arm_learned"};
 constexpr char kChecksum[] = "checksum:", kByHand[] = "edited_by_hand:";
+
+/// Returns the SHA-256 of the lines that begin with none of these keys.
+std::string sha256_without(std::string_view text,
+                           std::initializer_list<std::string_view> left_out) {
+  std::string left;
+  while (!text.empty()) {
+    const std::string_view line = text.substr(0, std::min(text.find('\n'), text.size() - 1) + 1);
+    const auto begins = [&](std::string_view key) { return line.substr(0, key.size()) == key; };
+    if (std::none_of(left_out.begin(), left_out.end(), begins)) left += line;
+    text.remove_prefix(line.size());
+  }
+  return sha256(left);
+}
 
 std::string checksum_of(std::string_view text) {
   return sha256_without(text, {"created:", kChecksum});
@@ -54,18 +68,6 @@ std::string sha256(std::string_view bytes) {
   if (EVP_Digest(bytes.data(), bytes.size(), digest.data(), &size, EVP_sha256(), nullptr) != 1)
     throw std::runtime_error("SHA-256 failed in the crypto library");
   return fmt::format("{:02x}", fmt::join(digest.data(), digest.data() + size, ""));
-}
-
-std::string sha256_without(std::string_view text,
-                           std::initializer_list<std::string_view> left_out) {
-  std::string left;
-  while (!text.empty()) {
-    const std::string_view line = text.substr(0, std::min(text.find('\n'), text.size() - 1) + 1);
-    const auto begins = [&](std::string_view key) { return line.substr(0, key.size()) == key; };
-    if (std::none_of(left_out.begin(), left_out.end(), begins)) left += line;
-    text.remove_prefix(line.size());
-  }
-  return sha256(left);
 }
 
 std::string content_sha256(const std::filesystem::path& path) {

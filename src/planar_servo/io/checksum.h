@@ -1,7 +1,6 @@
 #pragma once
 
 #include <filesystem>
-#include <initializer_list>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -12,9 +11,6 @@ namespace planar {
 
 /// Returns the SHA-256 of the bytes [FIPS 180-4] as 64 lower-case hexadecimal digits.
 std::string sha256(std::string_view bytes);
-
-/// Returns the SHA-256 of the lines that begin with none of these keys.
-std::string sha256_without(std::string_view text, std::initializer_list<std::string_view> left_out);
 
 /// Returns the SHA-256 of a file without its line `created:`, in which two identical runs differ,
 /// and without those that only seal it, `checksum:` and `edited_by_hand:`. Throws InputError when

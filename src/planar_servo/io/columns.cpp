@@ -2,14 +2,22 @@
 
 #include <fmt/format.h>
 
+#include <utility>
+
 #include "planar_servo/core/text.h"
 
 namespace planar {
 
+std::string Digits::text(double value) const {
+  return is_significant ? fmt::format("{:.{}g}", value, count) : fixed(value, count);
+}
+
 void Columns::refuse(std::string_view column, const std::string& word,
                      const std::vector<std::string>& allowed) {
-  check(false, {fmt::format("{} is '{}'", column, word),
-                fmt::format("allowed are {}", fmt::join(allowed, ", "))});
+  check(false,
+        {fmt::format("{} is '{}'", column, word),
+         fmt::format("allowed are {}", fmt::join(allowed, ", "))},
+        column);
 }
 
 void Columns::point(std::string_view x, std::string_view y, Eigen::Vector2d& field, double unit,
@@ -31,81 +39,68 @@ void Columns::optional_point(std::string_view x, std::string_view y,
   if (!reading()) return;
   field.reset();
   if (field_x && field_y) field = Eigen::Vector2d(*field_x, *field_y);
+  const std::string_view empty = field_x ? y : x;
   check(field_x.has_value() == field_y.has_value(),
-        {fmt::format("{} is ''", field_x ? y : x), "a finite number is needed"});
+        {fmt::format("{} is ''", empty), "a finite number is needed"}, empty);
 }
 
-void ColumnNames::add(std::string_view column, Column need) {
-  all_.emplace_back(column);
-  (need == Column::kRequired ? required_ : optional_).emplace_back(column);
-}
-
-void ColumnNames::text(std::string_view column, std::string& /*field*/, Column need) {
-  add(column, need);
-}
-
-void ColumnNames::number(std::string_view column, double& /*field*/, double /*unit*/,
-                         Digits /*digits*/) {
-  add(column, Column::kRequired);
-}
-
-void ColumnNames::whole_number(std::string_view column, int& /*field*/) {
-  add(column, Column::kRequired);
-}
-
-void ColumnNames::optional_number(std::string_view column, std::optional<double>& /*field*/,
-                                  double /*unit*/, Digits /*digits*/, Column need) {
-  add(column, need);
-}
-
-void ColumnReader::text(std::string_view column, std::string& field, Column /*need*/) {
-  field = table_.text(column);
-}
-
-void ColumnReader::number(std::string_view column, double& field, double unit, Digits /*digits*/) {
-  field = table_.number(column) * unit;
-}
-
-void ColumnReader::whole_number(std::string_view column, int& field) {
-  field = table_.whole_number(column);
-}
-
-void ColumnReader::optional_number(std::string_view column, std::optional<double>& field,
-                                   double unit, Digits /*digits*/, Column /*need*/) {
-  field = table_.optional_number(column);
-  if (field) *field *= unit;
-}
-
-void ColumnReader::check(bool kept, const Refusal& refusal) {
-  if (!kept) table_.add_fault(refusal);
-}
-
-void LineWriter::add(std::string_view field) {
-  if (!is_first_) line_ += ',';
-  line_ += field;
-  is_first_ = false;
-}
-
-void LineWriter::text(std::string_view /*column*/, std::string& field, Column /*need*/) {
-  add(csv_field(field));
-}
-
-void LineWriter::number(std::string_view /*column*/, double& field, double unit, Digits digits) {
-  const double value = field / unit;
-  add(digits.is_significant ? fmt::format("{:.{}g}", value, digits.count)
-                            : fixed(value, digits.count));
-}
-
-void LineWriter::whole_number(std::string_view /*column*/, int& field) {
-  add(std::to_string(field));
-}
-
-void LineWriter::optional_number(std::string_view column, std::optional<double>& field, double unit,
-                                 Digits digits, Column /*need*/) {
-  if (field)
-    number(column, *field, unit, digits);
+void Columns::text(std::string_view column, std::string& field, Column need) {
+  if (reading())
+    field = table_->text(column);
   else
-    add("");
+    add(column, need, csv_field(field));
+}
+
+void Columns::number(std::string_view column, double& field, double unit, Digits digits) {
+  if (reading())
+    field = table_->number(column) * unit;
+  else
+    add(column, Column::kRequired, digits.text(field / unit));
+}
+
+void Columns::whole_number(std::string_view column, int& field) {
+  if (reading())
+    field = table_->whole_number(column);
+  else
+    add(column, Column::kRequired, std::to_string(field));
+}
+
+void Columns::optional_number(std::string_view column, std::optional<double>& field, double unit,
+                              Digits digits, Column need) {
+  if (reading()) {
+    field = table_->optional_number(column);
+    if (field) *field *= unit;
+  } else {
+    add(column, need, field ? digits.text(*field / unit) : "");
+  }
+}
+
+void Columns::check(bool kept, const Refusal& refusal, std::string_view column) {
+  if (reading() && !kept) table_->add_fault(refusal, column);
+}
+
+void Columns::add(std::string_view column, Column need, std::string text) {
+  written_.push_back({std::string(column), need, std::move(text)});
+}
+
+std::vector<std::string> Columns::names() const {
+  std::vector<std::string> names;
+  for (const Written& written : written_) names.push_back(written.column);
+  return names;
+}
+
+std::vector<std::string> Columns::names(Column need) const {
+  std::vector<std::string> names;
+  for (const Written& written : written_)
+    if (written.need == need) names.push_back(written.column);
+  return names;
+}
+
+std::string Columns::line() const {
+  std::string line;
+  for (const Written& written : written_) line += written.text + ',';
+  line.back() = '\n';
+  return line;
 }
 
 }  // namespace planar

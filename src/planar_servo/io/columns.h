@@ -23,6 +23,7 @@ struct Digits {
     digits.is_significant = true;
     return digits;
   }
+  std::string text(double value) const;
 
   int count;
   bool is_significant{false};
@@ -46,17 +47,19 @@ enum class Column { kRequired, kOptional };
 /// empty and an optional number without a value. Writing changes no field.
 class Columns {
  public:
-  virtual ~Columns() = default;
+  /// Writes the fields that it visits.
+  Columns() = default;
+  /// Reads the current row of `table`, which must outlive this object.
+  explicit Columns(CsvTable& table) : table_(&table) {}
 
-  virtual bool reading() const = 0;
+  bool reading() const { return table_ != nullptr; }
 
-  virtual void text(std::string_view column, std::string& field,
-                    Column need = Column::kRequired) = 0;
-  virtual void number(std::string_view column, double& field, double unit, Digits digits) = 0;
-  virtual void whole_number(std::string_view column, int& field) = 0;
+  void text(std::string_view column, std::string& field, Column need = Column::kRequired);
+  void number(std::string_view column, double& field, double unit, Digits digits);
+  void whole_number(std::string_view column, int& field);
   /// Visits a number whose field may be empty.
-  virtual void optional_number(std::string_view column, std::optional<double>& field, double unit,
-                               Digits digits, Column need) = 0;
+  void optional_number(std::string_view column, std::optional<double>& field, double unit,
+                       Digits digits, Column need);
   /// Visits a value of an enumeration by its name in `table`.
   template <typename Value, std::size_t kSize>
   void choice(std::string_view column, Value& field, const Named<Value> (&table)[kSize]);
@@ -70,12 +73,29 @@ class Columns {
   void optional_point(std::string_view x, std::string_view y, std::optional<Eigen::Vector2d>& field,
                       double unit, Digits digits, Column need);
 
-  /// When reading, adds the refusal to the row's faults unless its rule was `kept`.
-  virtual void check(bool kept, const Refusal& refusal) = 0;
+  /// When reading, adds the refusal of a column's value, or of the whole row, to the table's faults
+  /// unless its rule was `kept`.
+  void check(bool kept, const Refusal& refusal, std::string_view column = {});
+
+  /// Returns the names of the columns that were written.
+  std::vector<std::string> names() const;
+  /// Returns those of the columns that a table must have, or may lack.
+  std::vector<std::string> names(Column need) const;
+  /// Returns the row that was written, with its line end.
+  std::string line() const;
 
  private:
+  struct Written {
+    std::string column;
+    Column need;
+    std::string text;
+  };
+  void add(std::string_view column, Column need, std::string text);
   void refuse(std::string_view column, const std::string& word,
               const std::vector<std::string>& allowed);
+
+  CsvTable* table_{nullptr};
+  std::vector<Written> written_;
 };
 
 template <typename Value, std::size_t kSize>
@@ -98,67 +118,6 @@ void Columns::choice(std::string_view column, std::optional<Value>& field,
   if (!field && !word.empty()) refuse(column, word, names_of(table));
 }
 
-/// Collects the names of all columns, of those that a table must have and of those it may lack.
-class ColumnNames : public Columns {
- public:
-  bool reading() const override { return false; }
-  void text(std::string_view column, std::string& field, Column need) override;
-  void number(std::string_view column, double& field, double unit, Digits digits) override;
-  void whole_number(std::string_view column, int& field) override;
-  void optional_number(std::string_view column, std::optional<double>& field, double unit,
-                       Digits digits, Column need) override;
-  void check(bool /*kept*/, const Refusal& /*refusal*/) override {}
-
-  const std::vector<std::string>& all() const { return all_; }
-  const std::vector<std::string>& required() const { return required_; }
-  const std::vector<std::string>& optional() const { return optional_; }
-
- private:
-  void add(std::string_view column, Column need);
-
-  std::vector<std::string> all_;
-  std::vector<std::string> required_, optional_;
-};
-
-/// Reads the columns that it visits from a table's current row.
-class ColumnReader : public Columns {
- public:
-  /// Reads from `table`, which must outlive the reader.
-  explicit ColumnReader(CsvTable& table) : table_(table) {}
-
-  bool reading() const override { return true; }
-  void text(std::string_view column, std::string& field, Column need) override;
-  void number(std::string_view column, double& field, double unit, Digits digits) override;
-  void whole_number(std::string_view column, int& field) override;
-  void optional_number(std::string_view column, std::optional<double>& field, double unit,
-                       Digits digits, Column need) override;
-  void check(bool kept, const Refusal& refusal) override;
-
- private:
-  CsvTable& table_;
-};
-
-/// Writes the columns that it visits into a line.
-class LineWriter : public Columns {
- public:
-  bool reading() const override { return false; }
-  void text(std::string_view column, std::string& field, Column need) override;
-  void number(std::string_view column, double& field, double unit, Digits digits) override;
-  void whole_number(std::string_view column, int& field) override;
-  void optional_number(std::string_view column, std::optional<double>& field, double unit,
-                       Digits digits, Column need) override;
-  void check(bool /*kept*/, const Refusal& /*refusal*/) override {}
-
-  /// Returns the line with its line end.
-  std::string line() const { return line_ + '\n'; }
-
- private:
-  void add(std::string_view field);
-
-  std::string line_;
-  bool is_first_{true};
-};
-
 /// Describes a table by its kind (`# format: planar-servo/<kind>/1`) and its columns.
 template <typename Row>
 struct TableSchema {
@@ -166,21 +125,17 @@ struct TableSchema {
   std::function<void(Columns&, Row&)> list_columns;
   UnendedRow unended{UnendedRow::kWarned};
 
-  ColumnNames columns() const {
-    ColumnNames names;
-    Row row{};
-    list_columns(names, row);
-    return names;
+  /// Returns the columns with the fields of this row.
+  Columns columns(Row row = {}) const {
+    Columns columns;
+    list_columns(columns, row);
+    return columns;
   }
   /// Returns the first lines: the format, remarks and the names of the columns.
   std::string header(const std::vector<std::string>& remarks = {}) const {
-    return csv_header(kind, columns().all(), remarks);
+    return csv_header(kind, columns().names(), remarks);
   }
-  std::string line(Row row) const {
-    LineWriter writer;
-    list_columns(writer, row);
-    return writer.line();
-  }
+  std::string line(const Row& row) const { return columns(row).line(); }
   /// Returns the whole table.
   std::string text(const std::vector<Row>& rows,
                    const std::vector<std::string>& remarks = {}) const {
@@ -204,8 +159,8 @@ class TableFile : public CsvFile {
   /// Opens the file and throws as CsvFile() does. `schema` must outlive the table.
   TableFile(const std::filesystem::path& path, const TableSchema<Row>& schema,
             const CsvDialect& dialect = {})
-      : CsvFile(path, schema.kind, schema.columns().required(), dialect, schema.unended,
-                schema.columns().optional()),
+      : CsvFile(path, schema.kind, schema.columns().names(Column::kRequired), dialect,
+                schema.unended, schema.columns().names(Column::kOptional)),
         schema_(schema) {}
 
   /// Reads the next row. Returns false at the end of the file.
@@ -237,7 +192,7 @@ class TableFile : public CsvFile {
 
  private:
   const TableSchema<Row>& schema_;
-  ColumnReader reader_{*this};
+  Columns reader_{*this};
 };
 
 }  // namespace planar

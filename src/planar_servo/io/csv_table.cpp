@@ -5,23 +5,12 @@
 #include <spdlog/spdlog.h>
 #include <algorithm>
 #include <charconv>
-#include <cmath>
 #include <utility>
 
 #include "planar_servo/io/atomic_file.h"
-#include "planar_servo/io/likely_column.h"
 
 namespace planar {
 namespace {
-
-/// Returns the index of the quote that closes the text quoted from `begin` on, or the size of the
-/// text when none does.
-std::size_t closing_quote(std::string_view text, std::size_t begin) {
-  std::size_t at = text.find('"', begin);
-  while (at != std::string_view::npos && text.substr(at + 1, 1) == "\"")
-    at = text.find('"', at + 2);
-  return std::min(at, text.size());
-}
 
 constexpr std::string_view kFormatMark = "# format: ";
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
@@ -70,77 +59,6 @@ std::vector<std::string> misnamed_columns(const std::vector<std::string>& column
 
 }  // namespace
 
-std::string_view trimmed(std::string_view text) {
-  constexpr char kBlanks[] = " \t\r";
-  const auto first = text.find_first_not_of(kBlanks);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
-}
-
-bool is_comment(std::string_view line) {
-  return trimmed(line).substr(0, 1) == "#";
-}
-
-CsvField take_field(std::string_view& line, char separator) {
-  CsvField field;
-  std::size_t end = line.find(separator);
-  field.text = trimmed(line.substr(0, end));
-  if (field.text.substr(0, 1) == "\"") {
-    field.is_quoted = true;
-    const auto begin = static_cast<std::size_t>(field.text.data() - line.data()) + 1;
-    const std::size_t quote = closing_quote(line, begin);
-    field.text = line.substr(begin, quote - begin);
-    end = line.find(separator, quote);
-    field.is_closed =
-        quote < line.size() &&
-        trimmed(line.substr(quote + 1, end == std::string_view::npos ? end : end - quote - 1))
-            .empty();
-  }
-  field.is_last = end == std::string_view::npos;
-  line.remove_prefix(field.is_last ? line.size() : end + 1);
-  return field;
-}
-
-bool ends_in_quotes(std::string_view text, bool in_quotes, char separator) {
-  if (in_quotes) {
-    const std::size_t quote = closing_quote(text, 0);
-    if (quote == text.size()) return true;
-    text.remove_prefix(std::min(text.find(separator, quote), text.size() - 1) + 1);
-  }
-  if (text.find('"') == std::string_view::npos) return false;
-  CsvField last;
-  while (!last.is_last) last = take_field(text, separator);
-  return last.is_quoted && last.text.data() + last.text.size() == text.data() + text.size();
-}
-
-std::vector<std::string_view> split_fields(std::string_view line, char separator) {
-  std::vector<std::string_view> fields;
-  for (bool is_last = false; !is_last;) {
-    const CsvField field = take_field(line, separator);
-    fields.push_back(field.text);
-    is_last = field.is_last;
-  }
-  return fields;
-}
-
-std::string csv_field(const std::string& text) {
-  const bool plain = trimmed(text).size() == text.size() && !is_comment(text) &&
-                     text.find_first_of(",\"\r\n") == std::string::npos;
-  if (plain) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + '"';
-}
-
-std::optional<double> finite_number(std::string_view text) {
-  if (starts_with(text, "+") && !starts_with(text, "+-")) text.remove_prefix(1);
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value))
-    return std::nullopt;
-  return value;
-}
-
 std::string csv_header(const std::string& kind, const std::vector<std::string>& columns,
                        const std::vector<std::string>& remarks) {
   std::string line, comments;
@@ -170,7 +88,7 @@ bool CsvTable::take_line(std::string_view line, int line_number) {
                         fmt::format("'{}' is needed here", format_), row()});
   }
   if (line_.empty() || is_comment(line_)) return false;
-  if (has_header()) faults_.count_row();
+  if (has_header()) ++rows_;
   if (!split_line()) return false;
   if (!has_header()) {
     read_header();
@@ -181,7 +99,6 @@ bool CsvTable::take_line(std::string_view line, int line_number) {
                fmt::format("the header has {}", columns_.size())});
     return false;
   }
-  has_rows_ = true;
   return true;
 }
 
@@ -285,7 +202,8 @@ double CsvTable::number(std::string_view column) {
   } else {
     value = finite_number(field);
   }
-  if (!value) add_fault({fmt::format("{} is '{}'", column, field), "a finite number is needed"});
+  if (!value)
+    add_fault({fmt::format("{} is '{}'", column, field), "a finite number is needed"}, column);
   return value.value_or(0.0);
 }
 
@@ -299,7 +217,7 @@ int CsvTable::whole_number(std::string_view column) {
   int value = 0;
   const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value);
   if (error == std::errc() && end == field.data() + field.size()) return value;
-  add_fault({fmt::format("{} is '{}'", column, field), "a whole number is needed"});
+  add_fault({fmt::format("{} is '{}'", column, field), "a whole number is needed"}, column);
   return 0;
 }
 
@@ -315,8 +233,8 @@ std::string CsvTable::row() const {
   return fmt::format("{}:{}", source_.string(), line_number_);
 }
 
-void CsvTable::add_fault(const Refusal& refusal) {
-  faults_.add(refusal.at(row()));
+void CsvTable::add_fault(const Refusal& refusal, std::string_view column) {
+  faults_.add(refusal.at(row()), column);
 }
 
 void CsvTable::refuse_torn_row() {
@@ -324,12 +242,12 @@ void CsvTable::refuse_torn_row() {
 }
 
 void CsvTable::throw_if_faulty() {
-  std::exchange(faults_, {}).throw_if_any();
+  std::exchange(faults_, {}).throw_if_any(rows_);
 }
 
 void CsvTable::throw_if_faulty_or_empty(const std::string& remedy) {
   throw_if_faulty();
-  if (!has_rows_) throw InputError({"has no rows", remedy, source_});
+  if (rows_ == 0) throw InputError({"has no rows", remedy, source_});
 }
 
 CsvFile::CsvFile(const std::filesystem::path& path, const std::string& kind,

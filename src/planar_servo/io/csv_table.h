@@ -11,41 +11,9 @@
 #include <vector>
 
 #include "planar_servo/core/error.h"
-#include "planar_servo/io/table_faults.h"
+#include "planar_servo/io/csv_fields.h"
 
 namespace planar {
-
-// These functions split and write the lines of a CSV table, field by field [RFC 4180].
-
-/// Returns the text without the blanks around it.
-std::string_view trimmed(std::string_view text);
-
-bool is_comment(std::string_view line);
-
-/// Views one field of a line, without the blanks or quotes around it. Doubled quotes stay doubled.
-struct CsvField {
-  std::string_view text;  ///< between its quotes, where it has some
-  bool is_quoted{false};
-  bool is_closed{true};  ///< whether a closing quote ends it
-  bool is_last{false};   ///< of its line
-};
-
-/// Removes the first field and the separator behind it from a line, and returns the field.
-CsvField take_field(std::string_view& line, char separator);
-
-/// Returns the fields of one line.
-std::vector<std::string_view> split_fields(std::string_view line, char separator = ',');
-
-/// Returns whether the text ends within quotes, so that its last field continues on the next line.
-/// `in_quotes` says whether the text also begins within quotes.
-bool ends_in_quotes(std::string_view text, bool in_quotes, char separator);
-
-/// Returns a text as a field of a line, in quotes where it could not be read back otherwise.
-std::string csv_field(const std::string& text);
-
-/// Returns the text as a finite number with a decimal point, whatever the locale. Empty when the
-/// whole text is not such a number.
-std::optional<double> finite_number(std::string_view text);
 
 /// Returns the first lines of a table: its format, remarks, each of which begins with '#', and its
 /// columns.
@@ -97,8 +65,8 @@ class CsvTable {
   int whole_number(std::string_view column);
   /// Adds a fault when the field `id` is empty or one of `taken`.
   void require_id_not_in(const std::set<std::string>& taken);
-  /// Adds a fault of the row, at FILE:LINE.
-  void add_fault(const Refusal& refusal);
+  /// Adds a fault of the row, or of its field in this column, at FILE:LINE.
+  void add_fault(const Refusal& refusal, std::string_view column = {});
   /// Adds a fault: the row has no line end, so that its last number may lack digits.
   void refuse_torn_row();
 
@@ -132,8 +100,8 @@ class CsvTable {
   std::vector<std::string_view> fields_;  ///< of line_ or unquoted_
   std::string unquoted_;                  ///< fields that had doubled quotes
   mutable std::size_t next_column_{0};    ///< most callers ask for the columns in their order
-  bool has_rows_{false};
-  TableFaults faults_;
+  std::size_t rows_{0};                   ///< with and without faults
+  Faults faults_;
 };
 
 /// Says what a last row without a line end is: torn, as by a program that was killed while it

@@ -1,5 +1,7 @@
 #include "planar_servo/io/fields.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Geometry>
 #include <cmath>
 #include <utility>
@@ -7,6 +9,27 @@
 #include "planar_servo/core/units.h"
 
 namespace planar {
+namespace {
+
+bool is_told(double bound) {
+  return std::abs(bound) < Range::kUnbounded && std::abs(bound) != std::numeric_limits<int>::max();
+}
+
+}  // namespace
+
+bool Range::holds(double value) const {
+  return value >= lower_ && value <= upper_ && (!whole_ || value == std::trunc(value));
+}
+
+std::string Range::text() const {
+  const bool from = is_told(lower_) && !is_positive(), to = is_told(upper_);
+  if (!from && !to && !is_positive() && !whole_) return "a finite number";
+  std::string number = is_positive() ? "a positive number" : whole_ ? "a whole number" : "a number";
+  if (from && to) return fmt::format("{} from {} to {}", number, lower_, upper_);
+  if (from) return fmt::format("{} of at least {}", number, lower_);
+  if (to) return fmt::format("{} of at most {}", number, upper_);
+  return number;
+}
 
 void RowFields::number(double& field, double unit, const Range& range) {
   columns_.push_back({&field, nullptr, unit, range});
@@ -50,7 +73,7 @@ bool Fields::numbers(const std::string& key, std::vector<double>& field, std::si
                      double unit, const Range& range) {
   std::vector<double> in_file = field;
   for (double& value : in_file) value /= unit;
-  const bool read = numbers_in_file(key, in_file, size, range);
+  const bool read = numbers_in_file(key, in_file, size, {range});
   if (!reading() || !read) return read;
   field = std::move(in_file);
   for (double& value : field) value *= unit;

@@ -11,9 +11,43 @@
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/names.h"
 #include "planar_servo/core/pose.h"
-#include "planar_servo/io/range.h"
 
 namespace planar {
+
+/// Describes the rule for a number in a file, in the unit of the file. Every number must also be
+/// finite.
+class Range {
+ public:
+  static constexpr double kUnbounded = std::numeric_limits<double>::max();
+
+  static Range any() { return {-kUnbounded, kUnbounded, false}; }
+  static Range from_to(double lower, double upper) { return {lower, upper, false}; }
+  static Range at_least(double lower) { return {lower, kUnbounded, false}; }
+  /// Returns the range above 0, up to `upper`. A number below 1e-9 counts as 0, because nothing
+  /// that is measured or set here is as small, and dividing by less could overflow.
+  static Range positive(double upper = kUnbounded) { return {kSmallestPositive, upper, false}; }
+  /// Returns a range of numbers without a fraction. The type of the bounds is that of the number.
+  template <typename Int>
+  static Range whole(Int lower, Int upper = std::numeric_limits<Int>::max()) {
+    return {static_cast<double>(lower), static_cast<double>(upper), true};
+  }
+
+  bool holds(double value) const;
+
+  /// Says what is needed, such as "a number from 0 to 1", "a positive number" or "a whole number of
+  /// at least 1". A bound that no file reaches is left out.
+  std::string text() const;
+
+ private:
+  static constexpr double kSmallestPositive = 1e-9;
+
+  Range(double lower, double upper, bool whole) : lower_(lower), upper_(upper), whole_(whole) {}
+  bool is_positive() const { return lower_ == kSmallestPositive; }
+
+  double lower_;
+  double upper_;
+  bool whole_;
+};
 
 /// Lists the numbers of one row of a list of rows, in their order.
 class RowFields {
@@ -126,11 +160,9 @@ class Fields {
   virtual bool words(const std::string& key, std::vector<std::string>& field, std::size_t size,
                      const std::vector<std::string>& allowed) = 0;
   virtual bool number_in_file(const std::string& key, double& field, const Range& range) = 0;
+  /// Visits a list of numbers, all in the one range or each in its own.
   virtual bool numbers_in_file(const std::string& key, std::vector<double>& field, std::size_t size,
-                               const Range& range) = 0;
-  /// Visits a list of one number for each of the `ranges`.
-  virtual bool row_in_file(const std::string& key, std::vector<double>& field,
-                           const std::vector<Range>& ranges) = 0;
+                               const std::vector<Range>& ranges) = 0;
   virtual bool rows_in_file(const std::string& key, std::vector<std::vector<double>>& field,
                             std::size_t size, const std::vector<Range>& ranges) = 0;
   virtual void begin_map(const std::string& key) = 0;
@@ -191,7 +223,7 @@ bool Fields::row(const std::string& key, const ListRow& list_row) {
   RowFields fields;
   list_row(fields);
   std::vector<double> values = fields.in_file();
-  const bool read = row_in_file(key, values, fields.ranges());
+  const bool read = numbers_in_file(key, values, values.size(), fields.ranges());
   if (reading() && read) fields.take(values);
   return read;
 }

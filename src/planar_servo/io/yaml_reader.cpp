@@ -168,15 +168,19 @@ struct YamlReader::Impl {
     return std::nullopt;
   }
 
-  /// Reads a list of as many numbers as there are `ranges`, each of which lies in its own range.
-  bool row(const Place& place, std::vector<double>& field, const std::vector<Range>& ranges) {
-    if (!is_list(place, ranges.size(), fmt::format(" of {} numbers", ranges.size()))) return false;
+  /// Reads a list of `size` numbers, or of any number of them when `size` is 0. All lie in the one
+  /// range, or each in its own.
+  bool row(const Place& place, std::vector<double>& field, std::size_t size,
+           const std::vector<Range>& ranges) {
+    if (!is_list(place, size, size == 0 ? " of numbers" : fmt::format(" of {} numbers", size)))
+      return false;
     std::vector<double> numbers;
-    for (std::size_t i = 0; i < ranges.size(); ++i) {
+    for (std::size_t i = 0; i < place.node.size(); ++i) {
       const auto title = [&] { return place.item_title(i); };
-      if (const auto found = number(place.node[i], ranges[i], title)) numbers.push_back(*found);
+      const Range& range = ranges[ranges.size() == 1 ? 0 : i];
+      if (const auto found = number(place.node[i], range, title)) numbers.push_back(*found);
     }
-    if (numbers.size() != ranges.size()) return false;
+    if (numbers.size() != place.node.size()) return false;
     field = std::move(numbers);
     return true;
   }
@@ -283,16 +287,8 @@ bool YamlReader::number_in_file(const std::string& key, double& field, const Ran
 }
 
 bool YamlReader::numbers_in_file(const std::string& key, std::vector<double>& field,
-                                 std::size_t size, const Range& range) {
-  const Impl::Place list = impl_->at(key);
-  if (!impl_->is_list(list, size, size == 0 ? " of numbers" : fmt::format(" of {} numbers", size)))
-    return false;
-  return impl_->row(list, field, std::vector<Range>(list.node.size(), range));
-}
-
-bool YamlReader::row_in_file(const std::string& key, std::vector<double>& field,
-                             const std::vector<Range>& ranges) {
-  return impl_->row(impl_->at(key), field, ranges);
+                                 std::size_t size, const std::vector<Range>& ranges) {
+  return impl_->row(impl_->at(key), field, size, ranges);
 }
 
 bool YamlReader::rows_in_file(const std::string& key, std::vector<std::vector<double>>& field,
@@ -301,7 +297,7 @@ bool YamlReader::rows_in_file(const std::string& key, std::vector<std::vector<do
   if (!impl_->is_list_of_items(list, size)) return false;
   field.clear();
   for (std::size_t i = 0; i < list.node.size(); ++i)
-    if (std::vector<double> row; impl_->row(list.item(i), row, ranges))
+    if (std::vector<double> row; impl_->row(list.item(i), row, ranges.size(), ranges))
       field.push_back(std::move(row));
   return field.size() == list.node.size();
 }

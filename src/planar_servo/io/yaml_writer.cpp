@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "planar_servo/core/clock.h"
 #include "planar_servo/io/checksum.h"
-#include "planar_servo/io/format_line.h"
 
 namespace planar {
 namespace {
@@ -159,13 +159,7 @@ bool YamlWriter::number_in_file(const std::string& key, double& field, const Ran
 }
 
 bool YamlWriter::numbers_in_file(const std::string& key, std::vector<double>& field,
-                                 std::size_t /*size*/, const Range& /*range*/) {
-  add(key, field);
-  return true;
-}
-
-bool YamlWriter::row_in_file(const std::string& key, std::vector<double>& field,
-                             const std::vector<Range>& /*ranges*/) {
+                                 std::size_t /*size*/, const std::vector<Range>& /*ranges*/) {
   add(key, field);
   return true;
 }

@@ -64,9 +64,7 @@ class YamlWriter : public Fields {
              const std::vector<std::string>& allowed) override;
   bool number_in_file(const std::string& key, double& field, const Range& range) override;
   bool numbers_in_file(const std::string& key, std::vector<double>& field, std::size_t size,
-                       const Range& range) override;
-  bool row_in_file(const std::string& key, std::vector<double>& field,
-                   const std::vector<Range>& ranges) override;
+                       const std::vector<Range>& ranges) override;
   bool rows_in_file(const std::string& key, std::vector<std::vector<double>>& field,
                     std::size_t size, const std::vector<Range>& ranges) override;
   void begin_map(const std::string& key) override;

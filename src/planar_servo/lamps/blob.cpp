@@ -3,12 +3,69 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <stdexcept>
 
 #include "planar_servo/core/units.h"
-#include "planar_servo/lamps/level_histogram.h"
 
 namespace planar {
+
+namespace {
+
+constexpr int kLevels = 256;
+
+}  // namespace
+
+int LevelHistogram::median() const {
+  return median(0, kLevels - 1);
+}
+
+int LevelHistogram::count(int lowest, int highest) const {
+  return std::accumulate(counts_.begin() + lowest, counts_.begin() + highest + 1, 0);
+}
+
+int LevelHistogram::median(int lowest, int highest) const {
+  const int total = count(lowest, highest);
+  int up_to = 0;
+  for (int level = lowest; total > 0; ++level) {
+    up_to += counts_[static_cast<std::size_t>(level)];
+    if (2 * up_to >= total) return level;
+  }
+  return 0;
+}
+
+int LevelHistogram::median_deviation(int level) const {
+  const auto count = [&](int at) {
+    return at >= 0 && at < kLevels ? counts_[static_cast<std::size_t>(at)] : 0;
+  };
+  int deviation = 0, within = count(level);
+  while (2 * within < total_) {
+    ++deviation;
+    within += count(level - deviation) + count(level + deviation);
+  }
+  return deviation;
+}
+
+int LevelHistogram::otsu() const {
+  double sum = 0.0;
+  for (int i = 0; i < kLevels; ++i) sum += 1.0 * i * counts_[static_cast<std::size_t>(i)];
+  double low_count = 0.0, low_sum = 0.0, most = -1.0;
+  int best = 0;
+  for (int i = 0; i < kLevels; ++i) {
+    low_count += counts_[static_cast<std::size_t>(i)];
+    low_sum += 1.0 * i * counts_[static_cast<std::size_t>(i)];
+    const double high_count = total_ - low_count;
+    if (low_count <= 0.0 || high_count <= 0.0) continue;
+    const double apart = low_sum / low_count - (sum - low_sum) / high_count;
+    const double between = low_count * high_count * apart * apart;
+    if (between > most) {
+      most = between;
+      best = i;
+    }
+  }
+  return best;
+}
+
 namespace {
 
 constexpr double kLeastAxisRatio = 0.3;  // a disc seen 70 degrees off its axis has 0.34
@@ -29,8 +86,8 @@ std::vector<Span> rows_of(const cv::Rect& box) {
   return rows;
 }
 
-/// Returns the levels along a frame round the box, far enough out to miss the blurred rim, where it
-/// lies in the image.
+/// Returns the levels along a frame around the box, far enough out to miss the blurred rim, as far
+/// as it lies in the image.
 LevelHistogram surrounding_levels(const cv::Mat& image, const cv::Rect& box) {
   const int margin = 3 + std::max(box.width, box.height) / 10;
   const cv::Rect outer(box.x - margin, box.y - margin, box.width + 2 * margin,
@@ -51,9 +108,8 @@ LevelHistogram surrounding_levels(const cv::Mat& image, const cv::Rect& box) {
   return histogram;
 }
 
-/// Returns the median level round the box. A lamp that fills the image has no surroundings; the
-/// median of the box's dark pixels is taken then, or 255, above which nothing stands out, when it
-/// has none.
+/// Returns the median level around the box. Where a lamp fills the image, it is the median of the
+/// box's dark pixels or, without any, 255, so that nothing has contrast.
 int background_level(const cv::Mat& image, const cv::Rect& box, int threshold) {
   const LevelHistogram surroundings = surrounding_levels(image, box);
   if (!surroundings.empty()) return surroundings.median();
@@ -211,7 +267,7 @@ bool is_lamp_like(const Blob& blob) {
 
 void require_8_bit(const cv::Mat& image) {
   if (!image.empty() && image.type() != CV_8UC1)
-    throw std::invalid_argument("lamps are looked for in 8-bit images of one channel only");
+    throw std::invalid_argument("lamps can be detected only in 8-bit images of one channel");
 }
 
 }  // namespace planar

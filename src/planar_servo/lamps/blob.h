@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <opencv2/core.hpp>
@@ -8,12 +9,39 @@
 
 namespace planar {
 
+/// Counts grey levels. Its statistics are 0 when it is empty.
+class LevelHistogram {
+ public:
+  void add(std::uint8_t level) {
+    ++counts_[level];
+    ++total_;
+  }
+  void add(const std::uint8_t* begin, const std::uint8_t* end) {
+    for (const std::uint8_t* level = begin; level != end; ++level) ++counts_[*level];
+    total_ += static_cast<int>(end - begin);
+  }
+  bool empty() const { return total_ == 0; }
+  int median() const;
+  /// Returns the median of the counts from `lowest` to `highest`, both included.
+  int median(int lowest, int highest) const;
+  int count(int lowest, int highest) const;
+  /// Returns the median distance of the counts from a level.
+  int median_deviation(int level) const;
+  /// Returns the highest level of the lower of two classes of levels that are as far apart as
+  /// possible [Otsu 1979].
+  int otsu() const;
+
+ private:
+  std::array<int, 256> counts_{};
+  int total_{0};
+};
+
 /// The pixels begin <= u < end of row v.
 struct Span {
   int v{0}, begin{0}, end{0};
 };
 
-/// Returns the run of pixels above the threshold round pixel (u, v).
+/// Returns the run of pixels above the threshold around pixel (u, v).
 Span run_round(const cv::Mat& image, int v, int u, int threshold);
 
 /// A patch: a range of the spans of a PatchGrower.
@@ -53,8 +81,8 @@ class PatchGrower {
   std::vector<Span> spans_;
 };
 
-/// Describes a bright patch to the whole pixel. Detection and vpDot2 produce it, and the
-/// measurement of a centre starts from it. Pixel coordinates of the image; grey levels 0 to 255.
+/// A bright patch, to the whole pixel. Detection and vpDot2 produce it; the measurement of a centre
+/// starts from it. Pixel coordinates of the image; grey levels 0 to 255.
 struct Blob {
   Eigen::Vector2d uv_px{0.0, 0.0};                              ///< centroid
   Eigen::Matrix2d second_moments_px2{Eigen::Matrix2d::Zero()};  ///< central, per unit of area
@@ -74,22 +102,22 @@ struct Blob {
   double fill() const;
 };
 
-/// Describes the blob inside `box_px`: the box's pixels above half way between the background and
-/// the level of its pixels above `threshold`. The box must lie in the image and hold such a pixel.
+/// Describes the blob inside `box_px`: the pixels above the midpoint between the background and the
+/// median level of those above `threshold`. The box must lie in the image and hold such a pixel.
 Blob describe_blob(const cv::Mat& image, const cv::Rect& box_px, int threshold);
 
-/// Describes the blob that the spans hold inside `box_px`; other pixels of the box are left out.
+/// Describes the blob that the spans form inside `box_px`; other pixels of the box are left out.
 Blob describe_blob(const cv::Mat& image, const cv::Rect& box_px, const Span* begin, const Span* end,
                    int threshold);
 
 /// The least contrast of a lamp, in grey levels. Dimmer patches cannot be told from clutter.
 constexpr double kLeastContrast = 20.0;
 
-/// Returns whether the patch stands out and is full. A patch cut by the image's edge passes,
-/// because its shape says nothing.
+/// Returns whether the patch has enough contrast and is full. A patch cut by the image's edge
+/// passes, because its shape is unknown.
 bool is_filled(const Blob& blob);
 
-/// Returns whether the blob is full and round enough for a disc that is not seen from the side.
+/// Returns whether the blob is full and as round as a disc that is not seen from the side.
 bool is_lamp_like(const Blob& blob);
 
 /// Throws std::invalid_argument unless the image is CV_8UC1.

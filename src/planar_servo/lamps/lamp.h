@@ -28,7 +28,7 @@ struct ReferenceLampLayout {
   std::optional<Eigen::Vector2d> p_B;  ///< its place in the base frame, where that is known
 };
 
-/// Says that a lamp, a pair of lamps or an image of them has a position, or why it has none.
+/// Whether a lamp, a pair of lamps or an image of them has a position, or why it has none.
 enum class LampStatus {
   kOk,
   kNoLamp,
@@ -63,7 +63,7 @@ inline const char* name(LampStatus status) {
   return name_in(kLampStatuses, status);
 }
 
-/// Holds how a lamp looks, wherever it is. Grey levels go from 0 to 255.
+/// The appearance of a lamp, wherever it is. Grey levels go from 0 to 255.
 struct LampLook {
   double level{0.0};       ///< median of its pixels
   double background{0.0};  ///< median of the pixels round it
@@ -73,7 +73,7 @@ struct LampLook {
   double contrast() const { return level - background; }
 };
 
-/// How lamps 1 and 2 look.
+/// The appearance of lamps 1 and 2.
 using LampLooks = std::array<LampLook, 2>;
 
 /// The centre of one lamp in pixels of the whole sensor. Unless the status is kOk, the centre is
@@ -86,23 +86,23 @@ struct LampCenter {
   LampLook look;  ///< valid wherever there is a patch of light, whatever the status
 };
 
-/// The two lamps of a frame. With kOk both centres are valid; with kAmbiguous they are, too, but
-/// which one is lamp 1 is unknown. Other statuses say why there is no pair. When several pairs of
-/// lights are possible and no prediction decides, the lamps are the two most evident lights, each
-/// kAmbiguous.
+/// The two lamps of a frame. With kOk both centres are valid; with kAmbiguous they are valid, too,
+/// but it is unknown which one is lamp 1. Other statuses say why there is no pair. When several
+/// pairs of lights are possible and no prediction decides, the lamps are the two most evident
+/// lights, each kAmbiguous.
 struct LampPair {
   LampStatus status{LampStatus::kNoLamp};
   std::array<LampCenter, 2> lamps;
 };
 
-/// Holds what is known of a pair before the search, in pixels of the whole sensor.
+/// What is known of a pair before the search, in pixels of the whole sensor.
 struct PairExpectation {
   /// Predicted centres of lamps 1 and 2; they say where to look and which lamp is which.
   std::optional<std::array<Eigen::Vector2d, 2>> predicted_px;
   /// Least and greatest distance between the two centres.
   std::optional<std::array<double, 2>> separation_px;
-  /// Diameters of lamps 1 and 2 divided by the distance of their centres. Lights of quite another
-  /// size are no lamps, and lamps that differ in size are told apart by it.
+  /// Diameters of lamps 1 and 2 divided by the distance of their centres. Lights of a clearly
+  /// different size are no lamps; lamps of different sizes are told apart by them.
   std::optional<std::array<double, 2>> diameter_over_separation;
   /// Places of lights that are known to be no lamps of the tool.
   std::vector<Eigen::Vector2d> fixed_px{};

@@ -20,8 +20,8 @@ constexpr int kMostArea_px2 = 512 * 512;
 constexpr int kRowStep = 8;
 constexpr int kLeastRun_px = 6;
 
-// Rows are read side by side, some pixels of each in turn, because memory delivers such streams
-// nearly twice as fast as one row after another.
+// Several rows are read in parallel, some pixels of each in turn, which is nearly twice as fast as
+// row after row.
 constexpr int kRowsAtOnce = 8, kBlock_px = 256;
 
 constexpr int kTile_px = 256;  // side of a tile, whose levels are learned together

@@ -4,19 +4,18 @@
 #include <vector>
 
 #include "planar_servo/lamps/blob.h"
-#include "planar_servo/lamps/level_histogram.h"
 
 namespace planar {
 
 /// Finds bright patches that may be lamps of 12 px diameter or more. It reads sparse rows only, one
 /// of which every lamp must cross, and learns thresholds from the levels nearby. A patch that is no
-/// lamp is taken apart by higher thresholds and by the discs that fit into it, because a lamp may
-/// touch other lights. It keeps its memory from image to image.
+/// lamp is split by higher thresholds and by the discs that fit into it, because a lamp may touch
+/// other lights. It keeps its memory from image to image.
 class LampDetector {
  public:
-  /// Returns the candidates by falling evidence (diameter times contrast), with those cut by the
-  /// image's edge; none for an image too small for a lamp. The list is valid until the next call.
-  /// Throws std::invalid_argument unless the image is CV_8UC1.
+  /// Returns the candidates, those cut by the image's edge included, by falling evidence (diameter
+  /// times contrast); none for an image too small for a lamp. The list is valid until the next
+  /// call. Throws std::invalid_argument unless the image is CV_8UC1.
   const std::vector<Blob>& detect(const cv::Mat& image);
 
   /// Returns the candidates that reach into the window.

@@ -23,9 +23,9 @@ bool has_right_distance(const Blob& a, const Blob& b, const PairExpectation& exp
   return distance >= (*expectation.separation_px)[0] && distance <= (*expectation.separation_px)[1];
 }
 
-bool has_size(const Blob& blob, double expected_px) {
+bool has_size(const Blob& blob, double expected_px, double factor) {
   const double ratio = blob.diameter_px() / expected_px;
-  return ratio < kSizeFactor && ratio > 1.0 / kSizeFactor;
+  return ratio < factor && ratio > 1.0 / factor;
 }
 
 /// Returns whether a may be lamp 1 and b lamp 2.
@@ -34,7 +34,7 @@ bool is_possible(const Blob& a, const Blob& b, const PairExpectation& expectatio
   if (!expectation.diameter_over_separation) return true;
   const auto [first, second] = *expectation.diameter_over_separation;
   const double distance = (b.uv_px - a.uv_px).norm();
-  return has_size(a, first * distance) && has_size(b, second * distance);
+  return has_size(a, first * distance, kSizeFactor) && has_size(b, second * distance, kSizeFactor);
 }
 
 /// Returns what a ratio of lamp 2 to lamp 1 says of this order: 1 for it, -1 against it, 0 nothing.
@@ -114,17 +114,18 @@ PairChoice choose_pair(const std::vector<Blob>& candidates, const PairExpectatio
 
 namespace {
 
-// Half the side of a window over the predicted distance of the lamps: the other lamp stays out.
+// Half the side of a window over the predicted distance of the lamps, which keeps the other lamp
+// out.
 constexpr double kWindowShare = 0.5;
 constexpr double kLeastWindow_px = 16.0, kMostWindow_px = 256.0;
 constexpr std::size_t kMostCandidates = 32;
 
-/// The first pixel of the frame's image on the sensor.
+/// Returns the place on the sensor of the image's first pixel.
 Eigen::Vector2d corner_of(const Frame& frame) {
   return {frame.region_px.x, frame.region_px.y};
 }
 
-/// The expectation in pixels of an image whose first pixel is `origin` on the sensor.
+/// Returns the expectation in pixels of an image whose first pixel is `origin` on the sensor.
 PairExpectation shifted(PairExpectation expectation, const Eigen::Vector2d& origin) {
   if (expectation.predicted_px)
     for (Eigen::Vector2d& uv : *expectation.predicted_px) uv -= origin;
@@ -189,7 +190,7 @@ LampPair LampTracker::measure(const Frame& frame, const PairExpectation& expecta
   });
 }
 
-/// The pair that is followed; without status kOk when a lamp is lost.
+/// Returns the pair that is followed; its status is not kOk when a lamp is lost.
 LampPair LampTracker::follow(const Frame& frame, const PairExpectation& expectation) {
   candidates_.clear();
   std::vector<VpDot> seen;
@@ -227,6 +228,76 @@ LampPair LampTracker::locate(const Frame& frame, const PairExpectation& expectat
 
 void LampTracker::forget() {
   for (VpDotTracker& dot : dots_) dot.forget();
+}
+
+namespace {
+
+constexpr double kReach = 3.0;       // diameters that a disc may have moved
+constexpr double kRowShare = 0.2;    // of its diameter between two rows that are searched
+constexpr double kSizeChange = 1.5;  // most change of its diameter between two images
+
+template <typename Condition>
+std::optional<Blob> nearest(const std::vector<Blob>& blobs, const Eigen::Vector2d& place,
+                            const Condition& is_possible) {
+  std::optional<Blob> best;
+  for (const Blob& blob : blobs) {
+    if (!is_possible(blob)) continue;
+    if (!best || (blob.uv_px - place).norm() < (best->uv_px - place).norm()) best = blob;
+  }
+  return best;
+}
+
+}  // namespace
+
+DiscTracker::DiscTracker(CenterMethod method, std::optional<Eigen::Vector2d> start_px)
+    : method_(method), start_px_(std::move(start_px)) {}
+
+/// Returns the patch above half the last contrast that is nearest to the last place.
+std::optional<Blob> DiscTracker::find_again(const cv::Mat& image) {
+  const double diameter_px = last_->diameter_px();
+  const auto threshold = static_cast<int>(std::lround(0.5 * (last_->level + last_->background)));
+  const auto most_area = static_cast<int>(kSizeChange * kSizeChange * last_->area_px2);
+  const int row_step = std::max(1, static_cast<int>(kRowShare * diameter_px));
+  const cv::Rect window =
+      window_round(last_->uv_px, kReach * diameter_px) & cv::Rect({0, 0}, image.size());
+  patches_.start(image.size());
+  found_.clear();
+  for (int v = window.y; v < window.br().y; v += row_step) {
+    const auto* row = image.ptr<std::uint8_t>(v);
+    for (int u = window.x; u < window.br().x; ++u) {
+      if (row[u] <= threshold) continue;
+      const Span run = run_round(image, v, u, threshold);
+      u = run.end;
+      if (patches_.is_taken(run.begin, v, 0)) continue;
+      const Patch patch = patches_.grow(image, run, threshold, 0, most_area);
+      found_.push_back(describe_blob(image, patch.box_px, patches_.begin(patch),
+                                     patches_.end(patch), threshold));
+    }
+  }
+  return nearest(found_, last_->uv_px, [&](const Blob& blob) {
+    return is_filled(blob) && has_size(blob, diameter_px, kSizeChange);
+  });
+}
+
+/// Returns the disc that was selected, or the most evident one.
+std::optional<Blob> DiscTracker::find_first(const cv::Mat& image) {
+  const std::vector<Blob>& found = detector_.detect(image);
+  if (!start_px_) return found.empty() ? std::nullopt : std::optional<Blob>(found.front());
+  const cv::Point start(static_cast<int>(start_px_->x()), static_cast<int>(start_px_->y()));
+  return nearest(found, *start_px_, [&](const Blob& blob) { return start.inside(blob.box_px); });
+}
+
+LampCenter DiscTracker::locate(const cv::Mat& image) {
+  require_8_bit(image);
+  if (const auto seen = dot_.track(image, {0.0, 0.0})) {
+    last_ = seen->blob;
+    return lamp_at_dot(image, *seen);
+  }
+  const std::optional<Blob> blob = last_ ? find_again(image) : find_first(image);
+  if (!blob) return {};
+  last_ = blob;
+  if (method_ == CenterMethod::kVpDot2) dot_.start(image, {0.0, 0.0}, *blob);
+  return measure_lamp(image, *blob, method_);
 }
 
 }  // namespace planar

@@ -9,8 +9,8 @@
 
 namespace planar {
 
-/// Locates an edge to a part of a pixel by the first three moments of the grey levels in a small
-/// disc round a pixel, which fit a straight step between two levels [Tabatabai & Mitchell 1984].
+/// Locates an edge to sub-pixel accuracy by the first three moments of the grey levels in a small
+/// disc around a pixel, which fit a straight step between two levels [Tabatabai & Mitchell 1984].
 class GreyMoments {
  public:
   /// Takes the disc inscribed in a window of (2 half_width + 1)^2 pixels; half_width is at least 1.
@@ -38,12 +38,12 @@ class GreyMoments {
 /// Returns the window of grey moments for a lamp of the blob's size.
 const GreyMoments& moments_for(const Blob& blob);
 
-/// Returns how many pixels must lie beyond a blob's box, that the windows stay in the image.
+/// Returns how many pixels must lie beyond a blob's box for the windows to stay in the image.
 int least_margin_px(const GreyMoments& moments);
 
-/// Returns the edge points of the lamp that a blob has announced, in pixels of the image: Canny's
-/// pixels about the blob's ellipse, each moved to the edge that the grey moments find there. The
-/// image is CV_8UC1, and at least least_margin_px() of its pixels lie beyond the blob's box.
+/// Returns the edge points of the lamp at a blob, in pixels of the image: Canny's pixels about the
+/// blob's ellipse, each moved to the edge that the grey moments find there. The image is CV_8UC1,
+/// and at least least_margin_px() of its pixels lie beyond the blob's box.
 std::vector<Eigen::Vector2d> canny_edges(const cv::Mat& image, const Blob& blob);
 
 struct Circle {
@@ -63,8 +63,8 @@ struct EdgeResidual {
 
 /// Returns how many edges along the rim count as one independent edge: 1 + 2 sum_k (1 - k / (reach
 /// + 1)) rho_k, with the autocorrelation rho_k of the residuals in order of their angle [Newey &
-/// West 1987]. Edges more than `reach` apart in this order share no pixels. The result lies between
-/// 1 / 2 and reach + 1, because a short row of residuals proves no less.
+/// West 1987]. Edges more than `reach` apart in this order share no pixels. The result is bounded
+/// to 1 / 2 and reach + 1, because few residuals prove no less.
 double edges_per_independent(std::vector<EdgeResidual> residuals, int reach);
 
 }  // namespace planar

@@ -41,6 +41,38 @@ bool positive(const Polynomial& b, int subdivisions_left) {
   return positive(left, subdivisions_left - 1) && positive(right, subdivisions_left - 1);
 }
 
+constexpr int kNewtonSteps = 50;
+/// Residual of the inverse in normalised units: a billionth of a pixel at common focal lengths.
+constexpr double kInverseTolerance = 1e-13;
+
+/// Returns N D + 2 s (N' D - N D').
+Polynomial growth_of(const Polynomial& N, const Polynomial& D) {
+  const Polynomial left = product(derivative(N), D);
+  const Polynomial right = product(N, derivative(D));
+  Polynomial growth = Polynomial::Zero(N.size() + D.size());
+  growth.head(N.size() + D.size() - 1) = product(N, D);
+  growth.segment(1, left.size()) += 2.0 * left;
+  growth.segment(1, right.size()) -= 2.0 * right;
+  return growth;
+}
+
+/// Adds the lateral terms of the point `xy`, with s = |xy|^2, to a mapping.
+void add_lateral(const LateralTerms& c, const Eigen::Vector2d& xy, double s, Mapped& mapped) {
+  const double x = xy.x();
+  const double y = xy.y();
+  mapped.xy += Eigen::Vector2d(2.0 * c.p1 * x * y + c.p2 * (s + 2.0 * x * x),
+                               c.p1 * (s + 2.0 * y * y) + 2.0 * c.p2 * x * y);
+  const double mixed = 2.0 * (c.p1 * x + c.p2 * y);
+  Eigen::Matrix2d decentring;
+  decentring << 2.0 * c.p1 * y + 6.0 * c.p2 * x, mixed, mixed, 6.0 * c.p1 * y + 2.0 * c.p2 * x;
+  mapped.J += decentring;
+
+  const Eigen::Vector2d first(c.s1, c.s3);
+  const Eigen::Vector2d second(c.s2, c.s4);
+  mapped.xy += s * first + s * s * second;
+  mapped.J += 2.0 * (first + 2.0 * s * second) * xy.transpose();
+}
+
 }  // namespace
 
 Polynomial polynomial(std::initializer_list<double> coefficients) {
@@ -77,42 +109,6 @@ bool positive_up_to(double end, const Polynomial& a) {
   }
   return least > 0.0 || positive(bernstein_coefficients(end, a), kSubdivisions);
 }
-
-namespace {
-
-constexpr int kNewtonSteps = 50;
-/// Residual of the inverse in normalised units: a billionth of a pixel at common focal lengths.
-constexpr double kInverseTolerance = 1e-13;
-
-/// Returns N D + 2 s (N' D - N D').
-Polynomial growth_of(const Polynomial& N, const Polynomial& D) {
-  const Polynomial left = product(derivative(N), D);
-  const Polynomial right = product(N, derivative(D));
-  Polynomial growth = Polynomial::Zero(N.size() + D.size());
-  growth.head(N.size() + D.size() - 1) = product(N, D);
-  growth.segment(1, left.size()) += 2.0 * left;
-  growth.segment(1, right.size()) -= 2.0 * right;
-  return growth;
-}
-
-/// Adds the lateral terms of the point `xy`, with s = |xy|^2, to a mapping.
-void add_lateral(const LateralTerms& c, const Eigen::Vector2d& xy, double s, Mapped& mapped) {
-  const double x = xy.x();
-  const double y = xy.y();
-  mapped.xy += Eigen::Vector2d(2.0 * c.p1 * x * y + c.p2 * (s + 2.0 * x * x),
-                               c.p1 * (s + 2.0 * y * y) + 2.0 * c.p2 * x * y);
-  const double mixed = 2.0 * (c.p1 * x + c.p2 * y);
-  Eigen::Matrix2d decentring;
-  decentring << 2.0 * c.p1 * y + 6.0 * c.p2 * x, mixed, mixed, 6.0 * c.p1 * y + 2.0 * c.p2 * x;
-  mapped.J += decentring;
-
-  const Eigen::Vector2d first(c.s1, c.s3);
-  const Eigen::Vector2d second(c.s2, c.s4);
-  mapped.xy += s * first + s * s * second;
-  mapped.J += 2.0 * (first + 2.0 * s * second) * xy.transpose();
-}
-
-}  // namespace
 
 RadialMap::RadialMap(const Polynomial& numerator, const Polynomial& denominator,
                      const LateralTerms& lateral)

@@ -4,8 +4,7 @@
 
 #include "planar_servo/cameras/aravis_kind.h"
 #include "planar_servo/core/error.h"
-#include "planar_servo/drives/grbl_kind.h"
-#include "planar_servo/drives/tic_kind.h"
+#include "planar_servo/drives/drive_kinds.h"
 #include "planar_servo/files/cell_file.h"
 #include "planar_servo/trackers/tracker_kinds.h"
 #include "planar_servo/virtual_cell/virtual_cell.h"

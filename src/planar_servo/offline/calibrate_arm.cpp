@@ -8,13 +8,12 @@
 #include "planar_servo/arm/transmission.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
-#include "planar_servo/field/arm/arm_terms.h"
-#include "planar_servo/files/workplane_file.h"
+#include "planar_servo/field/arm/arm_fit.h"
+#include "planar_servo/files/calibration_files.h"
 #include "planar_servo/offline/page_of_file.h"
 #include "planar_servo/report/places.h"
 #include "planar_servo/report/plot.h"
 #include "planar_servo/report/text_table.h"
-#include "planar_servo/tables/joint_tables.h"
 #include "planar_servo/tables/pair_table.h"
 
 namespace planar {

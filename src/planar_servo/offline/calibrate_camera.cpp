@@ -10,7 +10,7 @@
 #include "planar_servo/files/camera_file.h"
 #include "planar_servo/offline/grey_image.h"
 #include "planar_servo/report/status_line.h"
-#include "planar_servo/tables/frame_table.h"
+#include "planar_servo/tables/recording_tables.h"
 
 namespace planar {
 

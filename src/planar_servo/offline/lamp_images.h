@@ -10,7 +10,7 @@
 #include "planar_servo/core/pose.h"
 #include "planar_servo/devices/frame_source.h"
 #include "planar_servo/lamps/lamp.h"
-#include "planar_servo/tables/frame_table.h"
+#include "planar_servo/tables/recording_tables.h"
 
 namespace planar {
 

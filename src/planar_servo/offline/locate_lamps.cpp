@@ -8,7 +8,6 @@
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/threads.h"
 #include "planar_servo/files/vision_files.h"
-#include "planar_servo/lamps/disc_tracker.h"
 #include "planar_servo/lamps/lamp_tracker.h"
 #include "planar_servo/offline/reference_track.h"
 

@@ -8,7 +8,7 @@
 
 #include "planar_servo/arm/workspace.h"
 #include "planar_servo/cell/cell_settings.h"
-#include "planar_servo/tables/plan_table.h"
+#include "planar_servo/tables/recording_tables.h"
 #include "planar_servo/tables/target_table.h"
 
 namespace planar {

@@ -5,7 +5,7 @@
 
 #include "planar_servo/cell/cell_settings.h"
 #include "planar_servo/tables/pair_table.h"
-#include "planar_servo/tables/plan_table.h"
+#include "planar_servo/tables/recording_tables.h"
 
 namespace planar {
 

@@ -6,8 +6,8 @@
 #include "planar_servo/core/error.h"
 #include "planar_servo/offline/grey_image.h"
 #include "planar_servo/report/live/board_view.h"
-#include "planar_servo/servo/camera_wait.h"
-#include "planar_servo/tables/frame_table.h"
+#include "planar_servo/servo/approach.h"
+#include "planar_servo/tables/recording_tables.h"
 
 namespace planar {
 namespace {

@@ -13,7 +13,7 @@
 #include "planar_servo/record/board_guide.h"
 #include "planar_servo/record/recorder.h"
 #include "planar_servo/report/status_line.h"
-#include "planar_servo/tables/plan_table.h"
+#include "planar_servo/tables/recording_tables.h"
 
 namespace planar {
 

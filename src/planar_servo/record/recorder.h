@@ -15,7 +15,7 @@
 #include "planar_servo/report/live/live_view.h"
 #include "planar_servo/report/report_list.h"
 #include "planar_servo/robot/homing.h"
-#include "planar_servo/tables/plan_table.h"
+#include "planar_servo/tables/recording_tables.h"
 
 namespace planar {
 

@@ -9,7 +9,7 @@
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/pose.h"
 #include "planar_servo/io/atomic_file.h"
-#include "planar_servo/tables/frame_table.h"
+#include "planar_servo/tables/recording_tables.h"
 #include "planar_servo/tables/tracker_table.h"
 
 namespace planar {

@@ -8,7 +8,7 @@
 #include "planar_servo/arm/planar_arm.h"
 #include "planar_servo/cell/cell_settings.h"
 #include "planar_servo/record/recorder.h"
-#include "planar_servo/tables/plan_table.h"
+#include "planar_servo/tables/recording_tables.h"
 
 namespace planar {
 

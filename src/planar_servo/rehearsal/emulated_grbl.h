@@ -41,13 +41,13 @@ class EmulatedGrbl {
   void place_switches(const std::optional<Eigen::Vector3d>& at_mm);
 
  protected:
-  /// What a board with faults of its own is made of; `mutex_` guards all of it.
+  /// For boards with injected faults; `mutex_` guards all of it.
   using Lock = std::lock_guard<std::mutex>;
   /// Lets the motors turn until now.
   void advance();
   void hear(char byte);
   void alarm(int number);
-  /// Begins anew as after a cut of the supply: the motors stop abruptly, and where they stand is 0.
+  /// Restarts as after a power cut: the motors stop abruptly, and where they stand is 0.
   void begin_anew();
   double setting(int number) const { return settings_.at(number); }
 
@@ -58,8 +58,8 @@ class EmulatedGrbl {
   double last_cancel_s_{0.0};  ///< when it last began to brake for a jog cancel
   std::string last_jog_;       ///< the last that it was sent, whether it obeyed or not
   std::string pins_;           ///< axes whose limit inputs are pressed
-  bool silent_{false};         ///< it obeys and answers nothing
-  int answers_to_lose_{0};     ///< so many next answers to lines are not sent
+  bool silent_{false};         ///< it neither obeys nor answers
+  int answers_to_lose_{0};     ///< this many of the next answers to lines are not sent
 
  private:
   enum class State { kIdle, kJog, kHold, kHome, kAlarm };

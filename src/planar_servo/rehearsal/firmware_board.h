@@ -18,7 +18,7 @@
 namespace planar {
 
 /// Real firmware of a motion board, built for this machine as a simulator: Grbl's or grblHAL's. It
-/// runs on a serial line, in a folder of its own that goes with it.
+/// runs on a serial line, in a folder of its own that is removed with it.
 class FirmwareProcess {
  public:
   /// Starts the simulator with further options, waits for its banner and lets it store commands,
@@ -31,7 +31,7 @@ class FirmwareProcess {
   FirmwareProcess(const FirmwareProcess&) = delete;
   FirmwareProcess& operator=(const FirmwareProcess&) = delete;
 
-  /// Returns what it says of itself, such as "Grbl 1.1h ['$' for help]".
+  /// Returns its banner, such as "Grbl 1.1h ['$' for help]".
   const std::string& banner() const { return banner_; }
   const std::filesystem::path& folder() const { return folder_.path; }
 
@@ -43,7 +43,7 @@ class FirmwareProcess {
 
   /// Throws WorkError when the simulator has ended.
   void require_running();
-  /// Lets it end by itself, which completes its files. Ends it when that takes too long.
+  /// Lets it end by itself, which completes its files; kills it when that takes too long.
   void end();
 
  private:
@@ -68,9 +68,9 @@ class FirmwareProcess {
   std::string banner_, heard_;
 };
 
-/// Real firmware, run by its simulator, as a board on a serial port. What its motors have turned is
-/// what it counts: its status reports say it, and while the program at the port does not ask for
-/// them, the board does. (What the simulators print of steps ends some 50 ms before each motion.)
+/// Real firmware, run by its simulator, as a board on a serial port. Its motors have turned what
+/// its status reports say; while the program at the port does not ask for them, the board does.
+/// (What the simulators print of steps ends some 50 ms before each motion.)
 class FirmwareBoard {
  public:
   /// `options` are further ones of the simulator. The settings are stored first. `port` is the name
@@ -80,7 +80,7 @@ class FirmwareBoard {
                 EmulatedGrbl::OnPosition on_position = {});
 
   std::string port() const { return port_.name(); }
-  /// Returns what the firmware says of itself, such as "Grbl 1.1h ['$' for help]".
+  /// Returns the firmware's banner, such as "Grbl 1.1h ['$' for help]".
   const std::string& banner() const { return firmware_.banner(); }
   /// Returns whether the motors rest, by the last report.
   bool rests() const { return rests_; }

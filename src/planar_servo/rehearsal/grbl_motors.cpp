@@ -42,8 +42,7 @@ EmulatedGrbl::Settings with_switches(EmulatedGrbl::Settings settings) {
 void require_real_time(const std::filesystem::path& firmware, const std::string& banner) {
   if (banner.rfind("Grbl 1.1", 0) == 0) return;
   throw WorkError(
-      {fmt::format("{} is '{}', whose simulator takes 20 ms for each byte that it is sent, and is "
-                   "not moved in real time by that",
+      {fmt::format("{} is '{}', whose simulator takes 20 ms for each byte, too slow for real time",
                    firmware.string(), banner),
        "name the simulator of Grbl 1.1"});
 }

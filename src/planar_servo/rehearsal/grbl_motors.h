@@ -13,7 +13,7 @@
 
 namespace planar {
 
-/// Pulses to which a served Grbl board says "a millimetre".
+/// The pulses that a served Grbl board counts as a millimetre.
 constexpr double kServedPulsesPerMm = 250.0;
 
 /// Returns the speed that a motor's Grbl board is set to: the motor's own, but no more than what
@@ -21,8 +21,8 @@ constexpr double kServedPulsesPerMm = 250.0;
 /// of 0.001 deg/s.
 double served_speed_deg_s(const MotorDrive& motor, bool firmware);
 
-/// The way that motors have gone, for whoever follows it later: no turn of a motor is lost, and
-/// steps on in the same direction take no room. Safe to use from any thread.
+/// The way that motors have gone, to be followed later: no reversal of a motor is lost, and further
+/// steps in the same direction take no memory. Safe to use from any thread.
 class MotorTrail {
  public:
   using Pulses = Eigen::Vector3i;
@@ -51,7 +51,7 @@ class GrblMotors {
   GrblMotors& operator=(const GrblMotors&) = delete;
 
   /// Turns the arm by hand to the marks of its motors, at the cell's home. Returns false when it
-  /// moves, or finds its home by switches.
+  /// moves, or is homed by switches.
   bool put_at_marks();
   /// Throws WorkError when the firmware has ended.
   void require_well() const;

@@ -17,7 +17,8 @@
 
 namespace planar {
 
-/// Runs a virtual cell in real time for the threads of servers: its clock follows the steady clock.
+/// Runs a virtual cell in real time, for the threads of servers: its clock follows the steady
+/// clock.
 class LiveCell {
  public:
   /// `age_s` is the time on the cell's own clock at the beginning, for a cell that has run before.
@@ -34,8 +35,8 @@ class LiveCell {
   /// Returns the tool's true pose now, for the scorer only.
   TipPose true_tip();
 
-  /// Places the reflector on a monument, or on the "tool", where it is at first. Returns false
-  /// where there is no such place.
+  /// Places the reflector on a monument, or on the "tool", where it is at first. Returns false if
+  /// there is no such place.
   bool place_reflector(const std::string& where);
   /// Returns "tool" and the monuments.
   const std::vector<std::string>& reflector_places() const { return reflector_places_; }

@@ -10,8 +10,8 @@ namespace planar {
 /// outlasts the line, as the names under /dev/serial/by-id do.
 class PtyPort {
  public:
-  /// `name` is where to put the link to the port, in the place of an earlier link. Throws
-  /// InputError when that is impossible or a file stands there.
+  /// `name` is where to put the link to the port; an earlier link is replaced. Throws InputError
+  /// when that is impossible or a file is there.
   explicit PtyPort(std::filesystem::path name);
   ~PtyPort();
   PtyPort(const PtyPort&) = delete;

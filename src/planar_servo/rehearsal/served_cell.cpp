@@ -12,7 +12,7 @@
 #include "planar_servo/rehearsal/gige_camera.h"
 #include "planar_servo/rehearsal/grbl_motors.h"
 #include "planar_servo/rehearsal/live_cell.h"
-#include "planar_servo/virtual_cell/truth/truth_file.h"
+#include "planar_servo/virtual_cell/truth/truth.h"
 
 namespace planar {
 namespace {

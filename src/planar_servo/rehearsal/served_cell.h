@@ -16,12 +16,12 @@ struct ServedPlaces {
   std::filesystem::path grbl_port;
   TrackerOutlet tracker;
   bool decimal_comma{false};  ///< in the tracker's lines
-  bool firmware{false};       ///< real one is the board, which has no home switches
+  bool firmware{false};       ///< whether the board is real firmware, which has no home switches
 };
 
-/// Returns the text of a cell file that states of the devices where they are found and of the rest
-/// what the virtual cell's file states. It names no truth. Motors are as fast as their Grbl board
-/// (see served_speed_deg_s()).
+/// Returns the text of a cell file that states where the devices are found, and otherwise what the
+/// virtual cell's file states. It names no truth. Motors are as fast as their Grbl board (see
+/// served_speed_deg_s()).
 std::string live_cell_text(const CellSettings& cell, const ServedPlaces& places);
 
 /// What is to be served, and where.

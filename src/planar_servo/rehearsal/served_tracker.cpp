@@ -49,64 +49,56 @@ class LinePort {
  public:
   /// `host` is an IPv4 address of this machine. `greeting` is what each client is sent first.
   /// Throws WorkError when the port cannot be had.
-  LinePort(const std::string& host, int port, std::string greeting);
-  ~LinePort();
+  LinePort(const std::string& host, int port, std::string greeting)
+      : greeting_(std::move(greeting)) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(static_cast<std::uint16_t>(port));
+    const bool is_address = inet_pton(AF_INET, host.c_str(), &address.sin_addr) == 1;
+    listener_ = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+    const int yes = 1;  // a port that was closed a moment ago can be had again
+    setsockopt(listener_, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+    if (is_address && bind(listener_, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0 &&
+        listen(listener_, kMostWaiting) == 0)
+      return;
+    const std::string why = is_address ? std::strerror(errno) : "it is no IPv4 address";
+    close(listener_);
+    throw WorkError(fmt::format("no tracker can be served on {}:{}: {}", host, port, why));
+  }
+  ~LinePort() {
+    for (const int client : clients_) close(client);
+    close(listener_);
+  }
   LinePort(const LinePort&) = delete;
   LinePort& operator=(const LinePort&) = delete;
 
   /// Sends text to all clients. Those that do not read or are gone are hung up on.
-  void send(const std::string& text);
+  void send(const std::string& text) {
+    accept_waiting();
+    const auto gone = std::remove_if(clients_.begin(), clients_.end(), [&](int client) {
+      if (sent(client, text)) return false;
+      close(client);
+      return true;
+    });
+    clients_.erase(gone, clients_.end());
+  }
 
  private:
-  void accept_waiting();
+  void accept_waiting() {
+    for (;;) {
+      const int client = accept4(listener_, nullptr, nullptr, SOCK_CLOEXEC);
+      if (client < 0) return;
+      if (sent(client, greeting_))
+        clients_.push_back(client);
+      else
+        close(client);
+    }
+  }
 
   std::string greeting_;
   int listener_{-1};
   std::vector<int> clients_;
 };
-
-LinePort::LinePort(const std::string& host, int port, std::string greeting)
-    : greeting_(std::move(greeting)) {
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_port = htons(static_cast<std::uint16_t>(port));
-  const bool is_address = inet_pton(AF_INET, host.c_str(), &address.sin_addr) == 1;
-  listener_ = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-  const int yes = 1;  // a port that was closed a moment ago can be had again
-  setsockopt(listener_, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
-  if (is_address && bind(listener_, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0 &&
-      listen(listener_, kMostWaiting) == 0)
-    return;
-  const std::string why = is_address ? std::strerror(errno) : "it is no IPv4 address";
-  close(listener_);
-  throw WorkError(fmt::format("no tracker can be served on {}:{}: {}", host, port, why));
-}
-
-LinePort::~LinePort() {
-  for (const int client : clients_) close(client);
-  close(listener_);
-}
-
-void LinePort::accept_waiting() {
-  for (;;) {
-    const int client = accept4(listener_, nullptr, nullptr, SOCK_CLOEXEC);
-    if (client < 0) return;
-    if (sent(client, greeting_))
-      clients_.push_back(client);
-    else
-      close(client);
-  }
-}
-
-void LinePort::send(const std::string& text) {
-  accept_waiting();
-  const auto gone = std::remove_if(clients_.begin(), clients_.end(), [&](int client) {
-    if (sent(client, text)) return false;
-    close(client);
-    return true;
-  });
-  clients_.erase(gone, clients_.end());
-}
 
 using Send = std::function<void(const std::string&)>;
 

@@ -16,12 +16,12 @@
 
 namespace planar {
 
-/// How a served tracker writes and what is wrong with it.
+/// How a served tracker writes its lines, and its faults.
 struct ReflectorDialect {
   double clock_offset_s{0.0};  ///< by which its clock is ahead of the computer's at first
   double clock_ppm{0.0};       ///< by which its clock runs fast
   bool decimal_comma{false};   ///< 1,5 instead of 1.5, and ; between columns
-  double broken_percent{0.0};  ///< share of the time in which its beam is broken
+  double broken_percent{0.0};  ///< share of the time for which its beam is broken
 };
 
 /// Writes the lines of a tracker that measures the reflector all the time.
@@ -31,9 +31,9 @@ class ReflectorLines {
   /// How long a broken beam stays so. While it is broken, nothing is sent.
   static constexpr double kBreak_s = 6.0;
 
-  /// `start_s` is a time of the computer's clock at which the tracker's has its offset alone.
-  /// Throws InputError for a clock that cannot be one and a share that is none or leaves no
-  /// readings.
+  /// `start_s` is the time of the computer's clock at which the tracker's differs by its offset
+  /// alone. Throws InputError for impossible settings of the clock and for a share that is out of
+  /// range or leaves no readings.
   ReflectorLines(const ReflectorDialect& dialect, double start_s, std::uint32_t seed);
 
   /// Names the columns. Lines have no end.

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "planar_servo/core/units.h"
-#include "planar_servo/files/health_file.h"
+#include "planar_servo/files/calibration_files.h"
 #include "planar_servo/health/arm_check.h"
 #include "planar_servo/servo/approach.h"
 #include "planar_servo/tool/vision_tip.h"

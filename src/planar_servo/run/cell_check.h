@@ -10,7 +10,6 @@
 #include "planar_servo/cell/cell_settings.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/health/cause.h"
-#include "planar_servo/health/cell_model.h"
 #include "planar_servo/health/health_record.h"
 #include "planar_servo/health/revisit_check.h"
 #include "planar_servo/robot/planar_robot.h"

@@ -8,7 +8,7 @@
 #include "planar_servo/io/growing_file.h"
 #include "planar_servo/run/ready_cell.h"
 #include "planar_servo/run/run_folder.h"
-#include "planar_servo/servo/path/path_check.h"
+#include "planar_servo/servo/path/path_follower.h"
 #include "planar_servo/tables/path_tables.h"
 
 namespace planar {

@@ -11,7 +11,7 @@
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/files/vision_files.h"
 #include "planar_servo/run/cell_check.h"
-#include "planar_servo/servo/camera_wait.h"
+#include "planar_servo/servo/approach.h"
 #include "planar_servo/vision/found_landings.h"
 #include "planar_servo/vision/seen_cell.h"
 

@@ -91,7 +91,7 @@ class ReadyCell {
   template <typename Attempt>
   auto with_drives(const std::string& id, int& recoveries_left, const Attempt& attempt)
       -> decltype(attempt());
-  /// As the function of this name in servo/camera_wait.h does.
+  /// As the function of this name in servo/approach.h does.
   bool wait_for_camera(const std::string& id, const std::string& reason, double deadline_s);
 
   const CellSettings& settings() const { return cell_; }

@@ -9,8 +9,8 @@
 #include "planar_servo/core/units.h"
 #include "planar_servo/run/dry_run.h"
 #include "planar_servo/run/resumed_run.h"
-#include "planar_servo/servo/camera_wait.h"
-#include "planar_servo/tables/step_table.h"
+#include "planar_servo/servo/approach.h"
+#include "planar_servo/tables/result_table.h"
 
 namespace planar {
 

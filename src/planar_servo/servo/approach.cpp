@@ -1,5 +1,8 @@
 #include "planar_servo/servo/approach.h"
 
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
 namespace planar {
 
 std::vector<Joints> approach_stops(const Transmission& transmission, const ServoSettings& settings,
@@ -38,6 +41,22 @@ std::optional<Obstacle> arrive(PlanarRobot& robot, const JointPlanner& planner,
   for (const Joints& stop : approach_stops(planner.transmission(), settings, theta))
     if (const auto objection = robot.move_to(stop, guard)) return Obstacle{false, *objection};
   return std::nullopt;
+}
+
+bool wait_for_camera(const FrameSource& camera, const PlanarRobot& robot, Clock& clock,
+                     const std::string& id, const std::string& reason, double deadline_s) {
+  constexpr double kPoll_s = 0.05;
+  const double lost_s = clock.now_s();
+  spdlog::warn(fmt::format("{}: {}; the arm stands and waits", id, reason));
+  while (camera.fault()) {
+    if (clock.now_s() > deadline_s) return false;
+    robot.throw_if_stopped();
+    clock.sleep_for_s(kPoll_s);
+  }
+  if (clock.now_s() > deadline_s) return false;
+  spdlog::info(fmt::format("{}: the camera delivers again after {:.1f} s; going on", id,
+                           clock.now_s() - lost_s));
+  return true;
 }
 
 }  // namespace planar

@@ -6,6 +6,8 @@
 
 #include "planar_servo/arm/joint_planner.h"
 #include "planar_servo/cell/servo_settings.h"
+#include "planar_servo/core/clock.h"
+#include "planar_servo/devices/frame_source.h"
 #include "planar_servo/robot/planar_robot.h"
 
 namespace planar {
@@ -38,5 +40,14 @@ struct Obstacle {
 std::optional<Obstacle> arrive(PlanarRobot& robot, const JointPlanner& planner,
                                const ServoSettings& settings, const Joints& theta,
                                const PlanarRobot::Guard& guard);
+
+/// The longest wait for a camera that fails.
+constexpr double kCameraPatience_s = 60.0;
+
+/// Waits, while the arm stands, until the camera's frames come as they should, and says so in the
+/// log. `id` names what is to be continued, `reason` what is wrong. Returns false once the clock
+/// is past `deadline_s`. Throws what PlanarRobot::throw_if_stopped() throws.
+bool wait_for_camera(const FrameSource& camera, const PlanarRobot& robot, Clock& clock,
+                     const std::string& id, const std::string& reason, double deadline_s);
 
 }  // namespace planar

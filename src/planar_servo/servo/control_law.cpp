@@ -4,7 +4,7 @@
 #include <visp3/vs/vpAdaptiveGain.h>
 #include <visp3/vs/vpServo.h>
 
-#include <stdexcept>
+#include "planar_servo/core/names.h"
 
 namespace planar {
 namespace {
@@ -12,6 +12,12 @@ namespace {
 /// sin(3 deg). Nearer to a straight arm, a step takes 20 times as much turning as where the arm
 /// moves best.
 constexpr double kMinManipulability = 0.05;
+
+constexpr Named<LawStatus> kLawStatuses[] = {
+    {LawStatus::kOk, "ok"},
+    {LawStatus::kSingular,
+     "the arm is nearly straight or folded: its joints cannot correct in every direction"},
+    {LawStatus::kUnreachable, "the measured or the desired point is out of reach"}};
 
 /// Returns the end point as a ViSP feature, whose interaction matrix takes x and y from the twist.
 vpGenericFeature tip_feature(const Eigen::Vector2d& p) {
@@ -34,15 +40,7 @@ vpMatrix twist_jacobian(const Eigen::Matrix2d& J) {
 }  // namespace
 
 const char* describe(LawStatus status) {
-  switch (status) {
-    case LawStatus::kOk:
-      return "ok";
-    case LawStatus::kSingular:
-      return "the arm is nearly straight or folded: its joints cannot correct in every direction";
-    case LawStatus::kUnreachable:
-      return "the measured or the desired point is out of reach";
-  }
-  throw std::invalid_argument("unknown LawStatus");
+  return name_in(kLawStatuses, status);
 }
 
 LawStep jacobian_law(const PlanarArm& arm, const LawInput& input, double gain) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <optional>
 
 #include "planar_servo/arm/found_arm.h"
@@ -61,9 +62,24 @@ class UnknownLandings final : public LandingModel {
   /// Takes the greatest distance between command and sight that the guard allows.
   explicit UnknownLandings(double distance_m) : distance_m_(distance_m) {}
 
-  LandingPrior at(const Joints& theta_c, const TipMeasurement& look) const override;
+  LandingPrior at(const Joints& /*theta_c*/, const TipMeasurement& look) const override {
+    const double landing_m = distance_m_ / kDeviationsInDistance;
+    const double lasting_variance =
+        look.uncertainty_m * look.uncertainty_m - look.noise_m() * look.noise_m();
+    LandingPrior prior;
+    prior.covariance.diagonal() << Eigen::Vector2d::Constant(landing_m * landing_m),
+        Eigen::Vector2d::Constant(std::max(0.0, lasting_variance));
+    prior.scatter_m = prior.short_scatter_m = kGuessedScatter_m;
+    return prior;
+  }
 
  private:
+  /// The guard's distance is half as long again as any that was seen at the calibration: three
+  /// deviations of them.
+  static constexpr double kDeviationsInDistance = 3.0;
+  /// A guess at the scatter of an arm that is fit for positioning; looks soon replace it.
+  static constexpr double kGuessedScatter_m = 5e-6;
+
   double distance_m_;
 };
 

@@ -74,10 +74,7 @@ ServoResult PositionServo::move_to(const TipPose& target, const Observer& observ
                     obstacle->reason);
     ServoStep& step = result.steps.emplace_back(measure(target, result.iterations));
     auto found = doubt_of(step);
-    if (!found) {
-      estimate(step);
-      found = doubt_after(step);
-    }
+    if (!found) found = estimate(step);
     if (observer) observer(step);
     if (found && may_have_strayed(*found, step)) {
       if (const auto obstacle = withdraw())
@@ -148,18 +145,14 @@ std::optional<ServoStatus> PositionServo::verdict(const std::vector<ServoStep>& 
   if (!last.measurement.ok())
     return last.measurement.status == TipStatus::kNoPicture ? ServoStatus::kLostCamera
                                                             : ServoStatus::kLostLamp;
-  if (diverges_at(steps)) return ServoStatus::kDiverged;
+  const bool diverged =
+      last.estimate ? last.estimate->is_contradicted : diverges(errors_m(steps), last.stop_below_m);
+  if (diverged) return ServoStatus::kDiverged;
   if (content(last))
     return last.measurement.inside_map ? ServoStatus::kReached : ServoStatus::kOutsideMap;
   if (last.iteration == settings_.max_iterations || hopeless(last))
     return ServoStatus::kNotConverged;
   return std::nullopt;
-}
-
-bool PositionServo::diverges_at(const std::vector<ServoStep>& steps) const {
-  const ServoStep& last = steps.back();
-  return last.estimate ? last.estimate->is_contradicted
-                       : diverges(errors_m(steps), last.stop_below_m);
 }
 
 bool PositionServo::content(const ServoStep& step) const {
@@ -186,13 +179,10 @@ std::optional<Doubt> PositionServo::doubt_of(const ServoStep& step) {
   return found;
 }
 
-void PositionServo::estimate(ServoStep& step) {
-  if (!estimator_ || !step.measurement.ok()) return;
+std::optional<Doubt> PositionServo::estimate(ServoStep& step) {
+  if (!estimator_ || !step.measurement.ok()) return std::nullopt;
   step.estimate = estimator_->take(step, planner_.reached(step.theta_c).p);
-}
-
-std::optional<Doubt> PositionServo::doubt_after(const ServoStep& step) const {
-  return step.estimate ? landings_->doubt() : std::nullopt;
+  return landings_->doubt();
 }
 
 JointPlan PositionServo::corrected_joints(const ServoStep& step) const {

@@ -50,16 +50,15 @@ class PositionServo {
   ServoStep measure(const TipPose& target, int iteration);
   /// Returns how the motion ended, or nothing while the loop should continue.
   std::optional<ServoStatus> verdict(const std::vector<ServoStep>& steps) const;
-  bool diverges_at(const std::vector<ServoStep>& steps) const;
   bool content(const ServoStep& step) const;
   bool points_right(const ServoStep& step) const;
   /// Returns whether another correction is not expected to end nearer to the target.
   bool hopeless(const ServoStep& step) const;
   /// Says what is doubtful about a step's look, and keeps the look for the next one.
   std::optional<Doubt> doubt_of(const ServoStep& step);
-  void estimate(ServoStep& step);
-  /// Says what all looks together make doubtful about the cell.
-  std::optional<Doubt> doubt_after(const ServoStep& step) const;
+  /// Takes a step's look for the estimate. Says what all looks together make doubtful about the
+  /// cell.
+  std::optional<Doubt> estimate(ServoStep& step);
   JointPlan corrected_joints(const ServoStep& step) const;
   /// Returns whether an arm that strayed may be the reason for a doubt, as it is not once the arm
   /// has come again.

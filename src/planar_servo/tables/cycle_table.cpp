@@ -19,7 +19,8 @@ const TableSchema<JudgedMove>& cycle_schema() {
         columns.text("pose", row.move.pose);
         columns.check(has_its_pose(row.move),
                       {"pose is '" + row.move.pose + "'",
-                       "P1 to P5 is needed, and none for a target of the workspace"});
+                       "P1 to P5 is needed, and none for a target of the workspace"},
+                      "pose");
         columns.text("from", row.move.from);
         columns.whole_number("cycle", row.move.cycle);
         columns.point("x_mm", "y_mm", row.move.p_d, kMillimetre, 6);

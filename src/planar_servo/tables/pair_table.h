@@ -13,6 +13,10 @@
 
 namespace planar {
 
+// What the fits of a calibration take. Each table is read by a function that throws InputError
+// naming FILE:LINE of each bad row, and for a table without rows. Texts begin with `remarks`,
+// comment lines; see csv_remarks().
+
 /// Holds a row of pairs.csv: the end point in the base frame as vision saw it and as the tracker
 /// saw it. An unattended pose has no tracker's word. Lengths are in metres, angles in radians.
 struct PairRow {
@@ -36,14 +40,38 @@ struct PairRow {
   Eigen::Vector2d error() const { return p_vision - p_tracker.value(); }
 };
 
-/// Reads pairs.csv. Throws InputError naming FILE:LINE of each bad row, and for a table without
-/// rows.
 std::vector<PairRow> read_pairs(const std::filesystem::path& path);
-/// Reads pairs.csv and hands each row on as it is read, so that a long table is never held whole.
-/// The errors are thrown at its end.
+/// Hands each row on as it is read, so that a long table is never held whole. Errors are thrown at
+/// its end.
 void read_pairs(const std::filesystem::path& path, const std::function<void(const PairRow&)>& take);
-/// `remarks` are comment lines; see csv_remarks().
 std::string pairs_text(const std::vector<PairRow>& rows,
                        const std::vector<std::string>& remarks = {});
+
+/// Holds a row of lays.csv: a dot of a calibration board that was laid on the plane. Rows of one
+/// lay share their word; a turn and a shift, different for each lay, take p_board to where the dot
+/// is. Lengths are in metres.
+struct LayRow {
+  std::string lay;
+  /// On the board as seen from above, x along the rows; with a pitch of 1 mm where it is not known.
+  Eigen::Vector2d p_board{0.0, 0.0};
+  Eigen::Vector2d p_seen{0.0, 0.0};  ///< base frame, uncompensated
+  double sigma{0.0};                 ///< of p_seen per axis
+  bool pitch_known{true};
+};
+
+std::vector<LayRow> read_lays(const std::filesystem::path& path);
+std::string lays_text(const std::vector<LayRow>& rows,
+                      const std::vector<std::string>& remarks = {});
+
+/// Holds a row of samples.csv: commanded joints and where a point of the tool was measured, base
+/// frame.
+struct ArmSampleRow {
+  std::string id;
+  Joints theta{0.0, 0.0, 0.0};    ///< radians
+  Eigen::Vector2d p_B{0.0, 0.0};  ///< metres
+  double sigma{0.0};              ///< per axis, metres
+};
+
+std::vector<ArmSampleRow> read_arm_samples(const std::filesystem::path& path);
 
 }  // namespace planar

@@ -3,6 +3,7 @@
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/io/columns.h"
+#include "planar_servo/tables/recording_tables.h"
 
 namespace planar {
 namespace {
@@ -68,9 +69,7 @@ const TableSchema<PathLookRow>& look_schema() {
         columns.number("phi_d_deg", look.desired.phi, kDegree, 6);
         list_seen(columns, row);
         columns.point("dx_correction_mm", "dy_correction_mm", look.correction, kMillimetre, 6);
-        columns.number("theta1_deg", look.theta[0], kDegree, 9);
-        columns.number("theta2_deg", look.theta[1], kDegree, 9);
-        columns.number("theta3_deg", look.theta[2], kDegree, 9);
+        list_joints(columns, look.theta);
         list_number(columns, "across_mm_truth",
                     row.truth ? std::optional(row.truth->across_m) : std::nullopt);
         list_number(columns, "lag_mm_truth", row.lag_truth_m());

@@ -58,4 +58,20 @@ void write_results(const std::filesystem::path& path, const std::string& header,
 /// an empty run.
 std::vector<TargetResult> read_results(const std::filesystem::path& path);
 
+// The table steps.csv grows, too.
+std::string steps_header();
+std::string step_line(const std::string& id, const ServoStep& step);
+
+/// One step on the way to a target: the distance to it by the servo's own view, metres. Empty where
+/// the tool was not measured.
+struct StepError {
+  std::string target;
+  int step{0};  ///< number of corrections made before
+  std::optional<double> error;
+};
+
+/// Reads what steps.csv says of each step's error. Throws InputError naming FILE:LINE of each bad
+/// row, and for a missing file.
+std::vector<StepError> read_step_errors(const std::filesystem::path& path);
+
 }  // namespace planar

@@ -26,22 +26,29 @@ bool has_number(const std::vector<std::string_view>& fields) {
                      [](std::string_view field) { return finite_number(field).has_value(); });
 }
 
+/// Returns true for a plan of which a row has no place, as board views and sweeps have none.
+bool is_plan_without_places(const std::filesystem::path& path) {
+  try {
+    CsvFile table(path, target_schema().kind, {"plan"}, {}, UnendedRow::kRefused, {"x_mm", "y_mm"});
+    while (table.next_row())
+      if (table.text("x_mm").empty() || table.text("y_mm").empty()) return true;
+  } catch (const InputError&) {
+    // it has no column plan, or a place by another name
+  }
+  return false;
+}
+
 }  // namespace
 
 std::vector<TargetRow> read_targets(const std::filesystem::path& path) {
-  TableFile<TargetRow> table(path, target_schema());
   try {
-    return table.rows(RowIds::kOwn);
+    return TableFile<TargetRow>(path, target_schema()).rows(RowIds::kOwn);
   } catch (const InputError&) {
-    // Its board views and sweeps need no place.
-    if (!table.has_column("plan")) throw;
-    throw InputError(
-        {"is a plan for planar-record, by its column plan, and not every row has a "
-         "place to go to",
-         "a table of targets is needed, with the columns id, x_mm, y_mm and perhaps "
-         "phi_deg",
-         path});
+    if (!is_plan_without_places(path)) throw;
   }
+  throw InputError(
+      {"is a plan for planar-record, by its column plan, and not every row has a place to go to",
+       "a table of targets is needed, with the columns id, x_mm, y_mm and perhaps phi_deg", path});
 }
 
 std::string targets_header() {
@@ -53,8 +60,8 @@ std::string target_line(const TargetRow& row) {
 }
 
 TargetLines::TargetLines(const std::string& source, std::set<std::string> taken)
-    : table_(source, target_schema().kind, target_schema().columns().required(), {},
-             target_schema().columns().optional()),
+    : table_(source, target_schema().kind, target_schema().columns().names(Column::kRequired), {},
+             target_schema().columns().names(Column::kOptional)),
       taken_(std::move(taken)) {}
 
 std::optional<TargetRow> TargetLines::next(const std::string& line, bool has_end) {
@@ -71,7 +78,7 @@ std::optional<TargetRow> TargetLines::next(const std::string& line, bool has_end
   table_.throw_if_faulty();
   if (!is_row) return std::nullopt;
   TargetRow target;
-  ColumnReader columns(table_);
+  Columns columns(table_);
   target_schema().list_columns(columns, target);
   table_.require_id_not_in(taken_);
   table_.throw_if_faulty();

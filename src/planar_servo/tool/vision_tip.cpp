@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "planar_servo/tool/disc_image.h"
+#include "planar_servo/lens/workplane.h"
 
 namespace planar {
 

@@ -6,7 +6,6 @@
 
 #include "planar_servo/core/units.h"
 #include "planar_servo/virtual_cell/random.h"
-#include "planar_servo/virtual_cell/truth/drawing.h"
 
 namespace planar {
 namespace {

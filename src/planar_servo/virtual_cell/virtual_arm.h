@@ -16,12 +16,11 @@
 
 namespace planar {
 
-// The forms of what an arm's axes and links do besides. Angles of joints do not start anew after a
-// turn.
+// The forms of the errors of axes and links. Joint angles do not wrap after a turn.
 
-/// Returns where an axis stands at this angle of its joint, in the frame of the link before,
-/// metres. `size_m` is how far it goes once per turn, in a circle that is passed unevenly; cage and
-/// balls of the bearing, whose orders are no whole numbers, add two fifths of that.
+/// Returns the runout of an axis at this angle of its joint, in the frame of the link before,
+/// metres. `size_m` is the radius of the circle that it runs through unevenly once per turn; cage
+/// and balls of the bearing, whose orders are not whole numbers, add two fifths of that.
 Eigen::Vector2d runout_m(double joint_rad, double size_m, double phase_rad);
 
 /// Returns the part of it that turns with the joint.
@@ -39,9 +38,9 @@ double height_wave_m(const HeightWaveTruth& wave, const Eigen::Vector2d& p_B);
 /// the elbow pull at link 2, one way when it is stretched and the other way when it is bent.
 Eigen::Vector2d bending_m(const BendingTruth& bending, double link1_rad, double link2_rad);
 
-/// By how much the tip misses, anew at every stop. A stop is a rest of a tenth of a second or more:
-/// the short one of an approach from one side is none, so that the length of a move is that between
-/// the places where the arm really stopped.
+/// The miss of the tip, drawn anew at every stop. A stop is a rest of a tenth of a second or more;
+/// the short rest of an approach from one side does not count, so a move goes from one real stop to
+/// the next.
 class StopScatter {
  public:
   StopScatter(const ScatterTruth& truth, std::uint64_t seed) : truth_(truth), seed_(seed) {}
@@ -50,8 +49,8 @@ class StopScatter {
   /// `negative` says that motor 1 arrived turning backwards.
   Eigen::Vector2d at_rest(const Eigen::Vector2d& p_m, bool negative) const;
 
-  /// The arm leaves a place where it rested for so long; the other arguments are those of
-  /// at_rest().
+  /// Notes that the arm leaves a place where it rested for this long; the other arguments are those
+  /// of at_rest().
   void leave(const Eigen::Vector2d& p_m, bool negative, double rested_s);
 
   /// Returns the miss of an arm that moves: that of its last rest.
@@ -65,11 +64,11 @@ class StopScatter {
   Eigen::Vector2d kept_m_{0.0, 0.0};
 };
 
-/// The arm as built, moved by its drives. It is the only place that knows the tool's true pose.
+/// The arm as built, moved by its drives. Nothing else knows the tool's true pose.
 class VirtualArm {
  public:
-  /// The arm is built as the truth says; its drives have the rated limits, and count at home what
-  /// is stated.
+  /// Builds the arm as the truth says; its drives have the rated limits, and count at home what is
+  /// stated.
   VirtualArm(const Truth& truth, const VirtualHardware& stated, const Clock& clock);
   VirtualArm(const VirtualArm&) = delete;
   VirtualArm& operator=(const VirtualArm&) = delete;
@@ -102,14 +101,14 @@ class VirtualArm {
   Eigen::Vector2d all_runout_m(const Eigen::Vector3d& direction_rad) const;
   /// Returns by how much the tool hangs lower when the links are these vectors of the plane.
   double sag_m(const Eigen::Vector2d& link1, const Eigen::Vector2d& link2) const;
-  /// Returns by how much the arm misses where it came to rest, anew whenever it comes there; it
-  /// stays so while the arm stays near.
+  /// Returns the arm's miss where it came to rest, drawn anew at each visit and kept while the arm
+  /// stays near.
   Eigen::Vector2d miss_m();
-  /// Returns by how much the arm misses at this stop, or missed at the last one while it moves.
+  /// Returns the arm's scatter at this stop or, while it moves, at the last one.
   Eigen::Vector2d scatter_m();
-  /// Tells the scatter of a rest that ends.
+  /// Notes the end of a rest for the scatter.
   void leave_rest();
-  /// Returns where the motors lead the tip if nothing is wrong between them and it.
+  /// Returns where the motors would lead the tip without any error between.
   Eigen::Vector2d led_m() const;
 
   ArmTruth arm_;

@@ -7,7 +7,7 @@
 #include <stdexcept>
 
 #include "planar_servo/core/units.h"
-#include "planar_servo/virtual_cell/polygon_coverage.h"
+#include "planar_servo/virtual_cell/virtual_lamps.h"
 
 namespace planar {
 namespace {

@@ -13,8 +13,8 @@
 
 namespace planar {
 
-/// The calibration board of a virtual cell, and who holds it. Its frame G has its origin in the
-/// middle of the dots, x along the columns and z out of the printed side.
+/// The calibration board of a virtual cell, and the person who holds it. Its frame G has its origin
+/// in the middle of the dots, x along the columns and z out of the printed side.
 class VirtualBoard final : public BoardPresenter {
  public:
   VirtualBoard(const Truth& truth, const VirtualLens& lens, cv::Size sensor_px);
@@ -31,8 +31,8 @@ class VirtualBoard final : public BoardPresenter {
 
   const std::optional<Pose>& X_BG() const { return X_BG_; }
 
-  /// Renders the board before noise, within the sensor; empty when no board is in view. A board
-  /// that stays is rendered anew when the lens or the air has moved.
+  /// Renders the board before noise, within the sensor; empty when no board is in view. A board at
+  /// rest is rendered again once the lens or the air has moved.
   std::optional<Light> render(double t_s) const;
 
   /// Returns the outlines of the board's dots in sensor pixels, row by row.
@@ -46,7 +46,7 @@ class VirtualBoard final : public BoardPresenter {
 
   void put(const std::optional<Pose>& X_BG);
   Light rendered(double t_s) const;
-  /// Returns a place on z_B = 0, this far from the camera's foot along each axis, and turn.
+  /// Returns a random pose on z_B = 0, at most this far from the camera's foot along each axis.
   Pose lain(Random& random, double farthest_m, double greatest_turn_deg) const;
   Pose lain_anywhere(Random& random) const;
   bool every_dot_in_view(const Pose& X_BG) const;

@@ -10,7 +10,7 @@
 #include "planar_servo/virtual_cell/truth/truth.h"
 #include "planar_servo/virtual_cell/virtual_arm.h"
 #include "planar_servo/virtual_cell/virtual_board.h"
-#include "planar_servo/virtual_cell/virtual_clock.h"
+#include "planar_servo/virtual_cell/virtual_drive.h"
 #include "planar_servo/virtual_cell/virtual_hardware.h"
 #include "planar_servo/virtual_cell/virtual_lamps.h"
 

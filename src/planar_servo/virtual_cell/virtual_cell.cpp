@@ -6,10 +6,9 @@
 
 #include "planar_servo/core/units.h"
 #include "planar_servo/virtual_cell/random.h"
-#include "planar_servo/virtual_cell/truth/drawing.h"
 #include "planar_servo/virtual_cell/virtual_board.h"
 #include "planar_servo/virtual_cell/virtual_camera.h"
-#include "planar_servo/virtual_cell/virtual_clock.h"
+#include "planar_servo/virtual_cell/virtual_drive.h"
 #include "planar_servo/virtual_cell/virtual_lens.h"
 
 namespace planar {

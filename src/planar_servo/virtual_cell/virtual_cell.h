@@ -19,9 +19,9 @@
 
 namespace planar {
 
-/// Simulates a tracker with a frame of its own, white noise, a small smooth bias, errors of its
-/// angles and a station that drifts. Readings of the tool may be outliers or mixed up with those of
-/// an earlier place; those of monuments are not.
+/// Simulates a tracker with its own frame, white noise, a small smooth bias, errors of its angles
+/// and a drifting station. Readings of the tool, but not of monuments, may be outliers or mixed up
+/// with those of an earlier place.
 class VirtualTracker final : public Tracker {
  public:
   VirtualTracker(const Truth& truth, const VirtualHardware& stated, VirtualArm& arm,
@@ -53,9 +53,9 @@ class VirtualTracker final : public Tracker {
 /// same calls give the same bytes.
 class VirtualCell {
  public:
-  /// Arm, drives and monuments are as the truth has them, the rest as the hardware is stated.
-  /// Throws std::invalid_argument for impossible hardware: an empty sensor, a frame rate or limit
-  /// that is not finite and positive, a scale that is zero or not finite, a sense other than +-1.
+  /// Takes arm, drives and monuments from the truth, the rest from the stated hardware. Throws
+  /// std::invalid_argument for impossible hardware: an empty sensor, a frame rate or limit that is
+  /// not finite and positive, a scale that is zero or not finite, a sense other than +-1.
   VirtualCell(const Truth& truth, const VirtualHardware& hardware);
   ~VirtualCell();
 
@@ -70,9 +70,8 @@ class VirtualCell {
   // Servers, which show this cell to others as real devices, use these two.
   /// Renders what the camera's sensor sees now; see VirtualCamera::expose().
   cv::Mat expose(const cv::Rect& region_px, double brightness, std::uint64_t exposure);
-  /// Turns a motor to a position from outside, without its drive. Pulses count as its drive did at
-  /// first. Steps must be so small that the
-  /// motor does not turn back on the way.
+  /// Turns a motor to a position from outside, without its drive. Pulses count as its drive's did
+  /// at first. Steps must be so small that the motor does not turn back on the way.
   void turn_motor(int joint, std::int32_t pulses);
 
   /// Returns, for the scorer of `_truth` figures only, the true end point P in the base frame and

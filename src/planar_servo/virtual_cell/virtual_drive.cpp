@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "planar_servo/core/error.h"
+#include "planar_servo/core/units.h"
 
 namespace planar {
 namespace {
@@ -14,7 +15,7 @@ MotionState after(const MotionState& start, double acceleration, double duration
           start.velocity + acceleration * duration_s};
 }
 
-constexpr double kRegularShare = 0.3, kRegular_s = 3600.0;
+constexpr double kRegularShare = 0.3, kRegular_s = kHour;
 
 // A shaft that is turned from outside turns on until the next small step, if that comes so soon.
 constexpr double kNextStep_s = 0.1;

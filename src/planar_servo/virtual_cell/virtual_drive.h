@@ -1,9 +1,11 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <limits>
 #include <optional>
+#include <stdexcept>
 #include <vector>
 
 #include "planar_servo/core/clock.h"
@@ -11,6 +13,23 @@
 #include "planar_servo/virtual_cell/truth/arm_truth.h"
 
 namespace planar {
+
+/// A clock whose time passes only when somebody waits.
+class VirtualClock final : public Clock {
+ public:
+  double now_s() const override { return now_s_; }
+  /// Throws std::invalid_argument for a duration that is negative or not finite.
+  void sleep_for_s(double duration_s) override {
+    if (!std::isfinite(duration_s) || duration_s < 0.0)
+      throw std::invalid_argument("a duration to wait must be finite and not negative");
+    now_s_ += duration_s;
+  }
+  /// Waits until a time that is not before now.
+  void advance_to(double t_s) { sleep_for_s(t_s - now_s_); }
+
+ private:
+  double now_s_{0.0};
+};
 
 struct MotionState {
   double position{0.0};
@@ -53,8 +72,8 @@ class MotionProfile {
   double end_s_{0.0};
 };
 
-/// How warm a motor and what it warms are. 0 is cold, 1 as after an hour of regular work from cold,
-/// in which the motor turns for 30 % of the time.
+/// How warm a motor and the link that it warms are. 0 is cold; 1 is reached after an hour of
+/// regular work from cold, in which the motor turns for 30 % of the time.
 struct Warmth {
   double motor{0.0};
   double link{0.0};
@@ -66,10 +85,10 @@ class MotorWarmth {
  public:
   explicit MotorWarmth(const ArmWarmingTruth& truth);
 
-  /// From `t_s` on the motor turns until `turns_until_s`; then it is held, if it is energized.
+  /// Notes that the motor turns from `t_s` until `turns_until_s` and is then held, if energized.
   void work(double t_s, double turns_until_s, bool energized);
 
-  /// Asking changes nothing. Times do not go back.
+  /// Returns the warmth at a time, which must not be before the last work().
   Warmth at(double t_s) const;
 
  private:
@@ -84,8 +103,8 @@ class MotorWarmth {
   double holding_{0.0};  ///< heat at rest
 };
 
-/// A gear with all that is wrong with it and its motor, between the motor's angle (divided by the
-/// gear ratio) and the angle that comes out.
+/// A gear with all errors of it and its motor, between the motor's angle (divided by the gear
+/// ratio) and the output angle.
 class Reducer {
  public:
   /// Starts in the middle of the play.
@@ -106,7 +125,7 @@ class Reducer {
   /// Returns the transmission error over the motor's turn: waves that are steeper on one side and
   /// swell and fade as the output turns.
   double ripple_rad() const;
-  /// Winds the gear up by the friction of a turn: Dahl's model of it without a load.
+  /// Winds the gear up by the friction of a turn, by Dahl's model without a load.
   void wind(double turn_rad);
 
   ReducerTruth truth_;
@@ -143,7 +162,8 @@ class VirtualDrive final : public PulseDrive {
   void start_homing(HomeDirection direction) override;
   void set_position(std::int32_t position_pulses) override;
 
-  /// Has this called whenever the shaft, or its drive with a new target, is about to turn.
+  /// Sets a function that is called whenever the shaft, or its drive with a new target, is about to
+  /// turn.
   void before_turning(std::function<void()> call) { before_turning_ = std::move(call); }
 
   /// Turns the motor's shaft from outside, without the drive, to where the drive counted these
@@ -159,7 +179,7 @@ class VirtualDrive final : public PulseDrive {
   /// Returns the time at which the shaft last came to rest, or will.
   double rests_since_s() const { return rests_since_s_; }
 
-  /// Returns the motor's angle behind its gear now, if motor and gear had no errors.
+  /// Returns the motor's present angle behind its gear, as if motor and gear had no errors.
   double motor_rad() const { return shaft_pulses() / settings_.pulses_per_rad; }
 
   /// Returns whether the motor last turned towards smaller angles behind its gear.
@@ -170,7 +190,7 @@ class VirtualDrive final : public PulseDrive {
  private:
   void require_ready() const;
   void turn_to(std::int32_t shaft_target_pulses);
-  /// The shaft turns from now until then.
+  /// Notes that the shaft turns from now until then.
   void note_turning(double until_s);
   /// Lets the reducer follow the motor up to the present.
   void advance();

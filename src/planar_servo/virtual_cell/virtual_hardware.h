@@ -8,8 +8,8 @@
 
 namespace planar {
 
-/// What cell.yaml states of the machine: the part of it that holds for the virtual cell as well,
-/// unless the truth knows better.
+/// What cell.yaml states of the machine and the virtual cell takes from it, unless the truth
+/// differs.
 struct VirtualHardware {
   cv::Size sensor_px{5120, 5120};
   double frame_rate_hz{15.0};
@@ -29,11 +29,11 @@ struct VirtualHardware {
   Eigen::Vector3i home_pulses() const;
 };
 
-/// Returns the machine as it is built: what the truth knows of it, and the rest as stated. A
-/// monument that the truth does not name stands where it is stated.
+/// Returns the machine as built: what the truth says of it, and the rest as stated. A monument that
+/// the truth does not name stands where it is stated.
 VirtualHardware as_built(const VirtualHardware& stated, const BuildTruth& build);
 
-/// Returns a build that is in every part as stated.
+/// Returns a build that is as stated in every part.
 BuildTruth build_as_stated(const VirtualHardware& stated);
 
 }  // namespace planar

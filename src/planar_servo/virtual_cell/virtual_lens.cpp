@@ -127,7 +127,7 @@ std::optional<Eigen::Vector2d> VirtualLens::project(const Eigen::Vector3d& p_B, 
   const auto distorted = distorted_from_ideal(p_C.head<2>() / p_C.z());
   if (!distorted) return std::nullopt;
   const Eigen::Vector2d w_px = truth_.focal_px.cwiseProduct(*distorted) + truth_.center_px;
-  const Eigen::Vector2d drifted_px = w_px + warp_px(w_px) + truth_.drift_px_per_h * (t_s / 3600.0);
+  const Eigen::Vector2d drifted_px = w_px + warp_px(w_px) + truth_.drift_px_per_h * (t_s / kHour);
   const Eigen::Vector2d uv_px =
       truth_.warming ? warmed_px(drifted_px, *truth_.warming, t_s) : drifted_px;
   return air_ ? uv_px + air_->shift_px(uv_px, t_s) : uv_px;

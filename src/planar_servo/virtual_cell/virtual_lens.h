@@ -10,14 +10,14 @@
 namespace planar {
 
 /// The shift of image points by air in the light's path: waves over the picture, whose amplitudes
-/// are Ornstein-Uhlenbeck processes. It depends on seed and time alone, whatever was asked before.
+/// are Ornstein-Uhlenbeck processes. It depends on seed and time alone, not on earlier calls.
 class MovingAir {
  public:
   MovingAir(const AirTruth& truth, std::uint64_t seed);
 
   Eigen::Vector2d shift_px(const Eigen::Vector2d& w_px, double t_s) const;
 
-  /// Returns a time in which the air hardly moves.
+  /// Returns a time within which the air hardly moves.
   double still_s() const;
 
  private:
@@ -56,7 +56,7 @@ class VirtualLens {
   /// Returns the camera's centre in the base frame, metres.
   const Eigen::Vector3d& p_BC() const { return p_BC_; }
 
-  /// Returns a time in which the image moves by less than 0.001 px.
+  /// Returns a time within which the image moves by less than 0.001 px.
   double still_s() const;
 
  private:

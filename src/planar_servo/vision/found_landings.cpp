@@ -15,9 +15,9 @@
 namespace planar {
 namespace {
 
-/// One look in a million differs by so many deviations, estimated from a few.
+/// One look in a million differs by this many deviations, estimated from a few looks.
 constexpr double kDeviations = 6.0;
-/// Looks hardly scatter less than by the noise of the best lamps: a micrometre, seen 40 mm apart.
+/// Looks scatter at least by the noise of the best lamps: a micrometre, at lamps 40 mm apart.
 constexpr double kLeast_m = 1e-6, kLeastTurn = 25e-6;
 
 bool is_like(double value, const std::deque<double>& others, double least) {
@@ -60,8 +60,7 @@ FoundLandings::FoundLandings(LampField field, FoundArm arm, const Transmission& 
 }
 
 Eigen::Matrix2Xd FoundLandings::vision_rows(const TipMeasurement& look) const {
-  // Vision takes the found field off, and sees beside the truth by minus what its rows make of the
-  // end point.
+  // Vision subtracts the found field, so it errs by minus the field's rows at the end point.
   return -end_point_rows(field_, look.lamps_B) * field_.factor;
 }
 
@@ -79,8 +78,8 @@ LandingPrior FoundLandings::prior_of(const Eigen::Matrix4d& covariance, double s
 }
 
 LandingPrior FoundLandings::at(const Joints& theta_c, const TipMeasurement& look) const {
-  // True values differ from what was found by factor times numbers of unit variance: the arm lands
-  // beside its command by its rows of that.
+  // True values differ from the found ones by the factor times numbers of unit variance; the arm
+  // lands beside its command by its rows of that.
   Eigen::MatrixXd rows(4, found_.factor.cols());
   rows.topRows<2>() = found_.form.jacobian(motors(theta_c), found_.x).topRows<2>() * found_.factor;
   rows.bottomRows<2>() = vision_rows(look);
@@ -99,17 +98,16 @@ void FoundLandings::learn(const SeenLanding& seen) {
   }
   if (!seen.stays_off) return;
   const bool agrees = lamps_.agrees(separation_m, turn);
-  of_view_ = {
-      {fmt::format(
-          "the tool is seen {:.3f} mm from where the arm should land here, as before the arm "
-          "went away and came again, and {}: is something on the camera's window or in its "
-          "view (a drop, a reflection), or does the arm stray? planar-check-cell says what "
-          "has moved",
-          (seen.look.tip.p - landed.p).norm() / kMillimetre,
-          agrees           ? "the lamps stand to each other as at other targets"
-          : lamps_.knows() ? "the lamps do not stand to each other as at other targets"
-                           : "too few other targets were seen to compare the lamps with")},
-      lamps_.knows() && !agrees};
+  of_view_ = {{fmt::format(
+                  "the tool is seen {:.3f} mm from where the arm should land, again after the arm "
+                  "went away and came back, and {}: is something on the camera's window or in its "
+                  "view (a drop, a reflection), or does the arm stray? planar-check-cell says what "
+                  "has moved",
+                  (seen.look.tip.p - landed.p).norm() / kMillimetre,
+                  agrees           ? "the lamps stand to each other as at other targets"
+                  : lamps_.knows() ? "the lamps do not stand to each other as at other targets"
+                                   : "too few other targets were seen to compare the lamps with")},
+              lamps_.knows() && !agrees};
 }
 
 std::optional<Doubt> FoundLandings::doubt() const {
@@ -130,21 +128,22 @@ LandingPrior LearningLandings::at(const Joints& theta_c, const TipMeasurement& l
 
 void LearningLandings::learn(const SeenLanding& seen) {
   FoundLandings::learn(seen);
-  // Later looks at a target share what no term describes: they are not independent of the first.
+  // Later looks at a target share errors that no term describes, so they are not independent of the
+  // first.
   if (!seen.is_first) return;
   if (seen.has_strayed) return unlearn(seen);
   if (learner_.take(arm_look(seen), seen.look.t_s) != Lesson::kBeyondCaps || has_warned_) return;
   has_warned_ = true;
   spdlog::warn(
-      "looks ask for an arm that neither warmth nor wear makes of the one that was found; so much "
-      "is not learned; planar-check-cell says whether the cell needs a new calibration");
+      "the looks suggest an arm that has changed more than warmth or wear explains; so large a "
+      "change is not learned; planar-check-cell says whether the cell needs a new calibration");
 }
 
 void LearningLandings::unlearn(const SeenLanding& seen) {
   if (learner_.lessons() == 0 || !explains(seen)) return;
   spdlog::warn(
-      "the arm lands where it was found to, and not where it had been learned to; what was learned "
-      "is forgotten");
+      "the arm lands as the calibration found it, not as it was learned since; what was learned is "
+      "discarded");
   learner_ = ArmLearner(found(), unlearned(found(), learner_.learned().arm.form.posture));
 }
 

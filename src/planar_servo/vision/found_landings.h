@@ -13,18 +13,18 @@
 
 namespace planar {
 
-/// Tells a change of the view from an arm that strays: a drop on the window displaces one lamp by
-/// more than the other, an arm moves both. It compares a look's distance between the lamps and the
-/// tool's direction, from that of the command, with those at the recent targets.
+/// Distinguishes a change of the view from an arm that strays: a drop on the window displaces one
+/// lamp more than the other, an arm moves both. It compares a look with those at recent targets:
+/// the distance between the lamps, and how far the tool is turned from its command.
 class LampAgreement {
  public:
-  /// Takes a first look that nothing is wrong with: the lamps' distance, compensated, metres, and
-  /// by how much the tool is turned from its command, radians.
+  /// Takes a first look that is not in doubt: the lamps' distance, compensated, metres, and by how
+  /// much the tool is turned from its command, radians.
   void take(double separation_m, double turn);
 
-  /// Returns whether enough looks were taken to compare others with.
+  /// Returns whether there are enough looks to compare others with.
   bool knows() const { return turns_.size() >= kFewest; }
-  /// Returns whether it is known that a look is as the recent ones were.
+  /// Returns whether a look is known to be like the recent ones.
   bool agrees(double separation_m, double turn) const;
 
   static constexpr std::size_t kWindow = 40, kFewest = 5;
@@ -33,12 +33,11 @@ class LampAgreement {
   std::deque<double> separations_m_, turns_;
 };
 
-/// The landings of an arm that was found together with the field of its camera. What is known of
-/// both has one covariance. All looks of a run tell whether arm and view still are as they were
-/// found together.
+/// The landings of an arm that was found together with the lamp field of its camera; both share one
+/// covariance. The looks of a run together show whether arm and view are still as they were found.
 class FoundLandings : public LandingModel {
  public:
-  /// Takes field and arm, and how far an arm that strayed may be off, per axis. Throws
+  /// Takes field and arm, and how far off an arm that strayed may be, per axis. Throws
   /// std::invalid_argument for factors with unequal columns, which do not belong together.
   FoundLandings(LampField field, FoundArm arm, const Transmission& transmission, double stray_m);
 
@@ -52,13 +51,13 @@ class FoundLandings : public LandingModel {
   Eigen::Vector3d motors(const Joints& theta_c) const {
     return transmission_.motors_from_joints(theta_c);
   }
-  /// Returns the rows by which vision, compensated by the field, is wrong at a look.
+  /// Returns the rows of the error of vision, compensated by the field, at a look.
   Eigen::Matrix2Xd vision_rows(const TipMeasurement& look) const;
-  /// Returns a look that the guard let through as it speaks of the arm.
+  /// Returns what a look that the guard let through says of the arm.
   ArmLook arm_look(const SeenLanding& seen) const;
-  /// Returns whether the arm as it was found is likely to be seen so.
+  /// Returns whether the arm as found explains this landing.
   bool explains(const SeenLanding& seen) const { return following_.explains(arm_look(seen)); }
-  /// Returns the prior of an arm whose stops scatter by so much, per axis.
+  /// Returns the prior of an arm whose stops scatter by this much, per axis.
   LandingPrior prior_of(const Eigen::Matrix4d& covariance, double scatter_m) const;
 
  private:
@@ -71,11 +70,11 @@ class FoundLandings : public LandingModel {
   std::optional<Doubt> of_view_;  ///< by the last look
 };
 
-/// The landings of such an arm where it is learned further from the first look at every target. The
-/// field stays as it was found.
+/// The landings of such an arm that is learned further, from the first look at every target. The
+/// field stays as found.
 class LearningLandings final : public FoundLandings {
  public:
-  /// Takes what FoundLandings takes, and what is known of the arm by now.
+  /// Takes what FoundLandings takes, and what has been learned of the arm so far.
   LearningLandings(LampField field, const FoundArm& found, LearnedArm known,
                    const Transmission& transmission, double stray_m);
 
@@ -86,11 +85,11 @@ class LearningLandings final : public FoundLandings {
   const ArmLearner& learner() const { return learner_; }
 
  private:
-  /// Takes back what was learned where the arm as it was found explains a look that it does not.
+  /// Discards what was learned when the found arm explains a look that the learned arm does not.
   void unlearn(const SeenLanding& seen);
 
   ArmLearner learner_;
-  bool has_warned_{false};  ///< of looks beyond the caps
+  bool has_warned_{false};  ///< about looks beyond the caps
 };
 
 }  // namespace planar

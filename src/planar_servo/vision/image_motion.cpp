@@ -100,9 +100,7 @@ std::optional<MotionFit> fit_similarity(const std::vector<LampMove>& moves) {
 }
 
 std::optional<MotionFit> fit_affine(const std::vector<LampMove>& moves) {
-  auto affine = fit_motion(moves, Eigen::MatrixXd::Identity(6, 6));
-  if (affine) affine->kind = MotionFit::Kind::kAffine;
-  return affine;
+  return fit_motion(moves, Eigen::MatrixXd::Identity(6, 6));
 }
 
 std::optional<MotionFit> fit_image_motion(const std::vector<LampMove>& moves) {

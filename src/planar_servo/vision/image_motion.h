@@ -6,9 +6,9 @@
 
 namespace planar {
 
-/// How the camera's image has moved since its calibration: a place r of then is now seen at
+/// How the camera's image has moved since its calibration: what was seen at r then is now seen at
 ///   u = r + t + M r,   p = (t_u, t_v, M_uu, M_uv, M_vu, M_vv),
-/// pixels of the whole sensor. A default motion is none, and certain.
+/// pixels of the whole sensor. The default is no motion, with certainty.
 class ImageMotion {
  public:
   using Parameters = Eigen::Matrix<double, 6, 1>;
@@ -18,9 +18,9 @@ class ImageMotion {
   ImageMotion(const Parameters& parameters, const Covariance& covariance)
       : p_(parameters), covariance_(covariance) {}
 
-  /// Returns where a place of then is seen now.
+  /// Returns where what was seen here then is seen now.
   Eigen::Vector2d now(const Eigen::Vector2d& then_px) const;
-  /// Returns where a place that is seen now was seen then.
+  /// Returns where what is seen here now was seen then.
   Eigen::Vector2d then(const Eigen::Vector2d& now_px) const;
   /// Returns the covariance of then() at this place, as far as the motion is uncertain.
   Eigen::Matrix2d covariance_px2(const Eigen::Vector2d& then_px) const;
@@ -43,8 +43,6 @@ struct LampMove {
 
 /// A motion fitted to fixed lamps.
 struct MotionFit {
-  enum class Kind { kSimilarity, kAffine };
-  Kind kind{Kind::kSimilarity};
   ImageMotion motion;
   std::vector<Eigen::Vector2d> residuals_px;  ///< of each lamp, now
   double chi2{0.0};                           ///< of the residuals
@@ -66,8 +64,8 @@ std::optional<MotionFit> fit_affine(const std::vector<LampMove>& moves);
 /// neither does, it returns the similarity. Empty when the lamps do not determine one.
 std::optional<MotionFit> fit_image_motion(const std::vector<LampMove>& moves);
 
-/// At this many standard deviations one fit in 3.5 million is called wrong by chance: with a look
-/// every 30 s, one run of eight hours in 3600.
+/// One fit in 3.5 million exceeds this many standard deviations by chance: with a look every 30 s,
+/// one run of eight hours in 3600.
 constexpr double kMotionSigmas = 5.0;
 
 /// Returns the value that chi squared exceeds by chance as rarely as a normal number exceeds

@@ -16,7 +16,7 @@ namespace {
 constexpr char kOutsideView[] = "outside_view";
 constexpr char kReferenceLamps[] = "reference_lamps";
 
-/// Writes one line about every look, for people who ask for it with -v.
+/// Logs one line for every look, for -v.
 void log(const TipMeasurement& seen, const TipPose& expected) {
   if (!spdlog::should_log(spdlog::level::debug)) return;
   if (!seen.ok()) {

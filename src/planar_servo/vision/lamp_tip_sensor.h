@@ -27,18 +27,18 @@ class LampTipSensor final : public TipSensor {
   LampTipSensor(VisionCalibration vision, CenterMethod method, FrameSource& camera,
                 int follow_region_px);
 
-  /// Moves the camera's region to where the lamps should be with the end point at `expected`. The
-  /// first measurement then needs no whole frame.
+  /// Moves the camera's region to where the lamps should be with the end point at `expected`, so
+  /// that the first measurement needs no whole frame.
   void aim(const TipPose& expected);
 
   TipMeasurement measure(const TipPose& expected, int frames) override;
   std::optional<std::string> fault() const override { return camera_.fault(); }
 
-  /// Looks for two lamps in the whole frame, wherever the tool should be. Returns their places on
+  /// Searches the whole frame for two lamps, wherever the tool should be. Returns their places on
   /// the plane, uncompensated and in any order; empty unless two lamps are found.
   std::optional<std::array<Eigen::Vector2d, 2>> look_around();
 
-  /// Returns how the lamps looked last, found or not; 0 of what was not seen.
+  /// Returns the lamps' last appearance, found or not; 0 for what was not seen.
   const LampLooks& last_looks() const { return last_looks_; }
 
   /// Returns the frame that was looked at last. It has no image before the first look.
@@ -64,8 +64,8 @@ class LampTipSensor final : public TipSensor {
   Look locate(const FrameResult& result, const PairExpectation& expectation);
   /// Locates the lamps in the frame or, when they are not in its region, in a full one.
   Look look(const FrameResult& result, const PairExpectation& expectation);
-  /// Looks at the reference lamps in a whole frame if that is due at this time. Returns a failed
-  /// look when the frame is missing or the lamps say that the calibration is void.
+  /// Looks at the reference lamps in a whole frame if that is due. Returns a failed look when the
+  /// frame is missing or the lamps show that the calibration is void.
   std::optional<TipMeasurement> watch_camera(double t_s);
   /// Completes a measurement whose lamps are located.
   TipMeasurement position(TipMeasurement measurement,

@@ -11,12 +11,12 @@
 namespace planar {
 namespace {
 
-/// Half the side of the window in which a lamp is sought: two diameters of a lamp of 30 px. The
-/// search follows the camera from look to look.
+/// Half the side of the window that is searched for a lamp: two diameters of a lamp of 30 px. The
+/// window follows the camera from look to look.
 constexpr int kHalfWindow_px = 64;
-/// With fewer, a lamp that was knocked cannot be told from a camera that moved.
+/// With fewer, a knocked lamp cannot be told from a camera that moved.
 constexpr std::size_t kLeastLamps = 3;
-/// Without one of so many, the others still show whether they agree by more than one lamp.
+/// With so many, the others still check one another when one is left out.
 constexpr std::size_t kLeastToLeaveOut = 5;
 
 cv::Rect window_round(const Eigen::Vector2d& place_px) {
@@ -38,8 +38,8 @@ double farthest_px(const MotionFit& fit) {
   return farthest;
 }
 
-/// Returns the index of the only move without which the others hold, if there is one; where there
-/// are several, the one that the others contradict most.
+/// Returns the index of the move without which the others hold; of several such moves, the one that
+/// the others contradict most.
 std::optional<std::size_t> odd_one(const std::vector<LampMove>& moves) {
   std::optional<std::size_t> odd;
   double least = 0.0;
@@ -146,7 +146,7 @@ void ReferenceWatch::name_knocked(const ReferenceLamp& lamp, const LampMove& mov
   if (knocked_ == lamp.id) return;
   knocked_ = lamp.id;
   spdlog::warn(fmt::format(
-      "reference lamp {} stands {:.3f} px from where the others put it and is left out; was it "
+      "reference lamp {} is {:.3f} px from where the others predict it and is left out; was it "
       "knocked?",
       lamp.id, (move.now_px - move.then_px).norm()));
 }

@@ -13,8 +13,8 @@
 
 namespace planar {
 
-/// A whole frame is due this long after the last one. A camera that drifts by 0.4 px an hour moves
-/// by 0.003 px until then, which is less than what eight lamps leave uncertain.
+/// The time from one whole frame to the next. A camera that drifts by 0.4 px an hour moves by 0.003
+/// px in it, less than the uncertainty that eight lamps leave.
 constexpr double kReferencePeriod_s = 30.0;
 
 /// A lamp that is fixed to the base, as the calibration saw it.
@@ -26,31 +26,31 @@ struct ReferenceLamp {
 
 std::vector<Eigen::Vector2d> places_px(const std::vector<ReferenceLamp>& lamps);
 
-/// Returns the light nearest to `place_px` in a window round it, measured, or nothing where there
-/// is none that can be.
+/// Measures the light nearest to `place_px` in a window around it. Empty when there is none that
+/// can be measured.
 std::optional<LampCenter> find_fixed_light(const Frame& frame, const Eigen::Vector2d& place_px,
                                            LampDetector& detector, CenterMethod method);
 
-/// Watches the lamps that are fixed to the base, and tells by them how the image has moved since
-/// the calibration.
+/// Watches the lamps that are fixed to the base, which show how the image has moved since the
+/// calibration.
 class ReferenceWatch {
  public:
-  /// Without lamps nothing is watched: no look is due and the image never moves.
+  /// Without lamps nothing is watched: no look is ever due, and the image does not move.
   ReferenceWatch(std::vector<ReferenceLamp> lamps, CenterMethod method)
       : lamps_(std::move(lamps)), method_(method) {}
 
-  /// Returns whether a whole frame is to be looked at before anything is concluded at this time.
+  /// Returns whether a whole frame is due at this time, before anything is concluded.
   bool is_due(double t_s) const;
 
-  /// Looks at a whole frame. One lamp that does not stand where the others put it is left out, and
+  /// Looks at a whole frame. One lamp that is not where the others predict it is left out, and
   /// named in the log.
   void look(const Frame& frame);
 
-  /// Returns a whole frame's image with the fixed lamps blackened where they should be.
+  /// Returns a whole frame's image, blackened where the fixed lamps should be.
   cv::Mat without_lamps(const cv::Mat& image) const;
 
   const ImageMotion& motion() const { return motion_; }
-  /// Returns why the motion of the last look is not to be trusted; empty when it is.
+  /// Returns why the motion of the last look cannot be trusted; empty when it can.
   const std::optional<Refusal>& objection() const { return objection_; }
 
   const std::vector<ReferenceLamp>& lamps() const { return lamps_; }
@@ -62,7 +62,7 @@ class ReferenceWatch {
   };
 
   std::vector<Sight> find(const Frame& frame);
-  /// Takes the motion that holds for all sights, or for all but one.
+  /// Takes the motion that explains all sights, or all but one.
   void take_motion(const std::vector<Sight>& sights);
   void name_knocked(const ReferenceLamp& lamp, const LampMove& move);
 

@@ -22,28 +22,28 @@
 
 namespace planar {
 
-/// What a position of vision is compensated by: an error at the end point, or one at each lamp.
+/// The compensation of vision: an error at the end point, or one at each lamp.
 using VisionErrorMap = std::variant<ErrorMap, LampField>;
 
-/// Holds what a calibrated cell knows of its vision.
+/// The calibrated vision of a cell.
 struct VisionCalibration {
   LampLayout lamps;
   Workplane workplane;
   ToolOffsets tool;  ///< zero for an ideal tool, whose P lies midway between the lamps
   std::optional<VisionErrorMap> error_map{};  ///< without one, positions are not compensated
-  std::optional<Refusal> map_objection{};     ///< what the map's fit says against moving by it
-  /// The lamps that are fixed to the base; none when nothing watches the camera.
+  std::optional<Refusal> map_objection{};     ///< why its own fit advises against using the map
+  /// The lamps that are fixed to the base; none where nothing watches the camera.
   std::vector<ReferenceLamp> reference_lamps{};
 };
 
-/// The share by which the distance of a pair may differ from a prediction through a calibrated
-/// plane. The prediction is good to a per cent or two; a wrong light differs by far more.
+/// The share by which a pair's distance may differ from its prediction through a calibrated plane.
+/// The prediction is good to a per cent or two; a wrong light differs far more.
 constexpr double kSeparationShare = 0.03;
 
 /// The centres of both lamps, in pixels of the whole sensor.
 using LampPixels = std::array<Eigen::Vector2d, 2>;
 
-/// Holds where the tool is, as its lamps show it. Base frame, metres and radians.
+/// Where the tool is, by its lamps. Base frame, metres and radians.
 struct ToolPlace {
   TipPose seen;                                         ///< uncompensated end point and direction
   Eigen::Matrix2d covariance{Eigen::Matrix2d::Zero()};  ///< of seen.p, from the lamps' pixels, m^2
@@ -57,8 +57,8 @@ struct ToolPlace {
   TipPose tip() const { return {seen.p - error.error, seen.phi - error_phi}; }
 };
 
-/// Holds what one frame shows of the tool. Which lamp is which, and with it the direction in
-/// `place`, counts only when lamps.status is kOk.
+/// What one frame shows of the tool. Which lamp is which, and with it the direction in `place`, is
+/// known only when lamps.status is kOk.
 struct SeenTool {
   LampPair lamps;
   /// None unless both lamps are measured and their rays meet the plane.
@@ -74,10 +74,10 @@ PairExpectation expect_lamps(const LampLayout& layout, const LampPixels& predict
 /// frame). Empty where the camera does not see them.
 std::optional<PairExpectation> expect_tool(const VisionCalibration& vision, const TipPose& tip);
 
-/// Computes where the tool is from the centres of its lamps' images (px): it takes off the
-/// eccentricity of the discs' images, meets the workplane, finds the end point and predicts its
-/// error. The order of the lamps decides the direction and, unless the end point lies midway
-/// between them, the position. Empty when a lamp's ray does not meet the plane.
+/// Computes where the tool is from the centres of its lamps' images (px): it subtracts the
+/// eccentricity of the discs' images, intersects the rays with the workplane, finds the end point
+/// and predicts its error. The order of the lamps determines the direction and, unless the end
+/// point lies midway between them, the position. Empty when a lamp's ray does not meet the plane.
 std::optional<ToolPlace> place_tool(const VisionCalibration& vision, const LampPixels& lamps_px,
                                     const std::array<Eigen::Matrix2d, 2>& covariances_px2);
 
@@ -90,17 +90,17 @@ ErrorPrediction predict_error_at(const VisionCalibration& vision, const TipPose&
 LampPair find_lamps(const VisionCalibration& vision, LampTracker& tracker, const Frame& frame,
                     const PairExpectation& expectation);
 
-/// Returns the pair as it would have been seen at calibration, with the motion's uncertainty. The
-/// motion's error, which both lamps share, counts for each.
+/// Returns the pair as it would have been seen at calibration, with the motion's uncertainty, which
+/// is added to each lamp although both share it.
 LampPair at_calibration(LampPair pair, const ImageMotion& motion);
 
-/// Sees the tool in a frame: locates the lamps, takes off the image's motion, meets the workplane,
-/// finds the end point and predicts its error. `expectation` is what expect_tool() says of the
-/// commanded pose.
+/// Sees the tool in a frame: locates the lamps, subtracts the image's motion, intersects the
+/// workplane, finds the end point and predicts its error. `expectation` is what expect_tool() says
+/// of the commanded pose.
 SeenTool see_tool(const VisionCalibration& vision, LampTracker& tracker, const Frame& frame,
                   const PairExpectation& expectation, const ImageMotion& motion = {});
 
-/// Holds what is known of the place where images were taken.
+/// What is known of the scene in which images were taken.
 struct LampScene {
   cv::Size sensor_px;
   LampLayout lamps;

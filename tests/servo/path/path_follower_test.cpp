@@ -5,7 +5,6 @@
 
 #include "planar_servo/core/units.h"
 #include "planar_servo/servo/path/gear_play.h"
-#include "planar_servo/servo/path/path_check.h"
 #include "servo/path/moving_bench.h"
 
 namespace planar {

@@ -1,10 +1,9 @@
-#include "planar_servo/calibration/camera/bundle_adjustment.h"
-
 #include <algorithm>
 #include <opencv2/calib3d.hpp>
 #include <utility>
 
-#include "planar_servo/calibration/board_pose.h"
+#include "planar_servo/calibration/board.h"
+#include "planar_servo/calibration/camera/lens_fit.h"
 #include "planar_servo/core/decompositions.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/pose.h"
@@ -20,13 +19,13 @@ constexpr double kLeastSingularValue = 1e-9;
 constexpr int kMostSteps = 300;
 constexpr double kFirstDamping = 1e-3, kLeastDamping = 1e-8, kMostDamping = 1e9;
 /// A fit has converged when one more step would move its parameters by less than this share of
-/// their uncertainty, which makes their error larger by an eighth at most.
+/// their uncertainty, which enlarges their error by an eighth at most.
 constexpr double kConvergedShare = 0.5;
 /// The fit runs until this holds for every combination of the parameters, or until a step lowers
-/// the squares by less than this part of the variance, because terms that trade off, as those of
-/// the rational model, creep on for ever. Then it takes a few steps more, until the share is small.
-/// Where terms creep, these are damped so much that the terms stay where they are instead of
-/// running away together.
+/// the squares by less than this part of the variance, because terms that trade off against each
+/// other, as in the rational model, never stop creeping. Then it takes a few more steps, until the
+/// share is small. Where terms creep, these steps are damped so strongly that the terms stay in
+/// place instead of diverging together.
 constexpr double kCreeping = 0.01;
 constexpr int kFinishingSteps = 5;
 constexpr double kFinishedShare = 1e-3, kFinishingDamping = 1e-6;
@@ -114,14 +113,14 @@ double variance_of(const FitInformation& information) {
   return std::max(information.squares / information.freedom, kLeastNoise_px * kLeastNoise_px);
 }
 
-/// Returns by which share of its uncertainty one more step would move any combination of the
-/// parameters at most. A step as large as the uncertainty of one of them lowers the sum of squares
+/// Returns the largest share of its uncertainty by which one more step would move any combination
+/// of the parameters. A step as large as the uncertainty of one of them lowers the sum of squares
 /// by the variance.
 double share_to_go(const FitInformation& information) {
   return std::sqrt(std::max(0.0, information.decrease) / variance_of(information));
 }
 
-/// Returns whether all parameters together are as near to the end of the fit as each may be.
+/// Returns whether all parameters together have converged as far as each of them must.
 bool has_converged(const FitInformation& information) {
   return share_to_go(information) <= kConvergedShare * std::sqrt(information.parameters);
 }
@@ -189,7 +188,7 @@ class Bundle {
     try {
       return about(moved_camera(camera_, step), poses, views, parameters());
     } catch (const InputError&) {
-      return std::nullopt;  // numbers that make no camera
+      return std::nullopt;  // impossible parameters of a camera
     }
   }
 

@@ -38,7 +38,7 @@ class PixelHull {
   std::vector<cv::Point2f> corners_;
 };
 
-/// The pixels of a grid that lie in the hull and have rays, and what their points of the plane do.
+/// The pixels of a grid that lie in the hull and have rays, and how their points in the plane move.
 class PlaneField {
  public:
   PlaneField(const CameraModel& camera, const PlaneError& error, const PixelHull& hull)
@@ -72,7 +72,7 @@ class PlaneField {
     return without_pose(J);
   }
 
-  /// Returns how the points of another camera lie off these, the plane's pose fitted.
+  /// Returns how far another camera's points lie from these, the plane's pose fitted.
   Eigen::VectorXd by_camera(const CameraModel& other) const {
     return without_pose(difference(other, camera_));
   }

@@ -15,20 +15,20 @@ struct CameraUncertainty {
   std::vector<CameraModel> as_good{};       ///< of other models, which the views do not rule out
 };
 
-/// Returns the standard deviations of `camera`: of each parameter the larger one of both
-/// covariances, and of fx, fy, cx and cy together with the largest difference to a model that is as
+/// Returns the standard deviations of `camera`: for each parameter the larger one by both
+/// covariances; for fx, fy, cx and cy combined with the largest difference from a model that is as
 /// good.
 Eigen::VectorXd deviations(const CameraUncertainty& uncertainty, const CameraModel& camera);
 
-/// How uncertain a camera's model makes points of a plane that faces it: what is left of the error
-/// once the plane's pose has been fitted over the same part of the picture, as every recording
-/// does. Shift, turn, height and tilt of the picture are therefore no part of it.
+/// The uncertainty that a camera's model causes at points of a plane that faces it: what is left of
+/// the error once the plane's pose has been fitted over the same part of the picture, as in every
+/// recording. It therefore excludes shift, turn, height and tilt.
 struct PlaneError {
   double distance{0.0};                                ///< from the camera to the plane, metres
   Eigen::Vector2d from_px{0.0, 0.0}, to_px{0.0, 0.0};  ///< box about the part of the picture
-  /// Standard deviations of the distance by which a point is off, both axes together, metres: on a
-  /// grid over the box, a row for each v. NaN outside the hull of the points seen, where the lens
-  /// model extrapolates, and where a pixel has no ray.
+  /// Standard deviations of a point's error, both axes together, metres: on a grid over the box, a
+  /// row for each v. NaN outside the hull of the points seen, where the lens model extrapolates,
+  /// and where a pixel has no ray.
   Eigen::MatrixXd sigma;
 
   double mean() const;
@@ -38,8 +38,8 @@ struct PlaneError {
 };
 
 /// Propagates the camera's uncertainty to a plane, over the hull of the pixels that were `seen`. At
-/// each point the larger of both covariances counts, and the largest difference to a model that is
-/// as good.
+/// each point the larger of both covariances counts, combined with the largest difference from a
+/// model that is as good.
 PlaneError plane_error(const CameraModel& camera, const CameraUncertainty& uncertainty,
                        const std::vector<Eigen::Vector2d>& seen, double distance);
 

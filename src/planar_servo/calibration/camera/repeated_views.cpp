@@ -1,15 +1,14 @@
-#include "planar_servo/calibration/camera/repeated_views.h"
-
 #include <algorithm>
 #include <cmath>
 
+#include "planar_servo/calibration/camera/lens_fit.h"
 #include "planar_servo/core/decompositions.h"
 
 namespace planar {
 namespace {
 
 constexpr double kNoises = 3.0;
-/// A small motion is one by less than this share of the board's size in the image.
+/// A motion is small below this share of the board's size in the image.
 constexpr double kSmallMotion = 0.05;
 constexpr Eigen::Index kParameters = 8;
 
@@ -71,8 +70,8 @@ void drop_repeated_views(std::vector<CalibrationView>& views, std::vector<Reject
     if (other == distinct.end()) {
       distinct.push_back(std::move(view));
     } else {
-      rejected.push_back({view.name, "it shows the board where " + other->name +
-                                         " shows it, within the noise, and adds no view"});
+      rejected.push_back({view.name, "it shows the board as " + other->name +
+                                         " does, within the noise, and adds nothing"});
     }
   }
   views = std::move(distinct);

@@ -1,12 +1,11 @@
-#include "planar_servo/calibration/camera/visp_fit.h"
-
 #include <visp3/vision/vpCalibration.h>
 
 #include <algorithm>
 #include <cmath>
 #include <iostream>
 
-#include "planar_servo/calibration/board_pose.h"
+#include "planar_servo/calibration/board.h"
+#include "planar_servo/calibration/camera/lens_fit.h"
 #include "planar_servo/core/decompositions.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/pose.h"

@@ -17,7 +17,7 @@ struct Explanation {
   std::optional<StepShape> step{};
 };
 
-/// Returns by how much the others miss an error.
+/// Returns how far an error lies from what the others predict.
 Eigen::RowVector2d miss_of(const SmoothRemainders& left, Eigen::Index i) {
   return left.weighted.row(i) / left.diagonal[i];
 }
@@ -77,8 +77,8 @@ Explanation with_step(const SmoothErrors& errors, const StepShape& step, const E
   return found;
 }
 
-/// Returns the errors with outliers moved to where they stop being any: a few of them beside each
-/// other may be a step.
+/// Returns the errors with outliers moved to where they are no longer outliers: a few neighbouring
+/// ones may be a step.
 Eigen::MatrixX2d with_outliers_moved(const SmoothErrors& errors, const Explanation& by) {
   constexpr double kMostDeviations = 5.0;
   const SmoothRemainders left = errors.remainders(by.fit.tuning, by.outliers, by.step);
@@ -96,16 +96,17 @@ constexpr std::size_t kFewestPlaces = 32, kMostPlaces = 500;
 constexpr Eigen::Index kFewestOnASide = 5;
 /// Terms that every explanation has: a quadratic of the place, a trend and the step itself.
 constexpr double kTerms = 8.0;
-/// The tool's directions differ by about half a degree at least, or frames cannot be told apart.
+/// Below it, which is about half a degree between the tool's directions, frames cannot be told
+/// apart.
 constexpr double kLeastTurn = 1e-4;
 
-/// A step and what it takes away from the squares of the weighted errors.
+/// A step, and by how much it reduces the squares of the weighted errors.
 struct Gain {
   StepShape step;
   double squares{-1.0};
 };
 
-/// Returns the step in this frame that takes most away.
+/// Returns the step in this frame that reduces the squares most.
 Gain largest_gain(const SmoothErrors& errors, const SmoothRemainders& left, StepFrame frame) {
   const Eigen::Index n = errors.size();
   const Eigen::MatrixX2d u = errors.shape({0, frame});
@@ -125,7 +126,7 @@ Gain largest_gain(const SmoothErrors& errors, const SmoothRemainders& left, Step
   return best;
 }
 
-/// Returns the step that takes most away from what is left with this tuning.
+/// Returns the step that reduces most what this tuning leaves.
 StepShape likeliest_step(SmoothErrors errors, const std::vector<StepFrame>& frames,
                          const Explanation& by) {
   errors.set_errors(with_outliers_moved(errors, by));
@@ -164,15 +165,14 @@ std::vector<StepFrame> frames_of(const std::vector<TimedError>& errors) {
   return {StepFrame::kBase, StepFrame::kTool};
 }
 
-/// Returns whether a step explains the errors so much better that chance does not, wherever it may
-/// stand.
+/// Returns whether a step explains the errors better than chance could, wherever it is.
 bool is_step(const Explanation& with, const Explanation& without, std::size_t candidates) {
   const auto n = static_cast<double>(with.outliers.size());
   const double gain = with.fit.log_likelihood - without.fit.log_likelihood;
   return gain * (n - kTerms) / n > std::log(static_cast<double>(candidates) / kFalseAlarm);
 }
 
-/// Returns what is left of the errors beside the step, in the step's frame and with the step.
+/// Returns what the fit leaves of the errors, in the step's frame, the step included.
 std::vector<Eigen::Vector2d> remainders_with_step(const SmoothErrors& errors,
                                                   const Explanation& found) {
   const SmoothRemainders left = errors.remainders(found.fit.tuning, found.outliers, found.step);
@@ -187,7 +187,7 @@ std::vector<Eigen::Vector2d> remainders_with_step(const SmoothErrors& errors,
   return remainders;
 }
 
-/// Returns which of `count` places are asked: all, or so many that the time does not matter.
+/// Returns which of `count` places are examined: all, or few enough to be quick.
 std::vector<std::size_t> places_asked(std::size_t count) {
   const std::size_t stride = (count + kMostPlaces - 1) / kMostPlaces;
   std::vector<std::size_t> places;

@@ -9,20 +9,20 @@
 
 namespace planar {
 
-/// A place from which on all errors differ by the same amount.
+/// A place after which all errors differ by the same amount.
 struct ChangePoint {
   std::size_t first{0};  ///< the first place after the change
   Eigen::Vector2d step{0.0, 0.0};
   double sigma{0.0};  ///< of the step per axis
   /// The frame in which the step is constant; empty where the tool always points the same way.
   std::optional<StepFrame> frame{};
-  /// What neither field nor drift explains of the errors at `places`, in the step's frame and with
-  /// the step.
+  /// The errors at `places` less what field and drift explain; in the step's frame, the step
+  /// included.
   std::vector<Eigen::Vector2d> left{};
-  std::vector<std::size_t> places{};  ///< those that were asked, in the order of time
+  std::vector<std::size_t> places{};  ///< those that were examined, in order of time
 
-  /// Returns by how much a map of all `count` places misses the end point in the mean over the
-  /// field, metres. Which state lasts is not known; it is the one that fewer places show.
+  /// Returns the mean error over the field that the step causes in a map of all `count` places,
+  /// metres. Which state lasts is not known; the one with fewer places is assumed.
   double cost(std::size_t count) const;
 };
 
@@ -34,15 +34,14 @@ struct ErrorTrend {
   std::optional<StepFrame> frame{};
 };
 
-/// Looks for one step in time. The errors are explained with and without a step, with the tuning
-/// and the outliers of the largest likelihood in either case; the ratio of the
-/// likelihoods decides. The false alarm of all places together is at most kFalseAlarm. Each
-/// side of a step has at least five places. Of more than 500 places only every second, third, ...
-/// is asked. Empty for fewer than 32 places.
+/// Looks for one step in time. The errors are explained with and without a step, each with its most
+/// likely tuning and outliers; the ratio of the likelihoods decides. The false alarm of all places
+/// together is at most kFalseAlarm. Each side of a step has at least five places. Of more than 500
+/// places only every second, third, ... is examined. Empty for fewer than 32 places.
 std::optional<ChangePoint> find_change(const std::vector<TimedError>& errors);
 
-/// Returns how much of the errors per axis is left as noise by the field that they show, by drift
-/// and by outliers, metres; empty for fewer than 32 places.
+/// Returns the noise per axis that remains of the errors beside field, drift and outliers, metres;
+/// empty for fewer than 32 places.
 std::optional<double> noise_of(const std::vector<TimedError>& errors);
 
 /// Looks for a linear trend in time, as find_change() looks for a step; errors that do not drift

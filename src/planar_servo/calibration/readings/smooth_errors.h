@@ -17,15 +17,15 @@ struct TimedError {
 /// The frame in which what changes at a step is constant.
 enum class StepFrame { kBase, kTool };
 
-/// From place `first` on all errors differ by a constant in this frame, or by what grows from zero
-/// to a constant over all places.
+/// From place `first` on, all errors differ by a constant in this frame, or by an amount that grows
+/// from zero to it over all places.
 struct StepShape {
   Eigen::Index first{0};
   StepFrame frame{StepFrame::kBase};
   bool grows{false};
 };
 
-/// How far the field reaches and how large it and the drift are, as natural logarithms.
+/// The field's width and the variances of field and drift, as natural logarithms.
 struct ErrorTuning {
   double width{0.0};  ///< of the field, in units of the places' extent
   double field{0.0};  ///< variance, in units of the noise's
@@ -41,8 +41,8 @@ struct SmoothFit {
   double step_sigma{0.0};  ///< per axis, metres
 };
 
-/// What smooth terms leave of the errors, and the inverse of the errors' covariance in units of the
-/// noise's variance, from which the smooth terms that are fixed have been taken out.
+/// What the smooth terms leave of the errors, and the inverse of the errors' covariance, in units
+/// of the noise's variance, without the fixed terms.
 struct SmoothRemainders {
   Eigen::MatrixX2d weighted;  ///< precision * errors; the remainders where noise has unit weight
   Eigen::ArrayXd diagonal;    ///< of the precision
@@ -53,15 +53,15 @@ struct SmoothRemainders {
 enum class SlowDrift { kAllowed, kNone };
 
 /// Explains errors by a Gaussian process over the places (Matern 5/2), a quadratic of the place, a
-/// slow drift where that is allowed, noise and, if asked, a step. Outliers have a
-/// wide density of their own instead and say nothing of the others.
+/// slow drift where that is allowed, noise and, if asked, a step. Outliers have a wide density of
+/// their own and do not affect the others.
 class SmoothErrors {
  public:
   explicit SmoothErrors(const std::vector<TimedError>& errors,
                         SlowDrift drift = SlowDrift::kAllowed);
 
   using Outliers = std::vector<bool>;
-  /// An outlier's variance, in units of the noise's: it says nothing of the others.
+  /// An outlier's variance, in units of the noise's: it does not affect the others.
   static constexpr double kNoWeight = 1e6;
 
   Eigen::Index size() const { return errors_.rows(); }

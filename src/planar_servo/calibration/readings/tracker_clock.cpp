@@ -124,8 +124,8 @@ struct ClockLine {
   double times_squares_s2;     ///< of the looks about their mean
 };
 
-/// Leaves out the meetings that lie far from the line: while a beam was broken the arm waited, and
-/// the camera looked in the beginning of that rest instead of near its middle.
+/// Leaves out the meetings far from the line: while the beam was broken the arm waited, and the
+/// camera looked at the beginning of that rest instead of near its middle.
 std::vector<Meeting> near_line(const ClockLine& line, const std::vector<Meeting>& meetings) {
   constexpr double kFarSigmas = 4.0;
   constexpr double kLeastSigma_s = 1e-3;  // clocks that agree exactly leave rounding only
@@ -136,7 +136,7 @@ std::vector<Meeting> near_line(const ClockLine& line, const std::vector<Meeting>
   return near;
 }
 
-/// Returns half the time by which a look may lie elsewhere within its rest, the mean.
+/// Returns the mean of half the time by which looks could be shifted within their rests.
 double slack_s(const std::vector<Meeting>& meetings) {
   double sum = 0.0;
   for (const Meeting& m : meetings) {
@@ -171,14 +171,14 @@ constexpr double kFollowingShare = 0.1;  // of the field, which a view of the ri
 constexpr double kMostRate = 1e-3;
 constexpr int kClockRounds = 4;
 
-/// A clock that may be the right one, and what speaks for it.
+/// A possible clock, and the evidence for it.
 struct Candidate {
   TrackerClock clock;
   std::vector<Meeting> meetings;
   double share{1.0};  ///< of the field by which an affine view misses the reflector
 };
 
-/// Leaves out the rests that last so long that any look meets them.
+/// Leaves out rests that are so long that any look falls into them.
 std::vector<Rest> telling(const std::vector<Rest>& rests) {
   if (rests.empty()) return {};
   std::vector<double> lengths;
@@ -226,7 +226,7 @@ double shown(const TrackerClock& clock, double t_s) {
   return t_s + clock.offset_s + clock.rate * (t_s - clock.middle_s);
 }
 
-/// Brings every look to the rest nearest in time; each rest is met once.
+/// Matches every look with the rest nearest in time; each rest is matched once.
 std::vector<Meeting> meetings_of(const TrackerClock& clock, const std::vector<Look>& looks,
                                  const std::vector<Rest>& rests) {
   std::map<const Rest*, Meeting> met;
@@ -296,16 +296,15 @@ std::optional<Candidate> candidate_of(double offset_s, double middle_s,
   return candidate;
 }
 
-/// A clock is another one when looks meet other rests by it.
+/// Clocks differ when they match looks with different rests.
 bool same_clock(const Candidate& a, const Candidate& b) {
   return std::abs(a.clock.offset_s - b.clock.offset_s) < kMeeting_s;
 }
 
 [[noreturn]] void refuse_clock(const std::string& why) {
-  throw InputError(
-      {"how its clock runs beside the camera's cannot be told: " + why,
-       "check the column t of the tracker's table, which counts seconds, or pair by id",
-       "tracker"});
+  throw InputError({"its clock cannot be related to the camera's: " + why,
+                    "check that the column t of the tracker's table is in seconds, or pair by id",
+                    "tracker"});
 }
 
 }  // namespace
@@ -328,7 +327,7 @@ TrackerClock estimate_tracker_clock(const std::vector<LampSight>& frames,
     if (candidate && candidate->share < kFollowingShare) following.push_back(std::move(*candidate));
   }
   if (following.empty())
-    refuse_clock("with no offset do the readings follow the lamps at ten places or more");
+    refuse_clock("no offset makes the readings follow the lamps at ten places or more");
   std::sort(following.begin(), following.end(), [](const Candidate& a, const Candidate& b) {
     return static_cast<double>(a.meetings.size()) * (1.0 - a.share) >
            static_cast<double>(b.meetings.size()) * (1.0 - b.share);
@@ -337,7 +336,7 @@ TrackerClock estimate_tracker_clock(const std::vector<LampSight>& frames,
   for (const Candidate& other : following)
     if (!same_clock(best, other) && other.share < 2.0 * best.share + 0.01 &&
         10 * other.meetings.size() >= 9 * best.meetings.size())
-      refuse_clock(fmt::format("{:.1f} s and {:.1f} s ahead of the camera's fit as well",
+      refuse_clock(fmt::format("offsets of {:.1f} s and {:.1f} s fit equally well",
                                best.clock.offset_s, other.clock.offset_s));
   return best.clock;
 }

@@ -16,31 +16,31 @@ struct TimeSpan {
   double length_s() const { return end_s - begin_s; }
 };
 
-/// The reflector rests.
+/// A rest of the reflector.
 struct Rest {
   TimeSpan span;  ///< on the tracker's clock
   Eigen::Vector3d p_B{0.0, 0.0, 0.0};
 };
 
-/// The camera looks at the tool at rest.
+/// A look of the camera at the resting tool.
 struct Look {
   TimeSpan span;  ///< on the camera's clock
   std::array<Eigen::Vector2d, 2> lamps_px;
 };
 
-/// Returns the readings in the order of time, those of a tracker that reads all the time only while
-/// the reflector rested.
+/// Returns the readings in order of time. Of a tracker that reads continuously, only those taken
+/// while the reflector rested.
 std::vector<ToolReading> readings_at_rest(std::vector<ToolReading> readings);
 
-/// Returns where the reflector rested, in the order of time. `sorted` are the readings of
+/// Returns where the reflector rested, in order of time. `sorted` are the readings of
 /// readings_at_rest().
 std::vector<Rest> rests_of(const std::vector<ToolReading>& sorted);
 
 /// Returns a look for each place whose lamps were found, in the order of the places' names.
 std::vector<Look> looks_of(const std::vector<LampSight>& frames);
 
-/// How the tracker's clock runs beside the camera's: it shows t + offset_s + rate (t - middle_s)
-/// when the camera's shows t.
+/// The tracker's clock relative to the camera's: it shows t + offset_s + rate (t - middle_s) when
+/// the camera's shows t.
 struct TrackerClock {
   double offset_s{0.0};  ///< in the middle of the recording
   double rate{0.0};      ///< tracker's seconds per camera's second, less one
@@ -55,11 +55,12 @@ struct TrackerClock {
   }
 };
 
-/// Finds how the tracker's clock runs, from when its readings rested and when the camera saw the
-/// tool at rest. `readings` are those of readings_at_rest(). Among the clocks that bring rests and
-/// places together, the one counts with which the reflector follows the lamps, by an affine view of
-/// their middle and direction. Throws InputError when there is none, when several do as well, and
-/// when the clock would run by more than a thousandth too fast or slow.
+/// Relates the tracker's clock to the camera's, by the times at which the reflector rested and
+/// those at which the camera saw the tool at rest. `readings` are those of readings_at_rest(). Of
+/// the clocks that match rests with places, it returns the one with which the reflector follows the
+/// lamps, by an affine view of their middle and direction. Throws InputError when there is none,
+/// when several fit equally well, and when the clock would run too fast or slow by more than a
+/// thousandth.
 TrackerClock estimate_tracker_clock(const std::vector<LampSight>& frames,
                                     const std::vector<ToolReading>& readings);
 

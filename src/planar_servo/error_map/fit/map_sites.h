@@ -53,4 +53,11 @@ MapSites merge_samples(const std::vector<ErrorSample>& samples, const std::vecto
 /// Returns whether any sample names its place.
 bool names_places(const std::vector<ErrorSample>& samples);
 
+/// Gives samples that lie close together a place of their own, if the positions fall into such
+/// groups: in the shortest tree that joins all positions, lengths within a place and between places
+/// then differ by a factor of two at least. Returns the samples unchanged if they do not, as on a
+/// grid, on rings or at random positions, and beyond five thousand positions. `sites` are the
+/// samples merged by position; no sample names a place.
+std::vector<ErrorSample> with_found_places(std::vector<ErrorSample> samples, const MapSites& sites);
+
 }  // namespace planar

@@ -34,17 +34,6 @@ std::vector<Eigen::Index> nearest_to(Eigen::Index i, const MapSites& sites) {
   return {order.begin() + 1, last + 1};
 }
 
-/// Returns the median error of these sites per axis.
-Eigen::Vector2d median_error(const MapSites& sites, const std::vector<Eigen::Index>& of) {
-  std::vector<double> x;
-  std::vector<double> y;
-  for (const Eigen::Index site : of) {
-    x.push_back(sites.errors(0, site));
-    y.push_back(sites.errors(1, site));
-  }
-  return {median(x), median(y)};
-}
-
 /// For each site the sites nearest to it, at most a dozen, without itself.
 using Neighbours = std::vector<std::vector<Eigen::Index>>;
 
@@ -222,6 +211,15 @@ std::vector<Outlier> values_of(const Outliers& dropped) {
   std::vector<Outlier> outliers;
   for (const auto& [site, outlier] : dropped) outliers.push_back(outlier);
   return outliers;
+}
+
+Eigen::Vector2d median_error(const MapSites& sites, const std::vector<Eigen::Index>& of) {
+  std::vector<double> x, y;
+  for (const Eigen::Index site : of) {
+    x.push_back(sites.errors(0, site));
+    y.push_back(sites.errors(1, site));
+  }
+  return {median(x), median(y)};
 }
 
 RobustFit fit_without_outliers(const MapSites& sites, const std::vector<RbfFamily>& families) {

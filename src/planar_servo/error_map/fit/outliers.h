@@ -7,7 +7,6 @@
 
 #include "planar_servo/core/units.h"
 #include "planar_servo/error_map/fit/map_sites.h"
-#include "planar_servo/error_map/fit/rbf_families.h"
 #include "planar_servo/error_map/fit/rbf_fit.h"
 
 namespace planar {
@@ -53,6 +52,9 @@ void require_few(const Outliers& dropped, Eigen::Index sites);
 /// Returns the sites below `count` that are not dropped, in order.
 std::vector<Eigen::Index> sites_without(const Outliers& dropped, Eigen::Index count);
 std::vector<Outlier> values_of(const Outliers& dropped);
+
+/// Returns the median error of these sites, of which there is at least one, per axis.
+Eigen::Vector2d median_error(const MapSites& sites, const std::vector<Eigen::Index>& of);
 
 struct RobustFit {
   RbfFit fit;                      ///< of the kept sites

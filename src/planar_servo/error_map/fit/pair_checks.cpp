@@ -13,7 +13,7 @@
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/statistics.h"
 #include "planar_servo/core/units.h"
-#include "planar_servo/error_map/maps/radial_kernel.h"
+#include "planar_servo/error_map/maps/rbf_basis.h"
 
 namespace planar {
 namespace {
@@ -126,10 +126,6 @@ double width_of(const std::vector<ErrorSample>& samples, const SamplesOfPlace& o
   Eigen::AlignedBox2d box;
   for (const std::size_t i : of) box.extend(samples[i].p_vision);
   return box.diagonal().norm();
-}
-
-double width_of(const Eigen::Matrix2Xd& positions) {
-  return (positions.rowwise().maxCoeff() - positions.rowwise().minCoeff()).norm();
 }
 
 /// Returns how far each sample's error is from the mean of the others of its place, divided so that
@@ -259,7 +255,7 @@ void require_live_tracker(const std::vector<ErrorSample>& samples) {
 }
 
 void require_narrow_places(const std::vector<ErrorSample>& samples, const MapSites& sites) {
-  const double widest = kWidestPlace * width_of(sites.positions);
+  const double widest = kWidestPlace * span_of(sites.positions);
   Faults faults;
   for (const SamplesOfPlace& of : sites.samples) {
     const double width = width_of(samples, of);

@@ -10,7 +10,7 @@
 #include "planar_servo/core/decompositions.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/statistics.h"
-#include "planar_servo/error_map/maps/radial_kernel.h"
+#include "planar_servo/error_map/maps/rbf_basis.h"
 
 namespace planar {
 namespace {
@@ -98,18 +98,12 @@ Cells cells_of(const Eigen::Matrix2Xd& centers, const Eigen::Matrix2Xd& position
   return cells;
 }
 
-std::vector<double> values_at(const Eigen::ArrayXd& values, const std::vector<Eigen::Index>& at) {
-  const Eigen::ArrayXd chosen = values(at);
-  return {chosen.begin(), chosen.end()};
-}
-
 /// Returns the sites that differ grossly from the median of their cell.
 Outliers gross_outliers(const MapSites& sites, const Cells& cells) {
   Eigen::ArrayXd differences(sites.size());
   for (const auto& cell : cells) {
     if (cell.empty()) continue;
-    const Eigen::Vector2d middle(median(values_at(sites.errors.row(0).transpose(), cell)),
-                                 median(values_at(sites.errors.row(1).transpose(), cell)));
+    const Eigen::Vector2d middle = median_error(sites, cell);
     for (const Eigen::Index i : cell) differences[i] = (sites.errors.col(i) - middle).norm();
   }
   const double limit = kGrossDifference * median({differences.begin(), differences.end()});
@@ -134,8 +128,6 @@ struct Tuned {
 
 Tuned tune(const Eigen::Matrix2Xd& centers, const MapSites& part, const Progress& progress) {
   const double spacing = median_spacing(centers);
-  std::vector<Eigen::Index> all(static_cast<std::size_t>(part.size()));
-  for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<Eigen::Index>(i);
   const TailBasis tail = tail_for(part.positions, kTailDegree);
   Tuned best;
   double least = std::numeric_limits<double>::infinity();
@@ -144,7 +136,7 @@ Tuned tune(const Eigen::Matrix2Xd& centers, const MapSites& part, const Progress
     const double width = kWidths[i];
     const SparseBasis basis{centers, width * spacing, tail,
                             center_factor(centers, width * spacing)};
-    const SparseStatistics statistics = statistics_of(basis, part, all);
+    const SparseStatistics statistics = statistics_of(basis, part, sites_without({}, part.size()));
     double least_of_width = std::numeric_limits<double>::infinity();
     for (const double ridge : kRidges) {
       const auto fit = solve_ridge(statistics, tail.terms(), ridge);
@@ -168,9 +160,9 @@ SparseStatistics statistics_of(const SparseBasis& basis, const MapSites& sites,
   for (std::size_t first = 0; first < which.size(); first += kSitesAtATime) {
     tell(progress, "summing over the pairs", first, which.size());
     const std::size_t last = std::min(first + kSitesAtATime, which.size());
-    sum += statistics_of(basis, sites,
-                         {which.begin() + static_cast<std::ptrdiff_t>(first),
-                          which.begin() + static_cast<std::ptrdiff_t>(last)});
+    sum.add(statistics_of(basis, sites,
+                          {which.begin() + static_cast<std::ptrdiff_t>(first),
+                           which.begin() + static_cast<std::ptrdiff_t>(last)}));
   }
   return sum;
 }
@@ -179,7 +171,7 @@ SparseStatistics statistics_of(const SparseBasis& basis, const MapSites& sites,
 Eigen::Matrix2Xd residuals_of(const SparseBasis& basis, const RidgeFit& fit, const MapSites& sites,
                               const Progress& progress) {
   const Eigen::MatrixX2d weights = basis.plain_weights(fit.weights);
-  constexpr Eigen::Index kRowsAtOnce = 256;
+  constexpr Eigen::Index kRowsAtOnce = kRows;
   Eigen::Matrix2Xd residuals(2, sites.size());
   for (Eigen::Index first = 0; first < sites.size(); first += kRowsAtOnce) {
     tell(progress, "leaving out outliers", first, sites.size());
@@ -261,20 +253,11 @@ Eigen::MatrixX2d SparseBasis::plain_weights(const Eigen::MatrixX2d& weights) con
   return plain;
 }
 
-SparseStatistics& SparseStatistics::operator+=(const SparseStatistics& other) {
-  gram += other.gram;
-  projected += other.projected;
-  squares += other.squares;
-  count += other.count;
-  return *this;
-}
-
-SparseStatistics& SparseStatistics::operator-=(const SparseStatistics& other) {
-  gram -= other.gram;
-  projected -= other.projected;
-  squares -= other.squares;
-  count -= other.count;
-  return *this;
+void SparseStatistics::add(const SparseStatistics& other, double sign) {
+  gram += sign * other.gram;
+  projected += sign * other.projected;
+  squares += sign * other.squares;
+  count += sign * other.count;
 }
 
 SparseStatistics statistics_of(const SparseBasis& basis, const MapSites& sites,
@@ -295,7 +278,7 @@ SparseStatistics statistics_of(const SparseBasis& basis, const MapSites& sites,
   for (std::size_t i = 0; i < kShares; ++i)
     shares[i] = std::async(std::launch::async, sum_share, i);
   SparseStatistics sum = empty_statistics(basis.size());
-  for (auto& share : shares) sum += share.get();
+  for (auto& share : shares) sum.add(share.get());
   return sum;
 }
 
@@ -363,8 +346,8 @@ SparseFit fit_sparse(const MapSites& sites, const Progress& progress) {
       return {std::move(map), kept, values_of(dropped), residuals(Eigen::all, kept) * left_out,
               std::move(sigmas)};
     }
-    statistics += statistics_of(tuned.basis, sites, coming);
-    statistics -= statistics_of(tuned.basis, sites, leaving);
+    statistics.add(statistics_of(tuned.basis, sites, coming));
+    statistics.add(statistics_of(tuned.basis, sites, leaving), -1.0);
     kept = sites_without(dropped, sites.size());
   }
 }

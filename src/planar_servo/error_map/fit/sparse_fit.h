@@ -7,8 +7,8 @@
 #include "planar_servo/core/progress.h"
 #include "planar_servo/error_map/fit/map_sites.h"
 #include "planar_servo/error_map/fit/outliers.h"
-#include "planar_servo/error_map/maps/sparse_rbf_map.h"
-#include "planar_servo/error_map/maps/tail_basis.h"
+#include "planar_servo/error_map/maps/rbf_basis.h"
+#include "planar_servo/error_map/maps/rbf_map.h"
 
 namespace planar {
 
@@ -37,8 +37,8 @@ struct SparseStatistics {
   double squares{0.0};         ///< sum of |E|^2, square metres
   double count{0.0};           ///< number of samples; of sites where their samples share noise
 
-  SparseStatistics& operator+=(const SparseStatistics& other);
-  SparseStatistics& operator-=(const SparseStatistics& other);
+  /// Adds other sums, or takes them away with a `sign` of -1.
+  void add(const SparseStatistics& other, double sign = 1.0);
 };
 
 /// Sums over the named sites. It uses several threads; the result does not depend on their number.

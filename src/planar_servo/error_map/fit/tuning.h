@@ -3,8 +3,7 @@
 #include <Eigen/Core>
 
 #include "planar_servo/error_map/fit/map_sites.h"
-#include "planar_servo/error_map/maps/radial_kernel.h"
-#include "planar_servo/error_map/maps/tail_basis.h"
+#include "planar_servo/error_map/maps/rbf_basis.h"
 
 namespace planar {
 

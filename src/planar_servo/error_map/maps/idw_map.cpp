@@ -1,7 +1,5 @@
 #include "planar_servo/error_map/maps/idw_map.h"
 
-#include <limits>
-
 namespace planar {
 namespace {
 
@@ -21,8 +19,7 @@ Eigen::ArrayXd squared_distances_to(const Eigen::Matrix2Xd& centers, const Eigen
 }  // namespace
 
 ErrorPrediction IdwMap::predict(const Eigen::Vector2d& p) const {
-  return {weighted_mean(errors, squared_distances_to(centers, p)),
-          std::numeric_limits<double>::quiet_NaN(), region.contains(p)};
+  return {predict_error(p), noise_sigma(), region.contains(p)};
 }
 
 Eigen::Vector2d IdwMap::predict_error(const Eigen::Vector2d& p) const {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 
 #include "planar_servo/error_map/error_sample.h"
 #include "planar_servo/error_map/fit/map_sites.h"
@@ -17,6 +18,7 @@ struct IdwMap {
 
   ErrorPrediction predict(const Eigen::Vector2d& p) const;
   Eigen::Vector2d predict_error(const Eigen::Vector2d& p) const;
+  double noise_sigma() const { return std::numeric_limits<double>::quiet_NaN(); }
 };
 
 IdwMap idw_map(const MapSites& sites);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "planar_servo/core/decompositions.h"
@@ -23,6 +24,20 @@ Eigen::MatrixXd ridged_kernel_matrix(const RbfParameters& parameters) {
   kernel_matrix(parameters.kernel, squared_distances(parameters.centers), matrix);
   matrix.diagonal().array() += parameters.ridge / parameters.counts.array();
   return matrix;
+}
+
+/// A trace added to the diagonal of K: far above rounding, far below any kernel value that matters.
+constexpr double kTrace = 1e-9;
+
+RadialKernel gaussian(double width) {
+  return {KernelShape::kGaussian, width, 0.0};
+}
+
+/// Returns the kernels times the weights, plus the tail.
+Eigen::Vector2d sum_of(const Eigen::MatrixX2d& weights, const Eigen::VectorXd& kernel,
+                       const Eigen::Matrix2Xd& tail, const Eigen::VectorXd& q) {
+  const Eigen::Vector2d sum(weights.col(0).dot(kernel), weights.col(1).dot(kernel));
+  return sum + tail * q;
 }
 
 }  // namespace
@@ -48,21 +63,17 @@ RbfMap::RbfMap(RbfParameters parameters, std::shared_ptr<const BorderedSystem> e
 
 RbfMap::RbfMap(const RbfParameters& parameters) : RbfMap(parameters, map_equations(parameters)) {}
 
-Eigen::Vector2d RbfMap::error(const Eigen::VectorXd& kernel, const Eigen::VectorXd& q) const {
-  const Eigen::Vector2d sum(weights_.col(0).dot(kernel), weights_.col(1).dot(kernel));
-  return sum + parameters_.tail * q;
-}
-
 Eigen::Vector2d RbfMap::predict_error(const Eigen::Vector2d& p,
                                       const Eigen::Vector2d& direction) const {
-  return error(kernel_at(parameters_.kernel, centers_, p), parameters_.tail_basis.at(p, direction));
+  return sum_of(weights_, kernel_at(parameters_.kernel, centers_, p), parameters_.tail,
+                parameters_.tail_basis.at(p, direction));
 }
 
 ErrorPrediction RbfMap::predict(const Eigen::Vector2d& p, const Eigen::Vector2d& direction) const {
   const Eigen::VectorXd kernel = kernel_at(parameters_.kernel, centers_, p);
   const Eigen::VectorXd q = parameters_.tail_basis.at(p, direction);
   const double sigma = parameters_.signal_sigma * unit_sigma(kernel, q);
-  return {error(kernel, q), sigma,
+  return {sum_of(weights_, kernel, parameters_.tail, q), sigma,
           sigma <= parameters_.sigma_limit && parameters_.region.contains(p)};
 }
 
@@ -94,6 +105,48 @@ std::optional<Eigen::Matrix2Xd> RbfMap::left_out_residuals(
 }
 
 double RbfMap::noise_sigma() const {
+  if (!(parameters_.ridge > 0.0)) return std::numeric_limits<double>::quiet_NaN();
+  return std::sqrt(parameters_.ridge) * parameters_.signal_sigma;
+}
+
+Eigen::MatrixXd center_factor(const Eigen::Matrix2Xd& centers, double width) {
+  Eigen::MatrixXd kernel;
+  kernel_matrix(gaussian(width), squared_distances(centers), kernel);
+  kernel.diagonal().array() += kTrace;
+  if (auto factor = lower_factor(kernel)) return std::move(*factor);
+  throw WorkError({fmt::format("the kernel matrix of {} centres with a width of {:.4g} mm is too "
+                               "ill conditioned to be solved",
+                               centers.cols(), mm(width)),
+                   "use a smaller width"});
+}
+
+SparseRbfMap::SparseRbfMap(SparseRbfParameters parameters)
+    : parameters_(std::move(parameters)),
+      centers_(parameters_.centers.transpose()),
+      weights_(parameters_.weights.transpose()),
+      whitening_(inverse_of_lower(center_factor(parameters_.centers, parameters_.width))),
+      open_(inverse_of_lower(parameters_.factor)) {}
+
+Eigen::Vector2d SparseRbfMap::predict_error(const Eigen::Vector2d& p) const {
+  return sum_of(weights_, kernel_at(gaussian(parameters_.width), centers_, p), parameters_.tail,
+                parameters_.tail_basis.at(p));
+}
+
+ErrorPrediction SparseRbfMap::predict(const Eigen::Vector2d& p) const {
+  const Eigen::VectorXd kernel = kernel_at(gaussian(parameters_.width), centers_, p);
+  const Eigen::VectorXd q = parameters_.tail_basis.at(p);
+  const Eigen::VectorXd whitened = whitening_.triangularView<Eigen::Lower>() * kernel;
+  Eigen::VectorXd basis(kernel.size() + q.size());
+  basis << whitened, q;
+  const Eigen::VectorXd open = open_.triangularView<Eigen::Lower>() * basis;
+  const double unit_variance =
+      std::max(0.0, 1.0 - whitened.squaredNorm()) + parameters_.ridge * open.squaredNorm();
+  const double sigma = parameters_.signal_sigma * std::sqrt(unit_variance);
+  return {sum_of(weights_, kernel, parameters_.tail, q), sigma,
+          sigma <= parameters_.sigma_limit && parameters_.region.contains(p)};
+}
+
+double SparseRbfMap::noise_sigma() const {
   return std::sqrt(parameters_.ridge) * parameters_.signal_sigma;
 }
 

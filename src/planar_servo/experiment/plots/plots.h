@@ -8,7 +8,7 @@
 
 #include "planar_servo/experiment/experiment.h"
 #include "planar_servo/experiment/plots/plot_data.h"
-#include "planar_servo/tables/step_table.h"
+#include "planar_servo/tables/result_table.h"
 
 namespace planar {
 

@@ -1,6 +1,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "planar_servo/arm/found_arm.h"
 #include "planar_servo/field/field_basis.h"
@@ -50,8 +54,28 @@ constexpr double kSomewhereOnTool = 0.1;
 /// A commanded posture and when it was taken.
 struct PosedAt {
   Eigen::Vector3d motors{0.0, 0.0, 0.0};  ///< behind the gears, radians
-  double t_h{0.0};                        ///< hours; the arm is as found at time 0
+  /// Time, hours. Arm and field are as found at time 0; the camera's picture may drift steadily.
+  double t_h{0.0};
 };
+
+/// What was seen of the tool at one commanded posture. Lengths are in metres, in the plane of the
+/// lamps, base frame.
+struct PoseSample : PosedAt {
+  std::string id;
+  std::string place{};  ///< readings of one place share the word; empty for a place of its own
+  std::array<Eigen::Vector2d, 2> lamps_B{Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};
+  double sigma_lamp{0.0};                      ///< of each lamp's place, per axis
+  std::optional<Eigen::Vector2d> reflector_B;  ///< by the tracker; none for an unattended pose
+  double sigma_reflector{0.0};                 ///< per axis
+  std::optional<double> reflector_z{};         ///< its height, as far as the tracker told it
+  /// Of a pose without a picture both lamps stand where the reflector was read, and tell nothing.
+  bool lamps_seen{true};
+};
+
+/// Returns what is known of the leans of an arm's axes: how they are built, and what the heights of
+/// the reflector tell where the tracker read them. A lean that displaces the reflector by d at its
+/// height h over the lamps lowers what the axis carries by d . q / h, at the place q from the axis.
+AxisLeans axis_leans(const ArmNominal& nominal, const std::vector<PoseSample>& samples);
 
 /// The points of the tool on the plane, columns: reflector, lamp 1, lamp 2. Lamps stand where an
 /// ideal camera sees them, the reflector where the tracker reads it; metres.

@@ -1,8 +1,12 @@
 #include "planar_servo/lamps/rim/outline.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/LU>
+#include <algorithm>
+#include <array>
 #include <cmath>
 
+#include "planar_servo/core/statistics.h"
 #include "planar_servo/core/units.h"
 
 namespace planar {
@@ -89,6 +93,159 @@ PerNormal Normals::moved(const Outline::Terms& terms) const {
 PerNormal Normals::waves(const Outline& outline) const {
   if (outline.waves.isZero(0.0)) return PerNormal::Zero(count());
   return move.bottomRows<Outline::kWaveTerms>().transpose() * outline.waves;
+}
+
+namespace {
+
+constexpr int kShape = Outline::kShapeTerms, kWaves = Outline::kWaveTerms;
+using Square = Eigen::Matrix<double, Outline::kTerms, Outline::kTerms>;
+
+template <int Terms>
+OutlineFit solve(const Eigen::Matrix<double, Terms, Terms>& normal,
+                 const Eigen::Matrix<double, Terms, 1>& right) {
+  const Eigen::LLT<Eigen::Matrix<double, Terms, Terms>> solver(normal);
+  OutlineFit fit;
+  fit.terms.head<Terms>() = solver.solve(right);
+  fit.covariance.topLeftCorner<Terms, Terms>() =
+      solver.solve(Eigen::Matrix<double, Terms, Terms>::Identity());
+  fit.has_waves = Terms > kShape;
+  return fit;
+}
+
+template <int Terms>
+OutlineFit fit_terms(const Normals& normals, const PerNormal& offset_px,
+                     const PerNormal& information, double wave_variance_px2) {
+  using Column = Eigen::Matrix<double, Terms, 1>;
+  Eigen::Matrix<double, Terms, Terms> normal = Eigen::Matrix<double, Terms, Terms>::Zero();
+  Column right = Column::Zero();
+  for (int k = 0; k < normals.count(); ++k) {
+    const Column move = normals.move.col(k).head<Terms>();
+    const Column weighted = information[k] * move;
+    normal.noalias() += weighted * move.transpose();
+    right += offset_px[k] * weighted;
+  }
+  if (Terms > kShape) normal.diagonal().tail(Terms - kShape).array() += 1.0 / wave_variance_px2;
+  return solve<Terms>(normal, right);
+}
+
+PerNormal residuals(const Normals& normals, const PerNormal& offset_px, const OutlineFit& fit) {
+  return offset_px - normals.moved(fit.terms);
+}
+
+double robust_sigma(const PerNormal& residual, const NormalFlags& use) {
+  std::array<double, Normals::kMost> sizes;
+  std::size_t n = 0;
+  for (Eigen::Index k = 0; k < residual.size(); ++k)
+    if (use[k]) sizes[n++] = std::abs(residual[k]);
+  if (n == 0) return 0.0;
+  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(n / 2);
+  std::nth_element(sizes.begin(), middle, sizes.begin() + static_cast<std::ptrdiff_t>(n));
+  return kNormalPerMad * *middle;
+}
+
+}  // namespace
+
+OutlineFit fit_outline(const Normals& normals, const PerNormal& offset_px,
+                       const PerNormal& information, double wave_variance_px2) {
+  return wave_variance_px2 > 0.0
+             ? fit_terms<Outline::kTerms>(normals, offset_px, information, wave_variance_px2)
+             : fit_terms<kShape>(normals, offset_px, information, 0.0);
+}
+
+OutlineFit fit_outline(const Normals& normals, const PerNormal& offset_px,
+                       const PerNormal& information) {
+  constexpr double kSigmas = 3.0, kLeastVariance_px2 = 1e-6;
+  OutlineFit even = fit_outline(normals, offset_px, information, 0.0);
+  // These are the residuals that each wave alone would explain.
+  const auto waves = normals.move.bottomRows<kWaves>();
+  const PerNormal weighted = information.cwiseProduct(residuals(normals, offset_px, even));
+  const Outline::Waves score = waves * weighted, known = waves.cwiseAbs2() * information;
+  const double excess = score.cwiseAbs2().cwiseQuotient(known).sum() - kWaves;
+  if (!(excess > kSigmas * std::sqrt(2.0 * kWaves))) return even;
+
+  const OutlineFit first = fit_outline(normals, offset_px, information, excess / known.sum());
+  const double power =
+      first.terms.tail<kWaves>().squaredNorm() + first.covariance.diagonal().tail<kWaves>().sum();
+  return fit_outline(normals, offset_px, information, std::max(kLeastVariance_px2, power / kWaves));
+}
+
+ArcFit fit_without_arc(const Normals& normals, const PerNormal& offset_px,
+                       const PerNormal& information, double wave_variance_px2) {
+  constexpr int kStarts = 32;
+  constexpr double kArc = 0.27;
+  const int n = normals.count(), arc = static_cast<int>(kArc * n);
+  PerNormal kept = information;
+  kept.head(arc).setZero();
+  Square normal = normals.move * kept.asDiagonal() * normals.move.transpose();
+  normal.diagonal().tail<kWaves>().array() += 1.0 / wave_variance_px2;
+  Outline::Terms right = normals.move * kept.cwiseProduct(offset_px);
+  double squares = kept.dot(offset_px.cwiseAbs2());
+  const auto add = [&](int k, double weight) {
+    const Outline::Terms move = normals.move.col(k);
+    normal.noalias() += weight * move * move.transpose();
+    right += weight * offset_px[k] * move;
+    squares += weight * offset_px[k] * offset_px[k];
+  };
+  ArcFit best;
+  double least = 0.0;
+  int first = 0, best_first = 0;
+  for (int start = 0; start < kStarts; ++start) {
+    for (; first < start * n / kStarts; ++first) {
+      add(first, information[first]);
+      add((first + arc) % n, -information[(first + arc) % n]);
+    }
+    const Outline::Terms x = normal.llt().solve(right);
+    const double cost = squares - x.dot(right);
+    if (start > 0 && cost >= least) continue;
+    least = cost;
+    best_first = first;
+    best.fit.terms = x;
+  }
+  best.use = information.array() > 0.0;
+  for (int i = 0; i < arc; ++i) best.use[(best_first + i) % n] = false;
+  return best;
+}
+
+NormalFlags agreeing(const Normals& normals, const PerNormal& offset_px, const OutlineFit& fit,
+                     const Agreement& agreement, const NormalFlags& readable,
+                     const NormalFlags& use) {
+  constexpr double kSigmas = 4.5, kMostUncertain = 2.0;
+  const Eigen::Index n = normals.count();
+  const PerNormal residual = residuals(normals, offset_px, fit);
+  const double sigma = std::max(agreement.least_sigma_px, robust_sigma(residual, use));
+  const auto agrees = [&](Eigen::Index k) {
+    double variance = sigma * sigma;
+    if (!use[k]) {
+      const auto move = normals.move.col(k);
+      variance +=
+          std::min(kMostUncertain * kMostUncertain * variance, move.dot(fit.covariance * move));
+    }
+    return readable[k] && residual[k] * residual[k] <= kSigmas * kSigmas * variance;
+  };
+  NormalFlags next(n);
+  for (Eigen::Index k = 0; k < n; ++k) next[k] = use[k] && agrees(k);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    if (!use[k] || !next[k]) continue;
+    for (const Eigen::Index step : {Eigen::Index{1}, n - 1}) {
+      for (Eigen::Index i = (k + step) % n; !use[i] && !next[i] && agrees(i); i = (i + step) % n)
+        next[i] = true;
+    }
+  }
+  return clear_of_others(normals, next, agreement.blur_px);
+}
+
+NormalFlags clear_of_others(const Normals& normals, const NormalFlags& use, double blur_px) {
+  constexpr double kReachOverBlur = 2.2;
+  const Eigen::Index n = normals.count();
+  const auto reach = std::max(
+      Eigen::Index{1},
+      static_cast<Eigen::Index>(std::lround(kReachOverBlur * blur_px / normals.arc_px.mean())));
+  NormalFlags clear = use;
+  for (Eigen::Index k = 0; k < n; ++k) {
+    if (use[k]) continue;
+    for (Eigen::Index i = -reach; i <= reach; ++i) clear[(k + n + i) % n] = false;
+  }
+  return clear;
 }
 
 }  // namespace planar

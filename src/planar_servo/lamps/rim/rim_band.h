@@ -7,8 +7,8 @@
 
 namespace planar {
 
-/// Describes equally spaced points of a straight line in an image: they begin at (u, v) and
-/// continue in steps of (du, dv).
+/// Equally spaced points on a straight line in an image: they begin at (u, v) and continue in steps
+/// of (du, dv).
 struct BandLine {
   float u, v, du, dv;
   float nu2, nv2;  ///< squared components of the line's direction
@@ -48,5 +48,18 @@ struct RimBand {
 
 /// Returns the number of normals for a rim, about one per pixel of it.
 int normals_round(double diameter_px);
+
+/// The variance of a pixel's grey level as a line in the level: at_zero + per_level * level.
+struct PixelNoise {
+  double at_zero{0.0};
+  double per_level{0.0};
+
+  double variance(double level) const;
+};
+
+/// Estimates the noise from second differences along the rows, well inside and well outside the
+/// lamp. Where one side gives too few pixels (the lamp is clipped or small), the variance at level
+/// zero is that of rounding and of half a level of read noise.
+PixelNoise estimate_noise(const cv::Mat& image, const Outline& outline);
 
 }  // namespace planar

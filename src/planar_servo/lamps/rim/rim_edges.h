@@ -3,7 +3,6 @@
 #include <Eigen/Core>
 #include <optional>
 
-#include "planar_servo/lamps/rim/pixel_noise.h"
 #include "planar_servo/lamps/rim/rim_band.h"
 
 namespace planar {

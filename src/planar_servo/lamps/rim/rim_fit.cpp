@@ -6,8 +6,6 @@
 
 #include "planar_servo/core/units.h"
 #include "planar_servo/lamps/rim/outline.h"
-#include "planar_servo/lamps/rim/outline_fit.h"
-#include "planar_servo/lamps/rim/pixel_noise.h"
 #include "planar_servo/lamps/rim/rim_band.h"
 #include "planar_servo/lamps/rim/rim_edges.h"
 
@@ -17,12 +15,12 @@ namespace {
 /// An outline through half-level edges, correct to a few tenths of a pixel.
 struct CoarseOutline {
   Outline outline;
-  NormalFlags use;                    ///< the normals whose edges belong to it
+  NormalFlags use;                    ///< the normals whose edges lie on it
   Eigen::Matrix2d center_covariance;  ///< from the scatter of the edges
 };
 
-/// What half-level edges can be. They cannot tell a covered rim from a bent one that is unevenly
-/// lit.
+/// The outlines that half-level edges allow. They cannot tell a covered rim from a bent one that is
+/// unevenly lit.
 struct CoarseOutlines {
   CoarseOutline likely;
   std::optional<CoarseOutline> bent;  ///< through all edges, where `likely` leaves some out
@@ -174,9 +172,9 @@ Eigen::Matrix2d square(const Eigen::Vector2d& d) {
   return d * d.transpose();
 }
 
-/// Returns the covariance that the ends of what was left out add: the square of how far the centre
-/// moves without them, too. They may belong to it and pass for waves of the rim. Not a number where
-/// too little of the rim is left without them.
+/// Returns the covariance that the ends of what was left out add, because they may be mistaken for
+/// waves of the rim: the square of how far the centre moves when they are left out as well. Not a
+/// number where too little of the rim is then left.
 Eigen::Matrix2d covariance_of_ends(const OutlineFit& fit, const Normals& normals,
                                    const RimEdges& edges, const NormalFlags& use) {
   if (use.all()) return Eigen::Matrix2d::Zero();
@@ -196,7 +194,7 @@ double largest_gap(const NormalFlags& use) {
   return 2.0 * kPi * static_cast<double>(longest) / static_cast<double>(n);
 }
 
-/// Returns whether this is still the lamp of the blob.
+/// Returns whether the outline is still that of the blob's lamp.
 bool is_near(const Outline& outline, const Blob& blob) {
   constexpr double kMostShift = 0.25, kMostGrowth = 1.5;  // of the diameter
   const double ratio = outline.diameter() / blob.diameter_px();
@@ -239,7 +237,7 @@ struct Round {
 
 std::optional<Round> measure(const cv::Mat& image, const Outline& outline, const PixelNoise& noise,
                              double reach_px, const NormalFlags& use, RimBand& band) {
-  // A lamp's light changes slowly, but anything may lie round it, so less of the outside is used.
+  // A lamp's light changes slowly, but anything may lie around it, so less of the outside is used.
   constexpr double kInside_px = 6.0, kOutside_px = 4.5;
   band.sample(image, outline, static_cast<int>(use.size()), -reach_inside_px(outline, kInside_px),
               std::min(kOutside_px, reach_px));
@@ -266,7 +264,7 @@ struct Refined {
   /// Covariance of what the rim's shape leaves open.
   Eigen::Matrix2d doubt{Eigen::Matrix2d::Zero()};
 
-  /// Returns whether the noise leaves a measurement: doubt only widens what is stated.
+  /// Returns whether noise alone leaves a measurement; doubt only widens the stated covariance.
   bool is_measurement() const {
     constexpr double kMostSigma_px = 0.25;
     return rim.center_covariance.trace() < 2.0 * kMostSigma_px * kMostSigma_px && doubt.allFinite();
@@ -308,9 +306,9 @@ std::optional<Refined> refine(const cv::Mat& image, const Blob& blob, const Coar
   return refined;
 }
 
-/// Returns the covariance that doubt adds to the centre of a bent rim: nothing where the outline of
-/// the rim's better part has its centre there, too, as far as it can tell, or is too little for a
-/// measurement; else the rim may be cut as well, and their distance counts as a standard deviation.
+/// Returns the covariance that doubt adds to the centre of a bent rim. It is zero where the outline
+/// of the rim's better part agrees on the centre, or is too short for a measurement; otherwise the
+/// rim may be cut instead, and the distance of the centres counts as a standard deviation.
 Eigen::Matrix2d covariance_of_doubt(const Refined& bent, const Refined& cut) {
   constexpr double kSigmas = 4.5;
   if (!cut.is_measurement()) return Eigen::Matrix2d::Zero();

@@ -20,7 +20,7 @@ struct RimFit {
 /// Fits an ellipse with a wavy rim to the grey levels along its normals, up to `reach_px` outside
 /// it (at most 4.5 px). Departures from an even disc are fitted only as far as the image shows
 /// them: levels and slopes that change round the rim (measure_edges), waves (fit_outline),
-/// stretches that do not belong to the outline (agreeing), clipped pixels. The covariance follows
+/// stretches that are not part of the outline (agreeing), clipped pixels. The covariance follows
 /// from noise estimated in the image. A rim whose levels do not fit (interlaced or compressed
 /// images, lamps of few pixels) is measured by its half-level edges, with the covariance of their
 /// scatter. Empty when there is no rim to fit.

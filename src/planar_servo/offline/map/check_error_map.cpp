@@ -9,8 +9,8 @@
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
+#include "planar_servo/error_map/error_map.h"
 #include "planar_servo/error_map/fit/pair_checks.h"
-#include "planar_servo/error_map/map_quality.h"
 
 namespace planar {
 namespace {

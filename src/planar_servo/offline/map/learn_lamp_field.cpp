@@ -9,6 +9,7 @@
 #include "planar_servo/arm/transmission.h"
 #include "planar_servo/cell/device_kinds.h"
 #include "planar_servo/core/error.h"
+#include "planar_servo/core/units.h"
 #include "planar_servo/devices/tracker.h"
 #include "planar_servo/files/arm_file.h"
 #include "planar_servo/files/map_file.h"
@@ -17,8 +18,6 @@
 
 namespace planar {
 namespace {
-
-constexpr double kHour = 3600.0;
 
 bool tells_field(const PairRow& pair) {
   constexpr Plan kTelling[] = {Plan::kTrain, Plan::kSweep1, Plan::kSweep3, Plan::kPose};

@@ -9,9 +9,7 @@
 #include "planar_servo/field/arm/arm_model.h"
 #include "planar_servo/field/fit_lamp_field.h"
 #include "planar_servo/field/lay_information.h"
-#include "planar_servo/field/pose_sample.h"
 #include "planar_servo/files/provenance.h"
-#include "planar_servo/tables/lay_table.h"
 #include "planar_servo/tables/pair_table.h"
 #include "planar_servo/vision/see_tool.h"
 

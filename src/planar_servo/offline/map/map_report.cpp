@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "planar_servo/core/units.h"
-#include "planar_servo/field/arm/arm_terms.h"
+#include "planar_servo/field/arm/arm_fit.h"
 #include "planar_servo/files/map_file.h"
 #include "planar_servo/offline/calibrate_arm.h"
 

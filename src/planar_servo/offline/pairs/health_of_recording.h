@@ -6,8 +6,8 @@
 #include "planar_servo/cell/cell_settings.h"
 #include "planar_servo/health/cause.h"
 #include "planar_servo/health/health_record.h"
-#include "planar_servo/tables/frame_table.h"
 #include "planar_servo/tables/lamp_table.h"
+#include "planar_servo/tables/recording_tables.h"
 #include "planar_servo/vision/see_tool.h"
 
 namespace planar {

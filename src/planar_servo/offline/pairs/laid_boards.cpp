@@ -6,12 +6,12 @@
 #include <map>
 #include <optional>
 
-#include "planar_servo/calibration/board_pose.h"
+#include "planar_servo/calibration/board.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/statistics.h"
 #include "planar_servo/core/units.h"
+#include "planar_servo/lens/workplane.h"
 #include "planar_servo/offline/calibrate_camera.h"
-#include "planar_servo/tool/disc_image.h"
 
 namespace planar {
 namespace {

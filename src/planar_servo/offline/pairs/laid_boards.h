@@ -9,8 +9,8 @@
 #include "planar_servo/core/pose.h"
 #include "planar_servo/lens/camera_model.h"
 #include "planar_servo/lens/workplane.h"
-#include "planar_servo/tables/frame_table.h"
-#include "planar_servo/tables/lay_table.h"
+#include "planar_servo/tables/pair_table.h"
+#include "planar_servo/tables/recording_tables.h"
 
 namespace planar {
 

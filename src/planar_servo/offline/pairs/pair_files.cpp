@@ -1,6 +1,6 @@
 #include "planar_servo/offline/pairs/pair_files.h"
 
-#include "planar_servo/files/health_file.h"
+#include "planar_servo/files/calibration_files.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/tables/lamp_table.h"
 

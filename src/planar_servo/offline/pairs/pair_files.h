@@ -6,10 +6,9 @@
 
 #include "planar_servo/calibration/workplane_calibration.h"
 #include "planar_servo/cell/cell_settings.h"
+#include "planar_servo/files/calibration_files.h"
 #include "planar_servo/files/provenance.h"
-#include "planar_servo/files/workplane_file.h"
 #include "planar_servo/health/health_record.h"
-#include "planar_servo/tables/lay_table.h"
 #include "planar_servo/tables/pair_table.h"
 
 namespace planar {

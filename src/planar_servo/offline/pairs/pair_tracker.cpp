@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "planar_servo/arm/planar_arm.h"
-#include "planar_servo/calibration/workplane_by_arm.h"
+#include "planar_servo/calibration/workplane_calibration.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/lens/workplane.h"

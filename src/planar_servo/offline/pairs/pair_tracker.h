@@ -11,9 +11,9 @@
 #include "planar_servo/core/statistics.h"
 #include "planar_servo/offline/pairs/laid_boards.h"
 #include "planar_servo/offline/pairs/recording_check.h"
-#include "planar_servo/tables/frame_table.h"
 #include "planar_servo/tables/lamp_table.h"
 #include "planar_servo/tables/pair_table.h"
+#include "planar_servo/tables/recording_tables.h"
 #include "planar_servo/tables/tracker_table.h"
 
 namespace planar {

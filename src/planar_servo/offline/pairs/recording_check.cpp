@@ -20,7 +20,6 @@ namespace {
 constexpr double kMostCost_m = 0.05 * kMillimetre;
 /// A smaller trend is not worth a word; revisits name changes from this size on.
 constexpr double kWorthAWord_m = 0.01 * kMillimetre;
-constexpr double kSecondsAnHour = 3600.0;
 
 /// Training pairs in the order of time, and what is asked of them.
 struct TimedPairs {
@@ -120,8 +119,7 @@ Refusal RecordedStep::doubt() const {
 Refusal RecordedTrend::doubt() const {
   const double size_mm = mm(trend.size.norm());
   const std::string rate =
-      duration_s > 0.0 ? fmt::format(", {:.3f} mm per hour", size_mm * kSecondsAnHour / duration_s)
-                       : "";
+      duration_s > 0.0 ? fmt::format(", {:.3f} mm per hour", size_mm * kHour / duration_s) : "";
   return {
       fmt::format(
           "pairs: while the training places were recorded, vision and tracker drifted apart by "

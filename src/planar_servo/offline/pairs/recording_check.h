@@ -9,8 +9,8 @@
 #include "planar_servo/calibration/tracker_registration.h"
 #include "planar_servo/cell/cell_settings.h"
 #include "planar_servo/core/error.h"
-#include "planar_servo/tables/frame_table.h"
 #include "planar_servo/tables/pair_table.h"
+#include "planar_servo/tables/recording_tables.h"
 #include "planar_servo/tables/tracker_table.h"
 
 namespace planar {

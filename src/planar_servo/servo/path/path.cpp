@@ -41,9 +41,9 @@ constexpr double kNear_m = 0.010;
 /// Two segments that meet at a smaller angle are passed without a rest.
 constexpr double kSmoothJoint = 1.0 * kDegree;
 
-double top_speed(const PathSegment& segment, double speed, double acceleration) {
+double top_speed(const PathSegment& segment, double speed) {
   if (segment.curvature() == 0.0) return speed;
-  return std::min(speed, std::sqrt(acceleration / segment.curvature()));
+  return std::min(speed, std::sqrt(PathTiming::kAcceleration_m_s2 / segment.curvature()));
 }
 
 bool joined_smoothly(const PathSegment& before, const PathSegment& after) {
@@ -53,13 +53,13 @@ bool joined_smoothly(const PathSegment& before, const PathSegment& after) {
 
 /// Returns the speed at the beginning of each segment and at the end of the last one.
 std::vector<double> joint_speeds(const std::vector<PathSegment>& segments,
-                                 const std::vector<double>& tops, double acceleration) {
+                                 const std::vector<double>& tops) {
   const std::size_t n = segments.size();
   std::vector<double> speeds(n + 1, 0.0);
   for (std::size_t i = 1; i < n; ++i)
     if (joined_smoothly(segments[i - 1], segments[i])) speeds[i] = std::min(tops[i - 1], tops[i]);
   const auto reachable = [&](double from, std::size_t i) {
-    return std::sqrt(from * from + 2.0 * acceleration * segments[i].length_m());
+    return std::sqrt(from * from + 2.0 * PathTiming::kAcceleration_m_s2 * segments[i].length_m());
   };
   for (std::size_t i = 0; i < n; ++i)
     speeds[i + 1] = std::min(speeds[i + 1], reachable(speeds[i], i));
@@ -155,20 +155,18 @@ PathOffset Path::offset(const Eigen::Vector2d& p_B, double near_m) const {
   return nearest.value_or(PathOffset{});
 }
 
-PathTiming::PathTiming(const Path& path, double speed_m_s, double acceleration_m_s2)
-    : acceleration_(acceleration_m_s2) {
-  if (!(speed_m_s > 0.0) || !(acceleration_m_s2 > 0.0) || !std::isfinite(speed_m_s))
-    throw std::invalid_argument("a path's speed and acceleration must be positive");
+PathTiming::PathTiming(const Path& path, double speed_m_s) {
+  if (!(speed_m_s > 0.0) || !std::isfinite(speed_m_s))
+    throw std::invalid_argument("a path's speed must be positive");
   std::vector<double> tops;
-  for (const PathSegment& segment : path.segments())
-    tops.push_back(top_speed(segment, speed_m_s, acceleration_m_s2));
-  const std::vector<double> speeds = joint_speeds(path.segments(), tops, acceleration_m_s2);
+  for (const PathSegment& segment : path.segments()) tops.push_back(top_speed(segment, speed_m_s));
+  const std::vector<double> speeds = joint_speeds(path.segments(), tops);
   for (std::size_t i = 0; i < tops.size(); ++i)
     append(path.segments()[i].length_m(), speeds[i], speeds[i + 1], tops[i]);
 }
 
 void PathTiming::append(double length_m, double from, double to, double top) {
-  const double a = acceleration_;
+  constexpr double a = kAcceleration_m_s2;
   const double peak = std::min(top, std::sqrt(a * length_m + 0.5 * (from * from + to * to)));
   const double ramps_m = (2.0 * peak * peak - from * from - to * to) / (2.0 * a);
   append_phase((peak - from) / a, from, a);

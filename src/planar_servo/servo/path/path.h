@@ -73,8 +73,6 @@ class Path {
 
   double length_m() const { return begins_.back(); }
   const std::vector<PathSegment>& segments() const { return segments_; }
-  /// Returns how far along the path segment `i` begins; segments().size() gives the path's length.
-  double begin_m(std::size_t i) const { return begins_.at(i); }
 
   /// Returns the place so far along the path; beyond an end, that end.
   PathPlace at(double along_m) const;
@@ -93,10 +91,10 @@ class Path {
 /// v^2 / radius keeps the acceleration.
 class PathTiming {
  public:
-  /// Throws std::invalid_argument unless speed (m/s) and acceleration (m/s^2) are positive.
-  PathTiming(const Path& path, double speed_m_s, double acceleration_m_s2 = kAcceleration_m_s2);
+  /// Throws std::invalid_argument unless the speed is positive.
+  PathTiming(const Path& path, double speed_m_s);
 
-  /// The usual acceleration: 50 mm/s is reached after 0.5 s and 12.5 mm.
+  /// The acceleration: 50 mm/s is reached after 0.5 s and 12.5 mm.
   static constexpr double kAcceleration_m_s2{0.1};
 
   double duration_s() const { return end_s_; }
@@ -112,7 +110,6 @@ class PathTiming {
   void append(double length_m, double from, double to, double top);
   void append_phase(double duration_s, double speed_m_s, double acceleration_m_s2);
 
-  double acceleration_;
   std::vector<Phase> phases_;
   double end_s_{0.0}, end_m_{0.0};
 };

@@ -13,11 +13,9 @@ constexpr const char* kJoints[] = {"joint1", "joint2", "joint3"};
 using Reducers = std::array<ReducerTruth, 3>;
 
 void list_beam_sag(Fields& fields, ArmTruth& arm) {
-  list_optional(fields, "beam_sag", arm.beam_sag, {}, [&](BeamSagTruth& sag) {
-    fields.map("beam_sag", [&] {
-      fields.number("bending_mm_per_m2", sag.bending_m_per_m2, kMillimetre);
-      fields.number("twisting_mm_per_m2", sag.twisting_m_per_m2, kMillimetre);
-    });
+  list_optional_block(fields, "beam_sag", arm.beam_sag, [&](BeamSagTruth& sag) {
+    fields.number("bending_mm_per_m2", sag.bending_m_per_m2, kMillimetre);
+    fields.number("twisting_mm_per_m2", sag.twisting_m_per_m2, kMillimetre);
   });
 }
 
@@ -27,9 +25,8 @@ void list_axis_leans(Fields& fields, ArmTruth& arm) {
   list_optional(fields, "axis_leans_deg", arm.axis_leans_rad, {none, none, none},
                 [&](std::array<Eigen::Vector2d, 3>& leans) {
                   fields.map("axis_leans_deg", [&] {
-                    fields.numbers("joint1", leans[0], kDegree, lean);
-                    fields.numbers("joint2", leans[1], kDegree, lean);
-                    fields.numbers("joint3", leans[2], kDegree, lean);
+                    for (std::size_t i = 0; i < leans.size(); ++i)
+                      fields.numbers(kJoints[i], leans[i], kDegree, lean);
                   });
                 });
 }
@@ -99,53 +96,43 @@ void list_hysteresis(Fields& fields, Reducers& reducers) {
 
 void list_axis_errors(Fields& fields, const std::string& key, const char* unit_name,
                       std::optional<AxisErrorTruth>& errors, double unit) {
-  list_optional(fields, key, errors, {}, [&](AxisErrorTruth& error) {
-    fields.map(key, [&] {
-      fields.numbers(unit_name, error.sizes, unit, Range::at_least(0.0));
-      fields.numbers("phases_deg", error.phases_rad, kDegree);
-    });
+  list_optional_block(fields, key, errors, [&](AxisErrorTruth& error) {
+    fields.numbers(unit_name, error.sizes, unit, Range::at_least(0.0));
+    fields.numbers("phases_deg", error.phases_rad, kDegree);
   });
 }
 
 void list_scatter(Fields& fields, std::optional<ScatterTruth>& scatter) {
-  list_optional(fields, "scatter", scatter, {}, [&](ScatterTruth& stop) {
-    fields.map("scatter", [&] {
-      fields.number("sigma_um", stop.sigma_m, kMicrometre, Range::at_least(0.0));
-      fields.number("short_move_factor", stop.short_move_factor, 1.0, Range::at_least(0.0));
-      fields.number("negative_factor", stop.negative_factor, 1.0, Range::at_least(0.0));
-    });
+  list_optional_block(fields, "scatter", scatter, [&](ScatterTruth& stop) {
+    fields.number("sigma_um", stop.sigma_m, kMicrometre, Range::at_least(0.0));
+    fields.number("short_move_factor", stop.short_move_factor, 1.0, Range::at_least(0.0));
+    fields.number("negative_factor", stop.negative_factor, 1.0, Range::at_least(0.0));
   });
 }
 
 void list_warming(Fields& fields, std::optional<ArmWarmingTruth>& warming) {
-  list_optional(fields, "warming", warming, {}, [&](ArmWarmingTruth& warm) {
-    fields.map("warming", [&] {
-      fields.number("growth_um_per_m", warm.growth, kMicrometre);
-      fields.numbers("zero_shifts_deg", warm.zero_shifts_rad, kDegree);
-      fields.number("motor_time_constant_h", warm.motor_time_s, kHour, Range::positive());
-      fields.number("link_time_constant_h", warm.link_time_s, kHour, Range::positive());
-      fields.number("holding_share", warm.holding_share, 1.0, Range::from_to(0.0, 1.0));
-      fields.check(warm.motor_time_s != warm.link_time_s,
-                   {"arm.warming must have two different time constants"}, "link_time_constant_h");
-    });
+  list_optional_block(fields, "warming", warming, [&](ArmWarmingTruth& warm) {
+    fields.number("growth_um_per_m", warm.growth, kMicrometre);
+    fields.numbers("zero_shifts_deg", warm.zero_shifts_rad, kDegree);
+    fields.number("motor_time_constant_h", warm.motor_time_s, kHour, Range::positive());
+    fields.number("link_time_constant_h", warm.link_time_s, kHour, Range::positive());
+    fields.number("holding_share", warm.holding_share, 1.0, Range::from_to(0.0, 1.0));
+    fields.check(warm.motor_time_s != warm.link_time_s,
+                 {"arm.warming must have two different time constants"}, "link_time_constant_h");
   });
 }
 
 void list_height_wave(Fields& fields, std::optional<HeightWaveTruth>& wave) {
-  list_optional(fields, "height_wave", wave, {}, [&](HeightWaveTruth& rings) {
-    fields.map("height_wave", [&] {
-      fields.number("amplitude_um", rings.amplitude_m, kMicrometre);
-      fields.numbers("center_mm", rings.center_m, kMillimetre);
-    });
+  list_optional_block(fields, "height_wave", wave, [&](HeightWaveTruth& rings) {
+    fields.number("amplitude_um", rings.amplitude_m, kMicrometre);
+    fields.numbers("center_mm", rings.center_m, kMillimetre);
   });
 }
 
 void list_bending(Fields& fields, std::optional<BendingTruth>& bending) {
-  list_optional(fields, "bending", bending, {}, [&](BendingTruth& bent) {
-    fields.map("bending", [&] {
-      fields.number("largest_um", bent.largest_m, kMicrometre, Range::at_least(0.0));
-      fields.number("slack_deg", bent.slack_rad, kDegree);
-    });
+  list_optional_block(fields, "bending", bending, [&](BendingTruth& bent) {
+    fields.number("largest_um", bent.largest_m, kMicrometre, Range::at_least(0.0));
+    fields.number("slack_deg", bent.slack_rad, kDegree);
   });
 }
 
@@ -153,18 +140,12 @@ void list_bending(Fields& fields, std::optional<BendingTruth>& bending) {
 
 void list_fields(Fields& fields, ArmTruth& arm) {
   fields.numbers("link_lengths_mm", arm.link_lengths_m, kMillimetre, Range::positive());
-  fields.row("zero_offsets_deg", [&](RowFields& row) {
-    for (ReducerTruth& reducer : arm.reducers) row.number(reducer.zero_offset_rad, kDegree);
-  });
-  fields.row("backlash_deg", [&](RowFields& row) {
-    for (ReducerTruth& reducer : arm.reducers)
-      row.number(reducer.backlash_rad, kDegree, Range::at_least(0.0));
-  });
-  fields.map("eccentricity", [&] {
-    list_harmonics(fields, "joint1", arm.reducers[0].eccentricity, kDegree);
-    list_harmonics(fields, "joint2", arm.reducers[1].eccentricity, kDegree);
-    list_harmonics(fields, "joint3", arm.reducers[2].eccentricity, kDegree);
-  });
+  list_each(fields, "zero_offsets_deg", arm.reducers, &ReducerTruth::zero_offset_rad, kDegree,
+            Range::any());
+  list_each(fields, "backlash_deg", arm.reducers, &ReducerTruth::backlash_rad, kDegree,
+            Range::at_least(0.0));
+  fields.map("eccentricity",
+             [&] { list_each(fields, arm.reducers, &ReducerTruth::eccentricity, kDegree); });
   list_beam_sag(fields, arm);
   list_axis_leans(fields, arm);
   list_ripple(fields, arm.reducers);

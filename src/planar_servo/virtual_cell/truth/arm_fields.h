@@ -20,6 +20,14 @@ void list_optional(FieldList& fields, const std::string& key, std::optional<Valu
   field = value;
 }
 
+/// Visits a block of keys that a file may leave out; `list(Value&)` visits its keys.
+template <typename FieldList, typename Value, typename List>
+void list_optional_block(FieldList& fields, const std::string& key, std::optional<Value>& field,
+                         const List& list) {
+  list_optional(fields, key, field, Value(),
+                [&](Value& value) { fields.map(key, [&] { list(value); }); });
+}
+
 /// Visits the keys of the block `arm` that say what is wrong with the arm.
 void list_fields(Fields& fields, ArmTruth& arm);
 

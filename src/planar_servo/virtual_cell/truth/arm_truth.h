@@ -12,7 +12,6 @@
 namespace planar {
 
 // Units of truth.yaml that cell.yaml does not need.
-constexpr double kHour = 3600.0;
 constexpr double kArcSecond = kDegree / 3600.0;
 constexpr double kMicroradian = 1e-6;
 constexpr double kFullStep = 1.8 * kDegree;  ///< of a stepper motor with 200 steps per turn
@@ -21,7 +20,7 @@ constexpr double kFullStep = 1.8 * kDegree;  ///< of a stepper motor with 200 st
 using VirtualMonuments = std::vector<std::pair<std::string, Eigen::Vector3d>>;
 
 /// How arm and drives are built and where the monuments stand, whatever cell.yaml states. What is
-/// empty is as cell.yaml states it.
+/// empty here is as stated there.
 struct BuildTruth {
   std::optional<double> sense;                  ///< +1 counterclockwise, -1 clockwise
   std::optional<std::array<bool, 2>> relative;  ///< whether motors 2 and 3 ride on the link before
@@ -33,7 +32,7 @@ struct BuildTruth {
   VirtualMonuments monuments_B;
 };
 
-// What arms are in reality, in SI units; doc/virtual_cell.md says where the forms come from.
+// The errors of real arms, in SI units; doc/virtual_cell.md says where the forms come from.
 
 /// The function amplitude * sin(order * angle + phase).
 struct Harmonic {
@@ -66,14 +65,15 @@ struct BeamSagTruth {
   double twisting_m_per_m2{0.0};
 };
 
-/// By how much the tip misses where it comes to rest, drawn anew at every stop: see StopScatter.
+/// The miss of the tip where it comes to rest, drawn anew at every stop: see StopScatter.
 struct ScatterTruth {
   double sigma_m{0.0};            ///< rms per axis
   double short_move_factor{1.0};  ///< after a move of the tip by less than a millimetre
   double negative_factor{1.0};    ///< where motor 1 arrives turning backwards
 };
 
-/// What turns with each joint, of a size and with a phase of its own: see arm_errors.h.
+/// An error that turns with each joint, with its own size and phase: see runout_m() and
+/// wobble_rad().
 struct AxisErrorTruth {
   Eigen::Vector3d sizes{0.0, 0.0, 0.0};  ///< metres of runout, radians of wobble
   Eigen::Vector3d phases_rad{0.0, 0.0, 0.0};
@@ -89,13 +89,14 @@ struct ArmWarmingTruth {
   double holding_share{0.0};  ///< the heat of a motor at rest, of that of one that turns
 };
 
-/// The tool's height waves in rings about a place that shrink outwards, so that nothing repeats.
+/// The tool's height varies in rings around a place; they get narrower outwards, so nothing
+/// repeats.
 struct HeightWaveTruth {
   double amplitude_m{0.0};
   Eigen::Vector2d center_m{0.0, 0.0};  ///< base frame
 };
 
-/// The arm bends in the plane as its cables pull: see bending_m().
+/// The arm bends in the plane under the pull of its cables: see bending_m().
 struct BendingTruth {
   double largest_m{0.0};  ///< displacement of the tip
   double slack_rad{0.0};  ///< direction of link 1, from home on, at which the cables pull nowhere

@@ -1,6 +1,5 @@
 #include "planar_servo/virtual_cell/random.h"
 #include "planar_servo/virtual_cell/truth/arm_truth.h"
-#include "planar_servo/virtual_cell/truth/drawing.h"
 #include "planar_servo/virtual_cell/truth/truth.h"
 
 // This file holds every distribution in which cells with real arms differ from the paper's kind.

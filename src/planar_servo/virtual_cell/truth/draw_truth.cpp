@@ -3,7 +3,6 @@
 
 #include "planar_servo/core/units.h"
 #include "planar_servo/virtual_cell/random.h"
-#include "planar_servo/virtual_cell/truth/drawing.h"
 #include "planar_servo/virtual_cell/truth/truth.h"
 #include "planar_servo/virtual_cell/virtual_lens.h"
 
@@ -123,7 +122,7 @@ WarmingTruth draw_warming(Random& random) {
   warming.shift_px = any_direction(random, 0.3, 0.6);
   warming.turn_rad = either_sign(random, 0.001, 0.003) * kDegree;
   warming.growth = either_sign(random, 4e-5, 6e-5);
-  warming.time_constant_s = random.uniform(3600.0, 7200.0);
+  warming.time_constant_s = random.uniform(kHour, 2.0 * kHour);
   return warming;
 }
 

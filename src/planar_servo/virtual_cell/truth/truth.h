@@ -3,22 +3,24 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "planar_servo/core/names.h"
 #include "planar_servo/core/pose.h"
+#include "planar_servo/core/units.h"
 #include "planar_servo/virtual_cell/truth/arm_truth.h"
 
 namespace planar {
 
 // These structs hold what a virtual cell is in reality and a real cell would hide, in SI units. In
-// truth.yaml (truth_file.h) the keys name other units.
+// truth.yaml the keys name other units.
 
-/// What is off. The arm misses a share of all places, told by the pulses at which it comes to rest,
-/// and stays so until it leaves them; of the tracker's readings of the tool the same share is off.
-/// Lengths lie in the range.
+/// Outliers. The arm misses at a share of all places, which are identified by the pulses at which
+/// it comes to rest, until it leaves them; the same share of the tracker's readings of the tool is
+/// off. Lengths lie in the range.
 struct OutlierTruth {
   double share{0.0};
   double from_m{0.0};
@@ -32,13 +34,14 @@ struct WarpBump {
   Eigen::Vector2d amplitude_px{0.0, 0.0};
 };
 
-/// What warming does to the camera's image. In the time t it goes 1 - exp(-t / time_constant_s) of
-/// its way: the image shifts, turns (from u to v) and grows about CameraTruth::center_px.
+/// The effect of warming on the camera's image. After the time t it has reached 1 - exp(-t /
+/// time_constant_s) of its final size: the image shifts, turns (from u to v) and grows about
+/// CameraTruth::center_px.
 struct WarmingTruth {
   Eigen::Vector2d shift_px{0.0, 0.0};
   double turn_rad{0.0};
   double growth{0.0};  ///< relative
-  double time_constant_s{3600.0};
+  double time_constant_s{kHour};
 };
 
 /// Air that moves in the light's path shifts every image point. The shift has a normal
@@ -105,7 +108,7 @@ struct ToolTruth {
 struct StationDriftTruth {
   Eigen::Vector3d velocity_m_s{0.0, 0.0, 0.0};  ///< tracker's frame, as is the settling
   Eigen::Vector3d settling_m{0.0, 0.0, 0.0};
-  double half_time_s{3600.0};
+  double half_time_s{kHour};
 };
 
 struct TrackerTruth {
@@ -113,7 +116,7 @@ struct TrackerTruth {
   double sigma_m{0.0};  ///< white noise, standard deviation per axis
   double bias_m{0.0};   ///< greatest length of the smooth systematic error
   double bias_wavelength_m{1.0};
-  /// Share of the places whose readings are mixed up: they are those of a place measured earlier.
+  /// Share of the places that are given the readings of a place measured earlier.
   std::optional<double> mispaired_share;
   /// Errors of its own angles, radians, over the azimuth and over the elevation.
   std::vector<Harmonic> azimuth_errors, elevation_errors;
@@ -189,5 +192,15 @@ std::vector<StatedLamp> workshop_lamps();
 /// Returns the rms length of the warp over the image of the disc |P| <= radius_m in the base plane,
 /// pixels.
 double warp_rms_px(const CameraTruth& camera, double radius_m);
+
+/// Reads truth.yaml. Throws InputError with every fault of the file: an unknown or missing key, a
+/// wrong type, a number that is not finite or out of its range.
+Truth read_truth(const std::filesystem::path& path);
+
+/// Returns the whole file's text. Reading it gives the same cell up to the rounding of units.
+std::string truth_text(const Truth& truth);
+
+/// Writes the whole file. Throws WorkError when the path cannot be written.
+void write_truth(const std::filesystem::path& path, const Truth& truth);
 
 }  // namespace planar

@@ -1,5 +1,3 @@
-#include "planar_servo/virtual_cell/truth/truth_file.h"
-
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -11,6 +9,7 @@
 #include "planar_servo/io/yaml_writer.h"
 #include "planar_servo/virtual_cell/truth/arm_fields.h"
 #include "planar_servo/virtual_cell/truth/arm_truth.h"
+#include "planar_servo/virtual_cell/truth/truth.h"
 
 namespace planar {
 namespace {
@@ -58,24 +57,20 @@ void list_monuments(Fields& fields, VirtualMonuments& monuments) {
 }
 
 void list_outliers(Fields& fields, std::optional<OutlierTruth>& outliers) {
-  list_optional(fields, "outliers", outliers, {}, [&](OutlierTruth& stray) {
-    fields.map("outliers", [&] {
-      fields.number("share", stray.share, 1.0, Range::from_to(0.0, 1.0));
-      fields.number("from_mm", stray.from_m, kMillimetre, Range::positive());
-      fields.number("to_mm", stray.to_m, kMillimetre, Range::positive());
-      fields.check(stray.from_m <= stray.to_m, {"outliers.from_mm must not exceed outliers.to_mm"},
-                   "from_mm");
-    });
+  list_optional_block(fields, "outliers", outliers, [&](OutlierTruth& stray) {
+    fields.number("share", stray.share, 1.0, Range::from_to(0.0, 1.0));
+    fields.number("from_mm", stray.from_m, kMillimetre, Range::positive());
+    fields.number("to_mm", stray.to_m, kMillimetre, Range::positive());
+    fields.check(stray.from_m <= stray.to_m, {"outliers.from_mm must not exceed outliers.to_mm"},
+                 "from_mm");
   });
 }
 
 void list_air(Fields& fields, std::optional<AirTruth>& air) {
-  list_optional(fields, "air", air, {}, [&](AirTruth& moving) {
-    fields.map("air", [&] {
-      fields.number("sigma_px", moving.sigma_px, 1.0, Range::at_least(0.0));
-      fields.number("time_s", moving.time_s, 1.0, Range::positive());
-      fields.number("length_px", moving.length_px, 1.0, Range::positive());
-    });
+  list_optional_block(fields, "air", air, [&](AirTruth& moving) {
+    fields.number("sigma_px", moving.sigma_px, 1.0, Range::at_least(0.0));
+    fields.number("time_s", moving.time_s, 1.0, Range::positive());
+    fields.number("length_px", moving.length_px, 1.0, Range::positive());
   });
 }
 
@@ -124,13 +119,11 @@ void list_reference_lamps(Fields& fields, std::vector<ReferenceLampTruth>& lamps
 
 void list_drift(Fields& fields, CameraTruth& camera) {
   fields.numbers("px_per_h", camera.drift_px_per_h);
-  list_optional(fields, "warming", camera.warming, {}, [&](WarmingTruth& warming) {
-    fields.map("warming", [&] {
-      fields.numbers("shift_px", warming.shift_px);
-      fields.number("turn_deg", warming.turn_rad, kDegree);
-      fields.number("growth", warming.growth, 1.0, Range::from_to(-0.1, 0.1));
-      fields.number("time_constant_h", warming.time_constant_s, kHour, Range::positive());
-    });
+  list_optional_block(fields, "warming", camera.warming, [&](WarmingTruth& warming) {
+    fields.numbers("shift_px", warming.shift_px);
+    fields.number("turn_deg", warming.turn_rad, kDegree);
+    fields.number("growth", warming.growth, 1.0, Range::from_to(-0.1, 0.1));
+    fields.number("time_constant_h", warming.time_constant_s, kHour, Range::positive());
   });
 }
 
@@ -142,12 +135,10 @@ void list_fields(Fields& fields, ToolTruth& tool) {
 }
 
 void list_station_drift(Fields& fields, std::optional<StationDriftTruth>& drift) {
-  list_optional(fields, "station_drift", drift, {}, [&](StationDriftTruth& station) {
-    fields.map("station_drift", [&] {
-      fields.numbers("um_per_h", station.velocity_m_s, kMicrometre / kHour);
-      fields.numbers("settling_um", station.settling_m, kMicrometre);
-      fields.number("half_time_h", station.half_time_s, kHour, Range::positive());
-    });
+  list_optional_block(fields, "station_drift", drift, [&](StationDriftTruth& station) {
+    fields.numbers("um_per_h", station.velocity_m_s, kMicrometre / kHour);
+    fields.numbers("settling_um", station.settling_m, kMicrometre);
+    fields.number("half_time_h", station.half_time_s, kHour, Range::positive());
   });
 }
 

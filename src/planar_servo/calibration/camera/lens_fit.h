@@ -1,0 +1,84 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "planar_servo/calibration/camera_calibration.h"
+
+namespace planar {
+
+/// One least-squares fit of a camera and the boards' poses, without any view left out or corrected.
+struct LensFit {
+  CameraModel camera;
+  std::vector<Pose> X_CG;           ///< one per view
+  std::vector<double> view_rms_px;  ///< one per view
+  bool converged{true};             ///< false when the iterations ran out
+};
+
+/// Fits the camera and the boards' poses to the pixels of all views by Levenberg and Marquardt
+/// [Triggs et al. 1999], through the model's own projection, whatever the lens. It starts from the
+/// focal lengths that homographies give, without distortion, and adds the coefficients in steps:
+/// one, then eight, then all. Empty when the views give no start or a point lies beyond the lens
+/// model's range at the start.
+std::optional<LensFit> fit_by_bundle(const std::vector<CalibrationView>& views, int width_px,
+                                     int height_px, const CalibrationModel& model);
+
+/// The normal equations of a camera with all its views at the end of a fit, the poses eliminated.
+struct FitInformation {
+  Eigen::MatrixXd camera;  ///< of fx, fy, cx, cy and the free coefficients, for a noise of 1 px
+  double squares{0.0};     ///< sum of the squared distances, px^2
+  double parameters{0.0};  ///< how many there are, those of the poses included
+  double freedom{0.0};     ///< coordinates less parameters
+  double decrease{0.0};    ///< by which one more Gauss-Newton step would lower `squares`
+
+  /// What one view adds to the gradient of half the squares, and to `camera`: the square of its
+  /// Jacobian.
+  struct OfView {
+    Eigen::MatrixXd J_K;
+    Eigen::VectorXd gradient;
+  };
+  std::vector<OfView> views;
+};
+
+/// Returns the normal equations of a fit. Empty when a point lies at the very end of the lens
+/// model's range.
+std::optional<FitInformation> fit_information(const LensFit& fit,
+                                              const std::vector<CalibrationView>& views,
+                                              std::size_t free_coefficients);
+
+/// Returns the covariance of the camera by the scatter over views: the jackknife [Efron 1982] over
+/// views left out one by one, each by a Gauss-Newton step. Unlike the inverse information times the
+/// mean square residual, it stays valid when a lens of another kind correlates the residuals within
+/// a view. Empty when the views without one of them do not determine the camera.
+std::optional<Eigen::MatrixXd> scatter_over_views(const FitInformation& information);
+
+/// Returns the covariance of parameters with these Jacobians, stacked, for a variance of 1: the
+/// inverse of the sum of their squares. Empty when it is singular to working precision.
+std::optional<Eigen::MatrixXd> covariance_from(const std::vector<Eigen::MatrixXd>& jacobians);
+
+/// Returns the Jacobians of the camera by all views.
+std::vector<Eigen::MatrixXd> jacobians_of(const FitInformation& information);
+
+/// Fits the lens of ViSP to all views by vpCalibration (CALIB_VIRTUAL_VS_DIST), which starts from
+/// the pinhole camera of fit_by_bundle(). It minimises two distances at each point: from the pixel
+/// to the projection distorted by kud, and from the pixel undistorted by kdu to the projection
+/// without distortion. Boards much smaller or larger than a quarter of a metre are scaled to it
+/// inside, so that the board's unit does not matter. Empty when one of the fits fails. Throws
+/// InputError for more than 256 views, because vpCalibration writes beyond its arrays then.
+std::optional<LensFit> fit_by_visp(const std::vector<CalibrationView>& views, int width_px,
+                                   int height_px);
+
+/// Returns the covariance of px, py, u0, v0, kud, kdu for a variance of 1 px^2 of each pixel
+/// coordinate. Each coordinate enters both distances of its point, so that they are not
+/// independent. Empty when the views do not determine the camera.
+std::optional<Eigen::MatrixXd> visp_covariance(const LensFit& fit,
+                                               const std::vector<CalibrationView>& views);
+
+/// Removes each view that repeats an earlier one, and names both in `rejected`. A view repeats
+/// another when it shows the same points and their pixels are closer (root mean square) than three
+/// times the noise of these distances, as in two photographs of a board at rest. The noise is what
+/// the best small motion of the board, which is smooth, leaves of the distances.
+void drop_repeated_views(std::vector<CalibrationView>& views, std::vector<RejectedView>& rejected);
+
+}  // namespace planar

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <limits>
+
+namespace planar {
+
+/// Positive definite functions of u = distance / width that are 1 at distance 0.
+enum class KernelShape {
+  kGaussian,      ///< exp(-u^2 / 2): one scale, infinitely smooth
+  kMultiquadric,  ///< 1 - (sqrt(1 + u^2) - 1) / level: all scales from the width upwards
+};
+
+/// A kernel with its width. The multiquadric -sqrt(1 + u^2) alone is positive definite only for
+/// weights that sum to 0, as a tail makes them. The level, a constant that does not change such
+/// sums, makes it positive definite for all positions within `span` of each other.
+struct RadialKernel {
+  KernelShape shape{KernelShape::kGaussian};
+  double width{0.0};  ///< metres
+  double span{0.0};   ///< metres; only for the multiquadric
+
+  double level() const;
+};
+
+/// Returns the diagonal of the positions' box, metres; one column per position.
+double span_of(const Eigen::Matrix2Xd& positions);
+
+/// Returns the squared distances between columns of `positions`; only the lower triangle is filled.
+Eigen::MatrixXd squared_distances(const Eigen::Matrix2Xd& positions);
+
+/// Writes the kernel of each element of the lower triangle into that of `matrix`.
+void kernel_matrix(const RadialKernel& kernel, const Eigen::MatrixXd& squared_distances,
+                   Eigen::MatrixXd& matrix);
+
+/// Returns the kernel of the distance from p to each row of `centers`.
+Eigen::VectorXd kernel_at(const RadialKernel& kernel, const Eigen::MatrixX2d& centers,
+                          const Eigen::Vector2d& p);
+
+/// The polynomial tail of a radial basis function map as a basis q(p) of scaled coordinates (p -
+/// origin) / scale: degree 2 is [1, x, y, x^2, xy, y^2], degree 1 is [1, x, y], degree 0 is [1],
+/// degree -1 is empty. With direction, the tool's d = (cos phi, sin phi) comes last; its
+/// coefficients B represent an error fixed in the tool's frame, R(phi) t, and its mirror image.
+struct TailBasis {
+  int degree{1};
+  Eigen::Vector2d origin{0.0, 0.0};  ///< metres
+  double scale{1.0};                 ///< metres
+  bool with_direction{false};
+
+  Eigen::Index terms() const {
+    return (degree + 1) * (degree + 2) / 2 + (with_direction ? kDirectionTerms : 0);
+  }
+  /// Returns q, of terms() elements. `direction` is used only by a basis that has it.
+  Eigen::VectorXd at(const Eigen::Vector2d& p,
+                     const Eigen::Vector2d& direction = unknown_direction()) const;
+  /// Returns q of each column of `positions` and `directions`, one row each.
+  Eigen::MatrixXd at_each(const Eigen::Matrix2Xd& positions,
+                          const Eigen::Matrix2Xd& directions = {}) const;
+
+  static constexpr Eigen::Index kDirectionTerms = 2;
+  /// Returns NaN, which spreads to predictions that need a direction.
+  static Eigen::Vector2d unknown_direction() {
+    return Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN());
+  }
+};
+
+/// Returns the tail about the middle of `positions` with the given degree, or the largest lower one
+/// that the positions determine even with any one of them left out; few or collinear ones have no
+/// slope. The tail has the direction if every position has one and they determine its terms. For
+/// that the tool must turn by some ten degrees, independently of the position.
+TailBasis tail_for(const Eigen::Matrix2Xd& positions, int degree = 1,
+                   const Eigen::Matrix2Xd& directions = {});
+
+/// Returns the tail about other positions with the terms of `basis`, as far as the positions
+/// determine them.
+TailBasis tail_like(const TailBasis& basis, const Eigen::Matrix2Xd& positions,
+                    const Eigen::Matrix2Xd& directions);
+
+}  // namespace planar

@@ -1,0 +1,95 @@
+#include "planar_servo/tables/recording_tables.h"
+
+#include <catch2/catch.hpp>
+
+#include "planar_servo/core/error.h"
+#include "planar_servo/core/units.h"
+#include "support/temporary_folder.h"
+#include "support/texts.h"
+
+namespace planar {
+namespace {
+
+using Catch::Contains;
+
+TEST_CASE("A plan asks for positions by point or by joints, and for board views by neither") {
+  const std::vector<PlanRow> rows{{"g", Plan::kHeldBoard, {}},
+                                  {"t", Plan::kTrain, TipPose{{0.1, 0.2}, 0.0}},
+                                  {"s", Plan::kSweep3, Joints(0.1, 0.2, 0.3)}};
+  const test::TemporaryFolder folder;
+  const auto back = read_plan(folder.write("plan.csv", plan_text(rows)), 0.0);
+  REQUIRE(back.size() == 3);
+  CHECK(std::holds_alternative<std::monostate>(back[0].where));
+  CHECK((std::get<TipPose>(back[1].where).p - Eigen::Vector2d(0.1, 0.2)).norm() <
+        test::kWrittenNanometre);
+  CHECK((std::get<Joints>(back[2].where) - Joints(0.1, 0.2, 0.3)).norm() < 1e-7);
+}
+
+TEST_CASE("Plan rows without a place or with a plan that does not exist are named") {
+  const test::TemporaryFolder folder;
+  CHECK_THROWS_WITH(
+      read_plan(folder.write("plan.csv", "id,plan,x_mm,y_mm\na,trian,1,2\nb,train,,\n"), 0.0),
+      Contains("plan.csv:2: plan is 'trian'; allowed are grid") &&
+          Contains("plan.csv:3: has no position"));
+}
+
+TEST_CASE("A plan whose last line is torn is refused") {
+  const test::TemporaryFolder folder;
+  CHECK_THROWS_WITH(read_plan(folder.write("plan.csv", "id,plan,x_mm,y_mm\na,train,200,10"), 0.0),
+                    Contains("plan.csv:2: the last line does not end with a newline"));
+}
+
+TEST_CASE("A plan row without a direction keeps the tool as the cell has it") {
+  const test::TemporaryFolder folder;
+  const auto rows = read_plan(
+      folder.write("plan.csv", "id,plan,x_mm,y_mm,phi_deg\na,train,1,2,\nb,train,1,2,90\n"), 0.5);
+  CHECK(std::get<TipPose>(rows.at(0).where).phi == 0.5);
+  CHECK(std::get<TipPose>(rows.at(1).where).phi == 90.0 * kDegree);
+}
+
+TEST_CASE("A plan row whose id would leave the folder of images is refused") {
+  const test::TemporaryFolder folder;
+  CHECK_THROWS_WITH(read_plan(folder.write("plan.csv", "id,plan,x_mm,y_mm\n../a,train,1,2\n"), 0.0),
+                    Contains("plan.csv:2: id is '../a'"));
+}
+
+TEST_CASE("Half a place, or both kinds of place, is a fault of its row") {
+  const test::TemporaryFolder folder;
+  const auto read = [&](const std::string& row) {
+    const std::string header = "id,plan,x_mm,y_mm,phi_deg,theta1_deg,theta2_deg,theta3_deg\n";
+    read_plan(folder.write("plan.csv", header + row), 0.0);
+  };
+  CHECK_THROWS_WITH(read("a,train,1,,,,,\n"),
+                    Contains("plan.csv:2: y_mm is ''; a finite number is needed"));
+  CHECK_THROWS_WITH(read("a,train,,2,,,,\n"),
+                    Contains("plan.csv:2: x_mm is ''; a finite number is needed"));
+  CHECK_THROWS_WITH(read("a,train,,,,1,,3\n"),
+                    Contains("plan.csv:2: theta2_deg is ''; a finite number is needed"));
+  CHECK_THROWS_WITH(read("a,train,1,2,,1,2,3\n"),
+                    Contains("plan.csv:2: has both x_mm and theta1_deg; give one of them"));
+}
+
+TEST_CASE("A frame comes back as it was written") {
+  const test::TemporaryFolder folder;
+  const FrameRow frame{"t1",          "images/t1.pgm",     1.5, Plan::kTrain, {0.1, -0.2, 0.3},
+                       {10, -20, 30}, {100, 200, 512, 512}};
+  folder.write("frames.csv", frames_header() + frame_line(frame));
+  const FrameRow back = read_frames(folder.path()).at(0);
+  CHECK(back.image == frame.image);
+  CHECK((back.theta - frame.theta).norm() < 1e-10);
+  CHECK(back.pulses == frame.pulses);
+  CHECK(back.region_px == frame.region_px);
+}
+
+TEST_CASE("A recording that is no folder, empty or of an unknown plan is refused") {
+  const test::TemporaryFolder folder;
+  CHECK_THROWS_WITH(read_frames(folder / "absent"), Contains("is not a folder"));
+  folder.write("frames.csv", frames_header());
+  CHECK_THROWS_WITH(read_frames(folder.path()),
+                    Contains("has no rows; record some with planar-record"));
+  folder.write("frames.csv", frames_header() + "a,a.pgm,0,traning,0,0,0,0,0,0,0,0,8,8\n");
+  CHECK_THROWS_WITH(read_frames(folder.path()), Contains("frames.csv:3: plan is 'traning'"));
+}
+
+}  // namespace
+}  // namespace planar
