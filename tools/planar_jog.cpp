@@ -1,11 +1,15 @@
 
+#include <unistd.h>
+
 #include <filesystem>
 #include <iostream>
 #include <sstream>
 
+#include "planar_servo/jog/command_line.h"
 #include "planar_servo/jog/jog_console.h"
 #include "planar_servo/jog/jog_keys.h"
 #include "planar_servo/machine/device_kinds.h"
+#include "planar_servo/report/status_line.h"
 #include "program.h"
 
 namespace planar {
@@ -33,13 +37,32 @@ void add_options(CLI::App& app, Options& options) {
       JogConsole::help());
 }
 
+/// The lines at the bottom of the terminal of somebody who jogs by keys; nothing anywhere else.
+class BottomLines {
+ public:
+  void show(const std::string& text) {
+    if (is_shown()) line_.show(text);
+  }
+  void wipe() { line_.wipe(); }
+  /// Lets all that follows begin at the bottom.
+  void go_there() const {
+    if (is_shown()) fmt::print(stderr, "\033[999B");
+  }
+  bool is_shown() const { return shown_ && line_.is_shown(); }
+
+ private:
+  StatusLine line_;
+  bool shown_{RawTerminal::is_there() && isatty(STDOUT_FILENO) != 0};
+};
+
 /// Executes commands, prints their answers and counts what was not done.
 class Session {
  public:
-  explicit Session(JogConsole& console) : console_(console) {}
+  Session(JogConsole& console, BottomLines& bottom) : console_(console), bottom_(bottom) {}
 
   void execute(const std::string& line) {
     const JogConsole::Answer answer = console_.execute(line);
+    bottom_.wipe();
     ++commands_;
     if (!answer.done) ++refused_;
     if (!answer.text.empty()) say(answer.done ? stdout : stderr, "{}\n", answer.text);
@@ -62,13 +85,18 @@ class Session {
 
  private:
   JogConsole& console_;
+  BottomLines& bottom_;
   std::size_t commands_{0}, refused_{0};
 };
 
-bool ends(const std::string& command) {
+std::string verb_of(const std::string& command) {
   std::string verb;
   std::istringstream(command) >> verb;
-  return verb == "quit";
+  return verb;
+}
+
+bool ends(const std::string& command) {
+  return verb_of(command) == "quit";
 }
 
 void follow_lines(Session& session) {
@@ -93,45 +121,109 @@ class KeyStop {
   std::string key_;
 };
 
-void follow_keys(Session& session, KeyStop& stop) {
-  constexpr const char* kQuitKeys[] = {"Q", "\x03", "\x04"};
-  RawTerminal terminal;
-  JogKeys keys;
-  say("{}\n", keys.help());
-  while (const auto key = terminal.key()) {
-    for (const char* quit : kQuitKeys)
-      if (*key == quit) return;
-    std::optional<std::string> command;
-    if (*key == ":") {
-      say(":");
-      std::fflush(stdout);
-      command = terminal.line();
-      if (!command || ends(*command)) return;
-    } else {
-      command = keys.command(*key);
+/// Follows the keys of a terminal.
+class Keyboard {
+ public:
+  Keyboard(JogConsole& console, Session& session, BottomLines& bottom, KeyStop& stop)
+      : console_(console),
+        session_(session),
+        bottom_(bottom),
+        stop_(stop),
+        line_([&console](const std::string& begun) { return console.completions(begun); }) {}
+
+  void follow() {
+    bottom_.go_there();
+    tell(keys_.help());
+    for (show_state(); const auto key = terminal_.key(); show_state()) {
+      if (*key == "Q" || *key == kInterrupt || *key == kEndOfInput) return;
+      if (keys_.change_step(*key)) {
+        if (!bottom_.is_shown()) tell(keys_.step());
+        continue;
+      }
+      const std::optional<std::string> command = *key == ":" ? typed() : keys_.command(*key);
+      if (ended_ || (command && ends(*command))) return;
+      stop_.watch(terminal_, *key);
+      if (command)
+        execute(*command);
+      else if (*key != ":")
+        tell(*key == "?" ? keys_.help() + '\n' + JogConsole::help()
+                         : fmt::format("there is no key '{}'; ? shows the keys", *key));
+      terminal_.forget_keys();
     }
-    stop.watch(terminal, *key);
-    if (command)
-      session.execute(*command);
-    else
-      say("{}\n", keys.help());
-    terminal.forget_keys();
   }
-}
+
+ private:
+  static constexpr char kInterrupt[] = "\x03", kEndOfInput[] = "\x04";
+
+  void tell(const std::string& text) {
+    bottom_.wipe();
+    say("{}\n", text);
+    std::fflush(stdout);
+  }
+
+  void show_state() {
+    if (!bottom_.is_shown()) return;
+    const auto [arm, camera] = console_.status();
+    bottom_.show(fmt::format("{}\n{} | {}", arm, keys_.step(), camera));
+  }
+
+  /// Lets a command be typed. Empty when it is left, or when the input ends.
+  std::optional<std::string> typed() {
+    constexpr char kErase[] = "\r\033[K";
+    bottom_.wipe();
+    line_.begin();
+    auto state = CommandLine::State::kOpen;
+    while (state == CommandLine::State::kOpen) {
+      fmt::print(stderr, "{}:{}", kErase, visible(line_.text()));
+      const auto key = terminal_.key();
+      ended_ = !key || *key == kInterrupt || *key == kEndOfInput;
+      state = ended_ ? CommandLine::State::kLeft : line_.take(*key);
+      if (line_.choices().empty()) continue;
+      fmt::print(stderr, kErase);
+      tell(fmt::format("{}", fmt::join(line_.choices(), "  ")));
+    }
+    const bool entered = state == CommandLine::State::kEntered;
+    fmt::print(stderr, "{}", entered ? "\n" : kErase);
+    return entered ? std::optional<std::string>(line_.text()) : std::nullopt;
+  }
+
+  void execute(const std::string& command) {
+    if (bottom_.is_shown() && verb_of(command) == "focus") repeat(command);
+    session_.execute(command);
+  }
+
+  /// Shows a reading again and again until another key is pressed.
+  void repeat(const std::string& command) {
+    do {
+      bottom_.show(console_.execute(command).text + "\nanother key ends this");
+    } while (!interrupted() && !stop_.asked());
+  }
+
+  JogConsole& console_;
+  Session& session_;
+  BottomLines& bottom_;
+  KeyStop& stop_;
+  RawTerminal terminal_;
+  JogKeys keys_;
+  CommandLine line_;
+  bool ended_{false};
+};
 
 Outcome jog(const Options& options) {
   const CellSettings cell = read_cell(options.cell);
   heed_interrupts();
   const auto devices = open_cell(cell);
   KeyStop stop;
-  JogConsole console(cell, *devices, options.teach,
-                     [&stop] { return interrupted() || stop.asked(); });
-  Session session(console);
+  BottomLines bottom;
+  JogConsole console(
+      cell, *devices, options.teach, [&stop] { return interrupted() || stop.asked(); },
+      [&bottom](const std::string& sentence) { bottom.show(sentence); });
+  Session session(console, bottom);
   if (!RawTerminal::is_there()) {
     follow_lines(session);
     return session.outcome();
   }
-  follow_keys(session, stop);
+  Keyboard(console, session, bottom, stop).follow();
   return {session.outcome().figures};
 }
 

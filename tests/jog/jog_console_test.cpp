@@ -7,8 +7,8 @@
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/io/atomic_file.h"
-#include "planar_servo/jog/jog_keys.h"
 #include "planar_servo/machine/device_kinds.h"
+#include "support/jog_bench.h"
 #include "support/manual_clock.h"
 #include "support/mock_pulse_drive.h"
 #include "support/sample_cells.h"
@@ -18,50 +18,9 @@ namespace planar {
 namespace {
 
 using Catch::Contains;
+using test::JogBench;
 
 constexpr double kOnePulse_mm = 0.02;  // a pulse of the paper's cell moves the end point by 2 um
-
-/// The paper's cell in reach of nothing but its own files: its vision is not calibrated.
-struct Bench {
-  test::TemporaryFolder folder;
-  CellSettings cell;
-  std::unique_ptr<CellDevices> devices;
-  std::filesystem::path table;
-  JogConsole console;
-
-  explicit Bench(const CellSettings& settings = read_cell(test::paper_cell_file()))
-      : cell(settings),
-        devices(open_cell(cell)),
-        table(folder.path() / "targets.csv"),
-        console(cell, *devices, table) {}
-
-  Pulses pulses() {
-    Pulses all;
-    const auto status = devices->drives().status();
-    for (std::size_t i = 0; i < 3; ++i) all[static_cast<int>(i)] = status[i].target_pulses;
-    return all;
-  }
-  std::string done(const std::string& line) {
-    const auto answer = console.execute(line);
-    INFO(line << " -> " << answer.text);
-    CHECK(answer.done);
-    return answer.text;
-  }
-  /// Refused, and nothing has moved.
-  std::string refused(const std::string& line) {
-    const Pulses before = pulses();
-    const auto answer = console.execute(line);
-    INFO(line << " -> " << answer.text);
-    CHECK_FALSE(answer.done);
-    CHECK(pulses() == before);
-    return answer.text;
-  }
-  /// The elbow to a right angle.
-  void bend() {
-    done("enable");
-    for (int i = 0; i < 2; ++i) done("joint 2 15");
-  }
-};
 
 /// A cell whose camera fails at a moment of its clock.
 class FailingCamera final : public CellDevices, public FrameSource {
@@ -118,6 +77,7 @@ class UnhomedCell final : public CellDevices {
 };
 
 TEST_CASE("Before homing, and at a jog that needs it, the keys are named that lead on") {
+  const test::TemporaryFolder folder;
   CellSettings cell = read_cell(test::paper_cell_file());
   cell.transmission.drives[0].home = cell.transmission.drives[1].home =
       HomeReference::kReverseSwitch;
@@ -125,7 +85,11 @@ TEST_CASE("Before homing, and at a jog that needs it, the keys are named that le
   cell.transmission.drives[2].home_rad = 10.0 * kDegree;
   UnhomedCell devices(cell);
   for (test::MockPulseDrive& motor : devices.motors) motor.knows_position = false;
-  JogConsole console(cell, devices, "");
+  std::vector<std::string> announced;
+  JogConsole console(cell, devices, folder / "t.csv", {},
+                     [&](const std::string& sentence) { announced.push_back(sentence); });
+  CHECK(console.status()[0] == "off | press o (command enable)");
+  CHECK_THAT(console.execute("home").text, Contains("the drives are off; enable them first"));
   const std::string to_do =
       "joint 1, joint 2: press h (command home), which searches the home switches and moves the "
       "arm; turn joint 3 to its mark at 10.000 deg by hand, then give the command mark 3 (key ':')";
@@ -133,8 +97,13 @@ TEST_CASE("Before homing, and at a jog that needs it, the keys are named that le
   const auto refused = console.execute("joint 1 1");
   CHECK_FALSE(refused.done);
   CHECK(refused.text == "drives do not know where they stand; " + to_do);
+  CHECK(console.execute("teach a").text == refused.text);
+  CHECK_THAT(console.status()[0], Contains("not homed | joint 1, joint 2: press h"));
   CHECK(console.execute("mark 3").done);
   CHECK(console.execute("home").text == "2 joints homed");
+  REQUIRE(announced.size() == 2);
+  CHECK_THAT(announced[1], Contains("joint 2 searches its home switch") && Contains("180 s"));
+  CHECK_THAT(console.status()[0], Contains("homed | joints"));
   CHECK(console.execute("enable").text == "the drives are on and know where they stand");
 }
 
@@ -150,7 +119,7 @@ TEST_CASE("A camera that fails stops a jog, and the next one goes without it") {
   CHECK(console.execute("joint 2 15").done);
 }
 
-TEST_CASE("A jog that is stopped says where the arm is, and the next one goes on from there") {
+TEST_CASE("A jog that is stopped says where the arm is, and the next one continues from there") {
   const CellSettings cell = read_cell(test::paper_cell_file());
   const auto devices = open_cell(cell);
   const double start_s = devices->clock().now_s();
@@ -178,7 +147,7 @@ TEST_CASE("An exposure that the camera refuses is said and changes nothing") {
 }
 
 TEST_CASE("A typo, a wrong unit or a missing number moves nothing and says what is needed") {
-  Bench bench;
+  JogBench bench;
   bench.bend();
   CHECK_THAT(bench.refused("jiont 2 5"), Contains("no command 'jiont'"));
   CHECK_THAT(bench.refused("joint 2"), Contains("help says 'joint JOINT DEG"));
@@ -193,7 +162,7 @@ TEST_CASE("A typo, a wrong unit or a missing number moves nothing and says what 
 }
 
 TEST_CASE("Steps are bounded, whichever way they are asked for") {
-  Bench bench;
+  JogBench bench;
   bench.bend();
   CHECK_THAT(bench.refused("joint 1 15.1"), Contains("at most 15 deg at a time"));
   CHECK_THAT(bench.refused("joint 3 -90"), Contains("at most 15 deg at a time"));
@@ -202,12 +171,12 @@ TEST_CASE("Steps are bounded, whichever way they are asked for") {
 }
 
 TEST_CASE("Nothing moves before the drives are enabled") {
-  Bench bench;
+  JogBench bench;
   CHECK_THAT(bench.refused("joint 2 5"), Contains("enable them first"));
 }
 
 TEST_CASE("x and y move the end point by what was asked, joints turn their motors") {
-  Bench bench;
+  JogBench bench;
   bench.bend();
   const PlanarArm arm(bench.cell.arm.geometry);
   const Transmission transmission(bench.cell.transmission);
@@ -229,7 +198,7 @@ TEST_CASE("x and y move the end point by what was asked, joints turn their motor
 TEST_CASE("From outside the workspace only ways towards it are open, inside none leads out") {
   CellSettings cell = read_cell(test::paper_cell_file());
   cell.arm.home = Joints::Zero();
-  Bench bench(cell);
+  JogBench bench(cell);
   bench.done("enable");  // stretched out, 60 mm beyond the workspace
   bench.done("joint 2 15");
   CHECK_THAT(bench.refused("joint 2 -5"), Contains("workspace reaches from"));
@@ -238,7 +207,7 @@ TEST_CASE("From outside the workspace only ways towards it are open, inside none
 }
 
 TEST_CASE("The exposure can be set, and the meter follows it") {
-  Bench bench;
+  JogBench bench;
   bench.bend();
   CHECK_THAT(bench.done("look"), Contains("good"));
   CHECK_THAT(bench.done("exposure 2000"), Contains("2000 us") && Contains("expose more"));
@@ -249,7 +218,7 @@ TEST_CASE("The exposure can be set, and the meter follows it") {
 }
 
 TEST_CASE("Taught places become a table of targets, an id that is taken or none is refused") {
-  Bench bench;
+  JogBench bench;
   bench.bend();
   CHECK_THAT(bench.done("teach a"), Contains("as commanded"));
   bench.done("x -10");
@@ -288,11 +257,11 @@ TEST_CASE("A table that could not be written or has no header is refused before 
 }
 
 TEST_CASE("Where the arm stands is told without a negative zero") {
-  CHECK_THAT(Bench().done("where"),
+  CHECK_THAT(JogBench().done("where"),
              Contains("phi 0.000 deg"));  // the nearest pulses lie just below 0
 }
 
-TEST_CASE("A table is gone on with only when its ids are known and its last line is whole") {
+TEST_CASE("A table is continued only when its ids are known and its last line is whole") {
   const test::TemporaryFolder folder;
   const auto file = folder.write("t.csv", "id,x_mm,y_mm,phi_deg\na,1,2,\n");
   TaughtTargets taught(file);
@@ -305,17 +274,6 @@ TEST_CASE("A table is gone on with only when its ids are known and its last line
                     Contains("the last line does not end with a newline"));
   CHECK_THROWS_WITH(TaughtTargets(folder.write("w.csv", "id,x_mm,y_mm,phi_deg\na,one,2,0\n")),
                     Contains("w.csv:2: x_mm is 'one'"));
-}
-
-TEST_CASE("Keys stand for commands of one step, which + and - change") {
-  JogKeys keys;
-  CHECK(keys.command("q") == "joint 1 1");
-  CHECK(keys.command("\x1b[D") == "x -1");
-  CHECK_FALSE(keys.command("+"));
-  CHECK(keys.command("\x1b[A") == "y 10");
-  for (int i = 0; i < 5; ++i) keys.command("-");
-  CHECK(keys.command("d") == "joint 3 -0.1");
-  CHECK_FALSE(keys.command("z"));
 }
 
 TEST_CASE("The meter tells dark, good and saturated lamps apart, whatever a few hot pixels say") {

@@ -22,6 +22,18 @@ expect() {
   [ ! -e made ] || fail "$* left output behind"
 }
 
+# on_screen TEXT: waits until screen.txt, a terminal's, shows it.
+on_screen() {
+  for _ in $(seq 300); do
+    if grep -q -- "$1" screen.txt; then
+      sleep 0.2 # keys that come before the next line of state are forgotten
+      return
+    fi
+    sleep 0.1
+  done
+  fail "no '$1' on the screen: $(cat screen.txt)"
+}
+
 # Six board views, a board on the plane, a sweep of joint 3 and 40 training positions on a spiral.
 small_plan() {
   echo "id,plan,x_mm,y_mm,phi_deg"

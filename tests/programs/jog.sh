@@ -9,6 +9,7 @@ printf '%s\n' enable home 'joint 2 15' 'joint 2 15' 'x -20' 'y 5' look 'teach a'
   jog --teach taught.csv || fail "$(cat err.txt)"
 grep -q "% of the lit pixels saturated: good" out.txt || fail "no meter: $(cat out.txt)"
 grep -q "taught a at .* as seen" out.txt || fail "$(cat out.txt)"
+if grep -q $'\033' out.txt err.txt; then fail "lines of a terminal were drawn into a file"; fi
 "$bin/planar-servo" -q --cell cell/cell.yaml --targets taught.csv --out run >servo.txt ||
   fail "what was taught was not reached"
 grep -q "2 of 2 targets reached" servo.txt || fail "$(cat servo.txt)"
@@ -40,3 +41,38 @@ printf '%s\n' enable 'joint 2 15' 'teach a' ' quit  now' | jog --teach empty.csv
 status=0
 echo enable | jog --teach plan.csv || status=$?
 [ "$status" -eq 2 ] || fail "teaching into another table ended with $status"
+
+# Back to what was taught, however far; a frame is saved under the first free name; and the lens' figures.
+printf '%s\n' enable 'go b' find focus save save 'go c' | jog --teach taught.csv && fail "went to a place nobody taught"
+grep -q "moved to b, .* mm, by the links of the cell file: joints" out.txt || fail "$(cat out.txt)"
+grep -q "^edges .* px wide .*, best " out.txt || fail "$(cat out.txt)"
+grep -q "no place 'c' is taught; there are a, b" err.txt || fail "$(cat err.txt)"
+head -c 4 frame_2.png | grep -q PNG || fail "frame_2.png is no PNG"
+
+if ! command -v script >/dev/null; then
+  echo "script is not installed: keys were not tried"
+  exit 0
+fi
+mkfifo keys
+script -qec "$bin/planar-jog --cell cell/cell.yaml --teach taught.csv" /dev/null <keys >screen.txt 2>&1 &
+jog=$!
+exec 3>keys
+on_screen "off | press o"
+printf o >&3
+on_screen "homed | joints .* deg | end point"
+printf ':joint 9 9\033' >&3 # left, not executed
+sleep 0.3
+printf ':go \t' >&3
+on_screen "go a  go b"
+printf 'ab\177\n' >&3
+on_screen "moved to a, .* by the links"
+printf f >&3
+on_screen "another key ends this"
+printf ' ' >&3
+sleep 0.5
+printf '?' >&3
+on_screen "append this place to the targets"
+printf Q >&3
+wait "$jog" || fail "$(cat screen.txt)"
+exec 3>&-
+if grep -q "allowed are" screen.txt; then fail "a command that was left was executed: $(cat screen.txt)"; fi

@@ -37,24 +37,15 @@ mkfifo keys
 hosted gige -- script -qec "$bin/planar-jog --cell cell/gige.yaml" /dev/null <keys >screen.txt 2>&1 &
 jog=$!
 exec 3>keys
-
-# seen TEXT: waits until the screen shows it.
-seen() {
-  for _ in $(seq 300); do
-    if grep -q "$1" screen.txt; then return; fi
-    sleep 0.1
-  done
-  fail "no '$1' on the screen: $(cat screen.txt)"
-}
-seen "Q: quit"
+on_screen "Q: quit"
 printf o >&3
-seen "know where they stand"
+on_screen "know where they stand"
 printf ':joint 1 -15\n' >&3
 sleep 0.7
 printf ' ' >&3
-seen "stopped as asked; joints -[0-9]"
+on_screen "stopped as asked; joints -[0-9]"
 printf ':joint 1 -1\n' >&3
-seen "^:*joints -[0-9]"
+on_screen "^:*joints -[0-9]"
 printf Q >&3
 wait "$jog" || fail "$(cat screen.txt)"
 exec 3>&-

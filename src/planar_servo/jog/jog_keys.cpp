@@ -24,6 +24,14 @@ constexpr MotionKey kMotions[] = {{"\x1b[C", "x "},  {"\x1b[D", "x -"},  {"\x1b[
                                   {"w", "joint 2 "}, {"s", "joint 2 -"}, {"e", "joint 3 "},
                                   {"d", "joint 3 -"}};
 
+struct CommandKey {
+  const char* key;
+  const char* command;
+};
+
+constexpr CommandKey kCommands[] = {{"o", "enable"}, {"h", "home"},  {"p", "where"}, {"l", "look"},
+                                    {"v", "find"},   {"f", "focus"}, {"i", "save"}};
+
 constexpr char kEscape = '\x1b';
 constexpr int kSequence_ms = 20;  // the characters of one key arrive within this time
 
@@ -32,26 +40,41 @@ bool more_follows(int patience_ms) {
   return poll(&input, 1, patience_ms) > 0;
 }
 
+/// Returns whether characters that begin with Esc are a whole key: Esc and one, or a sequence
+/// Esc [ that a letter or ~ ends.
+bool is_whole(const std::string& key) {
+  if (key.size() < 2) return false;
+  return key[1] != '[' || (key.size() > 2 && key.back() >= '@');
+}
+
 }  // namespace
 
-std::optional<std::string> JogKeys::command(const std::string& key) {
+std::optional<std::string> JogKeys::command(const std::string& key) const {
   for (const MotionKey& motion : kMotions)
     if (key == motion.key) return std::string(motion.motion) + kSteps[step_];
-  if (key == "+") step_ = std::min(step_ + 1, kLastStep);
-  if (key == "-") step_ = std::max(step_ - 1, 0);
-  if (key == "o") return "enable";
-  if (key == "h") return "home";
-  if (key == "p") return "where";
-  if (key == "l") return "look";
+  for (const CommandKey& named : kCommands)
+    if (key == named.key) return named.command;
   return std::nullopt;
+}
+
+bool JogKeys::change_step(const std::string& key) {
+  if (key != "+" && key != "-") return false;
+  step_ = std::clamp(step_ + (key == "+" ? 1 : -1), 0, kLastStep);
+  return true;
 }
 
 std::string JogKeys::help() const {
   return fmt::format(
-      "arrows: x, y   q a, w s, e d: joints 1, 2, 3   + -: step ({0} mm or {0} deg)\n"
-      "o: enable   h: home   p: where   l: look   ':': a whole command   Q: quit\n"
+      "arrows: x, y   q a, w s, e d: joints 1, 2, 3   + -: {}\n"
+      "o: enable   h: home   p: where   l: look   v: find the lamps in the whole frame\n"
+      "f: focus until another key   i: save a whole frame   ?: all commands   Q: quit\n"
+      "':': a whole command; Tab completes it, Esc leaves it, up recalls one before\n"
       "another key while the arm moves stops it",
-      kSteps[step_]);
+      step());
+}
+
+std::string JogKeys::step() const {
+  return fmt::format("step {} mm/deg", kSteps[step_]);
 }
 
 bool RawTerminal::is_there() {
@@ -60,11 +83,11 @@ bool RawTerminal::is_there() {
 
 RawTerminal::RawTerminal() {
   if (tcgetattr(STDIN_FILENO, &usual_) != 0) throw WorkError("standard input is no terminal");
-  raw_ = usual_;
-  raw_.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO | ISIG);
-  raw_.c_cc[VMIN] = 1;
-  raw_.c_cc[VTIME] = 0;
-  tcsetattr(STDIN_FILENO, TCSANOW, &raw_);
+  termios raw = usual_;
+  raw.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO | ISIG);
+  raw.c_cc[VMIN] = 1;
+  raw.c_cc[VTIME] = 0;
+  tcsetattr(STDIN_FILENO, TCSANOW, &raw);
 }
 
 RawTerminal::~RawTerminal() {
@@ -75,21 +98,12 @@ std::optional<std::string> RawTerminal::key() {
   const auto first = character();
   if (!first) return std::nullopt;
   std::string key(1, *first);
-  while (key[0] == kEscape && key.size() < 3 && more_follows(kSequence_ms)) {
+  while (key[0] == kEscape && !is_whole(key) && more_follows(kSequence_ms)) {
     const auto next = character();
     if (!next) break;
     key += *next;
   }
   return key;
-}
-
-std::optional<std::string> RawTerminal::line() {
-  tcsetattr(STDIN_FILENO, TCSANOW, &usual_);
-  std::string text;
-  std::optional<char> next;
-  while ((next = character()) && *next != '\n') text += *next;
-  tcsetattr(STDIN_FILENO, TCSANOW, &raw_);
-  return next ? std::optional<std::string>(text) : std::nullopt;
 }
 
 bool RawTerminal::other_key_than(const std::string& key) {

@@ -13,10 +13,15 @@ class JogKeys {
  public:
   /// Returns the command of a key as a terminal sends it ("q", "\x1b[A"). Empty for a key that has
   /// no command.
-  std::optional<std::string> command(const std::string& key);
+  std::optional<std::string> command(const std::string& key) const;
+
+  /// Changes the step by "+" or "-". Returns whether it was one of these keys.
+  bool change_step(const std::string& key);
 
   /// Says what the keys do, and the present step.
   std::string help() const;
+  /// Says how long a step is.
+  std::string step() const;
 
  private:
   int step_{1};  ///< index in the list of steps
@@ -38,9 +43,6 @@ class RawTerminal {
   /// Waits for a key and returns its characters; an arrow sends three. Empty at the end of input.
   std::optional<std::string> key();
 
-  /// Reads a line, echoed and edited as usual. Empty at the end of input.
-  std::optional<std::string> line();
-
   /// Returns true when keys other than this one were pressed meanwhile. It does not wait. It
   /// forgets those keys, and the repetitions that a key sends while it is held down.
   bool other_key_than(const std::string& key);
@@ -52,7 +54,6 @@ class RawTerminal {
   std::optional<char> character();
 
   termios usual_{};
-  termios raw_{};
 };
 
 }  // namespace planar

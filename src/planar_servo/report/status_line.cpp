@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <sstream>
 #include <utility>
 
 #include "planar_servo/core/text.h"
@@ -16,7 +17,8 @@ namespace planar {
 namespace {
 
 constexpr std::size_t kUsualWidth = 80;
-constexpr char kEraseToEnd[] = "\033[K";
+/// What follows the cursor on its line, and what is below as well.
+constexpr char kEraseLine[] = "\033[K", kEraseBelow[] = "\033[J";
 
 std::size_t terminal_width() {
   winsize size{};
@@ -31,12 +33,20 @@ StatusLine::StatusLine()
 
 void StatusLine::show(const std::string& text) {
   if (!shown_) return;
-  fmt::print(stderr, "\r{}{}\r", visible(text).substr(0, terminal_width() - 1), kEraseToEnd);
+  const std::size_t width = terminal_width() - 1;
+  std::istringstream lines(visible(text));
+  std::string drawn;
+  int below = -1;  // the first one
+  for (std::string line; std::getline(lines, line); ++below)
+    drawn += (below < 0 ? "\r" : "\n") + line.substr(0, width) + kEraseLine;
+  drawn += kEraseBelow;
+  if (below > 0) drawn += fmt::format("\033[{}A", below);
+  fmt::print(stderr, "{}\r", drawn);
   drawn_ = true;
 }
 
 void StatusLine::wipe() {
-  if (drawn_) fmt::print(stderr, "\r{}", kEraseToEnd);
+  if (drawn_) fmt::print(stderr, "\r{}", kEraseBelow);
   drawn_ = false;
 }
 

@@ -47,8 +47,6 @@ constexpr double kPollPeriod_s = 5e-3;
 /// A move may take this many times its computed duration, plus a margin for the link.
 constexpr double kTimeoutFactor = 2.0;
 constexpr double kTimeoutMargin_s = 1.0;
-/// Homing runs at a speed that only the drive knows.
-constexpr double kHomingTimeout_s = 180.0;
 /// Pauses between attempts to recover a lost drive; each is twice the one before.
 constexpr double kFirstPause_s = 0.1;
 constexpr double kLongestPause_s = 2.0;

@@ -77,6 +77,8 @@ class PlanarRobot final : public vpRobot {
   /// Moves a motor to its home switch and counts its position from there. Throws DriveError when it
   /// has no switch, does not find it or fails; all motors halt then.
   void search_home(int joint);
+  /// A search for the home switch is given up after so long. Only the drive knows its speed.
+  static constexpr double kHomingTimeout_s{180.0};
 
   /// Returns the motor's angle behind its gear at its mark, radians; empty where a home switch is
   /// searched instead.

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "planar_servo/arm/joint_planner.h"
+#include "planar_servo/cell/cell_settings.h"
+#include "planar_servo/machine/cell_devices.h"
+#include "planar_servo/robot/planar_robot.h"
+#include "planar_servo/tables/target_table.h"
+
+namespace planar {
+
+/// Takes a sentence on what is being done now.
+using Announce = std::function<void(const std::string&)>;
+
+/// The arm of a cell as a person moves it: enabled, homed, then by short ways of a joint or of the
+/// end point, or to a place that was taught. Joints count from 0. What must not be done throws
+/// InputError with its remedy, and nothing has moved then; a motion that fails throws WorkError.
+class JogArm {
+ public:
+  /// Opens the arm and moves nothing. `stop` is as in PlanarRobot::stop_when(). `announce` hears
+  /// what takes longer, and for how long about. Throws InputError for a file of
+  /// the arm that was found with faults.
+  JogArm(const CellSettings& cell, CellDevices& devices, const std::function<bool()>& stop,
+         Announce announce);
+
+  /// Switches the drives on, also after a fault.
+  void enable();
+  /// Searches the home switch of a joint or, without one, of every joint that needs it. Returns how
+  /// many were homed.
+  std::size_t home(std::optional<int> joint);
+  /// Says that a motor stands at its mark.
+  void mark(int joint) { robot_.teach_home(joint); }
+
+  /// Turns the motor behind its gear, and with it what rides on that link.
+  void turn(int joint, double angle);
+  /// Moves the end point along the base's axes and keeps the tool's direction.
+  void step(const Eigen::Vector2d& step_B);
+  /// Moves to a target, by the arm that was found where the cell has one, as planar-servo goes
+  /// there before it looks. Returns by which arm, in words.
+  std::string go_to(const TargetRow& target);
+
+  /// Throws unless the drives are on and know where they stand.
+  void require_ready();
+  /// Returns why the arm cannot move yet and what is to be done; empty when it can.
+  std::string to_do();
+  /// Returns what makes the drives known that do not know their position; empty when all do.
+  std::string how_to_home();
+
+  Joints commanded() const { return robot_.commanded_joints(); }
+  const Pulses& pulses() const { return robot_.commanded_pulses(); }
+  TipPose tip() const { return planner_.arm().forward(commanded()); }
+  /// Says where joints and end point are commanded to.
+  std::string where() const;
+
+ private:
+  void require_enabled() const;
+  void move_to(const Joints& theta);
+  /// Returns the guard of a move that the camera's fault stops. It is empty after a loss of the
+  /// camera: a person who watches may move on.
+  PlanarRobot::Guard guard();
+  /// Returns what forbids the short way from where the arm is to these joints, if anything does.
+  std::optional<std::string> refusal(const Joints& theta) const;
+  double duration_s(const Joints& theta) const;
+
+  CellSettings cell_;
+  FrameSource& camera_;
+  Announce announce_;
+  JointPlanner planner_;
+  PlanarRobot robot_;
+  bool enabled_{false};
+};
+
+}  // namespace planar

@@ -1,0 +1,136 @@
+#include "planar_servo/jog/lamp_finder.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+
+#include "planar_servo/core/error.h"
+#include "planar_servo/core/text.h"
+#include "planar_servo/core/units.h"
+#include "planar_servo/lamps/lamp_center.h"
+#include "planar_servo/vision/lamp_tip_sensor.h"
+#include "planar_servo/vision/reference_lamps.h"
+
+namespace planar {
+namespace {
+
+/// Of two lamps alike nothing says which is which; their places are known all the same.
+bool is_measured(const LampPair& pair) {
+  return pair.status == LampStatus::kOk || pair.status == LampStatus::kAmbiguous;
+}
+
+/// Returns whether there are two patches of light, measured or not.
+bool is_located(const LampPair& pair) {
+  return pair.lamps[0].diameter_px > 0.0 && pair.lamps[1].diameter_px > 0.0;
+}
+
+/// Returns whether these are but the most evident of more than two lights.
+bool is_choice(const LampPair& pair) {
+  return pair.lamps[0].status == LampStatus::kAmbiguous;
+}
+
+std::string widths_of(const LampPair& pair) {
+  return fmt::format("{:.1f} and {:.1f} px wide", pair.lamps[0].diameter_px,
+                     pair.lamps[1].diameter_px);
+}
+
+Eigen::Vector2d middle_of(const LampPair& pair) {
+  return 0.5 * (pair.lamps[0].uv_px + pair.lamps[1].uv_px);
+}
+
+/// Returns how wide a lamp's edge is, from a fifth to four fifths of its contrast: as many pixels
+/// lie between these levels as the edge is long times its width. Unlike the blur of a fitted rim it
+/// grows on however far the lens is out of focus.
+double edge_width_px(const Frame& frame, const LampPair& pair, std::size_t index) {
+  constexpr double kLow = 0.2, kHigh = 0.8;
+  const LampCenter& lamp = pair.lamps[index];
+  const double between_px = (pair.lamps[1].uv_px - pair.lamps[0].uv_px).norm();
+  const double reach_px = std::min(2.0 * lamp.diameter_px, 0.5 * between_px);
+  const double corner_u = frame.region_px.x, corner_v = frame.region_px.y;
+  const Eigen::Vector2d center(lamp.uv_px.x() - corner_u, lamp.uv_px.y() - corner_v);
+  const cv::Rect window =
+      window_round(center, reach_px) & cv::Rect(cv::Point(), frame.image.size());
+  const double low = lamp.look.background + kLow * lamp.look.contrast();
+  const double high = lamp.look.background + kHigh * lamp.look.contrast();
+  const cv::Mat around = frame.image(window);
+  const int on_edge = cv::countNonZero((around > low) & (around < high));
+  return on_edge / (kPi * lamp.diameter_px);
+}
+
+}  // namespace
+
+LampFinder::LampFinder(LampScene scene, CenterMethod method, FrameSource& camera,
+                       int follow_region_px)
+    : scene_(std::move(scene)),
+      method_(method),
+      camera_(camera),
+      follow_region_px_(follow_region_px) {
+  if (scene_.vision) scene_.fixed_px = places_px(scene_.vision->reference_lamps);
+}
+
+PairExpectation LampFinder::expectation() const {
+  return LampPrediction(scene_, std::nullopt).of(std::nullopt);
+}
+
+Frame LampFinder::next_frame(const cv::Rect& region_px) {
+  camera_.set_region(region_px);
+  FrameResult result = camera_.next_frame();
+  if (result.status != FrameStatus::kOk) throw WorkError("the camera delivers no frame");
+  exposure_ = read_exposure(result.frame.image);
+  return std::move(result.frame);
+}
+
+Frame LampFinder::whole_frame() {
+  return next_frame({{}, camera_.sensor_size_px()});
+}
+
+std::string LampFinder::find() {
+  const LampPair pair = LampTracker(method_).locate(whole_frame(), expectation());
+  if (!is_measured(pair))
+    throw WorkError({fmt::format("no two lamps in the whole frame: {}", name(pair.status)),
+                     "save the frame and look at it (key i, command save)"});
+  middle_px_ = middle_of(pair);
+  const auto& [first, second] = pair.lamps;
+  std::string text =
+      fmt::format("{} at ({}) and ({}) px, {}",
+                  is_choice(pair) ? "more than two lights, the most evident" : "lamps",
+                  fixed(first.uv_px, 1, ", "), fixed(second.uv_px, 1, ", "), widths_of(pair));
+  if (!scene_.vision) return text;
+  const Workplane& plane = scene_.vision->workplane;
+  const auto first_B = plane.plane_from_pixel(first.uv_px);
+  const auto second_B = plane.plane_from_pixel(second.uv_px);
+  if (!first_B || !second_B) return text;
+  return text + fmt::format("\non the plane at {} and {}, uncompensated", place_mm(*first_B),
+                            place_mm(*second_B));
+}
+
+std::optional<std::array<double, 2>> LampFinder::edge_widths(const cv::Rect& region_px) {
+  const Frame frame = next_frame(region_px);
+  // Far out of focus, lamps have not the size that they were built with.
+  PairExpectation any;
+  any.fixed_px = scene_.fixed_px;
+  const LampPair pair = LampTracker(CenterMethod::kFast).locate(frame, any);
+  middle_px_.reset();
+  if (!is_located(pair)) return std::nullopt;
+  middle_px_ = middle_of(pair);
+  return std::array<double, 2>{edge_width_px(frame, pair, 0), edge_width_px(frame, pair, 1)};
+}
+
+std::string LampFinder::focus() {
+  const cv::Size sensor_px = camera_.sensor_size_px();
+  std::optional<std::array<double, 2>> widths_px;
+  if (middle_px_) widths_px = edge_widths(follow_region(sensor_px, follow_region_px_, *middle_px_));
+  if (!widths_px) widths_px = edge_widths({{}, sensor_px});
+  if (!widths_px)
+    throw WorkError(Refusal{"no two lamps in the whole frame", "turn the lens, or expose more"});
+  const auto [first_px, second_px] = *widths_px;
+  const double mean_px = 0.5 * (first_px + second_px);
+  best_px_ = std::min(mean_px, best_px_.value_or(mean_px));
+  return fmt::format(
+      "edges {:.2f} px wide ({:.2f}, {:.2f}), best {:.2f}; peak {}, {:.1f} % saturated", mean_px,
+      first_px, second_px, *best_px_, exposure_->peak_level, 100.0 * exposure_->saturated_share);
+}
+
+}  // namespace planar

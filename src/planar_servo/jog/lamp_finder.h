@@ -1,0 +1,56 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <optional>
+#include <string>
+
+#include "planar_servo/devices/frame_source.h"
+#include "planar_servo/jog/exposure_reading.h"
+#include "planar_servo/lamps/lamp_tracker.h"
+#include "planar_servo/vision/see_tool.h"
+
+namespace planar {
+
+/// Finds the lamps wherever the arm is, calibrated or not, and says how sharp they are.
+class LampFinder {
+ public:
+  /// `camera` must outlive this. `follow_region_px` is the side of the region that follows the
+  /// lamps while the lens is turned.
+  LampFinder(LampScene scene, CenterMethod method, FrameSource& camera, int follow_region_px);
+
+  /// Takes a frame of the whole sensor. Throws WorkError when the camera delivers none.
+  Frame whole_frame();
+
+  /// Searches a whole frame and returns in words where the lamps are: in the picture and, once the
+  /// workplane is calibrated, on it, uncompensated. Throws WorkError without a frame or a pair.
+  std::string find();
+
+  /// Says in one line how wide the edges of two lamps are, on the mean and each, the least mean so
+  /// far, and how bright the picture is: the figures to turn a lens by. After the first whole frame
+  /// only a region is read. Throws WorkError without a frame or two lamps.
+  std::string focus();
+  /// Lets focus() begin anew with the least width.
+  void forget_best() { best_px_.reset(); }
+
+  /// Returns the vision of the scene; empty while it is not calibrated.
+  const std::optional<VisionCalibration>& vision() const { return scene_.vision; }
+  /// Returns the exposure of the picture read last; empty before the first.
+  const std::optional<ExposureReading>& exposure() const { return exposure_; }
+
+ private:
+  PairExpectation expectation() const;
+  Frame next_frame(const cv::Rect& region_px);
+  /// Returns the widths of the edges in the region; empty unless two lights are there.
+  std::optional<std::array<double, 2>> edge_widths(const cv::Rect& region_px);
+
+  LampScene scene_;
+  CenterMethod method_;
+  FrameSource& camera_;
+  int follow_region_px_;
+  std::optional<Eigen::Vector2d> middle_px_;  ///< between the lamps, where they were seen last
+  std::optional<double> best_px_;
+  std::optional<ExposureReading> exposure_;
+};
+
+}  // namespace planar

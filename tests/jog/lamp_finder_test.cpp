@@ -1,0 +1,155 @@
+#include "planar_servo/jog/lamp_finder.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <cstdio>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "support/jog_bench.h"
+
+namespace planar {
+namespace {
+
+using Catch::Contains;
+using test::JogBench;
+
+/// The camera of a cell behind a lens that a person turns.
+class TurnedLens final : public FrameSource {
+ public:
+  double blur_px{0.0};
+  cv::Rect region_px;  ///< of the frame taken last
+
+  explicit TurnedLens(FrameSource& camera) : camera_(camera) {}
+  cv::Size sensor_size_px() const override { return camera_.sensor_size_px(); }
+  void set_region(const cv::Rect& region) override { camera_.set_region(region); }
+  FrameResult next_frame() override {
+    FrameResult result = camera_.next_frame();
+    region_px = result.frame.region_px;
+    if (blur_px > 0.0) {
+      cv::Mat blurred;
+      cv::GaussianBlur(result.frame.image, blurred, {}, blur_px);
+      result.frame.image = blurred;
+    }
+    return result;
+  }
+  std::optional<std::string> fault() const override { return camera_.fault(); }
+  FrameCounts counts() const override { return camera_.counts(); }
+  CameraExposure exposure() const override { return camera_.exposure(); }
+  void set_exposure(const CameraExposure& exposure) override { camera_.set_exposure(exposure); }
+
+ private:
+  FrameSource& camera_;
+};
+
+struct FocusFigures {
+  double mean{0.0}, first{0.0}, second{0.0}, best{0.0};
+};
+
+FocusFigures figures_of(const std::string& text) {
+  FocusFigures figures;
+  INFO(text);
+  REQUIRE(std::sscanf(text.c_str(), "edges %lf px wide (%lf, %lf), best %lf;", &figures.mean,
+                      &figures.first, &figures.second, &figures.best) == 4);
+  return figures;
+}
+
+/// The paper's cell, its arm bent, and a lens in front of its camera.
+struct LensBench : JogBench {
+  TurnedLens lens;
+  LampFinder finder;
+
+  LensBench()
+      : lens(devices->camera()),
+        finder({lens.sensor_size_px(), cell.lamps.layout, {}}, cell.lamps.method, lens,
+               cell.camera.follow_region_px) {
+    bend();
+  }
+};
+
+TEST_CASE("The edges' width grows on however far a lens is out of focus, and the best is kept") {
+  LensBench bench;
+  const FocusFigures sharp = figures_of(bench.finder.focus());
+  CHECK(sharp.best == sharp.mean);
+  double narrower = sharp.mean;
+  for (const double blur_px : {1.0, 2.0, 4.0, 8.0, 12.0}) {
+    bench.lens.blur_px = blur_px;
+    const FocusFigures blurred = figures_of(bench.finder.focus());
+    CHECK(blurred.mean > narrower);
+    CHECK(blurred.best == sharp.mean);
+    narrower = blurred.mean;
+  }
+  bench.finder.forget_best();
+  CHECK(figures_of(bench.finder.focus()).best > sharp.mean);
+}
+
+TEST_CASE("An edge is as wide as its blur makes it from a fifth to four fifths of the contrast") {
+  constexpr double kSigmas = 1.683;  // between these quantiles of a Gaussian
+  constexpr double kSharp_px = 0.8;  // the virtual lens
+  LensBench bench;
+  bench.lens.blur_px = 2.0;
+  CHECK(figures_of(bench.finder.focus()).mean ==
+        Approx(kSigmas * std::hypot(kSharp_px, 2.0)).epsilon(0.15));
+}
+
+TEST_CASE("While a lens is turned only the region of the lamps is read, until they are lost") {
+  LensBench bench;
+  const cv::Rect whole({}, bench.lens.sensor_size_px());
+  bench.finder.focus();
+  CHECK(bench.lens.region_px == whole);
+  bench.finder.focus();
+  CHECK(bench.lens.region_px.width == bench.cell.camera.follow_region_px);
+  for (int i = 0; i < 3; ++i) bench.done("joint 1 15");
+  figures_of(bench.finder.focus());
+  CHECK(bench.lens.region_px == whole);
+}
+
+TEST_CASE("Lamps are found in the whole frame, also of a cell that is not calibrated") {
+  JogBench bench;
+  bench.bend();
+  bench.devices->camera().set_region({0, 0, 64, 64});
+  const std::string found = bench.done("find");
+  CHECK_THAT(found, Contains("lamps at (") && Contains("px wide"));
+  CHECK_THAT(found, !Contains("on the plane"));
+  bench.done("exposure 100");
+  CHECK_THAT(bench.refused("find"),
+             Contains("no two lamps in the whole frame: no_lamp; save the frame"));
+  CHECK_THAT(bench.refused("focus"), Contains("no two lamps in the whole frame; turn the lens"));
+}
+
+TEST_CASE("A calibrated cell says where on the plane the lamps are, and where its tool was seen") {
+  JogBench bench(read_cell(test::workshop_cell_file()));
+  bench.bend();
+  CHECK_THAT(bench.done("find"), Contains("\non the plane at (") && Contains(", uncompensated"));
+  CHECK_THAT(bench.console.status()[1], Contains("press l to look | "));
+  bench.done("look");
+  CHECK_THAT(bench.console.status()[1], Contains("seen (") && Contains("% sat."));
+  bench.done("joint 1 1");
+  CHECK_THAT(bench.console.status()[1], Contains("press l to look | "));
+}
+
+TEST_CASE("In lines the best blur is that since the last other command") {
+  JogBench bench;
+  bench.bend();
+  for (int i = 0; i < 3; ++i) {
+    const FocusFigures figures = figures_of(bench.done("focus"));
+    CHECK(figures.best <= figures.mean);
+  }
+  bench.done("where");
+  const FocusFigures anew = figures_of(bench.done("focus"));
+  CHECK(anew.best == anew.mean);
+}
+
+TEST_CASE("A whole frame is saved as PNG, and neither another file nor another format is touched") {
+  JogBench bench;
+  const std::string file = (bench.folder / "frame.png").string();
+  CHECK_THAT(bench.done("save " + file), Contains("the whole frame of 5120 x 5120 px"));
+  const cv::Mat frame = cv::imread(file, cv::IMREAD_UNCHANGED);
+  CHECK(frame.size() == bench.devices->camera().sensor_size_px());
+  CHECK(frame.type() == CV_8UC1);
+  CHECK_THAT(bench.refused("save " + file), Contains("frame.png") && Contains("name another file"));
+  CHECK_THAT(bench.refused("save frame.jpg"), Contains("end the name in .png"));
+}
+
+}  // namespace
+}  // namespace planar
