@@ -1,21 +1,17 @@
 #include "homing_options.h"
 
-#include <unistd.h>
-
-#include <iostream>
 #include <memory>
 #include <utility>
 
-#include "program.h"
+#include "planar_servo/trackers/asked_tracker.h"
 
 namespace planar {
 namespace {
 
 bool says_yes(const std::string& question) {
-  if (isatty(STDIN_FILENO) == 0) return false;
-  say(stderr, "{} [y/N] ", question);
-  std::string answer;
-  std::getline(std::cin, answer);
+  const Terminal terminal;
+  if (!terminal.is_attended()) return false;
+  const std::string answer = terminal.ask(question + " [y/N] ");
   return answer == "y" || answer == "Y";
 }
 

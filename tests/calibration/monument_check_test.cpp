@@ -103,6 +103,14 @@ TEST_CASE("Three monuments show in their distances that one has moved") {
                                              Contains("less than in the cell file"));
 }
 
+TEST_CASE("Two monuments show by their distance that one is not where it should be") {
+  CHECK(counts({2, Eigen::Vector3d::Zero()}, 4000).doubted <= 14);
+  const MonumentVerdict far =
+      check_monuments(MonumentBench(2, {0.0, 0.2 * kMillimetre, 0.0}).sights(1));
+  CHECK(far.refused);
+  CHECK_THAT(far.doubt.fault, Contains("'d1' and 'd2' are 1272.9") && Contains("more than in"));
+}
+
 TEST_CASE("With four monuments the one that moved is named and left out") {
   constexpr int kSeeds = 200;
   const Eigen::Vector3d moved(0.15 * kMillimetre, 0.15 * kMillimetre, 0.0);
@@ -129,6 +137,10 @@ TEST_CASE("Monuments read at the end tell a tracker that moved from a monument t
   const MonumentVerdict one = check_drift(begin, bumped);
   CHECK(one.refused);
   CHECK_THAT(one.doubt.text(), Contains("'d3' by 0.") && Contains("one of them moved"));
+
+  const MonumentVerdict first = check_drift(begin, {bumped.back()});
+  CHECK(first.refused);
+  CHECK_THAT(first.doubt.text(), Contains("the tracker, the base or this monument moved"));
 
   for (MonumentSight& sight : end) sight.p_read.x() += 0.03 * kMillimetre;
   const MonumentVerdict all = check_drift(begin, end);

@@ -25,5 +25,14 @@ TEST_CASE("A place is told in millimetres") {
   CHECK(place_mm({-1e-9, -0.1234567}) == "(0.000, -123.457) mm");
 }
 
+TEST_CASE("A time is told as roughly as it can be estimated") {
+  CHECK(about_time(0.2) == "about 5 s");
+  CHECK(about_time(40.1) == "about 45 s");
+  CHECK(about_time(91.0) == "about 2 min");
+  CHECK(about_time(720.0) == "about 12 min");
+  CHECK(about_time(7900.0) == "about 2 h 10 min");
+  CHECK(about_time(7300.0) == "about 2 h 00 min");
+}
+
 }  // namespace
 }  // namespace planar

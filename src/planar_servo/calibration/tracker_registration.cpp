@@ -33,7 +33,14 @@ Pose rigid_pose(const Monuments& monuments) {
   return fit_rigid_3d(p_B, p_L);
 }
 
+/// Returns how much longer the distance of two monuments was read than it is known to be, metres.
+double side_error(const MonumentSight& a, const MonumentSight& b) {
+  return (a.p_read - b.p_read).norm() - (a.p_known - b.p_known).norm();
+}
+
+/// Two monuments show but one length: a rigid fit halves its error between them.
 double square_left(const Monuments& monuments) {
+  if (monuments.size() == 2) return 0.5 * std::pow(side_error(monuments[0], monuments[1]), 2);
   const Pose X_BL = rigid_pose(monuments);
   double square = 0.0;
   for (const MonumentSight& m : monuments) square += (X_BL * m.p_read - m.p_known).squaredNorm();
@@ -61,7 +68,8 @@ bool explains(double sigma, double square, std::size_t degrees) {
 /// nothing.
 bool fits(const Monuments& monuments, double sigma) {
   try {
-    return explains(sigma, square_left(monuments), 3 * monuments.size() - 6);
+    const std::size_t degrees = monuments.size() == 2 ? 1 : 3 * monuments.size() - 6;
+    return explains(sigma, square_left(monuments), degrees);
   } catch (const InputError&) {
     return false;
   }
@@ -97,14 +105,14 @@ std::string worst_side(const Monuments& monuments, double sigma) {
   double worst = -1.0;
   for (std::size_t i = 0; i < monuments.size(); ++i) {
     for (std::size_t k = 0; k < i; ++k) {
-      const double known = (monuments[i].p_known - monuments[k].p_known).norm();
       const double read = (monuments[i].p_read - monuments[k].p_read).norm();
-      if (std::abs(read - known) <= worst) continue;
-      worst = std::abs(read - known);
+      const double error = side_error(monuments[i], monuments[k]);
+      if (std::abs(error) <= worst) continue;
+      worst = std::abs(error);
       text = fmt::format(
           "'{}' and '{}' are {:.3f} mm apart, {:.3f} +- {:.3f} mm {} than in the cell file",
           monuments[k].id, monuments[i].id, read / kMillimetre, worst / kMillimetre,
-          std::sqrt(2.0) * sigma / kMillimetre, read > known ? "more" : "less");
+          std::sqrt(2.0) * sigma / kMillimetre, error > 0.0 ? "more" : "less");
     }
   }
   return text;
@@ -132,7 +140,7 @@ MonumentVerdict verdict(const Monuments& monuments, double sigma) {
       fmt::format(
           "datum: a monument has moved, or is wrong in the cell file: {}; {} monuments do not show "
           "which one",
-          monuments.size() == 3 ? worst_side(monuments, sigma) : worst_offset(monuments, sigma),
+          monuments.size() <= 3 ? worst_side(monuments, sigma) : worst_offset(monuments, sigma),
           monuments.size()),
       kReadAgain};
   return result;
@@ -162,13 +170,14 @@ Refusal doubt_of_drift(const Monuments& ends, double sigma) {
   for (const MonumentSight& m : ends)
     sizes += fmt::format("{}'{}' by {:.3f}", sizes.empty() ? "" : ", ", m.id,
                          (m.p_read - m.p_known).norm() / kMillimetre);
-  const bool rigid = ends.size() >= 3 && fits(ends, sigma);
   const std::string who =
-      rigid ? fmt::format(
-                  "their distances have not changed, so the tracker or the base moved, by {:.3f} "
-                  "mm on average",
-                  mm(mean_shift(ends).norm()))
-            : "not all alike, so one of them moved";
+      ends.size() == 1 ? "the tracker, the base or this monument moved"
+      : fits(ends, sigma)
+          ? fmt::format(
+                "their distances have not changed, so the tracker or the base moved, by {:.3f} "
+                "mm on average",
+                mm(mean_shift(ends).norm()))
+          : "not all alike, so one of them moved";
   return {
       fmt::format("datum: between the beginning and the end of the recording the monuments moved "
                   "relative to the tracker: {} mm, +- {:.3f} per axis; {}",
@@ -180,7 +189,7 @@ Refusal doubt_of_drift(const Monuments& ends, double sigma) {
 
 MonumentVerdict check_monuments(const Monuments& monuments) {
   const double single = sigma_of_one(monuments);
-  if (!(single > 0.0) || monuments.size() < 3) return {};
+  if (!(single > 0.0) || monuments.size() < 2) return {};
   if (!fits(monuments, single)) {
     MonumentVerdict result = verdict(monuments, single);
     result.refused = !result.moved;

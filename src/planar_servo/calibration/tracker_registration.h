@@ -37,7 +37,7 @@ struct MonumentVerdict {
 /// this does not explain is a contradiction. The one monument that explains it is then named as
 /// moved; where no single one does, or there are only three, the readings are refused. Four
 /// monuments in one plane show that one of them rose or sank, but not which one; three do not show
-/// it at all.
+/// it at all. Two show their distance.
 MonumentVerdict check_monuments(const std::vector<MonumentSight>& monuments);
 
 /// Compares the readings (p_read) of the same monuments at the beginning and at the end of a

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "planar_servo/core/units.h"
@@ -54,6 +55,17 @@ std::string fixed(const Eigen::Ref<const Eigen::VectorXd>& values, int places,
 
 std::string place_mm(const Eigen::Vector2d& p) {
   return fmt::format("({}) mm", fixed(p / kMillimetre, 3, ", "));
+}
+
+std::string about_time(double seconds) {
+  constexpr double kStep_s = 5.0, kMinute_s = 60.0, kLongest_s = 90.0;
+  constexpr long kStep_min = 10, kHour_min = 60, kLongest_min = 90;
+  if (seconds <= kLongest_s)
+    return fmt::format("about {:.0f} s", std::max(kStep_s, kStep_s * std::ceil(seconds / kStep_s)));
+  const long minutes = std::lround(seconds / kMinute_s);
+  if (minutes < kLongest_min) return fmt::format("about {} min", minutes);
+  const long rounded = kStep_min * ((minutes + kStep_min / 2) / kStep_min);
+  return fmt::format("about {} h {:02} min", rounded / kHour_min, rounded % kHour_min);
 }
 
 std::string visible(std::string_view text) {

@@ -18,6 +18,10 @@ std::string fixed(const Eigen::Ref<const Eigen::VectorXd>& values, int places,
 /// Writes a position (metres) in millimetres to the micrometre: "(123.456, -7.000) mm".
 std::string place_mm(const Eigen::Vector2d& p);
 
+/// Writes a time as roughly as it can be estimated: "about 40 s", "about 12 min", "about 2 h 10
+/// min".
+std::string about_time(double seconds);
+
 /// Returns the text for a terminal: every control character but the line end and the tabulator is
 /// written as `\x1b`, so that what stands in a file or comes from a port controls no terminal.
 std::string visible(std::string_view text);

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <functional>
+#include <optional>
 #include <string>
 
 namespace planar {
@@ -13,6 +14,7 @@ struct TrackerReading {
   double t_s{0.0};                     ///< on the tracker's own clock, where it has one
   Eigen::Vector3d p_L{0.0, 0.0, 0.0};  ///< reflector's centre in the tracker's frame, metres
   int averaged{1};                     ///< so many independent readings it is the mean of
+  double scatter{0.0};                 ///< of these per axis, metres
 };
 
 enum class TrackerStatus {
@@ -42,6 +44,10 @@ class Tracker {
   /// Measures the reflector on the tool, which rests at `place`, an id of the plan.
   virtual TrackerAnswer measure_tool(const std::string& place) = 0;
   virtual TrackerAnswer measure_monument(const std::string& id) = 0;
+
+  /// Asks who works the tracker whether the reading of a monument that contradicts others is kept;
+  /// otherwise it is to be read again. Empty where nobody can be asked.
+  virtual std::optional<bool> keeps(const std::string& /*id*/) { return std::nullopt; }
 
   /// Waits until somebody has put the reflector from a monument onto the tool, which may move then.
   /// Throws WorkError when that does not happen in time.

@@ -17,16 +17,6 @@ namespace {
 
 using MotionJacobian = Eigen::Matrix<double, 3, 6>;
 
-std::vector<MonumentReading> monument_readings(const CellSettings& cell,
-                                               const std::vector<MonumentSeen>& seen) {
-  std::vector<MonumentReading> readings;
-  readings.reserve(seen.size());
-  for (const MonumentSeen& monument : seen)
-    readings.push_back(
-        {monument.id, monument.reading.p_L, cell.tracker.sigma_at(monument.reading.p_L.norm())});
-  return readings;
-}
-
 /// Returns how a place in the base frame follows a small shift and turn of the registration.
 MotionJacobian motion_jacobian(const Eigen::Vector3d& p_B) {
   MotionJacobian J;
@@ -99,7 +89,8 @@ void TrackerJudge::make_ready(const std::vector<MonumentSeen>& seen) {
     table_->append(tracker_line({monument.id, monument.reading.t_s, monument.reading.p_L}));
   if (monuments.empty()) monuments = readings_->read_monuments();
   registered_.emplace(cell_, monuments);
-  if (!registered_->doubt().fault.empty()) spdlog::warn(registered_->doubt().text());
+  if (!seen.empty() && !registered_->doubt().fault.empty())
+    spdlog::warn(registered_->doubt().text());
   tracker_.await_tool();
 }
 

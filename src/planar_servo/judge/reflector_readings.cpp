@@ -34,36 +34,62 @@ ReflectorReadings::ReflectorReadings(const CellSettings& cell, Tracker& tracker,
   tracker_.stop_when(stop_);
 }
 
-std::vector<MonumentSeen> ReflectorReadings::read_monuments(std::vector<MonumentSeen> seen) {
+std::vector<MonumentSeen> ReflectorReadings::read_monuments(std::vector<MonumentSeen> seen,
+                                                            std::vector<MonumentSeen> before) {
+  MonumentRound round(cell_, std::move(before), std::move(seen));
   std::size_t read = 0;
   for (const Monument& monument : cell_.datum)
-    if (read_monument(monument.id, seen)) ++read;
+    if (read_monument(monument.id, round)) ++read;
   const std::size_t needed = std::min(kLeastMonuments, cell_.datum.size());
   if (read < needed)
     throw WorkError(
         {fmt::format("{} of {} monuments were read; at least {} tie the tracker to the base", read,
                      cell_.datum.size(), needed),
          "read the others, too"});
-  return seen;
+  if (const Refusal doubt = round.doubt(); !doubt.fault.empty()) spdlog::warn(doubt.text());
+  return round.seen();
 }
 
-bool ReflectorReadings::read_monument(const std::string& id, std::vector<MonumentSeen>& seen) {
-  const auto present = std::count_if(seen.begin(), seen.end(),
+bool ReflectorReadings::read_monument(const std::string& id, MonumentRound& round) {
+  const auto present = std::count_if(round.seen().begin(), round.seen().end(),
                                      [&](const MonumentSeen& reading) { return reading.id == id; });
-  int left = tracker_.readings_per_monument() - static_cast<int>(present);
-  for (int failures = 0; left > 0;) {
+  const int missing = tracker_.readings_per_monument() - static_cast<int>(present);
+  while (true) {
+    const auto readings = take_monument(id, missing);
+    if (!readings) return false;
+    if (readings->empty()) return true;
+    spdlog::info(round.words(*readings));
+    if (!is_kept(id, round.contradiction(*readings))) continue;
+    for (const auto& [of, reading] : *readings)
+      table_.append(tracker_line({of, reading.t_s, reading.p_L}));
+    round.add(*readings);
+    return true;
+  }
+}
+
+bool ReflectorReadings::is_kept(const std::string& id, const Refusal& contradiction) {
+  if (contradiction.fault.empty()) return true;
+  spdlog::warn(contradiction.text());
+  const std::optional<bool> keeps = tracker_.keeps(id);
+  if (!keeps) spdlog::warn(fmt::format("the reading of '{}' is kept: nobody can be asked", id));
+  return keeps.value_or(true);
+}
+
+std::optional<std::vector<MonumentSeen>> ReflectorReadings::take_monument(const std::string& id,
+                                                                          int count) {
+  std::vector<MonumentSeen> readings;
+  for (int left = count, failures = 0; left > 0;) {
     if (stop_ && stop_()) throw WorkError("stopped while the monuments were read");
     const TrackerAnswer answer = tracker_.measure_monument(id);
     switch (answer.status) {
       case TrackerStatus::kOk:
-        table_.append(tracker_line({id, answer.reading.t_s, answer.reading.p_L}));
-        seen.push_back({id, answer.reading});
+        readings.push_back({id, answer.reading});
         [[fallthrough]];
       case TrackerStatus::kElsewhere:
         --left;
         break;
       case TrackerStatus::kSkipped:
-        return false;
+        return std::nullopt;
       case TrackerStatus::kRepeat:
         break;
       case TrackerStatus::kFailed:
@@ -72,7 +98,7 @@ bool ReflectorReadings::read_monument(const std::string& id, std::vector<Monumen
           throw no_reading_of(fmt::format("monument '{}'", id), answer.fault);
     }
   }
-  return true;
+  return readings;
 }
 
 TrackerAnswer ReflectorReadings::take_tool(const std::string& id, const TipPose& tip) {

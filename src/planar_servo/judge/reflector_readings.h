@@ -10,6 +10,7 @@
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/pose.h"
 #include "planar_servo/devices/tracker.h"
+#include "planar_servo/judge/monument_round.h"
 
 namespace planar {
 
@@ -17,11 +18,6 @@ class GrowingFile;
 
 /// The fewest monuments that tie a tracker to the base.
 constexpr std::size_t kLeastMonuments = 3;
-
-struct MonumentSeen {
-  std::string id;
-  TrackerReading reading;
-};
 
 /// Returns the error that ends a program whose tracker gives no reading of `what`, such as
 /// "monument 'datum1'".
@@ -36,16 +32,24 @@ class ReflectorReadings {
                     std::function<bool()> stop);
 
   /// Reads every monument of the cell, but for what this round has `seen` already, and returns the
-  /// whole round. Throws WorkError when one cannot be read in three attempts, when fewer than three
-  /// are left because somebody skipped the others, and when asked to stop.
-  std::vector<MonumentSeen> read_monuments(std::vector<MonumentSeen> seen = {});
+  /// whole round. Tells each reading at once and compares it with the round `before`, or else with
+  /// the cell file; one that contradicts is taken again unless whoever works the tracker keeps it,
+  /// or nobody can be asked. Throws WorkError when one cannot be read in three attempts, when fewer
+  /// than three are left because somebody skipped the others, and when asked to stop.
+  std::vector<MonumentSeen> read_monuments(std::vector<MonumentSeen> seen = {},
+                                           std::vector<MonumentSeen> before = {});
 
   /// Reads the tool, which stands at `tip` for the place `id`, once. A reading that has not moved
   /// although the tool has is a failed one.
   TrackerAnswer take_tool(const std::string& id, const TipPose& tip);
 
  private:
-  bool read_monument(const std::string& id, std::vector<MonumentSeen>& seen);
+  /// Returns whether the monument was read; false when somebody skipped it.
+  bool read_monument(const std::string& id, MonumentRound& round);
+  /// Returns so many readings of a monument, none that stand in a table of the tracker's own; empty
+  /// when somebody skipped it.
+  std::optional<std::vector<MonumentSeen>> take_monument(const std::string& id, int count);
+  bool is_kept(const std::string& id, const Refusal& contradiction);
   std::string fault_of(const TrackerReading& reading, const TipPose& tip) const;
 
   struct Taken {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <sys/stat.h>
+#include <termios.h>
 
 #include <cerrno>
 #include <cstring>
@@ -28,11 +29,14 @@ bool is_input(int descriptor) {
        "start the program in a terminal, or give tracker.source file or tcp with a column id"});
 }
 
+constexpr char kEraseToEnd[] = "\033[K";  // of a status line that stood there
+
 }  // namespace
 
 std::string Terminal::ask(const std::string& question) const {
   if (!is_input(in_)) nobody_answers(question, "standard input is closed");
-  const std::string shown = visible(question);
+  if (is_attended()) tcflush(in_, TCIFLUSH);
+  const std::string shown = visible(question) + (isatty(out_) != 0 ? kEraseToEnd : "");
   for (std::string_view rest = shown; !rest.empty();) {
     const ssize_t written = write(out_, rest.data(), rest.size());
     if (written <= 0) nobody_answers(question, "the question cannot be written");
@@ -42,9 +46,21 @@ std::string Terminal::ask(const std::string& question) const {
   for (char letter = 0;;) {
     const ssize_t n = read(in_, &letter, 1);
     if (n == 0) nobody_answers(question, "standard input has ended");
+    if (n < 0 && errno == EINTR)
+      throw WorkError({fmt::format("left at '{}'", trimmed(question)), "start again to go on"});
     if (n < 0) nobody_answers(question, fmt::format("standard input: {}", std::strerror(errno)));
     if (letter == '\n') return std::string(trimmed(line));
     line += letter;
+  }
+}
+
+std::optional<bool> Terminal::keeps(const std::string& id) const {
+  if (!is_attended()) return std::nullopt;
+  for (;;) {
+    const std::string word =
+        ask(fmt::format("press Enter to read '{}' again, or type k to keep this reading: ", id));
+    if (word.empty()) return false;
+    if (word == "k") return true;
   }
 }
 

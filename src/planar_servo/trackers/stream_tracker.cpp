@@ -45,7 +45,7 @@ std::optional<TrackerReading> RestWindow::at_rest() const {
   double t_s = 0.0;
   for (const Arrived& item : window_) t_s += item.reading.t_s.value_or(item.arrived_s);
   return TrackerReading{t_s / static_cast<double>(window_.size()), mean(),
-                        static_cast<int>(window_.size())};
+                        static_cast<int>(window_.size()), scatter()};
 }
 
 bool RestWindow::is_frozen() const {

@@ -72,6 +72,7 @@ class StreamTracker final : public Tracker {
   TrackerAnswer measure_tool(const std::string& place) override;
   // Both throw WorkError when somebody is to be asked and nobody can answer.
   TrackerAnswer measure_monument(const std::string& id) override;
+  std::optional<bool> keeps(const std::string& id) override { return terminal_.keeps(id); }
   void await_tool() override;
   void stop_when(const std::function<bool()>& stop) override { stop_ = stop; }
   int readings_per_monument() const override { return 1; }
