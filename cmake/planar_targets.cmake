@@ -11,7 +11,7 @@ target_include_directories(planar_options INTERFACE ${PROJECT_SOURCE_DIR}/src)
 
 # These need 150 to 250 further libraries, such as GDAL, and so take up to 0.15 s of a program's start.
 # planar_light() keeps them away from programs that do not call them.
-set(weighty visp_robot visp_vision visp_io opencv_imgcodecs)
+set(weighty visp_robot visp_vision visp_io opencv_imgcodecs PkgConfig::CAIRO)
 
 # planar_weigh(LIST): replaces weighty libraries in the list by themselves for all but light programs.
 function(planar_weigh list)

@@ -206,3 +206,22 @@ expect 2 "--board-thickness-mm: Value 2000 not in range -1000[.0]* to 1000" \
 
 expect 2 "'circles:6x6:30' is not circles:COLSxROWS:PITCHmm" \
   "$bin/planar-calibrate-camera" --grid circles:6x6:30 -o made dark.pgm
+
+# Boards and mounts on paper: what does not fit, what is not asked for rightly, what is not ours.
+board() { "$bin/planar-board" "$@"; }
+expect 2 "needs a page of 599 x 601 mm, but --page is 210 x 297 mm; the largest pitch that fits is 16.1 mm; the largest count at 50 mm is 3 x 4;" \
+  board circles:11x11:50mm --page A4 -o board.pdf
+expect 2 "board.png: is neither an .svg nor a .pdf" board circles:11x11:15mm -o board.png
+expect 2 "grid 'circle:11x11:15mm' is not circles:COLSxROWS:PITCHmm" board circle:11x11:15mm -o board.pdf
+expect 2 "tool needs --cell" board tool -o board.pdf
+expect 2 "--cell is for the word tool" board circles:11x11:15mm --cell cell/cell.yaml -o board.pdf
+expect 2 "--reflector-mm requires --cell" board tool --reflector-mm 1,2 -o board.pdf
+expect 2 "lamp 2 and reflector overlap: their centres are 10.0 mm apart; place them at least 23.1 mm apart" \
+  board tool --cell cell/cell.yaml --reflector-mm 14,-8 -o board.pdf
+[ ! -e board.pdf ] || fail "a refused board was drawn"
+printf '%%PDF-1.4\n%%%%EOF\n' >theirs.pdf
+expect 2 "theirs.pdf: is a file of another program or of a person" board circles:11x11:15mm -o theirs.pdf
+for file in board.pdf board.svg; do
+  board circles:11x11:15mm -o $file >out.txt
+  board circles:11x11:12mm -o $file >out.txt || fail "an earlier board cannot be drawn anew"
+done

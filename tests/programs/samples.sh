@@ -76,6 +76,11 @@ printf '%s\n' enable home 'joint 2 10' where 'teach A' |
   "$bin/planar-jog" -q --cell cell/cell.yaml --teach taught.csv >jog.txt
 expect_sample jog.txt "$bin/planar-jog"
 
+"$bin/planar-board" circles:11x11:15mm --page A4 -o board.pdf --json board.json >board.txt
+expect_sample board.txt "$bin/planar-board"
+"$bin/planar-board" tool --cell cell/cell.yaml -o mount.svg --json mount.json >mount.txt
+grep -q "^lamps  *8 and 8 mm wide, 40 mm apart$" mount.txt || fail "$(cat mount.txt)"
+
 # Every key that these wrote is in the glossary of outputs.md.
 grep -ohE '"[A-Za-z0-9_]+":' ./*.json | sed -E 's/[":]//g; s/_(own_view|truth|tracker)$//; s/_[0-9](_|$)/_N\1/g' | sort -u >keys.txt
 sed -n '/^## Keys of/,/^## Pages/p' "$repository/doc/outputs.md" | grep -oE '`[A-Za-z0-9_]+`' | tr -d '`' | sort -u >glossary.txt

@@ -23,6 +23,7 @@ namespace {
 constexpr int kHeadLines = 4;
 constexpr int kHeadBytes = 4096;
 constexpr std::string_view kPictureBegin = "P5";
+constexpr std::string_view kPdfBegin = "%PDF-";
 
 /// Takes off the first of these beginnings that the text has. Returns whether it has one.
 bool drop_one_of(std::initializer_list<std::string_view> beginnings, std::string_view& text) {
@@ -35,11 +36,15 @@ bool drop_one_of(std::initializer_list<std::string_view> beginnings, std::string
 }
 
 std::string_view kind_of_line(std::string_view line) {
-  drop_one_of({"# ", "<!-- ", "  ", "{"}, line);
+  drop_one_of({"# ", "% ", "<!-- ", "  ", "{"}, line);
   if (!drop_one_of({"format: ", "\"format\": \"", "\"format\":\""}, line) ||
       !drop_one_of({"planar-servo/"}, line))
     return {};
   return line.substr(0, line.find('/'));
+}
+
+bool is_pdf(std::string_view text) {
+  return text.substr(0, kPdfBegin.size()) == kPdfBegin;
 }
 
 bool write_all(int file, std::string_view text) {
@@ -61,6 +66,7 @@ bool sync(int file) {
 
 std::string_view kind_of_text(std::string_view text) {
   if (text.substr(0, 2) == kPictureBegin) return "image";
+  if (is_pdf(text)) text.remove_prefix(text.rfind('\n', text.size() - 2) + 1);
   for (int i = 0; i < kHeadLines && !text.empty(); ++i) {
     const std::size_t length = std::min(text.find('\n'), text.size() - 1) + 1;
     const std::string_view kind = kind_of_line(text.substr(0, length));
@@ -78,6 +84,10 @@ std::string with_format_key(const std::string& kind, const std::string& object) 
 
 std::string format_comment(const std::string& kind) {
   return fmt::format("<!-- format: planar-servo/{}/1 -->\n", kind);
+}
+
+std::string format_remark(const std::string& kind) {
+  return fmt::format("% format: planar-servo/{}/1\n", kind);
 }
 
 bool write_and_close(int file, std::string_view text, Durability durability) {
@@ -125,7 +135,8 @@ std::string kind_of_file(const fs::path& path) {
   std::string head(kHeadBytes, '\0');
   std::ifstream in(path, std::ios::binary);
   in.read(head.data(), kHeadBytes);
-  return std::string(kind_of_text({head.data(), static_cast<std::size_t>(in.gcount())}));
+  head.resize(static_cast<std::size_t>(in.gcount()));
+  return std::string(kind_of_text(is_pdf(head) ? read_file(path) : head));
 }
 
 /// Throws InputError where this output would replace what is not ours or of another kind, as when

@@ -10,7 +10,8 @@ namespace planar {
 
 /// Returns KIND of the line `format: planar-servo/KIND/1` among the first four; empty for a text
 /// without it, which is not ours. Tables have the line behind a '#', pages and figures in a
-/// comment, JSON has it as a key. Pictures have none: they are of the kind `image`.
+/// comment, a PDF in its last line, JSON has it as a key. Pictures have none: they are of the kind
+/// `image`.
 std::string_view kind_of_text(std::string_view text);
 
 /// Returns a JSON object's text with the key `format` of this kind before its other keys.
@@ -18,6 +19,9 @@ std::string with_format_key(const std::string& kind, const std::string& object);
 
 /// Returns the line that says the kind of a page or a figure, a comment of their language.
 std::string format_comment(const std::string& kind);
+
+/// Returns the line that says the kind of a PDF, behind its end.
+std::string format_remark(const std::string& kind);
 
 /// Says whether what was written survives only a crash of its program, or a loss of power as well,
 /// for which the disk is waited for.

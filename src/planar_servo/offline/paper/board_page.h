@@ -1,0 +1,31 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+
+#include "planar_servo/calibration/board.h"
+#include "planar_servo/offline/paper/page.h"
+#include "planar_servo/report/report_list.h"
+
+namespace planar {
+
+/// A calibration board drawn on a page.
+struct BoardPage {
+  Board board;
+  Page page;
+  Eigen::Vector2d first_point_mm{0.0, 0.0};  ///< upper left dot or inner corner, on the page
+  double mark_mm{0.0};                       ///< a dot's diameter or a square's side
+  Eigen::Vector2d rulers_mm{0.0, 0.0};       ///< lengths of the lower and the left ruler
+};
+
+/// Draws the board of these words (see parse_board()) on the page that is stated (see
+/// stated_page_mm()), or on one just large enough. Dots are 0.4 pitches wide and have 0.75 pitches
+/// of paper around the outer centres, as the boards of virtual cells; a chessboard has a square's
+/// width of white around it. Throws InputError for a board without pitch, and for one that does not
+/// fit the page, with the largest pitch and the most points that do.
+BoardPage board_page(const std::string& words, const std::string& page);
+
+/// Lists what was drawn.
+ReportList board_page_list(const BoardPage& drawn);
+
+}  // namespace planar

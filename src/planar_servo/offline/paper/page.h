@@ -1,0 +1,60 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+struct _cairo;  // cairo_t of <cairo.h>
+
+namespace planar {
+
+/// Draws in black on paper, in millimetres: x to the right and y down from the page's upper left
+/// corner.
+class Pen {
+ public:
+  enum class Align { kLeft, kMiddle, kRight };
+
+  /// The unit of `cairo`, which must outlive the pen, is a millimetre.
+  explicit Pen(_cairo* cairo);
+
+  void disc(const Eigen::Vector2d& center, double diameter);
+  void circle(const Eigen::Vector2d& center, double diameter);
+  void square(const Eigen::Vector2d& corner, double side);
+  void line(const Eigen::Vector2d& from, const Eigen::Vector2d& to);
+  /// Draws a line that ends in a full head at `to`.
+  void arrow(const Eigen::Vector2d& from, const Eigen::Vector2d& to);
+  /// Writes one line of text. `at` is on its base line.
+  void text(const Eigen::Vector2d& at, const std::string& words, Align align = Align::kLeft);
+  double width_of(const std::string& words);
+
+ private:
+  _cairo* cairo_;
+};
+
+constexpr double kTextHeight_mm = 2.8;
+constexpr double kTextLine_mm = 4.2;  ///< from one base line to the next
+
+/// Breaks a text between words into lines of at most this width; only a longer word is wider.
+std::vector<std::string> broken_lines(const std::string& text, double width_mm);
+
+/// A page that is printed at true scale.
+struct Page {
+  Eigen::Vector2d size_mm{0.0, 0.0};
+  std::function<void(Pen&)> draw;
+};
+
+enum class PageFormat { kSvg, kPdf };
+
+/// Returns the format that a file's ending asks for. Throws InputError unless it is .svg or .pdf.
+PageFormat page_format(const std::filesystem::path& file);
+
+/// The kind of files that page_text() makes, as require_writable() wants it.
+constexpr char kPaperKind[] = "paper";
+
+/// Returns the page as what its file holds.
+std::string page_text(const Page& page, PageFormat format);
+
+}  // namespace planar
