@@ -53,9 +53,10 @@ Outcome write_new(const Options& options) {
 
 Outcome seal(const std::filesystem::path& file) {
   const bool changed = seal_by_hand(file);
-  fmt::print(changed ? "sealed {}; it says that it was edited by hand\n"
-                     : "{} is as it was written; nothing is to be sealed\n",
-             file.string());
+  if (changed)
+    say("sealed {}; it says that it was edited by hand\n", file.string());
+  else
+    say("{} is as it was written; nothing is to be sealed\n", file.string());
   return {{{"file", file.string()}, {"sealed", changed}}};
 }
 

@@ -64,19 +64,19 @@ class Session {
     const JogConsole::Answer answer = console_.execute(line);
     bottom_.wipe();
     ++commands_;
-    if (!answer.done) ++refused_;
-    if (!answer.text.empty()) say(answer.done ? stdout : stderr, "{}\n", answer.text);
+    if (!answer.done)
+      refuse(answer.text);
+    else if (!answer.text.empty())
+      say("{}\n", answer.text);
     std::fflush(stdout);
   }
 
   /// Refuses a command that nothing ended.
-  void refuse(const std::string& torn) {
+  void refuse_torn(const std::string& torn) {
     ++commands_;
-    ++refused_;
-    say(stderr,
-        "'{}' does not end with a newline, so that digits may be missing; end it if it is "
-        "whole\n",
-        torn);
+    refuse(fmt::format(
+        "'{}' does not end with a newline, so that digits may be missing; end it if it is whole",
+        torn));
   }
 
   Outcome outcome() const {
@@ -84,6 +84,11 @@ class Session {
   }
 
  private:
+  void refuse(const std::string& reason) {
+    ++refused_;
+    fmt::print(stderr, "{}\n", visible(reason));
+  }
+
   JogConsole& console_;
   BottomLines& bottom_;
   std::size_t commands_{0}, refused_{0};
@@ -102,7 +107,7 @@ bool ends(const std::string& command) {
 void follow_lines(Session& session) {
   for (std::string line; !interrupted() && std::getline(std::cin, line) && !ends(line);)
     if (std::cin.eof())
-      session.refuse(line);
+      session.refuse_torn(line);
     else
       session.execute(line);
 }

@@ -188,6 +188,10 @@ volatile std::sig_atomic_t interrupts = 0;
 
 }  // namespace
 
+bool is_quiet() {
+  return !spdlog::should_log(spdlog::level::warn);
+}
+
 CLI::Option* add_choice(CLI::App& app, const std::string& name, std::string& value,
                         const std::vector<std::string>& words, const std::string& text) {
   return app.add_option(name, value, text)->check(CLI::IsMember(words))->capture_default_str();
@@ -253,7 +257,8 @@ int run_program(const ProgramText& text, int argc, char** argv,
   bool verbose = false;
   add_options(app);
   app.add_option("--json", json_file, "write every printed figure to FILE")->type_name("FILE");
-  CLI::Option* quiet_flag = app.add_flag("-q,--quiet", quiet, "errors only");
+  CLI::Option* quiet_flag = app.add_flag(
+      "-q,--quiet", quiet, "print nothing but errors; files and --json are written all the same");
   app.add_flag("-v,--verbose", verbose, "also log each look, each file read and each decision")
       ->excludes(quiet_flag);
   try {

@@ -17,10 +17,14 @@
 
 namespace planar {
 
-/// Prints as fmt::print() does, but nothing that controls a terminal: ids and what devices say come
-/// from elsewhere.
+/// Returns whether -q asks for errors only.
+bool is_quiet();
+
+/// Prints results as fmt::print() does, unless -q was given, and nothing that controls a terminal:
+/// ids and what devices say come from elsewhere.
 template <typename... Args>
 void say(std::FILE* stream, fmt::format_string<Args...> format, Args&&... args) {
+  if (is_quiet()) return;
   fmt::print(stream, "{}", visible(fmt::format(format, std::forward<Args>(args)...)));
 }
 template <typename... Args>

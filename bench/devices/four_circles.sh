@@ -9,7 +9,7 @@ out=${2:-$PWD/four_circles}
 [ $# -lt 2 ] || { mkdir -p "$2"; out=$(cd "$2" && pwd); }
 
 mkdir cell && cp "$repository"/calib/paper/*.yaml cell/
-"$bin/planar-experiment" -q --cell cell/cell.yaml --out in_process >in_process.txt
+"$bin/planar-experiment" --cell cell/cell.yaml --out in_process >in_process.txt
 cp in_process/ours/*.yaml cell/
 for camera in gige usb; do live_cell cell/cell.yaml $camera >cell/$camera.yaml; done
 # The lens drifts on, so the live runs begin at the time at which the run in process began.
@@ -21,7 +21,7 @@ grep -v '^#' in_process/ours/run/results.csv | cut -d, -f1-3 | sed '1s/target/id
 grep "against the truth" in_process.txt | tail -n 1 | sed 's/^/in process: /'
 for camera in gige usb; do
   hosted $camera --age "$age" --score $camera --targets targets.csv --json $camera.json -- \
-    "$bin/planar-servo" -q --cell cell/$camera.yaml --targets targets.csv --out $camera |
+    "$bin/planar-servo" --cell cell/$camera.yaml --targets targets.csv --out $camera |
     sed "s/^/$camera: /"
 done
 mkdir -p "$out" && cp -r in_process.txt ./*.json gige usb "$out/"

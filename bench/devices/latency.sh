@@ -19,7 +19,7 @@ for camera in ${2:-gige usb}; do
       "cell/$camera.yaml" >"cell/$camera$region.yaml"
     # A target whose error grows by noise fails, but its corrections count all the same.
     hosted "$camera" --score "$camera$region" --targets targets.csv -- \
-      "$bin/planar-servo" -q --cell "cell/$camera$region.yaml" --targets targets.csv \
+      "$bin/planar-servo" --cell "cell/$camera$region.yaml" --targets targets.csv \
       --out "$camera$region" >said.txt || true
     grep -q "^from exposure" said.txt || fail "$(cat said.txt)"
     sed -n "s/^from exposure/$camera, region of $region px: &/p" said.txt

@@ -9,7 +9,7 @@ source "$repository/tests/programs/live_cell.sh"
 calibrated_cell
 live_twins
 printf 'x_mm,y_mm,via_x_mm,via_y_mm\n260,200,,\n220,200,240,220\n240,180,,\n' >path.csv
-follow=("$bin/planar-servo" -q --path path.csv --speed-mm-s 20 --compare --no-health)
+follow=("$bin/planar-servo" --path path.csv --speed-mm-s 20 --compare --no-health)
 echo "in process"
 "${follow[@]}" --cell cell/cell.yaml --out in_process
 echo "on the wire"

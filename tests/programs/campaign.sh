@@ -4,7 +4,7 @@
 source "$(dirname "$0")/common.sh"
 
 cp -r "$2/cell" .
-campaign=("$bin/planar-experiment" -q --cell cell/cell.yaml --train 40 --loop-only 5 --seed 501 --seeds 2)
+campaign=("$bin/planar-experiment" --cell cell/cell.yaml --train 40 --loop-only 5 --seed 501 --seeds 2)
 export ASAN_OPTIONS=detect_leaks=0  # of mpirun's libraries
 ranks=(mpirun --allow-run-as-root --oversubscribe -n 3 "${campaign[@]}")
 has_mpi=false

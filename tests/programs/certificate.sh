@@ -6,7 +6,7 @@ cp -r "$2/cell" .
 size=(--cycles 3 --targets 12)
 certify=("$bin/planar-certify" --cell cell/cell.yaml "${size[@]}")
 
-"${certify[@]}" -q --out DIR --json figures.json >certified.txt || fail "$(cat certified.txt)"
+"${certify[@]}" --out DIR --json figures.json >certified.txt || fail "$(cat certified.txt)"
 expect_sample certified.txt "$bin/planar-certify"
 cmp figures.json DIR/certificate.json || fail "--json is not certificate.json"
 # Three cycles at five poses, at three poses from four sides, and the targets.
@@ -30,8 +30,10 @@ sed -nE 's/.*"ap_mm": ([0-9.e-]+).*/\1/p' figures.json | head -n 1 | awk '{ prin
 
 # A finished certificate stays as it is.
 cp -r DIR first
-"${certify[@]}" -q --out DIR --json again.json >again.txt
+"${certify[@]}" --out DIR --json again.json >again.txt
 diff certified.txt again.txt || fail "a finished certificate was made again"
+"${certify[@]}" -q --out DIR >quiet.txt 2>&1
+[ ! -s quiet.txt ] || fail "with -q it says: $(cat quiet.txt)"
 diff -r first DIR || fail "a finished certificate changed"
 
 # Broken off in the middle of a line, the same command continues where it ended.
@@ -39,7 +41,7 @@ cp -r first broken
 head -n 30 first/cycles.csv >broken/cycles.csv
 printf 'v01.P4+x,direc' >>broken/cycles.csv
 rm broken/certificate.*
-"${certify[@]}" -q --out broken >gone_on.txt || fail "$(cat gone_on.txt)"
+"${certify[@]}" --out broken >gone_on.txt || fail "$(cat gone_on.txt)"
 cut -d, -f1 first/cycles.csv | diff - <(cut -d, -f1 broken/cycles.csv) || fail "other moves were made"
 head -n 30 first/cycles.csv | diff - <(head -n 30 broken/cycles.csv) || fail "a judged move was made again"
 [ -s broken/certificate.html ] || fail "no page after going on"

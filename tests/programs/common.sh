@@ -51,17 +51,17 @@ small_plan() {
 # From a recording to everything that the servo needs: calibrate CELL RECORDING OUT.
 calibrate() {
   local cell=$1 recording=$2 out=$3
-  "$bin/planar-calibrate-camera" -q --grid circles:11x11:50mm --model plumb_bob \
+  "$bin/planar-calibrate-camera" --grid circles:11x11:50mm --model plumb_bob \
     -o "$out/camera.yaml" "$recording" --json "$out/camera.json"
-  "$bin/planar-locate-lamps" -q --cell "$cell" -o "$out/lamps.csv" "$recording" \
+  "$bin/planar-locate-lamps" --cell "$cell" -o "$out/lamps.csv" "$recording" \
     --json "$out/lamps.json"
-  "$bin/planar-pair-tracker" -q --cell "$cell" --lamps "$out/lamps.csv" --recording "$recording" \
+  "$bin/planar-pair-tracker" --cell "$cell" --lamps "$out/lamps.csv" --recording "$recording" \
     --workplane-out "$out/workplane.yaml" --tool-out "$out/tool.yaml" \
     --grid circles:11x11:50mm --board-thickness-mm -5.5 --lays-out "$out/lays.csv" \
     --health-out "$out/health.yaml" -o "$out/pairs.csv" \
     --json "$out/pairs.json"
-  "$bin/planar-fit-error-map" -q -o "$out/map.yaml" "$out/pairs.csv" --json "$out/map.json"
-  "$bin/planar-check-error-map" -q --plan train "$out/map.yaml" "$out/pairs.csv" \
+  "$bin/planar-fit-error-map" -o "$out/map.yaml" "$out/pairs.csv" --json "$out/map.json"
+  "$bin/planar-check-error-map" --plan train "$out/map.yaml" "$out/pairs.csv" \
     --json "$out/check.json"
 }
 

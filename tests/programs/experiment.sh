@@ -4,7 +4,7 @@
 source "$(dirname "$0")/common.sh"
 
 cp -r "$2/cell" .
-experiment=("$bin/planar-experiment" -q --cell cell/cell.yaml --train 40 --loop-only 5 --out DIR)
+experiment=("$bin/planar-experiment" --cell cell/cell.yaml --train 40 --loop-only 5 --out DIR)
 
 # killed_at FILE LINES: begins or continues, and is killed once the file has so many lines.
 killed_at() {
@@ -31,5 +31,7 @@ grep -q '"targets": 20' figures.json || fail "$(cat figures.json)"
 expect_sample printed.txt "$bin/planar-experiment"
 "${experiment[@]}" --json again.json >again.txt
 diff printed.txt again.txt || fail "a finished experiment prints something else"
+"${experiment[@]}" -q >quiet.txt 2>&1
+[ ! -s quiet.txt ] || fail "with -q it says: $(cat quiet.txt)"
 expect 2 "begun.json: was begun with .*: seed 1, now 2; give the same" \
   "${experiment[@]}" --seed 2

@@ -4,13 +4,13 @@ source "$(dirname "$0")/common.sh"
 
 cp -r "$2/cell" "$2/plan.csv" .
 
-jog() { "$bin/planar-jog" -q --cell cell/cell.yaml "$@" >out.txt 2>err.txt; }
+jog() { "$bin/planar-jog" --cell cell/cell.yaml "$@" >out.txt 2>err.txt; }
 printf '%s\n' enable home 'joint 2 15' 'joint 2 15' 'x -20' 'y 5' look 'teach a' 'joint 1 10' 'teach b' |
   jog --teach taught.csv || fail "$(cat err.txt)"
 grep -q "% of the lit pixels saturated: good" out.txt || fail "no meter: $(cat out.txt)"
 grep -q "taught a at .* as seen" out.txt || fail "$(cat out.txt)"
 if grep -q $'\033' out.txt err.txt; then fail "lines of a terminal were drawn into a file"; fi
-"$bin/planar-servo" -q --cell cell/cell.yaml --targets taught.csv --out run >servo.txt ||
+"$bin/planar-servo" --cell cell/cell.yaml --targets taught.csv --out run >servo.txt ||
   fail "what was taught was not reached"
 grep -q "2 of 2 targets reached" servo.txt || fail "$(cat servo.txt)"
 
@@ -36,7 +36,7 @@ echo enable | jog --teach none.csv || fail "$(cat err.txt)"
 [ ! -e none.csv ] || fail "a session that taught nothing left $(cat none.csv)"
 : >empty.csv
 printf '%s\n' enable 'joint 2 15' 'teach a' ' quit  now' | jog --teach empty.csv || fail "$(cat err.txt)"
-"$bin/planar-servo" -q --cell cell/cell.yaml --targets empty.csv --dry-run >plans.txt || fail "$(cat plans.txt)"
+"$bin/planar-servo" --cell cell/cell.yaml --targets empty.csv --dry-run >plans.txt || fail "$(cat plans.txt)"
 
 status=0
 echo enable | jog --teach plan.csv || status=$?

@@ -4,7 +4,7 @@ source "$(dirname "$0")/common.sh"
 
 cp -r "$2/cell" .
 printf 'x_mm,y_mm,via_x_mm,via_y_mm\n260,200,,\n220,200,240,220\n240,180,,\n' >path.csv
-servo=("$bin/planar-servo" -q --cell cell/cell.yaml)
+servo=("$bin/planar-servo" --cell cell/cell.yaml)
 
 # Wrong usage, wrong rows, ways that lead nowhere.
 expect 2 "--targets|--path" "${servo[@]}" --path path.csv --targets path.csv --out made

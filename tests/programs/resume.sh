@@ -5,7 +5,7 @@ source "$(dirname "$0")/common.sh"
 cp -r "$2/cell" "$2/plan.csv" .
 head -n 9 plan.csv >begin.csv
 "$bin/planar-record" -q --cell cell/cell.yaml --plan begin.csv --out recording >/dev/null
-"$bin/planar-record" -q --cell cell/cell.yaml --plan plan.csv --out recording >second.txt
+"$bin/planar-record" --cell cell/cell.yaml --plan plan.csv --out recording >second.txt
 grep -q "51 positions recorded (8 were there before)" second.txt || fail "$(cat second.txt)"
 ids=$(tail -n +3 recording/frames.csv | cut -d, -f1 | sort -u | wc -l)
 [ "$ids" -eq 59 ] || fail "$ids ids recorded instead of 59"

@@ -22,30 +22,30 @@ if [ -s served.txt ]; then
 fi
 
 printf 'id,plan,x_mm,y_mm\nt1,train,200,100\n' >plan.csv
-"$bin/planar-record" -q --cell cell/cell.yaml --plan plan.csv --out RECORDING --json record.json >recorded.txt
+"$bin/planar-record" --cell cell/cell.yaml --plan plan.csv --out RECORDING --json record.json >recorded.txt
 expect_sample recorded.txt "$bin/planar-record"
 
-"$bin/planar-calibrate-camera" -q --grid circles:11x11:50mm -o camera.yaml recording --json camera.json >camera.txt
+"$bin/planar-calibrate-camera" --grid circles:11x11:50mm -o camera.yaml recording --json camera.json >camera.txt
 expect_sample camera.txt "$bin/planar-calibrate-camera"
 
-"$bin/planar-locate-lamps" -q --cell cell/cell.yaml -o lamps.csv recording --json lamps.json >lamps.txt
+"$bin/planar-locate-lamps" --cell cell/cell.yaml -o lamps.csv recording --json lamps.json >lamps.txt
 expect_sample lamps.txt "$bin/planar-locate-lamps"
 
 # One reading of the tracker is wrong by 5 mm; later one pair is by 3 mm.
 awk -F, -v OFS=, '$1 == "train_17" { $3 += 5 } 1' recording/tracker.csv >tracker.csv
 mv tracker.csv recording/tracker.csv
-"$bin/planar-pair-tracker" -q --cell cell/cell.yaml --lamps lamps.csv --recording recording \
+"$bin/planar-pair-tracker" --cell cell/cell.yaml --lamps lamps.csv --recording recording \
   --workplane-out workplane.yaml --tool-out tool.yaml -o paired.csv --json paired.json >paired.txt
 expect_sample paired.txt "$bin/planar-pair-tracker"
 
-"$bin/planar-calibrate-arm" -q --cell cell/cell.yaml -o arm.yaml paired.csv --json arm.json >arm.txt
+"$bin/planar-calibrate-arm" --cell cell/cell.yaml -o arm.yaml paired.csv --json arm.json >arm.txt
 expect_sample arm.txt "$bin/planar-calibrate-arm"
 cp -r cell paired_cell
 cp workplane.yaml tool.yaml paired_cell
 rm -f paired_cell/health.yaml
-"$bin/planar-plan" -q --cell paired_cell/cell.yaml --readings 8 --after paired.csv -o next.csv >next.txt
+"$bin/planar-plan" --cell paired_cell/cell.yaml --readings 8 --after paired.csv -o next.csv >next.txt
 expect_sample next.txt "$bin/planar-plan"
-"$bin/planar-fit-error-map" -q --cell paired_cell/cell.yaml --arm-out paired_cell/arm.yaml \
+"$bin/planar-fit-error-map" --cell paired_cell/cell.yaml --arm-out paired_cell/arm.yaml \
   -o paired_cell/map.yaml paired.csv --json field.json >field.txt
 grep -q "^places left out " field.txt || fail "$(cat field.txt)"
 
@@ -60,26 +60,57 @@ awk 'BEGIN {
     printf "p%d,%.4f,%.4f,%.4f,%.4f\n", i, x, y, x - ex, y - ey
   }
 }' >pairs.csv
-"$bin/planar-fit-error-map" -q -o map.yaml pairs.csv --json fitted.json >fitted.txt
+"$bin/planar-fit-error-map" -o map.yaml pairs.csv --json fitted.json >fitted.txt
 expect_sample fitted.txt "$bin/planar-fit-error-map"
-"$bin/planar-check-error-map" -q map.yaml pairs.csv --json checked.json >checked.txt
+"$bin/planar-check-error-map" map.yaml pairs.csv --json checked.json >checked.txt
 expect_sample checked.txt "$bin/planar-check-error-map"
 
 printf 'id,x_mm,y_mm\na,200,100\nb,-150,250\n' >targets.csv
 echo "arm_found: arm.yaml" >>paired_cell/cell.yaml
-"$bin/planar-servo" -q --cell paired_cell/cell.yaml --targets targets.csv --no-health --out aimed \
+"$bin/planar-servo" --cell paired_cell/cell.yaml --targets targets.csv --no-health --out aimed \
   >aimed.txt || fail "$(cat aimed.txt)"
 grep -q "against the truth: the arm alone 0\.0[01]" aimed.txt || fail "$(cat aimed.txt)"
-"$bin/planar-servo" -q --cell cell/cell.yaml --targets targets.csv --out DIR --json servo.json >servo.txt
+"$bin/planar-servo" --cell cell/cell.yaml --targets targets.csv --out DIR --json servo.json >servo.txt
 expect_sample servo.txt "$bin/planar-servo"
 printf '%s\n' enable home 'joint 2 10' where 'teach A' |
-  "$bin/planar-jog" -q --cell cell/cell.yaml --teach taught.csv >jog.txt
+  "$bin/planar-jog" --cell cell/cell.yaml --teach taught.csv >jog.txt
 expect_sample jog.txt "$bin/planar-jog"
 
 "$bin/planar-board" circles:11x11:15mm --page A4 -o board.pdf --json board.json >board.txt
 expect_sample board.txt "$bin/planar-board"
 "$bin/planar-board" tool --cell cell/cell.yaml -o mount.svg --json mount.json >mount.txt
 grep -q "^lamps  *8 and 8 mm wide, 40 mm apart$" mount.txt || fail "$(cat mount.txt)"
+
+# With -q they print nothing, and write their files.
+quiet() {
+  local program=$1
+  shift
+  "$bin/$program" -q "$@" >quiet.txt 2>&1 || fail "$program -q: $(cat quiet.txt)"
+  [ ! -s quiet.txt ] || fail "$program -q says: $(cat quiet.txt)"
+}
+quiet planar-board circles:11x11:15mm -o quiet.svg --json quiet.json
+for file in quiet.svg quiet.json; do [ -s "$file" ] || fail "planar-board -q has not written $file"; done
+quiet planar-virtual-cell draw --seed 7 -o quiet_cell
+quiet planar-record --cell cell/cell.yaml --plan plan.csv --out quiet_recording
+quiet planar-calibrate-camera --grid circles:11x11:50mm -o quiet.yaml recording
+quiet planar-locate-lamps --cell cell/cell.yaml -o quiet_lamps.csv recording
+quiet planar-pair-tracker --cell cell/cell.yaml --lamps lamps.csv --recording recording \
+  --workplane-out workplane.yaml --tool-out tool.yaml -o quiet_pairs.csv \
+  --grid circles:11x11:50mm --lays-out quiet_lays.csv
+quiet planar-calibrate-arm --cell cell/cell.yaml -o quiet_arm.yaml paired.csv
+quiet planar-plan --cell paired_cell/cell.yaml --readings 8 --after paired.csv -o quiet_plan.csv
+quiet planar-fit-error-map -o quiet_map.yaml pairs.csv
+quiet planar-fit-error-map --cell paired_cell/cell.yaml -o quiet_field.yaml paired.csv
+quiet planar-check-error-map map.yaml pairs.csv
+quiet planar-doctor --cell paired_cell/cell.yaml
+quiet planar-doctor --new quiet_cell.yaml --drives virtual
+quiet planar-doctor --seal map.yaml
+quiet planar-check-cell --cell cell/cell.yaml
+for how in --dry-run --check "--out quiet_run"; do
+  # shellcheck disable=SC2086
+  quiet planar-servo --cell cell/cell.yaml --targets targets.csv $how
+done
+printf '%s\n' enable home where 'teach A' | quiet planar-jog --cell cell/cell.yaml --teach quiet_taught.csv
 
 # Every key that these wrote is in the glossary of outputs.md.
 grep -ohE '"[A-Za-z0-9_]+":' ./*.json | sed -E 's/[":]//g; s/_(own_view|truth|tracker)$//; s/_[0-9](_|$)/_N\1/g' | sort -u >keys.txt
