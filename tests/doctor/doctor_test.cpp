@@ -1,6 +1,9 @@
 #include "planar_servo/doctor/doctor.h"
 
 #include <catch2/catch.hpp>
+#include <filesystem>
+#include <string>
+#include <utility>
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/io/atomic_file.h"
@@ -41,6 +44,47 @@ TEST_CASE("A virtual camera with real drives is refused, as by the programs that
       "kind: tic, serial: \"1\", command_timeout_ms: 1000, home: {reference: taught, at_deg: 0},");
   CHECK_THROWS_WITH(examine_cell(folder.write("cell.yaml", text)),
                     Contains("a virtual camera needs virtual drives"));
+}
+
+/// The findings of this verdict about a file of the calibrated workshop cell, with `name` of it
+/// written anew.
+std::vector<Finding> faults_with(const std::string& name, const std::string& text) {
+  const test::TemporaryFolder folder;
+  std::filesystem::copy(test::workshop_cell_file().parent_path(), folder.path(),
+                        std::filesystem::copy_options::recursive);
+  folder.write(name, text);
+  std::vector<Finding> faults;
+  for (const Finding& finding : examine_cell(folder / "cell.yaml"))
+    if (finding.verdict == Verdict::kFaulty) faults.push_back(finding);
+  return faults;
+}
+
+TEST_CASE("A file that the servo could not read is faulty, and says what mends it") {
+  for (const auto& [name, program] : {std::pair("health.yaml", "planar-pair-tracker"),
+                                      {"tool.yaml", "planar-pair-tracker"},
+                                      {"workplane.yaml", "planar-pair-tracker"},
+                                      {"map.yaml", "planar-fit-error-map"},
+                                      {"camera.yaml", "planar-calibrate-camera"}}) {
+    INFO(name);
+    bool is_told = false;
+    for (const Finding& fault : faults_with(name, ""))
+      is_told =
+          is_told || (fault.subject == name && fault.what.find("is empty") != std::string::npos &&
+                      fault.remedy == std::string("make it anew with ") + program);
+    CHECK(is_told);
+  }
+}
+
+TEST_CASE("A workplane without the cell's reference lamps is faulty, as for the servo") {
+  const std::string workplane =
+      read_file(test::workshop_cell_file().parent_path() / "workplane.yaml");
+  const std::size_t lamps = workplane.find("\nreference_lamps:");
+  REQUIRE(lamps != std::string::npos);
+  const auto faults = faults_with("workplane.yaml", workplane.substr(0, lamps + 1));
+  bool is_told = false;
+  for (const Finding& fault : faults)
+    is_told = is_told || fault.what.find("knows none of the") != std::string::npos;
+  CHECK(is_told);
 }
 
 }  // namespace

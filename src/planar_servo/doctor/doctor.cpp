@@ -5,11 +5,14 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <stdexcept>
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/names.h"
 #include "planar_servo/core/pose.h"
 #include "planar_servo/core/units.h"
+#include "planar_servo/files/arm_file.h"
 #include "planar_servo/files/calibration_files.h"
 #include "planar_servo/files/map_file.h"
 #include "planar_servo/files/provenance.h"
@@ -81,25 +84,48 @@ Finding examine_file(const MadeFile& file, bool is_stale) {
   return {is_stale ? Verdict::kFaulty : Verdict::kWell, name, origin_text(file.path)};
 }
 
-std::vector<Finding> examine_checksum(const std::filesystem::path& file) {
-  if (!std::filesystem::exists(file)) return {};
-  const auto change = later_change(file, read_file(file));
-  if (!change) return {};
-  return {faulty(file.filename().string(), *change)};
+/// Reads a file as the programs that use it do, which throws InputError where they would. An error
+/// map against which its own fit speaks is accepted by some; what it says is returned.
+std::optional<Refusal> objection_of(const CellSettings& cell, const MadeFile& file) {
+  switch (file.role) {
+    case Role::kCamera:
+      read_cell_camera(cell);
+      break;
+    case Role::kWorkplane:
+      require_reference_lamps(cell, read_workplane(file.path).reference_lamps);
+      break;
+    case Role::kTool:
+      read_tool(file.path);
+      break;
+    case Role::kErrorMap:
+      return objection(read_map(file.path).quality);
+    case Role::kHealth:
+      read_health(file.path);
+      break;
+    case Role::kArmFound:
+      read_found_arm(file.path);
+      break;
+    default:
+      throw std::logic_error("the doctor reads calibration files only");
+  }
+  return std::nullopt;
 }
 
-/// Says what the fit of the cell's error map says against it.
-std::vector<Finding> examine_map(const CellSettings& cell) {
-  if (!std::filesystem::exists(cell.error_map)) return {};
-  const std::string name = cell.error_map.filename().string();
+/// Says what is wrong in a file itself.
+std::vector<Finding> examine_content(const CellSettings& cell, const MadeFile& file) {
+  const std::string name = file.path.filename().string();
+  if (!std::filesystem::exists(file.path)) return {};
+  if (const auto change = later_change(file.path, read_file(file.path)))
+    return {faulty(name, *change)};
   try {
-    const auto against = objection(read_map(cell.error_map).quality);
+    const auto against = objection_of(cell, file);
     if (!against) return {};
     return {faulty(
         name, *against,
         "record more places and fit again; planar-servo moves by it only with --accept-map")};
   } catch (const InputError& error) {
-    return {{Verdict::kFaulty, name, error.what(), "make it anew with planar-fit-error-map"}};
+    return {{Verdict::kFaulty, name, error.what(),
+             fmt::format("make it anew with {}", program_for(file.role))}};
   }
 }
 
@@ -108,8 +134,7 @@ std::vector<Finding> examine_files(const CellSettings& cell) {
   std::vector<Finding> findings;
   const std::vector<StaleFile> all_stale = stale_files(cell, true);
   for (const MadeFile& file : made_files(cell, true)) {
-    std::vector<Finding> reasons = examine_checksum(file.path);
-    if (reasons.empty() && file.role == Role::kErrorMap) reasons = examine_map(cell);
+    std::vector<Finding> reasons = examine_content(cell, file);
     for (const StaleFile& stale : all_stale)
       if (stale.path == file.path)
         reasons.push_back(faulty(file.path.filename().string(), stale.refusal));
@@ -142,7 +167,8 @@ std::vector<Finding> examine_cell(const std::filesystem::path& cell_file) {
       {Finding::Verdict::kWell, "cell file", cell_file.string() + " is in order"}};
   for (Finding& finding : question_values(cell)) findings.push_back(std::move(finding));
   for (Finding& finding : examine_files(cell)) findings.push_back(std::move(finding));
-  for (Finding& finding : question_camera_field(cell)) findings.push_back(std::move(finding));
+  if (is_sound(findings))
+    for (Finding& finding : question_camera_field(cell)) findings.push_back(std::move(finding));
   for (Finding& finding : cell.drives[0].kind->examine(cell))
     findings.push_back(std::move(finding));
   for (Finding& finding : cell.camera.kind->examine(cell)) findings.push_back(std::move(finding));

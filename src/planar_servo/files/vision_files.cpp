@@ -38,6 +38,16 @@ VisionCalibration read_cell_workplane(const CellSettings& cell) {
 
 }  // namespace
 
+void require_reference_lamps(const CellSettings& cell, const std::vector<ReferenceLamp>& known) {
+  if (cell.reference_lamps.empty() || !known.empty()) return;
+  throw InputError({fmt::format("knows none of the {} reference lamps that the cell file names, so "
+                                "a camera that moves would not be noticed",
+                                cell.reference_lamps.size()),
+                    "make it of a recording that shows them, with planar-record, "
+                    "planar-locate-lamps and planar-pair-tracker",
+                    cell.workplane});
+}
+
 CameraModel read_cell_camera(const CellSettings& cell) {
   const CameraRecord record =
       read_camera(require_made(cell.camera_model, "planar-calibrate-camera"));
@@ -55,13 +65,7 @@ CameraModel read_cell_camera(const CellSettings& cell) {
 VisionCalibration read_vision(const CellSettings& cell, bool with_error_map) {
   require_files(cell, with_error_map);
   VisionCalibration vision = read_cell_workplane(cell);
-  if (!cell.reference_lamps.empty() && vision.reference_lamps.empty())
-    throw InputError({fmt::format("knows none of the {} reference lamps that the cell file names, "
-                                  "so a camera that moves would not be noticed",
-                                  cell.reference_lamps.size()),
-                      "make it of a recording that shows them, with planar-record, "
-                      "planar-locate-lamps and planar-pair-tracker",
-                      cell.workplane});
+  require_reference_lamps(cell, vision.reference_lamps);
   vision.tool = read_tool(cell.tool);
   if (!with_error_map) return vision;
   MapRecord record = read_map(cell.error_map);

@@ -18,4 +18,7 @@ LampScene read_lamp_scene(const CellSettings& cell);
 /// than the cell's.
 CameraModel read_cell_camera(const CellSettings& cell);
 
+/// Throws InputError when the cell has reference lamps and its workplane knows none.
+void require_reference_lamps(const CellSettings& cell, const std::vector<ReferenceLamp>& known);
+
 }  // namespace planar
