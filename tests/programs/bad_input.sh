@@ -136,9 +136,12 @@ expect 2 "metres.csv: no coordinate is larger than 0.2 mm, while .* metres would
 printf 'id,x_mm,y_mm,phi_rad\na,200,100,1.57\n' >radians.csv
 expect 2 "radians.csv: the column phi_rad is probably phi_deg \(in degrees\); write it so" \
   "$bin/planar-servo" --cell cell/cell.yaml --targets radians.csv --out made
+sed 's/phi_rad/phi_dge/' radians.csv >misspelt.csv
+expect 2 "misspelt.csv: the column phi_dge is probably phi_deg" \
+  "$bin/planar-servo" --cell cell/cell.yaml --targets misspelt.csv --out made
 sed -i 's/phi_rad/phi_deg/' radians.csv
 "$bin/planar-servo" --cell cell/cell.yaml --targets radians.csv --dry-run >out.txt 2>err.txt || fail "$(cat err.txt)"
-grep -q "radians.csv: phi_deg is 0 in no row and at most 1.57; radians would be such numbers" err.txt || fail "$(cat err.txt)"
+grep -q "radians.csv: phi_deg is at most 1.57 in every row; radians would be such numbers" err.txt || fail "$(cat err.txt)"
 {
   printf 'id,plan,x_mm,y_mm\n'
   printf 'g%d,grid,,\n' 1 2 3 4 5

@@ -130,12 +130,24 @@ std::optional<double> finite_number(std::string_view text) {
   return value;
 }
 
+namespace {
+
+/// Returns the column of the same quantity whose unit this name misspells; empty where none is.
+std::string with_misspelt_unit(std::string_view name, const std::vector<std::string>& columns) {
+  std::vector<std::string> same;
+  for (const std::string& column : columns)
+    if (quantity_of(column) == name.substr(0, name.rfind('_'))) same.push_back(column);
+  return nearest_word(name, same);
+}
+
+}  // namespace
+
 std::string likely_column(std::string_view name, const std::vector<std::string>& columns) {
   std::vector<std::string> quantities;
   quantities.reserve(columns.size());
   for (const std::string& column : columns) quantities.push_back(quantity_of(column));
   const std::string nearest = nearest_word(quantity_of(as_ours(name)), quantities);
-  if (nearest.empty()) return {};
+  if (nearest.empty()) return with_misspelt_unit(name, columns);
   const auto at = std::find(quantities.begin(), quantities.end(), nearest);
   return columns[static_cast<std::size_t>(at - quantities.begin())];
 }

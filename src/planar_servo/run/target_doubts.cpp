@@ -40,13 +40,13 @@ std::optional<Refusal> doubt_of_directions(const std::vector<TargetRow>& targets
   bool any_broken = false;
   for (const TargetRow& target : targets) {
     const double number = target.phi_d.value_or(0.0) / kDegree;
-    if (number == 0.0 || std::abs(number) >= kRadiansOfTurn) return std::nullopt;
+    if (std::abs(number) >= kRadiansOfTurn) return std::nullopt;
     largest = std::max(largest, std::abs(number));
     any_broken = any_broken || !is_whole(number);
   }
   if (!any_broken) return std::nullopt;
-  return Refusal{fmt::format("phi_deg is 0 in no row and at most {:g}; radians would be such "
-                             "numbers, while degrees are read",
+  return Refusal{fmt::format("phi_deg is at most {:g} in every row; radians would be such numbers, "
+                             "while degrees are read",
                              largest),
                  "write degrees, such as 90 for 1.571 radians, or leave it if it is meant so"};
 }
