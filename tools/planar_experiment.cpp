@@ -212,8 +212,8 @@ void add_options(CLI::App& app, Options& options) {
       ->excludes(seeds);
   for (CLI::Option* homing : add_homing_options(app, options.homing)) homing->excludes(seeds);
   add_choice(app, "--display", options.display, names_of(kDisplayPolicies),
-             "what a real cell's camera sees of the board that a person shows to it: auto: "
-             "DIR/recording/view.png and, where an X server answers, a window; x: insist on "
+             "auto: draw a map of what is recorded, and what a real cell's camera sees of the board, "
+             "into DIR/recording/view.png and, where an X server answers, a window; x: insist on "
              "the window; none");
 }
 

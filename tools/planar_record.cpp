@@ -40,8 +40,8 @@ void add_options(CLI::App& app, Options& options) {
             "as circles:11x11:50mm; ? for a pitch that is not known");
   add_choice(
       app, "--display", options.display, names_of(kDisplayPolicies),
-      "auto: draw what the camera sees of the board and what is missing into RECORDING/view.png "
-      "and, where an X server answers, a window; x: insist on the window; none");
+      "auto: draw a map of what is done and left, and what the camera sees of the board, into "
+      "RECORDING/view.png and, where an X server answers, a window; x: insist on the window; none");
   add_choice(app, "--on-bad-reading", options.on_bad_reading, names_of(kBadReadings),
              "what happens to a place of which the tracker gives no good reading: it is taken "
              "again up to twice, left out, or the recording stops");

@@ -30,6 +30,13 @@ TEST_CASE("A first plan has views, sweeps and places, and the arm can make all o
   CHECK(plan.enough <= rows_of(plan, Plan::kTrain));
 }
 
+TEST_CASE("A first plan begins with what needs the tracker and ends with the views of the board") {
+  const ProposedPlan plan = propose_plan(read_cell(test::paper_cell_file()), 40, {});
+  const auto board = [](const PlanRow& row) { return shows_board(row.plan); };
+  CHECK(needs_reading(plan.rows.front().plan));
+  CHECK(std::is_partitioned(plan.rows.rbegin(), plan.rows.rend(), board));
+}
+
 TEST_CASE("The order of a plan's places is random in space, and the same every time") {
   const CellSettings cell = read_cell(test::paper_cell_file());
   const ProposedPlan plan = propose_plan(cell, 100, {});

@@ -17,6 +17,13 @@ servo targets.csv --out window --display x || status=$?
 grep -q "no X server answers at DISPLAY ''" err.txt || fail "$(cat err.txt)"
 [ ! -e window ] || fail "a run without its display was begun"
 
+printf 'id,plan,x_mm,y_mm,phi_deg\na,pose,200,100,0\ng,grid,,,\n' >plan.csv
+for display in none auto; do
+  "$bin/planar-record" -q --cell cell/cell.yaml --plan plan.csv --out "recording_$display" --display $display >out.txt
+done
+[ ! -e recording_none/view.png ] || fail "a map that nobody asked for"
+[ -s recording_auto/view.png ] || fail "no map of a recording"
+
 if ! command -v Xvfb >/dev/null; then
   echo "Xvfb is not installed: windows were not tried"
   exit 0

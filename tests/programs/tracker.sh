@@ -18,6 +18,37 @@ grep -q "^t0,.*,1000.00000,1.00000,1.00000$" asked/tracker.csv || fail "the type
 grep -q "^t1," asked/frames.csv && fail "a place that was skipped is kept"
 grep -q "^u0," asked/frames.csv || fail "the pose is not recorded"
 
+# A person at a terminal: what was typed before a question is no answer to it, and each place says how many are left.
+mkfifo keys
+script -qec "$bin/planar-record --cell asked.yaml --plan plan.csv --out typed" /dev/null <keys >screen.txt 2>&1 &
+typed=$!
+exec 4>keys
+# answer PATTERN KEYS: types once the screen shows a further question like this.
+answer() {
+  for _ in $(seq 100); do
+    if [ "$(grep -o "$1" screen.txt | wc -l)" -gt "${asked[$1]:-0}" ]; then break; fi
+    sleep 0.1
+  done
+  asked[$1]=$((${asked[$1]:-0} + 1))
+  sleep 0.3
+  if grep -q "on 'datum3', measure" screen.txt && [ "$1" = "on 'datum1', measure" ] && [ "${asked[$1]}" -eq 1 ]; then
+    fail "Enter that was typed before was taken for an answer: $(cat screen.txt)"
+  fi
+  printf '%s\n' "$2" >&4
+}
+declare -A asked
+printf '\n\n\n\n' >&4
+for monument in 1 2 3; do answer "on 'datum$monument', measure" ""; done
+answer "back on the tool" ""
+answer "on the tool at 't0'" "1000,1,1"
+answer "on the tool at 't1'" ""
+for monument in 1 2 3; do answer "on 'datum$monument', measure" ""; done
+wait "$typed" || fail "$(cat screen.txt)"
+exec 4>&-
+grep -q "0 of 3, 2 places with a reading and 1 place without a reading left: t0" screen.txt || fail "$(cat screen.txt)"
+grep -q "1 of 3, about .* left: t1" screen.txt || fail "$(cat screen.txt)"
+grep -q "^t0,.*,1000.00000,1.00000,1.00000$" typed/tracker.csv || fail "$(cat typed/tracker.csv)"
+
 expect 1 "nobody answers 'place the reflector on .*standard input" record --cell asked.yaml --out ended </dev/null
 expect 1 "nobody answers 'place the reflector on .*standard input" record --cell asked.yaml --out closed <&-
 expect 2 "2 rows of the plan ask for a tracker reading, 't0' of plan train first" record --cell none.yaml --out made

@@ -79,7 +79,10 @@ class NotingDevices final : public CellDevices,
     return TrackerAnswer::of({});
   }
 
-  void hold_board(int view) override { held.push_back(view); }
+  void hold_board(int view) override {
+    held.push_back(view);
+    asked.emplace_back("board");
+  }
   void lay_board(int view) override { laid.push_back(view); }
   void remove_board() override {}
 
@@ -202,6 +205,47 @@ TEST_CASE("What is missing of the monuments at the end is read by the next run, 
   NotingDevices third;
   record(request, third);
   CHECK(third.asked.empty());
+}
+
+TEST_CASE(
+    "Views of the board at the end need no tracker: monuments come first, and the arm parks") {
+  const test::TemporaryFolder folder;
+  RecordRequest request{small_cell(), {}, folder.path() / "recording"};
+  request.plan.push_back({"t0", Plan::kTrain, TipPose{{-0.2, 0.3}, 0.0}});
+  request.plan.push_back({"g0", Plan::kHeldBoard, std::monostate()});
+  request.plan.push_back({"g1", Plan::kHeldBoard, std::monostate()});
+  NotingDevices devices;
+  record(request, devices);
+  REQUIRE(devices.asked.size() == 15 + 2 + 15 + 2);  // monuments, tool and place, monuments, views
+  CHECK(Ids(devices.asked.end() - 3, devices.asked.end()) == Ids{"datum3", "board", "board"});
+  const Joints parked = read_frames(request.recording).back().theta;
+  const Eigen::Vector2d p = PlanarArm(request.cell.arm.geometry).forward(parked).p;
+  const double rim_m = request.cell.workspace.radius_max_m;
+  CHECK(p.norm() > 0.9 * rim_m);
+  CHECK(p.norm() < rim_m);
+  CHECK((p - PlanarArm(request.cell.arm.geometry).forward(request.cell.arm.home).p).norm() <
+        0.2 * rim_m);
+
+  request.plan.push_back({"g2", Plan::kHeldBoard, std::monostate()});
+  NotingDevices later;
+  CHECK(record(request, later).recorded == 1);
+  CHECK(later.asked == Ids{"board"});
+}
+
+TEST_CASE("Views of the board before the last reading leave the arm and the monuments alone") {
+  const test::TemporaryFolder folder;
+  RecordRequest request{small_cell(), {}, folder.path() / "recording"};
+  request.plan.push_back({"t0", Plan::kTrain, TipPose{{-0.2, 0.3}, 0.0}});
+  request.plan.push_back({"g0", Plan::kHeldBoard, std::monostate()});
+  request.plan.push_back({"t1", Plan::kTrain, TipPose{{0.2, 0.3}, 0.0}});
+  NotingDevices devices;
+  record(request, devices);
+  const std::vector<FrameRow> frames = read_frames(request.recording);
+  const auto board = std::find_if(frames.begin(), frames.end(),
+                                  [](const FrameRow& row) { return row.id == "g0"; });
+  CHECK(board->theta == frames.front().theta);
+  const auto& asked = devices.asked;
+  CHECK(*(std::find(asked.begin(), asked.end(), "board") + 1) == "t1");
 }
 
 TEST_CASE("Drives that do not arrive name the place, and the recording can be gone on with") {
@@ -374,7 +418,7 @@ TEST_CASE("Without a tracker what asks for a reading is refused, and the rest is
   request.plan = {{"g0", Plan::kHeldBoard, std::monostate()},
                   {"u0", Plan::kPose, TipPose{{-0.2, 0.3}, 0.0}}};
   CHECK(record(request, devices).recorded == 2);
-  CHECK(devices.asked.empty());
+  CHECK(devices.asked == Ids{"board"});
 }
 
 }  // namespace

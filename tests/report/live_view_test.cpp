@@ -5,6 +5,7 @@
 #include <catch2/catch.hpp>
 
 #include "planar_servo/report/live/board_view.h"
+#include "planar_servo/report/live/record_view.h"
 #include "planar_servo/report/live/servo_view.h"
 #include "support/temporary_folder.h"
 
@@ -100,6 +101,31 @@ TEST_CASE("The picture of a board has its dots where they are, green once it sta
   };
   CHECK((is_orange(48 + 31) || is_orange(48 + 32)));
   CHECK_FALSE(is_orange(48 + 40));
+}
+
+TEST_CASE("The map of a recording has what is done in green where it is, what is left not") {
+  RecordView view;
+  view.borders = {{{0.0, 0.0}, 0.5}};
+  view.places = {{{0.25, 0.0}, PlaceMark::kDone},
+                 {{0.0, 0.25}, PlaceMark::kToDo},
+                 {{-0.25, 0.0}, PlaceMark::kLeftOut}};
+  vpImage<vpRGBa> picture;
+  plot_of(view)(picture);
+  // The circle of 0.5 m and a margin of 8 % fill the panel, whose middle is at (272, 304).
+  const unsigned quarter = 118;
+  CHECK(is_green(picture[304][272 + quarter]));
+  CHECK(green_pixels(picture, 16, 528, 48, 560) ==
+        green_pixels(picture, 272 + quarter - 4, 272 + quarter + 5, 300, 309));
+  CHECK(picture[304][272 - quarter].R > 2 * picture[304][272 - quarter].G);
+  view.places[1].mark = PlaceMark::kDone;
+  plot_of(view)(picture);
+  CHECK(is_green(picture[304 - quarter][272]));
+}
+
+TEST_CASE("A map without places, borders and monuments can be drawn") {
+  vpImage<vpRGBa> picture;
+  plot_of(RecordView{})(picture);
+  CHECK(picture.getWidth() == kViewWidth);
 }
 
 }  // namespace

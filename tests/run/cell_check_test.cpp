@@ -1,5 +1,7 @@
 #include "planar_servo/run/cell_check.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <catch2/catch.hpp>
 
@@ -77,6 +79,17 @@ TEST_CASE("The first moves of a sound cell go the other way where a disc lies in
   CHECK(findings_text(sound.check().first_moves()).empty());
   CHECK(sound.nearest_to_disc_m() > 0.02 - kArmOff_m);
   CHECK(sound.way.size() > 100);
+}
+
+TEST_CASE("A check takes about as long as it is expected to") {
+  CheckedCell sound;
+  for (const double angle_deg : {0.0, 40.0, 80.0, 120.0})
+    sound.keep(fmt::format("place {}", angle_deg), angle_deg, 60.0);
+  CellCheck check = sound.check();
+  const double begun_s = sound.devices->clock().now_s();
+  CHECK(check_cell(check, sound.record).empty());
+  const double took_s = sound.devices->clock().now_s() - begun_s;
+  CHECK(took_s == Approx(check.expected_s(4 + 4 + 1)).epsilon(0.4));
 }
 
 TEST_CASE("Play is looked for where the arm stands once two places were visited again") {

@@ -156,10 +156,16 @@ std::size_t next_number(const std::vector<PairRow>& pairs) {
   return number;
 }
 
-/// Returns views of the board and sweeps.
+/// Returns sweeps and views of the board.
 std::vector<PlanRow> first_rows(const CellSettings& cell, ExperimentSize size) {
   size.training_points = size.test_points = size.check_points = size.run_points = 0;
   return experiment_plan(cell, 0, size).rows;
+}
+
+/// Puts views of the board last: only the other rows need the tracker, which is rented.
+void put_boards_last(std::vector<PlanRow>& rows) {
+  std::stable_partition(rows.begin(), rows.end(),
+                        [](const PlanRow& row) { return !shows_board(row.plan); });
 }
 
 /// Returns the poses of a plan's rows as far as they have any.
@@ -202,6 +208,7 @@ ProposedPlan propose_plan(const CellSettings& cell, int readings,
   for (const std::size_t i : next.chosen) tips.push_back(candidates[i].tip);
   for (PlanRow& row : rows_at_random(known_cell, std::move(tips), next_number(pairs)))
     plan.rows.push_back(std::move(row));
+  put_boards_last(plan.rows);
   plan.before = length_of(next.sigmas.front());
   plan.after = length_of(next.sigmas.back());
   plan.enough = static_cast<int>(

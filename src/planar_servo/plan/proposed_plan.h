@@ -22,8 +22,9 @@ struct ProposedPlan {
 };
 
 /// Proposes `readings` places where the field at the lamps is least certain, as far as the arm
-/// reaches them. Without pairs the plan begins a calibration: views of the board, and the sweeps,
-/// which take their share of the readings. With pairs it continues from what they tell. The places
+/// reaches them. Without pairs the plan begins a calibration: the sweeps, which take their share of
+/// the readings, and last the views of the board, for which the tracker is not needed. With pairs
+/// it continues from what they tell. The places
 /// come in an order that is random in space, the same every time. Throws
 /// InputError as with_readings(), pose_samples() and estimate_jointly() do, and for a cell in whose
 /// workspace no place can be reached.

@@ -4,16 +4,20 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <map>
 #include <memory>
 #include <opencv2/imgcodecs.hpp>
+#include <utility>
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/io/growing_file.h"
 #include "planar_servo/lamps/lamp_tracker.h"
 #include "planar_servo/record/board_source.h"
+#include "planar_servo/record/record_progress.h"
+#include "planar_servo/record/recording_readings.h"
 #include "planar_servo/record/recording_start.h"
 #include "planar_servo/robot/planar_robot.h"
 #include "planar_servo/servo/approach.h"
@@ -28,52 +32,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kAttemptsAtPlace = 3;
 constexpr int kLostFrameRetries = 3;
-
-/// Says what is to be done with a place once the tracker was asked.
-enum class PlaceEnd { kKeep, kSkip, kRepeat };
-
-/// Takes the readings of a recording's places, and decides what becomes of a place without one.
-class PlaceReadings {
- public:
-  /// The readings must outlive this.
-  PlaceReadings(ReflectorReadings& readings, BadReading on_bad)
-      : readings_(readings), on_bad_(on_bad) {}
-
-  /// Reads the tool, which stands at `tip` for the place `id`. Throws WorkError when the recording
-  /// is to stop.
-  PlaceEnd read(const std::string& id, const TipPose& tip) {
-    const TrackerAnswer answer = readings_.take_tool(id, tip);
-    switch (answer.status) {
-      case TrackerStatus::kOk:
-      case TrackerStatus::kElsewhere:
-        break;
-      case TrackerStatus::kSkipped:
-        return PlaceEnd::kSkip;
-      case TrackerStatus::kRepeat:
-        return PlaceEnd::kRepeat;
-      case TrackerStatus::kFailed:
-        return end_of_bad(id, answer.fault);
-    }
-    return PlaceEnd::kKeep;
-  }
-
- private:
-  PlaceEnd end_of_bad(const std::string& id, const std::string& fault) {
-    spdlog::warn(fmt::format("{}: {}", id, fault));
-    attempts_ = id == bad_id_ ? attempts_ + 1 : 1;
-    bad_id_ = id;
-    if (on_bad_ == BadReading::kSkip) return PlaceEnd::kSkip;
-    if (on_bad_ == BadReading::kRepeat && attempts_ < kAttemptsAtPlace) return PlaceEnd::kRepeat;
-    throw no_reading_of(fmt::format("place '{}'", id), fault);
-  }
-
-  ReflectorReadings& readings_;
-  BadReading on_bad_;
-  std::string bad_id_;  ///< the place that is being repeated
-  int attempts_{0};     ///< made there
-};
+/// Where the arm parks between the inner (0) and the outer border (1) of the workspace.
+constexpr double kParkingShare = 0.95;
 
 /// Returns whether a person shows the board.
 bool is_guided(const RecordRequest& request, CellDevices& devices) {
@@ -82,9 +43,12 @@ bool is_guided(const RecordRequest& request, CellDevices& devices) {
 
 class Recorder {
  public:
-  Recorder(const RecordRequest& request, const BegunRecording& begun, CellDevices& devices,
-           LiveView* display)
+  /// `joints` are those of the request's plan.
+  Recorder(const RecordRequest& request, const std::vector<Joints>& joints,
+           const BegunRecording& begun, CellDevices& devices, LiveView* display)
       : cell_(request.cell),
+        plan_(request.plan),
+        joints_(joints),
         begun_(begun),
         devices_(devices),
         folder_(request.recording),
@@ -94,8 +58,8 @@ class Recorder {
         lock_(folder_),
         frames_table_(folder_ / "frames.csv", frames_header()),
         tracker_table_(folder_ / "tracker.csv", tracker_header()),
-        reflector_(cell_, devices.tracker(), tracker_table_, request.stop),
-        places_(reflector_, request.on_bad_reading),
+        readings_(request, begun, devices.tracker(), tracker_table_),
+        progress_(request, joints, begun, wall_clock_, display),
         may_home_(request.may_home) {
     robot_.stop_when(request.stop);
     if (devices.board_presenter() != nullptr)
@@ -111,33 +75,24 @@ class Recorder {
   }
 
   /// Records the rows of the plan but those that the recording holds.
-  RecordReport run(const std::vector<PlanRow>& plan, const std::vector<Joints>& joints) {
-    const auto any_to_read = [&](bool there) {
-      return std::any_of(plan.begin(), plan.end(), [&](const PlanRow& row) {
-        return needs_reading(row.plan) && begun_.has(row) == there;
-      });
-    };
-    const bool reads = any_to_read(false);
-    if (reads && !begun_.has_monuments) reflector_.read_monuments();
-    // Who left after the monuments may have left the reflector there.
-    if (reads && !any_to_read(true) && !cell_.datum.empty()) devices_.tracker().await_tool();
-    for (std::size_t i = 0; i < plan.size(); ++i) {
-      const bool board = shows_board(plan[i].plan);
-      const int view = board ? board_rows_[plan[i].plan]++ : 0;
-      if (begun_.has(plan[i])) {
+  RecordReport run() {
+    readings_.read_first_monuments();
+    for (std::size_t i = 0; i < plan_.size(); ++i) {
+      const bool board = shows_board(plan_[i].plan);
+      const int view = board ? board_rows_[plan_[i].plan]++ : 0;
+      if (begun_.has(plan_[i])) {
         ++report_.present;
         continue;
       }
-      place_ = plan[i].id;
-      if (board)
-        record_board(plan[i], view);
-      else
-        record_position(plan[i], joints[i]);
+      place_ = plan_[i].id;
+      if (board && !readings_.are_left(i)) leave_tracker();
+      progress_.begin(i);
+      progress_.end(i,
+                    board ? record_board(plan_[i], view) : record_position(plan_[i], joints_[i]));
     }
-    if (reads)
-      report_.monuments = reflector_.read_monuments();
-    else if (begun_.last_monuments)
-      reflector_.read_monuments(*begun_.last_monuments);
+    progress_.finish();
+    readings_.read_last_monuments();
+    report_.monuments = readings_.last_monuments();
     return report_;
   }
 
@@ -148,21 +103,49 @@ class Recorder {
     int frames{0}, full_frames{0};
   };
 
-  void record_board(const PlanRow& row, int view) {
+  /// Does what is left to do with the tracker before views of the board.
+  void leave_tracker() {
+    progress_.finish();
+    if (energized_ && !board_in_field_) park();
+    readings_.read_last_monuments();
+  }
+
+  /// Takes the arm to the side of its home, where it is least in the way of the board.
+  void park() {
+    const Workspace& workspace = cell_.workspace;
+    const double radius_m =
+        workspace.radius_min_m + kParkingShare * (workspace.radius_max_m - workspace.radius_min_m);
+    const TipPose home = planner_.arm().forward(cell_.arm.home);
+    const double direction = std::atan2(home.p.y(), home.p.x());
+    const JointPlan way = planner_.plan({radius_m * rotation2d(direction).col(0), home.phi},
+                                        robot_.commanded_joints());
+    const auto obstacle = way.refusal ? Obstacle{true, *way.refusal} : try_to_arrive(way.theta);
+    operator_line_.say(obstacle ? "the arm cannot park and stays where it is: " + obstacle->reason
+                                : "the arm is parked at the side of its home");
+  }
+
+  PlaceMark record_board(const PlanRow& row, int view) {
     Pictures pictures;
     save(board_source_->take(row, view), row, pictures);
     board_in_field_ = true;
     keep(pictures);
+    return PlaceMark::kDone;
   }
 
-  void record_position(const PlanRow& row, const Joints& theta) {
-    for (PlaceEnd end = PlaceEnd::kRepeat; end == PlaceEnd::kRepeat;) {
+  PlaceMark record_position(const PlanRow& row, const Joints& theta) {
+    while (true) {
       approach(theta);
       const TipPose tip = planner_.arm().forward(robot_.commanded_joints());
       const Pictures pictures = pictures_at(row, tip.p);
-      end = needs_reading(row.plan) ? places_.read(row.id, tip) : PlaceEnd::kKeep;
-      if (end == PlaceEnd::kKeep) keep(pictures);
-      if (end == PlaceEnd::kSkip) report_.skipped.push_back(row.id);
+      const PlaceEnd end =
+          needs_reading(row.plan) ? readings_.read_place(row.id, tip) : PlaceEnd::kKeep;
+      if (end == PlaceEnd::kRepeat) continue;
+      if (end == PlaceEnd::kKeep) {
+        keep(pictures);
+        return PlaceMark::kDone;
+      }
+      report_.skipped.push_back(row.id);
+      return PlaceMark::kLeftOut;
     }
   }
 
@@ -299,6 +282,8 @@ class Recorder {
   cv::Rect full_region() const { return {0, 0, cell_.camera.width_px, cell_.camera.height_px}; }
 
   const CellSettings& cell_;
+  const std::vector<PlanRow>& plan_;
+  const std::vector<Joints>& joints_;
   const BegunRecording& begun_;
   CellDevices& devices_;
   fs::path folder_;
@@ -308,12 +293,13 @@ class Recorder {
   FolderLock lock_;
   GrowingFile frames_table_;
   GrowingFile tracker_table_;
-  ReflectorReadings reflector_;
-  PlaceReadings places_;
+  RecordingReadings readings_;
   PairExpectation expectation_;  ///< of lamps among others; empty where there are no others
   std::vector<CoarseViewRow> sights_;
   double whole_frame_s_{-std::numeric_limits<double>::infinity()};  ///< time of the last one
   OperatorLine operator_line_;
+  SteadyClock wall_clock_;  ///< also where the cell's own clock is a virtual one
+  RecordProgress progress_;
   std::unique_ptr<BoardSource> board_source_;  ///< null where nobody shows the board
   std::map<Plan, int> board_rows_;
   bool board_in_field_{false};
@@ -333,10 +319,9 @@ RecordReport record(const RecordRequest& request, CellDevices& devices) {
   const BegunRecording begun = begun_recording(request, joints);
   if (devices.board_presenter() == nullptr) require_board(request, begun);
   const auto display =
-      open_display(is_guided(request, devices) ? request.display : DisplayPolicy::kNone,
-                   request.recording / "view.png", "planar-record");
+      open_display(request.display, request.recording / "view.png", "planar-record");
   make_folder(request.recording / "images");
-  RecordReport report = Recorder(request, begun, devices, display.get()).run(request.plan, joints);
+  RecordReport report = Recorder(request, joints, begun, devices, display.get()).run();
   close_display(display.get());
   return report;
 }

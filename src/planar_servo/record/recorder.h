@@ -35,8 +35,9 @@ struct RecordRequest {
   std::filesystem::path recording;  ///< made when absent; continued when it holds a part
   std::function<bool()> stop{};     ///< asked during every move; see PlanarRobot::stop_when()
   BadReading on_bad_reading{BadReading::kRepeat};
-  std::optional<Board> board{};                 ///< that a person shows to a real cell's camera
-  DisplayPolicy display{DisplayPolicy::kNone};  ///< of what the camera sees of it
+  std::optional<Board> board{};  ///< that a person shows to a real cell's camera
+  /// Of a map of the places, and of what the camera sees of a board that a person shows.
+  DisplayPolicy display{DisplayPolicy::kNone};
   /// Is asked about drives that do not know their position. Empty: they may not be homed.
   MayHome may_home{};
 };
@@ -57,8 +58,10 @@ struct RecordReport {
 /// are placed from the commanded pose by a coarse view learned from the first full frames. Where
 /// the lamps are not in the region, a full frame is taken instead. The monuments are read before
 /// all and, when the arm has moved, once more at the end, where a run that was broken off among
-/// them is continued; a plan whose rows ask for no reading needs no tracker. A place without a
-/// good reading is repeated or left out as requested; what is left out, the next run records.
+/// them is continued; a plan whose rows ask for no reading needs no tracker. Views of the board
+/// that follow the last reading come after the monuments, so that the tracker may leave, and the
+/// arm parks before them. A place without a good reading is repeated or left out as requested; what
+/// is left out, the next run records.
 ///
 /// Throws InputError when rows ask for readings and the cell has no tracker, or for views of a
 /// board that nobody has named, and naming every position out of reach, workspace or joint limits,

@@ -103,19 +103,18 @@ void add_monuments(const RecordRequest& request, Faults& faults) {
   }
 }
 
-std::optional<std::vector<MonumentSeen>> monuments_after_places(const RecordRequest& request) {
+void find_monuments(const RecordRequest& request, BegunRecording& begun) {
   const fs::path file = request.recording / "tracker.csv";
-  if (holds_no_row(file, tracker_header())) return std::nullopt;
-  std::optional<std::vector<MonumentSeen>> seen;
+  if (holds_no_row(file, tracker_header())) return;
   for (const TrackerRow& row : read_tracker(file)) {
     const bool is_place = std::none_of(request.cell.datum.begin(), request.cell.datum.end(),
                                        [&](const Monument& m) { return m.id == row.id; });
     if (is_place)
-      seen.emplace();
-    else if (seen)
-      seen->push_back({row.id, {row.t_s, row.p_L}});
+      begun.last_monuments.emplace();
+    else
+      (begun.last_monuments ? *begun.last_monuments : begun.first_monuments)
+          .push_back({row.id, {row.t_s, row.p_L}});
   }
-  return seen;
 }
 
 }  // namespace
@@ -154,7 +153,7 @@ void require_tracker(const RecordRequest& request) {
 
 BegunRecording begun_recording(const RecordRequest& request, const std::vector<Joints>& joints) {
   BegunRecording begun;
-  begun.last_monuments = monuments_after_places(request);
+  find_monuments(request, begun);
   const std::vector<FrameRow> frames = recorded_frames(request.recording);
   if (frames.empty()) return begun;
   Faults faults;

@@ -25,8 +25,9 @@ struct BegunRecording {
   std::set<std::string> ids;
   /// The first monuments are there; one that was broken off among them reads them again.
   bool has_monuments{false};
-  /// Readings of the cell's monuments that follow the last reading of a place; none when no place
-  /// was read.
+  /// Readings of the cell's monuments before the first reading of a place.
+  std::vector<MonumentSeen> first_monuments;
+  /// Those that follow the last reading of a place; none when no place was read.
   std::optional<std::vector<MonumentSeen>> last_monuments;
 
   bool has(const PlanRow& row) const { return ids.count(row.id) != 0; }

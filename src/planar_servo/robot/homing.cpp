@@ -1,7 +1,9 @@
 #include "planar_servo/robot/homing.h"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
+#include "planar_servo/core/clock.h"
 #include "planar_servo/core/units.h"
 
 namespace planar {
@@ -10,6 +12,16 @@ namespace {
 void ask(const MayHome& may_home, Homing way, const std::string& unhomed,
          const std::string& remedy) {
   if (!may_home || !may_home(way, unhomed)) throw DriveError({unhomed, remedy});
+}
+
+void search_home(PlanarRobot& robot, int joint) {
+  const SteadyClock clock;
+  const double begun_s = clock.now_s();
+  spdlog::info(fmt::format("homing: drive {} searches its home switch, for {:.0f} s at most",
+                           joint + 1, PlanarRobot::kHomingTimeout_s));
+  robot.search_home(joint);
+  spdlog::info(
+      fmt::format("homing: drive {} is home after {:.1f} s", joint + 1, clock.now_s() - begun_s));
 }
 
 }  // namespace
@@ -35,7 +47,7 @@ void home_where_needed(PlanarRobot& robot, const MayHome& may_home, const std::s
     ask(may_home, Homing::kSearch, with_switch,
         "start with --home, which searches their home switches and moves the arm" + beside);
   for (const int joint : at_mark) robot.teach_home(joint);
-  for (const int joint : to_search) robot.search_home(joint);
+  for (const int joint : to_search) search_home(robot, joint);
 }
 
 }  // namespace planar

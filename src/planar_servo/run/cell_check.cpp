@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "planar_servo/core/text.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/files/calibration_files.h"
 #include "planar_servo/health/arm_check.h"
@@ -190,6 +191,19 @@ std::vector<HealthFinding> CellCheck::revisit(const HealthRecord& record) {
   return light_first(record, changes_since(record));
 }
 
+double CellCheck::expected_s(std::size_t places) const {
+  double way_s = 0.0, margin_s = 0.0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const MotorDrive& drive = cell_.transmission.drives[i];
+    way_s = std::max(way_s, MotorMove(0.0, kFirstMoves[static_cast<int>(i)], drive).duration_s());
+    if (cell_.servo.approach == Approach::kOneSide)
+      margin_s =
+          std::max(margin_s, MotorMove(0.0, cell_.servo.approach_margin_rad, drive).duration_s());
+  }
+  const double look_s = cell_.servo.frames_per_measurement / cell_.camera.frame_rate_hz;
+  return static_cast<double>(places) * (way_s + margin_s + cell_.servo.settle_s + look_s);
+}
+
 std::vector<HealthFinding> CellCheck::faults_in_first_moves(Joints theta) {
   std::vector<ArmSight> sights;
   for (int motor = -1; motor < 3; ++motor) {
@@ -330,10 +344,35 @@ GuardLimits with_health(GuardLimits limits, const HealthRecord& record) {
   return limits;
 }
 
+namespace {
+
+constexpr std::size_t kFirstStops = 4;  // the start, and one for each motor
+
+/// With the last place once more, from the other side.
+std::size_t stops_of(const HealthRecord& record) {
+  return record.places.size() + 1;
+}
+
+}  // namespace
+
 std::vector<HealthFinding> check_cell(CellCheck& check, const std::optional<HealthRecord>& record) {
+  const std::string visits =
+      record ? fmt::format(", then the arm visits {} places of the calibration once more",
+                           record->places.size())
+             : "";
+  spdlog::info(
+      fmt::format("checking the cell: each motor turns a little{}; {}", visits,
+                  about_time(check.expected_s(kFirstStops + (record ? stops_of(*record) : 0)))));
   std::vector<HealthFinding> found = check.first_moves(record);
   if (!found.empty()) return found;
   return record ? check.revisit(*record) : std::vector<HealthFinding>();
+}
+
+std::vector<HealthFinding> check_again(CellCheck& check, const HealthRecord& record) {
+  spdlog::info(
+      fmt::format("checking the cell again: the arm visits {} places of the calibration; {}",
+                  record.places.size(), about_time(check.expected_s(stops_of(record)))));
+  return check.revisit(record);
 }
 
 std::string findings_text(const std::vector<HealthFinding>& findings) {

@@ -41,6 +41,10 @@ class CellCheck {
   /// or else what has changed since, light and focus before anything else.
   std::vector<HealthFinding> revisit(const HealthRecord& record);
 
+  /// Returns about how long the arm takes to go to so many places, settle and look, seconds. The
+  /// ways are taken for as long as the first moves.
+  double expected_s(std::size_t places) const;
+
  private:
   std::vector<HealthFinding> faults_in_first_moves(Joints theta);
   std::vector<HealthFinding> changes_since(const HealthRecord& record);
@@ -99,8 +103,10 @@ std::optional<HealthRecord> read_cell_health(const CellSettings& cell);
 GuardLimits with_health(GuardLimits limits, const HealthRecord& record);
 
 /// Runs the first moves and, when they are in order, revisits the places of `record`, if there is
-/// one.
+/// one. Says in the log what is done and about how long it takes.
 std::vector<HealthFinding> check_cell(CellCheck& check, const std::optional<HealthRecord>& record);
+/// Does the same without the first moves.
+std::vector<HealthFinding> check_again(CellCheck& check, const HealthRecord& record);
 
 /// Returns what was found, a sentence with its remedy for each.
 std::string findings_text(const std::vector<HealthFinding>& findings);

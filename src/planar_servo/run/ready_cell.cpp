@@ -141,9 +141,12 @@ std::string ReadyCell::examine() {
                   });
   int recoveries_left = kMaxDriveRecoveries;
   const std::vector<HealthFinding> found = with_drives(kChecking, recoveries_left, [&] {
-    return first ? check_cell(check, health_) : check.revisit(*health_);
+    return first ? check_cell(check, health_) : check_again(check, *health_);
   });
-  if (found.empty()) return {};
+  if (found.empty()) {
+    if (health_) spdlog::info("the cell is as it was at its calibration");
+    return {};
+  }
   std::string text = findings_text(found);
   text.pop_back();  // its last line end
   for (const HealthFinding& finding : found)

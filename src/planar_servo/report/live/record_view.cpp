@@ -1,0 +1,114 @@
+#include "planar_servo/report/live/record_view.h"
+
+#include <visp3/core/vpImageDraw.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "planar_servo/report/live/canvas.h"
+
+namespace planar {
+namespace {
+
+const vpColor kMonument(70, 140, 255);
+constexpr double kMapTextLeft = 548.0;
+constexpr double kMapLineHeight = 22.0;
+constexpr double kMargin = 1.08;  // about what lies farthest out
+constexpr double kHalfDot = 3.0;
+constexpr unsigned kHereRing = 9;
+constexpr double kBesideMark = 9.0, kLetterWidth = 9.0;
+
+/// Where the base frame is in the panel.
+class MapFrame {
+ public:
+  explicit MapFrame(const RecordView& view) {
+    double farthest = 0.0;
+    for (const RecordView::Circle& circle : view.borders)
+      farthest = std::max(farthest, circle.p_B.cwiseAbs().maxCoeff() + circle.radius_m);
+    for (const RecordView::Point& monument : view.monuments)
+      farthest = std::max(farthest, monument.p_B.cwiseAbs().maxCoeff());
+    for (const RecordView::Place& place : view.places)
+      farthest = std::max(farthest, place.p_B.cwiseAbs().maxCoeff());
+    if (farthest > 0.0) scale_ = 0.5 * kFramePanel.width / (kMargin * farthest);
+  }
+
+  double pixels(double length_m) const { return scale_ * length_m; }
+  double x(const Eigen::Vector2d& p_B) const {
+    return kFramePanel.x + 0.5 * kFramePanel.width + pixels(p_B.x());
+  }
+  double y(const Eigen::Vector2d& p_B) const {
+    return kFramePanel.y + 0.5 * kFramePanel.height - pixels(p_B.y());
+  }
+  vpImagePoint at(const Eigen::Vector2d& p_B) const { return Canvas::at(x(p_B), y(p_B)); }
+
+ private:
+  double scale_{1.0};  // pixels per metre
+};
+
+void draw_mark(Canvas& canvas, double x, double y, PlaceMark mark) {
+  const vpRect dot(x - kHalfDot, y - kHalfDot, 2.0 * kHalfDot, 2.0 * kHalfDot);
+  switch (mark) {
+    case PlaceMark::kToDo:
+      return vpImageDraw::drawRectangle(canvas.picture(), dot, kFaint);
+    case PlaceMark::kDone:
+      return vpImageDraw::drawRectangle(canvas.picture(), dot, kSeen, true);
+    case PlaceMark::kLeftOut:
+      return vpImageDraw::drawRectangle(canvas.picture(), dot, kAlarm, true);
+  }
+}
+
+void draw_map(const RecordView& view, Canvas& canvas) {
+  const MapFrame map(view);
+  canvas.frame(kFramePanel);
+  for (const RecordView::Circle& circle : view.borders)
+    vpImageDraw::drawCircle(canvas.picture(), map.at(circle.p_B),
+                            static_cast<unsigned>(map.pixels(circle.radius_m)), kFaint);
+  vpImageDraw::drawCross(canvas.picture(), map.at({0.0, 0.0}), 13, kInk, 1);
+  for (const RecordView::Place& place : view.places)
+    draw_mark(canvas, map.x(place.p_B), map.y(place.p_B), place.mark);
+  for (const RecordView::Point& monument : view.monuments) {
+    vpImageDraw::drawCross(canvas.picture(), map.at(monument.p_B), 13, kMonument, 2);
+    // On the side of the middle, so that it stays within the panel.
+    const double width = kLetterWidth * static_cast<double>(monument.id.size());
+    const double offset = monument.p_B.x() > 0.0 ? -kBesideMark - width : kBesideMark;
+    canvas.write(map.x(monument.p_B) + offset, map.y(monument.p_B) - 14.0, monument.id, kMonument);
+  }
+  if (view.here_B)
+    vpImageDraw::drawCircle(canvas.picture(), map.at(*view.here_B), kHereRing, kWanted, 2);
+}
+
+void write_counts(const RecordView& view, Canvas& canvas) {
+  double y = kFramePanel.y;
+  canvas.write(kMapTextLeft, y, view.now, kWanted);
+  y += kMapLineHeight;
+  for (const std::string& count : view.counts)
+    canvas.write(kMapTextLeft, y += kMapLineHeight, count, kInk);
+}
+
+void write_legend(Canvas& canvas) {
+  double y = kFramePanel.y + kFramePanel.height - 6.0 * kMapLineHeight;
+  const auto line = [&](const std::string& text) {
+    canvas.write(kMapTextLeft + 20.0, y, text, kFaint);
+    return std::exchange(y, y + kMapLineHeight) + 0.25 * kMapLineHeight;
+  };
+  const double x = kMapTextLeft + 6.0;
+  draw_mark(canvas, x, line("recorded"), PlaceMark::kDone);
+  draw_mark(canvas, x, line("left out"), PlaceMark::kLeftOut);
+  draw_mark(canvas, x, line("to be recorded"), PlaceMark::kToDo);
+  vpImageDraw::drawCross(canvas.picture(), Canvas::at(x, line("monument")), 9, kMonument, 2);
+  vpImageDraw::drawCross(canvas.picture(), Canvas::at(x, line("base; x right, y up")), 9, kInk, 1);
+}
+
+}  // namespace
+
+ViewPlot plot_of(RecordView view) {
+  return [view = std::move(view)](vpImage<vpRGBa>& picture) {
+    Canvas canvas(picture);
+    canvas.write(kFramePanel.x, 16, view.title, kInk);
+    draw_map(view, canvas);
+    write_counts(view, canvas);
+    write_legend(canvas);
+  };
+}
+
+}  // namespace planar

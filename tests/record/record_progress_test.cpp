@@ -1,0 +1,73 @@
+#include "planar_servo/record/record_progress.h"
+
+#include <catch2/catch.hpp>
+
+#include "planar_servo/machine/device_kinds.h"
+#include "planar_servo/tables/recording_tables.h"
+#include "support/manual_clock.h"
+#include "support/sample_cells.h"
+#include "support/temporary_folder.h"
+
+namespace planar {
+namespace {
+
+/// Four places with a reading, one of which is recorded already, one without, and two views of the
+/// board.
+struct ProgressBench {
+  RecordRequest request{read_cell(test::paper_cell_file()), {}, "recording"};
+  test::ManualClock clock;
+
+  ProgressBench() {
+    for (const char* id : {"t0", "t1", "t2", "t3"})
+      request.plan.push_back({id, Plan::kTrain, TipPose{{0.3, 0.1}, 0.0}});
+    request.plan.push_back({"u0", Plan::kPose, TipPose{{0.3, 0.2}, 0.0}});
+    for (const char* id : {"g0", "g1"})
+      request.plan.push_back({id, Plan::kHeldBoard, std::monostate()});
+  }
+  RecordProgress progress(LiveView* display = nullptr) {
+    BegunRecording begun;
+    begun.ids = {"t0"};
+    return {request, joints_of_plan(request.cell, request.plan), begun, clock, display};
+  }
+  void record(RecordProgress& progress, std::size_t row, double seconds,
+              PlaceMark mark = PlaceMark::kDone) {
+    progress.begin(row);
+    clock.sleep_for_s(seconds);
+    progress.end(row, mark);
+  }
+};
+
+TEST_CASE(
+    "The time left is told from the pace of places of the same sort, the others are counted") {
+  ProgressBench bench;
+  RecordProgress progress = bench.progress();
+  CHECK(progress.text() ==
+        "1 of 7, 3 places with a reading and 1 place without a reading and 2 views of the board "
+        "left");
+  bench.record(progress, 1, 20.0);
+  CHECK(progress.text() ==
+        "2 of 7, about 40 s and 1 place without a reading and 2 views of the board left");
+  bench.record(progress, 2, 40.0, PlaceMark::kLeftOut);
+  CHECK(progress.text() ==
+        "3 of 7, about 30 s and 1 place without a reading and 2 views of the board left");
+  bench.record(progress, 4, 5.0);
+  bench.record(progress, 5, 60.0);
+  CHECK(progress.text() == "5 of 7, about 90 s left");
+  bench.record(progress, 3, 30.0);
+  bench.record(progress, 6, 30.0);
+  CHECK(progress.text() == "7 of 7");
+}
+
+TEST_CASE("Progress is drawn where a display is, and nowhere else") {
+  const test::TemporaryFolder folder;
+  ProgressBench bench;
+  LiveView view(folder / "view.png", false, "record");
+  RecordProgress progress = bench.progress(&view);
+  bench.record(progress, 1, 20.0);
+  progress.finish();
+  CHECK_FALSE(view.close());
+  CHECK(std::filesystem::exists(folder / "view.png"));
+}
+
+}  // namespace
+}  // namespace planar
