@@ -42,7 +42,7 @@ const ProgramText kText{
     "                         [--accept-step] [--home] [--at-marks] [--display auto|x|none]\n"
     "       mpirun -n RANKS planar-experiment ... --seeds N",
     R"(Table 7: mean true positioning error in mm, 25 targets on each circle of radius 200 mm
-  circle about     before *  paper's chain +  improved    ours  improved  paper: before ~  after  improved
+  circle about     before *  paper's chain +  its gain    ours  our gain  paper: before ~  paper: after  paper: gain
   (-200, -200) mm     1.546            0.222    85.7 %  0.0048    99.7 %            1.504  0.185    87.7 %)"};
 
 /// Returns whether mpirun of Open MPI, or another one by PMI, started this process.

@@ -85,7 +85,7 @@ Outcome fit_with_cell(const Options& options, const std::optional<std::filesyste
   ReportList list = lamp_field_list(fit);
   list.unprinted("fit_seconds", fit_seconds);
   say("{}", list.text());
-  if (page) write_page(*page, map_page(view_of(fit, list.text()), options.output));
+  if (page) write_page(*page, map_page(view_of(fit, list), options.output));
   return {list.json()};
 }
 
@@ -105,7 +105,7 @@ Outcome fit(const Options& options) {
   if (doubt) spdlog::warn(doubt->text());
   const ReportList list = map_fit_list(report, comparison);
   say("{}", list.text());
-  if (page) write_page(*page, map_page(view_of(report, list.text()), options.output));
+  if (page) write_page(*page, map_page(view_of(report, list), options.output));
   return {list.json()};
 }
 

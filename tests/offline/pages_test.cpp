@@ -13,6 +13,7 @@
 #include "planar_servo/offline/calibration_page.h"
 #include "planar_servo/offline/lamps_report.h"
 #include "planar_servo/offline/map/map_page.h"
+#include "planar_servo/offline/map/map_report.h"
 #include "planar_servo/offline/pairs/pair_page.h"
 #include "planar_servo/tool/vision_tip.h"
 #include "support/error_fields.h"
@@ -83,12 +84,14 @@ TEST_CASE("A camera is judged by corners without a board, odd views and views le
   cover_corners(found);
   CHECK(camera_verdict(found).faults.empty());
   CHECK_THAT(camera_verdict(found).good, Contains("12 views agree to 0.0"));
+  CHECK_THAT(camera_verdict(found).good,
+             Contains("points come within 7 px of every corner of the image"));
   found.views[3].rms_px *= 3.0;
   CHECK(has_fault(camera_verdict(found), "view3 is met to"));
   found = calibrated();
   cover_corners(found);
   uncover_upper_left(found);
-  CHECK(has_fault(camera_verdict(found), "no view reaches the picture's corner upper left"));
+  CHECK(has_fault(camera_verdict(found), "a corner of the image was not seen: upper left"));
   *found.held_out_rms_px = 2.0 * found.rms_px;
   CHECK(has_fault(camera_verdict(found), "views left out of the fit are met to"));
   found.held_out_rms_px.reset();
@@ -97,11 +100,37 @@ TEST_CASE("A camera is judged by corners without a board, odd views and views le
 
 TEST_CASE("Residuals that neighbours share are told from noise") {
   CameraCalibration found = calibrated();
-  CHECK(coverage_of(found).common_px < 0.5 * found.rms_px);
+  const ImageCoverage noise = coverage_of(found);
+  CHECK(noise.common_px < 0.5 * found.rms_px);
+  CHECK_FALSE(noise.is_systematic());
+  CHECK((noise.by_chance > 0.0 && noise.by_chance < 0.2));
   for (CalibratedView& view : found.views)
     for (std::size_t i = 0; i < view.pixels.size(); ++i)
       view.residuals_px[i] += Eigen::Vector2d(0.3 * std::sin(0.005 * view.pixels[i].x()), 0.0);
   CHECK(coverage_of(found).common_px == Approx(0.3 / std::sqrt(2.0)).epsilon(0.2));
+}
+
+/// Adds a smooth field to the residuals, which then has this share of their mean square.
+void add_field(CameraCalibration& found, double share) {
+  const double noise = found.rms_px;
+  const double size = noise * std::sqrt(2.0 * share / (1.0 - share));
+  found.rms_px = noise / std::sqrt(1.0 - share);
+  for (CalibratedView& view : found.views)
+    for (std::size_t i = 0; i < view.pixels.size(); ++i)
+      view.residuals_px[i].x() += size * std::sin(0.005 * view.pixels[i].x());
+}
+
+TEST_CASE("A camera whose residuals are mostly systematic is not called good") {
+  CameraCalibration mostly = calibrated(), less = calibrated();
+  add_field(mostly, 0.65);
+  add_field(less, 0.35);
+  cover_corners(mostly);
+  cover_corners(less);
+  CHECK(coverage_of(mostly).systematic == Approx(0.65).margin(0.1));
+  CHECK(has_fault(camera_verdict(mostly), "mostly systematic, not noise"));
+  CHECK_THAT(camera_verdict(mostly).faults.back().remedy, Contains("--model auto"));
+  CHECK(camera_verdict(less).faults.empty());
+  CHECK_THAT(camera_verdict(less).good, Contains("of their square is systematic"));
 }
 
 /// Three images of each of `places`, of the given noise, which they state as 0.02 px.
@@ -148,8 +177,8 @@ TEST_CASE("Lamps are judged by images without them and by what moves at rest") {
   const std::string page =
       lamps_page(report, folder.write("lamps.csv", "# format: planar-servo/lamps/1\n"), {});
   check_page(page);
-  CHECK_THAT(page, Contains("red, at the bottom: 9 images without lamps") &&
-                       Contains("<td>images/80.png</td><td>saturated</td>"));
+  CHECK_THAT(page, Contains("at the bottom: 9 images without lamps") &&
+                       Contains("<th scope=\"row\">images/80.png</th><td>saturated</td>"));
 }
 
 TEST_CASE("A page of images without any lamp says so and has no figure") {
@@ -198,8 +227,10 @@ TEST_CASE("The page of pairs shows error, monuments and what was left out") {
   const auto file = folder.write("pairs.csv", "# format: planar-servo/pairs/1\n");
   const std::string page = pair_page(ours.request, ours.report, file);
   check_page(page);
-  CHECK_THAT(page, Contains("<td>d1</td><td>3</td><td>0.0123</td><td>0.0000</td><td>-0.0040</td>"));
-  CHECK_THAT(page, Contains("time, min") && Contains("<td>t99</td><td>no reading</td>"));
+  CHECK_THAT(page, Contains("<th scope=\"row\">d1</th><td>3</td><td>0.0123</td><td>0.0000</td>"
+                            "<td>-0.0040</td>"));
+  CHECK_THAT(page,
+             Contains("time, min") && Contains("<th scope=\"row\">t99</th><td>no reading</td>"));
   // Two readings 14 um apart along one of three axes.
   CHECK_THAT(page, Contains("spread by 0.0058 mm per axis"));
 }
@@ -243,7 +274,8 @@ TEST_CASE(
     "The page of a map shows it, its uncertainty, and what is left where places are left out") {
   const test::TemporaryFolder folder;
   const FitErrorMapReport report = fitted(test::lens_field, test::kFieldNoise);
-  const MapView view = view_of(report, "pairs used <120>\n");
+  const MapView view =
+      view_of(report, map_fit_list(report, {{"idw < rbf", 1e-5, {2e-5, 1e-5, 3e-5}}}));
   CHECK(view.verdict.faults.empty());
   REQUIRE(view.left.size() == report.result.n_places);
   double squares = 0.0;
@@ -252,7 +284,11 @@ TEST_CASE(
         Approx(report.result.loo_rms));
   const std::string page = map_page(view, folder.write("map.yaml", "format: planar-servo/map/1\n"));
   check_page(page);
-  CHECK_THAT(page, Contains("pairs used &lt;120&gt;") && Contains("How uncertain it is"));
+  CHECK_THAT(page, Contains("How uncertain it is") &&
+                       Contains("<th scope=\"row\">pairs used</th><td>120 (0 rejected)</td>") &&
+                       Contains("<th scope=\"row\">idw &lt; rbf</th><td>0.0100</td>"
+                                "<td>0.0200</td><td>(0.0100 to 0.0300)</td>") &&
+                       Contains("<th scope=\"row\">rotation</th><td>"));
   CHECK_THAT(page, Contains(fmt::format("Left out, with the map: {:.4f} mm rms",
                                         report.result.loo_rms / kMillimetre)));
   CHECK_THAT(page, Contains(fmt::format("(95&#160;% interval {:.4f} to {:.4f})",
@@ -284,7 +320,7 @@ TEST_CASE("A map without uncertainty has a page without that panel") {
   FitErrorMapReport report = fitted(test::lens_field, test::kFieldNoise);
   report.result.map = IdwMap{report.result.at_places.positions, report.result.at_places.errors,
                              region_around(report.result.at_places.positions)};
-  const std::string page = map_page(view_of(report, ""), folder.write("map.yaml", "\n"));
+  const std::string page = map_page(view_of(report, ReportList()), folder.write("map.yaml", "\n"));
   check_page(page);
   CHECK_THAT(page, !Contains("How uncertain it is"));
 }
@@ -294,7 +330,7 @@ TEST_CASE("The page of a field at the lamps draws the end point's error and its 
   const test::BentCell cell;
   std::mt19937 random(31);
   const LampFieldFit fit = fit_lamp_field(cell.nominal(), cell.samples(60, 20, random));
-  const MapView view = view_of(fit, "");
+  const MapView view = view_of(fit, lamp_field_list(fit));
   CHECK(view.verdict.faults.empty());
   CHECK_THAT(view.verdict.good, Contains("% of it within the stated 95 %"));
   REQUIRE(view.pulls.size() == 120);
@@ -312,7 +348,9 @@ TEST_CASE("The page of a field at the lamps draws the end point's error and its 
   check_page(page);
   CHECK_THAT(page, Contains("pull, in stated deviations") &&
                        Contains("What was compared at places left out") &&
-                       Contains("field without the arm: "));
+                       Contains("field without the arm: ") &&
+                       Contains("<caption>What each source is worth</caption>") &&
+                       Contains("<th scope=\"row\">link 1</th><td>"));
 }
 
 TEST_CASE("The page of an arm shows places left out over places and angles, and every term") {
@@ -329,9 +367,10 @@ TEST_CASE("The page of an arm shows places left out over places and angles, and 
   const std::string page = arm_page(fit, folder.write("arm.yaml", "format: planar-servo/arm/1\n"));
   check_page(page);
   CHECK_THAT(page, Contains("Over the angle of motor 3"));
-  CHECK_THAT(page,
-             Contains("<td>link 1</td><td>" + fixed(fit.estimate.fit.arm[0] / kMillimetre, 5)));
-  CHECK_THAT(page, Contains("<td>" + readings[5].id + "</td><td>contradicts the others</td>"));
+  CHECK_THAT(page, Contains("<th scope=\"row\">link 1</th><td>" +
+                            fixed(fit.estimate.fit.arm[0] / kMillimetre, 5)));
+  CHECK_THAT(page, Contains("<th scope=\"row\">" + readings[5].id +
+                            "</th><td>contradicts the others</td>"));
 }
 
 TEST_CASE("An arm is judged by places left out and by what readings leave open") {

@@ -14,10 +14,28 @@ TEST_CASE("A page holds its parts in order and refers to no other file") {
   page.add_html("<svg></svg>");
   const std::string text = page.text();
   CHECK_THAT(text, Catch::Contains("<title>Run of &lt;cell&gt;</title>"));
-  CHECK(text.find("<h2>One</h2>") < text.find("<p>two &quot;quoted&quot;</p>"));
+  CHECK(text.find("<h2 id=\"one-1\">One</h2>") < text.find("<p>two &quot;quoted&quot;</p>"));
   CHECK(text.find("quoted") < text.find("<svg></svg>"));
   CHECK(text.find("src=") == std::string::npos);
   CHECK(text.find("href=") == std::string::npos);
+}
+
+TEST_CASE("The contents lead to every heading that follows, those below another one indented") {
+  HtmlPage page("t");
+  page.add_heading("Before");
+  page.add_contents();
+  page.add_heading("Maps & <tables>");
+  CHECK(page.add_heading("Table 1", 3) == "table-1-3");
+  page.add_heading("Files");
+  const std::string text = page.text();
+  CHECK(test::fault_of_xml(text).empty());
+  CHECK_THAT(text,
+             Catch::Contains("<nav aria-label=\"On this page\">\n"
+                             "<ul>\n<li><a href=\"#maps-tables-2\">Maps &amp; &lt;tables&gt;</a>"
+                             "<ul>\n<li><a href=\"#table-1-3\">Table 1</a></li>\n</ul></li>\n"
+                             "<li><a href=\"#files-4\">Files</a></li>\n</ul>\n</nav>\n"
+                             "<h2 id=\"maps-tables-2\">"));
+  CHECK(text.find("Before") < text.find("<nav"));
 }
 
 TEST_CASE("A figure and its per cent sign stay on one line") {

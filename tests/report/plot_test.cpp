@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <set>
 #include <stdexcept>
 
 #include "planar_servo/report/places.h"
@@ -166,6 +167,69 @@ TEST_CASE("Decades hold the values above zero, and without any there are none") 
   CHECK((axis.from < 0.02 && axis.from > 0.01));
   CHECK((axis.to > 3.0 && axis.to < 6.0));
   CHECK_THROWS_AS(decades_over("x", {0.0, -1.0}), std::invalid_argument);
+}
+
+TEST_CASE("A scale of decades too short for round values of a decade has even ticks") {
+  const Axis axis{"deviation, mm", 0.0061, 0.0088, Spacing::kDecades};
+  CHECK(axis.ticks(6).values.size() >= 3);
+}
+
+TEST_CASE("Long numbers below a panel get fewer ticks than short ones, so that they do not touch") {
+  const auto ticks = [](double end) {
+    const std::string svg = Panel("", {"x", -end, end}, {"y", 0.0, 1.0}).svg(0.0);
+    std::size_t middles = 0;
+    for (std::size_t at = svg.find("y=\"339.0\" text-anchor=\"middle\""); at != std::string::npos;
+         at = svg.find("y=\"339.0\" text-anchor=\"middle\"", at + 1))
+      ++middles;
+    return middles;
+  };
+  CHECK(ticks(16.0) == 7);
+  CHECK(ticks(0.016) == 3);
+}
+
+TEST_CASE("Grey levels are shown as the image has them, the least black") {
+  const ColorScale grey("grey level", {10.0, 200.0}, ColorScale::Steps::kEven,
+                        ColorScale::Hues::kGrey);
+  CHECK(grey.color(10.0) == "#000000");
+  CHECK(grey.color(105.0) == "#808080");
+  CHECK(grey.color(200.0) == "#ffffff");
+}
+
+/// Returns the part of a text behind `begin`, up to `end`.
+std::string between(const std::string& text, const std::string& begin, const std::string& end) {
+  const std::size_t from = text.find(begin) + begin.size();
+  return text.substr(from, text.find(end, from) - from);
+}
+
+TEST_CASE("Series differ by the shape of their marks and the dashes of their lines") {
+  std::set<std::string> marks, lines;
+  for (const char* color : kSeriesColors) {
+    Panel as_mark = unit_panel(), as_line = unit_panel();
+    as_mark.add_key(color, "a");
+    as_line.add_key(color, "a", Panel::Sample::kLine);
+    const std::string mark = between(as_mark.svg(0.0), "<g class=\"key\">", "</g>");
+    const std::string line = between(as_line.svg(0.0), "<g class=\"key\">", "</g>");
+    marks.insert(mark.find(" d=") == std::string::npos ? "round" : between(mark, " d=\"", "\""));
+    lines.insert(line.find("dasharray") == std::string::npos ? "solid"
+                                                             : between(line, "dasharray=\"", "\""));
+  }
+  CHECK(marks.size() == std::size(kSeriesColors));
+  CHECK(lines.size() == std::size(kSeriesColors));
+}
+
+TEST_CASE("A figure says in words what it shows, its axes and its legend") {
+  Panel panel("a title", {"along, mm", 0.0, 2.0}, {"up, mm", 0.0, 1.0});
+  panel.add_key("#1f4e79", "ours < 1");
+  const std::string svg = plot_svg({panel});
+  CHECK_THAT(svg, Contains("role=\"img\"") && Contains("<title>a title</title>") &&
+                      Contains("<desc>up, mm over along, mm. ours &lt; 1.</desc>"));
+}
+
+TEST_CASE("On a page each panel is a figure of its own, of the size that it is drawn for at most") {
+  const std::string html = plot_html({unit_panel(), unit_panel()});
+  CHECK(test::fault_of_xml(html).empty());
+  CHECK_THAT(html, Contains("flex:378 1 276px;max-width:378px"));
+  CHECK(html.find("<svg") != html.rfind("<svg"));
 }
 
 TEST_CASE("Lines have their colours, and a key says what a colour is") {

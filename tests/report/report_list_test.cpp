@@ -47,9 +47,27 @@ TEST_CASE("The rows of a list are lines, an array and a table") {
   list.rows("numbers", std::vector<double>{1.0, 4.0}, list_number, "  ");
   CHECK(list.text() == "  number 1\n  number 4: 2\n");
   CHECK(list.json().dump() == R"({"numbers":[{"number":1.0},{"half":2.0,"number":4.0}]})");
-  CHECK(list.table("Numbers", "numbers").html() ==
-        "<table>\n<caption>Numbers</caption>\n<tr><th>what</th><th>half</th></tr>\n"
-        "<tr><td>number 1</td><td>–</td></tr>\n<tr><td>number 4</td><td>2</td></tr>\n</table>\n");
+  CHECK_THAT(list.table("Numbers", "numbers").html(),
+             Contains("<th scope=\"col\">what</th><th scope=\"col\">half</th>") &&
+                 Contains("<th scope=\"row\">number 1</th><td>–</td>") &&
+                 Contains("<th scope=\"row\">number 4</th><td>2</td>"));
+}
+
+TEST_CASE("Rows stand in columns when printed, and without their padding in a table") {
+  ReportList list, row;
+  list.line("method", "rbf");
+  list.row_heads("\nterm      value");
+  row.line("term", "{name:<8}", "link 1");
+  row.line("value", "{value:>8.2f} +- {sigma:<6.2f} mm", 149.6, 0.5);
+  list.row("terms", row);
+  CHECK(list.text() ==
+        "method              rbf\n\nterm      value\nlink 1    149.60 +- 0.50   mm\n");
+  CHECK(list.has_rows("terms"));
+  CHECK_FALSE(list.has_rows("others"));
+  CHECK(list.json().empty());
+  CHECK_THAT(list.table("Terms", "terms").html(),
+             Contains("<th scope=\"row\">link 1</th><td>149.60 +- 0.50 mm</td>"));
+  CHECK_THAT(list.table("Found").html(), !Contains("link 1") && !Contains("term"));
 }
 
 TEST_CASE("Parts have a key of their own, and a suffix says who judged") {
@@ -60,7 +78,8 @@ TEST_CASE("Parts have a key of their own, and a suffix says who judged") {
   list.append(judged);
   CHECK(list.text() == "mean                1.0 mm\n");
   CHECK(list.json().dump() == R"({"max_mm_truth":2.0,"workspace_truth":{"mean_mm":1.0}})");
-  CHECK_THAT(list.table("Found").html(), Contains("<tr><td>mean</td><td>1.0 mm</td></tr>"));
+  CHECK_THAT(list.table("Found").html(),
+             Contains("<tr><th scope=\"row\">mean</th><td>1.0 mm</td></tr>"));
 }
 
 TEST_CASE("A key without a figure and a figure without a key are mistakes of a program") {

@@ -17,12 +17,27 @@ TEST_CASE("A table aligns its first column left and the others right, also with 
         "  a            10.25\n");
 }
 
-TEST_CASE("A table's HTML escapes its cells") {
-  TextTable table("a < b", {"x"});
-  table.add_row({"1 & 2"});
+TEST_CASE("A table's HTML escapes its cells, and says what heads a column and what a row") {
+  TextTable table("a < b", {"x", "y"});
+  table.add_row({"1 & 2", "3"});
   CHECK(table.html() ==
-        "<table>\n<caption>a &lt; b</caption>\n<tr><th>x</th></tr>\n<tr><td>1 &amp; 2</td></tr>\n"
-        "</table>\n");
+        "<table>\n<caption>a &lt; b</caption>\n<thead>\n<tr><th scope=\"col\">x</th>"
+        "<th scope=\"col\">y</th></tr>\n</thead>\n<tbody>\n"
+        "<tr><th scope=\"row\">1 &amp; 2</th><td>3</td></tr>\n</tbody>\n</table>\n");
+  CHECK(table.html("title-1").find("<table aria-labelledby=\"title-1\">\n<thead>") == 0);
+}
+
+TEST_CASE("A table of facts has no empty heads, and a broad one scrolls by itself") {
+  TextTable facts("Facts", {"", ""}), broad("Broad", {"", "b", "c"});
+  facts.add_row({"mean", "1 mm"});
+  broad.add_row({"", "2", "3"});
+  CHECK(facts.html() ==
+        "<table class=\"facts\">\n<caption>Facts</caption>\n<tbody>\n"
+        "<tr><th scope=\"row\">mean</th><td>1 mm</td></tr>\n</tbody>\n</table>\n");
+  CHECK_THAT(broad.html(), Catch::StartsWith("<div class=\"wide\" role=\"region\" "
+                                             "aria-label=\"Broad\" tabindex=\"0\">\n<table>"));
+  CHECK_THAT(broad.html(), Catch::Contains("<tr><td></td><th scope=\"col\">b</th>") &&
+                               Catch::Contains("<tr><td></td><td>2</td>"));
 }
 
 TEST_CASE("A row with a missing cell is refused") {

@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
+#include "planar_servo/core/text.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/experiment/paper_tables.h"
 #include "planar_servo/experiment/plots/plots.h"
@@ -44,14 +47,10 @@ std::vector<StepError> steps_of(const fs::path& run) {
   return fs::exists(file) ? read_step_errors(file) : std::vector<StepError>();
 }
 
-/// Says what was found beside what was predicted; a clause without a full stop.
-std::string found_and_predicted(const ServoFigures& ours, const ServoFigures& paper,
-                                const PositioningPrediction& prediction) {
-  return fmt::format(
-      "{}; {:.4f} mm at 95 %, where the calibration alone had predicted {:.4f} and {:.4f} mm; the "
-      "paper's chain on the same cell ends at {:.3f} mm, in the paper at {:.3f} mm",
-      landing_words(ours), mm(ours.after_truth->p95), mm(prediction.mean), mm(prediction.p95),
-      mm(paper.after_truth->mean), kPaperAfterMean_mm);
+constexpr std::size_t kWorstTargets = 5;
+
+std::string judged_words(const ExperimentReport& report) {
+  return report.reflector_sigma ? "errors measured by the cell's tracker" : "true errors";
 }
 
 void add_first_words(HtmlPage& page, const ExperimentReport& report) {
@@ -67,17 +66,99 @@ void add_first_words(HtmlPage& page, const ExperimentReport& report) {
     verdict.faults.push_back(
         {fmt::format("the error found is {:.1f} times the predicted one", ratio),
          "look where the errors are large below, and record training places there"});
-  verdict.good = found_and_predicted(ours, paper, report.prediction);
+  verdict.good = fmt::format(
+      "the end point stops {:.4f} mm from its targets in the mean, {:.4f} mm at 95 % and {:.4f} mm "
+      "at worst ({} at {} targets)",
+      mm(ours.after_truth->mean), mm(ours.after_truth->p95), mm(ours.after_truth->max),
+      judged_words(report), ours.after_truth->n);
   page.add_verdict(verdict);
   if (!verdict.faults.empty()) page.add_paragraph("Found: " + verdict.good + ".");
+}
+
+/// Returns the errors at the targets by each way to go there, and what was predicted of ours.
+TextTable accuracy_table(const ExperimentReport& report) {
+  TextTable table(fmt::format("Distance from the targets: {}", judged_words(report)),
+                  {"way", "mean, mm", "at 95 %, mm", "largest, mm"});
+  const auto add = [&](const std::string& way, const std::optional<Summary>& found) {
+    if (found)
+      table.add_row({way, fmt::format("{:.4f}", mm(found->mean)),
+                     fmt::format("{:.4f}", mm(found->p95)), fmt::format("{:.4f}", mm(found->max))});
+  };
+  const ServoFigures ours = figures_of(report.ours), paper = figures_of(report.paper);
+  add("arm by the cell file, without calibration", paper.before_truth);
+  add("the paper's chain", paper.after_truth);
+  add("planar-servo, arm alone", ours.before_truth);
+  add("planar-servo, with vision", ours.after_truth);
+  table.add_row({"planar-servo, as its calibration predicts it",
+                 fmt::format("{:.4f}", mm(report.prediction.mean)),
+                 fmt::format("{:.4f}", mm(report.prediction.p95)), "–"});
+  return table;
+}
+
+/// Compares what was reached with what was there before, with the paper's chain and with what was
+/// predicted.
+std::string worth_words(const ExperimentReport& report) {
+  const auto ours = figures_of(report.ours).after_truth;
+  const ServoFigures paper = figures_of(report.paper);
+  if (!ours || !paper.after_truth || !paper.before_truth) return "";
+  return fmt::format(
+      "planar-servo takes off {} % of the error that the arm has by its cell file, the paper's "
+      "chain "
+      "{} %; the paper's chain stops {:.1f} times as far from the targets. The calibration alone "
+      "had "
+      "predicted {:.4f} mm; what was found is {:.2f} times that. On its own platform the paper "
+      "reached {:.3f} mm.",
+      fixed(100.0 * (1.0 - ours->mean / paper.before_truth->mean), 1),
+      fixed(100.0 * (1.0 - paper.after_truth->mean / paper.before_truth->mean), 1),
+      paper.after_truth->mean / ours->mean, mm(report.prediction.mean),
+      ours->mean / report.prediction.mean, kPaperAfterMean_mm);
+}
+
+/// Returns the targets that our chain ended farthest from.
+TextTable worst_table(const ExperimentReport& report) {
+  std::vector<const TargetResult*> worst;
+  for (const TargetResult& result : report.ours)
+    if (result.after_truth) worst.push_back(&result);
+  std::stable_sort(worst.begin(), worst.end(), [](const TargetResult* a, const TargetResult* b) {
+    return a->after_truth->norm() > b->after_truth->norm();
+  });
+  worst.resize(std::min(worst.size(), kWorstTargets));
+  TextTable table("The targets with the largest errors",
+                  {"target", "x, mm", "y, mm", "error, mm", "stated deviation per axis, mm"});
+  for (const TargetResult* result : worst)
+    table.add_row({result->id, fixed(mm(result->p_d.x()), 1), fixed(mm(result->p_d.y()), 1),
+                   fixed(mm(result->after_truth->norm()), 4),
+                   result->uncertainty_m ? fixed(mm(*result->uncertainty_m), 4) : "–"});
+  return table;
+}
+
+std::string coverage_words(const ExperimentReport& report) {
+  const ServoFigures ours = figures_of(report.ours);
+  std::string words = fmt::format("{} of {} targets were reached, {} were judged.", ours.reached,
+                                  ours.targets, ours.after_truth ? ours.after_truth->n : 0);
+  if (ours.coverage_95)
+    words += fmt::format(
+        " Of where the end point was believed to be, {} % of the components are within their "
+        "stated 95 % interval: less than 95 % means that stated uncertainties are too small, more "
+        "that they are too large.",
+        fixed(100.0 * *ours.coverage_95, 1));
+  return words;
 }
 
 void add_plot(HtmlPage& page, const ReportPlot& plot, const fs::path& out) {
   const std::string file = "figures/" + plot.file;
   const std::string link =
       fs::exists(out / file) ? fmt::format(" <a href=\"{0}\">{0}</a>", file) : "";
-  page.add_html(fmt::format("<figure>\n<figcaption><b>{}.</b> {}{}</figcaption>\n{}</figure>\n",
-                            html_escaped(plot.title), html_escaped(plot.caption), link, plot.svg));
+  page.add_html(fmt::format("<figure{}>\n<figcaption><b>{}.</b> {}{}</figcaption>\n{}</figure>\n",
+                            plot.panels.size() > 1 ? " class=\"broad\"" : "",
+                            html_escaped(plot.title), html_escaped(plot.caption), link,
+                            plot_html(plot.panels)));
+}
+
+void add_plots(HtmlPage& page, const std::vector<ReportPlot>& plots, const fs::path& out) {
+  page.add_html("<div class=\"figures\">\n");
+  for (const ReportPlot& plot : plots) add_plot(page, plot, out);
+  page.add_html("</div>\n");
 }
 
 void add_files(HtmlPage& page, const fs::path& out) {
@@ -90,40 +171,53 @@ void add_files(HtmlPage& page, const fs::path& out) {
   page.add_html("<ul>\n" + rows + "</ul>\n");
 }
 
-std::string error_plot(const ExperimentReport& report) {
-  return quiver_svg({error_panel("Open loop", report.paper, &TargetResult::before_truth),
-                     error_panel("Paper's chain", report.paper, &TargetResult::after_truth),
-                     error_panel("planar-servo", report.ours, &TargetResult::after_truth)});
+std::vector<QuiverPanel> error_panels(const ExperimentReport& report) {
+  return {error_panel("Open loop", report.paper, &TargetResult::before_truth),
+          error_panel("Paper's chain", report.paper, &TargetResult::after_truth),
+          error_panel("planar-servo", report.ours, &TargetResult::after_truth)};
 }
 
-/// Returns the plots of the report: the figures of the paper that the data allow, in its order, and
-/// before them how the errors are spread and how the loop converges. The steps of the latter are
-/// read from the runs in `out`.
-std::vector<ReportPlot> experiment_plots(const ExperimentReport& report, const fs::path& out) {
-  std::vector<ReportPlot> plots;
-  const auto add = [&](std::optional<ReportPlot> plot) {
-    if (plot) plots.push_back(std::move(*plot));
-  };
-  const auto add_all = [&](std::vector<ReportPlot> more) {
-    for (ReportPlot& plot : more) plots.push_back(std::move(plot));
-  };
-  add(spread_plot(report));
-  add(convergence_plot(steps_of(out / "ours" / "run"), steps_of(out / "paper" / "run")));
-  if (report.recorded) {
-    add(lamp_plot(report.recorded->lamps));
-    add_all(circle_plots(report.recorded->circles));
-    add_all(map_plots(*report.recorded));
+/// The plots of the report by the part of the page that has them.
+struct ReportPlots {
+  std::vector<ReportPlot> worth, coverage;
+  std::vector<ReportPlot> paper;  ///< the figures of the paper that the data allow, in its order
+
+  std::vector<ReportPlot> all() const {
+    std::vector<ReportPlot> plots = worth;
+    plots.insert(plots.end(), coverage.begin(), coverage.end());
+    plots.insert(plots.end(), paper.begin(), paper.end());
+    return plots;
   }
-  add_all(control_plots(report));
+};
+
+/// Reads the steps of the loops from the runs in `out`.
+ReportPlots experiment_plots(const ExperimentReport& report, const fs::path& out) {
+  ReportPlots plots;
+  const auto add = [](std::vector<ReportPlot>& to, std::optional<ReportPlot> plot) {
+    if (plot) to.push_back(std::move(*plot));
+  };
+  const auto add_paper = [&](std::vector<ReportPlot> more) {
+    for (ReportPlot& plot : more) plots.paper.push_back(std::move(plot));
+  };
+  add(plots.worth, spread_plot(report));
+  add(plots.worth,
+      convergence_plot(steps_of(out / "ours" / "run"), steps_of(out / "paper" / "run")));
+  add(plots.coverage, coverage_plot(report));
+  if (report.recorded) {
+    add(plots.paper, lamp_plot(report.recorded->lamps));
+    add_paper(circle_plots(report.recorded->circles));
+    add_paper(map_plots(*report.recorded));
+  }
+  add_paper(control_plots(report));
   return plots;
 }
 
-/// Returns the text of the page. It links to those files in `out` that exist.
-std::string experiment_page(const ExperimentReport& report, const std::string& cell_name,
-                            const std::vector<ReportPlot>& plots, const fs::path& out) {
-  HtmlPage page("The paper's experiment on " + cell_name);
-  add_first_words(page, report);
-  page.add_html(error_plot(report));
+/// Adds what an engineer asks first.
+void add_results(HtmlPage& page, const ExperimentReport& report, const ReportPlots& plots,
+                 const fs::path& out) {
+  page.add_heading("Accuracy");
+  page.add_html(accuracy_table(report).html());
+  page.add_html(plot_html(quiver_panels(error_panels(report))));
   page.add_paragraph(
       fmt::format("{} All chains were calibrated from the same recording. {}",
                   report.reflector_sigma
@@ -132,23 +226,44 @@ std::string experiment_page(const ExperimentReport& report, const std::string& c
                       : "True errors of the end point at the control targets, by the scorer of the "
                         "virtual cell, which alone sees the truth.",
                   kQuiverCaption));
+  page.add_heading("What it is worth");
+  page.add_paragraph(worth_words(report));
+  add_plots(page, plots.worth, out);
+  page.add_heading("Where it is worst");
+  page.add_html(worst_table(report).html());
+  page.add_html(plot_html(
+      quiver_panels({error_panel("planar-servo", report.ours, &TargetResult::after_truth)})));
+  page.add_paragraph("The errors of our chain once more, at scales of their own.");
+  page.add_heading("Coverage");
+  page.add_paragraph(coverage_words(report));
+  add_plots(page, plots.coverage, out);
+  page.add_heading("The runs in numbers");
+  page.add_paragraph(experiment_list(report).text());
+}
+
+void add_paper_tables(HtmlPage& page, const ExperimentReport& report) {
   page.add_heading("The paper's tables");
+  page.add_paragraph(marks_text(report));
   for (const ShownTable& shown : shown_tables(report)) {
-    page.add_html(shown.table.html());
+    const std::string heading = page.add_heading(shown.table.title(), 3);
+    page.add_html(shown.table.html(heading));
     page.add_paragraph(shown.look_at);
   }
-  page.add_paragraph(marks_text(report));
-  page.add_paragraph(experiment_list(report).text());
-  page.add_heading("Figures");
+}
+
+/// Returns the text of the page. It links to those files in `out` that exist.
+std::string experiment_page(const ExperimentReport& report, const std::string& cell_name,
+                            const ReportPlots& plots, const fs::path& out) {
+  HtmlPage page("The paper's experiment on " + cell_name);
+  add_first_words(page, report);
+  page.add_contents();
+  add_results(page, report, plots, out);
+  add_paper_tables(page, report);
+  page.add_heading("The paper's figures");
   page.add_paragraph(
       "The numbers are the paper's. Its Figures 1 to 5, 12 and 17 are drawings and photographs "
       "without data.");
-  page.add_html(
-      "<figure>\n<figcaption><b>The errors of our chain once more, at scales of their "
-      "own.</b></figcaption>\n" +
-      quiver_svg({error_panel("planar-servo", report.ours, &TargetResult::after_truth)}) +
-      "</figure>\n");
-  for (const ReportPlot& plot : plots) add_plot(page, plot, out);
+  add_plots(page, plots.paper, out);
   add_files(page, out);
   return page.text();
 }
@@ -157,11 +272,11 @@ std::string experiment_page(const ExperimentReport& report, const std::string& c
 
 fs::path write_experiment_report(const ExperimentReport& report, const std::string& cell_name,
                                  const fs::path& out) {
-  const std::vector<ReportPlot> plots = experiment_plots(report, out);
+  const ReportPlots plots = experiment_plots(report, out);
   make_folder(out / "figures");
-  for (const ReportPlot& plot : plots)
-    write_file(out / "figures" / plot.file, format_comment("figure") + plot.svg);
-  write_file(out / "errors.svg", format_comment("figure") + error_plot(report));
+  for (const ReportPlot& plot : plots.all())
+    write_file(out / "figures" / plot.file, format_comment("figure") + plot_svg(plot.panels));
+  write_file(out / "errors.svg", format_comment("figure") + quiver_svg(error_panels(report)));
   write_file(out / "figures.json",
              with_format_key("figures", experiment_list(report).json().dump(2)));
   fs::path page = out / "report.html";

@@ -19,27 +19,27 @@ std::string mm_text(double metres) {
   return std::isfinite(metres) ? fixed(mm(metres), 3) : kNone;
 }
 
-void list_accuracies(ReportList& list, const std::string& key,
+void list_accuracies(ReportList& list, const std::string& key, const std::string& head,
                      const std::vector<AccuracyRow>& rows) {
-  list.rows(key, rows, [](ReportList& row, const AccuracyRow& found) {
-    row.line("", "{label}", found.label);
+  list.rows(key, rows, [&head](ReportList& row, const AccuracyRow& found) {
+    row.line(head, "{label}", found.label);
     row.line("ours: A2", "{ours:.1%}", found.ours.a2);
-    row.line("A1", "{ours_a1:.1%}", found.ours.a1);
-    row.line("the paper's chain here: A2 +", "{paper_chain:.1%}", found.paper_chain.a2);
-    row.line("A1", "{paper_chain_a1:.1%}", found.paper_chain.a1);
-    row.line("the paper", "{paper:.1%}", found.paper);
+    row.line("ours: A1", "{ours_a1:.1%}", found.ours.a1);
+    row.line("paper's chain: A2 +", "{paper_chain:.1%}", found.paper_chain.a2);
+    row.line("paper's chain: A1", "{paper_chain_a1:.1%}", found.paper_chain.a1);
+    row.line("paper: A2", "{paper:.1%}", found.paper);
   });
 }
 
 /// Lists a comparison whose figures are written in `unit`, those of the paper in a format and
 /// behind words of their own.
-void list_comparison(ReportList& list, const std::string& key,
+void list_comparison(ReportList& list, const std::string& key, const std::string& head,
                      const std::vector<ComparisonRow>& rows, double unit, const std::string& format,
-                     const std::string& paper_format, const std::string& paper = "the paper") {
+                     const std::string& paper_format, const std::string& paper = "paper") {
   list.rows(key, rows, [&](ReportList& row, const ComparisonRow& found) {
-    row.line("", "{label}", found.label);
+    row.line(head, "{label}", found.label);
     row.line("ours", "{ours:" + format + "}", found.ours / unit);
-    row.line("the paper's chain here", "{paper_chain:" + format + "}", found.paper_chain / unit);
+    row.line("paper's chain", "{paper_chain:" + format + "}", found.paper_chain / unit);
     row.line(paper, "{paper:" + paper_format + "}", found.paper / unit);
   });
 }
@@ -49,12 +49,12 @@ void list_positioning(ReportList& list, const std::vector<PositioningRow>& rows)
     row.line("circle about", "{label}", found.label);
     row.line("before *", "{before:.3f}", mm(found.before));
     row.line("paper's chain +", "{paper_chain:.3f}", mm(found.paper_chain));
-    row.line("improved", "{paper_chain_improvement:.1%}", found.improvement(found.paper_chain));
+    row.line("its gain", "{paper_chain_improvement:.1%}", found.improvement(found.paper_chain));
     row.line("ours", "{ours:.4f}", mm(found.ours));
-    row.line("improved", "{ours_improvement:.1%}", found.improvement(found.ours));
+    row.line("our gain", "{ours_improvement:.1%}", found.improvement(found.ours));
     row.line("paper: before ~", mm_text(found.paper_before));
-    row.line("after", "{paper:.3f}", mm(found.paper_after));
-    row.line("improved", "{paper_improvement:.1%}", found.paper_improvement);
+    row.line("paper: after", "{paper:.3f}", mm(found.paper_after));
+    row.line("paper: gain", "{paper_improvement:.1%}", found.paper_improvement);
   });
 }
 
@@ -62,13 +62,13 @@ void list_positioning(ReportList& list, const std::vector<PositioningRow>& rows)
 /// the row of all circles.
 ReportList tables_list(const PaperTables& tables) {
   ReportList list;
-  list_comparison(list, "table1", tables.run_correlation, 1.0, ".4f", ".3f");
-  list_accuracies(list, "table2", tables.idw_accuracy);
-  list_comparison(list, "table3", tables.map_sources, 1.0, ".4g", ".4g");
-  list_comparison(list, "table4", tables.repeatability, kMillimetre, ".6f", ".3f",
-                  "the paper: below");
-  list_accuracies(list, "table5", tables.rbf_accuracy);
-  list_accuracies(list, "table6", tables.mean_accuracy);
+  list_comparison(list, "table1", "circle", tables.run_correlation, 1.0, ".4f", ".3f");
+  list_accuracies(list, "table2", "circle", tables.idw_accuracy);
+  list_comparison(list, "table3", "what", tables.map_sources, 1.0, ".4g", ".4g");
+  list_comparison(list, "table4", "circle", tables.repeatability, kMillimetre, ".6f", ".3f",
+                  "paper: below");
+  list_accuracies(list, "table5", "circle", tables.rbf_accuracy);
+  list_accuracies(list, "table6", "method", tables.mean_accuracy);
   std::vector<PositioningRow> circles = tables.positioning;
   if (!circles.empty()) circles.pop_back();
   list_positioning(list, circles);
@@ -90,8 +90,8 @@ TextTable chain_table(const ExperimentReport& report) {
   TextTable table(
       fmt::format("Chains side by side on this recording: {} errors at the targets in mm",
                   report.reflector_sigma ? "measured" : "true"),
-      {"chain", "camera", "lamps", "error map", "law", "vision, mean", "after, mean", "95 %",
-       "largest"});
+      {"chain", "camera model", "lamp centres", "error map", "control law", "vision error: mean",
+       "end point: mean", "at 95 %", "largest"});
   const auto row = [&](std::vector<std::string> fields, const std::vector<TargetResult>& results) {
     const auto after = figures_of(results).after_truth;
     const auto field = [](std::optional<double> metres) {
@@ -102,8 +102,8 @@ TextTable chain_table(const ExperimentReport& report) {
       fields.push_back(field(after ? std::optional((*after).*figure) : std::nullopt));
     table.add_row(std::move(fields));
   };
-  row({"the paper's +", "k1", "Canny, Kasa", "Gaussian RBF", "inverse"}, report.paper);
-  row({"without its map +", "k1", "Canny, Kasa", "none", "inverse"}, report.paper_no_map);
+  row({"the paper's +", "k1", "Canny, Kåsa", "Gaussian RBF", "inverse"}, report.paper);
+  row({"without its map +", "k1", "Canny, Kåsa", "none", "inverse"}, report.paper_no_map);
   row({"ViSP's", "vpCalibration", "vpDot2", "none", "vpServo"}, report.visp);
   row({"ours", "chosen", "rim", "field at the lamps", "vpServo"}, report.ours);
   return table;
@@ -115,11 +115,13 @@ std::vector<ShownTable> map_tables_of(const PaperTables& tables) {
       {list.table("Table 1: correlation of the vision error between three runs", "table1"),
        "Each circle is gone round three times, and the error components of the runs are compared "
        "in pairs. Near 1, the error belongs to the place and a map can learn it. Our error before "
-       "the map is smaller, so that the same noise weighs more."},
+       "the map is smaller, so that the same noise weighs more. The numbers have no unit."},
       {list.table("Table 2: accuracy of inverse distance weighting on circles about the base",
                   "table2"),
        "The map is made of the training positions, and judged on circles that it has not seen. "
-       "Compare with Table 5, which has the same places."},
+       "A2 = 1 - |mean|E| - mean|Ê|| / mean|E| is the paper's accuracy, with the measured errors E "
+       "and the predicted ones Ê; A1 = 1 - mean|E - Ê| / mean|E| sees directions, too. 100 % is a "
+       "perfect map. Compare with Table 5, which has the same places."},
       {list.table("Table 3: what the error maps were made of", "table3"),
        "The paper turned its width by hand; so does its chain here, by the test positions. Widths "
        "of different functions do not compare: ours may be a multiquadric on a polynomial."},
@@ -160,18 +162,26 @@ std::vector<ShownTable> shown_tables(const ExperimentReport& report) {
   shown.push_back(
       {positioning_table_of(report),
        "All chains move to the same targets on the same cell. \"Before\" is where the arm ends "
-       "by the cell file's lengths and zeros, without vision. Ours is aimed by the arm that was "
-       "found, so its first move ends close already."});
+       "by the cell file's lengths and zeros, without vision; the other columns are after "
+       "feedback. "
+       "A gain is the share of the error before that is gone after. Ours is aimed by the arm that "
+       "was found, so its first move ends close already."});
   shown.push_back(
       {chain_table(report),
-       "ViSP brings no error map, so compare it with the paper's chain without its map: both take "
+       "The vision error is vision minus truth at the last look; the end point's columns are how "
+       "far "
+       "it stops from its targets. ViSP brings no error map, so compare it with the paper's chain "
+       "without its map: both take "
        "the plane from the laid board and differ by camera model, lamp centres and law. What no "
        "law can take off is vision's error."});
   return shown;
 }
 
 std::string marks_text(const ExperimentReport& report) {
-  std::string text;
+  std::string text =
+      "ours is planar-servo; the paper's chain is the paper's method on the same recording; paper "
+      "is "
+      "what the paper prints of its own platform\n";
   if (!report.tables.run_correlation.empty())
     text +=
         "A2, the paper's accuracy, compares mean lengths and cannot see direction: an error "

@@ -18,7 +18,7 @@ struct ShownTable {
 /// Returns the tables that there are, in the paper's order.
 std::vector<ShownTable> shown_tables(const ExperimentReport& report);
 
-/// Explains the marks and letters in the tables, a line each: what the virtual cell was fitted to,
+/// Explains the marks and columns of the tables, a line each: what the virtual cell was fitted to,
 /// and what the paper's accuracy cannot see.
 std::string marks_text(const ExperimentReport& report);
 

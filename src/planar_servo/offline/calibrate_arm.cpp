@@ -60,7 +60,7 @@ Panel motor_panel(const ArmFit& fit, int motor, const Axis& miss_axis) {
 
 std::string motor_plot(const ArmFit& fit) {
   const Axis axis = axis_over("read minus predicted, mm", components_of(misses_mm(fit)));
-  return plot_svg(
+  return plot_html(
       {motor_panel(fit, 0, axis), motor_panel(fit, 1, axis), motor_panel(fit, 2, axis)});
 }
 
@@ -74,7 +74,7 @@ std::string place_plot(const ArmFit& fit) {
   panels.push_back(histogram("Their components", "read minus predicted, mm",
                              components_of(misses_mm(fit)),
                              {mm(fit.stated_sigma), "the tracker's deviation"}));
-  return plot_svg(panels);
+  return plot_html(panels);
 }
 
 void doubt_open_terms(const ArmFit& fit, Verdict& verdict) {
@@ -119,13 +119,14 @@ ArmNominal arm_of_files(const CellSettings& cell) {
 ReportList arm_terms_list(const JointEstimate& estimate) {
   ReportList list;
   for (const ArmTerm& term : arm_terms(estimate)) {
-    ReportList part;
-    part.line(term.label,
-              fmt::format("{{value:>16.5f}} +- {{sigma:<9.5f}} {}{}", term.unit_text,
-                          term.determined ? "" : "  not determined"),
-              term.value / term.unit, term.sigma / term.unit);
-    part.unprinted("determined", term.determined);
-    list.part(term.key, part);
+    ReportList row;
+    row.line("", fmt::format("{:<20}", term.label));
+    row.line("value", fmt::format("{{value:>16.5f}} +- {{sigma:<9.5f}} {}", term.unit_text),
+             term.value / term.unit, term.sigma / term.unit);
+    row.line("by the readings", term.determined ? "" : "  not determined");
+    row.unprinted("determined", term.determined);
+    list.row("terms", row);
+    list.unprinted(term.key, row.json());
   }
   return list;
 }
@@ -138,7 +139,7 @@ ReportList arm_list(const ArmFit& fit) {
   list.line("readings met", "{rms_mm:.4f} mm rms, {harmonics} harmonics of each reducer", fit.rms,
             fit.estimate.size.harmonics);
   list.line("places left out", "{held_out_rms_mm:.4f} mm rms", fit.held_out_rms);
-  list.line("", "\nwhat the poses say of the arm");
+  list.row_heads("\nwhat the poses say of the arm");
   list.append(arm_terms_list(fit.estimate));
   return list;
 }
@@ -173,10 +174,12 @@ std::string arm_page(const ArmFit& fit, const std::filesystem::path& file) {
       "From each reading of the reflector, how far it lies from where the others predict it. Lines "
       "in all directions are noise; neighbours that point the same way show what the model of the "
       "arm lacks.");
+  page.add_heading("Over the motors' angles");
   page.add_html(motor_plot(fit));
   page.add_paragraph(
       "A wave over the angle of a motor is an eccentricity of its reducer that the model lacks.");
-  page.add_html(arm_terms_list(fit.estimate).table("What was found").html());
+  page.add_heading("In numbers");
+  page.add_html(arm_terms_list(fit.estimate).table("What was found", "terms").html());
   if (!fit.left_out.empty()) {
     TextTable left_out("Left out", {"reading", "why"});
     for (const std::string& id : fit.left_out) left_out.add_row({id, "contradicts the others"});

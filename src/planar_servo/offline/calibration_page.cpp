@@ -7,8 +7,10 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <random>
 
 #include "planar_servo/core/statistics.h"
+#include "planar_servo/core/text.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/offline/page_of_file.h"
 #include "planar_servo/report/places.h"
@@ -21,53 +23,115 @@ namespace {
 constexpr int kCellsAlongLongerSide = 20;
 constexpr double kCorner = 0.2;
 
-/// Sums of the residuals in each cell.
-struct CellSums {
-  Eigen::MatrixXd u, v, squares;
+constexpr double kMostly = 0.5;
+constexpr int kShuffles = 200;
+constexpr double kChance = 0.95;
+constexpr const char* kCorners[] = {"upper left", "upper right", "lower left", "lower right"};
+
+using ViewResiduals = std::vector<std::vector<Eigen::Vector2d>>;
+
+/// The cells of the image, and in which one each point of each view lies.
+struct CellGrid {
+  explicit CellGrid(const CameraCalibration& found);
+
+  /// Returns the mean square, over the points, of what the residuals of a cell have in common. Of
+  /// the square of a mean of n, the n-th part of the variance is chance.
+  double common_square(const ViewResiduals& residuals_px) const;
+
+  double size_px;
+  Eigen::Index rows, columns;
+  std::vector<std::vector<Eigen::Index>> cells;
 };
 
-/// Returns the mean square, over the points, of what the residuals of a cell have in common. Of the
-/// square of a mean of n, the n-th part of the variance is chance.
-double common_square(const ImageCoverage& coverage, const CellSums& sums) {
+CellGrid::CellGrid(const CameraCalibration& found)
+    : size_px(static_cast<double>(std::max(found.width_px, found.height_px)) /
+              kCellsAlongLongerSide) {
+  const auto count = [&](int pixels) {
+    return static_cast<Eigen::Index>(std::ceil(pixels / size_px - 1e-9));
+  };
+  rows = count(found.height_px);
+  columns = count(found.width_px);
+  const auto index = [&](double px, Eigen::Index number) {
+    return std::clamp<Eigen::Index>(static_cast<Eigen::Index>((px + 0.5) / size_px), 0, number - 1);
+  };
+  for (const CalibratedView& view : found.views) {
+    std::vector<Eigen::Index>& of_view = cells.emplace_back();
+    for (const Eigen::Vector2d& uv : view.pixels)
+      of_view.push_back(index(uv.x(), columns) * rows + index(uv.y(), rows));
+  }
+}
+
+double CellGrid::common_square(const ViewResiduals& residuals_px) const {
+  struct Sums {
+    double n{0.0}, squares{0.0};
+    Eigen::Vector2d sum{0.0, 0.0};
+  };
+  std::vector<Sums> sums(static_cast<std::size_t>(rows * columns));
+  for (std::size_t view = 0; view < cells.size(); ++view)
+    for (std::size_t i = 0; i < cells[view].size(); ++i) {
+      Sums& cell = sums[static_cast<std::size_t>(cells[view][i])];
+      cell.n += 1.0;
+      cell.sum += residuals_px[view][i];
+      cell.squares += residuals_px[view][i].squaredNorm();
+    }
   double common = 0.0, points = 0.0;
-  for (Eigen::Index i = 0; i < coverage.points.size(); ++i) {
-    const double n = coverage.points(i);
-    if (n < 2.0) continue;
-    const double of_mean = (sums.u(i) * sums.u(i) + sums.v(i) * sums.v(i)) / (n * n);
-    const double variance = (sums.squares(i) - n * of_mean) / (n - 1.0);
-    common += n * (of_mean - variance / n);
-    points += n;
+  for (const Sums& cell : sums) {
+    if (cell.n < 2.0) continue;
+    const double of_mean = cell.sum.squaredNorm() / (cell.n * cell.n);
+    const double variance = (cell.squares - cell.n * of_mean) / (cell.n - 1.0);
+    common += cell.n * (of_mean - variance / cell.n);
+    points += cell.n;
   }
   return points > 0.0 ? std::max(0.0, common / points) : 0.0;
+}
+
+/// Returns the mean square that residuals have in common after shuffles within their views, which
+/// kChance of the shuffles do not exceed.
+double common_square_by_chance(const CellGrid& grid, ViewResiduals residuals_px) {
+  std::mt19937 random(1);
+  std::vector<double> squares;
+  for (int i = 0; i < kShuffles; ++i) {
+    for (auto& view : residuals_px) std::shuffle(view.begin(), view.end(), random);
+    squares.push_back(grid.common_square(residuals_px));
+  }
+  return quantile(squares, kChance);
+}
+
+std::array<double, 4> corner_gaps_px(const CameraCalibration& found) {
+  std::array<double, 4> gaps{};
+  for (std::size_t i = 0; i < gaps.size(); ++i) {
+    const Eigen::Vector2d corner(i % 2 == 0 ? 0.0 : found.width_px, i < 2 ? 0.0 : found.height_px);
+    gaps[i] = std::hypot(found.width_px, found.height_px);
+    for (const CalibratedView& view : found.views)
+      for (const Eigen::Vector2d& uv : view.pixels)
+        gaps[i] = std::min(gaps[i], (uv - corner).norm());
+  }
+  return gaps;
 }
 
 }  // namespace
 
 ImageCoverage coverage_of(const CameraCalibration& found) {
+  const CellGrid grid(found);
+  ViewResiduals residuals_px;
+  for (const CalibratedView& view : found.views) residuals_px.push_back(view.residuals_px);
+  const double common = grid.common_square(residuals_px);
   ImageCoverage coverage;
-  coverage.cell_px =
-      static_cast<double>(std::max(found.width_px, found.height_px)) / kCellsAlongLongerSide;
-  const auto cells = [&](int pixels) {
-    return static_cast<Eigen::Index>(std::ceil(pixels / coverage.cell_px - 1e-9));
-  };
-  const Eigen::Index rows = cells(found.height_px), columns = cells(found.width_px);
-  coverage.points = Eigen::MatrixXi::Zero(rows, columns);
-  CellSums sums;
-  sums.u = sums.v = sums.squares = Eigen::MatrixXd::Zero(rows, columns);
-  for (const CalibratedView& view : found.views)
-    for (std::size_t i = 0; i < view.pixels.size(); ++i) {
-      const Eigen::Vector2d at = (view.pixels[i].array() + 0.5).matrix() / coverage.cell_px;
-      const auto row = std::clamp<Eigen::Index>(static_cast<Eigen::Index>(at.y()), 0, rows - 1);
-      const auto column =
-          std::clamp<Eigen::Index>(static_cast<Eigen::Index>(at.x()), 0, columns - 1);
-      const Eigen::Vector2d& residual = view.residuals_px[i];
-      ++coverage.points(row, column);
-      sums.u(row, column) += residual.x();
-      sums.v(row, column) += residual.y();
-      sums.squares(row, column) += residual.squaredNorm();
-    }
-  coverage.common_px = std::sqrt(common_square(coverage, sums));
+  coverage.cell_px = grid.size_px;
+  coverage.points = Eigen::MatrixXi::Zero(grid.rows, grid.columns);
+  for (const auto& view : grid.cells)
+    for (const Eigen::Index cell : view) ++coverage.points(cell);
+  coverage.common_px = std::sqrt(common);
+  coverage.corner_gaps_px = corner_gaps_px(found);
+  if (const double square = found.rms_px * found.rms_px; square > 0.0) {
+    coverage.systematic = std::min(1.0, common / square);
+    coverage.by_chance = common_square_by_chance(grid, residuals_px) / square;
+  }
   return coverage;
+}
+
+bool ImageCoverage::is_systematic() const {
+  return systematic > kMostly && systematic > by_chance;
 }
 
 double ImageCoverage::points_at(const Eigen::Vector2d& uv_px) const {
@@ -88,10 +152,10 @@ std::vector<std::string> ImageCoverage::empty_corners() const {
   };
   const Eigen::Index high = fifth(points.rows()), wide = fifth(points.cols());
   std::vector<std::string> empty;
-  if (points.topLeftCorner(high, wide).sum() == 0) empty.emplace_back("upper left");
-  if (points.topRightCorner(high, wide).sum() == 0) empty.emplace_back("upper right");
-  if (points.bottomLeftCorner(high, wide).sum() == 0) empty.emplace_back("lower left");
-  if (points.bottomRightCorner(high, wide).sum() == 0) empty.emplace_back("lower right");
+  if (points.topLeftCorner(high, wide).sum() == 0) empty.emplace_back(kCorners[0]);
+  if (points.topRightCorner(high, wide).sum() == 0) empty.emplace_back(kCorners[1]);
+  if (points.bottomLeftCorner(high, wide).sum() == 0) empty.emplace_back(kCorners[2]);
+  if (points.bottomRightCorner(high, wide).sum() == 0) empty.emplace_back(kCorners[3]);
   return empty;
 }
 
@@ -102,6 +166,10 @@ constexpr double kWorseLeftOut = 1.5;
 /// A view may have so many times the median residual.
 constexpr double kUnusualView = 2.0;
 constexpr double kMostRejected = 0.2;
+
+std::string per_cent(double share) {
+  return fixed(100.0 * share, 0) + " %";
+}
 
 std::vector<double> view_residuals(const CameraCalibration& found) {
   std::vector<double> rms;
@@ -137,15 +205,40 @@ void judge_left_out(const CameraCalibration& found, Verdict& verdict) {
          "take more views, tilted in different directions, or a simpler --model"});
 }
 
+void judge_image(const ImageCoverage& coverage, Verdict& verdict) {
+  const std::vector<std::string> corners = coverage.empty_corners();
+  if (!corners.empty())
+    verdict.faults.push_back(
+        {fmt::format("{} of the image {} not seen: {}",
+                     corners.size() == 1 ? "a corner" : "corners",
+                     corners.size() == 1 ? "was" : "were", fmt::join(corners, ", ")),
+         "hold the board into these corners for two or three more views each, unless the lamps "
+         "never come there"});
+  if (coverage.is_systematic())
+    verdict.faults.push_back(
+        {fmt::format("the residuals are mostly systematic, not noise: neighbouring points have {} "
+                     "of their mean square in common, chance makes {} of it",
+                     per_cent(coverage.systematic), per_cent(coverage.by_chance)),
+         "calibrate with --model auto; if it stays so, look whether the board is flat, and judge "
+         "the cell by its error map, which takes up what the lens model leaves"});
+}
+
 /// Lists what was found with what only the page shows.
 ReportList page_list(const CameraCalibration& found, const ImageCoverage& coverage) {
   ReportList list = calibration_list(found);
   const auto& sigma = found.standard_deviations;
   list.line("its deviations", "{distortion_sigmas:.2g| }",
             std::vector<double>(sigma.begin() + 4, sigma.end()));
-  list.line("common to neighbours", "{common_px:.3f} px rms of the residuals", coverage.common_px);
+  list.line("common to neighbours",
+            "{common_px:.3f} px rms of the residuals: {systematic:.0%} of their mean square, where "
+            "chance makes {by_chance:.0%}",
+            coverage.common_px, coverage.systematic, coverage.by_chance);
   list.line("that plane", "{plane_distance_mm:.1f} mm away", found.plane_error.distance);
-  list.line("points", "in {seen_share:.0%} of the picture", coverage.share());
+  list.line("points", "in {seen_share:.0%} of the image", coverage.share());
+  list.line(
+      "nearest points",
+      "{corner_gaps_px:.0f} px from the corners " + fmt::format("{}", fmt::join(kCorners, ", ")),
+      coverage.corner_gaps_px);
   return list;
 }
 
@@ -269,19 +362,16 @@ Verdict camera_verdict(const CameraCalibration& found) {
   Verdict verdict;
   judge_views(found, verdict);
   judge_left_out(found, verdict);
-  const std::vector<std::string> corners = coverage_of(found).empty_corners();
-  if (!corners.empty())
-    verdict.faults.push_back(
-        {fmt::format("no view reaches the picture's corner {}", fmt::join(corners, ", ")),
-         "hold the board into these corners for two or three more views each, unless the lamps "
-         "never come there"});
+  const ImageCoverage coverage = coverage_of(found);
+  judge_image(coverage, verdict);
   if (verdict.faults.empty())
     verdict.good = fmt::format(
-        "{} views agree to {:.3f} px, views left out of the fit to {:.3f} px, all corners of the "
-        "picture are seen, and the camera's model places points of the plane to {:.4f} mm in "
-        "the mean and {:.4f} mm at worst",
-        found.views.size(), found.rms_px, *found.held_out_rms_px, mm(found.plane_error.mean()),
-        found.plane_error.largest() / kMillimetre);
+        "{} views agree to {:.3f} px, views left out of the fit to {:.3f} px, {} of their square "
+        "is systematic, points come within {:.0f} px of every corner of the image, and the "
+        "camera's model places points of the plane to {:.4f} mm in the mean and {:.4f} mm at worst",
+        found.views.size(), found.rms_px, *found.held_out_rms_px, per_cent(coverage.systematic),
+        *std::max_element(coverage.corner_gaps_px.begin(), coverage.corner_gaps_px.end()),
+        mm(found.plane_error.mean()), found.plane_error.largest() / kMillimetre);
   return verdict;
 }
 
@@ -291,20 +381,25 @@ std::string camera_page(const CameraCalibration& found, const std::filesystem::p
   HtmlPage page = page_about("Camera", file);
   page.add_verdict(camera_verdict(found));
   page.add_heading("Where the boards were seen");
-  page.add_html(plot_svg({residual_panel(found), coverage_panel(found, coverage)}));
+  page.add_html(plot_html({residual_panel(found), coverage_panel(found, coverage)}));
   page.add_paragraph(
-      "Left: how far each point of the boards was seen from where the model puts it; a line begins "
-      "at the dot. Lines in all directions are noise; neighbours that point the same way show a "
-      "lens that is not of this model, which the error map takes up. Right: how many points each "
-      "part of the picture has; white has none.");
+      "First: how far each point of the boards was seen from where the model puts it; a line "
+      "begins at the dot. Lines in all directions are noise; neighbours that point the same way "
+      "show a lens that is not of this model, which the error map takes up. Second: how many "
+      "points each part of the image has; white has none.");
+  page.add_paragraph(
+      "Residuals are called mostly systematic where points of the same part of the image have more "
+      "than half of the mean square in common, and more than in 95 of 100 shuffles of the "
+      "residuals among the points of their views.");
   page.add_heading("What it is worth");
-  page.add_html(plot_svg({plane_panel(found), view_panel(found), residual_histogram(found)}));
+  page.add_html(plot_html({plane_panel(found), view_panel(found), residual_histogram(found)}));
   page.add_paragraph(fmt::format(
-      "Left: how far a point of a plane {:.0f} mm away may be off because the camera's model is "
+      "First: how far a point of a plane {:.0f} mm away may be off because the camera's model is "
       "uncertain (one standard deviation, both axes together), once the plane's pose has been "
-      "fitted; it is shown where boards were seen, beyond which the model extrapolates. Middle: a "
+      "fitted; it is shown where boards were seen, beyond which the model extrapolates. Second: a "
       "view far above the others is blurred, or its board bent.",
       found.plane_error.distance / kMillimetre));
+  page.add_heading("In numbers");
   add_tables(page, page_list(found, coverage), found);
   add_provenance(page, file, input_records(inputs));
   return page.text();

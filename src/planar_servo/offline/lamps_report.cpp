@@ -125,7 +125,8 @@ Panel deviation_panel(const SeenLamps& seen, std::size_t images) {
   panel.add_dots(seen.series);
   panel.add_dots(seen.failed, {kFailure}, 3.0);
   if (!seen.failed.empty())
-    panel.add_note(fmt::format("red, at the bottom: {} images without lamps", seen.failed.size()));
+    panel.add_key(kFailure,
+                  fmt::format("at the bottom: {} images without lamps", seen.failed.size()));
   return panel;
 }
 
@@ -140,8 +141,8 @@ std::string repeat_plot(const std::vector<RepeatedSight>& sights, std::size_t im
     }
   Panel series("Scatter at rest", image_axis(images), axis_over("from the place's mean, px", offs));
   series.add_dots(dots);
-  return plot_svg({series, histogram("Scatter over what is stated", "pull, in stated deviations",
-                                     pulls, {1.0, "the stated deviation"})});
+  return plot_html({series, histogram("Scatter over what is stated", "pull, in stated deviations",
+                                      pulls, {1.0, "the stated deviation"})});
 }
 
 std::optional<double> pull_rms(const std::vector<RepeatedSight>& sights) {
@@ -269,21 +270,24 @@ std::string lamps_page(const LocateReport& report, const std::filesystem::path& 
   page.add_verdict(lamps_verdict(report));
   const SeenLamps seen = seen_lamps(report.rows);
   if (!seen.series.empty()) {
+    page.add_heading("Where the lamps were seen");
     page.add_html(
-        plot_svg({place_panel(seen, sensor_px), deviation_panel(seen, report.rows.size())}));
+        plot_html({place_panel(seen, sensor_px), deviation_panel(seen, report.rows.size())}));
     page.add_paragraph(
-        "Left: every lamp in the whole picture; places that the arm reaches but no dot shows were "
-        "not recorded. Right: how well the lamps of an image are known, as the image itself says.");
+        "First: every lamp in the whole image; places that the arm reaches but no mark shows were "
+        "not recorded. Second: how well the lamps of an image are known, as the image itself "
+        "says.");
   }
   const std::vector<RepeatedSight> sights = repeated_sights(report.rows);
   if (!sights.empty()) {
     page.add_heading("Several images of one place");
     page.add_html(repeat_plot(sights, report.rows.size()));
     page.add_paragraph(
-        "Left: how far a lamp is seen from its mean over the images of its place; a growing band "
-        "shows that something has come loose. Right: the same in stated deviations, which is as "
+        "First: how far a lamp is seen from its mean over the images of its place; a growing band "
+        "shows that something has come loose. Second: the same in stated deviations, which is as "
         "wide as the curve where the stated ones are right.");
   }
+  page.add_heading("In numbers");
   page.add_html(status_table(report).html());
   page.add_html(failures_html(report));
   add_provenance(page, file);

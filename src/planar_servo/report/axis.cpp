@@ -12,8 +12,9 @@
 namespace planar {
 namespace {
 
-constexpr double kRoom = 0.05;      // at each end, as a share of the range
-constexpr double kRounding = 1e-9;  // of a step
+constexpr double kRoom = 0.05;        // at each end, as a share of the range
+constexpr double kRounding = 1e-9;    // of a step
+constexpr std::size_t kFewTicks = 2;  // do not show that a scale is one of decades
 
 }  // namespace
 
@@ -42,8 +43,9 @@ double Axis::share(double value) const {
 }
 
 Ticks Axis::ticks(int most) const {
-  return spacing == Spacing::kEven ? round_ticks(lowest(), highest(), most)
-                                   : decade_ticks(lowest(), highest());
+  if (spacing == Spacing::kEven) return round_ticks(lowest(), highest(), most);
+  Ticks ticks = decade_ticks(lowest(), highest());
+  return ticks.values.size() < kFewTicks ? round_ticks(lowest(), highest(), most) : ticks;
 }
 
 std::string Ticks::text(double value) const {

@@ -31,7 +31,8 @@ struct Axis {
   /// Returns where a value lies: 0 at `from`, 1 at `to`. Zero and less lie at the lower end of an
   /// axis of decades.
   double share(double value) const;
-  /// Returns ticks between the ends; at most `most` of them on an even axis.
+  /// Returns ticks between the ends; at most `most` of them on an even axis, and on one of decades
+  /// that is too short for ticks of its own.
   Ticks ticks(int most) const;
 };
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,15 +19,20 @@ struct Verdict {
 
   std::string good;  ///< what is said when there is no fault; a clause without a full stop
   std::vector<Fault> faults{};
+  std::string found{};  ///< said in either case, such as an accuracy; sentences but the last stop
 };
 
-/// Builds one self-contained page from style, text, tables and inline SVG, which
-/// is well-formed XML as well.
+/// Builds one self-contained page from style, text, tables and inline SVG, which is well-formed XML
+/// as well. It is made for keyboards and screen readers, too; bench/report/look.py has the rules.
 class HtmlPage {
  public:
   explicit HtmlPage(const std::string& title);
 
-  void add_heading(const std::string& text);
+  /// Adds a heading below the title, whose level is 1, and returns its id. A level may be at most
+  /// one above that of the heading before.
+  std::string add_heading(const std::string& text, int level = 2);
+  /// Adds links to all headings that follow.
+  void add_contents();
   /// Adds a paragraph; line ends in the text stay line ends on the page.
   void add_paragraph(const std::string& text);
   /// Adds the verdict's sentence, and the remedies as a list.
@@ -38,9 +45,19 @@ class HtmlPage {
   std::string text() const;
 
  private:
+  struct Heading {
+    int level;
+    std::string text, id;
+  };
+
+  std::string contents() const;
+
   std::string title_;
   std::string style_;
   std::string body_;
+  std::vector<Heading> headings_;
+  std::optional<std::size_t> contents_at_;  ///< in the body
+  std::size_t first_in_contents_{0};
 };
 
 }  // namespace planar

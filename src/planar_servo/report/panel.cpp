@@ -3,9 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 
 #include "planar_servo/report/html_page.h"
@@ -13,29 +11,19 @@
 namespace planar {
 namespace {
 
-using Rgb = std::array<double, 3>;
-
-/// Viridis at equal distances, from its light end, of which the palest part is left out because it
-/// would not show on white, to its dark one.
-constexpr Rgb kColors[] = {{216, 226, 25}, {149, 216, 64}, {85, 198, 103}, {41, 175, 127},
-                           {32, 148, 140}, {39, 120, 142}, {51, 92, 141},  {65, 62, 133},
-                           {72, 33, 115},  {68, 1, 84}};
-constexpr std::size_t kLast = std::size(kColors) - 1;
-
-constexpr double kBar = 14.0;  // width of the bar itself
-constexpr int kBands = 48;
-constexpr int kMostTicks = 6;
-
-constexpr double kLeft = 62.0, kTop = 34.0, kRight = 16.0, kBottom = 44.0;  // about a plot
-constexpr double kLine = 20.0;                                              // of the legend
-constexpr double kLongestBar = 60.0;                                        // of the arrows' legend
+constexpr double kLeft = 62.0, kTop = 34.0, kRight = 16.0,
+                 kBottom = 44.0;      // about a plot
+constexpr double kLine = 20.0;        // of the legend
+constexpr double kLongestBar = 60.0;  // of the arrows' legend
 constexpr double kTickSpacing = 48.0;
 constexpr double kOverlap = 0.4;  // of a field's cells, so that no seam shows
 
 std::string text(const char* of_class, double x, double y, const char* anchor,
                  const std::string& content) {
-  return fmt::format("<text class=\"{}\" x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\">{}</text>\n",
-                     of_class, x, y, anchor, html_escaped(content));
+  return fmt::format(
+      "<text class=\"{}\" x=\"{:.1f}\" y=\"{:.1f}\" "
+      "text-anchor=\"{}\">{}</text>\n",
+      of_class, x, y, anchor, html_escaped(content));
 }
 
 int most_ticks(double length) {
@@ -52,14 +40,46 @@ std::string path_through(const std::vector<Eigen::Vector2d>& points) {
 std::string line_svg(const char* of_class, const Eigen::Vector2d& from, const Eigen::Vector2d& to,
                      const std::string& color) {
   return fmt::format(
-      "<line class=\"{}\" x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\" "
+      "<line class=\"{}\" x1=\"{:.1f}\" y1=\"{:.1f}\" "
+      "x2=\"{:.1f}\" y2=\"{:.1f}\" "
       "stroke=\"{}\"/>",
       of_class, from.x(), from.y(), to.x(), to.y(), color);
 }
 
-std::string dot_svg(const Eigen::Vector2d& p, double radius, const std::string& color) {
-  return fmt::format("<circle class=\"dot\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{:g}\" fill=\"{}\"/>\n",
-                     p.x(), p.y(), radius, color);
+/// How the marks and lines of a series are drawn. An empty shape is a round dot; others are paths
+/// about it, of a dot's area at radius 1.
+struct SeriesStyle {
+  std::vector<Eigen::Vector2d> corners;
+  const char* dashes;
+};
+
+const SeriesStyle& style_of(const std::string& color) {
+  static const SeriesStyle kStyles[] = {
+      {{}, ""},
+      {{{-0.9, -0.9}, {0.9, -0.9}, {0.9, 0.9}, {-0.9, 0.9}}, "7 3"},
+      {{{0.0, -1.5}, {1.3, 0.8}, {-1.3, 0.8}}, "2 2.5"},
+      {{{0.0, -1.4}, {1.25, 0.0}, {0.0, 1.4}, {-1.25, 0.0}}, "9 3 2 3"},
+      {{{0.0, 1.5}, {1.3, -0.8}, {-1.3, -0.8}}, "12 5"}};
+  static_assert(std::size(kStyles) == std::size(kSeriesColors));
+  const auto found = std::find(std::begin(kSeriesColors), std::end(kSeriesColors), color);
+  return kStyles[found == std::end(kSeriesColors) ? 0 : found - std::begin(kSeriesColors)];
+}
+
+std::string mark_svg(const Eigen::Vector2d& p, double radius, const std::string& color) {
+  const std::vector<Eigen::Vector2d>& corners = style_of(color).corners;
+  if (corners.empty())
+    return fmt::format(
+        "<circle class=\"dot\" cx=\"{:.1f}\" cy=\"{:.1f}\" "
+        "r=\"{:g}\" fill=\"{}\"/>\n",
+        p.x(), p.y(), radius, color);
+  std::vector<Eigen::Vector2d> placed;
+  for (const Eigen::Vector2d& corner : corners) placed.emplace_back(p + radius * corner);
+  return fmt::format("<path class=\"dot\" d=\"{}Z\" fill=\"{}\"/>\n", path_through(placed), color);
+}
+
+std::string dashes_of(const std::string& color) {
+  const std::string dashes = style_of(color).dashes;
+  return dashes.empty() ? "" : " stroke-dasharray=\"" + dashes + "\"";
 }
 
 /// Runs of one colour in a row become one rectangle.
@@ -77,7 +97,8 @@ class FieldRow {
   void finish() {
     if (!color_.empty())
       svg_ += fmt::format(
-          "<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" fill=\"{}\"/>\n",
+          "<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" "
+          "height=\"{:.1f}\" fill=\"{}\"/>\n",
           left_, top_, right_ - left_ + kOverlap, height_ + kOverlap, color_);
     color_.clear();
   }
@@ -90,68 +111,6 @@ class FieldRow {
 };
 
 }  // namespace
-
-ColorScale::ColorScale(std::string label, const std::vector<double>& values, Steps steps)
-    : label_(std::move(label)), steps_(steps) {
-  double least = std::numeric_limits<double>::infinity(), most = -least;
-  for (const double value : values) {
-    if (!std::isfinite(value) || (steps == Steps::kDecades && value <= 0.0)) continue;
-    least = std::min(least, value);
-    most = std::max(most, value);
-  }
-  if (least > most) least = most = 1.0;
-  if (least == most) {
-    least = steps == Steps::kDecades ? 0.5 * least : least - 0.5 * std::abs(least);
-    most = steps == Steps::kDecades ? 2.0 * most : most + 0.5 * std::abs(most);
-  }
-  from_ = least;
-  to_ = least < most ? most : least + 1.0;
-}
-
-double ColorScale::share(double value) const {
-  const double share = steps_ == Steps::kEven ? (value - from_) / (to_ - from_)
-                       : value > 0.0          ? std::log(value / from_) / std::log(to_ / from_)
-                                              : 0.0;
-  return std::clamp(share, 0.0, 1.0);
-}
-
-std::string ColorScale::color(double value) const {
-  const double at = share(value) * static_cast<double>(kLast);
-  const std::size_t i = std::min(static_cast<std::size_t>(at), kLast - 1);
-  const double part = at - static_cast<double>(i);
-  const auto mixed = [&](std::size_t channel) {
-    return static_cast<int>(
-        std::lround((1.0 - part) * kColors[i][channel] + part * kColors[i + 1][channel]));
-  };
-  return fmt::format("#{:02x}{:02x}{:02x}", mixed(0), mixed(1), mixed(2));
-}
-
-std::string ColorScale::bar_svg(double left, double top, double height) const {
-  std::string svg;
-  const double band = height / kBands;
-  for (int i = 0; i < kBands; ++i) {
-    const double share = (i + 0.5) / kBands;
-    const double value = steps_ == Steps::kEven ? from_ + share * (to_ - from_)
-                                                : from_ * std::pow(to_ / from_, share);
-    svg += fmt::format(
-        "<rect x=\"{:.1f}\" y=\"{:.2f}\" width=\"{}\" height=\"{:.2f}\" fill=\"{}\"/>\n", left,
-        top + height - (i + 1) * band, kBar, band + 0.5, color(value));
-  }
-  svg += fmt::format(
-      "<rect class=\"frame\" x=\"{:.1f}\" y=\"{:.1f}\" width=\"{}\" height=\"{:.1f}\"/>\n", left,
-      top, kBar, height);
-  const Ticks ticks =
-      steps_ == Steps::kEven ? round_ticks(from_, to_, kMostTicks) : decade_ticks(from_, to_);
-  for (const double value : ticks.values)
-    svg +=
-        fmt::format("<text class=\"tick\" x=\"{:.1f}\" y=\"{:.1f}\">{}</text>\n", left + kBar + 4.0,
-                    top + height * (1.0 - share(value)) + 4.0, ticks.text(value));
-  const double x = left + kColorBarWidth - 8.0, y = top + 0.5 * height;
-  return svg + fmt::format(
-                   "<text class=\"label\" text-anchor=\"middle\" x=\"{0:.1f}\" y=\"{1:.1f}\" "
-                   "transform=\"rotate(-90 {0:.1f} {1:.1f})\">{2}</text>\n",
-                   x, y, html_escaped(label_));
-}
 
 ArrowScale arrows_over(const std::vector<Eigen::Vector2d>& vectors, const std::string& unit) {
   double longest = 0.0;
@@ -226,7 +185,7 @@ void Panel::add_arrows(const std::vector<Eigen::Vector2d>& points,
     const Eigen::Vector2d from = at(points[i]);
     const Eigen::Vector2d to = from + unit * along.cwiseProduct(vectors[i]);
     halos += line_svg("halo", from, to, "#fff") + '\n';
-    arrows += line_svg("arrow", from, to, paint.of(i)) + dot_svg(from, 1.7, paint.of(i));
+    arrows += line_svg("arrow", from, to, paint.of(i)) + mark_svg(from, 1.7, paint.of(i));
   }
   marks_ += halos + arrows;
   if (unit == 0.0) return;
@@ -240,7 +199,7 @@ void Panel::add_dots(const std::vector<Eigen::Vector2d>& points, const Paint& pa
                      double radius) {
   const std::size_t step = stride(points.size());
   for (std::size_t i = 0; i < points.size(); i += step)
-    marks_ += dot_svg(at(points[i]), radius, paint.of(i));
+    marks_ += mark_svg(at(points[i]), radius, paint.of(i));
 }
 
 void Panel::add_line(const std::vector<Eigen::Vector2d>& points, Stroke stroke,
@@ -248,8 +207,9 @@ void Panel::add_line(const std::vector<Eigen::Vector2d>& points, Stroke stroke,
   std::vector<Eigen::Vector2d> placed;
   placed.reserve(points.size());
   for (const Eigen::Vector2d& p : points) placed.push_back(at(p));
-  marks_ += fmt::format("<path class=\"line{}\" stroke=\"{}\" d=\"{}\"/>\n",
-                        stroke == Stroke::kDashed ? " dashed" : "", color, path_through(placed));
+  marks_ += fmt::format("<path class=\"line{}\" stroke=\"{}\" d=\"{}\"{}/>\n",
+                        stroke == Stroke::kDashed ? " dashed" : "", color, path_through(placed),
+                        dashes_of(color));
 }
 
 void Panel::add_bars(const std::vector<double>& edges, const std::vector<double>& heights) {
@@ -258,7 +218,8 @@ void Panel::add_bars(const std::vector<double>& edges, const std::vector<double>
   for (std::size_t i = 0; i < heights.size(); ++i) {
     const Eigen::Vector2d top = at({edges[i], heights[i]}), base = at({edges[i + 1], 0.0});
     marks_ += fmt::format(
-        "<rect class=\"bar\" x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\"/>\n",
+        "<rect class=\"bar\" x=\"{:.1f}\" y=\"{:.1f}\" "
+        "width=\"{:.1f}\" height=\"{:.1f}\"/>\n",
         top.x(), top.y(), base.x() - top.x(), base.y() - top.y());
   }
 }
@@ -269,15 +230,56 @@ void Panel::add_color_bar(const ColorScale& scale) {
 
 void Panel::add_note(const std::string& note) {
   legend_.push_back(text("tick", 0.0, 0.0, "start", note));
+  words_.push_back(note);
 }
 
-void Panel::add_key(const std::string& color, const std::string& what) {
-  legend_.push_back(dot_svg({5.0, -4.0}, 4.0, color) + text("tick", 15.0, 0.0, "start", what));
+void Panel::add_key(const std::string& color, const std::string& what, Sample sample) {
+  const std::string line = fmt::format("<path class=\"line\" stroke=\"{}\" d=\"M0 -4 L26 -4\"{}/>",
+                                       color, dashes_of(color));
+  const bool is_line = sample == Sample::kLine;
+  legend_.push_back("<g class=\"key\">" + (is_line ? line : mark_svg({5.0, -4.0}, 4.0, color)) +
+                    "</g>" + text("tick", is_line ? 32.0 : 15.0, 0.0, "start", what));
+  words_.push_back(what);
+}
+
+void Panel::add_keys(const std::vector<Key>& keys) {
+  std::string line, words;
+  double x = 0.0;
+  for (const auto& [color, what] : keys) {
+    line += fmt::format("<g transform=\"translate({:.1f} 0)\"><g class=\"key\">{}</g>{}</g>", x,
+                        mark_svg({5.0, -4.0}, 4.0, color), text("tick", 15.0, 0.0, "start", what));
+    words += (words.empty() ? "" : ", ") + what;
+    x += plot_width_ / static_cast<double>(keys.size());
+  }
+  legend_.push_back(line);
+  words_.push_back(words);
+}
+
+std::string Panel::description() const {
+  std::string words = y_.label + " over " + x_.label + '.';
+  for (const std::string& line : words_) words += ' ' + line + '.';
+  return words;
+}
+
+Ticks Panel::ticks_along_x() const {
+  constexpr int kFewest = 3;
+  constexpr double kDigit = 7.0, kGap = 8.0;  // of numbers below the plot
+  for (int most = most_ticks(plot_width_);; --most) {
+    Ticks ticks = x_.ticks(most);
+    double room = plot_width_, widest = 0.0;
+    for (std::size_t i = 0; i < ticks.values.size(); ++i) {
+      widest = std::max(widest, kDigit * static_cast<double>(ticks.text(ticks.values[i]).size()));
+      if (i > 0)
+        room = std::min(room,
+                        plot_width_ * (x_.share(ticks.values[i]) - x_.share(ticks.values[i - 1])));
+    }
+    if (most <= kFewest || std::abs(room) >= widest + kGap) return ticks;
+  }
 }
 
 std::string Panel::axes() const {
   std::string lines, numbers;
-  const Ticks along_x = x_.ticks(most_ticks(plot_width_));
+  const Ticks along_x = ticks_along_x();
   for (const double value : along_x.values) {
     const double x = at({value, y_.from}).x();
     lines += line_svg("grid", {x, kTop}, {x, kTop + plot_height_}, "#e4e4e0") + '\n';
@@ -299,9 +301,10 @@ std::string Panel::axes() const {
 std::string Panel::svg(double left) const {
   std::string svg = fmt::format("<g transform=\"translate({:.1f} 0)\">\n", left);
   svg += text("title", kLeft, 20.0, "start", title_) + axes() + marks_;
-  svg +=
-      fmt::format("<rect class=\"frame\" x=\"{}\" y=\"{}\" width=\"{:.1f}\" height=\"{:.1f}\"/>\n",
-                  kLeft, kTop, plot_width_, plot_height_);
+  svg += fmt::format(
+      "<rect class=\"frame\" x=\"{}\" y=\"{}\" width=\"{:.1f}\" "
+      "height=\"{:.1f}\"/>\n",
+      kLeft, kTop, plot_width_, plot_height_);
   double y = kTop + plot_height_ + kBottom + 14.0;
   for (const std::string& line : legend_) {
     svg += fmt::format("<g transform=\"translate({} {:.1f})\">{}</g>\n", kLeft, y, line);

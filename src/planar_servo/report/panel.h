@@ -5,44 +5,14 @@
 #include <vector>
 
 #include "planar_servo/report/axis.h"
+#include "planar_servo/report/color_scale.h"
 
 namespace planar {
 
-/// Gives values colours, from light for the least to dark for the largest: viridis [van der Walt
-/// and Smith 2015] turned round, whose lightness falls evenly, in grey print as well.
-class ColorScale {
- public:
-  enum class Steps { kEven, kDecades };
-
-  /// The ends of the scale are those of the values that are finite; kDecades takes those above
-  /// zero, and spaces colours by their logarithm. `label` says what the values are, with the unit.
-  /// Without any such value, or with one only, the scale has ends around it.
-  ColorScale(std::string label, const std::vector<double>& values, Steps steps = Steps::kEven);
-
-  /// Returns the colour as #rrggbb. Values beyond an end have the end's colour.
-  std::string color(double value) const;
-  /// Returns where a value lies on the scale, from 0 to 1.
-  double share(double value) const;
-
-  double from() const { return from_; }
-  double to() const { return to_; }
-
-  /// Draws the scale as a bar of this height with ticks and label: as SVG, its upper left corner at
-  /// (left, top).
-  std::string bar_svg(double left, double top, double height) const;
-
- private:
-  std::string label_;
-  Steps steps_;
-  double from_{0.0}, to_{1.0};
-};
-
 /// Colours of series that are told apart in one panel [Okabe and Ito 2008, darkened for thin
-/// lines].
-constexpr const char* kSeriesColors[] = {"#1f4e79", "#c77f1a", "#2e8b57", "#a23b72"};
-
-/// Width of what bar_svg() draws, with its ticks and label.
-constexpr double kColorBarWidth = 90.0;
+/// lines]. A series' colour brings the shape of its marks and the dashes of its lines, which tell
+/// it from the others without colour.
+constexpr const char* kSeriesColors[] = {"#1f4e79", "#c77f1a", "#2e8b57", "#a23b72", "#666666"};
 
 /// How long arrows are drawn. Panels that share one can be compared by the arrows' lengths.
 struct ArrowScale {
@@ -64,9 +34,8 @@ struct Paint {
   std::string of(std::size_t i) const { return scale ? scale->color(values[i]) : color; }
 };
 
-/// One panel of a plot: axes with ticks, a title, and marks in the units of the axes. What is
-/// added later lies on top. Beyond kMostMarks marks only every n-th is drawn, and the panel says
-/// so.
+/// One panel of a plot: axes with ticks, a title, and marks in the units of the axes. What is added
+/// later lies on top. Beyond kMostMarks marks only every n-th is drawn, and the panel says so.
 class Panel {
  public:
   enum class Aspect {
@@ -98,9 +67,19 @@ class Panel {
   void add_color_bar(const ColorScale& scale);
   /// Writes a line below the panel, as a legend.
   void add_note(const std::string& note);
-  /// Says in the legend what the marks of a colour are.
-  void add_key(const std::string& color, const std::string& what);
+  /// A colour's mark and what it is.
+  struct Key {
+    std::string color, what;
+  };
+  /// Writes several keys into one line of the legend, evenly spaced.
+  void add_keys(const std::vector<Key>& keys);
+  enum class Sample { kMark, kLine };
+  /// Says in the legend what the marks of a colour, or its lines, are.
+  void add_key(const std::string& color, const std::string& what, Sample sample = Sample::kMark);
 
+  const std::string& title() const { return title_; }
+  /// Returns what a reader who cannot see the panel must know: axes and legend, as sentences.
+  std::string description() const;
   /// Draws the panel, its outer upper left corner at (left, 0).
   std::string svg(double left) const;
   double width() const;
@@ -108,6 +87,8 @@ class Panel {
 
  private:
   Eigen::Vector2d at(const Eigen::Vector2d& p) const;
+  /// Returns ticks along x whose numbers do not touch.
+  Ticks ticks_along_x() const;
   std::string axes() const;
   std::size_t stride(std::size_t marks);
 
@@ -117,6 +98,7 @@ class Panel {
   std::string marks_;
   std::string bar_;
   std::vector<std::string> legend_;  ///< lines of SVG at (0, 0)
+  std::vector<std::string> words_;   ///< the legend without its samples
 };
 
 constexpr double kPanelWidth = 290.0;

@@ -8,6 +8,7 @@
 
 #include "planar_servo/core/statistics.h"
 #include "planar_servo/core/units.h"
+#include "planar_servo/report/html_page.h"
 #include "planar_servo/report/places.h"
 
 namespace planar {
@@ -20,10 +21,11 @@ constexpr char kPlotStyle[] =
     "svg .frame{fill:none;stroke:#777}svg .halo{stroke-width:3.6;stroke-linecap:round}"
     "svg .arrow{stroke-width:1.5;stroke-linecap:round}svg .dot{stroke:#fff;stroke-width:.5}"
     "svg .line{fill:none;stroke-width:1.3}svg .dashed{stroke-dasharray:5 4}"
-    "svg .bar{fill:#7fa8c9;stroke:#fff;stroke-width:.6}";
+    "svg .bar{fill:#5b8db8;stroke:#fff;stroke-width:.6}";
 
 constexpr double kBetweenPanels = 10.0;
-constexpr double kBeyond = 6.0;  // robust deviations
+constexpr double kLeastShown = 0.75;  // of a panel's size, before it goes below the others
+constexpr double kBeyond = 6.0;       // robust deviations
 constexpr double kBarsPerSigma = 2.5;
 constexpr int kCurvePoints = 80;
 
@@ -65,18 +67,30 @@ std::vector<Eigen::Vector2d> normal_curve(const Axis& x, double sigma, double ar
 
 std::string plot_svg(const std::vector<Panel>& panels) {
   double width = 0.0, height = 0.0;
-  std::string drawn;
+  std::string titles, words, drawn;
   for (const Panel& panel : panels) {
+    titles += (titles.empty() ? "" : "; ") + panel.title();
+    words += (words.empty() ? "" : " ") + panel.description();
     drawn += panel.svg(width);
     width += panel.width() + kBetweenPanels;
     height = std::max(height, panel.height());
   }
   return fmt::format(
-             "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0:.0f} {1:.0f}\" "
-             "width=\"{0:.0f}\" height=\"{1:.0f}\">\n<style>{2}</style>\n"
-             "<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n",
-             width, height, kPlotStyle) +
+             "<svg xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" viewBox=\"0 0 {0:.0f} "
+             "{1:.0f}\" "
+             "width=\"{0:.0f}\" height=\"{1:.0f}\">\n<title>{2}</title>\n<desc>{3}</desc>\n"
+             "<style>{4}</style>\n<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n",
+             width, height, html_escaped(titles), html_escaped(words), kPlotStyle) +
          drawn + "</svg>\n";
+}
+
+std::string plot_html(const std::vector<Panel>& panels) {
+  std::string html = "<div class=\"panels\">\n";
+  for (const Panel& panel : panels)
+    html +=
+        fmt::format("<div style=\"flex:{0:.0f} 1 {1:.0f}px;max-width:{0:.0f}px\">\n{2}</div>\n",
+                    panel.width() + kBetweenPanels, kLeastShown * panel.width(), plot_svg({panel}));
+  return html + "</div>\n";
 }
 
 Panel component_panel(const std::string& title, const Axis& over, const Axis& components,
@@ -88,9 +102,10 @@ Panel component_panel(const std::string& title, const Axis& over, const Axis& co
   }
   Panel panel(title, over, components);
   panel.add_line({{over.from, 0.0}, {over.to, 0.0}});
-  panel.add_dots(x, {"#1f4e79"});
-  panel.add_dots(y, {"#c77f1a"});
-  panel.add_note("blue: along x, orange: along y");
+  panel.add_dots(x, {kSeriesColors[0]});
+  panel.add_dots(y, {kSeriesColors[1]});
+  panel.add_key(kSeriesColors[0], "along x");
+  panel.add_key(kSeriesColors[1], "along y");
   return panel;
 }
 

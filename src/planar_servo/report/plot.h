@@ -8,11 +8,15 @@
 
 namespace planar {
 
-/// Draws the panels side by side as one SVG element that needs nothing from outside.
+/// Draws the panels side by side as one SVG element that needs nothing from outside. What it shows
+/// is said in words, too, for readers who cannot see it.
 std::string plot_svg(const std::vector<Panel>& panels);
 
-/// Draws vectors' components over a number for each vector, x in blue and y in orange, with a line
-/// at zero.
+/// Draws the panels for a page: an SVG element each, side by side where they fit, otherwise one
+/// below the other.
+std::string plot_html(const std::vector<Panel>& panels);
+
+/// Draws vectors' components over a number for each vector, as two series, with a line at zero.
 Panel component_panel(const std::string& title, const Axis& over, const Axis& components,
                       const std::vector<double>& at, const std::vector<Eigen::Vector2d>& vectors);
 

@@ -58,6 +58,15 @@ struct Field {
   std::string key, format, separator{", "};
 };
 
+/// Returns a text without the blanks that align it in lines of print.
+std::string without_padding(const std::string& text) {
+  std::string words;
+  for (const char c : text)
+    if (c != ' ' || (!words.empty() && words.back() != ' ')) words += c;
+  words.erase(words.find_last_not_of(' ') + 1);
+  return words;
+}
+
 std::string text_of(const Json& value, const std::string& format, const std::string& separator) {
   if (value.is_string())
     return fmt::format(fmt::runtime("{:" + format + "}"), value.get<std::string>());
@@ -98,6 +107,7 @@ void ReportList::add(bool is_shown, const std::string& name, std::string_view te
 void ReportList::part(const std::string& key, const ReportList& part) {
   lines_.insert(lines_.end(), part.lines_.begin(), part.lines_.end());
   json_[key + key_suffix_] = part.json_;
+  rows_.insert(part.rows_.begin(), part.rows_.end());
 }
 
 void ReportList::append(const ReportList& other) {
@@ -106,18 +116,33 @@ void ReportList::append(const ReportList& other) {
   rows_.insert(other.rows_.begin(), other.rows_.end());
 }
 
-void ReportList::add_rows(const std::string& key, std::vector<ReportList> rows,
-                          const char* prefix) {
+void ReportList::add_rows(const std::string& key, std::vector<ReportList> rows, const char* prefix,
+                          const char* between) {
   Json& list = json_[key + key_suffix_] = Json::array();
   for (const ReportList& row : rows) {
     list.push_back(row.json_);
-    if (prefix == nullptr) continue;
-    std::vector<std::string> cells;
-    for (const Line& cell : row.lines_)
-      if (cell.is_shown) cells.push_back(cell.text);
-    lines_.push_back({"", fmt::format("{}{}", prefix, fmt::join(cells, ": ")), true, true});
+    if (prefix != nullptr) print_row(row, prefix, between);
   }
   rows_[key] = std::move(rows);
+}
+
+void ReportList::row(const std::string& table, const ReportList& row) {
+  print_row(row, "", "");
+  rows_[table].push_back(row);
+}
+
+void ReportList::print_row(const ReportList& row, const char* prefix, const char* between) {
+  std::vector<std::string> cells;
+  for (const Line& cell : row.lines_)
+    if (cell.is_shown) cells.push_back(cell.text);
+  std::string text = fmt::format("{}{}", prefix, fmt::join(cells, between));
+  text.erase(text.find_last_not_of(' ') + 1);
+  lines_.push_back({"", text, true, true});
+}
+
+bool ReportList::has_rows(const std::string& key) const {
+  const auto found = rows_.find(key);
+  return found != rows_.end() && !found->second.empty();
 }
 
 std::string ReportList::text() const {
@@ -130,10 +155,8 @@ std::string ReportList::text() const {
 
 TextTable ReportList::table(const std::string& title) const {
   TextTable table(title, {"", ""});
-  for (const Line& line : lines_) {
-    const std::size_t begin = std::min(line.text.find_first_not_of(' '), line.text.size());
-    if (line.is_shown && !line.is_row) table.add_row({line.name, line.text.substr(begin)});
-  }
+  for (const Line& line : lines_)
+    if (line.is_shown && !line.is_row) table.add_row({line.name, without_padding(line.text)});
   return table;
 }
 
@@ -145,7 +168,8 @@ TextTable ReportList::table(const std::string& title, const std::string& key) co
   TextTable table(title, names);
   for (const ReportList& row : rows) {
     std::vector<std::string> cells;
-    for (const Line& cell : row.lines_) cells.push_back(cell.is_shown ? cell.text : "–");
+    for (const Line& cell : row.lines_)
+      cells.push_back(cell.is_shown ? without_padding(cell.text) : "–");
     table.add_row(std::move(cells));
   }
   return table;

@@ -53,20 +53,27 @@ class ReportList {
   void append(const ReportList& other);
   /// Adds the figures of another list without its lines.
   void append_figures(const ReportList& other) { json_.update(other.json_); }
+  /// Adds a line that is only printed: it heads rows, whose columns have names of their own in a
+  /// table.
+  void row_heads(const std::string& text) { lines_.push_back({"", text, true, true}); }
+  /// Adds the lines of `row` as the cells of a table's next row. They are printed side by side as
+  /// their formats pad them. Its figures are not added.
+  void row(const std::string& table, const ReportList& row);
   /// Adds a list for each of these items, of which `list_item(row, item)` lists the cells. With
-  /// `prefix`, each is printed as a line behind it, with colons between its cells.
+  /// `prefix`, each is printed as a line behind it, with `between` between its cells.
   template <typename Items, typename ListItem>
   void rows(const std::string& key, const Items& items, ListItem list_item,
-            const char* prefix = nullptr) {
+            const char* prefix = nullptr, const char* between = ": ") {
     std::vector<ReportList> rows;
     for (const auto& item : items) list_item(rows.emplace_back(), item);
-    add_rows(key, std::move(rows), prefix);
+    add_rows(key, std::move(rows), prefix, between);
   }
 
   std::string text() const;
   const nlohmann::json& json() const { return json_; }
   /// Returns the lines but those of rows as a table of names and texts.
   TextTable table(const std::string& title) const;
+  bool has_rows(const std::string& key) const;
   /// Returns the rows under a key: the names of the first one's cells are the columns. A dash
   /// stands for what is not known.
   TextTable table(const std::string& title, const std::string& key) const;
@@ -93,7 +100,9 @@ class ReportList {
 
   void add(bool is_shown, const std::string& name, std::string_view text,
            const std::vector<nlohmann::json>& values);
-  void add_rows(const std::string& key, std::vector<ReportList> rows, const char* prefix);
+  void add_rows(const std::string& key, std::vector<ReportList> rows, const char* prefix,
+                const char* between);
+  void print_row(const ReportList& row, const char* prefix, const char* between);
   /// Keeps a figure that has a value under its key and returns it in the key's unit.
   nlohmann::json keep(const std::string& key, nlohmann::json value);
 

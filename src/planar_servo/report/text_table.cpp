@@ -21,11 +21,32 @@ std::string padded(const std::string& text, std::size_t width, bool left) {
   return left ? text + blank : blank + text;
 }
 
-std::string html_row(const std::vector<std::string>& cells, const char* tag) {
-  std::string row = "<tr>";
-  for (const std::string& cell : cells)
-    row += fmt::format("<{0}>{1}</{0}>", tag, html_escaped(cell));
-  return row + "</tr>\n";
+/// Tables of more columns may be wider than a narrow screen.
+constexpr std::size_t kNarrow = 2;
+
+std::string head_html(const std::string& cell, const char* scope) {
+  return cell.empty() ? "<td></td>"
+                      : fmt::format("<th scope=\"{}\">{}</th>", scope, html_escaped(cell));
+}
+
+std::string header_html(const std::vector<std::string>& header) {
+  std::string row;
+  for (const std::string& cell : header) row += head_html(cell, "col");
+  return "<thead>\n<tr>" + row + "</tr>\n</thead>\n";
+}
+
+/// Returns a cell whose per cent sign stays with its number.
+std::string cell_html(const std::string& cell) {
+  std::string html = html_escaped(cell);
+  for (std::size_t at = html.find(" %"); at != std::string::npos; at = html.find(" %", at))
+    html.replace(at, 1, "&#160;");
+  return html;
+}
+
+std::string row_html(const std::vector<std::string>& cells) {
+  std::string row = head_html(cells.front(), "row");
+  for (std::size_t c = 1; c < cells.size(); ++c) row += "<td>" + cell_html(cells[c]) + "</td>";
+  return "<tr>" + row + "</tr>\n";
 }
 
 }  // namespace
@@ -58,11 +79,20 @@ std::string TextTable::plain_text() const {
   return text;
 }
 
-std::string TextTable::html() const {
-  std::string text = fmt::format("<table>\n<caption>{}</caption>\n", html_escaped(title_));
-  text += html_row(header_, "th");
-  for (const auto& row : rows_) text += html_row(row, "td");
-  return text + "</table>\n";
+std::string TextTable::html(const std::string& heading_id) const {
+  const bool is_facts =
+      std::all_of(header_.begin(), header_.end(), [](const auto& head) { return head.empty(); });
+  std::string text = is_facts ? "<table class=\"facts\"" : "<table";
+  text += heading_id.empty() ? ">\n<caption>" + html_escaped(title_) + "</caption>\n"
+                             : " aria-labelledby=\"" + heading_id + "\">\n";
+  if (!is_facts) text += header_html(header_);
+  text += "<tbody>\n";
+  for (const auto& row : rows_) text += row_html(row);
+  text += "</tbody>\n</table>\n";
+  if (header_.size() <= kNarrow) return text;
+  return fmt::format(
+      "<div class=\"wide\" role=\"region\" aria-label=\"{}\" tabindex=\"0\">\n{}</div>\n",
+      html_escaped(title_), text);
 }
 
 }  // namespace planar

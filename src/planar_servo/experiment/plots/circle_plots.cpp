@@ -74,8 +74,8 @@ LengthAxes axes_of_lengths(const std::vector<CirclePlace>& places) {
 }
 
 /// Draws the lengths of an error along each circle, in the first run.
-std::string length_svg(const std::string& title, const std::vector<CirclePlace>& places,
-                       const PlaceError& error) {
+std::vector<Panel> length_panels(const std::string& title, const std::vector<CirclePlace>& places,
+                                 const PlaceError& error) {
   const LengthAxes axes = axes_of_lengths(places);
   const std::set<int> radii_mm = radii_of(places);
   Panel panel(title, axes.points, axes.lengths);
@@ -92,25 +92,25 @@ std::string length_svg(const std::string& title, const std::vector<CirclePlace>&
     panel.add_key(color,
                   fmt::format("radius {} mm: {:.3f} mm in the mean", radius_mm, mean(lengths)));
   }
-  return plot_svg({panel});
+  return {panel};
 }
 
 /// Draws where the first run looked, with what vision sees beside the plan.
-std::string places_svg(const std::vector<CirclePlace>& places) {
+std::vector<Panel> places_panels(const std::vector<CirclePlace>& places) {
   std::vector<Eigen::Vector2d> planned, errors;
   for (const CirclePlace& place : places) {
     if (place.run != 1) continue;
     planned.push_back(place.p_plan / kMillimetre);
     errors.push_back(seen_beside_plan(place) / kMillimetre);
   }
-  if (planned.empty()) return "";
+  if (planned.empty()) return {};
   const FieldAxes axes = axes_over_places(planned);
   Panel panel("Places of the first run", axes.x, axes.y, Panel::Aspect::kEqual);
   panel.add_arrows(planned, errors, arrows_over(errors, "mm"));
   panel.add_dots({{0.0, 0.0}}, {"#111"}, 4.0);
   panel.add_note("lines: from the plan to what is seen, magnified");
   panel.add_note("large dot: the base's axis");
-  return plot_svg({panel});
+  return {panel};
 }
 
 /// The components of the vision error at one place in two runs, millimetres.
@@ -138,7 +138,7 @@ RunPair compare_runs(const std::vector<CirclePlace>& first, const std::vector<Ci
   return pair;
 }
 
-std::string correlation_svg(const std::vector<CirclePlace>& places) {
+std::vector<Panel> correlation_panels(const std::vector<CirclePlace>& places) {
   const std::set<int> radii_mm = radii_of(places);
   std::vector<RunPair> pairs;
   std::vector<const char*> colors;
@@ -165,7 +165,7 @@ std::string correlation_svg(const std::vector<CirclePlace>& places) {
                                         : fmt::format("radius {} mm: correlation {:.4f}", radius_mm,
                                                       mean(correlations)));
   }
-  if (components.empty()) return "";
+  if (components.empty()) return {};
   const Axis across = axis_over("component in run 1, mm", components);
   Panel alike("Runs 2 and 3 over run 1", across,
               {"component in runs 2 and 3, mm", across.from, across.to}, Panel::Aspect::kEqual);
@@ -180,13 +180,13 @@ std::string correlation_svg(const std::vector<CirclePlace>& places) {
   }
   for (std::size_t i = 0; i < keys.size(); ++i)
     alike.add_key(kSeriesColors[i % std::size(kSeriesColors)], keys[i]);
-  return plot_svg({alike, change});
+  return {alike, change};
 }
 
 }  // namespace
 
 std::vector<ReportPlot> circle_plots(const std::vector<CirclePlace>& places) {
-  if (places_svg(places).empty() || correlation_svg(places).empty()) return {};
+  if (places_panels(places).empty() || correlation_panels(places).empty()) return {};
   const std::string data =
       " The data are the first of three runs, as the paper's chain has them before any map.";
   return {
@@ -195,30 +195,30 @@ std::vector<ReportPlot> circle_plots(const std::vector<CirclePlace>& places) {
                  "each place. The lines show as vectors what Figure 8 measures. Look whether "
                  "they turn with the place: then no shift of the camera explains them." +
                      data,
-                 places_svg(places)),
+                 places_panels(places)),
       paper_plot(8, "the arm's motion as vision finds it, against theory",
                  "The distance from where the cell file's arm should be to where vision sees it: "
                  "the arm's own error and vision's together. Look whether it grows with the "
                  "radius." +
                      data,
-                 length_svg("Vision against theory", places, seen_beside_plan)),
+                 length_panels("Vision against theory", places, seen_beside_plan)),
       paper_plot(9, "the arm's motion as the tracker finds it, against theory",
                  "The same with the tracker in place of vision: the arm's own error, and the "
                  "little that the tracker adds. What differs from Figure 8, which has the same "
                  "axes, is vision's." +
                      data,
-                 length_svg("Tracker against theory", places, read_beside_plan)),
+                 length_panels("Tracker against theory", places, read_beside_plan)),
       paper_plot(10, "the vision error: vision against tracker",
                  "What a map of the vision error has to predict, on the axes of Figures 8 and 9. "
                  "Look at the means: in the paper they grow with the radius." +
                      data,
-                 length_svg("Vision against tracker", places, seen_beside_read)),
+                 length_panels("Vision against tracker", places, seen_beside_read)),
       paper_plot(11, "correlation of the vision error between runs",
-                 "Left, the components of the vision error in runs 2 and 3 over those of run 1, "
+                 "First, the components of the vision error in runs 2 and 3 over those of run 1, "
                  "by the paper's chain: on the dashed line they are the same. Table 1 has the "
-                 "mean over all three pairs of runs. Right, by how much the error has changed, "
+                 "mean over all three pairs of runs. Then by how much the error has changed, "
                  "in micrometres: that is noise, which no map can take off.",
-                 correlation_svg(places))};
+                 correlation_panels(places))};
 }
 
 }  // namespace planar

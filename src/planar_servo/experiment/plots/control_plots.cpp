@@ -9,6 +9,7 @@
 #include "planar_servo/core/units.h"
 #include "planar_servo/report/places.h"
 #include "planar_servo/report/plot.h"
+#include "planar_servo/run/servo_report.h"
 
 namespace planar {
 namespace {
@@ -28,11 +29,10 @@ struct ErrorSeries {
 };
 
 std::vector<ErrorSeries> series_of(const ExperimentReport& report) {
-  return {
-      {"before feedback", "#777777", report.paper, &TargetResult::before_truth},
-      {"paper's chain, no map", kSeriesColors[3], report.paper_no_map, &TargetResult::after_truth},
-      {"paper's chain", kSeriesColors[1], report.paper, &TargetResult::after_truth},
-      {"ours", kSeriesColors[0], report.ours, &TargetResult::after_truth}};
+  return {{"before feedback", kSeriesColors[4], report.paper, &TargetResult::before_truth},
+          {"paper's, no map", kSeriesColors[3], report.paper_no_map, &TargetResult::after_truth},
+          {"paper's chain", kSeriesColors[1], report.paper, &TargetResult::after_truth},
+          {"ours", kSeriesColors[0], report.ours, &TargetResult::after_truth}};
 }
 
 Axis error_axis(const ExperimentReport& report) {
@@ -46,7 +46,7 @@ std::string key_of(const ErrorSeries& series) {
   return fmt::format("{}: {:#.3g} mm in the mean", series.what, mean(series.lengths_mm()));
 }
 
-std::string target_svg(const ExperimentReport& report) {
+std::vector<Panel> target_panels(const ExperimentReport& report) {
   std::vector<Eigen::Vector2d> all;
   for (const ControlCircle& circle : report.circles)
     for (const TargetRow& target : circle.targets) all.push_back(target.p_d / kMillimetre);
@@ -63,11 +63,11 @@ std::string target_svg(const ExperimentReport& report) {
   }
   panel.add_dots({{0.0, 0.0}}, {"#111"}, 4.0);
   panel.add_note("large dot: the base's axis");
-  return plot_svg({panel});
+  return {panel};
 }
 
 /// Draws each target's error, in the order in which the arm goes to them.
-std::string before_after_svg(const ExperimentReport& report) {
+std::vector<Panel> before_after_panels(const ExperimentReport& report) {
   Panel panel("True error at each target",
               {"number of the target", 0.0, static_cast<double>(report.paper.size()) + 1.0},
               error_axis(report));
@@ -80,7 +80,7 @@ std::string before_after_svg(const ExperimentReport& report) {
     panel.add_dots(points, {series.color}, 3.0);
     panel.add_key(series.color, key_of(series));
   }
-  return plot_svg({panel});
+  return {panel};
 }
 
 /// Draws for each length the share of the targets that end nearer.
@@ -97,7 +97,8 @@ Panel cumulative_panel(const ExperimentReport& report) {
             lengths[i], 100.0 * static_cast<double>(count) / static_cast<double>(lengths.size()));
     panel.add_line(curve, Panel::Stroke::kSolid, series.color);
     panel.add_key(series.color,
-                  fmt::format("{}: 95 % within {:#.3g} mm", series.what, quantile(lengths, 0.95)));
+                  fmt::format("{}: 95 % within {:#.3g} mm", series.what, quantile(lengths, 0.95)),
+                  Panel::Sample::kLine);
   }
   return panel;
 }
@@ -147,27 +148,48 @@ std::vector<ReportPlot> control_plots(const ExperimentReport& report) {
                  "The desired points of four circles about places beside the base. They reach "
                  "beyond every circle on which the map is checked, so the positioning is a test "
                  "of the map's rim as well.",
-                 target_svg(report)),
+                 target_panels(report)),
       paper_plot(19, "true errors at the targets before and after feedback",
                  "Every target before feedback and after it, against the truth, on a scale of "
                  "decades. The four circles follow each other in the order of Table 7. Before "
                  "feedback is where the arm ends by the cell file; on calib/paper that was "
                  "fitted to the paper's means. Look at what the map adds to the paper's chain, "
                  "and whether an error comes back at the same place of each circle.",
-                 before_after_svg(report))};
+                 before_after_panels(report))};
+}
+
+std::optional<ReportPlot> coverage_plot(const ExperimentReport& report) {
+  if (!report.recorded || report.recorded->training.empty()) return std::nullopt;
+  std::vector<Eigen::Vector2d> places, targets;
+  for (const TrainingPlace& place : report.recorded->training) places.push_back(place.p_vision);
+  for (const TargetResult& result : report.ours) targets.push_back(result.p_d);
+  std::vector<Eigen::Vector2d> all = places;
+  all.insert(all.end(), targets.begin(), targets.end());
+  const FieldAxes axes = axes_over_places(in_mm(all));
+  Panel panel("Training places and targets", axes.x, axes.y, Panel::Aspect::kEqual);
+  panel.add_dots(in_mm(places), {kSeriesColors[0]}, 2.4);
+  panel.add_dots(in_mm(targets), {kSeriesColors[1]}, 3.0);
+  panel.add_key(kSeriesColors[0], fmt::format("{} training places", places.size()));
+  panel.add_key(kSeriesColors[1], fmt::format("{} targets", targets.size()));
+  return ReportPlot{"coverage.svg",
+                    "Where the cell was learned and where it was used",
+                    "Look for targets far from every training place: there the map continues what "
+                    "it learned elsewhere.",
+                    {panel}};
 }
 
 std::optional<ReportPlot> spread_plot(const ExperimentReport& report) {
   for (const ErrorSeries& series : series_of(report))
     if (series.lengths_mm().empty()) return std::nullopt;
   return ReportPlot{
-      "spread.svg", "How the true errors are spread",
-      "Left, all four ways of positioning on one scale of decades: a curve further left is better, "
-      "a steep one has no stragglers. Middle and right, the components of the errors of both "
-      "chains, each on a scale of its own, with a normal curve of the same rms: a histogram that "
+      "spread.svg",
+      "How the true errors are spread",
+      "First, all four ways of positioning on one scale of decades: a curve further left is "
+      "better, a steep one has no stragglers. Then the components of the errors of both chains, "
+      "each on a scale of its own, with a normal curve of the same rms: a histogram that "
       "is not about zero has an error in common to many targets.",
-      plot_svg({cumulative_panel(report), component_histogram("The paper's chain", report.paper),
-                component_histogram("Ours", report.ours)})};
+      {cumulative_panel(report), component_histogram("The paper's chain", report.paper),
+       component_histogram("Ours", report.ours)}};
 }
 
 std::optional<ReportPlot> convergence_plot(const std::vector<StepError>& ours,
@@ -183,14 +205,15 @@ std::optional<ReportPlot> convergence_plot(const std::vector<StepError>& ours,
   const Axis corrections{"corrections made", -0.3, most + 0.3};
   const Axis errors = decades_over("error by its own view, mm", errors_mm);
   return ReportPlot{
-      "convergence.svg", "How the loop converges at each target",
+      "convergence.svg",
+      "How the loop converges at each target",
       "A line for each target: the distance to it as the chain's own compensated vision sees it, "
       "after the first move and after each correction. Both panels have the same axes. A line ends "
       "where the servo is content. Look for lines that rise or go on longer than the others. Ours "
       "is aimed by the arm that was found and begins close to the target. What vision cannot see "
       "is not in this figure, but in the true errors above.",
-      plot_svg({way_panel("The paper's chain", corrections, errors, paper, kSeriesColors[1]),
-                way_panel("Ours", corrections, errors, ours, kSeriesColors[0])})};
+      {way_panel("The paper's chain", corrections, errors, paper, kSeriesColors[1]),
+       way_panel("Ours", corrections, errors, ours, kSeriesColors[0])}};
 }
 
 }  // namespace planar

@@ -13,7 +13,8 @@ namespace planar {
 namespace {
 
 constexpr int kCircleCorners = 120;
-constexpr char kInk[] = "#111";
+constexpr const char* kEdge = kSeriesColors[1];
+constexpr char kFitted[] = "#d02020";
 
 std::vector<Eigen::Vector2d> corners_of(const Circle& circle) {
   std::vector<Eigen::Vector2d> corners;
@@ -47,14 +48,16 @@ Panel lamp_panel(const LampEdges& lamp, std::size_t number) {
               {"v, px", top + lamp.grey.rows, top}, Panel::Aspect::kEqual);
   std::vector<double> levels;
   for (const Eigen::Vector2d& place : panel.field_places()) levels.push_back(level_at(lamp, place));
-  const ColorScale scale("grey level", levels);
+  const ColorScale scale("grey level", levels, ColorScale::Steps::kEven, ColorScale::Hues::kGrey);
   panel.add_field(levels, scale);
-  panel.add_line(corners_of(lamp.circle), Panel::Stroke::kSolid, "#d02020");
-  panel.add_dots(lamp.edges_px, {kInk}, 1.7);
-  panel.add_dots({lamp.circle.center}, {"#d02020"}, 3.5);
-  panel.add_key(kInk, fmt::format("{} edge points", lamp.edges_px.size()));
-  panel.add_key("#d02020", fmt::format("circle fitted to them, centre ({:.2f}, {:.2f}) px",
-                                       lamp.circle.center.x(), lamp.circle.center.y()));
+  panel.add_line(corners_of(lamp.circle), Panel::Stroke::kSolid, kFitted);
+  panel.add_dots(lamp.edges_px, {kEdge}, 1.7);
+  panel.add_dots({lamp.circle.center}, {kFitted}, 3.5);
+  panel.add_key(kEdge, fmt::format("{} edge points", lamp.edges_px.size()));
+  panel.add_key(kFitted,
+                fmt::format("circle fitted to them, centre ({:.2f}, {:.2f}) px",
+                            lamp.circle.center.x(), lamp.circle.center.y()),
+                Panel::Sample::kLine);
   panel.add_note(fmt::format("the points depart from it by {:.3f} px rms", departure_px(lamp)));
   panel.add_color_bar(scale);
   return panel;
@@ -73,7 +76,7 @@ std::optional<ReportPlot> lamp_plot(const std::vector<LampEdges>& lamps) {
                   "the points leave the circle: an irregular rim pulls the centre, and pulls it "
                   "elsewhere when the tool is seen from another side.",
                   lamps.front().image),
-      plot_svg(panels));
+      std::move(panels));
 }
 
 }  // namespace planar

@@ -36,7 +36,7 @@ std::vector<double> field_of(const ErrorMap& map, const std::vector<Eigen::Vecto
 
 /// Draws the error where it was measured to make the map, and the map with the error where it was
 /// measured to judge it: on one scale of colours.
-std::string field_svg(const PlotData& data, const DrawnMap& drawn) {
+std::vector<Panel> field_panels(const PlotData& data, const DrawnMap& drawn) {
   std::vector<Eigen::Vector2d> training_mm, checks_mm;
   std::vector<double> known_mm, measured_mm;
   for (const TrainingPlace& place : data.training) {
@@ -60,7 +60,7 @@ std::string field_svg(const PlotData& data, const DrawnMap& drawn) {
   field.add_field(predicted_mm, scale);
   field.add_dots(checks_mm, {"", &scale, measured_mm}, 5.0);
   field.add_color_bar(scale);
-  return plot_svg({known, field});
+  return {known, field};
 }
 
 std::vector<Eigen::Vector2d> curve_of(const std::vector<PredictedPlace>& circle,
@@ -80,7 +80,7 @@ double left_mm(const std::vector<PredictedPlace>& circle, const DrawnMap& drawn)
 }
 
 /// Draws measured and predicted lengths along each check circle, on common axes.
-std::string prediction_svg(const PlotData& data, const DrawnMap& drawn) {
+std::vector<Panel> prediction_panels(const PlotData& data, const DrawnMap& drawn) {
   std::set<int> radii_mm;
   double most = 0.0;
   int last = 0;
@@ -111,7 +111,7 @@ std::string prediction_svg(const PlotData& data, const DrawnMap& drawn) {
         fmt::format("left of the vectors: {:.3f} mm in the mean", left_mm(circle, drawn)));
     panels.push_back(std::move(panel));
   }
-  return plot_svg(panels);
+  return panels;
 }
 
 std::string field_caption(const std::string& map, const std::string& look) {
@@ -134,22 +134,22 @@ std::vector<ReportPlot> map_plots(const PlotData& data) {
                  field_caption("inverse distance weighting",
                                "Look for spots about the known places, and for dots that stand "
                                "out from the field."),
-                 field_svg(data, idw)),
+                 field_panels(data, idw)),
       paper_plot(14, "measured errors and those predicted by inverse distance weighting",
                  "Along the check circles, by the paper's chain. Look whether the prediction is "
                  "flatter than what was measured: weighted means cannot leave the range of their "
                  "neighbours. The number below each panel counts wrong directions as well; Table "
                  "2 has the accuracies.",
-                 prediction_svg(data, idw)),
+                 prediction_panels(data, idw)),
       paper_plot(15, "known errors, and errors predicted by radial basis functions",
                  field_caption("the paper's Gaussian network",
                                "Dots that melt into the field are predicted well. Look at the "
                                "rim, where the map has neighbours on one side only."),
-                 field_svg(data, rbf)),
+                 field_panels(data, rbf)),
       paper_plot(16, "measured errors and those predicted by radial basis functions",
                  "The places and axes of Figure 14, by the paper's Gaussian network. Look at "
                  "what is left of the vectors, beside Figure 14; Table 5 has the accuracies.",
-                 prediction_svg(data, rbf))};
+                 prediction_panels(data, rbf))};
 }
 
 }  // namespace planar

@@ -4,10 +4,12 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "planar_servo/experiment/experiment.h"
 #include "planar_servo/experiment/plots/plot_data.h"
+#include "planar_servo/report/panel.h"
 #include "planar_servo/tables/result_table.h"
 
 namespace planar {
@@ -17,14 +19,14 @@ struct ReportPlot {
   std::string file;  ///< the file's name
   std::string title;
   std::string caption;  ///< what it shows, on what data, and what to look at
-  std::string svg;
+  std::vector<Panel> panels;
 };
 
 /// Returns a plot that is a figure of the paper, named by its number there.
 inline ReportPlot paper_plot(int number, const std::string& what, const std::string& caption,
-                             const std::string& svg) {
+                             std::vector<Panel> panels) {
   return {fmt::format("figure_{:02}.svg", number), fmt::format("Figure {}: {}", number, what),
-          caption, svg};
+          caption, std::move(panels)};
 }
 
 /// Returns the paper's Figure 6: edge points and fitted circles of both lamps; none without lamps.
@@ -39,6 +41,9 @@ std::vector<ReportPlot> circle_plots(const std::vector<CirclePlace>& places);
 /// inverse distance weighting and as radial basis functions predict it, and measured against
 /// predicted along the check circles.
 std::vector<ReportPlot> map_plots(const PlotData& data);
+
+/// Returns where the maps were learned beside the targets; none without training places.
+std::optional<ReportPlot> coverage_plot(const ExperimentReport& report);
 
 /// Returns the paper's Figures 18 and 19: the targets, and their true errors before and after.
 std::vector<ReportPlot> control_plots(const ExperimentReport& report);

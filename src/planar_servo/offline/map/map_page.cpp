@@ -112,14 +112,14 @@ std::string field_plot(const MapView& view) {
   add_hull(error, view.region);
   error.add_arrows(values.arrow_places, values.arrows, arrows_over(values.arrows, "mm"), {"#111"});
   error.add_color_bar(sizes);
-  if (!any_finite(values.sigmas)) return plot_svg({error});
+  if (!any_finite(values.sigmas)) return plot_html({error});
   const ColorScale sigmas("standard deviation per axis, mm", values.sigmas,
                           ColorScale::Steps::kDecades);
   uncertainty.add_field(values.sigmas, sigmas);
   add_hull(uncertainty, view.region);
   uncertainty.add_dots(in_mm(view.places), {"#111"}, 1.8);
   uncertainty.add_color_bar(sigmas);
-  return plot_svg({error, uncertainty});
+  return plot_html({error, uncertainty});
 }
 
 Panel left_histogram(const MapView& view) {
@@ -133,7 +133,6 @@ Panel left_histogram(const MapView& view) {
 
 /// Which share of the places left out each way misses by no more than so much.
 Panel comparison_panel(const std::vector<ComparedField>& ways) {
-  constexpr const char* kColors[] = {"#1f4e79", "#d9822b", "#5a8f3d"};
   std::vector<double> far_mm;
   far_mm.reserve(ways.size() + 1);
   for (const ComparedField& way : ways) far_mm.push_back(mm(quantile(way.misses, 0.95)));
@@ -147,11 +146,29 @@ Panel comparison_panel(const std::vector<ComparedField>& ways) {
     for (std::size_t k = 0; k < misses.size() && misses[k] / kMillimetre <= miss.to; ++k)
       line.emplace_back(misses[k] / kMillimetre,
                         static_cast<double>(k + 1) / static_cast<double>(misses.size()));
-    const char* color = kColors[i % std::size(kColors)];
+    const char* color = kSeriesColors[i % std::size(kSeriesColors)];
     panel.add_line(line, Panel::Stroke::kSolid, color);
-    panel.add_key(color, fmt::format("{}: {:.4f} mm rms", ways[i].name, mm(ways[i].rms)));
+    panel.add_key(color, fmt::format("{}: {:.4f} mm rms", ways[i].name, mm(ways[i].rms)),
+                  Panel::Sample::kLine);
   }
   return panel;
+}
+
+/// The tables of a list's rows, as far as there are any.
+constexpr std::pair<const char*, const char*> kTables[] = {
+    {"compared", "Ways to predict the error, compared at places left out"},
+    {"comparison", "Methods, compared at places left out"},
+    {"sources", "What each source is worth"},
+    {"fixed_by", "What fixes the field as a whole"},
+    {"cell", "What the pairs say of the cell"},
+    {"arm_in_words", "What else the poses say of the arm"},
+    {"terms", "The arm, as the poses tell it"},
+    {"rejected", "Left out"}};
+
+void add_tables(HtmlPage& page, const ReportList& list) {
+  page.add_html(list.table("What was found").html());
+  for (const auto& [key, title] : kTables)
+    if (list.has_rows(key)) page.add_html(list.table(title, key).html());
 }
 
 QuiverPanel quiver_of(const std::string& what, const std::vector<Eigen::Vector2d>& places,
@@ -174,7 +191,7 @@ Verdict map_verdict(const FitErrorMapReport& report) {
              "without a map",
              result.gap / kMillimetre, result.blocked.value / kMillimetre, mm(result.raw_rms)),
          "record places so near to one another that no such gap stays, first in the dark parts of "
-         "the right panel; until then work close to places that were recorded"});
+         "the panel of the uncertainty; until then work close to places that were recorded"});
   add_left_out_pairs(result.rejected.size(), result.n_used + result.rejected.size(), verdict);
   verdict.good = fmt::format(
       "worth using: at places left out the error falls from {:.4f} mm rms to {:.4f}, and in a gap "
@@ -210,7 +227,7 @@ Verdict map_verdict(const LampFieldFit& fit) {
   return verdict;
 }
 
-MapView view_of(const FitErrorMapReport& report, const std::string& text) {
+MapView view_of(const FitErrorMapReport& report, const ReportList& list) {
   const MapResult& result = report.result;
   MapView view;
   view.verdict = map_verdict(report);
@@ -222,11 +239,11 @@ MapView view_of(const FitErrorMapReport& report, const std::string& text) {
   const auto phi = turns ? std::optional<double>(0.0) : std::nullopt;
   view.predict = [&result, phi](const Eigen::Vector2d& p) { return predict(result.map, p, phi); };
   if (turns) view.what_is_drawn = "It is drawn for a tool that points along the x axis.";
-  view.text = text;
+  view.list = list;
   return view;
 }
 
-MapView view_of(const LampFieldFit& fit, const std::string& text) {
+MapView view_of(const LampFieldFit& fit, const ReportList& list) {
   MapView view;
   view.verdict = map_verdict(fit);
   for (const HeldOutReading& reading : fit.held_out.readings) {
@@ -243,7 +260,7 @@ MapView view_of(const LampFieldFit& fit, const std::string& text) {
   view.what_is_drawn =
       "The error belongs to where each lamp is seen; it is drawn for the end point of a tool that "
       "points along the x axis.";
-  view.text = text;
+  view.list = list;
   return view;
 }
 
@@ -254,8 +271,8 @@ std::string map_page(const MapView& view, const std::filesystem::path& file) {
   page.add_html(field_plot(view));
   page.add_paragraph(
       "Colours fill the region in which the map is valid, the dashed hull of its places and a "
-      "margin about it. Lines lead from a place along the error there. Dark parts of the right "
-      "panel are gaps: places recorded there help most. " +
+      "margin about it. Lines lead from a place along the error there. Dark parts of the "
+      "second panel are gaps: places recorded there help most. " +
       view.what_is_drawn);
   if (!view.left.empty()) {
     page.add_heading("What it is worth");
@@ -263,17 +280,17 @@ std::string map_page(const MapView& view, const std::filesystem::path& file) {
     std::vector<Panel> panels =
         quiver_panels({quiver_of("Without the map", view.places, view.raw), left});
     panels.push_back(left_histogram(view));
-    page.add_html(plot_svg(panels));
+    page.add_html(plot_html(panels));
     page.add_paragraph(std::string("Every place is met by what the others say. ") + kQuiverCaption);
     if (!view.compared.empty()) {
-      page.add_html(plot_svg({comparison_panel(view.compared)}));
+      page.add_html(plot_html({comparison_panel(view.compared)}));
       page.add_paragraph(
           "The first way is taken unless another one's median is smaller by a tenth: of two curves "
           "the left one misses the places by less.");
     }
   }
-  page.add_heading("Figures");
-  page.add_html("<pre>" + html_escaped(view.text) + "</pre>\n");
+  page.add_heading("In numbers");
+  add_tables(page, view.list);
   add_provenance(page, file);
   return page.text();
 }

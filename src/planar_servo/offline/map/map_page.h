@@ -11,6 +11,7 @@
 #include "planar_servo/field/fit_lamp_field.h"
 #include "planar_servo/offline/map/fit_map_to_pairs.h"
 #include "planar_servo/report/html_page.h"
+#include "planar_servo/report/report_list.h"
 
 namespace planar {
 
@@ -26,7 +27,7 @@ struct MapView {
   /// The error that the map predicts for an end point.
   std::function<ErrorPrediction(const Eigen::Vector2d&)> predict;
   std::string what_is_drawn;  ///< says for which tool the field is drawn; a sentence
-  std::string text;           ///< the program's own report
+  ReportList list;            ///< what the program found
 };
 
 /// Say by the program's own figures whether a map is good.
@@ -35,8 +36,8 @@ Verdict map_verdict(const LampFieldFit& fit);
 
 /// Return what the page shows of a map at the end point, and of a field at the lamps, drawn for a
 /// tool that points along the base's x axis. The view refers to its argument.
-MapView view_of(const FitErrorMapReport& report, const std::string& text);
-MapView view_of(const LampFieldFit& fit, const std::string& text);
+MapView view_of(const FitErrorMapReport& report, const ReportList& list);
+MapView view_of(const LampFieldFit& fit, const ReportList& list);
 
 std::string map_page(const MapView& view, const std::filesystem::path& file);
 

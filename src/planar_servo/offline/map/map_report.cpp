@@ -21,32 +21,43 @@ std::array<double, 2> interval_of(const RmsEstimate& estimate) {
 ReportList cell_list(const CellDiagnosis& cell) {
   ReportList list;
   if (cell.terms.empty()) return list;
-  list.line("", "\nwhat the pairs say of the cell                        rms, mm");
+  list.row_heads("\nwhat the pairs say of the cell                        rms, mm");
   for (const CellTerm& term : cell.terms) {
     const CellFaultName& name = name_of(term.fault);
-    ReportList part;
-    part.line(name.label,
-              fmt::format(" {{value:>10.4g}} +- {{sigma:<8.3g}} {:<7} {{rms_mm:>7.4f}}{}",
-                          name.unit_text, term.significant ? "  significant" : ""),
-              term.value / name.unit, term.sigma / name.unit, term.rms);
-    part.unprinted("significant", term.significant);
-    list.part(name.key, part);
+    ReportList row;
+    row.line("", fmt::format("{:<20}", name.label));
+    row.line("value", fmt::format(" {{value:>10.4g}} +- {{sigma:<8.3g}} {:<7}", name.unit_text),
+             term.value / name.unit, term.sigma / name.unit);
+    row.line("rms over the field, mm", " {rms_mm:>7.4f}", term.rms);
+    row.line("significant", term.significant ? "  significant" : "");
+    row.unprinted("significant", term.significant);
+    list.row("cell", row);
+    list.unprinted(name.key, row.json());
   }
-  list.line("", fmt::format("left by all of these {:>38.4f}", mm(cell.left_rms)));
+  ReportList left;
+  left.line("", "left by all of these");
+  left.line("value", "");
+  left.line("rms over the field, mm", fmt::format("{:>39.4f}", mm(cell.left_rms)));
+  left.line("significant", "");
+  list.row("cell", left);
   return list;
 }
 
 void list_comparison(ReportList& list, const std::vector<MethodFigures>& comparison) {
-  list.line("", "\nrms, mm        left out: one   a block of neighbours (95 % interval)");
+  list.row_heads("\nrms, mm        left out: one   a block of neighbours (95 % interval)");
   const auto list_method = [](ReportList& row, const MethodFigures& method) {
-    row.line("",
-             "{method:<14} {loo_rms_mm:>13.4f}   {blocked_rms_mm:>8.4f}  "
-             "({blocked_rms_95_mm:.4f| to })",
-             method.method, method.loo_rms, method.blocked.value, interval_of(method.blocked));
-    row.line_if(!std::isfinite(method.loo_rms), "",
-                "{method:<14}             -   its equations cannot be solved", method.method);
+    row.line("method",
+             std::isfinite(method.loo_rms)
+                 ? "{method:<14} "
+                 : "{method:<14}             -   its equations cannot be solved",
+             method.method);
+    row.line("one place left out, mm rms", "{loo_rms_mm:>13.4f}", method.loo_rms);
+    row.line("a block of neighbours left out, mm rms", "   {blocked_rms_mm:>8.4f}",
+             method.blocked.value);
+    row.line_if(std::isfinite(method.blocked.value), "its 95 % interval, mm",
+                "  ({blocked_rms_95_mm:.4f| to })", interval_of(method.blocked));
   };
-  list.rows("comparison", comparison, list_method, "");
+  list.rows("comparison", comparison, list_method, "", "");
 }
 
 /// Says how much of the noise the pairs of a place have in common, if places have several.
@@ -70,10 +81,10 @@ void list_readings(ReportList& list, const LampFieldFit& fit) {
             fit.n_readings, fit.n_unattended, fit.left_out.size());
   list.unprinted("n_used", fit.n_readings + fit.n_unattended - fit.left_out.size());
   if (!fit.left_out.empty())
-    list.line("", fmt::format("  contradicting the others: {}", fmt::join(fit.left_out, ", ")));
+    list.row_heads(fmt::format("  contradicting the others: {}", fmt::join(fit.left_out, ", ")));
   list.rows("rejected", fit.left_out, [](ReportList& row, const std::string& id) {
-    row.unprinted("id", id);
-    row.unprinted("reason", "contradicts the others");
+    row.line("pair", "{id}", id);
+    row.line("why", "{reason}", "contradicts the others");
   });
 }
 
@@ -96,36 +107,49 @@ void list_held_out(ReportList& list, const HeldOut& judged) {
 
 /// Says how the ways to predict the error compare.
 void list_comparison(ReportList& list, const LampFieldFit& fit) {
+  list.row_heads("");
   if (!fit.compared.empty())
-    list.line("", "at places left out            mm rms   within stated 95 %");
+    list.row_heads("at places left out            mm rms   within stated 95 %");
   const auto list_way = [&fit](ReportList& row, const ComparedField& way) {
     const bool is_taken = way.rms == fit.held_out.rms;
-    row.line("",
-             fmt::format("{{name:<30}}{{loo_rms_mm:.4f}}   {{coverage_95:.1%}}{}",
-                         is_taken ? ", taken" : ""),
-             way.name, way.rms, way.coverage_95);
+    row.line("way", "{name:<30}", way.name);
+    row.line("places left out, mm rms", "{loo_rms_mm:.4f}   ", way.rms);
+    row.line("within their stated 95 %", "{coverage_95:.1%}", way.coverage_95);
+    row.line("taken", is_taken ? "  taken" : "");
     row.unprinted("taken", is_taken);
   };
-  list.rows("compared", fit.compared, list_way, "");
-  if (!fit.compared.empty()) list.line("", "");
+  list.rows("compared", fit.compared, list_way, "", "");
+  if (!fit.compared.empty()) list.row_heads("");
 }
 
 /// Says what each source added and what fixed the field as a whole.
 void list_sources(ReportList& list, const LampFieldFit& fit) {
-  list.line("source", "how much                  end point known without it to");
+  list.row_heads("source              how much                  end point known without it to");
   const auto list_source = [](ReportList& row, const SourceWorth& source) {
-    row.line("", "{source:<20}{amount:<26}{end_point_without_mm:.4f} mm", source.name,
-             source.amount, source.end_point_without);
+    row.line("source", "{source:<20}", source.name);
+    row.line("how much", "{amount:<26}", source.amount);
+    row.line("end point known without it to", "{end_point_without_mm:.4f} mm",
+             source.end_point_without);
   };
-  list.rows("sources", fit.sources, list_source, "");
-  list.line("(with all)", "                          {end_point_sigma_mm:.4f} mm",
-            fit.certainty.end_point);
-  list.line("as a whole", "fixed by                  standard deviation");
+  list.rows("sources", fit.sources, list_source, "", "");
+  ReportList with_all;
+  with_all.line("source", fmt::format("{:<20}", "(with all)"));
+  with_all.line("how much", fmt::format("{:<26}", ""));
+  with_all.line("end point known without it to", "{end_point_sigma_mm:.4f} mm",
+                fit.certainty.end_point);
+  list.row("sources", with_all);
+  list.append_figures(with_all);
+  list.row_heads("as a whole          fixed by                  standard deviation");
   ReportList fixed_by;
   const auto list_fixed = [&](const char* what, FieldSource source, const std::string& text,
                               const auto&... sigma) {
+    ReportList row;
     fixed_by.unprinted(what, name_in(kFieldSources, source));
-    list.line(what, fmt::format("{:<26}", name_in(kFieldSources, source)) + text, sigma...);
+    row.line("of the field", fmt::format("{:<20}", what));
+    row.line("fixed by", fmt::format("{:<26}", name_in(kFieldSources, source)));
+    row.line("standard deviation", text, sigma...);
+    list.row("fixed_by", row);
+    list.append_figures(row);
   };
   list_fixed("scale", fit.fixed_by.scale, "{scale_sigma_ppm:.1f} ppm", fit.certainty.scale);
   list_fixed("datum", fit.fixed_by.datum, "{datum_sigma_mm:.4f} mm", fit.certainty.shift);
@@ -189,17 +213,21 @@ ReportList lamp_field_list(const LampFieldFit& fit) {
   list.line("method", "{method}, {harmonics} harmonics of each reducer", kLampFieldMethod,
             fit.estimate.size.harmonics);
   list_held_out(list, fit.held_out);
-  list.line("noise of a lamp", "{lamp_noise_factor:.2f} times what the pairs state\n",
+  list.line("noise of a lamp", "{lamp_noise_factor:.2f} times what the pairs state",
             fit.estimate.priors.lamp_factor);
   list.unprinted("noise_mm", fit.noise_sigma);
   list_comparison(list, fit);
   list_sources(list, fit);
-  list.line("", "");
+  list.row_heads("");
   const std::vector<std::string> sentences = arm_in_words(fit.estimate);
-  for (const std::string& sentence : sentences) list.line("", sentence);
+  for (const std::string& sentence : sentences) {
+    ReportList row;
+    row.line("finding", sentence);
+    list.row("arm_in_words", row);
+  }
   list.unprinted("arm_in_words", sentences);
   list.unprinted("scatter_mm", fit.estimate.priors.arm_sigma);
-  list.line("", "\nwhat the poses say of the arm");
+  list.row_heads("\nwhat the poses say of the arm");
   list.part("arm", arm_terms_list(fit.estimate));
   return list;
 }

@@ -51,9 +51,9 @@ std::string error_plots(const std::vector<PairRow>& pairs, const Summary& raw) {
   const double rms_mm = mm(raw.rms) / std::sqrt(2.0);
   std::vector<Panel> panels = quiver_panels({errors});
   panels.push_back(series_panel(pairs, errors_mm));
-  return plot_svg(panels) +
-         plot_svg({histogram("The error's components", "vision minus tracker, mm",
-                             components_of(errors_mm), {rms_mm, "their rms"})});
+  panels.push_back(histogram("The error's components", "vision minus tracker, mm",
+                             components_of(errors_mm), {rms_mm, "their rms"}));
+  return plot_html(panels);
 }
 
 /// What neither field nor drift explains of the errors, and the step that does, dashed.
@@ -72,7 +72,7 @@ std::string step_plot(const RecordedStep& step) {
     panel.add_line({{order.from, 0.0}, {first, 0.0}, {first, size_mm}, {order.to, size_mm}},
                    Panel::Stroke::kDashed);
   }
-  return plot_svg({panel});
+  return plot_html({panel});
 }
 
 TextTable monument_table(const DatumRegistration& datum) {
@@ -207,14 +207,16 @@ std::string pair_page(const PairTrackerRequest& request, const PairTrackerReport
   page.add_verdict(pair_verdict(request, report));
   const std::vector<PairRow> pairs = attended(report.pairs);
   if (!pairs.empty()) {
+    page.add_heading("Vision minus tracker");
     page.add_html(error_plots(pairs, raw_error(report.pairs)));
     page.add_paragraph(
-        "Left: from each place, the error of vision there, which the error map is to learn; "
+        "First: from each place, the error of vision there, which the error map is to learn; "
         "neighbours should point the same way. A line that differs from all around it is a wrong "
-        "pair. Right: a step or a trend over time means that the camera, a monument or the tracker "
-        "has moved.");
+        "pair. Second: a step or a trend over time means that the camera, a monument or the "
+        "tracker has moved.");
   }
   if (report.step) {
+    page.add_heading("A step in time");
     page.add_html(step_plot(*report.step));
     page.add_paragraph(fmt::format(
         "The training places without the field and its slow drift{}. The dashed step costs up to "
@@ -223,6 +225,7 @@ std::string pair_page(const PairTrackerRequest& request, const PairTrackerReport
         report.step->change.frame == StepFrame::kTool ? ", in the tool's frame" : "",
         report.step->cost() / kMillimetre));
   }
+  page.add_heading("In numbers");
   const ReportList list = page_list(request, report);
   page.add_html(list.table("What was found").html());
   if (report.datum) page.add_html(monument_table(*report.datum).html());

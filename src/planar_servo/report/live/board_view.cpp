@@ -11,8 +11,8 @@ namespace planar {
 namespace {
 
 const vpColor kCovered(70, 140, 255);
-constexpr double kTextLeft = 548.0;
-constexpr double kLineHeight = 22.0;
+constexpr double kWordsLeft = 548.0;
+constexpr double kWordsHeight = 22.0;
 constexpr std::size_t kLineLength = 46;  // letters
 
 std::vector<std::string> wrapped(const std::string& text) {
@@ -29,8 +29,8 @@ std::vector<std::string> wrapped(const std::string& text) {
 /// Writes a paragraph and returns where the next begins.
 double write_paragraph(Canvas& canvas, double y, const std::string& text, const vpColor& color) {
   for (const std::string& line : wrapped(text)) {
-    canvas.write(kTextLeft, y, line, color);
-    y += kLineHeight;
+    canvas.write(kWordsLeft, y, line, color);
+    y += kWordsHeight;
   }
   return y;
 }
@@ -58,12 +58,12 @@ void draw_picture(const BoardView& view, Canvas& canvas) {
 
 void write_texts(const BoardView& view, Canvas& canvas) {
   double y = write_paragraph(canvas, kFramePanel.y, view.state, view.good ? kSeen : kWanted);
-  y = write_paragraph(canvas, y + kLineHeight, "next: " + view.wish, kInk);
+  y = write_paragraph(canvas, y + kWordsHeight, "next: " + view.wish, kInk);
   if (!view.lacks.empty()) {
-    y = write_paragraph(canvas, y + kLineHeight, "of the views so far", kFaint);
+    y = write_paragraph(canvas, y + kWordsHeight, "of the views so far", kFaint);
     for (const std::string& lack : view.lacks) y = write_paragraph(canvas, y, lack, kFaint);
   }
-  write_paragraph(canvas, kFramePanel.y + kFramePanel.height - 2.0 * kLineHeight,
+  write_paragraph(canvas, kFramePanel.y + kFramePanel.height - 2.0 * kWordsHeight,
                   "blue: dots of the views taken; orange frames: no view reaches there", kFaint);
 }
 

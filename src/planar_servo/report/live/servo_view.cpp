@@ -14,7 +14,7 @@
 namespace planar {
 namespace {
 
-constexpr unsigned kRing = 26;  // radius about a lamp
+constexpr unsigned kLampRing = 26;  // radius about a lamp
 const cv::Rect2d kTargetPanel(560, 72, 230, 230);
 const cv::Rect2d kStepsPanel(624, 350, 352, 190);
 
@@ -42,7 +42,7 @@ void draw_frame(const ServoView& view, Canvas& canvas) {
     }
   };
   mark(view.wanted_px, [&](const vpImagePoint& at) {
-    vpImageDraw::drawCircle(canvas.picture(), at, kRing, kWanted);
+    vpImageDraw::drawCircle(canvas.picture(), at, kLampRing, kWanted);
   });
   mark(view.lamps_px,
        [&](const vpImagePoint& at) { vpImageDraw::drawCross(canvas.picture(), at, 13, kSeen, 1); });
