@@ -63,10 +63,15 @@ class NotingDevices final : public CellDevices,
 
   /// What the tracker says of the tool, one after the other; then readings that follow it.
   std::vector<TrackerAnswer> answers;
-  std::vector<std::string> asked;  ///< places and monuments, in their order
+  std::vector<std::string> asked;    ///< places and monuments, in their order
+  double dead_after_reading_s{0.0};  ///< the camera, for so long
 
   TrackerAnswer measure_tool(const std::string& place) override {
     asked.push_back(place);
+    if (dead_after_reading_s > 0.0) {
+      camera_dies_s = clock_.now_s();
+      camera_is_back_s = *camera_dies_s + dead_after_reading_s;
+    }
     readings_ += 1.0;
     if (answers.empty()) return TrackerAnswer::of({0.0, {readings_, 0.0, 0.0}});
     TrackerAnswer answer = answers.front();
@@ -215,6 +220,7 @@ TEST_CASE(
   request.plan.push_back({"g0", Plan::kHeldBoard, std::monostate()});
   request.plan.push_back({"g1", Plan::kHeldBoard, std::monostate()});
   NotingDevices devices;
+  devices.dead_after_reading_s = GENERATE(0.0, 20.0);  // the arm parks all the same
   record(request, devices);
   REQUIRE(devices.asked.size() == 15 + 2 + 15 + 2);  // monuments, tool and place, monuments, views
   CHECK(Ids(devices.asked.end() - 3, devices.asked.end()) == Ids{"datum3", "board", "board"});

@@ -119,7 +119,8 @@ class Recorder {
     const double direction = std::atan2(home.p.y(), home.p.x());
     const JointPlan way = planner_.plan({radius_m * rotation2d(direction).col(0), home.phi},
                                         robot_.commanded_joints());
-    const auto obstacle = way.refusal ? Obstacle{true, *way.refusal} : try_to_arrive(way.theta);
+    // The camera may fail meanwhile: nothing is seen on this way.
+    const auto obstacle = way.refusal ? Obstacle{true, *way.refusal} : try_to_arrive(way.theta, {});
     operator_line_.say(obstacle ? "the arm cannot park and stays where it is: " + obstacle->reason
                                 : "the arm is parked at the side of its home");
   }
@@ -168,17 +169,17 @@ class Recorder {
 
   void move_to(const Joints& theta) {
     const double deadline_s = devices_.clock().now_s() + kCameraPatience_s;
-    while (const auto obstacle = try_to_arrive(theta)) {
+    const auto guard = [this] { return devices_.camera().fault(); };
+    while (const auto obstacle = try_to_arrive(theta, guard)) {
       if (obstacle->refused)
         throw WorkError({obstacle->reason, "move the place in the plan", place_});
       await_camera(obstacle->reason, deadline_s);
     }
   }
 
-  std::optional<Obstacle> try_to_arrive(const Joints& theta) {
+  std::optional<Obstacle> try_to_arrive(const Joints& theta, const PlanarRobot::Guard& guard) {
     try {
-      return arrive(robot_, planner_, cell_.servo, theta,
-                    [this] { return devices_.camera().fault(); });
+      return arrive(robot_, planner_, cell_.servo, theta, guard);
     } catch (const DriveError& error) {
       throw DriveError({error.what(), "mend the drives, then start again to go on", place_});
     }
