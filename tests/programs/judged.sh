@@ -102,6 +102,6 @@ expect 2 "untracked.yaml: nobody can judge this cell" \
   "$bin/planar-servo" --cell untracked.yaml --targets targets.csv --out made --judged
 operated said.err "$bin/planar-servo" --cell live.yaml --targets targets.csv --out run --home --accept-map --judged --json run.json \
   >said.txt || fail "$(cat said.err)"
-grep -q "^the tracker's word is known to 0.0" said.txt || fail "$(cat said.txt)"
+grep -q "^the tracker is uncertain by 0.0" said.txt || fail "$(cat said.txt)"
 grep -q '"judged": 1' run.json || fail "$(cat run.json)"
 [ "$(grep -c "^datum" run/judge.csv)" -ge 3 ] || fail "the monuments were not read: $(cat run/judge.csv)"

@@ -1,4 +1,4 @@
-#include "planar_servo/run/path_report.h"
+#include "planar_servo/run/pages/path_page.h"
 
 #include <catch2/catch.hpp>
 
@@ -47,10 +47,10 @@ std::string page_of(const std::vector<std::vector<PathLookRow>>& ways) {
 TEST_CASE("The deviation from a path is drawn on its left, magnified by the factor that is said") {
   const std::string page = page_of({looks_beside(Guidance::kVision, 1e-5, false)});
   CHECK_THAT(page, Contains("deviation drawn 1000 times its size"));
-  // The plot shows 232 mm by 32 mm on 290 by 40 units from (62, 34): the path at half its height,
+  // The plot shows 261 mm by 61 mm on 290 by 68 units from (62, 34): the path at half its height,
   // 0.01 mm beside it 10 mm higher.
-  CHECK_THAT(page, Contains("d=\"M82.0 41.5 L144.5 41.5"));
-  CHECK_THAT(page_of({looks_beside(Guidance::kVision, -1e-5, false)}), Contains("M82.0 66.5 L"));
+  CHECK_THAT(page, Contains("d=\"M96.0 56.9 L151.5 56.9"));
+  CHECK_THAT(page_of({looks_beside(Guidance::kVision, -1e-5, false)}), Contains("M96.0 79.1 L"));
 }
 
 TEST_CASE("Guidances and judges have panels of their own, and what nobody saw has none") {
@@ -62,6 +62,41 @@ TEST_CASE("Guidances and judges have panels of their own, and what nobody saw ha
   CHECK_THAT(both, Contains("By vision, in truth") && Contains("By the arm alone, as seen") &&
                        Contains("Deviation by speed, in truth"));
   CHECK_THAT(page_of({}), !Contains("<svg"));
+}
+
+std::vector<PathSpeedResult> results_of(const std::vector<std::vector<PathLookRow>>& ways) {
+  std::vector<PathSpeedResult> results;
+  for (const std::vector<PathLookRow>& way : ways) {
+    results.push_back(path_figures(way));
+    results.back().guidance = way.front().guidance;
+    results.back().status = ServoStatus::kReached;
+  }
+  return results;
+}
+
+TEST_CASE("The page of a path begins with whether it was followed, how near and who judged") {
+  const PathRequest path{"path.csv", straight_path(), {Guidance::kVision}};
+  auto results = results_of({looks_beside(Guidance::kArm, 4e-5, true),
+                             looks_beside(Guidance::kVision, 1e-5, true),
+                             looks_beside(Guidance::kVision, 2e-5, true)});
+  CHECK_THAT(path_page(path, results, {}),
+             Contains("<b>Good:</b> the path was followed to its end every time") &&
+                 Contains("judged by the truth of the virtual cell: guided by vision 0.0100 to "
+                          "0.0200 mm in the mean and 0.0200 mm at most; guided by the arm alone "
+                          "0.0400 mm in the mean"));
+  results.front().status = ServoStatus::kHeld;
+  results.front().reason = "two lamps changed places";
+  CHECK_THAT(path_page(path, results, {}),
+             Contains("verdict bad") &&
+                 Contains("guided by arm, the path was not followed to its "
+                          "end: held") &&
+                 Contains("two lamps changed places"));
+}
+
+TEST_CASE("The page of a path that no truth watched says whose estimate it has") {
+  const PathRequest path{"path.csv", straight_path(), {Guidance::kVision}};
+  CHECK_THAT(path_page(path, results_of({looks_beside(Guidance::kVision, 1e-5, false)}), {}),
+             Contains("by vision's own estimate") && !Contains("true mean"));
 }
 
 }  // namespace

@@ -4,6 +4,9 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "planar_servo/run/pages/servo_page.h"
+#include "support/well_formed.h"
+
 namespace planar {
 namespace {
 
@@ -18,6 +21,19 @@ TargetResult reached(const std::string& id, double before_m, double after_m) {
   result.before_own = result.before_truth;
   result.after_own = Eigen::Vector2d(1e-6, 0.0);
   return result;
+}
+
+std::string page_of(const std::vector<TargetResult>& results) {
+  std::string page = servo_page({}, figures_of(results), results);
+  CHECK(test::fault_of_xml(page).empty());
+  return page;
+}
+
+/// Returns how often a text stands in another.
+std::size_t count_of(const std::string& text, const std::string& in) {
+  std::size_t count = 0;
+  for (std::size_t at = in.find(text); at != std::string::npos; at = in.find(text, at + 1)) ++count;
+  return count;
 }
 
 TEST_CASE("The figures of a run carry the suffix of who judged them, in millimetres") {
@@ -52,16 +68,17 @@ TEST_CASE("The interval is that of the place that the servo believed in, where i
   a.vision_compensated = Eigen::Vector2d(9e-6, 9e-6);
   a.believed = Eigen::Vector2d(0.5e-6, 9e-6);
   CHECK(figures_of({a}).coverage_95 == 0.5);
-  CHECK_THAT(landing_words(figures_of({a})), Catch::Contains("hold 50.0 % of the components"));
+  CHECK_THAT(landing_words(figures_of({a})), Catch::Contains("intervals are too narrow"));
   a.believed = a.vision_compensated = std::nullopt;
-  CHECK_THAT(landing_words(figures_of({a})), !Catch::Contains("components"));
+  CHECK_THAT(landing_words(figures_of({a})), !Catch::Contains("intervals"));
 }
 
 TEST_CASE("A run says where the arm alone landed and what vision added, without a percentage") {
   const ServoFigures figures = figures_of({reached("a", 3.2e-6, 3.1e-6)});
-  CHECK(landing_words(figures) ==
-        "against the truth the arm alone lands 0.0032 mm from its targets in the mean, with vision "
-        "0.0031 mm");
+  CHECK(
+      landing_words(figures) ==
+      "Judged by the truth of the virtual cell, the arm alone landed 0.0032 mm from its targets in "
+      "the mean, with vision 0.0031 mm (0.0031 mm rms, 0.0031 mm at 95 %, 0.0031 mm at most)");
   CHECK_THAT(
       servo_list(figures).text(),
       Catch::Contains("against the truth: the arm alone 0.0032 mm mean; with vision 0.0031") &&
@@ -74,10 +91,10 @@ TEST_CASE("Vision that makes the arm worse by more than chance is a fault of the
     results.push_back(reached("a", 5e-6, 5e-6 + change_m));
   CHECK(figures_of(results).made_worse);
   CHECK_THAT(servo_list(figures_of(results)).text(), Catch::Contains("vision made the arm worse"));
-  CHECK_THAT(servo_page({}, results), Catch::Contains("verdict bad"));
+  CHECK_THAT(page_of(results), Catch::Contains("verdict bad"));
   results.push_back(reached("b", 9e-6, 1e-6));
   CHECK_FALSE(figures_of(results).made_worse);
-  CHECK_THAT(servo_page({}, results), Catch::Contains("class=\"verdict\""));
+  CHECK_THAT(page_of(results), Catch::Contains("class=\"verdict\""));
 }
 
 TEST_CASE("A run in which targets were not reached is said to be one") {
@@ -117,7 +134,7 @@ TEST_CASE("Where a tracker judges, its uncertainty stands beside the errors and 
   for (const char* key : {"after_rms_mm", "sigma_mm", "after_rms_net_mm", "improvement"})
     CHECK(json[key + std::string("_tracker")] == json[key + std::string("_truth")]);
   CHECK_THAT(servo_list(figures).text(), Catch::Contains("against the tracker: the arm alone") &&
-                                             Catch::Contains("known to 0.0300 mm per axis") &&
+                                             Catch::Contains("uncertain by 0.0300 mm per axis") &&
                                              Catch::Contains("not judged: c: a broken beam") &&
                                              !Catch::Contains("against the truth"));
   a.sigma_truth_m = 1e-4;
@@ -163,11 +180,56 @@ TEST_CASE("The page of a run says who judged it, though the first target was not
   unseen.before_truth = unseen.after_truth = std::nullopt;
   unseen.not_judged = "a broken beam";
   seen.sigma_truth_m = 3e-5;
-  const std::string page = servo_page({}, {unseen, seen});
+  const std::string page = page_of({unseen, seen});
   CHECK_THAT(page, Catch::Contains("Errors against the tracker") &&
-                       Catch::Contains("<th>tracker mm</th>") && !Catch::Contains("truth"));
-  CHECK_THAT(servo_page({}, {reached("a", 1e-3, 1e-5)}),
-             Catch::Contains("Errors against the truth") && Catch::Contains("<th>truth mm</th>"));
+                       Catch::Contains("<th scope=\"col\">tracker mm</th>") &&
+                       Catch::Contains("Judged by the tracker, the arm alone") &&
+                       !Catch::Contains("truth"));
+  CHECK_THAT(page_of({reached("a", 1e-3, 1e-5)}),
+             Catch::Contains("Errors against the truth") && Catch::Contains(">truth mm</th>"));
+}
+
+TEST_CASE("The page of a run begins with targets reached and accuracy, and says no figure twice") {
+  const std::vector<TargetResult> results{reached("a", 1e-3, 1e-5), reached("b", 3e-3, 4e-5)};
+  const std::string page = page_of(results);
+  CHECK_THAT(page,
+             Catch::Contains("<b>Good:</b> 2 of 2 targets reached, 2 corrections and 1.50 s"));
+  for (const char* figure :
+       {"2.0000 mm from its targets", "0.0250 mm (", "0.0385 mm at 95", "2 of 2 targets", "1.50 s"})
+    CHECK(count_of(figure, page) == 1);
+  CHECK(count_of("0.0250", page) == 1);
+}
+
+TEST_CASE("The page of a run that nobody judged says so, and how to have it judged") {
+  TargetResult result = reached("a", 1e-3, 1e-5);
+  result.before_truth = result.after_truth = std::nullopt;
+  CHECK_THAT(page_of({result}), Catch::Contains("By vision's own estimate, the arm alone landed") &&
+                                    Catch::Contains("Nobody else judged this run") &&
+                                    Catch::Contains("--judged") && !Catch::Contains("truth"));
+}
+
+TEST_CASE("The page of a run without a single measured target still has its verdict") {
+  TargetResult refused;
+  refused.id = "far";
+  refused.reason = "too far";
+  CHECK_THAT(page_of({refused}), Catch::Contains("1 of 1 targets were not reached") &&
+                                     Catch::Contains("No end point was measured") &&
+                                     Catch::Contains("too far") && !Catch::Contains("<svg"));
+}
+
+TEST_CASE("What ended a run early stands in the verdict of its page, with the remedy") {
+  const std::vector<TargetResult> results{reached("a", 1e-3, 1e-5)};
+  CHECK_THAT(servo_page({}, figures_of(results), results, "b: held: two lamps changed places"),
+             Catch::Contains("verdict bad") &&
+                 Catch::Contains("the run was ended at b: held: two lamps changed places") &&
+                 Catch::Contains("--resume"));
+}
+
+TEST_CASE("Errors share one scale of arrows unless some could not be seen at it") {
+  CHECK_THAT(page_of({reached("a", 3e-5, 1e-5), reached("b", 3e-5, 1e-5)}),
+             Catch::Contains("Both panels have the same scale"));
+  CHECK_THAT(page_of({reached("a", 1e-3, 1e-5), reached("b", 1e-3, 1e-5)}),
+             Catch::Contains("each panel has its own scale"));
 }
 
 }  // namespace

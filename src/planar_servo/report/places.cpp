@@ -1,6 +1,7 @@
 #include "planar_servo/report/places.h"
 
 #include "planar_servo/core/units.h"
+#include "planar_servo/report/panel.h"
 
 namespace planar {
 
@@ -27,7 +28,8 @@ std::vector<double> components_of(const std::vector<Eigen::Vector2d>& vectors) {
 }
 
 FieldAxes axes_over_places(const std::vector<Eigen::Vector2d>& places_mm) {
-  constexpr double kRoomForArrows = 0.08;  // at each end, as a share of the wider range
+  // At each end, as a share of the wider range: the longest arrow in a panel that is drawn over it.
+  constexpr double kRoomForArrows = kLongestArrow / (kPanelWidth - 2.0 * kLongestArrow);
   Eigen::Vector2d least = places_mm.at(0), most = least;
   for (const Eigen::Vector2d& p : places_mm) {
     least = least.cwiseMin(p);

@@ -2,7 +2,6 @@
 
 #include <vector>
 
-#include "planar_servo/report/html_page.h"
 #include "planar_servo/report/report_list.h"
 #include "planar_servo/run/path_run.h"
 #include "planar_servo/servo/path/path.h"
@@ -10,14 +9,11 @@
 
 namespace planar {
 
-/// Adds to a page, each as seen and where a truth watched as it was: the path with the looks beside
-/// it, their deviation magnified by a factor that is stated; the deviation along the path; and the
-/// deviation by speed. Panels of one kind share their axes. What nobody saw is left out.
-void add_path_plots(HtmlPage& page, const Path& path, const std::vector<PathLookRow>& looks,
-                    const std::vector<PathSpeedResult>& results);
-
 /// Lists what the path asks of the arm.
 ReportList path_demand_list(const PathRequest& path, const std::vector<PathDemand>& demands);
+
+/// Returns whether a truth watched any of these.
+bool is_judged(const std::vector<PathSpeedResult>& results);
 
 /// Lists the deviation from the path by speed.
 ReportList path_list(const PathRequest& path, const std::vector<PathSpeedResult>& results);

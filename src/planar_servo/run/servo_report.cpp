@@ -6,12 +6,11 @@
 #include <cmath>
 #include <limits>
 
-#include "planar_servo/core/text.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/devices/judge.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/io/yaml_writer.h"
-#include "planar_servo/report/text_table.h"
+#include "planar_servo/run/pages/servo_page.h"
 
 namespace planar {
 namespace {
@@ -69,26 +68,27 @@ std::optional<TrackerFigures> tracker_figures(const std::vector<TargetResult>& r
   return figures;
 }
 
-void list_errors(ReportList& list, const std::string& judge, const std::optional<Summary>& before,
+/// The same figures as a line of print and as a sentence of a page, each behind who judged.
+constexpr char kErrorLine[] =
+    ": the arm alone {before_mean_mm:.4f} mm mean; with vision {after_mean_mm:.4f} mm mean, "
+    "{after_rms_mm:.4f} rms, {after_p95_mm:.4f} at 95 %, {after_max_mm:.4f} max";
+constexpr char kErrorSentence[] =
+    ", the arm alone landed {before_mean_mm:.4f} mm from its targets in the mean, with vision "
+    "{after_mean_mm:.4f} mm ({after_rms_mm:.4f} mm rms, {after_p95_mm:.4f} mm at 95 %, "
+    "{after_max_mm:.4f} mm at most)";
+
+void list_errors(ReportList& list, const std::string& text, const std::optional<Summary>& before,
                  const std::optional<Summary>& after) {
   if (!before || !after) return;
-  list.line("",
-            judge +
-                ": the arm alone {before_mean_mm:.4f} mm mean; with vision {after_mean_mm:.4f} mm "
-                "mean, {after_rms_mm:.4f} rms, {after_p95_mm:.4f} at 95 %, {after_max_mm:.4f} max",
-            before->mean, after->mean, after->rms, after->p95, after->max);
+  list.line("", text, before->mean, after->mean, after->rms, after->p95, after->max);
   list.unprinted("improvement", 1.0 - after->mean / before->mean);
-}
-
-std::string judge_name(const ServoFigures& figures) {
-  return name_in(kJudgeKinds, figures.tracker ? JudgeKind::kTracker : JudgeKind::kTruth);
 }
 
 /// Lists what the judge told, `list_told(list, figures)`, under keys that end with who it was.
 /// For one version those of a tracker stand under `_truth`, too.
 template <typename ListTold>
 void list_judged(ReportList& list, const ServoFigures& figures, ListTold list_told) {
-  ReportList told("_" + judge_name(figures)), as_before("_truth");
+  ReportList told("_" + figures.judge()), as_before("_truth");
   list_told(told, figures);
   list_told(as_before, figures);
   list.append(told);
@@ -96,14 +96,14 @@ void list_judged(ReportList& list, const ServoFigures& figures, ListTold list_to
 }
 
 void list_judged_errors(ReportList& list, const ServoFigures& figures) {
-  list_errors(list, "against the " + judge_name(figures), figures.before_truth,
+  list_errors(list, "against the " + figures.judge() + kErrorLine, figures.before_truth,
               figures.after_truth);
 }
 
 void list_tracker_sigma(ReportList& list, const ServoFigures& figures) {
   list.line("",
-            "the tracker's word is known to {sigma_mm:.4f} mm per axis; with that taken out: after "
-            "{after_rms_net_mm:.4f} rms",
+            "the tracker is uncertain by {sigma_mm:.4f} mm per axis; without that the errors with "
+            "vision are {after_rms_net_mm:.4f} mm rms",
             figures.tracker->sigma, figures.tracker->after_net);
 }
 
@@ -130,12 +130,40 @@ std::string coverage_words(const ServoFigures& figures) {
   if (!figures.coverage_95) return "";
   const double share = *figures.coverage_95;
   if (share >= kLeast && share <= kMost) return "";
-  return fmt::format("; the stated 95 % intervals hold {:.1f} % of the components: they are too {}",
-                     100.0 * share, share < kLeast ? "narrow" : "wide");
+  return share < kLeast ? "; the stated 95 % intervals are too narrow"
+                        : "; the stated 95 % intervals are wider than need be";
 }
 
-std::string error_words(const std::optional<Eigen::Vector2d>& error) {
-  return error ? fmt::format("{:.4f}", mm(error->norm())) : "–";
+ReportList reached_list(const ServoFigures& figures) {
+  ReportList list;
+  list.line("",
+            fmt::format("{{reached}} of {{targets}} targets reached, {{iterations_median:g}} "
+                        "correction{} and {{seconds_per_target:.2f}} s each",
+                        figures.iterations_median == 1.0 ? "" : "s"),
+            figures.reached, figures.targets, figures.iterations_median,
+            figures.seconds_per_target);
+  return list;
+}
+
+void list_own_view(ReportList& list, const ServoFigures& figures) {
+  ReportList own_view("_own_view");
+  list_errors(own_view, std::string("by its own view") + kErrorLine, figures.before_own,
+              figures.after_own);
+  list.append(own_view);
+}
+
+void list_frames(ReportList& list, const FrameCounts& frames) {
+  list.line("", "camera: " + describe(frames));
+  list.unprinted("frames_complete", frames.complete);
+  list.unprinted("frames_incomplete", frames.incomplete);
+  list.unprinted("frames_frozen", frames.frozen);
+  list.unprinted("camera_reopened", frames.reopened);
+}
+
+/// Returns the one line of a list without its end.
+std::string line_of(const ReportList& list) {
+  const std::string text = list.text();
+  return text.substr(0, text.find('\n'));
 }
 
 /// Returns the text of run.yaml: the files used with their hashes, settings and outcome.
@@ -158,6 +186,14 @@ std::string run_text(const ServoRequest& request, const ServoRun& run, const Ser
 }
 
 }  // namespace
+
+bool ServoFigures::is_judged() const {
+  return before_truth && after_truth;
+}
+
+std::string ServoFigures::judge() const {
+  return name_in(kJudgeKinds, tracker ? JudgeKind::kTracker : JudgeKind::kTruth);
+}
 
 std::vector<double> error_lengths(const std::vector<TargetResult>& results, TargetError error) {
   std::vector<double> lengths;
@@ -205,40 +241,38 @@ QuiverPanel error_panel(const std::string& what, const std::vector<TargetResult>
   return panel;
 }
 
-ReportList servo_list(const ServoFigures& figures) {
+ReportList other_list(const ServoFigures& figures) {
   ReportList list;
-  list.line("",
-            fmt::format("{{reached}} of {{targets}} targets reached, {{iterations_median:g}} "
-                        "correction{} and {{seconds_per_target:.2f}} s each",
-                        figures.iterations_median == 1.0 ? "" : "s"),
-            figures.reached, figures.targets, figures.iterations_median,
-            figures.seconds_per_target);
-  list_judged(list, figures, list_judged_errors);
-  if (figures.made_worse) list.line("", kMadeWorse);
   if (figures.tracker) list_tracker(list, figures);
-  ReportList own_view("_own_view");
-  list_errors(own_view, "by its own view", figures.before_own, figures.after_own);
-  list.append(own_view);
+  if (figures.is_judged()) list_own_view(list, figures);
   list_judged(list, figures, list_coverage);
-  if (!figures.frames) return list;
-  list.line("", "camera: " + describe(*figures.frames));
-  list.unprinted("frames_complete", figures.frames->complete);
-  list.unprinted("frames_incomplete", figures.frames->incomplete);
-  list.unprinted("frames_frozen", figures.frames->frozen);
-  list.unprinted("camera_reopened", figures.frames->reopened);
+  if (figures.frames) list_frames(list, *figures.frames);
   return list;
 }
 
+ReportList servo_list(const ServoFigures& figures) {
+  ReportList list = reached_list(figures);
+  list_judged(list, figures, list_judged_errors);
+  if (figures.made_worse) list.line("", kMadeWorse);
+  if (!figures.is_judged()) list_own_view(list, figures);
+  list.append(other_list(figures));
+  return list;
+}
+
+std::string reached_words(const ServoFigures& figures) {
+  return line_of(reached_list(figures));
+}
+
 std::string landing_words(const ServoFigures& figures) {
-  const bool is_judged = figures.before_truth && figures.after_truth;
-  const auto& before = is_judged ? figures.before_truth : figures.before_own;
-  const auto& after = is_judged ? figures.after_truth : figures.after_own;
-  if (!before || !after) return "";
-  return fmt::format(
-      "{} the arm alone lands {:.4f} mm from its targets in the mean, with vision "
-      "{:.4f} mm{}",
-      is_judged ? "against the " + judge_name(figures) : "by its own view", mm(before->mean),
-      mm(after->mean), coverage_words(figures));
+  const bool judged = figures.is_judged();
+  const std::string judge = !judged           ? "By vision's own estimate"
+                            : figures.tracker ? "Judged by the tracker"
+                                              : "Judged by the truth of the virtual cell";
+  ReportList list;
+  list_errors(list, judge + kErrorSentence, judged ? figures.before_truth : figures.before_own,
+              judged ? figures.after_truth : figures.after_own);
+  const std::string words = line_of(list);
+  return words.empty() ? "" : words + coverage_words(figures);
 }
 
 std::vector<Verdict::Fault> run_faults(const ServoFigures& figures, const std::string& results) {
@@ -252,38 +286,6 @@ std::vector<Verdict::Fault> run_faults(const ServoFigures& figures, const std::s
                       "planar-check-cell says what has moved since the calibration; if nothing "
                       "has, record more training places and fit the error map again"});
   return faults;
-}
-
-std::string servo_page(const ServoRequest& request, const std::vector<TargetResult>& results) {
-  HtmlPage page("planar-servo: " + request.cell.file.filename().string());
-  const ServoFigures figures = figures_of(results);
-  if (const std::string words = landing_words(figures); !words.empty())
-    page.add_verdict({words, run_faults(figures, "the table below")});
-  page.add_paragraph(servo_list(figures).text());
-  const bool is_judged = figures.before_truth || figures.after_truth;
-  const QuiverPanel before =
-      error_panel("The arm alone", results,
-                  is_judged ? &TargetResult::before_truth : &TargetResult::before_own);
-  const QuiverPanel after = error_panel(
-      "With vision", results, is_judged ? &TargetResult::after_truth : &TargetResult::after_own);
-  page.add_heading(is_judged ? "Errors against the " + judge_name(figures)
-                             : "Errors by the servo's own view");
-  if (!before.points.empty()) {
-    page.add_html(quiver_svg({before, after}));
-    page.add_paragraph(kQuiverCaption);
-    page.add_html(quiver_svg({after}));
-    page.add_paragraph("The last panel once more, at scales of its own.");
-  }
-  TextTable table("Targets", {"target", "x mm", "y mm", "status", "corrections", "own view mm",
-                              "uncertainty mm", judge_name(figures) + " mm"});
-  for (const TargetResult& r : results)
-    table.add_row({r.id, fixed(mm(r.p_d.x()), 3), fixed(mm(r.p_d.y()), 3),
-                   r.reason.empty() ? name(r.status) : name(r.status) + (": " + r.reason),
-                   std::to_string(r.iterations), error_words(r.after_own),
-                   r.uncertainty_m ? fmt::format("{:.4f}", mm(*r.uncertainty_m)) : "–",
-                   error_words(r.after_truth)});
-  page.add_html(table.html());
-  return page.text();
 }
 
 std::vector<std::filesystem::path> run_inputs(const ServoRequest& request,
@@ -302,7 +304,8 @@ void write_run(const ServoRequest& request, const ServoRun& run, const ServoFigu
   if (!run.has_new_results() && std::filesystem::exists(request.out / "run.yaml")) return;
   write_file(request.out / "run.yaml",
              run_text(request, run, figures, run_inputs(request, targets)));
-  write_file(request.out / "report.html", servo_page(request, run.results()));
+  write_file(request.out / "report.html",
+             servo_page(request, figures, run.results(), run.ended_by()));
 }
 
 }  // namespace planar

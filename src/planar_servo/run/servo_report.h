@@ -47,6 +47,11 @@ struct ServoFigures {
   bool made_worse{false};
   std::optional<TrackerFigures> tracker;  ///< where the tracker judged in place of a truth
   std::optional<FrameCounts> frames;      ///< of the camera; added by whoever has the camera
+
+  /// Returns whether truth or tracker judged the run, and not the cell's own vision alone.
+  bool is_judged() const;
+  /// Returns the word for who judged, `truth` where nobody did.
+  std::string judge() const;
 };
 
 /// Computes the figures of a run without those of its camera.
@@ -56,9 +61,15 @@ ServoFigures figures_of(const std::vector<TargetResult>& results);
 /// improvement have the suffix of who judged them.
 ReportList servo_list(const ServoFigures& figures);
 
-/// Returns where the arm alone landed, in the mean, and where it ended with vision, by who judged;
-/// a clause. Stated intervals that hold too little or too much are mentioned. Empty where nothing
-/// was measured.
+/// Lists of these what is known besides the targets reached and the errors by who judged.
+ReportList other_list(const ServoFigures& figures);
+
+/// Says how many targets were reached, and how fast; a sentence without a full stop.
+std::string reached_words(const ServoFigures& figures);
+
+/// Says who judged, how far from its targets the arm alone landed and how far with vision; a
+/// sentence without a full stop. Stated intervals that hold too little or too much are mentioned.
+/// Empty where nothing was measured.
 std::string landing_words(const ServoFigures& figures);
 
 /// Says what is wrong with a run by its figures: targets that were not reached, and vision that
@@ -68,9 +79,6 @@ std::vector<Verdict::Fault> run_faults(const ServoFigures& figures, const std::s
 /// Returns a panel with an error at each target where it is known, under a title with its mean.
 QuiverPanel error_panel(const std::string& what, const std::vector<TargetResult>& results,
                         TargetError error);
-
-/// Returns the text of report.html of one run.
-std::string servo_page(const ServoRequest& request, const std::vector<TargetResult>& results);
 
 /// Returns the files that a run uses: those of its cell, and what it moves to or along, if that is
 /// a file.
