@@ -1,4 +1,5 @@
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "planar_servo/certificate/certificate_report.h"
@@ -36,6 +37,8 @@ TEST_CASE("A cell without a truth is certified by its tracker, whose uncertainty
   CHECK_FALSE(json.contains("poses_truth"));
   const std::string page = certificate_page(certificate);
   CHECK_THAT(page, Catch::Contains("the cell's laser tracker") && Catch::Contains("mm of RP"));
+  CHECK_THAT(page, Catch::Contains("Accuracy by ISO 9283:1998, judged by the cell's laser tracker: "
+                                   "pose accuracy 0."));
   CHECK_THAT(page, !Catch::Contains("AP °"));
 
   // The same command again moves nothing and finds the same.
@@ -45,6 +48,16 @@ TEST_CASE("A cell without a truth is certified by its tracker, whose uncertainty
   request.size.cycles = 3;
   CHECK_THROWS_WITH(run_certificate(request, open),
                     Catch::Contains("was begun with other --cycles"));
+}
+
+TEST_CASE("Lengths and intervals that round to zero are said in words") {
+  CHECK(figure_mm(1.24e-5) == "0.0124");
+  CHECK(figure_mm(4e-8) == "<0.0001");
+  CHECK(figure_mm(std::nan("")) == "–");
+  CHECK(interval_mm(Interval(1.5e-6, 4.7e-6)) == "0.0015 to 0.0047");
+  CHECK(interval_mm(Interval(0.0, 3.1e-6)) == "below 0.0031");
+  CHECK(interval_mm(Interval(0.0, 0.0)) == "no scatter seen");
+  CHECK(interval_mm(std::nullopt) == "–");
 }
 
 }  // namespace

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <tuple>
 
 #include "planar_servo/core/text.h"
 #include "planar_servo/core/units.h"
@@ -17,15 +19,19 @@ namespace planar {
 namespace {
 
 constexpr char kSheetStyle[] =
-    R"(@page{size:A4;margin:9mm 11mm}body{font:7.7pt/1.2 system-ui,sans-serif;max-width:188mm;margin:4mm auto}
-h1{font-size:13pt;margin:0 0 .5mm}p{margin:.6mm 0}table{margin:.8mm 0;width:100%}
-caption{padding:.2mm 0}th,td{padding:.1mm 1mm}th:first-child,td:first-child{padding-left:0}
-.sheet{display:grid;grid-template-columns:1.25fr 1fr;column-gap:6mm}
-.verdict{padding:.6mm 3mm;margin:.8mm 0;border-left-width:2mm}
-.words td:last-child,.words th:last-child{text-align:left}.figure{text-align:center}
-.figure svg{height:66mm;width:auto}.verdict.bad~.figure svg{height:38mm}
-.sign{display:grid;grid-template-columns:1fr 1fr 1fr;column-gap:6mm;margin-top:11mm}
-.sign div{border-top:1px solid #333;padding-top:.6mm}@media print{body{margin:0}}
+    R"(@page{size:A4;margin:9mm 11mm}
+.sheet{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,24rem),1fr));column-gap:2rem}
+.words :is(th,td):last-child{text-align:left}
+.sign{display:grid;grid-template-columns:1fr 1fr 1fr;column-gap:2rem;margin-top:4rem}
+.sign div{border-top:1px solid #333;padding-top:.2rem}
+@media print{body{font:7.7pt/1.2 system-ui,sans-serif;max-width:none;padding:0}
+h1{font-size:13pt;margin:0 0 .5mm}p{margin:.6mm 0;max-width:none}table,.wide table{margin:.8mm 0;width:100%}
+caption{padding:.2mm 0}th,td{padding:.1mm 1mm}:is(th,td):first-child{padding-left:0}
+.sheet{grid-template-columns:1.25fr 1fr;column-gap:6mm}
+.verdict{padding:.6mm 3mm;margin:.8mm 0;border-left-width:2mm;max-width:none}
+.panels{justify-content:space-evenly;margin:1mm 0}.panels>div{flex:none!important}
+.panels svg{height:50mm;width:auto}.verdict.bad~.panels svg{height:40mm}
+.sign{column-gap:6mm;margin-top:11mm}.sign div{padding-top:.6mm}}
 )";
 
 constexpr char kNone[] = "–";
@@ -33,21 +39,7 @@ constexpr std::size_t kDigitsOfHash = 16;
 /// RP = mean + 3 S of distances that only normal scatter of unit deviation per axis makes: those of
 /// Rayleigh's distribution, sqrt(pi / 2) + 3 sqrt(2 - pi / 2).
 constexpr double kRepeatabilityOfScatter = 3.2187;
-/// Of P1 to P5; told apart by people who do not see all colours [Okabe and Ito 2008].
-constexpr const char* kPoseColors[][2] = {{"#0072b2", "blue"},
-                                          {"#e69f00", "orange"},
-                                          {"#009e73", "green"},
-                                          {"#d55e00", "red"},
-                                          {"#cc79a7", "pink"}};
-
-std::string mm_text(double metres) {
-  return std::isfinite(metres) ? fmt::format("{:.4f}", mm(metres)) : kNone;
-}
-
-std::string range_mm(const std::optional<Interval>& interval) {
-  return interval ? fmt::format("{} to {}", mm_text(interval->first), mm_text(interval->second))
-                  : kNone;
-}
+static_assert(std::size(kSeriesColors) >= std::tuple_size_v<CycleErrors>);  // P1 to P5
 
 std::string judge_words(const Certificate& certificate) {
   if (certificate.run.judge == JudgeKind::kTruth)
@@ -56,8 +48,8 @@ std::string judge_words(const Certificate& certificate) {
       "the cell's laser tracker, its reflector's reading moved to the end point by tool.yaml; "
       "standard uncertainty {} mm per axis, besides what the monuments' places are wrong by. All "
       "figures hold its noise, which makes up to {} mm of RP by itself",
-      mm_text(certificate.accuracy.judge_sigma),
-      mm_text(kRepeatabilityOfScatter * certificate.accuracy.judge_sigma));
+      figure_mm(certificate.accuracy.judge_sigma),
+      figure_mm(kRepeatabilityOfScatter * certificate.accuracy.judge_sigma));
 }
 
 void add_opening(HtmlPage& page, const Certificate& certificate) {
@@ -74,10 +66,27 @@ void add_opening(HtmlPage& page, const Certificate& certificate) {
       judge_words(certificate)));
 }
 
+/// Says what was found; a sentence without a full stop. Empty where nothing was judged.
+std::string found_words(const Certificate& certificate) {
+  const CellAccuracy& accuracy = certificate.accuracy;
+  std::vector<std::string> found;
+  for (const auto& [name, words] : worst_pose_figures(accuracy))
+    found.push_back(name + ' ' + words);
+  if (const auto& workspace = accuracy.workspace)
+    found.push_back(fmt::format("over the workspace 95 % of {} targets within {} mm",
+                                workspace->errors.n, figure_mm(workspace->errors.p95)));
+  if (found.empty()) return "";
+  return fmt::format("Accuracy by ISO 9283:1998, judged by the {}: {}",
+                     certificate.run.judge == JudgeKind::kTruth ? "truth of the virtual cell"
+                                                                : "cell's laser tracker",
+                     fmt::join(found, "; "));
+}
+
 Verdict verdict_of(const Certificate& certificate) {
   const CellAccuracy& accuracy = certificate.accuracy;
   Verdict verdict;
   verdict.good = fmt::format("all {} moves reached their targets and were judged", accuracy.moves);
+  verdict.found = found_words(certificate);
   if (!certificate.run.ended_by.empty())
     verdict.faults.push_back(
         {"the run was ended at " + certificate.run.ended_by,
@@ -102,18 +111,18 @@ Verdict verdict_of(const Certificate& certificate) {
 
 std::string direction_table(const CellAccuracy& accuracy) {
   TextTable table("Variation with the approach vAP, drift over the run",
-                  {"", "compared", "found mm", "by chance below mm"});
+                  {"figure", "compared", "found mm", "chance alone mm"});
   for (const DirectionFigures& d : accuracy.directions)
     table.add_row({"vAP at " + d.name, fmt::format("{} × {} cycles", d.directions, d.cycles),
-                   mm_text(d.variation), mm_text(d.chance)});
+                   figure_mm(d.variation), figure_mm(d.chance)});
   if (!accuracy.drift) return table.html();
   const PoseDrift& drift = *accuracy.drift;
   const std::string cycles = fmt::format("first and last {}", drift.cycles);
   const auto change = [&](const char* what, const FirstAndLast& values) {
-    table.add_row({what, fmt::format("{} → {}", mm_text(values.first), mm_text(values.last)),
-                   mm_text(std::abs(values.last - values.first)), mm_text(values.chance)});
+    table.add_row({what, fmt::format("{} → {}", figure_mm(values.first), figure_mm(values.last)),
+                   figure_mm(std::abs(values.last - values.first)), figure_mm(values.chance)});
   };
-  table.add_row({"shift", cycles, mm_text(drift.shift), mm_text(drift.shift_chance)});
+  table.add_row({"shift", cycles, figure_mm(drift.shift), figure_mm(drift.shift_chance)});
   change("change of AP", drift.accuracy);
   if (drift.repeatability) change("change of RP", *drift.repeatability);
   return table.html();
@@ -122,10 +131,10 @@ std::string direction_table(const CellAccuracy& accuracy) {
 std::string workspace_table(const WorkspaceFigures& workspace) {
   TextTable table(fmt::format("Positioning over the workspace, {} targets", workspace.errors.n),
                   {"error", "mm", "95 % interval"});
-  table.add_row({"mean", mm_text(workspace.errors.mean), range_mm(workspace.mean)});
-  table.add_row({"rms", mm_text(workspace.errors.rms), range_mm(workspace.rms)});
-  table.add_row({"95 % are below", mm_text(workspace.errors.p95), range_mm(workspace.p95)});
-  table.add_row({"largest", mm_text(workspace.errors.max),
+  table.add_row({"mean", figure_mm(workspace.errors.mean), interval_mm(workspace.mean)});
+  table.add_row({"rms", figure_mm(workspace.errors.rms), interval_mm(workspace.rms)});
+  table.add_row({"95 % are below", figure_mm(workspace.errors.p95), interval_mm(workspace.p95)});
+  table.add_row({"largest", figure_mm(workspace.errors.max),
                  fmt::format("above {:.1f} % of all", 100.0 * workspace.below_max)});
   if (workspace.turn_rms)
     table.add_row(
@@ -133,12 +142,14 @@ std::string workspace_table(const WorkspaceFigures& workspace) {
   return table.html();
 }
 
+constexpr char kBudgetTitle[] =
+    "Uncertainty budget over the workspace: per axis, and the share of the expected mean square";
+
 std::string budget_table(const UncertaintyBudget& budget) {
-  TextTable table =
-      budget_list(budget).table("Uncertainty budget over the workspace, per axis", "terms");
-  table.add_row({"root sum of squares × √2", mm_text(budget.expected), "",
-                 fmt::format("expected rms length; found {} ({})", mm_text(budget.found),
-                             range_mm(budget.found_95))});
+  TextTable table = budget_list(budget).table(kBudgetTitle, "terms");
+  table.add_row({"root sum of squares × √2", figure_mm(budget.expected), "",
+                 fmt::format("expected rms length; found {} ({})", figure_mm(budget.found),
+                             interval_mm(budget.found_95))});
   return "<div class=\"words\">" + table.html() + "</div>";
 }
 
@@ -166,6 +177,14 @@ std::string condition_table(const CellSettings& cell) {
   return table.html();
 }
 
+/// Returns the colours and names of the poses.
+std::vector<Panel::Key> pose_keys(const CertificateRun& run) {
+  std::vector<Panel::Key> keys;
+  for (std::size_t i = 0; i < run.places.poses.size(); ++i)
+    keys.push_back({kSeriesColors[i], pose_name(i)});
+  return keys;
+}
+
 Panel workspace_panel(const CertificateRun& run) {
   std::vector<Eigen::Vector2d> places, errors;
   for (const JudgedMove& move : run.moves) {
@@ -185,7 +204,8 @@ Panel workspace_panel(const CertificateRun& run) {
   if (!places.empty())
     panel.add_arrows(in_mm(places), in_mm(errors), arrows_over(in_mm(errors), "mm"));
   for (std::size_t i = 0; i < run.places.poses.size(); ++i)
-    panel.add_dots(in_mm({run.places.poses[i]}), {kPoseColors[i][0]}, 5.0);
+    panel.add_dots(in_mm({run.places.poses[i]}), {kSeriesColors[i]}, 5.0);
+  panel.add_keys(pose_keys(run));
   return panel;
 }
 
@@ -198,7 +218,7 @@ std::vector<Eigen::Vector2d> errors_at(const std::string& pose, const Certificat
   return errors;
 }
 
-/// Draws the errors of every cycle about the commanded pose.
+/// Draws the errors of every cycle at each pose.
 Panel pose_panel(const CertificateRun& run) {
   constexpr double kRoom = 1.1;
   std::vector<std::vector<Eigen::Vector2d>> errors;
@@ -213,14 +233,20 @@ Panel pose_panel(const CertificateRun& run) {
               {"y error, mm", -most, most}, Panel::Aspect::kEqual);
   panel.add_line({{-most, 0.0}, {most, 0.0}}, Panel::Stroke::kDashed);
   panel.add_line({{0.0, -most}, {0.0, most}}, Panel::Stroke::kDashed);
-  std::string note;
-  for (std::size_t i = 0; i < errors.size(); ++i) {
-    panel.add_dots(errors[i], {kPoseColors[i][0]}, 3.0);
-    note += fmt::format("{}{} {}", note.empty() ? "" : ", ", pose_name(i), kPoseColors[i][1]);
-  }
-  panel.add_note(note);
+  for (std::size_t i = 0; i < errors.size(); ++i)
+    panel.add_dots(errors[i], {kSeriesColors[i]}, 3.0);
+  panel.add_keys(pose_keys(run));
   return panel;
 }
+
+constexpr char kPoseColumns[] =
+    "n: arrivals. AP: distance of their mean from the commanded pose. RP: radius about that mean, "
+    "the mean distance from it plus three standard deviations. 95 % interval: the figure lies in "
+    "it "
+    "with 95 % confidence.";
+constexpr char kDirectionColumns[] =
+    "vAP: largest distance between the mean errors of approaches along +x, -x, +y and -y. Chance "
+    "alone: in 95 of 100 runs scatter alone stays below it; what was found above it is more.";
 
 std::string place_words(const TestPlaces& places) {
   const std::string reached =
@@ -232,9 +258,7 @@ std::string place_words(const TestPlaces& places) {
       "corners, of the largest square with sides along x and y of the base that arm, camera and "
       "error map reach: {:.0f} mm wide about ({:.0f}, {:.0f}) mm, on a raster of {:.0f} mm. "
       "They are visited in the order P1 to P5. The standard's cube is cut down to a square and "
-      "z is left out, because the arm is planar. vAP compares approaches along +x, -x, +y and "
-      "-y. Targets are spread by Halton's sequence over {}. Intervals hold with 95 %, and "
-      "chance alone keeps vAP and drift below their last column in 95 of 100 runs.",
+      "z is left out, because the arm is planar. Targets are spread by Halton's sequence over {}.",
       mm(places.square.side), mm(places.square.centre.x()), mm(places.square.centre.y()),
       mm(places.raster), reached);
 }
@@ -253,14 +277,14 @@ std::string certificate_page(const Certificate& certificate) {
         certificate_list(certificate)
             .table("Pose accuracy AP and repeatability RP, ISO 9283, in the plane", "poses")
             .html());
-  page.add_html("<div class=\"sheet\"><div>");
-  page.add_html(direction_table(certificate.accuracy));
-  page.add_html("</div><div>");
+  page.add_paragraph(kPoseColumns);
+  page.add_html("<div class=\"sheet\"><div>" + direction_table(certificate.accuracy) +
+                "</div><div>");
   if (certificate.accuracy.workspace)
     page.add_html(workspace_table(*certificate.accuracy.workspace));
-  page.add_html("</div></div>\n<div class=\"figure\">");
-  page.add_html(plot_svg({workspace_panel(run), pose_panel(run)}));
-  page.add_html("</div>\n");
+  page.add_html("</div></div>\n");
+  page.add_paragraph(kDirectionColumns);
+  page.add_html(plot_html({workspace_panel(run), pose_panel(run)}));
   page.add_paragraph(place_words(run.places));
   if (certificate.budget) {
     page.add_html(budget_table(*certificate.budget));

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "planar_servo/core/text.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/io/atomic_file.h"
@@ -43,6 +44,14 @@ void list_run(ReportList& list, const CertificateRun& run) {
   list.unprinted("last_utc", run.moves.back().utc);
 }
 
+/// Lists one of the intervals.
+void list_interval(ReportList& row, const std::string& key, const std::optional<PoseIntervals>& of,
+                   Interval PoseIntervals::*part) {
+  const std::optional<Interval> interval = part_of(of, part);
+  row.unprinted(key, interval);
+  row.line("95 % interval", interval_mm(interval));
+}
+
 void list_poses(ReportList& list, const CellAccuracy& accuracy) {
   const bool sees_turns = std::any_of(accuracy.poses.begin(), accuracy.poses.end(),
                                       [](const PoseFigures& pose) { return pose.turn; });
@@ -51,21 +60,15 @@ void list_poses(ReportList& list, const CellAccuracy& accuracy) {
     row.line("x, y mm", "{place_mm:.1f}", pose.p);
     row.line("n", "{cycles}", pose.cycles);
     row.line("AP mm", "{ap_mm:.4f}", pose.position.accuracy);
-    row.line("95 %", "{ap_95_mm:.4f| to }", part_of(pose.intervals, &PoseIntervals::accuracy));
+    list_interval(row, "ap_95_mm", pose.intervals, &PoseIntervals::accuracy);
     row.line("RP mm", "{rp_mm:.4f}", pose.position.repeatability);
-    row.line("95 %", "{rp_95_mm:.4f| to }", part_of(pose.intervals, &PoseIntervals::repeatability));
+    list_interval(row, "rp_95_mm", pose.intervals, &PoseIntervals::repeatability);
     if (!sees_turns) return;
     row.line("AP °", "{ap_turn_deg:.4f}", part_of(pose.turn, &PoseAccuracy::accuracy));
     const auto turn = part_of(pose.turn, &PoseAccuracy::repeatability);
     row.line("RP °", "{rp_turn_deg:.4f}", turn && std::isfinite(*turn) ? turn : std::nullopt);
   });
-  if (accuracy.poses.empty()) return;
-  const PoseFigures &ap = accuracy.worst_accuracy(), &rp = accuracy.worst_repeatability();
-  list.line("pose accuracy", fmt::format("{:.4f} mm AP at {}, the worst of {}",
-                                         mm(ap.position.accuracy), ap.name, accuracy.poses.size()));
-  if (std::isfinite(rp.position.repeatability))
-    list.line("repeatability", fmt::format("{:.4f} mm RP at {}, over {} cycles",
-                                           mm(rp.position.repeatability), rp.name, rp.cycles));
+  for (const auto& [name, words] : worst_pose_figures(accuracy)) list.line(name, words);
 }
 
 void list_directions(ReportList& list, const CellAccuracy& accuracy) {
@@ -134,6 +137,33 @@ std::vector<std::pair<std::string, std::filesystem::path>> certified_files(
     if (std::filesystem::exists(file.path))
       files.emplace_back(name_in(kRoles, file.role), file.path);
   return files;
+}
+
+std::string figure_mm(double metres) {
+  constexpr double kLeastShown_mm = 1e-4;
+  if (!std::isfinite(metres)) return "–";
+  return mm(metres) < 0.5 * kLeastShown_mm ? "<0.0001" : fixed(mm(metres), 4);
+}
+
+std::string interval_mm(const std::optional<Interval>& interval) {
+  if (!interval) return "–";
+  const std::string from = fixed(mm(interval->first), 4), to = fixed(mm(interval->second), 4);
+  if (from == to) return "no scatter seen";
+  return from == fixed(0.0, 4) ? "below " + to : from + " to " + to;
+}
+
+std::vector<std::pair<std::string, std::string>> worst_pose_figures(const CellAccuracy& accuracy) {
+  if (accuracy.poses.empty()) return {};
+  const PoseFigures &ap = accuracy.worst_accuracy(), &rp = accuracy.worst_repeatability();
+  std::vector<std::pair<std::string, std::string>> figures{
+      {"pose accuracy",
+       fmt::format("{} mm AP at {}, the worst of {}", figure_mm(ap.position.accuracy), ap.name,
+                   accuracy.poses.size())}};
+  if (std::isfinite(rp.position.repeatability))
+    figures.emplace_back("repeatability",
+                         fmt::format("{} mm RP at {}, over {} cycles",
+                                     figure_mm(rp.position.repeatability), rp.name, rp.cycles));
+  return figures;
 }
 
 std::string certifying_program() {

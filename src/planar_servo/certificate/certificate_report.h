@@ -27,6 +27,16 @@ struct Certificate {
 
 Certificate certificate_of(CertificateRun run);
 
+/// Returns a length in millimetres for people: "0.0031", "<0.0001", a dash for none.
+std::string figure_mm(double metres);
+
+/// Returns an interval in millimetres for people: "0.0015 to 0.0047", "below 0.0031" where it
+/// begins at zero, "no scatter seen" where its ends are alike.
+std::string interval_mm(const std::optional<Interval>& interval);
+
+/// Returns the worst AP and RP over the poses, each with its name; RP needs two cycles.
+std::vector<std::pair<std::string, std::string>> worst_pose_figures(const CellAccuracy& accuracy);
+
 /// Returns the program that makes certificates, with its version.
 std::string certifying_program();
 
