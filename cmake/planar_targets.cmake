@@ -10,8 +10,8 @@ target_compile_options(planar_options INTERFACE
 target_include_directories(planar_options INTERFACE ${PROJECT_SOURCE_DIR}/src)
 
 # These need 150 to 250 further libraries, such as GDAL, and so take up to 0.15 s of a program's start.
-# planar_light() keeps them away from programs that do not call them.
-set(weighty visp_robot visp_vision visp_io opencv_imgcodecs PkgConfig::CAIRO)
+# planar_light() keeps them away from programs and tests that do not call them.
+set(weighty visp_robot visp_vision opencv_imgcodecs PkgConfig::CAIRO)
 
 # planar_weigh(LIST): replaces weighty libraries in the list by themselves for all but light programs.
 function(planar_weigh list)
@@ -148,14 +148,14 @@ function(planar_program name)
   install(TARGETS planar-${name})
 endfunction()
 
-# planar_light(NAME [LIBRARY...]): links the program planar-NAME without functions that it does not
-# call and without the weighty libraries that only those need, except for these. A call that needs
-# another one is then an undefined reference. Only an optimiser leaves out enough of what is not called.
-function(planar_light name)
+# planar_light(TARGET [LIBRARY...]): links a program without functions that it does not call and
+# without the weighty libraries that only those need, except for these. A call that needs another one
+# is then an undefined reference. Only an optimiser leaves out enough of what is not called.
+function(planar_light target)
   if(CMAKE_BUILD_TYPE STREQUAL Release)
-    set_target_properties(planar-${name} PROPERTIES PLANAR_LIGHT ON)
-    target_link_options(planar-${name} PRIVATE -Wl,--gc-sections)
-    target_link_libraries(planar-${name} PRIVATE ${ARGN})
+    set_target_properties(${target} PROPERTIES PLANAR_LIGHT ON)
+    target_link_options(${target} PRIVATE -Wl,--gc-sections)
+    target_link_libraries(${target} PRIVATE ${ARGN})
   endif()
 endfunction()
 
@@ -167,7 +167,8 @@ set(must_match --warn NoTests)
 set(lacks_data SKIP_REGULAR_EXPRESSION "skipped: no ")
 
 # planar_test(ROOM SOURCES ... LINKS ... [PROPERTIES ...]): the test program of one room, every case
-# known to ctest, with these properties.
+# known to ctest, with these properties. Each case is a process: weighty libraries that its room calls
+# stand in LINKS, others are not loaded.
 function(planar_test room)
   cmake_parse_arguments(TEST "" "" "SOURCES;LINKS;PROPERTIES" ${ARGN})
   add_executable(${room}_test ${TEST_SOURCES})
@@ -175,6 +176,7 @@ function(planar_test room)
                         UNITY_BUILD ${PLANAR_UNITY} UNITY_BUILD_BATCH_SIZE 10)
   target_link_libraries(${room}_test PRIVATE planar_test_main ${TEST_LINKS})
   planar_precompile(${room}_test planar_test_headers)
+  planar_light(${room}_test)
   catch_discover_tests(${room}_test TEST_PREFIX "${room}: " EXTRA_ARGS ${must_match}
                        PROPERTIES TIMEOUT 300 ${lacks_data} ${TEST_PROPERTIES})
 endfunction()
@@ -197,6 +199,7 @@ function(planar_wire_test name)
   target_link_libraries(${name}_test PRIVATE planar_test_main planar_wire_guard planar_mock_usb
                                              ${TEST_LINKS})
   planar_precompile(${name}_test planar_test_headers)
+  planar_light(${name}_test)
   catch_discover_tests(${name}_test TEST_PREFIX "${name}: " EXTRA_ARGS ${must_match}
                        PROPERTIES TIMEOUT 300 SKIP_RETURN_CODE 77)
 endfunction()
@@ -211,6 +214,7 @@ function(planar_gige_test name)
   target_link_libraries(${name}_test PRIVATE planar_test_main planar_gige_guard planar_rehearsal
                                              ${TEST_LINKS})
   planar_precompile(${name}_test planar_test_headers)
+  planar_light(${name}_test)
   catch_discover_tests(${name}_test TEST_PREFIX "${name}: " EXTRA_ARGS ${must_match}
                        PROPERTIES TIMEOUT 300 SKIP_RETURN_CODE 77 RESOURCE_LOCK gige_camera)
 endfunction()

@@ -4,7 +4,7 @@
 #include <planar_servo/lamps/lamp_tracker.h>
 #include <planar_servo/machine/cell_devices.h>
 #include <planar_servo/machine/device_kinds.h>
-#include <planar_servo/robot/planar_robot.h>
+#include <planar_servo/robot/visp_robot.h>
 #include <visp3/core/vpPixelMeterConversion.h>
 #include <visp3/visual_features/vpFeaturePoint.h>
 #include <visp3/vs/vpServo.h>
@@ -85,7 +85,8 @@ int main(int argc, char** argv) try {
                             planar::Transmission(cell.transmission), devices->drives(),
                             devices->clock());
   robot.energize();
-  servo(robot, devices->camera());
+  planar::VispRobot visp_robot(robot);
+  servo(visp_robot, devices->camera());
 } catch (const std::exception& error) {
   std::fprintf(stderr, "%s\n", error.what());
   return 1;

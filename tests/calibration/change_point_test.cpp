@@ -86,8 +86,8 @@ TEST_CASE("Neither a steady drift nor a warming that slows down is a step") {
           0.06 * kMillimetre * (1.0 - std::exp(-4.0 * static_cast<double>(i) / kPlaces));
   };
   for (const Visit visit : {Visit::kAtRandom, Visit::kSpiral}) {
-    CHECK(alarms(20, visit, steady) == 0);
-    CHECK(alarms(20, visit, warming) == 0);
+    CHECK(alarms(10, visit, steady) == 0);
+    CHECK(alarms(10, visit, warming) == 0);
   }
 }
 
@@ -97,8 +97,8 @@ TEST_CASE("Outliers are not taken for a step, not even among the first places") 
     errors[seed % 6].error.x() += 3.0 * kMillimetre;
     errors[(seed + 2) % 6].error.y() += 0.3 * kMillimetre;
   };
-  CHECK(alarms(25, Visit::kAtRandom, strewn) == 0);
-  CHECK(alarms(25, Visit::kSpiral, strewn) == 0);
+  CHECK(alarms(12, Visit::kAtRandom, strewn) == 0);
+  CHECK(alarms(12, Visit::kSpiral, strewn) == 0);
 }
 
 TEST_CASE("A reflector bumped is found at its place with its size, among outliers, too") {
@@ -125,7 +125,7 @@ TEST_CASE("A reflector bumped is found at its place with its size, among outlier
 
 TEST_CASE("Errors that do not drift have no trend, whatever the order of the places") {
   for (const Visit visit : {Visit::kAtRandom, Visit::kSpiral, Visit::kRings})
-    for (unsigned seed = 0; seed < 25; ++seed) CHECK_FALSE(find_trend(healthy_errors(seed, visit)));
+    for (unsigned seed = 0; seed < 10; ++seed) CHECK_FALSE(find_trend(healthy_errors(seed, visit)));
 }
 
 TEST_CASE("A trend is found with its size, and with the frame in which it is constant") {

@@ -238,8 +238,8 @@ TEST_CASE("Without a tracker reading a laid board and poses place the tool, but 
   const CellSettings cell = read_cell(test::paper_cell_file());
   ExperimentRequest request{cell, parse_board("circles:11x11:50mm"), 1, folder / "run"};
   request.size = kSmall;
-  request.size.unattended_poses = 150;
-  request.size.lays = 8;
+  request.size.unattended_poses = 80;
+  request.size.lays = 6;
   request.uses_tracker = false;
   request.dots_height = -5.5 * kMillimetre;
   const auto devices = open_cell(cell);

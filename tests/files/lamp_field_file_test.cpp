@@ -13,7 +13,7 @@ namespace {
 LampFieldFit fit_of_bent_cell() {
   const test::BentCell cell;
   std::mt19937 random(41);
-  return fit_lamp_field(cell.nominal(), cell.samples(40, 20, random));
+  return fit_lamp_field(cell.nominal(), cell.samples(16, 8, random));
 }
 
 TEST_CASE("A field at the lamps read from its file compensates the same, bit for bit") {
@@ -59,8 +59,8 @@ TEST_CASE("Lamps whose height waves come back with their wave, bit for bit") {
 TEST_CASE("A field's file says what it was made from and what fixed it") {
   const std::string text =
       lamp_field_text(fit_of_bent_cell(), {{Role::kPairs, "pairs.csv", "ab"}}, "test");
-  CHECK_THAT(text, Catch::Contains("method: lamp_field") && Catch::Contains("n_readings: 40") &&
-                       Catch::Contains("n_unattended: 20") && Catch::Contains("scale: tracker") &&
+  CHECK_THAT(text, Catch::Contains("method: lamp_field") && Catch::Contains("n_readings: 16") &&
+                       Catch::Contains("n_unattended: 8") && Catch::Contains("scale: tracker") &&
                        Catch::Contains("loo_rms_mm") && Catch::Contains("pairs.csv"));
 }
 

@@ -129,14 +129,14 @@ class RecordedBench {
 
 TEST_CASE("Healthy recordings are neither refused nor doubted") {
   int doubted = 0;
-  constexpr unsigned kSeeds = 200;
+  constexpr unsigned kSeeds = 60;
   for (unsigned seed = 0; seed < kSeeds; ++seed) {
     const std::string said = RecordedBench(seed).refusal();
     INFO("seed " << seed << ": " << said);
     if (!said.empty()) ++doubted;
     CHECK((said.empty() || Contains("doubt: ").match(said)));
   }
-  CHECK(doubted <= 3);  // four questions at one in a thousand: 0.8 expected
+  CHECK(doubted <= 2);  // four questions at one in a thousand: 0.24 expected
 }
 
 TEST_CASE("Monuments that are all shifted are held against the axis of joint 1") {

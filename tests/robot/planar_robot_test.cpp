@@ -1,4 +1,4 @@
-#include "planar_servo/robot/planar_robot.h"
+#include "planar_servo/robot/visp_robot.h"
 
 #include <visp3/robot/vpRobotException.h>
 
@@ -289,31 +289,32 @@ TEST_CASE("Destruction halts the drives when one still moves, and leaves resting
 
 TEST_CASE("As a vpRobot it moves joints and poses, in position control only") {
   ReadyBench bench;
-  PlanarRobot& robot = bench.robot;
-  CHECK_THROWS_AS(robot.setPosition(vpRobot::JOINT_STATE, column({0.3, 1.5, -0.4})),
+  const PlanarRobot& robot = bench.robot;
+  VispRobot visp(bench.robot);
+  CHECK_THROWS_AS(visp.setPosition(vpRobot::JOINT_STATE, column({0.3, 1.5, -0.4})),
                   vpRobotException);
   CHECK(bench.nothing_was_sent());
-  robot.setRobotState(vpRobot::STATE_POSITION_CONTROL);
-  robot.setPosition(vpRobot::JOINT_STATE, column({0.3, 1.5, -0.4}));
-  CHECK(robot.getPosition(vpRobot::JOINT_STATE)[1] == Approx(1.5).margin(test::kPulse_rad));
+  visp.setRobotState(vpRobot::STATE_POSITION_CONTROL);
+  visp.setPosition(vpRobot::JOINT_STATE, column({0.3, 1.5, -0.4}));
+  CHECK(visp.getPosition(vpRobot::JOINT_STATE)[1] == Approx(1.5).margin(test::kPulse_rad));
 
   const TipPose tip = robot.arm().forward({0.1, 1.6, 0.2});
-  robot.setPosition(vpRobot::REFERENCE_FRAME, column({tip.p.x(), tip.p.y(), 0, 0, 0, tip.phi}));
+  visp.setPosition(vpRobot::REFERENCE_FRAME, column({tip.p.x(), tip.p.y(), 0, 0, 0, tip.phi}));
   CHECK((robot.commanded_joints() - Joints(0.1, 1.6, 0.2)).norm() < 3.0 * test::kPulse_rad);
-  const vpColVector pose = robot.getPosition(vpRobot::REFERENCE_FRAME);
+  const vpColVector pose = visp.getPosition(vpRobot::REFERENCE_FRAME);
   CHECK(pose[0] == Approx(tip.p.x()).margin(test::kPulse_rad));
   CHECK(pose[5] == Approx(tip.phi).margin(3.0 * test::kPulse_rad));
 
-  CHECK_THROWS_WITH(robot.setPosition(vpRobot::REFERENCE_FRAME, column({0.9, 0, 0, 0, 0, 0})),
+  CHECK_THROWS_WITH(visp.setPosition(vpRobot::REFERENCE_FRAME, column({0.9, 0, 0, 0, 0, 0})),
                     Catch::Contains("both links together"));
-  CHECK_THROWS_AS(robot.setPosition(vpRobot::REFERENCE_FRAME, column({0.3, 0, 0.1, 0, 0, 0})),
+  CHECK_THROWS_AS(visp.setPosition(vpRobot::REFERENCE_FRAME, column({0.3, 0, 0.1, 0, 0, 0})),
                   vpRobotException);
-  CHECK_THROWS_AS(robot.setPosition(vpRobot::END_EFFECTOR_FRAME, pose), vpRobotException);
+  CHECK_THROWS_AS(visp.setPosition(vpRobot::END_EFFECTOR_FRAME, pose), vpRobotException);
 }
 
 TEST_CASE("As a vpRobot its state stop halts the drives") {
   ReadyBench bench;
-  bench.robot.setRobotState(vpRobot::STATE_STOP);
+  VispRobot(bench.robot).setRobotState(vpRobot::STATE_STOP);
   for (const auto& drive : bench.drives) CHECK(drive.halts == 1);
 }
 
@@ -331,12 +332,13 @@ TEST_CASE("The vpRobot Jacobians are those of the pose, in the base and in the t
       rows.row(i) << J[i == 2 ? 5 : i][0], J[i == 2 ? 5 : i][1], J[i == 2 ? 5 : i][2];
     return rows;
   };
+  VispRobot visp(bench.robot);
   vpMatrix base;
-  bench.robot.get_fJe(base);
+  visp.get_fJe(base);
   CHECK(base.getRows() == 6);
   CHECK(test::jacobian_mismatch(planar_rows(base), pose, theta, 1e-3) < kFiniteDifference);
   vpMatrix tool;
-  bench.robot.get_eJe(tool);
+  visp.get_eJe(tool);
   Eigen::Matrix3d base_from_tool = Eigen::Matrix3d::Identity();
   base_from_tool.topLeftCorner<2, 2>() = rotation2d(bench.robot.arm().forward(theta).phi);
   CHECK((base_from_tool * planar_rows(tool)).isApprox(planar_rows(base)));

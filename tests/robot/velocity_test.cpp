@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "planar_servo/core/units.h"
-#include "planar_servo/robot/planar_robot.h"
+#include "planar_servo/robot/visp_robot.h"
 #include "support/robot_bench.h"
 
 namespace planar {
@@ -22,18 +22,20 @@ constexpr double kStraight_m = 0.25e-3;
 
 /// Under velocity control, at rest with the links at a right angle.
 struct TurningBench : test::ReadyBench {
+  VispRobot visp{robot};
+
   TurningBench() {
     robot.move_to({0.3, 0.3 + kPi / 2.0, -0.4});
-    robot.setRobotState(vpRobot::STATE_VELOCITY_CONTROL);
+    visp.setRobotState(vpRobot::STATE_VELOCITY_CONTROL);
   }
 
   void command(vpRobot::vpControlFrameType frame, const vpColVector& velocity) {
-    robot.setVelocity(frame, velocity);
+    visp.setVelocity(frame, velocity);
     clock.sleep_for_s(kCall_s);
   }
 
   TipPose tip() {
-    const vpColVector pose = robot.getPosition(vpRobot::REFERENCE_FRAME);
+    const vpColVector pose = visp.getPosition(vpRobot::REFERENCE_FRAME);
     return {{pose[0], pose[1]}, pose[5]};
   }
 
@@ -98,21 +100,28 @@ TEST_CASE("A twist of the base frame moves the end point on a straight line at i
 
 TEST_CASE("Joints turn at the velocities asked for") {
   TurningBench bench;
-  const vpColVector start = bench.robot.getPosition(vpRobot::JOINT_STATE);
+  const vpColVector start = bench.visp.getPosition(vpRobot::JOINT_STATE);
   for (int call = 0; call < 50; ++call)
     bench.command(vpRobot::JOINT_STATE, column({0.1, -0.2, 0.3}));
-  const vpColVector turned = bench.robot.getPosition(vpRobot::JOINT_STATE) - start;
+  const vpColVector turned = bench.visp.getPosition(vpRobot::JOINT_STATE) - start;
   CHECK(turned[0] == Approx(0.1).margin(50.0 * test::kPulse_rad));
   CHECK(turned[1] == Approx(-0.2).margin(50.0 * test::kPulse_rad));
   CHECK(turned[2] == Approx(0.3).margin(50.0 * test::kPulse_rad));
+  CHECK_THROWS_WITH(bench.robot.move_to({0.3, 1.5, -0.4}),
+                    Catch::Contains("under velocity control"));
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  CHECK_THROWS_WITH(bench.robot.turn([&](const Joints&) { return Joints(0.1, nan, 0.0); }),
+                    Catch::Contains("must be finite"));
+  bench.robot.end_turning();
+  CHECK_NOTHROW(bench.robot.move_to({0.3, 1.5, -0.4}));
 }
 
 TEST_CASE("Whatever velocities are asked for, no drive leaves its limits") {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> velocity(-3.0, 3.0);
   TurningBench bench;
-  bench.robot.setMaxRotationVelocity(10.0);
-  bench.robot.setMaxTranslationVelocity(10.0);
+  bench.visp.setMaxRotationVelocity(10.0);
+  bench.visp.setMaxTranslationVelocity(10.0);
   const auto rated = bench.settings;
   int refused = 0;
   for (int call = 0; call < 2000; ++call) {
@@ -148,8 +157,8 @@ TEST_CASE("Whatever velocities are asked for, no drive leaves its limits") {
 
 TEST_CASE("A velocity beyond what the motors can do is scaled as a whole") {
   TurningBench bench;
-  bench.robot.setMaxRotationVelocity(100.0);
-  bench.robot.setVelocity(vpRobot::JOINT_STATE, column({4.0, 0.0, 2.0}));
+  bench.visp.setMaxRotationVelocity(100.0);
+  bench.visp.setVelocity(vpRobot::JOINT_STATE, column({4.0, 0.0, 2.0}));
   // Motor 1 can turn at 1 rad/s; motors 2 and 3 turn by the differences of -4 and 2.
   const double pulses_per_rad = 1e6 / (2.0 * kPi);
   CHECK(bench.drives[0].max_speed_pulses_s == Approx(pulses_per_rad));
@@ -159,7 +168,7 @@ TEST_CASE("A velocity beyond what the motors can do is scaled as a whole") {
 
 TEST_CASE("ViSP's greatest velocities bound the tool and the joints") {
   TurningBench bench;
-  bench.robot.setMaxTranslationVelocity(0.01);
+  bench.visp.setMaxTranslationVelocity(0.01);
   const TipPose start = bench.tip();
   for (int call = 0; call < 50; ++call)
     bench.command(vpRobot::REFERENCE_FRAME, column({0.3, 0.4, 0, 0, 0, 0}));
@@ -172,7 +181,7 @@ TEST_CASE("An arm whose caller goes silent holds its velocity for a while and co
   TurningBench bench;
   for (int call = 0; call < 5; ++call) bench.command(vpRobot::JOINT_STATE, column({0.5, 0.5, 0.5}));
   const double said_s = bench.clock.now_s() - kCall_s;
-  const double there = bench.robot.getPosition(vpRobot::JOINT_STATE)[0] - 0.5 * kCall_s;
+  const double there = bench.visp.getPosition(vpRobot::JOINT_STATE)[0] - 0.5 * kCall_s;
   while (bench.clock.now_s() < said_s + PlanarRobot::kVelocityHold_s) {
     CHECK_FALSE(bench.rests());
     bench.clock.sleep_for_s(kCall_s);
@@ -180,10 +189,10 @@ TEST_CASE("An arm whose caller goes silent holds its velocity for a while and co
   bench.clock.sleep_for_s(2.0 * 0.5 / 5.0);  // twice the time in which motor 1 brakes
   CHECK(bench.rests());
   const double braking_rad = 0.5 * 0.5 / (2.0 * 5.0);
-  CHECK(bench.robot.getPosition(vpRobot::JOINT_STATE)[0] - there ==
+  CHECK(bench.visp.getPosition(vpRobot::JOINT_STATE)[0] - there ==
         Approx(0.5 * PlanarRobot::kVelocityHold_s + braking_rad).margin(10.0 * test::kPulse_rad));
   CHECK(bench.halts() == 0);
-  CHECK_NOTHROW(bench.robot.setVelocity(vpRobot::JOINT_STATE, column({-0.5, -0.5, -0.5})));
+  CHECK_NOTHROW(bench.visp.setVelocity(vpRobot::JOINT_STATE, column({-0.5, -0.5, -0.5})));
 }
 
 TEST_CASE("A velocity of zero and the end of velocity control bring the arm to rest unharmed") {
@@ -193,17 +202,17 @@ TEST_CASE("A velocity of zero and the end of velocity control bring the arm to r
     bench.command(vpRobot::REFERENCE_FRAME, column({0.05, 0.0, 0, 0, 0, 0.2}));
   const TipPose told = bench.tip();
   if (by_state) {
-    bench.robot.setRobotState(vpRobot::STATE_STOP);
+    bench.visp.setRobotState(vpRobot::STATE_STOP);
   } else {
-    bench.robot.setVelocity(vpRobot::REFERENCE_FRAME, column({0, 0, 0, 0, 0, 0}));
+    bench.visp.setVelocity(vpRobot::REFERENCE_FRAME, column({0, 0, 0, 0, 0, 0}));
     bench.clock.sleep_for_s(0.2);
   }
   CHECK(bench.rests());
   CHECK(bench.halts() == 0);
   CHECK((bench.tip().p - told.p).norm() < 2e-3);
-  bench.robot.setRobotState(vpRobot::STATE_POSITION_CONTROL);
+  bench.visp.setRobotState(vpRobot::STATE_POSITION_CONTROL);
   CHECK(bench.drives[1].max_speed_pulses_s == Approx(1e6 / (2.0 * kPi)));
-  bench.robot.setPosition(vpRobot::JOINT_STATE, column({0.3, 1.5, -0.4}));
+  bench.visp.setPosition(vpRobot::JOINT_STATE, column({0.3, 1.5, -0.4}));
   CHECK(bench.robot.commanded_joints()[1] == Approx(1.5).margin(test::kPulse_rad));
 }
 
@@ -213,7 +222,7 @@ TEST_CASE("An arm under velocity control that is stopped as asked rests and says
   bench.robot.stop_when([&] { return stop; });
   for (int call = 0; call < 5; ++call) bench.command(vpRobot::JOINT_STATE, column({0.5, 0.5, 0.5}));
   stop = true;
-  CHECK_THROWS_AS(bench.robot.setVelocity(vpRobot::JOINT_STATE, column({0.5, 0.5, 0.5})),
+  CHECK_THROWS_AS(bench.visp.setVelocity(vpRobot::JOINT_STATE, column({0.5, 0.5, 0.5})),
                   StopRequested);
   CHECK(bench.rests());
   CHECK(bench.halts() == 0);
@@ -231,41 +240,41 @@ TEST_CASE(
   CHECK(bench.rests());
   CHECK(bench.motors_rad()[0] < 3.0);
   CHECK(bench.motors_rad()[0] > 3.0 - 0.3 * (PlanarRobot::kVelocityHold_s + 0.1));
-  CHECK_NOTHROW(bench.robot.setVelocity(vpRobot::JOINT_STATE, column({-0.3, -0.3, -0.3})));
+  CHECK_NOTHROW(bench.visp.setVelocity(vpRobot::JOINT_STATE, column({-0.3, -0.3, -0.3})));
 }
 
 TEST_CASE("What a planar arm cannot do is refused before anything moves") {
   TurningBench bench;
-  PlanarRobot& robot = bench.robot;
+  VispRobot& visp = bench.visp;
   const auto sent = bench.drives[0].targets.size();
-  CHECK_THROWS_WITH(robot.setVelocity(vpRobot::REFERENCE_FRAME, column({0, 0, 0.01, 0, 0, 0})),
+  CHECK_THROWS_WITH(visp.setVelocity(vpRobot::REFERENCE_FRAME, column({0, 0, 0.01, 0, 0, 0})),
                     Catch::Contains("vz, wx and wy have to be 0"));
-  CHECK_THROWS_WITH(robot.setVelocity(vpRobot::REFERENCE_FRAME, column({0, 0, 0, 0, 0.1, 0})),
+  CHECK_THROWS_WITH(visp.setVelocity(vpRobot::REFERENCE_FRAME, column({0, 0, 0, 0, 0.1, 0})),
                     Catch::Contains("vz, wx and wy have to be 0"));
-  CHECK_THROWS_WITH(robot.setVelocity(vpRobot::REFERENCE_FRAME, column({0.1, 0, 0})),
+  CHECK_THROWS_WITH(visp.setVelocity(vpRobot::REFERENCE_FRAME, column({0.1, 0, 0})),
                     Catch::Contains("6 elements"));
-  CHECK_THROWS_WITH(robot.setVelocity(vpRobot::JOINT_STATE, column({0.1, 0})),
+  CHECK_THROWS_WITH(visp.setVelocity(vpRobot::JOINT_STATE, column({0.1, 0})),
                     Catch::Contains("3 elements"));
-  CHECK_THROWS_WITH(robot.setVelocity(vpRobot::CAMERA_FRAME, column({0.1, 0, 0})),
+  CHECK_THROWS_WITH(visp.setVelocity(vpRobot::CAMERA_FRAME, column({0.1, 0, 0})),
                     Catch::Contains("JOINT_STATE and REFERENCE_FRAME only"));
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  CHECK_THROWS_WITH(robot.setVelocity(vpRobot::JOINT_STATE, column({0.1, nan, 0})),
+  CHECK_THROWS_WITH(visp.setVelocity(vpRobot::JOINT_STATE, column({0.1, nan, 0})),
                     Catch::Contains("element 1 of the velocity is not finite"));
-  CHECK_THROWS_WITH(robot.move_to({0.3, 1.5, -0.4}), Catch::Contains("under velocity control"));
   CHECK(bench.drives[0].targets.size() == sent);
-  robot.setRobotState(vpRobot::STATE_POSITION_CONTROL);
-  CHECK_THROWS_WITH(robot.setVelocity(vpRobot::JOINT_STATE, column({0, 0, 0})),
+  visp.setRobotState(vpRobot::STATE_POSITION_CONTROL);
+  CHECK_THROWS_WITH(visp.setVelocity(vpRobot::JOINT_STATE, column({0, 0, 0})),
                     Catch::Contains("STATE_VELOCITY_CONTROL"));
 }
 
 TEST_CASE("A straight arm turns its joints but takes no twist") {
   test::ReadyBench bench;
-  bench.robot.setRobotState(vpRobot::STATE_VELOCITY_CONTROL);
+  VispRobot visp(bench.robot);
+  visp.setRobotState(vpRobot::STATE_VELOCITY_CONTROL);
   CHECK_THROWS_WITH(
-      bench.robot.setVelocity(vpRobot::REFERENCE_FRAME, column({0, 0.01, 0, 0, 0, 0})),
+      visp.setVelocity(vpRobot::REFERENCE_FRAME, column({0, 0.01, 0, 0, 0, 0})),
       Catch::Contains("nearly straight"));
   CHECK(bench.nothing_was_sent());
-  bench.robot.setVelocity(vpRobot::JOINT_STATE, column({0, 0.1, 0}));
+  visp.setVelocity(vpRobot::JOINT_STATE, column({0, 0.1, 0}));
   CHECK(bench.drives[1].targets.size() == 1);
 }
 
@@ -273,7 +282,7 @@ TEST_CASE("A drive that fails while the arm turns halts all and is named") {
   TurningBench bench;
   bench.command(vpRobot::JOINT_STATE, column({0.2, 0.1, 0.3}));
   bench.drives[1].fault = "driver error";
-  CHECK_THROWS_WITH(bench.robot.setVelocity(vpRobot::JOINT_STATE, column({0.2, 0.1, 0.3})),
+  CHECK_THROWS_WITH(bench.visp.setVelocity(vpRobot::JOINT_STATE, column({0.2, 0.1, 0.3})),
                     "drive 2 reports: driver error");
   for (const auto& drive : bench.drives) CHECK(drive.halts == 1);
 }

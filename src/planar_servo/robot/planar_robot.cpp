@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "planar_servo/core/units.h"
 
@@ -91,7 +92,6 @@ VelocityMove velocity_move(const VelocityMove& last, double now_s,
 PlanarRobot::PlanarRobot(const PlanarArm& arm, const Transmission& transmission, DriveGroup& drives,
                          Clock& clock)
     : arm_(arm), transmission_(transmission), drives_(drives), clock_(clock) {
-  nDof = 3;
   read_positions(drives_.status());
 }
 
@@ -179,7 +179,7 @@ void PlanarRobot::recover(double patience_s) {
 std::optional<std::string> PlanarRobot::move_to(const Joints& theta, const Guard& guard) {
   if (const auto violation = transmission_.limit_violation(theta))
     throw WorkError("the arm refuses to move: " + *violation);
-  if (getRobotState() == STATE_VELOCITY_CONTROL)
+  if (velocity_control_)
     throw WorkError(
         Refusal{"the arm is under velocity control", "end that before it moves to a position"});
   const Pulses target = transmission_.pulses_from_joints(theta);
@@ -232,6 +232,63 @@ void PlanarRobot::brake() {
   }
   drives_.set_targets(stop_pulses);
   wait_for_rest(longest_s);
+}
+
+Joints PlanarRobot::present_joints() {
+  read_positions(drives_.status());
+  return commanded_joints();
+}
+
+PlanarRobot::Status PlanarRobot::look_while_turning() {
+  try {
+    Status status = require_ready();
+    read_positions(status);
+    return status;
+  } catch (const std::exception& error) {
+    halt_after(error);
+    throw;
+  }
+}
+
+void PlanarRobot::turn(const VelocityLaw& velocity) {
+  if (stopped()) end_turning();
+  throw_if_stopped();
+  const Status status = look_while_turning();
+  turn(status, velocity(commanded_joints()));
+}
+
+void PlanarRobot::turn(const Status& status, const Joints& theta_dot) {
+  if (!theta_dot.allFinite())
+    throw std::invalid_argument("velocities of the joints must be finite");
+  const Eigen::Vector3d velocity =
+      transmission_.pulses_per_rad().cwiseProduct(transmission_.motors_from_joints(theta_dot));
+  const VelocityMove move =
+      velocity_move(turning_, clock_.now_s(), status, velocity, rated_limits(), kVelocityHold_s);
+  const Pulses target(move.targets_pulses[0], move.targets_pulses[1], move.targets_pulses[2]);
+  if (const auto violation =
+          transmission_.limit_violation(transmission_.joints_from_pulses(target)))
+    throw WorkError("the arm refuses this velocity: " + *violation);
+  try {
+    drives_.set_limits(move.limits);
+    drives_.set_targets(move.targets_pulses);
+  } catch (const std::exception& error) {
+    halt_after(error);
+    throw;
+  }
+  turning_ = move;
+  velocity_control_ = true;
+}
+
+void PlanarRobot::end_turning() {
+  turn(look_while_turning(), Joints::Zero());
+  try {
+    wait_for_rest(kVelocityHold_s);
+    drives_.set_limits(rated_limits());
+    velocity_control_ = false;
+  } catch (const std::exception& error) {
+    halt_after(error);
+    throw;
+  }
 }
 
 void PlanarRobot::halt() {

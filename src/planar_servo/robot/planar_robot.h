@@ -1,7 +1,5 @@
 #pragma once
 
-#include <visp3/robot/vpRobot.h>
-
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
@@ -46,17 +44,16 @@ class StopRequested : public WorkError {
   using WorkError::WorkError;
 };
 
-/// Moves the arm behind its three pulse drives: joint angles in, absolute pulse targets out. It is
-/// also a vpRobot, so that ViSP's programs can drive it by positions and by velocities. Joints
-/// count from 0.
+/// Moves the arm behind its three pulse drives: joint angles or their velocities in, absolute pulse
+/// targets out. Joints count from 0. VispRobot drives it as a vpRobot.
 ///
 /// Use it from one thread only. The destructor halts the drives if one still moves.
-class PlanarRobot final : public vpRobot {
+class PlanarRobot {
  public:
   /// Reads the drives' positions and moves nothing. Drives and clock must outlive the robot.
   PlanarRobot(const PlanarArm& arm, const Transmission& transmission, DriveGroup& drives,
               Clock& clock);
-  ~PlanarRobot() override;
+  ~PlanarRobot();
   PlanarRobot(const PlanarRobot&) = delete;
   PlanarRobot& operator=(const PlanarRobot&) = delete;
 
@@ -115,45 +112,31 @@ class PlanarRobot final : public vpRobot {
   /// DriveError naming the drives that could not be told.
   void halt();
 
-  const PlanarArm& arm() const { return arm_; }
-  const Transmission& transmission() const { return transmission_; }
-
-  // These are vpRobot's functions. Its frames are JOINT_STATE (theta, 3 elements) and
-  // REFERENCE_FRAME (the base: x, y, z, then rotations, 6 elements). Other frames throw
-  // vpRobotException.
+  /// Reads where the drives stand now, also while they turn.
+  Joints present_joints();
 
   /// A velocity holds for so long; unless the next one comes before, the arm slows down to rest.
   static constexpr double kVelocityHold_s{0.2};
 
-  /// There is nothing to do: see energize().
-  void init() override {}
-  /// Returns the Jacobian of the tool's twist, 6 x 3, in the tool's frame.
-  void get_eJe(vpMatrix& J) override;
-  /// Returns the Jacobian of the tool's twist, 6 x 3, in the base frame.
-  void get_fJe(vpMatrix& J) override;
-  using vpRobot::getPosition;
-  /// Reads where the drives stand now, also while they turn. A pose ends with its rotation vector.
-  void getPosition(const vpControlFrameType frame, vpColVector& position) override;
-  /// Moves to a position; works in STATE_POSITION_CONTROL only. A pose of the base frame is reached
-  /// with the present elbow.
-  void setPosition(const vpControlFrameType frame, const vpColVector& position) override;
-  /// Always throws: displacements are not recorded.
-  void getDisplacement(const vpControlFrameType frame, vpColVector& displacement) override;
-  /// Only in STATE_VELOCITY_CONTROL; returns at once. Turns the joints (rad/s), or moves the tool
-  /// by a twist of the base frame (vx, vy in m/s and wz in rad/s; the others must be 0), for
-  /// kVelocityHold_s. Call it again before that, at best every 20 ms, since a twist holds exactly
-  /// only where the arm stands now. A velocity beyond getMaxTranslationVelocity(),
-  /// getMaxRotationVelocity() or what the motors can do is scaled as a whole.
+  /// Returns the velocities of the joints, rad/s, for their present angles.
+  using VelocityLaw = std::function<Joints(const Joints& theta)>;
+
+  /// Turns the joints at these velocities for kVelocityHold_s and returns at once. Call it again
+  /// before that, at best every 20 ms. Velocities beyond what the motors can do are scaled as a
+  /// whole. Until end_turning() the arm is under velocity control and moves to no position.
   ///
-  /// What is refused counts as silence: the arm slows down to rest. Throws vpRobotException for a
-  /// velocity that is not finite or that no planar arm can have, and for a twist within 3 degrees
-  /// of a straight arm; WorkError where a motor would leave its limits if the velocity were kept;
-  /// StopRequested, at rest; DriveError, after all were halted, when a drive fails. A drive with a
-  /// command timeout shorter than kVelocityHold_s and the way to brake stops by that timeout.
-  void setVelocity(const vpControlFrameType frame, const vpColVector& velocity) override;
-  /// Leaving STATE_VELOCITY_CONTROL slows the arm down and returns when it rests, so that no
-  /// position is lost; STATE_STOP halts otherwise.
-  vpRobotStateType setRobotState(const vpRobotStateType state) override;
+  /// What is refused counts as silence: the arm slows down to rest. Throws what `velocity` throws,
+  /// std::invalid_argument for velocities that are not finite, WorkError where a motor would leave
+  /// its limits if the velocity were kept, StopRequested, at rest, and DriveError, after all were
+  /// halted, when a drive fails. A drive with a command timeout shorter than kVelocityHold_s and
+  /// the way to brake stops by that timeout.
+  void turn(const VelocityLaw& velocity);
+
+  /// Slows down to rest, so that no position is lost, and gives the drives their own speeds again.
+  void end_turning();
+
+  const PlanarArm& arm() const { return arm_; }
+  const Transmission& transmission() const { return transmission_; }
 
  private:
   using Status = std::array<DriveStatus, 3>;
@@ -178,19 +161,11 @@ class PlanarRobot final : public vpRobot {
   void wait_for_rest(double duration_s);
   /// As require_ready(), and notes where the arm stands; halts all before it throws.
   Status look_while_turning();
-  /// Turns the joints, which have this status, at velocities (rad/s) for kVelocityHold_s.
   void turn(const Status& status, const Joints& theta_dot);
-  /// Slows down to rest and gives the drives their own speeds again.
-  void end_turning();
   const MotorDrive& motor_drive(int joint) const;
   std::array<DriveLimits, 3> rated_limits() const;
   std::int32_t home_pulses(int joint) const;
   double longest_move_s(const Pulses& target) const;
-  /// Fills J: rows x and y of the twist from `tip_jacobian`, the rotation about z from joint 3.
-  void set_jacobian(const Eigen::Matrix2d& tip_jacobian, vpMatrix& J) const;
-  Joints present_joints();
-  Joints joints_from_pose(const vpColVector& pose) const;
-  Joints joint_velocity(const vpColVector& twist) const;
   void read_positions(const Status& status);
 
   PlanarArm arm_;
@@ -200,6 +175,7 @@ class PlanarRobot final : public vpRobot {
   std::function<bool()> stop_;
   Pulses commanded_pulses_{0, 0, 0};
   VelocityMove turning_;                        ///< the last one, under velocity control
+  bool velocity_control_{false};
   Eigen::Vector3d seen_pulses_{0.0, 0.0, 0.0};  ///< at the last look, when, and how fast
   double seen_s_{0.0};
   Eigen::Vector3d speed_pulses_s_{0.0, 0.0, 0.0};

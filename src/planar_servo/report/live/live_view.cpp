@@ -2,11 +2,12 @@
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
-#include <visp3/io/vpImageIo.h>
 
 #include <condition_variable>
 #include <cstdlib>
 #include <mutex>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 #include <thread>
 #include <utility>
 
@@ -51,7 +52,12 @@ struct LiveView::Impl {
   void save(const vpImage<vpRGBa>& picture) const {
     std::filesystem::path fresh = file;
     fresh.replace_extension(".new.png");
-    vpImageIo::write(picture, fresh.string());
+    const cv::Mat rgba(static_cast<int>(picture.getHeight()), static_cast<int>(picture.getWidth()),
+                       CV_8UC4, picture.bitmap);
+    cv::Mat bgr;
+    cv::cvtColor(rgba, bgr, cv::COLOR_RGBA2BGR);
+    if (!cv::imwrite(fresh.string(), bgr))
+      throw WorkError(fmt::format("{}: cannot be written", fresh.string()));
     std::filesystem::rename(fresh, file);
   }
 

@@ -136,10 +136,6 @@ Eigen::Vector2d PathFollower::Run::correction() const {
 
 PathResult PathFollower::follow(const Path& path, const PathTiming& timing, bool by_vision,
                                 const Observer& observer) {
-  double fastest = 0.0;
-  for (const MotorDrive& drive : planner_.transmission().settings().drives)
-    fastest += drive.max_speed_rad_s;
-  robot_.setMaxRotationVelocity(fastest);
   const double now_s = clock_.now_s();
   const Joints here = robot_.commanded_joints();
   Run run{path,
@@ -149,9 +145,8 @@ PathResult PathFollower::follow(const Path& path, const PathTiming& timing, bool
           now_s,
           here,
           GearPlay(planner_.transmission(), play_rad_, here)};
-  robot_.setRobotState(vpRobot::STATE_VELOCITY_CONTROL);
   std::optional<PathResult> early = move_along(run, observer);
-  robot_.setRobotState(vpRobot::STATE_POSITION_CONTROL);
+  robot_.end_turning();
   PathResult result = early.value_or(PathResult{});
   if (!early && !run.inside_map)
     result = {ServoStatus::kOutsideMap,
@@ -246,7 +241,7 @@ std::optional<PathResult> PathFollower::command(Run& run) {
   run.commanded_s = now_s;
   const Joints velocity =
       (next.theta - here.theta) / kPathStep_s + (run.play.command(here.theta) - theta) / catch_up_s;
-  robot_.setVelocity(vpRobot::JOINT_STATE, {velocity[0], velocity[1], velocity[2]});
+  robot_.turn([&](const Joints&) { return velocity; });
   return std::nullopt;
 }
 
@@ -257,9 +252,7 @@ JointPlan PathFollower::joints_at(const Run& run, double t_s) const {
 }
 
 Joints PathFollower::take_joints(Run& run) {
-  vpColVector joints;
-  robot_.getPosition(vpRobot::JOINT_STATE, joints);
-  const Joints theta(joints[0], joints[1], joints[2]);
+  const Joints theta = robot_.present_joints();
   run.history.add(clock_.now_s(), run.play.behind(theta));
   return theta;
 }
