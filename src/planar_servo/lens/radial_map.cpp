@@ -47,12 +47,10 @@ constexpr double kInverseTolerance = 1e-13;
 
 /// Returns N D + 2 s (N' D - N D').
 Polynomial growth_of(const Polynomial& N, const Polynomial& D) {
-  const Polynomial left = product(derivative(N), D);
-  const Polynomial right = product(N, derivative(D));
-  Polynomial growth = Polynomial::Zero(N.size() + D.size());
-  growth.head(N.size() + D.size() - 1) = product(N, D);
-  growth.segment(1, left.size()) += 2.0 * left;
-  growth.segment(1, right.size()) -= 2.0 * right;
+  Polynomial growth = Polynomial::Zero(N.size() + D.size() - 1);
+  for (Eigen::Index i = 0; i < N.size(); ++i)
+    for (Eigen::Index j = 0; j < D.size(); ++j)
+      growth[i + j] += static_cast<double>(1 + 2 * (i - j)) * N[i] * D[j];
   return growth;
 }
 
@@ -91,13 +89,6 @@ Polynomial derivative(const Polynomial& a) {
   Polynomial result(std::max<Eigen::Index>(1, a.size() - 1));
   result.setZero();
   for (Eigen::Index i = 1; i < a.size(); ++i) result[i - 1] = static_cast<double>(i) * a[i];
-  return result;
-}
-
-Polynomial product(const Polynomial& a, const Polynomial& b) {
-  Polynomial result = Polynomial::Zero(a.size() + b.size() - 1);
-  for (Eigen::Index i = 0; i < a.size(); ++i)
-    for (Eigen::Index j = 0; j < b.size(); ++j) result[i + j] += a[i] * b[j];
   return result;
 }
 

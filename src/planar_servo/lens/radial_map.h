@@ -16,7 +16,6 @@ Polynomial polynomial(std::initializer_list<double> coefficients);
 
 double value(const Polynomial& a, double s);
 Polynomial derivative(const Polynomial& a);
-Polynomial product(const Polynomial& a, const Polynomial& b);
 
 /// Returns whether the polynomial is positive on the whole interval [0, end]. Its Bernstein
 /// coefficients decide, and the interval is halved while they leave the question open [Farouki &
