@@ -16,7 +16,7 @@ const ProgramText kText{
     R"(readings met        0.0172 mm rms, 2 harmonics of each reducer
 places left out     0.0192 mm rms
 
-what the poses say of the arm
+the arm, as found from the poses
 link 1                     299.87668 +- 0.00197   mm
 link 2                     300.17470 +- 0.00319   mm)"};
 

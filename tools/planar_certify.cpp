@@ -35,7 +35,7 @@ struct Options {
 void add_options(CLI::App& app, Options& options) {
   add_required(app, "--cell", options.cell, "FILE", "the calibrated cell");
   add_required(app, "--out", options.request.servo.out, "DIR",
-               "folder for the page, the figures and every cycle; the same command goes on with a "
+               "folder for the page, the figures and every cycle; the same command continues a "
                "run that was broken off");
   app.add_option("--cycles", options.request.size.cycles,
                  "cycles of the five poses, and of the directions of approach; the standard has 30")
@@ -72,7 +72,7 @@ Outcome certify(const Options& options) {
   if (!certificate.run.ended_by.empty())
     spdlog::error(fmt::format(
         "{}; the cell is in doubt and no further move was made; mend it, then give the same "
-        "command to go on",
+        "command to continue",
         certificate.run.ended_by));
   write_certificate(certificate);
   const ReportList list = certificate_list(certificate);

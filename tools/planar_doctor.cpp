@@ -12,7 +12,7 @@ namespace planar {
 namespace {
 
 const ProgramText kText{"planar-doctor",
-                        "Looks at a cell's file and devices and says what mends each fault.",
+                        "Checks a cell's file and devices and says how to mend each fault.",
                         fmt::format("planar-doctor --cell cell.yaml\n"
                                     "       planar-doctor --new cell.yaml --drives {}\n"
                                     "       planar-doctor --seal map.yaml",
@@ -64,7 +64,7 @@ Outcome work(const Options& options) {
   if (!options.new_cell.empty()) return write_new(options);
   if (!options.sealed.empty()) return seal(options.sealed);
   if (options.cell.empty())
-    throw InputError(Refusal{"--cell, --new or --seal is required", "--help tells of each"});
+    throw InputError(Refusal{"--cell, --new or --seal is required", "--help explains each"});
   const auto findings = examine_cell(options.cell);
   say("{}", findings_text(findings));
   return {findings_json(findings), is_sound(findings)};

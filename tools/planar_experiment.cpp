@@ -159,7 +159,7 @@ void add_options(CLI::App& app, Options& options) {
   add_required(app, "--cell", options.cell, "FILE", "the cell");
   add_required(app, "--out", options.out, "DIR",
                "folder for the recording, each chain's files and the report; what the same "
-               "command left there unfinished is gone on with");
+               "command left there unfinished is continued");
   add_value(app, "--grid", options.grid, "BOARD", "the calibration board")->capture_default_str();
   app.add_option("--seed", options.seed, "draws the training and test positions")
       ->capture_default_str();
@@ -211,10 +211,11 @@ void add_options(CLI::App& app, Options& options) {
                "predict the true error from the recording in DIR alone; nothing moves")
       ->excludes(seeds);
   for (CLI::Option* homing : add_homing_options(app, options.homing)) homing->excludes(seeds);
-  add_choice(app, "--display", options.display, names_of(kDisplayPolicies),
-             "auto: draw a map of what is recorded, and what a real cell's camera sees of the board, "
-             "into DIR/recording/view.png and, where an X server answers, a window; x: insist on "
-             "the window; none");
+  add_choice(
+      app, "--display", options.display, names_of(kDisplayPolicies),
+      "auto: draw a map of what is recorded, and what a real cell's camera sees of the board, "
+      "into DIR/recording/view.png and, where an X server answers, a window; x: insist on "
+      "the window; none");
 }
 
 Outcome run_many(const ExperimentRequest& request, const Options& options) {

@@ -36,7 +36,7 @@ leave-one-out       0.0097 mm rms
 noise               0.0059 mm per axis
 gain                87.4 %, worth using
 
-what the pairs say of the cell                        rms, mm
+faults of the cell                                    rms, mm
 shift x                0.001134 +- 0.0128   mm       0.0011
 
 rms, mm        left out: one   a block of neighbours (95 % interval)

@@ -154,7 +154,7 @@ PairFiles files_of(const Options& options) {
   return {options.workplane_out, options.tool_out, options.pairs_out};
 }
 
-/// Says what of the arm the recording shows to be wrong, and keeps what the cell is like now.
+/// Names the errors of the arm that the recording shows, and keeps the present state of the cell.
 void look_at_cell(const Options& options, const PairTrackerRequest& request,
                   const PairTrackerReport& report) {
   const VisionCalibration vision{request.cell.lamps.layout,

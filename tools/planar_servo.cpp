@@ -98,7 +98,7 @@ void add_options(CLI::App& app, Options& options) {
                "move even with files that were not made from one another; the run says which");
   app.add_flag("--accept-map", options.request.accept_map, kAcceptMap);
   app.add_flag("--no-health", options.no_health,
-               "move without looking first whether the cell still is as it was calibrated");
+               "move without checking first that the cell is as it was calibrated");
   app.add_flag("--keep-going", options.request.keep_going,
                "try the next target even when the cell itself is in doubt: after a look that "
                "contradicts the command or the calibration, or an error that grew");
@@ -246,8 +246,8 @@ Outcome report(const ServoRequest& request, const Options& options, const ServoR
         doubted));
   if (run.ended_by())
     spdlog::error(fmt::format(
-        "no further target was tried, because the cell is in doubt since {}; mend it, then go on "
-        "with --resume",
+        "no further target was tried, because the cell is in doubt since {}; mend it, then "
+        "continue with --resume",
         *run.ended_by()));
   ServoFigures figures = figures_of(run.results());
   figures.frames = frames;

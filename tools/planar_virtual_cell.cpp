@@ -176,7 +176,7 @@ void add_options(CLI::App& app, Options& options) {
                         "Serves a cell as real devices of this machine until interrupted: a GigE "
                         "Vision camera, drives on a Grbl board, a tracker. Lines on standard input "
                         "say what a person would do at the cell: " +
-                            std::string(kCellCommands) + ". When they end, the cell goes on."),
+                            std::string(kCellCommands) + ". When they end, the cell runs on."),
                     options);
   CLI::App* command = app.add_subcommand(kDraw.name, "Draws a new random cell with its truth.");
   command->add_option("--seed", options.seed, "the same seed draws the same cell")->required();

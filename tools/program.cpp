@@ -244,8 +244,8 @@ bool interrupted() {
 int run_program(const ProgramText& text, int argc, char** argv,
                 const std::function<void(CLI::App&)>& add_options,
                 const std::function<Outcome()>& work) {
-  // Who reads what is printed may leave, and a file may grow to its limit: what is written fails
-  // then, which must not end the program while the arm moves.
+  // The reader of our output may leave, and a file may reach its limit: the write then fails, which
+  // must not end the program while the arm moves.
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
   CLI::App app(text.sentence, text.name);
@@ -268,8 +268,8 @@ int run_program(const ProgramText& text, int argc, char** argv,
     return std::cout.flush() ? 0 : kWorkFailed;
   }
   start_log(text.name, quiet, verbose);
-  // Products of matrices gain nothing from two threads here, and lose all where others compute,
-  // too.
+  // Products of matrices gain nothing from two threads here, and lose much where other programs
+  // compute.
   Eigen::setNbThreads(1);
   cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);  // our messages say it all
   try {

@@ -15,7 +15,7 @@ EVERY_FAULT = (
     ("the run was ended at c12.P4: held: the tool is seen at (147.8, -110.1) mm, 0.812 mm from where it was commanded, "
      "more than the 0.350 mm that it was ever seen from there at its calibration; a motor has lost steps, the camera has "
      "moved or the arm is bent; look at the cell and calibrate it anew",
-     "mend the cell (planar-check-cell), then give the same command to go on"),
+     "mend the cell (planar-check-cell), then give the same command to continue"),
     ("17 of 610 moves did not reach their targets and are in no figure",
      "see the column status of cycles.csv, mend the cell, and certify it into another folder"),
     ("23 moves were not judged and are in no figure",

@@ -44,7 +44,7 @@ kill -INT "$recording"
 status=0
 wait "$recording" || status=$?
 [ "$status" -eq 1 ] || fail "leaving ended with $status: $(cat first.txt)"
-says "left at g3; start again to go on"
+says "left at g3; start again to continue"
 [ "$(rows g)" -eq 2 ] || fail "$(cat recording/frames.csv)"
 [ -s recording/view.png ] || fail "nothing was drawn"
 

@@ -22,7 +22,7 @@ expect 2 "live.yaml: is no virtual cell; --seeds" \
 experiment=("$bin/planar-experiment" --cell live.yaml --train 12 --accept-map --loop-only 1 --home --out DIR)
 worked() {
   until operated said.err bash -c 'echo $$ >pid; exec "$@"' sh "${experiment[@]}" "$@" >said.txt; do
-    grep -q "start again to go on\|have not arrived\|does not answer" said.err || return 1
+    grep -q "start again to \(continue\|go on\)\|have not arrived\|does not answer" said.err || return 1
   done
 }
 

@@ -262,7 +262,7 @@ TEST_CASE("Drives that do not arrive name the place, and the recording can be go
   devices.stall();
   CHECK_THROWS_WITH(record(request, devices),
                     Catch::StartsWith("t0: the drives have not arrived after ") &&
-                        Catch::EndsWith("start again to go on"));
+                        Catch::EndsWith("start again to continue"));
   NotingDevices mended;
   CHECK(record(request, mended).recorded == 1);
 }

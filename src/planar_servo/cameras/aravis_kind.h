@@ -34,7 +34,7 @@ CameraInspection inspect_camera(const AravisSettings& settings, double duration_
 /// came damaged, late or not at all.
 std::vector<Finding> examine_camera(const CameraSettings& camera, const AravisSettings& settings);
 
-// What that is judged by.
+// The checks of examine_camera().
 
 /// Judges whether packets pass the network; a camera on USB has none. No finding where nothing is
 /// known.

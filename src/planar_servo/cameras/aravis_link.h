@@ -18,7 +18,7 @@ namespace planar {
 /// Frames are dated by their arrival when the camera's clock stands still or runs fast, and once
 /// after it jumps. A slow clock makes frames seem later and later, as does a growing queue in the
 /// camera; but a queue ends with its stream. When frames come too late, begin a new stream: if its
-/// first frame is then dated before the stream's beginning, the clock is no longer believed.
+/// first frame is then dated before the stream's beginning, the clock is no longer trusted.
 class CameraClock {
  public:
   /// Notes that a stream begins at `start_s` on the steady clock; its frames are stamped later.

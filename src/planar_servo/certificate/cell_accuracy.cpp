@@ -91,7 +91,7 @@ std::optional<WorkspaceFigures> workspace_figures(const std::vector<JudgedMove>&
   figures.mean = figure_interval(lengths, mean);
   figures.rms = figure_interval(lengths, rms);
   figures.p95 = quantile_interval(lengths, 0.95, kCertainty);
-  // The largest of n values drawn alike exceeds the share s of all with the chance 1 - s^n.
+  // The largest of n values of one distribution exceeds the share s of all with the chance 1 - s^n.
   figures.below_max = std::pow(1.0 - kCertainty, 1.0 / static_cast<double>(lengths.size()));
   if (!turns.empty()) figures.turn_rms = rms(turns);
   return figures;

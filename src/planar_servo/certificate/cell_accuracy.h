@@ -38,7 +38,7 @@ struct WorkspaceFigures {
   std::optional<double> turn_rms;  ///< radians
 };
 
-/// What judged moves tell of a cell. Only moves that count are in the figures.
+/// The accuracy of a cell by its judged moves. Only moves that count are in the figures.
 struct CellAccuracy {
   std::size_t moves{0}, reached{0}, judged{0};
   std::vector<PoseFigures> poses;

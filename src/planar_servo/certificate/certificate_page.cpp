@@ -46,7 +46,7 @@ std::string judge_words(const Certificate& certificate) {
     return "the truth of the virtual cell, which has no uncertainty";
   return fmt::format(
       "the cell's laser tracker, its reflector's reading moved to the end point by tool.yaml; "
-      "standard uncertainty {} mm per axis, besides what the monuments' places are wrong by. All "
+      "standard uncertainty {} mm per axis, besides the errors of the monuments' places. All "
       "figures hold its noise, which makes up to {} mm of RP by itself",
       figure_mm(certificate.accuracy.judge_sigma),
       figure_mm(kRepeatabilityOfScatter * certificate.accuracy.judge_sigma));
@@ -90,7 +90,7 @@ Verdict verdict_of(const Certificate& certificate) {
   if (!certificate.run.ended_by.empty())
     verdict.faults.push_back(
         {"the run was ended at " + certificate.run.ended_by,
-         "mend the cell (planar-check-cell), then give the same command to go on"});
+         "mend the cell (planar-check-cell), then give the same command to continue"});
   if (accuracy.reached < accuracy.moves)
     verdict.faults.push_back(
         {fmt::format("{} of {} moves did not reach their targets and are in no figure",
@@ -103,9 +103,9 @@ Verdict verdict_of(const Certificate& certificate) {
   const std::vector<std::string>& accepted = certificate.run.accepted;
   if (!accepted.empty())
     verdict.faults.push_back(
-        {fmt::format("what speaks against the files was accepted, {} sentences in all: {}",
-                     accepted.size(), accepted.front()),
-         "make the cell's files anew from one another; certificate.json has every sentence"});
+        {fmt::format("objections to the files were accepted, {} in all: {}", accepted.size(),
+                     accepted.front()),
+         "make the cell's files anew from one another; certificate.json lists them"});
   return verdict;
 }
 

@@ -14,7 +14,7 @@
 namespace planar {
 namespace {
 
-/// Returns a member of what may not be there.
+/// Returns a member, or nothing where the whole is absent.
 template <typename Whole, typename Part>
 std::optional<Part> part_of(const std::optional<Whole>& whole, Part Whole::*part) {
   return whole ? std::optional(*whole.*part) : std::nullopt;

@@ -44,7 +44,7 @@ std::string certifying_program();
 std::vector<std::pair<std::string, std::filesystem::path>> certified_files(
     const CellSettings& cell);
 
-/// Lists what a budget says; its rows have the key `terms`.
+/// Lists a budget; its rows have the key `terms`.
 ReportList budget_list(const UncertaintyBudget& budget);
 
 /// Lists every figure. Keys of what was found end with who judged it: `poses_truth`,

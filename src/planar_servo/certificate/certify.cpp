@@ -57,10 +57,10 @@ std::vector<JudgedMove> moves_so_far(const CertificateRequest& request, const st
   throw InputError(
       {"was begun with other --cycles or --targets, with another judge or before the cell file was "
        "changed; its first lines say with which",
-       "give the same ones to go on, or name another folder", file});
+       "give the same ones to continue, or name another folder", file});
 }
 
-/// Returns what speaks against the cell's files. Throws InputError with it unless it is accepted.
+/// Returns the objections to the cell's files. Throws InputError unless they are accepted.
 std::vector<std::string> accepted_words(const CertificateRequest& request,
                                         const VisionCalibration& vision) {
   const std::vector<StaleFile> stale = stale_files(request.servo.cell, true);
@@ -82,8 +82,7 @@ class CertificateDriver {
 
   ServoRun& run() { return run_; }
 
-  /// Makes a move, from where it is to be made, and has its end judged. A move whose beginning is
-  /// refused is not made.
+  /// Makes a move from its start and has its end judged. A move whose start is refused is not made.
   JudgedMove make(const CertificateMove& move, Judge& judge) {
     JudgedMove made;
     made.move = move;

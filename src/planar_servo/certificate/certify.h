@@ -24,7 +24,7 @@ struct CertificateRun {
   TestPlaces places{};
   JudgeKind judge{JudgeKind::kTruth};
   std::vector<JudgedMove> moves{};
-  std::vector<std::string> accepted{};  ///< what speaks against the files
+  std::vector<std::string> accepted{};  ///< objections to the cell's files
   std::string ended_by{};               ///< why no further move was made; empty when complete
 };
 

@@ -49,20 +49,19 @@ struct PoseIntervals {
   Interval accuracy, repeatability;
 };
 
-/// Returns the intervals of pose_accuracy(), from sets drawn anew out of the normal distribution
-/// that has the errors' mean and covariance: AP by the basic bootstrap, RP, which scales with the
-/// scatter, by its ratio [Davison and Hinkley 1997, 5.2]. Empty for fewer than kLeastForInterval
-/// errors.
+/// Returns the intervals of pose_accuracy(), from sets drawn from the normal distribution with the
+/// errors' mean and covariance: AP by the basic bootstrap, RP, which scales with the scatter, by
+/// its ratio [Davison and Hinkley 1997, 5.2]. Empty for fewer than kLeastForInterval errors.
 std::optional<PoseIntervals> pose_intervals(const PoseErrors& errors);
 
-/// Returns the interval of a figure of values that are drawn alike, from values drawn anew out of
-/// themselves (percentile bootstrap). Empty for fewer than kLeastForInterval values.
+/// Returns the interval of a figure of values of one distribution, by resampling them (percentile
+/// bootstrap). Empty for fewer than kLeastForInterval values.
 std::optional<Interval> figure_interval(
     const std::vector<double>& values,
     const std::function<double(const std::vector<double>&)>& figure);
 
-/// Returns what chance alone lets a figure of n things reach with kCertainty where their order
-/// means nothing: the quantile over orders that are drawn. `figure` takes the order.
+/// Returns the limit that a figure of n things keeps with kCertainty where their order means
+/// nothing: its quantile over random orders. `figure` takes the order.
 double chance_level(std::size_t n,
                     const std::function<double(const std::vector<std::size_t>& order)>& figure);
 
@@ -84,8 +83,8 @@ struct PoseDrift {
   std::optional<FirstAndLast> repeatability{};  ///< RP; needs two cycles on either side
 };
 
-/// Compares the first third of the cycles with the last third, at least one cycle each. What chance
-/// alone makes is found by changing the order of the cycles. Empty for fewer than two cycles.
+/// Compares the first third of the cycles with the last third, at least one cycle each. The part of
+/// chance is found by shuffling the cycles. Empty for fewer than two cycles.
 std::optional<PoseDrift> pose_drift(const std::vector<CycleErrors>& cycles);
 
 }  // namespace planar

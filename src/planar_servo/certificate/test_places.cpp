@@ -98,7 +98,7 @@ TestSquare square_at(const Raster& raster, const RasterSquare& found) {
   return {raster.node(found.column, found.row) - Eigen::Vector2d::Constant(0.5 * side), side};
 }
 
-/// Plans a cycle of all moves twice, so that the way back to the first is looked at, too.
+/// Plans a cycle of all moves twice, so that the way back to the first is checked, too.
 bool can_cycle(DryRun dry, const TestPlaces& places) {
   const auto refused = [&](const Eigen::Vector2d& p) {
     return dry.first_move({"", p, {}}).plan.refusal.has_value();

@@ -29,7 +29,7 @@ std::vector<const JudgedMove*> targets_of(const std::vector<JudgedMove>& moves) 
   return targets;
 }
 
-/// Returns the median of what all moves say; 0 when none does.
+/// Returns the median over the moves that have the figure; 0 when none has.
 double median_over(const std::vector<JudgedMove>& moves,
                    std::optional<double> JudgedMove::*figure) {
   std::vector<double> values;

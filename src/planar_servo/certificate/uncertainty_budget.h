@@ -24,7 +24,7 @@ struct BudgetTerm {
   std::string name() const;
 };
 
-/// What the cell's files and a run say of the errors over the workspace, beside those found.
+/// The errors over the workspace that the cell's files and a run predict, beside those found.
 /// Metres.
 struct UncertaintyBudget {
   std::vector<BudgetTerm> terms;
@@ -46,8 +46,8 @@ UncertaintyBudget uncertainty_budget(const CellSettings& cell, const VisionCalib
                                      const std::vector<JudgedMove>& moves,
                                      const CellAccuracy& accuracy);
 
-/// Returns what the budget says in one or two sentences: whether it explains what was found, and
-/// what would improve the cell most.
+/// Says in one or two sentences whether the budget explains what was found, and what would improve
+/// the cell most.
 std::string budget_words(const UncertaintyBudget& budget);
 
 }  // namespace planar

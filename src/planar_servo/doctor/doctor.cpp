@@ -84,8 +84,8 @@ Finding examine_file(const MadeFile& file, bool is_stale) {
   return {is_stale ? Verdict::kFaulty : Verdict::kWell, name, origin_text(file.path)};
 }
 
-/// Reads a file as the programs that use it do, which throws InputError where they would. An error
-/// map against which its own fit speaks is accepted by some; what it says is returned.
+/// Reads a file as the programs that use it do, which throws InputError where they would. Some
+/// accept an error map that its own fit rejects; the reason is returned.
 std::optional<Refusal> objection_of(const CellSettings& cell, const MadeFile& file) {
   switch (file.role) {
     case Role::kCamera:
@@ -129,7 +129,7 @@ std::vector<Finding> examine_content(const CellSettings& cell, const MadeFile& f
   }
 }
 
-/// Says of each calibration file who made it from what, and of those that no longer hold why.
+/// Lists which program made each calibration file from what, and why a file is no longer valid.
 std::vector<Finding> examine_files(const CellSettings& cell) {
   std::vector<Finding> findings;
   const std::vector<StaleFile> all_stale = stale_files(cell, true);

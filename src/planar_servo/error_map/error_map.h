@@ -51,7 +51,7 @@ std::optional<ToolBias> tool_bias(const ErrorMap& map);
 /// NaN where the method has none.
 double noise_sigma(const ErrorMap& map);
 
-/// What the places that a fit left out say of its map.
+/// How a map does at the places that its fit left out.
 struct MapQuality {
   std::size_t n{0};  ///< places that judge it; none where there was no tracker
   bool worth_using{false};
@@ -61,9 +61,9 @@ struct MapQuality {
 /// Returns how many of the two components lie within 1.96 of their deviations.
 int components_within_95(const Eigen::Vector2d& miss, const Eigen::Vector2d& sigma);
 
-/// Says why no arm should move by a map; empty where nothing speaks against it. A share within the
-/// stated 95 % speaks against it when it is below 80 % and chance makes it so in less than one of a
-/// thousand maps that reach 80 %.
+/// Says why no arm should move by a map; empty where nothing forbids it. A share within the stated
+/// 95 % forbids it when it is below 80 % and chance makes it so in less than one of a thousand maps
+/// that reach 80 %.
 std::optional<Refusal> objection(const MapQuality& quality);
 
 }  // namespace planar

@@ -90,7 +90,7 @@ struct MapResult {
   /// see is_worth_using().
   bool worth_using{false};
   double coverage_95{0.0};  ///< share of the residuals' components within 1.96 deviations
-  CellDiagnosis cell;       ///< what the pairs say of the cell; not used by the map
+  CellDiagnosis cell;       ///< faults of the cell; not used by the map
 
   /// Returns 1 - loo_rms / raw_rms, or 0 when there is no error to begin with.
   double gain() const { return raw_rms > 0.0 ? 1.0 - loo_rms / raw_rms : 0.0; }

@@ -67,7 +67,7 @@ void require_same_making(const fs::path& file, const nlohmann::json& begun,
   if (differences.empty()) return;
   throw InputError({fmt::format("was begun with another cell or other options: {}",
                                 fmt::join(differences, "; ")),
-                    "give the same ones to go on, or name another folder", file});
+                    "give the same ones to continue, or name another folder", file});
 }
 
 void begin_experiment(const ExperimentRequest& request) {

@@ -70,8 +70,8 @@ class CampaignRows {
   /// Returns whether a seed has its row, from whichever program.
   bool has(std::uint32_t seed);
 
-  /// Adds the row that `experiment` finds, unless the seed has one. One that another program is at
-  /// is waited for, and found here if that program ends without it; or it is left to it.
+  /// Adds the row that `experiment` finds, unless the seed has one. One that another program is
+  /// working on is waited for, and found here if that program ends without it; or it is left to it.
   template <typename Experiment>
   void find(std::uint32_t seed, bool waits, const Experiment& experiment) {
     if (has(seed)) return;
@@ -103,8 +103,8 @@ struct SeedRange {
 
 /// Has every seed's row added, in whatever order programs that share the campaign come to the
 /// seeds, and returns the rows in the order of the seeds. `experiment` finds the figures of a seed
-/// that has no row yet and that no other program is at. What another program has begun is waited
-/// for, and done here if that program ends without its row. Throws what `experiment` throws.
+/// that has no row yet and that no other program is working on. What another program has begun is
+/// waited for, and done here if that program ends without its row. Throws what `experiment` throws.
 std::vector<nlohmann::json> work_through(
     CampaignRows& rows, const SeedRange& seeds,
     const std::function<nlohmann::json(std::uint32_t seed)>& experiment);
@@ -112,8 +112,8 @@ std::vector<nlohmann::json> work_through(
 /// Runs the experiment on virtual cells that differ from the request's in their truth alone, which
 /// `draw` of kCellKinds draws from the seeds; request.seed is not used. Rows go to `rows.jsonl` in
 /// request.out. The folder `seed_N` of a cell, with a recording of about a gigabyte, lasts until
-/// its row is there; what a killed program left of it is begun anew, so that the rows do not tell
-/// who found them and when. Throws what run_experiment() throws, and InputError when the folder
+/// its row is there; what a killed program left of it is begun anew, so that the rows do not depend
+/// on who found them and when. Throws what run_experiment() throws, and InputError when the folder
 /// holds something else, or rows of another kind, when either the cell file or the kind alone has
 /// reference lamps, and when the cell's links or sensor are not about those of the kind.
 std::vector<nlohmann::json> run_campaign(const ExperimentRequest& request, const SeedRange& seeds,

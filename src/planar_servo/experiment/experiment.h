@@ -51,8 +51,8 @@ struct ExperimentRequest {
 
 /// Runs the paper's experiment: it records a plan, calibrates the chains from what was recorded,
 /// and closes the loop over the control targets with each. What an experiment with the same request
-/// left in `out` is continued: positions recorded and targets moved to are not gone to again.
-/// A cell without a truth is judged by its tracker, after a person has done what record() and
+/// left in `out` is continued: recorded positions and finished targets are not visited again. A
+/// cell without a truth is judged by its tracker, after a person has done what record() and
 /// TrackerJudge ask for. Throws what its parts throw, and InputError when `out` holds something
 /// else and, before anything moves, for a cell that nobody can judge.
 ExperimentReport run_experiment(const ExperimentRequest& request, CellDevices& devices);

@@ -65,7 +65,7 @@ void add_first_words(HtmlPage& page, const ExperimentReport& report) {
   if (ratio > kFarBeyondPrediction)
     verdict.faults.push_back(
         {fmt::format("the error found is {:.1f} times the predicted one", ratio),
-         "look where the errors are large below, and record training places there"});
+         "see where the errors are large below, and record training places there"});
   verdict.good = fmt::format(
       "the end point stops {:.4f} mm from its targets in the mean, {:.4f} mm at 95 % and {:.4f} mm "
       "at worst ({} at {} targets)",
@@ -138,7 +138,7 @@ std::string coverage_words(const ExperimentReport& report) {
                                   ours.targets, ours.after_truth ? ours.after_truth->n : 0);
   if (ours.coverage_95)
     words += fmt::format(
-        " Of where the end point was believed to be, {} % of the components are within their "
+        " Of the end point's estimates, {} % of the components are within their "
         "stated 95 % interval: less than 95 % means that stated uncertainties are too small, more "
         "that they are too large.",
         fixed(100.0 * *ours.coverage_95, 1));

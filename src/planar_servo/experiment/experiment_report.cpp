@@ -127,7 +127,7 @@ std::vector<ShownTable> map_tables_of(const PaperTables& tables) {
        "of different functions do not compare: ours may be a multiquadric on a polynomial."},
       {list.table("Table 4: standard deviation of three predictions in mm, the largest of a circle",
                   "table4"),
-       "Each place of the check circles was looked at in three frames, and the map predicts from "
+       "Each place of the check circles was seen in three frames, and the map predicts from "
        "each of them. The figure says how little the noise of vision moves a prediction; it does "
        "not say that a prediction is right."},
       {list.table("Table 5: accuracy of the radial basis functions on the same circles", "table5"),

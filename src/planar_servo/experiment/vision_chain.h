@@ -31,19 +31,19 @@ struct ChainSettings {
   /// Learns the error at the lamps, together with the arm, and aims with the arm that was found.
   bool field_at_lamps{false};
   /// Else plane and scale are the board's, place and turn the arm's, and only unattended poses and
-  /// the sweep of joint 1 are looked at.
+  /// the sweep of joint 1 are used.
   bool uses_tracker{true};
   /// Height of the laid boards' dots above the lamps' plane, metres. With it the lays tell the
   /// field at the lamps, too.
   std::optional<double> dots_height{};
-  /// Looks before the first target whether the cell is as it was, holds the arm where a look is not
-  /// what the calibration promises, and refuses an error map whose fit speaks against it.
+  /// Checks before the first target that the cell is as it was, stops the arm where a look
+  /// contradicts the calibration, and refuses an error map that its own fit rejects.
   bool is_guarded{true};
   /// Positions by all looks at a target; else the whole error of the last look is corrected.
   bool estimates_landings{true};
   /// Uses pairs between which something seems to have moved.
   bool accept_step{false};
-  bool accept_map{false};  ///< moves by an error map whose fit speaks against it
+  bool accept_map{false};  ///< moves by an error map that its fit rejects
   ServoSettings servo;
 };
 

@@ -36,8 +36,7 @@ std::string learned_arm_text(const LearnedArm& learned, const std::vector<Origin
 /// every fault.
 LearnedArm read_learned_arm(const std::filesystem::path& path);
 
-/// Returns in words what the file was learned with that is no longer so; empty when it belongs to
-/// these origins.
+/// Says which of these origins the file was not learned with; empty when it belongs to them.
 std::optional<std::string> learned_elsewhere(const std::filesystem::path& path,
                                              const std::vector<Origin>& origins);
 

@@ -25,7 +25,7 @@ std::string lamp_field_text(const LampFieldFit& fit, const std::vector<Origin>& 
 std::string map_text(const MapResult& result, const std::filesystem::path& pairs,
                      const std::string& program);
 
-/// A map and what its fit says of it.
+/// A map, and how good its fit found it.
 struct MapRecord {
   VisionErrorMap map;
   MapQuality quality;

@@ -25,7 +25,7 @@ void list_points(Fields& fields, const std::string& key, Eigen::Matrix2Xd& point
 /// Visits the centres and returns how many there are. Empty when they could not be read.
 std::optional<Eigen::Index> list_centers(Fields& fields, Eigen::Matrix2Xd& centers);
 
-/// Adds to the figures of a fit what places left out say of its map.
+/// Adds to the figures of a fit how its map does at places left out.
 void add_quality(YamlWriter& yaml, const MapQuality& quality);
 
 /// Reads that back. A file of an earlier version does not have it, and nothing judges its map then.

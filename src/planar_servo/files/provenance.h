@@ -11,7 +11,7 @@
 
 namespace planar {
 
-/// Says what a file, or a block of a cell file, is for the files that are made from it.
+/// What a file, or a block of a cell file, is to the files made from it.
 enum class Role {
   kCamera,
   kFrames,  ///< frames.csv of the recording

@@ -30,7 +30,7 @@ bool is_word_of_yaml(std::string text) {
   return std::find(std::begin(kWords), std::end(kWords), text) != std::end(kWords);
 }
 
-/// Returns whether every reader takes the unquoted text for a text. yaml-cpp knows what else needs
+/// Returns whether every reader reads the unquoted text as a text. yaml-cpp knows what else needs
 /// quotes.
 bool is_plain_text(const std::string& text) {
   return !text.empty() && std::isalpha(static_cast<unsigned char>(text[0])) != 0 &&

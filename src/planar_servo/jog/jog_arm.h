@@ -13,7 +13,7 @@
 
 namespace planar {
 
-/// Takes a sentence on what is being done now.
+/// Takes a sentence on what the arm begins to do.
 using Announce = std::function<void(const std::string&)>;
 
 /// The arm of a cell as a person moves it: enabled, homed, then by short ways of a joint or of the
@@ -21,9 +21,9 @@ using Announce = std::function<void(const std::string&)>;
 /// InputError with its remedy, and nothing has moved then; a motion that fails throws WorkError.
 class JogArm {
  public:
-  /// Opens the arm and moves nothing. `stop` is as in PlanarRobot::stop_when(). `announce` hears
-  /// what takes longer, and for how long about. Throws InputError for a file of
-  /// the arm that was found with faults.
+  /// Opens the arm and moves nothing. `stop` is as in PlanarRobot::stop_when(). `announce` is told
+  /// of anything that takes long, and about how long. Throws InputError for a file of the arm that
+  /// was found with faults.
   JogArm(const CellSettings& cell, CellDevices& devices, const std::function<bool()>& stop,
          Announce announce);
 
@@ -47,7 +47,7 @@ class JogArm {
   void require_ready();
   /// Returns why the arm cannot move yet and what is to be done; empty when it can.
   std::string to_do();
-  /// Returns what makes the drives known that do not know their position; empty when all do.
+  /// Returns what to do about drives that do not know their position; empty when all do.
   std::string how_to_home();
 
   Joints commanded() const { return robot_.commanded_joints(); }

@@ -15,7 +15,7 @@
 namespace planar {
 namespace {
 
-/// Of a long table, so many names are told.
+/// So many names of a long table are listed.
 constexpr std::size_t kNamesTold = 20;
 
 /// Returns the text of a table that is to grow; empty when there is no file.
@@ -82,7 +82,7 @@ void TaughtTargets::append(const TargetRow& target) {
   if (target.id.empty()) throw InputError(Refusal{"the id is empty", "every target needs one"});
   if (find_target(targets_, target.id) != targets_.end())
     throw InputError({fmt::format("the id '{}' is taken", target.id), "ids must differ"});
-  // What a person has begun was read before and may begin otherwise than our own tables.
+  // A table begun by a person was read before and may begin unlike our own.
   const bool begun = std::filesystem::exists(path_) && !std::filesystem::is_empty(path_);
   GrowingFile(path_, begun ? "" : targets_header())
       .append(target_line(target), Durability::kPowerLoss);

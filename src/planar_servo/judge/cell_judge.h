@@ -34,7 +34,7 @@ class RegisteredTracker {
   /// reading's own mean, and of the rigid motion that the monuments' means determine.
   double sigma(const TrackerReading& reading) const;
 
-  /// Says what noise does not explain of the monuments; empty when it explains all.
+  /// Says what noise does not explain about the monuments; empty when it explains all.
   const Refusal& doubt() const { return datum_.doubt; }
 
  private:
@@ -60,8 +60,8 @@ class TrackerJudge final : public Judge {
   /// ReflectorReadings and RegisteredTracker throw, and what Tracker::await_tool() throws.
   void make_ready(const std::vector<MonumentSeen>& seen = {});
 
-  /// Supposes the tool where these have it at the commanded joints, not where it is seen: for loops
-  /// whose vision is judged as well.
+  /// Takes the tool to be where these place it at the commanded joints, not where it is seen: for
+  /// loops whose vision is judged as well.
   void suppose(std::function<TipPose(const Eigen::Vector3d& theta_c)> forward) {
     forward_ = std::move(forward);
   }
@@ -70,8 +70,8 @@ class TrackerJudge final : public Judge {
 
   JudgeKind kind() const override { return JudgeKind::kTracker; }
   /// Reads the reflector, up to three times until a reading is good: at rest, moved as the tool
-  /// has, and near where the tool is supposed to be. Nobody is asked again who chose to do without.
-  /// Makes itself ready where make_ready() was not called.
+  /// has, and near where the tool is supposed to be. A person who chose to do without is not asked
+  /// again. Makes itself ready where make_ready() was not called.
   JudgedTip judge(const std::string& id, const Standing& standing) override;
 
   /// Returns the standard deviation of the reflector's offset, the larger one of both axes.

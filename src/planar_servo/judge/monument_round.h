@@ -40,7 +40,7 @@ class MonumentRound {
   /// do not, and when the round was in contradiction before.
   Refusal contradiction(const std::vector<MonumentSeen>& readings) const;
 
-  /// Says what noise does not explain of the round; empty when it explains all.
+  /// Says what noise does not explain about the round; empty when it explains all.
   Refusal doubt() const { return verdict(seen_).doubt; }
 
  private:

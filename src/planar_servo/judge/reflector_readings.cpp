@@ -24,7 +24,7 @@ constexpr double kUnturned = 0.1 * kDegree;
 WorkError no_reading_of(const std::string& what, const std::string& fault) {
   return WorkError(fmt::format(
       "the tracker gives no reading of the {}: {}; clear the tracker's view and look at "
-      "its program, then start again to go on",
+      "its program, then start again to continue",
       what, fault));
 }
 

@@ -23,7 +23,7 @@ constexpr std::size_t kLeastMonuments = 3;
 /// "monument 'datum1'".
 WorkError no_reading_of(const std::string& what, const std::string& fault);
 
-/// Takes readings of the reflector: asks the tracker, doubts its answer, and writes tracker.csv.
+/// Takes readings of the reflector: asks the tracker, checks its answer, and writes tracker.csv.
 class ReflectorReadings {
  public:
   /// `table` is a tracker.csv. `stop` is asked between two attempts at a monument and while the
@@ -32,10 +32,10 @@ class ReflectorReadings {
                     std::function<bool()> stop);
 
   /// Reads every monument of the cell, but for what this round has `seen` already, and returns the
-  /// whole round. Tells each reading at once and compares it with the round `before`, or else with
-  /// the cell file; one that contradicts is taken again unless whoever works the tracker keeps it,
-  /// or nobody can be asked. Throws WorkError when one cannot be read in three attempts, when fewer
-  /// than three are left because somebody skipped the others, and when asked to stop.
+  /// whole round. Reports each reading at once and compares it with the round `before`, or else
+  /// with the cell file; one that contradicts is taken again unless whoever works the tracker keeps
+  /// it, or nobody can be asked. Throws WorkError when one cannot be read in three attempts, when
+  /// fewer than three are left because somebody skipped the others, and when asked to stop.
   std::vector<MonumentSeen> read_monuments(std::vector<MonumentSeen> seen = {},
                                            std::vector<MonumentSeen> before = {});
 

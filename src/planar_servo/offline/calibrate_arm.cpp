@@ -139,7 +139,7 @@ ReportList arm_list(const ArmFit& fit) {
   list.line("readings met", "{rms_mm:.4f} mm rms, {harmonics} harmonics of each reducer", fit.rms,
             fit.estimate.size.harmonics);
   list.line("places left out", "{held_out_rms_mm:.4f} mm rms", fit.held_out_rms);
-  list.row_heads("\nwhat the poses say of the arm");
+  list.row_heads("\nthe arm, as found from the poses");
   list.append(arm_terms_list(fit.estimate));
   return list;
 }

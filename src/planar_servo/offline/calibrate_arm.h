@@ -23,8 +23,7 @@ ArmNominal arm_of_files(const CellSettings& cell);
 
 ReportList arm_list(const ArmFit& fit);
 
-/// Lists what a pose says of the arm: every number with its standard deviation, and whether it is
-/// determined.
+/// Lists every number of the arm with its standard deviation, and whether it is determined.
 ReportList arm_terms_list(const JointEstimate& estimate);
 
 /// Says whether an arm is good, by readings at places left out and by what the readings leave open.

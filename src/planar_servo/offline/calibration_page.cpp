@@ -219,7 +219,7 @@ void judge_image(const ImageCoverage& coverage, Verdict& verdict) {
         {fmt::format("the residuals are mostly systematic, not noise: neighbouring points have {} "
                      "of their mean square in common, chance makes {} of it",
                      per_cent(coverage.systematic), per_cent(coverage.by_chance)),
-         "calibrate with --model auto; if it stays so, look whether the board is flat, and judge "
+         "calibrate with --model auto; if it stays so, check whether the board is flat, and judge "
          "the cell by its error map, which takes up what the lens model leaves"});
 }
 

@@ -44,7 +44,7 @@ std::string remedy_for(LampStatus status) {
   switch (status) {
     case LampStatus::kNoLamp:
     case LampStatus::kOneLamp:
-      return "look whether something hides the lamps there, or one is off or too dark: expose "
+      return "check whether something hides the lamps there, or one is off or too dark: expose "
              "longer";
     case LampStatus::kWrongDistance:
       return "measure the lamps' distance and correct lamps.separation_mm in the cell file, or the "

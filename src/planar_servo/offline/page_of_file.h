@@ -9,7 +9,7 @@
 
 namespace planar {
 
-/// A verdict minds when more than this share was left out.
+/// A verdict names it as a fault when more than this share was left out.
 constexpr double kFewLeftOut = 0.05;
 
 /// Begins a page about a file: its title is what the file is and its name.

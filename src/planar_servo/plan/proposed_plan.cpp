@@ -106,7 +106,7 @@ JointEstimate estimate_of(const KnownCell& known, const std::vector<PairRow>& pa
   JointEstimate estimate;
   estimate.nominal = known.nominal;
   auto fit = fit_jointly(estimate.model(), {}, {}, known.cell.workspace.radius_max_m);
-  if (!fit) throw WorkError("nothing can be said of a cell like this");
+  if (!fit) throw WorkError("the equations of field and arm cannot be solved for this cell");
   estimate.fit = std::move(*fit);
   return estimate;
 }

@@ -24,10 +24,9 @@ struct ProposedPlan {
 /// Proposes `readings` places where the field at the lamps is least certain, as far as the arm
 /// reaches them. Without pairs the plan begins a calibration: the sweeps, which take their share of
 /// the readings, and last the views of the board, for which the tracker is not needed. With pairs
-/// it continues from what they tell. The places
-/// come in an order that is random in space, the same every time. Throws
-/// InputError as with_readings(), pose_samples() and estimate_jointly() do, and for a cell in whose
-/// workspace no place can be reached.
+/// it continues from them. The places come in an order that is random in space, the same every
+/// time. Throws InputError as with_readings(), pose_samples() and estimate_jointly() do, and for a
+/// cell in whose workspace no place can be reached.
 ProposedPlan propose_plan(const CellSettings& cell, int readings,
                           const std::vector<PairRow>& pairs);
 

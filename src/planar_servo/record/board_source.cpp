@@ -17,7 +17,7 @@ constexpr double kBoardPatience_s = 600.0;
 constexpr double kUnseen_s = 10.0;  // after which it is said
 constexpr double kClear_s = 5.0;    // without the board before the arm moves
 
-constexpr char kStartAgain[] = "start again to go on";
+constexpr char kStartAgain[] = "start again to continue";
 
 const char* held_or_laid(Plan plan) {
   return plan == Plan::kLaidBoard ? "lay" : "view";
@@ -91,7 +91,7 @@ void GuidedBoard::begin(const PlanRow& row, Views& views) {
                                : fmt::format(" ({} are there)", views.all - views.left);
   line_.say(fmt::format(
       "{} of the board of {}{}: {}. Each is taken by itself, or at once on Enter; Ctrl-C leaves, "
-      "and the same command goes on",
+      "and the same command continues",
       more_views(row.plan, views.left), words_of(board_), done,
       row.plan == Plan::kLaidBoard
           ? "lay it flat on the plane of motion, and let it lie until it is taken"

@@ -181,7 +181,7 @@ class Recorder {
     try {
       return arrive(robot_, planner_, cell_.servo, theta, guard);
     } catch (const DriveError& error) {
-      throw DriveError({error.what(), "mend the drives, then start again to go on", place_});
+      throw DriveError({error.what(), "mend the drives, then start again to continue", place_});
     }
   }
 
@@ -190,7 +190,7 @@ class Recorder {
     if (!wait_for_camera(devices_.camera(), robot_, devices_.clock(), place_, reason, deadline_s))
       throw WorkError(
           {fmt::format("{}; the camera was not back within {:.0f} s", reason, kCameraPatience_s),
-           "mend it, then start again to go on", place_});
+           "mend it, then start again to continue", place_});
   }
 
   Pictures pictures_at(const PlanRow& row, const Eigen::Vector2d& p) {

@@ -30,7 +30,7 @@ JointPlan plan_row(const JointPlanner& planner, const PlanRow& row, const Joints
 namespace fs = std::filesystem;
 
 constexpr char kRemedy[] =
-    "name another folder with --out, or go on with the plan and the cell that it was begun with";
+    "name another folder with --out, or continue with the plan and the cell that it was begun with";
 
 /// Pulses are rounded when the arm moves and again when they are compared.
 constexpr int kRoundedPulses = 1;

@@ -29,7 +29,7 @@ class StatusLine {
   bool drawn_{false};
 };
 
-/// The way between a program and who stands at the machine: messages and a status line on standard
+/// The link between a program and the person at the machine: messages and a status line on standard
 /// error, and the Enter key.
 class OperatorLine {
  public:
@@ -44,7 +44,7 @@ class OperatorLine {
   void warn(const std::string& message);
 
   /// Returns whether Enter was pressed at a terminal since this was asked last. It does not wait.
-  /// What a script sends is left to whom it is for.
+  /// Input from a script is left unread.
   bool entered();
   /// Returns whether somebody at a terminal can press Enter.
   bool is_attended() const { return isatty(in_) != 0; }

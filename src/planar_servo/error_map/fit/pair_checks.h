@@ -31,7 +31,7 @@ std::optional<Refusal> doubt_of_shared_error(const std::vector<ErrorSample>& sam
 void require_live_tracker(const std::vector<ErrorSample>& samples);
 
 /// Throws InputError naming each named place whose samples lie apart by more than a tenth of the
-/// width of all positions: they say more of the field than their mean does. `sites` are the merged
+/// width of all positions: their mean would hide the field between them. `sites` are the merged
 /// samples.
 void require_narrow_places(const std::vector<ErrorSample>& samples, const MapSites& sites);
 

@@ -42,7 +42,7 @@ constexpr int kLocalEvaluations = 30;
 constexpr double kLogTolerance = 0.03;  // of width and ridge; the error is flat about its minimum
 
 /// The leave-one-out error over (log width, log ridge); it remembers the best point. Sites far
-/// apart hardly tell a small ridge from none, so that a fit may take the noise for error. Where the
+/// apart hardly tell a small ridge from none, so that a fit may mistake noise for error. Where the
 /// fit finds less noise than the instruments state, the error is increased in proportion.
 class LeaveOneOutCost {
  public:

@@ -192,13 +192,13 @@ std::vector<ReportPlot> circle_plots(const std::vector<CirclePlace>& places) {
   return {
       paper_plot(7, "places on the circles about the base",
                  "Every circle is gone round three times, with frames and a tracker reading at "
-                 "each place. The lines show as vectors what Figure 8 measures. Look whether "
+                 "each place. The lines show as vectors what Figure 8 measures. Check whether "
                  "they turn with the place: then no shift of the camera explains them." +
                      data,
                  places_panels(places)),
       paper_plot(8, "the arm's motion as vision finds it, against theory",
                  "The distance from where the cell file's arm should be to where vision sees it: "
-                 "the arm's own error and vision's together. Look whether it grows with the "
+                 "the arm's own error and vision's together. Check whether it grows with the "
                  "radius." +
                      data,
                  length_panels("Vision against theory", places, seen_beside_plan)),

@@ -209,7 +209,7 @@ std::optional<ReportPlot> convergence_plot(const std::vector<StepError>& ours,
       "How the loop converges at each target",
       "A line for each target: the distance to it as the chain's own compensated vision sees it, "
       "after the first move and after each correction. Both panels have the same axes. A line ends "
-      "where the servo is content. Look for lines that rise or go on longer than the others. Ours "
+      "where the servo is content. Look for lines that rise or last longer than the others. Ours "
       "is aimed by the arm that was found and begins close to the target. What vision cannot see "
       "is not in this figure, but in the true errors above.",
       {way_panel("The paper's chain", corrections, errors, paper, kSeriesColors[1]),

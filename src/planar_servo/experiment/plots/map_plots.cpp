@@ -136,7 +136,7 @@ std::vector<ReportPlot> map_plots(const PlotData& data) {
                                "out from the field."),
                  field_panels(data, idw)),
       paper_plot(14, "measured errors and those predicted by inverse distance weighting",
-                 "Along the check circles, by the paper's chain. Look whether the prediction is "
+                 "Along the check circles, by the paper's chain. Check whether the prediction is "
                  "flatter than what was measured: weighted means cannot leave the range of their "
                  "neighbours. The number below each panel counts wrong directions as well; Table "
                  "2 has the accuracies.",

@@ -36,9 +36,9 @@ std::vector<PairRow> pairs_to_check(std::vector<PairRow> pairs, const std::vecto
 void require_what_it_needs(const VisionErrorMap& map, const std::vector<PairRow>& pairs,
                            const std::filesystem::path& file);
 
-/// Holds a map against at least one pair, each attended and as require_what_it_needs() demands it.
-/// A field at the lamps meets the tracker's reading of the reflector by the tool that it was found
-/// with. Throws InputError for three or more pairs that are not in one unit and frame.
+/// Compares a map with at least one pair, each attended and as require_what_it_needs() demands. A
+/// field at the lamps is compared with the tracker's reading of the reflector, by the tool that it
+/// was found with. Throws InputError for three or more pairs that are not in one unit and frame.
 MapCheck check_error_map(const VisionErrorMap& map, const std::vector<PairRow>& pairs,
                          const Progress& progress = {});
 

@@ -49,7 +49,7 @@ void log_kernel(const SparseRbfMap& map) {
                             map.parameters().ridge));
 }
 
-/// Tells who asks for it what a fit decided.
+/// Logs what a fit decided, for --verbose.
 void log(const MapResult& result) {
   spdlog::debug(fmt::format("the map is {}, {:.4f} mm rms left out one by one; idw {:.4f} mm",
                             name(kind_of(result.map)), mm(result.loo_rms), mm(result.idw_loo_rms)));

@@ -23,7 +23,7 @@ MapMethodChoice parse_map_method(const std::string& text);
 struct TrainingPairs {
   MapProblem problem;
   std::size_t n_other_plans{0};  ///< number of pairs of other plans
-  std::size_t n_unattended{0};   ///< number of poses without a tracker's word
+  std::size_t n_unattended{0};   ///< number of poses without a tracker reading
 };
 
 /// Says in the log that rows were changed after they had been written, which may have been meant.

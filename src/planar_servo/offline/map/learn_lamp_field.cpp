@@ -52,13 +52,13 @@ PoseSample pose_sample(const Transmission& transmission, const PairRow& pair, do
   return sample;
 }
 
-/// Says what all readings have in common: the tracker's registration to the monuments, and its
-/// systematic error. What data sheets state (15 um + 6 um/m, ISO 10360-10) is mostly systematic;
-/// the registration takes up most of it, and a third still differs over a field.
+/// Sets the error that all readings have in common: the tracker's registration to the monuments,
+/// and its systematic error. What data sheets state (15 um + 6 um/m, ISO 10360-10) is mostly
+/// systematic; the registration takes up most of it, and a third still differs over a field.
 void set_tracker(ArmNominal& nominal, const CellSettings& cell) {
   constexpr double kLeftOfStated = 1.0 / 3.0;
   nominal.tracker_bias = cell.tracker.bias_m.value_or(kLeftOfStated * cell.tracker.sigma_m);
-  if (cell.datum.size() < 2) return;  // one tells no turn
+  if (cell.datum.size() < 2) return;  // one does not determine the turn
   const auto n = static_cast<double>(cell.datum.size());
   Eigen::Vector2d center(0.0, 0.0);
   for (const Monument& monument : cell.datum) center += monument.p_B.head<2>() / n;

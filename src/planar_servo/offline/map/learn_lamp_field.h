@@ -18,8 +18,8 @@ namespace planar {
 /// Returns the arm, the camera's place and the tool as the cell and its calibration have them.
 ArmNominal nominal_arm(const CellSettings& cell, const VisionCalibration& vision);
 
-/// Returns the poses of pairs.csv by which field and arm are told: those of plan train or of none,
-/// the sweeps, and the unattended ones. Places of other plans are kept for checks. Times are
+/// Returns the poses of pairs.csv from which field and arm are learned: those of plan train or of
+/// none, the sweeps, and the unattended ones. Places of other plans are kept for checks. Times are
 /// counted from the last of all pairs. Throws InputError naming a pair without lamps, joints or
 /// standard deviations.
 std::vector<PoseSample> pose_samples(const CellSettings& cell, const std::vector<PairRow>& pairs);

@@ -18,7 +18,7 @@
 namespace planar {
 namespace {
 
-/// The share of components within their stated 95 % that is not taken for a wrong statement.
+/// The share of components within their stated 95 % that does not count as a wrong statement.
 constexpr double kLeastCoverage = 0.85;
 
 std::vector<Eigen::Vector2d> columns_of(const Eigen::Matrix2Xd& matrix) {
@@ -160,9 +160,9 @@ constexpr std::pair<const char*, const char*> kTables[] = {
     {"comparison", "Methods, compared at places left out"},
     {"sources", "What each source is worth"},
     {"fixed_by", "What fixes the field as a whole"},
-    {"cell", "What the pairs say of the cell"},
-    {"arm_in_words", "What else the poses say of the arm"},
-    {"terms", "The arm, as the poses tell it"},
+    {"cell", "Faults of the cell"},
+    {"arm_in_words", "Further findings on the arm"},
+    {"terms", "The arm, as found from the poses"},
     {"rejected", "Left out"}};
 
 void add_tables(HtmlPage& page, const ReportList& list) {
@@ -281,7 +281,7 @@ std::string map_page(const MapView& view, const std::filesystem::path& file) {
         quiver_panels({quiver_of("Without the map", view.places, view.raw), left});
     panels.push_back(left_histogram(view));
     page.add_html(plot_html(panels));
-    page.add_paragraph(std::string("Every place is met by what the others say. ") + kQuiverCaption);
+    page.add_paragraph(std::string("Each place is predicted from the others. ") + kQuiverCaption);
     if (!view.compared.empty()) {
       page.add_html(plot_html({comparison_panel(view.compared)}));
       page.add_paragraph(

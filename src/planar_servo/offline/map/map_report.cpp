@@ -21,7 +21,7 @@ std::array<double, 2> interval_of(const RmsEstimate& estimate) {
 ReportList cell_list(const CellDiagnosis& cell) {
   ReportList list;
   if (cell.terms.empty()) return list;
-  list.row_heads("\nwhat the pairs say of the cell                        rms, mm");
+  list.row_heads("\nfaults of the cell                                    rms, mm");
   for (const CellTerm& term : cell.terms) {
     const CellFaultName& name = name_of(term.fault);
     ReportList row;
@@ -169,7 +169,7 @@ ReportList map_fit_list(const FitErrorMapReport& report,
   list.line_if(report.n_other_plans > 0, "left for checking",
                "{n_other_plans} pairs whose plan is not train", report.n_other_plans);
   list.line_if(report.n_unattended > 0, "unattended",
-               "{n_unattended} poses without a tracker's word, not used", report.n_unattended);
+               "{n_unattended} poses without a tracker reading, not used", report.n_unattended);
   list.line("pairs used", "{n_used} ({n_rejected} rejected)", result.n_used,
             result.rejected.size());
   const auto list_rejected = [](ReportList& row, const RejectedSample& sample) {
@@ -227,7 +227,7 @@ ReportList lamp_field_list(const LampFieldFit& fit) {
   }
   list.unprinted("arm_in_words", sentences);
   list.unprinted("scatter_mm", fit.estimate.priors.arm_sigma);
-  list.row_heads("\nwhat the poses say of the arm");
+  list.row_heads("\nthe arm, as found from the poses");
   list.part("arm", arm_terms_list(fit.estimate));
   return list;
 }

@@ -9,7 +9,7 @@
 
 namespace planar {
 
-/// Lists what a fit found, what the pairs say of the cell, and how the methods compare.
+/// Lists what a fit found, the faults of the cell, and how the methods compare.
 ReportList map_fit_list(const FitErrorMapReport& report,
                         const std::vector<MethodFigures>& comparison);
 

@@ -21,7 +21,7 @@ Eigen::Vector2d middle_of(const SeenPlace& seen) {
   return 0.5 * (seen.place.lamps_B[0] + seen.place.lamps_B[1]);
 }
 
-/// Returns the visits of each place, told by its commanded joints.
+/// Returns the visits of each place, told apart by the commanded joints.
 std::vector<std::vector<const SeenPlace*>> visits(const std::vector<SeenPlace>& seen) {
   constexpr double kSame = 1e-7;  // radians
   std::map<std::tuple<long, long, long>, std::vector<const SeenPlace*>> by_joints;
@@ -65,7 +65,7 @@ struct MeanSight {
   std::array<Eigen::Vector2d, 2> uv_px{Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};
   std::array<Eigen::Matrix2d, 2> covariances_px2{Eigen::Matrix2d::Zero(), Eigen::Matrix2d::Zero()};
   double count{0.0};
-  std::optional<LampLooks> looks;  ///< of the last frame that tells them
+  std::optional<LampLooks> looks;  ///< of the last frame that has them
 
   void add(const LampRow& row) {
     for (std::size_t k = 0; k < 2; ++k) {
@@ -103,8 +103,8 @@ std::map<std::string, MeanSight> mean_sights(const std::vector<FrameRow>& frames
 /// Places to be visited again lie within this of home in every motor: a visit of all takes 10 s at
 /// most then.
 constexpr double kNearHome = 100.0 * kDegree;
-/// At so many places, evenly taken from a recording, the arm is held against its file; more would
-/// tell nothing new.
+/// At so many places, evenly taken from a recording, the arm is compared with its file; more would
+/// add nothing.
 constexpr std::size_t kArmPlaces = 24;
 /// What eccentric reducers and an uncorrected lens do over the whole field to the middle of the
 /// lamps, and to their direction.

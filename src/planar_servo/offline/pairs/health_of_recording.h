@@ -25,12 +25,11 @@ std::vector<SeenPlace> seen_places(const CellSettings& cell, const VisionCalibra
                                    const std::vector<FrameRow>& frames,
                                    const std::vector<LampRow>& lamps);
 
-/// Keeps what a cell is like from the places of a recording, and of them some to visit again which
-/// no motor has far to go from home. Throws InputError when there are fewer than
-/// kHealthPlaces.
+/// Keeps the state of a cell from the places of a recording, some of which, near home for every
+/// motor, are to be visited again. Throws InputError when there are fewer than kHealthPlaces.
 HealthRecord health_of(const CellSettings& cell, const std::vector<SeenPlace>& seen);
 
-/// Finds what of the arm is not as the cell file says from the places of a recording.
+/// Finds from the places of a recording where the arm differs from the cell file.
 std::vector<HealthFinding> arm_faults(const CellSettings& cell, const VisionCalibration& vision,
                                       const std::vector<SeenPlace>& seen);
 

@@ -77,10 +77,10 @@ double remove_eccentricity(const Workplane& workplane, const std::array<double, 
   return largest_px;
 }
 
-/// Why a place is rejected of which vision says nothing.
+/// Why a place is rejected that vision cannot locate.
 constexpr char kUnseen[] = "a lamp's ray does not meet the plane";
 
-/// Returns what vision says of a place; empty when a lamp's ray does not meet the plane.
+/// Returns a place as vision locates it; empty when a lamp's ray does not meet the plane.
 std::optional<PairRow> seen_row(const Workplane& workplane, const ToolOffsets& tool,
                                 const PoseSight& sight) {
   const auto seen = tip_from_lamps(workplane, tool, sight.lamps_px, sight.covariances_px2);
@@ -187,7 +187,7 @@ DatumRegistration registered(const std::vector<Monument>& datum, const SortedRea
   return register_datum(datum, both);
 }
 
-/// Doubts readings that scatter more than is stated, and takes their scatter for what is stated.
+/// Doubts readings that scatter more than stated, and replaces the stated deviation by their own.
 PairTrackerRequest with_honest_tracker(PairTrackerRequest request, PairTrackerReport& report) {
   const RestSpread spread = rest_spread(request.cell, request.tracker, request.by);
   if (!spread.is_shaking()) return request;
@@ -269,7 +269,7 @@ void take_out_strays(std::vector<PairRow>& in_time) {
                 in_time.end());
 }
 
-/// Doubts readings that scatter more than is stated, and states for them what they scatter.
+/// Doubts readings that scatter more than stated, and gives them their own deviation.
 void look_for_scatter(const std::vector<PairRow>& in_time, PairTrackerReport& report) {
   const auto scatter = find_scatter(in_time);
   if (!scatter) return;
@@ -279,8 +279,8 @@ void look_for_scatter(const std::vector<PairRow>& in_time, PairTrackerReport& re
 }
 
 /// Doubts pairs between which something moved at once or by and by; throws when that would cost too
-/// much. Places that the plane's fit has left out are asked as well, because after a step near the
-/// end of a recording they may be most of those that show it.
+/// much. Places that the plane's fit has left out are included, because after a step near the end
+/// of a recording they may be most of those that show it.
 void look_for_motion(const PairTrackerRequest& request, const std::vector<PairRow>& in_time,
                      PairTrackerReport& report) {
   const auto doubt = [&](const auto& motion) {
@@ -293,7 +293,7 @@ void look_for_motion(const PairTrackerRequest& request, const std::vector<PairRo
   if (report.trend) doubt(*report.trend);
 }
 
-/// Tells who asks for it what was decided.
+/// Logs what was decided, for --verbose.
 void log(const PairTrackerReport& report) {
   if (report.datum)
     for (const MonumentResidual& monument : report.datum->residuals)

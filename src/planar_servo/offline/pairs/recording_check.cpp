@@ -18,10 +18,10 @@ namespace {
 
 /// A step or a trend may cost so much at the end point before a person has to accept it.
 constexpr double kMostCost_m = 0.05 * kMillimetre;
-/// A smaller trend is not worth a word; revisits name changes from this size on.
+/// A smaller trend is not reported; revisits name changes from this size on.
 constexpr double kWorthAWord_m = 0.01 * kMillimetre;
 
-/// Training pairs in the order of time, and what is asked of them.
+/// Training pairs in the order of time, with their errors.
 struct TimedPairs {
   std::vector<const PairRow*> pairs;
   std::vector<TimedError> errors;
@@ -98,8 +98,8 @@ Refusal RecordedScatter::doubt() const {
   return {
       fmt::format(
           "pairs: the readings of the training places scatter by {:.4f} mm about any smooth error, "
-          "where tracker and lamps state {:.4f} mm together, and are taken for as uncertain as "
-          "they scatter",
+          "where tracker and lamps state {:.4f} mm together, and are treated as being as "
+          "uncertain as they scatter",
           mm(found), stated / kMillimetre),
       "see whether the reflector is loose on the tool or the arm still moves when it is read"};
 }
@@ -229,7 +229,7 @@ bool RestSpread::is_shaking() const {
 Refusal RestSpread::doubt() const {
   return {fmt::format(
               "tracker: its readings of a place at rest scatter by {:.4f} mm, where {:.4f} mm is "
-              "stated; they are taken for as uncertain as they scatter",
+              "stated; they are treated as being as uncertain as they scatter",
               mm(rms), stated / kMillimetre),
           "find what shakes the reflector or the tracker, or correct tracker.sigma_mm in the cell "
           "file"};

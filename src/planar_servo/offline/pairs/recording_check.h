@@ -15,9 +15,9 @@
 
 namespace planar {
 
-// What was recorded is held against something else that is known of the cell. What contradicts it
-// throws InputError with sizes, uncertainties and the remedy; what is less certain than that is
-// doubted: what it is, with sizes and causes, and what to do.
+// Compares a recording with what else is known about the cell. A contradiction throws InputError
+// with sizes, uncertainties and the remedy; what is less certain becomes a doubt with sizes, causes
+// and what to do.
 
 /// A step in the vision error of the training pairs, in the order of time.
 struct RecordedStep {
@@ -64,7 +64,7 @@ std::optional<RecordedScatter> find_scatter(const std::vector<PairRow>& pairs);
 /// The sweep of joint 1 shows the base's axis without the monuments, which are to be given about
 /// that axis. Throws when it lies off the origin by more than what readings and sweep leave open,
 /// with a false alarm of kFalseAlarm. Arms whose other motors turn in this sweep show no circle and
-/// are not asked.
+/// are not checked.
 void require_axis_in_origin(const CellSettings& cell, const std::vector<ToolSight>& sights);
 
 /// Monuments in one plane fit a mirrored tracker frame as well, with the base's z axis turned
