@@ -122,7 +122,7 @@ void add_options(CLI::App& app, Options& options) {
           ->excludes(method)
           ->type_name("cell.yaml");
   app.add_option("--lays", options.lays,
-                 "dots of a board laid on the plane, by planar-pair-tracker --lays-out: they tell "
+                 "dots of a board laid on the plane, by planar-pair-tracker --lays-out: they give "
                  "the field's shape and, with a known pitch, its scale")
       ->needs(cell)
       ->type_name("lays.csv");

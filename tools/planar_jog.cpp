@@ -112,7 +112,7 @@ void follow_lines(Session& session) {
       session.execute(line);
 }
 
-/// Asks the arm to stop when another key is pressed than the one that began the motion.
+/// Asks the arm to stop when a key other than the one that began the motion is pressed.
 class KeyStop {
  public:
   void watch(RawTerminal& terminal, const std::string& key) {

@@ -43,7 +43,7 @@ void add_options(CLI::App& app, Options& options) {
       "auto: draw a map of what is done and left, and what the camera sees of the board, into "
       "RECORDING/view.png and, where an X server answers, a window; x: insist on the window; none");
   add_choice(app, "--on-bad-reading", options.on_bad_reading, names_of(kBadReadings),
-             "what happens to a place of which the tracker gives no good reading: it is taken "
+             "what happens to a place without a good tracker reading: it is taken "
              "again up to twice, left out, or the recording stops");
 }
 

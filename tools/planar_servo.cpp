@@ -103,7 +103,7 @@ void add_options(CLI::App& app, Options& options) {
                "try the next target even when the cell itself is in doubt: after a look that "
                "contradicts the command or the calibration, or an error that grew");
   app.add_flag("--forget", options.request.forgets,
-               "learn the arm anew: do not begin with what the cell's arm_learned file holds")
+               "learn the arm from the start, without the cell's arm_learned file")
       ->excludes("--path");
   app.add_flag(
          "--judged", options.judged,
@@ -241,7 +241,7 @@ Outcome report(const ServoRequest& request, const Options& options, const ServoR
   }
   if (doubted > 0)
     spdlog::warn(fmt::format(
-        "{} targets are doubted: they were reached since the cell was last found well; --resume "
+        "{} targets are doubted: they were reached after the last good check of the cell; --resume "
         "goes to them again",
         doubted));
   if (run.ended_by())

@@ -173,7 +173,7 @@ void occupy_closed_streams() {
     if (fcntl(stream, F_GETFD) < 0) open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY);
 }
 
-/// Runs before main() and before the libraries' own beginnings, of which some open sockets.
+/// Runs before main() and before the libraries' initialisers, some of which open sockets.
 [[gnu::section(".preinit_array"),
   gnu::used]] void (*const kOccupyBeforeAll)() = occupy_closed_streams;
 

@@ -70,7 +70,7 @@ TEST_CASE("A file that the servo could not read is faulty, and says what mends i
     for (const Finding& fault : faults_with(name, ""))
       is_told =
           is_told || (fault.subject == name && fault.what.find("is empty") != std::string::npos &&
-                      fault.remedy == std::string("make it anew with ") + program);
+                      fault.remedy == std::string("make it again with ") + program);
     CHECK(is_told);
   }
 }

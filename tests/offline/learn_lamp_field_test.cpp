@@ -59,7 +59,7 @@ TEST_CASE("Dots are sorted into their lays, of one board each with a standard de
   CHECK(board.lays[0].sigma[1] == 3e-6);
   CHECK(board.pitch_known);
   rows[2].pitch_known = false;
-  CHECK_THROWS_WITH(laid_dots(rows), Contains("pitch is known of some lays only"));
+  CHECK_THROWS_WITH(laid_dots(rows), Contains("pitch is known for some lays only"));
   rows[1].sigma = 0.0;
   CHECK_THROWS_WITH(laid_dots(rows), Contains("'a'") && Contains("--lays-out"));
 }

@@ -52,7 +52,7 @@ cp good_map.yaml cell/map.yaml
 # One of an earlier version, which has no checksum, is accepted with a notice.
 sed -i '/^checksum:/d' cell/tool.yaml
 servo --check >out.txt 2>err.txt || fail "$(cat err.txt)"
-grep -q "tool.yaml: has no checksum; a change of it goes unseen" err.txt || fail "$(cat err.txt)"
+grep -q "tool.yaml: has no checksum; a change to it goes unnoticed" err.txt || fail "$(cat err.txt)"
 
 # A camera calibrated again, and the rest forgotten.
 cp cell/camera.yaml good.yaml

@@ -71,7 +71,7 @@ expect 2 "before the cell file was changed" \
   "$bin/planar-certify" --cell cell/other.yaml "${size[@]}" --out DIR
 printf 'id,x_mm,y_mm\na,200,100\n' >targets.csv
 "$bin/planar-servo" -q --cell cell/cell.yaml --targets targets.csv --out run >/dev/null
-expect 2 "results.csv: is a run that is no certificate's; name another folder" "${certify[@]}" --out run
+expect 2 "results.csv: belongs to no certificate; name another folder" "${certify[@]}" --out run
 
 # Wrong input is refused before anything moves.
 expect 2 "--cycles: Value 0 not in range" certify_as --cycles 0 --out made

@@ -13,7 +13,7 @@ record() { timeout 60 "$bin/planar-record" --plan plan.csv "$@"; }
 
 # Three monuments, two places of which one is skipped, three monuments.
 printf '\n\n\n1000,1,1\ns\n\n\n\n' | record --cell asked.yaml --out asked >asked.txt 2>asked.err
-grep -q "left out for want of a reading: t1" asked.txt || fail "what was skipped is not named"
+grep -q "left out without a reading: t1" asked.txt || fail "what was skipped is not named"
 grep -q "^t0,.*,1000.00000,1.00000,1.00000$" asked/tracker.csv || fail "the typed reading is lost"
 grep -q "^t1," asked/frames.csv && fail "a place that was skipped is kept"
 grep -q "^u0," asked/frames.csv || fail "the pose is not recorded"

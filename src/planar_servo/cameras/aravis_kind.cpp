@@ -20,7 +20,7 @@ constexpr double kTestLateness_s = 0.1;
 
 /// The remedy where a camera answers but refuses.
 constexpr char kCorrectSettings[] =
-    "correct the settings of `camera` in the cell file to what this camera is and can do";
+    "correct the settings of `camera` in the cell file to suit this camera";
 
 void grab(AravisLink& link, const AravisSettings& settings, CameraInspection& inspection) {
   SteadyClock clock;

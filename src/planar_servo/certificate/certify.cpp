@@ -24,8 +24,8 @@ fs::path cycles_file(const CertificateRequest& request) {
   return request.servo.out / "cycles.csv";
 }
 
-/// Returns what decides the moves and how they are made, as comment lines. The calibration's files
-/// are those of results.csv.
+/// Returns the settings that decide the moves, as comment lines. The calibration's files are those
+/// of results.csv.
 std::string header_of(const CertificateRequest& request, JudgeKind judge) {
   return cycles_header({fmt::format("# cycles: {}", request.size.cycles),
                         fmt::format("# targets: {}", request.size.targets),
@@ -44,8 +44,7 @@ std::vector<JudgedMove> moves_so_far(const CertificateRequest& request, const st
   const fs::path file = cycles_file(request), results = request.servo.out / "results.csv";
   if (!fs::exists(file)) {
     if (fs::exists(results) && !read_results(results).empty())
-      throw InputError(
-          {"is a run that is no certificate's", "name another folder for --out", results});
+      throw InputError({"belongs to no certificate", "name another folder for --out", results});
     return {};
   }
   drop_torn_line(file, header);

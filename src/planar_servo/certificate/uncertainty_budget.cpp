@@ -128,7 +128,7 @@ std::vector<BudgetTerm> content_terms(const PositioningTerms& terms) {
   const bool stops = terms.stop < terms.landing;
   return {{"arm", "landing of the first move", terms.landing, !stops,
            stops ? "run; corrected down to the stop rule" : "run, own view",
-           "find the arm anew (planar-fit-error-map --arm-out)"},
+           "find the arm again (planar-fit-error-map --arm-out)"},
           {"stop rule", "content within it", terms.stop, stops,
            stops ? "run" : "run; the arm lands within it",
            "lower servo.tolerance_mm, as far as noise and pulses allow"}};

@@ -125,7 +125,7 @@ std::vector<Finding> examine_content(const CellSettings& cell, const MadeFile& f
         "record more places and fit again; planar-servo moves by it only with --accept-map")};
   } catch (const InputError& error) {
     return {{Verdict::kFaulty, name, error.what(),
-             fmt::format("make it anew with {}", program_for(file.role))}};
+             fmt::format("make it again with {}", program_for(file.role))}};
   }
 }
 

@@ -305,8 +305,7 @@ std::vector<nlohmann::json> work_through(
 std::vector<nlohmann::json> run_campaign(const ExperimentRequest& request, const SeedRange& seeds,
                                          DrawTruth draw) {
   if (!request.cell.camera.kind->is_virtual())
-    throw InputError({"is no virtual cell",
-                      "--seeds draws cells, which only a virtual one can stand for",
+    throw InputError({"is no virtual cell", "--seeds draws virtual cells: name one of their kind",
                       request.cell.file});
   const Truth first = draw(seeds.first);
   require_same_lamps(request.cell, first, name_in(kCellKinds, draw));

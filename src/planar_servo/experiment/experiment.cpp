@@ -110,10 +110,8 @@ double take_out_turn(std::vector<TargetResult>& results) {
 void require_judge(const ExperimentRequest& request) {
   require_judging_tracker(request.cell);
   if (!request.uses_tracker)
-    throw InputError(
-        {"--train 0 is for virtual cells, whose truth judges it",
-         "give a cell that its tracker judges readings to learn from, such as --train 40",
-         request.cell.file});
+    throw InputError({"--train 0 is for virtual cells, whose truth judges it",
+                      "let the calibration use readings, such as --train 40", request.cell.file});
 }
 
 /// Records what is missing of the plan, unless the loop has begun: nothing may join the recording
@@ -132,8 +130,7 @@ RecordReport record_plan(const ExperimentRequest& request, const ExperimentPlan&
   spdlog::info(fmt::format("{} frames, {} of them full; {} places were there before",
                            recorded.frames, recorded.full_frames, recorded.present));
   if (!recorded.skipped.empty())
-    spdlog::warn(
-        fmt::format("left out for want of a reading: {}", fmt::join(recorded.skipped, ", ")));
+    spdlog::warn(fmt::format("left out without a reading: {}", fmt::join(recorded.skipped, ", ")));
   return recorded;
 }
 

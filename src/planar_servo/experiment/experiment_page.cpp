@@ -75,7 +75,7 @@ void add_first_words(HtmlPage& page, const ExperimentReport& report) {
   if (!verdict.faults.empty()) page.add_paragraph("Found: " + verdict.good + ".");
 }
 
-/// Returns the errors at the targets by each way to go there, and what was predicted of ours.
+/// Returns the errors at the targets by each way to go there, and those predicted for ours.
 TextTable accuracy_table(const ExperimentReport& report) {
   TextTable table(fmt::format("Distance from the targets: {}", judged_words(report)),
                   {"way", "mean, mm", "at 95 %, mm", "largest, mm"});
@@ -212,7 +212,7 @@ ReportPlots experiment_plots(const ExperimentReport& report, const fs::path& out
   return plots;
 }
 
-/// Adds what an engineer asks first.
+/// Adds the answers to an engineer's first questions.
 void add_results(HtmlPage& page, const ExperimentReport& report, const ReportPlots& plots,
                  const fs::path& out) {
   page.add_heading("Accuracy");

@@ -30,8 +30,8 @@ constexpr Named<bool> kTruths[] = {{true, "true"}, {false, "false"}};
 constexpr Named<Approach> kApproaches[] = {{Approach::kOneSide, "one_side"},
                                            {Approach::kDirect, "direct"}};
 
-/// Reads the kind that `key` asks for, which is null when there is none of that name. The block's
-/// other keys cannot be judged then.
+/// Reads the kind that `key` names; null when there is none of that name. The block's other keys
+/// cannot be judged then.
 template <typename Kind>
 void read_kind(Fields& fields, const char* key, const std::vector<const Kind*>& kinds,
                const Kind*& read) {

@@ -54,7 +54,7 @@ std::vector<Origin> origins_of_list(const std::string& yaml) {
   return origins;
 }
 
-/// Returns the lines of a table that are no comments.
+/// Returns the lines of a table that are not comments.
 std::string rows_of(const std::string& table) {
   std::string rows;
   for (std::size_t begin = 0; begin < table.size();) {

@@ -99,7 +99,7 @@ void require_unchanged(const std::filesystem::path& path, const std::string& tex
   const std::string_view kind = kind_of_text(text);
   if (const auto change = later_change(path, text)) throw InputError(*change);
   if (!value_of(text, kChecksum) && (kind.empty() || has_checksum(kind)))
-    spdlog::info(fmt::format("{}: has no checksum; a change of it goes unseen", path.string()));
+    spdlog::info(fmt::format("{}: has no checksum; a change to it goes unnoticed", path.string()));
 }
 
 bool seal_by_hand(const std::filesystem::path& path) {

@@ -7,7 +7,7 @@
 
 namespace planar {
 
-/// Keeps a folder to one program at a time, so that no two write its tables. The lock ends with
+/// Reserves a folder for one program at a time, so that no two write its tables. The lock ends with
 /// this object or with the program, however that ends, and leaves no file behind.
 class FolderLock {
  public:

@@ -21,7 +21,7 @@ std::string exact_text(double value) {
   return fmt::format("{}", value);
 }
 
-/// Returns whether YAML 1.1, which other readers follow, takes the word for a truth value or for
+/// Returns whether YAML 1.1, which other readers follow, reads the word as a truth value or as
 /// null.
 bool is_word_of_yaml(std::string text) {
   std::transform(text.begin(), text.end(), text.begin(),

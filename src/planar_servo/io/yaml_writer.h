@@ -9,7 +9,7 @@
 
 namespace planar {
 
-/// Holds what a file says of one that it was made from.
+/// Holds a file's record of one that it was made from.
 struct InputRecord {
   std::string name;
   std::string sha256;  ///< see content_sha256()

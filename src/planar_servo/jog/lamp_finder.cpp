@@ -16,7 +16,7 @@
 namespace planar {
 namespace {
 
-/// Of two lamps alike nothing says which is which; their places are known all the same.
+/// Two lamps alike cannot be told apart, but their places are known.
 bool is_measured(const LampPair& pair) {
   return pair.status == LampStatus::kOk || pair.status == LampStatus::kAmbiguous;
 }
@@ -26,7 +26,7 @@ bool is_located(const LampPair& pair) {
   return pair.lamps[0].diameter_px > 0.0 && pair.lamps[1].diameter_px > 0.0;
 }
 
-/// Returns whether these are but the most evident of more than two lights.
+/// Returns whether these are only the most evident of more than two lights.
 bool is_choice(const LampPair& pair) {
   return pair.lamps[0].status == LampStatus::kAmbiguous;
 }
@@ -108,7 +108,7 @@ std::string LampFinder::find() {
 
 std::optional<std::array<double, 2>> LampFinder::edge_widths(const cv::Rect& region_px) {
   const Frame frame = next_frame(region_px);
-  // Far out of focus, lamps have not the size that they were built with.
+  // Far out of focus, lamps do not have the size that they were built with.
   PairExpectation any;
   any.fixed_px = scene_.fixed_px;
   const LampPair pair = LampTracker(CenterMethod::kFast).locate(frame, any);

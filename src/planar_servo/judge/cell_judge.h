@@ -20,7 +20,7 @@
 
 namespace planar {
 
-/// A tracker that was tied to the base by one round over the monuments, with what it knows of a
+/// A tracker that was tied to the base by one round over the monuments, with what it knows about a
 /// place.
 class RegisteredTracker {
  public:
@@ -65,7 +65,7 @@ class TrackerJudge final : public Judge {
   void suppose(std::function<TipPose(const Eigen::Vector3d& theta_c)> forward) {
     forward_ = std::move(forward);
   }
-  /// Puts a name before those of the places that are judged from now on.
+  /// Prefixes a name to those of the places judged from now on.
   void name_loop(const std::string& loop) { loop_ = loop + " "; }
 
   JudgeKind kind() const override { return JudgeKind::kTracker; }

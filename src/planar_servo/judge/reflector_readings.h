@@ -33,7 +33,7 @@ class ReflectorReadings {
 
   /// Reads every monument of the cell, but for what this round has `seen` already, and returns the
   /// whole round. Reports each reading at once and compares it with the round `before`, or else
-  /// with the cell file; one that contradicts is taken again unless whoever works the tracker keeps
+  /// with the cell file; one that contradicts is taken again unless the person at the tracker keeps
   /// it, or nobody can be asked. Throws WorkError when one cannot be read in three attempts, when
   /// fewer than three are left because somebody skipped the others, and when asked to stop.
   std::vector<MonumentSeen> read_monuments(std::vector<MonumentSeen> seen = {},

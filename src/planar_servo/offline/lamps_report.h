@@ -14,8 +14,7 @@
 
 namespace planar {
 
-/// Returns true when some image shows what was looked for, even if nobody can say which lamp is
-/// which.
+/// Returns true when some image shows what was looked for, even if the lamps cannot be told apart.
 bool shows_any(const LocateReport& report);
 
 /// Says how far apart the lamps of status wrong_distance are, in the median, where the cell says

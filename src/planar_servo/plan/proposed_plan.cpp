@@ -26,7 +26,7 @@ namespace {
 
 constexpr int kCandidates = 300;
 constexpr std::uint64_t kOrderSeed = 1;
-/// Noise of a lamp's place before anybody has seen one, metres.
+/// Noise of a lamp's place before one was measured, metres.
 constexpr double kLampSigma_m = 2e-6;
 /// Readings that bring the accuracy within this share of what all bring are enough.
 constexpr double kNearly = 1.05;
@@ -125,9 +125,9 @@ std::optional<Joints> way_to(const KnownCell& known, const Joints& from, const T
   return plan.theta;
 }
 
-/// Orders places at random, because a step in time can be told from the field only where places
-/// that follow each other are no neighbours. A place to which the way is forbidden is tried again
-/// after the next one; those to which none leads are left out.
+/// Orders places at random, because a step in time can be told from the field only where successive
+/// places are not neighbours. A place to which the way is forbidden is tried again after the next
+/// one; those to which none leads are left out.
 std::vector<PlanRow> rows_at_random(const KnownCell& known, std::vector<TipPose> tips,
                                     std::size_t first) {
   mix(tips);

@@ -341,8 +341,7 @@ ReportList record_list(const RecordReport& report, const FrameCounts& frames,
   list.unprinted("camera_reopened", frames.reopened);
   list.unprinted("without_lamps", report.without_lamps);
   list.line_if(!report.skipped.empty(), "",
-               "left out for want of a reading: {skipped}; start again to record them",
-               report.skipped);
+               "left out without a reading: {skipped}; start again to record them", report.skipped);
   return list;
 }
 

@@ -48,7 +48,7 @@ struct RecordReport {
   int frames{0};
   int full_frames{0};
   std::vector<std::string> without_lamps;  ///< ids where no pair of lamps was seen
-  std::vector<std::string> skipped;        ///< ids left out for want of a reading
+  std::vector<std::string> skipped;        ///< ids left out without a reading
   /// As they were read at the end, all by this run; none where they were not.
   std::vector<MonumentSeen> monuments;
 };

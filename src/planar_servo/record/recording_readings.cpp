@@ -34,7 +34,7 @@ bool RecordingReadings::are_left(std::size_t row) const {
 void RecordingReadings::read_first_monuments() {
   if (!reads_) return;
   if (!begun_.has_monuments) first_ = reflector_.read_monuments();
-  // Who left after the monuments may have left the reflector there.
+  // A person who left after the monuments may have left the reflector there.
   const bool has_reading =
       std::any_of(request_.plan.begin(), request_.plan.end(),
                   [&](const PlanRow& row) { return needs_reading(row.plan) && begun_.has(row); });

@@ -48,7 +48,7 @@ bool same_pulses(const Pulses& a, const Pulses& b) {
   return (a - b).cwiseAbs().maxCoeff() <= kRoundedPulses;
 }
 
-/// Says what of a recorded row the plan or the cell would do otherwise; empty when nothing.
+/// Says what the plan or the cell would now do differently from a recorded row; empty when nothing.
 std::string difference(const FrameRow& row, const PlanRow& planned, const Joints& theta,
                        const Transmission& transmission) {
   if (row.plan != planned.plan)

@@ -136,7 +136,7 @@ void FirmwareProcess::require_running() {
   int status = 0;
   if (process_ > 0 && waitpid(process_, &status, WNOHANG) == 0) return;
   process_ = -1;
-  throw WorkError(fmt::format("{} has ended {}; start it anew", simulator_.string(),
+  throw WorkError(fmt::format("{} has ended {}; start it again", simulator_.string(),
                               WIFSIGNALED(status)
                                   ? fmt::format("by signal {}", WTERMSIG(status))
                                   : fmt::format("with status {}", WEXITSTATUS(status))));

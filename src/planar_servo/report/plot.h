@@ -42,8 +42,8 @@ struct QuiverPanel {
 /// Explains the plot of quiver_svg() to a reader.
 constexpr char kQuiverCaption[] =
     "Each line leads from a place into the direction of its error. The panels share axes, length "
-    "of the lines and colours, so that they can be compared; the colour tells small errors whose "
-    "lines are too short to be seen.";
+    "of the lines and colours, so that they can be compared; the colour shows errors whose lines "
+    "are too short to be seen.";
 
 /// Draws the errors: x to the right, y up, in millimetres. Axes, lengths of arrows and colours
 /// (logarithmic) are common to all panels. Throws std::invalid_argument for panels without points

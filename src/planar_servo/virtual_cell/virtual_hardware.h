@@ -29,8 +29,8 @@ struct VirtualHardware {
   Eigen::Vector3i home_pulses() const;
 };
 
-/// Returns the machine as built: what the truth says of it, and the rest as stated. A monument that
-/// the truth does not name stands where it is stated.
+/// Returns the machine as built: by the truth where it says so, and the rest as stated. A monument
+/// that the truth does not name stands where it is stated.
 VirtualHardware as_built(const VirtualHardware& stated, const BuildTruth& build);
 
 /// Returns a build that is as stated in every part.

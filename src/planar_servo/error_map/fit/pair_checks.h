@@ -20,9 +20,9 @@ namespace planar {
 /// half, do not matter.
 void require_one_unit(const Eigen::Matrix2Xd& p_vision, const Eigen::Matrix2Xd& p_tracker);
 
-/// Says which shift, turn and scale all pairs share, when these make up nine tenths of the
-/// error and it is not large enough to be refused. A map learns it as well as a vision error; only
-/// who made the pairs knows whether it is one. Empty otherwise.
+/// Says which shift, turn and scale all pairs share, when these make up nine tenths of the error
+/// and it is not large enough to be refused. A map learns it like a vision error; only the maker of
+/// the pairs knows whether it is one. Empty otherwise.
 std::optional<Refusal> doubt_of_shared_error(const std::vector<ErrorSample>& samples);
 
 /// Throws InputError when the tracker has one and the same position, to the last digit, where

@@ -35,7 +35,7 @@ PoseSample pose_sample(const Transmission& transmission, const PairRow& pair, do
   if (!pair.lamps_B || !pair.theta || !pair.sigma_vision || (pair.p_tracker && !pair.p_reflector) ||
       (pair.p_reflector && !pair.sigma_tracker))
     throw InputError({fmt::format("pair '{}' lacks its lamps, its joints or a standard deviation, "
-                                  "by which field and arm are told",
+                                  "from which field and arm are learned",
                                   pair.id),
                       "make the pairs with planar-pair-tracker, or leave --cell out"});
   PoseSample sample;
@@ -117,7 +117,7 @@ LaidDots laid_dots(const std::vector<LayRow>& rows) {
                         "make the table with planar-pair-tracker --lays-out", "lays"});
     if (row.pitch_known != rows.front().pitch_known)
       throw InputError(
-          {"the pitch is known of some lays only", "all must be of one board", "lays"});
+          {"the pitch is known for some lays only", "all must be of one board", "lays"});
     const auto [lay, is_new] = lays.try_emplace(row.lay);
     if (is_new) order.push_back(row.lay);
     lay->second.push_back(&row);
