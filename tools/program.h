@@ -63,8 +63,7 @@ inline Outcome told(const ReportList& list) {
 
 /// Describes --accept-map of the programs that move by an error map.
 inline constexpr char kAcceptMap[] =
-    "move even by an error map whose own fit speaks against it; what it says is kept with the "
-    "result";
+    "move even by an error map that its own fit rejects; the reason is kept with the result";
 
 /// Adds an option whose value --help calls `type`.
 template <typename Value>

@@ -14,7 +14,7 @@ namespace planar {
 
 struct CameraPath;
 
-/// What a camera did when it was opened and sent full frames for a moment.
+/// The behaviour of a camera that was opened and sent full frames for a moment.
 struct CameraInspection {
   std::optional<Refusal> refusal;  ///< why it cannot be used; the rest is empty then
   std::size_t frame_bytes{0};      ///< of a full frame

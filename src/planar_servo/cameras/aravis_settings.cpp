@@ -17,7 +17,7 @@
 namespace planar {
 namespace {
 
-/// How the pixels of a format follow one another.
+/// The layout of the pixels of a format.
 enum class Packing { kBits, kWords, kThreeBytes };
 struct Layout {
   int bits;  ///< of a pixel

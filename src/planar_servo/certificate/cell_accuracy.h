@@ -11,7 +11,7 @@
 
 namespace planar {
 
-/// What was found at one pose. Metres and radians.
+/// The accuracy found at one pose. Metres and radians.
 struct PoseFigures {
   std::string name;
   Eigen::Vector2d p{0.0, 0.0};
@@ -21,7 +21,7 @@ struct PoseFigures {
   std::optional<PoseAccuracy> turn;  ///< where the judge sees the tool's direction
 };
 
-/// What was found at one pose that was approached from several directions.
+/// The accuracy found at one pose that was approached from several directions.
 struct DirectionFigures {
   std::string name;
   std::size_t directions{0}, cycles{0};  ///< cycles from each direction
@@ -29,7 +29,7 @@ struct DirectionFigures {
   double chance{0.0};                    ///< scatter alone keeps vAP below it with kCertainty
 };
 
-/// What was found over the workspace. Metres.
+/// The accuracy found over the workspace. Metres.
 struct WorkspaceFigures {
   Summary errors;
   std::optional<Interval> mean, rms, p95;

@@ -74,7 +74,7 @@ struct FirstAndLast {
   double chance{0.0};  ///< the difference stays below it with kCertainty where nothing drifts
 };
 
-/// How accuracy changed during a run. Metres, means over the poses.
+/// The change of accuracy during a run. Metres, means over the poses.
 struct PoseDrift {
   std::size_t cycles{0};  ///< as many of the first are compared with as many of the last
   double shift{0.0};      ///< of the mean error vector

@@ -53,7 +53,7 @@ TestPlaces find_test_places(const CellSettings& cell, const VisionCalibration& v
 /// Returns the name of a pose by its index: "P1".
 std::string pose_name(std::size_t index);
 
-/// How large a certificate is.
+/// The size of a certificate.
 struct CertificateSize {
   int cycles{30};    ///< of the poses, and of the directions
   int targets{100};  ///< over the workspace; 95 % need 72 for an interval

@@ -18,7 +18,7 @@ struct BudgetTerm {
   double sigma{0.0};   ///< standard uncertainty per axis, rms over the targets, metres
   bool counts{true};   ///< false for what another term holds already
   std::string source;  ///< where the figure is from, or which term holds it
-  std::string remedy;  ///< what lessens it; a clause
+  std::string remedy;  ///< its remedy; a clause
 
   /// Returns "field: error map".
   std::string name() const;

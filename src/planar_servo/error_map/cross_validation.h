@@ -40,7 +40,7 @@ bool is_clearly_positive(const Eigen::ArrayXd& values_of_blocks);
 /// and Stegun 26.7.5].
 double student_t_95(Eigen::Index n);
 
-/// What a map is worth in a gap between its sites that is as wide as a block of them.
+/// The worth of a map in a gap between its sites as wide as a block of them.
 struct CrossValidation {
   RmsEstimate rms;  ///< of the residuals of each block predicted by the others, metres
   /// Diameter of the widest circle about a site of a block that holds no site of the others, median

@@ -14,7 +14,7 @@ struct ErrorSample {
   Eigen::Vector2d error{0.0, 0.0};
   double sigma{0.0};  ///< of `error` per axis, stated by the instruments, metres; 0 if unstated
   std::optional<double> phi{};  ///< tool's direction in the base frame, radians
-  std::string place{};          ///< samples of one place share the word; empty when not said
+  std::string place{};          ///< samples of one place share the name; empty when unknown
 };
 
 struct ErrorPrediction {

@@ -91,11 +91,11 @@ MethodFit fit_by_method(const MapSites& sites, const MapProblem& problem,
   return fit_tuned(sites, {kManyScales, kSmooth});
 }
 
-/// Samples that lie in groups must be so many more than the groups, as a share of all.
+/// Samples in groups must outnumber the groups by this share of all samples.
 constexpr double kLeastRepeats = 0.2;
 
 /// The samples of a group share a place if they have more than this share of their noise's variance
-/// in common, or if without the whole group they are missed by so many times the leave-one-out
+/// in common, or if without the whole group they are missed by this many times the leave-one-out
 /// error. Else they are as good as apart, and averaging them would blur the map.
 constexpr double kClearShare = 0.2;
 constexpr double kClearMiss = 1.25;

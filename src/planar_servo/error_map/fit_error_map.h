@@ -29,7 +29,7 @@ constexpr Named<MapMethod> kMapMethods[] = {{MapMethod::kAuto, "auto"},
                                             {MapMethod::kIdw, "idw"},
                                             {MapMethod::kHandWidth, "hand"}};
 
-/// Where the places come from that readings share.
+/// The source of the places that readings share.
 enum class PlaceSource {
   kPositions,  ///< every position is a place of its own
   kNamed,      ///< the samples name their places

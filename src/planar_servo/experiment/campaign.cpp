@@ -150,7 +150,7 @@ int set_lock(int file, std::uint64_t piece, short kind, bool wait) {
 
 constexpr char kRowFormat[] = "planar-servo/campaign/1";
 constexpr char kFirstRow[] = "{\"format\":\"planar-servo/campaign/1\"";  // as it begins
-/// What is claimed to write to the file: a number beyond all seeds.
+/// Claimed to write to the file: a number beyond all seeds.
 constexpr std::uint64_t kWriting = std::uint64_t{1} << 32;
 
 std::string line_of(const nlohmann::json& json) {

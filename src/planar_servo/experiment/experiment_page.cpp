@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Found errors of so many times the predicted ones put the calibration in question.
+/// Errors this many times the predicted ones put the calibration in question.
 constexpr double kFarBeyondPrediction = 2.0;
 
 /// The files that an experiment leaves in its folder, and what they hold.

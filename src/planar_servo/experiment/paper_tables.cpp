@@ -18,7 +18,8 @@
 namespace planar {
 namespace {
 
-// What the paper prints besides: circles in the order of its tables, lengths in millimetres.
+// Further figures that the paper prints: circles in the order of its tables, lengths in
+// millimetres.
 constexpr double kPaperCorrelation[] = {0.991, 0.996, 0.993, 0.995};  // table 1
 constexpr double kPaperIdw[] = {0.657, 0.796, 0.853};                 // table 2
 constexpr double kPaperTrainingPlaces = 200, kPaperTestPlaces = 30;   // table 3

@@ -164,7 +164,7 @@ ChainSettings paper_chain(const CellSettings& cell) {
   chain.servo = cell.servo;
   chain.servo.law = ServoLaw::kInverse;
   chain.servo.approach = Approach::kDirect;
-  chain.is_guarded = false;  // the paper has no such checks, and play would fail them
+  chain.is_guarded = false;  // the paper has no such checks, and gear play would fail them
   chain.estimates_landings = false;
   chain.servo.frames_per_measurement = 1;
   return chain;

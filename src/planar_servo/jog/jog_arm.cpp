@@ -17,8 +17,8 @@
 namespace planar {
 namespace {
 
-// A jog must be short enough to be stopped by letting go of the key. Longer ways go to taught
-// places or by planar-servo.
+// A jog must be short enough to be stopped by letting go of the key. Longer moves go to taught
+// places or use planar-servo.
 constexpr double kMostTurn = 15.0 * kDegree;
 constexpr double kMostStep = 50.0 * kMillimetre;
 

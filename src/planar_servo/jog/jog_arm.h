@@ -16,9 +16,9 @@ namespace planar {
 /// Takes a sentence on what the arm begins to do.
 using Announce = std::function<void(const std::string&)>;
 
-/// The arm of a cell as a person moves it: enabled, homed, then by short ways of a joint or of the
-/// end point, or to a place that was taught. Joints count from 0. What must not be done throws
-/// InputError with its remedy, and nothing has moved then; a motion that fails throws WorkError.
+/// The arm of a cell as a person moves it: enabled, homed, then by short moves of a joint or of the
+/// end point, or to a taught place. Joints count from 0. What must not be done throws InputError
+/// with its remedy, and nothing has moved then; a motion that fails throws WorkError.
 class JogArm {
  public:
   /// Opens the arm and moves nothing. `stop` is as in PlanarRobot::stop_when(). `announce` is told

@@ -37,7 +37,7 @@ ArmReading reading_of(const Transmission& transmission, const PairRow& pair) {
           *pair.sigma_tracker};
 }
 
-/// Places left out may be met so many times worse than the readings fitted.
+/// Places left out may be met this many times worse than the readings fitted.
 constexpr double kWorseAtPlacesLeftOut = 1.5;
 /// Links, and zeros of the motors that carry them, come first among the terms.
 constexpr std::size_t kLinksAndZeros = 4;

@@ -161,9 +161,9 @@ std::vector<std::string> ImageCoverage::empty_corners() const {
 
 namespace {
 
-/// Views left out may be met so many times worse than those fitted.
+/// Views left out may be met this many times worse than those fitted.
 constexpr double kWorseLeftOut = 1.5;
-/// A view may have so many times the median residual.
+/// A view may have this many times the median residual.
 constexpr double kUnusualView = 2.0;
 constexpr double kMostRejected = 0.2;
 

@@ -22,7 +22,7 @@ bool starts_with(std::string_view bytes, std::string_view beginning) {
 
 /// Of a side, as OpenCV has it; their product does not overflow.
 constexpr std::size_t kLongestSide = std::size_t{1} << 20;
-/// No area sensor has more. To decode so many takes 1.6 GB.
+/// No area sensor has more. Decoding this many takes 1.6 GB.
 constexpr std::size_t kMostPixels = std::size_t{1} << 28;
 
 /// Big-endian, as PNG and JPEG have it.

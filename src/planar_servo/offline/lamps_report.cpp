@@ -35,7 +35,7 @@ std::map<std::string, std::size_t> other_statuses(const LocateReport& report) {
 
 /// More images without lamps than this share are a fault ...
 constexpr double kFewFailures = 0.02;
-/// ... and so is a scatter at rest of so many times the stated one.
+/// ... and so is a scatter at rest of this many times the stated one.
 constexpr double kUnrest = 1.5;
 constexpr char kFailure[] = "#c0392b";
 

@@ -16,7 +16,7 @@ struct PositioningPrediction {
   double p95{0.0};
 };
 
-/// What a calibrated cell knows of its own uncertainty. Lengths are in metres.
+/// The uncertainties of a calibrated cell. Lengths are in metres.
 struct PredictionInputs {
   VisionCalibration vision;  ///< with a field at the lamps
   ServoSettings servo;
@@ -31,12 +31,12 @@ struct PredictionInputs {
 /// Returns what cell file and vision say; the deviations are yet to be filled in.
 PredictionInputs known_of(const CellSettings& cell, VisionCalibration vision);
 
-/// Returns what is known of a cell whose map is a field at the lamps, from its files, the pairs
+/// Returns the uncertainties of a cell whose map is a field at the lamps, from its files, the pairs
 /// that it was calibrated by and the landing that was found with its field.
 PredictionInputs prediction_inputs(const CellSettings& cell, const std::vector<PairRow>& pairs,
                                    double landing_sigma);
 
-/// What makes an error of positioning at one target: standard uncertainties per axis, metres.
+/// The parts of a positioning error at one target: standard uncertainties per axis, metres.
 struct PositioningTerms {
   double field{0.0};    ///< as the map states it; NaN where it states none
   double vision{0.0};   ///< of a look, over the frames averaged

@@ -36,7 +36,7 @@ struct RecordRequest {
   std::function<bool()> stop{};     ///< asked during every move; see PlanarRobot::stop_when()
   BadReading on_bad_reading{BadReading::kRepeat};
   std::optional<Board> board{};  ///< that a person shows to a real cell's camera
-  /// Of a map of the places, and of what the camera sees of a board that a person shows.
+  /// For a map of the places and the camera's picture of a board that a person shows.
   DisplayPolicy display{DisplayPolicy::kNone};
   /// Is asked about drives that do not know their position. Empty: they may not be homed.
   MayHome may_home{};

@@ -20,7 +20,7 @@ std::vector<Joints> joints_of_plan(const CellSettings& cell, const std::vector<P
 /// Throws InputError when rows of the plan ask for readings that nobody takes.
 void require_tracker(const RecordRequest& request);
 
-/// What the folder of a recording holds already; nothing when it is new.
+/// The present content of a recording; nothing when it is new.
 struct BegunRecording {
   std::set<std::string> ids;
   /// The first monuments are there; one that was broken off among them reads them again.

@@ -53,7 +53,7 @@ double served_speed_deg_s(const MotorDrive& motor, bool firmware) {
   const double longest =
       (firmware ? kLongestFirmwareBraking_s : kLongestBraking_s) * motor.max_acceleration_rad_s2;
   const double speed_deg_s = std::min(motor.max_speed_rad_s, longest) / kDegree;
-  // What a file rounds to the step above by its last digit is that step.
+  // A value that a file rounds up to the next step in its last digit is that step.
   return kSpeedStep_deg_s * std::floor(speed_deg_s / kSpeedStep_deg_s + 1e-6);
 }
 

@@ -16,7 +16,7 @@
 
 namespace planar {
 
-/// How a served tracker writes its lines, and its faults.
+/// The format of a served tracker's lines, and its faults.
 struct ReflectorDialect {
   double clock_offset_s{0.0};  ///< by which its clock is ahead of the computer's at first
   double clock_ppm{0.0};       ///< by which its clock runs fast

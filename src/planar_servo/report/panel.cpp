@@ -46,7 +46,7 @@ std::string line_svg(const char* of_class, const Eigen::Vector2d& from, const Ei
       of_class, from.x(), from.y(), to.x(), to.y(), color);
 }
 
-/// How the marks and lines of a series are drawn. An empty shape is a round dot; others are paths
+/// The style of the marks and lines of a series. An empty shape is a round dot; others are paths
 /// about it, of a dot's area at radius 1.
 struct SeriesStyle {
   std::vector<Eigen::Vector2d> corners;

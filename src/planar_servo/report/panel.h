@@ -14,7 +14,7 @@ namespace planar {
 /// it from the others without colour.
 constexpr const char* kSeriesColors[] = {"#1f4e79", "#c77f1a", "#2e8b57", "#a23b72", "#666666"};
 
-/// How long arrows are drawn. Panels that share one can be compared by the arrows' lengths.
+/// The scale of arrows. Panels that share one can be compared by the arrows' lengths.
 struct ArrowScale {
   double longest{0.0};  ///< what is drawn kLongestArrow long, in the unit of the vectors
   std::string unit;     ///< for the legend

@@ -12,9 +12,9 @@
 
 namespace planar {
 
-/// What a program found, each figure listed once: the name and the words that people read, the key
-/// of --json, the value and its format. Printed lines, JSON and a page's table come from this list,
-/// so that they cannot disagree:
+/// The results of a program, each figure listed once: the name and the words that people read, the
+/// key of --json, the value and its format. Printed lines, JSON and a page's table come from this
+/// list, so that they cannot disagree:
 ///
 ///     ReportList list;
 ///     list.line("vision error", "{raw_rms_mm:.4f} mm rms", result.raw_rms);

@@ -72,7 +72,7 @@ class MotionProfile {
   double end_s_{0.0};
 };
 
-/// How warm a motor and the link that it warms are. 0 is cold; 1 is reached after an hour of
+/// The warmth of a motor and of the link that it warms. 0 is cold; 1 is reached after an hour of
 /// regular work from cold, in which the motor turns for 30 % of the time.
 struct Warmth {
   double motor{0.0};

@@ -8,8 +8,7 @@
 
 namespace planar {
 
-/// What cell.yaml states of the machine and the virtual cell takes from it, unless the truth
-/// differs.
+/// The data of the machine that the virtual cell takes from cell.yaml, unless the truth differs.
 struct VirtualHardware {
   cv::Size sensor_px{5120, 5120};
   double frame_rate_hz{15.0};

@@ -38,7 +38,7 @@ void require_finite(const std::vector<ErrorSample>& samples) {
   faults.throw_if_any();
 }
 
-/// What samples of one site have in common: the word of their place, or else their position.
+/// The key of the samples of one site: the name of their place, or else their position.
 using SiteKey = std::tuple<std::string, double, double>;
 
 SiteKey key_of(const ErrorSample& sample) {

@@ -44,8 +44,8 @@ struct TrainingPlace {
   Eigen::Vector2d p_vision{0.0, 0.0}, error{0.0, 0.0};
 };
 
-/// What the paper's chain recorded, for the paper's figures. Errors are vision minus tracker,
-/// metres, before any map.
+/// Records of the paper's chain for the paper's figures. Errors are vision minus tracker, metres,
+/// before any map.
 struct PlotData {
   std::vector<LampEdges> lamps;  ///< both lamps at one place; none when its image is gone
   std::vector<CirclePlace> circles;

@@ -28,7 +28,7 @@ std::vector<PoseSample> pose_samples(const CellSettings& cell, const std::vector
 /// lays of which only some have a known pitch.
 LaidDots laid_dots(const std::vector<LayRow>& rows);
 
-/// What a field at the lamps is learned from, and where it and the arm found with it are written.
+/// The inputs of a field at the lamps, and the files for it and the arm found with it.
 struct LampFieldFiles {
   std::filesystem::path pairs;
   std::filesystem::path lays;  ///< empty where there are none

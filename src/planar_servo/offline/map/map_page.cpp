@@ -64,7 +64,7 @@ ErrorPrediction prediction_of(const LampFieldFit& fit, const Eigen::Vector2d& p)
   return {p - found.tip.p, std::sqrt(0.5 * found.covariance.trace()), found.inside};
 }
 
-/// Of the squares of a drawn field, every so many along both axes get an arrow.
+/// Every n-th square of a drawn field along both axes gets an arrow.
 constexpr std::size_t kArrowSpacing = 3;
 
 /// A map's prediction at the squares of a panel; NaN outside its valid region. Millimetres.
@@ -131,7 +131,7 @@ Panel left_histogram(const MapView& view) {
                    {rms(components), "their rms"});
 }
 
-/// Which share of the places left out each way misses by no more than so much.
+/// The share of the places left out that each way misses by no more than a given length.
 Panel comparison_panel(const std::vector<ComparedField>& ways) {
   std::vector<double> far_mm;
   far_mm.reserve(ways.size() + 1);

@@ -15,7 +15,7 @@
 
 namespace planar {
 
-/// What a page shows of any map. Lengths are in metres.
+/// The content of a page about any map. Lengths are in metres.
 struct MapView {
   Verdict verdict;
   std::vector<Eigen::Vector2d> places;  ///< end points as vision saw them

@@ -106,8 +106,8 @@ constexpr double kNearHome = 100.0 * kDegree;
 /// At so many places, evenly taken from a recording, the arm is compared with its file; more would
 /// add nothing.
 constexpr std::size_t kArmPlaces = 24;
-/// What eccentric reducers and an uncorrected lens do over the whole field to the middle of the
-/// lamps, and to their direction.
+/// The effect of eccentric reducers and an uncorrected lens over the whole field on the middle of
+/// the lamps, and on their direction.
 constexpr double kFieldSigma_m = 0.5e-3;
 constexpr double kDirectionSigma_m = 0.05e-3;
 

@@ -56,7 +56,7 @@ std::string error_plots(const std::vector<PairRow>& pairs, const Summary& raw) {
   return plot_html(panels);
 }
 
-/// What neither field nor drift explains of the errors, and the step that does, dashed.
+/// The part of the errors that neither field nor drift explains, and the step that does, dashed.
 std::string step_plot(const RecordedStep& step) {
   const ChangePoint& change = step.change;
   const std::vector<Eigen::Vector2d> left_mm = in_mm(change.left);

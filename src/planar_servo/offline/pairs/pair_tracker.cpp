@@ -278,7 +278,7 @@ void look_for_scatter(const std::vector<PairRow>& in_time, PairTrackerReport& re
     if (row.sigma_tracker) *row.sigma_tracker *= scatter->found / scatter->stated;
 }
 
-/// Doubts pairs between which something moved at once or by and by; throws when that would cost too
+/// Doubts pairs between which something moved, suddenly or slowly; throws when that would cost too
 /// much. Places that the plane's fit has left out are included, because after a step near the end
 /// of a recording they may be most of those that show it.
 void look_for_motion(const PairTrackerRequest& request, const std::vector<PairRow>& in_time,

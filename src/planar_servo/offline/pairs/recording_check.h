@@ -50,7 +50,7 @@ std::optional<RecordedStep> find_step(const std::vector<PairRow>& pairs);
 /// revisit of the calibration names as a change is none.
 std::optional<RecordedTrend> find_trend(const std::vector<PairRow>& pairs);
 
-/// How the vision errors of the training pairs scatter about any smooth error, per axis, metres.
+/// The scatter of the vision errors of the training pairs about any smooth error, per axis, metres.
 struct RecordedScatter {
   double found{0.0};
   double stated{0.0};  ///< of tracker and lamps together
@@ -77,7 +77,7 @@ void require_upright_tracker(const DatumRegistration& datum, const ToolOffsets& 
 void require_lamps_in_order(const CellSettings& cell, const std::vector<FrameRow>& frames,
                             const std::vector<PairRow>& pairs);
 
-/// How readings of one place or monument scatter, per axis.
+/// The scatter of readings of one place or monument, per axis.
 struct RestSpread {
   double rms{0.0}, stated{0.0};  ///< metres
   int freedom{0};                ///< 0 where no two readings share a place

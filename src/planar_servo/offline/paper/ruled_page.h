@@ -13,8 +13,8 @@ namespace planar {
 /// empty text. Throws InputError for another text and for sides that no paper has.
 std::optional<Eigen::Vector2d> stated_page_mm(const std::string& text, bool lies);
 
-/// What stands round every drawing: rulers along the left and the lower side, by which a printer's
-/// scale is checked, and a text below them.
+/// The frame of every drawing: rulers along the left and the lower side, by which a
+/// printer's scale is checked, and a text below them.
 class RuledPage {
  public:
   /// Takes the stated page or, without one, the smallest that has room for a drawing of this size.

@@ -9,7 +9,7 @@
 
 namespace planar {
 
-/// What a person sees who holds the calibration board before the camera.
+/// The view for a person who holds the calibration board before the camera.
 struct BoardView {
   std::string title;                        ///< how many views are still to be taken
   std::string state;                        ///< of the board now

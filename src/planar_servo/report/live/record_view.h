@@ -9,7 +9,7 @@
 
 namespace planar {
 
-/// What has become of a place that is to be recorded.
+/// The state of a place that is to be recorded.
 enum class PlaceMark { kToDo, kDone, kLeftOut };
 
 /// A recording on its way, seen from above: base frame, metres.

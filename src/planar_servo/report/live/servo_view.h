@@ -9,8 +9,7 @@
 
 namespace planar {
 
-/// What a person sees of a servo at work: one measurement of the tool and the errors of its target
-/// so far.
+/// The view of a servo at work: one measurement of the tool and the errors of its target so far.
 struct ServoView {
   std::string title;                       ///< target, step and error in one line
   bool measured{true};                     ///< if false, the title says why not

@@ -79,8 +79,8 @@ struct AxisErrorTruth {
   Eigen::Vector3d phases_rad{0.0, 0.0, 0.0};
 };
 
-/// What the motors' warmth does to the arm; see MotorWarmth. Growth and shifts are those after an
-/// hour of regular work from cold.
+/// The effect of the motors' warmth on the arm; see MotorWarmth. Growth and shifts are those after
+/// an hour of regular work from cold.
 struct ArmWarmingTruth {
   double growth{0.0};                              ///< of the links, relative
   Eigen::Vector3d zero_shifts_rad{0.0, 0.0, 0.0};  ///< of the motors behind their gears
