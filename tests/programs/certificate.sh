@@ -84,7 +84,7 @@ mv map.yaml cell/map.yaml
 sed -i 's/^rms_px: .*/rms_px: 0.1/' cell/camera.yaml
 "$bin/planar-doctor" -q --seal cell/camera.yaml >/dev/null
 expect 2 "workplane.yaml: was made with camera.yaml" "${certify[@]}" --out made
-expect 2 "results.csv: the run was begun with camera.yaml .* now it would go on with" \
+expect 2 "results.csv: the run was begun with camera.yaml .* now it would continue with" \
   "${certify[@]}" --accept-stale --out DIR
 "${certify[@]}" --accept-stale --out stale >/dev/null 2>err.txt || fail "$(cat err.txt)"
 [ "$(grep -c "accepted: .*workplane.yaml" err.txt)" -eq 1 ] || fail "$(cat err.txt)"

@@ -36,7 +36,7 @@ servo one.csv --home -- --fault drive-unplugged,drive-power-cycle --score run --
 cat said.txt
 grep -q '^a,.*,reached,' run/results.csv || fail "$(cat run/results.csv)"
 [ "$(grep -c "a: drive 2.*the arm stands and waits" said.txt)" -eq 2 ] || fail "not noticed"
-[ "$(grep -c "a: the drives are ready again; going on" said.txt)" -eq 2 ] || fail "did not go on"
+[ "$(grep -c "a: the drives are ready again; resuming" said.txt)" -eq 2 ] || fail "did not go on"
 [ "$(grep -c '"fault": "drive-' figures.json)" -eq 2 ] || fail "$(cat figures.json)"
 awk -v error="$(value figures.json after_max_mm_truth)" 'BEGIN { exit !(error < 0.1) }' ||
   fail "$(cat figures.json)"
@@ -47,7 +47,7 @@ for fault in drive-unplugged drive-power-cycle; do
   if servo two.csv --resume -- --fault $fault; then fail "$fault: an unhomed arm moved on"; fi
   cat said.txt
   grep -q "b: drive 2.*the arm stands and waits" said.txt || fail "$fault: not noticed"
-  grep -q "lost their position:.* 2.*; start with --home, .*; a run that has begun goes on with --resume" \
+  grep -q "lost their position:.* 2.*; start with --home, .*; add --resume to continue a run" \
     said.txt || fail "$fault: homing was not asked for"
   grep -q '^a,.*,reached,' run/results.csv || fail "$fault: the first result is lost"
   if grep -q '^b,' run/results.csv; then fail "$fault: an unhomed arm has a result"; fi

@@ -93,7 +93,7 @@ echo "arm_found: arm.yaml" | tee -a live.yaml >>untracked.yaml
 # Opened anew, a board with Grbl has lost its position.
 printf 'id,x_mm,y_mm\na,200,100\n' >targets.csv
 expect 1 "lost their position: 1 2 3; start with --home" "$bin/planar-check-cell" --cell live.yaml
-expect 1 "lost their position: 1 2 3; start with --home, .*; a run that has begun goes on with --resume" \
+expect 1 "lost their position: 1 2 3; start with --home, .*; add --resume to continue a run" \
   "$bin/planar-servo" --cell live.yaml --targets targets.csv --accept-map --out made
 "$bin/planar-check-cell" --cell live.yaml --home >said.txt || fail "$(cat said.txt)"
 grep -q "as it was at its calibration" said.txt || fail "$(cat said.txt)"

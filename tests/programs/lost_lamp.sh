@@ -6,7 +6,7 @@ cp -r "$2/cell" .
 
 sed -i '0,/peak_level: .*/s//peak_level: 0/' cell/truth.yaml
 printf 'id,x_mm,y_mm\na,200,100\n' >targets.csv
-expect 1 "the lamps are not seen: there are no two of them" \
+expect 1 "the lamps are not seen: the whole frame does not show two of them" \
   "$bin/planar-servo" --cell cell/cell.yaml --targets targets.csv --out before
 [ ! -s before/steps.csv ] || [ "$(grep -c '^a,' before/steps.csv)" -eq 0 ] || fail "a target was tried"
 status=0

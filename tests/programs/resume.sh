@@ -24,7 +24,7 @@ grep -q "holds a run already; name another folder or add --resume" again.err || 
 status=0
 servo all.csv --out rnu --resume 2>again.err || status=$?
 [ "$status" -eq 2 ] || fail "a mistyped folder was resumed with $status"
-grep -q "rnu: holds no run to go on with; name the folder of one, or leave out --resume" again.err ||
+grep -q "rnu: holds no run to resume; name the folder of one, or leave out --resume" again.err ||
   fail "$(cat again.err)"
 [ ! -e rnu ] || fail "a mistyped folder was made"
 servo all.csv --out run --resume >/dev/null
@@ -38,14 +38,14 @@ cp run/run.yaml run.yaml
 cp run/results.csv results.csv
 expect 2 "target 'b' is at \(-151.000, 250.000\) mm now; .* has a result of it at \(-150.000, 250.000\) mm; name another folder" \
   servo moved.csv --out run --resume
-expect 2 "was begun with camera.yaml .*map.yaml .*; now it would go on with .*; use the same files" \
+expect 2 "was begun with camera.yaml .*map.yaml .*; now it would continue with .*; use the same files" \
   servo all.csv --out run --resume --no-error-map
 printf 'id,x_mm,y_mm,phi_deg\na,200,100,10\n' >turned.csv
 expect 2 "target 'a' has the direction 10.000000 degrees now; .* has a result of it at 0.000000 degrees; name another folder" \
   servo turned.csv --out run --resume
 cp cell/cell.yaml sound.yaml
 sed -i 's/gain: 1.0/gain: 0.5/' cell/cell.yaml
-expect 2 "was begun with the servo settings .*gain: 1, .*; now it would go on with .*gain: 0.5, .*; use the same settings" \
+expect 2 "was begun with the servo settings .*gain: 1, .*; now it would continue with .*gain: 0.5, .*; use the same settings" \
   servo all.csv --out run --resume
 cp sound.yaml cell/cell.yaml
 mkdir killed

@@ -82,8 +82,8 @@ TEST_CASE("The page of a path begins with whether it was followed, how near and 
   CHECK_THAT(path_page(path, results, {}),
              Contains("<b>Good:</b> the path was followed to its end every time") &&
                  Contains("judged by the truth of the virtual cell: guided by vision 0.0100 to "
-                          "0.0200 mm in the mean and 0.0200 mm at most; guided by the arm alone "
-                          "0.0400 mm in the mean"));
+                          "0.0200 mm on average and 0.0200 mm at most; guided by the arm alone "
+                          "0.0400 mm on average"));
   results.front().status = ServoStatus::kHeld;
   results.front().reason = "two lamps changed places";
   CHECK_THAT(path_page(path, results, {}),

@@ -77,8 +77,8 @@ TEST_CASE("A run says where the arm alone landed and what vision added, without 
   const ServoFigures figures = figures_of({reached("a", 3.2e-6, 3.1e-6)});
   CHECK(
       landing_words(figures) ==
-      "Judged by the truth of the virtual cell, the arm alone landed 0.0032 mm from its targets in "
-      "the mean, with vision 0.0031 mm (0.0031 mm rms, 0.0031 mm at 95 %, 0.0031 mm at most)");
+      "Judged by the truth of the virtual cell, the arm alone landed 0.0032 mm from its targets on "
+      "average, with vision 0.0031 mm (0.0031 mm rms, 0.0031 mm at 95 %, 0.0031 mm at most)");
   CHECK_THAT(
       servo_list(figures).text(),
       Catch::Contains("against the truth: the arm alone 0.0032 mm mean; with vision 0.0031") &&

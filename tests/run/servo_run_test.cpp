@@ -300,7 +300,7 @@ TEST_CASE("A result is that of a target with its place and its direction, whole 
   CHECK_THROWS_WITH(
       require_same_goal("a", {{0.3, 0.2}, 0.501}, results),
       Catch::Contains("target 'a' has the direction 28.705186 degrees now; the run to "
-                      "go on with has a result of it at 28.647890 degrees"));
+                      "resume has a result of it at 28.647890 degrees"));
   CHECK_THROWS_WITH(require_same_goal("a", {{0.3, 0.21}, 0.5}, results),
                     Catch::Contains("target 'a' is at"));
 }
@@ -309,11 +309,11 @@ TEST_CASE("A run that was killed before its first result is gone on with, one ne
   const test::TemporaryFolder folder;
   ServoRequest request = ideal_request(folder);
   request.resume = true;
-  CHECK_THROWS_WITH(folder_for(request), Catch::Contains("holds no run to go on with"));
+  CHECK_THROWS_WITH(folder_for(request), Catch::Contains("holds no run to resume"));
   std::filesystem::create_directories(request.out);
   CHECK_NOTHROW(folder_for(request));
   folder.write("run/letter.txt", "dear");
-  CHECK_THROWS_WITH(folder_for(request), Catch::Contains("holds no run to go on with"));
+  CHECK_THROWS_WITH(folder_for(request), Catch::Contains("holds no run to resume"));
   folder.write("run/steps.csv", steps_header());
   CHECK_NOTHROW(folder_for(request));
   CHECK(results_so_far(request).empty());

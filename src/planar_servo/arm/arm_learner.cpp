@@ -12,10 +12,10 @@
 namespace planar {
 namespace {
 
-/// Smooth deviations that a fit did not find are supposed to be half as large as the scatter.
+/// Smooth deviations that a fit did not find are assumed to be half as large as the scatter.
 constexpr double kUnseenShare = 0.5;
-// In an hour's work links grow by some 4 degrees of aluminium, zeros shift by what their sight is
-// worth at 0.5 m: 20 um; bearings wear over months.
+// In an hour's work links grow like aluminium warmed by some 4 degrees, and zeros shift by 20 um at
+// 0.5 m; bearings wear over months.
 constexpr double kGrowthPerHour = 100e-6;
 constexpr double kTurnPerHour = 0.002 * kDegree;
 constexpr double kWearPerHour_m = 1e-6;
@@ -39,7 +39,7 @@ void add_deviation(Eigen::MatrixXd& covariance, const ArmForm& form, double sigm
     covariance.block(first, first, m, m) += weights;
 }
 
-/// Returns the terms of an arm as it was found in a form that may have Gaussians more.
+/// Returns the terms of an arm as it was found in a form that may have more Gaussians.
 Eigen::VectorXd found_terms(const FoundArm& found, const ArmForm& form) {
   if (found.form.waves() != form.waves())
     throw std::invalid_argument("what was learned is of another kind of arm");
@@ -144,7 +144,7 @@ bool ArmLearner::beyond_caps(const Eigen::Vector3d& motors, const Eigen::VectorX
   const Eigen::Index m = form.posture.terms();
   if ((change.head<2>().array() / found_x_.head<2>().array()).abs().maxCoeff() > kMostGrowth)
     return true;
-  // Zeros and waves may stand for one another where a motor turns by less than a whole turn.
+  // Zeros and waves may stand in for one another where a motor turns by less than a whole turn.
   if (turns(form, motors, change).abs().maxCoeff() > kMostTurn) return true;
   const Eigen::MatrixX2d deviation = kernel_ * change.tail(2 * m).reshaped(m, Eigen::Index{2});
   return m > 0 && deviation.rowwise().norm().maxCoeff() > kMostDeviation_m;

@@ -26,7 +26,7 @@ LearnedArm unlearned(FoundArm found, const PostureBasis& posture);
 struct ArmLook {
   Eigen::Vector3d motors{0.0, 0.0, 0.0};
   Eigen::Vector2d p{0.0, 0.0};  ///< where vision, compensated, sees the end point
-  /// How far beside the truth it is seen is these rows times the numbers of unit variance.
+  /// The error of `p` is these rows times the numbers of unit variance.
   Eigen::Matrix2Xd vision_rows;
   double sigma_m{0.0};  ///< of scatter and noise together, per axis
 };
@@ -35,26 +35,26 @@ struct ArmLook {
 enum class Lesson {
   kTaken,
   kUnexpected,  ///< what is known leaves less than one chance in a thousand for it
-  kBeyondCaps,  ///< it asks for an arm that no warmth and no wear makes of the one that was found
+  kBeyondCaps,  ///< it implies an arm that neither warmth nor wear makes of the one found
 };
 
-/// Returns the covariance of what the terms of an arm change by in an hour's work.
+/// Returns the covariance of the change of an arm's terms in an hour's work.
 Eigen::MatrixXd hourly_drift(const FoundArm& arm);
 
 /// Learns the terms of an arm from looks, one after the other. It is a Kalman filter that considers
-/// what vision may be wrong by (a Schmidt filter): that is common to looks at one place, is never
-/// learned itself, and is never taken for the arm's. Links and zeros drift with the motors' warmth,
-/// the smooth deviation wears.
+/// the error of vision (a Schmidt filter): looks at one place share that error, which is neither
+/// learned nor attributed to the arm. Links and zeros drift with the motors' warmth, the smooth
+/// deviation with wear.
 class ArmLearner {
  public:
-  /// Goes on from `start`, since which the arm may have warmed or cooled as in an hour. Both have
+  /// Continues from `start`, since when the arm may have warmed or cooled as in an hour. Both have
   /// the same waves and as many columns in their factors; else std::invalid_argument.
   ArmLearner(const FoundArm& found, LearnedArm start);
 
   Lesson take(const ArmLook& look, double t_s);
 
-  /// Returns the covariance of (d, v) at time t_s: of what the arm misses by where it is sent with
-  /// these motors, and of what vision, by these rows, is wrong by.
+  /// Returns the covariance of (d, v) at time t_s: of the arm's miss with these motors, and of the
+  /// error of vision by these rows.
   Eigen::Matrix4d landing_covariance(const Eigen::Vector3d& motors,
                                      const Eigen::Matrix2Xd& vision_rows, double t_s) const;
 
@@ -64,7 +64,7 @@ class ArmLearner {
   // What no look may make of an arm. Aluminium grows by 23 um/m and degree; the motors of a small
   // arm warm its links by 3 to 15 degrees.
   static constexpr double kMostGrowth = 350e-6;
-  /// By so much zero and waves together may turn a motor at the posture of a look: bearings and
+  /// Zero and waves together may turn a motor by this much at the posture of a look: bearings and
   /// reducers shift with warmth by some thousandths of a degree.
   static constexpr double kMostTurn = 0.01 * kDegree;
   /// Smooth deviations change by wear and by loads; more than this asks for a new calibration.
@@ -76,7 +76,7 @@ class ArmLearner {
 
   Eigen::VectorXd found_x_;  ///< in the form of what is learned
   LearnedArm learned_;
-  Eigen::MatrixXd drift_;   ///< covariance of what the terms change by in an hour
+  Eigen::MatrixXd drift_;   ///< covariance of the terms' change in an hour
   Eigen::MatrixXd kernel_;  ///< of the posture's Gaussians
   double t_s_;              ///< until which drift is in the covariance; NaN before the first look
   int lessons_{0};

@@ -80,7 +80,7 @@ std::optional<Refusal> FollowingError::doubt() const {
   const Eigen::Vector2d mean_m = moved.rowwise().mean();
   return Refusal{
       fmt::format("in the last {:.0f} s, {} targets were first seen {:.3f} mm (rms) from where the "
-                  "arm, as it was found, lands, by ({:.3f}, {:.3f}) mm in the mean, of which "
+                  "arm, as it was found, lands, by ({:.3f}, {:.3f}) mm on average, of which "
                   "{:.3f} mm came meanwhile",
                   looks_.back().t_s - looks_.front().t_s, looks_.size(), mm(rms_m), mm(mean_m.x()),
                   mm(mean_m.y()), fitted.segment<2>(2).norm() / kMillimetre),

@@ -9,10 +9,10 @@
 
 namespace planar {
 
-/// Judges by the first looks at the recent targets together whether an arm still lands where it was
-/// found to, as controls judge following error. The looks share what is not known of arm and
-/// vision, and how the motors' warmth may have changed the arm; each has its own scatter. What
-/// these leave is fitted with a shift, its growth in time, a turn and a stretch.
+/// Judges by the first looks at the recent targets whether an arm still lands where it was found
+/// to, as controls judge following error. The looks share the uncertainty of arm and vision and the
+/// change of the arm by the motors' warmth; each has its own scatter. The remainder is fitted with
+/// a shift, its growth in time, a turn and a stretch.
 class FollowingError {
  public:
   /// Takes the arm as it was found, whatever was learned since.
@@ -23,12 +23,12 @@ class FollowingError {
   /// Returns whether the arm as it was found, a little warmer or colder, is likely to be seen so.
   bool explains(const ArmLook& look) const;
 
-  /// Returns what speaks against arm and camera being where they were; empty while what is
-  /// known of them explains the looks, or while they differ by less than kTolerated_m.
+  /// Returns what shows that arm or camera has moved; empty while what is known of them explains
+  /// the looks, or while they differ by less than kTolerated_m.
   std::optional<Refusal> doubt() const;
 
   static constexpr std::size_t kWindow = 20, kFewest = 5;  ///< targets
-  /// What differs by less costs too little to stop for.
+  /// A smaller difference is not worth stopping for.
   static constexpr double kTolerated_m = 50e-6;
 
  private:

@@ -13,8 +13,8 @@
 namespace planar {
 namespace {
 
-/// Corrections that vision asks for at a place may turn a motor so much further, radians: at 0.3 m
-/// five millimetres.
+/// Corrections by vision at a place may turn a motor this much further, radians: five millimetres
+/// at 0.3 m.
 constexpr double kCorrectionRoom = 1.0 * kDegree;
 
 /// The way of the end point while every motor makes its own move.

@@ -25,7 +25,7 @@ struct CameraSettings {
   double frame_rate_hz{0.0};
   double timeout_s{0.0};                ///< the longest wait for a frame
   int follow_region_px{0};              ///< side of the region of the sensor that follows the lamps
-  std::optional<double> pixel_pitch_m;  ///< as the data sheet has it; only the doctor looks at it
+  std::optional<double> pixel_pitch_m;  ///< from the data sheet; only the doctor uses it
   std::shared_ptr<const DeviceDetails> details;  ///< the settings that only this kind has
 };
 

@@ -17,11 +17,11 @@ class Tracker;
 class VirtualCell;
 struct CellSettings;
 
-/// Says how one part of a cell was found, and what mends it if it is not well.
+/// Says how one part of a cell was found, and the remedy if it is not well.
 struct Finding {
   enum class Verdict { kWell, kDoubtful, kFaulty };
   Verdict verdict{Verdict::kWell};
-  std::string subject;   ///< the part that was looked at, such as "drive 2"
+  std::string subject;   ///< the examined part, such as "drive 2"
   std::string what;      ///< what was found, in words
   std::string remedy{};  ///< a command or an action; empty when all is well
 };
@@ -39,12 +39,12 @@ struct DeviceDetails {
   virtual ~DeviceDetails() = default;
 };
 
-/// Base of all kinds of devices. A cell file asks for a kind by its name.
+/// Base of all kinds of devices. A cell file names its kind.
 class DeviceKind {
  public:
   virtual ~DeviceKind() = default;
 
-  /// Returns the word that stands for this kind in a cell file.
+  /// Returns the name of this kind in a cell file.
   virtual std::string name() const = 0;
 
   /// Returns true for devices that exist only in a virtual cell. Virtual and real devices do not
@@ -86,8 +86,7 @@ class DriveKind : public DeviceKind {
   /// Joints count from 0. Faults go to the document.
   virtual void read(Fields& /*drive*/, CellSettings& /*cell*/, std::size_t /*joint*/) const {}
 
-  /// Fills in what follows from other settings. It is called once the whole file was found free of
-  /// faults.
+  /// Fills in what follows from other settings. It is called once the whole file is free of faults.
   virtual void complete(CellSettings& /*cell*/, std::size_t /*joint*/) const {}
 
   /// Opens the drives of a cell whose drives are of this kind. `world` is as in CameraKind::open().
@@ -115,7 +114,7 @@ class TrackerKind : public DeviceKind {
                                         const std::shared_ptr<VirtualCell>& world) const = 0;
 };
 
-/// Lists the kinds of devices that a cell file may ask for.
+/// Lists the kinds of devices that a cell file may name.
 struct DeviceKinds {
   std::vector<const CameraKind*> cameras;
   std::vector<const DriveKind*> drives;

@@ -192,7 +192,7 @@ Finding examine_tic(TicBus& bus, const std::string& subject, const std::string& 
   return {Verdict::kWell, subject, what};
 }
 
-/// Returns why a Tic cannot turn as fast as the cell asks; empty when it can.
+/// Returns why a Tic cannot turn as fast as the cell requires; empty when it can.
 std::string excess_of(const MotorDrive& motor, double pulses_per_rad) {
   try {
     tic::speed_units(std::abs(pulses_per_rad) * motor.max_speed_rad_s);

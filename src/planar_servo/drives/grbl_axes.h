@@ -13,9 +13,9 @@
 
 namespace planar {
 
-/// What is believed of a board's reports. Grbl's lines have no checksum, so a single report may be
-/// garbled: a position off the way, or an input that is pressed or released, is believed when the
-/// next report says the same. The way is a box of all positions where the axes may be.
+/// Filters a board's reports. Grbl's lines have no checksum, so a single report may be garbled: a
+/// position off the way, or an input that is pressed or released, is accepted when the next report
+/// agrees. The way is a box of all positions where the axes may be.
 class GrblWatch {
  public:
   explicit GrblWatch(const Eigen::Vector3d& pulses_per_mm);
@@ -41,7 +41,7 @@ class GrblWatch {
   void extend_way(const AxisPulses& place) { way_.extend(place); }
   /// The axes rest where they are.
   void end_way() { way_ = Eigen::AlignedBox3i(here_); }
-  /// The next position that is reported is believed.
+  /// The next position that is reported is accepted.
   void forget_way();
 
   /// A move begins: inputs that are pressed now do not count until they have been released.
@@ -80,7 +80,7 @@ class GrblAxes {
   GrblAxes(const GrblAxes&) = delete;
   GrblAxes& operator=(const GrblAxes&) = delete;
 
-  /// Reads what the board says, judges it, and sends the next pieces.
+  /// Reads and judges the board's lines, and sends the next pieces.
   void poll();
   /// Ends a hold, or by a reset the lock after an alarm. Clears the faults.
   void unlock();

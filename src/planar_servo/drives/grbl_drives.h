@@ -56,7 +56,7 @@ class GrblDrives final : public DriveGroup {
   /// Does something with the board. Throws DriveError when it is, or gets, out of touch.
   template <typename Deed>
   void command(const std::string& purpose, const Deed& deed);
-  /// Reads what the board says and updates the joints.
+  /// Reads the board's lines and updates the joints.
   void poll();
   void heed_axes();
 

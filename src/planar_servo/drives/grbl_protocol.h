@@ -47,7 +47,7 @@ struct Rejected {
 struct Alarm {
   int number{0};
 };
-/// What a board says first after a reset.
+/// A board's greeting after a reset.
 struct Banner {
   std::string version;  ///< "Grbl 1.1h"
   double number{0.0};   ///< 1.1

@@ -14,7 +14,7 @@ namespace {
 constexpr double kSpeedUnits = 1e4;         // per pulse/s
 constexpr double kAccelerationUnits = 1e2;  // per pulse/s^2
 constexpr double kMaxAcceleration = 0x7fffffff / kAccelerationUnits;
-constexpr double kMinSpeed = 7 / kSpeedUnits;  // a Tic takes 1 to 6 units as none
+constexpr double kMinSpeed = 7 / kSpeedUnits;  // a Tic treats 1 to 6 units as 0
 constexpr double kMinAcceleration = 1.0;
 
 /// Names the bits of the error status. Bit 0 means that the motor is off, which is no fault.
@@ -134,7 +134,7 @@ constexpr std::uint8_t kVendorOut = 0x40;
 constexpr std::uint8_t kVendorIn = 0xc0;
 constexpr int kInterface = 0;
 
-/// Holds the list of plugged-in devices while it is looked at.
+/// Holds the list of plugged-in devices while it is read.
 class DeviceList {
  public:
   explicit DeviceList(libusb_context* context)

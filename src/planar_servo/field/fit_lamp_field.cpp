@@ -15,7 +15,7 @@
 namespace planar {
 namespace {
 
-/// So many poses, evenly taken, tell the certainty of all.
+/// This many poses, evenly taken, show the certainty of all.
 constexpr std::size_t kJudgingPoses = 100;
 
 /// Returns how the end points of poses move when all of them shift along x and y, turn and grow.
@@ -44,8 +44,8 @@ FieldCertainty certainty_of(const LampField& field, const std::vector<PoseSample
           std::sqrt(scaled.squaredNorm() / static_cast<double>(scaled.rows()))};
 }
 
-/// Returns the end point's deviation when field and arm are fitted to these only; what was decided
-/// on the way to the estimate stays.
+/// Returns the end point's deviation when field and arm are fitted to these only, with the choices
+/// of the estimate.
 double end_point_with(const JointEstimate& estimate, const std::vector<PoseSample>& used,
                       const LaidDots& board, const std::vector<PoseSample>& judged) {
   JointEstimate other = estimate;
@@ -56,8 +56,8 @@ double end_point_with(const JointEstimate& estimate, const std::vector<PoseSampl
   return certainty_of(lamp_field(other, judged), judged).end_point;
 }
 
-/// Returns the worth of readings, unattended poses and lays, each as far as there is any, by fits
-/// with the estimate's priors in which one of them is left out.
+/// Returns the worth of readings, unattended poses and lays, where there are any, by fits with the
+/// estimate's priors that leave out one of them.
 std::vector<SourceWorth> worth_of_sources(const JointEstimate& estimate,
                                           const std::vector<PoseSample>& samples,
                                           const LaidDots& board) {
@@ -95,7 +95,7 @@ std::vector<std::string> ids_of(const std::vector<JointOutlier>& left_out,
 double landing_sigma(const JointEstimate& estimate, const LampField& field,
                      const std::vector<PoseSample>& samples) {
   const ArmModel model = estimate.model();
-  std::vector<double> squares;  // whose median knows no outliers
+  std::vector<double> squares;  // whose median ignores outliers
   squares.reserve(samples.size());
   for (const PoseSample& sample : samples)
     squares.push_back((compensate(field, sample.lamps_B).tip.p -
@@ -119,7 +119,7 @@ double noise_sigma(const JointEstimate& estimate, const std::vector<PoseSample>&
 constexpr char kWithArm[] = "field with the arm", kWithoutArm[] = "field without the arm",
                kAtEndPoint[] = "map at the end point";
 
-/// Returns the vision errors at the end point that the readings tell.
+/// Returns the vision errors at the end point by the readings.
 std::vector<ErrorSample> errors_at_end_point(const ToolOffsets& tool,
                                              const std::vector<PoseSample>& samples) {
   std::vector<ErrorSample> errors;
@@ -157,8 +157,8 @@ ComparedField compared(const char* name, const HeldOut& held) {
   return way;
 }
 
-/// Returns whether places left out are met clearly better: a tenth is more than the choice of some
-/// 200 places makes.
+/// Returns whether places left out are met clearly better: by a tenth, more than the choice of some
+/// 200 places changes.
 bool clearly_better(const ComparedField& other, const ComparedField& than) {
   constexpr double kClearly = 0.9;
   // Outliers among the readings do not change a median.

@@ -14,7 +14,7 @@
 
 namespace planar {
 
-/// What can tell a field its scale, its datum or its turn about the base's axis.
+/// What can fix a field's scale, datum or turn about the base's axis.
 enum class FieldSource {
   kTracker,
   kBoard,    ///< a board of known pitch that was laid on the plane
@@ -48,7 +48,7 @@ struct SourceWorth {
   double end_point_without{0.0};  ///< as in FieldCertainty, were it left out
 };
 
-/// A way to predict the vision error that was tried, and how it meets places left out.
+/// A prediction of the vision error that was tried, and how well it meets places left out.
 struct ComparedField {
   const char* name{""};
   double rms{0.0};  ///< metres
@@ -62,8 +62,8 @@ struct LampFieldFit {
   LampField field;
   FoundArm arm;
   HeldOut held_out;
-  /// The field with the arm, the field without it and a map at the end point, as far as they could
-  /// be fitted. The first is taken unless another is clearly better.
+  /// The field with the arm, the field without it and a map at the end point, where they could be
+  /// fitted. The first is taken unless another is clearly better.
   std::vector<ComparedField> compared;
   std::optional<MapResult> end_point_map;      ///< where that was taken; the field is then unused
   std::size_t n_readings{0}, n_unattended{0};  ///< that were given

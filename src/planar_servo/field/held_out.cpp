@@ -42,13 +42,13 @@ Parts parts_of(const JointEstimate& estimate, const std::vector<PoseSample>& sam
   return parts;
 }
 
-/// Returns where vision has the reflector less where it is by a reading.
+/// Returns the reflector's place by vision minus that by a reading.
 Eigen::Vector2d vision_minus_tracker(const TipPose& tip, const ToolOffsets& tool,
                                      const Eigen::Vector2d& p_reflector) {
   return tip.p + rotation2d(tip.phi) * tool.p_TS.head<2>() - p_reflector;
 }
 
-/// Returns the variances per axis of that difference, as they are stated.
+/// Returns the stated variances per axis of that difference.
 Eigen::Vector2d stated_variances(const CompensatedTip& found, const JointEstimate& estimate,
                                  const LampField& field, const PoseSample& sample) {
   const double lamp = estimate.priors.lamp_factor * sample.sigma_lamp;

@@ -15,7 +15,7 @@ struct HeldOutReading {
   Eigen::Vector2d p_seen{0.0, 0.0};
   Eigen::Vector2d raw{0.0, 0.0};    ///< vision minus tracker, uncompensated
   Eigen::Vector2d left{0.0, 0.0};   ///< the same, compensated
-  Eigen::Vector2d sigma{0.0, 0.0};  ///< of `left` per axis, as it is stated
+  Eigen::Vector2d sigma{0.0, 0.0};  ///< of `left` per axis, as stated
 };
 
 /// How well places are met whose readings and pictures the fit has not seen. Lengths are in metres.
@@ -29,7 +29,7 @@ struct HeldOut {
   MapQuality quality() const { return {n, worth_using(), coverage_95}; }
 };
 
-/// Judges samples by what the others, which were `used`, say without them.
+/// Judges samples by an estimate from the others, which were `used`.
 using JudgeLeftOut =
     std::function<void(const JointEstimate& without, const std::vector<PoseSample>& used,
                        const std::vector<PoseSample>& left_out)>;
@@ -40,7 +40,7 @@ using JudgeLeftOut =
 void leave_out_parts(const JointEstimate& estimate, const std::vector<PoseSample>& samples,
                      const LaidDots& board, const JudgeLeftOut& judge);
 
-/// Meets each part of leave_out_parts() by what the others say. Without readings nothing is judged.
+/// Predicts each part of leave_out_parts() from the others. Without readings nothing is judged.
 HeldOut hold_out(const JointEstimate& estimate, const std::vector<PoseSample>& samples,
                  const LaidDots& board = {});
 

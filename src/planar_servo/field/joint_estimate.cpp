@@ -19,11 +19,11 @@ namespace {
 constexpr std::size_t kTuningSamples = 300;
 constexpr int kTuningEvaluations = 250;
 constexpr int kMostHarmonics = 3, kMostRipples = 2;
-/// What real arms do is left out only where samples are likelier without it by this logarithm of
+/// A real arm's effect is left out only where samples are likelier without it by this logarithm of
 /// the odds: 10 to 1, on Jeffreys' scale strong evidence.
 constexpr double kClearlyLikelier = 2.3;
-/// The median of chi squared of two, four and six numbers, and what it exceeds by chance once in
-/// ten million samples.
+/// The median of chi squared of two, four and six numbers, and the value it exceeds by chance once
+/// in ten million samples.
 struct Chi2 {
   double median, most;
 };
@@ -210,7 +210,7 @@ std::vector<TriedModel> try_models(const TuningProblem& problem, const ArmModelS
     if (gain > 0.0) tried.back() = std::move(other);
     return gain;
   };
-  // The likelihood has more than one top: a second search starts from an arm as most are.
+  // The likelihood has several maxima: a second search starts from an ordinary arm.
   if (problem.trust == ArmTrust::kFound)
     take_likelier(tune(problem, largest, of_ordinary_arm(first)));
   // A search's model of the likelihood may be exhausted before the likelihood is.
@@ -248,7 +248,7 @@ const Chi2& chi2_of(const PoseSample& sample) {
 
 /// Returns chi squared of each sample as a share of what noise explains: beyond 1 is an outlier.
 std::vector<double> outlyingness(const JointFit& fit, const std::vector<PoseSample>& samples) {
-  // The stated noise may be wrong; the residuals' own middle says by how much.
+  // The stated noise may be wrong; the residuals' median says by how much.
   std::vector<double> ratios;
   for (std::size_t i = 0; i < samples.size(); ++i)
     ratios.push_back(fit.chi2[i] / chi2_of(samples[i]).median);
@@ -262,8 +262,8 @@ Eigen::Vector2d middle(const PoseSample& sample) {
   return 0.5 * (sample.lamps_B[0] + sample.lamps_B[1]);
 }
 
-/// Returns the samples that contradict the fit most. One beside another that does so more may be
-/// sound and merely pulled by that one; it waits for the next fit.
+/// Returns the samples that contradict the fit most. A sample beside a worse one may be sound and
+/// merely pulled by it; it waits for the next fit.
 std::vector<bool> worst_of(const JointFit& fit, const std::vector<PoseSample>& samples) {
   constexpr double kNearlyAsMuch = 0.3;
   const std::vector<double> ratios = outlyingness(fit, samples);

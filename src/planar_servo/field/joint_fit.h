@@ -10,7 +10,7 @@
 
 namespace planar {
 
-/// What a joint fit takes for granted. Lengths are in metres.
+/// The priors of a joint fit. Lengths are in metres.
 struct JointPriors {
   double field_width{0.13};      ///< of the field's Gaussians
   double field_sigma{1e-4};      ///< standard deviation of the field beside its quadratic
@@ -50,7 +50,7 @@ std::optional<JointFit> fit_jointly(const ArmModel& model, const JointPriors& pr
                                     const LaidDots& board = {}, const Eigen::VectorXd& start = {});
 
 /// The equations by which a set of poses tells field, arm and tool, linearised about an arm. They
-/// are built in stages, so that a search over the priors repeats only what a change asks for: the
+/// are built in stages, so that a search over the priors repeats only what a change requires: the
 /// rows of the arm, those of the field of some width, their sums under some noise, and the solution
 /// under some priors. The model, the samples and the board must outlive them.
 class JointEquations {

@@ -14,7 +14,7 @@ Eigen::Vector2d raised(const LampField& field, const Eigen::Vector2d& p) {
   return (p - field.p_camera_B.head<2>()) / field.p_camera_B.z();
 }
 
-/// The lamps of one look, and what a field says there.
+/// The lamps of one look, and the field there.
 struct Seen {
   Seen(const LampField& field, const Places& seen_B) {
     for (std::size_t k = 0; k < 2; ++k) {
@@ -87,8 +87,8 @@ LampField bare_field(const JointEstimate& estimate, const std::vector<PoseSample
   return field;
 }
 
-/// Returns orthonormal directions of the factor's columns beside which nothing shows in where these
-/// poses are seen and where the arm brings them.
+/// Returns orthonormal directions of the factor's columns, which alone affect where these poses are
+/// seen and where the arm brings them.
 Eigen::MatrixXd telling_directions(const FieldAndArm& found, const Eigen::MatrixXd& factor,
                                    const std::vector<PoseSample>& samples) {
   constexpr std::size_t kPoses = 150;

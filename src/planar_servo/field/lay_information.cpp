@@ -12,12 +12,12 @@
 namespace planar {
 namespace {
 
-/// A pitch that is called known, below a camera 1.5 m above dots whose height a caliper tells to
-/// 0.03 mm, is known so well, as a share of it.
+/// Deviation of a pitch called known, as a share of it: below a camera 1.5 m above dots whose
+/// height a caliper tells to 0.03 mm.
 constexpr double kKnownPitch = 2e-5;
 /// The same for one that is not, after it was measured through the camera.
 constexpr double kUnknownPitch = 0.05;
-/// What printers do to the aspect and the right angles of a pattern.
+/// Deviation of a printed pattern's aspect and right angles.
 constexpr double kPrinted = 1e-3;
 /// Fewer dots than these tell nothing beside the place and turn of their lay.
 constexpr Eigen::Index kFewestDots = 4;

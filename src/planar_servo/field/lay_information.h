@@ -39,11 +39,11 @@ struct LayInformation {
   double log_determinant{0.0};
 };
 
-/// Returns what is told by the dots that lie on the disc of `basis`, seen place = place + field. Of
-/// the board nothing is known but that it is flat and its dots form the pattern: the place and turn
-/// of each lay are free, and so are, within what printers do, the pattern's aspect and shear, which
-/// all lays share; without a known pitch its scale is free, too. `factor` multiplies the dots'
-/// deviations.
+/// Returns what is told by the dots that lie on the disc of `basis`, seen place = place + field.
+/// Nothing is known of the board but that it is flat and its dots form the pattern: the place and
+/// turn of each lay are free, and so are, within what printers do, the pattern's aspect and shear,
+/// which all lays share; without a known pitch its scale is free, too. `factor` multiplies the
+/// dots' deviations.
 LayInformation lay_information(const LaidDots& board, const FieldBasis& basis, double factor);
 
 /// Says why these lays cannot tell the field's shape by themselves; empty when they can. Lays that

@@ -7,8 +7,7 @@
 
 namespace planar {
 
-/// Says where the next tracker readings tell most, and what they make of the end point's
-/// uncertainty.
+/// Says where the next tracker readings tell most, and the end point's uncertainty with them.
 struct NextPlaces {
   std::vector<std::size_t> chosen;  ///< among the candidates, the most telling first
   /// Standard deviation per axis of the compensated end point, mean over the candidates, metres:

@@ -11,8 +11,8 @@
 namespace planar {
 namespace {
 
-/// Returns what the numbers of a sound cell are off by, one standard deviation: zeros that were set
-/// by eye, gears and links as they are made, a tool and a workplane that were calibrated.
+/// Returns the standard deviations of a sound cell's numbers: zeros set by eye, gears and links as
+/// they are made, tool and workplane as calibrated.
 Numbers usual_deviations() {
   Numbers sigma;
   sigma.segment<3>(kZeroOff).setConstant(0.15 * kDegree);
@@ -35,8 +35,7 @@ constexpr double kClearlyBetter = 0.1;
 /// Twice the logarithm of the odds of 3,000 to 1.
 constexpr double kLeastGain = 16.0;
 
-/// Returns the sights' residuals in standard deviations, and then how far each number is off, in
-/// the same unit.
+/// Returns the residuals of the sights and then how far each number is off, in standard deviations.
 Eigen::VectorXd arm_residuals(const CellModel& model, const std::vector<ArmSight>& sights,
                               const Numbers& off, const Numbers& sigma) {
   const auto n = static_cast<Eigen::Index>(sights.size());
@@ -89,8 +88,8 @@ ArmFit fit_numbers(const CellModel& model, const std::vector<ArmSight>& sights,
   return best;
 }
 
-/// Supposes one cause: the model changed in kind, or the numbers of a suspect freed, and where
-/// their search begins.
+/// One supposed cause: a model of another kind or a suspect with freed numbers, and where their
+/// search begins.
 struct Supposition {
   const Suspect* suspect{nullptr};
   Cause cause{Cause::kSeveral};
@@ -100,8 +99,8 @@ struct Supposition {
   std::size_t freed() const { return suspect == nullptr ? 0 : suspect->numbers.size(); }
 };
 
-/// Returns where the search for a number of this cause begins: gears that were exchanged, doubled,
-/// or told in degrees for radians, and quarters of a turn.
+/// Returns where the search for a number of this cause begins: gears exchanged, doubled or given in
+/// degrees instead of radians, and quarter turns.
 std::vector<double> starts_of(const Suspect& suspect) {
   constexpr double kDegreesForRadians = 180.0 / kPi;
   const int number = suspect.numbers[0];
@@ -138,7 +137,7 @@ CellModel with_other_elbow(const CellModel& as_filed, const ArmSight& sight) {
   return model;
 }
 
-/// Returns what is supposed to be of another kind than filed.
+/// Returns the suppositions of another kind than filed.
 std::vector<Supposition> changed_kinds(const CellModel& as_filed, const ArmSight& first) {
   std::vector<Supposition> all;
   const auto suppose = [&](Cause cause) -> CellModel& {
@@ -180,7 +179,7 @@ ArmFit fit_supposed(const std::vector<ArmSight>& sights, const Supposition& supp
   return best;
 }
 
-/// Returns how far the end point is seen from where the files say, at most.
+/// Returns the greatest distance at which the end point is seen from its place by the files.
 double farthest(const CellModel& as_filed, const std::vector<ArmSight>& sights) {
   double most = 0.0;
   for (const ArmSight& sight : sights) {

@@ -10,16 +10,16 @@ namespace planar {
 struct ArmSight {
   Eigen::Vector3d motors{0.0, 0.0, 0.0};  ///< behind their gears, radians
   LampPlaces seen_B;                      ///< in any order: lamps that are alike carry no names
-  /// What a sound cell may differ by, of each coordinate: the middle of the lamps, for what links
-  /// and reducers do between two poses, and a lamp about the middle, for joint 3 and the lens.
+  /// Deviation of a sound cell in each coordinate: of the middle of the lamps, by links and
+  /// reducers between two poses, and of a lamp about the middle, by joint 3 and the lens.
   double middle_sigma_m{0.1e-3}, half_sigma_m{0.02e-3};
 };
 
-/// Finds what is not as the cell's files say from motions that were commanded and seen. Every cause
-/// is tried: it frees numbers of the model, or changes it in kind, while all other numbers stay
-/// within what arms and cameras of this class are off by. The cause that explains the sights best
-/// is returned when it is e^8 times as likely as a cell without fault, and beside it a second one
-/// that explains them nearly as well.
+/// Finds what differs from the cell's files, from motions that were commanded and seen. Every cause
+/// is tried: it frees numbers of the model or changes its kind, while all other numbers stay within
+/// the usual deviations of such arms and cameras. Returns the cause that explains the sights best
+/// when it is e^8 times as likely as a cell without fault, and a second one that explains them
+/// nearly as well.
 std::vector<HealthFinding> find_arm_faults(const CellModel& as_filed,
                                            const std::vector<ArmSight>& sights);
 

@@ -63,13 +63,13 @@ constexpr Advice kAdvice[] = {
      "correct `arm.home_deg` in the cell file or home the drives with planar-jog"},
     {Cause::kHome, "the arm's home is not where the cell file says", kAllFiles,
      "correct `arm.home_deg` in the cell file or home the drives with planar-jog"},
-    {Cause::kNotVisited, "the arm cannot go where it is to be looked at", kAllFiles,
+    {Cause::kNotVisited, "the arm cannot go where the check needs it", kAllFiles,
      "correct `arm` and `workspace` in the cell file, or bring the arm into its workspace with "
      "planar-jog"},
     {Cause::kSeparation, "a lamp has moved on the tool, or the cell file has another separation",
      kAllFiles, "fasten the lamp and calibrate the tool again, or correct `lamps.separation_mm`"},
     {Cause::kNotSeen, "the lamps are not seen", kAllFiles,
-     "look whether both lamps are lit, in view of the camera and in focus"},
+     "check that both lamps are lit, in view of the camera and in focus"},
     {Cause::kBackground, "there is light from elsewhere", kAllFiles,
      "shade the cell or switch that light off"},
     {Cause::kTooBright, "a lamp is too bright", kAllFiles,
@@ -78,7 +78,7 @@ constexpr Advice kAdvice[] = {
      "clean the window and the lamps; if the lens has lost its focus, begin with "
      "planar-calibrate-camera"},
     {Cause::kOval, "a lamp is no longer round", kAllFiles,
-     "clean the lamp, look what covers it and whether light is reflected beside it"},
+     "clean the lamp; check what covers it and whether light is reflected beside it"},
     {Cause::kWarmth,
      "the motors' warmth has changed the arm, or the camera has come closer or its lens is focused "
      "elsewhere",
@@ -105,8 +105,8 @@ bool is_link(const Suspect& suspect) {
   return suspect.numbers.front() >= kLinkOff && suspect.numbers.front() < kLampOff;
 }
 
-/// Returns the size in the suspect's unit: the number, the length of two, or where there are more,
-/// what they displace.
+/// Returns the size in the suspect's unit: the number, the length of two, or the displacement by
+/// more.
 double size_of(const Suspect& suspect, const Numbers& off, double cost_m) {
   const double first = off[suspect.numbers[0]];
   if (is_gear(suspect)) return 1.0 + first;

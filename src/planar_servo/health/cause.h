@@ -13,8 +13,8 @@ namespace planar {
 /// The places of lamps 1 and 2 on the plane of their motion, base frame, metres.
 using LampPlaces = std::array<Eigen::Vector2d, 2>;
 
-/// The numbers by which a cell may differ from its files, in the order of a vector of them. Angles
-/// are in radians and lengths in metres.
+/// The numbers by which a cell may differ from its files, in vector order. Angles are in radians
+/// and lengths in metres.
 enum Number : int {
   kZeroOff = 0,     ///< of motors 1 to 3, behind their gears
   kGearOff = 3,     ///< of motors 1 to 3: the share by which they turn too far, counted from home
@@ -42,12 +42,12 @@ struct CellModel {
 };
 
 /// Returns where the lamps are seen with the motors commanded to these angles (radians, behind
-/// their gears), in a cell that is `off` from the model. What a camera that has moved sees is given
-/// to first order.
+/// their gears), in a cell that is `off` from the model. A camera that has moved is modelled to
+/// first order.
 LampPlaces lamps_seen(const CellModel& model, const Eigen::Vector3d& motors,
                       const Numbers& off = Numbers::Zero());
 
-/// Says what is no longer, or never was, as the files of a cell say.
+/// Names what no longer agrees, or never agreed, with the files of a cell.
 enum class Cause {
   kPictureMirrored,
   kCameraShifted,
@@ -83,16 +83,16 @@ enum class Cause {
   kTooBright,   ///< a lamp
   kBlurred,     ///< the picture, or a lamp in it
   kOval,        ///< a lamp
-  kWarmth,      ///< what a warm arm shows, and a camera that came closer a little, too
+  kWarmth,      ///< of the arm; a camera that came a little closer looks the same
   kSeveral,     ///< no single cause explains what is seen
 };
 
-/// Holds one thing that was found out of order, with what a person does about it.
+/// Holds one thing that was found out of order, with its remedy.
 struct HealthFinding {
   Cause cause{Cause::kSeveral};
-  double size{0.0};  ///< in `unit`; NaN for what is right or wrong, without a size
+  double size{0.0};  ///< in `unit`; NaN for what has no size
   const char* unit{""};
-  double cost_m{0.0};  ///< how far it displaces the end point, or its command, at most
+  double cost_m{0.0};  ///< the most it displaces the end point or its command
   std::string what;    ///< one sentence
 };
 
@@ -113,17 +113,16 @@ struct Suspect {
   double unit_size{1.0};  ///< the unit in metres, radians or 1
 };
 
-/// A second suspect is named beside the likeliest one when it is as likely as 1 to 20 (twice the
-/// logarithm of the odds), or when it leaves so little of the misfit: a model is not so exact as
-/// the noise.
+/// A second suspect is named beside the likeliest one when its odds are 1 to 20 or better (twice
+/// the logarithm), or when it leaves this little of the misfit: a model is less exact than the
+/// noise.
 constexpr double kAsLikely = 6.0;
 constexpr double kLittleLeft = 0.02;
 
 /// Returns all causes that make numbers differ.
 const std::vector<Suspect>& suspects();
 
-/// Tells what a suspect has done, from the numbers that were found and from how far it displaces
-/// the tool at most, metres.
+/// Describes a suspect by the numbers that were found and the most it displaces the tool, metres.
 HealthFinding finding_of(const Suspect& suspect, const CellModel& as_filed, const Numbers& off,
                          double cost_m);
 

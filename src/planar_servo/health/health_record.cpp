@@ -52,12 +52,11 @@ double separation(const LampPlaces& lamps_B) {
   return (lamps_B[1] - lamps_B[0]).norm();
 }
 
-/// Nothing below half of what a guard without a record allows is taken for a stray.
+/// Nothing below half of what a guard without a record allows counts as a stray.
 constexpr double kNeverStray_m = 5e-3;
 constexpr double kNeverStrayTurn = 1.5 * kDegree;
 
-/// Returns the largest value, without those that are more than three times as large as nine of ten
-/// values are.
+/// Returns the largest value that is at most three times the 90 % quantile.
 double largest_without_strays(const std::vector<double>& values, double never_stray) {
   const double limit = std::max(never_stray, 3.0 * quantile(values, 0.9));
   double largest = 0.0;
@@ -66,7 +65,7 @@ double largest_without_strays(const std::vector<double>& values, double never_st
   return largest;
 }
 
-/// How far two places are apart for a check: a turn counts by the circle of the lamps.
+/// How far apart two places are for a check: a turn counts by the circle of the lamps.
 double apart(const SeenPlace& a, const SeenPlace& b) {
   const double turn = wrap_angle(a.seen.phi - b.seen.phi);
   return (a.seen.p - b.seen.p).norm() + 5.0 * separation(a.place.lamps_B) * std::abs(turn);

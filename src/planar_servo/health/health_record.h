@@ -19,7 +19,7 @@ struct LookRange {
 /// The ranges of lamps 1 and 2.
 using LookRanges = std::array<LookRange, 2>;
 
-/// Returns the ranges of these looks, as far as they were measured; nothing without any look.
+/// Returns the ranges of these looks where they were measured; nothing without any look.
 std::optional<LookRanges> ranges_of(const std::vector<LampLooks>& looks);
 
 /// Finds what has changed in light or focus since the calibration: the first of background,

@@ -53,8 +53,8 @@ Eigen::MatrixXd displacements(const CellModel& model, const std::vector<Revisit>
   return J;
 }
 
-/// What a sound arm does between two visits, as columns of one standard deviation each: motors warm
-/// its links by some kelvins, which aluminium answers by 23 um/m each, and shift its zeros.
+/// Changes of a sound arm between two visits, as columns of one standard deviation each: motors
+/// warm its links by some kelvins, at 23 um/m each for aluminium, and shift its zeros.
 Eigen::MatrixXd warmth(const CellModel& model, const Eigen::MatrixXd& J) {
   constexpr double kGrowth = 1e-4, kZeroShift = 0.001 * kDegree;
   Eigen::MatrixXd columns(J.rows(), 4);
@@ -63,8 +63,7 @@ Eigen::MatrixXd warmth(const CellModel& model, const Eigen::MatrixXd& J) {
   return columns;
 }
 
-/// Differences and displacements in standard deviations of what a sound cell does, whose arm may
-/// have become warm or not.
+/// Differences and displacements in standard deviations of a sound cell, its arm warmed or not.
 struct Whitened {
   Whitened(const CellModel& model, const std::vector<Revisit>& revisits, bool warms = true)
       : J(displacements(model, revisits)), d(differences(revisits)) {
@@ -103,8 +102,8 @@ ChangeFit fit_change(const Suspect& suspect, const Eigen::MatrixXd& J, const Eig
   return fit;
 }
 
-/// Sorts by likelihood, and before all others puts the one that leaves little with the fewest
-/// numbers: what first order leaves of a single change looks like several small ones.
+/// Sorts by likelihood, but puts first the one that leaves little with the fewest numbers: the
+/// remainder of a single change beyond first order looks like several small ones.
 void put_likeliest_first(std::vector<ChangeFit>& fits, double little) {
   std::sort(fits.begin(), fits.end(),
             [](const ChangeFit& a, const ChangeFit& b) { return a.score < b.score; });

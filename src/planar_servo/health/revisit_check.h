@@ -20,24 +20,23 @@ struct Revisit {
 /// What a change may cost at the end point before it is a finding, metres.
 constexpr double kHarmless_m = 10e-6;
 
-/// Finds what has changed since the calibration. Each cause, and what it displaces to first order,
-/// is fitted to the differences by least squares; the one that explains them best for
-/// its count of numbers is returned, and a second one where the two are as likely as 20 to 1.
-/// Nothing is returned for differences that noise, the arm's scatter and its warmth explain in one
-/// of 1,000 sound cells, and for changes that cost less than kHarmless_m. Where no single cause
-/// explains them, kSeveral is.
+/// Finds what has changed since the calibration. The displacement by each cause, to first order, is
+/// fitted to the differences by least squares; the one that explains them best for its count of
+/// numbers is returned, and a second one where the two are as likely as 20 to 1. Nothing is
+/// returned for differences that noise, the arm's scatter and its warmth explain in one of 1,000
+/// sound cells, and for changes that cost less than kHarmless_m. Where no single cause explains
+/// them, kSeveral is.
 std::vector<HealthFinding> find_changes(const CellModel& model,
                                         const std::vector<Revisit>& revisits);
 
-/// Returns whether lamps are not where they were, as far as it matters.
+/// Returns whether lamps have moved by enough to matter.
 bool has_changed(const CellModel& model, const std::vector<Revisit>& revisits);
 
-/// Returns the indices of all places, that where the lamps are farthest from where they were first.
+/// Returns the indices of all places, beginning with where the lamps have moved farthest.
 std::vector<std::size_t> farthest_off_first(const std::vector<Revisit>& revisits);
 
-/// Returns the one place where the lamps are not where they were, when all others are: the arm
-/// strayed there, now or at the calibration, and no cause moves one place alone. Fewer than four
-/// places tell nothing.
+/// Returns the only place where the lamps have moved: the arm strayed there, now or at the
+/// calibration, as no cause moves one place alone. Fewer than four places tell nothing.
 std::optional<std::size_t> stray_place(const CellModel& model,
                                        const std::vector<Revisit>& revisits);
 

@@ -13,7 +13,7 @@
 namespace planar {
 
 /// Holds the opened devices of a cell. Its user cannot tell a virtual cell from a real one, except
-/// by `truth`, which only a scorer may ask.
+/// by `truth`, which only a scorer may use.
 class CellDevices {
  public:
   virtual ~CellDevices() = default;

@@ -11,12 +11,12 @@ namespace planar {
 /// says how to add a kind; it has a line in the list behind this function.
 const DeviceKinds& device_kinds();
 
-/// Reads a cell file that may ask for any of device_kinds(). Throws InputError naming every fault
-/// with FILE:LINE:COLUMN.
+/// Reads a cell file that may name any of device_kinds(). Throws InputError naming every fault with
+/// FILE:LINE:COLUMN.
 CellSettings read_cell(const std::filesystem::path& path);
 
-/// Returns the hardware that a virtual cell with these settings is made of, as far as its truth
-/// does not know better.
+/// Returns the hardware that a virtual cell with these settings is made of, unless its truth knows
+/// better.
 VirtualHardware virtual_hardware(const CellSettings& cell);
 
 }  // namespace planar

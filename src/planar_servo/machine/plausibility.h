@@ -7,9 +7,9 @@
 
 namespace planar {
 
-/// Questions values of a cell file that may be read but hardly be meant: lengths and angles in
-/// another unit, or too large for each other, and discs that keep nothing out. No findings where
-/// all is plausible.
+/// Questions values of a cell file that are valid but hardly meant: lengths and angles in another
+/// unit, or too large for each other, and discs that keep nothing out. No findings where all is
+/// plausible.
 std::vector<Finding> question_values(const CellSettings& cell);
 
 /// Shows these questions in the log.

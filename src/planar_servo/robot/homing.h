@@ -18,8 +18,7 @@ using MayHome = std::function<bool(Homing way, const std::string& unhomed)>;
 
 /// Homes the drives that have lost their position, if that is allowed; an empty `may_home` forbids
 /// it. All is asked before the first drive moves. Throws DriveError when it is not allowed, with
-/// the option to start with and what there is to say `beside` it, and as PlanarRobot::search_home()
-/// does.
+/// the option to start with, followed by `beside`, and as PlanarRobot::search_home() does.
 void home_where_needed(PlanarRobot& robot, const MayHome& may_home, const std::string& beside = "");
 
 }  // namespace planar

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kKeepEvery_s = 600.0;
 constexpr char kLearner[] = "planar-servo";
-/// Places across the workspace whose postures are tried as centres of Gaussians: they lie nearer
+/// Places across the workspace whose postures are tried as centres of Gaussians, closer together
 /// than these are wide.
 constexpr double kPlacesAcross = 24.0;
 
@@ -31,7 +31,7 @@ std::vector<Joints> reachable_postures(const CellSettings& cell, const JointPlan
   return postures;
 }
 
-/// Returns what the file says of the arm, in the found arm's frame of sense, coupling and gears.
+/// Returns the arm in the file with the sense, coupling and gears of the found arm.
 LearnedArm read_for(const FoundArm& found, const std::filesystem::path& file) {
   LearnedArm known = read_learned_arm(file);
   ArmForm& form = known.arm.form;

@@ -11,9 +11,9 @@
 
 namespace planar {
 
-/// Returns what is known by now of the arm that a planner was given. It comes from the cell's
-/// arm_learned file, unless there is none, it is to be forgotten, or it belongs to another arm or
-/// map, which is said. Throws InputError for a file with faults.
+/// Returns what is known so far of a planner's arm, from the cell's arm_learned file unless there
+/// is none, it is to be forgotten, or it belongs to another arm or map, which is logged. Throws
+/// InputError for a file with faults.
 LearnedArm remembered_arm(const CellSettings& cell, const JointPlanner& planner, bool forgets);
 
 /// Keeps what a run learns of its arm in the cell's arm_learned file, where it names one: every ten
@@ -22,7 +22,7 @@ class ArmMemory {
  public:
   /// Takes the landings, which must outlive it. The file is made from what the cell names now.
   ArmMemory(const CellSettings& cell, const LearningLandings& landings);
-  /// Keeps the last lessons. A file that cannot be written is only said.
+  /// Keeps the last lessons. A file that cannot be written is only logged.
   ~ArmMemory();
   ArmMemory(const ArmMemory&) = delete;
   ArmMemory& operator=(const ArmMemory&) = delete;

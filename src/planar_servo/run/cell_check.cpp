@@ -25,8 +25,8 @@ namespace {
 const Eigen::Vector3d kFirstMoves(40.0 * kDegree, 40.0 * kDegree, 60.0 * kDegree);
 /// Places that are tried for the first moves when the arm must not make them where it stands.
 constexpr int kRingPlaces = 24;
-/// What links, reducers and a corrected lens do to the middle of the lamps between two poses, and
-/// what a lens does that no error map corrects.
+/// Deviations of the middle of the lamps between two poses by links, reducers and lens: with an
+/// error map, and without.
 constexpr double kCorrectedSigma_m = 0.1e-3;
 constexpr double kUncorrectedSigma_m = 2e-3;
 /// One pulse of a motor, and what heat and bearings add, at the end of the arm.
@@ -49,8 +49,8 @@ std::optional<HealthFinding> wrong_separation(const LampPlaces& lamps_B, double 
 }
 
 /// Returns whether light or focus may look like this cause, which displaces the end point so far:
-/// no centre is measured farther from its lamp's middle than by a quarter of the diameter. Play
-/// shows under one and the same light, and a way that is barred in none.
+/// no centre is measured farther from its lamp's middle than a quarter of the diameter. Play shows
+/// under constant light, and a barred way has nothing to do with light.
 bool may_be_light(const HealthFinding& finding, double diameter_m) {
   constexpr double kMostOfDiameter = 0.25;
   switch (finding.cause) {
@@ -71,8 +71,8 @@ double repeatability_m(const CellSettings& cell) {
   return kPlay * cell.arm.geometry.link_lengths_m.sum();
 }
 
-/// Returns whether a single stop that missed, by no more than a cell without a calibration's word
-/// allows, may be the reason for what was found.
+/// Returns whether a single stop that missed, by no more than the default limits allow, may explain
+/// what was found.
 bool may_be_stray(const std::vector<HealthFinding>& found) {
   return !found.empty() && found.front().cost_m > 0.0 &&
          found.front().cost_m <= GuardLimits{}.distance_m;
@@ -182,7 +182,7 @@ std::vector<HealthFinding> CellCheck::first_moves(const std::optional<HealthReco
         without_size(Cause::kNotVisited, "it stands outside its workspace or the camera's view")};
   std::vector<HealthFinding> found = faults_in_first_moves(*first);
   if (may_be_stray(found)) found = faults_in_first_moves(*first);
-  // What costs nothing is left to the revisits, which tell it with what they find.
+  // Harmless changes are left to the revisits, which report them with their findings.
   return record && !found.empty() ? light_first(*record, std::move(found)) : found;
 }
 
@@ -211,7 +211,7 @@ std::vector<HealthFinding> CellCheck::faults_in_first_moves(Joints theta) {
     if (const auto reason = go_to(theta)) return {without_size(Cause::kNotVisited, *reason)};
     const auto lamps_B = look();
     if (!lamps_B)
-      return {without_size(Cause::kNotSeen, "there are no two of them in the whole frame")};
+      return {without_size(Cause::kNotSeen, "the whole frame does not show two of them")};
     if (auto found = wrong_separation(*lamps_B, vision_.lamps.separation_m)) return {*found};
     sights.push_back({planner_.transmission().motors_from_joints(robot_.commanded_joints()),
                       *lamps_B, vision_.error_map ? kCorrectedSigma_m : kUncorrectedSigma_m});
@@ -266,7 +266,7 @@ std::optional<HealthFinding> CellCheck::visit_again(const std::vector<HealthPlac
                                                     std::vector<Revisit>& revisits) {
   std::vector<std::size_t> again = farthest_off_first(revisits);
   again.resize(std::min<std::size_t>(2, again.size()));
-  // Where the arm stands at one of them, it comes there from the other.
+  // If the arm stands at one of them, it visits the other first.
   const auto way = [&](std::size_t index) {
     return (places[index].theta - robot_.commanded_joints()).norm();
   };
@@ -283,10 +283,10 @@ void CellCheck::leave_out_stray(const std::vector<HealthPlace>& places,
                                 std::vector<Revisit>& revisits) const {
   const auto stray = stray_place(model_, revisits);
   if (!stray) return;
-  spdlog::warn(
-      fmt::format("place '{}' is not where it was, but all others are: the arm strayed there when "
-                  "it was recorded; the place is left out of the check",
-                  places[*stray].id));
+  spdlog::warn(fmt::format(
+      "only place '{}' is not where it was: the arm strayed there when it was recorded; the "
+      "place is left out of the check",
+      places[*stray].id));
   revisits.erase(revisits.begin() + static_cast<std::ptrdiff_t>(*stray));
 }
 

@@ -18,10 +18,10 @@
 
 namespace planar {
 
-/// Checks whether a cell still is as its files say, before anything depends on it.
+/// Checks whether a cell still agrees with its files, before anything depends on it.
 class CellCheck {
  public:
-  /// Is told why the camera failed, and returns true when it is back.
+  /// Receives why the camera failed; returns true once it is back.
   using CameraWait = std::function<bool(const std::string& reason)>;
 
   /// Takes robot, sensor and clock, which must outlive it, and the scatter that the arm was found
@@ -32,24 +32,24 @@ class CellCheck {
             LampTipSensor& sensor, Clock& clock, double scatter_m, CameraWait wait = {});
 
   /// Moves each motor a little, near where the arm stands, and compares what is seen with what was
-  /// commanded. Returns what is not as the files say. Light and focus that are not as in `record`
-  /// are named before anything else.
+  /// commanded. Returns what differs from the files, first of all light and focus that differ from
+  /// `record`.
   std::vector<HealthFinding> first_moves(const std::optional<HealthRecord>& record = {});
 
   /// Visits the places again that were kept at the calibration, the nearest first, and the last one
   /// from the other side as well. Returns the play that is more than half of the approach margin,
-  /// or else what has changed since, light and focus before anything else.
+  /// or else what has changed since, light and focus first.
   std::vector<HealthFinding> revisit(const HealthRecord& record);
 
-  /// Returns about how long the arm takes to go to so many places, settle and look, seconds. The
-  /// ways are taken for as long as the first moves.
+  /// Estimates how long the arm takes to go to so many places, settle and look, seconds, with ways
+  /// as long as the first moves.
   double expected_s(std::size_t places) const;
 
  private:
   std::vector<HealthFinding> faults_in_first_moves(Joints theta);
   std::vector<HealthFinding> changes_since(const HealthRecord& record);
-  /// Puts a change of light or focus in the place of what it may explain of what was found, and
-  /// before the rest.
+  /// Replaces the findings that a change of light or focus may explain by that change, before the
+  /// rest.
   std::vector<HealthFinding> light_first(const HealthRecord& record,
                                          std::vector<HealthFinding> found) const;
   /// Moves and settles. Returns why the arm must not go there, if it must not.
@@ -58,19 +58,19 @@ class CellCheck {
   std::optional<Joints> start() const;
   /// Visits a place again. Returns why it was not seen, if it was not.
   std::variant<Revisit, HealthFinding> visit(const HealthPlace& place);
-  /// Visits the two places again where the lamps are farthest from where they were: an arm that
-  /// has strayed is there now, one that has slipped is at neither. Returns why they were not seen.
+  /// Visits again the two places where the lamps have moved farthest: an arm that had strayed
+  /// arrives now, one that has slipped arrives at neither. Returns why they were not seen.
   std::optional<HealthFinding> visit_again(const std::vector<HealthPlace>& places,
                                            std::vector<Revisit>& revisits);
-  /// Takes out a place at which the arm strayed when it was recorded.
+  /// Removes a place at which the arm strayed when it was recorded.
   void leave_out_stray(const std::vector<HealthPlace>& places,
                        std::vector<Revisit>& revisits) const;
-  /// Looks for play here, and where there seems to be some, at another place: an arm that strays as
-  /// it comes from above does so at one of them.
+  /// Looks for play here and, if there seems to be some, at another place: an arm that strays as it
+  /// comes from above does so at one of them only.
   std::vector<HealthFinding> play_now(const std::vector<HealthPlace>& places,
                                       const std::vector<Revisit>& revisits);
-  /// Approaches the present place, which is one of those revisited and was reached from below, from
-  /// above. Nothing moves where the arm must not do that.
+  /// Approaches the present place, a revisited one that was reached from below, from above. Nothing
+  /// moves where that is forbidden.
   std::vector<HealthFinding> play_here(const std::vector<Revisit>& revisits);
   /// Throws WorkError unless the camera comes back.
   void wait_for_camera(const std::string& reason) const;
@@ -92,18 +92,17 @@ class CellCheck {
   std::vector<LampLooks> looks_;  ///< of this check
 };
 
-/// What a change may cost at the end point and still let the arm work, metres.
+/// The largest cost of a change at the end point with which the arm may still work, metres.
 constexpr double kTolerable_m = 20e-6;
 
 /// Returns the cell's health record, or nothing when there is none yet.
 std::optional<HealthRecord> read_cell_health(const CellSettings& cell);
 
-/// Sets the limits of place, direction and separation to what the calibration saw and half as much
-/// again, whatever they were.
+/// Sets the limits of place, direction and separation to 1.5 times what the calibration saw.
 GuardLimits with_health(GuardLimits limits, const HealthRecord& record);
 
 /// Runs the first moves and, when they are in order, revisits the places of `record`, if there is
-/// one. Says in the log what is done and about how long it takes.
+/// one. Logs what is done and about how long it takes.
 std::vector<HealthFinding> check_cell(CellCheck& check, const std::optional<HealthRecord>& record);
 /// Does the same without the first moves.
 std::vector<HealthFinding> check_again(CellCheck& check, const HealthRecord& record);

@@ -35,8 +35,7 @@ class DryRun {
   Joints near_;
 };
 
-/// Returns the pose that a target asks for. A target that names no direction takes
-/// `tool_orientation` (radians).
+/// Returns the pose of a target. One that names no direction takes `tool_orientation` (radians).
 TipPose target_pose(const TargetRow& target, double tool_orientation);
 
 /// Refuses the targets of these rows at which the error map, if there is one, is not valid.

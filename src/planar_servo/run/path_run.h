@@ -13,7 +13,7 @@
 
 namespace planar {
 
-/// Returns the figures of these looks at one speed: errors and number, and nothing else.
+/// Returns only the errors and the number of these looks at one speed.
 PathSpeedResult path_figures(const std::vector<PathLookRow>& looks);
 
 /// Says which path is to be followed, and how.
@@ -37,7 +37,7 @@ std::vector<PathDemand> require_followable(const CellSettings& cell, const PathR
 /// Throws InputError naming the first place on the path at which the error map is not valid.
 void require_inside_map(const VisionCalibration& vision, const PathRequest& request);
 
-/// Leads the end point of a cell along a path, and logs every look.
+/// Guides the end point of a cell along a path, and logs every look.
 class PathRun {
  public:
   /// Switches the drives on. Throws as ServoRun() does, and InputError when the folder holds a run.
@@ -45,10 +45,10 @@ class PathRun {
   /// Does what ~ServoRun() does.
   ~PathRun();
 
-  /// Checks whether the cell is well, goes to the path's beginning and follows it. A path that ends
-  /// early has a result like the others. Guided by vision for the first time, it measures the play,
-  /// which is led through from then on. When a drive fails or somebody stops the arm, it throws
-  /// WorkError; all looks so far are in the file then.
+  /// Checks the cell, goes to the path's beginning and follows it. A path that ends early has a
+  /// result like the others. The first time by vision it measures the play, which is compensated
+  /// from then on. Throws WorkError when a drive fails or somebody stops the arm; all looks so far
+  /// are in the file then.
   const PathSpeedResult& follow(double speed_m_s, Guidance guidance);
 
   /// Returns why the path may not be followed again: the cell itself is in doubt.
@@ -62,7 +62,7 @@ class PathRun {
   PathResult follow_timed(const PathTiming& timing, double speed_m_s, Guidance guidance);
   /// Brings the end point to the path's beginning. Returns why it is not there, if it is not.
   std::optional<PathResult> go_to_beginning(const PathDemand& demand, Guidance guidance);
-  /// Measures the play, which is led through from now on. Returns why the arm is not back at the
+  /// Measures the play, which is compensated from now on. Returns why the arm is not back at the
   /// path's beginning, if it is not.
   std::optional<PathResult> find_play();
 

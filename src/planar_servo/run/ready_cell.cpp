@@ -126,7 +126,7 @@ std::string ReadyCell::examine() {
   const bool first = !examined_s_;
   examined_s_ = clock_.now_s();
   if (!check_health_) {
-    spdlog::warn("the cell's health is not looked at (--no-health)");
+    spdlog::warn("the cell's health is not checked (--no-health)");
     return {};
   }
   if (!health_)
@@ -166,8 +166,8 @@ bool ReadyCell::was_examined_s_ago(double seconds) const {
 void ReadyCell::recover_drives(const std::string& id, const std::string& reason) {
   spdlog::warn(fmt::format("{}: {}; the arm stands and waits", id, reason));
   robot_.recover(kDrivePatience_s);
-  home_where_needed(robot_, may_home_, "; a run that has begun goes on with --resume as well");
-  spdlog::info(fmt::format("{}: the drives are ready again; going on", id));
+  home_where_needed(robot_, may_home_, "; add --resume to continue a run");
+  spdlog::info(fmt::format("{}: the drives are ready again; resuming", id));
 }
 
 bool ReadyCell::wait_for_camera(const std::string& id, const std::string& reason,

@@ -27,36 +27,36 @@ struct ServoRequest {
   bool resume{false};         ///< continues the run that the folder holds
   bool accept_stale{false};   ///< moves even with files that do not belong together
   bool accept_map{false};     ///< moves even by an error map whose fit speaks against it
-  bool check_health{true};    ///< looks, before the first target, whether the cell is as it was
+  bool check_health{true};    ///< checks before the first target whether the cell is as it was
   bool keep_going{false};     ///< tries the next target even when the cell itself is in doubt
   /// Is asked about drives that lost their position on the way, too. Empty: they may not be homed.
   MayHome may_home{};
   std::function<bool()> stop{};  ///< asked during every move; see PlanarRobot::stop_when()
   /// Judges the first look and the end at every target of a cell without a truth. May be empty.
   std::shared_ptr<Judge> judge{};
-  /// Holds the arm where a look is uncertain or is not what the calibration promises. Without it
-  /// only what no cell can be holds the arm: GuardLimits as they begin, whatever the noise.
+  /// Holds the arm where a look is uncertain or not what the calibration promises. Without it only
+  /// the default GuardLimits hold the arm, whatever the noise.
   bool guards_looks{true};
   /// Positions by all looks at a target and what is known of arm and vision; else the whole error
   /// of the last look is corrected.
   bool estimates_landings{true};
   /// Learns the arm from looks, and keeps what it learns where the cell names an arm_learned file.
   bool learns{false};
-  bool forgets{false};  ///< does not begin with what that file says
+  bool forgets{false};  ///< ignores what that file holds at first
 };
 
-/// Returns the sentences on calibration files that do not belong together, and shows them in the
-/// log. Throws InputError with them unless they are accepted.
+/// Returns and logs the objections to calibration files that do not belong together. Throws
+/// InputError with them unless they are accepted.
 std::vector<std::string> accept_stale_files(const CellSettings& cell, bool with_error_map,
                                             bool accepted);
 
-/// Returns what the error map's fit says against moving by it, and shows it in the log. Throws
-/// InputError with it unless it is accepted.
+/// Returns and logs the objection of the error map's fit to moving by it. Throws InputError with it
+/// unless it is accepted.
 std::optional<std::string> accept_map(const CellSettings& cell, const VisionCalibration& vision,
                                       bool accepted);
 
-/// A cell that is about to move by vision: its files are read and belong together, and it is looked
-/// at before anything depends on it. Lost devices are waited for.
+/// A cell that is about to move by vision: its files are read and belong together, and it is
+/// checked before anything depends on it. It waits for lost devices.
 class ReadyCell {
  public:
   /// Reads the files; nothing moves or is switched on. Throws InputError for files that are faulty
@@ -66,23 +66,22 @@ class ReadyCell {
   /// Switches the drives on and moves the camera's region to the lamps.
   void switch_on();
 
-  /// Looks, before the first motion and every ten minutes after it, whether the cell still is as
-  /// its files say and as it was at its calibration. Returns nothing when that was not due, an
-  /// empty text when the cell is well, else what is not. Throws WorkError when it is not well at
-  /// first.
+  /// Checks, before the first motion and every ten minutes after it, whether the cell still agrees
+  /// with its files and its calibration. Returns nothing when no check was due, an empty text when
+  /// the cell is well, else what is not. Throws WorkError when it is not well at first.
   std::optional<std::string> examine_if_due();
-  /// Returns whether the arm was moved since the first of these looks. Homing counts.
+  /// Returns whether the arm was moved since the first of these checks. Homing counts.
   bool has_moved_on() const;
-  /// The same as examine_if_due() once the work is done, if the last look was more than a minute
+  /// The same as examine_if_due() once the work is done, if the last check was more than a minute
   /// ago.
   std::optional<std::string> examine_at_end();
 
-  /// Keeps every ten minutes what was learned of the arm.
+  /// Saves every ten minutes what was learned of the arm.
   void keep_lessons_if_due();
 
   /// The most recoveries of drives for one target. A drive that fails more often is broken.
   static constexpr int kMaxDriveRecoveries = 3;
-  /// The most failures of the camera at one target or while the cell is looked at. One that fails
+  /// The most failures of the camera at one target or during a check of the cell. One that fails
   /// more often is broken.
   static constexpr int kMaxCameraFailures = 20;
 
@@ -101,14 +100,14 @@ class ReadyCell {
   PlanarRobot& robot() { return robot_; }
   LampTipSensor& sensor() { return sensor_; }
   PositionServo& servo() { return servo_; }
-  /// Returns the sentences on files that do not belong together and were accepted.
+  /// Returns the accepted objections to files that do not belong together.
   const std::vector<std::string>& accepted_stale() const { return accepted_stale_; }
-  /// Returns what speaks against the error map and was accepted.
+  /// Returns the accepted objections to the error map.
   const std::optional<std::string>& accepted_map() const { return accepted_map_; }
 
  private:
   bool was_examined_s_ago(double seconds) const;
-  /// Returns what is not well, and says so when nothing is known of the cell's health.
+  /// Returns what is not well; logs when nothing is known of the cell's health.
   std::string examine();
   /// Waits for the drives. Throws DriveError when they are not back in time or may not be homed.
   void recover_drives(const std::string& id, const std::string& reason);
@@ -118,7 +117,7 @@ class ReadyCell {
   Clock& clock_;
   MayHome may_home_;
   bool check_health_;
-  std::optional<double> examined_s_;  ///< when the cell was last looked at
+  std::optional<double> examined_s_;  ///< when the cell was last checked
   std::optional<Pulses> begun_at_;    ///< where the arm stood after the first look
   VisionCalibration vision_;
   std::optional<HealthRecord> health_;

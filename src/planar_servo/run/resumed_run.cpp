@@ -25,8 +25,8 @@ constexpr double kSameDirection_rad = 1e-6 * kDegree;
 
 constexpr char kServoRemark[] = "# servo: ";
 
-/// Throws unless a run that was begun with these files was begun with the present ones, too. One
-/// that does not say what it was begun with is continued.
+/// Throws unless the run was begun with the present files. One that does not name its files is
+/// continued.
 void require_same_origins(const fs::path& results, const std::vector<Origin>& present) {
   const std::vector<Origin> begun = read_origins(results);
   const auto same = [](const Origin& a, const Origin& b) {
@@ -41,7 +41,7 @@ void require_same_origins(const fs::path& results, const std::vector<Origin>& pr
       texts.push_back(fmt::format("{} {}", origin.name, origin.sha256.substr(0, 8)));
     return fmt::format("{}", fmt::join(texts, ", "));
   };
-  throw InputError({fmt::format("the run was begun with {}; now it would go on with {}",
+  throw InputError({fmt::format("the run was begun with {}; now it would continue with {}",
                                 names(begun), names(present)),
                     "use the same files and options, or name another folder", results});
 }
@@ -52,13 +52,13 @@ std::string settings_text(const ServoRequest& request) {
                      name_in(kCenterMethods, request.center));
 }
 
-/// Throws unless a run was begun with the present settings. One that does not say with which it was
-/// begun is continued.
+/// Throws unless the run was begun with the present settings. One that does not name its settings
+/// is continued.
 void require_same_settings(const fs::path& results, const std::string& present) {
   const std::string begun = remark_in(results, kServoRemark);
   if (begun.empty() || begun == present) return;
   throw InputError(
-      {fmt::format("the run was begun with the servo settings {}; now it would go on with {}",
+      {fmt::format("the run was begun with the servo settings {}; now it would continue with {}",
                    begun, present),
        "use the same settings, or name another folder", results});
 }
@@ -71,8 +71,8 @@ bool holds_begun_run(const fs::path& folder) {
   return false;
 }
 
-/// Returns the results but for those of doubted targets, which are to be visited again; the table
-/// then has no row of them either.
+/// Returns the results without those of doubted targets, which are to be visited again, and removes
+/// their rows from the table.
 std::vector<TargetResult> without_doubted(const ServoRequest& request,
                                           std::vector<TargetResult> results) {
   const auto doubted = std::remove_if(
@@ -107,10 +107,10 @@ std::vector<std::string> run_remarks(const ServoRequest& request) {
 
 const fs::path& folder_for(const ServoRequest& request) {
   if (request.resume && !holds_begun_run(request.out))
-    throw InputError({"holds no run to go on with",
+    throw InputError({"holds no run to resume",
                       "name the folder of one, or leave out --resume to begin one there",
                       request.out});
-  // A run would put its own report in the place of the path's.
+  // A run would overwrite the path's report.
   const fs::path looks = request.out / "path_looks.csv";
   if (fs::exists(looks))
     throw InputError({"the folder holds the run of a path", "name another folder", looks});
@@ -137,12 +137,12 @@ void require_same_goal(const std::string& id, const TipPose& goal,
     if (result.id != id) continue;
     if ((result.p_d - goal.p).norm() > kSamePlace_m)
       throw InputError(
-          {fmt::format("target '{}' is at {} now; the run to go on with has a result of it at {}",
-                       id, place_mm(goal.p), place_mm(result.p_d)),
+          {fmt::format("target '{}' is at {} now; the run to resume has a result of it at {}", id,
+                       place_mm(goal.p), place_mm(result.p_d)),
            "name another folder, or another id for the new place"});
     if (result.phi_d && std::abs(wrap_angle(*result.phi_d - goal.phi)) > kSameDirection_rad)
       throw InputError({fmt::format("target '{}' has the direction {:.6f} degrees now; the run to "
-                                    "go on with has a result of it at {:.6f} degrees",
+                                    "resume has a result of it at {:.6f} degrees",
                                     id, goal.phi / kDegree, *result.phi_d / kDegree),
                         "name another folder, or another id for the new direction"});
   }

@@ -9,7 +9,7 @@
 
 namespace planar {
 
-/// Returns the table of results that a request's run grows.
+/// Returns the table to which a request's run adds its results.
 std::filesystem::path results_file(const ServoRequest& request);
 
 /// Returns the files that a run is made with.
@@ -18,8 +18,8 @@ std::vector<Origin> run_origins(const ServoRequest& request);
 /// Returns these and the servo's settings as comment lines of the table of results.
 std::vector<std::string> run_remarks(const ServoRequest& request);
 
-/// Returns the run's folder, which is there then. Throws InputError when there is no run to
-/// continue with, and when the folder holds that of a path.
+/// Returns the run's folder, which exists then. Throws InputError when there is no run to continue,
+/// and when the folder holds that of a path.
 const std::filesystem::path& folder_for(const ServoRequest& request);
 
 /// Returns the results that the folder holds. Throws InputError when it holds some although no run

@@ -5,14 +5,14 @@
 
 namespace planar {
 
-/// Takes back the files and folders of a run that has failed before it moved anything.
+/// Removes the files and folders of a run that failed before it moved anything.
 class RunFolder {
  public:
-  /// Notes which of this folder, those above it and these files in it are not there yet. Makes
+  /// Notes which of this folder, those above it and these files in it do not exist yet. Makes
   /// nothing.
   RunFolder(const std::filesystem::path& folder, const std::vector<const char*>& files);
-  /// Removes what was noted, folders only if they are empty then, while an exception ends the run,
-  /// unless keep() was called.
+  /// Removes what was noted, folders only if they are empty, when an exception ends the run, unless
+  /// keep() was called.
   ~RunFolder();
   RunFolder(const RunFolder&) = delete;
   RunFolder& operator=(const RunFolder&) = delete;
@@ -20,8 +20,8 @@ class RunFolder {
   void keep() { made_.clear(); }
 
  private:
-  std::vector<std::filesystem::path> made_;  ///< what lies deeper comes first
-  int exceptions_;                           ///< that were on their way at the beginning
+  std::vector<std::filesystem::path> made_;  ///< the deepest first
+  int exceptions_;                           ///< that were in flight at the beginning
 };
 
 }  // namespace planar

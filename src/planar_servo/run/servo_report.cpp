@@ -35,8 +35,8 @@ std::optional<double> coverage_of(const std::vector<TargetResult>& results) {
   return static_cast<double>(within) / static_cast<double>(all);
 }
 
-/// Returns whether vision made the true errors longer in the mean, by more than two standard
-/// deviations of that mean.
+/// Returns whether vision made the true errors longer on average, by more than two standard
+/// deviations of the mean.
 bool made_worse(const std::vector<TargetResult>& results) {
   constexpr std::size_t kEnoughTargets = 5;
   constexpr double kSigmas = 2.0;
@@ -73,7 +73,7 @@ constexpr char kErrorLine[] =
     ": the arm alone {before_mean_mm:.4f} mm mean; with vision {after_mean_mm:.4f} mm mean, "
     "{after_rms_mm:.4f} rms, {after_p95_mm:.4f} at 95 %, {after_max_mm:.4f} max";
 constexpr char kErrorSentence[] =
-    ", the arm alone landed {before_mean_mm:.4f} mm from its targets in the mean, with vision "
+    ", the arm alone landed {before_mean_mm:.4f} mm from its targets on average, with vision "
     "{after_mean_mm:.4f} mm ({after_rms_mm:.4f} mm rms, {after_p95_mm:.4f} mm at 95 %, "
     "{after_max_mm:.4f} mm at most)";
 
@@ -84,8 +84,8 @@ void list_errors(ReportList& list, const std::string& text, const std::optional<
   list.unprinted("improvement", 1.0 - after->mean / before->mean);
 }
 
-/// Lists what the judge told, `list_told(list, figures)`, under keys that end with who it was.
-/// For one version those of a tracker stand under `_truth`, too.
+/// Lists the judge's figures, `list_told(list, figures)`, under keys that end with its name. For
+/// one version those of a tracker stand under `_truth`, too.
 template <typename ListTold>
 void list_judged(ReportList& list, const ServoFigures& figures, ListTold list_told) {
   ReportList told("_" + figures.judge()), as_before("_truth");

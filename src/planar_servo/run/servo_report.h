@@ -50,7 +50,7 @@ struct ServoFigures {
 
   /// Returns whether truth or tracker judged the run, and not the cell's own vision alone.
   bool is_judged() const;
-  /// Returns the word for who judged, `truth` where nobody did.
+  /// Returns the judge's name, `truth` where nobody judged.
   std::string judge() const;
 };
 
@@ -61,7 +61,7 @@ ServoFigures figures_of(const std::vector<TargetResult>& results);
 /// improvement have the suffix of who judged them.
 ReportList servo_list(const ServoFigures& figures);
 
-/// Lists of these what is known besides the targets reached and the errors by who judged.
+/// Lists the figures besides the targets reached and the errors by who judged.
 ReportList other_list(const ServoFigures& figures);
 
 /// Says how many targets were reached, and how fast; a sentence without a full stop.

@@ -86,7 +86,7 @@ bool saw_nothing(const ServoResult& attempt) {
 [[noreturn]] void give_up(const TargetRow& target, const std::string& reason,
                           const std::string& camera) {
   throw WorkError({fmt::format("{}; the camera {}", reason, camera),
-                   "mend it, then start again to go on", target.id});
+                   "mend it, then start again to continue", target.id});
 }
 
 /// Returns the answer to a target that comes after a run has ended.
@@ -144,7 +144,7 @@ ServoResult ServoRun::attempts(const TargetRow& target, TargetScorer& scorer) {
     ServoResult outcome =
         cell_.with_drives(target.id, recoveries_left, [&] { return attempt(target, scorer); });
     if (outcome.status != ServoStatus::kLostCamera) return outcome;
-    // Patience is whole for a camera that had been back, and after a wait for drives.
+    // Patience is renewed once the camera was back, and after a wait for drives.
     if (failures == 0 || recoveries_left != recoveries_before || !saw_nothing(outcome)) {
       ++failures;
       deadline_s = cell_.clock().now_s() + kCameraPatience_s;

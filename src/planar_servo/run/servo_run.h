@@ -21,8 +21,8 @@ namespace planar {
 /// the first and the last error.
 class TargetScorer {
  public:
-  /// Takes who judges the end point, if anybody does: the truth at every look, a tracker at the
-  /// first look and once the servo has ended. All three must outlive the scorer.
+  /// Takes the judge of the end point, if any: the truth at every look, a tracker at the first look
+  /// and once the servo has ended. All three must outlive the scorer.
   TargetScorer(const TargetRow& target, GrowingFile& steps, Judge* judge, const Clock& clock);
 
   /// Takes a step: logs it and updates the outcome. The arm rests meanwhile.
@@ -71,13 +71,12 @@ class ServoRun {
   /// made: its tables, and the folder where it was not there.
   ~ServoRun();
 
-  /// Looks before the first target, and every ten minutes after it, whether the cell still is as
-  /// its files say and as it was at its calibration; throws WorkError with what it finds at first.
-  /// What it finds later ends the run and makes all targets doubted that were reached since it was
-  /// well; `target` is refused then and has no row. Else it moves to a target and returns its
-  /// result. A target that fails has a result like the others.
-  /// When a device fails for good or somebody stops the arm, it throws WorkError; all that was done
-  /// is in the files then.
+  /// Checks before the first target, and every ten minutes after it, whether the cell still agrees
+  /// with its files and its calibration; throws WorkError with the findings of the first check.
+  /// Later findings end the run and make all targets doubted that were reached since the cell was
+  /// well; `target` is refused then and has no row. Else moves to the target and returns its
+  /// result. A target that fails has a result like the others. Throws WorkError when a device fails
+  /// for good or somebody stops the arm; all that was done is in the files then.
   ///
   /// When the camera fails, the arm stops and waits up to a minute for it, then continues with the
   /// same target, but at most twenty times for one target. It does the same for a drive, which may
@@ -85,7 +84,7 @@ class ServoRun {
   /// of all attempts. A target at which a device has failed for good has no result, so that a
   /// resumed run moves there again.
   TargetResult move_to(const TargetRow& target);
-  /// Looks at the cell once more when all is done, unless the run was short or the cell is in doubt
+  /// Checks the cell once more when all is done, unless the run was short or the cell is in doubt
   /// already.
   void finish();
 
@@ -105,7 +104,7 @@ class ServoRun {
   const std::vector<TargetResult>& results() const { return results_; }
 
  private:
-  /// Takes what a look at the cell has found, if there was one.
+  /// Takes the findings of a check of the cell, if there was one.
   void take_finding(const std::optional<std::string>& unwell);
   /// Doubts the targets that were reached since the cell was last found well.
   void doubt_what_was_reached();
@@ -123,14 +122,14 @@ class ServoRun {
   FolderLock lock_;
   std::vector<TargetResult> results_;
   std::size_t results_before_;
-  std::size_t well_until_;  ///< so many results were made before the cell was last found well
+  std::size_t well_until_;  ///< number of results when the cell was last found well
   std::filesystem::path table_file_;
   std::string table_header_;
   GrowingFile steps_;
   GrowingFile table_;
 };
 
-/// Moves to every target in turn, except those that a resumed run has a result of, until the run is
+/// Moves to every target in turn, except those with a result in a resumed run, until the run is
 /// ended_by() one. `progress` may be empty. Throws InputError, before anything moves, when such a
 /// result is of another place or direction.
 std::vector<TargetResult> run_servo(

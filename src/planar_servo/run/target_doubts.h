@@ -9,13 +9,13 @@
 
 namespace planar {
 
-/// Says of a table's targets what can hardly be meant: places written in metres, which are all
+/// Returns what can hardly be meant in a table of targets: places written in metres, which are all
 /// within a millimetre of the base's axes, and directions in radians.
 std::vector<Refusal> target_doubts(const std::vector<TargetRow>& targets,
                                    const Workspace& workspace);
 
-/// Shows these doubts in the log. Throws InputError for places in metres if none of them lies in
-/// the workspace. `file` names the table.
+/// Logs these doubts. Throws InputError for places in metres if none of them lies in the workspace.
+/// `file` names the table.
 void question_targets(const std::vector<TargetRow>& targets, const Workspace& workspace,
                       const std::filesystem::path& file);
 

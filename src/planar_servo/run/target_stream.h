@@ -16,18 +16,18 @@ using TargetAnswer = std::function<nlohmann::ordered_json(const TargetRow&)>;
 /// Says how a stream of targets went.
 struct StreamEnd {
   std::size_t bad_lines{0};
-  bool was_said{false};  ///< by the line `end`, behind which nothing is read
+  bool was_said{false};  ///< by the line `end`, after which nothing is read
 };
 
 /// Answers every target on `in` with one line of JSON on `out`, which is flushed at once. The key
 /// `line` counts the lines of `in`. A bad line is answered with `error` and is not passed to
-/// `answer`; the next line is waited for. A line that nothing ended is bad. An exception of
-/// `answer` and a header that cannot be used are answered with `error`, too, and then thrown on.
-/// Throws WorkError when an answer cannot be written.
+/// `answer`; the next line is waited for. A line without an end is bad. An exception of `answer`
+/// and a header that cannot be used are answered with `error`, too, and then rethrown. Throws
+/// WorkError when an answer cannot be written.
 StreamEnd answer_targets(std::istream& in, std::ostream& out, TargetLines& lines,
                          const TargetAnswer& answer);
 
-/// Returns the outcome under the column names of results.csv. What is not known is left out.
+/// Returns the outcome under the column names of results.csv. Unknown values are left out.
 nlohmann::ordered_json result_answer(const TargetResult& result);
 
 /// Counts targets that were only planned.

@@ -54,7 +54,7 @@ bool wait_for_camera(const FrameSource& camera, const PlanarRobot& robot, Clock&
     clock.sleep_for_s(kPoll_s);
   }
   if (clock.now_s() > deadline_s) return false;
-  spdlog::info(fmt::format("{}: the camera delivers again after {:.1f} s; going on", id,
+  spdlog::info(fmt::format("{}: the camera delivers again after {:.1f} s; resuming", id,
                            clock.now_s() - lost_s));
   return true;
 }

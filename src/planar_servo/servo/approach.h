@@ -12,8 +12,8 @@
 
 namespace planar {
 
-/// Returns where the arm rests one after the other in order to arrive at these joint angles: there
-/// alone, or first short of them by the settings' approach margin in every motor.
+/// Returns the stops, in order, of an arm that arrives at these joint angles: there alone, or first
+/// short of them by the settings' approach margin in every motor.
 std::vector<Joints> approach_stops(const Transmission& transmission, const ServoSettings& settings,
                                    const Joints& theta);
 
@@ -23,8 +23,8 @@ std::optional<std::string> approach_refusal(const JointPlanner& planner,
                                             const ServoSettings& settings, const Joints& from,
                                             const Joints& theta);
 
-/// Returns by how much play may move the end point when motors arrive from either side, metres:
-/// what the settings' approach margin, which exceeds the play, comes to at full reach.
+/// Returns by how much play may move the end point when motors arrive from either side, metres: the
+/// settings' approach margin, which exceeds the play, at full reach.
 double play_allowance_m(const PlanarArm& arm, const ServoSettings& settings);
 
 /// Says what kept the arm from arriving.
@@ -34,9 +34,8 @@ struct Obstacle {
 };
 
 /// Moves the arm to these joints as the settings say: straight, or with every motor from the same
-/// side. Nothing moves when the planner refuses the joints, the place short of them or the
-/// way there. Throws what
-/// PlanarRobot::move_to() throws.
+/// side. Nothing moves when the planner refuses the joints, the place short of them or the way
+/// there. Throws what PlanarRobot::move_to() throws.
 std::optional<Obstacle> arrive(PlanarRobot& robot, const JointPlanner& planner,
                                const ServoSettings& settings, const Joints& theta,
                                const PlanarRobot::Guard& guard);
@@ -44,9 +43,9 @@ std::optional<Obstacle> arrive(PlanarRobot& robot, const JointPlanner& planner,
 /// The longest wait for a camera that fails.
 constexpr double kCameraPatience_s = 60.0;
 
-/// Waits, while the arm stands, until the camera's frames come as they should, and says so in the
-/// log. `id` names what is to be continued, `reason` what is wrong. Returns false once the clock
-/// is past `deadline_s`. Throws what PlanarRobot::throw_if_stopped() throws.
+/// Waits, with the arm at rest, until the camera delivers properly again, and logs it. `id` names
+/// what is to be continued, `reason` what is wrong. Returns false once the clock is past
+/// `deadline_s`. Throws what PlanarRobot::throw_if_stopped() throws.
 bool wait_for_camera(const FrameSource& camera, const PlanarRobot& robot, Clock& clock,
                      const std::string& id, const std::string& reason, double deadline_s);
 

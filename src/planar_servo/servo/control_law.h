@@ -16,7 +16,7 @@ enum class LawStatus {
 /// Returns the status in words, for messages.
 const char* describe(LawStatus status);
 
-/// Holds the step of joints 1 and 2 that a law asks for, radians.
+/// Holds a law's step of joints 1 and 2, radians.
 struct LawStep {
   LawStatus status{LawStatus::kOk};
   Eigen::Vector2d delta_theta{0.0, 0.0};  ///< valid only when status is kOk

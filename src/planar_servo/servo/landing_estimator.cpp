@@ -35,8 +35,7 @@ Eigen::Matrix2d landing_with_sight(const Eigen::Matrix4d& covariance, const Land
   return with_sight(covariance).topRows<2>() + isotropic(look.scatter_m);
 }
 
-/// Returns the mean of the smaller one of a limit and the length of a vector whose components
-/// deviate by `deviation_m`.
+/// Returns the mean of min(limit, |v|) for a vector v whose components deviate by `deviation_m`.
 double mean_below_m(double deviation_m, double limit_m) {
   if (deviation_m == 0.0) return 0.0;
   return std::sqrt(0.5 * kPi) * deviation_m * std::erf(limit_m / (std::sqrt(2.0) * deviation_m));
@@ -45,20 +44,20 @@ double mean_below_m(double deviation_m, double limit_m) {
 // The factors of the model's scatter that are tried are powers of the root of 2, from 1/4 to 64.
 constexpr int kLeastPower = -4;
 constexpr int kGreatestPower = 12;
-/// The model's scatter counts like so many stops along one axis that were seen with it.
+/// The model's scatter counts like so many stops seen along one axis.
 constexpr double kPseudoCounts = 4.0;
 /// Now and then a stop scatters ten times as far: something stuck, or somebody touched the arm.
 constexpr double kOutlierShare = 0.01;
 constexpr double kOutlierFactor = 10.0;
-/// So much of what earlier looks said of the scatter remains with each: it changes with wear and
-/// warmth, and the last two hundred looks tell.
+/// Each look keeps this share of what earlier ones said of the scatter, which changes with wear and
+/// warmth: the last two hundred looks count.
 constexpr double kMemory = 0.995;
 
-/// What is off by less costs too little to stop for.
+/// A smaller deviation is not worth stopping for.
 constexpr double kWorthADoubt_m = 50e-6;
 
-/// Returns how credible a factor is before any look, but for a constant: the density of an inverse
-/// gamma distribution of its square, over its logarithm.
+/// Returns the prior of a factor, up to a constant: the density of an inverse gamma distribution of
+/// its square, over its logarithm.
 double log_credibility(double factor) {
   const double square = factor * factor;
   return -0.5 * kPseudoCounts * (std::log(square) + 1.0 / square);

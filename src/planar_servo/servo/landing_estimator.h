@@ -23,7 +23,7 @@ struct PlaneEstimate {
   Eigen::Matrix2d covariance{Eigen::Matrix2d::Zero()};
 };
 
-/// Holds by how much a look differs from what the looks before it let expect.
+/// Holds by how much a look differs from what the looks before it predict.
 struct Innovation {
   Eigen::Vector2d value{0.0, 0.0};
   Eigen::Matrix2d covariance{Eigen::Matrix2d::Zero()};
@@ -42,7 +42,7 @@ class LandingFilter {
   /// Takes the covariance of (d, v), whose mean is zero.
   explicit LandingFilter(const Eigen::Matrix4d& covariance) : covariance_(covariance) {}
 
-  /// Returns what a look would bring that is new.
+  /// Returns the innovation that a look would bring.
   Innovation innovation(const LandingLook& look) const;
 
   void take(const LandingLook& look);
@@ -54,9 +54,9 @@ class LandingFilter {
   /// Returns the place to command so that the next stop is expected to land at the target.
   Eigen::Vector2d next_command(const Eigen::Vector2d& p_d) const { return p_d - mean_.head<2>(); }
 
-  /// Returns by how much the places that further looks will let expect scatter about the target:
-  /// the part of the landings' deviation that looking can reveal. `next` is the next look as far as
-  /// it is known now, without where the end point is seen.
+  /// Returns by how much the places that further looks will predict scatter about the target: the
+  /// part of the landings' deviation that looking can reveal. `next` is the next look, whose `p` is
+  /// not known yet.
   Spread spread(const LandingLook& next) const;
 
  private:
@@ -71,17 +71,17 @@ class LandingFilter {
   bool has_looked_{false};
 };
 
-/// Returns the mean distance from the target at which somebody ends who stops when it is best, with
-/// so many corrections left (at least 1). Each leads to a new place, and the old one does not come
+/// Returns the mean distance from the target at the end when stopping at the best time, with so
+/// many corrections left (at least 1). Each leads to a new place, and the old one does not come
 /// back.
 double nearest_expected_m(const Spread& spread, int corrections);
 
-/// A chance that is taken for none: one in a million.
+/// A chance that counts as none: one in a million.
 constexpr double kNoChance = 1e-6;
 
 /// Estimates landings at one target after the other, and from all of them how much stops scatter.
 /// It runs a LandingFilter for each of many scatters after long and after short moves, each a
-/// factor times what the model says, and weighs them by how well they have foreseen the looks.
+/// factor times the model's, and weighs them by how well they predicted the looks.
 class LandingEstimator {
  public:
   /// Takes a model that must outlive it, and by how much play may move a stop, metres.
@@ -89,11 +89,11 @@ class LandingEstimator {
 
   /// Begins the way to another target. What is known of the scatter stays.
   void begin() { looks_ = arrivals_ = 0; }
-  /// The arm has gone away from the target and comes again: what made it stray, if it did, is over.
+  /// The arm has left the target and returns: whatever made it stray is over.
   void begin_again();
 
-  /// Takes a look that nobody doubts. `p_c` is the place that was commanded for it, by the arm as
-  /// it was found. Throws std::invalid_argument when the model's scatter is not positive.
+  /// Takes an undoubted look. `p_c` is the place that was commanded for it, by the arm as it was
+  /// found. Throws std::invalid_argument when the model's scatter is not positive.
   LandingEstimate take(const ServoStep& step, const Eigen::Vector2d& p_c);
 
   /// Returns the distance, metres, by which two stops differ from their commands by scatter with a
@@ -111,20 +111,20 @@ class LandingEstimator {
 
   /// Returns the scatter that a member supposes, which is no larger after a short move.
   double scatter_m(const Member& member, bool is_short) const;
-  /// Returns what the members say together of the scatter after long moves.
+  /// Returns the members' joint estimate of the scatter after long moves.
   double long_scatter_m() const;
   void start(const ServoStep& step);
   /// Widens the prior where a first look makes it likelier that the arm has strayed.
   void allow_for_stray(const LandingLook& look);
-  /// Sets the weights by what is credible and by the looks so far.
+  /// Sets the weights by the prior and the looks so far.
   void share_weights();
-  /// Returns whether a look is farther from what was to be expected than play explains.
+  /// Returns whether a look is farther from the prediction than play explains.
   bool is_beyond_play(const LandingLook& look) const;
-  /// Returns how likely a look is to be this far or farther from what was to be expected.
+  /// Returns how likely a look is to be this far or farther from the prediction.
   double chance_of(const LandingLook& look, bool is_short) const;
-  /// Lets every member take a look and weighs it by how well it has foreseen it.
+  /// Lets every member take a look and weighs it by how well it predicted that look.
   void weigh(LandingLook look, bool is_short);
-  /// Returns what the members say together once they have taken a look.
+  /// Returns the members' joint estimate once they have taken a look.
   LandingEstimate mixture(const Eigen::Vector2d& p_d, const LandingLook& look) const;
 
   LandingModel& model_;

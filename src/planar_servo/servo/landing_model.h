@@ -29,7 +29,7 @@ struct SeenLanding {
   Joints theta_c{0.0, 0.0, 0.0};  ///< commanded joints
   TipMeasurement look;
   bool is_first{true};      ///< at this target
-  bool has_strayed{false};  ///< the first one was more likely a stray than what was to be expected
+  bool has_strayed{false};  ///< the first one was more likely a stray than a usual landing
   bool stays_off{false};    ///< the arm seemed to stray when it arrived, and so it did once more
   double scatter_m{0.0};    ///< of stops after long moves, per axis, as all looks show it
 };
@@ -37,7 +37,7 @@ struct SeenLanding {
 /// After a move of the end point below this a stop scatters as after a short one.
 constexpr double kShortMove_m = 1e-3;
 
-/// Knows how far an arm lands from where it is sent, and how far vision sees beside it.
+/// Knows how far an arm lands from where it is sent, and how far vision is off.
 class LandingModel {
  public:
   virtual ~LandingModel() = default;
@@ -45,18 +45,18 @@ class LandingModel {
   /// Returns the prior at the place of a first look, for these commanded joints.
   virtual LandingPrior at(const Joints& theta_c, const TipMeasurement& look) const = 0;
 
-  /// Is told every look at a target that the guard let through.
+  /// Receives every look at a target that the guard let through.
   virtual void learn(const SeenLanding& /*seen*/) {}
 
-  /// Returns what in the looks so far speaks against the last one or the cell, if anything does.
+  /// Returns what the looks so far make doubtful about the last one or the cell, if anything.
   virtual std::optional<Doubt> doubt() const { return std::nullopt; }
 
-  /// Returns the arm as it has been learned, which is to be planned with from the next target on;
-  /// null for a model that learns nothing of the arm.
+  /// Returns the arm as learned, to plan with from the next target on; null for a model that learns
+  /// nothing of the arm.
   virtual const FoundArm* learned_arm() const { return nullptr; }
 };
 
-/// The landings of an arm of which nobody has found out anything. Vision is as certain as it says.
+/// The landings of an arm of which nothing is known. Vision is as certain as it states.
 class UnknownLandings final : public LandingModel {
  public:
   /// Takes the greatest distance between command and sight that the guard allows.

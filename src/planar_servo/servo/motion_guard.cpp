@@ -15,7 +15,7 @@ constexpr double kClockUncertainty_s = 0.010;
 /// ten times what links and reducers of a sound arm cause.
 constexpr double kMotionShare = 0.1;
 
-/// A stop misses by no more than a cell without a calibration's word allows.
+/// A stop misses by no more than the default limits allow.
 constexpr double kFarthestStray_m = GuardLimits{}.distance_m;
 
 constexpr char kAskCell[] = "planar-check-cell says what has moved";

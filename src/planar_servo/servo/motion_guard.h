@@ -12,8 +12,8 @@
 namespace planar {
 
 /// Holds what a calibrated cell promises about every look at its tool. The defaults of place,
-/// direction and separation hold for a cell that kept no measure of itself; with_health() puts what
-/// its calibration saw in their place.
+/// direction and separation hold for a cell without a health record; with_health() replaces them by
+/// what its calibration saw.
 struct GuardLimits {
   /// The tool is seen no farther than this from where it was commanded, and turned by no more.
   double distance_m{10e-3};

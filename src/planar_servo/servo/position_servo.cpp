@@ -25,8 +25,8 @@ void check(const ServoSettings& settings) {
   require(settings.approach_margin_rad > 0.0, "approach margin must be positive");
 }
 
-/// So far motors 1 and 2 turn before the arm comes to a target again: what stuck or slipped does so
-/// anew after a move as long as one between targets.
+/// How far motors 1 and 2 turn before the arm returns to a target: after a move as long as one
+/// between targets, what stuck or slipped does so anew.
 constexpr double kWithdrawal = 5.0 * kDegree;
 
 std::vector<double> errors_m(const std::vector<ServoStep>& steps) {
@@ -118,7 +118,7 @@ bool PositionServo::may_have_strayed(const Doubt& found, const ServoStep& step) 
 void PositionServo::begin_target() {
   if (!estimator_) return;
   estimator_->begin();
-  // Looks at one target are held against one arm; what they taught serves the next one.
+  // Looks at one target are compared with one arm; what they taught serves the next target.
   if (const FoundArm* learned = landings_->learned_arm()) planner_.plan_for(*learned);
 }
 

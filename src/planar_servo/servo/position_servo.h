@@ -24,7 +24,7 @@ namespace planar {
 /// what to command next (LandingEstimator). The servo is content when
 ///   |p_d - E[l]| < max(tolerance, one pulse)
 /// and the direction is right within the orientation tolerance. It gives up early when no
-/// correction is expected to end nearer. Without a model every look is believed as it is, its whole
+/// correction is expected to end nearer. Without a model every look is accepted as it is, its whole
 /// error is corrected, and the servo is content when
 ///   |p_d - p| < max(tolerance, 2 sigma_vision / sqrt(frames), one pulse).
 class PositionServo {
@@ -33,8 +33,8 @@ class PositionServo {
   using Observer = std::function<void(const ServoStep&)>;
 
   /// Takes robot, sensor, clock and, if there is one, the model, which must outlive the servo. The
-  /// planner knows where the arm, as it was found, lands; a model that learns the arm tells it more
-  /// at each target. The guard compares looks with the planner's arm() alone. Throws
+  /// planner knows where the arm, as it was found, lands; a model that learns the arm updates it at
+  /// each target. The guard compares looks with the planner's arm() alone. Throws
   /// std::invalid_argument for settings out of range.
   PositionServo(const ServoSettings& settings, const GuardLimits& limits,
                 const JointPlanner& planner, PlanarRobot& robot, TipSensor& sensor, Clock& clock,
@@ -56,14 +56,13 @@ class PositionServo {
   bool hopeless(const ServoStep& step) const;
   /// Says what is doubtful about a step's look, and keeps the look for the next one.
   std::optional<Doubt> doubt_of(const ServoStep& step);
-  /// Takes a step's look for the estimate. Says what all looks together make doubtful about the
-  /// cell.
+  /// Adds a step's look to the estimate. Says what all looks together make doubtful about the cell.
   std::optional<Doubt> estimate(ServoStep& step);
   JointPlan corrected_joints(const ServoStep& step) const;
-  /// Returns whether an arm that strayed may be the reason for a doubt, as it is not once the arm
-  /// has come again.
+  /// Returns whether a stray of the arm may explain a doubt, which it cannot once the arm has come
+  /// again.
   bool may_have_strayed(const Doubt& found, const ServoStep& step) const;
-  /// Takes the arm away from a target to which it is to come once more, where that is allowed.
+  /// Moves the arm away from a target that it is to approach again, where that is allowed.
   std::optional<Obstacle> withdraw();
   /// Moves and settles. Returns what forbids or stops the motion, if anything does.
   std::optional<Obstacle> command(const Joints& theta);

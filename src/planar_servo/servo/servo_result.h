@@ -12,8 +12,8 @@
 
 namespace planar {
 
-/// Says how far, per axis, the places that looks let expect scatter about the target: after the
-/// next correction, and after those behind it, when one look more has told what can be told.
+/// Says how far, per axis, the predicted places scatter about the target: after the next
+/// correction, and after later ones, when one more look has told what can be told.
 struct Spread {
   double next_m{0.0}, later_m{0.0};
 };
@@ -31,7 +31,7 @@ enum class ServoStatus {
   kRefused,       ///< target or correction beyond reach, workspace, limits, or near a singularity
 };
 
-/// All statuses with the words that files have for them.
+/// All statuses with their names in files.
 constexpr Named<ServoStatus> kServoStatuses[] = {
     {ServoStatus::kReached, "reached"},        {ServoStatus::kDoubted, "doubted"},
     {ServoStatus::kOutsideMap, "outside_map"}, {ServoStatus::kNotConverged, "not_converged"},
@@ -39,10 +39,10 @@ constexpr Named<ServoStatus> kServoStatuses[] = {
     {ServoStatus::kLostLamp, "lost_lamp"},     {ServoStatus::kLostCamera, "lost_camera"},
     {ServoStatus::kRefused, "refused"}};
 
-/// Returns the status's word.
+/// Returns the status's name.
 const char* name(ServoStatus status);
 
-/// Holds what command and all looks at a target so far say of it. Base frame, metres; deviations
+/// Holds the estimate by command and all looks at a target so far. Base frame, metres; deviations
 /// are per axis.
 struct LandingEstimate {
   Eigen::Vector2d p{0.0, 0.0};           ///< where the end point is expected to rest
@@ -50,8 +50,8 @@ struct LandingEstimate {
   Eigen::Vector2d correction{0.0, 0.0};  ///< how far to shift the commanded place
   Spread spread;                         ///< after that correction and further ones
   double scatter_m{0.0};                 ///< of a stop after such a correction, as looks show it
-  bool is_contradicted{false};           ///< this look and the one before were not to be expected
-  /// The arm has strayed, or the view has changed: an arm that comes again from afar tells.
+  bool is_contradicted{false};           ///< this look and the one before were unexpected
+  /// The arm has strayed, or the view has changed: approaching again from afar tells which.
   bool seems_strayed{false};
 };
 
@@ -66,7 +66,7 @@ struct ServoStep {
   double stop_below_m{0.0};         ///< the servo is content when miss_m() is below this
   Joints theta_c{0.0, 0.0, 0.0};    ///< commanded joints
   Pulses pulses_c{0, 0, 0};         ///< commanded pulses
-  /// Empty where the last look is believed as it is, and where it is doubted or gave no position.
+  /// Empty where the last look is accepted as it is, and where it is doubted or gave no position.
   std::optional<LandingEstimate> estimate{};
 
   /// The following are valid with the measurement.

@@ -40,7 +40,7 @@ struct JudgedMove {
   ServoStatus status{ServoStatus::kRefused};
   std::string utc;  ///< when it ended, "2026-11-23T02:00:00Z"
   double seconds{0.0};
-  /// By the judge: attained minus commanded. Empty where the judge said nothing.
+  /// By the judge: attained minus commanded. Empty where it was not judged.
   std::optional<Eigen::Vector2d> error;
   std::optional<double> turn_error;  ///< the same for the tool's direction, where it is judged
   double judge_sigma{0.0};           ///< standard uncertainty of the judge per axis

@@ -41,7 +41,7 @@ std::array<LampFields, 2> lamp_fields(const LampRow& row) {
   return lamps;
 }
 
-/// Takes one lamp or two into the row, as far as they have centres.
+/// Takes those of one lamp or two that have centres into the row.
 void take_lamps(const std::array<LampFields, 2>& lamps, LampRow& row) {
   row.uv_px.clear();
   row.covariance_px2.clear();

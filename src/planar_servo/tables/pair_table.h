@@ -13,12 +13,12 @@
 
 namespace planar {
 
-// What the fits of a calibration take. Each table is read by a function that throws InputError
-// naming FILE:LINE of each bad row, and for a table without rows. Texts begin with `remarks`,
-// comment lines; see csv_remarks().
+// The input of a calibration's fits. Each table is read by a function that throws InputError naming
+// FILE:LINE of each bad row, and for a table without rows. Texts begin with `remarks`, comment
+// lines; see csv_remarks().
 
 /// Holds a row of pairs.csv: the end point in the base frame as vision saw it and as the tracker
-/// saw it. An unattended pose has no tracker's word. Lengths are in metres, angles in radians.
+/// saw it. An unattended pose has no tracker reading. Lengths are in metres, angles in radians.
 struct PairRow {
   std::string id;
   Eigen::Vector2d p_vision{0.0, 0.0};
@@ -27,7 +27,7 @@ struct PairRow {
   std::optional<double> sigma_vision{};
   std::optional<double> sigma_tracker{};
   std::optional<Plan> plan{};  ///< none when the table does not say
-  std::string place{};         ///< rows of one place share the word; empty when not said
+  std::string place{};         ///< rows of one place share its name; empty when not given
   /// Where lamps 1 and 2 are seen on the plane, base frame, uncompensated.
   std::optional<std::array<Eigen::Vector2d, 2>> lamps_B{};
   std::optional<Eigen::Vector2d> p_reflector{};  ///< base frame
@@ -41,14 +41,14 @@ struct PairRow {
 };
 
 std::vector<PairRow> read_pairs(const std::filesystem::path& path);
-/// Hands each row on as it is read, so that a long table is never held whole. Errors are thrown at
+/// Passes each row on as it is read, so that a long table is never held whole. Errors are thrown at
 /// its end.
 void read_pairs(const std::filesystem::path& path, const std::function<void(const PairRow&)>& take);
 std::string pairs_text(const std::vector<PairRow>& rows,
                        const std::vector<std::string>& remarks = {});
 
 /// Holds a row of lays.csv: a dot of a calibration board that was laid on the plane. Rows of one
-/// lay share their word; a turn and a shift, different for each lay, take p_board to where the dot
+/// lay share its name; a turn and a shift, different for each lay, take p_board to where the dot
 /// is. Lengths are in metres.
 struct LayRow {
   std::string lay;

@@ -29,7 +29,7 @@ struct TargetResult {
   std::optional<Eigen::Vector2d> believed;
   std::optional<double> uncertainty_m;  ///< of that place, per axis
   std::optional<double> sigma_truth_m;  ///< of `after_truth` per axis, where a tracker watches
-  std::string not_judged;               ///< why the tracker watched in vain; empty otherwise
+  std::string not_judged;               ///< why the tracker did not judge; empty otherwise
 
   bool judged_by_tracker() const { return sigma_truth_m || !not_judged.empty(); }
 };
@@ -70,8 +70,8 @@ struct StepError {
   std::optional<double> error;
 };
 
-/// Reads what steps.csv says of each step's error. Throws InputError naming FILE:LINE of each bad
-/// row, and for a missing file.
+/// Reads the error of each step from steps.csv. Throws InputError naming FILE:LINE of each bad row,
+/// and for a missing file.
 std::vector<StepError> read_step_errors(const std::filesystem::path& path);
 
 }  // namespace planar

@@ -36,8 +36,8 @@ class TargetLines {
   explicit TargetLines(const std::string& source, std::set<std::string> taken = {});
 
   /// Returns the target on the next line. Empty for a header, a comment and a blank line. Throws
-  /// InputError with SOURCE:LINE, value and rule for a bad line, such as one that nothing ended.
-  /// The next line can be taken then, unless the bad one was the header.
+  /// InputError with SOURCE:LINE, value and rule for a bad line, such as one without an end. The
+  /// next line can be taken then, unless the bad one was the header.
   std::optional<TargetRow> next(const std::string& line, bool has_end = true);
 
   /// Returns the number of the line taken last, counted from 1.

@@ -47,7 +47,7 @@ std::string Terminal::ask(const std::string& question) const {
     const ssize_t n = read(in_, &letter, 1);
     if (n == 0) nobody_answers(question, "standard input has ended");
     if (n < 0 && errno == EINTR)
-      throw WorkError({fmt::format("left at '{}'", trimmed(question)), "start again to go on"});
+      throw WorkError({fmt::format("left at '{}'", trimmed(question)), "start again to continue"});
     if (n < 0) nobody_answers(question, fmt::format("standard input: {}", std::strerror(errno)));
     if (letter == '\n') return std::string(trimmed(line));
     line += letter;

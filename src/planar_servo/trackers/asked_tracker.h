@@ -33,9 +33,9 @@ class Terminal {
   int out_;
 };
 
-/// A tracker that somebody works by hand and of which this computer hears by the terminal. Enter
-/// says that a point was measured, and its reading stands in the tracker's own table; three numbers
-/// are the reading itself; s skips the point, r repeats it.
+/// A tracker that somebody works by hand, with its readings reported at the terminal. Enter says
+/// that a point was measured, and its reading stands in the tracker's own table; three numbers are
+/// the reading itself; s skips the point, r repeats it.
 class AskedTracker final : public Tracker {
  public:
   /// `dialect` says how the numbers are typed.

@@ -113,7 +113,7 @@ TrackerAnswer StreamTracker::measure_monument(const std::string& id) {
 
 void StreamTracker::await_tool() {
   if (has_ids_) {
-    spdlog::info(fmt::format("{}: the work goes on once it rests there", kBackOnTool));
+    spdlog::info(fmt::format("{}: the work resumes once it rests there", kBackOnTool));
     const TrackerAnswer answer =
         wait_for([&](const StreamedReading& reading) { return is_of_tool(reading); });
     if (answer.status != TrackerStatus::kOk)

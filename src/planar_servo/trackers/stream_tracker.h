@@ -83,7 +83,7 @@ class StreamTracker final : public Tracker {
   /// Waits, while the beam may break, for readings at rest.
   TrackerAnswer wait_for(const Wanted& wanted);
   bool is_of_tool(const StreamedReading& reading) const;
-  /// Returns what the stream says next, or nothing after `patience_s`.
+  /// Returns the stream's next line, or nothing after `patience_s`.
   std::optional<StreamEvent> hear(double patience_s);
   TrackerAnswer silent(double waited_s) const;
 

@@ -104,7 +104,7 @@ std::vector<Finding> examine_stream(
   }
 }
 
-/// Paths in a cell file count from its own folder.
+/// Paths in a cell file are relative to its own folder.
 std::filesystem::path path_of(const CellSettings& cell) {
   return cell.file.parent_path() / stream_details(cell).source;
 }

@@ -53,7 +53,7 @@ class FoundLandings : public LandingModel {
   }
   /// Returns the rows of the error of vision, compensated by the field, at a look.
   Eigen::Matrix2Xd vision_rows(const TipMeasurement& look) const;
-  /// Returns what a look that the guard let through says of the arm.
+  /// Returns what a look that the guard let through tells about the arm.
   ArmLook arm_look(const SeenLanding& seen) const;
   /// Returns whether the arm as found explains this landing.
   bool explains(const SeenLanding& seen) const { return following_.explains(arm_look(seen)); }

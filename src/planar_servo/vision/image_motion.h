@@ -18,11 +18,11 @@ class ImageMotion {
   ImageMotion(const Parameters& parameters, const Covariance& covariance)
       : p_(parameters), covariance_(covariance) {}
 
-  /// Returns where what was seen here then is seen now.
+  /// Returns where a point seen here then is seen now.
   Eigen::Vector2d now(const Eigen::Vector2d& then_px) const;
-  /// Returns where what is seen here now was seen then.
+  /// Returns where a point seen here now was seen then.
   Eigen::Vector2d then(const Eigen::Vector2d& now_px) const;
-  /// Returns the covariance of then() at this place, as far as the motion is uncertain.
+  /// Returns the covariance of then() at this place due to the motion's uncertainty.
   Eigen::Matrix2d covariance_px2(const Eigen::Vector2d& then_px) const;
 
   /// Returns the motion `part` of the way from this one to another, whose errors are independent.

@@ -7,7 +7,7 @@
 namespace planar {
 namespace {
 
-/// Returns true when both centres are valid, even if nobody can say which lamp is which.
+/// Returns true when both centres are valid, even if it is unknown which lamp is which.
 bool both_measured(const LampPair& pair) {
   return pair.lamps[0].status == LampStatus::kOk && pair.lamps[1].status == LampStatus::kOk;
 }

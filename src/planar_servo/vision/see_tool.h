@@ -95,8 +95,8 @@ LampPair find_lamps(const VisionCalibration& vision, LampTracker& tracker, const
 LampPair at_calibration(LampPair pair, const ImageMotion& motion);
 
 /// Sees the tool in a frame: locates the lamps, subtracts the image's motion, intersects the
-/// workplane, finds the end point and predicts its error. `expectation` is what expect_tool() says
-/// of the commanded pose.
+/// workplane, finds the end point and predicts its error. `expectation` is expect_tool() of the
+/// commanded pose.
 SeenTool see_tool(const VisionCalibration& vision, LampTracker& tracker, const Frame& frame,
                   const PairExpectation& expectation, const ImageMotion& motion = {});
 

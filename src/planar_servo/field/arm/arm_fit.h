@@ -11,7 +11,7 @@ namespace planar {
 /// The reflector where a tracker read it at one commanded pose.
 struct ArmReading {
   std::string id;
-  std::string place{};                    ///< readings of one place share the word
+  std::string place{};                    ///< readings of one place share its name
   Eigen::Vector3d motors{0.0, 0.0, 0.0};  ///< commanded angles behind the gears, radians
   Eigen::Vector2d p_B{0.0, 0.0};          ///< metres
   double sigma{0.0};                      ///< per axis, metres
@@ -31,7 +31,7 @@ struct ArmFit {
   double rms{0.0};                    ///< of the readings used, metres
   double held_out_rms{0.0};           ///< of readings at places left out, metres
   std::vector<ArmMiss> held_out;      ///< of every reading used
-  double stated_sigma{0.0};           ///< rms of what the readings used state, metres
+  double stated_sigma{0.0};           ///< rms of the used readings' stated deviations, metres
 };
 
 /// Estimates the arm and the reflector by estimate_jointly(), without lamps. Throws InputError for
@@ -46,14 +46,14 @@ struct ArmTerm {
   double value{0.0}, sigma{0.0};
   double unit{1.0};  ///< of the key and the label
   const char* unit_text{""};
-  bool determined{false};  ///< whether the poses say it much better than the files
+  bool determined{false};  ///< whether the poses tell it much better than the files
 };
 
 /// Returns every number of the estimate's arm and tool.
 std::vector<ArmTerm> arm_terms(const JointEstimate& estimate);
 
-/// Says in sentences what the estimate found of the arm: how it repeats, how its gears err, and
-/// what else it does that its links and zeros do not say.
+/// Describes in sentences the arm that was found: how it repeats, how its gears err, and what else
+/// its links and zeros do not describe.
 std::vector<std::string> arm_in_words(const JointEstimate& estimate);
 
 }  // namespace planar

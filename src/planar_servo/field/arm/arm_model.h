@@ -18,7 +18,7 @@ struct ArmModelSize {
   bool height{true};         ///< the lamps' height changes with the end point
   int ripples{0};            ///< orders of each motor's own turn
   bool warms{false};         ///< links and zeros change with time
-  PostureBasis posture{};    ///< of the deviation that no other term says
+  PostureBasis posture{};    ///< of the deviation that no other term describes
   FieldBasis wave{{}, 0.1};  ///< of the lamps' height; only its Gaussians are used
 };
 
@@ -62,12 +62,12 @@ struct PosedAt {
 /// lamps, base frame.
 struct PoseSample : PosedAt {
   std::string id;
-  std::string place{};  ///< readings of one place share the word; empty for a place of its own
+  std::string place{};  ///< readings of one place share its name; empty for a place of its own
   std::array<Eigen::Vector2d, 2> lamps_B{Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};
   double sigma_lamp{0.0};                      ///< of each lamp's place, per axis
   std::optional<Eigen::Vector2d> reflector_B;  ///< by the tracker; none for an unattended pose
   double sigma_reflector{0.0};                 ///< per axis
-  std::optional<double> reflector_z{};         ///< its height, as far as the tracker told it
+  std::optional<double> reflector_z{};         ///< its height, if the tracker gave it
   /// Of a pose without a picture both lamps stand where the reflector was read, and tell nothing.
   bool lamps_seen{true};
 };
@@ -125,7 +125,7 @@ class ArmModel {
   /// Returns d(points, column by column) / dx.
   Jacobian jacobian(const PosedAt& pose, const Eigen::VectorXd& x) const;
 
-  /// Returns by how much the tracker reads a point beside where it is.
+  /// Returns the tracker's error at a point.
   Eigen::Vector2d tracker_error(const Eigen::Vector3d& motors, const Eigen::Vector2d& p,
                                 const Eigen::VectorXd& x) const;
 

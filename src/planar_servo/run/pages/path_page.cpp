@@ -37,7 +37,7 @@ struct Witness {
 constexpr Witness kWitnesses[] = {{"as seen", &DrawnWay::seen, &PathSpeedResult::own_view},
                                   {"in truth", &DrawnWay::truth, &PathSpeedResult::truth}};
 
-/// How a guidance is named and drawn: where 95 % are below, and the mean.
+/// The names and colours of a guidance: for where 95 % are below and for the mean.
 struct DrawnGuidance {
   Guidance guidance;
   const char* words;
@@ -174,7 +174,7 @@ std::string speed_plot(const std::vector<PathSpeedResult>& results) {
   return panels.empty() ? "" : plot_html(panels);
 }
 
-/// Returns what the mean deviations are, from the least to the largest.
+/// Returns the range of the mean deviations.
 std::string range_mm(const std::vector<double>& means_m) {
   const auto [least, most] = std::minmax_element(means_m.begin(), means_m.end());
   const std::string from = fmt::format("{:.4f}", mm(*least)), to = fmt::format("{:.4f}", mm(*most));
@@ -192,7 +192,7 @@ std::string deviation_words(const DrawnGuidance& drawn, const Witness& witness,
       most_m = std::max(most_m, errors->across_m.max);
     }
   if (means_m.empty()) return "";
-  return fmt::format("{} {} mm in the mean and {:.4f} mm at most", drawn.clause, range_mm(means_m),
+  return fmt::format("{} {} mm on average and {:.4f} mm at most", drawn.clause, range_mm(means_m),
                      mm(most_m));
 }
 
@@ -254,8 +254,8 @@ void add_path_plots(HtmlPage& page, const Path& path, const std::vector<PathLook
         },
         [](const Points& points) { return points; }));
   page.add_paragraph(
-      "Positive is on the left of the way. Steps and spikes are mostly where a motor turns back "
-      "and its gear goes through its play.");
+      "Positive is on the left of the way. Steps and spikes are mostly where a motor reverses and "
+      "its gear crosses its play.");
 }
 
 std::string path_page(const PathRequest& path, const std::vector<PathSpeedResult>& results,

@@ -10,9 +10,9 @@
 
 namespace planar {
 
-/// Adds to a page, each as seen and where a truth watched as it was: the path with the looks beside
-/// it, their deviation magnified by a factor that is stated; the deviation along the path; and the
-/// deviation by speed. Panels of one kind share their axes. What nobody saw is left out.
+/// Adds to a page, as seen and, where a truth watched, as it was: the path with the looks beside
+/// it, their deviation magnified by a stated factor; the deviation along the path; and the
+/// deviation by speed. Panels of one kind share their axes; those without data are left out.
 void add_path_plots(HtmlPage& page, const Path& path, const std::vector<PathLookRow>& looks,
                     const std::vector<PathSpeedResult>& results);
 

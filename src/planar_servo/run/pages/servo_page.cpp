@@ -11,7 +11,7 @@
 namespace planar {
 namespace {
 
-/// Arrows of a mean this much shorter than that of others cannot be seen at one scale with them.
+/// Arrows with a mean this much shorter than that of others are invisible at their scale.
 constexpr double kComparable = 0.1;
 
 /// Draws where the arm alone and where vision left the end point: at one scale, unless one of them
@@ -37,11 +37,11 @@ void add_error_plots(HtmlPage& page, const ServoFigures& figures,
     page.add_html(plot_html(quiver_panels({alone})));
     page.add_html(plot_html(quiver_panels({seeing})));
   }
-  page.add_paragraph(
-      std::string("Each line leads from a target in the direction of its error; the bar below says "
-                  "how long an error is drawn. ") +
-      (at_one_scale ? "Both panels have the same scale and colours."
-                    : "The errors differ so much that each panel has its own scale."));
+  page.add_paragraph(std::string("Each line leads from a target in the direction of its error; the "
+                                 "bar below gives the scale. ") +
+                     (at_one_scale
+                          ? "Both panels have the same scale and colours."
+                          : "The errors differ so much that each panel has its own scale."));
 }
 
 std::string error_words(const std::optional<Eigen::Vector2d>& error) {
@@ -74,9 +74,9 @@ Verdict servo_verdict(const ServoFigures& figures, const std::optional<std::stri
   Verdict verdict{reached_words(figures), run_faults(figures, "the table below"),
                   landing_words(figures)};
   if (ended_by)
-    verdict.faults.push_back({"the run was ended at " + *ended_by,
-                              "mend the cell (planar-check-cell says what has changed), then go on "
-                              "with --resume"});
+    verdict.faults.push_back(
+        {"the run was ended at " + *ended_by,
+         "mend the cell (planar-check-cell says what has changed), then continue with --resume"});
   if (verdict.found.empty())
     verdict.found = "No end point was measured";
   else if (!figures.is_judged())

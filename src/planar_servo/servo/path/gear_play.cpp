@@ -9,8 +9,8 @@
 namespace planar {
 namespace {
 
-/// A motor that is wanted back by less than this is not on its way back: the corrections by vision
-/// tremble by that much. 0.01 mm at an arm's length of 0.3 m.
+/// A motor commanded back by less than this has not reversed: the corrections by vision tremble by
+/// that much. 0.01 mm at an arm's length of 0.3 m.
 constexpr double kTremble_rad = 3e-5;
 
 ServoSettings approaching(ServoSettings settings, Approach approach) {
@@ -18,8 +18,7 @@ ServoSettings approaching(ServoSettings settings, Approach approach) {
   return settings;
 }
 
-/// Returns what the motors 1 and 2 have turned too little from above, by where the end point was
-/// seen each time.
+/// Returns how far motors 1 and 2 fell short from above, by where the end point was seen each time.
 PlayProbe play_between(const JointPlanner& planner, const Joints& here, double margin_rad,
                        const TipMeasurement& from_above, const TipMeasurement& from_below) {
   for (const TipMeasurement& look : {from_above, from_below})

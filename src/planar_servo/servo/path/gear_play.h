@@ -44,14 +44,13 @@ struct PlayProbe {
   /// not show.
   std::optional<Eigen::Vector3d> play_rad{};
   std::string unknown{};  ///< why there is no play, in words
-  /// What kept the arm from coming back, from below, to where it rested, if anything did.
+  /// What kept the arm from returning, from below, to where it rested, if anything did.
   std::optional<Obstacle> not_back{};
 };
 
 /// Measures the play where the arm rests: it arrives there with every motor from above and then
 /// from below, and looks each time. Nothing moves where the arm must not do that. Looks that differ
-/// by more than the approach margin lets play show tell nothing. Throws what PlanarRobot::move_to()
-/// throws.
+/// by more than the approach margin tell nothing. Throws what PlanarRobot::move_to() throws.
 PlayProbe measure_play(PlanarRobot& robot, const JointPlanner& planner,
                        const ServoSettings& settings, TipSensor& sensor, Clock& clock);
 

@@ -17,17 +17,17 @@ namespace {
 /// A picture that arrives later than this is of no use to a motion, seconds.
 constexpr double kRemembered_s = 2.0;
 
-/// What a joint is off its way is made good in this time, or in that between the last two commands
-/// if it was longer: a joint that went on for longer would go beyond its way.
+/// A joint's deviation is made good in this time, or in that between the last two commands if it
+/// was longer: a joint that continued for longer would overshoot.
 constexpr double kCatchUp_s = 0.1;
 /// After its time is over, the end of a path is held so long for the joints to catch up.
 constexpr double kEnd_s = 5.0 * kCatchUp_s;
 /// The share by which each look changes the disturbance. It halves the noise of one picture.
 constexpr double kLearning = 0.5;
-/// A look is asked for so long before the next exposure.
+/// A look is requested this long before the next exposure.
 constexpr double kBeforeExposure_s = 0.005;
 
-/// What the corrections are left of a drive's speed and acceleration.
+/// The rest of a drive's speed and acceleration is left to the corrections.
 constexpr double kShareForPath = 0.9;
 
 /// Watches the motors from step to step.

@@ -18,7 +18,7 @@
 
 namespace planar {
 
-/// Holds what a path asks of the motors, or why it must not be followed.
+/// Holds what a path demands of the motors, or why it must not be followed.
 struct PathDemand {
   std::optional<std::string> refusal;  ///< in words, with the place on the path
   Joints start{0.0, 0.0, 0.0};         ///< joints at the path's beginning
@@ -43,8 +43,8 @@ class JointHistory {
   /// Takes the joints at a time that is not before those taken already, seconds.
   void add(double t_s, const Joints& theta);
 
-  /// Returns the joints at a time, straight between two that were taken; before the first and after
-  /// the last one, those. Throws std::logic_error when none was taken.
+  /// Returns the joints at a time, interpolated linearly, and held before the first and after the
+  /// last. Throws std::logic_error when none was taken.
   Joints at(double t_s) const;
 
  private:
@@ -80,11 +80,11 @@ struct ExposureTiming {
   double exposure_s{0.0};  ///< a moving lamp is seen where it was in the middle of this time
 };
 
-/// Leads the end point along a path. The joints follow the inverse kinematics of the arm that was
-/// found, by velocities; a motor that turns back is first led through its play. Each look while
-/// moving is compared with the joints at its exposure: what the arm missed there is a disturbance
-/// d = p - reached(theta), which changes slowly, and the path minus d is commanded. As d does not
-/// depend on the command, a late picture makes the correction late but never unstable.
+/// Guides the end point along a path. The joints follow the inverse kinematics of the arm that was
+/// found, by velocities; a motor that reverses first crosses its play. Each look while moving is
+/// compared with the joints at its exposure: what the arm missed there, d = p - reached(theta), is
+/// a disturbance that changes slowly, and the path minus d is commanded. As d does not depend on
+/// the command, a late picture makes the correction late but never unstable.
 class PathFollower {
  public:
   using Observer = std::function<void(const PathLook&)>;
