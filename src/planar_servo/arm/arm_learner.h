@@ -10,7 +10,7 @@ namespace planar {
 
 /// An arm as looks at it have shown it since it was found.
 struct LearnedArm {
-  /// What is expected of it. The columns of its factor are the covariances of its terms with those
+  /// The arm as expected. The columns of its factor are the covariances of its terms with those
   /// numbers of unit variance that the columns of the field's factor are multiplied with.
   FoundArm arm;
   Eigen::MatrixXd covariance;  ///< of the arm's terms
@@ -61,13 +61,13 @@ class ArmLearner {
   const LearnedArm& learned() const { return learned_; }
   int lessons() const { return lessons_; }  ///< looks that were taken
 
-  // What no look may make of an arm. Aluminium grows by 23 um/m and degree; the motors of a small
+  // Limits that no look may exceed. Aluminium grows by 23 um/m and degree; the motors of a small
   // arm warm its links by 3 to 15 degrees.
   static constexpr double kMostGrowth = 350e-6;
   /// Zero and waves together may turn a motor by this much at the posture of a look: bearings and
   /// reducers shift with warmth by some thousandths of a degree.
   static constexpr double kMostTurn = 0.01 * kDegree;
-  /// Smooth deviations change by wear and by loads; more than this asks for a new calibration.
+  /// Smooth deviations change by wear and by loads; more than this requires a new calibration.
   static constexpr double kMostDeviation_m = 0.1e-3;
 
  private:

@@ -59,7 +59,7 @@ class Transmission {
   /// they break none.
   std::optional<std::string> limit_violation(const Joints& theta) const;
 
-  /// What is left free between a motor and its limits, radians.
+  /// The margin between a motor and its limits, radians.
   struct Room {
     double below{0.0}, above{0.0};
   };
@@ -90,7 +90,7 @@ class MotorMove {
 
   double duration_s() const { return 2.0 * ramp_s_ + cruise_s_; }
 
-  /// Returns the angle so long after the beginning; at rest before and afterwards.
+  /// Returns the angle at this time after the beginning; at rest before and afterwards.
   double angle_at(double t_s) const;
 
  private:

@@ -29,7 +29,7 @@ struct CameraSettings {
   std::shared_ptr<const DeviceDetails> details;  ///< the settings that only this kind has
 };
 
-/// Holds what an item of `drives` says beyond the motor itself. TransmissionSettings has the motor.
+/// Holds an item of `drives` without the motor itself, which TransmissionSettings has.
 struct DriveSettings {
   const DriveKind* kind{nullptr};
   std::shared_ptr<const DeviceDetails> details;

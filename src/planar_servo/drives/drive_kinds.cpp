@@ -45,7 +45,7 @@ constexpr const char* kSubject = "drives";
 constexpr const char* kSeeDrives = "see doc/drives.md";
 
 constexpr Named<char> kAxes[] = {{'X', "X"}, {'Y', "Y"}, {'Z', "Z"}};
-/// The time that a board at full speed may take to brake, beside its reserve.
+/// The time that a board at full speed may take to brake, besides its reserve.
 constexpr double kLongestBraking_s = grbl::kLongestRun_s - grbl::kReserve_s;
 
 struct GrblDetails final : DeviceDetails {

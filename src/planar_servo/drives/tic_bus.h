@@ -161,8 +161,8 @@ class TicBus {
   TicBus(const TicBus&) = delete;
   TicBus& operator=(const TicBus&) = delete;
 
-  /// Opens the Tic with this serial number. Returns null when that fails; `why` then says what is
-  /// wrong.
+  /// Opens the Tic with this serial number. Returns null when that fails; `why` then has the
+  /// reason.
   std::unique_ptr<TicPort> open(const std::string& serial, Refusal& why);
 
   /// Runs all transfers and waits until each has ended or timed out. Transfers to one device run in

@@ -41,7 +41,7 @@ struct FieldCertainty {
   double scale{0.0}, shift{0.0}, turn{0.0}, end_point{0.0};
 };
 
-/// What one source adds to an estimate.
+/// The worth of one source for an estimate.
 struct SourceWorth {
   std::string name;               ///< of the source
   std::string amount;             ///< how much of it there was; empty for none

@@ -38,7 +38,7 @@ struct SearchedPrior {
   double first, low, high;
 };
 
-/// What a search for priors starts from.
+/// The start of a search for priors.
 struct TuningProblem {
   const ArmNominal& nominal;
   const std::vector<PoseSample>& samples;
@@ -76,7 +76,7 @@ using Logs = std::vector<double>;
 
 JointPriors priors_at(const TuningProblem& problem, const std::vector<SearchedPrior>& searched,
                       const Logs& logs) {
-  // What is not searched for: the scatter of an arm that nobody trusts, and a field without lamps.
+  // Not searched for: the scatter of an arm that is not trusted, and a field without lamps.
   constexpr double kAnywhere = 0.05, kAnyTurn = 0.1;
   JointPriors priors;
   priors.field_width = problem.radius;

@@ -13,13 +13,13 @@ namespace planar {
 /// The priors of a joint fit. Lengths are in metres.
 struct JointPriors {
   double field_width{0.13};      ///< of the field's Gaussians
-  double field_sigma{1e-4};      ///< standard deviation of the field beside its quadratic
+  double field_sigma{1e-4};      ///< standard deviation of the field besides its quadratic
   double lamp_factor{1.0};       ///< times the stated deviations of the lamps' places
   double arm_sigma{1e-7};        ///< scatter of a pose about the arm's model, per axis
   double tool_sigma{3e-7};       ///< of the tool's direction about the arm's model, radians
   double air_sigma{1e-7};        ///< by which air displaces a picture of both lamps, per axis
   double deviation_sigma{1e-6};  ///< of the arm's smooth deviation over its postures, per axis
-  double wave_sigma{1e-6};       ///< of the lamps' height beside its two terms
+  double wave_sigma{1e-6};       ///< of the lamps' height besides its two terms
   double dot_factor{1.0};        ///< times the stated deviations of a board's dots
 };
 

@@ -19,7 +19,7 @@ constexpr double kKnownPitch = 2e-5;
 constexpr double kUnknownPitch = 0.05;
 /// Deviation of a printed pattern's aspect and right angles.
 constexpr double kPrinted = 1e-3;
-/// Fewer dots than these tell nothing beside the place and turn of their lay.
+/// Fewer dots than this tell nothing but the place and turn of their lay.
 constexpr Eigen::Index kFewestDots = 4;
 
 Eigen::Matrix2Xd centred(const Eigen::Matrix2Xd& points) {

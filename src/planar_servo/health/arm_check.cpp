@@ -29,7 +29,7 @@ Numbers usual_deviations() {
 constexpr double kFree = 1e3;  ///< the deviation of a freed number: radians, metres or a ratio
 constexpr int kMaxSteps = 25;
 constexpr int kPerSight = 5;  ///< residuals: the middle, the direction, the distance
-/// What a lens that no map corrects, and a plane at another height, do to the lamps' distance.
+/// Error of the lamps' distance by a lens that no map corrects and a plane at another height.
 constexpr double kLengthSigma = 0.01;
 constexpr double kClearlyBetter = 0.1;
 /// Twice the logarithm of the odds of 3,000 to 1.
@@ -114,7 +114,7 @@ std::vector<double> starts_of(const Suspect& suspect) {
 std::vector<Supposition> freed_numbers(const CellModel& as_filed) {
   std::vector<Supposition> all;
   for (const Suspect& suspect : suspects()) {
-    if (suspect.cause == Cause::kCameraTilted) continue;  // too little beside what an arm does
+    if (suspect.cause == Cause::kCameraTilted) continue;  // too small beside an arm's own errors
     Supposition supposed{&suspect, suspect.cause, as_filed, {}};
     for (const double start : starts_of(suspect)) {
       supposed.starts.emplace_back(Numbers::Zero());

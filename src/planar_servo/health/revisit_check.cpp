@@ -107,8 +107,8 @@ ChangeFit fit_change(const Suspect& suspect, const Eigen::MatrixXd& J, const Eig
 void put_likeliest_first(std::vector<ChangeFit>& fits, double little) {
   std::sort(fits.begin(), fits.end(),
             [](const ChangeFit& a, const ChangeFit& b) { return a.score < b.score; });
-  // Where warmth leaves a change few standard deviations, little is less than what noise leaves;
-  // nothing with more numbers may then outrank the likeliest.
+  // Where warmth hides most of a change, `little` is below what noise leaves; nothing with more
+  // numbers may then outrank the likeliest.
   little = std::max(little, std::nextafter(fits.front().chi2, HUGE_VAL));
   std::stable_sort(fits.begin(), fits.end(), [&](const ChangeFit& a, const ChangeFit& b) {
     if (a.chi2 >= little || b.chi2 >= little) return a.chi2 < little && b.chi2 >= little;
@@ -125,8 +125,8 @@ double cost_of(const std::vector<Revisit>& revisits) {
   return most;
 }
 
-/// Returns what warmth explains and nothing smaller does. It costs nothing to continue: an arm is
-/// warm after an hour's work.
+/// Returns a change that noise does not explain as warmth of the arm. It costs nothing to continue:
+/// an arm is warm after an hour's work.
 std::vector<HealthFinding> find_warmth(const CellModel& model,
                                        const std::vector<Revisit>& revisits) {
   constexpr double kWorthAWord_m = 50e-6;

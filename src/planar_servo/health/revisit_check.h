@@ -17,7 +17,7 @@ struct Revisit {
   double scatter_m{0.0};                  ///< by which a stop of the arm misses at random, per axis
 };
 
-/// What a change may cost at the end point before it is a finding, metres.
+/// The cost at the end point from which a change is a finding, metres.
 constexpr double kHarmless_m = 10e-6;
 
 /// Finds what has changed since the calibration. The displacement by each cause, to first order, is

@@ -19,7 +19,7 @@ constexpr double kShortestLink_m = 0.01;
 constexpr double kLongestLink_m = 5.0;
 /// Limits of two turns, written in radians, are numbers up to this; cables allow no more turns.
 constexpr double kTwoTurns = 4.0 * kPi;
-/// What is shorter than this share of the arm was likely given in metres.
+/// A length below this share of the arm was likely given in metres.
 constexpr double kLeastShare = 0.01;
 /// Nothing that stands in an arm's way is smaller, nor is the part of a base that it must not hit.
 constexpr double kLeastObstacle_m = 1.0 * kMillimetre;

@@ -74,7 +74,7 @@ class PlanarRobot {
   /// Moves a motor to its home switch and counts its position from there. Throws DriveError when it
   /// has no switch, does not find it or fails; all motors halt then.
   void search_home(int joint);
-  /// A search for the home switch is given up after so long. Only the drive knows its speed.
+  /// A search for the home switch is given up after this time. Only the drive knows its speed.
   static constexpr double kHomingTimeout_s{180.0};
 
   /// Returns the motor's angle behind its gear at its mark, radians; empty where a home switch is
@@ -115,7 +115,7 @@ class PlanarRobot {
   /// Reads where the drives stand now, also while they turn.
   Joints present_joints();
 
-  /// A velocity holds for so long; unless the next one comes before, the arm slows down to rest.
+  /// A velocity holds for this time; unless the next one comes before, the arm slows down to rest.
   static constexpr double kVelocityHold_s{0.2};
 
   /// Returns the velocities of the joints, rad/s, for their present angles.
@@ -125,11 +125,11 @@ class PlanarRobot {
   /// before that, at best every 20 ms. Velocities beyond what the motors can do are scaled as a
   /// whole. Until end_turning() the arm is under velocity control and moves to no position.
   ///
-  /// What is refused counts as silence: the arm slows down to rest. Throws what `velocity` throws,
-  /// std::invalid_argument for velocities that are not finite, WorkError where a motor would leave
-  /// its limits if the velocity were kept, StopRequested, at rest, and DriveError, after all were
-  /// halted, when a drive fails. A drive with a command timeout shorter than kVelocityHold_s and
-  /// the way to brake stops by that timeout.
+  /// A refused velocity counts as silence: the arm slows down to rest. Throws what `velocity`
+  /// throws, std::invalid_argument for velocities that are not finite, WorkError where a motor
+  /// would leave its limits if the velocity were kept, StopRequested, at rest, and DriveError,
+  /// after all were halted, when a drive fails. A drive with a command timeout shorter than
+  /// kVelocityHold_s and the way to brake stops by that timeout.
   void turn(const VelocityLaw& velocity);
 
   /// Slows down to rest, so that no position is lost, and gives the drives their own speeds again.
@@ -174,7 +174,7 @@ class PlanarRobot {
   Clock& clock_;
   std::function<bool()> stop_;
   Pulses commanded_pulses_{0, 0, 0};
-  VelocityMove turning_;                        ///< the last one, under velocity control
+  VelocityMove turning_;  ///< the last one, under velocity control
   bool velocity_control_{false};
   Eigen::Vector3d seen_pulses_{0.0, 0.0, 0.0};  ///< at the last look, when, and how fast
   double seen_s_{0.0};

@@ -11,7 +11,7 @@ namespace {
 /// The sine of 3 degrees between the links. Nearer to a straight or folded arm, the joints would
 /// turn more than 20 times as fast as at a right angle.
 constexpr double kMinManipulability = 0.05;
-/// What a change of frames may leave of a velocity of zero, in m/s or rad/s.
+/// The remainder of a zero velocity after a change of frames, at most, in m/s or rad/s.
 constexpr double kZeroTwist = 1e-9;
 
 [[noreturn]] void refuse_frame() {
@@ -94,7 +94,8 @@ Joints VispRobot::joints_from_pose(const vpColVector& pose) const {
     throw vpRobotException(vpRobotException::positionOutOfRangeError,
                            "VispRobot: the tool stays in the plane z = 0, upright");
   const Joints near = robot_.commanded_joints();
-  const InverseResult inverse = robot_.arm().inverse({{pose[0], pose[1]}, pose[5]}, robot_.arm().elbow(near), near);
+  const InverseResult inverse =
+      robot_.arm().inverse({{pose[0], pose[1]}, pose[5]}, robot_.arm().elbow(near), near);
   if (inverse.status != ReachStatus::kOk)
     throw vpRobotException(vpRobotException::positionOutOfRangeError, "VispRobot: %s",
                            describe(inverse.status));

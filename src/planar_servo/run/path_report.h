@@ -9,7 +9,7 @@
 
 namespace planar {
 
-/// Lists what the path asks of the arm.
+/// Lists what the path demands of the arm.
 ReportList path_demand_list(const PathRequest& path, const std::vector<PathDemand>& demands);
 
 /// Returns whether a truth watched any of these.

@@ -30,7 +30,7 @@ PathRequest read_path_request(const std::filesystem::path& file, const CellSetti
                               const std::vector<double>& speeds_mm_s,
                               const std::vector<Guidance>& guidances);
 
-/// Returns what the path asks of the arm at each speed, beginning at the cell's home position.
+/// Returns what the path demands of the arm at each speed, beginning at the cell's home position.
 /// Throws InputError, naming the place on the path, when the arm cannot follow it.
 std::vector<PathDemand> require_followable(const CellSettings& cell, const PathRequest& request);
 

@@ -46,7 +46,7 @@ void require_same_origins(const fs::path& results, const std::vector<Origin>& pr
                     "use the same files and options, or name another folder", results});
 }
 
-/// Returns what decides how a target is reached, beside the calibration files.
+/// Returns what decides how a target is reached, besides the calibration files.
 std::string settings_text(const ServoRequest& request) {
   return fmt::format("{}, centre: {}", servo_text(request.cell.servo),
                      name_in(kCenterMethods, request.center));

@@ -61,7 +61,7 @@ ServoFigures figures_of(const std::vector<TargetResult>& results);
 /// improvement have the suffix of who judged them.
 ReportList servo_list(const ServoFigures& figures);
 
-/// Lists the figures besides the targets reached and the errors by who judged.
+/// Lists the figures other than the targets reached and the judged errors.
 ReportList other_list(const ServoFigures& figures);
 
 /// Says how many targets were reached, and how fast; a sentence without a full stop.

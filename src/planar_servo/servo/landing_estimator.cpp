@@ -240,7 +240,7 @@ void LandingEstimator::weigh(LandingLook look, bool is_short) {
         std::log(1.0 - kOutlierShare) + member.filter.innovation(look).log_likelihood();
     const double unusual =
         std::log(kOutlierShare) + member.filter.innovation(outlier).log_likelihood();
-    // What is unusual in a first look may be the arm's persistent error; play lasts, too.
+    // An unusual first look may show the arm's persistent error; play lasts, too.
     const bool has_slipped = looks_ > 0 && is_far && unusual > usual;
     member.filter.take(has_slipped ? outlier : look);
     member.log_likelihood = kMemory * member.log_likelihood + std::max(usual, unusual) +

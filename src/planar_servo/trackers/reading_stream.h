@@ -37,7 +37,7 @@ class ReadingStream {
 
   // These are for the tracker.
 
-  /// Leaves out everything that came so far.
+  /// Discards everything that came so far.
   void forget();
   /// Waits for the next line that was meant as a reading. Empty when none comes in time.
   std::optional<StreamEvent> next(double patience_s);

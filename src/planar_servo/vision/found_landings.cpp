@@ -79,7 +79,7 @@ LandingPrior FoundLandings::prior_of(const Eigen::Matrix4d& covariance, double s
 
 LandingPrior FoundLandings::at(const Joints& theta_c, const TipMeasurement& look) const {
   // True values differ from the found ones by the factor times numbers of unit variance; the arm
-  // lands beside its command by its rows of that.
+  // misses its command by its rows of that.
   Eigen::MatrixXd rows(4, found_.factor.cols());
   rows.topRows<2>() = found_.form.jacobian(motors(theta_c), found_.x).topRows<2>() * found_.factor;
   rows.bottomRows<2>() = vision_rows(look);

@@ -100,7 +100,7 @@ LampPair at_calibration(LampPair pair, const ImageMotion& motion);
 SeenTool see_tool(const VisionCalibration& vision, LampTracker& tracker, const Frame& frame,
                   const PairExpectation& expectation, const ImageMotion& motion = {});
 
-/// What is known of the scene in which images were taken.
+/// The scene in which images were taken, where known.
 struct LampScene {
   cv::Size sensor_px;
   LampLayout lamps;

@@ -9,7 +9,7 @@
 namespace planar {
 namespace {
 
-/// What is not estimated stays where it is.
+/// Unknowns that are not estimated stay where they are.
 constexpr double kFixed = 1e-9;
 constexpr Eigen::Index kLinksAndZeros = 5;
 
@@ -67,7 +67,7 @@ Eigen::Matrix<double, 1, kUnknowns> height_row(const ArmNominal& nominal, const 
   return row;
 }
 
-/// What heights tell of the unknowns if those have a prior.
+/// What heights tell of the unknowns, given a prior.
 struct Told {
   Eigen::VectorXd mean, variance;
   double log_evidence{0.0};

@@ -42,13 +42,13 @@ struct ArmNominal {
   /// Of the zero of motor 1, radians. Where nothing fixes the turn about the base's axis, that zero
   /// is what turn is counted from, and is next to nothing.
   double zero1_sigma{0.02};
-  /// What all readings have in common, standard deviations: the tracker's registration, as a shift
+  /// Errors that all readings share, standard deviations: the tracker's registration, as a shift
   /// per axis (metres) and a turn (radians), and its systematic error at full reach (metres).
   double registration_shift{2e-6}, registration_turn{5e-6}, tracker_bias{2e-6};
   AxisLeans leans;
 };
 
-/// Standard deviation per axis of a reflector whose place on the tool nobody knows, metres.
+/// Standard deviation per axis of a reflector whose place on the tool is unknown, metres.
 constexpr double kSomewhereOnTool = 0.1;
 
 /// A commanded posture and when it was taken.
@@ -58,8 +58,8 @@ struct PosedAt {
   double t_h{0.0};
 };
 
-/// What was seen of the tool at one commanded posture. Lengths are in metres, in the plane of the
-/// lamps, base frame.
+/// The tool as seen at one commanded posture. Lengths are in metres, in the plane of the lamps,
+/// base frame.
 struct PoseSample : PosedAt {
   std::string id;
   std::string place{};  ///< readings of one place share its name; empty for a place of its own

@@ -29,7 +29,7 @@ class PathSegment {
   /// Returns 1 / radius; 0 for a line.
   double curvature() const { return curvature_; }
 
-  /// Returns the place so far along the segment; beyond an end, that end.
+  /// Returns the place at this distance along the segment; beyond an end, that end.
   PathPlace at(double along_m) const;
 
   /// Returns how far along the segment its point lies that is nearest to `p_B`.
@@ -74,7 +74,7 @@ class Path {
   double length_m() const { return begins_.back(); }
   const std::vector<PathSegment>& segments() const { return segments_; }
 
-  /// Returns the place so far along the path; beyond an end, that end.
+  /// Returns the place at this distance along the path; beyond an end, that end.
   PathPlace at(double along_m) const;
 
   /// Returns where a point lies, seen from the part of the path about `near_m`. The path may cross

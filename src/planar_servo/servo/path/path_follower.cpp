@@ -20,7 +20,7 @@ constexpr double kRemembered_s = 2.0;
 /// A joint's deviation is made good in this time, or in that between the last two commands if it
 /// was longer: a joint that continued for longer would overshoot.
 constexpr double kCatchUp_s = 0.1;
-/// After its time is over, the end of a path is held so long for the joints to catch up.
+/// After its time is over, the end of a path is held this long for the joints to catch up.
 constexpr double kEnd_s = 5.0 * kCatchUp_s;
 /// The share by which each look changes the disturbance. It halves the noise of one picture.
 constexpr double kLearning = 0.5;
