@@ -270,9 +270,8 @@ TEST_CASE("A straight arm turns its joints but takes no twist") {
   test::ReadyBench bench;
   VispRobot visp(bench.robot);
   visp.setRobotState(vpRobot::STATE_VELOCITY_CONTROL);
-  CHECK_THROWS_WITH(
-      visp.setVelocity(vpRobot::REFERENCE_FRAME, column({0, 0.01, 0, 0, 0, 0})),
-      Catch::Contains("nearly straight"));
+  CHECK_THROWS_WITH(visp.setVelocity(vpRobot::REFERENCE_FRAME, column({0, 0.01, 0, 0, 0, 0})),
+                    Catch::Contains("nearly straight"));
   CHECK(bench.nothing_was_sent());
   visp.setVelocity(vpRobot::JOINT_STATE, column({0, 0.1, 0}));
   CHECK(bench.drives[1].targets.size() == 1);
