@@ -71,7 +71,7 @@ std::string found_words(const Certificate& certificate) {
   const CellAccuracy& accuracy = certificate.accuracy;
   std::vector<std::string> found;
   for (const auto& [name, words] : worst_pose_figures(accuracy))
-    found.push_back(name + ' ' + words);
+    found.push_back(fmt::format("{} {}", name, words));
   if (const auto& workspace = accuracy.workspace)
     found.push_back(fmt::format("over the workspace 95 % of {} targets within {} mm",
                                 workspace->errors.n, figure_mm(workspace->errors.p95)));

@@ -42,7 +42,7 @@ std::vector<MonumentReading> monument_readings(const CellSettings& cell,
   return readings;
 }
 
-MonumentRound::MonumentRound(const CellSettings& cell, std::vector<MonumentSeen> before,
+MonumentRound::MonumentRound(const CellSettings& cell, const std::vector<MonumentSeen>& before,
                              std::vector<MonumentSeen> seen)
     : cell_(cell), seen_(std::move(seen)), before_(sights(before)) {}
 

@@ -25,7 +25,7 @@ class MonumentRound {
  public:
   /// Continues a round that has `seen` some already. `before` is empty for the first round. The
   /// cell must outlive this.
-  MonumentRound(const CellSettings& cell, std::vector<MonumentSeen> before,
+  MonumentRound(const CellSettings& cell, const std::vector<MonumentSeen>& before,
                 std::vector<MonumentSeen> seen);
 
   const std::vector<MonumentSeen>& seen() const { return seen_; }

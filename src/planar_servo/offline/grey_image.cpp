@@ -8,6 +8,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <sstream>
 #include <string>
+#include <string_view>
 
 #include "planar_servo/io/atomic_file.h"
 
@@ -84,6 +85,15 @@ std::optional<PictureSize> jpeg_size(std::string_view bytes) {
   return std::nullopt;
 }
 
+/// PNG, JPEG, TIFF, BMP and Netpbm. OpenCV decodes more formats, but its decoder of DICOM ends the
+/// program at a damaged file.
+bool is_known_format(std::string_view bytes) {
+  using namespace std::string_view_literals;
+  for (const std::string_view magic : {kPng, "\xff\xd8"sv, "II*\0"sv, "MM\0*"sv, "BM"sv})
+    if (starts_with(bytes, magic)) return true;
+  return bytes.size() > 2 && bytes[0] == 'P' && bytes[1] >= '1' && bytes[1] <= '6';
+}
+
 /// Says so of a picture that would take too much memory.
 bool is_too_large(const std::filesystem::path& file, std::string_view bytes) {
   const auto size = stated_size(bytes);
@@ -117,7 +127,7 @@ bool is_whole_picture(std::string_view bytes) {
 cv::Mat read_grey_image(const std::filesystem::path& file) {
   if (!std::filesystem::exists(file)) return {};
   const std::string bytes = read_file(file);
-  if (!is_whole_picture(bytes) || is_too_large(file, bytes)) return {};
+  if (!is_known_format(bytes) || !is_whole_picture(bytes) || is_too_large(file, bytes)) return {};
   try {
     return cv::imread(file.string(), cv::IMREAD_GRAYSCALE);
   } catch (const cv::Exception&) {  // its header promises more pixels than OpenCV takes

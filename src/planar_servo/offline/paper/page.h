@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-struct _cairo;  // cairo_t of <cairo.h>
+struct _cairo;  // NOLINT(bugprone-reserved-identifier): cairo_t of <cairo.h>
 
 namespace planar {
 

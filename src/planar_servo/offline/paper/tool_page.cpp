@@ -15,8 +15,8 @@ namespace {
 
 using Eigen::Vector2d;
 
-/// For dimensions and names: left and below, right and above the parts.
-const Vector2d kBefore_mm(26.0, 14.0), kBehind_mm(26.0, 20.0);
+/// For dimensions and names, mm: left and below, right and above the parts.
+const Vector2d kBefore(26.0, 14.0), kBehind(26.0, 20.0);
 constexpr double kFirstDimension_mm = 7.0, kNextDimension_mm = 14.0;  // beyond the parts
 constexpr double kOverhang_mm = 1.5;  // of a line beyond what it leads to
 constexpr double kArrow_mm = 16.0;    // from lamp 2 along the tool's direction
@@ -90,7 +90,7 @@ struct Extent {
       high = high.cwiseMax(Vector2d(part.center.array() + 0.5 * part.diameter));
     }
   }
-  Vector2d drawing_mm() const { return high - low + kBefore_mm + kBehind_mm; }
+  Vector2d drawing_mm() const { return high - low + kBefore + kBehind; }
 };
 
 void draw_parts(ToolPen& pen, const std::array<Part, 3>& parts) {
@@ -150,8 +150,8 @@ ToolPage tool_page(const ToolMount& mount, const std::string& page) {
   const RuledPage ruled(stated_page_mm(page, size_mm.x() > size_mm.y()), size_mm, kText);
   ruled.require_room(size_mm, "the tool");
   const Vector2d corner = ruled.corner_of(size_mm);
-  const Vector2d origin(corner.x() + kBefore_mm.x() - extent.low.x(),
-                        corner.y() + kBehind_mm.y() + extent.high.y());
+  const Vector2d origin(corner.x() + kBefore.x() - extent.low.x(),
+                        corner.y() + kBehind.y() + extent.high.y());
   const auto draw = [=](Pen& pen) {
     ToolPen tool(pen, origin);
     draw_parts(tool, parts);
