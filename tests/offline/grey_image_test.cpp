@@ -78,7 +78,7 @@ TEST_CASE("A picture of a format that no camera writes is not given to a decoder
   // OpenCV's decoder of DICOM ends the program at this one.
   const std::string dicom = '\x9b' + std::string(125, '\xff') + std::string("\0\0DICM\0:\f", 9);
   CHECK(read_grey_image(folder.write("dicom.png", dicom)).empty());
-  for (const char* extension : {".png", ".pgm", ".ppm", ".jpg", ".tiff", ".bmp"}) {
+  for (const char* extension : {".png", ".pgm", ".jpg", ".tiff", ".bmp"}) {
     INFO(extension);
     const auto file = folder.write(std::string("sound") + extension, encoded(extension));
     CHECK(read_grey_image(file).size() == cv::Size(40, 30));
