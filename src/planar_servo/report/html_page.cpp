@@ -87,7 +87,7 @@ HtmlPage::HtmlPage(const std::string& title)
     : title_(title), body_(fmt::format("<h1>{}</h1>\n", html_escaped(title))) {}
 
 std::string HtmlPage::add_heading(const std::string& text, int level) {
-  const std::string id = fmt::format("{}-{}", words_of_id(text), headings_.size() + 1);
+  std::string id = fmt::format("{}-{}", words_of_id(text), headings_.size() + 1);
   body_ += fmt::format("<h{0} id=\"{1}\">{2}</h{0}>\n", level, id, html_escaped(text));
   headings_.push_back({level, text, id});
   return id;

@@ -54,15 +54,15 @@ struct SeriesStyle {
 };
 
 const SeriesStyle& style_of(const std::string& color) {
-  static const SeriesStyle kStyles[] = {
+  static const SeriesStyle styles[] = {
       {{}, ""},
       {{{-0.9, -0.9}, {0.9, -0.9}, {0.9, 0.9}, {-0.9, 0.9}}, "7 3"},
       {{{0.0, -1.5}, {1.3, 0.8}, {-1.3, 0.8}}, "2 2.5"},
       {{{0.0, -1.4}, {1.25, 0.0}, {0.0, 1.4}, {-1.25, 0.0}}, "9 3 2 3"},
       {{{0.0, 1.5}, {1.3, -0.8}, {-1.3, -0.8}}, "12 5"}};
-  static_assert(std::size(kStyles) == std::size(kSeriesColors));
+  static_assert(std::size(styles) == std::size(kSeriesColors));
   const auto found = std::find(std::begin(kSeriesColors), std::end(kSeriesColors), color);
-  return kStyles[found == std::end(kSeriesColors) ? 0 : found - std::begin(kSeriesColors)];
+  return styles[found == std::end(kSeriesColors) ? 0 : found - std::begin(kSeriesColors)];
 }
 
 std::string mark_svg(const Eigen::Vector2d& p, double radius, const std::string& color) {
@@ -73,6 +73,7 @@ std::string mark_svg(const Eigen::Vector2d& p, double radius, const std::string&
         "r=\"{:g}\" fill=\"{}\"/>\n",
         p.x(), p.y(), radius, color);
   std::vector<Eigen::Vector2d> placed;
+  placed.reserve(corners.size());
   for (const Eigen::Vector2d& corner : corners) placed.emplace_back(p + radius * corner);
   return fmt::format("<path class=\"dot\" d=\"{}Z\" fill=\"{}\"/>\n", path_through(placed), color);
 }

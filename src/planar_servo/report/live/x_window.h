@@ -4,7 +4,7 @@
 
 #include <string>
 
-struct _XDisplay;
+struct _XDisplay;  // NOLINT(bugprone-reserved-identifier): Display of <X11/Xlib.h>
 
 namespace planar {
 
