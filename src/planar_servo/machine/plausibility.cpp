@@ -70,6 +70,7 @@ std::vector<Finding> question_angles(const std::string& key,
                                      const std::vector<double>& angles_rad) {
   if (!look_like_radians(angles_rad)) return {};
   std::vector<double> numbers;
+  numbers.reserve(angles_rad.size());
   for (const double angle_rad : angles_rad) numbers.push_back(angle_rad / kDegree);
   return {question(key,
                    fmt::format("is {:g}; radians would be such numbers", fmt::join(numbers, ", ")),
