@@ -239,7 +239,7 @@ std::optional<PathResult> PathFollower::command(Run& run) {
   run.near = here.theta;
   const double catch_up_s = std::max(kCatchUp_s, now_s - run.commanded_s);
   run.commanded_s = now_s;
-  const Joints velocity =
+  Joints velocity =
       (next.theta - here.theta) / kPathStep_s + (run.play.command(here.theta) - theta) / catch_up_s;
   robot_.turn([&](const Joints&) { return velocity; });
   return std::nullopt;
@@ -252,7 +252,7 @@ JointPlan PathFollower::joints_at(const Run& run, double t_s) const {
 }
 
 Joints PathFollower::take_joints(Run& run) {
-  const Joints theta = robot_.present_joints();
+  Joints theta = robot_.present_joints();
   run.history.add(clock_.now_s(), run.play.behind(theta));
   return theta;
 }
