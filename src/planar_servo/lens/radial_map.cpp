@@ -45,6 +45,13 @@ constexpr int kNewtonSteps = 50;
 /// Residual of the inverse in normalised units: a billionth of a pixel at common focal lengths.
 constexpr double kInverseTolerance = 1e-13;
 
+Polynomial derivative(const Polynomial& a) {
+  Polynomial result(std::max<Eigen::Index>(1, a.size() - 1));
+  result.setZero();
+  for (Eigen::Index i = 1; i < a.size(); ++i) result[i - 1] = static_cast<double>(i) * a[i];
+  return result;
+}
+
 /// Returns N D + 2 s (N' D - N D').
 Polynomial growth_of(const Polynomial& N, const Polynomial& D) {
   Polynomial growth = Polynomial::Zero(N.size() + D.size() - 1);
@@ -83,13 +90,6 @@ double value(const Polynomial& a, double s) {
   double sum = 0.0;
   for (Eigen::Index i = a.size() - 1; i >= 0; --i) sum = sum * s + a[i];
   return sum;
-}
-
-Polynomial derivative(const Polynomial& a) {
-  Polynomial result(std::max<Eigen::Index>(1, a.size() - 1));
-  result.setZero();
-  for (Eigen::Index i = 1; i < a.size(); ++i) result[i - 1] = static_cast<double>(i) * a[i];
-  return result;
 }
 
 bool positive_up_to(double end, const Polynomial& a) {

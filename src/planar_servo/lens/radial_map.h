@@ -15,7 +15,6 @@ using Polynomial = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 8, 1>;
 Polynomial polynomial(std::initializer_list<double> coefficients);
 
 double value(const Polynomial& a, double s);
-Polynomial derivative(const Polynomial& a);
 
 /// Returns whether the polynomial is positive on the whole interval [0, end]. Its Bernstein
 /// coefficients decide, and the interval is halved while they leave the question open [Farouki &
