@@ -5,7 +5,7 @@ share of the compensated end points lay within their stated 95 % interval.
 
     bench/calibration_sources.py BIN_DIR OUT_DIR [--rows NAME[,NAME]] [--seeds N]
 
-On calib/paper a seed draws the plan; drawn cells have the seeds 501, 502, ..., which nothing was
+On a cell of calib/ a seed draws the plan; drawn cells have the seeds 501, 502, ..., which nothing was
 designed on. Figures of every run stay in OUT_DIR/NAME_SEED.json; a run that is there is not made
 again. Exit status 1 when a median is above its bound."""
 
@@ -18,24 +18,27 @@ import subprocess
 import sys
 
 FIRST_DRAWN = 501
-PAPER = pathlib.Path(__file__).resolve().parent.parent / "calib/paper/cell.yaml"
+CALIB = pathlib.Path(__file__).resolve().parent.parent / "calib"
+NO_READINGS = ["--train", "0", "--unattended", "1000", "--lays", "12", "--board-thickness-mm"]
 # name: (kind of cell, options, bound in mm, runs)
 ROWS = {
     "paper_200": ("paper", ["--train", "200"], 0.0075, 5),
     "paper_200_1000": ("paper", ["--train", "200", "--unattended", "1000"], 0.0060, 5),
     "paper_12_1000": ("paper", ["--train", "12", "--unattended", "1000"], 0.0095, 5),
     "like_paper_200": ("like paper", ["--train", "200"], 0.006, 10),
-    # The dots lie 5.5 mm below the lamps, as a caliper shows; the scorer takes out the turn.
-    "paper_0_1000": ("paper", ["--train", "0", "--unattended", "1000", "--lays", "12",
-                               "--board-thickness-mm", "-5.5"], 0.025, 5),
+    # A caliper shows how far the dots lie below the lamps; the scorer takes out the turn.
+    "paper_0_1000": ("paper", [*NO_READINGS, "-5.5"], 0.025, 5),
+    "ordinary_0_1000": ("ordinary", [*NO_READINGS, "-5.4"], 0.025, 5),
+    "cheap_0_1000": ("cheap", [*NO_READINGS, "-4.8"], 0.050, 5),
+    "cheap_12_1000": ("cheap", ["--train", "12", "--unattended", "1000"], 0.050, 5),
     "rough_200": ("like rough", ["--train", "200"], 0.012, 10),
     "rough_200_1000": ("like rough", ["--train", "200", "--unattended", "1000"], 0.010, 10),
 }
 
 
 def cell_of(bin_dir, kind, seed, folder):
-    if kind == "paper":
-        return PAPER
+    if not kind.startswith("like "):
+        return CALIB / kind / "cell.yaml"
     like = kind.split()[1]
     subprocess.run([bin_dir / "planar-virtual-cell", "-q", "draw", "--seed", str(seed), "--like",
                     like, "-o", folder], check=True, stdout=subprocess.DEVNULL)
@@ -45,7 +48,7 @@ def cell_of(bin_dir, kind, seed, folder):
 def figures_of(bin_dir, out, name, run):
     """Returns the figures of one run, or why there are none."""
     kind, options, _, _ = ROWS[name]
-    drawn = kind != "paper"
+    drawn = kind.startswith("like ")
     seed = FIRST_DRAWN + run if drawn else 1 + run
     file = out / f"{name}_{seed}.json"
     if not file.exists():

@@ -127,7 +127,7 @@ def main():
         run(options.bin_dir / "planar-servo", "--cell", cell / f"{part}.yaml", "--targets", targets, "--out", folder,
             "--keep-going")
         misses[part], corrections, missed = first_misses_mm(folder)
-        words.append(f"{part}: {mean(misses[part]):.4f} mm in the mean, {corrections:.2f} corrections, "
+        words.append(f"{part}: {mean(misses[part]):.4f} mm on average, {corrections:.2f} corrections, "
                      f"{missed} of {len(misses[part])} targets not reached")
     print("targets        unlearned  learning    (mean miss of first landings, mm)")
     for i, (off, on) in enumerate(zip(means(misses["unlearned"], ROWS), means(misses["learning"], ROWS))):

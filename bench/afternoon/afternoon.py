@@ -55,6 +55,20 @@ def write_targets(path):
     path.write_text("\n".join(["id,x_mm,y_mm"] + rows) + "\n")
 
 
+class StampedLog:
+    """A log whose lines begin with the minutes and seconds since it was opened."""
+
+    def __init__(self, path):
+        self.file, self.began, self.at_begin = open(path, "w", buffering=1), time.monotonic(), True
+
+    def write(self, text):
+        for line in re.findall(r"[^\n]*\n|[^\n]+", text):
+            if self.at_begin:
+                self.file.write("{:3.0f}:{:02.0f} ".format(*divmod(int(time.monotonic() - self.began), 60)))
+            self.file.write(line)
+            self.at_begin = line.endswith("\n")
+
+
 class Program:
     """A program whose output is heard while it runs."""
 
@@ -101,7 +115,7 @@ class Afternoon:
         self.out.mkdir(parents=True)
         self.crash = options.crash
         self.views = {}  # how often the board was held and laid
-        self.log = open(self.out / "afternoon.log", "w", buffering=1)
+        self.log = StampedLog(self.out / "afternoon.log")
 
     def run(self, folder, program, *arguments):
         began = time.monotonic()
