@@ -30,7 +30,6 @@ namespace fs = std::filesystem;
 
 const ProgramText kText{
     "planar-servo",
-    "Positions the end point at targets, or leads it along a path, by vision and logs every step.",
     "planar-servo --cell cell.yaml --targets targets.csv --out DIR [--no-error-map] [--resume]\n"
     "                    [--centre METHOD] [--display auto|x|none] [--home] [--at-marks]\n"
     "                    [--accept-stale] [--accept-map] [--no-health] [--keep-going] [--judged] "
@@ -242,7 +241,7 @@ Outcome report(const ServoRequest& request, const Options& options, const ServoR
   if (doubted > 0)
     spdlog::warn(fmt::format(
         "{} targets are doubted: they were reached after the last good check of the cell; --resume "
-        "goes to them again",
+        "visits them again",
         doubted));
   if (run.ended_by())
     spdlog::error(fmt::format(

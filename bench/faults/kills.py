@@ -54,7 +54,7 @@ def kill_once(cell, program, arguments, longest_s, environment=None):
 
 
 def to_go_on(cell, program, arguments, folder):
-    """Returns the arguments by which a program begins its work, or goes on where it was killed."""
+    """Returns the arguments by which a program begins its work, or resumes where it was killed."""
     begun = cell.path(folder).exists()
     return [*arguments, "--resume"] if begun and program == "planar-servo" else arguments
 

@@ -42,7 +42,7 @@ def last_alone(cell):
 
 
 def resumed_after(change):
-    """Visits a third of the tour, changes the cell while no program runs, and goes on."""
+    """Visits a third of the tour, changes the cell while no program runs, and resumes."""
     def run(cell):
         cell.path("tour.csv").write_text("".join(tour_lines()[:1 + TARGETS // 3]))
         cell.servo(targets="tour.csv")
@@ -52,7 +52,7 @@ def resumed_after(change):
 
 
 def resumed_with(change):
-    """Visits three targets, changes what they are resumed with, and goes on."""
+    """Visits three targets, changes what they are resumed with, and resumes."""
     def run(cell):
         cell.servo()
         change(cell)
@@ -315,7 +315,7 @@ def paired(*more, fitting=fit):
 
 
 def located(cell):
-    """Finds the lamps anew, because the frames' table has changed, and goes on with the pairs."""
+    """Finds the lamps anew, because the frames' table has changed, and continues with the pairs."""
     status, said = cell.run("planar-locate-lamps", "--cell", "cell.yaml", "-o", "lamps.csv", "recording")
     return (status, said) if status else paired()(cell)
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Breaks one line of a source at a time and looks whether the tests notice.
+"""Breaks one line of a source at a time and checks whether the tests notice.
 
     bench/faults/mutate.py TEST SOURCE... [--limit N]
 

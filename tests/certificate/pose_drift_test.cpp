@@ -28,7 +28,7 @@ std::vector<CycleErrors> drifting(int cycles, double um_per_cycle) {
   return all;
 }
 
-TEST_CASE("The first third is held against the last") {
+TEST_CASE("The first third is compared with the last") {
   std::vector<CycleErrors> cycles;
   for (int i = 0; i < 9; ++i) cycles.push_back(everywhere({3e-6 * i, 4e-6 * i}));
   const PoseDrift drift = pose_drift(cycles).value();

@@ -11,7 +11,7 @@ namespace {
 
 using Catch::Contains;
 
-TEST_CASE("A growing file begins with its header, also in an empty file, and is gone on with") {
+TEST_CASE("A growing file begins with its header, also in an empty file, and is appended to") {
   const test::TemporaryFolder folder;
   const auto file = folder.write("steps.csv", "");
   GrowingFile(file, "id\n").append("a\n");

@@ -139,7 +139,7 @@ TEST_CASE("Healthy recordings are neither refused nor doubted") {
   CHECK(doubted <= 2);  // four questions at one in a thousand: 0.24 expected
 }
 
-TEST_CASE("Monuments that are all shifted are held against the axis of joint 1") {
+TEST_CASE("Monuments that are all shifted are compared with the axis of joint 1") {
   RecordedBench bench;
   for (Monument& monument : bench.request.cell.datum) monument.p_B.x() += 0.1 * kMillimetre;
   CHECK_THAT(bench.refusal(), Contains("joint 1 turns about (0.09") &&

@@ -80,7 +80,7 @@ cp sound.yaml cell/truth.yaml
 "$bin/planar-servo" --cell cell/cell.yaml --targets many.csv --out drifted --resume >out.txt 2>err.txt || fail "$(cat err.txt)"
 [ "$(grep -c ',reached,' drifted/results.csv)" -eq 40 ] || fail "$(cat drifted/results.csv)"
 
-# Nothing was kept: said, and gone on without.
+# Nothing was kept: said, and the run continues without it.
 cp sound.yaml cell/truth.yaml
 rm cell/health.yaml
 expect 2 "names no health file that exists" check

@@ -50,7 +50,7 @@ TEST_CASE("The figures of a run carry the suffix of who judged them, in millimet
   CHECK(json["seconds_per_target"] == 1.5);
 }
 
-TEST_CASE("The stated interval is held against the truth, component by component") {
+TEST_CASE("The stated interval is compared with the truth, component by component") {
   TargetResult a = reached("a", 1e-3, 1e-5), b = reached("b", 1e-3, 1e-5);
   CHECK_FALSE(figures_of({a}).coverage_95);
   a.uncertainty_m = b.uncertainty_m = 1e-6;

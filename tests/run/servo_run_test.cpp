@@ -273,7 +273,7 @@ struct BegunRun {
   ServoRequest request{ideal_request(folder)};
 };
 
-TEST_CASE("A run is gone on with by the settings of its servo, and by no others") {
+TEST_CASE("A run is resumed with the settings of its servo, and with no others") {
   BegunRun begun;
   CHECK(results_so_far(begun.request).size() == 1);
   SECTION("the gain") {
@@ -305,7 +305,7 @@ TEST_CASE("A result is that of a target with its place and its direction, whole 
                     Catch::Contains("target 'a' is at"));
 }
 
-TEST_CASE("A run that was killed before its first result is gone on with, one never begun is not") {
+TEST_CASE("A run that was killed before its first result is resumed, one never begun is not") {
   const test::TemporaryFolder folder;
   ServoRequest request = ideal_request(folder);
   request.resume = true;

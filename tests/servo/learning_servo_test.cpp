@@ -59,7 +59,7 @@ struct LearningBench : test::ServoBench {
   }
 
   /// Moves to the places of a circle again and again. Returns how far the first landings at the
-  /// last twelve missed, in the mean, metres.
+  /// last twelve missed, on average, metres.
   double first_miss_m(bool plans) {
     LearnedLandings landings(*planner.found(), planner.transmission(), plans);
     PositionServo servo(settings, limits, planner, robot, sensor, cell.clock(), &landings);

@@ -82,7 +82,7 @@ double plane_variance(const WorkplaneRecord& plane, const Eigen::Vector2d& p_W) 
   return 0.5 * (J * plane.covariance * J.transpose()).trace();
 }
 
-/// Returns per axis what an even drift adds in the mean of a run, or 0 where chance explains it.
+/// Returns per axis what an even drift adds to the mean of a run, or 0 where chance explains it.
 double drift_sigma(const std::optional<PoseDrift>& drift) {
   if (!drift || drift->shift <= drift->shift_chance) return 0.0;
   return drift->shift / kShareBetweenThirds / std::sqrt(12.0) / std::sqrt(2.0);

@@ -67,7 +67,7 @@ void add_first_words(HtmlPage& page, const ExperimentReport& report) {
         {fmt::format("the error found is {:.1f} times the predicted one", ratio),
          "see where the errors are large below, and record training places there"});
   verdict.good = fmt::format(
-      "the end point stops {:.4f} mm from its targets in the mean, {:.4f} mm at 95 % and {:.4f} mm "
+      "the end point stops {:.4f} mm from its targets on average, {:.4f} mm at 95 % and {:.4f} mm "
       "at worst ({} at {} targets)",
       mm(ours.after_truth->mean), mm(ours.after_truth->p95), mm(ours.after_truth->max),
       judged_words(report), ours.after_truth->n);
@@ -102,10 +102,8 @@ std::string worth_words(const ExperimentReport& report) {
   const ServoFigures paper = figures_of(report.paper);
   if (!ours || !paper.after_truth || !paper.before_truth) return "";
   return fmt::format(
-      "planar-servo takes off {} % of the error that the arm has by its cell file, the paper's "
-      "chain "
+      "planar-servo removes {} % of the error that the arm has by its cell file, the paper's chain "
       "{} %; the paper's chain stops {:.1f} times as far from the targets. The calibration alone "
-      "had "
       "predicted {:.4f} mm; what was found is {:.2f} times that. On its own platform the paper "
       "reached {:.3f} mm.",
       fixed(100.0 * (1.0 - ours->mean / paper.before_truth->mean), 1),
@@ -226,10 +224,10 @@ void add_results(HtmlPage& page, const ExperimentReport& report, const ReportPlo
                       : "True errors of the end point at the control targets, by the scorer of the "
                         "virtual cell, which alone sees the truth.",
                   kQuiverCaption));
-  page.add_heading("What it is worth");
+  page.add_heading("Improvement");
   page.add_paragraph(worth_words(report));
   add_plots(page, plots.worth, out);
-  page.add_heading("Where it is worst");
+  page.add_heading("Largest errors");
   page.add_html(worst_table(report).html());
   page.add_html(plot_html(
       quiver_panels({error_panel("planar-servo", report.ours, &TargetResult::after_truth)})));

@@ -131,7 +131,7 @@ std::vector<ShownTable> map_tables_of(const PaperTables& tables) {
        "each of them. The figure says how little the noise of vision moves a prediction; it does "
        "not say that a prediction is right."},
       {list.table("Table 5: accuracy of the radial basis functions on the same circles", "table5"),
-       "Look at A1 beside A2: where A1 is much lower, the predicted lengths are right in the mean "
+       "Look at A1 beside A2: where A1 is much lower, the predicted lengths are right on average "
        "and the errors themselves are not."},
       {list.table("Table 6: accuracy, mean of the three circles", "table6"),
        "The better method is the one that leaves less of the error: A1 says so."}};

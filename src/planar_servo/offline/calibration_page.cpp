@@ -368,7 +368,7 @@ Verdict camera_verdict(const CameraCalibration& found) {
     verdict.good = fmt::format(
         "{} views agree to {:.3f} px, views left out of the fit to {:.3f} px, {} of their square "
         "is systematic, points come within {:.0f} px of every corner of the image, and the "
-        "camera's model places points of the plane to {:.4f} mm in the mean and {:.4f} mm at worst",
+        "camera's model places points of the plane to {:.4f} mm on average and {:.4f} mm at worst",
         found.views.size(), found.rms_px, *found.held_out_rms_px, per_cent(coverage.systematic),
         *std::max_element(coverage.corner_gaps_px.begin(), coverage.corner_gaps_px.end()),
         mm(found.plane_error.mean()), found.plane_error.largest() / kMillimetre);
@@ -391,7 +391,7 @@ std::string camera_page(const CameraCalibration& found, const std::filesystem::p
       "Residuals are called mostly systematic where points of the same part of the image have more "
       "than half of the mean square in common, and more than in 95 of 100 shuffles of the "
       "residuals among the points of their views.");
-  page.add_heading("What it is worth");
+  page.add_heading("Accuracy of the calibration");
   page.add_html(plot_html({plane_panel(found), view_panel(found), residual_histogram(found)}));
   page.add_paragraph(fmt::format(
       "First: how far a point of a plane {:.0f} mm away may be off because the camera's model is "

@@ -90,7 +90,7 @@ std::vector<Panel> length_panels(const std::string& title, const std::vector<Cir
     panel.add_line(curve, Panel::Stroke::kSolid, color);
     panel.add_dots(curve, {color}, 2.8);
     panel.add_key(color,
-                  fmt::format("radius {} mm: {:.3f} mm in the mean", radius_mm, mean(lengths)));
+                  fmt::format("radius {} mm: {:.3f} mm on average", radius_mm, mean(lengths)));
   }
   return {panel};
 }

@@ -43,7 +43,7 @@ Axis error_axis(const ExperimentReport& report) {
 }
 
 std::string key_of(const ErrorSeries& series) {
-  return fmt::format("{}: {:#.3g} mm in the mean", series.what, mean(series.lengths_mm()));
+  return fmt::format("{}: {:#.3g} mm on average", series.what, mean(series.lengths_mm()));
 }
 
 std::vector<Panel> target_panels(const ExperimentReport& report) {

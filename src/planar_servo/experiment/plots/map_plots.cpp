@@ -107,8 +107,7 @@ std::vector<Panel> prediction_panels(const PlotData& data, const DrawnMap& drawn
     add(drawn.prediction, kPredictedColor);
     panel.add_key(kMeasuredColor, "measured");
     panel.add_key(kPredictedColor, std::string("predicted by ") + drawn.name);
-    panel.add_note(
-        fmt::format("left of the vectors: {:.3f} mm in the mean", left_mm(circle, drawn)));
+    panel.add_note(fmt::format("remaining error: {:.3f} mm on average", left_mm(circle, drawn)));
     panels.push_back(std::move(panel));
   }
   return panels;

@@ -275,7 +275,7 @@ std::string map_page(const MapView& view, const std::filesystem::path& file) {
       "second panel are gaps: places recorded there help most. " +
       view.what_is_drawn);
   if (!view.left.empty()) {
-    page.add_heading("What it is worth");
+    page.add_heading("Accuracy gained by the map");
     const QuiverPanel left = quiver_of("Left out, with the map", view.places, view.left);
     std::vector<Panel> panels =
         quiver_panels({quiver_of("Without the map", view.places, view.raw), left});

@@ -196,7 +196,7 @@ Verdict pair_verdict(const PairTrackerRequest& request, const PairTrackerReport&
   const Summary raw = raw_error(report.pairs);
   verdict.good = fmt::format(
       "{} pairs; the monuments are met to {:.4f} mm, where the tracker's deviation is {:.4f} mm "
-      "per axis, and vision without a map is {:.4f} mm off in the mean",
+      "per axis, and vision without a map is {:.4f} mm off on average",
       pairs.size(), mm(report.datum->rms), mm(request.cell.tracker.sigma_m), mm(raw.mean));
   return verdict;
 }

@@ -25,7 +25,7 @@ struct RecordedStep {
   std::size_t places{0};  ///< training places in all
   ChangePoint change;
 
-  /// Returns by how much a map of these pairs misses the end point, in the mean over the field and
+  /// Returns by how much a map of these pairs misses the end point, as a mean over the field and
   /// for the worse of the two states, metres.
   double cost() const { return change.cost(places); }
   /// Returns whether the pairs are to be used only when a person says so.
