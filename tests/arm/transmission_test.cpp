@@ -173,7 +173,7 @@ TEST_CASE("The transmission refuses settings that break their rule, naming the m
   CHECK_THROWS_WITH(with([](auto& s) { s.drives[2].pulses_per_motor_turn = kNoNumber; }),
                     Catch::StartsWith("motor 3: "));
   CHECK_THROWS_WITH(with([](auto& s) { s.drives[0].direction = 0; }),
-                    "motor 1: direction is 0; allowed are 1 and -1");
+                    Catch::StartsWith("motor 1: direction is 0"));
   CHECK_THROWS_WITH(with([](auto& s) {
                       s.limits_rad[2] = {1.0, 1.0};
                     }),

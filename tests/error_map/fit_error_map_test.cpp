@@ -185,7 +185,7 @@ TEST_CASE("What cannot be fitted is refused by a message") {
   auto samples = test::measure(test::lens_field, test::ring_positions(100), 0.0, 1);
   CHECK_THROWS_AS(fit_error_map({samples, MapMethod::kHandWidth, 0.0}), InputError);
   CHECK_THROWS_WITH(fit_error_map({samples, MapMethod::kHandWidth, -0.001}),
-                    Contains("width is -1 mm; it must be a positive number"));
+                    Contains("width is -1 mm"));
   CHECK_THROWS_AS(fit_error_map({samples, MapMethod::kHandWidth, 2.0}), WorkError);
   samples[5].error.x() = std::numeric_limits<double>::quiet_NaN();
   CHECK_THROWS_WITH(fit_error_map({samples}), Contains("pair 5: "));

@@ -41,13 +41,9 @@ TEST_CASE("Directions in radians or without a unit are refused, other columns ar
 
 TEST_CASE("A plan that is given as targets is told in one sentence") {
   const test::TemporaryFolder folder;
-  CHECK_THROWS_WITH(
-      read_targets(
-          folder.write("p.csv", "id,plan,x_mm,y_mm\ng1,grid,,\ng2,grid,,\nt1,train,200,100\n")),
-      folder.path().string() +
-          "/p.csv: is a plan for planar-record, by its column plan, and not every row has a place "
-          "to go to; a table of targets is needed, with the columns id, x_mm, y_mm and perhaps "
-          "phi_deg");
+  CHECK_THROWS_WITH(read_targets(folder.write(
+                        "p.csv", "id,plan,x_mm,y_mm\ng1,grid,,\ng2,grid,,\nt1,train,200,100\n")),
+                    Contains("/p.csv: is a plan for planar-record") && !Contains("\n"));
   CHECK(read_targets(folder.write("p.csv", "id,plan,x_mm,y_mm\nt1,train,200,100\n")).size() == 1);
 }
 

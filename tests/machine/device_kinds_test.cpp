@@ -63,9 +63,8 @@ TEST_CASE("A new kind of drive reads its own keys and is opened, and nothing els
   CHECK(static_cast<const MadeUpDetails&>(*cell.drives[2].details).ratchet_teeth == 17);
   const auto devices = open_cell(cell);
   CHECK_NOTHROW(devices->drives().status());
-  CHECK_THROWS_WITH(
-      read_cell(folder.write("bad.yaml", cell_with_made_up_drives("1")), kinds),
-      Contains("drives[0].ratchet_teeth is 1; a whole number from 3 to 100 is needed"));
+  CHECK_THROWS_WITH(read_cell(folder.write("bad.yaml", cell_with_made_up_drives("1")), kinds),
+                    Contains("drives[0].ratchet_teeth is 1"));
 }
 
 TEST_CASE("Every kind has a name of its own") {

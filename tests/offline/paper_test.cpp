@@ -111,17 +111,16 @@ TEST_CASE("A page lies as the board does") {
 }
 
 TEST_CASE("A board that does not fit is refused with the pitch and the count that do") {
-  CHECK_THROWS_WITH(
-      board_page("circles:11x11:50mm", "A4"),
-      "circles:11x11:50mm needs a page of 599 x 601 mm, but --page is 210 x 297 mm; the "
-      "largest pitch that fits is 16.1 mm; the largest count at 50 mm is 3 x 4; without "
-      "--page the page is as large as needed");
+  CHECK_THROWS_WITH(board_page("circles:11x11:50mm", "A4"),
+                    Contains("needs a page of 599 x 601 mm, but --page is 210 x 297 mm") &&
+                        Contains("pitch that fits is 16.1 mm") &&
+                        Contains("count at 50 mm is 3 x 4"));
   CHECK_NOTHROW(board_page("circles:11x11:16.1mm", "A4"));
   CHECK_THROWS_AS(board_page("circles:11x11:16.2mm", "A4"), InputError);
   CHECK_NOTHROW(board_page("circles:3x4:50mm", "A4"));
   CHECK_THROWS_AS(board_page("circles:4x4:50mm", "A4"), InputError);
   CHECK_THROWS_WITH(board_page("circles:6x6:?", ""), Contains("has no pitch"));
-  CHECK_THROWS_WITH(board_page("circles:6x6:20mm", "A5"), Contains("--page is 'A5'; write A4, A3"));
+  CHECK_THROWS_WITH(board_page("circles:6x6:20mm", "A5"), Contains("--page is 'A5'"));
   CHECK_THROWS_WITH(board_page("circles:6x6:20mm", "0x10mm"), Contains("a side is 50 to 5000 mm"));
 }
 

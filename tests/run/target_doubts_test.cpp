@@ -24,9 +24,8 @@ std::vector<TargetRow> written_targets(double x, double y, const std::vector<dou
 TEST_CASE("Targets in metres are refused where none can be reached, and questioned elsewhere") {
   const auto targets = written_targets(0.2, -0.35, {0.0, 90.0});
   CHECK_THROWS_WITH(question_targets(targets, kWideRing, "t.csv"),
-                    "t.csv: no coordinate is larger than 0.35 mm, while the workspace reaches to "
-                    "590 mm; metres would be such numbers; write millimetres, such as 200 for 0.2 "
-                    "m");
+                    Catch::StartsWith("t.csv: no coordinate is larger than 0.35 mm") &&
+                        Catch::Contains("write millimetres"));
   CHECK_NOTHROW(question_targets(targets, kWideDisc, "t.csv"));
   CHECK(target_doubts(targets, kWideDisc).size() == 1);
   auto mixed = targets;
