@@ -169,6 +169,9 @@ set(must_match --warn NoTests)
 # What tests/support/shared_data.cpp prints when a case ends for want of its data, which is no success.
 set(lacks_data SKIP_REGULAR_EXPRESSION "skipped: no ")
 
+# Devices that are served in real time cannot wait for a busy machine: other tests give way to them.
+set(give_way nice -n 10)
+
 # planar_test(ROOM SOURCES ... LINKS ... [PROPERTIES ...]): the test program of one room, every case
 # known to ctest, with these properties. Each case is a process: weighty libraries that its room calls
 # stand in LINKS, others are not loaded.
@@ -176,7 +179,8 @@ function(planar_test room)
   cmake_parse_arguments(TEST "" "" "SOURCES;LINKS;PROPERTIES" ${ARGN})
   add_executable(${room}_test ${TEST_SOURCES})
   set_target_properties(${room}_test PROPERTIES CXX_STANDARD 17 CXX_EXTENSIONS OFF
-                        UNITY_BUILD ${PLANAR_UNITY} UNITY_BUILD_BATCH_SIZE 10)
+                        UNITY_BUILD ${PLANAR_UNITY} UNITY_BUILD_BATCH_SIZE 10
+                        CROSSCOMPILING_EMULATOR "${give_way}")
   target_link_libraries(${room}_test PRIVATE planar_test_main ${TEST_LINKS})
   planar_precompile(${room}_test planar_test_headers)
   planar_light(${room}_test)

@@ -36,7 +36,10 @@ live_cell() {
 hosted() {
   local camera=$1
   shift
-  "$loopback_only" "$host" --cell cell/cell.yaml --camera "$camera" "$@" 2> >(grep -v uevent_sender >&2)
+  {
+    "$loopback_only" "$host" --cell cell/cell.yaml --camera "$camera" "$@" 2>&1 >&9 |
+      sed -u '/uevent_sender/d' >&2
+  } 9>&1
 }
 
 # live_twins: the calibrated cell in cell/ as cells with real devices.
