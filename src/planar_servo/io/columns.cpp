@@ -48,21 +48,21 @@ void Columns::text(std::string_view column, std::string& field, Column need) {
   if (reading())
     field = table_->text(column);
   else
-    add(column, need, csv_field(field));
+    add(column, need, FieldKind::kText, csv_field(field));
 }
 
 void Columns::number(std::string_view column, double& field, double unit, Digits digits) {
   if (reading())
     field = table_->number(column) * unit;
   else
-    add(column, Column::kRequired, digits.text(field / unit));
+    add(column, Column::kRequired, FieldKind::kNumber, digits.text(field / unit));
 }
 
 void Columns::whole_number(std::string_view column, int& field) {
   if (reading())
     field = table_->whole_number(column);
   else
-    add(column, Column::kRequired, std::to_string(field));
+    add(column, Column::kRequired, FieldKind::kWholeNumber, std::to_string(field));
 }
 
 void Columns::optional_number(std::string_view column, std::optional<double>& field, double unit,
@@ -71,7 +71,7 @@ void Columns::optional_number(std::string_view column, std::optional<double>& fi
     field = table_->optional_number(column);
     if (field) *field *= unit;
   } else {
-    add(column, need, field ? digits.text(*field / unit) : "");
+    add(column, need, FieldKind::kNumber, field ? digits.text(*field / unit) : "");
   }
 }
 
@@ -79,26 +79,26 @@ void Columns::check(bool kept, const Refusal& refusal, std::string_view column) 
   if (reading() && !kept) table_->add_fault(refusal, column);
 }
 
-void Columns::add(std::string_view column, Column need, std::string text) {
-  written_.push_back({std::string(column), need, std::move(text)});
+void Columns::add(std::string_view column, Column need, FieldKind kind, std::string text) {
+  written_.push_back({std::string(column), need, kind, std::move(text)});
 }
 
 std::vector<std::string> Columns::names() const {
   std::vector<std::string> names;
-  for (const Written& written : written_) names.push_back(written.column);
+  for (const WrittenField& written : written_) names.push_back(written.column);
   return names;
 }
 
 std::vector<std::string> Columns::names(Column need) const {
   std::vector<std::string> names;
-  for (const Written& written : written_)
+  for (const WrittenField& written : written_)
     if (written.need == need) names.push_back(written.column);
   return names;
 }
 
 std::string Columns::line() const {
   std::string line;
-  for (const Written& written : written_) line += written.text + ',';
+  for (const WrittenField& written : written_) line += written.text + ',';
   line.back() = '\n';
   return line;
 }

@@ -32,6 +32,17 @@ struct Digits {
 /// Says whether a table may lack a column.
 enum class Column { kRequired, kOptional };
 
+/// What the fields of a column hold; a number's field may be empty.
+enum class FieldKind { kText, kNumber, kWholeNumber };
+
+/// A field of a row that was visited to be written.
+struct WrittenField {
+  std::string column;
+  Column need;
+  FieldKind kind;
+  std::string text;
+};
+
 /// Visits the columns of a table's row, to read them or to write them. One function per table lists
 /// them, always all of them and in the order of writing, and serves both directions:
 ///
@@ -83,19 +94,16 @@ class Columns {
   std::vector<std::string> names(Column need) const;
   /// Returns the row that was written, with its line end.
   std::string line() const;
+  /// Returns the fields that were written, in their order.
+  const std::vector<WrittenField>& written() const { return written_; }
 
  private:
-  struct Written {
-    std::string column;
-    Column need;
-    std::string text;
-  };
-  void add(std::string_view column, Column need, std::string text);
+  void add(std::string_view column, Column need, FieldKind kind, std::string text);
   void refuse(std::string_view column, const std::string& word,
               const std::vector<std::string>& allowed);
 
   CsvTable* table_{nullptr};
-  std::vector<Written> written_;
+  std::vector<WrittenField> written_;
 };
 
 template <typename Value, std::size_t kSize>

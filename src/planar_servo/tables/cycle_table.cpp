@@ -2,6 +2,7 @@
 
 #include "planar_servo/core/units.h"
 #include "planar_servo/io/columns.h"
+#include "planar_servo/tables/table_columns.h"
 
 namespace planar {
 namespace {
@@ -53,6 +54,10 @@ std::string cycle_line(const JudgedMove& move) {
 
 std::vector<JudgedMove> read_cycles(const std::filesystem::path& path) {
   return TableFile<JudgedMove>(path, cycle_schema()).any_rows(RowIds::kOwn);
+}
+
+std::vector<TableColumn> read_cycle_columns(const std::filesystem::path& path) {
+  return columns_in(path, cycle_schema());
 }
 
 }  // namespace planar

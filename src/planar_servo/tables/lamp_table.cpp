@@ -10,6 +10,7 @@
 #include "planar_servo/core/units.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/io/columns.h"
+#include "planar_servo/tables/table_columns.h"
 
 namespace planar {
 namespace {
@@ -136,6 +137,10 @@ std::vector<ReferenceLamp> read_reference_remarks(const std::filesystem::path& p
       lamps.push_back(lamp);
   }
   return lamps;
+}
+
+std::vector<TableColumn> read_lamp_columns(const std::filesystem::path& path) {
+  return columns_in(path, lamp_schema());
 }
 
 }  // namespace planar

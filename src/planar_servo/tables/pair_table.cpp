@@ -8,6 +8,7 @@
 namespace planar {
 namespace {
 
+#include "planar_servo/tables/table_columns.h"
 void list_lamps(Columns& columns, std::optional<std::array<Eigen::Vector2d, 2>>& lamps_B) {
   std::optional<Eigen::Vector2d> first, second;
   if (lamps_B) {
@@ -112,3 +113,15 @@ std::vector<ArmSampleRow> read_arm_samples(const std::filesystem::path& path) {
 }
 
 }  // namespace planar
+std::vector<TableColumn> read_pair_columns(const std::filesystem::path& path) {
+  return columns_in(path, pair_schema());
+}
+
+std::vector<TableColumn> read_lay_columns(const std::filesystem::path& path) {
+  return columns_in(path, lay_schema());
+}
+
+std::vector<TableColumn> read_arm_sample_columns(const std::filesystem::path& path) {
+  return columns_in(path, arm_sample_schema());
+}
+

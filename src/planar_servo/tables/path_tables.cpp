@@ -4,6 +4,7 @@
 #include "planar_servo/core/units.h"
 #include "planar_servo/io/columns.h"
 #include "planar_servo/tables/recording_tables.h"
+#include "planar_servo/tables/table_columns.h"
 
 namespace planar {
 namespace {
@@ -146,6 +147,18 @@ std::string path_results_header(const std::vector<std::string>& remarks) {
 
 std::string path_result_line(const PathSpeedResult& result) {
   return result_schema_of_paths().line(result);
+}
+
+std::vector<TableColumn> read_path_columns(const std::filesystem::path& path) {
+  return columns_in(path, path_schema());
+}
+
+std::vector<TableColumn> read_path_look_columns(const std::filesystem::path& path) {
+  return columns_in(path, look_schema());
+}
+
+std::vector<TableColumn> read_path_result_columns(const std::filesystem::path& path) {
+  return columns_in(path, result_schema_of_paths());
 }
 
 }  // namespace planar

@@ -7,6 +7,7 @@
 
 #include "planar_servo/core/units.h"
 #include "planar_servo/io/columns.h"
+#include "planar_servo/tables/table_columns.h"
 
 namespace planar {
 namespace {
@@ -123,6 +124,14 @@ void list_pulses(Columns& columns, Pulses& pulses) {
   columns.whole_number("m1_pulses", pulses[0]);
   columns.whole_number("m2_pulses", pulses[1]);
   columns.whole_number("m3_pulses", pulses[2]);
+}
+
+std::vector<TableColumn> read_plan_columns(const std::filesystem::path& path) {
+  return columns_in(path, plan_schema(0.0));
+}
+
+std::vector<TableColumn> read_frame_columns(const std::filesystem::path& path) {
+  return columns_in(path, frame_schema());
 }
 
 }  // namespace planar

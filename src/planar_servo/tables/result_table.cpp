@@ -6,6 +6,7 @@
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/io/columns.h"
 #include "planar_servo/tables/recording_tables.h"
+#include "planar_servo/tables/table_columns.h"
 
 namespace planar {
 namespace {
@@ -168,6 +169,14 @@ std::string step_line(const std::string& id, const ServoStep& step) {
 
 std::vector<StepError> read_step_errors(const std::filesystem::path& path) {
   return TableFile<StepError>(path, step_error_schema()).rows();
+}
+
+std::vector<TableColumn> read_result_columns(const std::filesystem::path& path) {
+  return columns_in(path, result_schema());
+}
+
+std::vector<TableColumn> read_step_columns(const std::filesystem::path& path) {
+  return columns_in(path, step_schema());
 }
 
 }  // namespace planar

@@ -5,6 +5,7 @@
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/io/columns.h"
+#include "planar_servo/tables/table_columns.h"
 
 namespace planar {
 namespace {
@@ -84,6 +85,10 @@ std::optional<TargetRow> TargetLines::next(const std::string& line, bool has_end
   table_.throw_if_faulty();
   taken_.insert(target.id);
   return target;
+}
+
+std::vector<TableColumn> read_target_columns(const std::filesystem::path& path) {
+  return columns_in(path, target_schema());
 }
 
 }  // namespace planar

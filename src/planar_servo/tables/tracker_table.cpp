@@ -7,6 +7,7 @@
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/io/columns.h"
+#include "planar_servo/tables/table_columns.h"
 
 namespace planar {
 namespace {
@@ -130,6 +131,10 @@ double TrackerLines::resolution() const {
     if (point != std::string_view::npos) decimals = std::max(decimals, text.size() - point - 1);
   }
   return dialect_.unit * std::pow(10.0, -static_cast<double>(decimals));
+}
+
+std::vector<TableColumn> read_tracker_columns(const std::filesystem::path& path) {
+  return columns_in(path, tracker_schema());
 }
 
 }  // namespace planar
