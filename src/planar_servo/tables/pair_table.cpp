@@ -4,11 +4,11 @@
 #include "planar_servo/core/units.h"
 #include "planar_servo/io/columns.h"
 #include "planar_servo/tables/recording_tables.h"
+#include "planar_servo/tables/table_columns.h"
 
 namespace planar {
 namespace {
 
-#include "planar_servo/tables/table_columns.h"
 void list_lamps(Columns& columns, std::optional<std::array<Eigen::Vector2d, 2>>& lamps_B) {
   std::optional<Eigen::Vector2d> first, second;
   if (lamps_B) {
@@ -112,7 +112,6 @@ std::vector<ArmSampleRow> read_arm_samples(const std::filesystem::path& path) {
   return TableFile<ArmSampleRow>(path, arm_sample_schema()).rows();
 }
 
-}  // namespace planar
 std::vector<TableColumn> read_pair_columns(const std::filesystem::path& path) {
   return columns_in(path, pair_schema());
 }
@@ -125,3 +124,4 @@ std::vector<TableColumn> read_arm_sample_columns(const std::filesystem::path& pa
   return columns_in(path, arm_sample_schema());
 }
 
+}  // namespace planar
