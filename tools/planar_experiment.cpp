@@ -25,9 +25,6 @@
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/plan/experiment_plan.h"
 #include "program.h"
-#ifdef PLANAR_MPI
-#include <mpi.h>
-#endif
 
 namespace planar {
 namespace {
@@ -45,39 +42,19 @@ const ProgramText kText{
   circle about     before *  paper's chain +  its gain    ours  our gain  paper: before ~  paper: after  paper: gain
   (-200, -200) mm     1.546            0.222    85.7 %  0.0048    99.7 %            1.504  0.185    87.7 %)"};
 
-/// Returns whether mpirun of Open MPI, or another one by PMI, started this process.
-bool started_by_mpirun() {
-  return std::getenv("OMPI_COMM_WORLD_SIZE") || std::getenv("PMI_SIZE");
+/// Returns the number that mpirun of Open MPI, or another one by PMI, gave to this process; null
+/// without mpirun. The number is all that a campaign needs of MPI.
+const char* rank_number() {
+  const char* number = std::getenv("OMPI_COMM_WORLD_RANK");
+  return number != nullptr ? number : std::getenv("PMI_RANK");
 }
-
-#ifdef PLANAR_MPI
-/// Returns the number of this rank.
-int join_ranks() {
-  int rank = 0;
-  if (MPI_Init(nullptr, nullptr) != MPI_SUCCESS ||
-      MPI_Comm_rank(MPI_COMM_WORLD, &rank) != MPI_SUCCESS)
-    throw WorkError("MPI could not be started");
-  return rank;
-}
-void leave_ranks() {
-  MPI_Finalize();
-}
-#else
-int join_ranks() {
-  throw InputError(Refusal{"mpirun started this program, which was built without MPI",
-                           "install libopenmpi-dev and build again, or leave out mpirun and say "
-                           "with --jobs how many processes share the work"});
-}
-void leave_ranks() {}
-#endif
 
 /// The processes that do a program's work together: the ranks that mpirun started, or else this
 /// process and copies of it. They find their shares by themselves; see Claims.
 class Crew {
  public:
   /// Becomes so many processes, by default as many as the machine has cores, unless mpirun started
-  /// several. Call it before threads are started. Throws InputError for a number beside mpirun, and
-  /// under mpirun when the program was built without MPI.
+  /// several. Call it before threads are started. Throws InputError for a number beside mpirun.
   explicit Crew(const std::optional<int>& processes);
   /// Waits for the others in the process that leads.
   ~Crew();
@@ -91,24 +68,22 @@ class Crew {
   void fork_copies(int count);
 
   bool leads_{true};
-  bool ranks_{false};
   std::vector<int> copies_;  ///< process ids
 };
 
 Crew::Crew(const std::optional<int>& processes) {
-  if (!started_by_mpirun()) {
+  const char* rank = rank_number();
+  if (rank == nullptr) {
     fork_copies(processes.value_or(std::max(1U, std::thread::hardware_concurrency())) - 1);
     return;
   }
   if (processes)
     throw InputError(
         Refusal{"--jobs does not go with mpirun, whose ranks share the work", "leave one out"});
-  leads_ = join_ranks() == 0;
-  ranks_ = true;
+  leads_ = std::string(rank) == "0";
 }
 
 Crew::~Crew() {
-  if (ranks_) leave_ranks();
   for (const int copy : copies_)
     while (waitpid(copy, nullptr, 0) < 0 && errno == EINTR) continue;
 }
@@ -134,7 +109,7 @@ void Crew::fork_copies(int count) {
 
 /// Throws InputError under mpirun: its ranks would all do the same work.
 void require_no_ranks() {
-  if (started_by_mpirun())
+  if (rank_number() != nullptr)
     throw InputError(Refusal{"mpirun shares the cells of --seeds N among its ranks",
                              "without --seeds leave it out"});
 }
