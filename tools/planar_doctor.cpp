@@ -1,7 +1,9 @@
 #include <fmt/format.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <string>
+#include <utility>
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/doctor/doctor.h"
@@ -65,7 +67,11 @@ Outcome work(const Options& options) {
   if (!options.sealed.empty()) return seal(options.sealed);
   if (options.cell.empty())
     throw InputError(Refusal{"--cell, --new or --seal is required", "--help explains each"});
-  const auto findings = examine_cell(options.cell);
+  auto findings = examine_cell(options.cell);
+  if (const char* folders = std::getenv("PATH"))
+    for (Finding& finding :
+         question_installations(std::filesystem::read_symlink("/proc/self/exe"), folders))
+      findings.push_back(std::move(finding));
   say("{}", findings_text(findings));
   return {findings_json(findings), is_sound(findings)};
 }

@@ -27,6 +27,11 @@ std::string findings_text(const std::vector<Finding>& findings);
 
 /// Returns the findings under the keys of --json.
 nlohmann::json findings_json(const std::vector<Finding>& findings);
+/// Doubts the programs of two installations, such as a Debian package beside what a checkout built.
+/// `own` is the file of the running program, without links; `folders` is the value of PATH.
+std::vector<Finding> question_installations(const std::filesystem::path& own,
+                                            const std::string& folders);
+
 
 /// Returns the words of the kinds of drives for which a cell file can be written.
 std::vector<std::string> new_cell_drives();
