@@ -7,6 +7,8 @@ target_compile_features(planar_options INTERFACE cxx_std_17)
 target_compile_options(planar_options INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Wnon-virtual-dtor
   -Woverloaded-virtual -Wold-style-cast -Werror -ffunction-sections -fdata-sections)
+# The Python module is a shared library of the rooms. Functions still call their neighbours directly.
+target_compile_options(planar_options INTERFACE -fPIC -fno-semantic-interposition)
 # GCC collects its garbage at 128 MB and so at almost every template: later, it compiles an eighth faster.
 target_compile_options(planar_options INTERFACE
   $<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-heapsize=524288;--param=ggc-min-expand=200>)

@@ -1,0 +1,183 @@
+#include "arrays.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "planar_servo/core/error.h"
+
+namespace planar::python {
+namespace {
+
+std::string shape_text(const py::array& array) {
+  std::string text;
+  for (py::ssize_t axis = 0; axis < array.ndim(); ++axis)
+    text += fmt::format("{}{}", axis == 0 ? "" : ", ", array.shape(axis));
+  return fmt::format("({}{})", text, array.ndim() == 1 ? "," : "");
+}
+
+std::string described(const py::array& array) {
+  return fmt::format("is an array of {} of shape {}", std::string(py::str(array.dtype())),
+                     shape_text(array));
+}
+
+/// Returns the argument as an array of doubles; `allowed` says what is.
+py::array_t<double> doubles_of(const char* argument, const py::object& value,
+                               const std::string& allowed) {
+  const Refusal refusal{
+      fmt::format("is of type {}", std::string(py::str(py::type::of(value).attr("__name__")))),
+      allowed, argument};
+  const py::array array = py::array::ensure(value);
+  if (!array) {
+    PyErr_Clear();
+    throw InputError(refusal);
+  }
+  const char kind = array.dtype().kind();
+  if (kind != 'f' && kind != 'i' && kind != 'u')
+    throw InputError({described(array), allowed, argument});
+  auto doubles = py::array_t<double, py::array::forcecast>::ensure(array);
+  if (!doubles) {
+    PyErr_Clear();
+    throw InputError(refusal);
+  }
+  return doubles;
+}
+
+void require_finite(const char* argument, const Eigen::Ref<const Eigen::MatrixXd>& values) {
+  for (Eigen::Index r = 0; r < values.rows(); ++r)
+    for (Eigen::Index c = 0; c < values.cols(); ++c)
+      if (!std::isfinite(values(r, c)))
+        throw InputError(
+            {fmt::format("has {} in row {}, column {} (both from 0)", values(r, c), r, c),
+             "finite numbers are needed", argument});
+}
+
+}  // namespace
+
+Rows rows_of(const char* argument, const py::object& value, Eigen::Index columns) {
+  const std::string allowed =
+      fmt::format("numbers of shape (N, {}), or ({},) for one, are needed", columns, columns);
+  const py::array_t<double> array = doubles_of(argument, value, allowed);
+  const py::ssize_t dimensions = array.ndim();
+  if ((dimensions != 1 && dimensions != 2) || array.shape(dimensions - 1) != columns)
+    throw InputError({described(array), allowed, argument});
+  Rows rows;
+  rows.is_single = dimensions == 1;
+  rows.values.resize(rows.is_single ? 1 : array.shape(0), columns);
+  for (Eigen::Index r = 0; r < rows.values.rows(); ++r)
+    for (Eigen::Index c = 0; c < columns; ++c)
+      rows.values(r, c) = rows.is_single ? array.at(c) : array.at(r, c);
+  require_finite(argument, rows.values);
+  return rows;
+}
+
+Eigen::VectorXd vector_of(const char* argument, const py::object& value, Eigen::Index size) {
+  const std::string allowed = fmt::format("numbers of shape ({},) are needed", size);
+  const py::array_t<double> array = doubles_of(argument, value, allowed);
+  if (array.ndim() != 1 || array.shape(0) != size)
+    throw InputError({described(array), allowed, argument});
+  Eigen::VectorXd values(size);
+  for (Eigen::Index i = 0; i < size; ++i) values[i] = array.at(i);
+  require_finite(argument, values);
+  return values;
+}
+
+Eigen::VectorXd numbers_of(const char* argument, const py::object& value, Eigen::Index count) {
+  const std::string allowed = fmt::format("a number, or numbers of shape ({},), are needed", count);
+  const py::array_t<double> array = doubles_of(argument, value, allowed);
+  if (array.ndim() > 1 || (array.ndim() == 1 && array.shape(0) != count))
+    throw InputError({described(array), allowed, argument});
+  Eigen::VectorXd values(count);
+  for (Eigen::Index i = 0; i < count; ++i)
+    values[i] = array.ndim() == 0 ? *array.data() : array.at(i);
+  require_finite(argument, values);
+  return values;
+}
+
+Eigen::MatrixXd matrix_of(const char* argument, const py::object& value, Eigen::Index rows,
+                          Eigen::Index columns) {
+  const std::string allowed = fmt::format("numbers of shape ({}, {}) are needed", rows, columns);
+  const py::array_t<double> array = doubles_of(argument, value, allowed);
+  if (array.ndim() != 2 || array.shape(0) != rows || array.shape(1) != columns)
+    throw InputError({described(array), allowed, argument});
+  Eigen::MatrixXd values(rows, columns);
+  for (Eigen::Index r = 0; r < rows; ++r)
+    for (Eigen::Index c = 0; c < columns; ++c) values(r, c) = array.at(r, c);
+  require_finite(argument, values);
+  return values;
+}
+
+std::vector<Eigen::Vector2d> points_of(const char* argument, const py::object& value) {
+  const Rows rows = rows_of(argument, value, 2);
+  std::vector<Eigen::Vector2d> points;
+  points.reserve(static_cast<std::size_t>(rows.count()));
+  for (Eigen::Index i = 0; i < rows.count(); ++i) points.emplace_back(rows.values.row(i));
+  return points;
+}
+
+cv::Mat image_of(const char* argument, const py::object& value) {
+  constexpr py::ssize_t kLongestSide = 100000;
+  const std::string allowed =
+      "a grey picture is needed: uint8 of shape (rows, columns), each side from 1 to 100000, with "
+      "the pixels of a row side by side (numpy.ascontiguousarray makes them so)";
+  if (!py::isinstance<py::array>(value))
+    throw InputError(
+        {fmt::format("is of type {}", std::string(py::str(py::type::of(value).attr("__name__")))),
+         allowed, argument});
+  const auto array = py::reinterpret_borrow<py::array>(value);
+  const bool is_grey =
+      array.dtype().kind() == 'u' && array.dtype().itemsize() == 1 && array.ndim() == 2;
+  if (!is_grey || array.shape(0) < 1 || array.shape(1) < 1 || array.shape(0) > kLongestSide ||
+      array.shape(1) > kLongestSide)
+    throw InputError({described(array), allowed, argument});
+  if ((array.shape(1) > 1 && array.strides(1) != 1) || array.strides(0) < array.shape(1))
+    throw InputError({fmt::format("{} with strides ({}, {})", described(array), array.strides(0),
+                                  array.strides(1)),
+                      allowed, argument});
+  // A picture that is only read: OpenCV has no constant matrix.
+  return {static_cast<int>(array.shape(0)), static_cast<int>(array.shape(1)), CV_8UC1,
+          const_cast<void*>(array.data()), static_cast<std::size_t>(array.strides(0))};
+}
+
+double finite(const char* argument, double value) {
+  if (!std::isfinite(value))
+    throw InputError({fmt::format("is {}", value), "a finite number is needed", argument});
+  return value;
+}
+
+Results::Results(const Rows& rows, std::initializer_list<py::ssize_t> shape)
+    : size_(1), is_single_(rows.is_single) {
+  std::vector<py::ssize_t> whole{rows.count()};
+  for (const py::ssize_t length : shape) {
+    whole.push_back(length);
+    size_ *= length;
+  }
+  array_ = py::array_t<double>(whole);
+  data_ = array_.mutable_data();
+}
+
+void Results::clear(py::ssize_t i) {
+  std::fill_n(at(i), size_, std::numeric_limits<double>::quiet_NaN());
+}
+
+py::object Results::result() const {
+  return is_single_ ? py::object(array_[py::int_(0)]) : py::object(array_);
+}
+
+py::array_t<double> array_from(const std::vector<Eigen::Vector2d>& points) {
+  py::array_t<double> array({static_cast<py::ssize_t>(points.size()), py::ssize_t{2}});
+  for (std::size_t i = 0; i < points.size(); ++i)
+    for (Eigen::Index c = 0; c < 2; ++c)
+      array.mutable_at(static_cast<py::ssize_t>(i), c) = points[i][c];
+  return array;
+}
+
+void refuse_word(const char* argument, const std::string& word,
+                 const std::vector<std::string>& allowed) {
+  throw InputError({fmt::format("is '{}'", word),
+                    fmt::format("allowed are {}", fmt::join(allowed, ", ")), argument});
+}
+
+}  // namespace planar::python

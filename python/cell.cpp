@@ -1,0 +1,317 @@
+#include <pybind11/functional.h>
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include <atomic>
+#include <memory>
+#include <optional>
+#include <variant>
+
+#include "arrays.h"
+#include "bindings.h"
+#include "planar_servo/core/error.h"
+#include "planar_servo/files/vision_files.h"
+#include "planar_servo/machine/cell_devices.h"
+#include "planar_servo/machine/device_kinds.h"
+#include "planar_servo/run/ready_cell.h"
+#include "planar_servo/run/servo_report.h"
+#include "planar_servo/run/servo_run.h"
+
+namespace planar::python {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Stops the arm once Python has a signal, such as Ctrl-C, or somebody asks for it. A signal's
+/// exception is kept until the motion has ended. Only Python's main thread sees signals.
+class Stop {
+ public:
+  bool asked() {
+    if (is_asked_ || interruption_) return true;
+    const py::gil_scoped_acquire lock;
+    if (PyErr_CheckSignals() == 0) return false;
+    interruption_.emplace();
+    return true;
+  }
+  void ask() { is_asked_ = true; }
+  /// Calls `work` while Python runs on. Throws the signal's exception in place of what became of a
+  /// work that it stopped.
+  template <typename Work>
+  auto during(const Work& work) -> decltype(work()) {
+    is_asked_ = false;
+    interruption_.reset();
+    try {
+      const py::gil_scoped_release release;
+      return work();
+    } catch (...) {
+      if (!interruption_) throw;
+    }
+    throw py::error_already_set(*interruption_);
+  }
+
+ private:
+  std::atomic<bool> is_asked_{false};
+  std::optional<py::error_already_set> interruption_;
+};
+
+using OnStep = std::optional<std::function<void(const ServoStep&)>>;
+
+/// Calls back into Python with each step.
+PositionServo::Observer observer_of(const OnStep& on_step) {
+  if (!on_step) return {};
+  return [&call = *on_step](const ServoStep& step) {
+    const py::gil_scoped_acquire lock;
+    call(step);
+  };
+}
+
+/// A cell that is opened for motion. One thread at a time may work with it.
+class Cell {
+ public:
+  Cell(const fs::path& path, bool use_error_map, bool accept_stale, bool accept_map,
+       bool check_health, const MayHome& may_home) {
+    const py::gil_scoped_release release;
+    request_.cell = read_cell(path);
+    request_.center = request_.cell.lamps.method;
+    request_.use_error_map = use_error_map;
+    request_.accept_stale = accept_stale;
+    request_.accept_map = accept_map;
+    request_.check_health = check_health;
+    request_.may_home = may_home;
+    request_.stop = [this] { return stop_.asked(); };
+    require_devices(request_.cell);
+    read_vision(request_.cell, use_error_map);  // before a device is opened
+    devices_ = open_cell(request_.cell);
+  }
+  Cell(const Cell&) = delete;
+  Cell& operator=(const Cell&) = delete;
+  ~Cell() { shut(); }
+
+  ServoResult move_to(const py::object& p, const std::optional<double>& phi,
+                      const OnStep& on_step) {
+    const Eigen::VectorXd place = vector_of("p", p, 2);
+    const double turn = phi ? finite("phi", *phi) : request_.cell.tool_orientation;
+    return work([&] {
+      ReadyCell& cell = ready();
+      if (const auto unwell = cell.examine_if_due(); unwell && !unwell->empty())
+        throw WorkError(*unwell);
+      int recoveries_left = ReadyCell::kMaxDriveRecoveries;
+      const ServoResult result = cell.with_drives("move_to", recoveries_left, [&] {
+        return cell.servo().move_to({place, turn}, observer_of(on_step));
+      });
+      cell.keep_lessons_if_due();
+      return result;
+    });
+  }
+
+  /// Moves to the targets of a table as planar-servo does, with its files.
+  py::dict run(const fs::path& targets, const fs::path& out, bool resume, const OnStep& on_step) {
+    const ServoFigures figures = work([&] {
+      ready_.reset();  // the run makes its own
+      ServoRequest request = request_;
+      request.out = out;
+      request.resume = resume;
+      request.learns = request.cell.servo.learns;
+      const auto show = observer_of(on_step);
+      ServoRun run(request, *devices_, [&](const ServoSight& sight) {
+        if (show) show(sight.step);
+      });
+      run_servo(run, read_targets(targets));
+      run.finish();
+      ServoFigures found = figures_of(run.results());
+      write_run(request, run, found, targets);
+      return found;
+    });
+    py::dict told;
+    told["targets"] = figures.targets;
+    told["reached"] = figures.reached;
+    told["iterations_median"] = figures.iterations_median;
+    told["seconds_per_target"] = figures.seconds_per_target;
+    return told;
+  }
+
+  py::array_t<std::uint8_t> picture() {
+    const Frame frame = work([&] {
+      devices_->camera().set_region(cv::Rect({}, devices_->camera().sensor_size_px()));
+      FrameResult result = devices_->camera().next_frame();
+      if (result.status != FrameStatus::kOk)
+        throw WorkError(std::string("the camera gave no picture: ") + name(result.status));
+      ready_.reset();  // its sensor knows another region
+      return result.frame;
+    });
+    const cv::Mat& image = frame.image;
+    auto* const held = new cv::Mat(image);
+    const py::capsule owner(held, [](void* mat) { delete static_cast<cv::Mat*>(mat); });
+    return {{image.rows, image.cols},
+            {static_cast<py::ssize_t>(image.step[0]), py::ssize_t{1}},
+            held->data,
+            owner};
+  }
+
+  py::object joints() {
+    return array_from(work([&] { return Eigen::Vector3d(ready().robot().commanded_joints()); }));
+  }
+
+  py::object true_position() {
+    const auto p = work([&]() -> std::optional<Eigen::Vector2d> {
+      const auto truth = devices_->truth();
+      return truth ? truth->judge("", {}).p : std::nullopt;
+    });
+    return p ? py::object(array_from(*p)) : py::none();
+  }
+
+  void stop() { stop_.ask(); }
+  void close() {
+    work([&] { shut(); });
+  }
+  bool is_open() const { return is_open_; }
+  std::string file() const { return request_.cell.file.string(); }
+
+ private:
+  /// Works with the devices; refuses a closed cell, and a second thread or a callback.
+  template <typename Work>
+  auto work(const Work& work) -> decltype(work()) {
+    if (is_busy_.exchange(true))
+      throw WorkError(Refusal{"the cell is at work in another call",
+                              "wait for its end, or stop() it; on_step must not move the cell"});
+    struct Idle {
+      std::atomic<bool>& is_busy;
+      ~Idle() { is_busy = false; }
+    } const idle{is_busy_};
+    if (!devices_) throw InputError(Refusal{"the cell is closed", "open it again by Cell(path)"});
+    return stop_.during(work);
+  }
+
+  ReadyCell& ready() {
+    if (!ready_) {
+      ready_ = std::make_unique<ReadyCell>(request_, *devices_);
+      ready_->switch_on();
+    }
+    return *ready_;
+  }
+
+  /// Halts and closes what is open. Threads of the devices may want to log meanwhile.
+  void shut() {
+    const auto close = [&] {
+      ready_.reset();
+      devices_.reset();
+      is_open_ = false;
+    };
+    if (!PyGILState_Check()) return close();
+    const py::gil_scoped_release release;
+    close();
+  }
+
+  ServoRequest request_;
+  Stop stop_;
+  std::atomic<bool> is_busy_{false}, is_open_{true};
+  std::unique_ptr<CellDevices> devices_;
+  std::unique_ptr<ReadyCell> ready_;
+};
+
+std::unique_ptr<Cell> open(const fs::path& path, bool use_error_map, bool accept_stale,
+                           bool accept_map, bool check_health, bool home, bool at_marks) {
+  const MayHome may_home = [=](Homing way, const std::string&) {
+    return way == Homing::kSearch ? home : at_marks;
+  };
+  return std::make_unique<Cell>(path, use_error_map, accept_stale, accept_map, check_health,
+                                may_home);
+}
+
+py::object place_or_none(const ServoStep& step, const Eigen::Vector2d& value) {
+  return step.measurement.ok() ? py::object(array_from(value)) : py::none();
+}
+
+void bind_steps(py::module_& m) {
+  py::class_<ServoStep>(m, "Step", "One look at the tool at rest. Base frame, metres and radians.")
+      .def_readonly("iteration", &ServoStep::iteration, "Corrections made before.")
+      .def_property_readonly(
+          "status", [](const ServoStep& s) { return s.measurement.word; },
+          "'ok', or what is missing.")
+      .def_property_readonly("t_s", [](const ServoStep& s) { return s.measurement.t_s; })
+      .def_property_readonly("target", [](const ServoStep& s) { return array_from(s.target.p); })
+      .def_property_readonly(
+          "p", [](const ServoStep& s) { return place_or_none(s, s.measurement.tip.p); },
+          "(2,): the end point by this look, compensated; None where it was not seen.")
+      .def_property_readonly(
+          "p_believed", [](const ServoStep& s) { return place_or_none(s, s.believed_p()); },
+          "(2,): where all looks together place it; None where it was not seen.")
+      .def_property_readonly(
+          "error", [](const ServoStep& s) { return place_or_none(s, s.error); },
+          "(2,): target minus p; None where it was not seen.")
+      .def_property_readonly(
+          "correction",
+          [](const ServoStep& s) { return place_or_none(s, s.measurement.correction); },
+          "(2,): the vision error that was taken off; None where it was not seen.")
+      .def_property_readonly("uncertainty", &ServoStep::uncertainty_m,
+                             "Standard deviation of p_believed per axis.")
+      .def_readonly("stop_below", &ServoStep::stop_below_m)
+      .def_property_readonly(
+          "lamps_px",
+          [](const ServoStep& s) {
+            Eigen::Matrix2d rows;
+            rows << s.measurement.lamps_px[0].transpose(), s.measurement.lamps_px[1].transpose();
+            return array_from(rows);
+          },
+          "(2, 2): a row for each lamp, pixels of the whole sensor.")
+      .def_property_readonly(
+          "joints", [](const ServoStep& s) { return array_from(s.theta_c); },
+          "(3,): commanded joints.");
+  py::class_<ServoResult>(m, "Move", "How the way to one target went.")
+      .def_property_readonly(
+          "status", [](const ServoResult& r) { return name(r.status); },
+          "'reached', or why not: see doc/positioning.md.")
+      .def_property_readonly("reached",
+                             [](const ServoResult& r) { return r.status == ServoStatus::kReached; })
+      .def_readonly("reason", &ServoResult::reason, "In words; empty when it was reached.")
+      .def_readonly("iterations", &ServoResult::iterations)
+      .def_readonly("duration_s", &ServoResult::duration_s)
+      .def_readonly("steps", &ServoResult::steps)
+      .def("__repr__", [](const ServoResult& r) {
+        return "<Move " + std::string(name(r.status)) + " after " + std::to_string(r.iterations) +
+               " corrections>";
+      });
+}
+
+}  // namespace
+
+void bind_cell(py::module_& m) {
+  bind_steps(m);
+  py::class_<Cell>(
+      m, "Cell",
+      "A calibrated cell, virtual or real, opened for motion. Ctrl-C brings the arm to "
+      "rest and raises KeyboardInterrupt. One thread at a time may work with it.")
+      .def(py::init(&open), py::arg("path"), py::kw_only(), py::arg("use_error_map") = true,
+           py::arg("accept_stale") = false, py::arg("accept_map") = false,
+           py::arg("check_health") = true, py::arg("home") = false, py::arg("at_marks") = false,
+           "Reads the cell file and all that it names, and opens the devices; nothing moves. The "
+           "options are those of planar-servo. home lets drives search their home switch, at_marks "
+           "says that motors without one stand at their marks.")
+      .def(
+          "move_to", &Cell::move_to, py::arg("p"), py::arg("phi") = py::none(), py::kw_only(),
+          py::arg("on_step") = py::none(),
+          "Moves the end point to p (2,), metres, base frame, with the tool along phi (radians; by "
+          "default that of the cell). on_step(step) is called while the arm rests. A target that "
+          "is not reached has its status; WorkError means that a device failed or the cell is not "
+          "well.")
+      .def("run", &Cell::run, py::arg("targets"), py::arg("out"), py::kw_only(),
+           py::arg("resume") = false, py::arg("on_step") = py::none(),
+           "Moves to the targets of a table and writes steps.csv, results.csv, run.yaml and "
+           "report.html to out, as planar-servo does. Returns its figures.")
+      .def("picture", &Cell::picture, "Returns the whole sensor's next picture, uint8.")
+      .def_property_readonly("joints", &Cell::joints,
+                             "(3,): the commanded joints, radians. Switches the drives on.")
+      .def("true_position", &Cell::true_position,
+           "Returns the true end point (2,) of a virtual cell, None of a real one; to judge only.")
+      .def("stop", &Cell::stop, "Brings the arm to rest; call it from another thread.")
+      .def("close", &Cell::close, "Closes the devices.")
+      .def_property_readonly("is_open", &Cell::is_open)
+      .def_property_readonly("path", &Cell::file)
+      .def(
+          "__enter__", [](Cell& cell) -> Cell& { return cell; }, py::return_value_policy::reference)
+      .def("__exit__", [](Cell& cell, const py::args&) {
+        if (cell.is_open()) cell.close();
+      });
+}
+
+}  // namespace planar::python

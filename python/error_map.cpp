@@ -1,0 +1,266 @@
+#include "planar_servo/error_map/error_map.h"
+
+#include <pybind11/functional.h>
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include <optional>
+
+#include "arrays.h"
+#include "bindings.h"
+#include "planar_servo/core/error.h"
+#include "planar_servo/error_map/fit_error_map.h"
+#include "planar_servo/field/lamp_field.h"
+#include "planar_servo/files/map_file.h"
+#include "planar_servo/files/vision_files.h"
+#include "planar_servo/io/atomic_file.h"
+#include "planar_servo/machine/device_kinds.h"
+#include "planar_servo/offline/map/learn_lamp_field.h"
+
+namespace planar::python {
+namespace {
+
+constexpr char kProgram[] = "planar_servo";
+
+/// A map as Python holds it; pybind11 would take a std::variant apart.
+struct HeldMap {
+  ErrorMap map;
+};
+
+std::optional<Eigen::VectorXd> optional_numbers(const char* argument, const py::object& value,
+                                                Eigen::Index count) {
+  if (value.is_none()) return std::nullopt;
+  return numbers_of(argument, value, count);
+}
+
+const ValidRegion& region_of(const ErrorMap& map) {
+  if (const auto* idw = std::get_if<IdwMap>(&map)) return idw->region;
+  if (const auto* rbf = std::get_if<RbfMap>(&map)) return rbf->parameters().region;
+  return std::get<SparseRbfMap>(map).parameters().region;
+}
+
+/// Predicts at every place, within the rules that predict() has for the direction.
+py::object predict_places(const HeldMap& held, const py::object& p_vision, const py::object& phi) {
+  const ErrorMap& map = held.map;
+  const Rows places = rows_of("p_vision", p_vision, 2);
+  const auto directions = optional_numbers("phi", phi, places.count());
+  if (!directions && depends_on_direction(map))
+    throw InputError({"is missing", "this map needs the tool's direction, radians", "phi"});
+  Results errors(places, {2}), sigmas(places, {});
+  py::array_t<bool> inside(places.count());
+  bool* const is_inside = inside.mutable_data();
+  {
+    const py::gil_scoped_release release;
+    for (py::ssize_t i = 0; i < places.count(); ++i) {
+      const Eigen::Vector2d p = places.values.row(i);
+      const ErrorPrediction found =
+          predict(map, p, directions ? std::optional((*directions)[i]) : std::nullopt);
+      errors.set(i, found.error);
+      *sigmas.at(i) = found.sigma;
+      is_inside[i] = found.inside;
+    }
+  }
+  return py::make_tuple(errors.result(), sigmas.result(),
+                        places.is_single ? py::object(inside[py::int_(0)]) : py::object(inside));
+}
+
+std::vector<ErrorSample> samples_of(const py::object& p_vision, const py::object& p_reference,
+                                    const py::object& sigma, const py::object& phi,
+                                    const std::optional<std::vector<std::string>>& ids,
+                                    const std::optional<std::vector<std::string>>& places) {
+  const Rows seen = rows_of("p_vision", p_vision, 2),
+             reference = rows_of("p_reference", p_reference, 2);
+  const auto count = static_cast<std::size_t>(seen.count());
+  const auto check = [&](const char* argument, std::size_t size) {
+    if (size != count)
+      throw InputError({"has " + std::to_string(size) + " entries",
+                        "as many as p_vision are needed: " + std::to_string(count), argument});
+  };
+  check("p_reference", static_cast<std::size_t>(reference.count()));
+  if (ids) check("ids", ids->size());
+  if (places) check("places", places->size());
+  const auto sigmas = optional_numbers("sigma", sigma, seen.count());
+  const auto directions = optional_numbers("phi", phi, seen.count());
+  std::vector<ErrorSample> samples(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    samples[i].id = ids ? (*ids)[i] : std::to_string(i);
+    samples[i].p_vision = seen.values.row(row);
+    samples[i].error = (seen.values.row(row) - reference.values.row(row)).transpose();
+    if (sigmas) samples[i].sigma = (*sigmas)[row];
+    if (directions) samples[i].phi = (*directions)[row];
+    if (places) samples[i].place = (*places)[i];
+  }
+  return samples;
+}
+
+MapResult fit(const py::object& p_vision, const py::object& p_reference, const std::string& method,
+              double hand_width, const py::object& sigma, const py::object& phi,
+              const std::optional<std::vector<std::string>>& ids,
+              const std::optional<std::vector<std::string>>& places) {
+  MapProblem problem;
+  problem.samples = samples_of(p_vision, p_reference, sigma, phi, ids, places);
+  problem.method = value_of("method", method, kMapMethods);
+  problem.hand_width = finite("hand_width", hand_width);
+  const py::gil_scoped_release release;
+  return fit_error_map(problem);
+}
+
+py::list rejected_of(const MapResult& result) {
+  py::list rejected;
+  for (const RejectedSample& sample : result.rejected)
+    rejected.append(py::make_tuple(sample.index, sample.id, sample.residual, sample.reason));
+  return rejected;
+}
+
+void bind_fit(py::module_& m) {
+  py::class_<MapResult>(m, "MapFit",
+                        "A fitted map with its figures, metres. Samples of one place are left out "
+                        "together.")
+      .def_property_readonly("map", [](const MapResult& r) { return HeldMap{r.map}; })
+      .def_readonly("n_used", &MapResult::n_used)
+      .def_readonly("n_places", &MapResult::n_places)
+      .def_readonly("raw_rms", &MapResult::raw_rms, "rms of |error| of the samples.")
+      .def_readonly("loo_rms", &MapResult::loo_rms, "rms of what is left at places left out.")
+      .def_property_readonly("gain", &MapResult::gain, "1 - loo_rms / raw_rms.")
+      .def_readonly("noise_sigma", &MapResult::noise_sigma, "Per axis; NaN where there is none.")
+      .def_readonly("worth_using", &MapResult::worth_using)
+      .def_readonly("coverage_95", &MapResult::coverage_95)
+      .def_property_readonly("rejected", &rejected_of,
+                             "List of (index, id, residual in metres, reason).")
+      .def_property_readonly(
+          "positions",
+          [](const MapResult& r) {
+            return array_from(Eigen::MatrixXd(r.at_places.positions.transpose()));
+          },
+          "(N, 2): the places that it was fitted to.")
+      .def_property_readonly(
+          "residuals",
+          [](const MapResult& r) {
+            return array_from(Eigen::MatrixXd(r.at_places.residuals.transpose()));
+          },
+          "(N, 2): what is left at each place when it is left out.")
+      .def(
+          "write",
+          [](const MapResult& r, const std::filesystem::path& path,
+             const std::filesystem::path& pairs) {
+            write_file(path, map_text(r, pairs, kProgram));
+          },
+          py::arg("path"), py::arg("pairs"),
+          "Writes map.yaml; pairs is the table that it was made from, whose name and SHA-256 it "
+          "keeps.");
+  m.def("fit_error_map", &fit, py::arg("p_vision"), py::arg("p_reference"), py::kw_only(),
+        py::arg("method") = "auto", py::arg("hand_width") = 0.0, py::arg("sigma") = py::none(),
+        py::arg("phi") = py::none(), py::arg("ids") = py::none(), py::arg("places") = py::none(),
+        "Fits a map of the vision error p_vision - p_reference, both (N, 2), base frame, metres. "
+        "method: 'auto', 'rbf', 'idw' or 'hand' with hand_width in metres. sigma, per axis of the "
+        "error, and phi, the tool's direction in radians: (N,) or one number. Samples that share a "
+        "name in places are one place. Raises InputError for samples that no camera makes, "
+        "WorkError where the equations cannot be solved.");
+}
+
+/// Compensates the tool's end point where the field sees its lamps.
+py::object compensate_places(const LampField& field, const py::object& lamps_B) {
+  const Rows lamps = rows_of("lamps_B", lamps_B, 4);
+  Results tips(lamps, {3}), covariances(lamps, {2, 2});
+  py::array_t<bool> inside(lamps.count());
+  bool* const is_inside = inside.mutable_data();
+  {
+    const py::gil_scoped_release release;
+    for (py::ssize_t i = 0; i < lamps.count(); ++i) {
+      const Eigen::Vector4d row = lamps.values.row(i);
+      if (row.head<2>() == row.tail<2>()) {
+        tips.clear(i), covariances.clear(i), is_inside[i] = false;
+        continue;
+      }
+      const CompensatedTip found = compensate(field, {row.head<2>(), row.tail<2>()});
+      tips.set(i, Eigen::Vector3d(found.tip.p.x(), found.tip.p.y(), found.tip.phi));
+      covariances.set(i, found.covariance);
+      is_inside[i] = found.inside;
+    }
+  }
+  return py::make_tuple(tips.result(), covariances.result(),
+                        lamps.is_single ? py::object(inside[py::int_(0)]) : py::object(inside));
+}
+
+py::object region_corners(const ValidRegion& region) {
+  return array_from(region.hull);
+}
+
+void bind_field(py::module_& m) {
+  py::class_<LampField>(m, "LampField",
+                        "The vision error at each lamp, with the tool found together with it.")
+      .def("compensate", &compensate_places, py::arg("lamps_B"),
+           "Takes the error off lamps seen at lamps_B (N, 4): x1, y1, x2, y2 on the plane, base "
+           "frame, metres. Returns the end points with their directions (N, 3), metres and "
+           "radians, their covariances (N, 2, 2) and whether the field is valid there (N,). NaN "
+           "where both lamps are in one place.")
+      .def_property_readonly(
+          "hull", [](const LampField& f) { return region_corners(f.region); },
+          "(M, 2): corners of the valid region, counterclockwise, metres.")
+      .def_property_readonly("margin", [](const LampField& f) { return f.region.margin; });
+  py::class_<LampFieldFit>(m, "LampFieldFit", "A lamp field with the arm found together with it.")
+      .def_readonly("field", &LampFieldFit::field)
+      .def_readonly("arm", &LampFieldFit::arm)
+      .def_readonly("n_readings", &LampFieldFit::n_readings)
+      .def_readonly("n_unattended", &LampFieldFit::n_unattended)
+      .def_readonly("left_out", &LampFieldFit::left_out)
+      .def_readonly("noise_sigma", &LampFieldFit::noise_sigma)
+      .def_readonly("landing_sigma", &LampFieldFit::landing_sigma);
+  m.def(
+      "fit_lamp_field",
+      [](const std::filesystem::path& cell_path, const std::filesystem::path& pairs,
+         const std::optional<std::filesystem::path>& lays,
+         const std::optional<std::filesystem::path>& map,
+         const std::optional<std::filesystem::path>& arm) {
+        const py::gil_scoped_release release;
+        const CellSettings cell = read_cell(cell_path);
+        LampFieldFiles files;
+        files.pairs = pairs;
+        files.lays = lays.value_or("");
+        files.map = map.value_or("");
+        files.arm = arm.value_or("");
+        LampFieldFit fitted = learn_lamp_field(files, cell, read_vision(cell, false));
+        if (map) write_lamp_field(files, fitted, cell, kProgram);
+        return fitted;
+      },
+      py::arg("cell"), py::arg("pairs"), py::kw_only(), py::arg("lays") = py::none(),
+      py::arg("map") = py::none(), py::arg("arm") = py::none(),
+      "Fits the field at the lamps together with the arm of a cell to its pairs.csv and, if any, "
+      "its lays.csv. map and arm are files to write.");
+}
+
+}  // namespace
+
+void bind_error_map(py::module_& m) {
+  py::class_<HeldMap>(m, "ErrorMap", "A map of the vision error over the base plane.")
+      .def_property_readonly("kind", [](const HeldMap& held) { return name(kind_of(held.map)); })
+      .def("predict", &predict_places, py::arg("p_vision"), py::arg("phi") = py::none(),
+           "Predicts at places (N, 2) as vision saw them, base frame, metres. Returns the errors "
+           "(N, 2), their standard deviations per axis (N,), metres, NaN where the method has "
+           "none, and whether each place is in the valid region (N,). phi, radians, (N,) or one "
+           "number, is needed by a map that depends on the tool's direction.")
+      .def_property_readonly(
+          "noise_sigma", [](const HeldMap& held) { return noise_sigma(held.map); },
+          "Per axis, metres; NaN without.")
+      .def_property_readonly("depends_on_direction",
+                             [](const HeldMap& held) { return depends_on_direction(held.map); })
+      .def_property_readonly(
+          "hull", [](const HeldMap& held) { return region_corners(region_of(held.map)); },
+          "(M, 2): corners of the pairs' hull, counterclockwise, metres.")
+      .def_property_readonly(
+          "margin", [](const HeldMap& held) { return region_of(held.map).margin; },
+          "The valid region reaches so far beyond the hull, metres.");
+  bind_fit(m);
+  bind_field(m);
+  m.def(
+      "read_map",
+      [](const std::filesystem::path& path) -> py::object {
+        VisionErrorMap map = read_map(path).map;
+        if (auto* field = std::get_if<LampField>(&map)) return py::cast(std::move(*field));
+        return py::cast(HeldMap{std::get<ErrorMap>(std::move(map))});
+      },
+      py::arg("path"), "Reads map.yaml: an ErrorMap or a LampField.");
+}
+
+}  // namespace planar::python

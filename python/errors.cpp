@@ -1,0 +1,44 @@
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <exception>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "bindings.h"
+#include "planar_servo/core/error.h"
+
+namespace planar::python {
+namespace {
+
+namespace py = pybind11;
+
+void raise(const char* kind, const std::string& message, const std::vector<Refusal>& refusals) {
+  std::vector<std::tuple<std::string, std::string, std::string>> told;
+  told.reserve(refusals.size());
+  for (const Refusal& refusal : refusals)
+    told.emplace_back(refusal.fault, refusal.remedy, refusal.where);
+  const py::object type = py::module_::import("planar_servo._errors").attr(kind);
+  PyErr_SetObject(type.ptr(), type(message, told).ptr());
+}
+
+}  // namespace
+
+void translate_errors() {
+  py::register_exception_translator([](std::exception_ptr thrown) {
+    try {
+      if (thrown) std::rethrow_exception(thrown);
+    } catch (const InputError& error) {
+      raise("InputError", error.what(), error.refusals());
+    } catch (const WorkError& error) {
+      raise("WorkError", error.what(), {error.refusal()});
+    } catch (const std::invalid_argument& error) {
+      raise("InputError", error.what(), {Refusal{error.what()}});
+    } catch (const std::out_of_range& error) {
+      raise("InputError", error.what(), {Refusal{error.what()}});
+    }
+  });
+}
+
+}  // namespace planar::python

@@ -1,0 +1,15 @@
+#include "bindings.h"
+
+PYBIND11_MODULE(_core, module) {
+  using namespace planar::python;
+  module.attr("__version__") = PLANAR_VERSION;
+  translate_errors();
+  bind_logging(module);
+  bind_lens(module);
+  bind_lamps(module);
+  bind_arm(module);
+  bind_error_map(module);
+  bind_files(module);
+  bind_calibration(module);
+  bind_cell(module);
+}
