@@ -57,7 +57,7 @@ TEST_CASE("The stated interval is compared with the truth, component by componen
   a.vision_compensated = Eigen::Vector2d(1.9e-6, -1.9e-6);
   b.vision_compensated = Eigen::Vector2d(-2.1e-6, 0.0);
   const ServoFigures figures = figures_of({a, b});
-  CHECK(figures.coverage_95 == 0.75);
+  CHECK(figures.coverage_95->share() == 0.75);
   CHECK(servo_list(figures).json()["coverage_95_truth"] == 0.75);
   CHECK_THAT(servo_list(figures).text(), Catch::Contains("75.0 % of the components"));
 }
@@ -67,8 +67,7 @@ TEST_CASE("The interval is that of the place that the servo believed in, where i
   a.uncertainty_m = 1e-6;
   a.vision_compensated = Eigen::Vector2d(9e-6, 9e-6);
   a.believed = Eigen::Vector2d(0.5e-6, 9e-6);
-  CHECK(figures_of({a}).coverage_95 == 0.5);
-  CHECK_THAT(landing_words(figures_of({a})), Catch::Contains("intervals are too narrow"));
+  CHECK(figures_of({a}).coverage_95->share() == 0.5);
   a.believed = a.vision_compensated = std::nullopt;
   CHECK_THAT(landing_words(figures_of({a})), !Catch::Contains("intervals"));
 }
@@ -139,15 +138,30 @@ TEST_CASE("Where a tracker judges, its uncertainty stands beside the errors and 
                                              !Catch::Contains("against the truth"));
   a.sigma_truth_m = 1e-4;
   CHECK(servo_list(figures_of({a})).json()["after_rms_net_mm_truth"] == 0.0);
+  CHECK_THAT(servo_list(figures_of({a})).text(),
+             Catch::Contains("which explains the errors with vision"));
 }
 
 TEST_CASE("The stated interval allows for the tracker that judges it") {
   TargetResult a = reached("a", 1e-3, 1e-5);
   a.uncertainty_m = 3e-6;
   a.vision_compensated = Eigen::Vector2d(9e-6, 0.0);
-  CHECK(figures_of({a}).coverage_95 == 0.5);
+  CHECK(figures_of({a}).coverage_95->share() == 0.5);
   a.sigma_truth_m = 4e-6;
-  CHECK(figures_of({a}).coverage_95 == 1.0);
+  CHECK(figures_of({a}).coverage_95->share() == 1.0);
+}
+
+TEST_CASE("Intervals are called too narrow or too wide where chance does not explain it") {
+  const auto words = [](double off_m, std::size_t targets) {
+    TargetResult a = reached("a", 1e-3, 1e-5);
+    a.uncertainty_m = 1e-6;
+    a.believed = Eigen::Vector2d(0.5e-6, off_m);
+    return landing_words(figures_of(std::vector<TargetResult>(targets, a)));
+  };
+  CHECK_THAT(words(9e-6, 1), !Catch::Contains("intervals"));
+  CHECK_THAT(words(9e-6, 5), Catch::Contains("intervals are too narrow"));
+  CHECK_THAT(words(0.5e-6, 5), !Catch::Contains("intervals"));
+  CHECK_THAT(words(0.5e-6, 50), Catch::Contains("intervals are wider than need be"));
 }
 
 TEST_CASE("A run says how many of the camera's frames it left out") {

@@ -139,7 +139,7 @@ std::string coverage_words(const ExperimentReport& report) {
         " Of the end point's estimates, {} % of the components are within their "
         "stated 95 % interval: less than 95 % means that stated uncertainties are too small, more "
         "that they are too large.",
-        fixed(100.0 * *ours.coverage_95, 1));
+        fixed(100.0 * ours.coverage_95->share(), 1));
   return words;
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "planar_servo/core/statistics.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/devices/judge.h"
 #include "planar_servo/io/atomic_file.h"
@@ -21,18 +22,18 @@ std::optional<Summary> summary_of(const std::vector<TargetResult>& results, Targ
   return summarize(lengths);
 }
 
-std::optional<double> coverage_of(const std::vector<TargetResult>& results) {
+std::optional<Coverage> coverage_of(const std::vector<TargetResult>& results) {
   constexpr double kSigmas = 1.96;
-  Eigen::Index within = 0, all = 0;
+  Coverage coverage;
   for (const TargetResult& result : results) {
     const auto& believed = result.believed ? result.believed : result.vision_compensated;
     if (!believed || !result.uncertainty_m) continue;
     const double sigma = std::hypot(*result.uncertainty_m, result.sigma_truth_m.value_or(0.0));
-    within += (believed->array().abs() < kSigmas * sigma).count();
-    all += 2;
+    coverage.within += static_cast<int>((believed->array().abs() < kSigmas * sigma).count());
+    coverage.all += 2;
   }
-  if (all == 0) return std::nullopt;
-  return static_cast<double>(within) / static_cast<double>(all);
+  if (coverage.all == 0) return std::nullopt;
+  return coverage;
 }
 
 /// Returns whether vision made the true errors longer on average, by more than two standard
@@ -101,15 +102,22 @@ void list_judged_errors(ReportList& list, const ServoFigures& figures) {
 }
 
 void list_tracker_sigma(ReportList& list, const ServoFigures& figures) {
+  const auto& [sigma, net] = std::pair(figures.tracker->sigma, figures.tracker->after_net);
+  if (net > 0.0)
+    return list.line("",
+                     "the tracker is uncertain by {sigma_mm:.4f} mm per axis; without that the "
+                     "errors with vision are {after_rms_net_mm:.4f} mm rms",
+                     sigma, net);
   list.line("",
-            "the tracker is uncertain by {sigma_mm:.4f} mm per axis; without that the errors with "
-            "vision are {after_rms_net_mm:.4f} mm rms",
-            figures.tracker->sigma, figures.tracker->after_net);
+            "the tracker is uncertain by {sigma_mm:.4f} mm per axis, which explains the errors "
+            "with vision",
+            sigma);
+  list.unprinted("after_rms_net_mm", net);
 }
 
 void list_coverage(ReportList& list, const ServoFigures& figures) {
   list.line("", "vision: {coverage_95:.1%} of the components within their stated 95 % interval",
-            figures.coverage_95);
+            figures.coverage_95 ? std::optional(figures.coverage_95->share()) : std::nullopt);
 }
 
 void list_tracker(ReportList& list, const ServoFigures& figures) {
@@ -125,13 +133,18 @@ void list_tracker(ReportList& list, const ServoFigures& figures) {
 
 constexpr char kMadeWorse[] = "vision made the arm worse than it lands alone";
 
+/// Names intervals that hold too little or too much, unless that few components may do so by
+/// chance.
 std::string coverage_words(const ServoFigures& figures) {
-  constexpr double kLeast = 0.90, kMost = 0.98;
+  constexpr double kLeast = 0.90, kMost = 0.98, kStated = 0.95, kChance = 0.01;
   if (!figures.coverage_95) return "";
-  const double share = *figures.coverage_95;
-  if (share >= kLeast && share <= kMost) return "";
-  return share < kLeast ? "; the stated 95 % intervals are too narrow"
-                        : "; the stated 95 % intervals are wider than need be";
+  const auto [within, all] = *figures.coverage_95;
+  const double share = figures.coverage_95->share();
+  if (share < kLeast && binomial_tail(within, all, kStated) < kChance)
+    return "; the stated 95 % intervals are too narrow";
+  if (share > kMost && binomial_tail(all - within, all, 1.0 - kStated) < kChance)
+    return "; the stated 95 % intervals are wider than need be";
+  return "";
 }
 
 ReportList reached_list(const ServoFigures& figures) {

@@ -32,6 +32,13 @@ struct TrackerFigures {
   double after_net{0.0};  ///< rms of the errors once that variance is taken out, metres
 };
 
+/// Counts components of believed places, and those of them within their stated 95 % interval.
+struct Coverage {
+  int within{0}, all{0};
+
+  double share() const { return static_cast<double>(within) / static_cast<double>(all); }
+};
+
 /// Holds the figures of a run over the targets that were measured. A figure is empty when there is
 /// none.
 struct ServoFigures {
@@ -39,9 +46,9 @@ struct ServoFigures {
   double iterations_median{0.0};
   double seconds_per_target{0.0};
   std::optional<Summary> before_own, after_own, before_truth, after_truth;  ///< metres
-  /// Share of the components of the believed place minus truth within 1.96 stated deviations, to
-  /// which those of the tracker are added where it judges.
-  std::optional<double> coverage_95;
+  /// Components of the believed place minus truth within 1.96 stated deviations, to which those of
+  /// the tracker are added where it judges.
+  std::optional<Coverage> coverage_95;
   /// By truth or tracker, vision has brought the end point farther from its targets than the arm
   /// alone would have, and scatter among the targets does not explain it.
   bool made_worse{false};
