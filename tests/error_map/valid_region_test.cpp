@@ -17,6 +17,9 @@ TEST_CASE("The region is the hull of the samples and a margin of their spacing")
   CHECK_FALSE(region.contains({-1.1, 1.0}));
   CHECK(region.contains({2.6, 2.7}));        // 0.92 from the corner
   CHECK_FALSE(region.contains({2.8, 2.8}));  // 1.13 from the corner
+  CHECK(region.nearest({1.3, 0.7}) == Eigen::Vector2d(1.3, 0.7));
+  CHECK((region.nearest({5.0, 1.5}) - Eigen::Vector2d(3.0, 1.5)).norm() < 1e-12);
+  CHECK((region.nearest({5.0, 6.0}) - Eigen::Vector2d(2.6, 2.8)).norm() < 1e-12);
 }
 
 TEST_CASE("Samples on a line are valid along the line and a margin beside it") {

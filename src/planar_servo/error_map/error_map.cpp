@@ -20,6 +20,14 @@ Eigen::Vector2d direction_of(std::optional<double> phi) {
   throw std::invalid_argument("the error map depends on the tool's direction, which is not known");
 }
 
+const ValidRegion& region_of(const IdwMap& map) {
+  return map.region;
+}
+template <typename Map>
+const ValidRegion& region_of(const Map& map) {
+  return map.parameters().region;
+}
+
 }  // namespace
 
 MapKind kind_of(const ErrorMap& map) {
@@ -47,6 +55,11 @@ Eigen::Vector2d predict_error(const ErrorMap& map, const Eigen::Vector2d& p_visi
   if (depends_on_direction(map))
     return std::get<RbfMap>(map).predict_error(p_vision, direction_of(phi));
   return std::visit([&](const auto& method) { return method.predict_error(p_vision); }, map);
+}
+
+const ValidRegion& valid_region(const ErrorMap& map) {
+  return std::visit([](const auto& method) -> const ValidRegion& { return region_of(method); },
+                    map);
 }
 
 bool depends_on_direction(const ErrorMap& map) {

@@ -41,6 +41,9 @@ ErrorPrediction predict(const ErrorMap& map, const Eigen::Vector2d& p_vision,
 Eigen::Vector2d predict_error(const ErrorMap& map, const Eigen::Vector2d& p_vision,
                               std::optional<double> phi = std::nullopt);
 
+/// Returns the region in which the map may be valid.
+const ValidRegion& valid_region(const ErrorMap& map);
+
 /// Returns whether predictions depend on the tool's direction.
 bool depends_on_direction(const ErrorMap& map);
 

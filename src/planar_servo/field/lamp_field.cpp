@@ -121,6 +121,10 @@ CompensatedTip compensate(const LampField& field, const Places& seen_B) {
   return result;
 }
 
+TipPose compensated_tip(const LampField& field, const Places& seen_B) {
+  return tip_from_places(Seen(field, seen_B).lamps_B, field.tool);
+}
+
 Eigen::Matrix2Xd end_point_rows(const LampField& field, const Places& seen_B) {
   return rows_of(field, Seen(field, seen_B));
 }

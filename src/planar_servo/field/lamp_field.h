@@ -40,6 +40,9 @@ struct CompensatedTip {
 /// section 12); see tip_from_places().
 CompensatedTip compensate(const LampField& field, const std::array<Eigen::Vector2d, 2>& seen_B);
 
+/// Returns the tip of compensate() without its covariance, which takes most of the time.
+TipPose compensated_tip(const LampField& field, const std::array<Eigen::Vector2d, 2>& seen_B);
+
 /// Returns d(compensated end point) / d(unknowns), in the order of `factor`, where the lamps are
 /// seen.
 Eigen::Matrix2Xd end_point_rows(const LampField& field,

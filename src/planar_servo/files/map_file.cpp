@@ -230,7 +230,12 @@ std::string map_text(const MapResult& result, const std::filesystem::path& pairs
 MapRecord read_map(const std::filesystem::path& path) {
   YamlReader reader(path, "map");
   MapQuality quality;
-  if (reader.given("fit")) reader.map("fit", [&] { quality = read_quality(reader); });
+  double loo_rms = std::numeric_limits<double>::quiet_NaN();
+  if (reader.given("fit"))
+    reader.map("fit", [&] {
+      quality = read_quality(reader);
+      if (reader.given("loo_rms_mm")) reader.number("loo_rms_mm", loo_rms, kMillimetre);
+    });
   std::vector<std::string> methods = names_of(kMapKinds);
   methods.emplace_back(kLampFieldMethod);
   std::string method;
@@ -239,8 +244,8 @@ MapRecord read_map(const std::filesystem::path& path) {
     reader.throw_if_faulty();
   }
   try {
-    if (method == kLampFieldMethod) return {read_lamp_field(reader), quality};
-    return {read_map(reader, value_named(kMapKinds, method).value()), quality};
+    if (method == kLampFieldMethod) return {read_lamp_field(reader), quality, loo_rms};
+    return {read_map(reader, value_named(kMapKinds, method).value()), quality, loo_rms};
   } catch (const WorkError& e) {
     throw InputError(e.refusal().at(path));
   }

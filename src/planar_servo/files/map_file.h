@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,8 @@ std::string map_text(const MapResult& result, const std::filesystem::path& pairs
 struct MapRecord {
   VisionErrorMap map;
   MapQuality quality;
+  /// What the fit left at left-out places, rms, metres; NaN where the file does not say it.
+  double loo_rms{std::numeric_limits<double>::quiet_NaN()};
 };
 
 /// Reads map.yaml of either kind. Throws InputError naming every fault of the file, and when its

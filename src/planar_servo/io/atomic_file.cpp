@@ -21,9 +21,9 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr int kHeadLines = 4;
-constexpr int kHeadBytes = 4096;
+constexpr int kEndBytes = 4096;
 constexpr std::string_view kPictureBegin = "P5";
-constexpr std::string_view kPdfBegin = "%PDF-";
+constexpr std::string_view kNumpyBegin = "\x93NUMPY";
 
 /// Takes off the first of these beginnings that the text has. Returns whether it has one.
 bool drop_one_of(std::initializer_list<std::string_view> beginnings, std::string_view& text) {
@@ -41,10 +41,6 @@ std::string_view kind_of_line(std::string_view line) {
       !drop_one_of({"planar-servo/"}, line))
     return {};
   return line.substr(0, line.find('/'));
-}
-
-bool is_pdf(std::string_view text) {
-  return text.substr(0, kPdfBegin.size()) == kPdfBegin;
 }
 
 bool write_all(int file, std::string_view text) {
@@ -66,14 +62,16 @@ bool sync(int file) {
 
 std::string_view kind_of_text(std::string_view text) {
   if (text.substr(0, 2) == kPictureBegin) return "image";
-  if (is_pdf(text)) text.remove_prefix(text.rfind('\n', text.size() - 2) + 1);
+  if (text.substr(0, kNumpyBegin.size()) == kNumpyBegin)
+    text.remove_prefix(std::min(text.find("format: "), text.size()));
+  const std::string_view last_line = text.substr(text.rfind('\n', text.size() - 2) + 1);
   for (int i = 0; i < kHeadLines && !text.empty(); ++i) {
     const std::size_t length = std::min(text.find('\n'), text.size() - 1) + 1;
     const std::string_view kind = kind_of_line(text.substr(0, length));
     if (!kind.empty()) return kind;
     text.remove_prefix(length);
   }
-  return {};
+  return kind_of_line(last_line);
 }
 
 std::string with_format_key(const std::string& kind, const std::string& object) {
@@ -131,12 +129,20 @@ fs::path folder_of(const fs::path& path) {
   return path.has_parent_path() ? path.parent_path() : ".";
 }
 
+/// Looks at a file's first bytes and its last, where its line of the format may stand.
 std::string kind_of_file(const fs::path& path) {
-  std::string head(kHeadBytes, '\0');
+  std::string ends(2 * kEndBytes, '\0');
   std::ifstream in(path, std::ios::binary);
-  in.read(head.data(), kHeadBytes);
-  head.resize(static_cast<std::size_t>(in.gcount()));
-  return std::string(kind_of_text(is_pdf(head) ? read_file(path) : head));
+  in.read(ends.data(), kEndBytes);
+  std::streamsize size = in.gcount();
+  if (size == kEndBytes) {
+    in.seekg(-std::min<std::streamoff>(kEndBytes, in.seekg(0, std::ios::end).tellg() - size),
+             std::ios::end);
+    in.read(ends.data() + size, kEndBytes);
+    size += in.gcount();
+  }
+  ends.resize(static_cast<std::size_t>(size));
+  return std::string(kind_of_text(ends));
 }
 
 /// Throws InputError where this output would replace what is not ours or of another kind, as when

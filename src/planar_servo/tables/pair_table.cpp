@@ -1,8 +1,12 @@
 #include "planar_servo/tables/pair_table.h"
 
+#include <fmt/format.h>
+
+#include "planar_servo/core/error.h"
 #include "planar_servo/core/names.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/io/columns.h"
+#include "planar_servo/tables/error_grid_table.h"
 #include "planar_servo/tables/recording_tables.h"
 #include "planar_servo/tables/table_columns.h"
 
@@ -83,17 +87,38 @@ const TableSchema<ArmSampleRow>& arm_sample_schema() {
   return samples;
 }
 
+/// Passes on what a table of errors over the plane says, each valid place as a pair.
+void read_grid(const std::filesystem::path& path, const std::function<void(const PairRow&)>& take) {
+  TableFile<ErrorGridRow> table(path, error_grid_schema());
+  std::size_t n_valid = 0;
+  for (ErrorGridRow row; table.next(row);) {
+    if (!row.valid.value_or(true)) continue;
+    ++n_valid;
+    PairRow pair;
+    pair.id = fmt::format("{:g},{:g}", mm(row.p.x()), mm(row.p.y()));
+    pair.p_vision = row.p;
+    pair.p_tracker = row.p - row.error;
+    pair.sigma_tracker = row.sigma;
+    take(pair);
+  }
+  table.throw_if_faulty_or_empty();
+  if (n_valid == 0) throw InputError({"has no valid place", "at least one is needed", path});
+}
+
 }  // namespace
 
 void read_pairs(const std::filesystem::path& path,
                 const std::function<void(const PairRow&)>& take) {
+  if (is_error_grid(path)) return read_grid(path, take);
   TableFile<PairRow> table(path, pair_schema());
   for (PairRow row; table.next(row);) take(row);
   table.throw_if_faulty_or_empty();
 }
 
 std::vector<PairRow> read_pairs(const std::filesystem::path& path) {
-  return TableFile<PairRow>(path, pair_schema()).rows();
+  std::vector<PairRow> rows;
+  read_pairs(path, [&](const PairRow& row) { rows.push_back(row); });
+  return rows;
 }
 
 std::string pairs_text(const std::vector<PairRow>& rows, const std::vector<std::string>& remarks) {

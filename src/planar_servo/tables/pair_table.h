@@ -40,6 +40,8 @@ struct PairRow {
   Eigen::Vector2d error() const { return p_vision - p_tracker.value(); }
 };
 
+/// Reads pairs.csv or, as pairs without lamps and joints, the valid places of a table of errors
+/// over the plane; see tables/error_grid_table.h.
 std::vector<PairRow> read_pairs(const std::filesystem::path& path);
 /// Passes each row on as it is read, so that a long table is never held whole. Errors are thrown at
 /// its end.

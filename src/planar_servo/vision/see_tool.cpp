@@ -71,11 +71,15 @@ std::optional<ToolPlace> place_tool(const VisionCalibration& vision, const LampP
   return place;
 }
 
-ErrorPrediction predict_error_at(const VisionCalibration& vision, const TipPose& seen) {
+std::array<Eigen::Vector2d, 2> lamps_at(const VisionCalibration& vision, const TipPose& seen) {
   const Eigen::Matrix2d R = rotation2d(seen.phi);
   const Eigen::Vector2d middle = seen.p - R * vision.tool.p_TP;
   const Eigen::Vector2d half = 0.5 * vision.lamps.separation_m * R.col(0);
-  ToolPlace place{seen, Eigen::Matrix2d::Zero(), 0.0, {middle - half, middle + half}};
+  return {middle - half, middle + half};
+}
+
+ErrorPrediction predict_error_at(const VisionCalibration& vision, const TipPose& seen) {
+  ToolPlace place{seen, Eigen::Matrix2d::Zero(), 0.0, lamps_at(vision, seen)};
   compensate_place(vision, place);
   return place.error;
 }

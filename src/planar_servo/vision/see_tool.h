@@ -81,6 +81,9 @@ std::optional<PairExpectation> expect_tool(const VisionCalibration& vision, cons
 std::optional<ToolPlace> place_tool(const VisionCalibration& vision, const LampPixels& lamps_px,
                                     const std::array<Eigen::Matrix2d, 2>& covariances_px2);
 
+/// Returns where the lamps are seen on the plane when the end point is seen at `seen`.
+std::array<Eigen::Vector2d, 2> lamps_at(const VisionCalibration& vision, const TipPose& seen);
+
 /// Predicts the error of vision where it sees the end point at `seen`, uncompensated. Without a map
 /// it is zero and counts as inside.
 ErrorPrediction predict_error_at(const VisionCalibration& vision, const TipPose& seen);

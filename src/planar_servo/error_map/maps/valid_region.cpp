@@ -9,12 +9,29 @@
 namespace planar {
 namespace {
 
-double distance_to_segment(const Eigen::Vector2d& p, const Eigen::Vector2d& a,
-                           const Eigen::Vector2d& b) {
+Eigen::Vector2d nearest_of_segment(const Eigen::Vector2d& p, const Eigen::Vector2d& a,
+                                   const Eigen::Vector2d& b) {
   const Eigen::Vector2d edge = b - a;
   const double length2 = edge.squaredNorm();
   const double along = length2 > 0.0 ? std::clamp((p - a).dot(edge) / length2, 0.0, 1.0) : 0.0;
-  return (p - a - along * edge).norm();
+  return a + along * edge;
+}
+
+bool is_within(const std::vector<Eigen::Vector2d>& hull, const Eigen::Vector2d& p) {
+  bool within = hull.size() >= 3;
+  for (std::size_t i = 0; i < hull.size(); ++i)
+    within = within && cross2d(hull[(i + 1) % hull.size()] - hull[i], p - hull[i]) >= 0.0;
+  return within;
+}
+
+/// Returns from p to the nearest place on the hull's edge; infinite without a corner.
+Eigen::Vector2d to_edge(const std::vector<Eigen::Vector2d>& hull, const Eigen::Vector2d& p) {
+  Eigen::Vector2d nearest = Eigen::Vector2d::Constant(std::numeric_limits<double>::infinity());
+  for (std::size_t i = 0; i < hull.size(); ++i) {
+    const Eigen::Vector2d way = nearest_of_segment(p, hull[i], hull[(i + 1) % hull.size()]) - p;
+    if (way.squaredNorm() < nearest.squaredNorm()) nearest = way;
+  }
+  return nearest;
 }
 
 /// Returns one chain of the hull of points sorted by x, then y [Andrew 1979].
@@ -46,15 +63,13 @@ std::vector<Eigen::Vector2d> convex_hull(const Eigen::Matrix2Xd& positions) {
 }  // namespace
 
 bool ValidRegion::contains(const Eigen::Vector2d& p) const {
-  bool within = hull.size() >= 3;
-  double distance = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < hull.size(); ++i) {
-    const Eigen::Vector2d& a = hull[i];
-    const Eigen::Vector2d& b = hull[(i + 1) % hull.size()];
-    within = within && cross2d(b - a, p - a) >= 0.0;
-    distance = std::min(distance, distance_to_segment(p, a, b));
-  }
-  return within || distance <= margin;
+  return is_within(hull, p) || to_edge(hull, p).norm() <= margin;
+}
+
+Eigen::Vector2d ValidRegion::nearest(const Eigen::Vector2d& p) const {
+  if (contains(p)) return p;
+  const Eigen::Vector2d way = to_edge(hull, p);
+  return p + (1.0 - margin / way.norm()) * way;
 }
 
 double median_spacing(const Eigen::Matrix2Xd& positions) {

@@ -12,6 +12,8 @@ struct ValidRegion {
 
   /// Returns whether p lies in the hull or at most `margin` from it.
   bool contains(const Eigen::Vector2d& p) const;
+  /// Returns p, or the nearest place of the region when p lies outside it.
+  Eigen::Vector2d nearest(const Eigen::Vector2d& p) const;
 };
 
 /// Returns the hull of `positions` (one column each), widened by their median distance to the
