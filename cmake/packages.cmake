@@ -48,6 +48,12 @@ if(python IN_LIST components)
     "Finds lamps in images, fits cameras and error maps, and positions a planar arm
 with them, in NumPy arrays."
     "python3 (>= 3.11)" "python3 (<< 3.12)" python3-numpy)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA ${PROJECT_SOURCE_DIR}/cmake/debian/python/postinst
+                                                ${PROJECT_SOURCE_DIR}/cmake/debian/python/prerm)
+  install(DIRECTORY examples/python/ COMPONENT python EXCLUDE_FROM_ALL
+          DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/python3-planar-servo/examples
+          PATTERN __pycache__ EXCLUDE)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS python3-matplotlib)  # the examples plot
   list(APPEND CPACK_COMPONENTS_ALL python)
 endif()
 
@@ -65,6 +71,7 @@ set(CPACK_DEBIAN_PACKAGE_MAINTAINER ${DEBIAN_MAINTAINER})
 set(CPACK_DEBIAN_PACKAGE_PRIORITY optional)
 set(CPACK_DEBIAN_PACKAGE_SOURCE planar-servo)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 include(CPack)
 
 # What a reader may look at before the first run of their own.
@@ -78,12 +85,18 @@ add_custom_command(OUTPUT ${sample}/report.html
 install(FILES ${sample}/report.html DESTINATION ${CMAKE_INSTALL_DOCDIR} OPTIONAL)
 install(FILES README.md CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(DIRECTORY doc DESTINATION ${CMAKE_INSTALL_DOCDIR} PATTERN *.in EXCLUDE)
+install(DIRECTORY examples/ DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/libplanar-servo-dev/examples
+        COMPONENT library PATTERN python EXCLUDE)
 install(DIRECTORY calib DESTINATION ${CMAKE_INSTALL_DATADIR}/planar-servo)
 
 add_custom_target(packages
   COMMAND ${CMAKE_COMMAND} -E rm -rf ${CPACK_PACKAGE_DIRECTORY}
   COMMAND ${CMAKE_CPACK_COMMAND} --config CPackConfig.cmake
+  COMMAND ${CMAKE_COMMAND} -E rm -rf ${CPACK_PACKAGE_DIRECTORY}/_CPack_Packages
   DEPENDS ${sample}/report.html WORKING_DIRECTORY ${PROJECT_BINARY_DIR} USES_TERMINAL VERBATIM)
 get_property(rooms GLOBAL PROPERTY PLANAR_ROOMS)
 list(TRANSFORM rooms PREPEND planar_)
 add_dependencies(packages programs ${rooms})
+if(python IN_LIST components)
+  add_dependencies(packages python)
+endif()
