@@ -90,8 +90,8 @@ py::object covariance_of(const FoundArm& arm) {
 void bind_arm(py::module_& m) {
   py::class_<PlanarArm>(
       m, "Arm",
-      "Two links in a plane and a tool that turns about their end P. Joint angles "
-      "theta (3,), radians, are all measured from the base's x axis; poses are "
+      "Two links in a plane and a tool that turns about their end P. Joint angles\n"
+      "theta (3,), radians, are all measured from the base's x axis; poses are\n"
       "(x, y, phi), metres and radians, base frame.")
       .def(py::init(&make_arm), py::arg("link_lengths"),
            py::arg("positive_rotation") = "counterclockwise", "link_lengths (2,), metres.")
@@ -101,12 +101,12 @@ void bind_arm(py::module_& m) {
       .def("forward", &forward, py::arg("theta"), "Returns the poses (N, 3) of joints (N, 3).")
       .def("inverse", &inverse, py::arg("poses"), py::arg("elbow") = "left",
            py::arg("near") = py::make_tuple(0.0, 0.0, 0.0),
-           "Returns the joints (N, 3) that reach poses (N, 3) with the elbow 'left' or 'right' of "
+           "Returns the joints (N, 3) that reach poses (N, 3) with the elbow 'left' or 'right' of\n"
            "the ray from the base, each angle on the turn nearest to near (3,); NaN out of reach.")
       .def("jacobian", &jacobian, py::arg("theta"),
            "Returns d(x, y) / d(theta1, theta2), (N, 2, 2), m/rad.");
   py::class_<FoundArm>(m, "FoundArm",
-                       "An arm as its poses showed it: links, zeros, eccentricities and smooth "
+                       "An arm as its poses showed it: links, zeros, eccentricities and smooth\n"
                        "deviations. Motor angles are those behind the gears, radians.")
       .def_property_readonly(
           "link_lengths",

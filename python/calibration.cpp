@@ -136,9 +136,10 @@ void bind_calibration(py::module_& m) {
   m.def(
       "register_tracker", &register_readings, py::arg("ids"), py::arg("p_known"),
       py::arg("read_ids"), py::arg("p_read"), py::arg("sigma") = 0.0,
-      "Ties a tracker to the base: monuments ids with known places (N, 3), base frame, and "
-      "readings (M, 3), tracker's frame, of the monuments read_ids; metres. sigma is that of a "
-      "reading per axis, 0 where it is not known. Raises InputError where the readings contradict "
+      "Ties a tracker to the base by the rigid motion that fits best [Kabsch 1976; Umeyama 1991]:\n"
+      "monuments ids with known places (N, 3), base frame, and\n"
+      "readings (M, 3), tracker's frame, of the monuments read_ids; metres. sigma is that of a\n"
+      "reading per axis, 0 where it is not known. Raises InputError where the readings contradict\n"
       "the places.");
   py::class_<PairTrackerReport>(m, "Pairing", "Lamps paired with tracker readings.")
       .def_property_readonly(
@@ -173,11 +174,12 @@ void bind_calibration(py::module_& m) {
       .def_property_readonly(
           "p_TP", [](const PairTrackerReport& r) { return array_from(r.workplane.tool.p_TP); },
           "(2,): the end point in the lamps' frame, metres.");
-  m.def("pair_tracker", &pair, py::arg("cell"), py::arg("lamps"), py::arg("recording"),
-        py::kw_only(), py::arg("by") = "id", py::arg("pairs_out") = py::none(),
-        py::arg("workplane_out") = py::none(), py::arg("tool_out") = py::none(),
-        "Pairs lamps.csv of a recording with its tracker.csv by 'id' or 'time', and fits workplane "
-        "and tool, as planar-pair-tracker does. The three files are written where they are named.");
+  m.def(
+      "pair_tracker", &pair, py::arg("cell"), py::arg("lamps"), py::arg("recording"), py::kw_only(),
+      py::arg("by") = "id", py::arg("pairs_out") = py::none(),
+      py::arg("workplane_out") = py::none(), py::arg("tool_out") = py::none(),
+      "Pairs lamps.csv of a recording with its tracker.csv by 'id' or 'time', and fits workplane\n"
+      "and tool, as planar-pair-tracker does. The three files are written where they are named.");
 }
 
 }  // namespace planar::python

@@ -99,7 +99,7 @@ PYBIND11_MODULE(_camera, module) {
       .def_readonly("expected_error", &CameraCalibration::expected_error,
                     "The same in a plane at the boards' median distance, metres, or None.")
       .def_property_readonly("views", &views_from,
-                             "List of (name, X_CG (4, 4), residuals (N, 2) in px, seen minus "
+                             "List of (name, X_CG (4, 4), residuals (N, 2) in px, seen minus\n"
                              "predicted).")
       .def_property_readonly("rejected", &rejected_from, "List of (name, reason).")
       .def(
@@ -108,11 +108,11 @@ PYBIND11_MODULE(_camera, module) {
             write_camera(path, c, "planar_servo", {});
           },
           py::arg("path"), "Writes a camera file: .yaml (ROS), .yml (OpenCV) or .xml (ViSP).");
-  module.def("calibrate_camera", &calibrate, py::arg("points"), py::arg("pixels"),
-             py::arg("width_px"), py::arg("height_px"), py::kw_only(), py::arg("model") = "auto",
-             py::arg("names") = py::none(),
-             "Calibrates a camera. points (N, 2) are those of a flat board, metres; pixels has for "
-             "each of three or more views where they were seen, (N, 2) or a BoardSight, in the "
-             "same order. Raises InputError for unusable views, WorkError where they do not "
-             "determine the camera.");
+  module.def(
+      "calibrate_camera", &calibrate, py::arg("points"), py::arg("pixels"), py::arg("width_px"),
+      py::arg("height_px"), py::kw_only(), py::arg("model") = "auto", py::arg("names") = py::none(),
+      "Calibrates a camera. points (N, 2) are those of a flat board, metres; pixels has for\n"
+      "each of three or more views where they were seen, (N, 2) or a BoardSight, in the\n"
+      "same order. Raises InputError for unusable views, WorkError where they do not\n"
+      "determine the camera.");
 }

@@ -3,8 +3,10 @@
 #include <pybind11/stl/filesystem.h>
 
 #include <atomic>
+#include <chrono>
 #include <memory>
 #include <optional>
+#include <thread>
 #include <variant>
 
 #include "arrays.h"
@@ -22,12 +24,26 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// While Python ends, cells at work are stopped and no other work begins.
+std::atomic<bool> is_ending{false};
+std::atomic<int> at_work{0};
+
+/// Brings arms to rest that other threads still move when Python ends.
+void rest_at_end() {
+  constexpr auto kLongest = std::chrono::seconds(10);
+  is_ending = true;
+  const py::gil_scoped_release release;
+  const auto end = std::chrono::steady_clock::now() + kLongest;
+  while (at_work > 0 && std::chrono::steady_clock::now() < end)
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+}
+
 /// Stops the arm once Python has a signal, such as Ctrl-C, or somebody asks for it. A signal's
 /// exception is kept until the motion has ended. Only Python's main thread sees signals.
 class Stop {
  public:
   bool asked() {
-    if (is_asked_ || interruption_) return true;
+    if (is_ending || is_asked_ || interruption_) return true;
     const py::gil_scoped_acquire lock;
     if (PyErr_CheckSignals() == 0) return false;
     interruption_.emplace();
@@ -176,8 +192,13 @@ class Cell {
                               "wait for its end, or stop() it; on_step must not move the cell"});
     struct Idle {
       std::atomic<bool>& is_busy;
-      ~Idle() { is_busy = false; }
+      ~Idle() {
+        is_busy = false;
+        --at_work;
+      }
     } const idle{is_busy_};
+    ++at_work;
+    if (is_ending) throw WorkError(Refusal{"Python is ending"});
     if (!devices_) throw InputError(Refusal{"the cell is closed", "open it again by Cell(path)"});
     return stop_.during(work);
   }
@@ -277,26 +298,29 @@ void bind_steps(py::module_& m) {
 
 void bind_cell(py::module_& m) {
   bind_steps(m);
+  py::module_::import("atexit").attr("register")(py::cpp_function(&rest_at_end));
   py::class_<Cell>(
       m, "Cell",
-      "A calibrated cell, virtual or real, opened for motion. Ctrl-C brings the arm to "
+      "A calibrated cell, virtual or real, opened for motion. Ctrl-C brings the arm to\n"
       "rest and raises KeyboardInterrupt. One thread at a time may work with it.")
-      .def(py::init(&open), py::arg("path"), py::kw_only(), py::arg("use_error_map") = true,
-           py::arg("accept_stale") = false, py::arg("accept_map") = false,
-           py::arg("check_health") = true, py::arg("home") = false, py::arg("at_marks") = false,
-           "Reads the cell file and all that it names, and opens the devices; nothing moves. The "
-           "options are those of planar-servo. home lets drives search their home switch, at_marks "
-           "says that motors without one stand at their marks.")
+      .def(
+          py::init(&open), py::arg("path"), py::kw_only(), py::arg("use_error_map") = true,
+          py::arg("accept_stale") = false, py::arg("accept_map") = false,
+          py::arg("check_health") = true, py::arg("home") = false, py::arg("at_marks") = false,
+          "Reads the cell file and all that it names, and opens the devices; nothing moves. The\n"
+          "options are those of planar-servo. home lets drives search their home switch, at_marks\n"
+          "says that motors without one stand at their marks.")
       .def(
           "move_to", &Cell::move_to, py::arg("p"), py::arg("phi") = py::none(), py::kw_only(),
           py::arg("on_step") = py::none(),
-          "Moves the end point to p (2,), metres, base frame, with the tool along phi (radians; by "
-          "default that of the cell). on_step(step) is called while the arm rests. A target that "
-          "is not reached has its status; WorkError means that a device failed or the cell is not "
+          "Moves the end point to p (2,), metres, base frame, with the tool along phi (radians; "
+          "by\n"
+          "default that of the cell). on_step(step) is called while the arm rests. A target that\n"
+          "is not reached has its status; WorkError means that a device failed or the cell is not\n"
           "well.")
       .def("run", &Cell::run, py::arg("targets"), py::arg("out"), py::kw_only(),
            py::arg("resume") = false, py::arg("on_step") = py::none(),
-           "Moves to the targets of a table and writes steps.csv, results.csv, run.yaml and "
+           "Moves to the targets of a table and writes steps.csv, results.csv, run.yaml and\n"
            "report.html to out, as planar-servo does. Returns its figures.")
       .def("picture", &Cell::picture, "Returns the whole sensor's next picture, uint8.")
       .def_property_readonly("joints", &Cell::joints,

@@ -115,7 +115,7 @@ py::list rejected_of(const MapResult& result) {
 
 void bind_fit(py::module_& m) {
   py::class_<MapResult>(m, "MapFit",
-                        "A fitted map with its figures, metres. Samples of one place are left out "
+                        "A fitted map with its figures, metres. Samples of one place are left out\n"
                         "together.")
       .def_property_readonly("map", [](const MapResult& r) { return HeldMap{r.map}; })
       .def_readonly("n_used", &MapResult::n_used)
@@ -147,16 +147,17 @@ void bind_fit(py::module_& m) {
             write_file(path, map_text(r, pairs, kProgram));
           },
           py::arg("path"), py::arg("pairs"),
-          "Writes map.yaml; pairs is the table that it was made from, whose name and SHA-256 it "
+          "Writes map.yaml; pairs is the table that it was made from, whose name and SHA-256 it\n"
           "keeps.");
-  m.def("fit_error_map", &fit, py::arg("p_vision"), py::arg("p_reference"), py::kw_only(),
-        py::arg("method") = "auto", py::arg("hand_width") = 0.0, py::arg("sigma") = py::none(),
-        py::arg("phi") = py::none(), py::arg("ids") = py::none(), py::arg("places") = py::none(),
-        "Fits a map of the vision error p_vision - p_reference, both (N, 2), base frame, metres. "
-        "method: 'auto', 'rbf', 'idw' or 'hand' with hand_width in metres. sigma, per axis of the "
-        "error, and phi, the tool's direction in radians: (N,) or one number. Samples that share a "
-        "name in places are one place. Raises InputError for samples that no camera makes, "
-        "WorkError where the equations cannot be solved.");
+  m.def(
+      "fit_error_map", &fit, py::arg("p_vision"), py::arg("p_reference"), py::kw_only(),
+      py::arg("method") = "auto", py::arg("hand_width") = 0.0, py::arg("sigma") = py::none(),
+      py::arg("phi") = py::none(), py::arg("ids") = py::none(), py::arg("places") = py::none(),
+      "Fits a map of the vision error p_vision - p_reference, both (N, 2), base frame, metres.\n"
+      "method: 'auto', 'rbf', 'idw' or 'hand' with hand_width in metres. sigma, per axis of the\n"
+      "error, and phi, the tool's direction in radians: (N,) or one number. Samples that share a\n"
+      "name in places are one place. Raises InputError for samples that no camera makes,\n"
+      "WorkError where the equations cannot be solved.");
 }
 
 /// Compensates the tool's end point where the field sees its lamps.
@@ -191,9 +192,9 @@ void bind_field(py::module_& m) {
   py::class_<LampField>(m, "LampField",
                         "The vision error at each lamp, with the tool found together with it.")
       .def("compensate", &compensate_places, py::arg("lamps_B"),
-           "Takes the error off lamps seen at lamps_B (N, 4): x1, y1, x2, y2 on the plane, base "
-           "frame, metres. Returns the end points with their directions (N, 3), metres and "
-           "radians, their covariances (N, 2, 2) and whether the field is valid there (N,). NaN "
+           "Takes the error off lamps seen at lamps_B (N, 4): x1, y1, x2, y2 on the plane, base\n"
+           "frame, metres. Returns the end points with their directions (N, 3), metres and\n"
+           "radians, their covariances (N, 2, 2) and whether the field is valid there (N,). NaN\n"
            "where both lamps are in one place.")
       .def_property_readonly(
           "hull", [](const LampField& f) { return region_corners(f.region); },
@@ -226,19 +227,22 @@ void bind_field(py::module_& m) {
       },
       py::arg("cell"), py::arg("pairs"), py::kw_only(), py::arg("lays") = py::none(),
       py::arg("map") = py::none(), py::arg("arm") = py::none(),
-      "Fits the field at the lamps together with the arm of a cell to its pairs.csv and, if any, "
+      "Fits the field at the lamps together with the arm of a cell to its pairs.csv and, if any,\n"
       "its lays.csv. map and arm are files to write.");
 }
 
 }  // namespace
 
 void bind_error_map(py::module_& m) {
-  py::class_<HeldMap>(m, "ErrorMap", "A map of the vision error over the base plane.")
+  py::class_<HeldMap>(
+      m, "ErrorMap",
+      "A map of the vision error over the base plane: radial basis functions with ridge and\n"
+      "tail, whose deviations are those of kriging, or inverse distance weighting.")
       .def_property_readonly("kind", [](const HeldMap& held) { return name(kind_of(held.map)); })
       .def("predict", &predict_places, py::arg("p_vision"), py::arg("phi") = py::none(),
-           "Predicts at places (N, 2) as vision saw them, base frame, metres. Returns the errors "
-           "(N, 2), their standard deviations per axis (N,), metres, NaN where the method has "
-           "none, and whether each place is in the valid region (N,). phi, radians, (N,) or one "
+           "Predicts at places (N, 2) as vision saw them, base frame, metres. Returns the errors\n"
+           "(N, 2), their standard deviations per axis (N,), metres, NaN where the method has\n"
+           "none, and whether each place is in the valid region (N,). phi, radians, (N,) or one\n"
            "number, is needed by a map that depends on the tool's direction.")
       .def_property_readonly(
           "noise_sigma", [](const HeldMap& held) { return noise_sigma(held.map); },

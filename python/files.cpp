@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 #include <yaml-cpp/yaml.h>
@@ -83,6 +84,9 @@ py::object object_from(const YAML::Node& node, int depth = 0) {
 py::dict read_yaml(const fs::path& path) {
   const std::string text = read_file(path);
   const std::string kind = file_kind_of(text);
+  if (kind.empty())
+    throw InputError({"has no line 'format: planar-servo/KIND/1'",
+                      "a YAML file of planar-servo is needed", path});
   check_by_reader(path, kind);
   try {
     const YAML::Node document = YAML::Load(text);
@@ -117,12 +121,21 @@ py::dict provenance_of(const fs::path& path) {
   return told;
 }
 
+/// Returns the kind that is asked for or, without one, that of the table's first line.
+std::string kind_or_own(const fs::path& path, const std::string& asked) {
+  const std::string kind = asked.empty() ? table_kind_of(path) : asked;
+  if (kind.empty())
+    throw InputError({"its first line does not say what kind of table it is",
+                      fmt::format("name the kind: {}", fmt::join(table_kinds(), ", ")), path});
+  return kind;
+}
+
 /// Returns the columns as (name, is a whole number, numbers) or (name, None, texts).
 py::list read_columns(const fs::path& path, const std::string& kind) {
   std::vector<TableColumn> columns;
   {
     const py::gil_scoped_release release;
-    columns = read_table_columns(path, kind.empty() ? table_kind_of(path) : kind);
+    columns = read_table_columns(path, kind_or_own(path, kind));
   }
   py::list told;
   for (TableColumn& column : columns) {

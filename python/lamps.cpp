@@ -80,7 +80,7 @@ LampPair locate_pair(SharedPairs& shared, const py::object& image, const py::obj
 
 void bind_lamp(py::module_& m) {
   py::class_<LampCenter>(m, "LampCenter",
-                         "The centre of one lamp. Unless its status is 'ok' the centre is coarse "
+                         "The centre of one lamp. Unless its status is 'ok' the centre is coarse\n"
                          "and its covariance zero.")
       .def_property_readonly("status", [](const LampCenter& c) { return name(c.status); })
       .def_property_readonly(
@@ -103,10 +103,11 @@ void bind_lamp(py::module_& m) {
         return "<LampCenter " + std::string(name(c.status)) + " (" + std::to_string(c.uv_px.x()) +
                ", " + std::to_string(c.uv_px.y()) + ") px>";
       });
-  py::class_<LampPair>(m, "LampPair",
-                       "The two lamps of a frame. With 'ok' both centres are valid; with "
-                       "'ambiguous' it is unknown which is lamp 1; other statuses say why there is "
-                       "no pair.")
+  py::class_<LampPair>(
+      m, "LampPair",
+      "The two lamps of a frame. With 'ok' both centres are valid; with\n"
+      "'ambiguous' it is unknown which is lamp 1; other statuses say why there is\n"
+      "no pair.")
       .def_property_readonly("status", [](const LampPair& p) { return name(p.status); })
       .def_property_readonly(
           "lamps", [](const LampPair& p) { return py::make_tuple(p.lamps[0], p.lamps[1]); })
@@ -134,20 +135,20 @@ std::unique_ptr<SharedDisc> make_disc_tracker(const std::string& method,
 void bind_lamps(py::module_& m) {
   bind_lamp(m);
   py::class_<SharedPairs>(m, "LampTracker",
-                          "Finds the two lamps of a tool, each 12 px wide or more. Threads may "
+                          "Finds the two lamps of a tool, each 12 px wide or more. Threads may\n"
                           "share one.")
       .def(py::init([](const std::string& method) {
              return std::make_unique<SharedPairs>(method_of(method));
            }),
            py::arg("method") = "auto",
-           "method: 'auto' (the outline fitted to the grey levels), 'fast' (centroid), "
+           "method: 'auto' (the outline fitted to the grey levels), 'fast' (centroid),\n"
            "'canny-kasa' (the paper), 'vpdot2' (ViSP).")
       .def("locate", &locate_pair, py::arg("image"), py::arg("corner_px") = py::make_tuple(0, 0),
            py::arg("predicted_px") = py::none(), py::arg("separation_px") = py::none(),
            py::arg("diameter_over_separation") = py::none(),
-           "Locates both lamps in a uint8 picture (rows, columns), whose memory is used as it is. "
-           "corner_px is the sensor's pixel of its first one; predicted_px (2, 2), the places of "
-           "lamps 1 and 2, tells where to look and which is which; separation_px the least and "
+           "Locates both lamps in a uint8 picture (rows, columns), whose memory is used as it is.\n"
+           "corner_px is the sensor's pixel of its first one; predicted_px (2, 2), the places of\n"
+           "lamps 1 and 2, tells where to look and which is which; separation_px the least and\n"
            "greatest distance; diameter_over_separation (2,) the sizes.")
       .def(
           "forget",

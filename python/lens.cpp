@@ -102,14 +102,14 @@ py::object pixels_from_plane(const Workplane& plane, const py::object& p_W, bool
 void bind_camera(py::module_& m) {
   py::class_<CameraModel>(
       m, "Camera",
-      "A camera with a lens model. Pixels are those of the whole sensor; (0, 0) "
+      "A camera with a lens model. Pixels are those of the whole sensor; (0, 0)\n"
       "is the centre of its first one.")
-      .def(
-          py::init(&make_camera), py::arg("model"), py::arg("fx"), py::arg("fy"), py::arg("cx"),
-          py::arg("cy"), py::arg("coefficients") = std::vector<double>(),
-          "Makes a camera of a model in camera_models(), with focal lengths and principal point in "
-          "pixels and distortion coefficients in the order of OpenCV and ROS; missing ones are "
-          "zero.")
+      .def(py::init(&make_camera), py::arg("model"), py::arg("fx"), py::arg("fy"), py::arg("cx"),
+           py::arg("cy"), py::arg("coefficients") = std::vector<double>(),
+           "Makes a camera of a model in camera_models(), with focal lengths and principal point "
+           "in\n"
+           "pixels and distortion coefficients in the order of OpenCV and ROS; missing ones are\n"
+           "zero.")
       .def_property_readonly("model", &lens_model_name)
       .def_property_readonly("fx", [](const CameraModel& c) { return intrinsics(c).fx; })
       .def_property_readonly("fy", [](const CameraModel& c) { return intrinsics(c).fy; })
@@ -121,13 +121,13 @@ void bind_camera(py::module_& m) {
                                return py::array_t<double>(static_cast<py::ssize_t>(values.size()),
                                                           values.data());
                              })
-      .def(
-          "project", &project_points, py::arg("p_C"), py::arg("jacobian") = false,
-          "Returns the pixels (N, 2) of points p_C (N, 3) in the camera's frame, metres; NaN where "
-          "a point is not in front of the camera or beyond the lens model's range. With "
-          "jacobian=True also d uv / d p, (N, 2, 3), px/m.")
+      .def("project", &project_points, py::arg("p_C"), py::arg("jacobian") = false,
+           "Returns the pixels (N, 2) of points p_C (N, 3) in the camera's frame, metres; NaN "
+           "where\n"
+           "a point is not in front of the camera or beyond the lens model's range. With\n"
+           "jacobian=True also d uv / d p, (N, 2, 3), px/m.")
       .def("unproject", &unproject_pixels, py::arg("uv_px"), py::arg("jacobian") = false,
-           "Returns the rays (x, y) = (X/Z, Y/Z) of pixels (N, 2); NaN beyond the lens model's "
+           "Returns the rays (x, y) = (X/Z, Y/Z) of pixels (N, 2); NaN beyond the lens model's\n"
            "range. With jacobian=True also d xy / d uv, (N, 2, 2), 1/px.");
   m.def(
       "camera_models",
@@ -150,12 +150,12 @@ void bind_lens(py::module_& m) {
       .def_readonly("width_px", &CameraRecord::width_px)
       .def_readonly("height_px", &CameraRecord::height_px)
       .def("write", &write, py::arg("path"),
-           "Writes a ROS camera_info file (.yaml), one of OpenCV (.yml) or of ViSP (.xml). Raises "
+           "Writes a ROS camera_info file (.yaml), one of OpenCV (.yml) or of ViSP (.xml). Raises\n"
            "InputError where that cannot hold the model.");
   m.def("read_camera", &read_camera, py::arg("path"),
         "Reads a ROS camera_info file, one of OpenCV's FileStorage or, named .xml, one of ViSP.");
   py::class_<Workplane>(m, "Workplane",
-                        "The plane in which the lamps move, seen by a camera. Its frame W is the "
+                        "The plane in which the lamps move, seen by a camera. Its frame W is the\n"
                         "base's, raised to the lamps' height.")
       .def(py::init([](const CameraModel& camera, const py::object& X_WC) {
              return Workplane(camera, pose_of("X_WC", X_WC));
@@ -165,11 +165,12 @@ void bind_lens(py::module_& m) {
       .def_property_readonly("camera", &Workplane::camera)
       .def_property_readonly(
           "X_WC", [](const Workplane& w) { return array_from(Eigen::Matrix4d(w.X_WC().matrix())); })
-      .def("plane_from_pixel", &plane_from_pixels, py::arg("uv_px"), py::arg("jacobian") = false,
-           "Returns where the rays of pixels (N, 2) meet the plane, (N, 2), metres; NaN where they "
-           "do not. With jacobian=True also d p / d uv, (N, 2, 2), m/px.")
+      .def(
+          "plane_from_pixel", &plane_from_pixels, py::arg("uv_px"), py::arg("jacobian") = false,
+          "Returns where the rays of pixels (N, 2) meet the plane, (N, 2), metres; NaN where they\n"
+          "do not. With jacobian=True also d p / d uv, (N, 2, 2), m/px.")
       .def("pixel_from_plane", &pixels_from_plane, py::arg("p_W"), py::arg("jacobian") = false,
-           "Returns the pixels of points of the plane (N, 2), metres; NaN out of view. With "
+           "Returns the pixels of points of the plane (N, 2), metres; NaN out of view. With\n"
            "jacobian=True also d uv / d p, (N, 2, 2), px/m.");
   m.def(
       "read_workplane",

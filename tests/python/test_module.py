@@ -277,7 +277,7 @@ class Files(unittest.TestCase):
             path.write_text("id,x_mm,y_mm\na,1.5\n")
             with self.assertRaisesRegex(ps.InputError, r"targets\.csv:2"):
                 ps.read_table(path, "targets")
-            with self.assertRaisesRegex(ps.InputError, "no kind of table"):
+            with self.assertRaisesRegex(ps.InputError, "what kind of table"):
                 ps.read_table(path)
         with self.assertRaises(ps.InputError):
             ps.read_table("/nowhere.csv", "pairs")
@@ -396,6 +396,15 @@ class Cells(unittest.TestCase):
         self.assertTrue((self.folder / "run/report.html").exists())
         self.assertEqual(ps.read_table(self.folder / "run/results.csv")["status"][0], "reached")
         self.assertEqual(ps.read_file(self.folder / "run/run.yaml").format, "planar-servo/run/1")
+
+    def test_python_ends_well_with_a_cell_open_and_with_one_that_a_thread_moves(self):
+        begin = f"import planar_servo as ps, threading; cell = ps.Cell({str(self.path)!r}, check_health=False)\n"
+        away = f"cell.move_to({self.target.tolist()!r})\n"
+        forth = f"def work():\n  while True:\n    {away}    cell.move_to([-0.2, 0.3])\n"
+        thread = "t = threading.Thread(target=work, daemon=True); t.start(); import time; time.sleep(0.5)\n"
+        for script in (begin + away, begin + forth + thread):
+            run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=60)
+            self.assertEqual(run.returncode, 0, run.stderr)
 
     def test_a_missing_file_names_the_program_that_makes_it(self):
         (self.folder / "cell/workplane.yaml").unlink()
