@@ -62,10 +62,11 @@ Refusal why_not_opened(const std::string& port) {
               "plug the board in, or correct `port` in the cell file"};
     case EACCES:
       return {port + " may not be opened",
-              fmt::format("install the udev rules of planar-servo (sudo cmake --install "
-                          "build/release) or join the port's group (sudo usermod -aG {} $USER), "
-                          "then plug the board in and log in again",
-                          group_of(port))};
+              fmt::format(
+                  "install the udev rules by the package planar-servo (or sudo cmake "
+                  "--install build/release) or join the port's group (sudo usermod -aG {} $USER), "
+                  "then plug the board in and log in again",
+                  group_of(port))};
     case EBUSY:
       return {port + " is in use by another program", "end that program"};
     default:

@@ -169,10 +169,9 @@ bool describe(libusb_device* device, TicListing& listing, std::uint8_t& serial_s
 
 Refusal refusal_of(int error, const std::string& device) {
   if (error == LIBUSB_ERROR_ACCESS)
-    return {
-        device + " may not be opened",
-        "install the udev rules of planar-servo (sudo cmake --install build/release), then plug "
-        "the drive in again"};
+    return {device + " may not be opened",
+            "install the udev rules by the package planar-servo (or sudo cmake --install "
+            "build/release), then plug the drive in again"};
   if (error == LIBUSB_ERROR_BUSY)
     return {device + " is in use by another program", "end that program"};
   return {fmt::format("{} cannot be opened: {}", device, libusb_strerror(error))};
