@@ -15,8 +15,6 @@ constexpr char kTool[] = "tool";
 
 const ProgramText kText{
     "planar-board",
-    "Draws a calibration board, or where lamps and reflector go on the tool, to print at true "
-    "scale.",
     "planar-board circles|chessboard:COLSxROWS:PITCHmm [--page A4|A3|WIDTHxHEIGHTmm]\n"
     "                    -o board.svg|board.pdf\n"
     "       planar-board tool --cell cell.yaml [--reflector-mm X,Y] [--ball-mm D] [--page PAGE]\n"
@@ -38,10 +36,10 @@ void add_options(CLI::App& app, Options& options) {
       app, "board", options.what, "BOARD|tool",
       "a board, such as circles:11x11:50mm (count dots, or a chessboard's inner corners), or "
       "the word tool");
-  add_required(app, "-o,--out", options.output, "FILE", "the .svg or .pdf to write");
+  add_required(app, "-o,--out", options.output, "FILE.svg|FILE.pdf", "the drawing to write");
   add_value(app, "--page", options.page, "PAGE",
             "A4, A3 or WIDTHxHEIGHTmm; by default just as large as needed");
-  CLI::Option* cell = add_value(app, "--cell", options.cell, "FILE",
+  CLI::Option* cell = add_value(app, "--cell", options.cell, "cell.yaml",
                                 "the cell whose tool is drawn, by its `lamps`");
   add_value(app, "--reflector-mm", options.reflector_mm, "X,Y",
             "the reflector beside the end point: x along the arrow from lamp 1 to lamp 2, y to its "

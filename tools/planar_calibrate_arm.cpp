@@ -10,7 +10,6 @@ namespace {
 
 const ProgramText kText{
     "planar-calibrate-arm",
-    "Finds links, zeros and eccentricities of an arm from a tracker's readings of its tool.",
     "planar-calibrate-arm --cell cell.yaml [--report FILE.html|none] -o arm.yaml "
     "pairs.csv | samples.csv",
     R"(readings met        0.0172 mm rms, 2 harmonics of each reducer
@@ -40,10 +39,10 @@ Outcome calibrate(const Options& options) {
 }
 
 void add_options(CLI::App& app, Options& options) {
-  add_required(app, "--cell", options.cell, "FILE", "the cell");
+  add_required(app, "--cell", options.cell, "cell.yaml", "the cell");
   add_required(app, "-o,--out", options.output, "arm.yaml", "the arm to write");
   add_report_option(app, options.report);
-  add_required(app, "table", options.table, "TABLE",
+  add_required(app, "table", options.table, "pairs.csv|samples.csv",
                "pairs.csv of planar-pair-tracker, or a table id,theta1_deg,theta2_deg,"
                "theta3_deg,x_mm,y_mm,sigma_mm");
 }

@@ -13,7 +13,6 @@ namespace {
 
 const ProgramText kText{
     "planar-calibrate-camera",
-    "Calibrates a camera from pictures of a flat grid of dots or squares.",
     "planar-calibrate-camera --grid circles|chessboard:COLSxROWS:PITCHmm [--model M] "
     "[--report FILE.html|none] -o camera.yaml IMAGE|RECORDING...",
     R"(images used         6 (0 rejected)
@@ -73,10 +72,11 @@ void add_options(CLI::App& app, Options& options) {
       app, "--grid", options.grid, "GRID",
       "circles:COLSxROWS:PITCHmm, or chessboard:COLSxROWS:PITCHmm, which counts inner corners");
   add_value(
-      app, "--model", options.model, "MODEL",
-      "pinhole, plumb_bob_k1, plumb_bob, rational_polynomial, opencv_14 (with thin prism and "
-      "tilted sensor), equidistant, visp (written to an .xml file), or auto: the simplest model "
-      "that predicts views left out as well as any, opencv_14 and visp not tried")
+      app, "--model", options.model,
+      "pinhole|plumb_bob_k1|plumb_bob|rational_polynomial|opencv_14|equidistant|visp|auto",
+      "the lens model: opencv_14 has thin prism and a tilted sensor, visp is written to an .xml "
+      "file; auto is the simplest that predicts views left out as well as any, opencv_14 and visp "
+      "not tried")
       ->capture_default_str();
   auto* points = add_value(app, "--points", options.points, "FILE",
                            "a file of pixels `u v` found by another program, instead of "

@@ -13,8 +13,6 @@ namespace {
 
 const ProgramText kText{
     "planar-certify",
-    "Says how accurate a calibrated cell is, by ISO 9283 and over its workspace, on a page to "
-    "sign.",
     "planar-certify --cell cell.yaml --out DIR [--cycles N] [--targets N] [--home] [--at-marks]\n"
     "                      [--accept-stale] [--accept-map]",
     R"(moves               610 of 610 moves reached and judged by the truth
@@ -33,7 +31,7 @@ struct Options {
 };
 
 void add_options(CLI::App& app, Options& options) {
-  add_required(app, "--cell", options.cell, "FILE", "the calibrated cell");
+  add_required(app, "--cell", options.cell, "cell.yaml", "the calibrated cell");
   add_required(app, "--out", options.request.servo.out, "DIR",
                "folder for the page, the figures and every cycle; the same command continues a "
                "run that was broken off");

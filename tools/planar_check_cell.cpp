@@ -15,9 +15,7 @@ namespace planar {
 namespace {
 
 const ProgramText kText{
-    "planar-check-cell",
-    "Moves a little, visits places of the calibration again, and says what has changed since.",
-    "planar-check-cell --cell cell.yaml [--home] [--at-marks]",
+    "planar-check-cell", "planar-check-cell --cell cell.yaml [--home] [--at-marks]",
     R"(the camera has shifted by 0.998 mm; what still holds: camera.yaml and tool.yaml; what to do: put the camera back, or record the places again and run planar-pair-tracker and planar-fit-error-map)"};
 
 struct Options {
@@ -26,7 +24,7 @@ struct Options {
 };
 
 void add_options(CLI::App& app, Options& options) {
-  add_required(app, "--cell", options.cell, "FILE", "the cell");
+  add_required(app, "--cell", options.cell, "cell.yaml", "the cell");
   add_homing_options(app, options.homing);
 }
 

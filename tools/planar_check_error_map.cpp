@@ -12,7 +12,6 @@ namespace planar {
 namespace {
 
 const ProgramText kText{"planar-check-error-map",
-                        "Judges an error map on pairs that it was not fitted to.",
                         "planar-check-error-map [--plan NAME[,NAME]] map.yaml pairs.csv",
                         R"(pairs               200 (0 outside the map's valid region)
                     mean      rms       95 %      max       mm

@@ -14,7 +14,6 @@ namespace planar {
 namespace {
 
 const ProgramText kText{"planar-doctor",
-                        "Checks a cell's file and devices and says how to mend each fault.",
                         fmt::format("planar-doctor --cell cell.yaml\n"
                                     "       planar-doctor --new cell.yaml --drives {}\n"
                                     "       planar-doctor --seal map.yaml",
@@ -31,16 +30,16 @@ struct Options {
 };
 
 void add_options(CLI::App& app, Options& options) {
-  CLI::Option* cell = add_value(app, "--cell", options.cell, "FILE", "the cell");
-  CLI::Option* new_cell =
-      add_value(app, "--new", options.new_cell, "FILE", "write a commented cell file to fill in")
-          ->excludes(cell);
+  CLI::Option* cell = add_value(app, "--cell", options.cell, "cell.yaml", "the cell");
+  CLI::Option* new_cell = add_value(app, "--new", options.new_cell, "cell.yaml",
+                                    "write a commented cell file to fill in")
+                              ->excludes(cell);
   CLI::Option* drives =
       app.add_option("--drives", options.drives, "the kind of drives of the new cell")
           ->check(CLI::IsMember(new_cell_drives()))
           ->needs(new_cell);
   new_cell->needs(drives);
-  add_value(app, "--seal", options.sealed, "FILE",
+  add_value(app, "--seal", options.sealed, "map.yaml",
             "say in a calibration file that it was edited by hand, so that it is read again")
       ->excludes(cell)
       ->excludes(new_cell);

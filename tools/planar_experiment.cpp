@@ -31,8 +31,6 @@ namespace {
 
 const ProgramText kText{
     "planar-experiment",
-    "Runs the paper's whole experiment on a virtual or a real cell: our chain, the paper's and "
-    "ViSP's side by side.",
     "planar-experiment --cell cell.yaml --out DIR [--grid circles:COLSxROWS:PITCHmm] [--seed N]\n"
     "                         [--train N] [--unattended M] [--lays L [--board-thickness-mm T]]\n"
     "                         [--loop-only N] [--predict | --seeds N [--like KIND] [--jobs J]]\n"
@@ -131,7 +129,7 @@ struct Options {
 };
 
 void add_options(CLI::App& app, Options& options) {
-  add_required(app, "--cell", options.cell, "FILE", "the cell");
+  add_required(app, "--cell", options.cell, "cell.yaml", "the cell");
   add_required(app, "--out", options.out, "DIR",
                "folder for the recording, each chain's files and the report; what the same "
                "command left there unfinished is continued");

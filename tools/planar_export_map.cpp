@@ -1,4 +1,5 @@
 #include <CLI/CLI.hpp>
+#include <cmath>
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
@@ -29,8 +30,10 @@ struct Options {
   bool accept_map{false};
 };
 
-std::optional<double> in_si(const std::optional<double>& value, double unit) {
-  return value ? std::optional(*value * unit) : std::nullopt;
+std::optional<double> in_si(const char* option, const std::optional<double>& value, double unit) {
+  if (!value) return std::nullopt;
+  if (!std::isfinite(*value)) throw InputError({"is not a finite number", "give one", option});
+  return *value * unit;
 }
 
 Outcome write(const Options& options) {
@@ -41,8 +44,8 @@ Outcome write(const Options& options) {
   request.map = options.map;
   if (!options.cell.empty()) request.cell = read_cell(options.cell);
   request.format = value_named(kGridFormats, options.format).value();
-  request.phi = in_si(options.phi_deg, kDegree);
-  request.step = in_si(options.step_mm, kMillimetre);
+  request.phi = in_si("--phi-deg", options.phi_deg, kDegree);
+  request.step = in_si("--step-mm", options.step_mm, kMillimetre);
   request.accept_map = options.accept_map;
   const ExportedMap exported = export_map(request);
   write_file(options.output, exported.text);
@@ -50,7 +53,7 @@ Outcome write(const Options& options) {
 }
 
 void add_options(CLI::App& app, Options& options) {
-  add_required(app, "--format", options.format, "FORMAT", "who is to read it")
+  add_required(app, "--format", options.format, "FORMAT", "the format, by who reads it")
       ->check(CLI::IsMember(names_of(kGridFormats)));
   add_required(app, "-o,--out", options.output, "FILE", "the file to write");
   add_value(app, "--phi-deg", options.phi_deg, "PHI",

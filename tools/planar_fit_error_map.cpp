@@ -23,7 +23,6 @@ namespace {
 
 const ProgramText kText{
     "planar-fit-error-map",
-    "Fits a map of the vision error to pairs of vision and tracker positions.",
     "planar-fit-error-map [--method auto|rbf|idw|hand:WIDTH_MM] [--report FILE.html|none]\n"
     "                            -o map.yaml pairs.csv\n"
     "       planar-fit-error-map --cell cell.yaml [--lays lays.csv] [--arm-out arm.yaml]\n"
@@ -111,9 +110,9 @@ Outcome fit(const Options& options) {
 
 void add_options(CLI::App& app, Options& options) {
   CLI::Option* method =
-      add_value(app, "--method", options.method, "METHOD",
-                "of a map at the end point: auto (by leave-one-out error), rbf (one Gaussian "
-                "width), idw, or hand:WIDTH_MM (the paper's Gaussian)")
+      add_value(app, "--method", options.method, "auto|rbf|idw|hand:WIDTH_MM",
+                "how a map at the end point is fitted: auto by leave-one-out error, rbf with one "
+                "Gaussian width, idw by distances, hand with the paper's Gaussian")
           ->capture_default_str();
   CLI::Option* cell =
       app.add_option("--cell", options.cell,

@@ -17,7 +17,6 @@ namespace {
 
 const ProgramText kText{
     "planar-jog",
-    "Moves a cell by hand: enables, homes, jogs, shows the exposure and teaches targets.",
     "planar-jog --cell cell.yaml [--teach targets.csv]\n"
     "       printf 'enable\\njoint 2 -10\\nteach A\\n' | planar-jog --cell cell.yaml --teach "
     "targets.csv",
@@ -29,7 +28,7 @@ struct Options {
 };
 
 void add_options(CLI::App& app, Options& options) {
-  add_required(app, "--cell", options.cell, "FILE", "the cell");
+  add_required(app, "--cell", options.cell, "cell.yaml", "the cell");
   add_value(app, "--teach", options.teach, "targets.csv",
             "table of targets to append taught places to");
   app.footer(

@@ -21,7 +21,6 @@ namespace fs = std::filesystem;
 
 const ProgramText kText{
     "planar-locate-lamps",
-    "Finds lamps in images and measures their centres, on the cell's plane where it has one.",
     "planar-locate-lamps [--cell cell.yaml] [--lamps 1|2] [--centre METHOD] [--start U,V] "
     "[--report FILE.html|none] -o lamps.csv RECORDING | IMAGE...",
     "images              163: 156 ok, 7 board_view\n"
@@ -37,7 +36,7 @@ struct Options {
 };
 
 void add_options(CLI::App& app, Options& options) {
-  add_value(app, "--cell", options.cell, "FILE",
+  add_value(app, "--cell", options.cell, "cell.yaml",
             "the cell; without it images may have any size and only pixels are written");
   app.add_option("--lamps", options.lamps, "lamps in view; 1 follows one disc through the images")
       ->check(CLI::IsMember({1, 2}))
@@ -47,9 +46,9 @@ void add_options(CLI::App& app, Options& options) {
                  "fast suits even lamps only, canny-kasa is the paper's way")
       ->check(CLI::IsMember(names_of(kCenterMethods)));
   add_value(app, "--start", options.start, "U,V", "pixel of the disc in the first image");
-  add_required(app, "-o,--out", options.out, "FILE", "lamps.csv to write");
+  add_required(app, "-o,--out", options.out, "lamps.csv", "the table to write");
   add_report_option(app, options.report);
-  add_required(app, "images", options.inputs, "RECORDING | IMAGE...",
+  add_required(app, "images", options.inputs, "RECORDING|IMAGE",
                "a recording's folder, or images in their order");
 }
 

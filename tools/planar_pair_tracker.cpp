@@ -22,7 +22,6 @@ namespace {
 
 const ProgramText kText{
     "planar-pair-tracker",
-    "Pairs what the camera saw with what a laser tracker measured; finds workplane and tool.",
     "planar-pair-tracker --cell cell.yaml --lamps lamps.csv --recording RECORDING "
     "[--workplane-from pairs|grid] --workplane-out workplane.yaml --tool-out tool.yaml "
     "[--grid BOARD] [--board-thickness-mm T] [--lays-out lays.csv] "
@@ -45,8 +44,8 @@ struct Options {
 };
 
 void add_options(CLI::App& app, Options& options) {
-  add_required(app, "--cell", options.cell, "FILE", "the cell");
-  add_required(app, "--lamps", options.lamps, "FILE", "lamps.csv made by planar-locate-lamps");
+  add_required(app, "--cell", options.cell, "cell.yaml", "the cell");
+  add_required(app, "--lamps", options.lamps, "lamps.csv", "made by planar-locate-lamps");
   add_required(app, "--recording", options.recording, "DIR", "folder made by planar-record");
   add_choice(app, "--workplane-from", options.workplane_from, names_of(kWorkplaneSources),
              "the source of the plane's height and tilt");
@@ -60,7 +59,7 @@ void add_options(CLI::App& app, Options& options) {
       ->check(CLI::Range(-kThickest_mm, kThickest_mm))
       ->type_name("T")
       ->needs(grid);
-  add_value(app, "--lays-out", options.lays_out, "FILE",
+  add_value(app, "--lays-out", options.lays_out, "lays.csv",
             "lays.csv to write: every dot of the boards laid on the plane, where it is seen")
       ->needs(grid);
   add_choice(app, "--pair-by", options.pair_by, {"id", "time"},
@@ -77,13 +76,14 @@ void add_options(CLI::App& app, Options& options) {
   app.add_flag("--accept-step", options.accept_step,
                "write the pairs although something seems to have moved between them, which would "
                "cost more than 0.05 mm at the end point");
-  add_required(app, "--workplane-out", options.workplane_out, "FILE", "workplane.yaml to write");
-  add_required(app, "--tool-out", options.tool_out, "FILE", "tool.yaml to write");
-  add_value(app, "--health-out", options.health_out, "FILE",
+  add_required(app, "--workplane-out", options.workplane_out, "workplane.yaml",
+               "the workplane to write");
+  add_required(app, "--tool-out", options.tool_out, "tool.yaml", "the tool's offsets to write");
+  add_value(app, "--health-out", options.health_out, "health.yaml",
             "health.yaml to write: places and measures by which planar-check-cell and "
             "planar-servo see later what has changed");
   add_report_option(app, options.report);
-  add_required(app, "-o,--out", options.pairs_out, "FILE", "pairs.csv to write");
+  add_required(app, "-o,--out", options.pairs_out, "pairs.csv", "the pairs to write");
 }
 
 RecordedTables tables_of(const Options& options) {

@@ -12,7 +12,7 @@ namespace planar {
 namespace {
 
 const ProgramText kText{
-    "planar-plan", "Proposes where to read the tracker next, and says what accuracy to expect.",
+    "planar-plan",
     "planar-plan --cell cell.yaml --readings N [--after pairs.csv [--accept-stale]] -o plan.csv",
     R"(rows                40
 end point           0.0095 mm expected now, 0.0042 mm after these readings
@@ -50,7 +50,7 @@ Outcome propose(const Options& options) {
 }
 
 void add_options(CLI::App& app, Options& options) {
-  add_required(app, "--cell", options.cell, "FILE", "the cell");
+  add_required(app, "--cell", options.cell, "cell.yaml", "the cell");
   add_required(app, "--readings", options.readings, "N",
                "tracker readings to plan; the sweeps of a first plan take a quarter of them")
       ->check(CLI::Range(1, 10000));

@@ -11,7 +11,7 @@ namespace planar {
 namespace {
 
 const ProgramText kText{
-    "planar-record", "Drives a cell through a plan and records frames and tracker readings.",
+    "planar-record",
     "planar-record --cell cell.yaml --plan plan.csv --out RECORDING [--home] [--at-marks]\n"
     "                     [--grid circles:COLSxROWS:PITCHmm] [--display auto|x|none]\n"
     "                     [--on-bad-reading repeat|skip|stop]",
@@ -30,8 +30,8 @@ struct Options {
 };
 
 void add_options(CLI::App& app, Options& options) {
-  add_required(app, "--cell", options.cell, "FILE", "the cell");
-  add_required(app, "--plan", options.plan, "FILE", "positions and board views to record");
+  add_required(app, "--cell", options.cell, "cell.yaml", "the cell");
+  add_required(app, "--plan", options.plan, "plan.csv", "positions and board views to record");
   add_required(app, "--out", options.request.recording, "DIR",
                "folder of the recording; a recording that was begun is continued");
   add_homing_options(app, options.homing);

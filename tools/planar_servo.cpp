@@ -58,10 +58,10 @@ struct Options {
 /// Adds where the end point is to go: targets or a path.
 void add_goals(CLI::App& app, Options& options) {
   auto* goals = app.add_option_group("where to");
-  add_value(*goals, "--targets", options.targets, "FILE",
+  add_value(*goals, "--targets", options.targets, "targets.csv",
             "table of targets; '-' reads lines id,x_mm,y_mm[,phi_deg] from standard input "
             "and answers each with one line of JSON");
-  auto* path = add_value(*goals, "--path", options.path, "FILE",
+  auto* path = add_value(*goals, "--path", options.path, "path.csv",
                          "table of the places that a path goes through, straight or on arcs");
   goals->require_option(1);
   app.add_flag(
@@ -85,7 +85,7 @@ void add_goals(CLI::App& app, Options& options) {
 }
 
 void add_options(CLI::App& app, Options& options) {
-  add_required(app, "--cell", options.cell, "FILE", "the cell");
+  add_required(app, "--cell", options.cell, "cell.yaml", "the cell");
   add_goals(app, options);
   auto* out = add_value(app, "--out", options.request.out, "DIR", "folder for log and report");
   app.add_flag("--no-error-map", options.no_error_map, "use vision without the error map");

@@ -39,7 +39,6 @@ const CommandText kServe{
     "tracker  on 127.0.0.1:7701\n"
     "the board is held, view 0"};
 const ProgramText kText{"planar-virtual-cell",
-                        "Makes virtual cells, and serves them as real ones.",
                         kDraw.synopsis + "\n       " + kServe.synopsis,
                         kDraw.sample,
                         {kDraw, kServe}};
@@ -141,8 +140,8 @@ Outcome work(const Options& options) {
 }
 
 void add_serve_options(CLI::App& server, Options& options) {
-  add_required(server, "--cell", options.cell, "FILE", "the virtual cell");
-  add_value(server, "--out", options.live_cell, "FILE",
+  add_required(server, "--cell", options.cell, "cell.yaml", "the virtual cell");
+  add_value(server, "--out", options.live_cell, "live.yaml",
             "a cell file to be written, which describes the served devices as real ones");
   server.add_option("--address", options.address, "an address of this machine")
       ->capture_default_str();

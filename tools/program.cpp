@@ -13,6 +13,9 @@
 #include <memory>
 #include <opencv2/core/utils/logger.hpp>
 
+#include "commands.h"
+#include "completion.h"
+#include "man_page.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/io/atomic_file.h"
 #include "program.h"
@@ -37,7 +40,8 @@ class HelpFormatter : public CLI::Formatter {
 
  private:
   static std::string usage(const std::string& synopsis, const std::string& sample) {
-    return fmt::format("\nUsage: {}\n\nSample of the output:\n{}\n", synopsis, sample);
+    const std::string usage = fmt::format("\nUsage: {}\n", synopsis);
+    return sample.empty() ? usage : usage + fmt::format("\nSample of the output:\n{}\n", sample);
   }
 
   ProgramText text_;
@@ -195,6 +199,24 @@ void require_printed() {
 
 volatile std::sig_atomic_t interrupts = 0;
 
+/// Adds what prints the completion for a shell, or the manual page for the package, and ends the
+/// program as --version does.
+void add_printers(CLI::App& app, const ProgramText& text) {
+  const auto print = [](const std::string& what) { throw CLI::CallForVersion(what, 0); };
+  app.add_option_function<std::string>(
+         "--completion",
+         [&app, print](const std::string& shell) {
+           print(completion_script(usage_of(app), shell));
+         },
+         "print a script by which this shell completes options, words and files")
+      ->type_name("SHELL")
+      ->check(CLI::IsMember(completion_shells()));
+  app.add_flag_callback(
+         "--man-page",
+         [&app, text, print] { print(man_page(text, usage_of(app), PLANAR_VERSION)); })
+      ->group("");
+}
+
 }  // namespace
 
 bool is_quiet() {
@@ -258,7 +280,7 @@ int run_program(const ProgramText& text, int argc, char** argv,
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
   keep_freed_memory();
-  CLI::App app(text.sentence, text.name);
+  CLI::App app(sentence_of(text.name), text.name);
   app.formatter(std::make_shared<HelpFormatter>(text));
   app.failure_message(usage_fault);
   app.set_version_flag("--version", text.name + " " PLANAR_VERSION);
@@ -271,6 +293,7 @@ int run_program(const ProgramText& text, int argc, char** argv,
       "-q,--quiet", quiet, "print nothing but errors; files and --json are written all the same");
   app.add_flag("-v,--verbose", verbose, "also log each look, each file read and each decision")
       ->excludes(quiet_flag);
+  add_printers(app, text);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

@@ -39,12 +39,11 @@ struct CommandText {
   std::string sample;    ///< a sample of its output
 };
 
-/// Opens a program's --help.
+/// Opens a program's --help, after its sentence in commands.h.
 struct ProgramText {
   std::string name;      ///< "planar-locate-lamps"
-  std::string sentence;  ///< says in one sentence what it does
   std::string synopsis;  ///< the call, without "Usage:"
-  std::string sample;    ///< a sample of its output
+  std::string sample;    ///< a sample of its output; empty where --help shows it anyway
   std::vector<CommandText> commands{};
 };
 
@@ -100,10 +99,10 @@ void heed_interrupts();
 /// Returns true once the program was asked to stop.
 bool interrupted();
 
-/// Parses the options (those of `add_options` besides --help, --version, --json, -q and -v), does
-/// the work and returns the exit status: 0 when it is done, 1 when the work failed or standard
-/// output could not be written, 2 for wrong usage or input. This is the only place that catches
-/// exceptions. `work` prints its results to stdout; messages go to stderr.
+/// Parses the options (those of `add_options` besides --help, --version, --completion, --json, -q
+/// and -v), does the work and returns the exit status: 0 when it is done, 1 when the work failed or
+/// standard output could not be written, 2 for wrong usage or input. This is the only place that
+/// catches exceptions. `work` prints its results to stdout; messages go to stderr.
 int run_program(const ProgramText& text, int argc, char** argv,
                 const std::function<void(CLI::App&)>& add_options,
                 const std::function<Outcome()>& work);

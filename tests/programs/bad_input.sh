@@ -15,6 +15,29 @@ for program in "$bin"/planar-*; do
   expect 2 "^$(basename "$program"): .*not understood: --nonsense; --help" "$program" --nonsense
 done
 
+# planar knows every program, becomes the one that is named, and names what it may have meant.
+"$bin/planar" >listed.txt
+for program in "$bin"/planar-*; do
+  grep -q "^$(basename "$program" | sed 's/^planar-//') .*\.$" listed.txt || fail "planar does not list $program"
+done
+[ "$(grep -c . listed.txt)" -eq "$(find "$bin" -name 'planar-*' | grep -c .)" ] || fail "$(cat listed.txt)"
+"$bin/planar" help record | cmp - <("$bin/planar-record" --help) || fail "planar help record"
+"$bin/planar" record --version | cmp - <("$bin/planar-record" --version) || fail "planar record --version"
+expect 2 "^planar-record: --cell, --plan, --out are required; --help" "$bin/planar" record
+for how in recrod "help recrod" "recrod --cell cell/cell.yaml"; do
+  # shellcheck disable=SC2086
+  expect 2 "^planar: there is no command 'recrod' \(did you mean record\?\); planar --help lists the commands" \
+    "$bin/planar" $how
+done
+expect 2 "^planar: there is no command 'x/../record';" "$bin/planar" x/../record
+expect 2 "^planar: not understood: --nonsense; --help" "$bin/planar" --nonsense
+mkdir alone
+cp "$bin/planar" alone
+expect 1 "^planar: planar-record cannot be run: No such file or directory" env PATH=/usr/bin:/bin alone/planar record
+PATH=$bin:$PATH alone/planar record --version | grep -q "^planar-record " || fail "planar does not search PATH"
+printf 'not a program\n' >alone/planar-record
+expect 1 "^planar: .*/planar-record cannot be run: Permission denied" alone/planar record
+
 # Cell files: a key mistyped, a missing file, a number that is none, a range left.
 sed 's/settle_ms/setle_ms/; s/gain: 1.0/gain: 7/' cell/cell.yaml >cell/wrong.yaml
 expect 2 "wrong.yaml:[0-9]+:[0-9]+: unknown key 'servo.setle_ms'; allowed are" \

@@ -8,6 +8,8 @@ cp -r "$2/cell" "$2/recording" .
 
 "$bin/planar-virtual-cell" draw --seed 7 -o cells/7 >drawn.txt
 expect_sample drawn.txt "$bin/planar-virtual-cell"
+(cd cells/7 && "$bin/planar-next" --cell cell.yaml --json ../../next.json) >next.txt
+expect_sample next.txt "$bin/planar-next"
 expect_sample drawn.txt "$bin/planar-virtual-cell" draw
 cmp cells/7/cell.yaml "$repository/calib/paper/cell.yaml" || fail "a drawn cell has not the paper's cell file"
 for kind in paper:0.005 ordinary:0.010 cheap:0.030; do
@@ -105,6 +107,7 @@ quiet planar-check-error-map map.yaml pairs.csv
 quiet planar-doctor --cell paired_cell/cell.yaml
 quiet planar-doctor --new quiet_cell.yaml --drives virtual
 quiet planar-doctor --seal map.yaml
+quiet planar-next --cell cell/cell.yaml
 quiet planar-check-cell --cell cell/cell.yaml
 for how in --dry-run --check "--out quiet_run"; do
   # shellcheck disable=SC2086

@@ -32,16 +32,6 @@ namespace fs = std::filesystem;
 constexpr int kPlaces = 500;
 constexpr char kSubject[] = "camera's field";
 
-/// Returns places that fill the workspace evenly, as far as the arm reaches.
-std::vector<Eigen::Vector2d> reachable_places(const CellSettings& cell) {
-  const JointPlanner planner = joint_planner(cell);
-  const Eigen::Matrix2Xd all = spiral_over_disc(cell.workspace.radius_max_m, kPlaces);
-  std::vector<Eigen::Vector2d> places;
-  for (const Eigen::Vector2d p_B : all.colwise())
-    if (!planner.plan({p_B, cell.tool_orientation}, cell.arm.home).refusal) places.push_back(p_B);
-  return places;
-}
-
 bool is_seen(const CameraSettings& camera, const Workplane& workplane, const Eigen::Vector2d& p_B) {
   const auto uv_px = workplane.pixel_from_plane(p_B);
   return uv_px && uv_px->minCoeff() >= 0.0 && uv_px->x() <= camera.width_px - 1.0 &&
@@ -129,7 +119,21 @@ std::vector<Finding> examine_content(const CellSettings& cell, const MadeFile& f
   }
 }
 
-/// Lists which program made each calibration file from what, and why a file is no longer valid.
+constexpr Named<Finding::Verdict> kVerdicts[] = {{Finding::Verdict::kWell, "well"},
+                                                 {Finding::Verdict::kDoubtful, "doubtful"},
+                                                 {Finding::Verdict::kFaulty, "faulty"}};
+
+}  // namespace
+
+std::vector<Eigen::Vector2d> reachable_places(const CellSettings& cell) {
+  const JointPlanner planner = joint_planner(cell);
+  const Eigen::Matrix2Xd all = spiral_over_disc(cell.workspace.radius_max_m, kPlaces);
+  std::vector<Eigen::Vector2d> places;
+  for (const Eigen::Vector2d p_B : all.colwise())
+    if (!planner.plan({p_B, cell.tool_orientation}, cell.arm.home).refusal) places.push_back(p_B);
+  return places;
+}
+
 std::vector<Finding> examine_files(const CellSettings& cell) {
   std::vector<Finding> findings;
   const std::vector<StaleFile> all_stale = stale_files(cell, true);
@@ -143,12 +147,6 @@ std::vector<Finding> examine_files(const CellSettings& cell) {
   }
   return findings;
 }
-
-constexpr Named<Finding::Verdict> kVerdicts[] = {{Finding::Verdict::kWell, "well"},
-                                                 {Finding::Verdict::kDoubtful, "doubtful"},
-                                                 {Finding::Verdict::kFaulty, "faulty"}};
-
-}  // namespace
 
 std::vector<Finding> question_camera_field(const CellSettings& cell) {
   if (!fs::exists(cell.camera_model) || !fs::exists(cell.workplane)) return {};

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
@@ -15,9 +16,21 @@ namespace planar {
 /// meant. Throws InputError for a file with faults, and for devices that do not go together.
 std::vector<Finding> examine_cell(const std::filesystem::path& cell_file);
 
+/// Lists which program made each calibration file of a cell from what, and why a file is not there
+/// or no longer valid.
+std::vector<Finding> examine_files(const CellSettings& cell);
+
+/// Returns places (base frame, metres) that fill the workspace evenly, as far as the arm reaches.
+std::vector<Eigen::Vector2d> reachable_places(const CellSettings& cell);
+
 /// Questions a workspace that reaches out of the camera's field. No finding where all places that
 /// the arm may go to are seen, nor before both the camera's and the workplane's file exist.
 std::vector<Finding> question_camera_field(const CellSettings& cell);
+
+/// Doubts the programs of two installations, such as a Debian package beside what a checkout built.
+/// `own` is the file of the running program, without links; `folders` is the value of PATH.
+std::vector<Finding> question_installations(const std::filesystem::path& own,
+                                            const std::string& folders);
 
 /// Returns true when nothing that was found is faulty.
 bool is_sound(const std::vector<Finding>& findings);
@@ -27,11 +40,6 @@ std::string findings_text(const std::vector<Finding>& findings);
 
 /// Returns the findings under the keys of --json.
 nlohmann::json findings_json(const std::vector<Finding>& findings);
-/// Doubts the programs of two installations, such as a Debian package beside what a checkout built.
-/// `own` is the file of the running program, without links; `folders` is the value of PATH.
-std::vector<Finding> question_installations(const std::filesystem::path& own,
-                                            const std::string& folders);
-
 
 /// Returns the words of the kinds of drives for which a cell file can be written.
 std::vector<std::string> new_cell_drives();

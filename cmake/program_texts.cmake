@@ -1,0 +1,17 @@
+# Writes the manual page and the completions of each of these PROGRAMS into the folder SHARE, as the
+# programs themselves print them.
+function(write_text program option file)
+  execute_process(COMMAND ${program} ${option} OUTPUT_FILE ${SHARE}/${file} COMMAND_ERROR_IS_FATAL ANY)
+endfunction()
+
+file(REMOVE_RECURSE ${SHARE})
+file(MAKE_DIRECTORY ${SHARE}/man/man1 ${SHARE}/bash-completion/completions
+     ${SHARE}/zsh/vendor-completions ${SHARE}/fish/vendor_completions.d)
+foreach(program ${PROGRAMS})
+  get_filename_component(name ${program} NAME)
+  write_text(${program} --man-page man/man1/${name}.1)
+  write_text(${program} --completion=bash bash-completion/completions/${name})
+  write_text(${program} --completion=zsh zsh/vendor-completions/_${name})
+  write_text(${program} --completion=fish fish/vendor_completions.d/${name}.fish)
+  execute_process(COMMAND gzip -9n ${SHARE}/man/man1/${name}.1 COMMAND_ERROR_IS_FATAL ANY)
+endforeach()

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+namespace planar {
+
+/// Holds one step of the work on a cell.
+struct WorkStep {
+  enum class State { kDone, kNext, kOpen };
+  State state{State::kDone};
+  std::string name;       ///< such as "camera"
+  std::string what;       ///< what there is, or why the step is to be done, perhaps again
+  std::string command{};  ///< for a shell where the cell file was named; empty when done
+};
+
+/// Returns the steps of the work on a cell in their order, from the cell file to the certificate.
+/// At most one of them is next. What is done is told by the files that the cell names, by what
+/// they were made from, and by the files beside the cell file: the plans plan.csv, plan_2.csv, ...,
+/// the folder recording, lamps.csv and pairs.csv or what they were called when the calibration was
+/// made, targets.csv, the folders run, run_2, ... and certificate, certificate_2, .... Nothing is
+/// opened but files. Throws InputError for a cell file with faults.
+std::vector<WorkStep> work_steps(const std::filesystem::path& cell_file);
+
+/// Returns a line for each step, and one for the command of the next or that none is left.
+std::string steps_text(const std::vector<WorkStep>& steps);
+
+/// Returns the steps under the keys of --json.
+nlohmann::json steps_json(const std::vector<WorkStep>& steps);
+
+}  // namespace planar

@@ -1,0 +1,86 @@
+#include "planar_servo/doctor/next_step.h"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <filesystem>
+#include <string>
+
+#include "planar_servo/core/error.h"
+#include "planar_servo/io/atomic_file.h"
+#include "support/sample_cells.h"
+#include "support/temporary_folder.h"
+
+namespace planar {
+namespace {
+
+using Catch::Contains;
+using State = WorkStep::State;
+
+WorkStep next_of(const std::vector<WorkStep>& steps) {
+  const auto is_next = [](const WorkStep& step) { return step.state == State::kNext; };
+  REQUIRE(std::count_if(steps.begin(), steps.end(), is_next) == 1);
+  return *std::find_if(steps.begin(), steps.end(), is_next);
+}
+
+const WorkStep& named(const std::vector<WorkStep>& steps, const std::string& name) {
+  const auto found = std::find_if(steps.begin(), steps.end(),
+                                  [&](const WorkStep& step) { return step.name == name; });
+  REQUIRE(found != steps.end());
+  return *found;
+}
+
+/// A copy of the calibrated workshop cell, without what was recorded for it.
+void copy_workshop(const test::TemporaryFolder& folder) {
+  std::filesystem::copy(test::workshop_cell_file().parent_path(), folder.path(),
+                        std::filesystem::copy_options::recursive);
+}
+
+TEST_CASE("A cell file alone is followed by a plan") {
+  const test::TemporaryFolder folder;
+  const auto cell = folder.write("cell.yaml", read_file(test::paper_cell_file()));
+  const auto steps = work_steps(cell);
+  CHECK(next_of(steps).name == "plan");
+  CHECK_THAT(next_of(steps).command, Contains("planar-plan --cell " + cell.string()) &&
+                                         Contains("-o " + (folder / "plan.csv").string()));
+  CHECK(named(steps, "cell file").state == State::kDone);
+  for (const std::string name : {"recording", "camera", "lamps", "pairs", "error map", "targets",
+                                 "positioning", "certificate"}) {
+    INFO(name);
+    CHECK(named(steps, name).state == State::kOpen);
+  }
+}
+
+TEST_CASE("A folder whose name has blanks is quoted for the shell") {
+  const test::TemporaryFolder folder;
+  std::filesystem::create_directory(folder / "my cell's");
+  const auto cell = folder.write("my cell's/cell.yaml", read_file(test::paper_cell_file()));
+  CHECK_THAT(next_of(work_steps(cell)).command, Contains(R"(my cell'\''s/cell.yaml')"));
+}
+
+TEST_CASE("A calibrated cell whose recording is gone goes on with targets") {
+  const test::TemporaryFolder folder;
+  copy_workshop(folder);
+  const auto steps = work_steps(folder / "cell.yaml");
+  CHECK(next_of(steps).name == "targets");
+  CHECK_THAT(next_of(steps).command, Contains("printf '%s\\n' id,x_mm,y_mm A,"));
+  CHECK_THAT(named(steps, "camera").what, Contains("planar-calibrate-camera"));
+}
+
+TEST_CASE("Of files that are missing, the step that makes the first is next") {
+  const test::TemporaryFolder folder;
+  copy_workshop(folder);
+  std::filesystem::remove(folder / "map.yaml");
+  CHECK(next_of(work_steps(folder / "cell.yaml")).name == "plan");  // for the pairs
+  folder.write("pairs.csv", "id,x_vision_mm,y_vision_mm,x_tracker_mm,y_tracker_mm\na,1,2,1,2\n");
+  CHECK(next_of(work_steps(folder / "cell.yaml")).name == "error map");
+}
+
+TEST_CASE("A cell file with faults has no next step") {
+  const test::TemporaryFolder folder;
+  CHECK_THROWS_AS(work_steps(folder.write("cell.yaml", "format: planar-servo/cell/1\n")),
+                  InputError);
+  CHECK_THROWS_WITH(work_steps(folder / "absent.yaml"), Contains("cannot be read"));
+}
+
+}  // namespace
+}  // namespace planar

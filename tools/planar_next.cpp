@@ -1,0 +1,35 @@
+#include <filesystem>
+
+#include "planar_servo/doctor/next_step.h"
+#include "program.h"
+
+namespace planar {
+namespace {
+
+const ProgramText kText{"planar-next", "planar-next --cell cell.yaml",
+                        R"(done  cell file    cell.yaml is in order
+next  plan         plan.csv does not exist yet
+      planar-plan --cell cell.yaml --readings 200 -o plan.csv
+open  recording    recording does not exist yet
+open  camera       camera.yaml does not exist yet)"};
+
+struct Options {
+  std::filesystem::path cell;
+};
+
+void add_options(CLI::App& app, Options& options) {
+  add_required(app, "--cell", options.cell, "cell.yaml", "the cell");
+}
+
+Outcome work(const Options& options) {
+  const auto steps = work_steps(options.cell);
+  say("{}", steps_text(steps));
+  return {steps_json(steps)};
+}
+
+}  // namespace
+}  // namespace planar
+
+int main(int argc, char** argv) {
+  return planar::run_program(planar::kText, argc, argv, planar::add_options, planar::work);
+}
