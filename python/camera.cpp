@@ -3,6 +3,7 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include <mutex>
 #include <optional>
 
 #include "arrays.h"
@@ -56,6 +57,9 @@ CameraCalibration calibrate(const py::object& points, const py::sequence& pixels
   problem.height_px = height_px;
   problem.model = model;
   const py::gil_scoped_release release;
+  static std::mutex visp;  // vpCalibration keeps its data in globals
+  std::unique_lock<std::mutex> alone(visp, std::defer_lock);
+  if (model == "visp") alone.lock();
   return calibrate_camera(problem);
 }
 

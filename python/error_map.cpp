@@ -33,12 +33,6 @@ std::optional<Eigen::VectorXd> optional_numbers(const char* argument, const py::
   return numbers_of(argument, value, count);
 }
 
-const ValidRegion& region_of(const ErrorMap& map) {
-  if (const auto* idw = std::get_if<IdwMap>(&map)) return idw->region;
-  if (const auto* rbf = std::get_if<RbfMap>(&map)) return rbf->parameters().region;
-  return std::get<SparseRbfMap>(map).parameters().region;
-}
-
 /// Predicts at every place, within the rules that predict() has for the direction.
 py::object predict_places(const HeldMap& held, const py::object& p_vision, const py::object& phi) {
   const ErrorMap& map = held.map;
@@ -250,10 +244,10 @@ void bind_error_map(py::module_& m) {
       .def_property_readonly("depends_on_direction",
                              [](const HeldMap& held) { return depends_on_direction(held.map); })
       .def_property_readonly(
-          "hull", [](const HeldMap& held) { return region_corners(region_of(held.map)); },
+          "hull", [](const HeldMap& held) { return region_corners(valid_region(held.map)); },
           "(M, 2): corners of the pairs' hull, counterclockwise, metres.")
       .def_property_readonly(
-          "margin", [](const HeldMap& held) { return region_of(held.map).margin; },
+          "margin", [](const HeldMap& held) { return valid_region(held.map).margin; },
           "The valid region reaches so far beyond the hull, metres.");
   bind_fit(m);
   bind_field(m);

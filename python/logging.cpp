@@ -31,7 +31,10 @@ class LoggingSink : public spdlog::sinks::base_sink<spdlog::details::null_mutex>
       const py::str text(message.payload.data(), message.payload.size());
       logger.attr("log")(level_of(message.level), "%s", text);
     } catch (py::error_already_set& error) {
-      error.discard_as_unraisable("planar_servo's log");
+      if (error.matches(PyExc_KeyboardInterrupt))
+        PyErr_SetInterrupt();  // Ctrl-C came here by chance and is meant for the work
+      else
+        error.discard_as_unraisable("planar_servo's log");
     }
   }
   void flush_() override {}

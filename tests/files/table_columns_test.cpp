@@ -32,7 +32,7 @@ TEST_CASE("Reading by columns refuses what reading by rows does, and a kind that
   const auto path = folder.write("t.csv", "id,x_mm,y_mm\na,1,NaN\nb,,2\n");
   CHECK_THROWS_WITH(read_table_columns(path, "targets"),
                     Contains("t.csv:2: y_mm is 'NaN'") && Contains("t.csv:3: x_mm is ''"));
-  CHECK_THROWS_WITH(read_table_columns(path, "target"), Contains("allowed are cycles, frames"));
+  CHECK_THROWS_WITH(read_table_columns(path, "target"), Contains("allowed are cycles, error_grid"));
   CHECK(table_kind_of(path).empty());
 }
 

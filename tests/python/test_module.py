@@ -294,7 +294,7 @@ class Files(unittest.TestCase):
                     pass  # some samples are bad on purpose
             self.assertGreater(read, 0, kind)
         self.assertEqual(ps.table_kinds(), [
-            "cycles", "frames", "lamps", "lays", "pairs", "path", "path_looks", "path_results",
+            "cycles", "error_grid", "frames", "lamps", "lays", "pairs", "path", "path_looks", "path_results",
             "plan", "results", "samples", "steps", "targets", "tracker"])
 
 
@@ -354,13 +354,30 @@ class Cells(unittest.TestCase):
             cell.move_to(self.target, on_step=meddle)
         self.assertIn("at work", caught[0].fault)
 
-    def test_ctrl_c_stops_the_motion(self):
+    def test_a_signal_stops_the_motion_while_it_lasts(self):
+        def interrupt(*_):
+            try:
+                cell.joints
+            except ps.WorkError:  # at work: this is called from within the motion
+                raise KeyboardInterrupt
+
         with ps.Cell(self.path, check_health=False) as cell:
-            cell.joints  # switches on
-            sent = []
-            signal_once = lambda step: (sent or (sent.append(1), os.kill(os.getpid(), signal.SIGINT)))
+            former = signal.signal(signal.SIGALRM, interrupt)
+            signal.setitimer(signal.ITIMER_REAL, 2e-3, 2e-3)
+            try:
+                with self.assertRaises(KeyboardInterrupt):
+                    for _ in range(100):
+                        cell.move_to(self.target)
+                        cell.move_to([-0.2, 0.3])
+            finally:
+                signal.setitimer(signal.ITIMER_REAL, 0)
+                signal.signal(signal.SIGALRM, former)
+            self.assertTrue(cell.move_to(self.target).reached)
+
+    def test_ctrl_c_in_a_callback_ends_the_motion(self):
+        with ps.Cell(self.path) as cell:
             with self.assertRaises(KeyboardInterrupt):
-                cell.move_to(self.target, on_step=signal_once)
+                cell.move_to(self.target, on_step=lambda step: os.kill(os.getpid(), signal.SIGINT))
             self.assertTrue(cell.move_to(self.target).reached)
 
     def test_another_thread_stops_it(self):

@@ -6,6 +6,7 @@
 
 #include "planar_servo/core/units.h"
 #include "planar_servo/tables/grid_exports.h"
+#include "planar_servo/tables/table_columns.h"
 
 namespace planar {
 
@@ -44,6 +45,10 @@ std::string error_grid_text(const ErrorGrid& grid, const std::vector<std::string
                                       grid.inside[i]});
   }
   return text;
+}
+
+std::vector<TableColumn> read_error_grid_columns(const std::filesystem::path& path) {
+  return columns_in(path, error_grid_schema());
 }
 
 }  // namespace planar

@@ -7,6 +7,7 @@
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/io/atomic_file.h"
+#include "planar_servo/tables/grid_exports.h"
 
 namespace planar {
 namespace {
@@ -17,6 +18,7 @@ struct TableReader {
 };
 
 constexpr TableReader kReaders[] = {{"cycles", read_cycle_columns},
+                                    {kErrorGridKind, read_error_grid_columns},
                                     {"frames", read_frame_columns},
                                     {"lamps", read_lamp_columns},
                                     {"lays", read_lay_columns},

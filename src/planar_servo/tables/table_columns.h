@@ -37,10 +37,10 @@ std::vector<TableColumn> columns_in(const std::filesystem::path& path,
 
 // Each of these reads the columns of one kind; its schema stands in the source of the table.
 using ReadColumns = std::vector<TableColumn>(const std::filesystem::path& path);
-ReadColumns read_cycle_columns, read_lamp_columns, read_pair_columns, read_lay_columns,
-    read_arm_sample_columns, read_path_columns, read_path_look_columns, read_path_result_columns,
-    read_plan_columns, read_frame_columns, read_result_columns, read_step_columns,
-    read_target_columns, read_tracker_columns;
+ReadColumns read_cycle_columns, read_error_grid_columns, read_lamp_columns, read_pair_columns,
+    read_lay_columns, read_arm_sample_columns, read_path_columns, read_path_look_columns,
+    read_path_result_columns, read_plan_columns, read_frame_columns, read_result_columns,
+    read_step_columns, read_target_columns, read_tracker_columns;
 
 /// Takes the fields of a table's current row into the columns.
 void take_fields(CsvTable& table, std::vector<TableColumn>& columns);
