@@ -79,6 +79,23 @@ TEST_CASE("A step that is too coarse, and an error that no grid holds, are refus
                     Contains("valid nowhere"));
 }
 
+TEST_CASE("A grid is fine enough to have nodes in a narrow region, and ends where none can") {
+  const auto zero = [](const Eigen::Vector2d&) { return Eigen::Vector2d(0.0, 0.0); };
+  ErrorField line = field_over({{-0.2, -0.2004}, {0.2, 0.1996}}, zero);
+  line.region.margin = 0.003;
+  const ValidRegion region = line.region;
+  line.predict = [region](const Eigen::Vector2d& p) {
+    return ErrorPrediction{{0.0, 0.0}, kSigma, region.contains(p)};
+  };
+  const ErrorGrid grid = sample_error(line, GridReading::kBilinear).grid;
+  CHECK(grid.inside.count() > 4);
+  CHECK(grid.step <= 0.025);
+  const double huge = 1.7e308;
+  CHECK_THROWS_WITH(sample_error(field_over({{-huge, 0.0}, {huge, 0.0}, {0.0, huge}}, zero),
+                                 GridReading::kBilinear),
+                    Contains("nodes; at most 100000"));
+}
+
 TEST_CASE("Where the field states no deviation the given one is taken, and the grid has none") {
   ErrorField field = field_over(kSquare, [](const Eigen::Vector2d& p) { return 1e-3 * p; });
   field.predict = [](const Eigen::Vector2d& p) {

@@ -118,7 +118,8 @@ TEST_CASE("A map without deviations is sampled by its leave-one-out error") {
   const double loo = read_map(fitted.folder / "map.yaml").loo_rms;
   CHECK(loo > 0.0);
   CHECK(exported.sampled.sigma_median == Approx(loo));
-  CHECK_THAT(exported_map_list(exported).text(), Contains("deviations: the map states none"));
+  CHECK_THAT(exported_map_list(exported).text(),
+             Contains("left-out places, as the map states none"));
 }
 
 TEST_CASE("A direction that matters must be named") {

@@ -66,6 +66,8 @@ awk 'BEGIN {
 expect_sample fitted.txt "$bin/planar-fit-error-map"
 "$bin/planar-check-error-map" map.yaml pairs.csv --json checked.json >checked.txt
 expect_sample checked.txt "$bin/planar-check-error-map"
+"$bin/planar-export-map" --format grid-csv -o grid.csv map.yaml --json exported.json >exported.txt
+expect_sample exported.txt "$bin/planar-export-map"
 
 printf 'id,x_mm,y_mm\na,200,100\nb,-150,250\n' >targets.csv
 echo "arm_found: arm.yaml" >>paired_cell/cell.yaml
@@ -104,6 +106,7 @@ quiet planar-plan --cell paired_cell/cell.yaml --readings 8 --after paired.csv -
 quiet planar-fit-error-map -o quiet_map.yaml pairs.csv
 quiet planar-fit-error-map --cell paired_cell/cell.yaml -o quiet_field.yaml paired.csv
 quiet planar-check-error-map map.yaml pairs.csv
+quiet planar-export-map --format numpy -o quiet.npy map.yaml
 quiet planar-doctor --cell paired_cell/cell.yaml
 quiet planar-doctor --new quiet_cell.yaml --drives virtual
 quiet planar-doctor --seal map.yaml

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "planar_servo/core/error.h"
@@ -53,7 +54,7 @@ ErrorGrid empty_grid(const ValidRegion& region, double step) {
   const Eigen::AlignedBox2d box = box_of(region);
   const Eigen::Array2d first = (box.min().array() / step).floor();
   const Eigen::Array2d cells = ((box.max().array() / step).ceil() - first).max(1.0);
-  if (const double nodes = (cells + 1.0).prod(); nodes > static_cast<double>(kMostNodes))
+  if (const double nodes = (cells + 1.0).prod(); !(nodes <= static_cast<double>(kMostNodes)))
     throw InputError(
         {fmt::format("a grid of {:.3g} mm over its valid region has {:.3g} nodes", mm(step), nodes),
          fmt::format(
@@ -123,8 +124,9 @@ void add_deviations(const ErrorField& field, SampledError& sampled) {
                              "fit it again by --method auto"});
 }
 
-SampledError judged(const ErrorField& field, GridReading reading, double step) {
-  SampledError result{sampled(field, step)};
+SampledError judged(const ErrorField& field, GridReading reading, ErrorGrid sampled) {
+  SampledError result;
+  result.grid = std::move(sampled);
   add_deviations(field, result);
   const ErrorGrid& grid = result.grid;
   for (Eigen::Index i = 0; i + grid.columns < grid.nodes(); ++i)
@@ -163,7 +165,12 @@ SampledError sample_error(const ErrorField& field, GridReading reading,
   const Eigen::AlignedBox2d box = box_of(field.region);
   double next = step ? *step : neat(box.sizes().maxCoeff() / kFirstCells);
   for (;;) {
-    SampledError found = judged(field, reading, next);
+    ErrorGrid grid = sampled(field, next);
+    if (!step && !grid.inside.any()) {
+      next = neat(0.5 * next);
+      continue;
+    }
+    SampledError found = judged(field, reading, std::move(grid));
     if (found.interpolation_share <= kInterpolationShare) return found;
     if (step)
       throw InputError(

@@ -168,8 +168,8 @@ GridUse use_of(GridFormat format) {
     case GridFormat::kTinshift:
       return {false, GridReading::kTriangles, kSeen, "cct -d 4 +proj=tinshift +file=FILE", ""};
     case GridFormat::kKmotion:
-      return {true, kCells, kTrue, "KMotionCNC: Tool Setup, Geometric Correction File",
-              "deviations and the valid region, and it is in inches"};
+      return {true, kCells, kTrue, "KMotionCNC, as its Geo Correction Table",
+              "deviations and the valid region; lengths are in inches"};
   }
   throw std::invalid_argument("no such format of a grid");
 }

@@ -164,12 +164,15 @@ ReportList exported_map_list(const ExportedMap& exported) {
   const bool states_sigma = grid.sigmas.allFinite();
   ReportList list;
   list.line("map", "{method}", exported.method);
-  list.line("format", "{exported}", std::string(name_in(kGridFormats, exported.format)));
+  list.line("format", name_in(kGridFormats, exported.format));
   list.line("grid", "{columns} x {rows} nodes, {step_mm:g} mm apart, {n_valid} valid", grid.columns,
             grid.rows, grid.step, grid.inside.count());
-  list.line("nodes", "{meaning}", std::string(use.meaning));
-  list.line("deviation", "{sigma_min_mm:.4f} mm at least, {sigma_median_mm:.4f} mm median per axis",
-            sampled.sigma_min, sampled.sigma_median);
+  list.line("nodes", use.meaning);
+  list.line(
+      "deviation",
+      std::string("{sigma_min_mm:.4f} mm at least, {sigma_median_mm:.4f} mm median per axis") +
+          (states_sigma ? "" : ": left-out places, as the map states none"),
+      sampled.sigma_min, sampled.sigma_median);
   list.line("interpolation",
             "{interpolation_max_mm:.5f} mm at most, {interpolation_share:.1%} of the deviation "
             "there at most",
@@ -178,10 +181,8 @@ ReportList exported_map_list(const ExportedMap& exported) {
                "tool at {phi_deg:.1f} deg; the error changes with it by up to "
                "{change_with_phi_mm:.4f} mm",
                exported.phi, exported.change_with_phi);
-  std::string lacks = use.lacks;
-  if (lacks.empty() && !states_sigma) lacks = "deviations: the map states none";
-  list.line_if(!lacks.empty(), "not in the file", "{not_in_file}", lacks);
-  list.line("read by", "{read_by}", std::string(use.read_by));
+  if (*use.lacks != '\0') list.line("not in the file", use.lacks);
+  list.line("read by", use.read_by);
   return list;
 }
 
