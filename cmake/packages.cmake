@@ -79,11 +79,11 @@ set(sample ${PROJECT_BINARY_DIR}/sample)
 add_custom_command(OUTPUT ${sample}/report.html
   COMMAND ${CMAKE_COMMAND} -E rm -rf ${sample}
   COMMAND planar-experiment -q --cell calib/small/cell.yaml --grid circles:11x11:25mm --out ${sample}
-  COMMAND ${CMAKE_COMMAND} -E rm -rf ${sample}/recording
+  COMMAND ${CMAKE_COMMAND} -E rm -rf ${sample}/recording/images
   DEPENDS planar-experiment calib/small/cell.yaml calib/small/truth.yaml
   WORKING_DIRECTORY ${PROJECT_SOURCE_DIR} COMMENT "Running calib/small for its report" VERBATIM)
-install(FILES ${sample}/report.html DESTINATION ${CMAKE_INSTALL_DOCDIR} OPTIONAL)
-install(FILES README.md CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(DIRECTORY ${sample} DESTINATION ${CMAKE_INSTALL_DOCDIR} OPTIONAL)
+install(FILES README.md CHANGELOG.md CONTRIBUTING.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(DIRECTORY doc DESTINATION ${CMAKE_INSTALL_DOCDIR} PATTERN *.in EXCLUDE)
 install(DIRECTORY examples/ DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/libplanar-servo-dev/examples
         COMPONENT library PATTERN python EXCLUDE)

@@ -78,7 +78,7 @@ install "the programs" planar-servo
 step "a first report" "${as_user[@]}" planar-experiment --out /home/user/first --grid circles:11x11:25mm \
   --cell /usr/share/planar-servo/calib/small/cell.yaml
 grep -q "<svg" "$root/home/user/first/report.html" || fail "the report has no figure"
-grep -q "<svg" "$root/usr/share/doc/planar-servo/report.html" || fail "the report of the package has no figure"
+grep -q "<svg" "$root/usr/share/doc/planar-servo/sample/report.html" || fail "the report of the package has no figure"
 
 install "the library" libplanar-servo-dev cmake g++ make
 examples=/usr/share/doc/libplanar-servo-dev/examples
