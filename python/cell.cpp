@@ -18,6 +18,7 @@
 #include "planar_servo/run/ready_cell.h"
 #include "planar_servo/run/servo_report.h"
 #include "planar_servo/run/servo_run.h"
+#include "planar_servo/servo/approach.h"
 
 namespace planar::python {
 namespace {
@@ -111,10 +112,7 @@ class Cell {
       ReadyCell& cell = ready();
       if (const auto unwell = cell.examine_if_due(); unwell && !unwell->empty())
         throw WorkError(*unwell);
-      int recoveries_left = ReadyCell::kMaxDriveRecoveries;
-      const ServoResult result = cell.with_drives("move_to", recoveries_left, [&] {
-        return cell.servo().move_to({place, turn}, observer_of(on_step));
-      });
+      const ServoResult result = attempts(cell, {place, turn}, observer_of(on_step));
       cell.keep_lessons_if_due();
       return result;
     });
@@ -201,6 +199,20 @@ class Cell {
     if (is_ending) throw WorkError(Refusal{"Python is ending"});
     if (!devices_) throw InputError(Refusal{"the cell is closed", "open it again by Cell(path)"});
     return stop_.during(work);
+  }
+
+  /// Moves to the target, again after lost drives or a lost camera are back.
+  static ServoResult attempts(ReadyCell& cell, const TipPose& target,
+                              const PositionServo::Observer& observer) {
+    int recoveries_left = ReadyCell::kMaxDriveRecoveries;
+    int failures_left = ReadyCell::kMaxCameraFailures;
+    while (true) {
+      ServoResult result = cell.with_drives("move_to", recoveries_left,
+                                            [&] { return cell.servo().move_to(target, observer); });
+      if (result.status != ServoStatus::kLostCamera || failures_left-- == 0) return result;
+      const double deadline_s = cell.clock().now_s() + kCameraPatience_s;
+      if (!cell.wait_for_camera("move_to", result.reason, deadline_s)) return result;
+    }
   }
 
   ReadyCell& ready() {

@@ -33,3 +33,6 @@ class InputError(_Refused, ValueError):
 
 class WorkError(_Refused, RuntimeError):
     """Work that failed on right input: no convergence, a lost device, an arm that was stopped."""
+
+
+InputError.__module__ = WorkError.__module__ = "planar_servo"
