@@ -25,6 +25,7 @@ constexpr char kFishPassOn[] = R"fish(function __planar_passed
     set -l typed (commandline -opc)
     set -l command planar-$typed[2]
     set -e typed[1..2]
+    test -n "$(complete $command)"; or $command --completion fish 2>/dev/null | source
     complete -C "$command $(string join ' ' -- (string escape -- $typed)) $(commandline -ct)"
 end
 )fish";

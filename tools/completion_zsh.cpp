@@ -15,12 +15,11 @@ constexpr char kZshOffer[] = R"zsh(_planar_offer() {
   local -a offered=(${=1})
   shift
   (( $#offered )) && compadd -a offered
-  case $1 in
-    '') ;;
-    /) _files -/ ;;
-    *) _files -g "(${(j:|:)@})";
-;
-esac
+  case $# in
+    0) ;;
+    1) [[ $1 == / ]] && _files -/ || _files -g "$1" ;;
+    *) _files -g "(${(j:|:)@})" ;;
+  esac
 }
 )zsh";
 

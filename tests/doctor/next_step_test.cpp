@@ -6,6 +6,7 @@
 #include <string>
 
 #include "planar_servo/core/error.h"
+#include "planar_servo/doctor/doctor.h"
 #include "planar_servo/io/atomic_file.h"
 #include "support/sample_cells.h"
 #include "support/temporary_folder.h"
@@ -73,6 +74,16 @@ TEST_CASE("Of files that are missing, the step that makes the first is next") {
   CHECK(next_of(work_steps(folder / "cell.yaml")).name == "plan");  // for the pairs
   folder.write("pairs.csv", "id,x_vision_mm,y_vision_mm,x_tracker_mm,y_tracker_mm\na,1,2,1,2\n");
   CHECK(next_of(work_steps(folder / "cell.yaml")).name == "error map");
+}
+
+TEST_CASE("A real cell is recorded with a board that a person holds, and with a tracker") {
+  const test::TemporaryFolder folder;
+  write_new_cell(folder / "cell.yaml", "grbl");
+  folder.write("plan.csv", "id,plan,x_mm,y_mm\na,train,200,100\n");
+  const WorkStep next = next_of(work_steps(folder / "cell.yaml"));
+  CHECK(next.name == "recording");
+  CHECK_THAT(next.what, Contains("1 rows of") && Contains("state the tracker in"));
+  CHECK_THAT(next.command, Contains("--grid circles:11x11:50mm --out"));
 }
 
 TEST_CASE("A cell file with faults has no next step") {

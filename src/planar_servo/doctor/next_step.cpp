@@ -80,7 +80,8 @@ std::string map_command(const WorkFiles& work) {
 WorkStep map_step(const WorkFiles& work) {
   std::vector<fs::path> files{work.cell().error_map};
   if (work.cell().arm_found) files.push_back(*work.cell().arm_found);
-  return step("error map", work.reason_of(files), work.description(files[0]), map_command(work));
+  const Reason reason = work.reason_of(files);
+  return step("error map", reason, work.description(files[0]), reason ? map_command(work) : "");
 }
 
 /// `is_read`: the pairs themselves are needed, to fit the map.
@@ -125,6 +126,8 @@ WorkStep recording_step(const WorkFiles& work, bool is_read) {
       plan = there;
       reason = fmt::format("{} rows of {} are not recorded yet", count, there.string());
     }
+  if (reason && !work.cell().tracker.kind->measures())
+    *reason += "; state the tracker in " + work.cell().file.string() + " first";
   return step("recording", reason, work.description(work.recording()),
               command(work, "planar-record",
                       fmt::format(" --plan {}{} --out {}", word(plan),
