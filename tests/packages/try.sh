@@ -89,7 +89,8 @@ step "run an example" bash "$(dirname "$0")/../library/fit_error_map.sh" \
 
 if [[ " ${ours[*]} " == *" python3-planar-servo "* ]]; then
   install "the module" python3-planar-servo
-  step "import the module" "${as_user[@]}" python3 -c 'import planar_servo; print(planar_servo.__version__)'
+  step "import the module" "${as_user[@]}" python3 -c 'import planar_servo._camera; print(planar_servo.camera_models())'
+  grep -q plumb_bob "$log" || fail "the module knows no camera model"
 fi
 
 require_names
