@@ -62,7 +62,7 @@ std::string fish_script(const Usage& program) {
       fmt::format("# Completes {0} in fish; `{0} --completion fish` wrote it.\n", program.name) +
       kFishFiles + (passes_on(program) ? kFishPassOn : "") + complete + " -f\n";
   script += fish_arguments(passes_on(program) ? complete + " -n 'not " + seen + "'" : complete,
-                           {program.name, "", program.options, program.places, {}});
+                           {program.name, "", program.options, program.places, {}, ""});
   for (const Usage& command : program.commands) {
     script += fmt::format("{} -n 'not {}' -a {} -d {}\n", complete, seen, command.name,
                           fish_quoted(brief(command.sentence)));

@@ -124,8 +124,12 @@ std::string arguments_text(const Usage& usage) {
   return text;
 }
 
+std::string as_it_stands(const std::string& lines) {
+  return ".PP\n.nf\n" + lines_of(lines) + ".fi\n";
+}
+
 std::string sample_text(const std::string& sample) {
-  return sample.empty() ? "" : ".PP\n.nf\n" + lines_of(sample) + ".fi\n";
+  return sample.empty() ? "" : ".PP\nA sample of the output:\n" + as_it_stands(sample);
 }
 
 std::string command_text(const ProgramText& text, const Usage& command) {
@@ -181,10 +185,12 @@ std::string man_page(const ProgramText& text, const Usage& program, const std::s
       program.name, plain(upper(program.name)), version, plain(program.name),
       plain(named(program.sentence)), synopsis_text(text.synopsis), plain(program.sentence));
   page += commands_text(text, program);
-  page += ".SH OPTIONS\n" + arguments_text(program) + kExitStatus;
+  page += ".SH OPTIONS\n" + arguments_text(program);
+  if (!program.footer.empty()) page += ".SH NOTES\n" + as_it_stands(program.footer);
+  page += kExitStatus;
   if (program.name == kLauncher.name) page += kPassedStatus;
   if (text.commands.empty() && !text.sample.empty())
-    page += ".SH EXAMPLE\nA sample of the output:\n" + sample_text(text.sample);
+    page += ".SH EXAMPLE\n" + sample_text(text.sample);
   return page + see_also(program.name);
 }
 

@@ -140,7 +140,8 @@ void add_group(Usage& usage, const CLI::App& group) {
 }  // namespace
 
 Usage usage_of(const CLI::App& app) {
-  Usage usage{app.get_name(), app.get_description(), {}, {}, {}, app.get_prefix_command()};
+  Usage usage{app.get_name(),   app.get_description(),   {}, {}, {},
+              app.get_footer(), app.get_prefix_command()};
   add_arguments(usage, app);
   for (const CLI::App* command : app.get_subcommands({}))
     if (!command->get_name().empty()) usage.commands.push_back(usage_of(*command));

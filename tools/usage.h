@@ -32,6 +32,7 @@ struct Usage {
   std::vector<Argument> options;
   std::vector<Argument> places;  ///< arguments without names, in their order
   std::vector<Usage> commands;
+  std::string footer;     ///< lines that --help ends with; empty where there are none
   bool passes_on{false};  ///< its arguments are those of the program `planar-NAME`
 };
 

@@ -25,6 +25,8 @@ for program in "$bin"/planar "$bin"/planar-*; do
   done <options.txt
   sed -nE '/^(Options|Positionals):$/,$ s/^ +[^ ].*[^ ]  +([^ ].*)$|^ {20,}([^ ].*)$/\1\2/p' help.txt >texts.txt
   [ -s texts.txt ] || fail "$name: --help explains nothing"
+  # What stands below the options.
+  awk '/^Options:$/ { on = 1; next } /:$/ && !/^Commands, one/ { next } on && /^[^ [-]/' help.txt >>texts.txt
   while read -r text; do
     grep -qF -- "$(tr -s ' ' <<<"$text")" page.txt || fail "$name: the page lacks '$text'"
   done <texts.txt
