@@ -24,7 +24,7 @@ Eigen::Vector2d seen_from(const ErrorField& seen, const Eigen::Vector2d& p) {
   constexpr double kNear = 1e-10;
   Eigen::Vector2d s = p;
   for (int i = 0; i < kMostRounds; ++i) {
-    const Eigen::Vector2d next = p + seen.error(s);
+    Eigen::Vector2d next = p + seen.error(s);
     if ((next - s).norm() < kNear) return next;
     s = next;
   }
@@ -146,8 +146,8 @@ ErrorField over_true_places(const ErrorField& seen) {
 }
 
 Eigen::Vector2d ErrorGrid::node(Eigen::Index i) const {
-  return origin +
-         step * Eigen::Vector2d(static_cast<double>(i % columns), static_cast<double>(i / columns));
+  const Eigen::Index column = i % columns, row = i / columns;
+  return origin + step * Eigen::Vector2d(static_cast<double>(column), static_cast<double>(row));
 }
 
 Eigen::Vector2d ErrorGrid::error_in_cell(Eigen::Index i, const Eigen::Vector2d& share,

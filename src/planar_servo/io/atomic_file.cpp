@@ -131,7 +131,7 @@ fs::path folder_of(const fs::path& path) {
 
 /// Looks at a file's first bytes and its last, where its line of the format may stand.
 std::string kind_of_file(const fs::path& path) {
-  std::string ends(2 * kEndBytes, '\0');
+  std::string ends(2 * static_cast<std::size_t>(kEndBytes), '\0');
   std::ifstream in(path, std::ios::binary);
   in.read(ends.data(), kEndBytes);
   std::streamsize size = in.gcount();
