@@ -13,6 +13,7 @@ void bind_error_map(pybind11::module_& module);
 void bind_arm(pybind11::module_& module);
 void bind_files(pybind11::module_& module);
 void bind_calibration(pybind11::module_& module);
+void bind_steps(pybind11::module_& module);
 void bind_cell(pybind11::module_& module);
 
 /// Lets InputError and WorkError reach Python as the exceptions of planar_servo._errors, in every

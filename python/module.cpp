@@ -11,5 +11,6 @@ PYBIND11_MODULE(_core, module) {
   bind_error_map(module);
   bind_files(module);
   bind_calibration(module);
+  bind_steps(module);
   bind_cell(module);
 }
