@@ -13,6 +13,8 @@ import matplotlib.pyplot as plt  # noqa: E402
 
 
 def main() -> None:
+    if len(sys.argv) < 2:
+        sys.exit(__doc__)
     run = Path(sys.argv[1])
     steps = planar_servo.read_table(run / "steps.csv")
     results = planar_servo.read_table(run / "results.csv")

@@ -40,6 +40,8 @@ def detections(points: NDArray[np.float64]) -> list[NDArray[np.float64]]:
 
 
 def main() -> None:
+    if len(sys.argv) < 2:
+        sys.exit(__doc__)
     points = planar_servo.board_points("chessboard:11x8:25mm")
     found = planar_servo.calibrate_camera(points, detections(points), *SIZE)
     print(f"{found.model}: rms {found.rms_px:.3f} px, {found.held_out_rms_px:.3f} px left out")

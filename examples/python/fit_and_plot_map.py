@@ -29,6 +29,8 @@ def read_pairs(path: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
 
 
 def main() -> None:
+    if len(sys.argv) < 2:
+        sys.exit(__doc__)
     p_vision, p_tracker = read_pairs(sys.argv[1]) if len(sys.argv) > 2 else made_up_pairs()
     fit = planar_servo.fit_error_map(p_vision, p_tracker)
     print(f"{fit.map.kind}, {fit.n_used} pairs: rms {1e6 * fit.raw_rms:.1f} um before, "

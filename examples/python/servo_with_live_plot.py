@@ -18,6 +18,8 @@ TARGETS = np.array([[0.15, 0.25], [-0.2, 0.3], [0.05, -0.35]])  # metres, base f
 
 
 def main() -> int:
+    if len(sys.argv) < 2:
+        sys.exit(__doc__)
     figure, axes = plt.subplots(figsize=(7, 4))
     axes.set(xlabel="corrections", ylabel="from the target, mm", yscale="log")
     axes.xaxis.get_major_locator().set_params(integer=True)
