@@ -125,18 +125,19 @@ std::string arguments_text(const Usage& usage) {
 }
 
 std::string as_it_stands(const std::string& lines) {
-  return ".PP\n.nf\n" + lines_of(lines) + ".fi\n";
+  return ".nf\n" + lines_of(lines) + ".fi\n";
 }
 
 std::string sample_text(const std::string& sample) {
-  return sample.empty() ? "" : ".PP\nA sample of the output:\n" + as_it_stands(sample);
+  return sample.empty() ? "" : "A sample of the output:\n.PP\n" + as_it_stands(sample);
 }
 
 std::string command_text(const ProgramText& text, const Usage& command) {
   std::string page = ".SS " + plain(command.name) + "\n" + plain(command.sentence) + "\n";
   for (const CommandText& known : text.commands)
     if (known.name == command.name)
-      page += synopsis_text(known.synopsis) + arguments_text(command) + sample_text(known.sample);
+      page += synopsis_text(known.synopsis) + arguments_text(command) + ".PP\n" +
+              sample_text(known.sample);
   return page;
 }
 

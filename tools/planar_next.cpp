@@ -18,7 +18,10 @@ struct Options {
 };
 
 void add_options(CLI::App& app, Options& options) {
-  add_required(app, "--cell", options.cell, "cell.yaml", "the cell");
+  add_required(
+      app, "--cell", options.cell, "cell.yaml",
+      "the cell; beside it lies what the work makes: plan.csv, recording, lamps.csv, pairs.csv, "
+      "targets.csv, run, certificate");
 }
 
 Outcome work(const Options& options) {
