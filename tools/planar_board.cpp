@@ -46,10 +46,11 @@ void add_options(CLI::App& app, Options& options) {
             "left as seen from above")
       ->delimiter(',')
       ->expected(2)
+      ->check(within(-1000.0, 1000.0))
       ->needs(cell)
       ->capture_default_str();
   app.add_option("--ball-mm", options.ball_mm, "diameter of the reflector")
-      ->check(CLI::Range(1.0, 200.0))
+      ->check(within(1.0, 200.0))
       ->type_name("D")
       ->needs(cell)
       ->capture_default_str();

@@ -160,7 +160,8 @@ void add_options(CLI::App& app, Options& options) {
       ->capture_default_str();
   add_value(app, "--board-thickness-mm", options.board_thickness_mm, "T",
             "height of the laid board's dots above the lamps' plane, negative below: with it the "
-            "lays show the vision error, too");
+            "lays show the vision error, too")
+      ->check(within(-1000.0, 1000.0));
   auto* seeds =
       app.add_option("--seeds", options.seeds,
                      "run on N virtual cells drawn from the seeds --seed, --seed + 1, ...; each "

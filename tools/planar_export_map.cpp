@@ -1,5 +1,4 @@
 #include <CLI/CLI.hpp>
-#include <cmath>
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
@@ -30,10 +29,8 @@ struct Options {
   bool accept_map{false};
 };
 
-std::optional<double> in_si(const char* option, const std::optional<double>& value, double unit) {
-  if (!value) return std::nullopt;
-  if (!std::isfinite(*value)) throw InputError({"is not a finite number", "give one", option});
-  return *value * unit;
+std::optional<double> in_si(const std::optional<double>& value, double unit) {
+  return value ? std::optional(*value * unit) : std::nullopt;
 }
 
 Outcome write(const Options& options) {
@@ -44,8 +41,8 @@ Outcome write(const Options& options) {
   request.map = options.map;
   if (!options.cell.empty()) request.cell = read_cell(options.cell);
   request.format = value_named(kGridFormats, options.format).value();
-  request.phi = in_si("--phi-deg", options.phi_deg, kDegree);
-  request.step = in_si("--step-mm", options.step_mm, kMillimetre);
+  request.phi = in_si(options.phi_deg, kDegree);
+  request.step = in_si(options.step_mm, kMillimetre);
   request.accept_map = options.accept_map;
   const ExportedMap exported = export_map(request);
   write_file(options.output, exported.text);
@@ -58,11 +55,11 @@ void add_options(CLI::App& app, Options& options) {
   add_required(app, "-o,--out", options.output, "FILE", "the file to write");
   add_value(app, "--phi-deg", options.phi_deg, "PHI",
             "the tool's direction, for a map that depends on it")
-      ->check(CLI::Range(-360.0, 360.0));
+      ->check(within(-360.0, 360.0));
   add_value(app, "--step-mm", options.step_mm, "S",
             "the distance between nodes, such as a picture's pixel; by default the largest that "
             "costs less than a tenth of the map's deviation")
-      ->check(CLI::Range(1e-3, 1e3));
+      ->check(within(1e-3, 1e3));
   add_value(app, "--cell", options.cell, "cell.yaml",
             "the cell of a map that was fitted with --cell");
   app.add_flag("--accept-map", options.accept_map, "export even a map that its own fit rejects");

@@ -56,7 +56,7 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--board-thickness-mm", options.board_thickness_mm,
                  "by how much the board's dots lie above the plane in which the lamps move; "
                  "negative for dots below the lamps")
-      ->check(CLI::Range(-kThickest_mm, kThickest_mm))
+      ->check(within(-kThickest_mm, kThickest_mm))
       ->type_name("T")
       ->needs(grid);
   add_value(app, "--lays-out", options.lays_out, "lays.csv",

@@ -228,6 +228,15 @@ CLI::Option* add_choice(CLI::App& app, const std::string& name, std::string& val
   return app.add_option(name, value, text)->check(CLI::IsMember(words))->capture_default_str();
 }
 
+CLI::Validator within(double least, double most) {
+  const auto fault = [=](const std::string& text) -> std::string {
+    double value = 0.0;
+    if (CLI::detail::lexical_cast(text, value) && value >= least && value <= most) return "";
+    return fmt::format("is '{}'; a number from {:g} to {:g} is needed", text, least, most);
+  };
+  return {fault, fmt::format("FLOAT in [{:g} - {:g}]", least, most), "within"};
+}
+
 void add_report_option(CLI::App& app, std::string& report) {
   app.add_option("--report", report,
                  "write a page that shows what was found and whether it is good; by default beside "

@@ -80,6 +80,9 @@ CLI::Option* add_required(CLI::App& app, const std::string& name, Value& value,
 CLI::Option* add_choice(CLI::App& app, const std::string& name, std::string& value,
                         const std::vector<std::string>& words, const std::string& text);
 
+/// Returns a check that an option's numbers are within these bounds. CLI::Range lets nan pass.
+CLI::Validator within(double least, double most);
+
 /// Adds the option --report of a program that writes a page beside its file.
 void add_report_option(CLI::App& app, std::string& report);
 

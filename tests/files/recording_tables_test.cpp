@@ -29,8 +29,7 @@ TEST_CASE("Plan rows without a place or with a plan that does not exist are name
   const test::TemporaryFolder folder;
   CHECK_THROWS_WITH(
       read_plan(folder.write("plan.csv", "id,plan,x_mm,y_mm\na,trian,1,2\nb,train,,\n"), 0.0),
-      Contains("plan.csv:2: plan is 'trian'; allowed are grid") &&
-          Contains("plan.csv:3: has no position"));
+      Contains("plan.csv:2: plan is 'trian'") && Contains("plan.csv:3: has no position"));
 }
 
 TEST_CASE("A plan whose last line is torn is refused") {
@@ -59,14 +58,11 @@ TEST_CASE("Half a place, or both kinds of place, is a fault of its row") {
     const std::string header = "id,plan,x_mm,y_mm,phi_deg,theta1_deg,theta2_deg,theta3_deg\n";
     read_plan(folder.write("plan.csv", header + row), 0.0);
   };
-  CHECK_THROWS_WITH(read("a,train,1,,,,,\n"),
-                    Contains("plan.csv:2: y_mm is ''; a finite number is needed"));
-  CHECK_THROWS_WITH(read("a,train,,2,,,,\n"),
-                    Contains("plan.csv:2: x_mm is ''; a finite number is needed"));
-  CHECK_THROWS_WITH(read("a,train,,,,1,,3\n"),
-                    Contains("plan.csv:2: theta2_deg is ''; a finite number is needed"));
+  CHECK_THROWS_WITH(read("a,train,1,,,,,\n"), Contains("plan.csv:2: y_mm is ''"));
+  CHECK_THROWS_WITH(read("a,train,,2,,,,\n"), Contains("plan.csv:2: x_mm is ''"));
+  CHECK_THROWS_WITH(read("a,train,,,,1,,3\n"), Contains("plan.csv:2: theta2_deg is ''"));
   CHECK_THROWS_WITH(read("a,train,1,2,,1,2,3\n"),
-                    Contains("plan.csv:2: has both x_mm and theta1_deg; give one of them"));
+                    Contains("plan.csv:2: has both x_mm and theta1_deg"));
 }
 
 TEST_CASE("A frame comes back as it was written") {
@@ -85,8 +81,7 @@ TEST_CASE("A recording that is no folder, empty or of an unknown plan is refused
   const test::TemporaryFolder folder;
   CHECK_THROWS_WITH(read_frames(folder / "absent"), Contains("is not a folder"));
   folder.write("frames.csv", frames_header());
-  CHECK_THROWS_WITH(read_frames(folder.path()),
-                    Contains("has no rows; record some with planar-record"));
+  CHECK_THROWS_WITH(read_frames(folder.path()), Contains("has no rows"));
   folder.write("frames.csv", frames_header() + "a,a.pgm,0,traning,0,0,0,0,0,0,0,0,8,8\n");
   CHECK_THROWS_WITH(read_frames(folder.path()), Contains("frames.csv:3: plan is 'traning'"));
 }

@@ -244,6 +244,8 @@ expect 2 "--cell is for the word tool" board circles:11x11:15mm --cell cell/cell
 expect 2 "--reflector-mm requires --cell" board tool --reflector-mm 1,2 -o board.pdf
 expect 2 "lamp 2 and reflector overlap: their centres are 10.0 mm apart; place them at least 23.1 mm apart" \
   board tool --cell cell/cell.yaml --reflector-mm 14,-8 -o board.pdf
+expect 2 "--ball-mm: is 'nan'; a number from 1 to 200 is needed" \
+  board tool --cell cell/cell.yaml --ball-mm nan -o board.pdf
 [ ! -e board.pdf ] || fail "a refused board was drawn"
 printf '%%PDF-1.4\n%%%%EOF\n' >theirs.pdf
 expect 2 "theirs.pdf: is a file of another program or of a person" board circles:11x11:15mm -o theirs.pdf
