@@ -227,7 +227,7 @@ expect 2 "grid 'circles:6x6:\?' has no pitch, but lengths depend on it" \
 expect 2 "--lays-out needs a board of dots, not 'chessboard:6x6:30mm'" \
   lays --grid chessboard:6x6:30mm --lays-out made
 expect 2 "--lays-out requires --grid" lays --lays-out made
-expect 2 "--board-thickness-mm: Value 2000 not in range -1000[.0]* to 1000" \
+expect 2 "--board-thickness-mm: is '2000'; a number from -1000 to 1000 is needed" \
   lays --grid circles:6x6:30mm --board-thickness-mm 2000
 
 expect 2 "'circles:6x6:30' is not circles:COLSxROWS:PITCHmm" \

@@ -51,7 +51,7 @@ expect 2 "a step of 200 mm costs up to .* of the map's deviation there; at most 
   export_map --format numpy --step-mm 200 -o made map.yaml
 expect 2 "a grid of 0.01 mm over its valid region has .* nodes; at most 100000 are written" \
   export_map --format numpy --step-mm 0.01 -o made map.yaml
-expect 2 "Value .* not in range" export_map --format numpy --step-mm -1 -o made map.yaml
+expect 2 "--step-mm: is '-1'; a number from 0.001 to 1000 is needed" export_map --format numpy --step-mm -1 -o made map.yaml
 expect 2 "--step-mm: is 'nan'; a number from 0.001 to 1000 is needed" export_map --format numpy --step-mm nan -o made map.yaml
 expect 2 "--phi-deg: is 'nan'; a number from -360 to 360 is needed" export_map --format numpy --phi-deg nan -o made map.yaml
 expect 2 "pairs.csv: is not a map" export_map --format numpy -o made pairs.csv
