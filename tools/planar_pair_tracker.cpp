@@ -193,7 +193,7 @@ Outcome pair(const Options& options) {
   write_pair_files(files_of(options), request.cell, tables_of(options), report.workplane,
                    source_of(options), report.pairs, kText.name);
   look_at_cell(options, request, report);
-  const Outcome outcome = told(pair_tracker_list(report));
+  Outcome outcome = told(pair_tracker_list(report));
   if (page) write_page(*page, pair_page(request, report, options.pairs_out));
   if (!options.lays_out.empty()) say("{}", write_lays(options, request, boards, report.workplane));
   return outcome;
