@@ -30,7 +30,7 @@ constexpr char kBoard[] = "circles:11x11:50mm";  // that of doc/boards.md
 
 /// Writes a path as one word for a shell.
 std::string word(const fs::path& path) {
-  const std::string text = path.string();
+  std::string text = path.string();
   const bool is_plain = std::all_of(text.begin(), text.end(), [](unsigned char letter) {
     return std::isalnum(letter) != 0 ||
            std::string_view("/._-+,:@").find(static_cast<char>(letter)) != std::string::npos;

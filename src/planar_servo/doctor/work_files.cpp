@@ -52,6 +52,7 @@ std::vector<StaleFile> WorkFiles::stale_by_tables() const {
                                                  {Role::kLamps, lamps_},
                                                  {Role::kPairs, pairs_}});
   std::vector<Origin> present;
+  present.reserve(tables.size());
   for (const MadeFile& table : tables) present.push_back(origin_of(table));
   std::vector<MadeFile> made = made_files(cell_, true);
   made.push_back({Role::kPairs, pairs_});

@@ -66,6 +66,7 @@ std::vector<Panel> field_panels(const PlotData& data, const DrawnMap& drawn) {
 std::vector<Eigen::Vector2d> curve_of(const std::vector<PredictedPlace>& circle,
                                       Eigen::Vector2d PredictedPlace::*error) {
   std::vector<Eigen::Vector2d> curve;
+  curve.reserve(circle.size());
   for (const PredictedPlace& place : circle)
     curve.emplace_back(place.index + 1.0, (place.*error).norm() / kMillimetre);
   return curve;
@@ -74,6 +75,7 @@ std::vector<Eigen::Vector2d> curve_of(const std::vector<PredictedPlace>& circle,
 /// Returns the mean length of what a prediction leaves of the error, millimetres.
 double left_mm(const std::vector<PredictedPlace>& circle, const DrawnMap& drawn) {
   std::vector<double> left;
+  left.reserve(circle.size());
   for (const PredictedPlace& place : circle)
     left.push_back((place.measured - place.*drawn.prediction).norm() / kMillimetre);
   return mean(left);
