@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <cctype>
 #include <cstdint>
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
@@ -85,13 +86,14 @@ std::optional<PictureSize> jpeg_size(std::string_view bytes) {
   return std::nullopt;
 }
 
-/// PNG, JPEG, TIFF, BMP and Netpbm. OpenCV decodes more formats, but its decoder of DICOM ends the
-/// program at a damaged file.
+/// PNG, JPEG, TIFF, BMP and Netpbm, by the marks that OpenCV knows them by. It gives other files to
+/// further decoders, of which that of DICOM ends the program at a damaged file.
 bool is_known_format(std::string_view bytes) {
   using namespace std::string_view_literals;
-  for (const std::string_view magic : {kPng, "\xff\xd8"sv, "II*\0"sv, "MM\0*"sv, "BM"sv})
+  for (const std::string_view magic : {kPng, "\xff\xd8\xff"sv, "II*\0"sv, "MM\0*"sv, "BM"sv})
     if (starts_with(bytes, magic)) return true;
-  return bytes.size() > 2 && bytes[0] == 'P' && bytes[1] >= '1' && bytes[1] <= '6';
+  return bytes.size() > 2 && bytes[0] == 'P' && bytes[1] >= '1' && bytes[1] <= '6' &&
+         std::isspace(static_cast<unsigned char>(bytes[2])) != 0;
 }
 
 /// Says so of a picture that would take too much memory.
