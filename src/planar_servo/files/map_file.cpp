@@ -1,6 +1,7 @@
 #include "planar_servo/files/map_file.h"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <cmath>
 #include <optional>
@@ -225,6 +226,16 @@ std::string map_text(const MapResult& result, const std::filesystem::path& pairs
       },
       result.map);
   return yaml.text();
+}
+
+std::optional<std::string> accept_objection(const std::optional<Refusal>& objection,
+                                            const std::string& remedy,
+                                            const std::filesystem::path& map, bool accepted) {
+  if (!objection) return std::nullopt;
+  const Refusal refusal{objection->fault, remedy, map};
+  if (!accepted) throw InputError(refusal);
+  spdlog::warn("accepted: " + refusal.text());
+  return refusal.fault;
 }
 
 MapRecord read_map(const std::filesystem::path& path) {

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -33,6 +34,12 @@ struct MapRecord {
   /// What the fit left at left-out places, rms, metres; NaN where the file does not say it.
   double loo_rms{std::numeric_limits<double>::quiet_NaN()};
 };
+
+/// Returns why a map's fit rejects it, which the log shows; empty where it does not. Throws
+/// InputError with this remedy unless the map is accepted all the same.
+std::optional<std::string> accept_objection(const std::optional<Refusal>& objection,
+                                            const std::string& remedy,
+                                            const std::filesystem::path& map, bool accepted);
 
 /// Reads map.yaml of either kind. Throws InputError naming every fault of the file, and when its
 /// kernel matrix cannot be solved.

@@ -8,6 +8,7 @@
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/files/arm_file.h"
+#include "planar_servo/files/map_file.h"
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/files/vision_files.h"
 #include "planar_servo/run/cell_check.h"
@@ -65,15 +66,11 @@ std::vector<std::string> accept_stale_files(const CellSettings& cell, bool with_
 
 std::optional<std::string> accept_map(const CellSettings& cell, const VisionCalibration& vision,
                                       bool accepted) {
-  if (!vision.map_objection) return std::nullopt;
-  const std::string& fault = vision.map_objection->fault;
-  const Refusal refusal{fault,
-                        "record more places and fit again, leave the map out (--no-error-map), or, "
-                        "if you know better, continue with --accept-map",
-                        cell.error_map};
-  if (!accepted) throw InputError(refusal);
-  spdlog::warn("accepted: " + refusal.text());
-  return fault;
+  return accept_objection(
+      vision.map_objection,
+      "record more places and fit again, leave the map out (--no-error-map), or, if you know "
+      "better, continue with --accept-map",
+      cell.error_map, accepted);
 }
 
 ReadyCell::ReadyCell(const ServoRequest& request, CellDevices& devices)

@@ -1,7 +1,6 @@
 #include "planar_servo/offline/map/export_map.h"
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <cmath>
@@ -19,17 +18,6 @@
 
 namespace planar {
 namespace {
-
-void require_accepted(const MapRecord& record, const ExportRequest& request) {
-  const std::optional<Refusal> doubt = objection(record.quality);
-  if (!doubt) return;
-  const Refusal refusal{doubt->fault,
-                        "record more places and fit again or, if you know better, continue with "
-                        "--accept-map",
-                        request.map};
-  if (!request.accept_map) throw InputError(refusal);
-  spdlog::warn("accepted: " + refusal.text());
-}
 
 /// Returns the cell's vision, by which a field at the lamps is one at the end point.
 std::optional<VisionCalibration> read_view(const MapRecord& record, const ExportRequest& request) {
@@ -99,13 +87,13 @@ DirectionEffect effect_of_direction(const MapRecord& record,
   for (const Eigen::Vector2d& p : places) {
     const double stated = first.predict(p).sigma;
     sigmas.push_back(std::isfinite(stated) ? stated : first.sigma_if_unstated);
-    for (int k = 1; k < kDirections; ++k) {
-      const double phi = 2.0 * kPi * k / kDirections;
-      const Eigen::Vector2d change = field_of(record, vision, phi).error(p) - first.error(p);
-      effect.change = std::max(effect.change, change.norm());
-    }
   }
   effect.sigma = median(sigmas);
+  for (int k = 1; k < kDirections; ++k) {
+    const ErrorField turned = field_of(record, vision, 2.0 * kPi * k / kDirections);
+    for (const Eigen::Vector2d& p : places)
+      effect.change = std::max(effect.change, (turned.error(p) - first.error(p)).norm());
+  }
   return effect;
 }
 
@@ -136,7 +124,10 @@ std::vector<std::string> remarks_of(const ExportedMap& exported, const ExportReq
 
 ExportedMap export_map(const ExportRequest& request) {
   const MapRecord record = read_map(request.map);
-  require_accepted(record, request);
+  accept_objection(objection(record.quality),
+                   "record more places and fit again or, if you know better, continue with "
+                   "--accept-map",
+                   request.map, request.accept_map);
   const std::optional<VisionCalibration> vision = read_view(record, request);
   const DirectionEffect effect = effect_of_direction(record, vision);
   require_direction(effect, request);
