@@ -49,9 +49,8 @@ Outcome list_commands(const Options& /*options*/) {
 /// search on PATH.
 std::string program_of(const std::string& command) {
   const std::string program = kProgramPrefix + command;
-  std::error_code none;
-  const fs::path beside = fs::read_symlink("/proc/self/exe", none).parent_path() / program;
-  return fs::exists(beside, none) ? beside.string() : program;
+  const fs::path beside = own_file().parent_path() / program;
+  return fs::exists(beside) ? beside.string() : program;
 }
 
 int fail(int status, const std::string& fault) {

@@ -68,8 +68,7 @@ Outcome work(const Options& options) {
     throw InputError(Refusal{"--cell, --new or --seal is required", "--help explains each"});
   auto findings = examine_cell(options.cell);
   if (const char* folders = std::getenv("PATH"))
-    for (Finding& finding :
-         question_installations(std::filesystem::read_symlink("/proc/self/exe"), folders))
+    for (Finding& finding : question_installations(own_file(), folders))
       findings.push_back(std::move(finding));
   say("{}", findings_text(findings));
   return {findings_json(findings), is_sound(findings)};

@@ -270,6 +270,11 @@ void write_page(const std::filesystem::path& page, const std::string& text) {
   spdlog::info(fmt::format("{} shows it", page.string()));
 }
 
+std::filesystem::path own_file() {
+  std::error_code none;
+  return std::filesystem::read_symlink("/proc/self/exe", none);
+}
+
 void heed_interrupts() {
   struct sigaction action {};
   action.sa_handler = [](int /*signal*/) { interrupts = 1; };

@@ -96,6 +96,9 @@ std::optional<std::filesystem::path> page_for(const std::string& report,
 /// Writes the page and says so on standard error.
 void write_page(const std::filesystem::path& page, const std::string& text);
 
+/// Returns the file of the running program, without links; empty where the system does not say it.
+std::filesystem::path own_file();
+
 /// Makes the next Ctrl-C, Ctrl-\, SIGTERM or SIGHUP only ask the program to stop, and ends its
 /// input as well. A second one ends the program as usual.
 void heed_interrupts();

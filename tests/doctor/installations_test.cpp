@@ -43,6 +43,7 @@ TEST_CASE("One installation raises no doubt, whatever links and absent folders P
   const std::string link = (machine.folder / "link").string();
   CHECK(question_installations(own, link + "::/nowhere:" + machine.at("package")).empty());
   CHECK(question_installations(own, "").empty());
+  CHECK(question_installations("", machine.at("package")).empty());
 }
 
 }  // namespace

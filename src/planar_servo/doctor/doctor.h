@@ -28,7 +28,8 @@ std::vector<Eigen::Vector2d> reachable_places(const CellSettings& cell);
 std::vector<Finding> question_camera_field(const CellSettings& cell);
 
 /// Doubts the programs of two installations, such as a Debian package beside what a checkout built.
-/// `own` is the file of the running program, without links; `folders` is the value of PATH.
+/// `own` is the file of the running program, without links, or empty where it is not known;
+/// `folders` is the value of PATH.
 std::vector<Finding> question_installations(const std::filesystem::path& own,
                                             const std::string& folders);
 

@@ -27,6 +27,7 @@ std::vector<std::string> programs_named(const fs::path& name, const std::string&
 }  // namespace
 
 std::vector<Finding> question_installations(const fs::path& own, const std::string& folders) {
+  if (own.empty()) return {};
   std::vector<std::string> others = programs_named(own.filename(), folders);
   others.erase(std::remove(others.begin(), others.end(), own.string()), others.end());
   if (others.empty()) return {};
