@@ -140,17 +140,22 @@ function(planar_write_house file)
   file(WRITE ${file} "${text}")
 endfunction()
 
-# planar_program(NAME ROOM...): the program planar-NAME from tools/planar_NAME.cpp upon these rooms.
-function(planar_program name)
+# planar_main(TARGET ROOM...): a program that is installed, from tools/TARGET.cpp upon these rooms.
+function(planar_main target)
   list(TRANSFORM ARGN PREPEND planar_ OUTPUT_VARIABLE rooms)
-  string(REPLACE "-" "_" source ${name})
-  add_executable(planar-${name} planar_${source}.cpp)
-  set_target_properties(planar-${name} PROPERTIES CXX_STANDARD 17 CXX_EXTENSIONS OFF
+  string(REPLACE "-" "_" source ${target})
+  add_executable(${target} ${source}.cpp)
+  set_target_properties(${target} PROPERTIES CXX_STANDARD 17 CXX_EXTENSIONS OFF
                         RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
-  target_link_libraries(planar-${name} PRIVATE planar_program ${rooms})
-  planar_precompile(planar-${name} planar_program_headers)
-  add_dependencies(programs planar-${name})
-  install(TARGETS planar-${name})
+  target_link_libraries(${target} PRIVATE planar_program ${rooms})
+  planar_precompile(${target} planar_program_headers)
+  add_dependencies(programs ${target})
+  install(TARGETS ${target})
+endfunction()
+
+# planar_program(NAME ROOM...): the program planar-NAME.
+function(planar_program name)
+  planar_main(planar-${name} ${ARGN})
 endfunction()
 
 # planar_light(TARGET [LIBRARY...]): links a program without functions that it does not call and
