@@ -48,6 +48,21 @@ small_plan() {
   }'
 }
 
+# made_up_pairs [ROW]: 200 pairs of a smooth error with noise; in this row the tracker is 3 mm off.
+made_up_pairs() {
+  awk -v off="${1:--1}" 'BEGIN {
+    srand(1)
+    print "id,x_vision_mm,y_vision_mm,x_tracker_mm,y_tracker_mm"
+    for (i = 0; i < 200; ++i) {
+      r = 60 + 2.4 * i; a = 2.4 * i; x = r * cos(a); y = r * sin(a)
+      ex = 0.1 * sin(x / 90) * cos(y / 120) + 0.02 * (rand() - 0.5)
+      ey = 0.08 * cos(x / 100) + 0.02 * (rand() - 0.5)
+      if (i == off) ex += 3
+      printf "p%d,%.4f,%.4f,%.4f,%.4f\n", i, x, y, x - ex, y - ey
+    }
+  }'
+}
+
 # From a recording to everything that the servo needs: calibrate CELL RECORDING OUT.
 calibrate() {
   local cell=$1 recording=$2 out=$3

@@ -4,16 +4,7 @@
 source "$(dirname "$0")/common.sh"
 
 cp -r "$2/cell" .
-awk 'BEGIN {
-  srand(1)
-  print "id,x_vision_mm,y_vision_mm,x_tracker_mm,y_tracker_mm"
-  for (i = 0; i < 200; ++i) {
-    r = 60 + 2.4 * i; a = 2.4 * i; x = r * cos(a); y = r * sin(a)
-    ex = 0.1 * sin(x / 90) * cos(y / 120) + 0.02 * (rand() - 0.5)
-    ey = 0.08 * cos(x / 100) + 0.02 * (rand() - 0.5)
-    printf "p%d,%.4f,%.4f,%.4f,%.4f\n", i, x, y, x - ex, y - ey
-  }
-}' >pairs.csv
+made_up_pairs >pairs.csv
 "$bin/planar-fit-error-map" -o map.yaml pairs.csv >fitted.txt
 
 export_map() { "$bin/planar-export-map" "$@"; }

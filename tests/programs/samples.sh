@@ -51,17 +51,7 @@ expect_sample next.txt "$bin/planar-plan"
   -o paired_cell/map.yaml paired.csv --json field.json >field.txt
 grep -q "^places left out " field.txt || fail "$(cat field.txt)"
 
-awk 'BEGIN {
-  srand(1)
-  print "id,x_vision_mm,y_vision_mm,x_tracker_mm,y_tracker_mm"
-  for (i = 0; i < 200; ++i) {
-    r = 60 + 2.4 * i; a = 2.4 * i; x = r * cos(a); y = r * sin(a)
-    ex = 0.1 * sin(x / 90) * cos(y / 120) + 0.02 * (rand() - 0.5)
-    ey = 0.08 * cos(x / 100) + 0.02 * (rand() - 0.5)
-    if (i == 17) ex += 3
-    printf "p%d,%.4f,%.4f,%.4f,%.4f\n", i, x, y, x - ex, y - ey
-  }
-}' >pairs.csv
+made_up_pairs 17 >pairs.csv
 "$bin/planar-fit-error-map" -o map.yaml pairs.csv --json fitted.json >fitted.txt
 expect_sample fitted.txt "$bin/planar-fit-error-map"
 "$bin/planar-check-error-map" map.yaml pairs.csv --json checked.json >checked.txt
