@@ -102,7 +102,7 @@ void list_judged_errors(ReportList& list, const ServoFigures& figures) {
 }
 
 void list_tracker_sigma(ReportList& list, const ServoFigures& figures) {
-  const auto& [sigma, net] = std::pair(figures.tracker->sigma, figures.tracker->after_net);
+  const double sigma = figures.tracker->sigma, net = figures.tracker->after_net;
   if (net > 0.0)
     return list.line("",
                      "the tracker is uncertain by {sigma_mm:.4f} mm per axis; without that the "

@@ -42,13 +42,10 @@ std::vector<std::string> table_kinds() {
 }
 
 std::string table_kind_of(const std::filesystem::path& path) {
-  constexpr std::string_view kBegin = "# format: planar-servo/";
   std::ifstream in = open_file(path);
   std::string line;
   std::getline(in, line);
-  if (line.rfind(kBegin, 0) != 0) return "";
-  const std::size_t end = line.find('/', kBegin.size());
-  return line.substr(kBegin.size(), end - kBegin.size());
+  return line.rfind('#', 0) == 0 ? std::string(kind_of_text(line)) : "";
 }
 
 std::vector<TableColumn> read_table_columns(const std::filesystem::path& path,
