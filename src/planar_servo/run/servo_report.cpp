@@ -136,13 +136,13 @@ constexpr char kMadeWorse[] = "vision made the arm worse than it lands alone";
 /// Names intervals that hold too little or too much, unless that few components may do so by
 /// chance.
 std::string coverage_words(const ServoFigures& figures) {
-  constexpr double kLeast = 0.90, kMost = 0.98, kStated = 0.95, kChance = 0.01;
+  constexpr double kLeast = 0.90, kMost = 0.98, kStated = 0.95;
   if (!figures.coverage_95) return "";
   const auto [within, all] = *figures.coverage_95;
   const double share = figures.coverage_95->share();
-  if (share < kLeast && binomial_tail(within, all, kStated) < kChance)
+  if (share < kLeast && binomial_tail(within, all, kStated) < kFalseAlarm)
     return "; the stated 95 % intervals are too narrow";
-  if (share > kMost && binomial_tail(all - within, all, 1.0 - kStated) < kChance)
+  if (share > kMost && binomial_tail(all - within, all, 1.0 - kStated) < kFalseAlarm)
     return "; the stated 95 % intervals are wider than need be";
   return "";
 }
