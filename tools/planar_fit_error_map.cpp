@@ -67,6 +67,13 @@ LampFieldFiles files_of(const Options& options) {
   return {options.pairs, options.lays, options.output, options.arm_out};
 }
 
+/// Says what speaks against the map that was written.
+void warn_of(const std::optional<Refusal>& objection, const std::filesystem::path& map) {
+  if (objection)
+    spdlog::warn("{} is written, but {}; planar-servo refuses it without --accept-map",
+                 map.string(), objection->fault);
+}
+
 /// Learns the error at the lamps together with the arm.
 Outcome fit_with_cell(const Options& options, const std::optional<std::filesystem::path>& page) {
   const LampFieldFiles files = files_of(options);
@@ -81,6 +88,7 @@ Outcome fit_with_cell(const Options& options, const std::optional<std::filesyste
       files, cell, vision, [&](const char* phase, double share) { bar.show(phase, share); });
   const double fit_seconds = clock.now_s() - begin_s;
   write_lamp_field(files, fit, cell, kText.name);
+  warn_of(objection(fit.held_out.quality()), options.output);
   ReportList list = lamp_field_list(fit);
   list.unprinted("fit_seconds", fit_seconds);
   say("{}", list.text());
@@ -102,6 +110,7 @@ Outcome fit(const Options& options) {
   const auto [report, doubt, comparison] = fit_and_compare(options.pairs, choice);
   write_file(options.output, map_text(report.result, options.pairs, kText.name));
   if (doubt) spdlog::warn(doubt->text());
+  warn_of(objection(report.result.quality()), options.output);
   const ReportList list = map_fit_list(report, comparison);
   say("{}", list.text());
   if (page) write_page(*page, map_page(view_of(report, list), options.output));

@@ -6,6 +6,7 @@
 #include "field/bent_cell.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/field/arm/arm_fit.h"
+#include "planar_servo/field/held_out.h"
 #include "planar_servo/field/lamp_field.h"
 
 namespace planar {
@@ -109,13 +110,29 @@ TEST_CASE("Two outliers in a hundred are left out, and hardly a sound pose with 
   CHECK(out == std::set<std::size_t>{25, 75, 125, 175, 225, 275, 325, 375});
 }
 
-TEST_CASE("Poses that disagree with one another by the quarter are refused") {
+TEST_CASE("Of few poses whose scatter has long tails hardly any is left out") {
+  for (const unsigned seed : {31u, 32u, 33u, 34u, 35u}) {
+    INFO("seed " << seed);
+    test::BentCell cell;
+    std::mt19937 random(seed);
+    cell.scatter = 2e-6;
+    std::vector<PoseSample> samples = cell.samples(42, 0, random);
+    cell.scatter = 12e-6;
+    const std::vector<PoseSample> wider = cell.samples(42, 0, random);
+    for (std::size_t i = 0; i < samples.size(); i += 4) samples[i] = wider[i];
+    CHECK(estimate_jointly(cell.nominal(), samples).contradicting < 0.03);
+  }
+}
+
+TEST_CASE("A map of poses of which a quarter disagrees with the others is objected to") {
   const test::BentCell cell;
   std::mt19937 random(22);
   std::vector<PoseSample> samples = cell.samples(80, 0, random);
   for (std::size_t i = 0; i < samples.size(); i += 4) samples[i].reflector_B->x() += 2e-3;
-  CHECK_THROWS_WITH(estimate_jointly(cell.nominal(), samples),
-                    Catch::Contains("of 80 poses disagree with the others"));
+  const JointEstimate found = estimate_jointly(cell.nominal(), samples);
+  CHECK(found.contradicting > kMostContradicting);
+  CHECK_THAT(objection(hold_out(found, samples).quality()).value().fault,
+             Catch::Contains("of its poses contradict the others"));
 }
 
 TEST_CASE("A pose without a standard deviation, or with a value that is none, is named") {

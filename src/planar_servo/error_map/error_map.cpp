@@ -82,6 +82,12 @@ int components_within_95(const Eigen::Vector2d& miss, const Eigen::Vector2d& sig
 
 std::optional<Refusal> objection(const MapQuality& quality) {
   constexpr double kLeastCoverage = 0.8;
+  if (quality.contradicting > kMostContradicting)
+    return Refusal{
+        fmt::format("{:.0f} % of its poses contradict the others, while at most {:.0f} % may: "
+                    "pictures, readings and commanded joints may not be of one recording, or the "
+                    "arm may have lost its position",
+                    100.0 * quality.contradicting, 100.0 * kMostContradicting)};
   if (quality.n == 0) return std::nullopt;
   if (!quality.worth_using)
     return Refusal{

@@ -58,8 +58,12 @@ double noise_sigma(const ErrorMap& map);
 struct MapQuality {
   std::size_t n{0};  ///< places that judge it; none where there was no tracker
   bool worth_using{false};
-  double coverage_95{0.0};  ///< share of their components within 1.96 stated deviations
+  double coverage_95{0.0};    ///< share of their components within 1.96 stated deviations
+  double contradicting{0.0};  ///< share of the poses that were left out as contradicting the others
 };
+
+/// What agrees is no longer the rule when more than this share contradicts it.
+constexpr double kMostContradicting = 0.2;
 
 /// Returns how many of the two components lie within 1.96 of their deviations.
 int components_within_95(const Eigen::Vector2d& miss, const Eigen::Vector2d& sigma);

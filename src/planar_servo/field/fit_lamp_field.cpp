@@ -229,6 +229,7 @@ LampFieldFit fit_lamp_field(const ArmNominal& nominal, const std::vector<PoseSam
   if (progress) progress("places left out", 0.7);
   fit.held_out = hold_out(fit.estimate, samples, board);
   if (fit.held_out.n >= kFewestJudged) take_best(nominal, samples, board, fit);
+  fit.held_out.contradicting = std::max(fit.held_out.contradicting, fit.estimate.contradicting);
   fit.certainty = certainty_of(fit.field, samples);
   fit.sources = worth_of_sources(fit.estimate, samples, board);
   if (progress) progress("places left out", 1.0);

@@ -24,9 +24,10 @@ struct HeldOut {
   double raw_rms{0.0};      ///< of vision minus tracker at the end point, uncompensated
   double rms{0.0};          ///< the same, compensated
   double coverage_95{0.0};  ///< share of the components within 1.96 stated deviations
+  double contradicting{0.0};  ///< as in JointEstimate
   std::vector<HeldOutReading> readings;
   bool worth_using() const { return n > 0 && rms < raw_rms; }
-  MapQuality quality() const { return {n, worth_using(), coverage_95}; }
+  MapQuality quality() const { return {n, worth_using(), coverage_95, contradicting}; }
 };
 
 /// Judges samples by an estimate from the others, which were `used`.

@@ -7,6 +7,7 @@
 #include <limits>
 #include <nlopt.hpp>
 #include <numeric>
+#include <set>
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/statistics.h"
@@ -248,11 +249,12 @@ const Chi2& chi2_of(const PoseSample& sample) {
 
 /// Returns chi squared of each sample as a share of what noise explains: beyond 1 is an outlier.
 std::vector<double> outlyingness(const JointFit& fit, const std::vector<PoseSample>& samples) {
-  // The stated noise may be wrong; the residuals' median says by how much.
+  // The stated noise may be too small; the residuals' median says by how much. A median below what
+  // noise explains says nothing: where scatter has long tails its middle is narrow.
   std::vector<double> ratios;
   for (std::size_t i = 0; i < samples.size(); ++i)
     ratios.push_back(fit.chi2[i] / chi2_of(samples[i]).median);
-  const double scale = std::max(median(ratios), 1e-3);
+  const double scale = std::max(median(ratios), 1.0);
   for (std::size_t i = 0; i < samples.size(); ++i)
     ratios[i] = fit.chi2[i] / scale / chi2_of(samples[i]).most;
   return ratios;
@@ -306,21 +308,24 @@ bool leave_out_worst(const JointFit& fit, Selection& selection) {
   return selection.left_out.size() > before;
 }
 
-/// Fits until nothing that is left contradicts the fit. `n` samples were there at first.
+/// Returns the share of `n` samples of which something is left out.
+double share_left_out(const std::vector<JointOutlier>& left_out, std::size_t n) {
+  std::set<std::size_t> samples;
+  for (const JointOutlier& outlier : left_out) samples.insert(outlier.index);
+  return static_cast<double>(samples.size()) / static_cast<double>(n);
+}
+
+/// Fits until nothing that is left contradicts the fit, or more than kMostContradicting of the `n`
+/// samples at first do.
 JointFit fit_what_agrees(const ArmModel& model, const JointPriors& priors, const LaidDots& board,
                          double radius, std::size_t n, Selection& selection) {
   while (true) {
     auto fit = fit_jointly(model, priors, selection.samples, radius, board);
     if (!fit)
       throw WorkError("the equations of field and arm are too ill conditioned to be solved");
-    if (!leave_out_worst(*fit, selection)) return std::move(*fit);
-    if (5 * selection.left_out.size() <= n) continue;
-    const bool lamps = selection.samples.front().lamps_seen;
-    throw InputError({fmt::format("{} of {} {} disagree with the others, but at most 20 % may",
-                                  selection.left_out.size(), n, lamps ? "poses" : "readings"),
-                      fmt::format("are {}readings and commanded joints of one recording{}?",
-                                  lamps ? "pictures, " : "",
-                                  lamps ? ", and did the arm keep its position" : "")});
+    if (share_left_out(selection.left_out, n) > kMostContradicting ||
+        !leave_out_worst(*fit, selection))
+      return std::move(*fit);
   }
 }
 
@@ -391,6 +396,7 @@ JointEstimate estimate_jointly(const ArmNominal& nominal, const std::vector<Pose
   estimate.fit =
       fit_what_agrees(estimate.model(), estimate.priors, board, radius, samples.size(), selection);
   estimate.left_out = std::move(selection.left_out);
+  estimate.contradicting = share_left_out(estimate.left_out, samples.size());
   return estimate;
 }
 

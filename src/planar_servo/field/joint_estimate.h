@@ -28,6 +28,7 @@ struct JointEstimate {
   JointFit fit;
   std::vector<TriedModel> tried;
   std::vector<JointOutlier> left_out;
+  double contradicting{0.0};  ///< share of the samples of which something is left out
 
   ArmModel model() const { return {nominal, size}; }
   /// Returns the arm with its scatter but without a covariance.
@@ -46,12 +47,12 @@ enum class ArmTrust {
 
 /// Estimates field, arm and tool. Widths, deviations and the number of harmonics are those of the
 /// largest marginal likelihood; no truth and no sample kept for judging enters. Samples that lie
-/// far beyond the scatter of all are left out, the worst first: their reading, then the whole pose.
+/// far beyond the scatter of all are left out, the worst first: their reading, then the whole pose,
+/// until little more than kMostContradicting of them are.
 /// Where no sample has a picture the arm alone is estimated; what concerns lamps stays as it is.
 /// With less than two readings turn is counted from the zero of motor 1. Throws InputError for
 /// fewer than kFewestPoses samples, for values that are not finite, standard deviations that are
-/// not positive, for outliers beyond a fifth of the samples, and without readings for lays that are
-/// only shifted. Throws WorkError when the equations cannot be solved.
+/// not positive, and without readings for lays that are only shifted. Throws WorkError when the equations cannot be solved.
 JointEstimate estimate_jointly(const ArmNominal& nominal, const std::vector<PoseSample>& samples,
                                const LaidDots& board = {}, ArmTrust trust = ArmTrust::kFound);
 

@@ -40,12 +40,15 @@ void add_quality(YamlWriter& yaml, const MapQuality& quality) {
   yaml.add("worth_using", quality.worth_using);
   yaml.add("n_judged", static_cast<int>(quality.n));
   yaml.add("coverage_95", quality.coverage_95);
+  if (quality.contradicting > 0.0) yaml.add("contradicting", quality.contradicting);
 }
 
 MapQuality read_quality(Fields& figures) {
   constexpr Named<bool> kWorth[] = {{true, "true"}, {false, "false"}};
   MapQuality quality;
   figures.allow_rest();
+  if (figures.given("contradicting", false))
+    figures.number("contradicting", quality.contradicting, 1.0, Range::from_to(0.0, 1.0));
   if (!figures.given("coverage_95", false)) return quality;
   figures.whole_number("n_judged", quality.n, std::size_t{0});
   figures.choice("worth_using", quality.worth_using, kWorth);
