@@ -1,0 +1,78 @@
+// Orders to the server, and who may give them.
+
+import {byId, make, put, sentence, show} from "./dom.js";
+import {client, tell} from "./link.js";
+
+/// Returns the answer to a question; null after a refusal, which is shown until it is closed or an order succeeds.
+export async function attempt(question) {
+  try {
+    return await question();
+  } catch (refusal) {
+    if (refusal.fault === undefined) throw refusal;
+    complain(refusal);
+    return null;
+  }
+}
+
+export function complain({fault, remedy, where, faults = []}) {
+  put("notice-fault", sentence(where ? `${where}: ${fault}.` : `${fault}.`));
+  put("notice-remedy", remedy ? `${sentence(remedy)}.` : "");
+  byId("notice-faults").replaceChildren(...faults.map(one =>
+    make("li", {}, [one.where, [one.fault, one.remedy].filter(Boolean).join("; ")].filter(Boolean).join(": "))));
+  show("notice", true);
+}
+
+/// Gives an order and returns its answer; null after a refusal.
+export async function order(path, body) {
+  const answer = await attempt(() => tell(path, body));
+  if (answer) show("notice", false);
+  return answer;
+}
+
+/// Gives a command as planar-jog takes it and shows its answer.
+export async function command(line) {
+  const answer = await order("/api/command", {line});
+  if (!answer) return false;
+  if (answer.done) put("answer", answer.text);
+  else complain({fault: answer.text});
+  return answer.done;
+}
+
+export const stop = () => tell("/api/stop").catch(refusal => complain(refusal));
+
+/// Returns why this page may give no orders now; empty when it may.
+export function reasonNotToAct(cell, state) {
+  if (cell.right !== "operate") return "This page may only read";
+  if (state.operator && state.operator !== client) return "Another page moves this cell";
+  if (state.job && state.job.ended === null) return "A job runs";
+  return "";
+}
+
+let allowed = false;
+
+/// Sets each control that gives an order; `data-unready` on one that lacks what it needs.
+export function gate(mayAct = allowed) {
+  allowed = mayAct;
+  for (const control of document.querySelectorAll(".act")) {
+    const off = !allowed || control.hasAttribute("data-unready");
+    if (control.disabled !== off) control.disabled = off;
+  }
+}
+
+export function setReady(id, ready) {
+  byId(id).toggleAttribute("data-unready", !ready);
+  gate();
+}
+
+export function prepareActions() {
+  for (const button of document.querySelectorAll("[data-line]"))
+    button.addEventListener("click", () => command(button.dataset.line));
+  byId("line-form").addEventListener("submit", async event => {
+    event.preventDefault();
+    if (byId("line").value.trim() && await command(byId("line").value)) byId("line").select();
+  });
+  byId("notice-close").addEventListener("click", () => show("notice", false));
+  byId("stop").addEventListener("pointerdown", stop);
+  byId("stop").addEventListener("click", event => event.detail === 0 && stop());  // by keyboard
+  addEventListener("keydown", event => event.key === "Escape" && stop(), {capture: true});
+}

@@ -1,0 +1,96 @@
+// What is always in view: the state, progress, who moves the cell; and the doubts and messages.
+
+import {order, reasonNotToAct} from "./actions.js";
+import {byId, duration, make, put, sentence, show} from "./dom.js";
+import {client} from "./link.js";
+
+const LONG_S = 2;  // a state younger than this needs no age
+const MOST_LINES = 200;
+const SURE_MS = 5000;  // in which taking over is confirmed
+
+function showWork(state) {
+  const long = state.doing !== "idle" && state.since_s >= LONG_S ? `, ${duration(state.since_s)}` : "";
+  const holder = state.held_by ? `; held by ${state.held_by}` : "";
+  byId("lamp").dataset.doing = state.doubts.length ? "doubt" : state.doing;
+  put("state-text", sentence(state.text || state.doing) + long + holder);
+}
+
+function progressText(job) {
+  if (job.ended !== null) return `${job.name}: ${job.ended}`;
+  const left = job.left_s === null ? "" : `, ${duration(job.left_s)} left`;
+  return job.all ? `${job.done} of ${job.all}${left}` : `${job.name}${left}`;
+}
+
+function showProgress(job) {
+  show("progress", job !== null);
+  if (!job) return;
+  const bar = byId("progress-bar");
+  bar.hidden = job.ended !== null;
+  bar.max = job.all || 1;
+  if (job.all) bar.value = job.done;
+  else bar.removeAttribute("value");
+  put("progress-text", progressText(job));
+}
+
+function operatorText(cell, state) {
+  if (cell.right !== "operate") return "You read; the other address moves";
+  if (!state.operator) return "Nobody moves this cell";
+  return state.operator === client ? "You move this cell" : reasonNotToAct(cell, state);
+}
+
+function showOperator(cell, state) {
+  const button = byId("take");
+  const mine = state.operator === client;
+  put("operator-text", operatorText(cell, state));
+  show("take", cell.right === "operate" && state.operator !== null);
+  if (!("sure" in button.dataset)) put("take", mine ? "Release" : "Take over");
+  button.dataset.mine = mine;
+}
+
+/// Taking over from another page takes a second press.
+async function takeOver() {
+  const button = byId("take");
+  if (button.dataset.mine === "true") return order("/api/operator", {take: false});
+  if ("sure" in button.dataset) {
+    delete button.dataset.sure;
+    return order("/api/operator", {take: true});
+  }
+  button.dataset.sure = "";
+  put("take", "Stop and take over?");
+  setTimeout(() => delete button.dataset.sure, SURE_MS);
+}
+
+function showDoubts(doubts) {
+  show("doubts", doubts.length > 0);
+  const list = byId("doubt-list");
+  const seen = JSON.stringify(doubts);
+  if (list.dataset.seen === seen) return;
+  list.dataset.seen = seen;
+  list.replaceChildren(...doubts.map(({fault, remedy, where}) =>
+    make("li", {}, make("p", {class: "fault"}, sentence(fault), ...(where ? [" ", make("code", {}, where)] : [])),
+      make("p", {class: "remedy"}, sentence(remedy)))));
+}
+
+export function showBar(cell, state) {
+  showWork(state);
+  showProgress(state.job);
+  showOperator(cell, state);
+  showDoubts(state.doubts);
+}
+
+export function showLost({fault, remedy}) {
+  byId("lamp").dataset.doing = "lost";
+  put("state-text", sentence([fault, remedy].filter(Boolean).join("; ")));
+}
+
+export function addLine({t, level, text}) {
+  const list = byId("lines");
+  const time = new Date(t * 1000).toLocaleTimeString([], {hour12: false});
+  list.prepend(make("li", {class: level}, make("time", {}, time), " ",
+    make("span", {}, (level === "info" ? "" : `${sentence(level)}: `) + text)));
+  while (list.children.length > MOST_LINES) list.lastChild.remove();
+}
+
+export function prepareBar() {
+  byId("take").addEventListener("click", takeOver);
+}

@@ -1,0 +1,54 @@
+// Elements and numbers. Whatever comes from the server goes into text nodes and attributes, never into markup.
+
+const SVG = "http://www.w3.org/2000/svg";
+
+export const byId = id => document.getElementById(id);
+
+function filled(element, attributes, children) {
+  for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, value);
+  element.append(...children);
+  return element;
+}
+
+export const make = (tag, attributes = {}, ...children) => filled(document.createElement(tag), attributes, children);
+export const draw = (tag, attributes = {}, ...children) =>
+  filled(document.createElementNS(SVG, tag), attributes, children);
+
+/// Sets a text where it differs, so that a screen reader is not told what it knows.
+export function put(id, text) {
+  const element = byId(id);
+  if (element.textContent !== text) element.textContent = text;
+}
+
+export function show(id, shown) {
+  byId(id).hidden = !shown;
+}
+
+const isNumber = value => typeof value === "number" && Number.isFinite(value);
+
+/// A number with a fixed count of decimals and a real minus sign; a dash for what is unknown.
+export function fixed(value, decimals) {
+  if (!isNumber(value)) return "–";
+  const text = value.toFixed(decimals);
+  return Number(text) === 0 ? text.replace("-", "") : text.replace("-", "−");
+}
+
+/// "x 402.605  y −281.908 mm"
+export const placeText = (at, decimals = 3) =>
+  at ? `x ${fixed(at[0], decimals)}  y ${fixed(at[1], decimals)} mm` : "–";
+
+/// "40 s", "3 min", "1 h 20 min"
+export function duration(seconds) {
+  if (seconds < 90) return `${Math.round(seconds)} s`;
+  const minutes = Math.round(seconds / 60);
+  return minutes < 90 ? `${minutes} min` : `${Math.floor(minutes / 60)} h ${minutes % 60} min`;
+}
+
+/// The number in an input, written with a point or a comma; null for none.
+export function numberIn(id) {
+  const text = byId(id).value.trim().replace(",", ".").replace("−", "-");
+  return text !== "" && Number.isFinite(Number(text)) ? Number(text) : null;
+}
+
+/// A sentence begins with a capital.
+export const sentence = text => text ? text[0].toUpperCase() + text.slice(1) : "";

@@ -1,0 +1,51 @@
+// A place that somebody chose: whether it can be reached, how well, and going there as a second step.
+
+import {attempt, order, setReady} from "./actions.js";
+import {byId, fixed, numberIn, placeText, put} from "./dom.js";
+import {markPlace} from "./field.js";
+import {ask} from "./link.js";
+
+const placeOf = () => ({x_mm: numberIn("place-x"), y_mm: numberIn("place-y"), phi_deg: numberIn("place-phi")});
+const known = place => Object.fromEntries(Object.entries(place).filter(([, value]) => value !== null));
+
+function textOf(place, answer) {
+  const parts = [placeText([place.x_mm, place.y_mm])];
+  parts.push(answer.reachable ? "can be reached" : `cannot be reached: ${answer.why}`);
+  if (answer.sigma_mm !== null) parts.push(`expected uncertainty ${fixed(answer.sigma_mm, 4)} mm per axis`);
+  if (answer.error_mm) parts.push(`vision errs by ${fixed(answer.error_mm[0], 3)}, ${fixed(answer.error_mm[1], 3)} mm`);
+  if (!answer.in_region) parts.push("outside the valid region of the map");
+  return parts.join("; ");
+}
+
+async function examine() {
+  const place = placeOf();
+  setReady("go", false);
+  if (place.x_mm === null || place.y_mm === null) {
+    put("place", "A place needs x and y in millimetres");
+    return;
+  }
+  markPlace([place.x_mm, place.y_mm]);
+  const answer = await attempt(() => ask(`/api/place?${new URLSearchParams(known(place))}`));
+  if (!answer) return;
+  put("place", textOf(place, answer));
+  byId("place").classList.toggle("warning", !answer.reachable || !answer.in_region);
+  setReady("go", answer.reachable);
+}
+
+/// Chooses a place in mm; nothing moves.
+export function choose([x, y], phi_deg = null) {
+  byId("place-x").value = x.toFixed(3);
+  byId("place-y").value = y.toFixed(3);
+  if (phi_deg !== null) byId("place-phi").value = phi_deg;
+  examine();
+}
+
+export function preparePlace() {
+  setReady("go", false);
+  byId("place-form").addEventListener("submit", event => {
+    event.preventDefault();
+    examine();
+  });
+  byId("place-form").addEventListener("input", () => setReady("go", false));
+  byId("go").addEventListener("click", () => order("/api/go", known(placeOf())));
+}

@@ -1,0 +1,96 @@
+// The table of targets: written, run, resumed.
+
+import {attempt, order} from "./actions.js";
+import {byId, fixed, make, put} from "./dom.js";
+import {showOnField} from "./field.js";
+import {ask} from "./link.js";
+import {choose} from "./place.js";
+import {kindOf, stateText} from "./results.js";
+
+let targets = [], results = new Map(), job = null;
+
+function rowOf(target) {
+  const result = results.get(target.id) || null;
+  const go = make("button", {type: "button", class: "plain"}, target.id);
+  go.addEventListener("click", () => choose([target.x_mm, target.y_mm], target.phi_deg));
+  const number = (value, decimals) => make("td", {class: "number"}, fixed(value, decimals));
+  return make("tr", {class: kindOf(result)}, make("th", {scope: "row"}, go), number(target.x_mm, 3),
+    number(target.y_mm, 3), number(target.phi_deg, 2), make("td", {class: "state"}, stateText(result)),
+    number(result && result.before_own_view_mm, 4), number(result && result.after_own_view_mm, 4));
+}
+
+function countText() {
+  if (!targets.length) return "none yet";
+  const reached = targets.filter(({id}) => kindOf(results.get(id)) === "reached").length;
+  return results.size ? `${reached} of ${targets.length} reached` : `${targets.length}`;
+}
+
+function showTargets() {
+  byId("target-rows").replaceChildren(...targets.map(rowOf));
+  byId("target-table").classList.toggle("no-phi", targets.every(({phi_deg}) => typeof phi_deg !== "number"));
+  put("targets-count", countText());
+  put("run", targets.length ? `Run ${targets.length}` : "Run");
+  showOnField(targets, results);
+}
+
+const csvOf = list => "id,x_mm,y_mm,phi_deg\n" + list.map(({id, x_mm, y_mm, phi_deg}) =>
+  [id, x_mm, y_mm, phi_deg === null || phi_deg === undefined ? "" : phi_deg].join(",") + "\n").join("");
+
+function take(list) {
+  targets = list;
+  if (!byId("csv").matches(":focus")) byId("csv").value = csvOf(list);
+  showTargets();
+}
+
+export async function loadTargets() {
+  const [list, rows] = await Promise.all([ask("/api/targets"), ask("/api/results")]);
+  results = new Map(rows.map(row => [row.target, row]));
+  job = rows.length ? rows[0].job : job;
+  take(list);
+}
+
+/// A row of the job under way.
+export function addResult(row) {
+  if (row.job !== job) results.clear();
+  job = row.job;
+  if (!row.target) return;
+  results.set(row.target, row);
+  const i = targets.findIndex(({id}) => id === row.target);
+  if (i >= 0) byId("target-rows").children[i].replaceWith(rowOf(targets[i]));
+  put("targets-count", countText());
+  showOnField(targets, results);
+}
+
+function freshName() {
+  const now = new Date(), two = n => String(n).padStart(2, "0");
+  return `run_${now.getFullYear()}${two(now.getMonth() + 1)}${two(now.getDate())}_${two(now.getHours())}${two(now.getMinutes())}`;
+}
+
+async function keep(event) {
+  event.preventDefault();
+  const answer = await order("/api/targets", {csv: byId("csv").value});
+  if (!answer) return;
+  results.clear();
+  take(answer.targets);
+  byId("edit").open = false;
+}
+
+async function run(event) {
+  event.preventDefault();
+  const resume = byId("resume").checked;
+  if (!resume) results.clear();
+  showTargets();
+  const answer = await order("/api/run", {out: byId("run-name").value, resume, judged: false});
+  if (answer) job = answer.job;
+}
+
+export function prepareTargets() {
+  byId("run-name").value = freshName();
+  byId("run-form").addEventListener("submit", run);
+  byId("targets-form").addEventListener("submit", keep);
+  byId("csv-file").addEventListener("change", async event => {
+    const [file] = event.target.files;
+    if (file) byId("csv").value = await file.text();
+  });
+  document.addEventListener("taught", () => attempt(loadTargets));
+}
