@@ -1,12 +1,13 @@
 #include <filesystem>
 
+#include "planar_servo/calibration/board.h"
 #include "planar_servo/doctor/next_step.h"
 #include "program.h"
 
 namespace planar {
 namespace {
 
-const ProgramText kText{"planar-next", "planar-next --cell cell.yaml",
+const ProgramText kText{"planar-next", "planar-next --cell cell.yaml [--grid BOARD]",
                         R"(done  cell file    cell.yaml is in order
 next  plan         plan.csv does not exist yet
       planar-plan --cell cell.yaml --readings 200 -o plan.csv
@@ -15,6 +16,7 @@ open  camera       camera.yaml does not exist yet)"};
 
 struct Options {
   std::filesystem::path cell;
+  std::string board{"circles:11x11:50mm"};
 };
 
 void add_options(CLI::App& app, Options& options) {
@@ -22,10 +24,12 @@ void add_options(CLI::App& app, Options& options) {
       app, "--cell", options.cell, "cell.yaml",
       "the cell; beside it lies what the work makes: plan.csv, recording, lamps.csv, pairs.csv, "
       "targets.csv, run, certificate");
+  add_value(app, "--grid", options.board, "BOARD", "the calibration board")->capture_default_str();
 }
 
 Outcome work(const Options& options) {
-  const auto steps = work_steps(options.cell);
+  parse_board(options.board);
+  const auto steps = work_steps(options.cell, options.board);
   say("{}", steps_text(steps));
   return {steps_json(steps)};
 }

@@ -8,6 +8,7 @@
 #include "planar_servo/files/calibration_files.h"
 #include "planar_servo/files/vision_files.h"
 #include "planar_servo/io/atomic_file.h"
+#include "planar_servo/io/growing_file.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/offline/pairs/health_of_recording.h"
 #include "planar_servo/offline/pairs/laid_boards.h"
@@ -137,7 +138,7 @@ PairTrackerRequest read_request(const Options& options) {
   request.lamps = read_lamps(options.lamps);
   request.frames = read_frames(options.recording);
   require_belonging(stale_tables(request.cell, tables_of(options)));
-  if (!options.tracker.empty() || std::filesystem::exists(tables_of(options).tracker))
+  if (!options.tracker.empty() || !holds_no_row(tables_of(options).tracker, tracker_header()))
     request.tracker = read_tracker(
         tables_of(options).tracker,
         {options.separator, options.decimal_comma, renamed_tracker_columns(options.columns)});

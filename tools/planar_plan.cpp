@@ -11,16 +11,16 @@
 namespace planar {
 namespace {
 
-const ProgramText kText{
-    "planar-plan",
-    "planar-plan --cell cell.yaml --readings N [--after pairs.csv [--accept-stale]] -o plan.csv",
-    R"(rows                40
+const ProgramText kText{"planar-plan",
+                        "planar-plan --cell cell.yaml --readings N [--unattended M] [--lays L]\n"
+                        "                   [--after pairs.csv [--accept-stale]] -o plan.csv",
+                        R"(rows                40
 end point           0.0095 mm expected now, 0.0042 mm after these readings
 nearly there        after 37 places for training)"};
 
 struct Options {
   std::filesystem::path cell, after, output;
-  int readings{0};
+  PlanRequest plan;
   bool accept_stale{false};
 };
 
@@ -39,24 +39,38 @@ Outcome propose(const Options& options) {
   const CellSettings cell = read_cell(options.cell);
   std::vector<PairRow> pairs;
   if (!options.after.empty()) pairs = pairs_of_cell(options, cell);
-  const ProposedPlan plan = propose_plan(cell, options.readings, pairs);
+  const ProposedPlan plan = propose_plan(cell, options.plan, pairs);
   write_file(options.output, plan_text(plan.rows));
   say("{}", proposal_text(plan));
-  return {{{"rows", plan.rows.size()},
-           {"expected_before_mm", mm(plan.before)},
-           {"expected_after_mm", mm(plan.after)},
-           {"enough", plan.enough},
-           {"worth_reading", plan.worth_reading()}}};
+  Outcome outcome{{{"rows", plan.rows.size()}}};
+  if (plan.readings > 0)
+    outcome.figures.update({{"expected_before_mm", mm(plan.before)},
+                            {"expected_after_mm", mm(plan.after)},
+                            {"enough", plan.enough},
+                            {"worth_reading", plan.worth_reading()}});
+  return outcome;
 }
 
 void add_options(CLI::App& app, Options& options) {
   add_required(app, "--cell", options.cell, "cell.yaml", "the cell");
-  add_required(app, "--readings", options.readings, "N",
-               "tracker readings to plan; the sweeps of a first plan take a quarter of them")
-      ->check(CLI::Range(1, 10000));
+  add_required(app, "--readings", options.plan.readings, "N",
+               "tracker readings to plan; the sweeps of a first plan take a quarter of them; 0 for "
+               "a cell without a tracker")
+      ->check(CLI::Range(0, 10000));
+  app.add_option("--unattended", options.plan.unattended,
+                 "places that only the camera watches, with the tool turned anyhow")
+      ->check(CLI::Range(0, 10000))
+      ->type_name("M");
+  CLI::Option* lays =
+      app.add_option("--lays", options.plan.lays,
+                     "times that the board is laid on the plane, turned and shifted")
+          ->check(CLI::Range(1, 1000))
+          ->type_name("L")
+          ->capture_default_str();
   add_value(app, "--after", options.after, "pairs.csv",
             "pairs of the readings so far; without them the plan "
-            "begins a calibration");
+            "begins a calibration")
+      ->excludes(lays);
   app.add_flag("--accept-stale", options.accept_stale,
                "plan even after pairs that were not made with the cell's files")
       ->needs("--after");

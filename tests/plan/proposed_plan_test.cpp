@@ -19,7 +19,7 @@ long rows_of(const ProposedPlan& plan, Plan kind) {
 
 TEST_CASE("A first plan has views, sweeps and places, and the arm can make all of it") {
   const CellSettings cell = read_cell(test::paper_cell_file());
-  const ProposedPlan plan = propose_plan(cell, 40, {});
+  const ProposedPlan plan = propose_plan(cell, {40});
   CHECK(rows_of(plan, Plan::kHeldBoard) >= 10);
   CHECK(rows_of(plan, Plan::kLaidBoard) == 1);
   CHECK(rows_of(plan, Plan::kSweep1) + rows_of(plan, Plan::kSweep3) + rows_of(plan, Plan::kTrain) ==
@@ -31,7 +31,7 @@ TEST_CASE("A first plan has views, sweeps and places, and the arm can make all o
 }
 
 TEST_CASE("A first plan begins with what needs the tracker and ends with the views of the board") {
-  const ProposedPlan plan = propose_plan(read_cell(test::paper_cell_file()), 40, {});
+  const ProposedPlan plan = propose_plan(read_cell(test::paper_cell_file()), {40});
   const auto board = [](const PlanRow& row) { return shows_board(row.plan); };
   CHECK(needs_reading(plan.rows.front().plan));
   CHECK(std::is_partitioned(plan.rows.rbegin(), plan.rows.rend(), board));
@@ -39,16 +39,17 @@ TEST_CASE("A first plan begins with what needs the tracker and ends with the vie
 
 TEST_CASE("The order of a plan's places is random in space, and the same every time") {
   const CellSettings cell = read_cell(test::paper_cell_file());
-  const ProposedPlan plan = propose_plan(cell, 100, {});
+  const ProposedPlan plan = propose_plan(cell, {100});
   CHECK(rows_of(plan, Plan::kTrain) == 76);
   CHECK(test::step_over_distance(plan.rows) > 0.85);
-  CHECK(plan_text(plan.rows) == plan_text(propose_plan(cell, 100, {}).rows));
+  CHECK(plan_text(plan.rows) == plan_text(propose_plan(cell, {100}).rows));
 }
 
 TEST_CASE("More readings promise more, until they are not worth their time") {
   const CellSettings cell = read_cell(test::paper_cell_file());
-  CHECK(propose_plan(cell, 100, {}).after < propose_plan(cell, 20, {}).after);
+  CHECK(propose_plan(cell, {100}).after < propose_plan(cell, {20}).after);
   ProposedPlan plan;
+  plan.readings = 40;
   plan.before = 1.0e-3;
   plan.after = 0.98e-3;
   CHECK_FALSE(plan.worth_reading());
@@ -56,8 +57,34 @@ TEST_CASE("More readings promise more, until they are not worth their time") {
 }
 
 TEST_CASE("Too few readings for a first plan are refused") {
-  CHECK_THROWS_WITH(propose_plan(read_cell(test::paper_cell_file()), 11, {}),
+  CHECK_THROWS_WITH(propose_plan(read_cell(test::paper_cell_file()), {11}),
                     Catch::Contains("11 tracker readings are too few"));
+}
+
+TEST_CASE("A plan without a tracker has turned poses and lays, and the arm can make all of it") {
+  const CellSettings cell = read_cell(test::paper_cell_file());
+  const ProposedPlan plan = propose_plan(cell, {0, 60, 5});
+  CHECK(rows_of(plan, Plan::kHeldBoard) >= 10);
+  CHECK(rows_of(plan, Plan::kLaidBoard) == 5);
+  CHECK(rows_of(plan, Plan::kPose) > 50);
+  CHECK(std::none_of(plan.rows.begin(), plan.rows.end(),
+                     [](const PlanRow& row) { return needs_reading(row.plan); }));
+  CHECK_NOTHROW(joints_of_plan(cell, plan.rows));
+  CHECK_THAT(proposal_text(plan), !Catch::Contains("readings"));
+}
+
+TEST_CASE("Unattended poses follow the readings") {
+  const ProposedPlan plan = propose_plan(read_cell(test::paper_cell_file()), {40, 30});
+  const auto attended = [](const PlanRow& row) { return needs_reading(row.plan); };
+  CHECK(std::is_partitioned(plan.rows.begin(), plan.rows.end(), attended));
+  CHECK(rows_of(plan, Plan::kPose) > 25);
+}
+
+TEST_CASE("Without a tracker too few lays or poses are refused") {
+  const CellSettings cell = read_cell(test::paper_cell_file());
+  for (const PlanRequest& request : {PlanRequest{0, 60, 1}, PlanRequest{0, 11, 5}})
+    CHECK_THROWS_WITH(propose_plan(cell, request), Catch::Contains("without a tracker reading") &&
+                                                       Catch::Contains("2 lays and 12 poses"));
 }
 
 TEST_CASE("An experiment of N readings takes N, sweeps included") {

@@ -26,7 +26,8 @@ using State = WorkStep::State;
 
 constexpr int kFirstReadings = 200;  // those of the timetable in doc/afternoon.md
 constexpr int kMoreReadings = 40;
-constexpr char kBoard[] = "circles:11x11:50mm";  // that of doc/boards.md
+// Those of README.md's figures without a tracker.
+constexpr int kPosesAlone = 1000, kLaysAlone = 12;
 
 /// Writes a path as one word for a shell.
 std::string word(const fs::path& path) {
@@ -60,6 +61,16 @@ WorkStep cell_step(const WorkFiles& work) {
               command(work, "planar-doctor", ""));
 }
 
+/// Returns whether readings of a tracker tell the error, perhaps written by its own software; else
+/// lays of a board and poses do.
+bool has_tracker(const WorkFiles& work) {
+  return work.cell().tracker.kind->measures() || !work.cell().datum.empty();
+}
+
+fs::path lays(const WorkFiles& work) {
+  return work.beside("lays.csv");
+}
+
 /// Fits the map or, where its own fit has rejected the one there is, plans more places first.
 std::string map_command(const WorkFiles& work) {
   const CellSettings& cell = work.cell();
@@ -71,10 +82,11 @@ std::string map_command(const WorkFiles& work) {
   } catch (const InputError&) {
     // One that cannot be read is fitted again.
   }
-  return command(
-      work, "planar-fit-error-map",
-      fmt::format(" --arm-out {} -o {} {}", word(cell.arm_found.value_or(work.beside("arm.yaml"))),
-                  word(cell.error_map), word(work.pairs())));
+  return command(work, "planar-fit-error-map",
+                 fmt::format("{} --arm-out {} -o {} {}",
+                             has_tracker(work) ? "" : " --lays " + word(lays(work)),
+                             word(cell.arm_found.value_or(work.beside("arm.yaml"))),
+                             word(cell.error_map), word(work.pairs())));
 }
 
 WorkStep map_step(const WorkFiles& work) {
@@ -84,19 +96,28 @@ WorkStep map_step(const WorkFiles& work) {
   return step("error map", reason, work.description(files[0]), reason ? map_command(work) : "");
 }
 
-/// `is_read`: the pairs themselves are needed, to fit the map.
+/// `is_read`: the pairs themselves are needed, to fit the map. Without a tracker a person measures
+/// how thick the board is.
 WorkStep pair_step(const WorkFiles& work, bool is_read) {
   const CellSettings& cell = work.cell();
   std::vector<fs::path> files{cell.workplane, cell.tool};
   if (cell.health) files.push_back(*cell.health);
   if (is_read || fs::exists(work.pairs())) files.push_back(work.pairs());
-  const std::string health = cell.health ? " --health-out " + word(*cell.health) : "";
+  std::string rest = cell.health ? " --health-out " + word(*cell.health) : "";
+  Reason reason = work.reason_of(files);
+  if (!has_tracker(work)) {
+    rest += fmt::format(" --workplane-from grid --grid {} --board-thickness-mm T --lays-out {}",
+                        word(work.board()), word(lays(work)));
+    if (reason)
+      *reason +=
+          "; put for T by how far the board's dots lie above the lamps' plane, negative below";
+  }
   return step(
-      "pairs", work.reason_of(files), work.description(files[0]),
+      "pairs", reason, work.description(files[0]),
       command(work, "planar-pair-tracker",
               fmt::format(" --lamps {} --recording {} --workplane-out {} --tool-out {}{} -o {}",
                           word(work.lamps()), word(work.recording()), word(cell.workplane),
-                          word(cell.tool), health, word(work.pairs()))));
+                          word(cell.tool), rest, word(work.pairs()))));
 }
 
 WorkStep lamp_step(const WorkFiles& work, bool is_read) {
@@ -110,8 +131,8 @@ WorkStep lamp_step(const WorkFiles& work, bool is_read) {
 WorkStep camera_step(const WorkFiles& work) {
   const fs::path& camera = work.cell().camera_model;
   return step("camera", work.reason_of({camera}), work.description(camera),
-              fmt::format("planar-calibrate-camera --grid {} --model auto -o {} {}", kBoard,
-                          word(camera), word(work.recording())));
+              fmt::format("planar-calibrate-camera --grid {} --model auto -o {} {}",
+                          word(work.board()), word(camera), word(work.recording())));
 }
 
 /// A person shows the board to a real cell's camera.
@@ -126,12 +147,12 @@ WorkStep recording_step(const WorkFiles& work, bool is_read) {
       plan = there;
       reason = fmt::format("{} rows of {} are not recorded yet", count, there.string());
     }
-  if (reason && !work.cell().tracker.kind->measures())
+  if (reason && has_tracker(work) && !work.cell().tracker.kind->measures())
     *reason += "; state the tracker in " + work.cell().file.string() + " first";
   return step("recording", reason, work.description(work.recording()),
               command(work, "planar-record",
                       fmt::format(" --plan {}{} --out {}", word(plan),
-                                  work.cell().truth ? "" : fmt::format(" --grid {}", kBoard),
+                                  work.cell().truth ? "" : " --grid " + word(work.board()),
                                   word(work.recording()))));
 }
 
@@ -139,9 +160,12 @@ WorkStep plan_step(const WorkFiles& work, bool is_read) {
   const fs::path plan = work.beside("plan.csv");
   Reason reason;
   if (is_read) reason = work.reason_of({plan});
+  const std::string amount =
+      has_tracker(work)
+          ? fmt::format("--readings {}", kFirstReadings)
+          : fmt::format("--readings 0 --unattended {} --lays {}", kPosesAlone, kLaysAlone);
   return step("plan", reason, work.description(plan),
-              command(work, "planar-plan",
-                      fmt::format(" --readings {} -o {}", kFirstReadings, word(plan))));
+              command(work, "planar-plan", fmt::format(" {} -o {}", amount, word(plan))));
 }
 
 /// Returns the steps from the plan to the map. A step's files are needed as long as a later step
@@ -209,6 +233,8 @@ WorkStep run_step(const WorkFiles& work) {
 
 /// A certificate that was begun is continued.
 WorkStep certificate_step(const WorkFiles& work) {
+  if (!has_tracker(work) && !work.cell().truth)
+    return {State::kDone, "certificate", "none, for which a tracker would have to judge the arm"};
   Reason reason = "no certificate of this calibration yet";
   fs::path out = work.next_of("certificate");
   std::string done;
@@ -227,8 +253,8 @@ constexpr Named<State> kStates[] = {
 
 }  // namespace
 
-std::vector<WorkStep> work_steps(const fs::path& cell_file) {
-  const WorkFiles work(cell_file);
+std::vector<WorkStep> work_steps(const fs::path& cell_file, const std::string& board) {
+  const WorkFiles work(cell_file, board);
   std::vector<WorkStep> steps{cell_step(work)};
   for (WorkStep& calibration : calibration_steps(work)) steps.push_back(std::move(calibration));
   const WorkStep run = run_step(work);

@@ -21,8 +21,10 @@ struct WorkStep {
 /// they were made from, and by the files beside the cell file: the plans plan.csv, plan_2.csv, ...,
 /// the folder recording, lamps.csv and pairs.csv or what they were called when the calibration was
 /// made, targets.csv, the folders run, run_2, ... and certificate, certificate_2, .... Nothing is
-/// opened but files. Throws InputError for a cell file with faults.
-std::vector<WorkStep> work_steps(const std::filesystem::path& cell_file);
+/// opened but files. `board` is the calibration board, as --grid takes it. A cell without a tracker
+/// is calibrated by lays of the board and unattended poses. Throws InputError for a cell file with
+/// faults.
+std::vector<WorkStep> work_steps(const std::filesystem::path& cell_file, const std::string& board);
 
 /// Returns a line for each step, and one for the command of the next or that none is left.
 std::string steps_text(const std::vector<WorkStep>& steps);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <utility>
 
 #include "planar_servo/core/names.h"
 #include "planar_servo/doctor/doctor.h"
@@ -28,8 +29,8 @@ std::vector<MadeFile> existing(std::vector<MadeFile> files) {
 
 }  // namespace
 
-WorkFiles::WorkFiles(const fs::path& cell_file)
-    : cell_(read_cell(cell_file)), folder_(cell_file.parent_path()) {
+WorkFiles::WorkFiles(const fs::path& cell_file, std::string board)
+    : cell_(read_cell(cell_file)), board_(std::move(board)), folder_(cell_file.parent_path()) {
   require_devices(cell_);
   findings_ = examine_files(cell_);
   lamps_ = beside(name_of(Role::kLamps, "lamps.csv"));

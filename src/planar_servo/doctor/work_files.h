@@ -16,9 +16,11 @@ namespace planar {
 class WorkFiles {
  public:
   /// Throws InputError for a cell file with faults, and for devices that do not go together.
-  explicit WorkFiles(const std::filesystem::path& cell_file);
+  WorkFiles(const std::filesystem::path& cell_file, std::string board);
 
   const CellSettings& cell() const { return cell_; }
+  /// The calibration board, as --grid takes it.
+  const std::string& board() const { return board_; }
   std::filesystem::path beside(const std::string& name) const { return folder_ / name; }
   std::filesystem::path recording() const { return beside("recording"); }
   /// The table of lamps, as it was called when the calibration was made from it.
@@ -52,6 +54,7 @@ class WorkFiles {
   std::vector<StaleFile> stale_by_tables() const;
 
   CellSettings cell_;
+  std::string board_;
   std::filesystem::path folder_, lamps_, pairs_;
   std::vector<Finding> findings_;
   std::vector<StaleFile> stale_;

@@ -81,6 +81,10 @@ GrowingFile::GrowingFile(fs::path path, const std::string& header) : path_(std::
   if (!fs::exists(path_) || (fs::is_empty(path_) && !header.empty())) write_file(path_, header);
 }
 
+bool holds_no_row(const fs::path& path, const std::string& header) {
+  return !fs::exists(path) || read_file(path) == header;
+}
+
 void GrowingFile::append(const std::string& lines, Durability durability) {
   const int file = open(path_.c_str(), O_WRONLY | O_APPEND | O_NOFOLLOW | O_CLOEXEC);
   if (file < 0 || !write_and_close(file, lines, durability))

@@ -36,6 +36,9 @@ void drop_torn_line(const std::filesystem::path& path, const std::string& header
 /// Throws InputError when a file is there that does not begin with this header.
 void require_header(const std::filesystem::path& path, const std::string& header);
 
+/// Returns whether such a file does not exist or holds its header alone.
+bool holds_no_row(const std::filesystem::path& path, const std::string& header);
+
 /// Writes a table that grows during a run by whole lines. What was written survives a crash.
 class GrowingFile {
  public:

@@ -128,7 +128,7 @@ std::optional<Joints> way_to(const KnownCell& known, const Joints& from, const T
 /// Orders places at random, because a step in time can be told from the field only where successive
 /// places are not neighbours. A place to which the way is forbidden is tried again after the next
 /// one; those to which none leads are left out.
-std::vector<PlanRow> rows_at_random(const KnownCell& known, std::vector<TipPose> tips,
+std::vector<PlanRow> rows_at_random(const KnownCell& known, Plan plan, std::vector<TipPose> tips,
                                     std::size_t first) {
   mix(tips);
   std::vector<PlanRow> rows;
@@ -140,26 +140,52 @@ std::vector<PlanRow> rows_at_random(const KnownCell& known, std::vector<TipPose>
       continue;
     }
     at = *theta;
-    rows.push_back({fmt::format("train_{:03}", first + rows.size()), Plan::kTrain, tips[i]});
+    rows.push_back(
+        {fmt::format("{}_{:03}", name_in(kPlans, plan), first + rows.size()), plan, tips[i]});
     tips.erase(tips.begin() + static_cast<std::ptrdiff_t>(i));
     i = 0;
   }
   return rows;
 }
 
-/// Returns the first number of an id train_NNN that no pair has.
-std::size_t next_number(const std::vector<PairRow>& pairs) {
+/// Returns the first number of an id train_NNN or pose_NNN that no pair has.
+std::size_t next_number(Plan plan, const std::vector<PairRow>& pairs) {
   std::set<std::string> ids;
   for (const PairRow& pair : pairs) ids.insert(pair.id);
   std::size_t number = pairs.size();
-  while (ids.count(fmt::format("train_{:03}", number)) != 0) ++number;
+  while (ids.count(fmt::format("{}_{:03}", name_in(kPlans, plan), number)) != 0) ++number;
   return number;
 }
 
-/// Returns sweeps and views of the board.
-std::vector<PlanRow> first_rows(const CellSettings& cell, ExperimentSize size) {
+/// Returns views of the board, sweeps and unattended poses of an experiment of this size.
+std::vector<PlanRow> drawn_rows(const CellSettings& cell, ExperimentSize size) {
   size.training_points = size.test_points = size.check_points = size.run_points = 0;
   return experiment_plan(cell, 0, size).rows;
+}
+
+std::vector<TipPose> unattended_poses(const CellSettings& cell, int count) {
+  ExperimentSize size;
+  size.board_views = size.lays = size.sweep_points = 0;
+  size.unattended_poses = count;
+  std::vector<TipPose> tips;
+  for (const PlanRow& row : drawn_rows(cell, size)) tips.push_back(std::get<TipPose>(row.where));
+  return tips;
+}
+
+/// Returns what a plan begins with that begins a calibration.
+ExperimentSize first_size(const PlanRequest& request) {
+  ExperimentSize size;
+  size.lays = request.lays;
+  if (request.readings > 0) return with_readings(size, request.readings);
+  const auto fewest = static_cast<int>(kFewestPoses);
+  if (request.lays < kFewestLays || request.unattended < fewest)
+    throw InputError(
+        {fmt::format("without a tracker reading {} lays of the board and {} unattended "
+                     "poses do not tell the vision error",
+                     request.lays, request.unattended),
+         fmt::format("plan {} lays and {} poses at least", kFewestLays, fewest)});
+  size.sweep_points = size.training_points = 0;
+  return size;
 }
 
 /// Puts views of the board last: only the other rows need the tracker, which is rented.
@@ -184,45 +210,58 @@ double length_of(double sigma) {
   return sigma * std::sqrt(kPi / 2.0);
 }
 
-}  // namespace
-
-bool ProposedPlan::worth_reading() const {
-  return before > kNearly * after;
-}
-
-ProposedPlan propose_plan(const CellSettings& cell, int readings,
-                          const std::vector<PairRow>& pairs) {
-  const KnownCell known_cell = known(cell);
-  const std::vector<Candidate> candidates = candidates_of(known_cell);
-  ExperimentSize size;
-  size.training_points = readings;
-  ProposedPlan plan;
-  if (pairs.empty()) {
-    size = with_readings({}, readings);
-    plan.rows = first_rows(cell, size);
-  }
-  const NextPlaces next = choose_next_places(estimate_of(known_cell, pairs), poses_of(candidates),
-                                             static_cast<std::size_t>(size.training_points),
-                                             poses_of(known_cell, plan.rows));
-  std::vector<TipPose> tips;
-  for (const std::size_t i : next.chosen) tips.push_back(candidates[i].tip);
-  for (PlanRow& row : rows_at_random(known_cell, std::move(tips), next_number(pairs)))
-    plan.rows.push_back(std::move(row));
-  put_boards_last(plan.rows);
+/// Chooses places for readings, and says in `plan`, whose rows are read before them, what to
+/// expect.
+std::vector<TipPose> most_telling(const KnownCell& known, const std::vector<PairRow>& pairs,
+                                  int places, ProposedPlan& plan) {
+  const std::vector<Candidate> candidates = candidates_of(known);
+  const NextPlaces next =
+      choose_next_places(estimate_of(known, pairs), poses_of(candidates),
+                         static_cast<std::size_t>(places), poses_of(known, plan.rows));
   plan.before = length_of(next.sigmas.front());
   plan.after = length_of(next.sigmas.back());
   plan.enough = static_cast<int>(
       std::find_if(next.sigmas.begin(), next.sigmas.end(),
                    [&](double sigma) { return sigma <= kNearly * next.sigmas.back(); }) -
       next.sigmas.begin());
+  std::vector<TipPose> tips;
+  for (const std::size_t i : next.chosen) tips.push_back(candidates[i].tip);
+  return tips;
+}
+
+}  // namespace
+
+bool ProposedPlan::worth_reading() const {
+  return before > kNearly * after;
+}
+
+ProposedPlan propose_plan(const CellSettings& cell, const PlanRequest& request,
+                          const std::vector<PairRow>& pairs) {
+  const KnownCell known_cell = known(cell);
+  ProposedPlan plan;
+  plan.readings = request.readings;
+  int places = request.readings;
+  if (pairs.empty()) {
+    const ExperimentSize size = first_size(request);
+    plan.rows = drawn_rows(cell, size);
+    places = size.training_points;
+  }
+  const auto add = [&](Plan kind, std::vector<TipPose> tips) {
+    for (PlanRow& row : rows_at_random(known_cell, kind, std::move(tips), next_number(kind, pairs)))
+      plan.rows.push_back(std::move(row));
+  };
+  if (places > 0) add(Plan::kTrain, most_telling(known_cell, pairs, places, plan));
+  add(Plan::kPose, unattended_poses(cell, request.unattended));
+  put_boards_last(plan.rows);
   return plan;
 }
 
 std::string proposal_text(const ProposedPlan& plan) {
-  std::string text = fmt::format(
-      "rows                {}\nend point           {:.4f} mm expected now, {:.4f} mm after these "
-      "readings\n",
-      plan.rows.size(), mm(plan.before), mm(plan.after));
+  std::string text = fmt::format("rows                {}\n", plan.rows.size());
+  if (plan.readings == 0) return text;
+  text +=
+      fmt::format("end point           {:.4f} mm expected now, {:.4f} mm after these readings\n",
+                  mm(plan.before), mm(plan.after));
   if (!plan.worth_reading())
     return text + "stop                further readings gain less than 5 %\n";
   return text + fmt::format("nearly there        after {} places for training\n", plan.enough);

@@ -8,7 +8,7 @@
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/pose.h"
-#include "planar_servo/io/atomic_file.h"
+#include "planar_servo/io/growing_file.h"
 #include "planar_servo/tables/recording_tables.h"
 #include "planar_servo/tables/tracker_table.h"
 
@@ -34,10 +34,6 @@ constexpr char kRemedy[] =
 
 /// Pulses are rounded when the arm moves and again when they are compared.
 constexpr int kRoundedPulses = 1;
-
-bool holds_no_row(const fs::path& table, const std::string& header) {
-  return !fs::exists(table) || read_file(table) == header;
-}
 
 std::vector<FrameRow> recorded_frames(const fs::path& recording) {
   if (holds_no_row(recording / "frames.csv", frames_header())) return {};

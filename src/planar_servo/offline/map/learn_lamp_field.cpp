@@ -57,7 +57,9 @@ PoseSample pose_sample(const Transmission& transmission, const PairRow& pair, do
 /// systematic; the registration takes up most of it, and a third still differs over a field.
 void set_tracker(ArmNominal& nominal, const CellSettings& cell) {
   constexpr double kLeftOfStated = 1.0 / 3.0;
-  nominal.tracker_bias = cell.tracker.bias_m.value_or(kLeftOfStated * cell.tracker.sigma_m);
+  constexpr double kNone = 1e-9;  // metres; an error that cannot be is no prior that can be weighed
+  nominal.tracker_bias =
+      std::max(cell.tracker.bias_m.value_or(kLeftOfStated * cell.tracker.sigma_m), kNone);
   if (cell.datum.size() < 2) return;  // one does not determine the turn
   const auto n = static_cast<double>(cell.datum.size());
   Eigen::Vector2d center(0.0, 0.0);
