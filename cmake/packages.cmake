@@ -83,8 +83,11 @@ add_custom_command(OUTPUT ${sample}/report.html
   DEPENDS planar-experiment calib/small/cell.yaml calib/small/truth.yaml
   WORKING_DIRECTORY ${PROJECT_SOURCE_DIR} COMMENT "Running calib/small for its report" VERBATIM)
 install(DIRECTORY ${sample} DESTINATION ${CMAKE_INSTALL_DOCDIR} OPTIONAL)
-install(FILES README.md CHANGELOG.md CONTRIBUTING.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(FILES README.md CHANGELOG.md CONTRIBUTING.md LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(DIRECTORY doc DESTINATION ${CMAKE_INSTALL_DOCDIR} PATTERN *.in EXCLUDE)
+# The pages link to the benchmarks' tables.
+install(DIRECTORY bench DESTINATION ${CMAKE_INSTALL_DOCDIR} FILES_MATCHING PATTERN *.md
+        PATTERN .venv EXCLUDE)
 install(DIRECTORY examples/ DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/libplanar-servo-dev/examples
         COMPONENT library PATTERN python EXCLUDE)
 install(DIRECTORY calib DESTINATION ${CMAKE_INSTALL_DATADIR}/planar-servo)

@@ -21,6 +21,25 @@ constexpr char kFishFiles[] = R"fish(function __planar_files
 end
 )fish";
 
+/// Succeeds where the argument being typed is this one of those that belong to no option; the
+/// options that take a value follow its number.
+constexpr char kFishPlace[] = R"fish(function __planar_place
+    set -l typed (commandline -opc)
+    set -l place 1
+    set -l value no
+    for word in $typed[2..]
+        if test $value = yes
+            set value no
+        else if contains -- $word $argv[2..]
+            set value yes
+        else if not string match -q -- '-*' $word
+            set place (math $place + 1)
+        end
+    end
+    test $place -eq $argv[1]
+end
+)fish";
+
 constexpr char kFishPassOn[] = R"fish(function __planar_passed
     set -l typed (commandline -opc)
     set -l command planar-$typed[2]
@@ -39,6 +58,20 @@ std::string fish_offer(const Values& values) {
   return parts.empty() ? "" : " -a " + fish_quoted(fmt::format("{}", fmt::join(parts, " ")));
 }
 
+/// Offers the values of what belongs to no option, each at its place where there are several.
+std::string fish_places(const std::string& complete, const Usage& usage) {
+  if (usage.places.size() == 1) return complete + fish_offer(usage.places[0].values) + "\n";
+  std::vector<std::string> with_value;
+  for (const Argument& option : usage.options)
+    if (!option.value.empty())
+      with_value.insert(with_value.end(), option.names.begin(), option.names.end());
+  std::string script;
+  for (std::size_t i = 0; i < usage.places.size(); ++i)
+    script += fmt::format("{} -n '__planar_place {} {}'{}\n", complete, i + 1,
+                          fmt::join(with_value, " "), fish_offer(usage.places[i].values));
+  return script;
+}
+
 std::string fish_arguments(const std::string& complete, const Usage& usage) {
   std::string script;
   for (const Argument& option : usage.options) {
@@ -48,8 +81,7 @@ std::string fish_arguments(const std::string& complete, const Usage& usage) {
     if (!option.value.empty()) script += " -x" + fish_offer(option.values);
     script += " -d " + fish_quoted(brief(option.text)) + "\n";
   }
-  for (const Argument& place : usage.places) script += complete + fish_offer(place.values) + "\n";
-  return script;
+  return script + fish_places(complete, usage);
 }
 
 }  // namespace
@@ -60,7 +92,8 @@ std::string fish_script(const Usage& program) {
       fmt::format("__fish_seen_subcommand_from {}", fmt::join(names_of_commands(program), " "));
   std::string script =
       fmt::format("# Completes {0} in fish; `{0} --completion fish` wrote it.\n", program.name) +
-      kFishFiles + (passes_on(program) ? kFishPassOn : "") + complete + " -f\n";
+      kFishFiles + (program.places.size() > 1 ? kFishPlace : "") +
+      (passes_on(program) ? kFishPassOn : "") + complete + " -f\n";
   script += fish_arguments(passes_on(program) ? complete + " -n 'not " + seen + "'" : complete,
                            {program.name, "", program.options, program.places, {}, ""});
   for (const Usage& command : program.commands) {

@@ -11,6 +11,8 @@ namespace {
 /// Names of folders and of images in the help.
 constexpr const char* kFolders[] = {"DIR", "RECORDING"};
 constexpr const char* kAnyFile[] = {"FILE", "PROGRAM"};
+constexpr char kBoard[] = "BOARD";
+constexpr const char* kBoards[] = {"circles:11x11:50mm", "chessboard:9x6:25mm"};
 constexpr char kImage[] = "IMAGE";
 constexpr const char* kImages[] = {"*.png", "*.pgm", "*.jpg", "*.tif", "*.tiff", "*.bmp"};
 
@@ -30,7 +32,8 @@ std::vector<std::string> split(const std::string& text, const std::string& separ
 }
 
 /// Adds what one of the alternatives in a value's name stands for: `map.yaml` and `FILE.html` for
-/// files of this ending, `none` for itself, `N` for nothing that can be offered.
+/// files of this ending, `BOARD` for one of each kind, `none` for itself, `N` for nothing that can
+/// be offered.
 void add_alternative(Values& values, const std::string& word) {
   const std::size_t dot = word.find('.');
   const bool is_lower = word.find_first_of("ABCDEFGHIJKLMNOPQRSTUVWXYZ:") == std::string::npos;
@@ -38,6 +41,8 @@ void add_alternative(Values& values, const std::string& word) {
     values.folders = true;
   } else if (names_one(kAnyFile, word)) {
     values.files.emplace_back("*");
+  } else if (word == kBoard) {
+    values.words.insert(values.words.end(), std::begin(kBoards), std::end(kBoards));
   } else if (word == kImage) {
     values.files.insert(values.files.end(), std::begin(kImages), std::end(kImages));
   } else if (dot != std::string::npos && dot + 1 < word.size()) {

@@ -50,6 +50,17 @@ require_names() {
   [ -z "$strangers" ] || fail "these paths do not tell whose they are: $strangers"
 }
 
+# Every link of the pages that are installed leads somewhere; those of benchmarks lead to scripts, too.
+require_links() {
+  local pages=$root/usr/share/doc/planar-servo page link missing=0
+  for page in "$pages"/*.md "$pages"/doc/*.md; do
+    for link in $(grep -oP '\]\(\K[^)#:]+(?=[)#])' "$page"); do
+      [ -e "$(dirname "$page")/$link" ] || { echo "${page#"$root"} links to $link"; missing=1; }
+    done
+  done
+  return $missing
+}
+
 # Each program and module calls every library that it names. (The loader, which all need, is left out.)
 require_used() {
   local file
@@ -89,6 +100,7 @@ step "a first report" "${as_user[@]}" planar-experiment --out /home/user/first -
   --cell /usr/share/planar-servo/calib/small/cell.yaml
 grep -q "<svg" "$root/home/user/first/report.html" || fail "the report has no figure"
 grep -q "<svg" "$root/usr/share/doc/planar-servo/sample/report.html" || fail "the report of the package has no figure"
+step "follow the pages' links" require_links
 
 install "the library" libplanar-servo-dev cmake g++ make
 examples=/usr/share/doc/libplanar-servo-dev/examples
