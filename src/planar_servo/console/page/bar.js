@@ -91,6 +91,8 @@ export function addLine({t, level, text}) {
   while (list.children.length > MOST_LINES) list.lastChild.remove();
 }
 
+export const clearLines = () => byId("lines").replaceChildren();
+
 export function prepareBar() {
   byId("take").addEventListener("click", takeOver);
 }

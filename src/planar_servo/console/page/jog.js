@@ -7,65 +7,71 @@ import {tell} from "./link.js";
 const KEEP_MS = 80;  // the server waits for 200
 const TAP_MS = 250;  // a shorter press is a tap, which moves one whole step
 const TAP_LASTS_MS = 3000;
+const FARTHEST_TURN_DEG = 15;  // of one command
 const KEYS = {arrowright: "x +", arrowleft: "x -", arrowup: "y +", arrowdown: "y -", q: "joint 1 +", a: "joint 1 -",
   w: "joint 2 +", s: "joint 2 -", e: "joint 3 +", d: "joint 3 -"};
 
-let held = null;  // {motion, source, since, down, kept}
-let endStep = () => {};
+let pressed = null;  // the newest press: {motion, source, since, down, kept, begun, over}
+let moving = null;   // the step under way: {hold, seq, end}
+let before = Promise.resolve();  // the end of all presses before
 
 const step = () => document.querySelector("input[name=step]:checked").value;
-const lineOf = motion => motion.replace(/([+-])$/, (_, sign) => (sign === "-" ? "-" : "") + step());
+const lineOf = motion => motion.slice(0, -1) + (motion.endsWith("-") ? "-" : "") +
+  (motion.startsWith("joint") ? Math.min(step(), FARTHEST_TURN_DEG) : step());
 
-/// Moves one step, and keeps it alive until it has ended or is let go.
+/// Moves one step, and keeps it alive until it has ended or is let go. Returns whether another may follow.
 async function moveStep(hold) {
-  const ended = new Promise(resolve => { endStep = resolve; });
   const begun = await order("/api/jog", {line: lineOf(hold.motion)});
   if (!begun) return false;
-  hold.seq = begun.seq;
-  hold.moving = true;
   const keep = () => hold.kept && tell("/api/jog/keep").catch(() => {});
-  keep();
   const beat = setInterval(keep, KEEP_MS);
-  const good = await ended;
+  keep();
+  const good = await new Promise(end => { moving = {hold, seq: begun.seq, end}; });
   clearInterval(beat);
-  hold.moving = false;
+  moving = null;
   return good;
 }
 
-async function press(motion, source) {
-  if (held) return;
-  const hold = {motion, source, since: performance.now(), down: true, kept: true};
-  held = hold;
-  while (hold.down && hold.kept) if (!await moveStep(hold)) break;
-  if (held === hold) held = null;
+async function follow(hold) {
+  hold.begun = true;
+  while (hold.kept && await moveStep(hold) && hold.down);
+  hold.over = true;
 }
 
-function letGo() {
-  if (!held || !held.down) return;
-  held.down = false;
-  if (performance.now() - held.since < TAP_MS) setTimeout(drop, TAP_LASTS_MS, held);
-  else drop(held);
+/// One press may wait for the step before to end, so that fast taps are not lost.
+function press(motion, source) {
+  if (pressed && !pressed.over && (pressed.down || !pressed.begun)) return;
+  const hold = {motion, source, since: performance.now(), down: true, kept: true, begun: false, over: false};
+  pressed = hold;
+  before = before.then(() => follow(hold));
 }
 
 /// Ends the motion now.
-function drop(hold = held) {
-  if (!hold || !hold.kept || hold !== held) return;
-  hold.down = hold.kept = false;
-  if (hold.moving) stop();
+function drop() {
+  for (const hold of [moving && moving.hold, pressed]) if (hold) hold.down = hold.kept = false;
+  if (moving) stop();
+}
+
+function letGo() {
+  if (!pressed || !pressed.down) return;
+  const hold = pressed;
+  hold.down = false;
+  if (performance.now() - hold.since >= TAP_MS) drop();
+  else setTimeout(() => hold.over || drop(), TAP_LASTS_MS);
 }
 
 /// Ends a step that the state no longer shows, and tells what the arm needs first.
 export function showJog(state) {
-  if (held && held.moving && state.doing !== "moving" && (held.seq === undefined || state.seq > held.seq)) endStep(true);
+  if (moving && state.doing !== "moving" && (moving.seq === undefined || state.seq > moving.seq)) moving.end(true);
   const needs = state.arm ? state.arm.to_do : "";
   put("to-do", needs ? sentence(needs) : "");
   show("to-do", Boolean(needs));
 }
 
-/// The line to the server is lost: it stops the arm by itself.
-export function dropJog() {
+/// The line to the server is lost, which stops the arm by itself.
+export function loseJog() {
   drop();
-  endStep(false);
+  if (moving) moving.end(false);
 }
 
 function prepareButton(button) {
@@ -98,7 +104,7 @@ export function prepareJog() {
   const panel = byId("jog");
   panel.querySelectorAll("[data-jog]").forEach(prepareButton);
   panel.addEventListener("keydown", keyDown);
-  panel.addEventListener("keyup", event => held && held.source === event.key.toLowerCase() && letGo());
+  panel.addEventListener("keyup", event => pressed && pressed.source === event.key.toLowerCase() && letGo());
   panel.addEventListener("focusin", () => put("keys-on", "Keys move the arm"));
   panel.addEventListener("focusout", event => {
     if (panel.contains(event.relatedTarget)) return;
@@ -111,7 +117,7 @@ export function prepareJog() {
     const id = byId("teach-id").value.trim();
     if (id && await command(`teach ${id}`)) document.dispatchEvent(new Event("taught"));
   });
-  addEventListener("blur", () => drop());
-  addEventListener("pagehide", () => drop());
+  addEventListener("blur", drop);
+  addEventListener("pagehide", drop);
   document.addEventListener("visibilitychange", () => document.hidden && drop());
 }

@@ -36,8 +36,9 @@ export const tell = (path, body = {}) => answerOf(fetch(path, {
 const SILENCE_MS = 3000;  // the server sends a state every second
 const RETRY_MS = 1500;
 
-/// Follows the events for good: `handlers` by name, and `lost(why)` as long as there is no word from the server.
-export function follow(handlers, lost) {
+/// Follows the events for good: `handlers` by name, `lost(why)` as long as there is no word from the server. The server
+/// tells its last events anew after each `begin()`.
+export function follow(handlers, begin, lost) {
   let silence, stream;
   const heard = () => {
     clearTimeout(silence);
@@ -54,6 +55,7 @@ export function follow(handlers, lost) {
     }
   }
   function open() {
+    begin();
     stream = new EventSource("/api/events");
     for (const [name, handle] of Object.entries(handlers))
       stream.addEventListener(name, event => {

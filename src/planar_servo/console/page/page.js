@@ -1,11 +1,11 @@
 // The page of planar-console: asks for the cell once, then follows its state.
 
 import {attempt, gate, prepareActions, reasonNotToAct} from "./actions.js";
-import {addLine, prepareBar, showBar, showLost} from "./bar.js";
+import {addLine, clearLines, prepareBar, showBar, showLost} from "./bar.js";
 import {loadCell, prepareCell} from "./cell.js";
 import {byId, put, show} from "./dom.js";
 import {prepareField, showField} from "./field.js";
-import {dropJog, prepareJog, showJog} from "./jog.js";
+import {loseJog, prepareJog, showJog} from "./jog.js";
 import {ask, follow} from "./link.js";
 import {preparePicture, showPictures} from "./picture.js";
 import {choose, preparePlace} from "./place.js";
@@ -32,7 +32,7 @@ function showState(state) {
 
 function lose(refusal) {
   document.body.classList.add("lost");
-  dropJog();
+  loseJog();
   gate(false);
   showLost(refusal);
 }
@@ -53,7 +53,7 @@ async function begin() {
   prepareTargets();
   prepareCell();
   gate(false);
-  follow({state: showState, line: addLine, result: addResult}, lose);
+  follow({state: showState, line: addLine, result: addResult}, clearLines, lose);
   attempt(loadTargets);
   attempt(loadCell);
 }

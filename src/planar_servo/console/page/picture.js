@@ -37,7 +37,7 @@ function crossAt(x, y, arm, name, label) {
 }
 
 function showCrosses({lamps, fixed_lamps}) {
-  const arm = size.width_px / 40;
+  const arm = size.width_px / 56;
   const marks = (lamps || []).flatMap(({x_px, y_px, saturated}, i) =>
     crossAt(x_px, y_px, arm, saturated ? "saturated" : "found", `${i + 1}`));
   for (const {id, x_px, y_px} of fixed_lamps)
