@@ -3,13 +3,13 @@
 #include <memory>
 #include <utility>
 
-#include "planar_servo/trackers/asked_tracker.h"
+#include "planar_servo/io/terminal.h"
 
 namespace planar {
 namespace {
 
 bool says_yes(const std::string& question) {
-  const Terminal terminal;
+  Terminal terminal;
   if (!terminal.is_attended()) return false;
   const std::string answer = terminal.ask(question + " [y/N] ");
   return answer == "y" || answer == "Y";

@@ -4,8 +4,8 @@
 #include "homing_options.h"
 #include "planar_servo/certificate/certificate_report.h"
 #include "planar_servo/core/error.h"
+#include "planar_servo/io/status_line.h"
 #include "planar_servo/machine/device_kinds.h"
-#include "planar_servo/report/status_line.h"
 #include "program.h"
 
 namespace planar {

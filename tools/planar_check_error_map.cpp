@@ -4,8 +4,8 @@
 #include "planar_servo/core/plan.h"
 #include "planar_servo/files/map_file.h"
 #include "planar_servo/files/provenance.h"
+#include "planar_servo/io/status_line.h"
 #include "planar_servo/offline/map/check_error_map.h"
-#include "planar_servo/report/status_line.h"
 #include "program.h"
 
 namespace planar {

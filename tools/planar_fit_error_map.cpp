@@ -10,12 +10,12 @@
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/files/vision_files.h"
 #include "planar_servo/io/atomic_file.h"
+#include "planar_servo/io/status_line.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/offline/map/fit_map_to_pairs.h"
 #include "planar_servo/offline/map/learn_lamp_field.h"
 #include "planar_servo/offline/map/map_page.h"
 #include "planar_servo/offline/map/map_report.h"
-#include "planar_servo/report/status_line.h"
 #include "program.h"
 
 namespace planar {

@@ -5,11 +5,11 @@
 #include <iostream>
 #include <sstream>
 
+#include "planar_servo/io/status_line.h"
 #include "planar_servo/jog/command_line.h"
 #include "planar_servo/jog/jog_console.h"
 #include "planar_servo/jog/jog_keys.h"
 #include "planar_servo/machine/device_kinds.h"
-#include "planar_servo/report/status_line.h"
 #include "program.h"
 
 namespace planar {

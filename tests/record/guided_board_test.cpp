@@ -13,6 +13,7 @@
 #include "planar_servo/core/error.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/io/growing_file.h"
+#include "planar_servo/io/terminal.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/tables/recording_tables.h"
 #include "support/manual_clock.h"
@@ -94,7 +95,7 @@ struct BoardBench {
   test::TemporaryFolder folder;
   test::ManualClock clock;
   Keys keys;
-  OperatorLine line{keys.input()};
+  Terminal line{keys.input()};
   RecordRequest request = request_in(folder);
 
   static RecordRequest request_in(const test::TemporaryFolder& folder) {

@@ -6,12 +6,14 @@
 
 #include <array>
 #include <catch2/catch.hpp>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "planar_servo/core/error.h"
+#include "planar_servo/io/terminal.h"
 
 namespace planar {
 namespace {
@@ -34,7 +36,9 @@ class Person {
   Person(const Person&) = delete;
   Person& operator=(const Person&) = delete;
 
-  Terminal terminal() const { return Terminal(program_, program_); }
+  std::shared_ptr<Terminal> terminal() const {
+    return std::make_shared<Terminal>(program_, program_);
+  }
   void type(const std::string& keys) const {
     if (write(person_, keys.data(), keys.size()) != static_cast<ssize_t>(keys.size()))
       throw std::runtime_error("the keys cannot be pressed");
@@ -124,7 +128,7 @@ TEST_CASE("What a person types before a question is no answer to it") {
 TEST_CASE("What a script sends before a question answers it, line by line") {
   std::array<int, 2> answers{}, questions{};
   REQUIRE((pipe(answers.data()) == 0 && pipe(questions.data()) == 0));
-  AskedTracker tracker({}, Terminal(answers[0], questions[1]));
+  AskedTracker tracker({}, std::make_shared<Terminal>(answers[0], questions[1]));
   REQUIRE(write(answers[1], "\ns\n4,5,6\nr\n", 11) == 11);
   CHECK(tracker.measure_monument("M1").status == TrackerStatus::kElsewhere);
   CHECK(tracker.measure_monument("M2").status == TrackerStatus::kSkipped);
@@ -150,7 +154,7 @@ TEST_CASE("A terminal that nobody answers ends the work with the reason") {
   CHECK_THROWS_AS(tracker.measure_tool("t0"), WorkError);
   const int closed = dup(STDIN_FILENO);
   close(closed);
-  AskedTracker deaf({}, Terminal(closed, STDERR_FILENO));
+  AskedTracker deaf({}, std::make_shared<Terminal>(closed, STDERR_FILENO));
   CHECK_THROWS_WITH(deaf.measure_tool("t0"),
                     Contains("nobody answers") && Contains("start the program in a terminal"));
 }

@@ -6,9 +6,11 @@
 #include <array>
 #include <atomic>
 #include <catch2/catch.hpp>
+#include <memory>
 #include <random>
 
 #include "planar_servo/core/error.h"
+#include "planar_servo/io/terminal.h"
 #include "support/tracker_player.h"
 
 namespace planar {
@@ -33,7 +35,8 @@ TrackerDialect dialect(bool has_ids) {
 struct StreamBench {
   explicit StreamBench(bool has_ids = false)
       : stream(std::make_shared<ReadingStream>("wire", dialect(has_ids))),
-        tracker(tracked_cell(), has_ids, stream, nullptr, Terminal(), {0.5, 2.0, 2.0}) {}
+        tracker(tracked_cell(), has_ids, stream, nullptr, std::make_shared<Terminal>(),
+                {0.5, 2.0, 2.0}) {}
 
   std::shared_ptr<ReadingStream> stream;
   StreamTracker tracker;
@@ -131,7 +134,8 @@ TEST_CASE("Without names somebody says when the reflector is on a monument") {
   std::array<int, 2> answers{}, questions{};
   REQUIRE((pipe(answers.data()) == 0 && pipe(questions.data()) == 0));
   const auto stream = std::make_shared<ReadingStream>("wire", dialect(false));
-  StreamTracker tracker(tracked_cell(), false, stream, nullptr, Terminal(answers[0], questions[1]));
+  StreamTracker tracker(tracked_cell(), false, stream, nullptr,
+                        std::make_shared<Terminal>(answers[0], questions[1]));
   const test::TrackerPlayer player(still(300.0), [&](const auto& line) { stream->take(line); });
   REQUIRE(write(answers[1], "\nr\ns\n\n", 6) == 6);
   CHECK(tracker.measure_monument("M1").status == TrackerStatus::kOk);

@@ -2,8 +2,11 @@
 
 #include <Eigen/Core>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
+
+#include "planar_servo/core/operator.h"
 
 namespace planar {
 
@@ -56,6 +59,9 @@ class Tracker {
   /// Gives up waiting, by a WorkError, once `stop` answers true; it is asked several times a second
   /// where a wait may last.
   virtual void stop_when(const std::function<bool()>& /*stop*/) {}
+
+  /// Makes this person the one who is asked and told, instead of who sits at the terminal.
+  virtual void ask_of(std::shared_ptr<Operator> /*person*/) {}
 
   virtual int readings_per_monument() const { return kMonumentReadings; }
 };

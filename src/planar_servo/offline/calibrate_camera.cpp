@@ -8,8 +8,8 @@
 #include <optional>
 
 #include "planar_servo/files/camera_file.h"
+#include "planar_servo/io/status_line.h"
 #include "planar_servo/offline/grey_image.h"
-#include "planar_servo/report/status_line.h"
 #include "planar_servo/tables/recording_tables.h"
 
 namespace planar {

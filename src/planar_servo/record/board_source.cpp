@@ -35,12 +35,12 @@ bool shows_much_of(const Board& board, const BoardSight& sight) {
 }  // namespace
 
 GuidedBoard::GuidedBoard(const RecordRequest& request, const std::set<std::string>& present,
-                         FrameSource& camera, Clock& clock, OperatorLine& line, LiveView* display)
+                         FrameSource& camera, Clock& clock, Operator& person, LiveView* display)
     : request_(request),
       board_(request.board.value()),
       camera_(camera),
       clock_(clock),
-      line_(line),
+      person_(person),
       display_(display) {
   for (const PlanRow& row : request.plan) {
     if (!shows_board(row.plan)) continue;
@@ -66,7 +66,7 @@ void GuidedBoard::find_again() {
     if (sight.found())
       views->second.guide.take(row.id, sight.pixels);
     else
-      line_.warn(fmt::format("{}: {}; the view counts as taken", row.image, sight.reason));
+      person_.warn(fmt::format("{}: {}; the view counts as taken", row.image, sight.reason));
   }
 }
 
@@ -89,20 +89,20 @@ void GuidedBoard::begin(const PlanRow& row, Views& views) {
   const std::string done = views.left == views.all
                                ? std::string()
                                : fmt::format(" ({} are there)", views.all - views.left);
-  line_.say(fmt::format(
+  person_.say(fmt::format(
       "{} of the board of {}{}: {}. Each is taken by itself, or at once on Enter; Ctrl-C leaves, "
       "and the same command continues",
       more_views(row.plan, views.left), words_of(board_), done,
       row.plan == Plan::kLaidBoard
           ? "lay it flat on the plane of motion, and let it lie until it is taken"
           : "hold it still before the camera until it is taken"));
-  line_.say(fmt::format("{}: {}", row.id, views.guide.choice().request()));
+  person_.say(fmt::format("{}: {}", row.id, views.guide.choice().request()));
 }
 
 void GuidedBoard::watch_anew() {
   seen_s_ = clock_.now_s();
   warned_ = false;
-  line_.entered();
+  person_.entered();
 }
 
 Frame GuidedBoard::next_frame(const std::string& id) {
@@ -113,7 +113,7 @@ Frame GuidedBoard::next_frame(const std::string& id) {
     if (result.status == FrameStatus::kOk) return std::move(result.frame);
     const double waited_s = clock_.now_s() - begun_s;
     if (waited_s > kSilence_s)
-      line_.show(fmt::format("no picture from the camera ({})", name(result.status)));
+      person_.show(fmt::format("no picture from the camera ({})", name(result.status)));
     if (waited_s > kCameraPatience_s)
       throw WorkError({fmt::format("the camera sent no whole frame for {} s", kCameraPatience_s),
                        kStartAgain, id});
@@ -125,11 +125,11 @@ bool GuidedBoard::is_taken(const PlanRow& row, const Frame& frame, Views& views)
   const BoardAdvice advice = views.guide.look(frame.t_s, glance, views.left);
   show(row, frame, glance, advice, views);
   note_sight(row.id, glance.found(), advice);
-  const bool entered = line_.entered();
+  const bool entered = person_.entered();
   if (!advice.take && !entered) return false;
   const BoardSight sight = find_board(frame.image, board_);
   if (!sight.found()) {
-    if (entered) line_.warn(fmt::format("{}: not taken: {}", row.id, sight.reason));
+    if (entered) person_.warn(fmt::format("{}: not taken: {}", row.id, sight.reason));
     views.guide.look(frame.t_s, sight, views.left);
     return false;
   }
@@ -142,7 +142,7 @@ bool GuidedBoard::is_taken(const PlanRow& row, const Frame& frame, Views& views)
 void GuidedBoard::show(const PlanRow& row, const Frame& frame, const BoardSight& sight,
                        const BoardAdvice& advice, const Views& views) {
   const std::string more = more_views(row.plan, views.left);
-  line_.show(fmt::format("{}: {}", more, advice.state));
+  person_.show(fmt::format("{}: {}", more, advice.state));
   if (display_ == nullptr) return;
   BoardView view;
   view.title = fmt::format("{}   {}", row.id, more);
@@ -166,7 +166,7 @@ void GuidedBoard::note_sight(const std::string& id, bool is_seen, const BoardAdv
   }
   if (!warned_ && now_s - seen_s_ > kUnseen_s) {
     warned_ = true;
-    line_.warn(
+    person_.warn(
         fmt::format("{}: no whole board of {} seen for {} s: {}; --grid says how many it has", id,
                     words_of(board_), kUnseen_s, advice.state));
   }
@@ -178,35 +178,36 @@ void GuidedBoard::note_sight(const std::string& id, bool is_seen, const BoardAdv
 void GuidedBoard::conclude(const PlanRow& row, const Views& views) {
   const ViewChoice& choice = views.guide.choice();
   if (views.left > 0)
-    return line_.say(fmt::format("{} is taken; {}: {}", row.id, more_views(row.plan, views.left),
-                                 choice.request()));
+    return person_.say(fmt::format("{} is taken; {}: {}", row.id, more_views(row.plan, views.left),
+                                   choice.request()));
   std::vector<std::string> lacks;
   for (const BoardWish& wish : choice.missing())
     if (wish.is_needed) lacks.emplace_back(wish.lack);
   if (lacks.empty() || views.all == 1)
-    return line_.say(fmt::format("{} is taken, the last of {}", row.id, views.all));
-  line_.warn(fmt::format("{} is taken. Of {} {}s {}; more rows of plan {} ask for more", row.id,
-                         views.all, held_or_laid(row.plan), fmt::join(lacks, ", "),
-                         name(row.plan)));
+    return person_.say(fmt::format("{} is taken, the last of {}", row.id, views.all));
+  person_.warn(fmt::format("{} is taken. Of {} {}s {}; more rows of plan {} ask for more", row.id,
+                           views.all, held_or_laid(row.plan), fmt::join(lacks, ", "),
+                           name(row.plan)));
 }
 
 void GuidedBoard::clear_field() {
-  const bool attended = line_.is_attended();
-  line_.say(attended ? "take the board and your hands out of the arm's way, then press Enter: the "
-                       "arm will move"
-                     : fmt::format("take the board and your hands out of the arm's way: the arm "
-                                   "will move {} s after the board is gone",
-                                   kClear_s));
+  const bool attended = person_.is_attended();
+  person_.say(attended
+                  ? "take the board and your hands out of the arm's way, then press Enter: the "
+                    "arm will move"
+                  : fmt::format("take the board and your hands out of the arm's way: the arm "
+                                "will move {} s after the board is gone",
+                                kClear_s));
   watch_anew();
   for (const double begun_s = seen_s_;;) {
     const Frame frame = next_frame("the board");
     const double now_s = clock_.now_s();
     const bool there = shows_much_of(board_, glance_at_board(frame.image, board_));
     if (there) seen_s_ = now_s;
-    line_.show(there ? "the board is still in the picture" : "the board is gone");
-    const bool entered = line_.entered();
+    person_.show(there ? "the board is still in the picture" : "the board is gone");
+    const bool entered = person_.entered();
     if (attended && entered && !there) return;
-    if (entered) line_.warn("the board is still in the picture; press Enter once it is gone");
+    if (entered) person_.warn("the board is still in the picture; press Enter once it is gone");
     if (!attended && now_s - seen_s_ >= kClear_s) return;
     if (now_s - begun_s > kBoardPatience_s)
       throw WorkError(

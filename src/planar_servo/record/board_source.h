@@ -8,11 +8,11 @@
 
 #include "planar_servo/calibration/board.h"
 #include "planar_servo/core/clock.h"
+#include "planar_servo/core/operator.h"
 #include "planar_servo/devices/board_presenter.h"
 #include "planar_servo/devices/frame_source.h"
 #include "planar_servo/record/board_guide.h"
 #include "planar_servo/record/recorder.h"
-#include "planar_servo/report/status_line.h"
 #include "planar_servo/tables/recording_tables.h"
 
 namespace planar {
@@ -53,14 +53,14 @@ class PresentedBoard final : public BoardSource {
 };
 
 /// Views of a board that a person holds before the camera or lays on the plane. The person is told
-/// what is missing, sees on the terminal and the display what the camera sees, and each view is
+/// what is missing, sees on the display what the camera sees, and each view is
 /// taken by itself, or at once by Enter.
 class GuidedBoard final : public BoardSource {
  public:
   /// `present` are the ids that the request's recording holds; the board is found in their images
   /// again. `request.board` must say which board it is. `display` may be null.
   GuidedBoard(const RecordRequest& request, const std::set<std::string>& present,
-              FrameSource& camera, Clock& clock, OperatorLine& line, LiveView* display);
+              FrameSource& camera, Clock& clock, Operator& person, LiveView* display);
 
   /// Throws WorkError when asked to stop, when the camera sends no frame for a minute, and when
   /// nobody shows the board for ten.
@@ -92,7 +92,7 @@ class GuidedBoard final : public BoardSource {
   Board board_;
   FrameSource& camera_;
   Clock& clock_;
-  OperatorLine& line_;
+  Operator& person_;
   LiveView* display_;
   std::map<Plan, Views> views_;
   std::vector<Eigen::Vector2d> last_px_;  ///< the board in the view taken last

@@ -44,16 +44,20 @@ RecordProgress::Sort RecordProgress::sort_of(const PlanRow& row) {
 void RecordProgress::begin(std::size_t row) {
   begun_s_ = clock_.now_s();
   tell(request_.plan[row]);
-  if (display_ == nullptr) return;
   RecordView shown = view();
   shown.now = "now: " + request_.plan[row].id;
   if (!shows_board(request_.plan[row].plan)) shown.here_B = places_B_[row];
-  display_->show(plot_of(std::move(shown)));
+  show(std::move(shown));
 }
 
 void RecordProgress::finish() {
   line_.wipe();
-  if (display_ != nullptr) display_->show(plot_of(view()));
+  show(view());
+}
+
+void RecordProgress::show(RecordView view) const {
+  if (request_.watch) request_.watch(view);
+  if (display_ != nullptr) display_->show(plot_of(std::move(view)));
 }
 
 void RecordProgress::end(std::size_t row, PlaceMark mark) {

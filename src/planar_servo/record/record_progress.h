@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "planar_servo/core/clock.h"
+#include "planar_servo/io/status_line.h"
 #include "planar_servo/record/recorder.h"
 #include "planar_servo/record/recording_start.h"
 #include "planar_servo/report/live/record_view.h"
-#include "planar_servo/report/status_line.h"
 
 namespace planar {
 
@@ -51,6 +51,7 @@ class RecordProgress {
   void tell(const PlanRow& row);
   void say(const std::string& message);
   RecordView view() const;
+  void show(RecordView view) const;
 
   const RecordRequest& request_;
   const Clock& clock_;

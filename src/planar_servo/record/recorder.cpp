@@ -14,6 +14,7 @@
 #include "planar_servo/core/error.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/io/growing_file.h"
+#include "planar_servo/io/terminal.h"
 #include "planar_servo/lamps/lamp_tracker.h"
 #include "planar_servo/record/board_source.h"
 #include "planar_servo/record/record_progress.h"
@@ -59,8 +60,10 @@ class Recorder {
         frames_table_(folder_ / "frames.csv", frames_header()),
         tracker_table_(folder_ / "tracker.csv", tracker_header()),
         readings_(request, begun, devices.tracker(), tracker_table_),
+        person_(*request.person),
         progress_(request, joints, begun, wall_clock_, display),
         may_home_(request.may_home) {
+    devices.tracker().ask_of(request.person);
     robot_.stop_when(request.stop);
     if (devices.board_presenter() != nullptr)
       board_source_ = std::make_unique<PresentedBoard>(*devices.board_presenter(), [this] {
@@ -69,7 +72,7 @@ class Recorder {
       });
     else if (is_guided(request, devices))
       board_source_ = std::make_unique<GuidedBoard>(request, begun.ids, devices.camera(),
-                                                    devices.clock(), operator_line_, display);
+                                                    devices.clock(), person_, display);
     if (!cell_.reference_lamps.empty())
       expectation_.diameter_over_separation = cell_.lamps.layout.diameter_over_separation();
   }
@@ -121,8 +124,8 @@ class Recorder {
                                         robot_.commanded_joints());
     // The camera may fail meanwhile: nothing is seen on this way.
     const auto obstacle = way.refusal ? Obstacle{true, *way.refusal} : try_to_arrive(way.theta, {});
-    operator_line_.say(obstacle ? "the arm cannot park and stays where it is: " + obstacle->reason
-                                : "the arm is parked at the side of its home");
+    person_.say(obstacle ? "the arm cannot park and stays where it is: " + obstacle->reason
+                         : "the arm is parked at the side of its home");
   }
 
   PlaceMark record_board(const PlanRow& row, int view) {
@@ -298,7 +301,7 @@ class Recorder {
   PairExpectation expectation_;  ///< of lamps among others; empty where there are no others
   std::vector<CoarseViewRow> sights_;
   double whole_frame_s_{-std::numeric_limits<double>::infinity()};  ///< time of the last one
-  OperatorLine operator_line_;
+  Operator& person_;
   SteadyClock wall_clock_;  ///< also where the cell's own clock is a virtual one
   RecordProgress progress_;
   std::unique_ptr<BoardSource> board_source_;  ///< null where nobody shows the board
@@ -312,7 +315,9 @@ class Recorder {
 
 }  // namespace
 
-RecordReport record(const RecordRequest& request, CellDevices& devices) {
+RecordReport record(const RecordRequest& asked, CellDevices& devices) {
+  RecordRequest request = asked;
+  if (!request.person) request.person = std::make_shared<Terminal>();
   require_tracker(request);
   const std::vector<Joints> joints = joints_of_plan(request.cell, request.plan);
   drop_torn_line(request.recording / "frames.csv", frames_header());

@@ -1,58 +1,40 @@
 #pragma once
 
-#include <unistd.h>
-
+#include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
+#include "planar_servo/core/operator.h"
 #include "planar_servo/devices/tracker.h"
 #include "planar_servo/tables/tracker_table.h"
 
 namespace planar {
 
-/// Somebody who answers questions. By default it is who sits at the terminal of this program.
-class Terminal {
- public:
-  /// Asks on `out` and hears on `in`, both descriptors of open files, which stay open.
-  explicit Terminal(int in = STDIN_FILENO, int out = STDERR_FILENO) : in_(in), out_(out) {}
+/// As Tracker::keeps() does.
+std::optional<bool> keeps_reading(Operator& person, const std::string& id);
 
-  /// Returns the answered line without its end and without blanks around it. What was typed at a
-  /// terminal before the question stood there is discarded; what a script sends is not. Throws
-  /// WorkError when nobody can answer: standard input is closed or at its end, or the program was
-  /// interrupted.
-  std::string ask(const std::string& question) const;
-
-  /// As Tracker::keeps() does.
-  std::optional<bool> keeps(const std::string& id) const;
-
-  /// Returns whether somebody sits at a terminal, and not a script.
-  bool is_attended() const { return isatty(in_) != 0; }
-
- private:
-  int in_;
-  int out_;
-};
-
-/// A tracker that somebody works by hand, with its readings reported at the terminal. Enter says
+/// A tracker that somebody works by hand, who reports its readings. Enter says
 /// that a point was measured, and its reading stands in the tracker's own table; three numbers are
 /// the reading itself; s skips the point, r repeats it.
 class AskedTracker final : public Tracker {
  public:
   /// `dialect` says how the numbers are typed.
-  explicit AskedTracker(TrackerDialect dialect, Terminal terminal = Terminal());
+  AskedTracker(TrackerDialect dialect, std::shared_ptr<Operator> person);
 
   // Both throw WorkError when nobody can answer.
   TrackerAnswer measure_tool(const std::string& place) override;
   TrackerAnswer measure_monument(const std::string& id) override;
-  std::optional<bool> keeps(const std::string& id) override { return terminal_.keeps(id); }
+  std::optional<bool> keeps(const std::string& id) override { return keeps_reading(*person_, id); }
   void await_tool() override;
+  void ask_of(std::shared_ptr<Operator> person) override { person_ = std::move(person); }
   int readings_per_monument() const override { return 1; }
 
  private:
   TrackerAnswer ask(const std::string& what);
 
   TrackerDialect dialect_;
-  Terminal terminal_;
+  std::shared_ptr<Operator> person_;
 };
 
 }  // namespace planar

@@ -82,13 +82,13 @@ double RestWindow::bound() const {
 
 StreamTracker::StreamTracker(const CellSettings& cell, bool has_ids,
                              std::shared_ptr<ReadingStream> stream,
-                             std::unique_ptr<StreamFeed> feed, Terminal terminal,
+                             std::unique_ptr<StreamFeed> feed, std::shared_ptr<Operator> person,
                              const StreamPatience& patience)
     : tracker_(cell.tracker),
       has_ids_(has_ids),
       stream_(std::move(stream)),
       feed_(std::move(feed)),
-      terminal_(terminal),
+      person_(std::move(person)),
       patience_(patience) {
   for (const Monument& monument : cell.datum) monuments_.insert(monument.id);
 }
@@ -104,7 +104,7 @@ TrackerAnswer StreamTracker::measure_monument(const std::string& id) {
         stream_->source()));
     return wait_for([&](const StreamedReading& reading) { return reading.id == id; });
   }
-  const std::string word = terminal_.ask(
+  const std::string word = person_->ask(
       fmt::format("place the reflector on '{}' and press Enter; s skips, r repeats: ", id));
   if (word == "s") return {TrackerStatus::kSkipped};
   if (word == "r") return {TrackerStatus::kRepeat};
@@ -119,8 +119,8 @@ void StreamTracker::await_tool() {
     if (answer.status != TrackerStatus::kOk)
       throw WorkError("the reflector was not placed back on the tool: " + answer.fault);
   }
-  if (!has_ids_ || terminal_.is_attended())
-    terminal_.ask(fmt::format("{} and press Enter; the arm will move: ", kBackOnTool));
+  if (!has_ids_ || person_->is_attended())
+    person_->ask(fmt::format("{} and press Enter; the arm will move: ", kBackOnTool));
 }
 
 bool StreamTracker::is_of_tool(const StreamedReading& reading) const {

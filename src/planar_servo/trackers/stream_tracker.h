@@ -61,20 +61,21 @@ struct StreamPatience {
 /// A tracker whose program writes readings all the time. A reading of it is the mean at rest
 /// (RestWindow) of what arrives after it was asked for. Where the lines have names, a monument is
 /// what is read under its name, and the tool what is read under any other; otherwise somebody at
-/// the terminal says when the reflector is on a monument, and when it is back on the tool.
+/// hand says when the reflector is on a monument, and when it is back on the tool.
 class StreamTracker final : public Tracker {
  public:
   /// `feed` feeds `stream` and may be null for a stream that somebody else feeds.
   StreamTracker(const CellSettings& cell, bool has_ids, std::shared_ptr<ReadingStream> stream,
-                std::unique_ptr<StreamFeed> feed, Terminal terminal = Terminal(),
+                std::unique_ptr<StreamFeed> feed, std::shared_ptr<Operator> person,
                 const StreamPatience& patience = {});
 
   TrackerAnswer measure_tool(const std::string& place) override;
   // Both throw WorkError when somebody is to be asked and nobody can answer.
   TrackerAnswer measure_monument(const std::string& id) override;
-  std::optional<bool> keeps(const std::string& id) override { return terminal_.keeps(id); }
+  std::optional<bool> keeps(const std::string& id) override { return keeps_reading(*person_, id); }
   void await_tool() override;
   void stop_when(const std::function<bool()>& stop) override { stop_ = stop; }
+  void ask_of(std::shared_ptr<Operator> person) override { person_ = std::move(person); }
   int readings_per_monument() const override { return 1; }
 
  private:
@@ -92,7 +93,7 @@ class StreamTracker final : public Tracker {
   bool has_ids_;
   std::shared_ptr<ReadingStream> stream_;
   std::unique_ptr<StreamFeed> feed_;  ///< ends before the stream does
-  Terminal terminal_;
+  std::shared_ptr<Operator> person_;
   StreamPatience patience_;
   std::function<bool()> stop_;
 };

@@ -11,6 +11,7 @@
 #include "planar_servo/core/names.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/io/fields.h"
+#include "planar_servo/io/terminal.h"
 #include "planar_servo/trackers/asked_tracker.h"
 #include "planar_servo/trackers/line_feeds.h"
 #include "planar_servo/trackers/reading_stream.h"
@@ -127,7 +128,8 @@ std::shared_ptr<Tracker> FileTrackerKind::open(
   const TrackerDialect& dialect = stream_details(cell).dialect;
   auto stream = std::make_shared<ReadingStream>(path_of(cell).string(), dialect);
   auto feed = std::make_unique<FileFeed>(path_of(cell), *stream);
-  return std::make_shared<StreamTracker>(cell, dialect.has_ids(), stream, std::move(feed));
+  return std::make_shared<StreamTracker>(cell, dialect.has_ids(), stream, std::move(feed),
+                                         std::make_shared<Terminal>());
 }
 
 std::vector<Finding> FileTrackerKind::examine(const CellSettings& cell) const {
@@ -152,7 +154,8 @@ std::shared_ptr<Tracker> TcpTrackerKind::open(const CellSettings& cell,
   const StreamDetails& details = stream_details(cell);
   auto stream = std::make_shared<ReadingStream>(details.source, details.dialect);
   auto feed = std::make_unique<TcpFeed>(details.source, *stream);
-  return std::make_shared<StreamTracker>(cell, details.dialect.has_ids(), stream, std::move(feed));
+  return std::make_shared<StreamTracker>(cell, details.dialect.has_ids(), stream, std::move(feed),
+                                         std::make_shared<Terminal>());
 }
 
 std::vector<Finding> TcpTrackerKind::examine(const CellSettings& cell) const {
@@ -170,7 +173,7 @@ std::shared_ptr<const DeviceDetails> AskTrackerKind::read(Fields& tracker) const
 
 std::shared_ptr<Tracker> AskTrackerKind::open(const CellSettings& cell,
                                               const std::shared_ptr<VirtualCell>& /*world*/) const {
-  return std::make_shared<AskedTracker>(stream_details(cell).dialect);
+  return std::make_shared<AskedTracker>(stream_details(cell).dialect, std::make_shared<Terminal>());
 }
 
 std::vector<Finding> AskTrackerKind::examine(const CellSettings& /*cell*/) const {

@@ -1,12 +1,11 @@
-#include "planar_servo/report/status_line.h"
+#include "planar_servo/io/status_line.h"
 
 #include <fmt/format.h>
-#include <poll.h>
 #include <spdlog/spdlog.h>
 #include <sys/ioctl.h>
+#include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cstdio>
 #include <sstream>
 #include <utility>
@@ -48,28 +47,6 @@ void StatusLine::show(const std::string& text) {
 void StatusLine::wipe() {
   if (drawn_) fmt::print(stderr, "\r{}", kEraseBelow);
   drawn_ = false;
-}
-
-void OperatorLine::say(const std::string& message) {
-  line_.wipe();
-  spdlog::info(message);
-}
-
-void OperatorLine::warn(const std::string& message) {
-  line_.wipe();
-  spdlog::warn(message);
-}
-
-bool OperatorLine::entered() {
-  bool pressed = false;
-  pollfd input{in_, POLLIN, 0};
-  while (!ended_ && is_attended() && poll(&input, 1, 0) > 0) {
-    std::array<char, 256> keys{};
-    const ssize_t count = read(in_, keys.data(), keys.size());
-    ended_ = count <= 0;
-    pressed = pressed || std::find(keys.begin(), keys.end(), '\n') != keys.end();
-  }
-  return pressed;
 }
 
 namespace {
