@@ -19,6 +19,7 @@ constexpr Command kCommands[] = {
      "Draws a calibration board, or where lamps and reflector go on the tool, to print at true "
      "scale."},
     {"jog", "Moves a cell by hand: enables, homes, jogs, shows the exposure and teaches targets."},
+    {"console", "Serves a page and an API at which a cell is worked, on this computer."},
     {"plan", "Proposes where to read the tracker next, and says what accuracy to expect."},
     {"record", "Drives a cell through a plan and records frames and tracker readings."},
     {"calibrate-camera", "Calibrates a camera from pictures of a flat grid of dots or squares."},

@@ -10,10 +10,10 @@
 #include "planar_servo/files/calibration_files.h"
 #include "planar_servo/files/vision_files.h"
 #include "planar_servo/judge/cell_judge.h"
-#include "planar_servo/io/status_line.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/machine/plausibility.h"
 #include "planar_servo/report/live/servo_view.h"
+#include "planar_servo/report/status_line.h"
 #include "planar_servo/run/cell_check.h"
 #include "planar_servo/run/dry_run.h"
 #include "planar_servo/run/path_report.h"
@@ -231,26 +231,8 @@ bool move(ServoRun& run, const Options& options, const std::vector<TargetRow>& t
 
 Outcome report(const ServoRequest& request, const Options& options, const ServoRun& run,
                const FrameCounts& frames, bool good_input) {
-  std::size_t doubted = 0;
-  for (const TargetResult& result : run.results()) {
-    if (result.status == ServoStatus::kDoubted)
-      ++doubted;
-    else if (result.status != ServoStatus::kReached)
-      spdlog::warn(fmt::format("{}: {}: {}", result.id, name(result.status), result.reason));
-  }
-  if (doubted > 0)
-    spdlog::warn(fmt::format(
-        "{} targets are doubted: they were reached after the last good check of the cell; --resume "
-        "visits them again",
-        doubted));
-  if (run.ended_by())
-    spdlog::error(fmt::format(
-        "no further target was tried, because the cell is in doubt since {}; mend it, then "
-        "continue with --resume",
-        *run.ended_by()));
-  ServoFigures figures = figures_of(run.results());
-  figures.frames = frames;
-  write_run(request, run, figures, from_stdin(options) ? fs::path() : options.targets);
+  const ServoFigures figures =
+      conclude_run(request, run, frames, from_stdin(options) ? fs::path() : options.targets);
   const ReportList list = servo_list(figures);
   say(from_stdin(options) ? stderr : stdout, "{}log and report: {}\n", list.text(),
       request.out.string());

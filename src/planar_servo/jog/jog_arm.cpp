@@ -34,6 +34,7 @@ JogArm::JogArm(const CellSettings& cell, CellDevices& devices, const std::functi
                Announce announce)
     : cell_(cell),
       camera_(devices.camera()),
+      drives_(devices.drives()),
       announce_(std::move(announce)),
       planner_(planner_of(cell)),
       robot_(planner_.arm(), planner_.transmission(), devices.drives(), devices.clock()) {
@@ -94,6 +95,13 @@ std::string JogArm::go_to(const TargetRow& target) {
     throw WorkError(obstacle->reason + "; the arm has stopped at " + where());
   }
   return planner_.found() ? "by the arm that was found" : "by the links of the cell file";
+}
+
+void JogArm::take_over() {
+  robot_.present_joints();
+  const auto drives = drives_.status();
+  enabled_ = std::all_of(drives.begin(), drives.end(),
+                         [](const DriveStatus& drive) { return drive.energized; });
 }
 
 void JogArm::require_enabled() const {

@@ -43,6 +43,9 @@ class JogArm {
   /// there before it looks. Returns by which arm, in words.
   std::string go_to(const TargetRow& target);
 
+  /// Takes over from another program part that has moved the arm, or switched it on or off.
+  void take_over();
+
   /// Throws unless the drives are on and know where they stand.
   void require_ready();
   /// Returns why the arm cannot move yet and what is to be done; empty when it can.
@@ -50,6 +53,7 @@ class JogArm {
   /// Returns what to do about drives that do not know their position; empty when all do.
   std::string how_to_home();
 
+  bool enabled() const { return enabled_; }
   Joints commanded() const { return robot_.commanded_joints(); }
   const Pulses& pulses() const { return robot_.commanded_pulses(); }
   TipPose tip() const { return planner_.arm().forward(commanded()); }
@@ -68,6 +72,7 @@ class JogArm {
 
   CellSettings cell_;
   FrameSource& camera_;
+  DriveGroup& drives_;
   Announce announce_;
   JointPlanner planner_;
   PlanarRobot robot_;

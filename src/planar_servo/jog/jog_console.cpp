@@ -135,7 +135,7 @@ std::array<std::string, 2> JogConsole::status() {
   const std::string to_do = arm_.to_do();
   const Joints theta = arm_.commanded();
   const bool known = to_do.empty();
-  const bool looked = known && seen_ && seen_->pulses == arm_.pulses();
+  const auto seen_B = known ? seen() : std::nullopt;
   const CameraExposure camera = devices_.camera().exposure();
   std::string light = fmt::format("{:.0f} us", camera.time_s / kMicrosecond);
   if (camera.gain_db != 0.0) light += fmt::format(" {:.1f} dB", camera.gain_db);
@@ -145,7 +145,12 @@ std::array<std::string, 2> JogConsole::status() {
   return {known ? fmt::format("homed | joints {} deg | end point {}",
                               fixed(theta / kDegree, 2, " "), place_mm(arm_.tip().p))
                 : to_do,
-          fmt::format("{} | {}", looked ? "seen " + place_mm(seen_->p) : "press l to look", light)};
+          fmt::format("{} | {}", seen_B ? "seen " + place_mm(*seen_B) : "press l to look", light)};
+}
+
+std::optional<Eigen::Vector2d> JogConsole::seen() const {
+  if (!seen_ || seen_->pulses != arm_.pulses()) return std::nullopt;
+  return seen_->p;
 }
 
 std::vector<std::string> JogConsole::completions(const std::string& begun) const {

@@ -41,6 +41,10 @@ class JogConsole {
   /// was seen there, and the exposure.
   std::array<std::string, 2> status();
 
+  JogArm& arm() { return arm_; }
+  /// Returns where the end point was seen, if it was since the arm moved last.
+  std::optional<Eigen::Vector2d> seen() const;
+
   /// Returns what a line that begins like this can be: commands, and after `go` the ids of taught
   /// places.
   std::vector<std::string> completions(const std::string& begun) const;

@@ -61,6 +61,17 @@ double edge_width_px(const Frame& frame, const LampPair& pair, std::size_t index
 
 }  // namespace
 
+std::optional<SightedLamps> sight_lamps(const Frame& frame,
+                                        const std::vector<Eigen::Vector2d>& fixed_px,
+                                        const std::optional<LampPixels>& near_px) {
+  PairExpectation any;
+  any.fixed_px = fixed_px;
+  any.predicted_px = near_px;
+  const LampPair pair = LampTracker(CenterMethod::kFast).locate(frame, any);
+  if (!is_located(pair)) return std::nullopt;
+  return SightedLamps{pair.lamps, {edge_width_px(frame, pair, 0), edge_width_px(frame, pair, 1)}};
+}
+
 LampFinder::LampFinder(LampScene scene, CenterMethod method, FrameSource& camera,
                        int follow_region_px)
     : scene_(std::move(scene)),
@@ -106,27 +117,22 @@ std::string LampFinder::find() {
                             place_mm(*second_B));
 }
 
-std::optional<std::array<double, 2>> LampFinder::edge_widths(const cv::Rect& region_px) {
-  const Frame frame = next_frame(region_px);
-  // Far out of focus, lamps do not have the size that they were built with.
-  PairExpectation any;
-  any.fixed_px = scene_.fixed_px;
-  const LampPair pair = LampTracker(CenterMethod::kFast).locate(frame, any);
+std::optional<SightedLamps> LampFinder::sight(const cv::Rect& region_px) {
+  auto sight = sight_lamps(next_frame(region_px), scene_.fixed_px);
   middle_px_.reset();
-  if (!is_located(pair)) return std::nullopt;
-  middle_px_ = middle_of(pair);
-  return std::array<double, 2>{edge_width_px(frame, pair, 0), edge_width_px(frame, pair, 1)};
+  if (sight) middle_px_ = 0.5 * (sight->lamps[0].uv_px + sight->lamps[1].uv_px);
+  return sight;
 }
 
 std::string LampFinder::focus() {
   const cv::Size sensor_px = camera_.sensor_size_px();
-  std::optional<std::array<double, 2>> widths_px;
-  if (middle_px_) widths_px = edge_widths(follow_region(sensor_px, follow_region_px_, *middle_px_));
-  if (!widths_px) widths_px = edge_widths({{}, sensor_px});
-  if (!widths_px)
+  std::optional<SightedLamps> seen;
+  if (middle_px_) seen = sight(follow_region(sensor_px, follow_region_px_, *middle_px_));
+  if (!seen) seen = sight({{}, sensor_px});
+  if (!seen)
     throw WorkError(Refusal{"no two lamps in the whole frame", "turn the lens, or expose more"});
-  const auto [first_px, second_px] = *widths_px;
-  const double mean_px = 0.5 * (first_px + second_px);
+  const auto [first_px, second_px] = seen->edges_px;
+  const double mean_px = seen->mean_edge_px();
   best_px_ = std::min(mean_px, best_px_.value_or(mean_px));
   return fmt::format(
       "edges {:.2f} px wide ({:.2f}, {:.2f}), best {:.2f}; peak {}, {:.1f} % saturated", mean_px,

@@ -4,6 +4,7 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "planar_servo/devices/frame_source.h"
 #include "planar_servo/jog/exposure_reading.h"
@@ -11,6 +12,21 @@
 #include "planar_servo/vision/see_tool.h"
 
 namespace planar {
+
+/// Two lamps as a frame shows them, in any order, and how wide their edges are, pixels.
+struct SightedLamps {
+  std::array<LampCenter, 2> lamps;
+  std::array<double, 2> edges_px;
+
+  double mean_edge_px() const { return 0.5 * (edges_px[0] + edges_px[1]); }
+};
+
+/// Looks for two lamps in a frame, however far out of focus they are. `fixed_px` are lights that
+/// are known to be others. With `near_px` they are sought there first. Empty unless two lights are
+/// there.
+std::optional<SightedLamps> sight_lamps(const Frame& frame,
+                                        const std::vector<Eigen::Vector2d>& fixed_px,
+                                        const std::optional<LampPixels>& near_px = {});
 
 /// Finds the lamps wherever the arm is, calibrated or not, and says how sharp they are.
 class LampFinder {
@@ -41,8 +57,7 @@ class LampFinder {
  private:
   PairExpectation expectation() const;
   Frame next_frame(const cv::Rect& region_px);
-  /// Returns the widths of the edges in the region; empty unless two lights are there.
-  std::optional<std::array<double, 2>> edge_widths(const cv::Rect& region_px);
+  std::optional<SightedLamps> sight(const cv::Rect& region_px);
 
   LampScene scene_;
   CenterMethod method_;

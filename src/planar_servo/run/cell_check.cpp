@@ -11,7 +11,10 @@
 
 #include "planar_servo/core/text.h"
 #include "planar_servo/core/units.h"
+#include "planar_servo/files/arm_file.h"
 #include "planar_servo/files/calibration_files.h"
+#include "planar_servo/files/provenance.h"
+#include "planar_servo/files/vision_files.h"
 #include "planar_servo/health/arm_check.h"
 #include "planar_servo/servo/approach.h"
 #include "planar_servo/tool/vision_tip.h"
@@ -373,6 +376,37 @@ std::vector<HealthFinding> check_again(CellCheck& check, const HealthRecord& rec
       fmt::format("checking the cell again: the arm visits {} places of the calibration; {}",
                   record.places.size(), about_time(check.expected_s(stops_of(record)))));
   return check.revisit(record);
+}
+
+CheckedFiles read_checked_files(const CellSettings& cell) {
+  const bool with_map = std::filesystem::exists(cell.error_map);
+  CheckedFiles files{read_vision(cell, with_map), {}};
+  require_belonging(stale_files(cell, with_map));
+  auto health = read_cell_health(cell);
+  if (!health)
+    throw InputError({"names no health file that exists, so there is nothing to compare with",
+                      "make one with planar-pair-tracker --health-out and name it under `health`",
+                      cell.file});
+  files.health = std::move(*health);
+  return files;
+}
+
+std::vector<HealthFinding> check_devices(const CellSettings& cell, const CheckedFiles& files,
+                                         CellDevices& devices, const MayHome& may_home,
+                                         const std::function<bool()>& stop) {
+  PlanarRobot robot(PlanarArm(cell.arm.geometry), Transmission(cell.transmission), devices.drives(),
+                    devices.clock());
+  robot.stop_when(stop);
+  robot.energize();
+  home_where_needed(robot, may_home);
+  LampTipSensor sensor(files.vision, cell.lamps.method, devices.camera(),
+                       cell.camera.follow_region_px);
+  CellCheck check(cell, files.vision, robot, sensor, devices.clock(),
+                  servo_planner(cell).scatter_m(), [&](const std::string& reason) {
+                    return wait_for_camera(devices.camera(), robot, devices.clock(), "the check",
+                                           reason, devices.clock().now_s() + kCameraPatience_s);
+                  });
+  return check_cell(check, files.health);
 }
 
 std::string findings_text(const std::vector<HealthFinding>& findings) {

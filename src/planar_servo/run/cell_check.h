@@ -12,6 +12,8 @@
 #include "planar_servo/health/cause.h"
 #include "planar_servo/health/health_record.h"
 #include "planar_servo/health/revisit_check.h"
+#include "planar_servo/machine/cell_devices.h"
+#include "planar_servo/robot/homing.h"
 #include "planar_servo/robot/planar_robot.h"
 #include "planar_servo/servo/motion_guard.h"
 #include "planar_servo/vision/lamp_tip_sensor.h"
@@ -106,6 +108,21 @@ GuardLimits with_health(GuardLimits limits, const HealthRecord& record);
 std::vector<HealthFinding> check_cell(CellCheck& check, const std::optional<HealthRecord>& record);
 /// Does the same without the first moves.
 std::vector<HealthFinding> check_again(CellCheck& check, const HealthRecord& record);
+
+/// What a check of a cell alone needs of its files.
+struct CheckedFiles {
+  VisionCalibration vision;
+  HealthRecord health;
+};
+
+/// Reads them. Throws InputError for files that are missing, faulty or do not belong together.
+CheckedFiles read_checked_files(const CellSettings& cell);
+
+/// Switches the drives on, homes them where that is needed and allowed, and runs check_cell().
+/// `stop` is as in PlanarRobot::stop_when(). Throws what the moves throw.
+std::vector<HealthFinding> check_devices(const CellSettings& cell, const CheckedFiles& files,
+                                         CellDevices& devices, const MayHome& may_home,
+                                         const std::function<bool()>& stop);
 
 /// Returns what was found, a sentence with its remedy for each.
 std::string findings_text(const std::vector<HealthFinding>& findings);

@@ -91,12 +91,14 @@ ReadyCell::ReadyCell(const ServoRequest& request, CellDevices& devices)
       landings_(landings_of(request, vision_, planner_, limits_)),
       servo_(cell_.servo, limits_, planner_, robot_, sensor_, devices.clock(), landings_.get()) {
   robot_.stop_when(request.stop);
+  if (request.just_checked) examined_s_ = clock_.now_s();
   const auto* learning = dynamic_cast<const LearningLandings*>(landings_.get());
   if (learning != nullptr && cell_.arm_learned) memory_.emplace(cell_, *learning);
 }
 
 void ReadyCell::switch_on() {
   robot_.energize();
+  if (examined_s_) begun_at_ = robot_.commanded_pulses();
   sensor_.aim(robot_.arm().forward(robot_.commanded_joints()));
 }
 

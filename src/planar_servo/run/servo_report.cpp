@@ -1,6 +1,7 @@
 #include "planar_servo/run/servo_report.h"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <cmath>
@@ -198,6 +199,26 @@ std::string run_text(const ServoRequest& request, const ServoRun& run, const Ser
   return yaml.text();
 }
 
+void log_failures(const ServoRun& run) {
+  std::size_t doubted = 0;
+  for (const TargetResult& result : run.results()) {
+    if (result.status == ServoStatus::kDoubted)
+      ++doubted;
+    else if (result.status != ServoStatus::kReached)
+      spdlog::warn(fmt::format("{}: {}: {}", result.id, name(result.status), result.reason));
+  }
+  if (doubted > 0)
+    spdlog::warn(fmt::format(
+        "{} targets are doubted: they were reached after the last good check of the cell; --resume "
+        "visits them again",
+        doubted));
+  if (run.ended_by())
+    spdlog::error(fmt::format(
+        "no further target was tried, because the cell is in doubt since {}; mend it, then "
+        "continue with --resume",
+        *run.ended_by()));
+}
+
 }  // namespace
 
 bool ServoFigures::is_judged() const {
@@ -319,6 +340,15 @@ void write_run(const ServoRequest& request, const ServoRun& run, const ServoFigu
              run_text(request, run, figures, run_inputs(request, targets)));
   write_file(request.out / "report.html",
              servo_page(request, figures, run.results(), run.ended_by()));
+}
+
+ServoFigures conclude_run(const ServoRequest& request, const ServoRun& run,
+                          const FrameCounts& frames, const std::filesystem::path& targets) {
+  log_failures(run);
+  ServoFigures figures = figures_of(run.results());
+  figures.frames = frames;
+  write_run(request, run, figures, targets);
+  return figures;
 }
 
 }  // namespace planar

@@ -97,4 +97,9 @@ std::vector<std::filesystem::path> run_inputs(const ServoRequest& request,
 void write_run(const ServoRequest& request, const ServoRun& run, const ServoFigures& figures,
                const std::filesystem::path& targets);
 
+/// Logs what failed in a run and does write_run(). Returns the figures, those of the camera's
+/// `frames` among them.
+ServoFigures conclude_run(const ServoRequest& request, const ServoRun& run,
+                          const FrameCounts& frames, const std::filesystem::path& targets);
+
 }  // namespace planar

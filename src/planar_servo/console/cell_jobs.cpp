@@ -1,0 +1,258 @@
+#include "planar_servo/console/cell_jobs.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <future>
+#include <sstream>
+#include <utility>
+
+#include "planar_servo/io/atomic_file.h"
+#include "planar_servo/run/cell_check.h"
+#include "planar_servo/run/servo_report.h"
+#include "planar_servo/run/target_doubts.h"
+#include "planar_servo/run/target_stream.h"
+
+namespace planar {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr char kTable[] = "the table";
+constexpr std::size_t kMostName = 64;
+/// A cell that was found well so long ago is moved in without another look.
+constexpr double kWellFor_s = 600.0;
+
+std::vector<TargetRow> targets_in(const std::string& csv) {
+  TargetLines lines(kTable);
+  std::istringstream text(csv);
+  std::vector<TargetRow> targets;
+  Faults faults;
+  for (std::string line; std::getline(text, line);) try {
+      if (auto target = lines.next(line)) targets.push_back(std::move(*target));
+    } catch (const InputError& e) {
+      if (!lines.has_columns()) throw;
+      for (const Refusal& refusal : e.refusals()) faults.add(refusal);
+    }
+  faults.throw_if_any();
+  if (targets.empty()) throw InputError({"has no rows", "add a row id,x_mm,y_mm", kTable});
+  return targets;
+}
+
+void require_name(const std::string& name) {
+  constexpr char kAllowed[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_";
+  if (name.empty() || name.size() > kMostName || name.find_first_not_of(kAllowed) != name.npos)
+    throw InputError({fmt::format("is '{}'", name),
+                      fmt::format("take up to {} letters, digits, - and _", kMostName), "out"});
+}
+
+void write_targets(const fs::path& path, const std::vector<TargetRow>& targets) {
+  std::string text = targets_header();
+  for (const TargetRow& target : targets) text += target_line(target);
+  write_file(path, text);
+}
+
+/// A folder for the files of a run that nobody keeps.
+class PassingFolder {
+ public:
+  PassingFolder() {
+    std::string name = (fs::temp_directory_path() / "planar-console-XXXXXX").string();
+    if (mkdtemp(name.data()) == nullptr)
+      throw WorkError("no folder can be made in " + fs::temp_directory_path().string());
+    path_ = name;
+  }
+  ~PassingFolder() {
+    std::error_code none;
+    fs::remove_all(path_, none);
+  }
+  PassingFolder(const PassingFolder&) = delete;
+  PassingFolder& operator=(const PassingFolder&) = delete;
+
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+}  // namespace
+
+CellJobs::CellJobs(const KnownCell& cell, StateBoard& board, CellWorker& worker)
+    : cell_(cell), board_(board), worker_(worker) {
+  read_taught();
+}
+
+void CellJobs::load_targets(const std::string& csv) {
+  std::vector<TargetRow> targets = targets_in(csv);
+  question_targets(targets, cell_.settings().workspace, kTable);
+  const std::lock_guard<std::mutex> lock(mutex_);
+  targets_ = std::move(targets);
+  loaded_ = true;
+}
+
+void CellJobs::read_taught() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (!loaded_ && fs::exists(cell_.teach())) targets_ = read_targets(cell_.teach());
+}
+
+std::vector<TargetRow> CellJobs::targets() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return targets_;
+}
+
+int CellJobs::run(const std::string& name, bool resume) {
+  require_name(name);
+  const std::vector<TargetRow> goals = targets();
+  if (goals.empty()) throw InputError(Refusal{"there are no targets", "load or teach some"});
+  return begin(
+      Doing::kRunning, "targets", name, goals.size(),
+      [=](CellDevices& devices, const Stop& stop, const Begun& begun) -> Ending {
+        ServoRequest wanted = request(stop);
+        wanted.out = cell_.folder() / name;
+        wanted.resume = resume;
+        const auto run = opened(wanted, devices);
+        for (const TargetRow& goal : goals) run->require_same(goal);
+        begun();
+        const fs::path table = wanted.out / "targets.csv";
+        write_targets(table, goals);
+        const double begun_s = clock_.now_s();
+        double visited = 0.0;
+        run_servo(*run, goals, [&](std::size_t done, std::size_t all) {
+          const double each_s = (clock_.now_s() - begun_s) / ++visited;
+          tell_result(run->results().back(), done, all, each_s);
+        });
+        const ServoFigures figures = conclude_run(wanted, *run, devices.camera().counts(), table);
+        hold(run->ended_by().value_or(""));
+        return {reached_words(figures), figures.reached == figures.targets && !run->ended_by()};
+      });
+}
+
+int CellJobs::go(const TargetRow& target) {
+  constexpr std::size_t kOne = 1;
+  return begin(
+      Doing::kRunning, "go", target.id, kOne,
+      [=](CellDevices& devices, const Stop& stop, const Begun& begun) -> Ending {
+        const PassingFolder folder;
+        ServoRequest wanted = request(stop);
+        wanted.out = folder.path();
+        wanted.just_checked = well_s_ && clock_.now_s() - *well_s_ < kWellFor_s;
+        const auto run = opened(wanted, devices);
+        begun();
+        const double begun_s = clock_.now_s();
+        const TargetResult result = run->move_to(target);
+        if (!wanted.just_checked) well_s_ = begun_s;
+        tell_result(result, kOne, kOne, clock_.now_s() - begun_s);
+        const bool ok = result.status == ServoStatus::kReached;
+        return {ok ? "reached" : fmt::format("{}: {}", name(result.status), result.reason), ok};
+      });
+}
+
+int CellJobs::check() {
+  return begin(
+      Doing::kChecking, "check", "", 0,
+      [this](CellDevices& devices, const Stop& stop, const Begun& begun) -> Ending {
+        const CheckedFiles files = read_checked_files(cell_.settings());
+        begun();
+        const std::vector<HealthFinding> found =
+            check_devices(cell_.settings(), files, devices, {}, stop);
+        std::vector<Refusal> findings;
+        for (const HealthFinding& finding : found)
+          findings.push_back({finding.what, redo(finding.cause), "the check"});
+        worker_.note_findings(std::move(findings));
+        well_s_.reset();
+        if (found.empty()) well_s_ = clock_.now_s();
+        return {found.empty() ? "the cell is as it was at its calibration" : findings_text(found),
+                found.empty()};
+      });
+}
+
+int CellJobs::begin(Doing doing, const std::string& kind, const std::string& name, std::size_t all,
+                    Work work) {
+  require_able();
+  auto begun = std::make_shared<std::promise<int>>();
+  std::future<int> number = begun->get_future();
+  const std::string text = kind == "targets" ? "running " + name
+                           : kind == "go"    ? "going to " + name
+                                             : "checking the cell";
+  worker_.begin(doing, text, [=, begun = std::move(begun)](CellDevices& devices, const Stop& stop) {
+    bool is_begun = false;
+    const auto begin_now = [&] {
+      begun->set_value(begin_state(kind, name, all));
+      is_begun = true;
+    };
+    try {
+      end(work(devices, stop, begin_now));
+    } catch (const std::exception& error) {
+      if (!is_begun) return begun->set_exception(std::current_exception());
+      if (dynamic_cast<const StopRequested*>(&error) == nullptr) hold(error.what());
+      end({error.what(), false});
+    }
+  });
+  try {
+    return number.get();
+  } catch (const std::future_error&) {
+    throw CellBusy("was stopped before it began");
+  }
+}
+
+int CellJobs::begin_state(const std::string& kind, const std::string& name, std::size_t all) {
+  const int id = ++last_job_;
+  board_.change([&](CellState& state) {
+    state.job = JobState{id, kind, name, 0, all};
+    state.held_by.clear();
+  });
+  return id;
+}
+
+void CellJobs::hold(const std::string& reason) {
+  board_.change([&](CellState& state) { state.held_by = reason; });
+}
+
+void CellJobs::end(const Ending& ending) {
+  board_.change([&](CellState& state) {
+    state.job->ended = ending.words;
+    state.job->ok = ending.ok;
+    state.job->left_s.reset();
+  });
+  board_.tell_line(ending.ok ? "info" : "error", ending.words);
+}
+
+void CellJobs::require_able() const {
+  const auto arm = board_.state().arm;
+  if (arm && !arm->to_do.empty()) throw InputError(Refusal{"the arm cannot move yet", arm->to_do});
+}
+
+ServoRequest CellJobs::request(const Stop& stop) const {
+  ServoRequest request;
+  request.cell = cell_.settings();
+  request.center = request.cell.lamps.method;
+  request.use_error_map = fs::exists(request.cell.error_map);
+  request.learns = request.cell.servo.learns;
+  request.stop = stop;
+  return request;
+}
+
+std::unique_ptr<ServoRun> CellJobs::opened(const ServoRequest& request, CellDevices& devices) {
+  return std::make_unique<ServoRun>(request, devices, [this](const ServoSight& sight) {
+    const TipMeasurement& seen = sight.step.measurement;
+    if (!seen.ok()) return;
+    worker_.pictures().aim(seen.lamps_px);
+    board_.change([&](CellState& state) { state.seen_B = sight.step.believed_p(); });
+  });
+}
+
+void CellJobs::tell_result(const TargetResult& result, std::size_t done, std::size_t all,
+                           double each_s) {
+  int job = 0;
+  board_.change([&](CellState& state) {
+    job = state.job->id;
+    state.job->done = done;
+    state.job->left_s = each_s * static_cast<double>(all - done);
+  });
+  nlohmann::ordered_json answer = result_answer(result);
+  answer["job"] = job;
+  board_.tell("result", answer);
+}
+
+}  // namespace planar

@@ -1,0 +1,256 @@
+#include "planar_servo/console/cell_worker.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <limits>
+#include <sstream>
+#include <utility>
+
+#include "planar_servo/console/watch/watched_devices.h"
+
+namespace planar {
+namespace {
+
+constexpr double kLookEvery_s = 0.2;
+/// Pictures are taken so long after somebody has asked for one or for the state.
+constexpr double kWatchedFor_s = 5.0;
+constexpr double kForever = std::numeric_limits<double>::infinity();
+constexpr std::size_t kMostLine = 200;
+
+struct Verb {
+  const char* name;
+  Doing doing;
+  bool is_held;  ///< whether it moves only as long as somebody holds it
+};
+
+/// The commands of JogConsole that a page may give; `save` writes files anywhere.
+constexpr Verb kVerbs[] = {{"enable", Doing::kMoving, false}, {"home", Doing::kHoming, false},
+                           {"mark", Doing::kMoving, false},   {"joint", Doing::kMoving, true},
+                           {"x", Doing::kMoving, true},       {"y", Doing::kMoving, true},
+                           {"go", Doing::kMoving, false},     {"where", Doing::kLooking, false},
+                           {"look", Doing::kLooking, false},  {"find", Doing::kLooking, false},
+                           {"focus", Doing::kLooking, false}, {"exposure", Doing::kLooking, false},
+                           {"teach", Doing::kLooking, false}};
+
+const Verb& verb_of(const std::string& line) {
+  if (line.size() > kMostLine || std::any_of(line.begin(), line.end(), [](char c) {
+        return static_cast<unsigned char>(c) < ' ';
+      }))
+    throw InputError({"is no command",
+                      fmt::format("send one line of at most {} characters", kMostLine), "line"});
+  std::string word;
+  std::istringstream(line) >> word;
+  for (const Verb& verb : kVerbs)
+    if (word == verb.name) return verb;
+  std::vector<std::string> names;
+  for (const Verb& verb : kVerbs) names.emplace_back(verb.name);
+  throw InputError({fmt::format("there is no command '{}'", word),
+                    fmt::format("there are {}", fmt::join(names, ", ")), "line"});
+}
+
+}  // namespace
+
+CellWorker::CellWorker(const KnownCell& cell, StateBoard& board, std::function<bool()> interrupted)
+    : cell_(cell),
+      board_(board),
+      interrupted_(std::move(interrupted)),
+      pictures_(cell.settings(), cell.vision(), board) {
+  DeviceWatch watch{[this](const Frame& frame) { pictures_.take(frame); },
+                    [this](const auto& fault) { see_fault(fault); },
+                    [this](const auto& drives) { see_drives(drives); }};
+  devices_ = watched(open_cell(cell.settings()), cell.settings().camera.kind->is_virtual(),
+                     std::move(watch));
+  jog_ = std::make_unique<JogConsole>(
+      cell.settings(), *devices_, cell.teach(), [this] { return must_stop(); },
+      [this](const std::string& sentence) { board_.tell_line("info", sentence); });
+  read_doubts();
+  note_idle();
+  this->watch();  // the first page has a picture at once
+  thread_ = std::thread([this] { work(); });
+}
+
+CellWorker::~CellWorker() {
+  ending_ = true;
+  changed_.notify_all();
+  thread_.join();
+}
+
+JogConsole::Answer CellWorker::command(const std::string& line) {
+  const Verb& verb = verb_of(line);
+  JogConsole::Answer answer{false, "was stopped before it began"};
+  const auto task = post(verb.doing, line, [this, line, &answer] {
+    if (line.rfind("focus", 0) == 0) pictures_.forget_best();
+    answer = jog_->execute(line);
+  });
+  std::unique_lock<std::mutex> lock(mutex_);
+  changed_.wait(lock, [&] { return task_ != task; });
+  board_.tell_line(answer.done ? "info" : "error", answer.text);
+  return answer;
+}
+
+void CellWorker::hold(const std::string& line) {
+  if (!verb_of(line).is_held)
+    throw InputError({fmt::format("'{}' is not held", line), "hold joint, x or y", "line"});
+  constexpr bool kHeld = true;
+  post(
+      Doing::kMoving, line,
+      [this, line] {
+        const JogConsole::Answer answer = jog_->execute(line);
+        const bool lost = clock_.now_s() > performed_->held_until_s && !performed_->stopped;
+        board_.tell_line(answer.done ? "info" : "warning",
+                         (lost ? "nobody holds the arm any more: " : "") + answer.text);
+      },
+      kHeld);
+}
+
+bool CellWorker::keep() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (!task_ || task_->held_until_s == kForever) return false;
+  task_->held_until_s = clock_.now_s() + kHold_s;
+  return true;
+}
+
+void CellWorker::begin(Doing doing, const std::string& text, Job job) {
+  post(doing, text, [this, job = std::move(job)] {
+    job(*devices_, [this] { return must_stop(); });
+    jog_->arm().take_over();
+    read_doubts();
+  });
+}
+
+void CellWorker::note_findings(std::vector<Refusal> findings) {
+  findings_ = std::move(findings);
+  publish_doubts();
+}
+
+bool CellWorker::stop() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (task_) task_->stopped = true;
+  return task_ != nullptr;
+}
+
+bool CellWorker::wait_for_rest(double most_s) {
+  std::unique_lock<std::mutex> lock(mutex_);
+  return changed_.wait_for(lock, std::chrono::duration<double>(most_s),
+                           [&] { return task_ == nullptr; });
+}
+
+std::shared_ptr<CellWorker::Task> CellWorker::post(Doing doing, const std::string& text,
+                                                   std::function<void()> act, bool held) {
+  auto task = std::make_shared<Task>();
+  task->doing = doing;
+  task->text = text;
+  task->act = std::move(act);
+  task->held_until_s = held ? clock_.now_s() + kHold_s : kForever;
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (task_)
+    throw CellBusy(
+        Refusal{fmt::format("the cell is at work: {}", task_->text), "wait, or stop it"});
+  task_ = task;
+  changed_.notify_all();
+  return task;
+}
+
+void CellWorker::work() {
+  while (!ending_) {
+    if (const auto task = next_task())
+      perform(task);
+    else if (!ending_)
+      idle();
+  }
+}
+
+std::shared_ptr<CellWorker::Task> CellWorker::next_task() {
+  std::unique_lock<std::mutex> lock(mutex_);
+  const double left_s = idle_s_ + kLookEvery_s - clock_.now_s();
+  changed_.wait_for(lock, std::chrono::duration<double>(std::max(0.0, left_s)),
+                    [&] { return task_ != nullptr || ending_; });
+  return task_;
+}
+
+void CellWorker::perform(const std::shared_ptr<Task>& task) {
+  board_.note(task->doing, task->text);
+  try {
+    performed_ = task;
+    if (!task->stopped) task->act();
+  } catch (const std::exception& error) {
+    board_.tell_line("error", error.what());
+  }
+  performed_.reset();
+  note_idle();
+  const std::lock_guard<std::mutex> lock(mutex_);
+  task_.reset();
+  changed_.notify_all();
+}
+
+void CellWorker::idle() {
+  idle_s_ = clock_.now_s();
+  devices_->drives().status();
+  if (idle_s_ - watched_s_ > kWatchedFor_s) return;
+  FrameSource& camera = devices_->camera();
+  camera.set_region({{}, camera.sensor_size_px()});
+  const FrameResult result = camera.next_frame();
+  camera.fault();
+  if (result.status == FrameStatus::kOk) pictures_.examine(result.frame);
+  note_idle();
+}
+
+bool CellWorker::must_stop() const {
+  if (interrupted_() || ending_) return true;
+  return performed_ && (performed_->stopped || clock_.now_s() > performed_->held_until_s);
+}
+
+void CellWorker::note_idle() {
+  devices_->drives().status();
+  const CameraExposure exposure = devices_->camera().exposure();
+  const auto seen = jog_->seen();
+  board_.change([&](CellState& state) {
+    state.exposure = exposure;
+    state.seen_B = seen;
+  });
+  const auto arm = board_.state().arm;
+  board_.note(Doing::kIdle, arm && !arm->to_do.empty() ? "idle; first " + arm->to_do : "idle");
+}
+
+void CellWorker::see_drives(const std::array<DriveStatus, 3>& drives) {
+  const auto faults_of = [](const auto& all) {
+    return std::array{all[0].faults, all[1].faults, all[2].faults};
+  };
+  const bool changed = faults_of(drives) != faults_of(drives_);
+  drives_ = drives;
+  if (changed) publish_doubts();
+  const bool enabled = jog_ && jog_->arm().enabled();
+  board_.change([&](CellState& state) { state.arm = cell_.arm_at(drives, enabled); });
+}
+
+void CellWorker::see_fault(const std::optional<std::string>& fault) {
+  if (fault == camera_fault_) return;
+  camera_fault_ = fault;
+  publish_doubts();
+  if (!performed_ || performed_->doing != Doing::kRunning) return;
+  if (fault)
+    board_.note(Doing::kWaiting, "waiting for the camera: " + *fault);
+  else
+    board_.note(performed_->doing, performed_->text);
+}
+
+void CellWorker::read_doubts() {
+  file_doubts_ = cell_.doubts();
+  publish_doubts();
+}
+
+void CellWorker::publish_doubts() {
+  std::vector<Refusal> doubts = file_doubts_;
+  doubts.insert(doubts.end(), findings_.begin(), findings_.end());
+  if (camera_fault_)
+    doubts.push_back(
+        {*camera_fault_, "look at its cable and power; planar-doctor examines it", "camera"});
+  for (std::size_t i = 0; i < drives_.size(); ++i)
+    for (const std::string& fault : drives_[i].faults)
+      doubts.push_back({fault, "mend it, then enable the drives", fmt::format("drive {}", i + 1)});
+  board_.change([&](CellState& state) { state.doubts = std::move(doubts); });
+}
+
+}  // namespace planar

@@ -1,0 +1,113 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <condition_variable>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "planar_servo/console/known_cell.h"
+#include "planar_servo/console/state_board.h"
+#include "planar_servo/console/watch/picture_watch.h"
+#include "planar_servo/jog/jog_console.h"
+#include "planar_servo/machine/cell_devices.h"
+
+namespace planar {
+
+/// What was asked for must wait: the cell is at work, or somebody else moves it.
+class CellBusy : public WorkError {
+ public:
+  using WorkError::WorkError;
+};
+
+/// Works a cell's devices on one thread, one task after the other; between tasks it takes pictures
+/// while anybody watches. All functions may be called from any thread.
+class CellWorker {
+ public:
+  /// Opens the devices. `interrupted` is asked during every move. Throws as open_cell() and
+  /// JogConsole() do.
+  CellWorker(const KnownCell& cell, StateBoard& board, std::function<bool()> interrupted);
+  /// Stops what moves and ends the thread.
+  ~CellWorker();
+  CellWorker(const CellWorker&) = delete;
+  CellWorker& operator=(const CellWorker&) = delete;
+
+  /// Executes a line of JogConsole and returns its answer. Throws CellBusy while another task is
+  /// not done.
+  JogConsole::Answer command(const std::string& line);
+  /// Begins a line that moves the arm as long as keep() is called every kHold_s; then it slows down
+  /// to rest. Throws as command() does, and InputError for a line that moves nothing.
+  void hold(const std::string& line);
+  /// Says that whoever holds the arm is still there. Returns false when nothing is held.
+  bool keep();
+  static constexpr double kHold_s{0.2};
+
+  /// Work that takes the arm over from the jogging: it uses `devices`, and ends with an exception
+  /// where `stop` returned true.
+  using Job = std::function<void(CellDevices& devices, const std::function<bool()>& stop)>;
+  /// Begins a job and returns at once. Throws as command() does.
+  void begin(Doing doing, const std::string& text, Job job);
+
+  /// Shows what a check of the cell has found until the next one; for jobs.
+  void note_findings(std::vector<Refusal> findings);
+
+  /// Lets what moves slow down to rest and ends the task. Returns whether there was one.
+  bool stop();
+  /// Waits until nothing is under way, so long at most. Returns whether that is so.
+  bool wait_for_rest(double most_s);
+
+  /// Says that somebody looks at the pictures now.
+  void watch() { watched_s_ = clock_.now_s(); }
+  Pictures& pictures() { return pictures_.pictures(); }
+
+ private:
+  struct Task {
+    Doing doing{Doing::kIdle};
+    std::string text;
+    std::function<void()> act;
+    std::atomic<bool> stopped{false};
+    std::atomic<double> held_until_s;
+  };
+
+  std::shared_ptr<Task> post(Doing doing, const std::string& text, std::function<void()> act,
+                             bool held = false);
+  void work();
+  std::shared_ptr<Task> next_task();
+  void perform(const std::shared_ptr<Task>& task);
+  void idle();
+  bool must_stop() const;
+  void note_idle();
+  void see_drives(const std::array<DriveStatus, 3>& drives);
+  void see_fault(const std::optional<std::string>& fault);
+  /// Looks again at the files that moves depend on.
+  void read_doubts();
+  void publish_doubts();
+
+  const KnownCell& cell_;
+  StateBoard& board_;
+  std::function<bool()> interrupted_;
+  SteadyClock clock_;
+  PictureWatch pictures_;
+  std::unique_ptr<CellDevices> devices_;
+  std::unique_ptr<JogConsole> jog_;
+
+  // Of the thread.
+  std::shared_ptr<Task> performed_;
+  std::array<DriveStatus, 3> drives_;
+  std::optional<std::string> camera_fault_;
+  std::vector<Refusal> file_doubts_, findings_;
+  double idle_s_{0.0};  ///< when the thread last looked
+
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::shared_ptr<Task> task_;  ///< not done yet
+  std::atomic<double> watched_s_{-1e9};
+  std::atomic<bool> ending_{false};
+  std::thread thread_;
+};
+
+}  // namespace planar

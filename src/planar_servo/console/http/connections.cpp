@@ -1,0 +1,207 @@
+#include "planar_servo/console/http/connections.h"
+
+#include <fmt/format.h>
+#include <netinet/tcp.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <functional>
+#include <thread>
+
+#include "planar_servo/core/error.h"
+
+namespace planar {
+namespace {
+
+using SteadyTime = std::chrono::steady_clock;
+using std::chrono::milliseconds;
+
+constexpr std::size_t kMostConnections = 256;
+/// A client that has sent nothing for so long may be closed for another one.
+constexpr milliseconds kMaySay{100};
+/// A whole request must arrive, and a reader must take the next bytes, within this time.
+constexpr milliseconds kPatience{3000};
+constexpr int kBacklog = 1024;  // connections that wait to be accepted
+constexpr std::size_t kMostBody = 1 << 20;
+constexpr char kLoopback[] = "127.0.0.1";
+
+/// What a connection reads and writes, with bounded patience.
+class SocketStream final : public httplib::Stream {
+ public:
+  explicit SocketStream(Connections::Entry& entry) : entry_(entry) {}
+
+  bool is_readable() const override { return begin_ < end_ || waits_for(POLLIN, milliseconds(0)); }
+  bool is_writable() const override { return waits_for(POLLOUT, kPatience); }
+
+  ssize_t read(char* to, std::size_t size) override {
+    if (begin_ == end_) {
+      if (!waits_for(POLLIN, time_left())) return -1;
+      const ssize_t got = recv(entry_.socket, buffer_.data(), buffer_.size(), 0);
+      if (got <= 0) return got;
+      begin_ = 0;
+      end_ = static_cast<std::size_t>(got);
+    }
+    const std::size_t n = std::min(size, end_ - begin_);
+    std::copy_n(buffer_.data() + begin_, n, to);
+    begin_ += n;
+    return static_cast<ssize_t>(n);
+  }
+
+  ssize_t write(const char* from, std::size_t size) override {
+    if (!waits_for(POLLOUT, kPatience)) return -1;
+    return send(entry_.socket, from, size, MSG_NOSIGNAL | MSG_DONTWAIT);
+  }
+
+  void get_remote_ip_and_port(std::string& ip, int& port) const override {
+    ip = kLoopback;
+    port = 0;
+  }
+  void get_local_ip_and_port(std::string& ip, int& port) const override {
+    get_remote_ip_and_port(ip, port);
+  }
+  socket_t socket() const override { return entry_.socket; }
+
+  /// Says that all is written, and takes what still comes: a socket that is closed with bytes
+  /// unread takes its answer back.
+  void finish() {
+    shutdown(entry_.socket, SHUT_WR);
+    const auto until = SteadyTime::now() + kMaySay;
+    while (SteadyTime::now() < until && waits_for(POLLIN, kMaySay) &&
+           recv(entry_.socket, buffer_.data(), buffer_.size(), 0) > 0) {
+    }
+  }
+
+ private:
+  milliseconds time_left() const {
+    const auto left =
+        std::chrono::duration_cast<milliseconds>(begun_ + kPatience - SteadyTime::now());
+    return std::max(left, milliseconds(0));
+  }
+
+  bool waits_for(short event, milliseconds patience) const {
+    pollfd wanted{entry_.socket, event, 0};
+    entry_.since = SteadyTime::now().time_since_epoch().count();
+    entry_.waits = true;
+    const int found = poll(&wanted, 1, static_cast<int>(patience.count()));
+    entry_.waits = false;
+    return found > 0 && (wanted.revents & (event | POLLHUP)) != 0;
+  }
+
+  Connections::Entry& entry_;
+  SteadyTime::time_point begun_{SteadyTime::now()};
+  std::array<char, 4096> buffer_;
+  std::size_t begin_{0}, end_{0};
+};
+
+/// Gives every connection a thread.
+class ConnectionThreads final : public httplib::TaskQueue {
+ public:
+  explicit ConnectionThreads(Connections& connections) : connections_(connections) {}
+
+  void enqueue(std::function<void()> answer) override {
+    connections_.enter();
+    std::thread([this, answer = std::move(answer)] {
+      answer();
+      connections_.leave();
+    }).detach();
+  }
+  void shutdown() override { connections_.close_all(); }
+
+ private:
+  Connections& connections_;
+};
+
+void reuse_address(socket_t socket) {
+  const int yes = 1;  // without SO_REUSEPORT, by which a second console could share the port
+  setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+}
+
+}  // namespace
+
+void Connections::enter() {
+  std::unique_lock<std::mutex> lock(mutex_);
+  while (served_ >= kMostConnections) {
+    close_longest_waiting();
+    left_.wait_for(lock, milliseconds(5));
+  }
+  ++served_;
+}
+
+void Connections::leave() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  --served_;
+  left_.notify_all();
+}
+
+Connections::Entry& Connections::add(int socket) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  entries_.emplace_back();
+  entries_.back().socket = socket;
+  return entries_.back();
+}
+
+void Connections::remove(const Entry& entry) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  entries_.remove_if([&](const Entry& other) { return &other == &entry; });
+}
+
+void Connections::close_all() {
+  std::unique_lock<std::mutex> lock(mutex_);
+  while (served_ > 0) {
+    for (const Entry& entry : entries_) shutdown(entry.socket, SHUT_RDWR);
+    left_.wait_for(lock, milliseconds(20));
+  }
+}
+
+void Connections::close_longest_waiting() {
+  const auto latest = (SteadyTime::now() - kMaySay).time_since_epoch().count();
+  Entry* longest = nullptr;
+  for (Entry& entry : entries_)
+    if (entry.waits && !entry.closed && entry.since < latest &&
+        (longest == nullptr || entry.since < longest->since))
+      longest = &entry;
+  if (longest == nullptr) return;
+  shutdown(longest->socket, SHUT_RDWR);
+  longest->closed = true;
+}
+
+ConsoleServer::ConsoleServer() {
+  new_task_queue = [this] { return new ConnectionThreads(connections_); };
+  set_socket_options(reuse_address);
+  set_payload_max_length(kMostBody);
+}
+
+int ConsoleServer::open(int port) {
+  const int bound = port == 0                       ? bind_to_any_port(kLoopback)
+                    : bind_to_port(kLoopback, port) ? port
+                                                    : -1;
+  if (bound < 0)
+    throw InputError({fmt::format("port {} of {} is taken or not allowed", port, kLoopback),
+                      "end the program that listens there, or name another one with --port"});
+  ::listen(svr_sock_,
+           kBacklog);  // httplib asks for 5, beyond which clients try again after a second
+  return bound;
+}
+
+void ConsoleServer::close() {
+  stop();
+}
+
+bool ConsoleServer::process_and_close_socket(socket_t socket) {
+  const int yes = 1;
+  setsockopt(socket, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
+  Connections::Entry& entry = connections_.add(socket);
+  SocketStream stream(entry);
+  constexpr bool kCloseAfterwards = true;
+  bool closed = false;
+  const bool answered = process_request(stream, kCloseAfterwards, closed, nullptr);
+  stream.finish();
+  connections_.remove(entry);
+  ::close(socket);
+  return answered;
+}
+
+}  // namespace planar

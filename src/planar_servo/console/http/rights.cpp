@@ -1,0 +1,109 @@
+#include "planar_servo/console/http/rights.h"
+
+#include <fmt/format.h>
+#include <sys/random.h>
+
+#include <algorithm>
+#include <array>
+
+namespace planar {
+namespace {
+
+constexpr std::size_t kTokenBytes = 16;
+constexpr std::size_t kLeastClient = 16, kMostClient = 64;  // digits of X-Planar-Client
+constexpr char kJsonType[] = "application/json";
+constexpr char kStop[] = "/api/stop";
+
+std::string new_token() {
+  std::array<unsigned char, kTokenBytes> bytes{};
+  if (getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size()))
+    throw WorkError("the system gives no random bytes");
+  std::string token;
+  for (const unsigned char byte : bytes) token += fmt::format("{:02x}", byte);
+  return token;
+}
+
+bool begins(std::string_view text, std::string_view with) {
+  return text.substr(0, with.size()) == with;
+}
+
+bool is_client(std::string_view id) {
+  constexpr std::string_view kDigits = "0123456789abcdef";
+  return id.size() >= kLeastClient && id.size() <= kMostClient &&
+         id.find_first_not_of(kDigits) == std::string_view::npos;
+}
+
+/// Returns the value of a cookie in a header; empty where it has none of this name.
+std::string_view cookie_in(std::string_view header, std::string_view name) {
+  while (!header.empty()) {
+    const std::size_t end = std::min(header.find(';'), header.size());
+    std::string_view pair = header.substr(0, end);
+    pair.remove_prefix(std::min(pair.find_first_not_of(' '), pair.size()));
+    if (begins(pair, name) && pair.substr(name.size(), 1) == "=")
+      return pair.substr(name.size() + 1);
+    header.remove_prefix(std::min(end + 1, header.size()));
+  }
+  return {};
+}
+
+}  // namespace
+
+Tokens new_tokens() {
+  return {new_token(), new_token()};
+}
+
+bool same_secret(std::string_view a, std::string_view b) {
+  if (a.size() != b.size()) return false;
+  unsigned difference = 0;
+  for (std::size_t i = 0; i < a.size(); ++i)
+    difference |= static_cast<unsigned char>(a[i]) ^ static_cast<unsigned char>(b[i]);
+  return difference == 0;
+}
+
+std::optional<Denial> Gatekeeper::denial(const RequestHead& head) const {
+  if (!is_own_host(head.host))
+    return Denial{403, {fmt::format("the host is '{}'", head.host), "open " + address(), "Host"}};
+  if (!head.origin.empty() && head.origin != "http://" + head.host)
+    return Denial{403,
+                  {fmt::format("'{}' is another site", head.origin),
+                   "only the console's own page may ask", "Origin"}};
+  const Right right = right_of(head);
+  if (right == Right::kNone)
+    return Denial{401, {"no right to read", "open the address that planar-console has printed"}};
+  if (head.method == "GET" || head.method == "HEAD") return std::nullopt;
+  if (!is_client(head.client))
+    return Denial{403, {"names no client", "send 16 to 64 hexadecimal digits", "X-Planar-Client"}};
+  if (!begins(head.content_type, kJsonType))
+    return Denial{403,
+                  {fmt::format("is '{}'", head.content_type), std::string("send ") + kJsonType,
+                   "Content-Type"}};
+  if (right != Right::kOperate && head.path != kStop)
+    return Denial{403,
+                  {"this token may read only",
+                   "open the address for operating, which "
+                   "planar-console has printed"}};
+  return std::nullopt;
+}
+
+Right Gatekeeper::right_of(const RequestHead& head) const {
+  constexpr std::string_view kBearer = "Bearer ";
+  if (begins(head.authorization, kBearer))
+    return right_by(std::string_view(head.authorization).substr(kBearer.size()));
+  return right_by(cookie_in(head.cookie, cookie_name()));
+}
+
+Right Gatekeeper::right_by(std::string_view token) const {
+  const bool operates = same_secret(token, tokens_.operate);
+  const bool reads = same_secret(token, tokens_.read);
+  return operates ? Right::kOperate : reads ? Right::kRead : Right::kNone;
+}
+
+std::string Gatekeeper::cookie_for(const std::string& token) const {
+  return fmt::format("{}={}; HttpOnly; SameSite=Strict; Path=/", cookie_name(), token);
+}
+
+bool Gatekeeper::is_own_host(const std::string& host) const {
+  return host == fmt::format("127.0.0.1:{}", port_) || host == fmt::format("localhost:{}", port_);
+}
+
+}  // namespace planar

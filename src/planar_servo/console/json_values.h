@@ -1,0 +1,37 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "planar_servo/core/units.h"
+
+namespace planar {
+
+/// Returns a number to four decimal places; null when it is not finite.
+inline nlohmann::ordered_json json_number(double value) {
+  constexpr double kPlaces = 1e4;
+  if (!std::isfinite(value)) return nullptr;
+  return std::round(value * kPlaces) / kPlaces + 0.0;
+}
+
+inline nlohmann::ordered_json json_numbers(const Eigen::Ref<const Eigen::VectorXd>& values) {
+  auto list = nlohmann::ordered_json::array();
+  for (const double value : values) list.push_back(json_number(value));
+  return list;
+}
+
+/// Returns a place in millimetres, `[x, y]`.
+inline nlohmann::ordered_json json_mm(const Eigen::Vector2d& p) {
+  return json_numbers(p / kMillimetre);
+}
+
+template <typename Item, typename ToJson>
+nlohmann::ordered_json json_list(const std::vector<Item>& items, const ToJson& to_json) {
+  auto list = nlohmann::ordered_json::array();
+  for (const Item& item : items) list.push_back(to_json(item));
+  return list;
+}
+
+}  // namespace planar

@@ -1,0 +1,184 @@
+#include "planar_servo/console/known_cell.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <variant>
+
+#include "planar_servo/console/json_values.h"
+#include "planar_servo/core/units.h"
+#include "planar_servo/files/arm_file.h"
+#include "planar_servo/files/provenance.h"
+#include "planar_servo/files/vision_files.h"
+#include "planar_servo/machine/device_kinds.h"
+#include "planar_servo/servo/approach.h"
+
+namespace planar {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::ordered_json;
+
+/// So many arrows of the error map stand on the longer side of its region.
+constexpr int kArrowsAcross = 16;
+
+bool is_there(const std::optional<fs::path>& file) {
+  return file && fs::exists(*file);
+}
+
+std::optional<VisionCalibration> vision_of(const CellSettings& cell) {
+  if (!fs::exists(cell.camera_model) || !fs::exists(cell.workplane) || !fs::exists(cell.tool))
+    return std::nullopt;
+  return read_vision(cell, fs::exists(cell.error_map));
+}
+
+JointPlanner planner_of(const CellSettings& cell) {
+  return is_there(cell.arm_found) ? servo_planner(cell) : joint_planner(cell);
+}
+
+const ValidRegion& region_of(const VisionErrorMap& map) {
+  if (const auto* field = std::get_if<LampField>(&map)) return field->region;
+  return valid_region(std::get<ErrorMap>(map));
+}
+
+ordered_json disc_json(const KeepOut& disc) {
+  return {{"x_mm", json_number(mm(disc.p_B.x()))},
+          {"y_mm", json_number(mm(disc.p_B.y()))},
+          {"radius_mm", json_number(mm(disc.radius_m))}};
+}
+
+ordered_json arrow_json(const Eigen::Vector2d& p, const ErrorPrediction& error) {
+  return {{"x_mm", json_number(mm(p.x()))},
+          {"y_mm", json_number(mm(p.y()))},
+          {"dx_mm", json_number(mm(error.error.x()))},
+          {"dy_mm", json_number(mm(error.error.y()))},
+          {"sigma_mm", json_number(mm(error.sigma))}};
+}
+
+/// Says what is to be done with drives before the arm can move; empty when it can.
+std::string to_do(const CellSettings& cell, const std::array<DriveStatus, 3>& drives,
+                  bool enabled) {
+  if (!enabled) return "enable the drives";
+  std::vector<std::string> ways;
+  for (std::size_t i = 0; i < drives.size(); ++i) {
+    if (drives[i].position_certain) continue;
+    const MotorDrive& motor = cell.transmission.drives[i];
+    ways.push_back(motor.home == HomeReference::kTaught
+                       ? fmt::format("turn joint {0} to its mark at {1:.3f} deg by hand, then mark "
+                                     "{0}",
+                                     i + 1, motor.home_rad / kDegree)
+                       : fmt::format("home joint {}, which moves the arm", i + 1));
+  }
+  return fmt::format("{}", fmt::join(ways, "; "));
+}
+
+}  // namespace
+
+KnownCell::KnownCell(const fs::path& cell_file)
+    : cell_(read_cell(cell_file)),
+      folder_(fs::weakly_canonical(cell_file).parent_path()),
+      vision_(vision_of(cell_)),
+      planner_(planner_of(cell_)) {}
+
+std::vector<Refusal> KnownCell::doubts() const {
+  std::vector<Refusal> doubts;
+  try {
+    for (const StaleFile& stale : stale_files(cell_, fs::exists(cell_.error_map)))
+      doubts.push_back(stale.refusal.at(stale.path.filename().string()));
+  } catch (const InputError& e) {
+    doubts = e.refusals();
+  }
+  if (vision_ && vision_->map_objection)
+    doubts.push_back(vision_->map_objection->at(cell_.error_map.filename().string()));
+  return doubts;
+}
+
+ArmState KnownCell::arm_at(const std::array<DriveStatus, 3>& drives, bool enabled) const {
+  ArmState state;
+  Pulses pulses;
+  for (std::size_t i = 0; i < drives.size(); ++i)
+    pulses[static_cast<int>(i)] = drives[i].position_pulses;
+  state.theta = planner_.transmission().joints_from_pulses(pulses);
+  const PlanarArm& arm = planner_.arm();
+  state.tip = arm.forward(state.theta);
+  const double length_m = arm.geometry().link_lengths_m[0];
+  state.elbow_B =
+      length_m * Eigen::Vector2d(std::cos(state.theta[0]), arm.sense() * std::sin(state.theta[0]));
+  state.enabled = enabled && std::all_of(drives.begin(), drives.end(),
+                                         [](const auto& drive) { return drive.energized; });
+  state.homed = std::all_of(drives.begin(), drives.end(),
+                            [](const auto& drive) { return drive.position_certain; });
+  state.to_do = to_do(cell_, drives, state.enabled);
+  return state;
+}
+
+ordered_json KnownCell::json() const {
+  std::call_once(map_made_, [this] { map_ = map_json(); });
+  auto limits = ordered_json::array();
+  for (const Eigen::Vector2d& limit : cell_.transmission.limits_rad)
+    limits.push_back(json_numbers(limit / kDegree));
+  const Eigen::Vector2d lengths_m = cell_.arm.geometry.link_lengths_m;
+  return {{"name", folder_.filename().string()},
+          {"camera", {{"width_px", cell_.camera.width_px}, {"height_px", cell_.camera.height_px}}},
+          {"arm", {{"link_lengths_mm", json_mm(lengths_m)}, {"joint_limits_deg", limits}}},
+          {"workspace",
+           {{"radius_min_mm", json_number(mm(cell_.workspace.radius_min_m))},
+            {"radius_max_mm", json_number(mm(cell_.workspace.radius_max_m))},
+            {"keep_out", json_list(cell_.workspace.keep_out, disc_json)}}},
+          {"has",
+           {{"camera_model", fs::exists(cell_.camera_model)},
+            {"workplane", fs::exists(cell_.workplane)},
+            {"tool", fs::exists(cell_.tool)},
+            {"error_map", fs::exists(cell_.error_map)},
+            {"health", is_there(cell_.health)},
+            {"arm_found", is_there(cell_.arm_found)}}},
+          {"map", map_},
+          {"teach", teach().filename().string()}};
+}
+
+ordered_json KnownCell::map_json() const {
+  if (!vision_ || !vision_->error_map) return nullptr;
+  const ValidRegion& region = region_of(*vision_->error_map);
+  Eigen::AlignedBox2d box;
+  for (const Eigen::Vector2d& corner : region.hull) box.extend(corner);
+  auto arrows = ordered_json::array();
+  const double step = box.isEmpty() ? 0.0 : box.sizes().maxCoeff() / kArrowsAcross;
+  for (double x = box.min().x() + 0.5 * step; step > 0.0 && x < box.max().x(); x += step)
+    for (double y = box.min().y() + 0.5 * step; y < box.max().y(); y += step) {
+      const ErrorPrediction error = predict_error_at(*vision_, {{x, y}, cell_.tool_orientation});
+      if (error.inside) arrows.push_back(arrow_json({x, y}, error));
+    }
+  return {{"region_mm", json_list(region.hull, json_mm)}, {"arrows", arrows}};
+}
+
+ordered_json KnownCell::place_json(const Eigen::Vector2d& p, std::optional<double> phi,
+                                   const Joints& from) const {
+  const TipPose pose{p, phi.value_or(cell_.tool_orientation)};
+  const JointPlan plan = planner_.plan(pose, from);
+  std::optional<std::string> why = plan.refusal;
+  if (!why) why = approach_refusal(planner_, cell_.servo, from, plan.theta);
+  ordered_json answer{{"reachable", !why},
+                      {"why", why ? ordered_json(*why) : ordered_json(nullptr)},
+                      {"sigma_mm", nullptr},
+                      {"error_mm", nullptr},
+                      {"in_region", false}};
+  if (!vision_ || !vision_->error_map) return answer;
+  const ErrorPrediction error = predict_error_at(*vision_, pose);
+  answer["sigma_mm"] = json_number(mm(error.sigma));
+  answer["error_mm"] = json_mm(error.error);
+  answer["in_region"] = error.inside;
+  return answer;
+}
+
+ordered_json targets_json(const std::vector<TargetRow>& targets) {
+  return json_list(targets, [](const TargetRow& target) {
+    return ordered_json{
+        {"id", target.id},
+        {"x_mm", json_number(mm(target.p_d.x()))},
+        {"y_mm", json_number(mm(target.p_d.y()))},
+        {"phi_deg", target.phi_d ? json_number(*target.phi_d / kDegree) : ordered_json(nullptr)}};
+  });
+}
+
+}  // namespace planar

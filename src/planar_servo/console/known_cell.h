@@ -1,0 +1,60 @@
+#pragma once
+
+#include <filesystem>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "planar_servo/arm/joint_planner.h"
+#include "planar_servo/cell/cell_settings.h"
+#include "planar_servo/console/state_board.h"
+#include "planar_servo/devices/drive_group.h"
+#include "planar_servo/tables/target_table.h"
+#include "planar_servo/vision/see_tool.h"
+
+namespace planar {
+
+/// What is known of a cell from its files when the console starts, for any thread to ask.
+class KnownCell {
+ public:
+  /// Reads as much of the calibration as there is. Throws InputError for files with faults.
+  explicit KnownCell(const std::filesystem::path& cell_file);
+
+  const CellSettings& settings() const { return cell_; }
+  const std::optional<VisionCalibration>& vision() const { return vision_; }
+  const JointPlanner& planner() const { return planner_; }
+  /// Returns the folder of the cell file, in which all that is served or written lies.
+  const std::filesystem::path& folder() const { return folder_; }
+  /// Returns the table to which places are taught.
+  std::filesystem::path teach() const { return folder_ / "targets.csv"; }
+
+  /// Returns what speaks against moving by these files, read anew.
+  std::vector<Refusal> doubts() const;
+
+  /// Returns the arm where its drives say it is.
+  ArmState arm_at(const std::array<DriveStatus, 3>& drives, bool enabled) const;
+
+  nlohmann::ordered_json json() const;
+
+  /// Returns whether an end point (base frame, metres) can be reached from these joints, and what
+  /// is known of vision there. Without `phi` the tool keeps the cell's direction.
+  nlohmann::ordered_json place_json(const Eigen::Vector2d& p, std::optional<double> phi,
+                                    const Joints& from) const;
+
+ private:
+  nlohmann::ordered_json map_json() const;
+
+  CellSettings cell_;
+  std::filesystem::path folder_;
+  std::optional<VisionCalibration> vision_;
+  JointPlanner planner_;
+  mutable std::once_flag map_made_;
+  mutable nlohmann::ordered_json map_;
+};
+
+/// Returns a table of targets as the page shows it.
+nlohmann::ordered_json targets_json(const std::vector<TargetRow>& targets);
+
+}  // namespace planar

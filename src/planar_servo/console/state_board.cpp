@@ -1,0 +1,189 @@
+#include "planar_servo/console/state_board.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+#include <utility>
+
+#include "planar_servo/console/json_values.h"
+#include "planar_servo/core/units.h"
+
+namespace planar {
+namespace {
+
+using nlohmann::ordered_json;
+
+constexpr std::size_t kEventsKept = 400;
+/// A reader gets a state no more and no less often than this.
+constexpr double kStateEvery_s = 0.2, kHeartbeat_s = 1.0;
+
+std::string event_text(const char* event, const std::string& data) {
+  return fmt::format("event: {}\ndata: {}\n\n", event, data);
+}
+
+std::chrono::duration<double> seconds(double s) {
+  return std::chrono::duration<double>(s);
+}
+
+ordered_json or_null(const std::string& text) {
+  return text.empty() ? ordered_json(nullptr) : ordered_json(text);
+}
+
+ordered_json arm_json(const ArmState& arm) {
+  return {{"enabled", arm.enabled},
+          {"homed", arm.homed},
+          {"joints_deg", json_numbers(arm.theta / kDegree)},
+          {"elbow_mm", json_mm(arm.elbow_B)},
+          {"tip_mm", json_mm(arm.tip.p)},
+          {"phi_deg", json_number(arm.tip.phi / kDegree)},
+          {"to_do", or_null(arm.to_do)}};
+}
+
+ordered_json lamps_json(const std::array<LampState, 2>& lamps) {
+  auto list = ordered_json::array();
+  for (const LampState& lamp : lamps)
+    list.push_back({{"x_px", json_number(lamp.uv_px.x())},
+                    {"y_px", json_number(lamp.uv_px.y())},
+                    {"edge_px", json_number(lamp.edge_px)},
+                    {"saturated", lamp.saturated}});
+  return list;
+}
+
+ordered_json fixed_lamps_json(const std::vector<FixedLampState>& lamps) {
+  auto list = ordered_json::array();
+  for (const FixedLampState& lamp : lamps)
+    list.push_back({{"id", lamp.id},
+                    {"x_px", json_number(lamp.uv_px.x())},
+                    {"y_px", json_number(lamp.uv_px.y())},
+                    {"moved_px", json_number(lamp.moved_px)}});
+  return list;
+}
+
+ordered_json job_json(const JobState& job) {
+  const bool ended = !job.ended.empty();
+  return {{"id", job.id},
+          {"kind", job.kind},
+          {"name", job.name},
+          {"done", job.done},
+          {"all", job.all},
+          {"left_s", job.left_s ? json_number(*job.left_s) : ordered_json(nullptr)},
+          {"ended", or_null(job.ended)},
+          {"ok", ended ? ordered_json(job.ok) : ordered_json(nullptr)}};
+}
+
+}  // namespace
+
+ordered_json refusal_json(const Refusal& refusal) {
+  return {{"fault", refusal.fault}, {"remedy", refusal.remedy}, {"where", refusal.where}};
+}
+
+void StateBoard::change(const std::function<void(CellState&)>& change) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  change(state_);
+  ++version_;
+  changed_.notify_all();
+}
+
+void StateBoard::note(Doing doing, const std::string& text) {
+  change([&](CellState& state) {
+    if (state.doing != doing || state.since_s == 0.0) state.since_s = clock_.now_s();
+    state.doing = doing;
+    state.text = text;
+  });
+}
+
+void StateBoard::tell(const char* event, const ordered_json& data) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  events_.emplace_back(
+      ++last_event_,
+      event_text(event, data.dump(-1, ' ', false, ordered_json::error_handler_t::replace)));
+  if (events_.size() > kEventsKept) events_.pop_front();
+  changed_.notify_all();
+}
+
+void StateBoard::tell_line(const char* level, const std::string& text) {
+  tell("line", {{"t", utc_now()}, {"level", level}, {"text", text}});
+}
+
+CellState StateBoard::state() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return state_;
+}
+
+ordered_json StateBoard::json() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return json_locked();
+}
+
+std::string StateBoard::next(Reader& reader) {
+  std::unique_lock<std::mutex> lock(mutex_);
+  while (!closed_) {
+    const double now_s = clock_.now_s();
+    std::string text = unread_events(reader);
+    const double age_s = now_s - reader.state_s;
+    const bool news = reader.version != version_;
+    if ((news && age_s >= kStateEvery_s) || age_s >= kHeartbeat_s) {
+      reader.version = version_;
+      reader.state_s = now_s;
+      text += state_event();
+    }
+    if (!text.empty()) return text;
+    changed_.wait_for(lock, seconds((news ? kStateEvery_s : kHeartbeat_s) - age_s));
+  }
+  return {};
+}
+
+void StateBoard::close() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  closed_ = true;
+  changed_.notify_all();
+}
+
+std::string StateBoard::unread_events(Reader& reader) const {
+  std::string text;
+  for (const auto& [number, event] : events_)
+    if (number > reader.event) text += event;
+  reader.event = last_event_;
+  return text;
+}
+
+ordered_json StateBoard::json_locked() const {
+  const CellState& state = state_;
+  const double now_s = clock_.now_s();
+  const auto null = ordered_json(nullptr);
+  return {{"seq", version_},
+          {"doing", name_in(kDoings, state.doing)},
+          {"text", state.text},
+          {"since_s", json_number(now_s - state.since_s)},
+          {"held_by", or_null(state.held_by)},
+          {"operator", or_null(state.mover)},
+          {"arm", state.arm ? arm_json(*state.arm) : null},
+          {"seen_mm", state.seen_B ? json_mm(*state.seen_B) : null},
+          {"picture",
+           {{"seq", state.picture},
+            {"age_s", state.picture == 0 ? null : json_number(now_s - state.picture_s)}}},
+          {"exposure",
+           {{"exposure_us", json_number(state.exposure.time_s / kMicrosecond)},
+            {"gain_db", json_number(state.exposure.gain_db)}}},
+          {"lamps", state.lamps ? lamps_json(*state.lamps) : null},
+          {"sharpness", state.edge_px ? ordered_json{{"edge_px", json_number(*state.edge_px)},
+                                                     {"best_px", json_number(*state.best_edge_px)}}
+                                      : null},
+          {"fixed_lamps", fixed_lamps_json(state.fixed_lamps)},
+          {"doubts", json_list(state.doubts, refusal_json)},
+          {"job", state.job ? job_json(*state.job) : null}};
+}
+
+const std::string& StateBoard::state_event() {
+  const double now_s = clock_.now_s();
+  if (text_version_ != version_ || now_s - text_s_ >= kStateEvery_s) {
+    text_ = event_text("state",
+                       json_locked().dump(-1, ' ', false, ordered_json::error_handler_t::replace));
+    text_version_ = version_;
+    text_s_ = now_s;
+  }
+  return text_;
+}
+
+}  // namespace planar

@@ -1,0 +1,129 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "planar_servo/arm/planar_arm.h"
+#include "planar_servo/core/clock.h"
+#include "planar_servo/core/error.h"
+#include "planar_servo/core/names.h"
+#include "planar_servo/core/pose.h"
+#include "planar_servo/devices/frame_source.h"
+
+namespace planar {
+
+/// What a cell is doing.
+enum class Doing { kIdle, kMoving, kLooking, kHoming, kWaiting, kRunning, kChecking };
+
+constexpr Named<Doing> kDoings[] = {{Doing::kIdle, "idle"},        {Doing::kMoving, "moving"},
+                                    {Doing::kLooking, "looking"},  {Doing::kHoming, "homing"},
+                                    {Doing::kWaiting, "waiting"},  {Doing::kRunning, "running"},
+                                    {Doing::kChecking, "checking"}};
+
+/// The arm as its drives report it. Lengths in metres, angles in radians.
+struct ArmState {
+  bool enabled{false}, homed{false};
+  Joints theta{0.0, 0.0, 0.0};
+  Eigen::Vector2d elbow_B{0.0, 0.0};
+  TipPose tip;
+  std::string to_do{};  ///< what is to be done before it can move; empty when it can
+};
+
+/// A lamp of the tool in the last picture.
+struct LampState {
+  Eigen::Vector2d uv_px{0.0, 0.0};
+  double edge_px{0.0};  ///< width of its edge
+  bool saturated{false};
+};
+
+struct FixedLampState {
+  std::string id;
+  Eigen::Vector2d uv_px{0.0, 0.0};
+  double moved_px{0.0};  ///< since the calibration
+};
+
+/// Work on more than one place, such as a table of targets.
+struct JobState {
+  int id{0};
+  std::string kind, name;
+  std::size_t done{0}, all{0};
+  std::optional<double> left_s{};
+  std::string ended{};  ///< how it ended, in words; empty while it runs
+  bool ok{false};       ///< valid once it has ended
+};
+
+/// All that the page shows of the moment.
+struct CellState {
+  Doing doing{Doing::kIdle};
+  std::string text{"idle"};
+  double since_s{0.0};  ///< by the steady clock
+  std::string held_by{};
+  std::string mover{};  ///< the client that moves the cell
+  std::optional<ArmState> arm{};
+  std::optional<Eigen::Vector2d> seen_B{};
+  std::uint64_t picture{0};
+  double picture_s{0.0};  ///< when it was taken, by the steady clock
+  CameraExposure exposure{};
+  std::optional<std::array<LampState, 2>> lamps{};
+  std::optional<double> edge_px{}, best_edge_px{};
+  std::vector<FixedLampState> fixed_lamps{};
+  std::vector<Refusal> doubts{};
+  std::optional<JobState> job{};
+};
+
+nlohmann::ordered_json refusal_json(const Refusal& refusal);
+
+/// Holds the state of a cell and what has happened lately, for many readers and one who works the
+/// cell. The text for all readers is made once.
+class StateBoard {
+ public:
+  void change(const std::function<void(CellState&)>& change);
+  /// Notes what is done now, and since when if that is new.
+  void note(Doing doing, const std::string& text);
+  /// Tells all readers of events, as `event: NAME` with these data.
+  void tell(const char* event, const nlohmann::ordered_json& data);
+  void tell_line(const char* level, const std::string& text);
+
+  CellState state() const;
+  nlohmann::ordered_json json() const;
+
+  /// Where a reader of events is.
+  struct Reader {
+    std::uint64_t event{0};    ///< the last one read
+    std::uint64_t version{0};  ///< of the state read last
+    double state_s{-1.0};      ///< when that was read
+  };
+  /// Returns the text of the events and of the state that this reader has not read; it waits for
+  /// them, a second at most. Empty once close() was called.
+  std::string next(Reader& reader);
+  /// Ends all waiting.
+  void close();
+
+ private:
+  std::string unread_events(Reader& reader) const;
+  nlohmann::ordered_json json_locked() const;
+  const std::string& state_event();
+
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  SteadyClock clock_;
+  CellState state_;
+  std::uint64_t version_{1};
+  std::string text_;  ///< of the state, for all readers
+  std::uint64_t text_version_{0};
+  double text_s_{0.0};
+  std::deque<std::pair<std::uint64_t, std::string>> events_;
+  std::uint64_t last_event_{0};
+  bool closed_{false};
+};
+
+}  // namespace planar

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <opencv2/core.hpp>
+#include <optional>
+#include <string>
+
+#include "planar_servo/devices/frame_source.h"
+
+namespace planar {
+
+/// Holds what the camera has shown last, and encodes it once for all readers, when the first one
+/// asks for it.
+class Pictures {
+ public:
+  /// A JPEG, and the number of the picture it shows.
+  struct Jpeg {
+    std::shared_ptr<const std::string> bytes;  ///< null before the first picture
+    std::uint64_t number{0};
+  };
+
+  explicit Pictures(const cv::Size& sensor_px) : sensor_px_(sensor_px) {}
+
+  /// Takes a frame of the whole sensor or of a region, whose pixels nobody changes any more.
+  /// Returns its number.
+  std::uint64_t take(const Frame& frame);
+  /// Says where the lamps are, in pixels of the sensor.
+  void aim(const std::array<Eigen::Vector2d, 2>& lamps_px);
+
+  /// Returns the whole picture, at most kMostWidth_px wide. A region taken since the last whole
+  /// frame stands in it at full brightness; what is older is darker.
+  Jpeg whole();
+  /// Returns the surroundings of lamp 0 or 1, pixel by pixel; nothing before the lamps were seen.
+  Jpeg lamp(std::size_t index);
+
+  static constexpr int kMostWidth_px = 1280;
+  static constexpr int kLampSide_px = 160;
+
+ private:
+  /// A picture that was encoded already.
+  struct Encoded {
+    std::mutex mutex;  ///< the first reader encodes, the others wait for it
+    Jpeg jpeg;
+  };
+  struct Shown {
+    std::optional<Frame> whole, region;
+    std::array<Eigen::Vector2d, 2> lamps_px;
+    bool aimed{false};
+    std::uint64_t number{0};
+  };
+  Shown shown() const;
+  cv::Mat composed(const Shown& shown) const;
+
+  cv::Size sensor_px_;
+  mutable std::mutex mutex_;
+  Shown shown_;
+  Encoded whole_;
+  std::array<Encoded, 2> lamps_;
+};
+
+}  // namespace planar
