@@ -1,6 +1,6 @@
 // Orders to the server, and who may give them.
 
-import {byId, make, put, sentence, show} from "./dom.js";
+import {byId, make, plain, put, sentence, show} from "./dom.js";
 import {client, tell} from "./link.js";
 
 /// Returns the answer to a question; null after a refusal, which is shown until it is closed or an order succeeds.
@@ -33,7 +33,7 @@ export async function order(path, body) {
 export async function command(line) {
   const answer = await order("/api/command", {line});
   if (!answer) return false;
-  if (answer.done) put("answer", answer.text);
+  if (answer.done) put("answer", plain(answer.text).replace(/\n/g, "; "));
   else complain({fault: answer.text});
   return answer.done;
 }

@@ -1,7 +1,7 @@
 // What is always in view: the state, progress, who moves the cell; and the doubts and messages.
 
 import {order, reasonNotToAct} from "./actions.js";
-import {byId, duration, make, put, sentence, show} from "./dom.js";
+import {byId, duration, make, plain, put, sentence, show} from "./dom.js";
 import {client} from "./link.js";
 
 const LONG_S = 2;  // a state younger than this needs no age
@@ -85,9 +85,9 @@ export function showLost({fault, remedy}) {
 
 export function addLine({t, level, text}) {
   const list = byId("lines");
-  const time = new Date(t * 1000).toLocaleTimeString([], {hour12: false});
+  const time = new Date(t).toLocaleTimeString([], {hour12: false});
   list.prepend(make("li", {class: level}, make("time", {}, time), " ",
-    make("span", {}, (level === "info" ? "" : `${sentence(level)}: `) + text)));
+    make("span", {}, (level === "info" ? "" : `${sentence(level)}: `) + plain(text))));
   while (list.children.length > MOST_LINES) list.lastChild.remove();
 }
 

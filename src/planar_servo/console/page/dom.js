@@ -37,6 +37,9 @@ export function fixed(value, decimals) {
 export const placeText = (at, decimals = 3) =>
   at ? `x ${fixed(at[0], decimals)}  y ${fixed(at[1], decimals)} mm` : "–";
 
+/// The text of planar-jog without the gauge that it draws of characters.
+export const plain = text => text.replace(/\[[= ]+\] /g, "");
+
 /// "40 s", "3 min", "1 h 20 min"
 export function duration(seconds) {
   if (seconds < 90) return `${Math.round(seconds)} s`;

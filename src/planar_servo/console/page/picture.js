@@ -33,7 +33,7 @@ const besideX = (x, by) => x < size.width_px * 0.9 ? {x: x + by} : {x: x - by, "
 function crossAt(x, y, arm, name, label) {
   const gap = arm / 3;
   const d = `M${x - arm} ${y}h${arm - gap}m${2 * gap} 0h${arm - gap}M${x} ${y - arm}v${arm - gap}m0 ${2 * gap}v${arm - gap}`;
-  return [draw("path", {d, class: name}), draw("text", {...besideX(x, gap * 1.5), y: y - gap * 1.5, class: name}, label)];
+  return [draw("path", {d, class: name}), draw("text", {x, y: y - arm * 1.3, "text-anchor": "middle", class: name}, label)];
 }
 
 function showCrosses({lamps, fixed_lamps}) {

@@ -1,0 +1,280 @@
+#!/usr/bin/env python3
+"""Works a virtual cell through the page of planar-console in headless Chromium.
+
+console.py PLANAR_CONSOLE CELL_FOLDER PICTURES  exit status 1 for a claim that does not hold, a rule of
+                                                bench/report/rules.js that the page breaks, or a message on the
+                                                browser's console; keeps pictures of the page in the folder PICTURES
+"""
+import contextlib
+import json
+import math
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import urllib.request
+
+from api import Api
+from webdriver import Browser, Driver
+
+RULES = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../bench/report/rules.js")
+RIGHTS = ("operate", "look on")
+TARGETS = 20
+FIRST_PICTURE_S = 1.0
+COMMAND_MS = 50
+STOP_S = 0.3    # from the last word of a page to the stop, by the interface
+RAMP_S = 0.6    # in which the arm comes to rest from full speed, and the state tells so
+FARTHEST = 'input[name=step][value="50"]'
+FARTHEST_DEG = 15
+SLOW = ("max_speed_deg_s: 60", "max_speed_deg_s: 10")
+IDLE = "document.querySelector('#lamp').dataset.doing === 'idle'"
+
+
+class Console:
+    """A planar-console on a port of its own, and its answers to whoever has the token."""
+
+    def __init__(self, program, cell):
+        self.process = subprocess.Popen([program, "--cell", cell, "--port", "0"], stdout=subprocess.PIPE, text=True)
+        lines = [self.process.stdout.readline() for _ in RIGHTS]
+        self.address = {right: re.search(rf"{right}: (http://\S+)", line).group(1) for right, line in zip(RIGHTS, lines)}
+        self.origin = self.address["operate"].split("/?")[0]
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.process.send_signal(signal.SIGINT)
+        self.process.wait(20)
+
+    def state(self):
+        token = self.address["look on"].split("=")[-1]
+        request = urllib.request.Request(f"{self.origin}/api/state", headers={"Authorization": f"Bearer {token}"})
+        with urllib.request.urlopen(request, timeout=5) as answer:
+            return json.load(answer)
+
+    def tip(self):
+        return self.state()["arm"]["tip_mm"]
+
+    def turned(self):
+        return self.state()["arm"]["joints_deg"][0]
+
+    def wait_for(self, condition, seconds=5.0):
+        begin = time.monotonic()
+        while not condition(self.state()):
+            if time.monotonic() - begin > seconds:
+                raise AssertionError(f"not within {seconds} s: {self.state()}")
+            time.sleep(0.01)
+        return time.monotonic() - begin
+
+
+def claim(words, holds, found=""):
+    print(f"{'ok' if holds else 'FAILED'}: {words}{f' ({found})' if found != '' else ''}", flush=True)
+    if not holds:
+        raise AssertionError(words)
+
+
+def spiral(count):
+    places = [(110 + 18 * i, 2.4 * i) for i in range(count)]
+    return "id,x_mm,y_mm\n" + "".join(
+        f"S{i + 1},{r * math.cos(a):.3f},{r * math.sin(a):.3f}\n" for i, (r, a) in enumerate(places))
+
+
+def check_page(page, pictures, name):
+    """Checks the page as it stands by the rules for every page, light and dark, and keeps its pictures."""
+    with open(RULES, encoding="utf-8") as file:
+        rules = file.read()
+    for scheme in ("light", "dark"):
+        page.prefer(scheme)
+        for width, height in ((1600, 1000), (390, 844)):
+            page.resize(width, height)
+            page.picture(os.path.join(pictures, f"{name}_{width}_{scheme}.png"), whole=True)
+        page.resize(1600, 1000)
+        page.key("tab")  # the focus is shown to those who use keys
+        page.key("tab", down=False)
+        faults = page.run(rules + "; return faultsOfPage()")
+        claim(f"{name}, {scheme}: the page keeps the rules of every page", not faults, "; ".join(faults))
+    page.prefer("light")
+
+
+def open_page(page, console, right="operate"):
+    begin = time.monotonic()
+    page.open(console.address[right])
+    page.wait("document.querySelector('#whole') && document.querySelector('#whole').naturalWidth > 0")
+    taken = time.monotonic() - begin
+    page.wait("!document.querySelector('#take').dataset.mine || true")
+    return taken
+
+
+def enable(page):
+    page.click("[data-line=enable]")
+    page.wait("document.querySelector('#answer').textContent.includes('drives are on')")
+    page.wait(IDLE)
+
+
+def jog(page, console):
+    enable(page)
+    before = console.tip()
+    page.click("[data-jog='x -']")
+    console.wait_for(lambda state: abs(state["arm"]["tip_mm"][0] - before[0] + 1.0) < 0.01)
+    claim("a tap on x minus moves the end point by one step of 1 mm", True)
+    page.wait(IDLE)
+    page.run("performance.setResourceTimingBufferSize(5000)")
+    page.run("document.querySelector('#jog').focus()")
+    page.key("up")
+    page.key("up", down=False)
+    console.wait_for(lambda state: abs(state["arm"]["tip_mm"][1] - before[1] - 1.0) < 0.01)
+    claim("the key up moves it by one step along y", True)
+    page.wait(IDLE)
+    delay = page.run("return performance.getEntriesByName(location.origin + '/api/jog').map(entry => entry.duration)")
+    claim("a key becomes a command soon", delay[-1] < COMMAND_MS, f"{delay[-1]:.0f} ms")
+    page.run(f"document.querySelector('{FARTHEST}').click()")
+    begin = console.turned()
+    page.press("[data-jog='joint 1 -']")
+    console.wait_for(lambda state: begin - state["arm"]["joints_deg"][0] > FARTHEST_DEG + 3)
+    page.release()
+    console.wait_for(lambda state: state["doing"] == "idle")
+    turned = begin - console.turned()
+    time.sleep(0.5)
+    claim("while a button is held steps follow one another, and end when it is let go",
+          turned < 2 * FARTHEST_DEG - 0.1 and begin - console.turned() == turned, f"{turned:.1f} degrees")
+
+
+def teach(page):
+    page.write("#teach-id", "here")
+    page.click("#teach-form button")
+    page.wait("[...document.querySelectorAll('#target-rows th')].some(head => head.textContent === 'here')")
+    claim("a taught place stands in the table of targets", True)
+
+
+def choose_place(page):
+    page.click("#field-view", 60, -80)
+    page.wait("!document.querySelector('#go').disabled")
+    text = page.text("#place")
+    claim("a place that is clicked is examined and nothing moves", "can be reached" in text and "mm per axis" in text
+          and page.run(f"return {IDLE}"), text)
+    page.click("#go")
+    page.wait("document.querySelector('#progress-text').textContent.includes('reached')", 15)
+    claim("'Go there' goes there", True, page.text("#progress-text"))
+
+
+def run_targets(page, console, pictures):
+    page.click("#edit summary")
+    page.write("#csv", "id,x_mm,y_mm\nA,oops,1\n")
+    page.click("#targets-form button")
+    page.wait("document.querySelector('#notice').hidden === false")
+    claim("a wrong line is refused by name", "oops" in page.text("#notice"), page.text("#notice-fault"))
+    claim("and the browser's console says no more than that", all("400" in one for one in page.messages()))
+    page.write("#csv", spiral(TARGETS))
+    page.click("#targets-form button")
+    page.wait(f"document.querySelectorAll('#target-rows tr').length === {TARGETS}")
+    page.write("#run-name", "first")
+    page.click("#run")
+    page.wait("document.querySelectorAll('#target-rows tr.reached').length >= 3", 30)
+    page.click("#stop")
+    page.wait(IDLE)
+    done = console.state()["job"]["done"]
+    claim("the stop button ends a run in the middle of a move", 3 <= done < TARGETS, f"{done} of {TARGETS} done")
+    check_page(page, pictures, "stopped")
+    page.click("#resume")
+    page.click("#run")
+    page.wait(f"document.querySelectorAll('#target-rows tr.reached').length === {TARGETS}", 60)
+    page.wait(IDLE)
+    claim(f"a resumed run reaches all of {TARGETS} targets", True)
+    check_page(page, pictures, "field")
+
+
+def check_api(console):
+    faults = Api(console.origin, console.address["operate"].split("=")[-1]).faults()
+    claim("the API answers as openapi.json describes it", not faults, "; ".join(sorted(set(faults))))
+
+
+def second_browser(driver, page, console, pictures):
+    with Browser(driver) as other:
+        open_page(other, console)
+        other.wait("document.querySelector('#operator-text').textContent.includes('Another page')")
+        claim("a second page sees that another one moves the cell, and may not", other.run(
+            "return [...document.querySelectorAll('.act')].every(control => control.disabled)"))
+        other.click("#take")
+        claim("taking over takes a second press", "Stop and" in other.text("#take"))
+        other.click("#take")
+        other.wait("document.querySelector('#operator-text').textContent.startsWith('You')")
+        page.wait("document.querySelector('#operator-text').textContent.includes('Another page')")
+        claim("the first page sees that it was taken over", True)
+        check_messages(other)
+    page.wait(IDLE)
+
+
+def lose_page(driver, console):
+    """The page is killed while it holds a motion that would last for some time."""
+    with Browser(driver) as page:
+        open_page(page, console)
+        enable(page)
+        page.run(f"document.querySelector('{FARTHEST}').click()")
+        begin = console.turned()
+        page.press("[data-jog='joint 1 +']")
+        console.wait_for(lambda state: state["arm"]["joints_deg"][0] - begin > 1)
+        page.crash()
+        taken = console.wait_for(lambda state: state["doing"] == "idle")
+        turned = console.turned() - begin
+        claim("an arm whose page is lost comes to rest", turned < FARTHEST_DEG / 2 and taken < STOP_S + RAMP_S,
+              f"after {taken:.2f} s and {turned:.1f} of {FARTHEST_DEG} degrees")
+
+
+def other_rights(driver, console, pictures):
+    with Browser(driver) as reader:
+        open_page(reader, console, "look on")
+        reader.wait("document.querySelector('#operator-text').textContent.startsWith('You read')")
+        claim("who may only read has no control that moves", reader.run(
+            "return [...document.querySelectorAll('.act')].every(control => control.disabled)"))
+        check_messages(reader)
+        reader.open(console.address["look on"][:-4] + "0000")
+        claim("a wrong token shows a sentence", len(reader.run("return document.body.innerText.trim()")) > 20,
+              reader.run("return document.body.innerText.trim()"))
+        reader.picture(os.path.join(pictures, "wrong_token.png"))
+
+
+def check_messages(page):
+    messages = page.messages()
+    claim("the browser's console shows no message", not messages, "; ".join(messages))
+
+
+@contextlib.contextmanager
+def copy_of(cell, *change):
+    """A copy of a cell's folder; its cell file with one text in the place of another."""
+    with tempfile.TemporaryDirectory() as folder:
+        shutil.copytree(cell, folder, dirs_exist_ok=True)
+        file = os.path.join(folder, "cell.yaml")
+        with open(file, encoding="utf-8") as source:
+            text = source.read()
+        with open(file, "w", encoding="utf-8") as changed:
+            changed.write(text.replace(*change) if change else text)
+        yield file
+
+
+def main():
+    if len(sys.argv) != 4:
+        sys.exit(__doc__)
+    program, cell, pictures = sys.argv[1:]
+    os.makedirs(pictures, exist_ok=True)
+    with Driver() as driver:
+        with copy_of(cell) as file, Console(program, file) as console, Browser(driver) as page:
+            taken = open_page(page, console)
+            claim(f"a picture is there within {FIRST_PICTURE_S} s", taken < FIRST_PICTURE_S, f"{taken:.2f} s")
+            jog(page, console)
+            teach(page)
+            choose_place(page)
+            run_targets(page, console, pictures)
+            second_browser(driver, page, console, pictures)
+            other_rights(driver, console, pictures)
+            check_messages(page)
+            check_api(console)
+        with copy_of(cell, *SLOW) as file, Console(program, file) as console:
+            lose_page(driver, console)
+
+
+if __name__ == "__main__":
+    main()
