@@ -32,11 +32,12 @@ def main() -> None:
         print(f"by the truth: {np.nanmean(results['after_truth_mm']):.4f} mm mean")
 
     if len(sys.argv) > 2:
-        figure, axes = plt.subplots(figsize=(7, 4))
+        figure, axes = plt.subplots(figsize=(7, 4), layout="constrained")
         for name in np.unique(seen["target"]):
             way = seen[seen["target"] == name]
-            axes.semilogy(way["step"], way["miss_mm"], "o-", alpha=0.6)
-        axes.set(xlabel="look", ylabel="from the target, mm")
+            axes.plot(way["step"], 1e3 * way["miss_mm"], "o-", color="tab:blue", alpha=0.5)
+        axes.set(title=f"{len(results)} targets", xlabel="look", ylabel="seen from the target, µm")
+        axes.set_ylim(bottom=0)
         axes.xaxis.get_major_locator().set_params(integer=True)
         figure.savefig(sys.argv[2], dpi=100)
 
