@@ -3,8 +3,9 @@
 # what it prints.
 source "$(dirname "$0")/common.sh"
 
-cp -r "$2/cell" .
-experiment=("$bin/planar-experiment" --cell cell/cell.yaml --train 40 --loop-only 5 --out DIR)
+cp -r "$repository/calib/small" cell
+experiment=("$bin/planar-experiment" --cell cell/cell.yaml --grid circles:11x11:25mm --train 40
+  --loop-only 5 --out DIR)
 
 # killed_at FILE LINES: begins or continues, and is killed once the file has so many lines.
 killed_at() {
