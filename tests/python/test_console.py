@@ -1,0 +1,82 @@
+"""The client of planar-console, on a virtual cell."""
+
+import re
+import shutil
+import signal
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+
+import planar_servo as ps
+from planar_servo.console import Console
+from support import ROOT, WORKSHOP
+
+PROGRAM = ROOT / "build/release/bin/planar-console"
+TARGETS = "id,x_mm,y_mm\na,150,250\nb,-200,300\n"
+
+
+class ConsoleTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        cell = Path(cls.folder.name) / "cell"
+        shutil.copytree(WORKSHOP, cell)
+        cls.server = subprocess.Popen(
+            [PROGRAM, "--cell", cell / "cell.yaml", "--port", "0"], stdout=subprocess.PIPE, text=True
+        )
+        operate, look_on = (re.search(r"http://\S+", cls.server.stdout.readline())[0] for _ in range(2))
+        cls.console, cls.looker = Console(operate), Console(look_on)
+        cls.console.command("enable")
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.server.send_signal(signal.SIGINT)
+        cls.server.wait(20)
+        cls.server.stdout.close()
+        cls.folder.cleanup()
+
+    def refused(self, kind, call, *arguments):
+        with self.assertRaises(kind) as caught:
+            call(*arguments)
+        return caught.exception
+
+    def test_both_rights_see_the_cell_and_its_picture(self):
+        self.assertEqual((self.console.cell()["right"], self.looker.cell()["right"]), ("operate", "read"))
+        self.assertTrue(self.looker.place(200.0, 100.0)["reachable"])
+        self.assertFalse(self.looker.place(2000.0, 100.0)["reachable"])
+        self.assertEqual(self.looker.picture()[:3], b"\xff\xd8\xff")
+        self.assertIn("next", self.looker.files())
+
+    def test_results_come_as_targets_are_reached(self):
+        self.assertEqual([target["id"] for target in self.console.set_targets(TARGETS)], ["a", "b"])
+        results = list(self.console.run("two"))
+        self.assertEqual([(r["target"], r["status"]) for r in results], [("a", "reached"), ("b", "reached")])
+        self.assertEqual(self.console.go(100.0, 300.0)["status"], "reached")
+
+    def test_a_run_that_is_left_stops(self):
+        self.console.set_targets(TARGETS)
+        for _ in self.console.run("left"):
+            break
+        ended = (state["job"] for kind, state in self.looker.events() if kind == "state" and state["job"]["ended"])
+        job = next(ended)
+        self.assertEqual((job["name"], job["done"], job["ok"]), ("left", 1, False))
+
+    def test_one_line_moves_the_arm_and_another_says_why_not(self):
+        before = self.console.state()["arm"]["joints_deg"][2]
+        self.console.command("joint 3 1")
+        self.assertAlmostEqual(self.console.state()["arm"]["joints_deg"][2] - before, 1.0, places=2)
+        self.assertIn("joint 3 1000", self.refused(ps.WorkError, self.console.command, "joint 3 1000").where)
+
+    def test_what_is_refused_is_named(self):
+        refusal = self.refused(ps.InputError, self.console.set_targets, "id,x_mm,y_mm\nA,far,1\nB,1\n")
+        self.assertEqual(len(refusal.refusals), 2)
+        self.assertIn("far", refusal.fault)
+        self.assertIn("may read only", str(self.refused(ps.WorkError, self.looker.command, "enable")))
+        self.assertEqual(self.refused(ps.InputError, Console, "127.0.0.1:8377").where, "address")
+        nobody = Console("http://127.0.0.1:1/?token=0")
+        self.assertIn("start planar-console", self.refused(ps.WorkError, nobody.state).remedy)
+
+
+if __name__ == "__main__":
+    unittest.main()
