@@ -28,10 +28,12 @@ class Api:
             return refusal.code, refusal.read()
 
     def faults(self):
-        """Returns in what the answers differ from the description. Nothing moves."""
-        return [f"{method.upper()} {path}: {fault}" for path, methods in self.description["paths"].items()
-                for method, described in methods.items()
-                for fault in (self._get_faults(path, described) if method == "get" else self._post_faults(path, described))]
+        """Returns in what the answers differ from the description. Nothing moves, and the cell is given back."""
+        found = [f"{method.upper()} {path}: {fault}" for path, methods in self.description["paths"].items()
+                 for method, described in methods.items()
+                 for fault in (self._get_faults(path, described) if method == "get" else self._post_faults(path, described))]
+        self.request("/api/operator", {"take": False})
+        return found
 
     def _get_faults(self, path, described):
         query = []

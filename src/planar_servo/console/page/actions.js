@@ -25,6 +25,7 @@ export function complain({fault, remedy, where, faults = []}) {
 /// Gives an order and returns its answer; null after a refusal.
 export async function order(path, body) {
   const answer = await attempt(() => tell(path, body));
+  put("answer", "");
   if (answer) show("notice", false);
   return answer;
 }

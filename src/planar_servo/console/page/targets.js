@@ -43,10 +43,7 @@ function take(list) {
 }
 
 export async function loadTargets() {
-  const [list, rows] = await Promise.all([ask("/api/targets"), ask("/api/results")]);
-  results = new Map(rows.map(row => [row.target, row]));
-  job = rows.length ? rows[0].job : job;
-  take(list);
+  take(await ask("/api/targets"));
 }
 
 /// A row of the job under way.
