@@ -5,27 +5,37 @@
 namespace planar {
 namespace {
 
-const ProgramText kText{"planar-console", "planar-console --cell cell.yaml [--port N]",
-                        R"(to operate: http://127.0.0.1:8377/?token=1f0c5a9e
+const ProgramText kText{
+    "planar-console",
+    "planar-console --cell cell.yaml [--port N]\n"
+    "                      [--listen ADDRESS --certificate FILE.pem --key FILE.pem]",
+    R"(to operate: http://127.0.0.1:8377/?token=1f0c5a9e
 to look on: http://127.0.0.1:8377/?token=8b2d7741
 Ctrl-C ends it)"};
 
 struct Options {
   std::filesystem::path cell;
-  int port{8377};
+  ConsoleListening listening{8377};
 };
 
 void add_options(CLI::App& app, Options& options) {
   add_required(app, "--cell", options.cell, "cell.yaml", "the cell");
-  add_value(app, "--port", options.port, "N",
-            "port of 127.0.0.1 on which the page is served; 0 takes a free one")
+  add_value(app, "--port", options.listening.port, "N",
+            "port on which the page is served; 0 takes a free one")
       ->check(within(0, 65535))
       ->capture_default_str();
+  add_value(app, "--listen", options.listening.address, "ADDRESS",
+            "address of this computer on which the page is served; others than 127.0.0.1 need a "
+            "certificate and its key")
+      ->capture_default_str();
+  add_value(app, "--certificate", options.listening.certificate, "FILE.pem",
+            "serve by https with this certificate");
+  add_value(app, "--key", options.listening.key, "FILE.pem", "the certificate's key");
 }
 
 Outcome serve(const Options& options) {
   heed_interrupts();
-  Console console(options.cell, options.port, interrupted);
+  Console console(options.cell, options.listening, interrupted);
   const ConsoleAddresses addresses = console.addresses();
   say("to operate: {}\nto look on: {}\nCtrl-C ends it\n", addresses.operate, addresses.read);
   std::fflush(stdout);

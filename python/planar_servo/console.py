@@ -14,7 +14,9 @@ does not answer.
 from __future__ import annotations
 
 import json
+import os
 import secrets
+import ssl
 import urllib.error
 import urllib.parse
 import urllib.request
@@ -29,7 +31,8 @@ _PATIENCE_S = 10.0  # an idle console sends its state every second
 class Console:
     """A planar-console at the address that it prints, with the right of the address's token."""
 
-    def __init__(self, address: str) -> None:
+    def __init__(self, address: str, certificate: str | os.PathLike[str] | None = None) -> None:
+        """certificate: the file that a console with https was given, where no authority signed it."""
         parts = urllib.parse.urlsplit(address)
         tokens = urllib.parse.parse_qs(parts.query).get("token")
         if parts.scheme not in ("http", "https") or not parts.netloc or not tokens:
@@ -38,6 +41,7 @@ class Console:
                 [(f"{address!r} is no address of a console", "give it as planar-console prints it", "address")],
             )
         self._origin = f"{parts.scheme}://{parts.netloc}"
+        self._tls = None if certificate is None else ssl.create_default_context(cafile=certificate)
         self._headers = {"Authorization": f"Bearer {tokens[0]}", "X-Planar-Client": secrets.token_hex(16)}
 
     def cell(self) -> dict[str, Any]:
@@ -150,7 +154,7 @@ class Console:
         headers = self._headers | ({} if body is None else {"Content-Type": "application/json"})
         request = urllib.request.Request(self._origin + path, data, headers)
         try:
-            return urllib.request.urlopen(request, timeout=patience_s)
+            return urllib.request.urlopen(request, timeout=patience_s, context=self._tls)
         except urllib.error.HTTPError as error:
             raise _refused(error, path) from None
         except OSError as error:

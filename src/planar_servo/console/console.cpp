@@ -1,6 +1,9 @@
 #include "planar_servo/console/console.h"
 
+#include <fmt/format.h>
+
 #include <chrono>
+#include <memory>
 #include <thread>
 #include <utility>
 
@@ -15,12 +18,43 @@
 
 namespace planar {
 
+namespace {
+
+constexpr char kThisComputer[] = "127.0.0.1", kAnyAddress[] = "0.0.0.0";
+
+/// Returns the encryption that is asked for; null for none.
+std::shared_ptr<const Tls> tls_of(const ConsoleListening& listening) {
+  const std::string& address = listening.address;
+  if (address == kAnyAddress)
+    throw InputError(
+        {"is every address of this computer", "name the one by which others reach it", "--listen"});
+  if (listening.certificate.empty() != listening.key.empty())
+    throw InputError("--certificate and --key need each other");
+  if (!listening.key.empty())
+    return std::make_shared<const Tls>(listening.certificate, listening.key);
+  if (address == kThisComputer) return nullptr;
+  throw InputError(
+      {fmt::format("{} is not this computer alone, and others could read what is sent", address),
+       fmt::format("give --certificate and --key; this makes them: openssl req -x509 -newkey ec "
+                   "-pkeyopt ec_paramgen_curve:prime256v1 -nodes -days 365 -subj "
+                   "/CN=planar-console -addext subjectAltName=IP:{} -keyout key.pem -out "
+                   "certificate.pem",
+                   address),
+       "--listen"});
+}
+
+}  // namespace
+
 struct Console::Parts {
-  Parts(const std::filesystem::path& cell_file, int port, std::function<bool()> asked)
+  Parts(const std::filesystem::path& cell_file, const ConsoleListening& listening,
+        std::function<bool()> asked)
       : interrupted(std::move(asked)),
         cell(cell_file),
         lock(cell.settings().file),
-        gate(server.open(port), new_tokens()),
+        tls(tls_of(listening)),
+        server(tls),
+        gate({server.open(listening.address, listening.port), listening.address, tls},
+             new_tokens()),
         log(board),
         worker(cell, board, interrupted),
         jobs(cell, board, worker),
@@ -30,6 +64,7 @@ struct Console::Parts {
   KnownCell cell;
   CellLock lock;
   StateBoard board;
+  std::shared_ptr<const Tls> tls;
   ConsoleServer server;
   Gatekeeper gate;
   LogLines log;
@@ -38,9 +73,9 @@ struct Console::Parts {
   ConsoleApi api;
 };
 
-Console::Console(const std::filesystem::path& cell_file, int port,
+Console::Console(const std::filesystem::path& cell_file, const ConsoleListening& listening,
                  std::function<bool()> interrupted)
-    : parts_(std::make_unique<Parts>(cell_file, port, std::move(interrupted))) {}
+    : parts_(std::make_unique<Parts>(cell_file, listening, std::move(interrupted))) {}
 
 Console::~Console() = default;
 

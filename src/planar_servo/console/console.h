@@ -12,13 +12,22 @@ struct ConsoleAddresses {
   std::string operate, read;
 };
 
-/// One program that owns a cell and serves a page and an API at which it is worked, on 127.0.0.1.
+/// Where a console is to listen. Beyond this computer (127.0.0.1) it needs a certificate and its
+/// key, PEM files.
+struct ConsoleListening {
+  int port{0};  ///< 0 for a free one
+  std::string address{"127.0.0.1"};
+  std::filesystem::path certificate{}, key{};
+};
+
+/// One program that owns a cell and serves a page and an API at which it is worked.
 class Console {
  public:
-  /// Opens the cell's devices and listens on `port`, or on a free one for 0. `interrupted` is asked
-  /// all the time. Throws InputError for a cell that cannot be used, a port that is taken, and a
-  /// cell that another console serves.
-  Console(const std::filesystem::path& cell_file, int port, std::function<bool()> interrupted);
+  /// Opens the cell's devices and listens. `interrupted` is asked all the time. Throws InputError
+  /// for a cell that cannot be used, a port that is taken, an address of other computers without a
+  /// certificate, and a cell that another console serves.
+  Console(const std::filesystem::path& cell_file, const ConsoleListening& listening,
+          std::function<bool()> interrupted);
   ~Console();
 
   ConsoleAddresses addresses() const;

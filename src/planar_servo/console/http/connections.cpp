@@ -1,5 +1,6 @@
 #include "planar_servo/console/http/connections.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <netinet/tcp.h>
 #include <poll.h>
@@ -9,7 +10,9 @@
 #include <algorithm>
 #include <array>
 #include <functional>
+#include <optional>
 #include <thread>
+#include <utility>
 
 #include "planar_servo/core/error.h"
 
@@ -33,13 +36,21 @@ class SocketStream final : public httplib::Stream {
  public:
   explicit SocketStream(Connections::Entry& entry) : entry_(entry) {}
 
-  bool is_readable() const override { return begin_ < end_ || waits_for(POLLIN, milliseconds(0)); }
+  /// Encrypts what is read and written from now on. Returns whether the other side agrees.
+  bool encrypt(const Tls& tls) {
+    fcntl(entry_.socket, F_SETFL, fcntl(entry_.socket, F_GETFL) | O_NONBLOCK);
+    tls_.emplace(tls, entry_.socket);
+    return tls_->accept([this](short event) { return waits_for(event, time_left()); }) > 0;
+  }
+
+  bool is_readable() const override {
+    return begin_ < end_ || (tls_ && tls_->has_more()) || waits_for(POLLIN, milliseconds(0));
+  }
   bool is_writable() const override { return waits_for(POLLOUT, kPatience); }
 
   ssize_t read(char* to, std::size_t size) override {
     if (begin_ == end_) {
-      if (!waits_for(POLLIN, time_left())) return -1;
-      const ssize_t got = recv(entry_.socket, buffer_.data(), buffer_.size(), 0);
+      const ssize_t got = receive();
       if (got <= 0) return got;
       begin_ = 0;
       end_ = static_cast<std::size_t>(got);
@@ -51,6 +62,8 @@ class SocketStream final : public httplib::Stream {
   }
 
   ssize_t write(const char* from, std::size_t size) override {
+    if (tls_)
+      return tls_->write(from, size, [this](short event) { return waits_for(event, kPatience); });
     if (!waits_for(POLLOUT, kPatience)) return -1;
     return send(entry_.socket, from, size, MSG_NOSIGNAL | MSG_DONTWAIT);
   }
@@ -67,6 +80,7 @@ class SocketStream final : public httplib::Stream {
   /// Says that all is written, and takes what still comes: a socket that is closed with bytes
   /// unread takes its answer back.
   void finish() {
+    if (tls_) tls_->end();
     shutdown(entry_.socket, SHUT_WR);
     const auto until = SteadyTime::now() + kMaySay;
     while (SteadyTime::now() < until && waits_for(POLLIN, kMaySay) &&
@@ -75,6 +89,12 @@ class SocketStream final : public httplib::Stream {
   }
 
  private:
+  ssize_t receive() {
+    const auto wait = [this](short event) { return waits_for(event, time_left()); };
+    if (tls_) return tls_->read(buffer_.data(), buffer_.size(), wait);
+    return wait(POLLIN) ? recv(entry_.socket, buffer_.data(), buffer_.size(), 0) : -1;
+  }
+
   milliseconds time_left() const {
     const auto left =
         std::chrono::duration_cast<milliseconds>(begun_ + kPatience - SteadyTime::now());
@@ -91,6 +111,7 @@ class SocketStream final : public httplib::Stream {
   }
 
   Connections::Entry& entry_;
+  std::optional<TlsSession> tls_;
   SteadyTime::time_point begun_{SteadyTime::now()};
   std::array<char, 4096> buffer_;
   std::size_t begin_{0}, end_{0};
@@ -168,25 +189,29 @@ void Connections::close_longest_waiting() {
   longest->closed = true;
 }
 
-ConsoleServer::ConsoleServer() {
+ConsoleServer::ConsoleServer(std::shared_ptr<const Tls> tls) : tls_(std::move(tls)) {
   new_task_queue = [this] { return new ConnectionThreads(connections_); };
   set_socket_options(reuse_address);
   set_payload_max_length(kMostBody);
 }
 
-int ConsoleServer::open(int port) {
-  const int bound = port == 0                       ? bind_to_any_port(kLoopback)
-                    : bind_to_port(kLoopback, port) ? port
-                                                    : -1;
+int ConsoleServer::open(const std::string& address, int port) {
+  const int bound = port == 0 ? bind_to_any_port(address) : bind_to_port(address, port) ? port : -1;
   if (bound < 0)
-    throw InputError({fmt::format("port {} of {} is taken or not allowed", port, kLoopback),
+    throw InputError({fmt::format("port {} of {} is taken or not allowed", port, address),
                       "end the program that listens there, or name another one with --port"});
   ::listen(svr_sock_,
            kBacklog);  // httplib asks for 5, beyond which clients try again after a second
   return bound;
 }
 
+void ConsoleServer::answer() {
+  listen_after_bind();
+  ended_ = true;
+}
+
 void ConsoleServer::close() {
+  while (!is_running() && !ended_) std::this_thread::sleep_for(milliseconds(1));
   stop();
 }
 
@@ -197,7 +222,8 @@ bool ConsoleServer::process_and_close_socket(socket_t socket) {
   SocketStream stream(entry);
   constexpr bool kCloseAfterwards = true;
   bool closed = false;
-  const bool answered = process_request(stream, kCloseAfterwards, closed, nullptr);
+  const bool answered = (!tls_ || stream.encrypt(*tls_)) &&
+                        process_request(stream, kCloseAfterwards, closed, nullptr);
   stream.finish();
   connections_.remove(entry);
   ::close(socket);

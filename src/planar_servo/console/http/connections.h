@@ -7,8 +7,12 @@
 #include <condition_variable>
 #include <cstddef>
 #include <list>
+#include <memory>
 #include <mutex>
+#include <string>
 #include <vector>
+
+#include "planar_servo/console/http/tls.h"
 
 namespace planar {
 
@@ -42,23 +46,26 @@ class Connections {
   std::size_t served_{0};
 };
 
-/// An HTTP server on 127.0.0.1 that answers one request per connection.
+/// An HTTP server that answers one request per connection.
 class ConsoleServer final : public httplib::Server {
  public:
-  ConsoleServer();
+  /// Without `tls` nothing is encrypted.
+  explicit ConsoleServer(std::shared_ptr<const Tls> tls = nullptr);
 
-  /// Listens on this port, or on a free one for 0, and returns it. Throws InputError when the port
-  /// is taken or not allowed.
-  int open(int port);
+  /// Listens on this port of this computer's `address`, or on a free one for 0, and returns it.
+  /// Throws InputError when the port is taken or not allowed.
+  int open(const std::string& address, int port);
   /// Answers until close() is called from another thread.
-  void answer() { listen_after_bind(); }
-  /// Ends what is being answered, too.
+  void answer();
+  /// Ends answer(), which runs in another thread or is about to, and what is being answered.
   void close();
 
  private:
   bool process_and_close_socket(socket_t socket) override;
 
+  std::shared_ptr<const Tls> tls_;
   Connections connections_;
+  std::atomic<bool> ended_{false};
 };
 
 }  // namespace planar

@@ -60,10 +60,20 @@ bool same_secret(std::string_view a, std::string_view b) {
   return difference == 0;
 }
 
+bool ConsoleSite::is_own(const std::string& host) const {
+  constexpr int kPortOfHttps = 443;  // browsers leave it out
+  const std::size_t colon = host.find(':');
+  if (host.substr(colon == host.npos ? host.size() : colon) != fmt::format(":{}", port) &&
+      !(tls && port == kPortOfHttps && colon == host.npos))
+    return false;
+  const std::string name = host.substr(0, colon);
+  return tls ? tls->is_for(name) : name == "127.0.0.1" || name == "localhost";
+}
+
 std::optional<Denial> Gatekeeper::denial(const RequestHead& head) const {
-  if (!is_own_host(head.host))
+  if (!site_.is_own(head.host))
     return Denial{403, {fmt::format("the host is '{}'", head.host), "open " + address(), "Host"}};
-  if (!head.origin.empty() && head.origin != "http://" + head.host)
+  if (!head.origin.empty() && head.origin != site_.scheme() + "://" + head.host)
     return Denial{403,
                   {fmt::format("'{}' is another site", head.origin),
                    "only the console's own page may ask", "Origin"}};
@@ -99,11 +109,8 @@ Right Gatekeeper::right_by(std::string_view token) const {
 }
 
 std::string Gatekeeper::cookie_for(const std::string& token) const {
-  return fmt::format("{}={}; HttpOnly; SameSite=Strict; Path=/", cookie_name(), token);
-}
-
-bool Gatekeeper::is_own_host(const std::string& host) const {
-  return host == fmt::format("127.0.0.1:{}", port_) || host == fmt::format("localhost:{}", port_);
+  return fmt::format("{}={}; HttpOnly; SameSite=Strict; Path=/{}", cookie_name(), token,
+                     site_.tls ? "; Secure" : "");
 }
 
 }  // namespace planar

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 
+#include "planar_servo/console/http/tls.h"
 #include "planar_servo/core/error.h"
 
 namespace planar {
@@ -36,15 +38,30 @@ struct Denial {
   Refusal refusal;
 };
 
-/// Decides which requests to a console on this computer are answered. A page of another site that
+/// Where a console listens. Beyond this computer it has TLS, whose certificate names the hosts by
+/// which it may be asked.
+struct ConsoleSite {
+  int port{0};
+  std::string address{"127.0.0.1"};
+  std::shared_ptr<const Tls> tls{};
+
+  std::string scheme() const { return tls ? "https" : "http"; }
+  /// Returns whether a request to this host, `NAME:PORT`, is meant for this console.
+  bool is_own(const std::string& host) const;
+};
+
+/// Decides which requests to a console are answered. A page of another site that
 /// the user's browser shows can send none of them: it has neither the name of this host nor its
 /// cookie, and cannot set the header X-Planar-Client.
 class Gatekeeper {
  public:
-  Gatekeeper(int port, Tokens tokens) : port_(port), tokens_(std::move(tokens)) {}
+  Gatekeeper(ConsoleSite site, Tokens tokens)
+      : site_(std::move(site)), tokens_(std::move(tokens)) {}
 
   const Tokens& tokens() const { return tokens_; }
-  std::string address() const { return "http://127.0.0.1:" + std::to_string(port_); }
+  std::string address() const {
+    return site_.scheme() + "://" + site_.address + ":" + std::to_string(site_.port);
+  }
 
   /// Returns why the request is refused; empty when it may pass.
   std::optional<Denial> denial(const RequestHead& head) const;
@@ -56,10 +73,9 @@ class Gatekeeper {
   std::string cookie_for(const std::string& token) const;
 
  private:
-  std::string cookie_name() const { return "planar_console_" + std::to_string(port_); }
-  bool is_own_host(const std::string& host) const;
+  std::string cookie_name() const { return "planar_console_" + std::to_string(site_.port); }
 
-  int port_;
+  ConsoleSite site_;
   Tokens tokens_;
 };
 

@@ -3,6 +3,7 @@
 #include <optional>
 #include <vector>
 
+#include "planar_servo/cell/cell_settings.h"
 #include "planar_servo/console/state_board.h"
 #include "planar_servo/console/watch/pictures.h"
 #include "planar_servo/lamps/lamp_detector.h"
