@@ -251,8 +251,8 @@ def check_messages(page):
 @contextlib.contextmanager
 def copy_of(cell, old, new):
     """A copy of a cell's folder; its cell file with a new text in the place of an old one."""
-    with tempfile.TemporaryDirectory() as folder:
-        shutil.copytree(cell, folder, dirs_exist_ok=True)
+    with tempfile.TemporaryDirectory() as parent:
+        folder = shutil.copytree(cell, os.path.join(parent, os.path.basename(os.path.normpath(cell))))
         file = os.path.join(folder, "cell.yaml")
         with open(file, encoding="utf-8") as source:
             text = source.read()
