@@ -41,19 +41,17 @@ export async function command(line) {
 
 export const stop = () => tell("/api/stop").catch(refusal => complain(refusal));
 
-/// Returns why this page may give no orders now; empty when it may.
-export function reasonNotToAct(cell, state) {
-  if (cell.right !== "operate") return "This page may only read";
-  if (state.operator && state.operator !== client) return "Another page moves this cell";
-  if (state.job && state.job.ended === null) return "A job runs";
-  return "";
-}
+/// Whether this page has the right to operate and nobody else moves the cell.
+export const mayOperate = (cell, state) => cell.right === "operate" && (!state.operator || state.operator === client);
+
+/// Whether it may begin something.
+export const mayAct = (cell, state) => mayOperate(cell, state) && !(state.job && state.job.ended === null);
 
 let allowed = false;
 
 /// Sets each control that gives an order; `data-unready` on one that lacks what it needs.
-export function gate(mayAct = allowed) {
-  allowed = mayAct;
+export function gate(mayBegin = allowed) {
+  allowed = mayBegin;
   for (const control of document.querySelectorAll(".act")) {
     const off = !allowed || control.hasAttribute("data-unready");
     if (control.disabled !== off) control.disabled = off;

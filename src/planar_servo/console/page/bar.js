@@ -1,6 +1,6 @@
 // What is always in view: the state, progress, who moves the cell; and the doubts and messages.
 
-import {order, reasonNotToAct} from "./actions.js";
+import {order} from "./actions.js";
 import {byId, duration, make, plain, put, sentence, show} from "./dom.js";
 import {client} from "./link.js";
 
@@ -35,7 +35,7 @@ function showProgress(job) {
 function operatorText(cell, state) {
   if (cell.right !== "operate") return "You read; the other address moves";
   if (!state.operator) return "Nobody moves this cell";
-  return state.operator === client ? "You move this cell" : reasonNotToAct(cell, state);
+  return state.operator === client ? "You move this cell" : "Another page moves this cell";
 }
 
 function showOperator(cell, state) {

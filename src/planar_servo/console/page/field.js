@@ -51,7 +51,20 @@ function glyph(kind, [x, y]) {
   return draw("circle", place);
 }
 
+const RECORDED = {done: "reached", left_out: "failed"};
+
+/// The places and monuments of a recording, which stand in the place of targets.
+function showPlaces({places, monuments, here_mm: here}) {
+  const marks = places.map(({x_mm, y_mm, mark}) => glyph(RECORDED[mark] || "planned", [x_mm, y_mm]));
+  for (const {id, x_mm: x, y_mm: y} of monuments) marks.push(
+    draw("path", {d: `M${x} ${-y - 6 * px}l${6 * px} ${10 * px}h${-12 * px}Z`, class: "monument"}),
+    draw("text", {x: x + 9 * px, y: -y + 4 * px, class: "label"}, id));
+  if (here) marks.push(draw("circle", {cx: here[0], cy: -here[1], r: 9 * px, class: "chosen"}));
+  layers.targets.replaceChildren(...marks);
+}
+
 function showTargets() {
+  if (state && state.recording) return showPlaces(state.recording);
   const marks = targets.map(({id, x_mm, y_mm}) => glyph(kindOf(results.get(id)), [x_mm, y_mm]));
   if (targets.length <= MOST_LABELS) for (const {id, x_mm, y_mm} of targets)
     marks.push(draw("text", {x: x_mm + 7 * px, y: -y_mm - 5 * px, class: "label"}, id));
@@ -121,7 +134,11 @@ function redraw() {
 }
 
 export function showField(next) {
+  const recorded = Boolean(state && state.recording);
   state = next;
+  if (recorded || state.recording) showTargets();
+  put("glyph-good", state.recording ? "● done" : "● reached");
+  put("glyph-bad", state.recording ? "✕ left out" : "✕ not reached");
   const {arm, seen_mm: seen} = state;
   const tip = arm && arm.homed ? arm.tip_mm : null, last = trail[trail.length - 1];
   if (tip && (!last || Math.hypot(tip[0] - last[0], tip[1] - last[1]) > px)) trail.push(tip);

@@ -1,6 +1,6 @@
 // The page of planar-console: asks for the cell once, then follows its state.
 
-import {attempt, gate, prepareActions, reasonNotToAct} from "./actions.js";
+import {attempt, gate, mayAct, prepareActions} from "./actions.js";
 import {addLine, clearLines, prepareBar, showBar, showLost} from "./bar.js";
 import {loadCell, prepareCell} from "./cell.js";
 import {byId, put, show} from "./dom.js";
@@ -9,6 +9,7 @@ import {loseJog, prepareJog, showJog} from "./jog.js";
 import {ask, follow} from "./link.js";
 import {preparePicture, showPictures} from "./picture.js";
 import {choose, preparePlace} from "./place.js";
+import {prepareRecording, showRecording} from "./recording.js";
 import {addResult, loadTargets, prepareTargets} from "./targets.js";
 
 let cell, endedJob = null;
@@ -26,8 +27,9 @@ function showState(state) {
   showPictures(state);
   showField(state);
   showJog(state);
+  showRecording(cell, state);
   heedJob(state.job);
-  gate(reasonNotToAct(cell, state) === "");
+  gate(mayAct(cell, state));
 }
 
 function lose(refusal) {
@@ -52,6 +54,7 @@ async function begin() {
   prepareJog();
   prepareTargets();
   prepareCell();
+  prepareRecording();
   gate(false);
   follow({state: showState, line: addLine, result: addResult}, clearLines, lose);
   attempt(loadTargets);
