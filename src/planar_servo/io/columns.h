@@ -126,12 +126,16 @@ void Columns::choice(std::string_view column, std::optional<Value>& field,
   if (!field && !word.empty()) refuse(column, word, names_of(table));
 }
 
+/// Says whether every row of a table has an id of its own.
+enum class RowIds { kAny, kOwn };
+
 /// Describes a table by its kind (`# format: planar-servo/<kind>/1`) and its columns.
 template <typename Row>
 struct TableSchema {
   const char* kind;
   std::function<void(Columns&, Row&)> list_columns;
   UnendedRow unended{UnendedRow::kWarned};
+  RowIds ids{RowIds::kAny};
 
   /// Returns the columns with the fields of this row.
   Columns columns(Row row = {}) const {
@@ -152,9 +156,6 @@ struct TableSchema {
     return text;
   }
 };
-
-/// Says whether every row of a table has an id of its own.
-enum class RowIds { kAny, kOwn };
 
 /// Reads a table's file row by row:
 ///
@@ -179,11 +180,11 @@ class TableFile : public CsvFile {
   }
 
   /// Reads the rows that are left, of which there may be none. Throws as throw_if_faulty() does.
-  std::vector<Row> any_rows(RowIds ids = RowIds::kAny) {
+  std::vector<Row> any_rows() {
     std::vector<Row> rows;
     std::set<std::string> taken;
     for (Row row; next(row); rows.push_back(row)) {
-      if (ids == RowIds::kAny) continue;
+      if (schema_.ids == RowIds::kAny) continue;
       require_id_not_in(taken);
       taken.emplace(text("id"));
     }
@@ -191,9 +192,8 @@ class TableFile : public CsvFile {
     return rows;
   }
   /// Reads the rows that are left. Throws as throw_if_faulty_or_empty() does.
-  std::vector<Row> rows(RowIds ids = RowIds::kAny,
-                        const std::string& remedy = "at least one is needed") {
-    std::vector<Row> rows = any_rows(ids);
+  std::vector<Row> rows(const std::string& remedy = "at least one is needed") {
+    std::vector<Row> rows = any_rows();
     throw_if_faulty_or_empty(remedy);
     return rows;
   }

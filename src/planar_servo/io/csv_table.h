@@ -41,6 +41,7 @@ class CsvTable {
            CsvDialect dialect = {}, std::vector<std::string> optional = {});
   CsvTable(const CsvTable&) = delete;  // the fields are views of the line
   CsvTable& operator=(const CsvTable&) = delete;
+  virtual ~CsvTable() = default;
 
   /// Takes one more line. Returns true when it is a row, which is the current one then. A row whose
   /// number of fields differs from the header's is a fault. Throws InputError for another format
@@ -80,8 +81,9 @@ class CsvTable {
   const std::filesystem::path& source() const { return source_; }
   char separator() const { return dialect_.separator; }
   std::string required_columns() const;
-  /// Returns FILE:LINE of the current row.
-  std::string row() const;
+  int line_number() const { return line_number_; }
+  /// Returns the place of the current row as messages name it, FILE:LINE.
+  virtual std::string row() const;
 
  private:
   void read_header();

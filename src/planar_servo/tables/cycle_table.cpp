@@ -14,7 +14,8 @@ bool has_its_pose(const CertificateMove& move) {
 
 const TableSchema<JudgedMove>& cycle_schema() {
   static const TableSchema<JudgedMove> cycles{
-      "cycles", [](Columns& columns, JudgedMove& row) {
+      "cycles",
+      [](Columns& columns, JudgedMove& row) {
         columns.text("id", row.move.id);
         columns.choice("part", row.move.part, kCertificateParts);
         columns.text("pose", row.move.pose);
@@ -38,7 +39,8 @@ const TableSchema<JudgedMove>& cycle_schema() {
         columns.optional_number("sigma_vision_mm", row.sigma_vision, kMillimetre, 6,
                                 Column::kRequired);
         columns.optional_number("stop_below_mm", row.stop_below, kMillimetre, 6, Column::kRequired);
-      }};
+      },
+      UnendedRow::kWarned, RowIds::kOwn};
   return cycles;
 }
 
@@ -53,11 +55,11 @@ std::string cycle_line(const JudgedMove& move) {
 }
 
 std::vector<JudgedMove> read_cycles(const std::filesystem::path& path) {
-  return TableFile<JudgedMove>(path, cycle_schema()).any_rows(RowIds::kOwn);
+  return TableFile<JudgedMove>(path, cycle_schema()).any_rows();
 }
 
-std::vector<TableColumn> read_cycle_columns(const std::filesystem::path& path) {
-  return columns_in(path, cycle_schema());
+TableForm cycle_form() {
+  return form_of(cycle_schema());
 }
 
 }  // namespace planar

@@ -47,8 +47,8 @@ std::string error_grid_text(const ErrorGrid& grid, const std::vector<std::string
   return text;
 }
 
-std::vector<TableColumn> read_error_grid_columns(const std::filesystem::path& path) {
-  return columns_in(path, error_grid_schema());
+TableForm error_grid_form() {
+  return form_of(error_grid_schema());
 }
 
 }  // namespace planar

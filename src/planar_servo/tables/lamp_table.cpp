@@ -139,8 +139,8 @@ std::vector<ReferenceLamp> read_reference_remarks(const std::filesystem::path& p
   return lamps;
 }
 
-std::vector<TableColumn> read_lamp_columns(const std::filesystem::path& path) {
-  return columns_in(path, lamp_schema());
+TableForm lamp_form() {
+  return form_of(lamp_schema());
 }
 
 }  // namespace planar

@@ -137,16 +137,16 @@ std::vector<ArmSampleRow> read_arm_samples(const std::filesystem::path& path) {
   return TableFile<ArmSampleRow>(path, arm_sample_schema()).rows();
 }
 
-std::vector<TableColumn> read_pair_columns(const std::filesystem::path& path) {
-  return columns_in(path, pair_schema());
+TableForm pair_form() {
+  return form_of(pair_schema());
 }
 
-std::vector<TableColumn> read_lay_columns(const std::filesystem::path& path) {
-  return columns_in(path, lay_schema());
+TableForm lay_form() {
+  return form_of(lay_schema());
 }
 
-std::vector<TableColumn> read_arm_sample_columns(const std::filesystem::path& path) {
-  return columns_in(path, arm_sample_schema());
+TableForm arm_sample_form() {
+  return form_of(arm_sample_schema());
 }
 
 }  // namespace planar

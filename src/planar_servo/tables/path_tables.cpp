@@ -149,16 +149,16 @@ std::string path_result_line(const PathSpeedResult& result) {
   return result_schema_of_paths().line(result);
 }
 
-std::vector<TableColumn> read_path_columns(const std::filesystem::path& path) {
-  return columns_in(path, path_schema());
+TableForm path_form() {
+  return form_of(path_schema());
 }
 
-std::vector<TableColumn> read_path_look_columns(const std::filesystem::path& path) {
-  return columns_in(path, look_schema());
+TableForm path_look_form() {
+  return form_of(look_schema());
 }
 
-std::vector<TableColumn> read_path_result_columns(const std::filesystem::path& path) {
-  return columns_in(path, result_schema_of_paths());
+TableForm path_result_form() {
+  return form_of(result_schema_of_paths());
 }
 
 }  // namespace planar

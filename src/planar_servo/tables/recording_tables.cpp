@@ -47,7 +47,7 @@ TableSchema<PlanRow> plan_schema(double tool_orientation) {
         columns.check(shows_board(row.plan) || !std::holds_alternative<std::monostate>(row.where),
                       {"has no position", "x_mm, y_mm or theta1_deg ... theta3_deg are needed"});
       },
-      UnendedRow::kRefused};
+      UnendedRow::kRefused, RowIds::kOwn};
 }
 
 const TableSchema<FrameRow>& frame_schema() {
@@ -71,7 +71,7 @@ const TableSchema<FrameRow>& frame_schema() {
 
 std::vector<PlanRow> read_plan(const std::filesystem::path& path, double tool_orientation) {
   const TableSchema<PlanRow> plan = plan_schema(tool_orientation);
-  return TableFile<PlanRow>(path, plan).rows(RowIds::kOwn);
+  return TableFile<PlanRow>(path, plan).rows();
 }
 
 std::string plan_text(const std::vector<PlanRow>& rows) {
@@ -87,7 +87,7 @@ std::vector<FrameRow> read_frames(const std::filesystem::path& recording) {
          "a recording made by planar-record is needed (pictures are named one by one: FOLDER/*)",
          recording});
   return TableFile<FrameRow>(recording / "frames.csv", frame_schema())
-      .rows(RowIds::kAny, "record some with planar-record");
+      .rows("record some with planar-record");
 }
 
 std::string frames_header() {
@@ -126,12 +126,12 @@ void list_pulses(Columns& columns, Pulses& pulses) {
   columns.whole_number("m3_pulses", pulses[2]);
 }
 
-std::vector<TableColumn> read_plan_columns(const std::filesystem::path& path) {
-  return columns_in(path, plan_schema(0.0));
+TableForm plan_form() {
+  return form_of(plan_schema(0.0));
 }
 
-std::vector<TableColumn> read_frame_columns(const std::filesystem::path& path) {
-  return columns_in(path, frame_schema());
+TableForm frame_form() {
+  return form_of(frame_schema());
 }
 
 }  // namespace planar

@@ -171,12 +171,12 @@ std::vector<StepError> read_step_errors(const std::filesystem::path& path) {
   return TableFile<StepError>(path, step_error_schema()).rows();
 }
 
-std::vector<TableColumn> read_result_columns(const std::filesystem::path& path) {
-  return columns_in(path, result_schema());
+TableForm result_form() {
+  return form_of(result_schema());
 }
 
-std::vector<TableColumn> read_step_columns(const std::filesystem::path& path) {
-  return columns_in(path, step_schema());
+TableForm step_form() {
+  return form_of(step_schema());
 }
 
 }  // namespace planar

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -17,7 +18,7 @@ struct TableColumn {
   std::vector<std::string> texts;
 };
 
-/// Returns the kinds of tables that read_table_columns() reads, as their first lines have them
+/// Returns the kinds of tables that are read and written by columns, as their first lines have them
 /// (`# format: planar-servo/<kind>/1`).
 std::vector<std::string> table_kinds();
 
@@ -30,33 +31,50 @@ std::string table_kind_of(const std::filesystem::path& path);
 std::vector<TableColumn> read_table_columns(const std::filesystem::path& path,
                                             const std::string& kind);
 
-/// Reads the columns of a table with this schema.
+/// Returns the columns of a table of this kind that have these names, in the order of writing and
+/// without rows. Throws InputError for a kind that is none of table_kinds(), at `kind`, and, at
+/// `table`, for a name that is no column's and for a missing column.
+std::vector<TableColumn> columns_named(const std::vector<std::string>& names,
+                                       const std::string& kind);
+
+/// Returns the text of a table with these columns, equally long; a number is written with all its
+/// digits. Throws InputError naming every fault that a reader of the table finds at `table[ROW]`,
+/// counted from 0, and for a table without rows.
+std::string table_text(const std::vector<TableColumn>& columns, const std::string& kind);
+
+/// A table's schema without the type of its rows.
+struct TableForm {
+  const char* kind;
+  Columns columns;  ///< with the fields of an empty row
+  UnendedRow unended;
+  RowIds ids;
+  std::function<void(Columns&)> read_row;  ///< whose faults the table collects
+};
+
+// Each of these returns one kind's form; its schema stands in the source of the table.
+TableForm arm_sample_form();
+TableForm cycle_form();
+TableForm error_grid_form();
+TableForm frame_form();
+TableForm lamp_form();
+TableForm lay_form();
+TableForm pair_form();
+TableForm path_form();
+TableForm path_look_form();
+TableForm path_result_form();
+TableForm plan_form();
+TableForm result_form();
+TableForm step_form();
+TableForm target_form();
+TableForm tracker_form();
+
 template <typename Row>
-std::vector<TableColumn> columns_in(const std::filesystem::path& path,
-                                    const TableSchema<Row>& schema);
-
-// Each of these reads the columns of one kind; its schema stands in the source of the table.
-using ReadColumns = std::vector<TableColumn>(const std::filesystem::path& path);
-ReadColumns read_cycle_columns, read_error_grid_columns, read_lamp_columns, read_pair_columns,
-    read_lay_columns, read_arm_sample_columns, read_path_columns, read_path_look_columns,
-    read_path_result_columns, read_plan_columns, read_frame_columns, read_result_columns,
-    read_step_columns, read_target_columns, read_tracker_columns;
-
-/// Takes the fields of a table's current row into the columns.
-void take_fields(CsvTable& table, std::vector<TableColumn>& columns);
-
-template <typename Row>
-std::vector<TableColumn> columns_in(const std::filesystem::path& path,
-                                    const TableSchema<Row>& schema) {
-  TableFile<Row> table(path, schema);
-  const Columns every = schema.columns();
-  std::vector<TableColumn> columns;
-  for (const WrittenField& field : every.written())
-    if (field.need == Column::kRequired || table.has_column(field.column))
-      columns.push_back({field.column, field.kind, {}, {}});
-  for (Row row; table.next(row);) take_fields(table, columns);
-  table.throw_if_faulty();
-  return columns;
+TableForm form_of(const TableSchema<Row>& schema) {
+  return {schema.kind, schema.columns(), schema.unended, schema.ids,
+          [list = schema.list_columns](Columns& columns) {
+            Row row{};
+            list(columns, row);
+          }};
 }
 
 }  // namespace planar

@@ -18,7 +18,7 @@ const TableSchema<TargetRow>& target_schema() {
         columns.point("x_mm", "y_mm", row.p_d, kMillimetre, 6);
         columns.optional_number("phi_deg", row.phi_d, kDegree, 6, Column::kOptional);
       },
-      UnendedRow::kRefused};
+      UnendedRow::kRefused, RowIds::kOwn};
   return targets;
 }
 
@@ -43,7 +43,7 @@ bool is_plan_without_places(const std::filesystem::path& path) {
 
 std::vector<TargetRow> read_targets(const std::filesystem::path& path) {
   try {
-    return TableFile<TargetRow>(path, target_schema()).rows(RowIds::kOwn);
+    return TableFile<TargetRow>(path, target_schema()).rows();
   } catch (const InputError&) {
     if (!is_plan_without_places(path)) throw;
   }
@@ -87,8 +87,8 @@ std::optional<TargetRow> TargetLines::next(const std::string& line, bool has_end
   return target;
 }
 
-std::vector<TableColumn> read_target_columns(const std::filesystem::path& path) {
-  return columns_in(path, target_schema());
+TableForm target_form() {
+  return form_of(target_schema());
 }
 
 }  // namespace planar

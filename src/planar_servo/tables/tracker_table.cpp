@@ -133,8 +133,8 @@ double TrackerLines::resolution() const {
   return dialect_.unit * std::pow(10.0, -static_cast<double>(decimals));
 }
 
-std::vector<TableColumn> read_tracker_columns(const std::filesystem::path& path) {
-  return columns_in(path, tracker_schema());
+TableForm tracker_form() {
+  return form_of(tracker_schema());
 }
 
 }  // namespace planar
