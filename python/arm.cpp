@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <pybind11/stl/filesystem.h>
 
 #include "arrays.h"
@@ -22,6 +23,7 @@ PlanarArm make_arm(const py::object& link_lengths, const std::string& positive_r
   if (geometry.link_lengths_m.minCoeff() <= 0.0)
     throw InputError(
         {"has a length that is not positive", "two lengths in metres are needed", "link_lengths"});
+  require_metres("link_lengths", geometry.link_lengths_m);
   return PlanarArm(geometry);
 }
 
@@ -98,6 +100,12 @@ void bind_arm(py::module_& m) {
       .def_property_readonly(
           "link_lengths",
           [](const PlanarArm& arm) { return array_from(arm.geometry().link_lengths_m); })
+      .def("__repr__",
+           [](const PlanarArm& arm) {
+             const ArmGeometry& g = arm.geometry();
+             return fmt::format("<Arm {:g} m + {:g} m, {}>", g.link_lengths_m[0],
+                                g.link_lengths_m[1], name_in(kRotations, g.positive_rotation));
+           })
       .def("forward", &forward, py::arg("theta"), "Returns the poses (N, 3) of joints (N, 3).")
       .def("inverse", &inverse, py::arg("poses"), py::arg("elbow") = "left",
            py::arg("near") = py::make_tuple(0.0, 0.0, 0.0),
@@ -119,6 +127,12 @@ void bind_arm(py::module_& m) {
                              "Of the terms; None where nothing is known of it.")
       .def_readonly("scatter", &FoundArm::scatter_m,
                     "By which a stop misses at random, standard deviation per axis, metres.")
+      .def("__repr__",
+           [](const FoundArm& arm) {
+             const Eigen::Vector2d lengths = arm.link_lengths_m();
+             return fmt::format("<FoundArm {:.6f} m + {:.6f} m, {} terms>", lengths[0], lengths[1],
+                                arm.x.size());
+           })
       .def("tip", &found_tip, py::arg("motors"), "Returns the poses (N, 3) of motor angles (N, 3).")
       .def("jacobian", &found_jacobian, py::arg("motors"),
            "Returns d(x, y, phi) / d(terms), (N, 3, terms).");

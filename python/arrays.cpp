@@ -23,26 +23,37 @@ std::string described(const py::array& array) {
                      shape_text(array));
 }
 
-/// Returns the argument as an array of doubles; `allowed` says what is.
+/// Returns the argument as an array; `allowed` says what is.
+py::array array_of(const char* argument, const py::object& value, const std::string& allowed) {
+  py::array array = py::array::ensure(value);
+  if (array) return array;
+  PyErr_Clear();
+  throw InputError({"is of type " + type_name(value), allowed, argument});
+}
+
+/// Returns the argument as an array of doubles side by side: py::array_t::at() divides strides by a
+/// double's size, which a field of a table need not be a multiple of.
 py::array_t<double> doubles_of(const char* argument, const py::object& value,
                                const std::string& allowed) {
-  const Refusal refusal{
-      fmt::format("is of type {}", std::string(py::str(py::type::of(value).attr("__name__")))),
-      allowed, argument};
-  const py::array array = py::array::ensure(value);
-  if (!array) {
-    PyErr_Clear();
-    throw InputError(refusal);
-  }
+  const py::array array = array_of(argument, value, allowed);
   const char kind = array.dtype().kind();
   if (kind != 'f' && kind != 'i' && kind != 'u')
     throw InputError({described(array), allowed, argument});
-  auto doubles = py::array_t<double, py::array::forcecast>::ensure(array);
-  if (!doubles) {
-    PyErr_Clear();
-    throw InputError(refusal);
-  }
-  return doubles;
+  constexpr int kAligned = py::detail::npy_api::NPY_ARRAY_ALIGNED_;
+  auto doubles =
+      py::array_t<double, py::array::forcecast | py::array::c_style | kAligned>::ensure(array);
+  if (doubles) return doubles;
+  PyErr_Clear();
+  throw InputError({described(array), allowed, argument});
+}
+
+/// Returns a text, or a whole number as one; nothing for what is neither.
+std::optional<std::string> text_of(const py::handle& value) {
+  const bool is_whole = PyLong_Check(value.ptr()) && !PyBool_Check(value.ptr());
+  if (!is_whole && !py::isinstance<py::str>(value)) return std::nullopt;
+  py::detail::make_caster<std::string> text;
+  if (!text.load(py::str(value), false)) return std::nullopt;  // half a character
+  return py::detail::cast_op<std::string>(text);
 }
 
 void require_finite(const char* argument, const Eigen::Ref<const Eigen::MatrixXd>& values) {
@@ -96,6 +107,34 @@ Eigen::VectorXd numbers_of(const char* argument, const py::object& value, Eigen:
   return values;
 }
 
+std::vector<double> column_of(const char* argument, const py::object& value) {
+  const std::string allowed = "numbers of shape (N,) are needed, NaN where there is none";
+  const py::array_t<double> array = doubles_of(argument, value, allowed);
+  if (array.ndim() != 1) throw InputError({described(array), allowed, argument});
+  std::vector<double> numbers;
+  numbers.reserve(static_cast<std::size_t>(array.size()));
+  for (py::ssize_t i = 0; i < array.size(); ++i) numbers.push_back(array.at(i));
+  return numbers;
+}
+
+std::vector<std::string> texts_of(const char* argument, const py::object& value) {
+  const std::string allowed = "texts of shape (N,) are needed";
+  const py::array array = array_of(argument, value, allowed);
+  if (array.ndim() != 1) throw InputError({described(array), allowed, argument});
+  Faults faults;
+  std::vector<std::string> texts;
+  for (const py::handle item : array.attr("tolist")()) {
+    const auto text = text_of(item);
+    if (!text)
+      faults.add({"is " + std::string(py::str(py::repr(item))),
+                  "a text or a whole number is needed",
+                  fmt::format("{}[{}]", argument, texts.size())});
+    texts.push_back(text.value_or(""));
+  }
+  faults.throw_if_any(texts.size());
+  return texts;
+}
+
 Eigen::MatrixXd matrix_of(const char* argument, const py::object& value, Eigen::Index rows,
                           Eigen::Index columns) {
   const std::string allowed = fmt::format("numbers of shape ({}, {}) are needed", rows, columns);
@@ -107,6 +146,14 @@ Eigen::MatrixXd matrix_of(const char* argument, const py::object& value, Eigen::
     for (Eigen::Index c = 0; c < columns; ++c) values(r, c) = array.at(r, c);
   require_finite(argument, values);
   return values;
+}
+
+void require_metres(const char* argument, const Eigen::Ref<const Eigen::MatrixXd>& lengths) {
+  constexpr double kFarthest_m = 10.0;  // fit_error_map() believes no more, either
+  const double longest = lengths.size() == 0 ? 0.0 : lengths.cwiseAbs().maxCoeff();
+  if (longest > kFarthest_m)
+    throw InputError({fmt::format("has {:g} m, farther than arms reach", longest),
+                      "lengths are metres here; divide millimetres by 1000", argument});
 }
 
 std::vector<Eigen::Vector2d> points_of(const char* argument, const py::object& value) {
@@ -121,11 +168,10 @@ cv::Mat image_of(const char* argument, const py::object& value) {
   constexpr py::ssize_t kLongestSide = 100000;
   const std::string allowed =
       "a grey picture is needed: uint8 of shape (rows, columns), each side from 1 to 100000, with "
-      "the pixels of a row side by side (numpy.ascontiguousarray makes them so)";
+      "the pixels of a row side by side; numpy.ascontiguousarray() and "
+      "numpy.array(PIL.Image.open(FILE).convert('L')) make one";
   if (!py::isinstance<py::array>(value))
-    throw InputError(
-        {fmt::format("is of type {}", std::string(py::str(py::type::of(value).attr("__name__")))),
-         allowed, argument});
+    throw InputError({"is of type " + type_name(value), allowed, argument});
   const auto array = py::reinterpret_borrow<py::array>(value);
   const bool is_grey =
       array.dtype().kind() == 'u' && array.dtype().itemsize() == 1 && array.ndim() == 2;
@@ -139,6 +185,14 @@ cv::Mat image_of(const char* argument, const py::object& value) {
   // A picture that is only read: OpenCV has no constant matrix.
   return {static_cast<int>(array.shape(0)), static_cast<int>(array.shape(1)), CV_8UC1,
           const_cast<void*>(array.data()), static_cast<std::size_t>(array.strides(0))};
+}
+
+std::string point_text(const Eigen::Vector2d& p, int decimals) {
+  return fmt::format("({:.{}f}, {:.{}f})", p.x(), decimals, p.y(), decimals);
+}
+
+std::string type_name(const py::object& value) {
+  return py::str(py::type::of(value).attr("__name__"));
 }
 
 double finite(const char* argument, double value) {

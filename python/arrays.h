@@ -33,9 +33,16 @@ Rows rows_of(const char* argument, const py::object& value, Eigen::Index columns
 Eigen::VectorXd vector_of(const char* argument, const py::object& value, Eigen::Index size);
 /// Reads (N,) numbers, or one number for all N things.
 Eigen::VectorXd numbers_of(const char* argument, const py::object& value, Eigen::Index count);
+/// Reads (N,) numbers that need not be finite.
+std::vector<double> column_of(const char* argument, const py::object& value);
+/// Reads (N,) texts; whole numbers become texts. Throws InputError for each that is neither.
+std::vector<std::string> texts_of(const char* argument, const py::object& value);
 /// Reads a matrix of this size.
 Eigen::MatrixXd matrix_of(const char* argument, const py::object& value, Eigen::Index rows,
                           Eigen::Index columns);
+
+/// Checks lengths. Throws InputError for one that no arm has, as of millimetres.
+void require_metres(const char* argument, const Eigen::Ref<const Eigen::MatrixXd>& lengths);
 
 /// Reads (N, 2) numbers as points.
 std::vector<Eigen::Vector2d> points_of(const char* argument, const py::object& value);
@@ -43,6 +50,9 @@ std::vector<Eigen::Vector2d> points_of(const char* argument, const py::object& v
 /// Returns a grey picture that shares the memory of the argument, which must outlive it. Throws
 /// InputError unless that is a uint8 array (rows, columns) with the pixels of a row side by side.
 cv::Mat image_of(const char* argument, const py::object& value);
+
+/// Returns the name of an argument's type.
+std::string type_name(const py::object& value);
 
 /// Checks one number. Throws InputError unless it is finite.
 double finite(const char* argument, double value);
@@ -85,6 +95,9 @@ py::array_t<double> array_from(const Matrix& matrix) {
     return array;
   }
 }
+
+/// Returns a point as text, its coordinates with so many decimals.
+std::string point_text(const Eigen::Vector2d& p, int decimals);
 
 /// Returns points as an array (N, 2).
 py::array_t<double> array_from(const std::vector<Eigen::Vector2d>& points);

@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
@@ -8,6 +9,7 @@
 #include "planar_servo/calibration/board.h"
 #include "planar_servo/calibration/tracker_registration.h"
 #include "planar_servo/core/error.h"
+#include "planar_servo/core/units.h"
 #include "planar_servo/files/vision_files.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/offline/pairs/pair_files.h"
@@ -66,13 +68,16 @@ PairTrackerReport pair(const fs::path& cell, const fs::path& lamps, const fs::pa
   request.lamps = read_lamps(lamps);
   request.frames = read_frames(recording);
   const RecordedTables tables{lamps, recording / "frames.csv", recording / "tracker.csv"};
+  const PairFiles files{workplane_out.value_or(""), tool_out.value_or(""), pairs_out.value_or("")};
+  require_outputs({{files.workplane, "workplane"}, {files.tool, "tool"}, {files.pairs, "pairs"}},
+                  {cell, request.cell.camera_model, tables.lamps, tables.frames, tables.tracker});
   require_belonging(stale_tables(request.cell, tables));
   request.tracker = read_tracker(tables.tracker);
   request.by = by == "time" ? PairBy::kTime : PairBy::kId;
   PairTrackerReport report = pair_tracker(request);
   if (outputs == 3)
-    write_pair_files({*workplane_out, *tool_out, *pairs_out}, request.cell, tables,
-                     report.workplane, WorkplaneSource::kPairs, report.pairs, "planar_servo");
+    write_pair_files(files, request.cell, tables, report.workplane, WorkplaneSource::kPairs,
+                     report.pairs, "planar_servo");
   return report;
 }
 
@@ -100,7 +105,11 @@ void bind_boards(py::module_& m) {
           "(N, 2): dots or corners, row by row; empty when it was not found.")
       .def_readonly("dot_areas_px2", &BoardSight::dot_areas_px2)
       .def_readonly("dot_sigmas_px", &BoardSight::dot_sigmas_px)
-      .def_readonly("reason", &BoardSight::reason, "Why it was not found.");
+      .def_readonly("reason", &BoardSight::reason, "Why it was not found.")
+      .def("__repr__", [](const BoardSight& s) {
+        return s.found() ? fmt::format("<BoardSight: {} points>", s.pixels.size())
+                         : fmt::format("<BoardSight: not found, {}>", s.reason);
+      });
   m.def(
       "find_board",
       [](const py::object& image, const std::string& board) {
@@ -132,7 +141,11 @@ void bind_calibration(py::module_& m) {
       .def_readonly("left_out", &DatumRegistration::left_out, "The monument that moved, or None.")
       .def_property_readonly(
           "doubt", [](const DatumRegistration& d) { return d.doubt.text(); },
-          "What noise does not explain; empty when it explains all.");
+          "What noise does not explain; empty when it explains all.")
+      .def("__repr__", [](const DatumRegistration& d) {
+        return fmt::format("<Registration: {} monuments, rms {:.4f} mm>", d.residuals.size(),
+                           mm(d.rms));
+      });
   m.def(
       "register_tracker", &register_readings, py::arg("ids"), py::arg("p_known"),
       py::arg("read_ids"), py::arg("p_read"), py::arg("sigma") = 0.0,
@@ -173,7 +186,19 @@ void bind_calibration(py::module_& m) {
                              [](const PairTrackerReport& r) { return r.workplane.rms; })
       .def_property_readonly(
           "p_TP", [](const PairTrackerReport& r) { return array_from(r.workplane.tool.p_TP); },
-          "(2,): the end point in the lamps' frame, metres.");
+          "(2,): the end point in the lamps' frame, metres.")
+      .def_property_readonly(
+          "doubts",
+          [](const PairTrackerReport& r) {
+            std::vector<std::string> doubts;
+            for (const Refusal& doubt : r.doubts) doubts.push_back(doubt.text());
+            return doubts;
+          },
+          "What the readings leave open, and what to do.")
+      .def("__repr__", [](const PairTrackerReport& r) {
+        return fmt::format("<Pairing: {} pairs, {} rejected, {} doubts>", r.pairs.size(),
+                           r.rejected.size(), r.doubts.size());
+      });
   m.def(
       "pair_tracker", &pair, py::arg("cell"), py::arg("lamps"), py::arg("recording"), py::kw_only(),
       py::arg("by") = "id", py::arg("pairs_out") = py::none(),

@@ -1,5 +1,6 @@
 #include "planar_servo/calibration/camera_calibration.h"
 
+#include <fmt/format.h>
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
@@ -84,6 +85,7 @@ py::list rejected_from(const CameraCalibration& calibration) {
 PYBIND11_MODULE(_camera, module) {
   using namespace planar;
   using namespace planar::python;
+  Eigen::setNbThreads(1);                     // as in the programs
   py::module_::import("planar_servo._core");  // has the types and the exceptions
   py::class_<CameraCalibration>(module, "CameraCalibration", "A calibrated camera.")
       .def_readonly("camera", &CameraCalibration::camera)
@@ -106,6 +108,11 @@ PYBIND11_MODULE(_camera, module) {
                              "List of (name, X_CG (4, 4), residuals (N, 2) in px, seen minus\n"
                              "predicted).")
       .def_property_readonly("rejected", &rejected_from, "List of (name, reason).")
+      .def("__repr__",
+           [](const CameraCalibration& c) {
+             return fmt::format("<CameraCalibration {}: {} views, rms {:.3f} px>", c.model,
+                                c.views.size(), c.rms_px);
+           })
       .def(
           "write",
           [](const CameraCalibration& c, const fs::path& path) {

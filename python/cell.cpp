@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <pybind11/functional.h>
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
@@ -12,6 +13,7 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "planar_servo/core/error.h"
+#include "planar_servo/core/units.h"
 #include "planar_servo/files/vision_files.h"
 #include "planar_servo/machine/cell_devices.h"
 #include "planar_servo/machine/device_kinds.h"
@@ -71,6 +73,14 @@ class Stop {
   std::optional<py::error_already_set> interruption_;
 };
 
+/// Checks the direction of a tool, up to one turn either way.
+double direction(double phi) {
+  if (!(std::abs(phi) <= 2.0 * kPi))
+    throw InputError({fmt::format("is {:g}", phi),
+                      "radians from -2 pi to 2 pi are needed; numpy.radians() makes them", "phi"});
+  return phi;
+}
+
 using OnStep = std::optional<std::function<void(const ServoStep&)>>;
 
 /// Calls back into Python with each step.
@@ -107,7 +117,8 @@ class Cell {
   ServoResult move_to(const py::object& p, const std::optional<double>& phi,
                       const OnStep& on_step) {
     const Eigen::VectorXd place = vector_of("p", p, 2);
-    const double turn = phi ? finite("phi", *phi) : request_.cell.tool_orientation;
+    require_metres("p", place);
+    const double turn = phi ? direction(*phi) : request_.cell.tool_orientation;
     return work([&] {
       ReadyCell& cell = ready();
       if (const auto unwell = cell.examine_if_due(); unwell && !unwell->empty())
@@ -285,6 +296,10 @@ void bind_cell(py::module_& m) {
            "Returns the true end point (2,) of a virtual cell, None of a real one; to judge only.")
       .def("stop", &Cell::stop, "Brings the arm to rest; call it from another thread.")
       .def("close", &Cell::close, "Closes the devices.")
+      .def("__repr__",
+           [](const Cell& cell) {
+             return fmt::format("<Cell {}, {}>", cell.file(), cell.is_open() ? "open" : "closed");
+           })
       .def_property_readonly("is_open", &Cell::is_open)
       .def_property_readonly("path", &Cell::file)
       .def(

@@ -1,5 +1,6 @@
 #include "planar_servo/error_map/error_map.h"
 
+#include <fmt/format.h>
 #include <pybind11/functional.h>
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
@@ -9,6 +10,7 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "planar_servo/core/error.h"
+#include "planar_servo/core/units.h"
 #include "planar_servo/error_map/fit_error_map.h"
 #include "planar_servo/field/lamp_field.h"
 #include "planar_servo/files/map_file.h"
@@ -19,6 +21,8 @@
 
 namespace planar::python {
 namespace {
+
+namespace fs = std::filesystem;
 
 constexpr char kProgram[] = "planar_servo";
 
@@ -37,6 +41,7 @@ std::optional<Eigen::VectorXd> optional_numbers(const char* argument, const py::
 py::object predict_places(const HeldMap& held, const py::object& p_vision, const py::object& phi) {
   const ErrorMap& map = held.map;
   const Rows places = rows_of("p_vision", p_vision, 2);
+  require_metres("p_vision", places.values);
   const auto directions = optional_numbers("phi", phi, places.count());
   if (!directions && depends_on_direction(map))
     throw InputError({"is missing", "this map needs the tool's direction, radians", "phi"});
@@ -65,6 +70,8 @@ std::vector<ErrorSample> samples_of(const py::object& p_vision, const py::object
   const Rows seen = rows_of("p_vision", p_vision, 2),
              reference = rows_of("p_reference", p_reference, 2);
   const auto count = static_cast<std::size_t>(seen.count());
+  require_metres("p_vision", seen.values);
+  require_metres("p_reference", reference.values);
   const auto check = [&](const char* argument, std::size_t size) {
     if (size != count)
       throw InputError({"has " + std::to_string(size) + " entries",
@@ -100,6 +107,13 @@ MapResult fit(const py::object& p_vision, const py::object& p_reference, const s
   return fit_error_map(problem);
 }
 
+std::string extent_text(const ValidRegion& region) {
+  Eigen::Vector2d low = region.hull.at(0), high = low;
+  for (const Eigen::Vector2d& corner : region.hull)
+    low = low.cwiseMin(corner), high = high.cwiseMax(corner);
+  return fmt::format("from {} to {} m", point_text(low, 3), point_text(high, 3));
+}
+
 py::list rejected_of(const MapResult& result) {
   py::list rejected;
   for (const RejectedSample& sample : result.rejected)
@@ -112,14 +126,23 @@ void bind_fit(py::module_& m) {
                         "A fitted map with its figures, metres. Samples of one place are left out\n"
                         "together.")
       .def_property_readonly("map", [](const MapResult& r) { return HeldMap{r.map}; })
-      .def_readonly("n_used", &MapResult::n_used)
-      .def_readonly("n_places", &MapResult::n_places)
+      .def_readonly("n_used", &MapResult::n_used, "Samples that it was fitted to.")
+      .def_readonly("n_places", &MapResult::n_places, "Places that these have.")
       .def_readonly("raw_rms", &MapResult::raw_rms, "rms of |error| of the samples.")
       .def_readonly("loo_rms", &MapResult::loo_rms, "rms of what is left at places left out.")
       .def_property_readonly("gain", &MapResult::gain, "1 - loo_rms / raw_rms.")
       .def_readonly("noise_sigma", &MapResult::noise_sigma, "Per axis; NaN where there is none.")
-      .def_readonly("worth_using", &MapResult::worth_using)
-      .def_readonly("coverage_95", &MapResult::coverage_95)
+      .def_readonly("worth_using", &MapResult::worth_using,
+                    "False where positioning by it would not err less than without.")
+      .def_readonly("coverage_95", &MapResult::coverage_95,
+                    "Share of the places left out that lie within their 95 % bounds.")
+      .def("__repr__",
+           [](const MapResult& r) {
+             return fmt::format(
+                 "<MapFit {}: {} samples, rms {:.4f} mm before, {:.4f} mm at places left out{}>",
+                 name(kind_of(r.map)), r.n_used, mm(r.raw_rms), mm(r.loo_rms),
+                 r.worth_using ? "" : ", not worth using");
+           })
       .def_property_readonly("rejected", &rejected_of,
                              "List of (index, id, residual in metres, reason).")
       .def_property_readonly(
@@ -136,8 +159,7 @@ void bind_fit(py::module_& m) {
           "(N, 2): what is left at each place when it is left out.")
       .def(
           "write",
-          [](const MapResult& r, const std::filesystem::path& path,
-             const std::filesystem::path& pairs) {
+          [](const MapResult& r, const fs::path& path, const fs::path& pairs) {
             write_file(path, map_text(r, pairs, kProgram));
           },
           py::arg("path"), py::arg("pairs"),
@@ -182,6 +204,24 @@ py::object region_corners(const ValidRegion& region) {
   return array_from(region.hull);
 }
 
+/// Learns the field as planar-fit-error-map --cell does.
+LampFieldFit learn_field(const fs::path& cell_path, const fs::path& pairs,
+                         const std::optional<fs::path>& lays, const std::optional<fs::path>& map,
+                         const std::optional<fs::path>& arm) {
+  const py::gil_scoped_release release;
+  if (arm && !map)
+    throw InputError({"is written together with the map alone", "name map, too", "arm"});
+  const CellSettings cell = read_cell(cell_path);
+  const LampFieldFiles files{pairs, lays.value_or(""), map.value_or(""), arm.value_or("")};
+  require_outputs({{files.map, "map"}, {files.arm, "arm"}}, {cell_path, files.pairs, files.lays});
+  const VisionCalibration vision = read_vision(cell, false);
+  require_belonging(contradictions(files.inputs(), origins_in(cell, calibration_files(cell, false)),
+                                   values_of(kRoles)));
+  LampFieldFit fitted = learn_lamp_field(files, cell, vision);
+  if (map) write_lamp_field(files, fitted, cell, kProgram);
+  return fitted;
+}
+
 void bind_field(py::module_& m) {
   py::class_<LampField>(m, "LampField",
                         "The vision error at each lamp, with the tool found together with it.")
@@ -193,36 +233,29 @@ void bind_field(py::module_& m) {
       .def_property_readonly(
           "hull", [](const LampField& f) { return region_corners(f.region); },
           "(M, 2): corners of the valid region, counterclockwise, metres.")
-      .def_property_readonly("margin", [](const LampField& f) { return f.region.margin; });
+      .def_property_readonly(
+          "margin", [](const LampField& f) { return f.region.margin; },
+          "The valid region reaches so far beyond the hull, metres.")
+      .def("__repr__",
+           [](const LampField& f) { return fmt::format("<LampField {}>", extent_text(f.region)); });
   py::class_<LampFieldFit>(m, "LampFieldFit", "A lamp field with the arm found together with it.")
       .def_readonly("field", &LampFieldFit::field)
       .def_readonly("arm", &LampFieldFit::arm)
-      .def_readonly("n_readings", &LampFieldFit::n_readings)
-      .def_readonly("n_unattended", &LampFieldFit::n_unattended)
-      .def_readonly("left_out", &LampFieldFit::left_out)
-      .def_readonly("noise_sigma", &LampFieldFit::noise_sigma)
-      .def_readonly("landing_sigma", &LampFieldFit::landing_sigma);
+      .def_readonly("n_readings", &LampFieldFit::n_readings, "Tracker readings used.")
+      .def_readonly("n_unattended", &LampFieldFit::n_unattended, "Poses used without a reading.")
+      .def_readonly("left_out", &LampFieldFit::left_out, "Ids of the poses that do not fit.")
+      .def_readonly("noise_sigma", &LampFieldFit::noise_sigma, "Of a reading per axis, metres.")
+      .def_readonly("landing_sigma", &LampFieldFit::landing_sigma,
+                    "By which the arm's stops scatter, per axis, metres.")
+      .def("__repr__", [](const LampFieldFit& f) {
+        return fmt::format("<LampFieldFit: {} readings, {} poses without, noise {:.4f} mm>",
+                           f.n_readings, f.n_unattended, mm(f.noise_sigma));
+      });
   m.def(
-      "fit_lamp_field",
-      [](const std::filesystem::path& cell_path, const std::filesystem::path& pairs,
-         const std::optional<std::filesystem::path>& lays,
-         const std::optional<std::filesystem::path>& map,
-         const std::optional<std::filesystem::path>& arm) {
-        const py::gil_scoped_release release;
-        const CellSettings cell = read_cell(cell_path);
-        LampFieldFiles files;
-        files.pairs = pairs;
-        files.lays = lays.value_or("");
-        files.map = map.value_or("");
-        files.arm = arm.value_or("");
-        LampFieldFit fitted = learn_lamp_field(files, cell, read_vision(cell, false));
-        if (map) write_lamp_field(files, fitted, cell, kProgram);
-        return fitted;
-      },
-      py::arg("cell"), py::arg("pairs"), py::kw_only(), py::arg("lays") = py::none(),
-      py::arg("map") = py::none(), py::arg("arm") = py::none(),
+      "fit_lamp_field", &learn_field, py::arg("cell"), py::arg("pairs"), py::kw_only(),
+      py::arg("lays") = py::none(), py::arg("map") = py::none(), py::arg("arm") = py::none(),
       "Fits the field at the lamps together with the arm of a cell to its pairs.csv and, if any,\n"
-      "its lays.csv. map and arm are files to write.");
+      "its lays.csv, as planar-fit-error-map --cell does. map and arm are files to write.");
 }
 
 }  // namespace
@@ -233,6 +266,11 @@ void bind_error_map(py::module_& m) {
       "A map of the vision error over the base plane: radial basis functions with ridge and\n"
       "tail, whose deviations are those of kriging, or inverse distance weighting.")
       .def_property_readonly("kind", [](const HeldMap& held) { return name(kind_of(held.map)); })
+      .def("__repr__",
+           [](const HeldMap& held) {
+             return fmt::format("<ErrorMap {} {}>", name(kind_of(held.map)),
+                                extent_text(valid_region(held.map)));
+           })
       .def("predict", &predict_places, py::arg("p_vision"), py::arg("phi") = py::none(),
            "Predicts at places (N, 2) as vision saw them, base frame, metres. Returns the errors\n"
            "(N, 2), their standard deviations per axis (N,), metres, NaN where the method has\n"
@@ -253,7 +291,7 @@ void bind_error_map(py::module_& m) {
   bind_field(m);
   m.def(
       "read_map",
-      [](const std::filesystem::path& path) -> py::object {
+      [](const fs::path& path) -> py::object {
         VisionErrorMap map = read_map(path).map;
         if (auto* field = std::get_if<LampField>(&map)) return py::cast(std::move(*field));
         return py::cast(HeldMap{std::get<ErrorMap>(std::move(map))});

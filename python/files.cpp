@@ -25,17 +25,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Returns the kind in the first line of a YAML file, `format: planar-servo/<kind>/1`.
-std::string file_kind_of(const std::string& text) {
-  constexpr std::string_view kBegin = "format: planar-servo/";
-  std::size_t begin = text.find(kBegin);
-  if (begin == std::string::npos ||
-      (begin != 0 && text[begin - 1] != '\n' && text[begin - 1] != ' '))
-    return "";
-  begin += kBegin.size();
-  return text.substr(begin, std::min(text.find('/', begin), text.find('\n', begin)) - begin);
-}
-
 /// Has the reader of this kind check the whole file, as the programs do. Kinds that only programs
 /// write, such as run.yaml, have none.
 void check_by_reader(const fs::path& path, const std::string& kind) {
@@ -83,15 +72,16 @@ py::object object_from(const YAML::Node& node, int depth = 0) {
 
 py::dict read_yaml(const fs::path& path) {
   const std::string text = read_file(path);
-  const std::string kind = file_kind_of(text);
+  const std::string kind(kind_of_text(text));
   if (kind.empty())
-    throw InputError({"has no line 'format: planar-servo/KIND/1'",
-                      "a YAML file of planar-servo is needed", path});
+    throw InputError({"has no line 'format: planar-servo/KIND/1' among its first four",
+                      "a YAML file of planar-servo is needed; read_table() reads tables", path});
   check_by_reader(path, kind);
   try {
     const YAML::Node document = YAML::Load(text);
     if (!document.IsMap())
-      throw InputError({"is no map of keys", "a YAML file of planar-servo is needed", path});
+      throw InputError({"is no map of keys",
+                        "a YAML file of planar-servo is needed; read_table() reads tables", path});
     return object_from(document);
   } catch (const YAML::Exception& error) {
     throw InputError({error.what(), "a YAML file of planar-servo is needed", path});
@@ -100,7 +90,7 @@ py::dict read_yaml(const fs::path& path) {
 
 /// Says whether a file is as the program wrote it.
 std::string seal_of(const fs::path& path, const std::string& text) {
-  if (!has_checksum(file_kind_of(text)) || text.find("\nchecksum:") == std::string::npos)
+  if (!has_checksum(kind_of_text(text)) || text.find("\nchecksum:") == std::string::npos)
     return "none";
   if (later_change(path, text)) return "changed";
   return text.find("\nedited_by_hand:") == std::string::npos ? "sound" : "edited_by_hand";
@@ -113,7 +103,7 @@ py::dict provenance_of(const fs::path& path) {
   for (const Origin& origin : read_origins(path))
     origins.append(py::make_tuple(name_in(kRoles, origin.role), origin.name, origin.sha256));
   py::dict told;
-  told["kind"] = is_table ? table_kind_of(path) : file_kind_of(text);
+  told["kind"] = kind_of_text(text);
   told["maker"] = is_table ? "" : read_maker(path);
   told["made_from"] = origins;
   told["sha256"] = content_sha256(path);
@@ -150,13 +140,77 @@ py::list read_columns(const fs::path& path, const std::string& kind) {
   return told;
 }
 
+/// Returns the columns of a structured array or of a map by their names.
+py::dict columns_by_name(const py::object& table) {
+  const bool is_array = py::isinstance<py::array>(table);
+  py::object names = py::none();
+  if (is_array) names = table.attr("dtype").attr("names");
+  if (!is_array && py::hasattr(table, "keys")) names = table.attr("keys")();
+  if (names.is_none())
+    throw InputError(
+        {is_array ? "is an array without names of columns" : "is of type " + type_name(table),
+         "a structured array is needed, or a dict of the columns by their names", "table"});
+  py::dict columns;
+  for (const py::handle name : names) columns[py::str(name)] = table[name];
+  return columns;
+}
+
+/// Takes the rows of a column and returns how many they are.
+std::size_t fill(TableColumn& column, const py::object& values) {
+  const std::string argument = fmt::format("table['{}']", column.name);
+  if (column.kind == FieldKind::kText)
+    column.texts = texts_of(argument.c_str(), values);
+  else
+    column.numbers = column_of(argument.c_str(), values);
+  return std::max(column.texts.size(), column.numbers.size());
+}
+
+void write_table(const fs::path& path, const py::object& table, const std::string& kind) {
+  const py::dict given = columns_by_name(table);
+  std::vector<std::string> names;
+  for (const auto& column : given) names.push_back(column.first.cast<std::string>());
+  std::vector<TableColumn> columns = columns_named(names, kind);
+  std::optional<std::size_t> rows;
+  for (TableColumn& column : columns) {
+    const std::size_t found = fill(column, given[py::str(column.name)]);
+    if (found != rows.value_or(found))
+      throw InputError({fmt::format("has {} rows", found),
+                        fmt::format("{} has {}", columns[0].name, *rows),
+                        fmt::format("table['{}']", column.name)});
+    rows = found;
+  }
+  const py::gil_scoped_release release;
+  require_writable(path, kind);
+  write_file(path, table_text(columns, kind));
+}
+
 }  // namespace
+
+void require_outputs(const std::vector<std::pair<fs::path, const char*>>& outputs,
+                     const std::vector<fs::path>& inputs) {
+  std::vector<fs::path> names;
+  for (const auto& [output, kind] : outputs) {
+    if (output.empty()) continue;
+    names.push_back(output);
+    for (const fs::path& input : inputs) require_not_input(output, input);
+    require_writable(output, kind);
+  }
+  require_own_names(names);
+}
 
 void bind_files(py::module_& m) {
   m.def("_read_yaml", &read_yaml, py::arg("path"));
   m.def("_provenance", &provenance_of, py::arg("path"));
   m.def("_read_columns", &read_columns, py::arg("path"), py::arg("kind"));
-  m.def("table_kinds", &table_kinds, "Returns the kinds of tables that read_table() reads.");
+  m.def("table_kinds", &table_kinds,
+        "Returns the kinds of tables that read_table() reads and write_table() writes.");
+  m.def("write_table", &write_table, py::arg("path"), py::arg("table"), py::arg("kind"),
+        "Writes a CSV table that the programs accept, with kind, one of table_kinds(), in its\n"
+        "first line and numbers with all their digits. table is a structured array such as\n"
+        "read_table() returns, or a dict, or a DataFrame, of columns by their names: (N,) numbers\n"
+        "in the unit of the name, NaN where there is none, or texts. Raises InputError naming\n"
+        "table['COLUMN'] or table[ROW], rows from 0, for each fault, and where path is a file of\n"
+        "another kind or program. Targets and plans are never replaced.");
 }
 
 }  // namespace planar::python

@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <pybind11/stl.h>
 
 #include <mutex>
@@ -100,8 +101,7 @@ void bind_lamp(py::module_& m) {
           "blur_px", [](const LampCenter& c) { return c.look.blur_px; },
           "Standard deviation of its rim's blur; 0 where it was not measured.")
       .def("__repr__", [](const LampCenter& c) {
-        return "<LampCenter " + std::string(name(c.status)) + " (" + std::to_string(c.uv_px.x()) +
-               ", " + std::to_string(c.uv_px.y()) + ") px>";
+        return fmt::format("<LampCenter {} {} px>", name(c.status), point_text(c.uv_px, 3));
       });
   py::class_<LampPair>(
       m, "LampPair",
@@ -119,8 +119,10 @@ void bind_lamp(py::module_& m) {
             return array_from(rows);
           },
           "(2, 2): a row for each lamp, pixels of the whole sensor.")
-      .def("__repr__",
-           [](const LampPair& p) { return "<LampPair " + std::string(name(p.status)) + ">"; });
+      .def("__repr__", [](const LampPair& p) {
+        return fmt::format("<LampPair {} {} {} px>", name(p.status),
+                           point_text(p.lamps[0].uv_px, 3), point_text(p.lamps[1].uv_px, 3));
+      });
 }
 
 std::unique_ptr<SharedDisc> make_disc_tracker(const std::string& method,

@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
@@ -121,6 +122,12 @@ void bind_camera(py::module_& m) {
                                return py::array_t<double>(static_cast<py::ssize_t>(values.size()),
                                                           values.data());
                              })
+      .def("__repr__",
+           [](const CameraModel& c) {
+             const Intrinsics k = intrinsics(c);
+             return fmt::format("<Camera {}: fx {:.2f}, fy {:.2f}, cx {:.2f}, cy {:.2f} px>",
+                                lens_model_name(c), k.fx, k.fy, k.cx, k.cy);
+           })
       .def("project", &project_points, py::arg("p_C"), py::arg("jacobian") = false,
            "Returns the pixels (N, 2) of points p_C (N, 3) in the camera's frame, metres; NaN "
            "where\n"
@@ -149,6 +156,11 @@ void bind_lens(py::module_& m) {
       .def_readonly("camera", &CameraRecord::camera)
       .def_readonly("width_px", &CameraRecord::width_px)
       .def_readonly("height_px", &CameraRecord::height_px)
+      .def("__repr__",
+           [](const CameraRecord& r) {
+             return fmt::format("<CameraFile {}, {} x {} px>", lens_model_name(r.camera),
+                                r.width_px, r.height_px);
+           })
       .def("write", &write, py::arg("path"),
            "Writes a ROS camera_info file (.yaml), one of OpenCV (.yml) or of ViSP (.xml). Raises\n"
            "InputError where that cannot hold the model.");
@@ -165,6 +177,12 @@ void bind_lens(py::module_& m) {
       .def_property_readonly("camera", &Workplane::camera)
       .def_property_readonly(
           "X_WC", [](const Workplane& w) { return array_from(Eigen::Matrix4d(w.X_WC().matrix())); })
+      .def("__repr__",
+           [](const Workplane& w) {
+             const Eigen::Vector3d p = w.X_WC().translation();
+             return fmt::format("<Workplane seen from ({:.4f}, {:.4f}, {:.4f}) m>", p.x(), p.y(),
+                                p.z());
+           })
       .def(
           "plane_from_pixel", &plane_from_pixels, py::arg("uv_px"), py::arg("jacobian") = false,
           "Returns where the rays of pixels (N, 2) meet the plane, (N, 2), metres; NaN where they\n"
@@ -178,6 +196,12 @@ void bind_lens(py::module_& m) {
         return Workplane(camera, read_workplane(path).X_WC);
       },
       py::arg("path"), py::arg("camera"), "Reads workplane.yaml for this camera.");
+  m.def(
+      "read_workplane",
+      [](const std::filesystem::path& path, const CameraRecord& camera) {
+        return Workplane(camera.camera, read_workplane(path).X_WC);
+      },
+      py::arg("path"), py::arg("camera"));
 }
 
 }  // namespace planar::python

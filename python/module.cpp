@@ -1,8 +1,11 @@
+#include <Eigen/Core>
+
 #include "bindings.h"
 
 PYBIND11_MODULE(_core, module) {
   using namespace planar::python;
   module.attr("__version__") = PLANAR_VERSION;
+  Eigen::setNbThreads(1);  // as in the programs
   translate_errors();
   bind_logging(module);
   bind_lens(module);

@@ -9,7 +9,6 @@ from __future__ import annotations
 import importlib
 from typing import Any
 
-
 from ._version import version as _version
 
 try:
@@ -67,6 +66,7 @@ from ._core import (
     read_workplane,
     register_tracker,
     table_kinds,
+    write_table,
 )
 from ._errors import InputError, WorkError
 from ._sequences import track_lamps
@@ -83,7 +83,7 @@ __all__ = [
     "WorkError", "Workplane", "board_points", "calibrate_camera", "camera_models", "find_board",
     "fit_error_map", "fit_lamp_field", "pair_tracker", "provenance", "read_arm", "read_camera",
     "read_file", "read_map", "read_table", "read_workplane", "register_tracker", "table_kinds",
-    "track_lamps",
+    "track_lamps", "write_table",
 ]
 
 

@@ -67,7 +67,10 @@ IMAGES = st.one_of(
         np.hypot(*(np.mgrid[0:100, 0:140] - np.array([v, u])[:, None, None])) < r, level, 10).astype("u1"),
         st.floats(-10, 150), st.floats(-10, 110), st.floats(0, 60), st.integers(0, 255)),
     arrays(2))
+FOLDER = tempfile.TemporaryDirectory()
+TEXTS = st.lists(st.text(max_size=4), max_size=5)
 WORDS = st.sampled_from(["auto", "rbf", "idw", "hand", "left", "", "none", "\0"])
+KINDS = st.sampled_from([*ps.table_kinds(), ""])
 CALLS = {
     "project": lambda d: CAMERA.project(d(arrays(3)), d(st.booleans())),
     "unproject": lambda d: CAMERA.unproject(d(arrays(2)), d(st.booleans())),
@@ -94,6 +97,10 @@ CALLS = {
     "refit": lambda d: ps.fit_error_map(POINTS, POINTS + d(hnp.arrays("f8", (30, 2), elements=NUMBERS)),
                                         method=d(WORDS), hand_width=d(NUMBERS), sigma=d(st.none() | arrays(1))),
     "register": lambda d: ps.register_tracker(list("abc"), d(arrays(3)), list("abc"), d(arrays(3)), d(NUMBERS)),
+    "table": lambda d: ps.write_table(f"{FOLDER.name}/t.csv", d(st.dictionaries(
+        st.sampled_from(["id", "x_mm", "y_mm", "z_mm", "t_s", "x", ""]), arrays(1) | TEXTS) | arrays(2)), d(KINDS)),
+    "readings": lambda d: ps.write_table(f"{FOLDER.name}/t.csv", {
+        "id": d(TEXTS | arrays(1)), **{name: d(arrays(1)) for name in ("t_s", "x_mm", "y_mm", "z_mm")}}, "tracker"),
     "calibrate": lambda d: ps.calibrate_camera(d(arrays(2)), d(st.lists(arrays(2), max_size=4)),
                                                d(st.integers(-2, 10**7)), 90),
 }

@@ -37,6 +37,8 @@ class Cells(unittest.TestCase):
             move = cell.move_to(self.target, on_step=steps.append)
             self.assertEqual((move.status, move.reason), ("reached", ""))
             self.assertEqual([s.iteration for s in steps], [s.iteration for s in move.steps])
+            self.assertRegex(repr(steps), r"^\[<Step 0: at \(-?0\.\d{6}, -?0\.\d{6}\) m, 0\.\d{4} mm from the target>, ")
+            self.assertRegex(repr(cell), "<Cell .*cell.yaml, open>")
             self.assertLess(np.hypot(*(cell.true_position() - self.target)), 1e-4)
             self.assertEqual(cell.picture().dtype, np.uint8)
             self.assertEqual(cell.joints.shape, (3,))
@@ -51,6 +53,8 @@ class Cells(unittest.TestCase):
             self.assertIn("out of reach", move.reason)
             refused(self, "p", cell.move_to, [1, 2, 3])
             refused(self, "phi", cell.move_to, self.target, math.nan)
+            refused(self, "phi", cell.move_to, self.target, 90)  # degrees
+            refused(self, "p", cell.move_to, 1e3 * self.target)  # millimetres
 
     def test_an_exception_of_a_callback_ends_the_motion(self):
         def fail(step):
@@ -113,9 +117,9 @@ class Cells(unittest.TestCase):
                 except ps.WorkError as error:
                     ends.append(error)
 
-            thread = threading.Thread(target=work)
+            thread = threading.Thread(target=work, daemon=True)
             thread.start()
-            deadline = time.monotonic() + 60
+            deadline = time.monotonic() + 20
             while thread.is_alive() and time.monotonic() < deadline:
                 cell.stop()
                 time.sleep(0.01)
@@ -128,6 +132,9 @@ class Cells(unittest.TestCase):
         targets.write_text(f"id,x_mm,y_mm\na,{x},{y}\n")
         with ps.Cell(self.path) as cell:
             figures = cell.run(targets, self.folder / "run")
+            with self.assertRaisesRegex(ps.InputError, "add resume=True") as caught:  # no program's option
+                cell.run(targets, self.folder / "run")
+            self.assertIn("resume=True", caught.exception.remedy)
         self.assertEqual(figures["reached"], 1)
         steps = ps.read_table(self.folder / "run/steps.csv")
         self.assertEqual(steps["target"][0], "a")

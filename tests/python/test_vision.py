@@ -76,6 +76,11 @@ class Cameras(unittest.TestCase):
         np.testing.assert_array_equal(self.camera.project(strided), self.camera.project(self.p_C))
         self.assertTrue(np.isnan(self.camera.project([0, 0, -1])).all())
 
+    def test_points_in_a_field_of_a_table_are_read_where_they_are(self):
+        table = np.zeros(len(self.p_C), [("id", "U1"), ("p", "f8", 3), ("more", "U2")])  # 36 bytes a row
+        table["p"] = self.p_C
+        np.testing.assert_array_equal(self.camera.project(table["p"]), self.camera.project(self.p_C))
+
     def test_wrong_points_are_refused_by_name(self):
         for wrong in (np.zeros((3, 2)), np.zeros((2, 2, 3)), np.zeros(3, complex), "abc", None,
                       np.full((4, 3), np.nan), [[1, 2, math.inf]], np.zeros((3, 3), bool),
@@ -103,6 +108,7 @@ class Cameras(unittest.TestCase):
         pose = np.diag([1.0, -1.0, -1.0, 1.0])
         pose[2, 3] = 1.5
         plane = ps.Workplane(self.camera, pose)
+        self.assertEqual(repr(plane), "<Workplane seen from (0.0000, 0.0000, 1.5000) m>")
         p_W = np.array([[0.1, 0.2], [-0.3, 0.1]])
         uv, J = plane.pixel_from_plane(p_W, jacobian=True)
         p, J_back = plane.plane_from_pixel(uv, jacobian=True)
@@ -125,6 +131,7 @@ class Cameras(unittest.TestCase):
         self.assertLess(found.rms_px, 1e-3)
         self.assertAlmostEqual(found.camera.fx, 1400, delta=0.1)
         self.assertEqual(len(found.views), 6)
+        self.assertEqual(repr(found), "<CameraCalibration plumb_bob_k1: 6 views, rms 0.000 px>")
         self.assertEqual(found.standard_deviations.shape, (9,))
         refused(self, "pixels[1]", ps.calibrate_camera, points, [pixels[0], pixels[1][:5]], 1280, 960)
         with self.assertRaisesRegex(ps.InputError, "view"):
@@ -147,6 +154,7 @@ class Maps(unittest.TestCase):
         self.assertFalse(fit.map.predict([3, 3])[2])
         self.assertEqual(fit.map.predict([0, 0])[0].shape, (2,))
         self.assertGreater(len(fit.map.hull), 3)
+        self.assertRegex(repr(fit), r"^<MapFit \w+: 80 samples, rms 0\.\d{4} mm before, 0\.0\d{3} mm at places left out>$")
 
     def test_a_written_map_predicts_the_same_bit_for_bit(self):
         with tempfile.TemporaryDirectory() as folder:
@@ -169,8 +177,9 @@ class Maps(unittest.TestCase):
         refused(self, "p_reference", ps.fit_error_map, self.p, self.reference[:5])
         refused(self, "sigma", ps.fit_error_map, self.p, self.reference, sigma=[1e-6] * 3)
         refused(self, "method", ps.fit_error_map, self.p, self.reference, method="best")
-        with self.assertRaises(ps.InputError):  # millimetres
-            ps.fit_error_map(self.p * 1e3, self.reference * 1e3)
+        error = refused(self, "p_vision", ps.fit_error_map, self.p * 1e3, self.reference * 1e3)
+        self.assertIn("divide millimetres by 1000", error.remedy)
+        refused(self, "p_vision", ps.fit_error_map(self.p, self.reference).map.predict, self.p * 1e3)
         with self.assertRaises(ps.InputError):
             ps.fit_error_map(self.p[:2], self.reference[:2])
 
@@ -200,6 +209,7 @@ class Arms(unittest.TestCase):
 
     def test_wrong_arms_are_refused(self):
         refused(self, "link_lengths", ps.Arm, [0.3, -1])
+        refused(self, "link_lengths", ps.Arm, [300, 300])  # millimetres
         refused(self, "positive_rotation", ps.Arm, [0.3, 0.3], "left")
         refused(self, "elbow", ps.Arm([0.3, 0.3]).inverse, [0.3, 0, 0], elbow="up")
 
