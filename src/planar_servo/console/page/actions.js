@@ -15,9 +15,10 @@ export async function attempt(question) {
 }
 
 export function complain({fault, remedy, where, faults = []}) {
-  put("notice-fault", sentence(where ? `${where}: ${fault}.` : `${fault}.`));
-  put("notice-remedy", remedy ? `${sentence(remedy)}.` : "");
-  byId("notice-faults").replaceChildren(...faults.map(one =>
+  const many = faults.length > 1;
+  put("notice-fault", many ? `${faults.length} faults:` : sentence(where ? `${where}: ${fault}.` : `${fault}.`));
+  put("notice-remedy", remedy && !many ? `${sentence(remedy)}.` : "");
+  byId("notice-faults").replaceChildren(...(many ? faults : []).map(one =>
     make("li", {}, [one.where, [one.fault, one.remedy].filter(Boolean).join("; ")].filter(Boolean).join(": "))));
   show("notice", true);
 }

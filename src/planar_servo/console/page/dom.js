@@ -53,5 +53,5 @@ export function numberIn(id) {
   return text !== "" && Number.isFinite(Number(text)) ? Number(text) : null;
 }
 
-/// A sentence begins with a capital.
-export const sentence = text => text ? text[0].toUpperCase() + text.slice(1) : "";
+/// A sentence begins with a capital, but for the name of a program or a file.
+export const sentence = text => /^(planar-|\S*[./])/.test(text) ? text : text.charAt(0).toUpperCase() + text.slice(1);

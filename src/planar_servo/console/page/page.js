@@ -50,7 +50,7 @@ async function begin() {
   prepareBar();
   preparePicture(cell);
   prepareField(cell, choose);
-  preparePlace();
+  preparePlace(cell);
   prepareJog();
   prepareTargets();
   prepareCell();

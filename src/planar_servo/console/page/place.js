@@ -5,6 +5,8 @@ import {byId, fixed, numberIn, placeText, put} from "./dom.js";
 import {markPlace} from "./field.js";
 import {ask} from "./link.js";
 
+let hasMap = false;
+
 const placeOf = () => ({x_mm: numberIn("place-x"), y_mm: numberIn("place-y"), phi_deg: numberIn("place-phi")});
 const known = place => Object.fromEntries(Object.entries(place).filter(([, value]) => value !== null));
 
@@ -13,7 +15,7 @@ function textOf(place, answer) {
   parts.push(answer.reachable ? "can be reached" : `cannot be reached: ${answer.why}`);
   if (answer.sigma_mm !== null) parts.push(`expected uncertainty ${fixed(answer.sigma_mm, 4)} mm per axis`);
   if (answer.error_mm) parts.push(`vision errs by ${fixed(answer.error_mm[0], 3)}, ${fixed(answer.error_mm[1], 3)} mm`);
-  if (!answer.in_region) parts.push("outside the valid region of the map");
+  if (hasMap && !answer.in_region) parts.push("outside the valid region of the map");
   return parts.join("; ");
 }
 
@@ -28,7 +30,7 @@ async function examine() {
   const answer = await attempt(() => ask(`/api/place?${new URLSearchParams(known(place))}`));
   if (!answer) return;
   put("place", textOf(place, answer));
-  byId("place").classList.toggle("warning", !answer.reachable || !answer.in_region);
+  byId("place").classList.toggle("warning", !answer.reachable || (hasMap && !answer.in_region));
   setReady("go", answer.reachable);
 }
 
@@ -40,7 +42,8 @@ export function choose([x, y], phi_deg = null) {
   examine();
 }
 
-export function preparePlace() {
+export function preparePlace(cell) {
+  hasMap = cell.map !== null;
   setReady("go", false);
   byId("place-form").addEventListener("submit", event => {
     event.preventDefault();
