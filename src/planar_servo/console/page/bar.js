@@ -16,9 +16,10 @@ function showWork(state) {
 }
 
 function progressText(job) {
-  if (job.ended !== null) return `${job.name}: ${job.ended}`;
+  const name = job.name || job.kind;
+  if (job.ended !== null) return `${name}: ${job.ended}`;
   const left = job.left_s === null ? "" : `, ${duration(job.left_s)} left`;
-  return job.all ? `${job.done} of ${job.all}${left}` : `${job.name}${left}`;
+  return job.all ? `${job.done} of ${job.all}${left}` : `${name}${left}`;
 }
 
 function showProgress(job) {
@@ -30,6 +31,7 @@ function showProgress(job) {
   if (job.all) bar.value = job.done;
   else bar.removeAttribute("value");
   put("progress-text", progressText(job));
+  byId("progress-text").title = progressText(job);  // where it is cut
 }
 
 function operatorText(cell, state) {

@@ -5,7 +5,7 @@ import {kindOf} from "./results.js";
 
 const LONGEST_ARROW_PX = 26;
 const LEAST_GRID_PX = 44;
-const MOST_LABELS = 40;
+const LABEL_PX = 20;    // of the field's width for each target, where targets have names
 const TRAIL = 200;  // places of the end point that are remembered
 const svg = byId("field-view");
 const layers = {};
@@ -67,7 +67,7 @@ function showPlaces({places, monuments, here_mm: here}) {
 function showTargets() {
   if (state && state.recording) return showPlaces(state.recording);
   const marks = targets.map(({id, x_mm, y_mm}) => glyph(kindOf(results.get(id)), [x_mm, y_mm]));
-  if (targets.length <= MOST_LABELS) for (const {id, x_mm, y_mm} of targets)
+  if (targets.length * LABEL_PX <= svg.clientWidth) for (const {id, x_mm, y_mm} of targets)
     marks.push(draw("text", {x: x_mm + 7 * px, y: -y_mm - 5 * px, class: "label"}, id));
   layers.targets.replaceChildren(...marks);
 }
