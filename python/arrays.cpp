@@ -191,6 +191,12 @@ std::string point_text(const Eigen::Vector2d& p, int decimals) {
   return fmt::format("({:.{}f}, {:.{}f})", p.x(), decimals, p.y(), decimals);
 }
 
+std::string extent_text(const std::vector<Eigen::Vector2d>& points) {
+  Eigen::Vector2d low = points.at(0), high = low;
+  for (const Eigen::Vector2d& p : points) low = low.cwiseMin(p), high = high.cwiseMax(p);
+  return fmt::format("from {} to {} m", point_text(low, 3), point_text(high, 3));
+}
+
 std::string type_name(const py::object& value) {
   return py::str(py::type::of(value).attr("__name__"));
 }

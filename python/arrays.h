@@ -99,6 +99,9 @@ py::array_t<double> array_from(const Matrix& matrix) {
 /// Returns a point as text, its coordinates with so many decimals.
 std::string point_text(const Eigen::Vector2d& p, int decimals);
 
+/// Returns from where to where points lie, as text in metres.
+std::string extent_text(const std::vector<Eigen::Vector2d>& points);
+
 /// Returns points as an array (N, 2).
 py::array_t<double> array_from(const std::vector<Eigen::Vector2d>& points);
 

@@ -13,6 +13,7 @@ namespace planar::python {
 void bind_logging(pybind11::module_& module);
 void bind_lens(pybind11::module_& module);
 void bind_lamps(pybind11::module_& module);
+void bind_lamp_field(pybind11::module_& module);
 void bind_error_map(pybind11::module_& module);
 void bind_arm(pybind11::module_& module);
 void bind_files(pybind11::module_& module);

@@ -304,9 +304,12 @@ void bind_cell(py::module_& m) {
       .def_property_readonly("path", &Cell::file)
       .def(
           "__enter__", [](Cell& cell) -> Cell& { return cell; }, py::return_value_policy::reference)
-      .def("__exit__", [](Cell& cell, const py::args&) {
-        if (cell.is_open()) cell.close();
-      });
+      .def(
+          "__exit__",
+          [](Cell& cell, const py::object&, const py::object&, const py::object&) {
+            if (cell.is_open()) cell.close();
+          },
+          py::arg("kind"), py::arg("error"), py::arg("trace"));
 }
 
 }  // namespace planar::python

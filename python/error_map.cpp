@@ -14,10 +14,7 @@
 #include "planar_servo/error_map/fit_error_map.h"
 #include "planar_servo/field/lamp_field.h"
 #include "planar_servo/files/map_file.h"
-#include "planar_servo/files/vision_files.h"
 #include "planar_servo/io/atomic_file.h"
-#include "planar_servo/machine/device_kinds.h"
-#include "planar_servo/offline/map/learn_lamp_field.h"
 
 namespace planar::python {
 namespace {
@@ -107,13 +104,6 @@ MapResult fit(const py::object& p_vision, const py::object& p_reference, const s
   return fit_error_map(problem);
 }
 
-std::string extent_text(const ValidRegion& region) {
-  Eigen::Vector2d low = region.hull.at(0), high = low;
-  for (const Eigen::Vector2d& corner : region.hull)
-    low = low.cwiseMin(corner), high = high.cwiseMax(corner);
-  return fmt::format("from {} to {} m", point_text(low, 3), point_text(high, 3));
-}
-
 py::list rejected_of(const MapResult& result) {
   py::list rejected;
   for (const RejectedSample& sample : result.rejected)
@@ -176,88 +166,6 @@ void bind_fit(py::module_& m) {
       "WorkError where the equations cannot be solved.");
 }
 
-/// Compensates the tool's end point where the field sees its lamps.
-py::object compensate_places(const LampField& field, const py::object& lamps_B) {
-  const Rows lamps = rows_of("lamps_B", lamps_B, 4);
-  Results tips(lamps, {3}), covariances(lamps, {2, 2});
-  py::array_t<bool> inside(lamps.count());
-  bool* const is_inside = inside.mutable_data();
-  {
-    const py::gil_scoped_release release;
-    for (py::ssize_t i = 0; i < lamps.count(); ++i) {
-      const Eigen::Vector4d row = lamps.values.row(i);
-      if (row.head<2>() == row.tail<2>()) {
-        tips.clear(i), covariances.clear(i), is_inside[i] = false;
-        continue;
-      }
-      const CompensatedTip found = compensate(field, {row.head<2>(), row.tail<2>()});
-      tips.set(i, Eigen::Vector3d(found.tip.p.x(), found.tip.p.y(), found.tip.phi));
-      covariances.set(i, found.covariance);
-      is_inside[i] = found.inside;
-    }
-  }
-  return py::make_tuple(tips.result(), covariances.result(),
-                        lamps.is_single ? py::object(inside[py::int_(0)]) : py::object(inside));
-}
-
-py::object region_corners(const ValidRegion& region) {
-  return array_from(region.hull);
-}
-
-/// Learns the field as planar-fit-error-map --cell does.
-LampFieldFit learn_field(const fs::path& cell_path, const fs::path& pairs,
-                         const std::optional<fs::path>& lays, const std::optional<fs::path>& map,
-                         const std::optional<fs::path>& arm) {
-  const py::gil_scoped_release release;
-  if (arm && !map)
-    throw InputError({"is written together with the map alone", "name map, too", "arm"});
-  const CellSettings cell = read_cell(cell_path);
-  const LampFieldFiles files{pairs, lays.value_or(""), map.value_or(""), arm.value_or("")};
-  require_outputs({{files.map, "map"}, {files.arm, "arm"}}, {cell_path, files.pairs, files.lays});
-  const VisionCalibration vision = read_vision(cell, false);
-  require_belonging(contradictions(files.inputs(), origins_in(cell, calibration_files(cell, false)),
-                                   values_of(kRoles)));
-  LampFieldFit fitted = learn_lamp_field(files, cell, vision);
-  if (map) write_lamp_field(files, fitted, cell, kProgram);
-  return fitted;
-}
-
-void bind_field(py::module_& m) {
-  py::class_<LampField>(m, "LampField",
-                        "The vision error at each lamp, with the tool found together with it.")
-      .def("compensate", &compensate_places, py::arg("lamps_B"),
-           "Takes the error off lamps seen at lamps_B (N, 4): x1, y1, x2, y2 on the plane, base\n"
-           "frame, metres. Returns the end points with their directions (N, 3), metres and\n"
-           "radians, their covariances (N, 2, 2) and whether the field is valid there (N,). NaN\n"
-           "where both lamps are in one place.")
-      .def_property_readonly(
-          "hull", [](const LampField& f) { return region_corners(f.region); },
-          "(M, 2): corners of the valid region, counterclockwise, metres.")
-      .def_property_readonly(
-          "margin", [](const LampField& f) { return f.region.margin; },
-          "The valid region reaches so far beyond the hull, metres.")
-      .def("__repr__",
-           [](const LampField& f) { return fmt::format("<LampField {}>", extent_text(f.region)); });
-  py::class_<LampFieldFit>(m, "LampFieldFit", "A lamp field with the arm found together with it.")
-      .def_readonly("field", &LampFieldFit::field)
-      .def_readonly("arm", &LampFieldFit::arm)
-      .def_readonly("n_readings", &LampFieldFit::n_readings, "Tracker readings used.")
-      .def_readonly("n_unattended", &LampFieldFit::n_unattended, "Poses used without a reading.")
-      .def_readonly("left_out", &LampFieldFit::left_out, "Ids of the poses that do not fit.")
-      .def_readonly("noise_sigma", &LampFieldFit::noise_sigma, "Of a reading per axis, metres.")
-      .def_readonly("landing_sigma", &LampFieldFit::landing_sigma,
-                    "By which the arm's stops scatter, per axis, metres.")
-      .def("__repr__", [](const LampFieldFit& f) {
-        return fmt::format("<LampFieldFit: {} readings, {} poses without, noise {:.4f} mm>",
-                           f.n_readings, f.n_unattended, mm(f.noise_sigma));
-      });
-  m.def(
-      "fit_lamp_field", &learn_field, py::arg("cell"), py::arg("pairs"), py::kw_only(),
-      py::arg("lays") = py::none(), py::arg("map") = py::none(), py::arg("arm") = py::none(),
-      "Fits the field at the lamps together with the arm of a cell to its pairs.csv and, if any,\n"
-      "its lays.csv, as planar-fit-error-map --cell does. map and arm are files to write.");
-}
-
 }  // namespace
 
 void bind_error_map(py::module_& m) {
@@ -269,7 +177,7 @@ void bind_error_map(py::module_& m) {
       .def("__repr__",
            [](const HeldMap& held) {
              return fmt::format("<ErrorMap {} {}>", name(kind_of(held.map)),
-                                extent_text(valid_region(held.map)));
+                                extent_text(valid_region(held.map).hull));
            })
       .def("predict", &predict_places, py::arg("p_vision"), py::arg("phi") = py::none(),
            "Predicts at places (N, 2) as vision saw them, base frame, metres. Returns the errors\n"
@@ -282,13 +190,12 @@ void bind_error_map(py::module_& m) {
       .def_property_readonly("depends_on_direction",
                              [](const HeldMap& held) { return depends_on_direction(held.map); })
       .def_property_readonly(
-          "hull", [](const HeldMap& held) { return region_corners(valid_region(held.map)); },
+          "hull", [](const HeldMap& held) { return array_from(valid_region(held.map).hull); },
           "(M, 2): corners of the pairs' hull, counterclockwise, metres.")
       .def_property_readonly(
           "margin", [](const HeldMap& held) { return valid_region(held.map).margin; },
           "The valid region reaches so far beyond the hull, metres.");
   bind_fit(m);
-  bind_field(m);
   m.def(
       "read_map",
       [](const fs::path& path) -> py::object {

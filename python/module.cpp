@@ -11,6 +11,7 @@ PYBIND11_MODULE(_core, module) {
   bind_lens(module);
   bind_lamps(module);
   bind_arm(module);
+  bind_lamp_field(module);
   bind_error_map(module);
   bind_files(module);
   bind_calibration(module);

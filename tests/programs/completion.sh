@@ -74,8 +74,8 @@ offers "--on-bad-reading" planar record --cell cell.yaml --on
 offers "draw" planar virtual-cell d
 offers "record" planar help rec
 
-# In zsh, a line that is typed up to a Tab becomes the wanted one; cell.csv is no cell.
-touch cell.csv
+# In zsh, a line that is typed up to a Tab becomes the wanted one; cell.csv is no cell, pairs.txt no pairs.
+touch cell.csv pairs.txt
 # shellcheck disable=SC2016
 in_zsh='zmodload zsh/zpty
   zpty z env TERM=dumb zsh -fi
@@ -88,7 +88,7 @@ becomes planar-record "planar-record --cell ce" "cell.yaml"
 becomes planar-record "planar-record --on-bad-reading sk" "skip"
 becomes planar-virtual-cell "planar-virtual-cell dr" "draw"
 becomes planar-virtual-cell "planar-virtual-cell draw --like wo" "workshop"
-becomes planar-check-error-map "planar-check-error-map cell.yaml pa" "pairs.csv"
+becomes planar-check-error-map "planar-check-error-map cell.yaml pai" "pairs.csv"
 becomes planar "planar rec" "record"
 becomes planar "planar record --pl" "--plan"
 
