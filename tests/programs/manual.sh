@@ -5,6 +5,16 @@ source "$(dirname "$0")/common.sh"
 # On one long line for each paragraph.
 rendered() { groff -man -Tascii -P-cbou -rLL=20000n -rHY=0 "$1" 2>/dev/null | tr -s ' '; }
 
+names_in() { sed -nE 's/^ +(-[a-z],)?(--[a-z-]+).*/\2/p; s/^  ([a-z-]+)  +[A-Z].*/\1/p' "$1" | sort -u; }
+
+# explained PROGRAM: each name on standard input has its own entry in page.txt.
+explained() {
+  local name
+  while read -r name; do
+    grep -qE -- "^ *(-[a-z], )?$name( |\$)" page.txt || fail "$1: the page lacks $name"
+  done
+}
+
 for program in "$bin"/planar "$bin"/planar-*; do
   name=$(basename "$program")
   "$program" --man-page >"$name.1"
@@ -17,12 +27,11 @@ for program in "$bin"/planar "$bin"/planar-*; do
   "$program" --help >help.txt
   sentence=$(head -n 1 help.txt)
   grep -qF -- "$sentence" page.txt || fail "$name: the page lacks '$sentence'"
-  # What --help says of each option, behind the name and its rules.
-  grep -oE '^ +(-[a-z],)?--[a-z-]+' help.txt | grep -oE -- '--[a-z-]+' | sort -u >options.txt
-  [ -s options.txt ] || fail "$name: --help lists no options"
-  while read -r option; do
-    grep -qE -- "^ *(-[a-z], )?$option( |\$)" page.txt || fail "$name: the page lacks $option"
-  done <options.txt
+  # The options and, of planar, the commands that --help lists.
+  names_in help.txt >names.txt
+  grep -q -- --json names.txt || fail "$name: --help lists no options"
+  explained "$name" <names.txt
+  # What --help says of them, behind the name and its rules.
   sed -nE '/^(Options|Positionals):$/,$ s/^ +[^ ].*[^ ]  +([^ ].*)$|^ {20,}([^ ].*)$/\1\2/p' help.txt >texts.txt
   [ -s texts.txt ] || fail "$name: --help explains nothing"
   # What stands below the options.
@@ -34,8 +43,8 @@ done
 
 rendered planar-virtual-cell.1 >page.txt
 for command in draw serve; do
-  "$bin/planar-virtual-cell" "$command" --help | grep -oE '^ +(-[a-z],)?--[a-z-]+' | grep -oE -- '--[a-z-]+' |
-    while read -r option; do
-      grep -q -- "$option" page.txt || fail "planar-virtual-cell: the page lacks $option of $command"
-    done
+  "$bin/planar-virtual-cell" "$command" --help >help.txt
+  names_in help.txt >names.txt
+  [ "$(grep -c . names.txt)" -ge 4 ] || fail "planar-virtual-cell $command: --help lists no options"
+  explained "planar-virtual-cell $command" <names.txt
 done
