@@ -9,7 +9,7 @@ const day = made => made ? made.replace("T", " ").replace(/(:\d\d)(:\d\d)?(\.\d+
 function fileRow({role, path, exists, made, program, fault}) {
   const state = !exists ? "missing" : fault ? [fault.fault, fault.remedy].filter(Boolean).join("; ") : program || "–";
   return make("tr", {class: fault ? "failed" : exists ? "" : "missing"},
-    make("th", {scope: "row"}, path || role, ...(path && path !== role ? [make("span", {class: "soft"}, ` ${role.replace("_", " ")}`)] : [])),
+    make("th", {scope: "row"}, path, make("span", {class: "soft"}, ` ${role.replace("_", " ")}`)),
     make("td", {class: "number"}, exists ? day(made) : "–"), make("td", {}, state));
 }
 

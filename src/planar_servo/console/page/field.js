@@ -15,6 +15,9 @@ let cell, state = null, targets = [], results = new Map(), chosen = null, px = 1
 const at = ([x, y]) => `${x.toFixed(3)} ${(-y).toFixed(3)}`;
 const line = (points, attributes) => draw("path", {d: `M${points.map(at).join("L")}`, ...attributes});
 
+/// An angle from -180 degrees on, below 180.
+const turned = deg => deg - 360 * Math.floor((deg + 180) / 360);
+
 /// 1, 2 or 5 times a power of ten: the smallest that is not below, at most 2.5 times the value.
 function roundUp(value) {
   const power = 10 ** Math.floor(Math.log10(value));
@@ -144,7 +147,7 @@ export function showField(next) {
   const tip = arm && arm.homed ? arm.tip_mm : null, last = trail[trail.length - 1];
   if (tip && (!last || Math.hypot(tip[0] - last[0], tip[1] - last[1]) > px)) trail.push(tip);
   if (trail.length > TRAIL) trail.shift();
-  put("tip", tip ? `${placeText(tip)}  φ ${fixed(arm.phi_deg, 2)}°` : "–");
+  put("tip", tip ? `${placeText(tip)}  φ ${fixed(turned(arm.phi_deg), 2)}°` : "–");
   put("seen", placeText(seen));
   put("joints", tip ? `${arm.joints_deg.map(angle => fixed(angle, 3)).join("  ")}°` : "–");
   showArm();
