@@ -9,8 +9,8 @@ const ProgramText kText{
     "planar-console",
     "planar-console --cell cell.yaml [--port N]\n"
     "                      [--listen ADDRESS --certificate FILE.pem --key FILE.pem]",
-    R"(to operate: http://127.0.0.1:8377/?token=1f0c5a9e
-to look on: http://127.0.0.1:8377/?token=8b2d7741
+    R"(to operate: http://127.0.0.1:8377/?token=...
+to look on: http://127.0.0.1:8377/?token=...
 Ctrl-C ends it)"};
 
 struct Options {

@@ -22,11 +22,11 @@ namespace fs = std::filesystem;
 
 constexpr char kTable[] = "the table";
 constexpr std::size_t kMostName = 64;
-/// A cell that was found well so long ago is moved in without another look.
+/// A cell that was found well less long ago is moved in without another check.
 constexpr double kWellFor_s = 600.0;
 
-std::vector<TargetRow> targets_in(const std::string& csv) {
-  TargetLines lines(kTable);
+std::vector<TargetRow> targets_in(const std::string& csv, const std::string& where) {
+  TargetLines lines(where);
   std::istringstream text(csv);
   std::vector<TargetRow> targets;
   Faults faults;
@@ -37,7 +37,6 @@ std::vector<TargetRow> targets_in(const std::string& csv) {
       for (const Refusal& refusal : e.refusals()) faults.add(refusal);
     }
   faults.throw_if_any();
-  if (targets.empty()) throw InputError({"has no rows", "add a row id,x_mm,y_mm", kTable});
   return targets;
 }
 
@@ -79,26 +78,37 @@ class PassingFolder {
 }  // namespace
 
 CellJobs::CellJobs(const KnownCell& cell, StateBoard& board, CellWorker& worker)
-    : cell_(cell), board_(board), worker_(worker) {
-  read_taught();
-}
+    : cell_(cell), board_(board), worker_(worker) {}
 
 void CellJobs::load_targets(const std::string& csv) {
-  std::vector<TargetRow> targets = targets_in(csv);
-  question_targets(targets, cell_.settings().workspace, kTable);
+  std::vector<TargetRow> targets = targets_in(csv, kTable);
+  if (csv.find_first_not_of(" \r\n") != csv.npos && targets.empty())
+    throw InputError({"has no rows", "add a row id,x_mm,y_mm", kTable});
+  if (!targets.empty()) question_targets(targets, cell_.settings().workspace, kTable);
   const std::lock_guard<std::mutex> lock(mutex_);
-  targets_ = std::move(targets);
-  loaded_ = true;
+  loaded_ = std::move(targets);
 }
 
-void CellJobs::read_taught() {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  if (!loaded_ && fs::exists(cell_.teach())) targets_ = read_targets(cell_.teach());
+std::vector<TargetRow> CellJobs::targets() {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (!loaded_.empty()) return loaded_;
+  }
+  const fs::path table = cell_.teach();
+  if (!fs::exists(table)) return {};
+  return targets_in(read_file(table), table.filename().string());
 }
 
-std::vector<TargetRow> CellJobs::targets() const {
+void CellJobs::take_taught(const std::string& id) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  return targets_;
+  if (loaded_.empty()) return;
+  for (const TargetRow& target : targets_in(read_file(cell_.teach()), cell_.teach().string()))
+    if (target.id == id) loaded_.push_back(target);
+}
+
+std::vector<nlohmann::ordered_json> CellJobs::results() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return results_;
 }
 
 int CellJobs::run(const std::string& name, bool resume) {
@@ -119,6 +129,7 @@ int CellJobs::run(const std::string& name, bool resume) {
         const double begun_s = clock_.now_s();
         double visited = 0.0;
         run_servo(*run, goals, [&](std::size_t done, std::size_t all) {
+          if (visited == 0.0 && !wanted.checked_s_ago) well_s_ = begun_s;
           const double each_s = (clock_.now_s() - begun_s) / ++visited;
           tell_result(run->results().back(), done, all, each_s);
         });
@@ -136,12 +147,11 @@ int CellJobs::go(const TargetRow& target) {
         const PassingFolder folder;
         ServoRequest wanted = request(stop);
         wanted.out = folder.path();
-        wanted.just_checked = well_s_ && clock_.now_s() - *well_s_ < kWellFor_s;
         const auto run = opened(wanted, devices);
         begun();
         const double begun_s = clock_.now_s();
         const TargetResult result = run->move_to(target);
-        if (!wanted.just_checked) well_s_ = begun_s;
+        if (!run->ended_by() && !wanted.checked_s_ago) well_s_ = begun_s;
         tell_result(result, kOne, kOne, clock_.now_s() - begun_s);
         const bool ok = result.status == ServoStatus::kReached;
         return {ok ? "reached" : fmt::format("{}: {}", name(result.status), result.reason), ok};
@@ -160,8 +170,7 @@ int CellJobs::check() {
         for (const HealthFinding& finding : found)
           findings.push_back({finding.what, redo(finding.cause), "the check"});
         worker_.note_findings(std::move(findings));
-        well_s_.reset();
-        if (found.empty()) well_s_ = clock_.now_s();
+        well_s_ = found.empty() ? clock_.now_s() : kNever;
         return {found.empty() ? "the cell is as it was at its calibration" : findings_text(found),
                 found.empty()};
       });
@@ -185,8 +194,9 @@ int CellJobs::begin(Doing doing, const std::string& kind, const std::string& nam
       end(work(devices, stop, begin_now));
     } catch (const std::exception& error) {
       if (!is_begun) return begun->set_exception(std::current_exception());
-      if (dynamic_cast<const StopRequested*>(&error) == nullptr) hold(error.what());
-      end({error.what(), false});
+      const bool stopped = dynamic_cast<const StopRequested*>(&error) != nullptr;
+      if (!stopped) hold(error.what());
+      end({error.what(), false, stopped ? "warning" : "error"});
     }
   });
   try {
@@ -198,6 +208,10 @@ int CellJobs::begin(Doing doing, const std::string& kind, const std::string& nam
 
 int CellJobs::begin_state(const std::string& kind, const std::string& name, std::size_t all) {
   const int id = ++last_job_;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    results_.clear();
+  }
   board_.change([&](CellState& state) {
     state.job = JobState{id, kind, name, 0, all};
     state.held_by.clear();
@@ -206,6 +220,7 @@ int CellJobs::begin_state(const std::string& kind, const std::string& name, std:
 }
 
 void CellJobs::hold(const std::string& reason) {
+  if (!reason.empty()) forget_check();
   board_.change([&](CellState& state) { state.held_by = reason; });
 }
 
@@ -215,7 +230,7 @@ void CellJobs::end(const Ending& ending) {
     state.job->ok = ending.ok;
     state.job->left_s.reset();
   });
-  board_.tell_line(ending.ok ? "info" : "error", ending.words);
+  board_.tell_line(ending.level, ending.words);
 }
 
 void CellJobs::require_able() const {
@@ -230,6 +245,8 @@ ServoRequest CellJobs::request(const Stop& stop) const {
   request.use_error_map = fs::exists(request.cell.error_map);
   request.learns = request.cell.servo.learns;
   request.stop = stop;
+  const double ago_s = clock_.now_s() - well_s_;
+  if (ago_s < kWellFor_s) request.checked_s_ago = ago_s;
   return request;
 }
 
@@ -252,6 +269,10 @@ void CellJobs::tell_result(const TargetResult& result, std::size_t done, std::si
   });
   nlohmann::ordered_json answer = result_answer(result);
   answer["job"] = job;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    results_.push_back(answer);
+  }
   board_.tell("result", answer);
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -21,14 +22,22 @@ namespace planar {
 /// CellBusy while the cell is at work.
 class CellJobs {
  public:
-  /// Begins with the targets that were taught. All must outlive the jobs.
+  /// All must outlive the jobs.
   CellJobs(const KnownCell& cell, StateBoard& board, CellWorker& worker);
 
-  /// Keeps the rows of a table as the targets of the next run. Throws InputError with every fault.
+  /// Keeps the rows of a table as the targets of the next run; those that were taught for an empty
+  /// text. Throws InputError with every fault.
   void load_targets(const std::string& csv);
-  /// Keeps the taught targets anew where no others were loaded.
-  void read_taught();
-  std::vector<TargetRow> targets() const;
+  /// Returns the targets that were loaded, or else were taught. Throws InputError for a taught
+  /// table with faults.
+  std::vector<TargetRow> targets();
+
+  /// Adds a place that was just taught to the targets that were loaded, if any were.
+  void take_taught(const std::string& id);
+  /// Lets the next job check the cell first, because its zeros are new.
+  void forget_check() { well_s_ = kNever; }
+  /// Returns the results of the present or last job.
+  std::vector<nlohmann::ordered_json> results();
 
   /// Runs over the targets kept, in the folder `name` beside the cell file.
   int run(const std::string& name, bool resume);
@@ -41,6 +50,7 @@ class CellJobs {
   struct Ending {
     std::string words;
     bool ok{false};
+    const char* level{ok ? "info" : "error"};  ///< of the line that tells it
   };
   /// Calls `begun` once all is read. Returns how the job ended.
   using Work = std::function<Ending(CellDevices&, const Stop&, const Begun&)>;
@@ -62,12 +72,12 @@ class CellJobs {
   CellWorker& worker_;
   SteadyClock clock_;
 
-  mutable std::mutex mutex_;
-  std::vector<TargetRow> targets_;
-  bool loaded_{false};  ///< targets_ came by load_targets()
-  // Of the worker's thread.
-  int last_job_{0};
-  std::optional<double> well_s_;  ///< when the cell was found well last
+  std::mutex mutex_;
+  std::vector<TargetRow> loaded_;
+  std::vector<nlohmann::ordered_json> results_;
+  int last_job_{0};  ///< of the worker's thread
+  static constexpr double kNever{-1e9};
+  std::atomic<double> well_s_{kNever};  ///< when the cell was found well last
 };
 
 }  // namespace planar

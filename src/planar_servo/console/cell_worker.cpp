@@ -50,6 +50,10 @@ const Verb& verb_of(const std::string& line) {
                     fmt::format("there are {}", fmt::join(names, ", ")), "line"});
 }
 
+std::string sentence_of(const Verb& verb, const std::string& line) {
+  return fmt::format("{}: {}", name_in(kDoings, verb.doing), line);
+}
+
 }  // namespace
 
 CellWorker::CellWorker(const KnownCell& cell, StateBoard& board, std::function<bool()> interrupted)
@@ -62,13 +66,29 @@ CellWorker::CellWorker(const KnownCell& cell, StateBoard& board, std::function<b
                     [this](const auto& drives) { see_drives(drives); }};
   devices_ = watched(open_cell(cell.settings()), cell.settings().camera.kind->is_virtual(),
                      std::move(watch));
-  jog_ = std::make_unique<JogConsole>(
-      cell.settings(), *devices_, cell.teach(), [this] { return must_stop(); },
-      [this](const std::string& sentence) { board_.tell_line("info", sentence); });
+  open_jog();
   read_doubts();
-  note_idle();
+  note_devices();
+  note_idle(nullptr);
   this->watch();  // the first page has a picture at once
   thread_ = std::thread([this] { work(); });
+}
+
+void CellWorker::open_jog() {
+  const auto open = [this](const std::filesystem::path& teach) {
+    return std::make_unique<JogConsole>(
+        cell_.settings(), *devices_, teach, [this] { return must_stop(); },
+        [this](const std::string& sentence) { board_.tell_line("info", sentence); });
+  };
+  try {
+    jog_ = open(cell_.teach());
+  } catch (const InputError& e) {
+    jog_ = open({});
+    for (const Refusal& refusal : e.refusals())
+      teach_doubts_.push_back({refusal.fault + ", so that no place can be taught",
+                               "mend or move the table, then start the console again",
+                               refusal.where});
+  }
 }
 
 CellWorker::~CellWorker() {
@@ -80,7 +100,7 @@ CellWorker::~CellWorker() {
 JogConsole::Answer CellWorker::command(const std::string& line) {
   const Verb& verb = verb_of(line);
   JogConsole::Answer answer{false, "was stopped before it began"};
-  const auto task = post(verb.doing, line, [this, line, &answer] {
+  const auto task = post(verb.doing, sentence_of(verb, line), [this, line, &answer] {
     if (line.rfind("focus", 0) == 0) pictures_.forget_best();
     answer = jog_->execute(line);
   });
@@ -90,12 +110,13 @@ JogConsole::Answer CellWorker::command(const std::string& line) {
   return answer;
 }
 
-void CellWorker::hold(const std::string& line) {
-  if (!verb_of(line).is_held)
+std::uint64_t CellWorker::hold(const std::string& line) {
+  const Verb& verb = verb_of(line);
+  if (!verb.is_held)
     throw InputError({fmt::format("'{}' is not held", line), "hold joint, x or y", "line"});
   constexpr bool kHeld = true;
-  post(
-      Doing::kMoving, line,
+  const auto task = post(
+      verb.doing, sentence_of(verb, line),
       [this, line] {
         const JogConsole::Answer answer = jog_->execute(line);
         const bool lost = clock_.now_s() > performed_->held_until_s && !performed_->stopped;
@@ -103,6 +124,7 @@ void CellWorker::hold(const std::string& line) {
                          (lost ? "nobody holds the arm any more: " : "") + answer.text);
       },
       kHeld);
+  return task->begun;
 }
 
 bool CellWorker::keep() {
@@ -149,6 +171,7 @@ std::shared_ptr<CellWorker::Task> CellWorker::post(Doing doing, const std::strin
     throw CellBusy(
         Refusal{fmt::format("the cell is at work: {}", task_->text), "wait, or stop it"});
   task_ = task;
+  task->begun = board_.note(doing, text);
   changed_.notify_all();
   return task;
 }
@@ -171,30 +194,38 @@ std::shared_ptr<CellWorker::Task> CellWorker::next_task() {
 }
 
 void CellWorker::perform(const std::shared_ptr<Task>& task) {
-  board_.note(task->doing, task->text);
-  try {
-    performed_ = task;
+  performed_ = task;
+  attempt([&] {
     if (!task->stopped) task->act();
-  } catch (const std::exception& error) {
-    board_.tell_line("error", error.what());
-  }
+  });
   performed_.reset();
-  note_idle();
-  const std::lock_guard<std::mutex> lock(mutex_);
-  task_.reset();
-  changed_.notify_all();
+  attempt([this] { note_devices(); });
+  note_idle(task);
 }
 
 void CellWorker::idle() {
   idle_s_ = clock_.now_s();
-  devices_->drives().status();
-  if (idle_s_ - watched_s_ > kWatchedFor_s) return;
+  attempt([this] {
+    if (idle_s_ - watched_s_ < kWatchedFor_s) look();
+    note_devices();
+  });
+  note_idle(nullptr);
+}
+
+void CellWorker::attempt(const std::function<void()>& act) {
+  try {
+    act();
+  } catch (const std::exception& error) {
+    board_.tell_line("error", error.what());
+  }
+}
+
+void CellWorker::look() {
   FrameSource& camera = devices_->camera();
+  if (camera.fault()) return;
   camera.set_region({{}, camera.sensor_size_px()});
   const FrameResult result = camera.next_frame();
-  camera.fault();
   if (result.status == FrameStatus::kOk) pictures_.examine(result.frame);
-  note_idle();
 }
 
 bool CellWorker::must_stop() const {
@@ -202,7 +233,7 @@ bool CellWorker::must_stop() const {
   return performed_ && (performed_->stopped || clock_.now_s() > performed_->held_until_s);
 }
 
-void CellWorker::note_idle() {
+void CellWorker::note_devices() {
   devices_->drives().status();
   const CameraExposure exposure = devices_->camera().exposure();
   const auto seen = jog_->seen();
@@ -210,8 +241,15 @@ void CellWorker::note_idle() {
     state.exposure = exposure;
     state.seen_B = seen;
   });
+}
+
+void CellWorker::note_idle(const std::shared_ptr<Task>& ended) {
   const auto arm = board_.state().arm;
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (task_ != ended) return;
+  task_.reset();
   board_.note(Doing::kIdle, arm && !arm->to_do.empty() ? "idle; first " + arm->to_do : "idle");
+  changed_.notify_all();
 }
 
 void CellWorker::see_drives(const std::array<DriveStatus, 3>& drives) {
@@ -243,7 +281,8 @@ void CellWorker::read_doubts() {
 
 void CellWorker::publish_doubts() {
   std::vector<Refusal> doubts = file_doubts_;
-  doubts.insert(doubts.end(), findings_.begin(), findings_.end());
+  for (const auto* more : {&findings_, &teach_doubts_})
+    doubts.insert(doubts.end(), more->begin(), more->end());
   if (camera_fault_)
     doubts.push_back(
         {*camera_fault_, "look at its cable and power; planar-doctor examines it", "camera"});

@@ -40,8 +40,9 @@ class CellWorker {
   /// not done.
   JogConsole::Answer command(const std::string& line);
   /// Begins a line that moves the arm as long as keep() is called every kHold_s; then it slows down
-  /// to rest. Throws as command() does, and InputError for a line that moves nothing.
-  void hold(const std::string& line);
+  /// to rest. Returns the number of the first state that says so. Throws as command() does, and
+  /// InputError for a line that moves nothing.
+  std::uint64_t hold(const std::string& line);
   /// Says that whoever holds the arm is still there. Returns false when nothing is held.
   bool keep();
   static constexpr double kHold_s{0.2};
@@ -69,18 +70,27 @@ class CellWorker {
     Doing doing{Doing::kIdle};
     std::string text;
     std::function<void()> act;
+    std::uint64_t begun{0};  ///< number of the first state that shows it
     std::atomic<bool> stopped{false};
     std::atomic<double> held_until_s;
   };
 
+  void open_jog();
   std::shared_ptr<Task> post(Doing doing, const std::string& text, std::function<void()> act,
                              bool held = false);
   void work();
   std::shared_ptr<Task> next_task();
   void perform(const std::shared_ptr<Task>& task);
   void idle();
+  /// Takes a picture, unless the camera is at fault.
+  void look();
   bool must_stop() const;
-  void note_idle();
+  /// Tells what `act` throws.
+  void attempt(const std::function<void()>& act);
+  /// Shows where arm and camera are.
+  void note_devices();
+  /// Shows that nothing is done, unless a task has come; `ended` has ended, if it is one.
+  void note_idle(const std::shared_ptr<Task>& ended);
   void see_drives(const std::array<DriveStatus, 3>& drives);
   void see_fault(const std::optional<std::string>& fault);
   /// Looks again at the files that moves depend on.
@@ -100,7 +110,8 @@ class CellWorker {
   std::array<DriveStatus, 3> drives_;
   std::optional<std::string> camera_fault_;
   std::vector<Refusal> file_doubts_, findings_;
-  double idle_s_{0.0};  ///< when the thread last looked
+  std::vector<Refusal> teach_doubts_;  ///< why nothing can be taught
+  double idle_s_{0.0};                 ///< when the thread last looked
 
   std::mutex mutex_;
   std::condition_variable changed_;

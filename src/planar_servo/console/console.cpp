@@ -88,7 +88,9 @@ ConsoleAddresses Console::addresses() const {
 void Console::serve() {
   std::thread answering([this] { parts_->server.answer(); });
   while (!parts_->interrupted()) std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  constexpr double kMostRest_s = 10.0;
   parts_->worker.stop();
+  parts_->worker.wait_for_rest(kMostRest_s);
   parts_->board.close();
   parts_->server.close();
   answering.join();

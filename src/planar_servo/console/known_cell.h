@@ -28,7 +28,7 @@ class KnownCell {
   /// Returns the folder of the cell file, in which all that is served or written lies.
   const std::filesystem::path& folder() const { return folder_; }
   /// Returns the table to which places are taught.
-  std::filesystem::path teach() const { return folder_ / "targets.csv"; }
+  std::filesystem::path teach() const { return cell_.file.parent_path() / "targets.csv"; }
 
   /// Returns what speaks against moving by these files, read anew.
   std::vector<Refusal> doubts() const;

@@ -78,15 +78,15 @@ ordered_json refusal_json(const Refusal& refusal) {
   return {{"fault", refusal.fault}, {"remedy", refusal.remedy}, {"where", refusal.where}};
 }
 
-void StateBoard::change(const std::function<void(CellState&)>& change) {
+std::uint64_t StateBoard::change(const std::function<void(CellState&)>& change) {
   const std::lock_guard<std::mutex> lock(mutex_);
   change(state_);
-  ++version_;
   changed_.notify_all();
+  return ++version_;
 }
 
-void StateBoard::note(Doing doing, const std::string& text) {
-  change([&](CellState& state) {
+std::uint64_t StateBoard::note(Doing doing, const std::string& text) {
+  return change([&](CellState& state) {
     if (state.doing != doing || state.since_s == 0.0) state.since_s = clock_.now_s();
     state.doing = doing;
     state.text = text;
@@ -100,6 +100,7 @@ void StateBoard::tell(const char* event, const ordered_json& data) {
       event_text(event, data.dump(-1, ' ', false, ordered_json::error_handler_t::replace)));
   if (events_.size() > kEventsKept) events_.pop_front();
   changed_.notify_all();
+  told_.notify_all();
 }
 
 void StateBoard::tell_line(const char* level, const std::string& text) {
@@ -129,7 +130,11 @@ std::string StateBoard::next(Reader& reader) {
       text += state_event();
     }
     if (!text.empty()) return text;
-    changed_.wait_for(lock, seconds((news ? kStateEvery_s : kHeartbeat_s) - age_s));
+    // A state that comes too early wakes nobody again.
+    if (news)
+      told_.wait_for(lock, seconds(kStateEvery_s - age_s));
+    else
+      changed_.wait_for(lock, seconds(kHeartbeat_s - age_s));
   }
   return {};
 }
@@ -138,6 +143,7 @@ void StateBoard::close() {
   const std::lock_guard<std::mutex> lock(mutex_);
   closed_ = true;
   changed_.notify_all();
+  told_.notify_all();
 }
 
 std::string StateBoard::unread_events(Reader& reader) const {

@@ -86,9 +86,10 @@ nlohmann::ordered_json refusal_json(const Refusal& refusal);
 /// cell. The text for all readers is made once.
 class StateBoard {
  public:
-  void change(const std::function<void(CellState&)>& change);
-  /// Notes what is done now, and since when if that is new.
-  void note(Doing doing, const std::string& text);
+  /// Returns the number of the state that the change makes.
+  std::uint64_t change(const std::function<void(CellState&)>& change);
+  /// Notes what is done now, and since when if that is new; returns as change() does.
+  std::uint64_t note(Doing doing, const std::string& text);
   /// Tells all readers of events, as `event: NAME` with these data.
   void tell(const char* event, const nlohmann::ordered_json& data);
   void tell_line(const char* level, const std::string& text);
@@ -114,7 +115,7 @@ class StateBoard {
   const std::string& state_event();
 
   mutable std::mutex mutex_;
-  std::condition_variable changed_;
+  std::condition_variable changed_, told_;  ///< the state, and the events
   SteadyClock clock_;
   CellState state_;
   std::uint64_t version_{1};

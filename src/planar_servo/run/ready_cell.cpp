@@ -91,7 +91,7 @@ ReadyCell::ReadyCell(const ServoRequest& request, CellDevices& devices)
       landings_(landings_of(request, vision_, planner_, limits_)),
       servo_(cell_.servo, limits_, planner_, robot_, sensor_, devices.clock(), landings_.get()) {
   robot_.stop_when(request.stop);
-  if (request.just_checked) examined_s_ = clock_.now_s();
+  if (request.checked_s_ago) examined_s_ = clock_.now_s() - *request.checked_s_ago;
   const auto* learning = dynamic_cast<const LearningLandings*>(landings_.get());
   if (learning != nullptr && cell_.arm_learned) memory_.emplace(cell_, *learning);
 }

@@ -28,8 +28,9 @@ struct ServoRequest {
   bool accept_stale{false};   ///< moves even with files that do not belong together
   bool accept_map{false};     ///< moves even by an error map whose fit speaks against it
   bool check_health{true};    ///< checks before the first target whether the cell is as it was
-  bool just_checked{false};   ///< the cell was found well a moment ago: the first check is left out
-  bool keep_going{false};     ///< tries the next target even when the cell itself is in doubt
+  /// How long ago the cell was found well by a check that counts as the first one, seconds.
+  std::optional<double> checked_s_ago{};
+  bool keep_going{false};  ///< tries the next target even when the cell itself is in doubt
   /// Is asked about drives that lost their position on the way, too. Empty: they may not be homed.
   MayHome may_home{};
   std::function<bool()> stop{};  ///< asked during every move; see PlanarRobot::stop_when()

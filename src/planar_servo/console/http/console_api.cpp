@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <sstream>
 
 #include "planar_servo/console/http/cell_folder.h"
 #include "planar_servo/console/http/page_files.h"
@@ -120,6 +121,7 @@ ConsoleApi::ConsoleApi(const Gatekeeper& gate, const KnownCell& cell, StateBoard
   answer_get("/api/place", &ConsoleApi::place);
   answer_get("/api/files", &ConsoleApi::files);
   answer_get("/api/reports", &ConsoleApi::reports);
+  answer_get("/api/results", &ConsoleApi::results);
   answer_get("/api/targets", &ConsoleApi::targets);
   answer_post("/api/operator", &ConsoleApi::take_floor);
   answer_post("/api/stop", &ConsoleApi::stop);
@@ -264,8 +266,11 @@ ConsoleApi::Json ConsoleApi::reports(const Request& /*request*/) {
 }
 
 ConsoleApi::Json ConsoleApi::targets(const Request& /*request*/) {
-  jobs_.read_taught();
   return targets_json(jobs_.targets());
+}
+
+ConsoleApi::Json ConsoleApi::results(const Request& /*request*/) {
+  return jobs_.results();
 }
 
 ConsoleApi::Json ConsoleApi::take_floor(const Json& body, const std::string& client) {
@@ -292,14 +297,18 @@ ConsoleApi::Json ConsoleApi::command(const Json& body, const std::string& client
   const auto line = member<std::string>(body, "line");
   require_floor(client);
   const JogConsole::Answer answer = worker_.command(line);
+  std::istringstream words(line);
+  std::string verb, id;
+  words >> verb >> id;
+  if (verb == "home" || verb == "mark") jobs_.forget_check();
+  if (verb == "teach" && answer.done) jobs_.take_taught(id);
   return {{"done", answer.done}, {"text", answer.text}};
 }
 
 ConsoleApi::Json ConsoleApi::jog(const Json& body, const std::string& client) {
   const auto line = member<std::string>(body, "line");
   require_floor(client);
-  worker_.hold(line);
-  return {{"begun", true}};
+  return {{"begun", true}, {"seq", worker_.hold(line)}};
 }
 
 ConsoleApi::Json ConsoleApi::keep(const Json& /*body*/, const std::string& client) {

@@ -47,6 +47,7 @@ class ConsoleApi {
   Json files(const Request& request);
   Json reports(const Request& request);
   Json targets(const Request& request);
+  Json results(const Request& request);
 
   Json take_floor(const Json& body, const std::string& client);
   Json stop(const Json& body, const std::string& client);

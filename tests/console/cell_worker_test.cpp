@@ -1,0 +1,137 @@
+#include "planar_servo/console/cell_worker.h"
+
+#include <atomic>
+#include <catch2/catch.hpp>
+#include <thread>
+
+#include "planar_servo/core/units.h"
+#include "planar_servo/io/atomic_file.h"
+#include "support/eventually.h"
+#include "support/sample_cells.h"
+#include "support/temporary_folder.h"
+#include "support/texts.h"
+
+namespace planar {
+namespace {
+
+using Catch::Contains;
+using test::replaced;
+
+constexpr double kLongest_s = 20.0;
+
+/// A worker at a cell whose joint 1 takes three seconds for the longest jog.
+struct Bench {
+  test::TemporaryFolder folder;
+  KnownCell cell;
+  StateBoard board;
+  std::atomic<bool> interrupted{false};
+  CellWorker worker;
+
+  explicit Bench(const std::string& targets = "id,x_mm,y_mm,phi_deg\n")
+      : cell(slow_cell(folder, targets)),
+        worker(cell, board, [this] { return interrupted.load(); }) {}
+
+  static std::filesystem::path slow_cell(const test::TemporaryFolder& folder,
+                                         const std::string& targets) {
+    const auto paper = test::paper_cell_file();
+    folder.write("truth.yaml", read_file(paper.parent_path() / "truth.yaml"));
+    folder.write("targets.csv", targets);
+    return folder.write(
+        "cell.yaml", replaced(read_file(paper), "max_speed_deg_s: 60, max_acceleration_deg_s2: 300",
+                              "max_speed_deg_s: 5, max_acceleration_deg_s2: 300"));
+  }
+
+  double joint_1_deg() const { return board.state().arm->theta[0] / kDegree; }
+  bool rests() { return worker.wait_for_rest(kLongest_s); }
+  void begin_move() {
+    REQUIRE(worker.command("enable").done);
+    worker.begin(Doing::kRunning, "a long job", [](CellDevices& devices, const auto& stop) {
+      while (!stop()) devices.clock().sleep_for_s(0.005);
+    });
+  }
+};
+
+TEST_CASE("A held jog ends on its way when nobody keeps it, and the arm knows where it is") {
+  Bench bench;
+  REQUIRE(bench.worker.command("enable").done);
+  bench.worker.hold("joint 1 15");
+  REQUIRE(test::eventually([&] { return bench.worker.keep() && bench.joint_1_deg() > 0.1; }));
+  REQUIRE(bench.rests());
+  const double turned_deg = bench.joint_1_deg();
+  CHECK(turned_deg > 0.1);
+  CHECK(turned_deg < 7.5);
+  REQUIRE(bench.worker.command("joint 1 -0.1").done);
+  CHECK(bench.joint_1_deg() == Approx(turned_deg - 0.1).margin(0.001));
+}
+
+TEST_CASE("A held jog that is kept goes to its end") {
+  Bench bench;
+  REQUIRE(bench.worker.command("enable").done);
+  bench.worker.hold("joint 1 2");
+  while (bench.worker.keep()) std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  CHECK(bench.joint_1_deg() == Approx(2.0).margin(0.001));
+}
+
+TEST_CASE("A command is stopped on its way, and says so") {
+  Bench bench;
+  REQUIRE(bench.worker.command("enable").done);
+  std::thread stops([&] {
+    test::eventually([&] { return bench.joint_1_deg() > 0.2; });
+    bench.worker.stop();
+  });
+  const JogConsole::Answer answer = bench.worker.command("joint 1 15");
+  stops.join();
+  CHECK_FALSE(answer.done);
+  CHECK_THAT(answer.text, Contains("stopped as asked"));
+  CHECK(bench.joint_1_deg() < 14.9);
+}
+
+TEST_CASE("While a job runs nothing else moves, and it is named") {
+  Bench bench;
+  bench.begin_move();
+  CHECK_THROWS_WITH(bench.worker.command("joint 1 1"), Contains("at work: a long job"));
+  CHECK_THROWS_AS(bench.worker.hold("x 1"), CellBusy);
+  CHECK_FALSE(bench.worker.keep());
+  CHECK(bench.worker.stop());
+  REQUIRE(bench.rests());
+  CHECK_FALSE(bench.worker.stop());
+  CHECK(bench.worker.command("joint 1 0.1").done);
+}
+
+TEST_CASE("An interrupt ends what runs") {
+  Bench bench;
+  bench.begin_move();
+  bench.interrupted = true;
+  CHECK(bench.rests());
+}
+
+TEST_CASE("Only commands of a page are taken, one line each") {
+  Bench bench;
+  for (const char* line : {"save x.png", "quit", "", "x 1\ny 1", "jonit 1 2"}) {
+    INFO(line);
+    CHECK_THROWS_AS(bench.worker.command(line), InputError);
+  }
+  CHECK_THROWS_AS(bench.worker.command("look " + std::string(1000, 'x')), InputError);
+  CHECK_THROWS_AS(bench.worker.hold("home"), InputError);
+}
+
+TEST_CASE("A table that nobody can teach to is a doubt, and the cell moves all the same") {
+  Bench bench("id,x_mm,y_mm\nA,1,2\n");
+  const auto doubts = bench.board.state().doubts;
+  REQUIRE(doubts.size() == 1);
+  CHECK_THAT(doubts[0].fault, Contains("no place can be taught"));
+  REQUIRE(bench.worker.command("enable").done);
+  CHECK_FALSE(bench.worker.command("teach B").done);
+  CHECK(bench.worker.command("joint 1 0.1").done);
+}
+
+TEST_CASE("A picture is there for whoever watches, with the lamps in it") {
+  Bench bench;
+  bench.worker.watch();
+  CHECK(test::eventually([&] { return bench.board.state().lamps.has_value(); }));
+  CHECK(bench.worker.pictures().whole().bytes);
+  CHECK(bench.worker.pictures().lamp(1).bytes);
+}
+
+}  // namespace
+}  // namespace planar

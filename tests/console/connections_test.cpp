@@ -1,0 +1,90 @@
+#include "planar_servo/console/http/connections.h"
+
+#include <arpa/inet.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <catch2/catch.hpp>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "planar_servo/core/error.h"
+
+namespace planar {
+namespace {
+
+/// A server that answers "here", on a port of its own.
+struct Served {
+  ConsoleServer server;
+  int port;
+  std::thread answering;
+
+  Served() : port(server.open("127.0.0.1", 0)) {
+    server.Get("/",
+               [](const auto&, auto& response) { response.set_content("here", "text/plain"); });
+    server.Post("/",
+                [](const auto&, auto& response) { response.set_content("took", "text/plain"); });
+    answering = std::thread([this] { server.answer(); });
+  }
+  ~Served() {
+    server.close();
+    answering.join();
+  }
+  Served(const Served&) = delete;
+  Served& operator=(const Served&) = delete;
+
+  int connected() const {
+    const int there = ::socket(AF_INET, SOCK_STREAM, 0);
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(static_cast<std::uint16_t>(port));
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    REQUIRE(::connect(there, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0);
+    return there;
+  }
+  std::string get() const {
+    const auto answer = httplib::Client("127.0.0.1", port).Get("/");
+    return answer ? answer->body : "no answer";
+  }
+};
+
+TEST_CASE("A port that another console has is refused by its number") {
+  const Served first;
+  ConsoleServer second;
+  CHECK_THROWS_AS(second.open("127.0.0.1", first.port), InputError);
+  CHECK_THROWS_WITH(second.open("127.0.0.1", first.port),
+                    Catch::Contains(std::to_string(first.port)) && Catch::Contains("--port"));
+}
+
+TEST_CASE("More clients than may be, which say nothing, keep nobody out") {
+  const Served served;
+  std::vector<int> silent;
+  for (int i = 0; i < 600; ++i) silent.push_back(served.connected());
+  CHECK(served.get() == "here");
+  for (const int socket : silent) ::close(socket);
+}
+
+TEST_CASE("A body above 1 MiB is refused, and one below it is taken") {
+  const Served served;
+  httplib::Client client("127.0.0.1", served.port);
+  CHECK(client.Post("/", std::string(1 << 20, 'x'), "text/plain")->body == "took");
+  CHECK(client.Post("/", std::string((1 << 20) + 1, 'x'), "text/plain")->status == 413);
+}
+
+TEST_CASE("The server ends while clients wait") {
+  std::vector<int> silent;
+  {
+    const Served served;
+    for (int i = 0; i < 10; ++i) silent.push_back(served.connected());
+    CHECK(served.get() == "here");
+  }
+  char byte = 0;
+  for (const int socket : silent) {
+    CHECK(::recv(socket, &byte, 1, 0) <= 0);
+    ::close(socket);
+  }
+}
+
+}  // namespace
+}  // namespace planar

@@ -1,0 +1,230 @@
+"""Works a cell through planar-console as programs and pages do: console.py PROGRAM CELL_FOLDER."""
+import atexit
+import contextlib
+import http.client
+import json
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import time
+
+PROGRAM, FOLDER = sys.argv[1:]
+ONE, OTHER = "1111111111111111", "2222222222222222"
+PATIENCE_S = 60
+
+
+def check(holds, what):
+    if not holds:
+        sys.exit(f"FAILED: {what}")
+
+
+def eventually(holds, what):
+    until = time.monotonic() + PATIENCE_S
+    while not holds():
+        check(time.monotonic() < until, what)
+        time.sleep(0.02)
+
+
+class Console:
+    """A running planar-console, asked with its token for operating unless another is named."""
+
+    def __init__(self, cell):
+        self.process = subprocess.Popen([PROGRAM, "--cell", f"{FOLDER}/{cell}", "--port", "0"], stdout=subprocess.PIPE,
+                                        text=True)
+        atexit.register(self.process.kill)
+        self.printed = [self.process.stdout.readline() for _ in range(3)]
+        addresses = [line.split()[-1] for line in self.printed[:2]]
+        self.operate, self.read = [address.split("=")[1] for address in addresses]
+        self.port = int(addresses[0].split(":")[2].split("/")[0])
+
+    def ask(self, method, path, body=None, token=None, client=ONE, **headers):
+        """Returns status and answer, JSON where it is."""
+        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=PATIENCE_S)
+        sent = {"Authorization": f"Bearer {self.operate if token is None else token}"}
+        if method == "POST":
+            sent.update({"X-Planar-Client": client, "Content-Type": "application/json"})
+            body = body if isinstance(body, bytes) else json.dumps(body or {})
+        sent.update({name.replace("_", "-"): value for name, value in headers.items()})
+        with contextlib.closing(connection):
+            connection.request(method, path, body, sent)
+            answer = connection.getresponse()
+            data = answer.read()
+        is_json = answer.headers.get("Content-Type", "").startswith("application/json")
+        return answer.status, json.loads(data) if is_json else data
+
+    def post(self, path, body=None, **how):
+        return self.ask("POST", path, body, **how)
+
+    def state(self):
+        status, state = self.ask("GET", "/api/state")
+        while status == 429:
+            time.sleep(0.1)
+            status, state = self.ask("GET", "/api/state")
+        return state
+
+    def turned(self):
+        return self.state()["arm"]["joints_deg"][0]
+
+    def rests(self):
+        eventually(lambda: self.state()["doing"] == "idle", "the cell does not come to rest")
+
+    def command(self, line):
+        status, answer = self.post("/api/command", {"line": line})
+        check(status == 200 and answer["done"], f"{line}: {answer}")
+
+    def refused(self, wanted, method, path, body=None, says="", **how):
+        status, answer = self.ask(method, path, body, **how)
+        check(status == wanted and says in str(answer), f"{method} {path} {how}: {status} {answer}, not {wanted} {says}")
+
+    def opened(self, text):
+        """Returns a connection that has sent this and reads nothing."""
+        there = socket.socket()
+        there.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1024)
+        there.connect(("127.0.0.1", self.port))
+        there.sendall(text.encode())
+        return there
+
+    def end(self, how=signal.SIGINT):
+        self.process.send_signal(how)
+        check(self.process.wait(PATIENCE_S) == 0, "the console did not end well")
+
+
+def try_rights(console):
+    for token, wanted in (("", 401), ("0" * 32, 401), (console.read, 200), (console.operate, 200)):
+        status, _ = console.ask("GET", "/api/state", token=token)
+        check(status == wanted, f"the token '{token}' is answered with {status}")
+    console.refused(401, "GET", "/", token="", says="no right to read")
+    console.refused(303, "GET", f"/?token={console.read}", token="")
+    console.refused(403, "POST", "/api/command", {"line": "enable"}, token=console.read, says="may read only")
+    for header in ({"Origin": "http://example.org"}, {"Host": "example.org"}, {"Content_Type": "text/plain"},
+                   {"X_Planar_Client": ""}):
+        console.refused(403, "POST", "/api/stop", **header)
+    check(console.post("/api/stop", token=console.read)[0] == 200, "a reader cannot stop")
+
+
+def try_bodies(console):
+    console.refused(413, "POST", "/api/targets", b"x" * (2 << 20), says="1 MiB")
+    for body in (b"", b"\xff\0", b"[1]", b"[" * 100000, b'{"line": 1}'):
+        console.refused(400, "POST", "/api/command", body)
+    console.refused(400, "POST", "/api/command", {"line": "save /tmp/x.png"}, says="no command 'save'")
+    console.refused(400, "POST", "/api/targets", {"csv": "id,x_mm,y_mm\nA,1\nB,x,1\n"}, says="has 2 fields")
+    console.refused(400, "GET", "/api/place?x_mm=nan&y_mm=1")
+    console.refused(400, "POST", "/api/run", {"out": "../run", "resume": False}, says="letters")
+
+
+def try_folder(console):
+    for name in ("../secret.html", "%2e%2e/secret.html", "link.html", "cell.yaml", "none.html", "a" * 7000 + ".html"):
+        console.refused(404, "GET", f"/reports/{name}")
+    check(console.ask("GET", "/api/reports")[1] == [], "reports where none are")
+
+
+def try_second_consoles(console):
+    for arguments, said in ((["--cell", f"{FOLDER}/fast.yaml"], "another planar-console serves this cell"),
+                            (["--cell", f"{FOLDER}/slow.yaml", "--port", str(console.port)], "taken")):
+        second = subprocess.run([PROGRAM, *arguments], capture_output=True, text=True, timeout=PATIENCE_S)
+        check(second.returncode == 2 and said in second.stderr, f"{arguments}: {second.stderr}")
+
+
+def follow(console, told):
+    """Keeps the rows of results that the events tell."""
+    events = console.opened(f"GET /api/events HTTP/1.1\r\nHost: 127.0.0.1:{console.port}\r\n"
+                            f"Authorization: Bearer {console.read}\r\n\r\n").makefile("r")
+    kind = ""
+    for line in events:
+        if line.startswith("event: "):
+            kind = line.split()[1]
+        elif line.startswith("data: ") and kind == "result":
+            told.append(json.loads(line[6:]))
+
+
+def try_run(console):
+    console.refused(400, "POST", "/api/run", {"out": "run", "resume": False}, says="no targets")
+    check(console.post("/api/targets", {"csv": "id,x_mm,y_mm\nA,330,-250\nB,320,-240\n"})[0] == 200, "no targets")
+    console.refused(400, "POST", "/api/run", {"out": "run", "resume": False}, says="enable")
+    console.command("enable")
+    told = []
+    threading.Thread(target=follow, args=(console, told), daemon=True).start()
+    check(console.post("/api/run", {"out": "run", "resume": False})[1] == {"job": 1}, "no job")
+    console.refused(409, "POST", "/api/command", {"line": "x 1"}, says="at work")
+    console.rests()
+    job = console.state()["job"]
+    check(job["ok"] and job["done"] == 2 and "2 of 2 targets reached" in job["ended"], job)
+    eventually(lambda: len(told) == 2, f"results told: {told}")
+    check([row["target"] for row in told] == ["A", "B"] and told[0]["status"] == "reached", told)
+    check(console.ask("GET", "/reports/run/report.html")[0] == 200, "no report")
+    console.refused(400, "POST", "/api/run", {"out": "run", "resume": False}, says="resume")
+
+
+def try_jog(console):
+    console.command("enable")
+    begun = console.turned()
+    check(console.post("/api/jog", {"line": "joint 1 -15"})[1] ["begun"], "no jog")
+    while abs(console.turned() - begun) < 0.2:
+        check(console.post("/api/jog/keep")[1] == {"held": True}, "the jog has ended")
+    console.rests()
+    lost = console.turned()
+    check(-7.5 < lost - begun < -0.1, f"a lost page's jog went from {begun} to {lost} deg")
+    console.command("joint 1 0.5")
+    check(abs(console.turned() - lost - 0.5) < 0.01, "the arm does not know where it was stopped")
+
+
+def try_stop(console):
+    """Another client stops a command on its way, and takes over what moves."""
+    for end in (lambda: console.post("/api/stop", client=OTHER, token=console.read),
+                lambda: console.post("/api/operator", {"take": True}, client=OTHER)):
+        begun, answers = console.turned(), []
+        command = threading.Thread(target=lambda: answers.append(console.post("/api/command", {"line": "joint 1 -15"})))
+        command.start()
+        eventually(lambda: abs(console.turned() - begun) > 0.2, "nothing moves")
+        console.refused(409, "POST", "/api/command", {"line": "x 1"}, client=OTHER)
+        check(end()[0] == 200, "no stop")
+        command.join()
+        check("stopped as asked" in answers[0][1]["text"], answers)
+        check(abs(console.turned() - begun) < 14.9, "the arm was not stopped on its way")
+    console.refused(409, "POST", "/api/command", {"line": "x 1"}, says="take over")
+    check(console.post("/api/operator", {"take": True})[1] == {"operator": ONE}, "the floor is not given back")
+
+
+def try_floods(console):
+    """Slow, silent and too many clients delay no stop."""
+    head = f" HTTP/1.1\r\nHost: 127.0.0.1:{console.port}\r\nAuthorization: Bearer {console.read}\r\n"
+    clients = [console.opened("GET /api/events" + head + "\r\n") for _ in range(64)]
+    clients += [console.opened("GET /api/picture.jpg" + head + "\r\n") for _ in range(100)]
+    clients += [console.opened("") for _ in range(100)] + [console.opened("GET /api/st") for _ in range(100)]
+    check(console.post("/api/stop")[0] == 200, "no stop while others read slowly")
+    for client in clients:
+        client.close()
+    statuses = set()
+    for _ in range(3000):
+        statuses.add(console.ask("GET", "/api/state")[0])
+    check(statuses <= {200, 429}, statuses)
+    check(console.post("/api/stop")[0] == 200, "no stop in a flood of requests")
+
+
+def try_end(console):
+    """Ctrl-C ends a move by its ramp, and then the program."""
+    begun, answers = console.turned(), []
+    command = threading.Thread(target=lambda: answers.append(console.post("/api/command", {"line": "joint 1 15"})))
+    command.start()
+    eventually(lambda: abs(console.turned() - begun) > 0.2, "nothing moves")
+    console.end()
+    command.join()
+    check("stopped as asked" in answers[0][1]["text"], answers)
+
+
+def main():
+    fast = Console("fast.yaml")
+    with open("console.txt", "w", encoding="utf-8") as printed:
+        printed.writelines(fast.printed)
+    for what in (try_rights, try_bodies, try_folder, try_second_consoles, try_run):
+        what(fast)
+    check(fast.ask("GET", "/api/picture.jpg")[1][:2] == b"\xff\xd8", "no picture")
+    fast.end(signal.SIGTERM)
+    slow = Console("slow.yaml")
+    for what in (try_jog, try_stop, try_floods, try_end):
+        what(slow)
+
+
+main()

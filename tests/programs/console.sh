@@ -1,0 +1,16 @@
+#!/usr/bin/env bash
+# A cell worked over HTTP by planar-console: rights, jog, targets, stop, lost pages, floods, and how it ends.
+source "$(dirname "$0")/common.sh"
+
+cp -r "$2/cell" .
+# Without the visits to places of the calibration, which take a minute of real time; their joints are fast
+# enough to run targets, and so slow that a jog can be stopped on its way.
+sed '/^health:/d; s/max_speed_deg_s: 120/max_speed_deg_s: 300/' cell/cell.yaml >cell/fast.yaml
+sed '/^health:/d; s/max_speed_deg_s: 60/max_speed_deg_s: 5/' cell/cell.yaml >cell/slow.yaml
+printf 'id,x_mm,y_mm,phi_deg\n' >cell/targets.csv
+echo outside >secret.html
+ln -s ../secret.html cell/link.html
+
+python3 "$repository/tests/programs/console.py" "$bin/planar-console" cell || fail "see above"
+sed -i "s/token=.*/token=.../" console.txt
+expect_sample console.txt "$bin/planar-console"
