@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 from hypothesis import HealthCheck, given, seed, settings
 from hypothesis import strategies as st
+from hypothesis.configuration import set_hypothesis_home_dir
 from hypothesis.extra import numpy as hnp
 
 import planar_servo as ps
@@ -68,6 +69,7 @@ IMAGES = st.one_of(
         st.floats(-10, 150), st.floats(-10, 110), st.floats(0, 60), st.integers(0, 255)),
     arrays(2))
 FOLDER = tempfile.TemporaryDirectory()
+set_hypothesis_home_dir(FOLDER.name)  # not in the checkout
 TEXTS = st.lists(st.text(max_size=4), max_size=5)
 WORDS = st.sampled_from(["auto", "rbf", "idw", "hand", "left", "", "none", "\0"])
 KINDS = st.sampled_from([*ps.table_kinds(), ""])
