@@ -1,6 +1,6 @@
 // Moving by hand. A motion lasts while a button or key is held: the server stops it when this page falls silent.
 
-import {command, order, stop} from "./actions.js";
+import {command, complain, order, stop} from "./actions.js";
 import {byId, put, show, sentence} from "./dom.js";
 import {tell} from "./link.js";
 
@@ -66,6 +66,13 @@ export function showJog(state) {
   const needs = state.arm ? state.arm.to_do : "";
   put("to-do", needs ? sentence(needs) : "");
   show("to-do", Boolean(needs));
+}
+
+/// A step that is refused is told, and none follows it.
+export function heedLine({level, text}) {
+  if (level === "info" || !pressed || pressed.over) return;
+  if (pressed.kept) complain({fault: text});
+  pressed.down = false;
 }
 
 /// The line to the server is lost, which stops the arm by itself.

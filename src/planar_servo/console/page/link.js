@@ -55,8 +55,8 @@ export function follow(handlers, begin, lost) {
     }
   }
   function open() {
-    begin();
     stream = new EventSource("/api/events");
+    stream.addEventListener("open", begin);
     for (const [name, handle] of Object.entries(handlers))
       stream.addEventListener(name, event => {
         heard();

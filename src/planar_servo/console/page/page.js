@@ -5,7 +5,7 @@ import {addLine, clearLines, prepareBar, showBar, showLost} from "./bar.js";
 import {loadCell, prepareCell} from "./cell.js";
 import {byId, put, show} from "./dom.js";
 import {prepareField, showField} from "./field.js";
-import {loseJog, prepareJog, showJog} from "./jog.js";
+import {heedLine, loseJog, prepareJog, showJog} from "./jog.js";
 import {ask, follow} from "./link.js";
 import {preparePicture, showPictures} from "./picture.js";
 import {choose, preparePlace} from "./place.js";
@@ -32,6 +32,11 @@ function showState(state) {
   gate(mayAct(cell, state));
 }
 
+function showLine(line) {
+  addLine(line);
+  heedLine(line);
+}
+
 function lose(refusal) {
   document.body.classList.add("lost");
   loseJog();
@@ -56,7 +61,7 @@ async function begin() {
   prepareCell();
   prepareRecording();
   gate(false);
-  follow({state: showState, line: addLine, result: addResult}, clearLines, lose);
+  follow({state: showState, line: showLine, result: addResult}, clearLines, lose);
   attempt(loadTargets);
   attempt(loadCell);
 }
