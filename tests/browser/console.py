@@ -32,6 +32,8 @@ FARTHEST = 'input[name=step][value="50"]'
 FARTHEST_DEG = 15
 UNCHECKED = ("health: health.yaml", "")  # the check of a cell takes longer than all of this
 SLOW = ("max_speed_deg_s: 60", "max_speed_deg_s: 10")
+TYPED = ("tracker: {", "tracker: {source: ask, ")
+MONUMENTS = (("datum1", -450, -450), ("datum2", 450, 450), ("datum3", -450, 450))
 KEPT_DEG = 4  # takes longer on a slow cell than the console waits for a page
 JOGS = "return performance.getEntriesByName(location.origin + '/api/jog').map(entry => entry.duration)"
 IDLE = "document.querySelector('#lamp').dataset.doing === 'idle'"
@@ -250,6 +252,36 @@ def other_rights(driver, console, pictures):
         stranger.picture(os.path.join(pictures, "wrong_token.png"))
 
 
+def answer_question(page, about, text=""):
+    """Waits for a question and answers it by Enter, with a reading where one is given."""
+    page.wait(f"document.querySelector('#person-text').textContent.includes({json.dumps(about)})")
+    if text:
+        page.write("#reading", text)
+    page.click("#person-form .main")
+
+
+def record(driver, console, pictures):
+    """A person types the readings of a tracker. Those of the monuments are what the cell file says."""
+    with Browser(driver) as page:
+        open_page(page, console)
+        enable(page)
+        page.click("#record-form button")
+        for id, x, y in MONUMENTS:
+            answer_question(page, f"'{id}'", f"{x},{y},0")
+        answer_question(page, "back on the tool")
+        page.wait("document.querySelector('#person-text').textContent.includes(\"'t1'\")")
+        claim("a recording asks in large letters, beside the monuments that were read",
+              page.run("return document.querySelectorAll('#monuments li').length") == len(MONUMENTS),
+              page.text("#person-text"))
+        check_page(page, pictures, "recording")
+        page.key("escape")
+        page.key("escape", down=False)
+        page.wait(IDLE)
+        claim("Esc ends a recording while it asks", page.run("return document.querySelector('#person').hidden"),
+              console.state()["job"]["ended"])
+        check_messages(page)
+
+
 def check_messages(page):
     messages = page.messages()
     claim("the browser's console shows no message", not messages, "; ".join(messages))
@@ -284,6 +316,10 @@ def main():
             second_browser(driver, page, console, pictures)
             other_rights(driver, console, pictures)
             check_messages(page)
+        with copy_of(cell, *TYPED) as file, Console(program, file) as console:
+            with open(os.path.join(os.path.dirname(file), "plan.csv"), "w", encoding="utf-8") as plan:
+                plan.write("id,plan,x_mm,y_mm,phi_deg\nt1,train,300,100,0\n")
+            record(driver, console, pictures)
         with copy_of(cell, *SLOW) as file, Console(program, file) as console:
             lose_page(driver, console)
 

@@ -55,6 +55,7 @@ function glyph(kind, [x, y]) {
   return draw("circle", place);
 }
 
+const recording = () => state && state.doing === "recording" ? state.recording : null;
 const RECORDED = {done: "reached", left_out: "failed"};
 
 /// The places and monuments of a recording, which stand in the place of targets.
@@ -68,7 +69,7 @@ function showPlaces({places, monuments, here_mm: here}) {
 }
 
 function showTargets() {
-  if (state && state.recording) return showPlaces(state.recording);
+  if (recording()) return showPlaces(recording());
   const marks = targets.map(({id, x_mm, y_mm}) => glyph(kindOf(results.get(id)), [x_mm, y_mm]));
   if (targets.length * LABEL_PX <= svg.clientWidth) for (const {id, x_mm, y_mm} of targets)
     marks.push(draw("text", {x: x_mm + 7 * px, y: -y_mm - 5 * px, class: "label"}, id));
@@ -138,11 +139,11 @@ function redraw() {
 }
 
 export function showField(next) {
-  const recorded = Boolean(state && state.recording);
+  const before = recording();
   state = next;
-  if (recorded || state.recording) showTargets();
-  put("glyph-good", state.recording ? "● done" : "● reached");
-  put("glyph-bad", state.recording ? "✕ left out" : "✕ not reached");
+  if (before || recording()) showTargets();
+  put("glyph-good", recording() ? "● done" : "● reached");
+  put("glyph-bad", recording() ? "✕ left out" : "✕ not reached");
   const {arm, seen_mm: seen} = state;
   const tip = arm && arm.homed ? arm.tip_mm : null, last = trail[trail.length - 1];
   if (tip && (!last || Math.hypot(tip[0] - last[0], tip[1] - last[1]) > px)) trail.push(tip);

@@ -9,7 +9,7 @@ import {heedLine, loseJog, prepareJog, showJog} from "./jog.js";
 import {ask, follow} from "./link.js";
 import {preparePicture, showPictures} from "./picture.js";
 import {choose, preparePlace} from "./place.js";
-import {prepareRecording, showRecording} from "./recording.js";
+import {clearReadings, heedReading, prepareRecording, showRecording} from "./recording.js";
 import {addResult, loadTargets, prepareTargets} from "./targets.js";
 
 let cell, endedJob = null;
@@ -32,9 +32,15 @@ function showState(state) {
   gate(mayAct(cell, state));
 }
 
+function clear() {
+  clearLines();
+  clearReadings();
+}
+
 function showLine(line) {
   addLine(line);
   heedLine(line);
+  heedReading(line);
 }
 
 function lose(refusal) {
@@ -61,7 +67,7 @@ async function begin() {
   prepareCell();
   prepareRecording();
   gate(false);
-  follow({state: showState, line: showLine, result: addResult}, clearLines, lose);
+  follow({state: showState, line: showLine, result: addResult}, clear, lose);
   attempt(loadTargets);
   attempt(loadCell);
 }

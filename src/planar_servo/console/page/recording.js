@@ -47,6 +47,13 @@ export function showRecording(cell, state) {
   for (const control of byId("person").querySelectorAll("button, input")) control.disabled = !mayOperate(cell, state);
 }
 
+/// Each reading of a monument stays beside the question about the next.
+export function heedReading({text}) {
+  if (text.startsWith("monument '")) byId("monuments").prepend(make("li", {}, sentence(text)));
+}
+
+export const clearReadings = () => byId("monuments").replaceChildren();
+
 export function prepareRecording() {
   byId("person-form").addEventListener("submit", event => {
     event.preventDefault();
@@ -54,6 +61,7 @@ export function prepareRecording() {
   });
   byId("record-form").addEventListener("submit", event => {
     event.preventDefault();
+    clearReadings();
     order("/api/record", {plan: byId("plan").value, out: byId("recording-name").value, board: byId("board").value || null,
       on_bad_reading: byId("bad-reading").value});
   });

@@ -43,15 +43,20 @@ function take(list) {
 }
 
 export async function loadTargets() {
-  take(await ask("/api/targets"));
+  const [list, rows] = await Promise.all([ask("/api/targets"), ask("/api/results")]);
+  for (const row of rows) heed(row);
+  take(list);
 }
 
-/// A row of the job under way.
-export function addResult(row) {
+/// A row of the last job, which takes the place of all of the job before.
+function heed(row) {
   if (row.job !== job) results.clear();
   job = row.job;
-  if (!row.target) return;
-  results.set(row.target, row);
+  if (row.target) results.set(row.target, row);
+}
+
+export function addResult(row) {
+  heed(row);
   const i = targets.findIndex(({id}) => id === row.target);
   if (i >= 0) byId("target-rows").children[i].replaceWith(rowOf(targets[i]));
   put("targets-count", countText());
