@@ -157,6 +157,19 @@ def try_run(console):
     console.refused(400, "POST", "/api/run", {"out": "run", "resume": False}, says="resume")
 
 
+def try_record(console):
+    with open(f"{FOLDER}/plan.csv", "w", encoding="utf-8") as plan:
+        plan.write("id,plan,x_mm,y_mm\nt1,train,330,-250\n")
+    order = {"plan": "plan.csv", "out": "recording", "board": None}
+    status, answer = console.post("/api/record", order)
+    check(status == 200, answer)
+    console.rests()
+    state = console.state()
+    check("1 positions recorded" in state["job"]["ended"] and
+          [place["mark"] for place in state["recording"]["places"]] == ["done"], state)
+    console.refused(409, "POST", "/api/answer", {"id": 1, "text": ""}, says="not asked now")
+
+
 def try_jog(console):
     console.command("enable")
     begun = console.turned()
@@ -201,6 +214,7 @@ def try_floods(console):
         statuses.add(console.ask("GET", "/api/state")[0])
     check(statuses <= {200, 429}, statuses)
     check(console.post("/api/stop")[0] == 200, "no stop in a flood of requests")
+    time.sleep(1.0)  # the next requests are within the rate again
 
 
 def try_end(console):
@@ -218,7 +232,7 @@ def main():
     fast = Console("fast.yaml")
     with open("console.txt", "w", encoding="utf-8") as printed:
         printed.writelines(fast.printed)
-    for what in (try_rights, try_bodies, try_folder, try_second_consoles, try_run):
+    for what in (try_rights, try_bodies, try_folder, try_second_consoles, try_run, try_record):
         what(fast)
     check(fast.ask("GET", "/api/picture.jpg")[1][:2] == b"\xff\xd8", "no picture")
     fast.end(signal.SIGTERM)

@@ -24,6 +24,7 @@ constexpr char kTable[] = "the table";
 constexpr std::size_t kMostName = 64;
 /// A cell that was found well less long ago is moved in without another check.
 constexpr double kWellFor_s = 600.0;
+constexpr double kSoon_s = 5.0;
 
 std::vector<TargetRow> targets_in(const std::string& csv, const std::string& where) {
   TargetLines lines(where);
@@ -181,9 +182,8 @@ int CellJobs::begin(Doing doing, const std::string& kind, const std::string& nam
   require_able();
   auto begun = std::make_shared<std::promise<int>>();
   std::future<int> number = begun->get_future();
-  const std::string text = kind == "targets" ? "running " + name
-                           : kind == "go"    ? "going to " + name
-                                             : "checking the cell";
+  const std::string text =
+      fmt::format("{}{}", name_in(kDoings, doing), name.empty() ? "" : ": " + name);
   worker_.begin(doing, text, [=, begun = std::move(begun)](CellDevices& devices, const Stop& stop) {
     bool is_begun = false;
     const auto begin_now = [&] {
@@ -203,6 +203,9 @@ int CellJobs::begin(Doing doing, const std::string& kind, const std::string& nam
     return number.get();
   } catch (const std::future_error&) {
     throw CellBusy("was stopped before it began");
+  } catch (const std::exception&) {
+    worker_.wait_for_rest(kSoon_s);  // so that the next request finds the cell idle
+    throw;
   }
 }
 
@@ -215,6 +218,7 @@ int CellJobs::begin_state(const std::string& kind, const std::string& name, std:
   board_.change([&](CellState& state) {
     state.job = JobState{id, kind, name, 0, all};
     state.held_by.clear();
+    state.recording.reset();
   });
   return id;
 }

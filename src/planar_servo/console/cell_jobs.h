@@ -44,19 +44,21 @@ class CellJobs {
   int go(const TargetRow& target);
   int check();
 
- private:
-  using Begun = std::function<void()>;
-  using Stop = std::function<bool()>;
+  /// How a job ended, in words.
   struct Ending {
     std::string words;
     bool ok{false};
     const char* level{ok ? "info" : "error"};  ///< of the line that tells it
   };
-  /// Calls `begun` once all is read. Returns how the job ended.
+  using Begun = std::function<void()>;
+  using Stop = std::function<bool()>;
+  /// Calls `begun` once all is read.
   using Work = std::function<Ending(CellDevices&, const Stop&, const Begun&)>;
-
+  /// Begins a job of this kind and name on `all` places.
   int begin(Doing doing, const std::string& kind, const std::string& name, std::size_t all,
             Work work);
+
+ private:
   /// Shows a new job and returns its number.
   int begin_state(const std::string& kind, const std::string& name, std::size_t all);
   /// Shows what holds the cell; nothing for an empty reason.

@@ -1,6 +1,7 @@
 #include "planar_servo/console/console.h"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <chrono>
 #include <memory>
@@ -13,6 +14,7 @@
 #include "planar_servo/console/http/console_api.h"
 #include "planar_servo/console/http/rights.h"
 #include "planar_servo/console/known_cell.h"
+#include "planar_servo/console/recording_job.h"
 #include "planar_servo/console/state_board.h"
 #include "planar_servo/console/watch/log_lines.h"
 
@@ -30,8 +32,15 @@ std::shared_ptr<const Tls> tls_of(const ConsoleListening& listening) {
         {"is every address of this computer", "name the one by which others reach it", "--listen"});
   if (listening.certificate.empty() != listening.key.empty())
     throw InputError("--certificate and --key need each other");
-  if (!listening.key.empty())
-    return std::make_shared<const Tls>(listening.certificate, listening.key);
+  if (!listening.key.empty()) {
+    auto tls = std::make_shared<const Tls>(listening.certificate, listening.key);
+    if (!tls->is_for(address))
+      spdlog::warn(
+          "{} is not for {}: the page answers only at the names that it is for, which replace the "
+          "address below",
+          listening.certificate.string(), address);
+    return tls;
+  }
   if (address == kThisComputer) return nullptr;
   throw InputError(
       {fmt::format("{} is not this computer alone, and others could read what is sent", address),
@@ -58,7 +67,8 @@ struct Console::Parts {
         log(board),
         worker(cell, board, interrupted),
         jobs(cell, board, worker),
-        api(gate, cell, board, worker, jobs, server) {}
+        recording(cell, board, jobs),
+        api(gate, cell, board, worker, jobs, recording, server) {}
 
   std::function<bool()> interrupted;
   KnownCell cell;
@@ -70,6 +80,7 @@ struct Console::Parts {
   LogLines log;
   CellWorker worker;
   CellJobs jobs;
+  RecordingJob recording;
   ConsoleApi api;
 };
 

@@ -72,6 +72,33 @@ ordered_json job_json(const JobState& job) {
           {"ok", ended ? ordered_json(job.ok) : ordered_json(nullptr)}};
 }
 
+ordered_json question_json(const PageQuestion& question) {
+  return {{"id", question.id}, {"text", question.text}};
+}
+
+ordered_json point_json(const Eigen::Vector2d& p) {
+  return {{"x_mm", json_number(mm(p.x()))}, {"y_mm", json_number(mm(p.y()))}};
+}
+
+ordered_json recording_json(const RecordingState& recording) {
+  const auto place_json = [](const RecordingState::Place& place) {
+    ordered_json json = point_json(place.p_B);
+    json["mark"] = place.mark;
+    return json;
+  };
+  const auto monument_json = [](const auto& monument) {
+    ordered_json json{{"id", monument.first}};
+    json.update(point_json(monument.second));
+    return json;
+  };
+  return {{"title", recording.title},
+          {"now", recording.now},
+          {"counts", recording.counts},
+          {"places", json_list(recording.places, place_json)},
+          {"monuments", json_list(recording.monuments, monument_json)},
+          {"here_mm", recording.here_B ? json_mm(*recording.here_B) : ordered_json(nullptr)}};
+}
+
 }  // namespace
 
 ordered_json refusal_json(const Refusal& refusal) {
@@ -178,7 +205,10 @@ ordered_json StateBoard::json_locked() const {
                                       : null},
           {"fixed_lamps", fixed_lamps_json(state.fixed_lamps)},
           {"doubts", json_list(state.doubts, refusal_json)},
-          {"job", state.job ? job_json(*state.job) : null}};
+          {"job", state.job ? job_json(*state.job) : null},
+          {"question", state.question ? question_json(*state.question) : null},
+          {"advice", or_null(state.advice)},
+          {"recording", state.recording ? recording_json(*state.recording) : null}};
 }
 
 const std::string& StateBoard::state_event() {

@@ -22,12 +22,12 @@
 namespace planar {
 
 /// What a cell is doing.
-enum class Doing { kIdle, kMoving, kLooking, kHoming, kWaiting, kRunning, kChecking };
+enum class Doing { kIdle, kMoving, kLooking, kHoming, kWaiting, kRecording, kRunning, kChecking };
 
-constexpr Named<Doing> kDoings[] = {{Doing::kIdle, "idle"},        {Doing::kMoving, "moving"},
-                                    {Doing::kLooking, "looking"},  {Doing::kHoming, "homing"},
-                                    {Doing::kWaiting, "waiting"},  {Doing::kRunning, "running"},
-                                    {Doing::kChecking, "checking"}};
+constexpr Named<Doing> kDoings[] = {{Doing::kIdle, "idle"},       {Doing::kMoving, "moving"},
+                                    {Doing::kLooking, "looking"}, {Doing::kHoming, "homing"},
+                                    {Doing::kWaiting, "waiting"}, {Doing::kRecording, "recording"},
+                                    {Doing::kRunning, "running"}, {Doing::kChecking, "checking"}};
 
 /// The arm as its drives report it. Lengths in metres, angles in radians.
 struct ArmState {
@@ -61,6 +61,25 @@ struct JobState {
   bool ok{false};       ///< valid once it has ended
 };
 
+/// What a person at the page is asked.
+struct PageQuestion {
+  int id{0};
+  std::string text;
+};
+
+/// A recording on its way. Base frame, metres.
+struct RecordingState {
+  struct Place {
+    Eigen::Vector2d p_B;
+    const char* mark;  ///< "to_do", "done" or "left_out"
+  };
+  std::string title, now;
+  std::vector<std::string> counts;
+  std::vector<Place> places;
+  std::vector<std::pair<std::string, Eigen::Vector2d>> monuments;
+  std::optional<Eigen::Vector2d> here_B;
+};
+
 /// All that the page shows of the moment.
 struct CellState {
   Doing doing{Doing::kIdle};
@@ -78,6 +97,9 @@ struct CellState {
   std::vector<FixedLampState> fixed_lamps{};
   std::vector<Refusal> doubts{};
   std::optional<JobState> job{};
+  std::optional<PageQuestion> question{};
+  std::string advice{};  ///< what is the case for the person at the page; empty without one
+  std::optional<RecordingState> recording{};
 };
 
 nlohmann::ordered_json refusal_json(const Refusal& refusal);

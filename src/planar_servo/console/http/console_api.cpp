@@ -100,8 +100,15 @@ void add_headers(const httplib::Request& /*request*/, httplib::Response& respons
 }  // namespace
 
 ConsoleApi::ConsoleApi(const Gatekeeper& gate, const KnownCell& cell, StateBoard& board,
-                       CellWorker& worker, CellJobs& jobs, ConsoleServer& server)
-    : gate_(gate), cell_(cell), board_(board), worker_(worker), jobs_(jobs), server_(server) {
+                       CellWorker& worker, CellJobs& jobs, RecordingJob& recording,
+                       ConsoleServer& server)
+    : gate_(gate),
+      cell_(cell),
+      board_(board),
+      worker_(worker),
+      jobs_(jobs),
+      recording_(recording),
+      server_(server) {
   server_.set_pre_routing_handler([this](const Request& request, Response& response) {
     return admit(request, response) ? httplib::Server::HandlerResponse::Unhandled
                                     : httplib::Server::HandlerResponse::Handled;
@@ -132,6 +139,9 @@ ConsoleApi::ConsoleApi(const Gatekeeper& gate, const KnownCell& cell, StateBoard
   answer_post("/api/run", &ConsoleApi::run);
   answer_post("/api/go", &ConsoleApi::go);
   answer_post("/api/check", &ConsoleApi::check);
+  answer_post("/api/record", &ConsoleApi::record);
+  answer_post("/api/answer", &ConsoleApi::answer);
+  answer_post("/api/confirm", &ConsoleApi::confirm);
   serve_pictures();
   serve_events();
   serve_page();
@@ -345,6 +355,30 @@ ConsoleApi::Json ConsoleApi::go(const Json& body, const std::string& client) {
 ConsoleApi::Json ConsoleApi::check(const Json& /*body*/, const std::string& client) {
   require_floor(client);
   return {{"job", jobs_.check()}};
+}
+
+ConsoleApi::Json ConsoleApi::record(const Json& body, const std::string& client) {
+  RecordingOrder order{member<std::string>(body, "plan"), member<std::string>(body, "out")};
+  if (body.contains("board") && !body["board"].is_null())
+    order.board = member<std::string>(body, "board");
+  if (body.contains("on_bad_reading"))
+    order.on_bad_reading = member<std::string>(body, "on_bad_reading");
+  require_floor(client);
+  return {{"job", recording_.begin(order)}};
+}
+
+ConsoleApi::Json ConsoleApi::answer(const Json& body, const std::string& client) {
+  const int question = member<int>(body, "id");
+  const auto text = member<std::string>(body, "text");
+  require_floor(client);
+  recording_.answer(question, text);
+  return {{"answered", question}};
+}
+
+ConsoleApi::Json ConsoleApi::confirm(const Json& /*body*/, const std::string& client) {
+  require_floor(client);
+  recording_.confirm();
+  return {{"confirmed", true}};
 }
 
 void ConsoleApi::require_floor(const std::string& client) {

@@ -13,6 +13,7 @@
 #include "planar_servo/console/http/connections.h"
 #include "planar_servo/console/http/rights.h"
 #include "planar_servo/console/known_cell.h"
+#include "planar_servo/console/recording_job.h"
 #include "planar_servo/console/state_board.h"
 
 namespace planar {
@@ -23,7 +24,7 @@ class ConsoleApi {
  public:
   /// All must outlive the API. `server` is open.
   ConsoleApi(const Gatekeeper& gate, const KnownCell& cell, StateBoard& board, CellWorker& worker,
-             CellJobs& jobs, ConsoleServer& server);
+             CellJobs& jobs, RecordingJob& recording, ConsoleServer& server);
 
  private:
   using Request = httplib::Request;
@@ -58,6 +59,9 @@ class ConsoleApi {
   Json run(const Json& body, const std::string& client);
   Json go(const Json& body, const std::string& client);
   Json check(const Json& body, const std::string& client);
+  Json record(const Json& body, const std::string& client);
+  Json answer(const Json& body, const std::string& client);
+  Json confirm(const Json& body, const std::string& client);
 
   /// Gives a free floor to the client. Throws CellBusy when another one has it.
   void require_floor(const std::string& client);
@@ -69,6 +73,7 @@ class ConsoleApi {
   StateBoard& board_;
   CellWorker& worker_;
   CellJobs& jobs_;
+  RecordingJob& recording_;
   ConsoleServer& server_;
 
   std::mutex mutex_;

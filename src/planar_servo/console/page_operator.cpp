@@ -1,0 +1,70 @@
+#include "planar_servo/console/page_operator.h"
+
+#include <chrono>
+#include <utility>
+
+#include "planar_servo/robot/planar_robot.h"
+
+namespace planar {
+namespace {
+
+constexpr std::chrono::milliseconds kStopIsAsked{50};
+
+std::string without_blanks(const std::string& text) {
+  constexpr char kBlanks[] = " \t\r\n";
+  const std::size_t begin = text.find_first_not_of(kBlanks);
+  if (begin == std::string::npos) return {};
+  return text.substr(begin, text.find_last_not_of(kBlanks) + 1 - begin);
+}
+
+}  // namespace
+
+PageOperator::PageOperator(StateBoard& board, std::function<bool()> stop,
+                           std::function<void()> asked)
+    : board_(board), stop_(std::move(stop)), asked_(std::move(asked)) {}
+
+PageOperator::~PageOperator() {
+  show_question(std::nullopt);
+  show("");
+}
+
+std::string PageOperator::ask(const std::string& question) {
+  asked_();
+  std::unique_lock<std::mutex> lock(mutex_);
+  answer_.reset();
+  is_open_ = true;
+  show_question(PageQuestion{++last_, question});
+  while (!answer_ && !stop_()) answered_.wait_for(lock, kStopIsAsked);
+  is_open_ = false;
+  show_question(std::nullopt);
+  if (!answer_) throw StopRequested("the question was not answered: stopped as asked");
+  return without_blanks(*answer_);
+}
+
+bool PageOperator::entered() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return std::exchange(confirmed_, false);
+}
+
+void PageOperator::show(const std::string& status) {
+  board_.change([&](CellState& state) { state.advice = status; });
+}
+
+bool PageOperator::answer(int question, const std::string& text) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (!is_open_ || answer_ || question != last_) return false;
+  answer_ = text;
+  answered_.notify_all();
+  return true;
+}
+
+void PageOperator::confirm() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  confirmed_ = true;
+}
+
+void PageOperator::show_question(const std::optional<PageQuestion>& question) {
+  board_.change([&](CellState& state) { state.question = question; });
+}
+
+}  // namespace planar

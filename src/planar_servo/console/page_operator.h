@@ -1,0 +1,51 @@
+#pragma once
+
+#include <condition_variable>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "planar_servo/console/state_board.h"
+#include "planar_servo/core/operator.h"
+
+namespace planar {
+
+/// The person at a page: a question stands in the state of the cell until somebody answers it.
+class PageOperator final : public Operator {
+ public:
+  /// `stop` is asked while a question stands. `asked` is called before each question.
+  PageOperator(StateBoard& board, std::function<bool()> stop, std::function<void()> asked);
+  /// Takes question and advice away.
+  ~PageOperator() override;
+  PageOperator(const PageOperator&) = delete;
+  PageOperator& operator=(const PageOperator&) = delete;
+
+  bool is_attended() const override { return true; }
+  /// Throws StopRequested when the question is not answered before that.
+  std::string ask(const std::string& question) override;
+  bool entered() override;
+  void show(const std::string& status) override;
+  void say(const std::string& message) override { board_.tell_line("info", message); }
+  void warn(const std::string& message) override { board_.tell_line("warning", message); }
+
+  // Other threads call these two.
+  /// Answers the question of this number. Returns false when another one stands there, or none.
+  bool answer(int question, const std::string& text);
+  void confirm();
+
+ private:
+  void show_question(const std::optional<PageQuestion>& question);
+
+  StateBoard& board_;
+  std::function<bool()> stop_;
+  std::function<void()> asked_;
+  std::mutex mutex_;
+  std::condition_variable answered_;
+  int last_{0};  ///< number of the last question
+  bool is_open_{false};
+  std::optional<std::string> answer_;
+  bool confirmed_{false};
+};
+
+}  // namespace planar
