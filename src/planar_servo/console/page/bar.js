@@ -8,10 +8,16 @@ const LONG_S = 2;  // a state younger than this needs no age
 const MOST_LINES = 200;
 const SURE_MS = 5000;  // in which taking over is confirmed
 
+/// The doubts, and what holds the cell where none of them says so.
+function doubtsOf({doubts, held_by: holder}) {
+  if (!holder || doubts.some(({fault}) => holder.includes(fault))) return doubts;
+  return [{fault: holder, remedy: "", where: ""}, ...doubts];
+}
+
 function showWork(state) {
   const long = state.doing !== "idle" && state.since_s >= LONG_S ? `, ${duration(state.since_s)}` : "";
-  const holder = state.held_by ? `; held by ${state.held_by}` : "";
-  byId("lamp").dataset.doing = state.doubts.length ? "doubt" : state.doing;
+  const holder = state.held_by ? "; held by a doubt" : "";
+  byId("lamp").dataset.doing = doubtsOf(state).length ? "doubt" : state.doing;
   put("state-text", sentence(state.text || state.doing) + long + holder);
 }
 
@@ -70,14 +76,14 @@ function showDoubts(doubts) {
   list.dataset.seen = seen;
   list.replaceChildren(...doubts.map(({fault, remedy, where}) =>
     make("li", {}, make("p", {class: "fault"}, sentence(fault), ...(where ? [" ", make("code", {}, where)] : [])),
-      make("p", {class: "remedy"}, sentence(remedy)))));
+      ...(remedy ? [make("p", {class: "remedy"}, sentence(remedy))] : []))));
 }
 
 export function showBar(cell, state) {
   showWork(state);
   showProgress(state.job);
   showOperator(cell, state);
-  showDoubts(state.doubts);
+  showDoubts(doubtsOf(state));
 }
 
 export function showLost({fault, remedy}) {
