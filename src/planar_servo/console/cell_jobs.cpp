@@ -123,6 +123,9 @@ int CellJobs::run(const std::string& name, bool resume) {
         wanted.out = cell_.folder() / name;
         wanted.resume = resume;
         const auto run = opened(wanted, devices);
+        const std::shared_ptr<void> told(nullptr, [&](void*) {  // however it ends
+          if (run->findings()) note_findings(*run->findings());
+        });
         for (const TargetRow& goal : goals) run->require_same(goal);
         begun();
         const fs::path table = wanted.out / "targets.csv";
@@ -149,6 +152,9 @@ int CellJobs::go(const TargetRow& target) {
         ServoRequest wanted = request(stop);
         wanted.out = folder.path();
         const auto run = opened(wanted, devices);
+        const std::shared_ptr<void> told(nullptr, [&](void*) {  // however it ends
+          if (run->findings()) note_findings(*run->findings());
+        });
         begun();
         const double begun_s = clock_.now_s();
         const TargetResult result = run->move_to(target);
@@ -167,10 +173,7 @@ int CellJobs::check() {
         begun();
         const std::vector<HealthFinding> found =
             check_devices(cell_.settings(), files, devices, {}, stop);
-        std::vector<Refusal> findings;
-        for (const HealthFinding& finding : found)
-          findings.push_back({finding.what, redo(finding.cause), "the check"});
-        worker_.note_findings(std::move(findings));
+        note_findings(found);
         well_s_ = found.empty() ? clock_.now_s() : kNever;
         return {found.empty() ? "the cell is as it was at its calibration" : findings_text(found),
                 found.empty()};
@@ -179,7 +182,7 @@ int CellJobs::check() {
 
 int CellJobs::begin(Doing doing, const std::string& kind, const std::string& name, std::size_t all,
                     Work work) {
-  require_able();
+  if (doing != Doing::kCalculating) require_able();
   auto begun = std::make_shared<std::promise<int>>();
   std::future<int> number = begun->get_future();
   const std::string text =
@@ -226,6 +229,13 @@ int CellJobs::begin_state(const std::string& kind, const std::string& name, std:
 void CellJobs::hold(const std::string& reason) {
   if (!reason.empty()) forget_check();
   board_.change([&](CellState& state) { state.held_by = reason; });
+}
+
+void CellJobs::note_findings(const std::vector<HealthFinding>& found) {
+  std::vector<Refusal> findings;
+  for (const HealthFinding& finding : found)
+    findings.push_back({finding.what, redo(finding.cause), "the check of the cell"});
+  worker_.note_findings(std::move(findings));
 }
 
 void CellJobs::end(const Ending& ending) {

@@ -63,6 +63,7 @@ class CellJobs {
   int begin_state(const std::string& kind, const std::string& name, std::size_t all);
   /// Shows what holds the cell; nothing for an empty reason.
   void hold(const std::string& reason);
+  void note_findings(const std::vector<HealthFinding>& found);
   void end(const Ending& ending);
   void require_able() const;
   ServoRequest request(const Stop& stop) const;

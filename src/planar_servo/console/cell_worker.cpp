@@ -61,7 +61,7 @@ CellWorker::CellWorker(const KnownCell& cell, StateBoard& board, std::function<b
       board_(board),
       interrupted_(std::move(interrupted)),
       pictures_(cell.settings(), cell.vision(), board) {
-  DeviceWatch watch{[this](const Frame& frame) { pictures_.take(frame); },
+  DeviceWatch watch{[this](const Frame& frame) { pictures_.take(frame, is_watched()); },
                     [this](const auto& fault) { see_fault(fault); },
                     [this](const auto& drives) { see_drives(drives); }};
   devices_ = watched(open_cell(cell.settings()), cell.settings().camera.kind->is_virtual(),
@@ -206,7 +206,7 @@ void CellWorker::perform(const std::shared_ptr<Task>& task) {
 void CellWorker::idle() {
   idle_s_ = clock_.now_s();
   attempt([this] {
-    if (idle_s_ - watched_s_ < kWatchedFor_s) look();
+    if (is_watched()) look();
     note_devices();
   });
   note_idle(nullptr);
@@ -224,8 +224,11 @@ void CellWorker::look() {
   FrameSource& camera = devices_->camera();
   if (camera.fault()) return;
   camera.set_region({{}, camera.sensor_size_px()});
-  const FrameResult result = camera.next_frame();
-  if (result.status == FrameStatus::kOk) pictures_.examine(result.frame);
+  camera.next_frame();
+}
+
+bool CellWorker::is_watched() const {
+  return clock_.now_s() - watched_s_ < kWatchedFor_s;
 }
 
 bool CellWorker::must_stop() const {

@@ -84,6 +84,7 @@ class CellWorker {
   void idle();
   /// Takes a picture, unless the camera is at fault.
   void look();
+  bool is_watched() const;
   bool must_stop() const;
   /// Tells what `act` throws.
   void attempt(const std::function<void()>& act);

@@ -142,6 +142,7 @@ std::string ReadyCell::examine() {
   const std::vector<HealthFinding> found = with_drives(kChecking, recoveries_left, [&] {
     return first ? check_cell(check, health_) : check_again(check, *health_);
   });
+  findings_ = found;
   if (found.empty()) {
     if (health_) spdlog::info("the cell is as it was at its calibration");
     return {};

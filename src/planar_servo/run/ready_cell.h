@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "planar_servo/cell/cell_settings.h"
+#include "planar_servo/health/cause.h"
 #include "planar_servo/health/health_record.h"
 #include "planar_servo/machine/cell_devices.h"
 #include "planar_servo/robot/homing.h"
@@ -78,6 +79,9 @@ class ReadyCell {
   /// ago.
   std::optional<std::string> examine_at_end();
 
+  /// Returns what the last of these checks has found; nothing before it.
+  const std::optional<std::vector<HealthFinding>>& findings() const { return findings_; }
+
   /// Saves every ten minutes what was learned of the arm.
   void keep_lessons_if_due();
 
@@ -119,6 +123,7 @@ class ReadyCell {
   Clock& clock_;
   MayHome may_home_;
   bool check_health_;
+  std::optional<std::vector<HealthFinding>> findings_;
   std::optional<double> examined_s_;  ///< when the cell was last checked
   std::optional<Pulses> begun_at_;    ///< where the arm stood after the first look
   VisionCalibration vision_;

@@ -10,6 +10,7 @@ namespace planar {
 namespace {
 
 constexpr double kWhite = 255.0;
+constexpr double kExamineFrameEvery_s = 0.15;
 
 std::array<LampState, 2> lamp_states(const SightedLamps& sight) {
   std::array<LampState, 2> states;
@@ -30,12 +31,15 @@ PictureWatch::PictureWatch(const CellSettings& cell, const std::optional<VisionC
   if (vision) fixed_ = vision->reference_lamps;
 }
 
-void PictureWatch::take(const Frame& frame) {
+void PictureWatch::take(const Frame& frame, bool is_watched) {
   const std::uint64_t number = pictures_.take(frame);
   board_.change([&](CellState& state) {
     state.picture = number;
     state.picture_s = clock_.now_s();
   });
+  if (!is_watched || clock_.now_s() - examined_s_ < kExamineFrameEvery_s) return;
+  examined_s_ = clock_.now_s();
+  examine(frame);
 }
 
 void PictureWatch::examine(const Frame& frame) {
@@ -46,7 +50,8 @@ void PictureWatch::examine(const Frame& frame) {
     pictures_.aim(*lamps_px_);
     best_px_ = std::min(sight->mean_edge_px(), best_px_.value_or(sight->mean_edge_px()));
   }
-  auto fixed = fixed_lamps(frame);
+  const bool is_whole = frame.region_px.size() == pictures_.sensor_px();
+  auto fixed = is_whole ? fixed_lamps(frame) : std::vector<FixedLampState>();
   board_.change([&](CellState& state) {
     state.lamps.reset();
     state.edge_px.reset();
@@ -55,7 +60,7 @@ void PictureWatch::examine(const Frame& frame) {
       state.lamps = lamp_states(*sight);
       state.edge_px = sight->mean_edge_px();
     }
-    state.fixed_lamps = std::move(fixed);
+    if (is_whole) state.fixed_lamps = std::move(fixed);
   });
 }
 

@@ -18,16 +18,16 @@ class PictureWatch {
   PictureWatch(const CellSettings& cell, const std::optional<VisionCalibration>& vision,
                StateBoard& board);
 
-  /// Takes any frame that the camera has given.
-  void take(const Frame& frame);
-  /// Finds what a frame of the whole sensor shows.
-  void examine(const Frame& frame);
+  /// Takes any frame that the camera has given. Where somebody looks, finds what it shows a few
+  /// times a second.
+  void take(const Frame& frame, bool is_watched);
   /// Begins anew with the sharpest edges.
   void forget_best() { best_px_.reset(); }
 
   Pictures& pictures() { return pictures_; }
 
  private:
+  void examine(const Frame& frame);
   std::vector<FixedLampState> fixed_lamps(const Frame& frame);
 
   StateBoard& board_;
@@ -38,6 +38,7 @@ class PictureWatch {
   LampDetector detector_;
   std::optional<LampPixels> lamps_px_;  ///< where they were last
   std::optional<double> best_px_;
+  double examined_s_{0.0};  ///< when, by the steady clock
 };
 
 }  // namespace planar

@@ -24,6 +24,8 @@ class Pictures {
 
   explicit Pictures(const cv::Size& sensor_px) : sensor_px_(sensor_px) {}
 
+  const cv::Size& sensor_px() const { return sensor_px_; }
+
   /// Takes a frame of the whole sensor or of a region, whose pixels nobody changes any more.
   /// Returns its number.
   std::uint64_t take(const Frame& frame);
