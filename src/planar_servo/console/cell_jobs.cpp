@@ -181,7 +181,7 @@ int CellJobs::check() {
 }
 
 int CellJobs::begin(Doing doing, const std::string& kind, const std::string& name, std::size_t all,
-                    Work work) {
+                    const Work& work) {
   if (doing != Doing::kCalculating) require_able();
   auto begun = std::make_shared<std::promise<int>>();
   std::future<int> number = begun->get_future();
@@ -233,6 +233,7 @@ void CellJobs::hold(const std::string& reason) {
 
 void CellJobs::note_findings(const std::vector<HealthFinding>& found) {
   std::vector<Refusal> findings;
+  findings.reserve(found.size());
   for (const HealthFinding& finding : found)
     findings.push_back({finding.what, redo(finding.cause), "the check of the cell"});
   worker_.note_findings(std::move(findings));

@@ -56,7 +56,7 @@ class CellJobs {
   using Work = std::function<Ending(CellDevices&, const Stop&, const Begun&)>;
   /// Begins a job of this kind and name on `all` places.
   int begin(Doing doing, const std::string& kind, const std::string& name, std::size_t all,
-            Work work);
+            const Work& work);
 
  private:
   /// Shows a new job and returns its number.
