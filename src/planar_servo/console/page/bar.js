@@ -15,10 +15,11 @@ function doubtsOf({doubts, held_by: holder}) {
 }
 
 function showWork(state) {
-  const long = state.doing !== "idle" && state.since_s >= LONG_S ? `, ${duration(state.since_s)}` : "";
+  const long = state.doing !== "idle" && state.since_s >= LONG_S ? duration(state.since_s) : "";
   const holder = state.held_by ? "; held by a doubt" : "";
   byId("lamp").dataset.doing = doubtsOf(state).length ? "doubt" : state.doing;
-  put("state-text", sentence(state.text || state.doing) + long + holder);
+  put("state-text", sentence(state.text || state.doing) + holder);
+  put("state-age", long);
 }
 
 function progressText(job) {
@@ -88,6 +89,7 @@ export function showBar(cell, state) {
 
 export function showLost({fault, remedy}) {
   byId("lamp").dataset.doing = "lost";
+  put("state-age", "");
   put("state-text", sentence([fault, remedy].filter(Boolean).join("; ")));
 }
 
