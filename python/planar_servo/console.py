@@ -3,7 +3,7 @@
     console = Console("http://127.0.0.1:8377/?token=...")   # as planar-console prints it
     console.set_targets("id,x_mm,y_mm\\nA,200,100\\n")
     for result in console.run("first"):
-        print(result["id"], result["status"])
+        print(result["target"], result["status"])
 
 Answers are the JSON of the API, with its units in the names; doc/console.md describes them, and the
 console itself in OpenAPI at /openapi.json. InputError says what was refused (400), WorkError why the
@@ -17,6 +17,7 @@ import json
 import os
 import secrets
 import ssl
+import time
 import urllib.error
 import urllib.parse
 import urllib.request
@@ -111,6 +112,27 @@ class Console:
         target = {"x_mm": x_mm, "y_mm": y_mm} | ({} if phi_deg is None else {"phi_deg": phi_deg})
         (result,) = self._job(self._json("/api/go", target)["job"])
         return result
+
+    def step(self, board: str = "circles:11x11:50mm") -> str:
+        """Does what is next of the work where that only makes files, and returns what was done.
+
+        board is the calibration board. The console then opens the cell anew, with the new files.
+        Raises WorkError where the step fails.
+        """
+        opened = self.state()["opened"]
+        number = self._json("/api/step", {"board": board}, patience_s=60.0)["job"]
+        for _ in self._job(number):
+            pass
+        done = str(self.state()["job"]["ended"])
+        until = time.monotonic() + _PATIENCE_S
+        while time.monotonic() < until:
+            try:
+                if self.state()["opened"] > opened:
+                    break
+            except WorkError:
+                pass
+            time.sleep(0.1)
+        return done
 
     def check(self) -> None:
         """Checks whether the cell still is as it was calibrated. Raises WorkError where it is not."""
