@@ -182,7 +182,7 @@ int CellJobs::check() {
 
 int CellJobs::begin(Doing doing, const std::string& kind, const std::string& name, std::size_t all,
                     const Work& work) {
-  if (doing != Doing::kCalculating) require_able();
+  require_able();
   auto begun = std::make_shared<std::promise<int>>();
   std::future<int> number = begun->get_future();
   const std::string text =
