@@ -170,6 +170,25 @@ def try_record(console):
     console.refused(409, "POST", "/api/answer", {"id": 1, "text": ""}, says="not asked now")
 
 
+def try_step(console):
+    """On a cell of which nothing is known: what is next is done where it only makes files, and they are read."""
+    check(console.ask("GET", "/api/files")[1]["next"]["text"].startswith("plan: "), "the plan is not next")
+    before = console.state()["opened"]
+    status, answer = console.post("/api/step")
+    check(status == 200, answer)
+
+    def is_open_anew():
+        with contextlib.suppress(OSError, http.client.HTTPException):
+            return console.state()["opened"] == before + 1
+        return False
+
+    eventually(is_open_anew, "the cell is not opened anew")
+    state = console.state()
+    check(state["job"]["ok"] and state["job"]["ended"] == "plan is done" and state["operator"] is None, state)
+    check(console.ask("GET", "/api/files")[1]["next"]["text"].startswith("recording: "), "the recording is not next")
+    console.refused(400, "POST", "/api/step", says="next is recording")
+
+
 def try_jog(console):
     console.command("enable")
     begun = console.turned()
@@ -236,6 +255,9 @@ def main():
         what(fast)
     check(fast.ask("GET", "/api/picture.jpg")[1][:2] == b"\xff\xd8", "no picture")
     fast.end(signal.SIGTERM)
+    fresh = Console("../fresh/cell.yaml")
+    try_step(fresh)
+    fresh.end()
     slow = Console("slow.yaml")
     for what in (try_jog, try_stop, try_floods, try_end):
         what(slow)

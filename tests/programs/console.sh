@@ -7,6 +7,7 @@ cp -r "$2/cell" .
 # enough to run targets, and so slow that a jog can be stopped on its way.
 sed '/^health:/d; s/max_speed_deg_s: 120/max_speed_deg_s: 300/' cell/cell.yaml >cell/fast.yaml
 sed '/^health:/d; s/max_speed_deg_s: 60/max_speed_deg_s: 5/' cell/cell.yaml >cell/slow.yaml
+"$bin/planar-virtual-cell" -q draw --seed 6 -o fresh >/dev/null
 printf 'id,x_mm,y_mm,phi_deg\n' >cell/targets.csv
 echo outside >secret.html
 ln -s ../secret.html cell/link.html

@@ -79,7 +79,9 @@ class PassingFolder {
 }  // namespace
 
 CellJobs::CellJobs(const KnownCell& cell, StateBoard& board, CellWorker& worker)
-    : cell_(cell), board_(board), worker_(worker) {}
+    : cell_(cell), board_(board), worker_(worker) {
+  if (const auto job = board.state().job) last_job_ = job->id;
+}
 
 void CellJobs::load_targets(const std::string& csv) {
   std::vector<TargetRow> targets = targets_in(csv, kTable);
@@ -182,7 +184,7 @@ int CellJobs::check() {
 
 int CellJobs::begin(Doing doing, const std::string& kind, const std::string& name, std::size_t all,
                     const Work& work) {
-  require_able();
+  if (doing != Doing::kCalculating) require_able();
   auto begun = std::make_shared<std::promise<int>>();
   std::future<int> number = begun->get_future();
   const std::string text =

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <atomic>
 #include <chrono>
 #include <memory>
 #include <thread>
@@ -16,6 +17,7 @@
 #include "planar_servo/console/known_cell.h"
 #include "planar_servo/console/recording_job.h"
 #include "planar_servo/console/state_board.h"
+#include "planar_servo/console/step_job.h"
 #include "planar_servo/console/watch/log_lines.h"
 
 namespace planar {
@@ -54,26 +56,35 @@ std::shared_ptr<const Tls> tls_of(const ConsoleListening& listening) {
 
 }  // namespace
 
-struct Console::Parts {
-  Parts(const std::filesystem::path& cell_file, const ConsoleListening& listening,
-        std::function<bool()> asked)
-      : interrupted(std::move(asked)),
-        cell(cell_file),
-        lock(cell.settings().file),
-        tls(tls_of(listening)),
-        server(tls),
-        gate({server.open(listening.address, listening.port), listening.address, tls},
-             new_tokens()),
-        log(board),
-        worker(cell, board, interrupted),
-        jobs(cell, board, worker),
-        recording(cell, board, jobs),
-        api(gate, cell, board, worker, jobs, recording, server) {}
-
+/// What stays when the cell's files are read anew.
+struct Console::Kept {
+  std::filesystem::path cell_file;
+  ConsoleListening listening;
   std::function<bool()> interrupted;
+  Tokens tokens{new_tokens()};
+  StateBoard board{};
+};
+
+/// What is made from the cell's files.
+struct Console::Parts {
+  explicit Parts(Kept& kept)
+      : cell(kept.cell_file),
+        lock(cell.settings().file),
+        tls(tls_of(kept.listening)),
+        server(tls),
+        gate({kept.listening.port = server.open(kept.listening.address, kept.listening.port),
+              kept.listening.address, tls},
+             kept.tokens),
+        log(kept.board),
+        worker(cell, kept.board, kept.interrupted),
+        jobs(cell, kept.board, worker),
+        recording(cell, kept.board, jobs),
+        steps(cell, kept.board, jobs, [this] { has_new_files = true; }),
+        api(gate, cell, kept.board, worker, jobs, recording, steps, server) {}
+
+  std::atomic<bool> has_new_files{false};
   KnownCell cell;
   CellLock lock;
-  StateBoard board;
   std::shared_ptr<const Tls> tls;
   ConsoleServer server;
   Gatekeeper gate;
@@ -81,12 +92,14 @@ struct Console::Parts {
   CellWorker worker;
   CellJobs jobs;
   RecordingJob recording;
+  StepJob steps;
   ConsoleApi api;
 };
 
 Console::Console(const std::filesystem::path& cell_file, const ConsoleListening& listening,
                  std::function<bool()> interrupted)
-    : parts_(std::make_unique<Parts>(cell_file, listening, std::move(interrupted))) {}
+    : kept_(new Kept{cell_file, listening, std::move(interrupted)}),
+      parts_(std::make_unique<Parts>(*kept_)) {}
 
 Console::~Console() = default;
 
@@ -97,14 +110,25 @@ ConsoleAddresses Console::addresses() const {
 }
 
 void Console::serve() {
+  while (serve_these_files()) {
+    parts_.reset();
+    kept_->board.open();
+    parts_ = std::make_unique<Parts>(*kept_);
+  }
+}
+
+bool Console::serve_these_files() {
   std::thread answering([this] { parts_->server.answer(); });
-  while (!parts_->interrupted()) std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  while (!kept_->interrupted() && !parts_->has_new_files)
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
   constexpr double kMostRest_s = 10.0;
-  parts_->worker.stop();
+  if (kept_->interrupted()) parts_->worker.stop();
   parts_->worker.wait_for_rest(kMostRest_s);
-  parts_->board.close();
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));  // readers hear how it ended
+  kept_->board.close();
   parts_->server.close();
   answering.join();
+  return !kept_->interrupted();
 }
 
 }  // namespace planar

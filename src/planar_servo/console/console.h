@@ -31,11 +31,17 @@ class Console {
   ~Console();
 
   ConsoleAddresses addresses() const;
-  /// Answers until `interrupted` returns true. The arm is at rest then.
+  /// Answers until `interrupted` returns true. The arm is at rest then. When a step of the work has
+  /// made new files, the cell is opened anew. Throws InputError where it cannot be.
   void serve();
 
  private:
+  struct Kept;
   struct Parts;
+  /// Returns true when the files are to be read anew.
+  bool serve_these_files();
+
+  std::unique_ptr<Kept> kept_;
   std::unique_ptr<Parts> parts_;
 };
 

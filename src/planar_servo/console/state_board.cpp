@@ -173,6 +173,17 @@ void StateBoard::close() {
   told_.notify_all();
 }
 
+void StateBoard::open() {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    closed_ = false;
+  }
+  change([](CellState& state) {
+    ++state.opened;
+    state.mover.clear();
+  });
+}
+
 std::string StateBoard::unread_events(Reader& reader) const {
   std::string text;
   for (const auto& [number, event] : events_)
@@ -186,6 +197,7 @@ ordered_json StateBoard::json_locked() const {
   const double now_s = clock_.now_s();
   const auto null = ordered_json(nullptr);
   return {{"seq", version_},
+          {"opened", state.opened},
           {"doing", name_in(kDoings, state.doing)},
           {"text", state.text},
           {"since_s", json_number(now_s - state.since_s)},

@@ -22,12 +22,27 @@
 namespace planar {
 
 /// What a cell is doing.
-enum class Doing { kIdle, kMoving, kLooking, kHoming, kWaiting, kRecording, kRunning, kChecking };
+enum class Doing {
+  kIdle,
+  kMoving,
+  kLooking,
+  kHoming,
+  kWaiting,
+  kRecording,
+  kRunning,
+  kChecking,
+  kCalculating
+};
 
-constexpr Named<Doing> kDoings[] = {{Doing::kIdle, "idle"},       {Doing::kMoving, "moving"},
-                                    {Doing::kLooking, "looking"}, {Doing::kHoming, "homing"},
-                                    {Doing::kWaiting, "waiting"}, {Doing::kRecording, "recording"},
-                                    {Doing::kRunning, "running"}, {Doing::kChecking, "checking"}};
+constexpr Named<Doing> kDoings[] = {{Doing::kIdle, "idle"},
+                                    {Doing::kMoving, "moving"},
+                                    {Doing::kLooking, "looking"},
+                                    {Doing::kHoming, "homing"},
+                                    {Doing::kWaiting, "waiting"},
+                                    {Doing::kRecording, "recording"},
+                                    {Doing::kRunning, "running"},
+                                    {Doing::kChecking, "checking"},
+                                    {Doing::kCalculating, "calculating"}};
 
 /// The arm as its drives report it. Lengths in metres, angles in radians.
 struct ArmState {
@@ -82,6 +97,7 @@ struct RecordingState {
 
 /// All that the page shows of the moment.
 struct CellState {
+  int opened{0};  ///< so often were the cell's files read
   Doing doing{Doing::kIdle};
   std::string text{"idle"};
   double since_s{0.0};  ///< by the steady clock
@@ -128,8 +144,10 @@ class StateBoard {
   /// Returns the text of the events and of the state that this reader has not read; it waits for
   /// them, a second at most. Empty once close() was called.
   std::string next(Reader& reader);
-  /// Ends all waiting.
+  /// Ends all waiting, for good or until open().
   void close();
+  /// Says that the cell's files were read anew.
+  void open();
 
  private:
   std::string unread_events(Reader& reader) const;

@@ -22,8 +22,6 @@ using nlohmann::ordered_json;
 constexpr int kDeepest = 3;  // folders below the cell's in which reports are sought
 constexpr std::size_t kMostReports = 200;
 constexpr std::uintmax_t kMostBytes = 64u << 20;
-/// The board by which `planar next` words its commands when nobody has named another one.
-constexpr char kBoard[] = "circles:11x11:50mm";
 
 const char* served_type(const fs::path& name) {
   const std::string ending = name.extension().string();
@@ -55,7 +53,7 @@ ordered_json file_json(const MadeFile& file, const std::map<fs::path, Refusal>& 
 }
 
 ordered_json next_json(const CellSettings& cell) {
-  for (const WorkStep& step : work_steps(cell.file, kBoard))
+  for (const WorkStep& step : work_steps(cell.file, kUsualBoard))
     if (step.state == WorkStep::State::kNext)
       return {{"text", step.name + ": " + step.what}, {"command", step.command}};
   return {{"text", "nothing is left to do"}, {"command", ""}};

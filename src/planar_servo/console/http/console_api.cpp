@@ -100,7 +100,7 @@ void add_headers(const httplib::Request& /*request*/, httplib::Response& respons
 }  // namespace
 
 ConsoleApi::ConsoleApi(const Gatekeeper& gate, const KnownCell& cell, StateBoard& board,
-                       CellWorker& worker, CellJobs& jobs, RecordingJob& recording,
+                       CellWorker& worker, CellJobs& jobs, RecordingJob& recording, StepJob& steps,
                        ConsoleServer& server)
     : gate_(gate),
       cell_(cell),
@@ -108,6 +108,7 @@ ConsoleApi::ConsoleApi(const Gatekeeper& gate, const KnownCell& cell, StateBoard
       worker_(worker),
       jobs_(jobs),
       recording_(recording),
+      steps_(steps),
       server_(server) {
   server_.set_pre_routing_handler([this](const Request& request, Response& response) {
     return admit(request, response) ? httplib::Server::HandlerResponse::Unhandled
@@ -142,6 +143,7 @@ ConsoleApi::ConsoleApi(const Gatekeeper& gate, const KnownCell& cell, StateBoard
   answer_post("/api/record", &ConsoleApi::record);
   answer_post("/api/answer", &ConsoleApi::answer);
   answer_post("/api/confirm", &ConsoleApi::confirm);
+  answer_post("/api/step", &ConsoleApi::step);
   serve_pictures();
   serve_events();
   serve_page();
@@ -379,6 +381,14 @@ ConsoleApi::Json ConsoleApi::confirm(const Json& /*body*/, const std::string& cl
   require_floor(client);
   recording_.confirm();
   return {{"confirmed", true}};
+}
+
+ConsoleApi::Json ConsoleApi::step(const Json& body, const std::string& client) {
+  std::string board = kUsualBoard;
+  if (body.contains("board") && !body["board"].is_null())
+    board = member<std::string>(body, "board");
+  require_floor(client);
+  return {{"job", steps_.begin(board)}};
 }
 
 void ConsoleApi::require_floor(const std::string& client) {

@@ -15,6 +15,7 @@
 #include "planar_servo/console/known_cell.h"
 #include "planar_servo/console/recording_job.h"
 #include "planar_servo/console/state_board.h"
+#include "planar_servo/console/step_job.h"
 
 namespace planar {
 
@@ -24,7 +25,7 @@ class ConsoleApi {
  public:
   /// All must outlive the API. `server` is open.
   ConsoleApi(const Gatekeeper& gate, const KnownCell& cell, StateBoard& board, CellWorker& worker,
-             CellJobs& jobs, RecordingJob& recording, ConsoleServer& server);
+             CellJobs& jobs, RecordingJob& recording, StepJob& steps, ConsoleServer& server);
 
  private:
   using Request = httplib::Request;
@@ -62,6 +63,7 @@ class ConsoleApi {
   Json record(const Json& body, const std::string& client);
   Json answer(const Json& body, const std::string& client);
   Json confirm(const Json& body, const std::string& client);
+  Json step(const Json& body, const std::string& client);
 
   /// Gives a free floor to the client. Throws CellBusy when another one has it.
   void require_floor(const std::string& client);
@@ -74,6 +76,7 @@ class ConsoleApi {
   CellWorker& worker_;
   CellJobs& jobs_;
   RecordingJob& recording_;
+  StepJob& steps_;
   ConsoleServer& server_;
 
   std::mutex mutex_;

@@ -1,0 +1,124 @@
+#include "planar_servo/console/step_job.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <poll.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+
+#include "planar_servo/core/error.h"
+#include "planar_servo/doctor/next_step.h"
+#include "planar_servo/robot/planar_robot.h"
+
+namespace planar {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The steps that only read and write files.
+constexpr const char* kSteps[] = {"plan", "camera", "lamps", "pairs", "error map", "found arm"};
+constexpr int kLook_ms = 100;  // between two looks whether to stop
+
+WorkStep next_of(const fs::path& cell, const std::string& board) {
+  for (WorkStep& step : work_steps(cell, board))
+    if (step.state == WorkStep::State::kNext) return std::move(step);
+  throw InputError(Refusal{"nothing is left to do"});
+}
+
+/// Runs a command of a shell that finds our programs first, and hands on each line that it prints.
+class ShellCommand {
+ public:
+  explicit ShellCommand(const std::string& command) {
+    const char* path = std::getenv("PATH");
+    std::string ours =
+        fmt::format("PATH={}:{}", own_folder().string(), path == nullptr ? "" : path);
+    std::string text = command;
+    std::array<int, 2> ends{};
+    if (pipe2(ends.data(), O_CLOEXEC) != 0) throw WorkError("no pipe can be made");
+    out_ = ends[0];
+    posix_spawn_file_actions_t files;
+    posix_spawn_file_actions_init(&files);
+    posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+    posix_spawn_file_actions_adddup2(&files, ends[1], STDOUT_FILENO);
+    posix_spawn_file_actions_adddup2(&files, ends[1], STDERR_FILENO);
+    posix_spawnattr_t attributes;
+    posix_spawnattr_init(&attributes);
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
+    std::array<char, 4> env{"env"}, shell{"sh"}, option{"-c"};
+    std::array<char*, 6> words{env.data(),    ours.data(), shell.data(),
+                               option.data(), text.data(), nullptr};
+    const int fault =
+        posix_spawn(&child_, "/usr/bin/env", &files, &attributes, words.data(), environ);
+    posix_spawnattr_destroy(&attributes);
+    posix_spawn_file_actions_destroy(&files);
+    close(ends[1]);
+    if (fault != 0) {
+      close(out_);
+      throw WorkError("no process can be started");
+    }
+  }
+  ~ShellCommand() { close(out_); }
+  ShellCommand(const ShellCommand&) = delete;
+  ShellCommand& operator=(const ShellCommand&) = delete;
+
+  /// Returns the exit status once the command has ended. Where `stop` answers true, it is asked to
+  /// end.
+  int follow(const std::function<bool()>& stop, const std::function<void(std::string)>& tell) {
+    std::string text;
+    bool stopped = false;
+    for (std::array<char, 4096> read_now{};;) {
+      if (!stopped && stop()) stopped = kill(-child_, SIGINT) == 0;
+      pollfd said{out_, POLLIN, 0};
+      if (poll(&said, 1, kLook_ms) <= 0) continue;
+      const ssize_t n = ::read(out_, read_now.data(), read_now.size());
+      if (n <= 0) break;
+      text.append(read_now.data(), static_cast<std::size_t>(n));
+      for (std::size_t end = 0; (end = text.find('\n')) != std::string::npos;
+           text.erase(0, end + 1))
+        tell(text.substr(0, end));
+    }
+    int status = 0;
+    waitpid(child_, &status, 0);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : EXIT_FAILURE;
+  }
+
+ private:
+  static fs::path own_folder() { return fs::read_symlink("/proc/self/exe").parent_path(); }
+
+  pid_t child_{-1};
+  int out_{-1};
+};
+
+}  // namespace
+
+int StepJob::begin(const std::string& board) {
+  const fs::path cell = cell_.settings().file;
+  const WorkStep step = next_of(cell, board);
+  if (std::find(std::begin(kSteps), std::end(kSteps), step.name) == std::end(kSteps))
+    throw InputError({fmt::format("next is {}: {}", step.name, step.what),
+                      "do it on this page, or by the command that is named"});
+  const auto calculate = [this, step](CellDevices& /*devices*/, const CellJobs::Stop& stop,
+                                      const CellJobs::Begun& begun) -> CellJobs::Ending {
+    begun();
+    ShellCommand command(step.command);
+    std::string last;
+    const int status = command.follow(stop, [&](std::string line) {
+      board_.tell_line("info", line);
+      last = std::move(line);
+    });
+    if (stop()) throw StopRequested(step.name + " was stopped");
+    if (status != 0) return {last, false};
+    changed_();
+    return {step.name + " is done", true};
+  };
+  return jobs_.begin(Doing::kCalculating, "step", step.name, 0, calculate);
+}
+
+}  // namespace planar
