@@ -25,6 +25,13 @@ export async function loadCell() {
     ...(reports.length ? [] : [make("li", {class: "soft"}, "None yet")]));
 }
 
+/// Does what is next where that only makes files.
+function doNext(event) {
+  event.preventDefault();
+  order("/api/step", {board: byId("step-board").value || null});
+}
+
 export function prepareCell() {
+  byId("step-form").addEventListener("submit", doNext);
   byId("check").addEventListener("click", () => order("/api/check"));
 }

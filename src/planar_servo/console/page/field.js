@@ -166,12 +166,18 @@ export function markPlace(place) {
   showChosen();
 }
 
-/// `choose([x, y])` is called with the place that is clicked, in mm.
-export function prepareField(ofCell, choose) {
+/// Takes a cell whose files were read anew.
+export function showGround(ofCell) {
   cell = ofCell;
-  const edge = cell.workspace.radius_max_mm * 1.1;
-  svg.setAttribute("viewBox", `${-edge} ${-edge} ${2 * edge} ${2 * edge}`);
-  svg.append(draw("rect", {x: -edge, y: -edge, width: 2 * edge, height: 2 * edge, class: "paper"}));
+  const edge = cell.workspace.radius_max_mm * 1.1, box = {x: -edge, y: -edge, width: 2 * edge, height: 2 * edge};
+  svg.setAttribute("viewBox", Object.values(box).join(" "));
+  for (const [name, value] of Object.entries(box)) svg.querySelector(".paper").setAttribute(name, value);
+  redraw();
+}
+
+/// `choose([x, y])` is called with the place that is clicked, in mm.
+export function prepareField(choose) {
+  svg.append(draw("rect", {class: "paper"}));
   for (const name of ["ground", "arrows", "targets", "arm", "chosen"]) {
     layers[name] = draw("g");
     svg.append(layers[name]);

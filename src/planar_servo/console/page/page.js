@@ -4,21 +4,40 @@ import {attempt, gate, mayAct, prepareActions} from "./actions.js";
 import {addLine, clearLines, prepareBar, showBar, showLost} from "./bar.js";
 import {loadCell, prepareCell} from "./cell.js";
 import {byId, put, show} from "./dom.js";
-import {prepareField, showField} from "./field.js";
+import {prepareField, showField, showGround} from "./field.js";
 import {heedLine, loseJog, prepareJog, showJog} from "./jog.js";
 import {ask, follow} from "./link.js";
-import {preparePicture, showPictures} from "./picture.js";
-import {choose, preparePlace} from "./place.js";
+import {preparePicture, showCamera, showPictures} from "./picture.js";
+import {choose, heedMap, preparePlace} from "./place.js";
 import {clearReadings, heedReading, prepareRecording, showRecording} from "./recording.js";
 import {addResult, loadTargets, prepareTargets} from "./targets.js";
 
-let cell, endedJob = null;
+let cell, opened = null, endedJob = null;
+
+function showCell() {
+  put("cell-name", cell.name);
+  document.title = `${cell.name} – planar-console`;
+  showCamera(cell);
+  showGround(cell);
+  heedMap(cell);
+}
+
+/// The console has read the cell's files anew, `count` times by now.
+async function heedFiles(count) {
+  if (count === opened) return;
+  const first = opened === null;
+  opened = count;
+  if (first) return;
+  cell = await attempt(() => ask("/api/cell")) || cell;
+  showCell();
+  attempt(loadCell);
+}
 
 /// A job that has ended may have made files and a report.
 function heedJob(job) {
   if (!job || job.ended === null || job.id === endedJob) return;
   endedJob = job.id;
-  attempt(loadCell);
+  loadCell().catch(() => {});  // a console that reads its files anew is silent for a moment
 }
 
 function showState(state) {
@@ -29,6 +48,7 @@ function showState(state) {
   showJog(state);
   showRecording(cell, state);
   heedJob(state.job);
+  heedFiles(state.opened);
   gate(mayAct(cell, state));
 }
 
@@ -55,13 +75,12 @@ async function begin() {
   show("console", true);
   cell = await attempt(() => ask("/api/cell"));
   if (!cell) return setTimeout(begin, 2000);
-  put("cell-name", cell.name);
-  document.title = `${cell.name} – planar-console`;
   prepareActions();
   prepareBar();
-  preparePicture(cell);
-  prepareField(cell, choose);
-  preparePlace(cell);
+  preparePicture();
+  prepareField(choose);
+  preparePlace();
+  showCell();
   prepareJog();
   prepareTargets();
   prepareCell();

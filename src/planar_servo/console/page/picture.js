@@ -82,12 +82,16 @@ export function showPictures(state) {
   showExposure(state.exposure);
 }
 
-export function preparePicture(cell) {
+/// Takes a cell whose files were read anew.
+export function showCamera(cell) {
   size = cell.camera;
   const svg = byId("crosses");
   svg.setAttribute("viewBox", `0 0 ${size.width_px} ${size.height_px}`);
   svg.setAttribute("font-size", size.width_px / 36);
   byId("frame").style.aspectRatio = `${size.width_px} / ${size.height_px}`;
+}
+
+export function preparePicture() {
   const form = byId("exposure-form");
   form.addEventListener("input", () => { form.dataset.changed = ""; });
   form.addEventListener("submit", async event => {

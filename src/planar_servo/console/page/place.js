@@ -42,8 +42,11 @@ export function choose([x, y], phi_deg = null) {
   examine();
 }
 
-export function preparePlace(cell) {
+export function heedMap(cell) {
   hasMap = cell.map !== null;
+}
+
+export function preparePlace() {
   setReady("go", false);
   byId("place-form").addEventListener("submit", event => {
     event.preventDefault();
