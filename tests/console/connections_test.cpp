@@ -59,8 +59,10 @@ TEST_CASE("A port that another console has is refused by its number") {
 
 TEST_CASE("More clients than may be, which say nothing, keep nobody out") {
   const Served served;
+  constexpr int kMany = 600;
   std::vector<int> silent;
-  for (int i = 0; i < 600; ++i) silent.push_back(served.connected());
+  silent.reserve(kMany);
+  for (int i = 0; i < kMany; ++i) silent.push_back(served.connected());
   CHECK(served.get() == "here");
   for (const int socket : silent) ::close(socket);
 }
