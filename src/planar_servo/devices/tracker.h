@@ -61,7 +61,7 @@ class Tracker {
   virtual void stop_when(const std::function<bool()>& /*stop*/) {}
 
   /// Makes this person the one who is asked and told, instead of who sits at the terminal.
-  virtual void ask_of(std::shared_ptr<Operator> /*person*/) {}
+  virtual void ask_of(const std::shared_ptr<Operator>& /*person*/) {}
 
   virtual int readings_per_monument() const { return kMonumentReadings; }
 };

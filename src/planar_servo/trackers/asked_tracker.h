@@ -3,7 +3,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <utility>
 
 #include "planar_servo/core/operator.h"
 #include "planar_servo/devices/tracker.h"
@@ -27,7 +26,7 @@ class AskedTracker final : public Tracker {
   TrackerAnswer measure_monument(const std::string& id) override;
   std::optional<bool> keeps(const std::string& id) override { return keeps_reading(*person_, id); }
   void await_tool() override;
-  void ask_of(std::shared_ptr<Operator> person) override { person_ = std::move(person); }
+  void ask_of(const std::shared_ptr<Operator>& person) override { person_ = person; }
   int readings_per_monument() const override { return 1; }
 
  private:

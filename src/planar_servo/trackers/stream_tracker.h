@@ -75,7 +75,7 @@ class StreamTracker final : public Tracker {
   std::optional<bool> keeps(const std::string& id) override { return keeps_reading(*person_, id); }
   void await_tool() override;
   void stop_when(const std::function<bool()>& stop) override { stop_ = stop; }
-  void ask_of(std::shared_ptr<Operator> person) override { person_ = std::move(person); }
+  void ask_of(const std::shared_ptr<Operator>& person) override { person_ = person; }
   int readings_per_monument() const override { return 1; }
 
  private:
