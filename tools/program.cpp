@@ -48,8 +48,9 @@ class HelpFormatter : public CLI::Formatter {
 };
 
 /// Keeps memory that was freed for what comes next: calibrations ask for large matrices again and
-/// again, and a tenth of an experiment's time went into clearing fresh pages for them. Threads share
-/// one heap, because heaps of their own are given back: a third of what a console's picture cost.
+/// again, and a tenth of an experiment's time went into clearing fresh pages for them. Threads
+/// share one heap, because heaps of their own are given back: a third of what a console's picture
+/// cost.
 void keep_freed_memory() {
   constexpr int kKept = 1 << 28;
   mallopt(M_MMAP_THRESHOLD, kKept);

@@ -52,7 +52,8 @@ enum class ArmTrust {
 /// Where no sample has a picture the arm alone is estimated; what concerns lamps stays as it is.
 /// With less than two readings turn is counted from the zero of motor 1. Throws InputError for
 /// fewer than kFewestPoses samples, for values that are not finite, standard deviations that are
-/// not positive, and without readings for lays that are only shifted. Throws WorkError when the equations cannot be solved.
+/// not positive, and without readings for lays that are only shifted. Throws WorkError when the
+/// equations cannot be solved.
 JointEstimate estimate_jointly(const ArmNominal& nominal, const std::vector<PoseSample>& samples,
                                const LaidDots& board = {}, ArmTrust trust = ArmTrust::kFound);
 
