@@ -9,6 +9,7 @@
 #include <thread>
 #include <vector>
 
+#include "console/self_signed.h"
 #include "planar_servo/core/error.h"
 
 namespace planar {
@@ -86,6 +87,38 @@ TEST_CASE("The server ends while clients wait") {
     CHECK(::recv(socket, &byte, 1, 0) <= 0);
     ::close(socket);
   }
+}
+
+TEST_CASE("What is served by https is read by who trusts the certificate, and not in the clear") {
+  const test::SelfSigned pair(1.0);
+  ConsoleServer server(std::make_shared<const Tls>(pair.certificate, pair.key));
+  const int port = server.open("127.0.0.1", 0);
+  const std::string much(3 << 20, 'x');
+  server.Get("/", [&](const auto&, auto& response) { response.set_content(much, "text/plain"); });
+  std::thread answering([&] { server.answer(); });
+  httplib::SSLClient trusting("127.0.0.1", port);
+  trusting.set_ca_cert_path(pair.certificate.c_str());
+  const auto first = trusting.Get("/");
+  const auto stranger = httplib::SSLClient("127.0.0.1", port).Get("/");
+  const auto in_clear = httplib::Client("127.0.0.1", port).Get("/");
+  const auto again = trusting.Get("/");
+  server.close();
+  answering.join();
+  REQUIRE(first);
+  CHECK(first->body == much);
+  CHECK_FALSE(stranger);
+  CHECK_FALSE(in_clear);
+  CHECK(again);
+}
+
+TEST_CASE("A certificate that is none, is over, or has another key is refused by its file") {
+  const test::SelfSigned pair(1.0), other(1.0), over(-0.5);
+  CHECK_THROWS_WITH(Tls(pair.key, pair.key), Catch::Contains("key.pem: is no certificate"));
+  CHECK_THROWS_WITH(Tls(pair.certificate, other.key),
+                    Catch::Contains("key.pem: is no key of this certificate"));
+  CHECK_THROWS_WITH(Tls(pair.certificate, pair.folder.path() / "absent"),
+                    Catch::Contains("absent: is no key"));
+  CHECK_THROWS_WITH(Tls(over.certificate, over.key), Catch::Contains("no longer valid"));
 }
 
 }  // namespace

@@ -1,6 +1,9 @@
 #include "planar_servo/console/http/rights.h"
 
 #include <catch2/catch.hpp>
+#include <memory>
+
+#include "console/self_signed.h"
 
 namespace planar {
 namespace {
@@ -111,6 +114,29 @@ TEST_CASE("A name that leads here without being this computer's is refused") {
   }
   head.host = "localhost:8377";
   CHECK(status_of(head) == 0);
+}
+
+TEST_CASE("Beyond this computer a console answers to the names of its certificate alone") {
+  const test::SelfSigned pair(1.0);
+  const auto tls = std::make_shared<const Tls>(pair.certificate, pair.key);
+  const Gatekeeper gate({8377, "127.0.0.1", tls}, new_tokens());
+  RequestHead head;
+  head.method = "GET";
+  head.authorization = "Bearer " + gate.tokens().read;
+  const auto is_answered = [&](const std::string& host, const std::string& origin) {
+    head.host = host;
+    head.origin = origin;
+    return !gate.denial(head);
+  };
+  CHECK(is_answered("127.0.0.1:8377", ""));
+  CHECK(is_answered("cell.lab:8377", "https://cell.lab:8377"));
+  CHECK_FALSE(is_answered("cell.lab:8377", "http://cell.lab:8377"));
+  for (const char* host : {"localhost:8377", "cell.lab", "cell.lab:8378", "lab:8377", ":8377", ""})
+    CHECK_FALSE(is_answered(host, ""));
+  CHECK(gate.address() == "https://127.0.0.1:8377");
+  CHECK_THAT(gate.cookie_for(gate.tokens().read), Catch::Contains("; Secure"));
+  const ConsoleSite usual{443, "127.0.0.1", tls};
+  CHECK(usual.is_own("cell.lab"));
 }
 
 }  // namespace

@@ -5,7 +5,6 @@
 
 #include "field/bent_cell.h"
 #include "planar_servo/core/error.h"
-#include "planar_servo/field/arm/arm_fit.h"
 #include "planar_servo/field/held_out.h"
 #include "planar_servo/field/lamp_field.h"
 
