@@ -92,7 +92,7 @@ TEST_CASE("A cell file with faults has no next step") {
   const test::TemporaryFolder folder;
   CHECK_THROWS_AS(work_steps(folder.write("cell.yaml", "format: planar-servo/cell/1\n"), kBoard),
                   InputError);
-  CHECK_THROWS_WITH(work_steps(folder / "absent.yaml"), Contains("cannot be read"));
+  CHECK_THROWS_WITH(work_steps(folder / "absent.yaml", kBoard), Contains("cannot be read"));
 }
 
 }  // namespace
