@@ -68,7 +68,7 @@ class Person {
         type(line + '\n');
       }
     });
-    const auto done = work();
+    auto done = work();
     person.join();
     return done;
   }

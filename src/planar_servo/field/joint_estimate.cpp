@@ -11,6 +11,7 @@
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/statistics.h"
+#include "planar_servo/error_map/error_map.h"
 #include "planar_servo/field/arm/arm_model.h"
 
 namespace planar {

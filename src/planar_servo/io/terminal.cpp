@@ -14,6 +14,7 @@
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/text.h"
+#include "planar_servo/io/csv_fields.h"
 
 namespace planar {
 namespace {

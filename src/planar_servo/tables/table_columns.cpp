@@ -133,6 +133,7 @@ std::vector<TableColumn> columns_named(const std::vector<std::string>& names,
 std::string table_text(const std::vector<TableColumn>& columns, const std::string& kind) {
   const TableForm& form = form_named(kind, "kind");
   std::vector<std::string> names;
+  names.reserve(columns.size());
   for (const TableColumn& column : columns) names.push_back(column.name);
   ComingTable table(form, names);
   RowReader reader(form, table);
