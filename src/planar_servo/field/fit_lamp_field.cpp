@@ -175,6 +175,7 @@ bool is_taken(ComparedField way, LampFieldFit& fit) {
 void try_without_arm(const ArmNominal& nominal, const std::vector<PoseSample>& samples,
                      const LaidDots& board, LampFieldFit& fit) {
   const JointEstimate alone = estimate_jointly(nominal, samples, board, ArmTrust::kNone);
+  require_agreement(alone, samples.size(), "poses");
   HeldOut held = hold_out(alone, samples, board);
   if (!is_taken(compared(kWithoutArm, held), fit)) return;
   fit.field = lamp_field(alone, samples);
@@ -229,7 +230,6 @@ LampFieldFit fit_lamp_field(const ArmNominal& nominal, const std::vector<PoseSam
   if (progress) progress("places left out", 0.7);
   fit.held_out = hold_out(fit.estimate, samples, board);
   if (fit.held_out.n >= kFewestJudged) take_best(nominal, samples, board, fit);
-  fit.held_out.contradicting = std::max(fit.held_out.contradicting, fit.estimate.contradicting);
   fit.certainty = certainty_of(fit.field, samples);
   fit.sources = worth_of_sources(fit.estimate, samples, board);
   if (progress) progress("places left out", 1.0);

@@ -75,6 +75,13 @@ struct LampFieldFit {
   /// the field sees it.
   double landing_sigma{0.0};
   double noise_sigma{0.0};  ///< per axis, of a reading and its lamps together, as the fit found it
+
+  /// Returns how the field or map that was taken does, and how far the poses agree.
+  MapQuality quality() const {
+    MapQuality quality = held_out.quality();
+    quality.contradicting = estimate.contradicting;
+    return quality;
+  }
 };
 
 /// Estimates field, arm and tool, and judges them on places left out. Where a field that does not

@@ -98,7 +98,6 @@ void leave_out_parts(const JointEstimate& estimate, const std::vector<PoseSample
 HeldOut hold_out(const JointEstimate& estimate, const std::vector<PoseSample>& samples,
                  const LaidDots& board) {
   HeldOut judged;
-  judged.contradicting = estimate.contradicting;
   leave_out_parts(estimate, samples, board,
                   [&](const auto& without, const auto& used, const auto& left_out) {
                     judge_readings(without, used, left_out, judged.readings);

@@ -20,14 +20,13 @@ struct HeldOutReading {
 
 /// How well places are met whose readings and pictures the fit has not seen. Lengths are in metres.
 struct HeldOut {
-  std::size_t n{0};           ///< readings that were judged
-  double raw_rms{0.0};        ///< of vision minus tracker at the end point, uncompensated
-  double rms{0.0};            ///< the same, compensated
-  double coverage_95{0.0};    ///< share of the components within 1.96 stated deviations
-  double contradicting{0.0};  ///< as in JointEstimate
+  std::size_t n{0};         ///< readings that were judged
+  double raw_rms{0.0};      ///< of vision minus tracker at the end point, uncompensated
+  double rms{0.0};          ///< the same, compensated
+  double coverage_95{0.0};  ///< share of the components within 1.96 stated deviations
   std::vector<HeldOutReading> readings;
   bool worth_using() const { return n > 0 && rms < raw_rms; }
-  MapQuality quality() const { return {n, worth_using(), coverage_95, contradicting}; }
+  MapQuality quality() const { return {n, worth_using(), coverage_95}; }
 };
 
 /// Judges samples by an estimate from the others, which were `used`.

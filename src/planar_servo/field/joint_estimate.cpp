@@ -357,6 +357,15 @@ void require_turned(const LaidDots& board) {
 
 }  // namespace
 
+void require_agreement(const JointEstimate& estimate, std::size_t n, const char* what) {
+  if (estimate.contradicting <= kMostContradicting) return;
+  throw InputError(
+      {fmt::format("{:.0f} of {} {} disagree with the others, but at most {:.0f} % may",
+                   estimate.contradicting * static_cast<double>(n), n, what,
+                   100.0 * kMostContradicting),
+       "are readings and commanded joints of one recording?"});
+}
+
 std::size_t readings_in(const std::vector<PoseSample>& samples) {
   return static_cast<std::size_t>(
       std::count_if(samples.begin(), samples.end(),

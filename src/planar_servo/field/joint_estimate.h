@@ -57,6 +57,10 @@ enum class ArmTrust {
 JointEstimate estimate_jointly(const ArmNominal& nominal, const std::vector<PoseSample>& samples,
                                const LaidDots& board = {}, ArmTrust trust = ArmTrust::kFound);
 
+/// Throws InputError when more than kMostContradicting of the `n` samples, called `what`, disagree
+/// with the others.
+void require_agreement(const JointEstimate& estimate, std::size_t n, const char* what);
+
 constexpr std::size_t kFewestPoses = 12;
 
 std::size_t readings_in(const std::vector<PoseSample>& samples);

@@ -65,7 +65,7 @@ void add_figures(YamlWriter& yaml, const LampFieldFit& fit) {
   yaml.add("n_unattended", static_cast<int>(fit.n_unattended));
   yaml.add("raw_rms_mm", mm(fit.held_out.raw_rms));
   yaml.add("loo_rms_mm", mm(fit.held_out.rms));
-  add_quality(yaml, fit.held_out.quality());
+  add_quality(yaml, fit.quality());
   yaml.add("left_out", fit.left_out);
   yaml.add("harmonics", fit.estimate.size.harmonics);
   yaml.map("fixed_by", [&] {

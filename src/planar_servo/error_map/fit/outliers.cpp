@@ -9,12 +9,12 @@
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/statistics.h"
+#include "planar_servo/error_map/error_map.h"
 
 namespace planar {
 namespace {
 
 constexpr double kFalseAlarms = 0.05;
-constexpr double kLargestShare = 0.2;
 
 constexpr Eigen::Index kNeighbours = 12;
 
@@ -194,9 +194,10 @@ double outlier_sigmas(Eigen::Index sites, double dof) {
 }
 
 void require_few(const Outliers& dropped, Eigen::Index sites) {
-  if (static_cast<double>(dropped.size()) <= kLargestShare * static_cast<double>(sites)) return;
+  if (static_cast<double>(dropped.size()) <= kMostContradicting * static_cast<double>(sites))
+    return;
   throw InputError({fmt::format("{} of {} pairs disagree with the others, but at most {:.0f} % may",
-                                dropped.size(), sites, 100.0 * kLargestShare),
+                                dropped.size(), sites, 100.0 * kMostContradicting),
                     "are the positions of vision and tracker paired rightly?"});
 }
 

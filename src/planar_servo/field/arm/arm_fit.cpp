@@ -39,14 +39,6 @@ std::vector<PoseSample> without_lamps(const std::vector<ArmReading>& readings) {
   return samples;
 }
 
-void require_agreement(const JointEstimate& estimate, std::size_t n) {
-  if (estimate.contradicting <= kMostContradicting) return;
-  throw InputError(
-      {fmt::format("{:.0f} of {} readings disagree with the others, but at most 20 % may",
-                   estimate.contradicting * static_cast<double>(n), n),
-       "are readings and commanded joints of one recording?"});
-}
-
 /// Returns how far a reading lies from where an estimate has the reflector.
 Eigen::Vector2d miss_of(const JointEstimate& estimate, const PoseSample& sample) {
   return *sample.reflector_B - estimate.model().at(sample, estimate.fit.arm).points.col(0);
@@ -99,7 +91,7 @@ ArmFit fit_arm(const ArmNominal& nominal, const std::vector<ArmReading>& reading
   const std::vector<PoseSample> samples = without_lamps(readings);
   ArmFit fit;
   fit.estimate = estimate_jointly(nominal, samples);
-  require_agreement(fit.estimate, samples.size());
+  require_agreement(fit.estimate, samples.size(), "readings");
   std::vector<bool> used(samples.size(), true);
   for (const JointOutlier& outlier : fit.estimate.left_out) {
     used[outlier.index] = false;
