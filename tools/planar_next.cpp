@@ -16,7 +16,7 @@ open  camera       camera.yaml does not exist yet)"};
 
 struct Options {
   std::filesystem::path cell;
-  std::string board{"circles:11x11:50mm"};
+  std::string board{kUsualBoard};
 };
 
 void add_options(CLI::App& app, Options& options) {

@@ -17,8 +17,6 @@ namespace {
 using Catch::Contains;
 using State = WorkStep::State;
 
-constexpr char kBoard[] = "circles:11x11:50mm";
-
 WorkStep next_of(const std::vector<WorkStep>& steps) {
   const auto is_next = [](const WorkStep& step) { return step.state == State::kNext; };
   REQUIRE(std::count_if(steps.begin(), steps.end(), is_next) == 1);
@@ -41,7 +39,7 @@ void copy_workshop(const test::TemporaryFolder& folder) {
 TEST_CASE("A cell file alone is followed by a plan") {
   const test::TemporaryFolder folder;
   const auto cell = folder.write("cell.yaml", read_file(test::paper_cell_file()));
-  const auto steps = work_steps(cell, kBoard);
+  const auto steps = work_steps(cell, kUsualBoard);
   CHECK(next_of(steps).name == "plan");
   CHECK_THAT(next_of(steps).command, Contains("planar-plan --cell " + cell.string()) &&
                                          Contains("-o " + (folder / "plan.csv").string()));
@@ -57,13 +55,14 @@ TEST_CASE("A folder whose name has blanks is quoted for the shell") {
   const test::TemporaryFolder folder;
   std::filesystem::create_directory(folder / "my cell's");
   const auto cell = folder.write("my cell's/cell.yaml", read_file(test::paper_cell_file()));
-  CHECK_THAT(next_of(work_steps(cell, kBoard)).command, Contains(R"(my cell'\''s/cell.yaml')"));
+  CHECK_THAT(next_of(work_steps(cell, kUsualBoard)).command,
+             Contains(R"(my cell'\''s/cell.yaml')"));
 }
 
 TEST_CASE("A calibrated cell whose recording is gone goes on with targets") {
   const test::TemporaryFolder folder;
   copy_workshop(folder);
-  const auto steps = work_steps(folder / "cell.yaml", kBoard);
+  const auto steps = work_steps(folder / "cell.yaml", kUsualBoard);
   CHECK(next_of(steps).name == "targets");
   CHECK_THAT(next_of(steps).command, Contains("printf '%s\\n' id,x_mm,y_mm A,"));
   CHECK_THAT(named(steps, "camera").what, Contains("planar-calibrate-camera"));
@@ -73,16 +72,16 @@ TEST_CASE("Of files that are missing, the step that makes the first is next") {
   const test::TemporaryFolder folder;
   copy_workshop(folder);
   std::filesystem::remove(folder / "map.yaml");
-  CHECK(next_of(work_steps(folder / "cell.yaml", kBoard)).name == "plan");  // for the pairs
+  CHECK(next_of(work_steps(folder / "cell.yaml", kUsualBoard)).name == "plan");  // for the pairs
   folder.write("pairs.csv", "id,x_vision_mm,y_vision_mm,x_tracker_mm,y_tracker_mm\na,1,2,1,2\n");
-  CHECK(next_of(work_steps(folder / "cell.yaml", kBoard)).name == "error map");
+  CHECK(next_of(work_steps(folder / "cell.yaml", kUsualBoard)).name == "error map");
 }
 
 TEST_CASE("A real cell is recorded with a board that a person holds, and with a tracker") {
   const test::TemporaryFolder folder;
   write_new_cell(folder / "cell.yaml", "grbl");
   folder.write("plan.csv", "id,plan,x_mm,y_mm\na,train,200,100\n");
-  const WorkStep next = next_of(work_steps(folder / "cell.yaml", kBoard));
+  const WorkStep next = next_of(work_steps(folder / "cell.yaml", kUsualBoard));
   CHECK(next.name == "recording");
   CHECK_THAT(next.what, Contains("1 rows of") && Contains("state the tracker in"));
   CHECK_THAT(next.command, Contains("--grid circles:11x11:50mm --out"));
@@ -90,9 +89,10 @@ TEST_CASE("A real cell is recorded with a board that a person holds, and with a 
 
 TEST_CASE("A cell file with faults has no next step") {
   const test::TemporaryFolder folder;
-  CHECK_THROWS_AS(work_steps(folder.write("cell.yaml", "format: planar-servo/cell/1\n"), kBoard),
-                  InputError);
-  CHECK_THROWS_WITH(work_steps(folder / "absent.yaml", kBoard), Contains("cannot be read"));
+  CHECK_THROWS_AS(
+      work_steps(folder.write("cell.yaml", "format: planar-servo/cell/1\n"), kUsualBoard),
+      InputError);
+  CHECK_THROWS_WITH(work_steps(folder / "absent.yaml", kUsualBoard), Contains("cannot be read"));
 }
 
 }  // namespace

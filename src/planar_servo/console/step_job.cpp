@@ -7,7 +7,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <array>
 #include <csignal>
 #include <cstdlib>
@@ -22,8 +21,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The steps that only read and write files.
-constexpr const char* kSteps[] = {"plan", "camera", "lamps", "pairs", "error map", "found arm"};
 constexpr int kLook_ms = 100;  // between two looks whether to stop
 
 WorkStep next_of(const fs::path& cell, const std::string& board) {
@@ -101,7 +98,7 @@ class ShellCommand {
 int StepJob::begin(const std::string& board) {
   const fs::path cell = cell_.settings().file;
   const WorkStep step = next_of(cell, board);
-  if (std::find(std::begin(kSteps), std::end(kSteps), step.name) == std::end(kSteps))
+  if (!step.is_calculated)
     throw InputError({fmt::format("next is {}: {}", step.name, step.what),
                       "do it on this page, or by the command that is named"});
   const auto calculate = [this, step](CellDevices& /*devices*/, const CellJobs::Stop& stop,

@@ -48,6 +48,11 @@ WorkStep step(const std::string& name, const Reason& reason, const std::string& 
   return {State::kOpen, name, *reason, command};
 }
 
+WorkStep calculated(WorkStep step) {
+  step.is_calculated = true;
+  return step;
+}
+
 std::string command(const WorkFiles& work, const char* program, const std::string& rest) {
   return fmt::format("{} --cell {}{}", program, word(work.cell().file), rest);
 }
@@ -179,7 +184,8 @@ std::vector<WorkStep> calibration_steps(const WorkFiles& work) {
   const WorkStep recording =
       recording_step(work, is_open(camera) || is_open(lamps) || is_open(pairs));
   const WorkStep plan = plan_step(work, is_open(recording));
-  return {plan, recording, camera, lamps, pairs, map};
+  return {calculated(plan),  recording,         calculated(camera),
+          calculated(lamps), calculated(pairs), calculated(map)};
 }
 
 /// The arm that the fit found is used once the cell file names it.
@@ -258,7 +264,7 @@ std::vector<WorkStep> work_steps(const fs::path& cell_file, const std::string& b
   std::vector<WorkStep> steps{cell_step(work)};
   for (WorkStep& calibration : calibration_steps(work)) steps.push_back(std::move(calibration));
   const WorkStep run = run_step(work);
-  steps.push_back(arm_step(work));
+  steps.push_back(calculated(arm_step(work)));
   steps.push_back(target_step(work, run.state == State::kOpen));
   steps.push_back(run);
   steps.push_back(certificate_step(work));

@@ -7,13 +7,17 @@
 
 namespace planar {
 
+/// The calibration board where nobody has named another one: that of doc/setup.md.
+constexpr char kUsualBoard[] = "circles:11x11:50mm";
+
 /// Holds one step of the work on a cell.
 struct WorkStep {
   enum class State { kDone, kNext, kOpen };
   State state{State::kDone};
-  std::string name;       ///< such as "camera"
-  std::string what;       ///< what there is, or why the step is to be done, perhaps again
-  std::string command{};  ///< for a shell where the cell file was named; empty when done
+  std::string name;           ///< such as "camera"
+  std::string what;           ///< what there is, or why the step is to be done, perhaps again
+  std::string command{};      ///< for a shell where the cell file was named; empty when done
+  bool is_calculated{false};  ///< the command only reads and writes files, and nobody need watch
 };
 
 /// Returns the steps of the work on a cell in their order, from the cell file to the certificate.

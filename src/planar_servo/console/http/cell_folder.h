@@ -9,9 +9,6 @@
 
 namespace planar {
 
-/// The calibration board of `planar next` where nobody has named another one.
-constexpr char kUsualBoard[] = "circles:11x11:50mm";
-
 /// A file of the cell's folder as it is served.
 struct ServedFile {
   std::filesystem::path path;

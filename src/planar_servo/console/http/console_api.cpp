@@ -11,6 +11,7 @@
 #include "planar_servo/console/http/page_files.h"
 #include "planar_servo/console/json_values.h"
 #include "planar_servo/core/units.h"
+#include "planar_servo/doctor/next_step.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/io/csv_table.h"
 
