@@ -59,10 +59,12 @@ TEST_CASE("A recording asks the page for the reflector until all is read") {
   CHECK(bench.question() == first.id);
   bench.recording.answer(first.id, " 1,2,3 ");
   CHECK_THAT(bench.question_after(first.id).text, Contains("reflector on 'datum2'"));
+  bench.board.change([](CellState& state) { state.advice = "the board is gone"; });
   bench.worker.stop();
   REQUIRE(bench.worker.wait_for_rest(20.0));
   const CellState state = bench.board.state();
   CHECK_FALSE(state.question);
+  CHECK(state.advice.empty());
   CHECK_THAT(state.job->ended, Contains("stopped as asked"));
   CHECK_THROWS_AS(bench.recording.answer(1, "s"), CellBusy);
   CHECK_THROWS_AS(bench.recording.confirm(), CellBusy);

@@ -14,7 +14,6 @@
 #include "planar_servo/core/error.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/io/growing_file.h"
-#include "planar_servo/io/terminal.h"
 #include "planar_servo/lamps/lamp_tracker.h"
 #include "planar_servo/record/board_source.h"
 #include "planar_servo/record/record_progress.h"
@@ -76,6 +75,11 @@ class Recorder {
     if (!cell_.reference_lamps.empty())
       expectation_.diameter_over_separation = cell_.lamps.layout.diameter_over_separation();
   }
+
+  /// From now on the tracker asks at the terminal again.
+  ~Recorder() { devices_.tracker().ask_of(std::make_shared<Terminal>()); }
+  Recorder(const Recorder&) = delete;
+  Recorder& operator=(const Recorder&) = delete;
 
   /// Records the rows of the plan but those that the recording holds.
   RecordReport run() {
@@ -315,9 +319,7 @@ class Recorder {
 
 }  // namespace
 
-RecordReport record(const RecordRequest& asked, CellDevices& devices) {
-  RecordRequest request = asked;
-  if (!request.person) request.person = std::make_shared<Terminal>();
+RecordReport record(const RecordRequest& request, CellDevices& devices) {
   require_tracker(request);
   const std::vector<Joints> joints = joints_of_plan(request.cell, request.plan);
   drop_torn_line(request.recording / "frames.csv", frames_header());

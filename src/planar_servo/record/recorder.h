@@ -12,6 +12,7 @@
 #include "planar_servo/core/names.h"
 #include "planar_servo/core/operator.h"
 #include "planar_servo/devices/frame_source.h"
+#include "planar_servo/io/terminal.h"
 #include "planar_servo/judge/reflector_readings.h"
 #include "planar_servo/machine/cell_devices.h"
 #include "planar_servo/report/live/live_view.h"
@@ -41,8 +42,8 @@ struct RecordRequest {
   std::optional<Board> board{};  ///< that a person shows to a real cell's camera
   /// For a map of the places and the camera's picture of a board that a person shows.
   DisplayPolicy display{DisplayPolicy::kNone};
-  /// Is asked and told what a person is to do; null for who sits at the terminal.
-  std::shared_ptr<Operator> person{};
+  /// Is asked and told what a person is to do.
+  std::shared_ptr<Operator> person{std::make_shared<Terminal>()};
   /// Is told how far the recording has come whenever a place begins, and at the end. May be empty.
   std::function<void(const RecordView&)> watch{};
   /// Is asked about drives that do not know their position. Empty: they may not be homed.
