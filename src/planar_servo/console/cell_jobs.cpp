@@ -1,7 +1,6 @@
 #include "planar_servo/console/cell_jobs.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -10,6 +9,7 @@
 #include <utility>
 
 #include "planar_servo/io/atomic_file.h"
+#include "planar_servo/io/passing_folder.h"
 #include "planar_servo/run/cell_check.h"
 #include "planar_servo/run/servo_report.h"
 #include "planar_servo/run/target_doubts.h"
@@ -53,28 +53,6 @@ void write_targets(const fs::path& path, const std::vector<TargetRow>& targets) 
   for (const TargetRow& target : targets) text += target_line(target);
   write_file(path, text);
 }
-
-/// A folder for the files of a run that nobody keeps.
-class PassingFolder {
- public:
-  PassingFolder() {
-    std::string name = (fs::temp_directory_path() / "planar-console-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr)
-      throw WorkError("no folder can be made in " + fs::temp_directory_path().string());
-    path_ = name;
-  }
-  ~PassingFolder() {
-    std::error_code none;
-    fs::remove_all(path_, none);
-  }
-  PassingFolder(const PassingFolder&) = delete;
-  PassingFolder& operator=(const PassingFolder&) = delete;
-
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
 
 }  // namespace
 
@@ -125,9 +103,7 @@ int CellJobs::run(const std::string& name, bool resume) {
         wanted.out = cell_.folder() / name;
         wanted.resume = resume;
         const auto run = opened(wanted, devices);
-        const std::shared_ptr<void> told(nullptr, [&](void*) {  // however it ends
-          if (run->findings()) note_findings(*run->findings());
-        });
+        const auto told = findings_of(*run);
         for (const TargetRow& goal : goals) run->require_same(goal);
         begun();
         const fs::path table = wanted.out / "targets.csv";
@@ -150,13 +126,11 @@ int CellJobs::go(const TargetRow& target) {
   return begin(
       Doing::kRunning, "go", target.id, kOne,
       [=](CellDevices& devices, const Stop& stop, const Begun& begun) -> Ending {
-        const PassingFolder folder;
+        const PassingFolder folder("planar-console");
         ServoRequest wanted = request(stop);
         wanted.out = folder.path();
         const auto run = opened(wanted, devices);
-        const std::shared_ptr<void> told(nullptr, [&](void*) {  // however it ends
-          if (run->findings()) note_findings(*run->findings());
-        });
+        const auto told = findings_of(*run);
         begun();
         const double begun_s = clock_.now_s();
         const TargetResult result = run->move_to(target);
@@ -231,6 +205,12 @@ int CellJobs::begin_state(const std::string& kind, const std::string& name, std:
 void CellJobs::hold(const std::string& reason) {
   if (!reason.empty()) forget_check();
   board_.change([&](CellState& state) { state.held_by = reason; });
+}
+
+std::shared_ptr<void> CellJobs::findings_of(const ServoRun& run) {
+  return {nullptr, [this, &run](void*) {
+            if (run.findings()) note_findings(*run.findings());
+          }};
 }
 
 void CellJobs::note_findings(const std::vector<HealthFinding>& found) {

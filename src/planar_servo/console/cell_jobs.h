@@ -64,6 +64,9 @@ class CellJobs {
   /// Shows what holds the cell; nothing for an empty reason.
   void hold(const std::string& reason);
   void note_findings(const std::vector<HealthFinding>& found);
+  /// Has what a run's checks of the cell have found noted when the result ends, however the run
+  /// does.
+  std::shared_ptr<void> findings_of(const ServoRun& run);
   void end(const Ending& ending);
   void require_able() const;
   ServoRequest request(const Stop& stop) const;

@@ -57,18 +57,6 @@ Eigen::Vector3d of_axes(const EmulatedGrbl::Settings& settings, int first, doubl
 
 }  // namespace
 
-FirmwareProcess::Folder::Folder() {
-  std::string pattern = (fs::temp_directory_path() / "planar-firmware-XXXXXX").string();
-  if (mkdtemp(pattern.data()) == nullptr)
-    throw WorkError(pattern + ": no folder can be made there for the firmware");
-  path = pattern;
-}
-
-FirmwareProcess::Folder::~Folder() {
-  std::error_code ignored;
-  fs::remove_all(path, ignored);
-}
-
 FirmwareProcess::FirmwareProcess(const fs::path& simulator, const std::vector<std::string>& options,
                                  const std::vector<std::string>& commands)
     : FirmwareProcess(simulator, options) {
@@ -90,7 +78,7 @@ FirmwareProcess::~FirmwareProcess() {
 /// which a program that waits there would be woken 20,000 times a second. It has a session of its
 /// own, so that Ctrl-C in this program's terminal does not reach it.
 FirmwareProcess::FirmwareProcess(const fs::path& simulator, const std::vector<std::string>& options)
-    : simulator_(checked_program(simulator)), line_(folder_.path / "port") {
+    : simulator_(checked_program(simulator)), line_(folder_.path() / "port") {
   std::vector<std::string> words{"stdbuf", "-i0", simulator_.string(), "-n", "-b", "/dev/null"};
   words.insert(words.end(), options.begin(), options.end());
   std::vector<char*> arguments;
@@ -103,7 +91,7 @@ FirmwareProcess::FirmwareProcess(const fs::path& simulator, const std::vector<st
   posix_spawn_file_actions_adddup2(&files, line_.outer(), STDOUT_FILENO);
   posix_spawn_file_actions_addopen(&files, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
   posix_spawn_file_actions_addclosefrom_np(&files, STDERR_FILENO + 1);
-  posix_spawn_file_actions_addchdir_np(&files, folder_.path.c_str());
+  posix_spawn_file_actions_addchdir_np(&files, folder_.path().c_str());
   posix_spawnattr_t session;
   posix_spawnattr_init(&session);
   posix_spawnattr_setflags(&session, POSIX_SPAWN_SETSID);

@@ -12,6 +12,7 @@
 
 #include "planar_servo/core/clock.h"
 #include "planar_servo/core/threads.h"
+#include "planar_servo/io/passing_folder.h"
 #include "planar_servo/rehearsal/emulated_grbl.h"
 #include "planar_servo/rehearsal/pty_port.h"
 
@@ -33,7 +34,7 @@ class FirmwareProcess {
 
   /// Returns its banner, such as "Grbl 1.1h ['$' for help]".
   const std::string& banner() const { return banner_; }
-  const std::filesystem::path& folder() const { return folder_.path; }
+  const std::filesystem::path& folder() const { return folder_.path(); }
 
   /// Returns the line to be waited on.
   int descriptor() const { return line_.inner(); }
@@ -47,22 +48,13 @@ class FirmwareProcess {
   void end();
 
  private:
-  struct Folder {
-    Folder();
-    ~Folder();
-    Folder(const Folder&) = delete;
-    Folder& operator=(const Folder&) = delete;
-
-    std::filesystem::path path;
-  };
-
   /// Starts the simulator and waits for nothing.
   FirmwareProcess(const std::filesystem::path& simulator, const std::vector<std::string>& options);
   /// Returns the next line that begins so. Throws WorkError when none comes.
   std::string wait_for(std::string_view beginning, const std::string& purpose);
 
   std::filesystem::path simulator_;
-  Folder folder_;
+  PassingFolder folder_{"planar-firmware"};
   PtyPort line_;
   pid_t process_{-1};
   std::string banner_, heard_;
