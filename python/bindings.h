@@ -2,10 +2,6 @@
 
 #include <pybind11/pybind11.h>
 
-#include <filesystem>
-#include <utility>
-#include <vector>
-
 namespace planar::python {
 
 // Each adds one part of the library to the module; the parts that others return come first.
@@ -24,10 +20,5 @@ void bind_cell(pybind11::module_& module);
 /// Lets InputError and WorkError reach Python as the exceptions of planar_servo._errors, in every
 /// extension.
 void translate_errors();
-
-/// Throws InputError unless these outputs, each with its kind, can be written and none is an input
-/// or has the name of another. Empty names are left out.
-void require_outputs(const std::vector<std::pair<std::filesystem::path, const char*>>& outputs,
-                     const std::vector<std::filesystem::path>& inputs);
 
 }  // namespace planar::python

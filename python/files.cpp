@@ -186,18 +186,6 @@ void write_table(const fs::path& path, const py::object& table, const std::strin
 
 }  // namespace
 
-void require_outputs(const std::vector<std::pair<fs::path, const char*>>& outputs,
-                     const std::vector<fs::path>& inputs) {
-  std::vector<fs::path> names;
-  for (const auto& [output, kind] : outputs) {
-    if (output.empty()) continue;
-    names.push_back(output);
-    for (const fs::path& input : inputs) require_not_input(output, input);
-    require_writable(output, kind);
-  }
-  require_own_names(names);
-}
-
 void bind_files(py::module_& m) {
   m.def("_read_yaml", &read_yaml, py::arg("path"));
   m.def("_provenance", &provenance_of, py::arg("path"));

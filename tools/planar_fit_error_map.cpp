@@ -88,7 +88,7 @@ Outcome fit_with_cell(const Options& options, const std::optional<std::filesyste
       files, cell, vision, [&](const char* phase, double share) { bar.show(phase, share); });
   const double fit_seconds = clock.now_s() - begin_s;
   write_lamp_field(files, fit, cell, kText.name);
-  warn_of(objection(fit.held_out.quality()), options.output);
+  warn_of(objection(fit.quality()), options.output);
   ReportList list = lamp_field_list(fit);
   list.unprinted("fit_seconds", fit_seconds);
   say("{}", list.text());
@@ -97,13 +97,9 @@ Outcome fit_with_cell(const Options& options, const std::optional<std::filesyste
 }
 
 Outcome fit(const Options& options) {
-  require_own_names({options.output, options.arm_out});
-  for (const auto& [output, kind] :
-       {std::pair(options.output, "map"), std::pair(options.arm_out, "arm")}) {
-    if (output.empty()) continue;
-    for (const MadeFile& input : files_of(options).inputs()) require_not_input(output, input.path);
-    require_writable(output, kind);
-  }
+  std::vector<std::filesystem::path> inputs;
+  for (const MadeFile& input : files_of(options).inputs()) inputs.push_back(input.path);
+  require_outputs({{options.output, "map"}, {options.arm_out, "arm"}}, inputs);
   const auto page = page_for(options.report, options.output);
   if (!options.cell.empty()) return fit_with_cell(options, page);
   const MapMethodChoice choice = parse_map_method(options.method);

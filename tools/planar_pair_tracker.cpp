@@ -92,21 +92,14 @@ RecordedTables tables_of(const Options& options) {
           options.tracker.empty() ? options.recording / "tracker.csv" : options.tracker};
 }
 
-void require_outputs(const Options& options, const CellSettings& cell) {
-  require_own_names({options.workplane_out, options.tool_out, options.pairs_out, options.health_out,
-                     options.lays_out});
+void check_outputs(const Options& options, const CellSettings& cell) {
   const RecordedTables tables = tables_of(options);
-  for (const auto& [output, kind] : {std::pair(options.workplane_out, "workplane"),
-                                     {options.tool_out, "tool"},
-                                     {options.pairs_out, "pairs"},
-                                     {options.health_out, "health"},
-                                     {options.lays_out, "lays"}}) {
-    if (output.empty()) continue;
-    for (const auto& input :
-         {options.cell, cell.camera_model, tables.lamps, tables.frames, tables.tracker})
-      require_not_input(output, input);
-    require_writable(output, kind);
-  }
+  require_outputs({{options.workplane_out, "workplane"},
+                   {options.tool_out, "tool"},
+                   {options.pairs_out, "pairs"},
+                   {options.health_out, "health"},
+                   {options.lays_out, "lays"}},
+                  {options.cell, cell.camera_model, tables.lamps, tables.frames, tables.tracker});
 }
 
 WorkplaneSource source_of(const Options& options) {
@@ -133,7 +126,7 @@ PairTrackerRequest read_request(const Options& options) {
   const std::optional<Board> board = board_of(options);
   PairTrackerRequest request;
   request.cell = read_cell(options.cell);
-  require_outputs(options, request.cell);
+  check_outputs(options, request.cell);
   request.camera = read_cell_camera(request.cell);
   request.lamps = read_lamps(options.lamps);
   request.frames = read_frames(options.recording);

@@ -124,8 +124,10 @@ TEST_CASE("An output that is an input is refused") {
 }
 
 TEST_CASE("Two outputs that are one file are refused, however they are spelt") {
-  CHECK_THROWS_WITH(require_own_names({"map.yaml", "./map.yaml"}), Contains("two outputs"));
-  CHECK_NOTHROW(require_own_names({"map.yaml", "arm.yaml", "", ""}));
+  CHECK_THROWS_WITH(require_outputs({{"map.yaml", "map"}, {"./map.yaml", "map"}}, {}),
+                    Contains("two outputs"));
+  CHECK_NOTHROW(
+      require_outputs({{"map.yaml", "map"}, {"arm.yaml", "arm"}, {"", "map"}, {"", "map"}}, {}));
 }
 
 }  // namespace

@@ -212,11 +212,17 @@ void require_not_input(const fs::path& output, const fs::path& input) {
     throw InputError({"is an input of this program", "name another output", output});
 }
 
-void require_own_names(const std::vector<fs::path>& outputs) {
+void require_outputs(const std::vector<std::pair<fs::path, const char*>>& outputs,
+                     const std::vector<fs::path>& inputs) {
   std::set<fs::path> files;
-  for (const fs::path& output : outputs)
+  for (const auto& [output, kind] : outputs)
     if (!output.empty() && !files.insert(fs::weakly_canonical(fs::absolute(output))).second)
       throw InputError({"two outputs have this name", "give each its own", output});
+  for (const auto& [output, kind] : outputs) {
+    if (output.empty()) continue;
+    for (const fs::path& input : inputs) require_not_input(output, input);
+    require_writable(output, kind);
+  }
 }
 
 void require_writable(const fs::path& output, std::string_view kind) {

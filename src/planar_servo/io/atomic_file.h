@@ -4,6 +4,7 @@
 #include <fstream>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace planar {
@@ -53,8 +54,10 @@ std::string read_file(const std::filesystem::path& path);
 /// Throws InputError when `output` is the same file as `input`.
 void require_not_input(const std::filesystem::path& output, const std::filesystem::path& input);
 
-/// Throws InputError when two of the files to write are one; empty names are left out.
-void require_own_names(const std::vector<std::filesystem::path>& outputs);
+/// Throws InputError unless these outputs, each with its kind, have different names, none is an
+/// input, and all can be written as require_writable() says. Empty names are left out.
+void require_outputs(const std::vector<std::pair<std::filesystem::path, const char*>>& outputs,
+                     const std::vector<std::filesystem::path>& inputs);
 
 /// Throws InputError when write_file() could not write an output of this kind, because it is a
 /// folder or a link, or because its folder is missing or closed to this user, or because a file
