@@ -87,6 +87,16 @@ TEST_CASE("Without a tracker too few lays or poses are refused") {
                                                        Catch::Contains("2 lays and 12 poses"));
 }
 
+TEST_CASE("A plan of nothing, and one whose poses the arm cannot reach, are refused") {
+  CellSettings cell = read_cell(test::paper_cell_file());
+  PairRow known;
+  known.id = "p1";
+  CHECK_THROWS_WITH(propose_plan(cell, {0, 0}, {known}), Catch::Contains("can reach 0 of"));
+  CHECK_NOTHROW(propose_plan(cell, {0, 3}, {known}));
+  cell.workspace.keep_out = {{Eigen::Vector2d(0.0, 0.0), cell.workspace.radius_max_m}};
+  CHECK_THROWS_WITH(propose_plan(cell, {0, 60, 5}), Catch::Contains("unattended poses"));
+}
+
 TEST_CASE("An experiment of N readings takes N, sweeps included") {
   for (const int readings : {12, 40, 200, 1000}) {
     const ExperimentSize size = with_readings({}, readings);

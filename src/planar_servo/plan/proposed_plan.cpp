@@ -172,6 +172,18 @@ std::vector<TipPose> unattended_poses(const CellSettings& cell, int count) {
   return tips;
 }
 
+/// Throws InputError for fewer places than a plan without readings needs.
+void require_poses(const CellSettings& cell, std::size_t n, std::size_t fewest) {
+  if (n < fewest)
+    throw InputError({fmt::format("the plan has no reading, and the arm can reach {} of its "
+                                  "unattended poses",
+                                  n),
+                      fmt::format("{} are needed: plan more, or see planar-servo --dry-run for why "
+                                  "places cannot be reached",
+                                  fewest),
+                      cell.file});
+}
+
 /// Returns what a plan begins with that begins a calibration.
 ExperimentSize first_size(const PlanRequest& request) {
   ExperimentSize size;
@@ -251,7 +263,10 @@ ProposedPlan propose_plan(const CellSettings& cell, const PlanRequest& request,
       plan.rows.push_back(std::move(row));
   };
   if (places > 0) add(Plan::kTrain, most_telling(known_cell, pairs, places, plan));
+  const std::size_t before = plan.rows.size();
   add(Plan::kPose, unattended_poses(cell, request.unattended));
+  if (request.readings == 0)
+    require_poses(cell, plan.rows.size() - before, pairs.empty() ? kFewestPoses : 1);
   put_boards_last(plan.rows);
   return plan;
 }
