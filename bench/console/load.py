@@ -12,16 +12,16 @@ import argparse
 import json
 import os
 import pathlib
-import re
 import shutil
-import signal
 import statistics
-import subprocess
 import sys
 import tempfile
 import threading
 import time
 import urllib.request
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "tests/support"))
+from served_console import ServedConsole
 
 MOST_PER_PICTURE_MS = 15.0
 MOST_LONGER = 0.05
@@ -30,13 +30,10 @@ RATE_HZ = 5.0
 PLACES = [(150, 250), (-200, 300), (250, 100), (0, 350), (-300, 50), (100, 400)]
 
 
-class Served:
-    def __init__(self, bin_dir, cell):
-        self.process = subprocess.Popen([bin_dir / "planar-console", "--cell", cell / "cell.yaml", "--port", "0"],
-                                        stdout=subprocess.PIPE, text=True)
-        address = re.search(r"(http://\S+)/\?token=(\w+)", self.process.stdout.readline())
-        self.origin, token = address.groups()
-        self.headers = {"Authorization": f"Bearer {token}", "X-Planar-Client": "0123456789abcdef"}
+class Served(ServedConsole):
+    def __init__(self, program, cell):
+        super().__init__(program, cell)
+        self.headers = {"Authorization": f"Bearer {self.token['operate']}", "X-Planar-Client": "0123456789abcdef"}
 
     def request(self, path, body=None):
         data = None if body is None else json.dumps(body).encode()
@@ -67,10 +64,6 @@ class Served:
                         rows.append(row)
                     if "seq" in row:
                         return [row["seconds"] for row in rows]
-
-    def end(self):
-        self.process.send_signal(signal.SIGINT)
-        self.process.wait(20)
 
 
 class Readers:
@@ -139,11 +132,8 @@ def main():
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         cell = pathlib.Path(shutil.copytree(options.cell, pathlib.Path(folder) / "cell"))
-        served = Served(options.bin, cell)
-        try:
+        with Served(options.bin / "planar-console", cell / "cell.yaml") as served:
             return measure(served, options)
-        finally:
-            served.end()
 
 
 def measure(served, options):

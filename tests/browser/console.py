@@ -9,20 +9,19 @@ import contextlib
 import json
 import math
 import os
-import re
 import shutil
-import signal
-import subprocess
 import sys
 import tempfile
 import time
 import urllib.request
 
+HERE = os.path.dirname(os.path.abspath(__file__))
+sys.path.insert(0, os.path.join(HERE, "../support"))
 from api import Api
+from served_console import ServedConsole
 from webdriver import Browser, Driver
 
-RULES = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../bench/report/rules.js")
-RIGHTS = ("operate", "look on")
+RULES = os.path.join(HERE, "../../bench/report/rules.js")
 TARGETS = 20
 FIRST_PICTURE_S = 1.0
 COMMAND_MS = 50
@@ -39,25 +38,12 @@ JOGS = "return performance.getEntriesByName(location.origin + '/api/jog').map(en
 IDLE = "document.querySelector('#lamp').dataset.doing === 'idle'"
 
 
-class Console:
-    """A planar-console on a port of its own, and its answers to whoever has the token."""
-
-    def __init__(self, program, cell):
-        self.process = subprocess.Popen([program, "--cell", cell, "--port", "0"], stdout=subprocess.PIPE, text=True)
-        lines = [self.process.stdout.readline() for _ in RIGHTS]
-        self.address = {right: re.search(rf"{right}: (http://\S+)", line).group(1) for right, line in zip(RIGHTS, lines)}
-        self.origin = self.address["operate"].split("/?")[0]
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
-        self.process.send_signal(signal.SIGINT)
-        self.process.wait(20)
+class Console(ServedConsole):
+    """A planar-console, and its answers to whoever may look on."""
 
     def state(self):
-        token = self.address["look on"].split("=")[-1]
-        request = urllib.request.Request(f"{self.origin}/api/state", headers={"Authorization": f"Bearer {token}"})
+        headers = {"Authorization": f"Bearer {self.token['look on']}"}
+        request = urllib.request.Request(f"{self.origin}/api/state", headers=headers)
         with urllib.request.urlopen(request, timeout=5) as answer:
             return json.load(answer)
 
@@ -197,7 +183,7 @@ def run_targets(page, console, pictures):
 
 
 def check_api(console):
-    faults = Api(console.origin, console.address["operate"].split("=")[-1]).faults()
+    faults = Api(console.origin, console.token["operate"]).faults()
     claim("the API answers as openapi.json describes it", not faults, "; ".join(sorted(set(faults))))
 
 

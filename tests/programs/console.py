@@ -3,12 +3,16 @@ import atexit
 import contextlib
 import http.client
 import json
+import pathlib
 import signal
 import socket
 import subprocess
 import sys
 import threading
 import time
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "support"))
+from served_console import ServedConsole
 
 PROGRAM, FOLDER = sys.argv[1:]
 ONE, OTHER = "1111111111111111", "2222222222222222"
@@ -27,17 +31,14 @@ def eventually(holds, what):
         time.sleep(0.02)
 
 
-class Console:
+class Console(ServedConsole):
     """A running planar-console, asked with its token for operating unless another is named."""
 
     def __init__(self, cell):
-        self.process = subprocess.Popen([PROGRAM, "--cell", f"{FOLDER}/{cell}", "--port", "0"], stdout=subprocess.PIPE,
-                                        text=True)
+        super().__init__(PROGRAM, f"{FOLDER}/{cell}")
         atexit.register(self.process.kill)
-        self.printed = [self.process.stdout.readline() for _ in range(3)]
-        addresses = [line.split()[-1] for line in self.printed[:2]]
-        self.operate, self.read = [address.split("=")[1] for address in addresses]
-        self.port = int(addresses[0].split(":")[2].split("/")[0])
+        self.operate, self.read = self.token["operate"], self.token["look on"]
+        self.port = int(self.origin.split(":")[2])
 
     def ask(self, method, path, body=None, token=None, client=ONE, **headers):
         """Returns status and answer, JSON where it is."""
@@ -87,8 +88,7 @@ class Console:
         return there
 
     def end(self, how=signal.SIGINT):
-        self.process.send_signal(how)
-        check(self.process.wait(PATIENCE_S) == 0, "the console did not end well")
+        check(super().end(how) == 0, "the console did not end well")
 
 
 def try_rights(console):

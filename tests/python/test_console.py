@@ -1,9 +1,7 @@
 """The client of planar-console, on a virtual cell."""
 
-import re
 import shutil
-import signal
-import subprocess
+import sys
 import tempfile
 import unittest
 from pathlib import Path
@@ -11,6 +9,9 @@ from pathlib import Path
 import planar_servo as ps
 from planar_servo.console import Console
 from support import ROOT, WORKSHOP
+
+sys.path.insert(0, str(ROOT / "tests/support"))
+from served_console import ServedConsole
 
 PROGRAM = ROOT / "build/release/bin/planar-console"
 TARGETS = "id,x_mm,y_mm\na,150,250\nb,-200,300\n"
@@ -22,18 +23,13 @@ class ConsoleTest(unittest.TestCase):
         cls.folder = tempfile.TemporaryDirectory()
         cell = Path(cls.folder.name) / "cell"
         shutil.copytree(WORKSHOP, cell)
-        cls.server = subprocess.Popen(
-            [PROGRAM, "--cell", cell / "cell.yaml", "--port", "0"], stdout=subprocess.PIPE, text=True
-        )
-        operate, look_on = (re.search(r"http://\S+", cls.server.stdout.readline())[0] for _ in range(2))
-        cls.console, cls.looker = Console(operate), Console(look_on)
+        cls.server = ServedConsole(PROGRAM, cell / "cell.yaml")
+        cls.console, cls.looker = Console(cls.server.address["operate"]), Console(cls.server.address["look on"])
         cls.console.command("enable")
 
     @classmethod
     def tearDownClass(cls):
-        cls.server.send_signal(signal.SIGINT)
-        cls.server.wait(20)
-        cls.server.stdout.close()
+        cls.server.end()
         cls.folder.cleanup()
 
     def refused(self, kind, call, *arguments):
