@@ -33,10 +33,6 @@ std::optional<VisionCalibration> vision_of(const CellSettings& cell) {
   return read_vision(cell, fs::exists(cell.error_map));
 }
 
-JointPlanner planner_of(const CellSettings& cell) {
-  return is_there(cell.arm_found) ? servo_planner(cell) : joint_planner(cell);
-}
-
 const ValidRegion& region_of(const VisionErrorMap& map) {
   if (const auto* field = std::get_if<LampField>(&map)) return field->region;
   return valid_region(std::get<ErrorMap>(map));
@@ -79,7 +75,7 @@ KnownCell::KnownCell(const fs::path& cell_file)
     : cell_(read_cell(cell_file)),
       folder_(fs::weakly_canonical(cell_file).parent_path()),
       vision_(vision_of(cell_)),
-      planner_(planner_of(cell_)) {}
+      planner_(planner_so_far(cell_)) {}
 
 std::vector<Refusal> KnownCell::doubts() const {
   std::vector<Refusal> doubts;

@@ -3,19 +3,13 @@
 #include <chrono>
 #include <utility>
 
+#include "planar_servo/io/csv_fields.h"
 #include "planar_servo/robot/planar_robot.h"
 
 namespace planar {
 namespace {
 
 constexpr std::chrono::milliseconds kStopIsAsked{50};
-
-std::string without_blanks(const std::string& text) {
-  constexpr char kBlanks[] = " \t\r\n";
-  const std::size_t begin = text.find_first_not_of(kBlanks);
-  if (begin == std::string::npos) return {};
-  return text.substr(begin, text.find_last_not_of(kBlanks) + 1 - begin);
-}
 
 }  // namespace
 
@@ -38,7 +32,7 @@ std::string PageOperator::ask(const std::string& question) {
   is_open_ = false;
   show_question(std::nullopt);
   if (!answer_) throw StopRequested("the question was not answered: stopped as asked");
-  return without_blanks(*answer_);
+  return std::string(trimmed(*answer_));
 }
 
 bool PageOperator::entered() {

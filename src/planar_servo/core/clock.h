@@ -1,5 +1,6 @@
 #pragma once
 
+#include <ctime>
 #include <string>
 
 namespace planar {
@@ -22,5 +23,7 @@ class SteadyClock final : public Clock {
 
 /// Returns the present time as our files have it, such as "2026-11-22T08:17:53Z".
 std::string utc_now();
+/// Returns a time in the same form.
+std::string utc_text(std::time_t time);
 
 }  // namespace planar

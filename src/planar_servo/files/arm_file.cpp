@@ -146,6 +146,11 @@ JointPlanner servo_planner(const CellSettings& cell) {
   return planner;
 }
 
+JointPlanner planner_so_far(const CellSettings& cell) {
+  const bool found = cell.arm_found && std::filesystem::exists(*cell.arm_found);
+  return found ? servo_planner(cell) : joint_planner(cell);
+}
+
 std::vector<Origin> learned_arm_origins(const CellSettings& cell) {
   return {origin_of({Role::kArmFound, cell.arm_found.value()}),
           origin_of({Role::kErrorMap, cell.error_map})};

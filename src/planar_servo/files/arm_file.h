@@ -25,6 +25,9 @@ FoundArm read_found_arm(const std::filesystem::path& path);
 /// InputError when that file does not exist.
 JointPlanner servo_planner(const CellSettings& cell);
 
+/// Returns the same, but for the arm of the cell file as long as that file does not exist.
+JointPlanner planner_so_far(const CellSettings& cell);
+
 /// Returns what the learned arm of a cell is made from: arm.yaml and map.yaml.
 std::vector<Origin> learned_arm_origins(const CellSettings& cell);
 

@@ -60,7 +60,7 @@ std::string quantity_of(std::string_view column) {
 }  // namespace
 
 std::string_view trimmed(std::string_view text) {
-  constexpr char kBlanks[] = " \t\r";
+  constexpr char kBlanks[] = " \t\r\n";
   const auto first = text.find_first_not_of(kBlanks);
   if (first == std::string_view::npos) return {};
   return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);

@@ -22,12 +22,6 @@ namespace {
 constexpr double kMostTurn = 15.0 * kDegree;
 constexpr double kMostStep = 50.0 * kMillimetre;
 
-/// Returns the planner of the arm that was found where there is one, else that of the cell file.
-JointPlanner planner_of(const CellSettings& cell) {
-  const bool found = cell.arm_found && std::filesystem::exists(*cell.arm_found);
-  return found ? servo_planner(cell) : joint_planner(cell);
-}
-
 }  // namespace
 
 JogArm::JogArm(const CellSettings& cell, CellDevices& devices, const std::function<bool()>& stop,
@@ -36,7 +30,7 @@ JogArm::JogArm(const CellSettings& cell, CellDevices& devices, const std::functi
       camera_(devices.camera()),
       drives_(devices.drives()),
       announce_(std::move(announce)),
-      planner_(planner_of(cell)),
+      planner_(planner_so_far(cell)),
       robot_(planner_.arm(), planner_.transmission(), devices.drives(), devices.clock()) {
   robot_.stop_when(stop);
 }

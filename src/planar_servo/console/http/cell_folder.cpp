@@ -1,14 +1,12 @@
 #include "planar_servo/console/http/cell_folder.h"
 
-#include <fmt/chrono.h>
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <chrono>
 #include <map>
 #include <vector>
 
 #include "planar_servo/console/state_board.h"
+#include "planar_servo/core/clock.h"
 #include "planar_servo/core/names.h"
 #include "planar_servo/doctor/next_step.h"
 #include "planar_servo/files/provenance.h"
@@ -35,8 +33,7 @@ std::string time_text(fs::file_time_type time) {
   const auto since = time - fs::file_time_type::clock::now();
   const auto then = std::chrono::system_clock::now() +
                     std::chrono::duration_cast<std::chrono::system_clock::duration>(since);
-  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}",
-                     fmt::gmtime(std::chrono::system_clock::to_time_t(then)));
+  return utc_text(std::chrono::system_clock::to_time_t(then));
 }
 
 ordered_json file_json(const MadeFile& file, const std::map<fs::path, Refusal>& faults) {
