@@ -16,38 +16,53 @@ double mean_level(LiveCell& live, const cv::Size& sensor_px) {
   return cv::mean(live.expose({{}, sensor_px}, 1.0))[0];
 }
 
-bool has_no_marks() {
-  return false;
+/// Of a cell without marks, whose camera notes whether it is on.
+CellHands hands(bool* camera_is_on = nullptr) {
+  return {[] { return false; },
+          [camera_is_on](bool on) {
+            if (camera_is_on != nullptr) *camera_is_on = on;
+          }};
 }
 
 TEST_CASE("The board comes into view and leaves it by commands") {
   const VirtualHardware hardware = test::sample_hardware();
   LiveCell live(draw_truth(3), hardware);
   const double without = mean_level(live, hardware.sensor_px);
-  CHECK(obey_command("board hold 3", live, has_no_marks) == "the board is held, view 3");
+  CHECK(obey_command("board hold 3", live, hands()) == "the board is held, view 3");
   const double held = mean_level(live, hardware.sensor_px);
   CHECK(held > 2.0 * without);
-  CHECK(obey_command("  board  lay 0 ", live, has_no_marks) == "the board is laid, view 0");
+  CHECK(obey_command("  board  lay 0 ", live, hands()) == "the board is laid, view 0");
   const double laid = mean_level(live, hardware.sensor_px);
   CHECK(laid > 2.0 * without);
   CHECK(std::abs(laid - held) > 1.0);
-  CHECK(obey_command("board remove", live, has_no_marks) == "the board is removed");
+  CHECK(obey_command("board remove", live, hands()) == "the board is removed");
   CHECK(std::abs(mean_level(live, hardware.sensor_px) - without) < 0.1);
 }
 
 TEST_CASE("The arm is put at its marks by a command, where that is possible") {
   LiveCell live(draw_truth(3), test::sample_hardware());
-  CHECK(obey_command(" arm marks", live, [] { return true; }) == "the arm stands at its marks");
-  CHECK(obey_command("arm marks", live, has_no_marks).rfind("the arm is not put at", 0) == 0);
+  CHECK(obey_command(" arm marks", live, {[] { return true; }, {}}) ==
+        "the arm stands at its marks");
+  CHECK(obey_command("arm marks", live, hands()).rfind("the arm is not put at", 0) == 0);
+}
+
+TEST_CASE("The camera's power is switched by commands") {
+  LiveCell live(draw_truth(3), test::sample_hardware());
+  bool is_on = true;
+  CHECK(obey_command("camera off", live, hands(&is_on)) == "the camera is off");
+  CHECK_FALSE(is_on);
+  CHECK(obey_command("camera on", live, hands(&is_on)) == "the camera is on");
+  CHECK(is_on);
 }
 
 TEST_CASE("A command that is not understood is answered with what is allowed") {
   LiveCell live(draw_truth(3), test::sample_hardware());
-  for (const char* line : {"", "board", "board hold", "board hold x", "board hold -1",
-                           "board lay 1.5", "board hold 1 2", "arm", "arm home", "board drop 1",
-                           "board remove 1", "bord hold 1", "board hold 99999999999"}) {
+  for (const char* line :
+       {"", "board", "board hold", "board hold x", "board hold -1", "board lay 1.5", "camera",
+        "camera away", "board hold 1 2", "arm", "arm home", "board drop 1", "board remove 1",
+        "bord hold 1", "board hold 99999999999"}) {
     INFO(line);
-    const std::string answer = obey_command(line, live, has_no_marks);
+    const std::string answer = obey_command(line, live, hands());
     CHECK(answer.rfind("not understood: '" + std::string(line) + "'", 0) == 0);
     CHECK(answer.find(kCellCommands) != std::string::npos);
   }

@@ -58,18 +58,26 @@ std::string handle_reflector(const Words& words, LiveCell& live) {
   return fmt::format("the reflector is on {}", words[1]);
 }
 
+/// Returns what was done with the camera; empty when it was not understood.
+std::string handle_camera(const Words& words, const CellHands& hands) {
+  const bool on = words == Words{"camera", "on"};
+  if (!on && words != Words{"camera", "off"}) return "";
+  hands.power_camera(on);
+  return fmt::format("the camera is {}", on ? "on" : "off");
+}
+
 }  // namespace
 
-std::string obey_command(const std::string& line, LiveCell& live,
-                         const std::function<bool()>& put_at_marks) {
+std::string obey_command(const std::string& line, LiveCell& live, const CellHands& hands) {
   const Words words = words_of(line);
   std::string done;
   if (!words.empty() && words[0] == "board")
     done = live.now([&](VirtualCell& cell) { return handle_board(words, cell.board_presenter()); });
   if (!words.empty() && words[0] == "reflector") done = handle_reflector(words, live);
+  if (!words.empty() && words[0] == "camera") done = handle_camera(words, hands);
   if (words == Words{"arm", "marks"})
-    done = put_at_marks() ? "the arm stands at its marks"
-                          : "the arm is not put at its marks: it moves, or has home switches";
+    done = hands.put_at_marks() ? "the arm stands at its marks"
+                                : "the arm is not put at its marks: it moves, or has home switches";
   if (!done.empty()) return done;
   return fmt::format("not understood: '{}'; there are {}; places of the reflector are {}", line,
                      kCellCommands, fmt::join(live.reflector_places(), ", "));

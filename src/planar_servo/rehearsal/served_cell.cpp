@@ -113,14 +113,20 @@ struct ServedCell::Impl {
         lock(places.grbl_port.parent_path()),
         truth(read_truth(*cell.truth)),
         live(truth, virtual_hardware(cell)),
-        camera(places.address, places.camera_id, {cell.camera.width_px, cell.camera.height_px},
-               cell.camera.frame_rate_hz,
-               [this](const cv::Rect& region_px, double brightness) {
-                 return live.expose(region_px, brightness);
-               }),
         motors(cell, places.grbl_port, live, request.grbl_firmware),
         tracker(places.tracker, request.tracker, truth.seed, live) {
+    power_camera(true);
     if (request.truth_log) truth_log.emplace(*request.truth_log, live);
+  }
+
+  void power_camera(bool on) {
+    if (!on) return camera.reset();
+    if (camera) return;
+    camera.emplace(places.address, places.camera_id,
+                   cv::Size(cell.camera.width_px, cell.camera.height_px), cell.camera.frame_rate_hz,
+                   [this](const cv::Rect& region_px, double brightness) {
+                     return live.expose(region_px, brightness);
+                   });
   }
 
   CellSettings cell;
@@ -128,9 +134,9 @@ struct ServedCell::Impl {
   FolderLock lock;
   Truth truth;
   LiveCell live;
-  GigeCamera camera;
   GrblMotors motors;
   ServedTracker tracker;
+  std::optional<GigeCamera> camera;
   std::optional<TruthLog> truth_log;
 };
 
@@ -151,7 +157,9 @@ std::string ServedCell::live_text() const {
 }
 
 std::string ServedCell::obey(const std::string& line) {
-  return obey_command(line, impl_->live, [this] { return impl_->motors.put_at_marks(); });
+  return obey_command(line, impl_->live,
+                      {[this] { return impl_->motors.put_at_marks(); },
+                       [this](bool on) { impl_->power_camera(on); }});
 }
 
 void ServedCell::require_well() const {
