@@ -37,12 +37,12 @@ void add_options(CLI::App& app, Options& options) {
                "run that was broken off");
   app.add_option("--cycles", options.request.size.cycles,
                  "cycles of the five poses, and of the directions of approach; the standard has 30")
-      ->check(CLI::Range(2, 1000))
+      ->check(CLI::Range(CertificateSize::kLeastCycles, CertificateSize::kMostCycles))
       ->type_name("N")
       ->capture_default_str();
   app.add_option("--targets", options.request.size.targets,
                  "targets over the whole workspace; with fewer than 72 the 95 % have no interval")
-      ->check(CLI::Range(1, 10000))
+      ->check(CLI::Range(1, CertificateSize::kMostTargets))
       ->type_name("N")
       ->capture_default_str();
   add_homing_options(app, options.homing);

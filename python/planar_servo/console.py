@@ -113,6 +113,14 @@ class Console:
         (result,) = self._job(self._json("/api/go", target)["job"])
         return result
 
+    def certify(self, out: str, cycles: int = 30, targets: int = 100) -> str:
+        """Certifies the cell as planar-certify does, and returns what was found; the page is in the folder `out`.
+
+        The same call continues a certificate that was broken off. Raises WorkError where the cell is in doubt, or
+        where a move missed its target or was not judged.
+        """
+        return self._ended(self._json("/api/certificate", {"out": out, "cycles": cycles, "targets": targets}, 60.0))
+
     def step(self, board: str = "circles:11x11:50mm") -> str:
         """Does what is next of the work where that only makes files, and returns what was done.
 
@@ -120,10 +128,7 @@ class Console:
         Raises WorkError where the step fails.
         """
         opened = self.state()["opened"]
-        number = self._json("/api/step", {"board": board}, patience_s=60.0)["job"]
-        for _ in self._job(number):
-            pass
-        done = str(self.state()["job"]["ended"])
+        done = self._ended(self._json("/api/step", {"board": board}, 60.0))
         until = time.monotonic() + _PATIENCE_S
         while time.monotonic() < until:
             try:
@@ -136,8 +141,7 @@ class Console:
 
     def check(self) -> None:
         """Checks whether the cell still is as it was calibrated. Raises WorkError where it is not."""
-        for _ in self._job(self._json("/api/check", {})["job"]):
-            pass
+        self._ended(self._json("/api/check", {}))
 
     def stop(self) -> None:
         """Slows the arm to rest and ends what runs, whoever began it."""
@@ -150,6 +154,11 @@ class Console:
     def release(self) -> None:
         """Lets any other client move the cell."""
         self._json("/api/operator", {"take": False})
+
+    def _ended(self, begun: dict[str, Any]) -> str:
+        for _ in self._job(begun["job"]):
+            pass
+        return str(self.state()["job"]["ended"])
 
     def _job(self, number: int) -> Iterator[dict[str, Any]]:
         ended = False

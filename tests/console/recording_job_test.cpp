@@ -24,13 +24,14 @@ struct AskedCell {
   StateBoard board;
   CellWorker worker;
   CellJobs jobs;
+  PageSeat seat;
   RecordingJob recording;
 
   AskedCell()
       : cell(written(folder)),
         worker(cell, board, [] { return false; }),
         jobs(cell, board, worker),
-        recording(cell, board, jobs) {
+        recording(cell, board, jobs, seat) {
     REQUIRE(worker.command("enable").done);
   }
 
@@ -55,9 +56,9 @@ TEST_CASE("A recording asks the page for the reflector until all is read") {
   CHECK(bench.recording.begin({"plan.csv", "recording"}) == 1);
   const PageQuestion first = bench.question_after(0);
   CHECK_THAT(first.text, Contains("reflector on 'datum1'"));
-  CHECK_THROWS_AS(bench.recording.answer(first.id + 1, "1,2,3"), CellBusy);
+  CHECK_THROWS_AS(bench.seat.answer(first.id + 1, "1,2,3"), CellBusy);
   CHECK(bench.question() == first.id);
-  bench.recording.answer(first.id, " 1,2,3 ");
+  bench.seat.answer(first.id, " 1,2,3 ");
   CHECK_THAT(bench.question_after(first.id).text, Contains("reflector on 'datum2'"));
   bench.board.change([](CellState& state) { state.advice = "the board is gone"; });
   bench.worker.stop();
@@ -66,8 +67,8 @@ TEST_CASE("A recording asks the page for the reflector until all is read") {
   CHECK_FALSE(state.question);
   CHECK(state.advice.empty());
   CHECK_THAT(state.job->ended, Contains("stopped as asked"));
-  CHECK_THROWS_AS(bench.recording.answer(1, "s"), CellBusy);
-  CHECK_THROWS_AS(bench.recording.confirm(), CellBusy);
+  CHECK_THROWS_AS(bench.seat.answer(1, "s"), CellBusy);
+  CHECK_THROWS_AS(bench.seat.confirm(), CellBusy);
 }
 
 TEST_CASE("A recording that cannot begin is refused before anything moves") {

@@ -157,6 +157,45 @@ def try_run(console):
     console.refused(400, "POST", "/api/run", {"out": "run", "resume": False}, says="resume")
 
 
+def try_certificate(console):
+    """A broken-off certificate is finished, one is stopped on its way, and what is no certificate is refused."""
+    for size, says in (({"cycles": 1}, "cycles"), ({"cycles": 2.5}, "whole number"), ({"targets": "all"}, "targets"),
+                       ({"targets": 10 ** 10}, "targets")):
+        console.refused(400, "POST", "/api/certificate", {"out": "no", **size}, says=says)
+    console.refused(400, "POST", "/api/certificate", {"out": "run"}, says="belongs to no certificate")
+    console.refused(400, "POST", "/api/certificate", {"out": "proof", "cycles": 3}, says="begun with other --cycles")
+    before = console.state()["job"]
+    check(console.post("/api/certificate", {"out": "proof", "cycles": 2, "targets": 1})[0] == 200, "no certificate")
+    job = console.state()["job"]
+    check((job["kind"], job["done"], job["all"], job["id"]) == ("certificate", 34, 35, before["id"] + 1), job)
+    console.refused(409, "POST", "/api/go", {"x_mm": 330, "y_mm": -250}, says="at work")
+    console.rests()
+    job = console.state()["job"]
+    check(job["ok"] and job["done"] == 35 and job["ended"].startswith("35 of 35 moves reached and judged"), job)
+    check("proof/certificate.html" in [page["name"] for page in console.ask("GET", "/api/reports")[1]], "no page of it")
+
+    check(console.post("/api/certificate", {"out": "stopped", "cycles": 2, "targets": 1})[0] == 200, "no certificate")
+    eventually(lambda: console.state()["job"]["done"] >= 2, "no move is made")
+    state = console.state()
+    check(state["doing"] == "running" and state["seen_mm"] and state["job"]["left_s"] > 0, state)
+    check(console.post("/api/stop", client=OTHER, token=console.read)[0] == 200, "no stop")
+    console.rests()
+    job = console.state()["job"]
+    check(not job["ok"] and 2 <= job["done"] < 35 and "stopped as asked" in job["ended"], job)
+    with open(f"{FOLDER}/stopped/cycles.csv", encoding="utf-8") as table:
+        check(sum(line[0] in "cvw" and line[1].isdigit() for line in table) == job["done"], "other moves are kept")
+
+
+def try_doubt(console):
+    """A cell that has changed is not certified: its state says why, and what to do."""
+    console.command("enable")
+    check(console.post("/api/certificate", {"out": "proof", "cycles": 2, "targets": 1})[0] == 200, "no certificate")
+    console.rests()
+    state = console.state()
+    check(not state["job"]["ok"] and "the cell is not well" in state["job"]["ended"], state)
+    check(state["held_by"] and any(doubt["remedy"] for doubt in state["doubts"]), state)
+
+
 def try_record(console):
     with open(f"{FOLDER}/plan.csv", "w", encoding="utf-8") as plan:
         plan.write("id,plan,x_mm,y_mm\nt1,train,330,-250\n")
@@ -251,10 +290,13 @@ def main():
     fast = Console("fast.yaml")
     with open("console.txt", "w", encoding="utf-8") as printed:
         printed.writelines(fast.printed)
-    for what in (try_rights, try_bodies, try_folder, try_second_consoles, try_run, try_record):
+    for what in (try_rights, try_bodies, try_folder, try_second_consoles, try_run, try_certificate, try_record):
         what(fast)
     check(fast.ask("GET", "/api/picture.jpg")[1][:2] == b"\xff\xd8", "no picture")
     fast.end(signal.SIGTERM)
+    moved = Console("../moved/fast.yaml")
+    try_doubt(moved)
+    moved.end()
     fresh = Console("../fresh/cell.yaml")
     try_step(fresh)
     fresh.end()

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# A cell worked over HTTP by planar-console: rights, jog, targets, a recording, stop, lost pages, floods, and how it ends.
+# A cell worked over HTTP by planar-console: rights, jog, targets, a certificate, a recording, stop, lost pages, floods, and how it ends.
 source "$(dirname "$0")/common.sh"
 
 cp -r "$2/cell" .
@@ -9,6 +9,12 @@ sed '/^health:/d; s/max_speed_deg_s: 120/max_speed_deg_s: 300/' cell/cell.yaml >
 sed '/^health:/d; s/max_speed_deg_s: 60/max_speed_deg_s: 5/' cell/cell.yaml >cell/slow.yaml
 "$bin/planar-virtual-cell" -q draw --seed 6 -o fresh >/dev/null
 printf 'id,x_mm,y_mm,phi_deg\n' >cell/targets.csv
+# A certificate that lacks its last move, and one of a cell whose camera has moved since.
+"$bin/planar-certify" -q --cell cell/fast.yaml --cycles 2 --targets 1 --out cell/proof >/dev/null
+sed -i '$d' cell/proof/cycles.csv
+rm cell/proof/certificate.*
+cp -r cell moved
+awk -F'[][]' '/translation_mm/ { split($2, t, ","); sub(/\[[^,]*/, "[" t[1] + 20) } 1' cell/truth.yaml >moved/truth.yaml
 echo outside >secret.html
 ln -s ../secret.html cell/link.html
 

@@ -1,6 +1,7 @@
 """The client of planar-console, on a virtual cell."""
 
 import shutil
+import subprocess
 import sys
 import tempfile
 import unittest
@@ -13,7 +14,7 @@ from support import ROOT, WORKSHOP
 sys.path.insert(0, str(ROOT / "tests/support"))
 from served_console import ServedConsole
 
-PROGRAM = ROOT / "build/release/bin/planar-console"
+BIN = ROOT / "build/release/bin"
 TARGETS = "id,x_mm,y_mm\na,150,250\nb,-200,300\n"
 
 
@@ -21,9 +22,9 @@ class ConsoleTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.folder = tempfile.TemporaryDirectory()
-        cell = Path(cls.folder.name) / "cell"
-        shutil.copytree(WORKSHOP, cell)
-        cls.server = ServedConsole(PROGRAM, cell / "cell.yaml")
+        cls.cell = Path(cls.folder.name) / "cell"
+        shutil.copytree(WORKSHOP, cls.cell)
+        cls.server = ServedConsole(BIN / "planar-console", cls.cell / "cell.yaml")
         cls.console, cls.looker = Console(cls.server.address["operate"]), Console(cls.server.address["look on"])
         cls.console.command("enable")
 
@@ -57,6 +58,12 @@ class ConsoleTest(unittest.TestCase):
         ended = (state["job"] for kind, state in self.looker.events() if kind == "state" and state["job"]["ended"])
         job = next(ended)
         self.assertEqual((job["name"], job["done"], job["ok"]), ("left", 1, False))
+
+    def test_a_certificate_that_is_there_is_read_again_and_a_wrong_size_is_refused(self):
+        size = ("--cycles", "2", "--targets", "1", "--out", str(self.cell / "proof"))
+        subprocess.run([BIN / "planar-certify", "-q", "--cell", self.cell / "cell.yaml", *size], check=True, capture_output=True)
+        self.assertIn("35 of 35 moves reached and judged", self.console.certify("proof", cycles=2, targets=1))
+        self.assertEqual(self.refused(ps.InputError, self.console.certify, "proof", 1).where, "cycles")
 
     def test_one_line_moves_the_arm_and_another_says_why_not(self):
         before = self.console.state()["arm"]["joints_deg"][2]

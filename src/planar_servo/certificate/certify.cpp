@@ -44,7 +44,7 @@ std::vector<JudgedMove> moves_so_far(const CertificateRequest& request, const st
   const fs::path file = cycles_file(request), results = request.servo.out / "results.csv";
   if (!fs::exists(file)) {
     if (fs::exists(results) && !read_results(results).empty())
-      throw InputError({"belongs to no certificate", "name another folder for --out", results});
+      throw InputError({"belongs to no certificate", "name another folder", results});
     return {};
   }
   drop_torn_line(file, header);
@@ -77,7 +77,8 @@ class CertificateDriver {
  public:
   CertificateDriver(const CertificateRequest& request, CellDevices& devices)
       : phi_d_(request.servo.cell.tool_orientation),
-        run_(request.servo, devices, [this](const ServoSight& sight) { watch(sight.step); }) {}
+        watch_(request.watch),
+        run_(request.servo, devices, [this](const ServoSight& sight) { watch(sight); }) {}
 
   ServoRun& run() { return run_; }
 
@@ -108,7 +109,10 @@ class CertificateDriver {
   }
 
  private:
-  void watch(const ServoStep& step) { last_ = step; }
+  void watch(const ServoSight& sight) {
+    last_ = sight.step;
+    if (watch_) watch_(sight);
+  }
 
   /// Moves to a place. A name that a killed program has used already gets a stroke.
   TargetResult go(std::string id, const Eigen::Vector2d& p) {
@@ -120,6 +124,7 @@ class CertificateDriver {
   }
 
   double phi_d_;
+  ServoRun::Observer watch_;
   std::optional<ServoStep> last_;          ///< of the move that is being made
   std::optional<Eigen::Vector2d> arm_at_;  ///< where this program has sent the arm
   ServoRun run_;
@@ -141,10 +146,11 @@ void make_moves(CertificateRun& certificate, const std::vector<CertificateMove>&
   CertificateRequest request = certificate.request;
   request.servo.resume = fs::exists(request.servo.out / "results.csv");
   CertificateDriver driver(request, devices);
+  const std::size_t all = certificate.moves.size() + moves.size();
+  if (progress) progress(certificate.moves.size(), all);
   const auto judge = make_judge(certificate.judge, request.servo.cell, certificate.vision.tool,
                                 devices, request.servo.out / "tracker.csv", request.servo.stop);
   GrowingFile table(cycles_file(request), header);
-  const std::size_t all = certificate.moves.size() + moves.size();
   for (const CertificateMove& move : moves) {
     const JudgedMove made = driver.make(move, *judge);
     if (driver.run().ended_by()) {

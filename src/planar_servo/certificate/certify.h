@@ -16,6 +16,7 @@ namespace planar {
 struct CertificateRequest {
   ServoRequest servo;  ///< `resume` is not used: the same request continues with what there is
   CertificateSize size;
+  ServoRun::Observer watch{};  ///< is called at every look; may be empty
 };
 
 struct CertificateRun {
@@ -28,14 +29,16 @@ struct CertificateRun {
   std::string ended_by{};               ///< why no further move was made; empty when complete
 };
 
-using OpenDevices = std::function<std::unique_ptr<CellDevices>(const CellSettings&)>;
+/// Opens a cell's devices, or lends those that are open, by a pointer that owns nothing.
+using OpenDevices = std::function<std::shared_ptr<CellDevices>(const CellSettings&)>;
 
 /// Moves a cell through certificate_moves() and has the end of each judged. Each judged move is
 /// appended to cycles.csv in servo.out at once, beside steps.csv and results.csv of all moves; the
 /// same request continues where they end. Throws InputError before anything moves when nobody can
 /// judge the cell, when find_test_places() fails, and when the folder holds something else or a
 /// certificate that was begun with other files, sizes or settings. Throws what ServoRun throws.
-/// `progress` may be empty.
+/// `progress`, which may be empty, is told of the moves that are there before the first one is
+/// made, and of each.
 CertificateRun run_certificate(
     const CertificateRequest& request, const OpenDevices& open,
     const std::function<void(std::size_t done, std::size_t all)>& progress = {});

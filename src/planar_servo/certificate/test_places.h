@@ -57,6 +57,8 @@ std::string pose_name(std::size_t index);
 struct CertificateSize {
   int cycles{30};    ///< of the poses, and of the directions
   int targets{100};  ///< over the workspace; 95 % need 72 for an interval
+
+  static constexpr int kLeastCycles{2}, kMostCycles{1000}, kMostTargets{10000};
 };
 
 /// A pose is approached from this share of the square's side.

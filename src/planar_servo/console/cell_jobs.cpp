@@ -41,13 +41,6 @@ std::vector<TargetRow> targets_in(const std::string& csv, const std::string& whe
   return targets;
 }
 
-void require_name(const std::string& name) {
-  constexpr char kAllowed[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_";
-  if (name.empty() || name.size() > kMostName || name.find_first_not_of(kAllowed) != name.npos)
-    throw InputError({fmt::format("is '{}'", name),
-                      fmt::format("take up to {} letters, digits, - and _", kMostName), "out"});
-}
-
 void write_targets(const fs::path& path, const std::vector<TargetRow>& targets) {
   std::string text = targets_header();
   for (const TargetRow& target : targets) text += target_line(target);
@@ -93,49 +86,43 @@ std::vector<nlohmann::ordered_json> CellJobs::results() {
 }
 
 int CellJobs::run(const std::string& name, bool resume) {
-  require_name(name);
+  const fs::path out = folder(name);
   const std::vector<TargetRow> goals = targets();
   if (goals.empty()) throw InputError(Refusal{"there are no targets", "load or teach some"});
   return begin(
-      Doing::kRunning, "targets", name, goals.size(),
+      Doing::kRunning, "targets", name,
       [=](CellDevices& devices, const Stop& stop, const Begun& begun) -> Ending {
         ServoRequest wanted = request(stop);
-        wanted.out = cell_.folder() / name;
+        wanted.out = out;
         wanted.resume = resume;
-        const auto run = opened(wanted, devices);
-        const auto told = findings_of(*run);
-        for (const TargetRow& goal : goals) run->require_same(goal);
-        begun();
+        ServoRun run(wanted, devices, watch());
+        for (const TargetRow& goal : goals) run.require_same(goal);
+        begun(0, goals.size());
         const fs::path table = wanted.out / "targets.csv";
         write_targets(table, goals);
-        const double begun_s = clock_.now_s();
         double visited = 0.0;
-        run_servo(*run, goals, [&](std::size_t done, std::size_t all) {
-          if (visited == 0.0 && !wanted.checked_s_ago) well_s_ = begun_s;
-          const double each_s = (clock_.now_s() - begun_s) / ++visited;
-          tell_result(run->results().back(), done, all, each_s);
+        run_servo(run, goals, [&](std::size_t done, std::size_t all) {
+          show_progress(done, all, age_s() / ++visited * static_cast<double>(all - done));
+          tell_result(run.results().back());
         });
-        const ServoFigures figures = conclude_run(wanted, *run, devices.camera().counts(), table);
-        hold(run->ended_by().value_or(""));
-        return {reached_words(figures), figures.reached == figures.targets && !run->ended_by()};
+        const ServoFigures figures = conclude_run(wanted, run, devices.camera().counts(), table);
+        hold(run.ended_by().value_or(""));
+        return {reached_words(figures), figures.reached == figures.targets && !run.ended_by()};
       });
 }
 
 int CellJobs::go(const TargetRow& target) {
-  constexpr std::size_t kOne = 1;
   return begin(
-      Doing::kRunning, "go", target.id, kOne,
+      Doing::kRunning, "go", target.id,
       [=](CellDevices& devices, const Stop& stop, const Begun& begun) -> Ending {
         const PassingFolder folder("planar-console");
         ServoRequest wanted = request(stop);
         wanted.out = folder.path();
-        const auto run = opened(wanted, devices);
-        const auto told = findings_of(*run);
-        begun();
-        const double begun_s = clock_.now_s();
-        const TargetResult result = run->move_to(target);
-        if (!run->ended_by() && !wanted.checked_s_ago) well_s_ = begun_s;
-        tell_result(result, kOne, kOne, clock_.now_s() - begun_s);
+        ServoRun run(wanted, devices, watch());
+        begun(0, 1);
+        const TargetResult result = run.move_to(target);
+        show_progress(1, 1, {});
+        tell_result(result);
         const bool ok = result.status == ServoStatus::kReached;
         return {ok ? "reached" : fmt::format("{}: {}", name(result.status), result.reason), ok};
       });
@@ -143,20 +130,19 @@ int CellJobs::go(const TargetRow& target) {
 
 int CellJobs::check() {
   return begin(
-      Doing::kChecking, "check", "", 0,
+      Doing::kChecking, "check", "",
       [this](CellDevices& devices, const Stop& stop, const Begun& begun) -> Ending {
         const CheckedFiles files = read_checked_files(cell_.settings());
-        begun();
+        begun(0, 0);
         const std::vector<HealthFinding> found =
             check_devices(cell_.settings(), files, devices, {}, stop);
         note_findings(found);
-        well_s_ = found.empty() ? clock_.now_s() : kNever;
         return {found.empty() ? "the cell is as it was at its calibration" : findings_text(found),
                 found.empty()};
       });
 }
 
-int CellJobs::begin(Doing doing, const std::string& kind, const std::string& name, std::size_t all,
+int CellJobs::begin(Doing doing, const std::string& kind, const std::string& name,
                     const Work& work) {
   if (doing != Doing::kCalculating) require_able();
   auto begun = std::make_shared<std::promise<int>>();
@@ -165,8 +151,8 @@ int CellJobs::begin(Doing doing, const std::string& kind, const std::string& nam
       fmt::format("{}{}", name_in(kDoings, doing), name.empty() ? "" : ": " + name);
   worker_.begin(doing, text, [=, begun = std::move(begun)](CellDevices& devices, const Stop& stop) {
     bool is_begun = false;
-    const auto begin_now = [&] {
-      begun->set_value(begin_state(kind, name, all));
+    const auto begin_now = [&](std::size_t done, std::size_t all) {
+      begun->set_value(begin_state({0, kind, name, done, all}));
       is_begun = true;
     };
     try {
@@ -188,29 +174,24 @@ int CellJobs::begin(Doing doing, const std::string& kind, const std::string& nam
   }
 }
 
-int CellJobs::begin_state(const std::string& kind, const std::string& name, std::size_t all) {
-  const int id = ++last_job_;
+int CellJobs::begin_state(JobState job) {
+  job.id = ++last_job_;
+  begun_s_ = clock_.now_s();
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     results_.clear();
   }
   board_.change([&](CellState& state) {
-    state.job = JobState{id, kind, name, 0, all};
+    state.job = job;
     state.held_by.clear();
     state.recording.reset();
   });
-  return id;
+  return job.id;
 }
 
 void CellJobs::hold(const std::string& reason) {
   if (!reason.empty()) forget_check();
   board_.change([&](CellState& state) { state.held_by = reason; });
-}
-
-std::shared_ptr<void> CellJobs::findings_of(const ServoRun& run) {
-  return {nullptr, [this, &run](void*) {
-            if (run.findings()) note_findings(*run.findings());
-          }};
 }
 
 void CellJobs::note_findings(const std::vector<HealthFinding>& found) {
@@ -219,6 +200,10 @@ void CellJobs::note_findings(const std::vector<HealthFinding>& found) {
   for (const HealthFinding& finding : found)
     findings.push_back({finding.what, redo(finding.cause), "the check of the cell"});
   worker_.note_findings(std::move(findings));
+  const bool tolerable = std::none_of(found.begin(), found.end(), [](const HealthFinding& finding) {
+    return finding.cost_m > kTolerable_m;
+  });
+  well_s_ = tolerable ? clock_.now_s() : kNever;
 }
 
 void CellJobs::end(const Ending& ending) {
@@ -235,37 +220,50 @@ void CellJobs::require_able() const {
   if (arm && !arm->to_do.empty()) throw InputError(Refusal{"the arm cannot move yet", arm->to_do});
 }
 
-ServoRequest CellJobs::request(const Stop& stop) const {
+fs::path CellJobs::folder(const std::string& name) const {
+  constexpr char kAllowed[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_";
+  if (name.empty() || name.size() > kMostName || name.find_first_not_of(kAllowed) != name.npos)
+    throw InputError({fmt::format("is '{}'", name),
+                      fmt::format("take up to {} letters, digits, - and _", kMostName), "out"});
+  return cell_.folder() / name;
+}
+
+ServoRequest CellJobs::request(const Stop& stop) {
   ServoRequest request;
   request.cell = cell_.settings();
   request.center = request.cell.lamps.method;
   request.use_error_map = fs::exists(request.cell.error_map);
   request.learns = request.cell.servo.learns;
   request.stop = stop;
+  request.found = [this](const auto& found) { note_findings(found); };
   const double ago_s = clock_.now_s() - well_s_;
   if (ago_s < kWellFor_s) request.checked_s_ago = ago_s;
   return request;
 }
 
-std::unique_ptr<ServoRun> CellJobs::opened(const ServoRequest& request, CellDevices& devices) {
-  return std::make_unique<ServoRun>(request, devices, [this](const ServoSight& sight) {
-    const TipMeasurement& seen = sight.step.measurement;
-    if (!seen.ok()) return;
-    worker_.pictures().aim(seen.lamps_px);
-    board_.change([&](CellState& state) { state.seen_B = sight.step.believed_p(); });
+ServoRun::Observer CellJobs::watch() {
+  return [this](const ServoSight& sight) {
+    show_look(sight.step.measurement, sight.step.believed_p());
+  };
+}
+
+void CellJobs::show_look(const TipMeasurement& seen, const Eigen::Vector2d& p_B) {
+  if (!seen.ok()) return;
+  worker_.pictures().aim(seen.lamps_px);
+  board_.change([&](CellState& state) { state.seen_B = p_B; });
+}
+
+void CellJobs::show_progress(std::size_t done, std::size_t all, std::optional<double> left_s) {
+  board_.change([&](CellState& state) {
+    state.job->done = done;
+    state.job->all = all;
+    state.job->left_s = left_s;
   });
 }
 
-void CellJobs::tell_result(const TargetResult& result, std::size_t done, std::size_t all,
-                           double each_s) {
-  int job = 0;
-  board_.change([&](CellState& state) {
-    job = state.job->id;
-    state.job->done = done;
-    state.job->left_s = each_s * static_cast<double>(all - done);
-  });
+void CellJobs::tell_result(const TargetResult& result) {
   nlohmann::ordered_json answer = result_answer(result);
-  answer["job"] = job;
+  answer["job"] = last_job_;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     results_.push_back(answer);

@@ -1,8 +1,8 @@
 #pragma once
 
 #include <atomic>
+#include <filesystem>
 #include <functional>
-#include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -50,28 +50,36 @@ class CellJobs {
     bool ok{false};
     const char* level{ok ? "info" : "error"};  ///< of the line that tells it
   };
-  using Begun = std::function<void()>;
+  /// Says of how many places the job has done how many when it begins.
+  using Begun = std::function<void(std::size_t done, std::size_t all)>;
   using Stop = std::function<bool()>;
-  /// Calls `begun` once all is read.
+  /// Calls it once all is read.
   using Work = std::function<Ending(CellDevices&, const Stop&, const Begun&)>;
-  /// Begins a job of this kind and name on `all` places.
-  int begin(Doing doing, const std::string& kind, const std::string& name, std::size_t all,
-            const Work& work);
+  /// Begins a job of this kind and name.
+  int begin(Doing doing, const std::string& kind, const std::string& name, const Work& work);
+
+  // For jobs of other kinds.
+  /// Returns the folder of this name beside the cell file. Throws InputError for another name.
+  std::filesystem::path folder(const std::string& name) const;
+  /// Returns how this cell moves by vision. It has no folder yet.
+  ServoRequest request(const Stop& stop);
+  /// Shows where vision sees the end point.
+  void show_look(const TipMeasurement& seen, const Eigen::Vector2d& p_B);
+  ServoRun::Observer watch();
+  /// Shows how far the job has come.
+  void show_progress(std::size_t done, std::size_t all, std::optional<double> left_s);
+  /// Returns the time since the job was begun, seconds.
+  double age_s() const { return clock_.now_s() - begun_s_; }
+  /// Shows what holds the cell; nothing for an empty reason.
+  void hold(const std::string& reason);
 
  private:
   /// Shows a new job and returns its number.
-  int begin_state(const std::string& kind, const std::string& name, std::size_t all);
-  /// Shows what holds the cell; nothing for an empty reason.
-  void hold(const std::string& reason);
+  int begin_state(JobState job);
   void note_findings(const std::vector<HealthFinding>& found);
-  /// Has what a run's checks of the cell have found noted when the result ends, however the run
-  /// does.
-  std::shared_ptr<void> findings_of(const ServoRun& run);
   void end(const Ending& ending);
   void require_able() const;
-  ServoRequest request(const Stop& stop) const;
-  std::unique_ptr<ServoRun> opened(const ServoRequest& request, CellDevices& devices);
-  void tell_result(const TargetResult& result, std::size_t done, std::size_t all, double each_s);
+  void tell_result(const TargetResult& result);
 
   const KnownCell& cell_;
   StateBoard& board_;
@@ -81,7 +89,8 @@ class CellJobs {
   std::mutex mutex_;
   std::vector<TargetRow> loaded_;
   std::vector<nlohmann::ordered_json> results_;
-  int last_job_{0};  ///< of the worker's thread
+  int last_job_{0};      ///< of the worker's thread
+  double begun_s_{0.0};  ///< of the worker's thread
   static constexpr double kNever{-1e9};
   std::atomic<double> well_s_{kNever};  ///< when the cell was found well last
 };

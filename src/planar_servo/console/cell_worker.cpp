@@ -167,6 +167,7 @@ std::shared_ptr<CellWorker::Task> CellWorker::post(Doing doing, const std::strin
   task->act = std::move(act);
   task->held_until_s = held ? clock_.now_s() + kHold_s : kForever;
   const std::lock_guard<std::mutex> lock(mutex_);
+  if (closed_) throw CellBusy(Refusal{"the cell's files are read anew", "wait a moment"});
   if (task_)
     throw CellBusy(
         Refusal{fmt::format("the cell is at work: {}", task_->text), "wait, or stop it"});

@@ -58,6 +58,8 @@ class CellWorker {
 
   /// Lets what moves slow down to rest and ends the task. Returns whether there was one.
   bool stop();
+  /// Takes no more tasks, because the cell is opened anew.
+  void close() { closed_ = true; }
   /// Waits until nothing is under way, so long at most. Returns whether that is so.
   bool wait_for_rest(double most_s);
 
@@ -118,7 +120,7 @@ class CellWorker {
   std::condition_variable changed_;
   std::shared_ptr<Task> task_;  ///< not done yet
   std::atomic<double> watched_s_{-1e9};
-  std::atomic<bool> ending_{false};
+  std::atomic<bool> ending_{false}, closed_{false};
   std::thread thread_;
 };
 

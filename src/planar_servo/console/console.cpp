@@ -9,15 +9,12 @@
 #include <thread>
 #include <utility>
 
-#include "planar_servo/console/cell_jobs.h"
 #include "planar_servo/console/cell_worker.h"
 #include "planar_servo/console/http/connections.h"
 #include "planar_servo/console/http/console_api.h"
 #include "planar_servo/console/http/rights.h"
 #include "planar_servo/console/known_cell.h"
-#include "planar_servo/console/recording_job.h"
 #include "planar_servo/console/state_board.h"
-#include "planar_servo/console/step_job.h"
 #include "planar_servo/console/watch/log_lines.h"
 
 namespace planar {
@@ -62,7 +59,7 @@ struct Console::Kept {
   ConsoleListening listening;
   std::function<bool()> interrupted;
   Tokens tokens{new_tokens()};
-  StateBoard board{};
+  StateBoard board{CellNames(cell_file)};
 };
 
 /// What is made from the cell's files.
@@ -77,10 +74,12 @@ struct Console::Parts {
              kept.tokens),
         log(kept.board),
         worker(cell, kept.board, kept.interrupted),
-        jobs(cell, kept.board, worker),
-        recording(cell, kept.board, jobs),
-        steps(cell, kept.board, jobs, [this] { has_new_files = true; }),
-        api(gate, cell, kept.board, worker, jobs, recording, steps, server) {}
+        jobs(cell, kept.board, worker,
+             [this] {
+               worker.close();
+               has_new_files = true;
+             }),
+        api(gate, cell, kept.board, worker, jobs, server) {}
 
   std::atomic<bool> has_new_files{false};
   KnownCell cell;
@@ -90,9 +89,7 @@ struct Console::Parts {
   Gatekeeper gate;
   LogLines log;
   CellWorker worker;
-  CellJobs jobs;
-  RecordingJob recording;
-  StepJob steps;
+  ConsoleJobs jobs;
   ConsoleApi api;
 };
 

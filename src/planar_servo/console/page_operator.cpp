@@ -1,5 +1,7 @@
 #include "planar_servo/console/page_operator.h"
 
+#include <fmt/format.h>
+
 #include <chrono>
 #include <utility>
 
@@ -59,6 +61,34 @@ void PageOperator::confirm() {
 
 void PageOperator::show_question(const std::optional<PageQuestion>& question) {
   board_.change([&](CellState& state) { state.question = question; });
+}
+
+std::shared_ptr<void> PageSeat::take(std::shared_ptr<PageOperator> person) {
+  set(std::move(person));
+  return {nullptr, [this](void*) { set(nullptr); }};
+}
+
+void PageSeat::answer(int question, const std::string& text) {
+  const auto there = person();
+  if (!there || !there->answer(question, text))
+    throw CellBusy(Refusal{fmt::format("question {} is not asked now", question),
+                           "answer the one that stands on the page"});
+}
+
+void PageSeat::confirm() {
+  const auto there = person();
+  if (!there) throw CellBusy(Refusal{"nothing is to be confirmed", "begin a recording"});
+  there->confirm();
+}
+
+void PageSeat::set(std::shared_ptr<PageOperator> person) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  person_ = std::move(person);
+}
+
+std::shared_ptr<PageOperator> PageSeat::person() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return person_;
 }
 
 }  // namespace planar

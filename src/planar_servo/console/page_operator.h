@@ -2,10 +2,12 @@
 
 #include <condition_variable>
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
 
+#include "planar_servo/console/cell_worker.h"
 #include "planar_servo/console/state_board.h"
 #include "planar_servo/core/operator.h"
 
@@ -46,6 +48,26 @@ class PageOperator final : public Operator {
   bool is_open_{false};
   std::optional<std::string> answer_;
   bool confirmed_{false};
+};
+
+/// Where requests find the person at the page of the job that runs now, if it needs one. All
+/// functions may be called from any thread.
+class PageSeat {
+ public:
+  /// Gives the seat to this person until the result ends.
+  std::shared_ptr<void> take(std::shared_ptr<PageOperator> person);
+
+  /// Answers the question of this number; confirms what is advised. Throw CellBusy where that is
+  /// not asked for.
+  void answer(int question, const std::string& text);
+  void confirm();
+
+ private:
+  void set(std::shared_ptr<PageOperator> person);
+  std::shared_ptr<PageOperator> person();
+
+  std::mutex mutex_;
+  std::shared_ptr<PageOperator> person_;  ///< null while nobody sits there
 };
 
 }  // namespace planar

@@ -58,7 +58,7 @@ int RecordingJob::begin(const RecordingOrder& order) {
                                          const CellJobs::Begun& begun) -> CellJobs::Ending {
     bool is_begun = false;
     const auto begin_once = [&] {
-      if (!std::exchange(is_begun, true)) begun();
+      if (!std::exchange(is_begun, true)) begun(0, wanted.plan.size());
     };
     RecordRequest request = wanted;
     request.stop = stop;
@@ -73,8 +73,7 @@ int RecordingJob::begin(const RecordingOrder& order) {
                           [](const auto& place) { return place.mark != PlaceMark::kToDo; }));
       });
     };
-    set_person(at_page);
-    const std::shared_ptr<void> leaves(nullptr, [this](void*) { set_person(nullptr); });
+    const auto seated = seat_.take(at_page);
     const RecordReport report = record(request, devices);
     begin_once();
     const std::string skipped =
@@ -83,30 +82,7 @@ int RecordingJob::begin(const RecordingOrder& order) {
                         report.present, skipped),
             report.skipped.empty()};
   };
-  return jobs_.begin(Doing::kRecording, "record", order.out, wanted.plan.size(), record_all);
-}
-
-void RecordingJob::answer(int question, const std::string& text) {
-  const auto there = person();
-  if (!there || !there->answer(question, text))
-    throw CellBusy(Refusal{fmt::format("question {} is not asked now", question),
-                           "answer the one that stands on the page"});
-}
-
-void RecordingJob::confirm() {
-  const auto there = person();
-  if (!there) throw CellBusy(Refusal{"nothing is to be confirmed", "begin a recording"});
-  there->confirm();
-}
-
-std::shared_ptr<PageOperator> RecordingJob::person() {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  return person_;
-}
-
-void RecordingJob::set_person(std::shared_ptr<PageOperator> person) {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  person_ = std::move(person);
+  return jobs_.begin(Doing::kRecording, "record", order.out, record_all);
 }
 
 }  // namespace planar

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <memory>
-#include <mutex>
 #include <string>
 
 #include "planar_servo/console/cell_jobs.h"
@@ -21,27 +19,18 @@ struct RecordingOrder {
 class RecordingJob {
  public:
   /// All must outlive it.
-  RecordingJob(const KnownCell& cell, StateBoard& board, CellJobs& jobs)
-      : cell_(cell), board_(board), jobs_(jobs) {}
+  RecordingJob(const KnownCell& cell, StateBoard& board, CellJobs& jobs, PageSeat& seat)
+      : cell_(cell), board_(board), jobs_(jobs), seat_(seat) {}
 
   /// Begins or continues a recording and returns the number of its job once its files are read.
   /// Throws as the functions of CellJobs do.
   int begin(const RecordingOrder& order);
 
-  /// Answers the question of this number; confirms what is advised. Throw CellBusy where that is
-  /// not asked for.
-  void answer(int question, const std::string& text);
-  void confirm();
-
  private:
-  std::shared_ptr<PageOperator> person();
-  void set_person(std::shared_ptr<PageOperator> person);
-
   const KnownCell& cell_;
   StateBoard& board_;
   CellJobs& jobs_;
-  std::mutex mutex_;
-  std::shared_ptr<PageOperator> person_;  ///< of the recording under way; null without one
+  PageSeat& seat_;
 };
 
 }  // namespace planar

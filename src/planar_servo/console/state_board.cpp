@@ -18,10 +18,6 @@ constexpr std::size_t kEventsKept = 400;
 /// A reader gets a state no more and no less often than this.
 constexpr double kStateEvery_s = 0.2, kHeartbeat_s = 1.0;
 
-std::string event_text(const char* event, const std::string& data) {
-  return fmt::format("event: {}\ndata: {}\n\n", event, data);
-}
-
 std::chrono::duration<double> seconds(double s) {
   return std::chrono::duration<double>(s);
 }
@@ -122,9 +118,7 @@ std::uint64_t StateBoard::note(Doing doing, const std::string& text) {
 
 void StateBoard::tell(const char* event, const ordered_json& data) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  events_.emplace_back(
-      ++last_event_,
-      event_text(event, data.dump(-1, ' ', false, ordered_json::error_handler_t::replace)));
+  events_.emplace_back(++last_event_, event_text(event, data));
   if (events_.size() > kEventsKept) events_.pop_front();
   changed_.notify_all();
   told_.notify_all();
@@ -223,11 +217,15 @@ ordered_json StateBoard::json_locked() const {
           {"recording", state.recording ? recording_json(*state.recording) : null}};
 }
 
+std::string StateBoard::event_text(const char* event, const ordered_json& data) const {
+  return fmt::format("event: {}\ndata: {}\n\n", event,
+                     named(data.dump(-1, ' ', false, ordered_json::error_handler_t::replace)));
+}
+
 const std::string& StateBoard::state_event() {
   const double now_s = clock_.now_s();
   if (text_version_ != version_ || now_s - text_s_ >= kStateEvery_s) {
-    text_ = event_text("state",
-                       json_locked().dump(-1, ' ', false, ordered_json::error_handler_t::replace));
+    text_ = event_text("state", json_locked());
     text_version_ = version_;
     text_s_ = now_s;
   }

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "planar_servo/arm/planar_arm.h"
+#include "planar_servo/console/cell_names.h"
 #include "planar_servo/core/clock.h"
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/names.h"
@@ -124,6 +125,10 @@ nlohmann::ordered_json refusal_json(const Refusal& refusal);
 /// cell. The text for all readers is made once.
 class StateBoard {
  public:
+  explicit StateBoard(CellNames names = {}) : names_(std::move(names)) {}
+
+  /// Returns what is told to readers with the files of the cell's folder named relative to it.
+  std::string named(std::string text) const { return names_.in(std::move(text)); }
   /// Returns the number of the state that the change makes.
   std::uint64_t change(const std::function<void(CellState&)>& change);
   /// Notes what is done now, and since when if that is new; returns as change() does.
@@ -154,6 +159,9 @@ class StateBoard {
   nlohmann::ordered_json json_locked() const;
   const std::string& state_event();
 
+  std::string event_text(const char* event, const nlohmann::ordered_json& data) const;
+
+  CellNames names_;
   mutable std::mutex mutex_;
   std::condition_variable changed_, told_;  ///< the state, and the events
   SteadyClock clock_;

@@ -103,7 +103,7 @@ int StepJob::begin(const std::string& board) {
                       "do it on this page, or by the command that is named"});
   const auto calculate = [this, step](CellDevices& /*devices*/, const CellJobs::Stop& stop,
                                       const CellJobs::Begun& begun) -> CellJobs::Ending {
-    begun();
+    begun(0, 0);
     ShellCommand command(step.command);
     std::string last;
     const int status = command.follow(stop, [&](std::string line) {
@@ -115,7 +115,7 @@ int StepJob::begin(const std::string& board) {
     changed_();
     return {step.name + " is done", true};
   };
-  return jobs_.begin(Doing::kCalculating, "step", step.name, 0, calculate);
+  return jobs_.begin(Doing::kCalculating, "step", step.name, calculate);
 }
 
 }  // namespace planar

@@ -79,6 +79,7 @@ ReadyCell::ReadyCell(const ServoRequest& request, CellDevices& devices)
       clock_(devices.clock()),
       may_home_(request.may_home),
       check_health_(request.check_health),
+      found_(request.found),
       vision_(read_vision(cell_, request.use_error_map)),
       health_(read_cell_health(cell_)),
       limits_(limits_of(request, vision_, health_)),
@@ -142,7 +143,7 @@ std::string ReadyCell::examine() {
   const std::vector<HealthFinding> found = with_drives(kChecking, recoveries_left, [&] {
     return first ? check_cell(check, health_) : check_again(check, *health_);
   });
-  findings_ = found;
+  if (found_) found_(found);
   if (found.empty()) {
     if (health_) spdlog::info("the cell is as it was at its calibration");
     return {};

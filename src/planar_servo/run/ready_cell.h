@@ -46,6 +46,8 @@ struct ServoRequest {
   /// Learns the arm from looks, and keeps what it learns where the cell names an arm_learned file.
   bool learns{false};
   bool forgets{false};  ///< ignores what that file holds at first
+  /// Is told what each check of the cell has found, nothing where it is well. May be empty.
+  std::function<void(const std::vector<HealthFinding>&)> found{};
 };
 
 /// Returns and logs the objections to calibration files that do not belong together. Throws
@@ -78,9 +80,6 @@ class ReadyCell {
   /// The same as examine_if_due() once the work is done, if the last check was more than a minute
   /// ago.
   std::optional<std::string> examine_at_end();
-
-  /// Returns what the last of these checks has found; nothing before it.
-  const std::optional<std::vector<HealthFinding>>& findings() const { return findings_; }
 
   /// Saves every ten minutes what was learned of the arm.
   void keep_lessons_if_due();
@@ -123,7 +122,7 @@ class ReadyCell {
   Clock& clock_;
   MayHome may_home_;
   bool check_health_;
-  std::optional<std::vector<HealthFinding>> findings_;
+  std::function<void(const std::vector<HealthFinding>&)> found_;
   std::optional<double> examined_s_;  ///< when the cell was last checked
   std::optional<Pulses> begun_at_;    ///< where the arm stood after the first look
   VisionCalibration vision_;

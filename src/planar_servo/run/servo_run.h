@@ -100,8 +100,6 @@ class ServoRun {
   /// Returns the sentences on files that do not belong together and were accepted.
   const std::vector<std::string>& accepted_stale() const { return cell_.accepted_stale(); }
   const std::optional<std::string>& accepted_map() const { return cell_.accepted_map(); }
-  /// Returns what the last check of the cell has found; nothing before the first.
-  const std::optional<std::vector<HealthFinding>>& findings() const { return cell_.findings(); }
   /// Returns the results so far. Those of a resumed run begin with those that the folder holds.
   const std::vector<TargetResult>& results() const { return results_; }
 

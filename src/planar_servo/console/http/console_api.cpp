@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <sstream>
 
 #include "planar_servo/console/http/cell_folder.h"
 #include "planar_servo/console/http/page_files.h"
@@ -20,7 +19,6 @@ namespace {
 
 constexpr double kRequests_s = 1000.0;  ///< as many may come at once, too
 constexpr int kMostStreams = 48;
-constexpr double kTakeOver_s = 10.0;  ///< a floor is waited for so long
 constexpr char kJson[] = "application/json";
 constexpr char kReports[] = "/reports/";
 constexpr char kReportPolicy[] =
@@ -63,17 +61,6 @@ RequestHead head_of(const httplib::Request& request) {
           header("Content-Type"), header(kClient)};
 }
 
-/// Returns a body's member of this type. Throws InputError where it is missing or another.
-template <typename Value>
-Value member(const nlohmann::ordered_json& body, const char* key) {
-  try {
-    return body.at(key).get<Value>();
-  } catch (const nlohmann::json::exception&) {
-    throw InputError(
-        {fmt::format("'{}' is missing or of another type", key), "see doc/console.md", "body"});
-  }
-}
-
 double number_in(const httplib::Request& request, const char* key) {
   const auto value = finite_number(request.get_param_value(key));
   if (!value)
@@ -101,21 +88,23 @@ void add_headers(const httplib::Request& /*request*/, httplib::Response& respons
 }  // namespace
 
 ConsoleApi::ConsoleApi(const Gatekeeper& gate, const KnownCell& cell, StateBoard& board,
-                       CellWorker& worker, CellJobs& jobs, RecordingJob& recording, StepJob& steps,
-                       ConsoleServer& server)
+                       CellWorker& worker, ConsoleJobs& jobs, ConsoleServer& server)
     : gate_(gate),
       cell_(cell),
       board_(board),
       worker_(worker),
       jobs_(jobs),
-      recording_(recording),
-      steps_(steps),
+      orders_(board, worker, jobs),
       server_(server) {
   server_.set_pre_routing_handler([this](const Request& request, Response& response) {
     return admit(request, response) ? httplib::Server::HandlerResponse::Unhandled
                                     : httplib::Server::HandlerResponse::Handled;
   });
-  server_.set_post_routing_handler(add_headers);
+  server_.set_post_routing_handler([this](const Request& request, Response& response) {
+    add_headers(request, response);
+    // Files of the page and reports name nothing of this computer.
+    if (request.path.rfind("/api/", 0) == 0) response.body = board_.named(std::move(response.body));
+  });
   server_.set_exception_handler([](const Request&, Response& response,
                                    const std::exception_ptr& fault) { refuse(response, fault); });
   server_.set_error_handler([](const Request& request, Response& response) {
@@ -132,19 +121,20 @@ ConsoleApi::ConsoleApi(const Gatekeeper& gate, const KnownCell& cell, StateBoard
   answer_get("/api/reports", &ConsoleApi::reports);
   answer_get("/api/results", &ConsoleApi::results);
   answer_get("/api/targets", &ConsoleApi::targets);
-  answer_post("/api/operator", &ConsoleApi::take_floor);
-  answer_post("/api/stop", &ConsoleApi::stop);
-  answer_post("/api/command", &ConsoleApi::command);
-  answer_post("/api/jog", &ConsoleApi::jog);
-  answer_post("/api/jog/keep", &ConsoleApi::keep);
-  answer_post("/api/targets", &ConsoleApi::load_targets);
-  answer_post("/api/run", &ConsoleApi::run);
-  answer_post("/api/go", &ConsoleApi::go);
-  answer_post("/api/check", &ConsoleApi::check);
-  answer_post("/api/record", &ConsoleApi::record);
-  answer_post("/api/answer", &ConsoleApi::answer);
-  answer_post("/api/confirm", &ConsoleApi::confirm);
-  answer_post("/api/step", &ConsoleApi::step);
+  answer_post("/api/operator", &ConsoleOrders::take_floor);
+  answer_post("/api/stop", &ConsoleOrders::stop);
+  answer_post("/api/command", &ConsoleOrders::command);
+  answer_post("/api/jog", &ConsoleOrders::jog);
+  answer_post("/api/jog/keep", &ConsoleOrders::keep);
+  answer_post("/api/targets", &ConsoleOrders::load_targets);
+  answer_post("/api/run", &ConsoleOrders::run);
+  answer_post("/api/go", &ConsoleOrders::go);
+  answer_post("/api/check", &ConsoleOrders::check);
+  answer_post("/api/record", &ConsoleOrders::record);
+  answer_post("/api/certificate", &ConsoleOrders::certify);
+  answer_post("/api/answer", &ConsoleOrders::answer);
+  answer_post("/api/confirm", &ConsoleOrders::confirm);
+  answer_post("/api/step", &ConsoleOrders::step);
   serve_pictures();
   serve_events();
   serve_page();
@@ -192,11 +182,11 @@ void ConsoleApi::answer_get(const char* path, Json (ConsoleApi::*read)(const Req
   });
 }
 
-void ConsoleApi::answer_post(const char* path, Act act) {
+void ConsoleApi::answer_post(const char* path, ConsoleOrders::Act act) {
   server_.Post(path, [this, act](const Request& request, Response& response) {
     const Json body = Json::parse(request.body.empty() ? "{}" : request.body, nullptr, false);
     if (!body.is_object()) throw InputError({"is no JSON object", "send one, such as {}", "body"});
-    response.set_content(text_of((this->*act)(body, request.get_header_value(kClient))), kJson);
+    response.set_content(text_of((orders_.*act)(body, request.get_header_value(kClient))), kJson);
   });
 }
 
@@ -279,129 +269,11 @@ ConsoleApi::Json ConsoleApi::reports(const Request& /*request*/) {
 }
 
 ConsoleApi::Json ConsoleApi::targets(const Request& /*request*/) {
-  return targets_json(jobs_.targets());
+  return targets_json(jobs_.places.targets());
 }
 
 ConsoleApi::Json ConsoleApi::results(const Request& /*request*/) {
-  return jobs_.results();
-}
-
-ConsoleApi::Json ConsoleApi::take_floor(const Json& body, const std::string& client) {
-  if (!member<bool>(body, "take")) {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    if (mover_ == client) set_floor("");
-    return {{"operator", mover_}};
-  }
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    if (mover_ == client) return {{"operator", mover_}};
-    set_floor(client);
-  }
-  if (worker_.stop() && !worker_.wait_for_rest(kTakeOver_s))
-    throw CellBusy(Refusal{"what was under way has not come to rest", "look at the arm"});
-  return {{"operator", client}};
-}
-
-ConsoleApi::Json ConsoleApi::stop(const Json& /*body*/, const std::string& /*client*/) {
-  return {{"stopped", worker_.stop()}};
-}
-
-ConsoleApi::Json ConsoleApi::command(const Json& body, const std::string& client) {
-  const auto line = member<std::string>(body, "line");
-  require_floor(client);
-  const JogConsole::Answer answer = worker_.command(line);
-  std::istringstream words(line);
-  std::string verb, id;
-  words >> verb >> id;
-  if (verb == "home" || verb == "mark") jobs_.forget_check();
-  if (verb == "teach" && answer.done) jobs_.take_taught(id);
-  return {{"done", answer.done}, {"text", answer.text}};
-}
-
-ConsoleApi::Json ConsoleApi::jog(const Json& body, const std::string& client) {
-  const auto line = member<std::string>(body, "line");
-  require_floor(client);
-  return {{"begun", true}, {"seq", worker_.hold(line)}};
-}
-
-ConsoleApi::Json ConsoleApi::keep(const Json& /*body*/, const std::string& client) {
-  require_floor(client);
-  return {{"held", worker_.keep()}};
-}
-
-ConsoleApi::Json ConsoleApi::load_targets(const Json& body, const std::string& client) {
-  require_floor(client);
-  jobs_.load_targets(member<std::string>(body, "csv"));
-  return {{"targets", targets_json(jobs_.targets())}};
-}
-
-ConsoleApi::Json ConsoleApi::run(const Json& body, const std::string& client) {
-  const auto name = member<std::string>(body, "out");
-  const auto resume = member<bool>(body, "resume");
-  if (body.contains("judged") && member<bool>(body, "judged"))
-    throw InputError(
-        {"a judged run asks a person at the terminal", "use planar-servo --judged", "judged"});
-  require_floor(client);
-  return {{"job", jobs_.run(name, resume)}};
-}
-
-ConsoleApi::Json ConsoleApi::go(const Json& body, const std::string& client) {
-  TargetRow target;
-  target.id = "place";
-  target.p_d = {member<double>(body, "x_mm"), member<double>(body, "y_mm")};
-  target.p_d *= kMillimetre;
-  if (body.contains("phi_deg")) target.phi_d = member<double>(body, "phi_deg") * kDegree;
-  require_floor(client);
-  return {{"job", jobs_.go(target)}};
-}
-
-ConsoleApi::Json ConsoleApi::check(const Json& /*body*/, const std::string& client) {
-  require_floor(client);
-  return {{"job", jobs_.check()}};
-}
-
-ConsoleApi::Json ConsoleApi::record(const Json& body, const std::string& client) {
-  RecordingOrder order{member<std::string>(body, "plan"), member<std::string>(body, "out")};
-  if (body.contains("board") && !body["board"].is_null())
-    order.board = member<std::string>(body, "board");
-  if (body.contains("on_bad_reading"))
-    order.on_bad_reading = member<std::string>(body, "on_bad_reading");
-  require_floor(client);
-  return {{"job", recording_.begin(order)}};
-}
-
-ConsoleApi::Json ConsoleApi::answer(const Json& body, const std::string& client) {
-  const int question = member<int>(body, "id");
-  const auto text = member<std::string>(body, "text");
-  require_floor(client);
-  recording_.answer(question, text);
-  return {{"answered", question}};
-}
-
-ConsoleApi::Json ConsoleApi::confirm(const Json& /*body*/, const std::string& client) {
-  require_floor(client);
-  recording_.confirm();
-  return {{"confirmed", true}};
-}
-
-ConsoleApi::Json ConsoleApi::step(const Json& body, const std::string& client) {
-  std::string board = kUsualBoard;
-  if (body.contains("board") && !body["board"].is_null())
-    board = member<std::string>(body, "board");
-  require_floor(client);
-  return {{"job", steps_.begin(board)}};
-}
-
-void ConsoleApi::require_floor(const std::string& client) {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  if (mover_.empty()) set_floor(client);
-  if (mover_ != client)
-    throw CellBusy(Refusal{"another page or program moves this cell", "take over, which stops it"});
-}
-
-void ConsoleApi::set_floor(const std::string& client) {
-  mover_ = client;
-  board_.change([&](CellState& state) { state.mover = client; });
+  return jobs_.places.results();
 }
 
 }  // namespace planar

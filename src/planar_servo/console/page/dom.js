@@ -47,6 +47,14 @@ export function duration(seconds) {
   return minutes < 90 ? `${minutes} min` : `${Math.floor(minutes / 60)} h ${minutes % 60} min`;
 }
 
+const two = n => String(n).padStart(2, "0");
+
+/// "20261126", for names of folders
+export const dayOf = time => `${time.getFullYear()}${two(time.getMonth() + 1)}${two(time.getDate())}`;
+
+/// "20261126_1430"
+export const minuteOf = time => `${dayOf(time)}_${two(time.getHours())}${two(time.getMinutes())}`;
+
 /// The number in an input, written with a point or a comma; null for none.
 export function numberIn(id) {
   const text = byId(id).value.trim().replace(",", ".").replace("−", "-");

@@ -1,5 +1,6 @@
 // The page of planar-console: asks for the cell once, then follows its state.
 
+import {prepareAccuracy} from "./accuracy.js";
 import {attempt, gate, mayAct, prepareActions} from "./actions.js";
 import {addLine, clearLines, prepareBar, showBar, showLost} from "./bar.js";
 import {loadCell, prepareCell} from "./cell.js";
@@ -85,6 +86,7 @@ async function begin() {
   prepareTargets();
   prepareCell();
   prepareRecording();
+  prepareAccuracy();
   gate(false);
   follow({state: showState, line: showLine, result: addResult}, clear, lose);
   attempt(loadTargets);

@@ -1,7 +1,7 @@
 // The table of targets: written, run, resumed.
 
 import {attempt, order} from "./actions.js";
-import {byId, fixed, make, put} from "./dom.js";
+import {byId, fixed, make, minuteOf, put} from "./dom.js";
 import {showOnField} from "./field.js";
 import {ask} from "./link.js";
 import {choose} from "./place.js";
@@ -63,11 +63,6 @@ export function addResult(row) {
   showOnField(targets, results);
 }
 
-function freshName() {
-  const now = new Date(), two = n => String(n).padStart(2, "0");
-  return `run_${now.getFullYear()}${two(now.getMonth() + 1)}${two(now.getDate())}_${two(now.getHours())}${two(now.getMinutes())}`;
-}
-
 async function keep(event) {
   event.preventDefault();
   const answer = await order("/api/targets", {csv: byId("csv").value});
@@ -87,7 +82,7 @@ async function run(event) {
 }
 
 export function prepareTargets() {
-  byId("run-name").value = freshName();
+  byId("run-name").value = `run_${minuteOf(new Date())}`;
   byId("run-form").addEventListener("submit", run);
   byId("targets-form").addEventListener("submit", keep);
   byId("csv-file").addEventListener("change", async event => {

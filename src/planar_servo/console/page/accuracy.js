@@ -1,0 +1,24 @@
+// What a cell reaches: its certificate.
+
+import {order} from "./actions.js";
+import {byId, dayOf, put} from "./dom.js";
+
+// Five poses, then three of them from four sides, as certificate_moves() makes them.
+const MOVES_IN_CYCLE = 17;
+
+const number = id => byId(id).valueAsNumber;
+
+function showSize() {
+  const moves = number("cycles") * MOVES_IN_CYCLE + number("certified-targets");
+  put("certificate-size", (moves ? `${moves} moves. ` : "") + "The same folder, cycles and targets continue one that was broken off.");
+}
+
+export function prepareAccuracy() {
+  byId("certificate-name").value = `certificate_${dayOf(new Date())}`;
+  showSize();
+  byId("certificate-form").addEventListener("input", showSize);
+  byId("certificate-form").addEventListener("submit", event => {
+    event.preventDefault();
+    order("/api/certificate", {out: byId("certificate-name").value, cycles: number("cycles"), targets: number("certified-targets")});
+  });
+}
