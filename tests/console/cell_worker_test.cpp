@@ -98,6 +98,13 @@ TEST_CASE("While a job runs nothing else moves, and it is named") {
   CHECK(bench.worker.command("joint 1 0.1").done);
 }
 
+TEST_CASE("Nothing begins while the cell is about to be opened anew") {
+  Bench bench;
+  REQUIRE(bench.worker.command("where").done);
+  bench.worker.close();
+  CHECK_THROWS_WITH(bench.worker.command("where"), Contains("read anew") && Contains("wait"));
+}
+
 TEST_CASE("An interrupt ends what runs") {
   Bench bench;
   bench.begin_move();

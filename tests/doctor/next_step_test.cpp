@@ -8,6 +8,7 @@
 #include "planar_servo/core/error.h"
 #include "planar_servo/doctor/doctor.h"
 #include "planar_servo/io/atomic_file.h"
+#include "planar_servo/tables/recording_tables.h"
 #include "support/sample_cells.h"
 #include "support/temporary_folder.h"
 
@@ -85,6 +86,15 @@ TEST_CASE("A real cell is recorded with a board that a person holds, and with a 
   CHECK(next.name == "recording");
   CHECK_THAT(next.what, Contains("1 rows of") && Contains("state the tracker in"));
   CHECK_THAT(next.command, Contains("--grid circles:11x11:50mm --out"));
+}
+
+TEST_CASE("A recording that was left before its first place is next") {
+  const test::TemporaryFolder folder;
+  const auto cell = folder.write("cell.yaml", read_file(test::paper_cell_file()));
+  folder.write("plan.csv", "id,plan,x_mm,y_mm\na,train,200,100\n");
+  std::filesystem::create_directory(folder / "recording");
+  folder.write("recording/frames.csv", frames_header());
+  CHECK(next_of(work_steps(cell, kUsualBoard)).name == "recording");
 }
 
 TEST_CASE("A cell file with faults has no next step") {

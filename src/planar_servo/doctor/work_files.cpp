@@ -11,6 +11,7 @@
 #include "planar_servo/doctor/doctor.h"
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/io/checksum.h"
+#include "planar_servo/io/growing_file.h"
 #include "planar_servo/machine/cell_devices.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/tables/recording_tables.h"
@@ -106,7 +107,7 @@ fs::path WorkFiles::next_of(const std::string& stem, const std::string& ending) 
 }
 
 bool WorkFiles::is_recorded() const {
-  return fs::exists(recording() / "frames.csv");
+  return !holds_no_row(recording() / "frames.csv", frames_header());
 }
 
 std::size_t WorkFiles::unrecorded(const fs::path& plan) const {

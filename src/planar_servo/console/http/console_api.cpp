@@ -100,13 +100,12 @@ ConsoleApi::ConsoleApi(const Gatekeeper& gate, const KnownCell& cell, StateBoard
     return admit(request, response) ? httplib::Server::HandlerResponse::Unhandled
                                     : httplib::Server::HandlerResponse::Handled;
   });
-  server_.set_post_routing_handler([this](const Request& request, Response& response) {
-    add_headers(request, response);
-    // Files of the page and reports name nothing of this computer.
-    if (request.path.rfind("/api/", 0) == 0) response.body = board_.named(std::move(response.body));
-  });
-  server_.set_exception_handler([](const Request&, Response& response,
-                                   const std::exception_ptr& fault) { refuse(response, fault); });
+  server_.set_post_routing_handler(add_headers);
+  server_.set_exception_handler(
+      [this](const Request&, Response& response, const std::exception_ptr& fault) {
+        refuse(response, fault);
+        response.body = board_.named(std::move(response.body));
+      });
   server_.set_error_handler([](const Request& request, Response& response) {
     if (!response.body.empty()) return;
     const char* fault = response.status == 413   ? "the body is larger than 1 MiB"
@@ -121,6 +120,7 @@ ConsoleApi::ConsoleApi(const Gatekeeper& gate, const KnownCell& cell, StateBoard
   answer_get("/api/reports", &ConsoleApi::reports);
   answer_get("/api/results", &ConsoleApi::results);
   answer_get("/api/targets", &ConsoleApi::targets);
+  answer_get("/api/path", &ConsoleApi::path);
   answer_post("/api/operator", &ConsoleOrders::take_floor);
   answer_post("/api/stop", &ConsoleOrders::stop);
   answer_post("/api/command", &ConsoleOrders::command);
@@ -131,6 +131,8 @@ ConsoleApi::ConsoleApi(const Gatekeeper& gate, const KnownCell& cell, StateBoard
   answer_post("/api/go", &ConsoleOrders::go);
   answer_post("/api/check", &ConsoleOrders::check);
   answer_post("/api/record", &ConsoleOrders::record);
+  answer_post("/api/path", &ConsoleOrders::load_path);
+  answer_post("/api/follow", &ConsoleOrders::follow);
   answer_post("/api/certificate", &ConsoleOrders::certify);
   answer_post("/api/answer", &ConsoleOrders::answer);
   answer_post("/api/confirm", &ConsoleOrders::confirm);
@@ -178,7 +180,7 @@ bool ConsoleApi::is_within_rate() {
 
 void ConsoleApi::answer_get(const char* path, Json (ConsoleApi::*read)(const Request&)) {
   server_.Get(path, [this, read](const Request& request, Response& response) {
-    response.set_content(text_of((this->*read)(request)), kJson);
+    response.set_content(board_.named(text_of((this->*read)(request))), kJson);
   });
 }
 
@@ -186,7 +188,8 @@ void ConsoleApi::answer_post(const char* path, ConsoleOrders::Act act) {
   server_.Post(path, [this, act](const Request& request, Response& response) {
     const Json body = Json::parse(request.body.empty() ? "{}" : request.body, nullptr, false);
     if (!body.is_object()) throw InputError({"is no JSON object", "send one, such as {}", "body"});
-    response.set_content(text_of((orders_.*act)(body, request.get_header_value(kClient))), kJson);
+    response.set_content(
+        board_.named(text_of((orders_.*act)(body, request.get_header_value(kClient)))), kJson);
   });
 }
 
@@ -270,6 +273,10 @@ ConsoleApi::Json ConsoleApi::reports(const Request& /*request*/) {
 
 ConsoleApi::Json ConsoleApi::targets(const Request& /*request*/) {
   return targets_json(jobs_.places.targets());
+}
+
+ConsoleApi::Json ConsoleApi::path(const Request& /*request*/) {
+  return jobs_.path.json();
 }
 
 ConsoleApi::Json ConsoleApi::results(const Request& /*request*/) {
