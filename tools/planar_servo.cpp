@@ -47,7 +47,7 @@ constexpr char kStdin[] = "standard input";
 struct Options {
   fs::path cell, targets, path;
   ServoRequest request;
-  std::vector<double> speeds_mm_s{10.0};
+  std::vector<double> speeds_mm_s{kUsualSpeed_mm_s};
   std::string display{"none"};
   std::string center;  ///< empty: the cell's lamps.method
   bool no_error_map{false}, no_health{false}, dry_run{false}, check{false}, judged{false};
@@ -306,24 +306,9 @@ std::vector<Guidance> guidances_of(const Options& options) {
   return {options.no_vision ? Guidance::kArm : Guidance::kVision};
 }
 
-/// Follows the path until the cell is in doubt. Returns whether its end was reached every time.
-bool follow(PathRun& run, const PathRequest& path) {
-  bool reached = true;
-  for (const Guidance guidance : path.guidances)
-    for (const double speed_m_s : path.speeds_m_s) {
-      if (run.ended_by()) return false;
-      const PathSpeedResult& result = run.follow(speed_m_s, guidance);
-      if (result.status == ServoStatus::kReached) continue;
-      reached = false;
-      spdlog::error(
-          fmt::format("at {:g} mm/s: {}: {}", mm(speed_m_s), name(result.status), result.reason));
-    }
-  return reached;
-}
-
-Outcome follow_path(const Options& options, const CellSettings& cell) {
-  const PathRequest path =
-      read_path_request(options.path, cell, options.speeds_mm_s, guidances_of(options));
+Outcome follow(const Options& options, const CellSettings& cell) {
+  const PathRequest path{options.path, read_path(options.path, cell.tool_orientation),
+                         guidances_of(options), path_speeds(options.speeds_mm_s)};
   const std::vector<PathDemand> demands = require_followable(cell, path);
   if (options.check) require_inside_map(check_files(options, cell), path);
   if (options.check || options.dry_run) return told(path_demand_list(path, demands));
@@ -331,7 +316,7 @@ Outcome follow_path(const Options& options, const CellSettings& cell) {
   heed_interrupts();
   const auto devices = open_cell(request.cell);
   PathRun run(request, path, *devices);
-  const bool reached = follow(run, path);
+  const bool reached = follow_path(run, path);
   write_path_run(request, path, run);
   say("{}log and report: {}\n", path_table(path, run.results()).plain_text(), request.out.string());
   return {path_list(path, run.results()).json(), reached};
@@ -341,7 +326,7 @@ Outcome work(const Options& options) {
   if (options.require_end && !from_stdin(options))
     throw InputError(Refusal{"--require-end is for targets on standard input", "add --targets -"});
   const CellSettings cell = read_cell(options.cell);
-  return options.path.empty() ? reach_targets(options, cell) : follow_path(options, cell);
+  return options.path.empty() ? reach_targets(options, cell) : follow(options, cell);
 }
 
 }  // namespace

@@ -21,7 +21,7 @@ import time
 import urllib.error
 import urllib.parse
 import urllib.request
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 from ._errors import InputError, WorkError
@@ -112,6 +112,21 @@ class Console:
         target = {"x_mm": x_mm, "y_mm": y_mm} | ({} if phi_deg is None else {"phi_deg": phi_deg})
         (result,) = self._job(self._json("/api/go", target)["job"])
         return result
+
+    def set_path(self, csv: str) -> dict[str, Any]:
+        """Checks a path and keeps it; returns its length and places. InputError.refusals lists every fault."""
+        return dict(self._json("/api/path", {"csv": csv}))
+
+    def follow(
+        self, out: str, speeds_mm_s: Sequence[float] = (10.0,), guided_by: Sequence[str] = ("vision",)
+    ) -> Iterator[dict[str, Any]]:
+        """Follows the path once at each speed by 'arm' and 'vision', as named, and yields how each pass went.
+
+        The run's folder is `out`. Left early, by break or by Ctrl-C, it stops the arm. Raises WorkError where the
+        path's end was not reached every time.
+        """
+        body = {"out": out, "speeds_mm_s": list(speeds_mm_s), "guided_by": list(guided_by)}
+        yield from self._job(self._json("/api/follow", body)["job"])
 
     def certify(self, out: str, cycles: int = 30, targets: int = 100) -> str:
         """Certifies the cell as planar-certify does, and returns what was found; the page is in the folder `out`.

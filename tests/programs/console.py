@@ -3,6 +3,7 @@ import atexit
 import contextlib
 import http.client
 import json
+import math
 import pathlib
 import signal
 import socket
@@ -186,6 +187,45 @@ def try_certificate(console):
         check(sum(line[0] in "cvw" and line[1].isdigit() for line in table) == job["done"], "other moves are kept")
 
 
+def try_path(console):
+    """A path with an arc is drawn and followed by the arm alone and by vision; one is stopped on its way."""
+    for csv, says in (("x_mm,y_mm\n330,-250\n", "two rows"), ("x_mm,y_mm\n330,-250\n330,-250\n1,x\n", "the path:4"),
+                      ("x_mm,y_mm\n330,-250\n900,-250\n", "mm along the path"), ("x,y\n1,2\n", "x_mm")):
+        console.refused(400, "POST", "/api/path", {"csv": csv}, says=says)
+    check(console.ask("GET", "/api/path")[1] == {"csv": "", "length_mm": 0.0, "places_mm": []}, "a refused path is kept")
+    console.refused(400, "POST", "/api/follow", {"out": "path"}, says="there is no path")
+    table = "x_mm,y_mm,via_x_mm,via_y_mm\n330,-250,,\n290,-250,310,-230\n290,-260,,\n"
+    path = console.post("/api/path", {"csv": table})[1]
+    check(path == console.ask("GET", "/api/path")[1] and abs(path["length_mm"] - 20 * math.pi - 10) < 1e-3, path)
+    on_arc = [math.hypot(x - 310, y + 250) for x, y in path["places_mm"][:-1]]
+    check(len(on_arc) > 30 and max(abs(r - 20) for r in on_arc) < 1e-3 and path["places_mm"][-1] == [290, -260], path)
+    for body, says in (({"speeds_mm_s": [60]}, "1 to 50 mm/s"), ({"speeds_mm_s": []}, "no time"),
+                       ({"guided_by": ["eye"]}, "arm, vision"), ({"speeds_mm_s": 10}, "speeds_mm_s"), ({"out": "."}, "letters")):
+        console.refused(400, "POST", "/api/follow", {"out": "path", **body}, says=says)
+    both = {"out": "path", "speeds_mm_s": [50], "guided_by": ["arm", "vision"]}
+    check(console.post("/api/follow", both)[0] == 200, "no path is followed")
+    eventually(lambda: console.state()["job"]["done"] > 0, "the path is not begun")
+    state = console.state()
+    check(state["seen_mm"] and state["job"]["all"] == 146 and state["job"]["left_s"] > 0, state)
+    console.rests()
+    job, rows = console.state()["job"], console.ask("GET", "/api/results")[1]
+    check(job["ok"] and job["ended"].count("reached") == 2, job)
+    check([(row["guided_by"], row["status"]) for row in rows] == [("arm", "reached"), ("vision", "reached")], rows)
+    check(rows[1]["deviation_mean_mm_truth"] < rows[0]["deviation_mean_mm_truth"], "vision does not help")
+    check("path/report.html" in [page["name"] for page in console.ask("GET", "/api/reports")[1]], "no page of it")
+    with open(f"{FOLDER}/path/path.csv", encoding="utf-8") as kept:
+        check(kept.read() == table, "the path is not kept with its run")
+    console.refused(400, "POST", "/api/follow", {"out": "path"}, says="holds a run already")
+
+    check(console.post("/api/follow", {"out": "left", "speeds_mm_s": [1]})[0] == 200, "no path is followed")
+    eventually(lambda: console.state()["job"]["done"] > 0, "the path is not begun")
+    check(console.post("/api/stop", client=OTHER, token=console.read)[0] == 200, "no stop")
+    console.rests()
+    job = console.state()["job"]
+    check(not job["ok"] and 0 < job["done"] < 70, job)
+    check(console.post("/api/path", {"csv": " "})[1]["places_mm"] == [], "the path is still there")
+
+
 def try_doubt(console):
     """A cell that has changed is not certified: its state says why, and what to do."""
     console.command("enable")
@@ -211,7 +251,8 @@ def try_record(console):
 
 def try_step(console):
     """On a cell of which nothing is known: what is next is done where it only makes files, and they are read."""
-    check(console.ask("GET", "/api/files")[1]["next"]["text"].startswith("plan: "), "the plan is not next")
+    files = console.ask("GET", "/api/files")[1]
+    check(files["next"]["text"] == "plan: plan.csv does not exist yet", files)
     before = console.state()["opened"]
     status, answer = console.post("/api/step")
     check(status == 200, answer)
@@ -290,7 +331,7 @@ def main():
     fast = Console("fast.yaml")
     with open("console.txt", "w", encoding="utf-8") as printed:
         printed.writelines(fast.printed)
-    for what in (try_rights, try_bodies, try_folder, try_second_consoles, try_run, try_certificate, try_record):
+    for what in (try_rights, try_bodies, try_folder, try_second_consoles, try_run, try_certificate, try_path, try_record):
         what(fast)
     check(fast.ask("GET", "/api/picture.jpg")[1][:2] == b"\xff\xd8", "no picture")
     fast.end(signal.SIGTERM)

@@ -9,7 +9,7 @@ servo=("$bin/planar-servo" --cell cell/cell.yaml)
 # Wrong usage, wrong rows, ways that lead nowhere.
 expect 2 "--targets|--path" "${servo[@]}" --path path.csv --targets path.csv --out made
 expect 2 "--speed-mm-s requires --path" "${servo[@]}" --targets path.csv --speed-mm-s 5 --out made
-expect 2 "--speed-mm-s 0.05: a path is followed at 1 to 50 mm/s" \
+expect 2 "speed 0.05 mm/s: a path is followed at 1 to 50 mm/s" \
   "${servo[@]}" --path path.csv --speed-mm-s 10,0.05 --out made
 expect 2 "--out is needed" "${servo[@]}" --path path.csv
 expect 2 "absent.csv" "${servo[@]}" --path absent.csv --out made

@@ -65,6 +65,15 @@ class ConsoleTest(unittest.TestCase):
         self.assertIn("35 of 35 moves reached and judged", self.console.certify("proof", cycles=2, targets=1))
         self.assertEqual(self.refused(ps.InputError, self.console.certify, "proof", 1).where, "cycles")
 
+    def test_each_pass_over_a_path_is_told(self):
+        places = self.console.set_path("x_mm,y_mm\n300,200\n270,200\n")
+        self.assertEqual((places["length_mm"], places["places_mm"]), (30.0, [[300.0, 200.0], [270.0, 200.0]]))
+        passes = list(self.console.follow("path", [30, 50]))
+        self.assertEqual([(p["speed_mm_s"], p["guided_by"], p["status"]) for p in passes],
+                         [(30.0, "vision", "reached"), (50.0, "vision", "reached")])
+        self.assertIn("50 mm/s", self.refused(ps.InputError, lambda: list(self.console.follow("no", [60]))).fault)
+        self.assertIn("the path:3", self.refused(ps.InputError, self.console.set_path, "x_mm,y_mm\n1,2\n1\n").where)
+
     def test_one_line_moves_the_arm_and_another_says_why_not(self):
         before = self.console.state()["arm"]["joints_deg"][2]
         self.console.command("joint 3 1")

@@ -92,8 +92,7 @@ int CellJobs::run(const std::string& name, bool resume) {
   return begin(
       Doing::kRunning, "targets", name,
       [=](CellDevices& devices, const Stop& stop, const Begun& begun) -> Ending {
-        ServoRequest wanted = request(stop);
-        wanted.out = out;
+        ServoRequest wanted = request_for_targets(stop, out);
         wanted.resume = resume;
         ServoRun run(wanted, devices, watch());
         for (const TargetRow& goal : goals) run.require_same(goal);
@@ -103,7 +102,7 @@ int CellJobs::run(const std::string& name, bool resume) {
         double visited = 0.0;
         run_servo(run, goals, [&](std::size_t done, std::size_t all) {
           show_progress(done, all, age_s() / ++visited * static_cast<double>(all - done));
-          tell_result(run.results().back());
+          tell_result(result_answer(run.results().back()));
         });
         const ServoFigures figures = conclude_run(wanted, run, devices.camera().counts(), table);
         hold(run.ended_by().value_or(""));
@@ -116,13 +115,11 @@ int CellJobs::go(const TargetRow& target) {
       Doing::kRunning, "go", target.id,
       [=](CellDevices& devices, const Stop& stop, const Begun& begun) -> Ending {
         const PassingFolder folder("planar-console");
-        ServoRequest wanted = request(stop);
-        wanted.out = folder.path();
-        ServoRun run(wanted, devices, watch());
+        ServoRun run(request_for_targets(stop, folder.path()), devices, watch());
         begun(0, 1);
         const TargetResult result = run.move_to(target);
         show_progress(1, 1, {});
-        tell_result(result);
+        tell_result(result_answer(result));
         const bool ok = result.status == ServoStatus::kReached;
         return {ok ? "reached" : fmt::format("{}: {}", name(result.status), result.reason), ok};
       });
@@ -233,12 +230,18 @@ ServoRequest CellJobs::request(const Stop& stop) {
   request.cell = cell_.settings();
   request.center = request.cell.lamps.method;
   request.use_error_map = fs::exists(request.cell.error_map);
-  request.learns = request.cell.servo.learns;
   request.stop = stop;
   request.found = [this](const auto& found) { note_findings(found); };
   const double ago_s = clock_.now_s() - well_s_;
   if (ago_s < kWellFor_s) request.checked_s_ago = ago_s;
   return request;
+}
+
+ServoRequest CellJobs::request_for_targets(const Stop& stop, const fs::path& out) {
+  ServoRequest wanted = request(stop);
+  wanted.out = out;
+  wanted.learns = wanted.cell.servo.learns;
+  return wanted;
 }
 
 ServoRun::Observer CellJobs::watch() {
@@ -261,14 +264,13 @@ void CellJobs::show_progress(std::size_t done, std::size_t all, std::optional<do
   });
 }
 
-void CellJobs::tell_result(const TargetResult& result) {
-  nlohmann::ordered_json answer = result_answer(result);
-  answer["job"] = last_job_;
+void CellJobs::tell_result(nlohmann::ordered_json result) {
+  result["job"] = last_job_;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    results_.push_back(answer);
+    results_.push_back(result);
   }
-  board_.tell("result", answer);
+  board_.tell("result", result);
 }
 
 }  // namespace planar

@@ -61,11 +61,13 @@ class CellJobs {
   // For jobs of other kinds.
   /// Returns the folder of this name beside the cell file. Throws InputError for another name.
   std::filesystem::path folder(const std::string& name) const;
-  /// Returns how this cell moves by vision. It has no folder yet.
+  /// Returns how this cell moves by vision, learning nothing. It has no folder yet.
   ServoRequest request(const Stop& stop);
   /// Shows where vision sees the end point.
   void show_look(const TipMeasurement& seen, const Eigen::Vector2d& p_B);
   ServoRun::Observer watch();
+  /// Tells a result of the job, an object.
+  void tell_result(nlohmann::ordered_json result);
   /// Shows how far the job has come.
   void show_progress(std::size_t done, std::size_t all, std::optional<double> left_s);
   /// Returns the time since the job was begun, seconds.
@@ -79,7 +81,8 @@ class CellJobs {
   void note_findings(const std::vector<HealthFinding>& found);
   void end(const Ending& ending);
   void require_able() const;
-  void tell_result(const TargetResult& result);
+  /// Returns how the cell goes to targets.
+  ServoRequest request_for_targets(const Stop& stop, const std::filesystem::path& out);
 
   const KnownCell& cell_;
   StateBoard& board_;

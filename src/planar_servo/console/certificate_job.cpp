@@ -44,7 +44,6 @@ int CertificateJob::begin(const std::string& name, const CertificateSize& size) 
                         const CellJobs::Begun& begun) {
     CertificateRequest request{jobs_.request(stop), size, jobs_.watch()};
     request.servo.out = out;
-    request.servo.learns = false;  // what is certified stays the same
     return certify(request, devices, begun);
   };
   return jobs_.begin(Doing::kRunning, "certificate", name, work);

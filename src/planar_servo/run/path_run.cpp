@@ -75,19 +75,17 @@ PathSpeedResult path_figures(const std::vector<PathLookRow>& looks) {
   return result;
 }
 
-PathRequest read_path_request(const std::filesystem::path& file, const CellSettings& cell,
-                              const std::vector<double>& speeds_mm_s,
-                              const std::vector<Guidance>& guidances) {
-  PathRequest request{file, read_path(file, cell.tool_orientation), guidances};
+std::vector<double> path_speeds(const std::vector<double>& speeds_mm_s) {
+  std::vector<double> speeds_m_s;
   for (const double speed_mm_s : speeds_mm_s) {
     const double speed_m_s = speed_mm_s * kMillimetre;
     if (!(speed_m_s >= kSlowest_m_s && speed_m_s <= kFastest_m_s))
       throw InputError({fmt::format("a path is followed at {:g} to {:g} mm/s", mm(kSlowest_m_s),
                                     mm(kFastest_m_s)),
-                        "", fmt::format("--speed-mm-s {:g}", speed_mm_s)});
-    request.speeds_m_s.push_back(speed_m_s);
+                        "", fmt::format("speed {:g} mm/s", speed_mm_s)});
+    speeds_m_s.push_back(speed_m_s);
   }
-  return request;
+  return speeds_m_s;
 }
 
 std::vector<PathDemand> require_followable(const CellSettings& cell, const PathRequest& request) {
@@ -116,8 +114,10 @@ void require_inside_map(const VisionCalibration& vision, const PathRequest& requ
   }
 }
 
-PathRun::PathRun(const ServoRequest& request, const PathRequest& path, CellDevices& devices)
+PathRun::PathRun(const ServoRequest& request, const PathRequest& path, CellDevices& devices,
+                 Observer observer)
     : path_(path),
+      observer_(std::move(observer)),
       truth_(devices.truth()),
       keep_going_(request.keep_going),
       cell_(request, able_to_follow(devices, request.cell)),
@@ -169,6 +169,7 @@ PathResult PathRun::follow_timed(const PathTiming& timing, double speed_m_s, Gui
         if (truth_) row.truth = path_.path.offset(*truth_->judge("", {}).p, look.along_now_m);
         look_table_.append(path_look_line(row));
         looks_.push_back(row);
+        if (observer_) observer_(row);
       });
 }
 
@@ -197,6 +198,22 @@ std::optional<PathResult> PathRun::find_play() {
                            play_rad_->x() / kDegree, play_rad_->y() / kDegree));
   follower_.set_play(*play_rad_);
   return std::nullopt;
+}
+
+bool follow_path(PathRun& run, const PathRequest& path,
+                 const std::function<void(const PathSpeedResult&)>& passed) {
+  bool reached = true;
+  for (const Guidance guidance : path.guidances)
+    for (const double speed_m_s : path.speeds_m_s) {
+      if (run.ended_by()) return false;
+      const PathSpeedResult& result = run.follow(speed_m_s, guidance);
+      if (passed) passed(result);
+      if (result.status == ServoStatus::kReached) continue;
+      reached = false;
+      spdlog::error(
+          fmt::format("at {:g} mm/s: {}: {}", mm(speed_m_s), name(result.status), result.reason));
+    }
+  return reached;
 }
 
 }  // namespace planar

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -24,11 +25,9 @@ struct PathRequest {
   std::vector<double> speeds_m_s{};  ///< the path is followed once at each, under each guidance
 };
 
-/// Reads a path, to be followed in this cell. Throws InputError for a bad file and for speeds
-/// beyond kSlowest_m_s to kFastest_m_s.
-PathRequest read_path_request(const std::filesystem::path& file, const CellSettings& cell,
-                              const std::vector<double>& speeds_mm_s,
-                              const std::vector<Guidance>& guidances);
+/// Returns speeds along a path in m/s. Throws InputError for those beyond kSlowest_m_s to
+/// kFastest_m_s.
+std::vector<double> path_speeds(const std::vector<double>& speeds_mm_s);
 
 /// Returns what the path demands of the arm at each speed, beginning at the cell's home position.
 /// Throws InputError, naming the place on the path, when the arm cannot follow it.
@@ -40,8 +39,13 @@ void require_inside_map(const VisionCalibration& vision, const PathRequest& requ
 /// Guides the end point of a cell along a path, and logs every look.
 class PathRun {
  public:
+  /// Is called at every look. It must not take long.
+  using Observer = std::function<void(const PathLookRow&)>;
+
   /// Switches the drives on. Throws as ServoRun() does, and InputError when the folder holds a run.
-  PathRun(const ServoRequest& request, const PathRequest& path, CellDevices& devices);
+  /// `observer` may be empty.
+  PathRun(const ServoRequest& request, const PathRequest& path, CellDevices& devices,
+          Observer observer = {});
   /// Does what ~ServoRun() does.
   ~PathRun();
 
@@ -67,6 +71,7 @@ class PathRun {
   std::optional<PathResult> find_play();
 
   const PathRequest& path_;
+  Observer observer_;
   std::shared_ptr<Judge> truth_;  ///< null unless the cell is virtual
   bool keep_going_;
   std::optional<std::string> ended_by_;
@@ -81,6 +86,13 @@ class PathRun {
   GrowingFile result_table_;
 };
 
+/// Follows a path as often as is asked for, unless the cell itself is in doubt, and logs what
+/// fails. Returns whether its end was reached every time. `passed`, which may be empty, is told of
+/// each time.
+bool follow_path(PathRun& run, const PathRequest& path,
+                 const std::function<void(const PathSpeedResult&)>& passed = {});
+
+constexpr double kUsualSpeed_mm_s = 10.0;
 constexpr double kSlowest_m_s = 1e-3;
 constexpr double kFastest_m_s = 50e-3;
 

@@ -35,6 +35,15 @@ int whole_or(const nlohmann::ordered_json& body, const char* key, int otherwise)
   throw InputError({fmt::format("is {}", value.dump()), "a whole number is needed", key});
 }
 
+Guidance guidance_of(const std::string& word) {
+  const auto value = value_named(kGuidances, word);
+  if (!value)
+    throw InputError({fmt::format("is '{}'", word),
+                      fmt::format("allowed are {}", fmt::join(names_of(kGuidances), ", ")),
+                      "guided_by"});
+  return *value;
+}
+
 }  // namespace
 
 ConsoleOrders::Json ConsoleOrders::take_floor(const Json& body, const std::string& client) {
@@ -117,6 +126,24 @@ ConsoleOrders::Json ConsoleOrders::record(const Json& body, const std::string& c
   order.on_bad_reading = member_or(body, "on_bad_reading", order.on_bad_reading);
   require_floor(client);
   return {{"job", jobs_.recording.begin(order)}};
+}
+
+ConsoleOrders::Json ConsoleOrders::load_path(const Json& body, const std::string& client) {
+  const auto csv = member<std::string>(body, "csv");
+  require_floor(client);
+  jobs_.path.load(csv);
+  return jobs_.path.json();
+}
+
+ConsoleOrders::Json ConsoleOrders::follow(const Json& body, const std::string& client) {
+  const auto name = member<std::string>(body, "out");
+  const auto speeds_mm_s = member_or<std::vector<double>>(body, "speeds_mm_s", {kUsualSpeed_mm_s});
+  const std::string vision = name_in(kGuidances, Guidance::kVision);
+  std::vector<Guidance> guidances;
+  for (const auto& word : member_or<std::vector<std::string>>(body, "guided_by", {vision}))
+    guidances.push_back(guidance_of(word));
+  require_floor(client);
+  return {{"job", jobs_.path.begin(name, speeds_mm_s, guidances)}};
 }
 
 ConsoleOrders::Json ConsoleOrders::certify(const Json& body, const std::string& client) {

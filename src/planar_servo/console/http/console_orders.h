@@ -10,6 +10,7 @@
 #include "planar_servo/console/certificate_job.h"
 #include "planar_servo/console/known_cell.h"
 #include "planar_servo/console/page_operator.h"
+#include "planar_servo/console/path_job.h"
 #include "planar_servo/console/recording_job.h"
 #include "planar_servo/console/state_board.h"
 #include "planar_servo/console/step_job.h"
@@ -24,12 +25,14 @@ struct ConsoleJobs {
       : places(cell, board, worker),
         recording(cell, board, places, seat),
         certificate(cell, board, places, seat),
+        path(cell, places),
         steps(cell, board, places, std::move(changed)) {}
 
   CellJobs places;
   PageSeat seat;
   RecordingJob recording;
   CertificateJob certificate;
+  PathJob path;
   StepJob steps;
 };
 
@@ -55,6 +58,8 @@ class ConsoleOrders {
   Json go(const Json& body, const std::string& client);
   Json check(const Json& body, const std::string& client);
   Json record(const Json& body, const std::string& client);
+  Json load_path(const Json& body, const std::string& client);
+  Json follow(const Json& body, const std::string& client);
   Json certify(const Json& body, const std::string& client);
   Json answer(const Json& body, const std::string& client);
   Json confirm(const Json& body, const std::string& client);

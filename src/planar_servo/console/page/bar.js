@@ -26,7 +26,8 @@ function progressText(job) {
   const name = job.name || job.kind;
   if (job.ended !== null) return `${name}: ${job.ended}`;
   const left = job.left_s === null ? "" : `, ${duration(job.left_s)} left`;
-  return job.all ? `${job.done} of ${job.all}${left}` : `${name}${left}`;
+  const unit = job.kind === "path" ? " mm" : "";
+  return job.all ? `${job.done} of ${job.all}${unit}${left}` : `${name}${left}`;
 }
 
 function showProgress(job) {

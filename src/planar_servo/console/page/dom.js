@@ -61,5 +61,13 @@ export function numberIn(id) {
   return text !== "" && Number.isFinite(Number(text)) ? Number(text) : null;
 }
 
+/// Puts the text of a file that is chosen into a text area.
+export function offerFile(id, text) {
+  byId(id).addEventListener("change", async event => {
+    const [file] = event.target.files;
+    if (file) byId(text).value = await file.text();
+  });
+}
+
 /// A sentence begins with a capital, but for the name of a program or a file.
 export const sentence = text => /^(planar-|\S*[./])/.test(text) ? text : text.charAt(0).toUpperCase() + text.slice(1);

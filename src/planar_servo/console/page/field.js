@@ -10,7 +10,7 @@ const TRAIL = 200;  // places of the end point that are remembered
 const svg = byId("field-view");
 const layers = {};
 const trail = [];
-let cell, state = null, targets = [], results = new Map(), chosen = null, px = 1;  // px: one pixel in mm
+let cell, state = null, targets = [], path = [], results = new Map(), chosen = null, px = 1;  // px: one pixel in mm
 
 const at = ([x, y]) => `${x.toFixed(3)} ${(-y).toFixed(3)}`;
 const line = (points, attributes) => draw("path", {d: `M${points.map(at).join("L")}`, ...attributes});
@@ -133,6 +133,7 @@ function redraw() {
   svg.style.fontSize = `${11 * px}px`;
   ground();
   showArrows();
+  showPath();
   showTargets();
   if (state) showArm();
   showChosen();
@@ -161,6 +162,13 @@ export function showOnField(list, found) {
   showArrows();
 }
 
+/// Draws a path that begins at a ring, by its places; nothing for none.
+export function showPath(places = path) {
+  path = places;
+  layers.path.replaceChildren(...(path.length ? [line(path, {class: "path"}),
+    draw("circle", {cx: path[0][0], cy: -path[0][1], r: 5 * px, class: "path"})] : []));
+}
+
 export function markPlace(place) {
   chosen = place;
   showChosen();
@@ -178,7 +186,7 @@ export function showGround(ofCell) {
 /// `choose([x, y])` is called with the place that is clicked, in mm.
 export function prepareField(choose) {
   svg.append(draw("rect", {class: "paper"}));
-  for (const name of ["ground", "arrows", "targets", "arm", "chosen"]) {
+  for (const name of ["ground", "path", "arrows", "targets", "arm", "chosen"]) {
     layers[name] = draw("g");
     svg.append(layers[name]);
   }

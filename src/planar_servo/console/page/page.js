@@ -8,6 +8,7 @@ import {byId, put, show} from "./dom.js";
 import {prepareField, showField, showGround} from "./field.js";
 import {heedLine, loseJog, prepareJog, showJog} from "./jog.js";
 import {ask, follow} from "./link.js";
+import {addPass, loadPath, preparePath} from "./path.js";
 import {preparePicture, showCamera, showPictures} from "./picture.js";
 import {choose, heedMap, preparePlace} from "./place.js";
 import {clearReadings, heedReading, prepareRecording, showRecording} from "./recording.js";
@@ -64,6 +65,8 @@ function showLine(line) {
   heedReading(line);
 }
 
+const showResult = row => (row.target ? addResult : addPass)(row);
+
 function lose(refusal) {
   document.body.classList.add("lost");
   loseJog();
@@ -84,12 +87,14 @@ async function begin() {
   showCell();
   prepareJog();
   prepareTargets();
+  preparePath();
   prepareCell();
   prepareRecording();
   prepareAccuracy();
   gate(false);
-  follow({state: showState, line: showLine, result: addResult}, clear, lose);
+  follow({state: showState, line: showLine, result: showResult}, clear, lose);
   attempt(loadTargets);
+  attempt(loadPath);
   attempt(loadCell);
 }
 

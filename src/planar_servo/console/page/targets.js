@@ -1,7 +1,7 @@
 // The table of targets: written, run, resumed.
 
 import {attempt, order} from "./actions.js";
-import {byId, fixed, make, minuteOf, put} from "./dom.js";
+import {byId, fixed, make, minuteOf, offerFile, put} from "./dom.js";
 import {showOnField} from "./field.js";
 import {ask} from "./link.js";
 import {choose} from "./place.js";
@@ -85,9 +85,6 @@ export function prepareTargets() {
   byId("run-name").value = `run_${minuteOf(new Date())}`;
   byId("run-form").addEventListener("submit", run);
   byId("targets-form").addEventListener("submit", keep);
-  byId("csv-file").addEventListener("change", async event => {
-    const [file] = event.target.files;
-    if (file) byId("csv").value = await file.text();
-  });
+  offerFile("csv-file", "csv");
   document.addEventListener("taught", () => attempt(loadTargets));
 }

@@ -1,0 +1,137 @@
+#include "planar_servo/console/path_job.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <utility>
+
+#include "planar_servo/console/json_values.h"
+#include "planar_servo/io/atomic_file.h"
+#include "planar_servo/io/passing_folder.h"
+#include "planar_servo/run/path_report.h"
+
+namespace planar {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr char kPath[] = "the path";
+/// Arcs are drawn by lines that turn so far, radians.
+constexpr double kDrawnTurn = 0.05;
+
+/// Reads a path from the text of a table.
+Path path_in(const std::string& csv, double tool_orientation) {
+  const PassingFolder folder("planar-console");
+  const fs::path file = folder.path() / kPath;
+  write_file(file, csv);
+  try {
+    return read_path(file, tool_orientation);
+  } catch (const InputError& e) {
+    std::vector<Refusal> refusals = e.refusals();
+    const std::string above = folder.path().string() + "/";
+    for (Refusal& refusal : refusals)
+      if (refusal.where.rfind(above, 0) == 0) refusal.where.erase(0, above.size());
+    throw InputError(refusals, 0);
+  }
+}
+
+std::vector<Eigen::Vector2d> drawn(const Path& path) {
+  std::vector<Eigen::Vector2d> places{path.at(0.0).pose.p};
+  for (const PathSegment& segment : path.segments()) {
+    const double turn = std::abs(segment.curvature()) * segment.length_m();
+    const int lines = 1 + static_cast<int>(turn / kDrawnTurn);
+    for (int i = 1; i <= lines; ++i)
+      places.push_back(segment.at(segment.length_m() * i / lines).pose.p);
+  }
+  return places;
+}
+
+std::size_t whole_mm(double metres) {
+  return static_cast<std::size_t>(std::lround(mm(metres)));
+}
+
+/// Returns how a path went, in words: as it was seen, or else why its end was not reached.
+std::string words_of(const PathSpeedResult& result) {
+  std::string words = fmt::format("{:g} mm/s by {}: {}", result.speed_m_s / kMillimetre,
+                                  name_in(kGuidances, result.guidance), name(result.status));
+  if (!result.reason.empty()) return words + ": " + result.reason;
+  if (!result.own_view) return words;
+  const Summary& across = result.own_view->across_m;
+  return words + fmt::format(", {:.4f} mm off the path in the mean, {:.4f} mm at most, as seen",
+                             mm(across.mean), mm(across.max));
+}
+
+}  // namespace
+
+void PathJob::load(const std::string& csv) {
+  std::optional<Table> table;
+  if (csv.find_first_not_of(" \r\n") != csv.npos) {
+    table.emplace(Table{csv, path_in(csv, cell_.settings().tool_orientation)});
+    require_followable(cell_.settings(), {kPath, table->path, {}, {kSlowest_m_s}});
+  }
+  const std::lock_guard<std::mutex> lock(mutex_);
+  table_ = std::move(table);
+}
+
+nlohmann::ordered_json PathJob::json() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (!table_)
+    return {{"csv", ""}, {"length_mm", 0.0}, {"places_mm", nlohmann::ordered_json::array()}};
+  return {{"csv", table_->csv},
+          {"length_mm", json_number(mm(table_->path.length_m()))},
+          {"places_mm", json_list(drawn(table_->path), json_mm)}};
+}
+
+int PathJob::begin(const std::string& name, const std::vector<double>& speeds_mm_s,
+                   const std::vector<Guidance>& guidances) {
+  const fs::path out = jobs_.folder(name);
+  std::optional<Table> table;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    table = table_;
+  }
+  if (!table) throw InputError(Refusal{"there is no path", "load one"});
+  PathRequest path{kPath, table->path, guidances, path_speeds(speeds_mm_s)};
+  if (speeds_mm_s.empty() || guidances.empty())
+    throw InputError({"it is to be followed no time", "name a speed and what guides it", kPath});
+  require_followable(cell_.settings(), path);
+  path.file = out / "path.csv";
+  return jobs_.begin(Doing::kRunning, "path", name,
+                     [=, csv = table->csv](CellDevices& devices, const CellJobs::Stop& stop,
+                                           const CellJobs::Begun& begun) {
+                       ServoRequest request = jobs_.request(stop);
+                       request.out = out;
+                       return follow(request, path, csv, devices, begun);
+                     });
+}
+
+CellJobs::Ending PathJob::follow(const ServoRequest& request, const PathRequest& path,
+                                 const std::string& csv, CellDevices& devices,
+                                 const CellJobs::Begun& begun) {
+  std::vector<std::string> words;
+  PathRun run(request, path, devices,
+              [&](const PathLookRow& row) { show(row, path, words.size()); });
+  const std::size_t passes = path.guidances.size() * path.speeds_m_s.size();
+  begun(0, whole_mm(static_cast<double>(passes) * path.path.length_m()));
+  write_file(path.file, csv);
+  const bool reached = follow_path(run, path, [&](const PathSpeedResult& result) {
+    words.push_back(words_of(result));
+    jobs_.tell_result(path_list(path, {result}).json()["speeds"][0]);
+  });
+  write_path_run(request, path, run);
+  jobs_.hold(run.ended_by().value_or(""));
+  return {fmt::format("{}", fmt::join(words, "; ")), reached};
+}
+
+void PathJob::show(const PathLookRow& row, const PathRequest& path, std::size_t passed) {
+  jobs_.show_look(row.look.measurement, row.look.measurement.tip.p);
+  const double length_m = path.path.length_m();
+  const std::size_t passes = path.guidances.size() * path.speeds_m_s.size();
+  double left_s = (length_m - row.look.along_now_m) / row.speed_m_s;
+  for (std::size_t i = passed + 1; i < passes; ++i)
+    left_s += length_m / path.speeds_m_s[i % path.speeds_m_s.size()];
+  jobs_.show_progress(whole_mm(static_cast<double>(passed) * length_m + row.look.along_now_m),
+                      whole_mm(static_cast<double>(passes) * length_m), left_s);
+}
+
+}  // namespace planar
