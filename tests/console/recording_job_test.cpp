@@ -87,6 +87,21 @@ TEST_CASE("A recording that cannot begin is refused before anything moves") {
   CHECK_FALSE(std::filesystem::exists(bench.folder / "recording"));
 }
 
+TEST_CASE("What is wanted stands above what is seen, until the person leaves") {
+  StateBoard board;
+  {
+    PageOperator person(
+        board, [] { return false; }, [] {});
+    person.say("g1: hold it");
+    person.say("g1: tilt it");
+    person.show("no board in the picture");
+    CHECK(board.state().advice == "g1: tilt it\nno board in the picture");
+    person.show("taken");
+    CHECK(board.state().advice == "g1: tilt it\ntaken");
+  }
+  CHECK(board.state().advice.empty());
+}
+
 TEST_CASE("What is advised is confirmed once") {
   StateBoard board;
   PageOperator person(

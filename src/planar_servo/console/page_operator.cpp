@@ -21,7 +21,7 @@ PageOperator::PageOperator(StateBoard& board, std::function<bool()> stop,
 
 PageOperator::~PageOperator() {
   show_question(std::nullopt);
-  show("");
+  board_.change([](CellState& state) { state.advice.clear(); });
 }
 
 std::string PageOperator::ask(const std::string& question) {
@@ -43,7 +43,13 @@ bool PageOperator::entered() {
 }
 
 void PageOperator::show(const std::string& status) {
-  board_.change([&](CellState& state) { state.advice = status; });
+  const std::string advice = told_.empty() ? status : told_ + "\n" + status;
+  board_.change([&](CellState& state) { state.advice = advice; });
+}
+
+void PageOperator::tell(const char* level, const std::string& message) {
+  told_ = message;
+  board_.tell_line(level, message);
 }
 
 bool PageOperator::answer(int question, const std::string& text) {

@@ -28,8 +28,8 @@ class PageOperator final : public Operator {
   std::string ask(const std::string& question) override;
   bool entered() override;
   void show(const std::string& status) override;
-  void say(const std::string& message) override { board_.tell_line("info", message); }
-  void warn(const std::string& message) override { board_.tell_line("warning", message); }
+  void say(const std::string& message) override { tell("info", message); }
+  void warn(const std::string& message) override { tell("warning", message); }
 
   // Other threads call these two.
   /// Answers the question of this number. Returns false when another one stands there, or none.
@@ -37,6 +37,7 @@ class PageOperator final : public Operator {
   void confirm();
 
  private:
+  void tell(const char* level, const std::string& message);
   void show_question(const std::optional<PageQuestion>& question);
 
   StateBoard& board_;
@@ -44,7 +45,8 @@ class PageOperator final : public Operator {
   std::function<void()> asked_;
   std::mutex mutex_;
   std::condition_variable answered_;
-  int last_{0};  ///< number of the last question
+  std::string told_;  ///< the last message, which stands above what is shown
+  int last_{0};       ///< number of the last question
   bool is_open_{false};
   std::optional<std::string> answer_;
   bool confirmed_{false};

@@ -69,5 +69,5 @@ export function offerFile(id, text) {
   });
 }
 
-/// A sentence begins with a capital, but for the name of a program or a file.
-export const sentence = text => /^(planar-|\S*[./])/.test(text) ? text : text.charAt(0).toUpperCase() + text.slice(1);
+/// A sentence begins with a capital, but for the name of a program, a file or a place.
+export const sentence = text => /^(planar-|\S*[./_\d])/.test(text) ? text : text.charAt(0).toUpperCase() + text.slice(1);

@@ -59,6 +59,7 @@ export function prepareRecording() {
     event.preventDefault();
     answer(byId("reading").value.trim());
   });
+  byId("board").addEventListener("change", () => { byId("step-board").value = byId("board").value; });  // it is one board
   byId("record-form").addEventListener("submit", event => {
     event.preventDefault();
     clearReadings();
