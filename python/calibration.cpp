@@ -54,7 +54,8 @@ py::list residuals_of(const DatumRegistration& datum) {
 }
 
 PairTrackerReport pair(const fs::path& cell, const fs::path& lamps, const fs::path& recording,
-                       const std::string& by, const std::optional<fs::path>& pairs_out,
+                       const std::string& by, const std::optional<fs::path>& tracker,
+                       bool accept_step, const std::optional<fs::path>& pairs_out,
                        const std::optional<fs::path>& workplane_out,
                        const std::optional<fs::path>& tool_out) {
   if (by != "id" && by != "time") refuse_word("by", by, {"id", "time"});
@@ -68,13 +69,15 @@ PairTrackerReport pair(const fs::path& cell, const fs::path& lamps, const fs::pa
   request.camera = read_cell_camera(request.cell);
   request.lamps = read_lamps(lamps);
   request.frames = read_frames(recording);
-  const RecordedTables tables{lamps, recording / "frames.csv", recording / "tracker.csv"};
+  const RecordedTables tables{lamps, recording / "frames.csv",
+                              tracker.value_or(recording / "tracker.csv")};
   const PairFiles files{workplane_out.value_or(""), tool_out.value_or(""), pairs_out.value_or("")};
   require_outputs({{files.workplane, "workplane"}, {files.tool, "tool"}, {files.pairs, "pairs"}},
                   {cell, request.cell.camera_model, tables.lamps, tables.frames, tables.tracker});
   require_belonging(stale_tables(request.cell, tables));
   request.tracker = read_tracker(tables.tracker);
   request.by = by == "time" ? PairBy::kTime : PairBy::kId;
+  request.accept_step = accept_step;
   PairTrackerReport report = pair_tracker(request);
   if (outputs == 3)
     write_pair_files(files, request.cell, tables, report.workplane, WorkplaneSource::kPairs,
@@ -202,10 +205,13 @@ void bind_calibration(py::module_& m) {
       });
   m.def(
       "pair_tracker", &pair, py::arg("cell"), py::arg("lamps"), py::arg("recording"), py::kw_only(),
-      py::arg("by") = "id", py::arg("pairs_out") = py::none(),
-      py::arg("workplane_out") = py::none(), py::arg("tool_out") = py::none(),
-      "Pairs lamps.csv of a recording with its tracker.csv by 'id' or 'time', and fits workplane\n"
-      "and tool, as planar-pair-tracker does. The three files are written where they are named.");
+      py::arg("by") = "id", py::arg("tracker") = py::none(), py::arg("accept_step") = false,
+      py::arg("pairs_out") = py::none(), py::arg("workplane_out") = py::none(),
+      py::arg("tool_out") = py::none(),
+      "Pairs lamps.csv of a recording with a table of readings, its tracker.csv where none is\n"
+      "named, by 'id' or 'time', and fits workplane and tool, as planar-pair-tracker does.\n"
+      "accept_step pairs although something seems to have moved between readings. The three files\n"
+      "are written where they are named.");
 }
 
 }  // namespace planar::python

@@ -234,6 +234,8 @@ def pair_tracker(
     recording: _Path,
     *,
     by: Literal["id", "time"] = "id",
+    tracker: _Path | None = None,
+    accept_step: bool = False,
     pairs_out: _Path | None = None,
     workplane_out: _Path | None = None,
     tool_out: _Path | None = None,

@@ -78,6 +78,19 @@ class Pairs(Recorded):
         # A reading of the same place at nearly the same time: micrometres apart.
         np.testing.assert_allclose(by_time.p_tracker[: len(by_id.ids)], by_id.p_tracker, atol=1e-4)
 
+    def test_of_a_table_with_a_step_are_made_once_it_is_accepted(self):
+        bumped = self.folder / "bumped.csv"
+        rows = [line.split(",") for line in (self.inputs[2] / "tracker.csv").read_text().splitlines()]
+        for row in rows:  # the reflector is bumped by 0.4 mm midway
+            if re.fullmatch("train_[23].", row[0]):
+                row[2] = f"{float(row[2]) + 0.4:.5f}"
+        bumped.write_text("".join(",".join(row) + "\n" for row in rows))
+        with self.assertRaisesRegex(ps.InputError, "from place 'train_"):
+            ps.pair_tracker(*self.inputs, tracker=bumped)
+        found = ps.pair_tracker(*self.inputs, tracker=bumped, accept_step=True)
+        self.assertIn("train_39", found.ids)
+        self.assertRegex(" ".join(found.doubts), "from place 'train_")
+
     def test_refuse_wrong_inputs_and_outputs_before_any_work(self):
         pair = ps.pair_tracker
         refused(self, "by", pair, *self.inputs, by="place")
