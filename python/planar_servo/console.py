@@ -136,6 +136,13 @@ class Console:
         """
         return self._ended(self._json("/api/certificate", {"out": out, "cycles": cycles, "targets": targets}, 60.0))
 
+    def experiment(self, out: str) -> str:
+        """Makes or continues an experiment on a copy of a virtual cell as planar-experiment does; the report is in `out`.
+
+        Raises InputError for a real cell, WorkError where the experiment fails.
+        """
+        return self._ended(self._json("/api/experiment", {"out": out}))
+
     def step(self, board: str = "circles:11x11:50mm") -> str:
         """Does what is next of the work where that only makes files, and returns what was done.
 

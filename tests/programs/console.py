@@ -226,6 +226,20 @@ def try_path(console):
     check(console.post("/api/path", {"csv": " "})[1]["places_mm"] == [], "the path is still there")
 
 
+def try_experiment(console):
+    """An experiment is begun and stopped; the cell is at work meanwhile, and its files stay as they are."""
+    opened = console.state()["opened"]
+    console.refused(400, "POST", "/api/experiment", {"out": "../no"}, says="letters")
+    check(console.post("/api/experiment", {"out": "experiment"})[0] == 200, "no experiment")
+    console.refused(409, "POST", "/api/command", {"line": "x 1"}, says="at work")
+    eventually(lambda: pathlib.Path(FOLDER, "experiment", "plan.csv").exists(), "nothing is made in its folder")
+    check(console.post("/api/stop", client=OTHER, token=console.read)[0] == 200, "no stop")
+    console.rests()
+    state = console.state()
+    check((state["job"]["kind"], state["job"]["ended"]) == ("experiment", "experiment was stopped"), state["job"])
+    check(state["opened"] == opened, "the cell was opened anew")
+
+
 def try_doubt(console):
     """A cell that has changed is not certified: its state says why, and what to do."""
     console.command("enable")
@@ -331,7 +345,7 @@ def main():
     fast = Console("fast.yaml")
     with open("console.txt", "w", encoding="utf-8") as printed:
         printed.writelines(fast.printed)
-    for what in (try_rights, try_bodies, try_folder, try_second_consoles, try_run, try_certificate, try_path, try_record):
+    for what in (try_rights, try_bodies, try_folder, try_second_consoles, try_run, try_certificate, try_path, try_experiment, try_record):
         what(fast)
     check(fast.ask("GET", "/api/picture.jpg")[1][:2] == b"\xff\xd8", "no picture")
     fast.end(signal.SIGTERM)

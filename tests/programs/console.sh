@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# A cell worked over HTTP by planar-console: rights, jog, targets, a certificate, a path, a recording, stop, lost pages, floods, and how it ends.
+# A cell worked over HTTP by planar-console: rights, every kind of work, stop, lost pages, floods, and how it ends.
 source "$(dirname "$0")/common.sh"
 
 cp -r "$2/cell" .

@@ -116,6 +116,7 @@ ordered_json KnownCell::json() const {
     limits.push_back(json_numbers(limit / kDegree));
   const Eigen::Vector2d lengths_m = cell_.arm.geometry.link_lengths_m;
   return {{"name", folder_.filename().string()},
+          {"virtual", cell_.truth.has_value()},
           {"camera", {{"width_px", cell_.camera.width_px}, {"height_px", cell_.camera.height_px}}},
           {"arm", {{"link_lengths_mm", json_mm(lengths_m)}, {"joint_limits_deg", limits}}},
           {"workspace",

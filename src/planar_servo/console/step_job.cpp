@@ -96,26 +96,42 @@ class ShellCommand {
 }  // namespace
 
 int StepJob::begin(const std::string& board) {
-  const fs::path cell = cell_.settings().file;
-  const WorkStep step = next_of(cell, board);
+  const WorkStep step = next_of(cell_.settings().file, board);
   if (!step.is_calculated)
     throw InputError({fmt::format("next is {}: {}", step.name, step.what),
                       "do it on this page, or by the command that is named"});
-  const auto calculate = [this, step](CellDevices& /*devices*/, const CellJobs::Stop& stop,
-                                      const CellJobs::Begun& begun) -> CellJobs::Ending {
+  return follow("step", step.name, step.command, [this, step](const std::string& /*said*/) {
+    changed_();
+    return step.name + " is done";
+  });
+}
+
+int StepJob::begin_experiment(const std::string& name) {
+  const CellSettings& cell = cell_.settings();
+  if (!cell.truth)
+    throw InputError({"an experiment moves a real cell by itself, whose devices this console holds",
+                      "end the console, then use planar-experiment", cell.file});
+  const std::string command = fmt::format("planar-experiment --cell {} --out {}",
+                                          shell_word(cell.file), shell_word(jobs_.folder(name)));
+  return follow("experiment", name, command, [](const std::string& said) { return said; });
+}
+
+int StepJob::follow(const std::string& kind, const std::string& name, const std::string& command,
+                    const std::function<std::string(const std::string& said)>& finish) {
+  const auto calculate = [=](CellDevices& /*devices*/, const CellJobs::Stop& stop,
+                             const CellJobs::Begun& begun) -> CellJobs::Ending {
     begun(0, 0);
-    ShellCommand command(step.command);
+    ShellCommand shell(command);
     std::string last;
-    const int status = command.follow(stop, [&](std::string line) {
+    const int status = shell.follow(stop, [&](std::string line) {
       board_.tell_line("info", line);
       last = std::move(line);
     });
-    if (stop()) throw StopRequested(step.name + " was stopped");
+    if (stop()) throw StopRequested(name + " was stopped");
     if (status != 0) return {last, false};
-    changed_();
-    return {step.name + " is done", true};
+    return {finish(last), true};
   };
-  return jobs_.begin(Doing::kCalculating, "step", step.name, calculate);
+  return jobs_.begin(Doing::kCalculating, kind, name, calculate);
 }
 
 }  // namespace planar

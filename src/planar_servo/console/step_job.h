@@ -8,7 +8,8 @@
 namespace planar {
 
 /// Does what is next of the work on a cell, as `planar next` names it, where that only reads and
-/// writes files: the plan, and all from the camera to the found arm.
+/// writes files: the plan, and all from the camera to the found arm. Makes experiments on virtual
+/// cells, too.
 class StepJob {
  public:
   /// `changed` is called by the worker's thread when a step has made new files. All must outlive
@@ -20,8 +21,17 @@ class StepJob {
   /// board, as --grid takes it. Throws InputError where nothing is left, or a person must do it
   /// otherwise, and as the functions of CellJobs do.
   int begin(const std::string& board);
+  /// Begins or continues an experiment on a copy of this virtual cell, by planar-experiment in the
+  /// folder `name` beside the cell file, and returns as begin() does. Throws InputError for a real
+  /// cell.
+  int begin_experiment(const std::string& name);
 
  private:
+  /// Begins a job that runs a command. Once that has ended well, `finish` is told the last line and
+  /// returns the words for the job's end.
+  int follow(const std::string& kind, const std::string& name, const std::string& command,
+             const std::function<std::string(const std::string& said)>& finish);
+
   const KnownCell& cell_;
   StateBoard& board_;
   CellJobs& jobs_;

@@ -29,19 +29,6 @@ constexpr int kMoreReadings = 40;
 // Those of README.md's figures without a tracker.
 constexpr int kPosesAlone = 1000, kLaysAlone = 12;
 
-/// Writes a path as one word for a shell.
-std::string word(const fs::path& path) {
-  std::string text = path.string();
-  const bool is_plain = std::all_of(text.begin(), text.end(), [](unsigned char letter) {
-    return std::isalnum(letter) != 0 ||
-           std::string_view("/._-+,:@").find(static_cast<char>(letter)) != std::string::npos;
-  });
-  if (is_plain) return text;
-  std::string quoted = "'";
-  for (const char letter : text) quoted += letter == '\'' ? "'\\''" : std::string(1, letter);
-  return quoted + "'";
-}
-
 WorkStep step(const std::string& name, const Reason& reason, const std::string& done,
               const std::string& command) {
   if (!reason) return {State::kDone, name, done};
@@ -54,7 +41,7 @@ WorkStep calculated(WorkStep step) {
 }
 
 std::string command(const WorkFiles& work, const char* program, const std::string& rest) {
-  return fmt::format("{} --cell {}{}", program, word(work.cell().file), rest);
+  return fmt::format("{} --cell {}{}", program, shell_word(work.cell().file), rest);
 }
 
 WorkStep cell_step(const WorkFiles& work) {
@@ -81,17 +68,18 @@ std::string map_command(const WorkFiles& work) {
   const CellSettings& cell = work.cell();
   try {
     if (fs::exists(cell.error_map) && objection(read_map(cell.error_map).quality))
-      return command(work, "planar-plan",
-                     fmt::format(" --readings {} --after {} -o {}", kMoreReadings,
-                                 word(work.pairs()), word(work.next_of("plan", ".csv"))));
+      return command(
+          work, "planar-plan",
+          fmt::format(" --readings {} --after {} -o {}", kMoreReadings, shell_word(work.pairs()),
+                      shell_word(work.next_of("plan", ".csv"))));
   } catch (const InputError&) {
     // One that cannot be read is fitted again.
   }
   return command(work, "planar-fit-error-map",
                  fmt::format("{} --arm-out {} -o {} {}",
-                             has_tracker(work) ? "" : " --lays " + word(lays(work)),
-                             word(cell.arm_found.value_or(work.beside("arm.yaml"))),
-                             word(cell.error_map), word(work.pairs())));
+                             has_tracker(work) ? "" : " --lays " + shell_word(lays(work)),
+                             shell_word(cell.arm_found.value_or(work.beside("arm.yaml"))),
+                             shell_word(cell.error_map), shell_word(work.pairs())));
 }
 
 WorkStep map_step(const WorkFiles& work) {
@@ -108,11 +96,11 @@ WorkStep pair_step(const WorkFiles& work, bool is_read) {
   std::vector<fs::path> files{cell.workplane, cell.tool};
   if (cell.health) files.push_back(*cell.health);
   if (is_read || fs::exists(work.pairs())) files.push_back(work.pairs());
-  std::string rest = cell.health ? " --health-out " + word(*cell.health) : "";
+  std::string rest = cell.health ? " --health-out " + shell_word(*cell.health) : "";
   Reason reason = work.reason_of(files);
   if (!has_tracker(work)) {
     rest += fmt::format(" --workplane-from grid --grid {} --board-thickness-mm T --lays-out {}",
-                        word(work.board()), word(lays(work)));
+                        shell_word(work.board()), shell_word(lays(work)));
     if (reason)
       *reason +=
           "; put for T by how far the board's dots lie above the lamps' plane, negative below";
@@ -121,23 +109,26 @@ WorkStep pair_step(const WorkFiles& work, bool is_read) {
       "pairs", reason, work.description(files[0]),
       command(work, "planar-pair-tracker",
               fmt::format(" --lamps {} --recording {} --workplane-out {} --tool-out {}{} -o {}",
-                          word(work.lamps()), word(work.recording()), word(cell.workplane),
-                          word(cell.tool), rest, word(work.pairs()))));
+                          shell_word(work.lamps()), shell_word(work.recording()),
+                          shell_word(cell.workplane), shell_word(cell.tool), rest,
+                          shell_word(work.pairs()))));
 }
 
 WorkStep lamp_step(const WorkFiles& work, bool is_read) {
   Reason reason;
   if (is_read || fs::exists(work.lamps())) reason = work.reason_of({work.lamps()});
-  return step("lamps", reason, work.description(work.lamps()),
-              command(work, "planar-locate-lamps",
-                      fmt::format(" -o {} {}", word(work.lamps()), word(work.recording()))));
+  return step(
+      "lamps", reason, work.description(work.lamps()),
+      command(work, "planar-locate-lamps",
+              fmt::format(" -o {} {}", shell_word(work.lamps()), shell_word(work.recording()))));
 }
 
 WorkStep camera_step(const WorkFiles& work) {
   const fs::path& camera = work.cell().camera_model;
-  return step("camera", work.reason_of({camera}), work.description(camera),
-              fmt::format("planar-calibrate-camera --grid {} --model auto -o {} {}",
-                          word(work.board()), word(camera), word(work.recording())));
+  return step(
+      "camera", work.reason_of({camera}), work.description(camera),
+      fmt::format("planar-calibrate-camera --grid {} --model auto -o {} {}",
+                  shell_word(work.board()), shell_word(camera), shell_word(work.recording())));
 }
 
 /// A person shows the board to a real cell's camera.
@@ -156,9 +147,9 @@ WorkStep recording_step(const WorkFiles& work, bool is_read) {
     *reason += "; state the tracker in " + work.cell().file.string() + " first";
   return step("recording", reason, work.description(work.recording()),
               command(work, "planar-record",
-                      fmt::format(" --plan {}{} --out {}", word(plan),
-                                  work.cell().truth ? "" : " --grid " + word(work.board()),
-                                  word(work.recording()))));
+                      fmt::format(" --plan {}{} --out {}", shell_word(plan),
+                                  work.cell().truth ? "" : " --grid " + shell_word(work.board()),
+                                  shell_word(work.recording()))));
 }
 
 WorkStep plan_step(const WorkFiles& work, bool is_read) {
@@ -170,7 +161,7 @@ WorkStep plan_step(const WorkFiles& work, bool is_read) {
           ? fmt::format("--readings {}", kFirstReadings)
           : fmt::format("--readings 0 --unattended {} --lays {}", kPosesAlone, kLaysAlone);
   return step("plan", reason, work.description(plan),
-              command(work, "planar-plan", fmt::format(" {} -o {}", amount, word(plan))));
+              command(work, "planar-plan", fmt::format(" {} -o {}", amount, shell_word(plan))));
 }
 
 /// Returns the steps from the plan to the map. A step's files are needed as long as a later step
@@ -200,7 +191,7 @@ WorkStep arm_step(const WorkFiles& work) {
   return step(
       "found arm", reason,
       cell.arm_found ? work.description(*cell.arm_found) : "none, which the loop can do without",
-      fmt::format("echo 'arm_found: arm.yaml' >>{}", word(cell.file)));
+      fmt::format("echo 'arm_found: arm.yaml' >>{}", shell_word(cell.file)));
 }
 
 /// Returns a command that writes three targets where the arm can go.
@@ -212,7 +203,8 @@ std::string target_command(const WorkFiles& work) {
     const Eigen::Vector2d& p_B = places[(2 * i + 1) * places.size() / (2 * std::size(kNames))];
     rows += fmt::format(" {},{:.0f},{:.0f}", kNames[i], mm(p_B.x()), mm(p_B.y()));
   }
-  return fmt::format("printf '%s\\n' id,x_mm,y_mm{} >{}", rows, word(work.beside("targets.csv")));
+  return fmt::format("printf '%s\\n' id,x_mm,y_mm{} >{}", rows,
+                     shell_word(work.beside("targets.csv")));
 }
 
 WorkStep target_step(const WorkFiles& work, bool is_read) {
@@ -233,8 +225,8 @@ WorkStep run_step(const WorkFiles& work) {
     }
   return step("positioning", reason, done,
               command(work, "planar-servo",
-                      fmt::format(" --targets {} --out {}", word(work.beside("targets.csv")),
-                                  word(work.next_of("run")))));
+                      fmt::format(" --targets {} --out {}", shell_word(work.beside("targets.csv")),
+                                  shell_word(work.next_of("run")))));
 }
 
 /// A certificate that was begun is continued.
@@ -251,13 +243,25 @@ WorkStep certificate_step(const WorkFiles& work) {
     done = there.string() + " certifies this calibration";
   }
   return step("certificate", reason, done,
-              command(work, "planar-certify", fmt::format(" --out {}", word(out))));
+              command(work, "planar-certify", fmt::format(" --out {}", shell_word(out))));
 }
 
 constexpr Named<State> kStates[] = {
     {State::kDone, "done"}, {State::kNext, "next"}, {State::kOpen, "open"}};
 
 }  // namespace
+
+std::string shell_word(const fs::path& path) {
+  std::string text = path.string();
+  const bool is_plain = std::all_of(text.begin(), text.end(), [](unsigned char letter) {
+    return std::isalnum(letter) != 0 ||
+           std::string_view("/._-+,:@").find(static_cast<char>(letter)) != std::string::npos;
+  });
+  if (is_plain) return text;
+  std::string quoted = "'";
+  for (const char letter : text) quoted += letter == '\'' ? "'\\''" : std::string(1, letter);
+  return quoted + "'";
+}
 
 std::vector<WorkStep> work_steps(const fs::path& cell_file, const std::string& board) {
   const WorkFiles work(cell_file, board);

@@ -30,6 +30,9 @@ struct WorkStep {
 /// faults.
 std::vector<WorkStep> work_steps(const std::filesystem::path& cell_file, const std::string& board);
 
+/// Writes a path as one word for a shell, as in the steps' commands.
+std::string shell_word(const std::filesystem::path& path);
+
 /// Returns a line for each step, and one for the command of the next or that none is left.
 std::string steps_text(const std::vector<WorkStep>& steps);
 

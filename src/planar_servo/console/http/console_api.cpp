@@ -134,6 +134,7 @@ ConsoleApi::ConsoleApi(const Gatekeeper& gate, const KnownCell& cell, StateBoard
   answer_post("/api/path", &ConsoleOrders::load_path);
   answer_post("/api/follow", &ConsoleOrders::follow);
   answer_post("/api/certificate", &ConsoleOrders::certify);
+  answer_post("/api/experiment", &ConsoleOrders::experiment);
   answer_post("/api/answer", &ConsoleOrders::answer);
   answer_post("/api/confirm", &ConsoleOrders::confirm);
   answer_post("/api/step", &ConsoleOrders::step);

@@ -169,6 +169,12 @@ ConsoleOrders::Json ConsoleOrders::confirm(const Json& /*body*/, const std::stri
   return {{"confirmed", true}};
 }
 
+ConsoleOrders::Json ConsoleOrders::experiment(const Json& body, const std::string& client) {
+  const auto name = member<std::string>(body, "out");
+  require_floor(client);
+  return {{"job", jobs_.steps.begin_experiment(name)}};
+}
+
 ConsoleOrders::Json ConsoleOrders::step(const Json& body, const std::string& client) {
   const auto board = member_or<std::string>(body, "board", kUsualBoard);
   require_floor(client);

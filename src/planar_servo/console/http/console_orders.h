@@ -63,6 +63,7 @@ class ConsoleOrders {
   Json certify(const Json& body, const std::string& client);
   Json answer(const Json& body, const std::string& client);
   Json confirm(const Json& body, const std::string& client);
+  Json experiment(const Json& body, const std::string& client);
   Json step(const Json& body, const std::string& client);
 
  private:

@@ -1,7 +1,7 @@
-// What a cell reaches: its certificate.
+// What a cell reaches: its certificate, and experiments on a virtual one.
 
 import {order} from "./actions.js";
-import {byId, dayOf, put} from "./dom.js";
+import {byId, dayOf, put, show} from "./dom.js";
 
 // Five poses, then three of them from four sides, as certificate_moves() makes them.
 const MOVES_IN_CYCLE = 17;
@@ -13,6 +13,8 @@ function showSize() {
   put("certificate-size", (moves ? `${moves} moves. ` : "") + "The same folder, cycles and targets continue one that was broken off.");
 }
 
+export const showAccuracy = cell => show("experiment", cell.virtual);
+
 export function prepareAccuracy() {
   byId("certificate-name").value = `certificate_${dayOf(new Date())}`;
   showSize();
@@ -20,5 +22,10 @@ export function prepareAccuracy() {
   byId("certificate-form").addEventListener("submit", event => {
     event.preventDefault();
     order("/api/certificate", {out: byId("certificate-name").value, cycles: number("cycles"), targets: number("certified-targets")});
+  });
+  byId("experiment-name").value = `experiment_${dayOf(new Date())}`;
+  byId("experiment-form").addEventListener("submit", event => {
+    event.preventDefault();
+    order("/api/experiment", {out: byId("experiment-name").value});
   });
 }

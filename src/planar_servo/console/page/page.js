@@ -1,6 +1,6 @@
 // The page of planar-console: asks for the cell once, then follows its state.
 
-import {prepareAccuracy} from "./accuracy.js";
+import {prepareAccuracy, showAccuracy} from "./accuracy.js";
 import {attempt, gate, mayAct, prepareActions} from "./actions.js";
 import {addLine, clearLines, prepareBar, showBar, showLost} from "./bar.js";
 import {loadCell, prepareCell} from "./cell.js";
@@ -22,6 +22,7 @@ function showCell() {
   showCamera(cell);
   showGround(cell);
   heedMap(cell);
+  showAccuracy(cell);
 }
 
 /// The console has read the cell's files anew, `count` times by now.

@@ -1,0 +1,36 @@
+#include "planar_servo/console/step_job.h"
+
+#include <catch2/catch.hpp>
+
+#include "planar_servo/io/atomic_file.h"
+#include "support/sample_cells.h"
+#include "support/temporary_folder.h"
+#include "support/texts.h"
+
+namespace planar {
+namespace {
+
+using Catch::Contains;
+
+TEST_CASE("Only a virtual cell is experimented on, in a folder of its own") {
+  const test::TemporaryFolder folder;
+  const auto paper = test::paper_cell_file();
+  const std::string text = read_file(paper);
+  folder.write("truth.yaml", read_file(paper.parent_path() / "truth.yaml"));
+  const KnownCell cell(folder.write("cell.yaml", text));
+  const KnownCell real(folder.write("real.yaml", test::replaced(text, "virtual: truth.yaml", "")));
+  StateBoard board;
+  CellWorker worker(cell, board, [] { return false; });
+  CellJobs jobs(cell, board, worker);
+  CHECK_THROWS_WITH(StepJob(real, board, jobs, [] {}).begin_experiment("experiment"),
+                    Contains("real.yaml: an experiment moves a real cell by itself") &&
+                        Contains("end the console"));
+  CHECK_THROWS_WITH(StepJob(cell, board, jobs, [] {}).begin_experiment("../experiment"),
+                    Contains("out: is"));
+  CHECK(real.json()["virtual"] == false);
+  CHECK(cell.json()["virtual"] == true);
+  CHECK_FALSE(board.state().job);
+}
+
+}  // namespace
+}  // namespace planar
