@@ -5,6 +5,7 @@ import http.client
 import json
 import math
 import pathlib
+import re
 import signal
 import socket
 import subprocess
@@ -250,6 +251,22 @@ def try_doubt(console):
     check(state["held_by"] and any(doubt["remedy"] for doubt in state["doubts"]), state)
 
 
+def try_doubted_move(console):
+    """A cell that was found well sees its tool far from where it was sent: the certificate ends there, with a remedy."""
+    console.command("enable")
+    check(console.post("/api/go", {"x_mm": 300, "y_mm": 100})[0] == 200, "no move")
+    console.rests()
+    check(console.state()["job"]["ok"], console.state())
+    file = pathlib.Path(FOLDER, "../doubted/map.yaml")
+    before = file.read_text(encoding="utf-8")
+    file.write_text(re.sub(r"(tail_m:\n  - \[)[^,]*", r"\g<1>0.01", before), encoding="utf-8")
+    check(console.post("/api/certificate", {"out": "proof", "cycles": 2, "targets": 1})[0] == 200, "no certificate")
+    console.rests()
+    state = console.state()
+    check(not state["job"]["ok"] and "no further move was made: mend it, then begin" in state["job"]["ended"], state)
+    check(state["held_by"] == state["job"]["ended"] and state["job"]["done"] < 35, state)
+
+
 def try_record(console):
     with open(f"{FOLDER}/plan.csv", "w", encoding="utf-8") as plan:
         plan.write("id,plan,x_mm,y_mm\nt1,train,330,-250\n")
@@ -352,6 +369,9 @@ def main():
     moved = Console("../moved/fast.yaml")
     try_doubt(moved)
     moved.end()
+    doubted = Console("../doubted/cell.yaml")
+    try_doubted_move(doubted)
+    doubted.end()
     fresh = Console("../fresh/cell.yaml")
     try_step(fresh)
     fresh.end()

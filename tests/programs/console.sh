@@ -14,6 +14,8 @@ printf 'id,x_mm,y_mm,phi_deg\n' >cell/targets.csv
 sed -i '$d' cell/proof/cycles.csv
 rm cell/proof/certificate.*
 cp -r cell moved
+cp -r "$repository/calib/workshop" doubted # its map has no checksum
+sed -i '/^health:/d; s/max_speed_deg_s: 120/max_speed_deg_s: 300/' doubted/cell.yaml
 awk -F'[][]' '/translation_mm/ { split($2, t, ","); sub(/\[[^,]*/, "[" t[1] + 20) } 1' cell/truth.yaml >moved/truth.yaml
 echo outside >secret.html
 ln -s ../secret.html cell/link.html

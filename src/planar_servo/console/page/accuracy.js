@@ -2,6 +2,7 @@
 
 import {order} from "./actions.js";
 import {byId, dayOf, put, show} from "./dom.js";
+import {clearReadings} from "./recording.js";
 
 // Five poses, then three of them from four sides, as certificate_moves() makes them.
 const MOVES_IN_CYCLE = 17;
@@ -21,6 +22,7 @@ export function prepareAccuracy() {
   byId("certificate-form").addEventListener("input", showSize);
   byId("certificate-form").addEventListener("submit", event => {
     event.preventDefault();
+    clearReadings();
     order("/api/certificate", {out: byId("certificate-name").value, cycles: number("cycles"), targets: number("certified-targets")});
   });
   byId("experiment-name").value = `experiment_${dayOf(new Date())}`;
