@@ -106,6 +106,36 @@ def run_targets(page, console, pictures):
     check_page(page, pictures, "field")
 
 
+def follow_path(page, pictures):
+    page.click("#path-edit summary")
+    page.write("#path-csv", "x_mm,y_mm,via_x_mm,via_y_mm\n300,100,,\n300,140,320,120\n")
+    page.click("#path-form button")
+    page.wait("document.querySelectorAll('#field-view .path').length === 2")
+    claim("a path that is kept is drawn in the field", True, page.text("#path-length"))
+    page.write("#path-name", "path")
+    page.write("#path-speed", "50")
+    page.click("#follow")
+    page.wait("document.querySelectorAll('#path-rows tr.reached').length === 1", 30)
+    page.wait(IDLE)
+    claim("it is followed, and how far off is told", "reached" in page.text("#path-rows"), page.text("#progress-text"))
+    page.wait("document.querySelector('#reports').textContent.includes('path/report.html')")
+    check_page(page, pictures, "path")
+
+
+def certify(page, pictures):
+    for id, value in (("certificate-name", "proof"), ("cycles", "2"), ("certified-targets", "1")):
+        page.write(f"#{id}", value)
+    claim("a certificate says how many moves it takes", page.text("#certificate-size").startswith("35 moves"))
+    page.click("#certificate-form button")
+    page.wait("document.querySelector('#progress-text').textContent.startsWith('2 of 35')", 30)
+    claim("its progress is told", "left" in page.text("#progress-text"), page.text("#progress-text"))
+    check_page(page, pictures, "certificate")
+    page.key("escape")
+    page.key("escape", down=False)
+    page.wait(IDLE)
+    claim("Esc ends it", "stopped as asked" in page.text("#progress-text"), page.text("#progress-text"))
+
+
 def check_api(console):
     faults = Api(console.origin, console.token["operate"]).faults()
     claim("the API answers as openapi.json describes it", not faults, "; ".join(sorted(set(faults))))
@@ -210,6 +240,8 @@ def main():
             teach(page)
             choose_place(page, console)
             run_targets(page, console, pictures)
+            follow_path(page, pictures)
+            certify(page, pictures)
             second_browser(driver, page, console, pictures)
             other_rights(driver, console, pictures)
             check_messages(page)
