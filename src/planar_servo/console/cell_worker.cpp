@@ -50,6 +50,11 @@ const Verb& verb_of(const std::string& line) {
                     fmt::format("there are {}", fmt::join(names, ", ")), "line"});
 }
 
+/// Returns whether the arm stands and waits while the camera fails.
+bool is_guarded_by_camera(Doing doing) {
+  return doing == Doing::kRunning || doing == Doing::kRecording || doing == Doing::kChecking;
+}
+
 std::string sentence_of(const Verb& verb, const std::string& line) {
   return fmt::format("{}: {}", name_in(kDoings, verb.doing), line);
 }
@@ -271,7 +276,7 @@ void CellWorker::see_fault(const std::optional<std::string>& fault) {
   if (fault == camera_fault_) return;
   camera_fault_ = fault;
   publish_doubts();
-  if (!performed_ || performed_->doing != Doing::kRunning) return;
+  if (!performed_ || !is_guarded_by_camera(performed_->doing)) return;
   if (fault)
     board_.note(Doing::kWaiting, "waiting for the camera: " + *fault);
   else

@@ -49,11 +49,16 @@ ordered_json file_json(const MadeFile& file, const std::map<fs::path, Refusal>& 
           {"fault", fault == faults.end() ? ordered_json(nullptr) : refusal_json(fault->second)}};
 }
 
-ordered_json next_json(const CellSettings& cell) {
+ordered_json next_json(const std::string& text, const std::string& command = "",
+                       bool is_calculated = false) {
+  return {{"text", text}, {"command", command}, {"is_calculated", is_calculated}};
+}
+
+ordered_json next_of(const CellSettings& cell) {
   for (const WorkStep& step : work_steps(cell.file, kUsualBoard))
     if (step.state == WorkStep::State::kNext)
-      return {{"text", step.name + ": " + step.what}, {"command", step.command}};
-  return {{"text", "nothing is left to do"}, {"command", ""}};
+      return next_json(step.name + ": " + step.what, step.command, step.is_calculated);
+  return next_json("nothing is left to do");
 }
 
 }  // namespace
@@ -100,9 +105,9 @@ ordered_json files_json(const CellSettings& cell) {
   try {
     for (const StaleFile& stale : stale_files(cell, with_map))
       faults.emplace(stale.path, stale.refusal);
-    next = next_json(cell);
+    next = next_of(cell);
   } catch (const InputError& e) {
-    next = {{"text", e.what()}, {"command", ""}};
+    next = next_json(e.what());
   }
   for (const MadeFile& file : made_files(cell, true)) list.push_back(file_json(file, faults));
   return {{"files", list}, {"next", next}};

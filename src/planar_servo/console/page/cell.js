@@ -19,6 +19,7 @@ export async function loadCell() {
   put("next-text", next ? next.text : "");
   put("next-command", next && next.command ? next.command : "");
   show("next-command", Boolean(next && next.command));
+  show("step-form", Boolean(next && next.is_calculated));
   byId("file-rows").replaceChildren(...files.map(fileRow));
   byId("reports").replaceChildren(...reports.map(({name, path, made}) => make("li", {},
     make("a", {href: path, target: "_blank", rel: "noopener"}, name), " ", make("span", {class: "soft"}, day(made)))),
