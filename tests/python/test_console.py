@@ -64,6 +64,7 @@ class ConsoleTest(unittest.TestCase):
         subprocess.run([BIN / "planar-certify", "-q", "--cell", self.cell / "cell.yaml", *size], check=True, capture_output=True)
         self.assertIn("35 of 35 moves reached and judged", self.console.certify("proof", cycles=2, targets=1))
         self.assertEqual(self.refused(ps.InputError, self.console.certify, "proof", 1).where, "cycles")
+        self.assertEqual(self.refused(ps.InputError, self.console.experiment, "no/where").where, "out")
 
     def test_each_pass_over_a_path_is_told(self):
         places = self.console.set_path("x_mm,y_mm\n300,200\n270,200\n")

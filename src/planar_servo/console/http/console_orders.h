@@ -4,6 +4,7 @@
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 
 #include "planar_servo/console/cell_jobs.h"
 #include "planar_servo/console/cell_worker.h"
