@@ -294,7 +294,10 @@ void CellWorker::publish_doubts() {
     doubts.insert(doubts.end(), more->begin(), more->end());
   if (camera_fault_)
     doubts.push_back(
-        {*camera_fault_, "look at its cable and power; planar-doctor examines it", "camera"});
+        {*camera_fault_,
+         "look at its cable and power, and examine it with planar-doctor; what runs waits a "
+         "minute for it",
+         "camera"});
   for (std::size_t i = 0; i < drives_.size(); ++i)
     for (const std::string& fault : drives_[i].faults)
       doubts.push_back({fault, "mend it, then enable the drives", fmt::format("drive {}", i + 1)});

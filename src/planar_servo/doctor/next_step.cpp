@@ -218,7 +218,7 @@ WorkStep target_step(const WorkFiles& work, bool is_read) {
 WorkStep run_step(const WorkFiles& work) {
   Reason reason = "no run with this calibration yet";
   std::string done;
-  for (const fs::path& run : work.series("run"))
+  for (const fs::path& run : work.folders("run"))
     if (work.is_run_of_now(run)) {
       reason.reset();
       done = run.string() + " is a run with this calibration";
@@ -236,7 +236,7 @@ WorkStep certificate_step(const WorkFiles& work) {
   Reason reason = "no certificate of this calibration yet";
   fs::path out = work.next_of("certificate");
   std::string done;
-  for (const fs::path& there : work.series("certificate")) {
+  for (const fs::path& there : work.folders("certificate")) {
     if (!fs::exists(there / "certificate.json")) out = there;
     if (!work.is_certificate_of_now(there)) continue;
     reason.reset();

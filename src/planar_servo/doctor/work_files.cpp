@@ -101,6 +101,15 @@ std::vector<fs::path> WorkFiles::series(const std::string& stem, const std::stri
   return found;
 }
 
+std::vector<fs::path> WorkFiles::folders(const std::string& stem) const {
+  std::vector<fs::path> found;
+  for (const fs::directory_entry& entry : fs::directory_iterator(beside(".")))
+    if (entry.is_directory() && entry.path().filename().string().rfind(stem, 0) == 0)
+      found.push_back(beside(entry.path().filename().string()));
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
 fs::path WorkFiles::next_of(const std::string& stem, const std::string& ending) const {
   const std::size_t count = series(stem, ending).size();
   return beside(count == 0 ? stem + ending : fmt::format("{}_{}{}", stem, count + 1, ending));

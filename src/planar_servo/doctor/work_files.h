@@ -36,7 +36,10 @@ class WorkFiles {
   /// Returns those of STEM, STEM_2, STEM_3, ... that there are beside the cell file.
   std::vector<std::filesystem::path> series(const std::string& stem,
                                             const std::string& ending = "") const;
-  /// Returns the first of them that there is not.
+  /// Returns the folders beside the cell file whose names begin with STEM, as a page names them,
+  /// too.
+  std::vector<std::filesystem::path> folders(const std::string& stem) const;
+  /// Returns the first of the series that there is not.
   std::filesystem::path next_of(const std::string& stem, const std::string& ending = "") const;
 
   bool is_recorded() const;

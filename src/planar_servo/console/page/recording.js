@@ -26,6 +26,7 @@ function offer([, words, text]) {
 function showQuestion(question, advice) {
   const text = question ? question.text.replace(/[:\s]+$/, "") : advice || "";
   show("person", text !== "");
+  document.body.classList.toggle("guided", !question && text !== "");
   put("person-text", sentence(text));
   if (asked && question && asked.id === question.id) return;
   asked = question;
