@@ -9,12 +9,14 @@ import os
 import shutil
 import sys
 import tempfile
+import time
 
 from claims import IDLE, Console, answer_question, check_messages, check_page, claim, enable, open_page
 from served_cell import ServedCell
 from webdriver import Browser, Driver
 
 BOARD = "circles:11x11:25mm"
+RAMP_S = 1.0  # in which the arm is at rest
 HELD, PLACES, TARGETS = 5, 16, 20
 STEPS = ("camera", "lamps", "pairs", "error map", "found arm")
 MONUMENTS = ("datum1", "datum2", "datum3")
@@ -144,6 +146,7 @@ class Afternoon:
         self.page.wait(f"{REACHED} >= 5", 60)
         self.served.do("camera off")
         self.page.wait("document.querySelector('#state-text').textContent.startsWith('Waiting for the camera')", 30)
+        time.sleep(RAMP_S)
         at = self.console.tip()
         self.look("waits_for_camera")
         claim("targets wait for a camera that is lost, and nothing moves", self.console.tip() == at,
@@ -151,7 +154,9 @@ class Afternoon:
         self.served.do("camera on")
         self.page.wait(f"{REACHED} === {TARGETS}", 90)
         claim("and are reached once it is back", True)
-        self.page.wait(f"{IDLE} && document.querySelector('#reports a')", 30)
+        self.page.wait(f"{IDLE} && document.querySelector('#reports a') && {NEXT}.startsWith('certificate: ')", 30)
+        claim("the run counts as done, and all files are named relative to the cell's folder",
+              self.folder not in self.page.text("body"), self.page.text("#next-command"))
         self.look("ran")
 
     def read_report(self):
