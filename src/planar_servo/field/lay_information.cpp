@@ -2,10 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <cmath>
 #include <complex>
 
+#include "planar_servo/core/decompositions.h"
 #include "planar_servo/core/pose.h"
 #include "planar_servo/core/units.h"
 
@@ -49,16 +50,14 @@ std::vector<BoardLay> on_disc(const std::vector<BoardLay>& lays, double radius) 
   return inner;
 }
 
-using Columns3 = Eigen::Matrix<double, Eigen::Dynamic, 3>;
-
-/// The dots of one lay, as equations z = field + pose . d_pose + shape . d_shape, in rows for x and
-/// for y that have unit variance.
+/// The dots of one lay, as equations field . d_field + shape . d_shape + pose . d_pose = z, in rows
+/// for x and for y that have unit variance. Columns of x and y: the shape's scale, aspect and
+/// shear; the pose's shift x, shift y and turn; z.
 struct LayRows {
-  Eigen::MatrixXd field;      ///< of x, and the same of y
-  Columns3 pose_x, pose_y;    ///< shift x, shift y, turn
-  Columns3 shape_x, shape_y;  ///< scale, aspect, shear
-  Eigen::VectorXd z_x, z_y;
+  Eigen::MatrixXd field;  ///< of x, and the same of y
+  Eigen::MatrixXd x, y;
 };
+constexpr Eigen::Index kShape = 3, kPose = 3, kColumns = kShape + kPose + 1;
 
 LayRows rows_of(const BoardLay& lay, double scale, const FieldBasis& basis, double factor) {
   const Eigen::Index n = lay.seen_B.cols();
@@ -69,62 +68,62 @@ LayRows rows_of(const BoardLay& lay, double scale, const FieldBasis& basis, doub
   mirrored.row(1) *= -1.0;
   mirrored = pose.linear() * mirrored;
   swapped = pose.linear() * swapped;
-  LayRows rows{Eigen::MatrixXd(n, basis.terms()),
-               Columns3(n, 3),
-               Columns3(n, 3),
-               Columns3(n, 3),
-               Columns3(n, 3),
-               Eigen::VectorXd(n),
-               Eigen::VectorXd(n)};
+  LayRows rows{Eigen::MatrixXd(n, basis.terms()), Eigen::MatrixXd(n, kColumns),
+               Eigen::MatrixXd(n, kColumns)};
   for (Eigen::Index i = 0; i < n; ++i) {
-    const double weight = 1.0 / (factor * lay.sigma[i]);
-    rows.field.row(i) = weight * basis.at(lay.seen_B.col(i));
-    rows.pose_x.row(i) = weight * Eigen::RowVector3d(1.0, 0.0, -arm(1, i));
-    rows.pose_y.row(i) = weight * Eigen::RowVector3d(0.0, 1.0, arm(0, i));
-    rows.shape_x.row(i) = weight * Eigen::RowVector3d(arm(0, i), mirrored(0, i), swapped(0, i));
-    rows.shape_y.row(i) = weight * Eigen::RowVector3d(arm(1, i), mirrored(1, i), swapped(1, i));
-    rows.z_x[i] = weight * (lay.seen_B(0, i) - place(0, i));
-    rows.z_y[i] = weight * (lay.seen_B(1, i) - place(1, i));
+    const Eigen::Vector2d z = lay.seen_B.col(i) - place.col(i);
+    rows.field.row(i) = basis.at(lay.seen_B.col(i));
+    rows.x.row(i) << arm(0, i), mirrored(0, i), swapped(0, i), 1.0, 0.0, -arm(1, i), z.x();
+    rows.y.row(i) << arm(1, i), mirrored(1, i), swapped(1, i), 0.0, 1.0, arm(0, i), z.y();
+    for (Eigen::MatrixXd* part : {&rows.field, &rows.x, &rows.y})
+      part->row(i) /= factor * lay.sigma[i];
   }
   return rows;
 }
 
 /// Normal equations of the field's weights and the board's shape.
 struct Sums {
-  explicit Sums(Eigen::Index field_terms)
-      : H(Eigen::MatrixXd::Zero(field_terms + 3, field_terms + 3)),
-        right(Eigen::VectorXd::Zero(field_terms + 3)) {}
+  explicit Sums(Eigen::Index terms)
+      : H(Eigen::MatrixXd::Zero(terms, terms)), right(Eigen::VectorXd::Zero(terms)) {}
 
   Eigen::MatrixXd H;
   Eigen::VectorXd right;
   double squares{0.0};
 };
 
+/// Lets the last unknowns go, which stay free or have their prior in H.
+Sums without_last(const Sums& sums, Eigen::Index count) {
+  const Eigen::Index n = sums.right.size() - count;
+  const Eigen::MatrixXd with_last = sums.H.topRightCorner(n, count);
+  Eigen::MatrixXd right(count, n + 1);
+  right << with_last.transpose(), sums.right.tail(count);
+  const Eigen::MatrixXd solved = solve_symmetric(sums.H.bottomRightCorner(count, count), right);
+  Sums left(n);
+  left.H = sums.H.topLeftCorner(n, n) - with_last * solved.leftCols(n);
+  left.right = sums.right.head(n) - with_last * solved.col(n);
+  left.squares = sums.squares - sums.right.tail(count).dot(solved.col(n));
+  return left;
+}
+
 /// Adds a lay, of which the pose is free: it takes its part of the squares away.
 void add(const LayRows& rows, Sums& sums) {
-  const Eigen::Index nb = rows.field.cols(), n = sums.right.size();
+  const Eigen::Index nb = rows.field.cols(), n = 2 * nb + kShape, all = n + kPose;
+  Sums lay(all);
+  Eigen::MatrixXd of_others(all + 1, kColumns);
+  of_others << rows.field.transpose() * rows.x, rows.field.transpose() * rows.y,
+      rows.x.transpose() * rows.x + rows.y.transpose() * rows.y;
   const Eigen::MatrixXd of_component = rows.field.transpose() * rows.field;
-  sums.H.topLeftCorner(nb, nb) += of_component;
-  sums.H.block(nb, nb, nb, nb) += of_component;
-  Columns3 with_shape(n, 3), with_pose(n, 3);
-  with_shape << rows.field.transpose() * rows.shape_x, rows.field.transpose() * rows.shape_y,
-      rows.shape_x.transpose() * rows.shape_x + rows.shape_y.transpose() * rows.shape_y;
-  with_pose << rows.field.transpose() * rows.pose_x, rows.field.transpose() * rows.pose_y,
-      rows.shape_x.transpose() * rows.pose_x + rows.shape_y.transpose() * rows.pose_y;
-  sums.H.rightCols<3>() += with_shape;
-  sums.H.bottomLeftCorner(3, n - 3) += with_shape.topRows(n - 3).transpose();
-  Eigen::VectorXd right(n);
-  right << rows.field.transpose() * rows.z_x, rows.field.transpose() * rows.z_y,
-      rows.shape_x.transpose() * rows.z_x + rows.shape_y.transpose() * rows.z_y;
-  const Eigen::Matrix3d of_pose =
-      rows.pose_x.transpose() * rows.pose_x + rows.pose_y.transpose() * rows.pose_y;
-  const Eigen::Vector3d right_of_pose =
-      rows.pose_x.transpose() * rows.z_x + rows.pose_y.transpose() * rows.z_y;
-  const Eigen::LDLT<Eigen::Matrix3d> pose(of_pose);
-  sums.H -= with_pose * pose.solve(with_pose.transpose());
-  sums.right += right - with_pose * pose.solve(right_of_pose);
-  sums.squares += rows.z_x.squaredNorm() + rows.z_y.squaredNorm() -
-                  right_of_pose.dot(pose.solve(right_of_pose));
+  lay.H.topLeftCorner(nb, nb) = of_component;
+  lay.H.block(nb, nb, nb, nb) = of_component;
+  lay.H.rightCols(kShape + kPose) = of_others.topLeftCorner(all, kShape + kPose);
+  lay.H.bottomLeftCorner(kShape + kPose, 2 * nb) =
+      of_others.topLeftCorner(2 * nb, kShape + kPose).transpose();
+  lay.right = of_others.col(kColumns - 1).head(all);
+  lay.squares = of_others(all, kColumns - 1);
+  lay = without_last(lay, kPose);
+  sums.H += lay.H;
+  sums.right += lay.right;
+  sums.squares += lay.squares;
 }
 
 }  // namespace
@@ -138,27 +137,21 @@ std::size_t LaidDots::dots() const {
 LayInformation lay_information(const LaidDots& board, const FieldBasis& basis, double factor) {
   const Eigen::Index n = 2 * basis.terms();
   const std::vector<BoardLay> lays = on_disc(board.lays, basis.radius);
-  LayInformation told{Eigen::MatrixXd::Zero(n, n), Eigen::VectorXd::Zero(n), 0.0, 0.0};
-  if (lays.empty()) return told;
+  if (lays.empty()) return {Eigen::MatrixXd::Zero(n, n), Eigen::VectorXd::Zero(n), 0.0, 0.0};
   const double scale = board.pitch_known ? 1.0 : seen_scale(lays);
-  Sums sums(n);
+  Sums sums(n + kShape);
   double numbers = 0.0;
   for (const BoardLay& lay : lays) {
     add(rows_of(lay, scale, basis, factor), sums);
     numbers += 2.0 * static_cast<double>(lay.seen_B.cols()) - 3.0;
   }
   const Eigen::Vector3d prior(board.pitch_known ? kKnownPitch : kUnknownPitch, kPrinted, kPrinted);
-  Eigen::Matrix3d of_shape = sums.H.bottomRightCorner<3, 3>();
-  of_shape.diagonal() += prior.cwiseAbs2().cwiseInverse();
-  const Eigen::LDLT<Eigen::Matrix3d> shape(of_shape);
-  const Columns3 with_shape = sums.H.topRightCorner(n, 3);
-  const Eigen::Vector3d right_of_shape = sums.right.tail<3>();
-  told.H = sums.H.topLeftCorner(n, n) - with_shape * shape.solve(with_shape.transpose());
-  told.right = sums.right.head(n) - with_shape * shape.solve(right_of_shape);
-  told.squares = sums.squares - right_of_shape.dot(shape.solve(right_of_shape));
-  told.log_determinant = 2.0 * numbers * std::log(factor) + shape.vectorD().array().log().sum() +
-                         2.0 * prior.array().log().sum();
-  return told;
+  sums.H.diagonal().tail<3>() += prior.cwiseAbs2().cwiseInverse();
+  const Eigen::Matrix3d of_shape = sums.H.bottomRightCorner<3, 3>();
+  const Sums field = without_last(sums, kShape);
+  return {field.H, field.right, field.squares,
+          2.0 * numbers * std::log(factor) + std::log(of_shape.determinant()) +
+              2.0 * prior.array().log().sum()};
 }
 
 std::optional<Refusal> doubt_of_turns(const LaidDots& board) {
