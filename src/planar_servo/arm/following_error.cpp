@@ -69,8 +69,8 @@ std::optional<Refusal> FollowingError::doubt() const {
   Eigen::MatrixXd covariance = shared * shared.transpose();
   covariance.diagonal() += variance;
   const Eigen::MatrixXd L = *lower_factor(covariance), P = patterns();
-  const Eigen::MatrixXd white_patterns = L.triangularView<Eigen::Lower>().solve(P);
-  const Eigen::VectorXd off_white = L.triangularView<Eigen::Lower>().solve(off);
+  const Eigen::MatrixXd white_patterns = solve_lower(L, P);
+  const Eigen::VectorXd off_white = solve_lower(L, off);
   const Eigen::VectorXd fitted = solve_least_squares(white_patterns, off_white);
   const double chi2 = off_white.squaredNorm() - (off_white - white_patterns * fitted).squaredNorm();
   const Eigen::Matrix2Xd moved = (P * fitted).reshaped(2, n / 2);

@@ -34,6 +34,17 @@ std::optional<Eigen::MatrixXd> lower_factor(const Eigen::MatrixXd& A) {
   return cholesky.matrixL();
 }
 
+// Eigen's solvers take the address of the first coefficient, so what is empty must not reach them.
+Eigen::MatrixXd solve_lower(const Eigen::MatrixXd& L, Eigen::MatrixXd B) {
+  if (B.size() > 0) L.triangularView<Eigen::Lower>().solveInPlace(B);
+  return B;
+}
+
+Eigen::MatrixXd solve_lower_transposed(const Eigen::MatrixXd& L, Eigen::MatrixXd B) {
+  if (B.size() > 0) L.triangularView<Eigen::Lower>().transpose().solveInPlace(B);
+  return B;
+}
+
 Eigen::MatrixXd inverse_of_lower(const Eigen::MatrixXd& L) {
   constexpr Eigen::Index kColumns = 64;
   const Eigen::Index n = L.rows();

@@ -32,6 +32,10 @@ std::optional<Eigen::MatrixXd> solve_positive(const Eigen::MatrixXd& A, const Ei
 /// Returns the lower triangular L of A = L L^T. Empty when A is not positive definite.
 std::optional<Eigen::MatrixXd> lower_factor(const Eigen::MatrixXd& A);
 
+/// Returns X of L X = B, or of L^T X = B, for a lower triangular L; both may be empty.
+Eigen::MatrixXd solve_lower(const Eigen::MatrixXd& L, Eigen::MatrixXd B);
+Eigen::MatrixXd solve_lower_transposed(const Eigen::MatrixXd& L, Eigen::MatrixXd B);
+
 /// Returns the inverse of a lower triangular matrix.
 Eigen::MatrixXd inverse_of_lower(const Eigen::MatrixXd& L);
 

@@ -1,6 +1,5 @@
 #include "planar_servo/field/joint_fit.h"
 
-#include <Eigen/Cholesky>
 #include <cmath>
 #include <limits>
 
@@ -104,8 +103,7 @@ JointEquations::PoseWeight JointEquations::whitening_of(const PoseSample& sample
   const Eigen::MatrixXd L = *lower_factor(covariance.block(first, first, n, n));
   noise_log_det_ += log_det_of(L);
   PoseWeight whiten = PoseWeight::Zero();
-  whiten.block(first, first, n, n) =
-      L.triangularView<Eigen::Lower>().solve(Eigen::MatrixXd::Identity(n, n));
+  whiten.block(first, first, n, n) = inverse_of_lower(L);
   return whiten;
 }
 
@@ -183,8 +181,8 @@ bool JointEquations::solve(const JointPriors& priors) {
   auto L = lower_factor(H_);
   if (!L) return false;
   L_ = std::move(*L);
-  L_.triangularView<Eigen::Lower>().solveInPlace(half_);
-  solution_ = L_.transpose().triangularView<Eigen::Upper>().solve(half_);
+  half_ = solve_lower(L_, half_);
+  solution_ = solve_lower_transposed(L_, half_);
   return true;
 }
 
@@ -208,8 +206,7 @@ std::optional<Eigen::VectorXd> JointEquations::solve_in_steps(const JointPriors&
 }
 
 Eigen::MatrixXd JointEquations::covariance() const {
-  const Eigen::MatrixXd inverse =
-      L_.triangularView<Eigen::Lower>().solve(Eigen::MatrixXd::Identity(terms(), terms()));
+  const Eigen::MatrixXd inverse = inverse_of_lower(L_);
   return inverse.transpose() * inverse;
 }
 
@@ -222,13 +219,13 @@ std::vector<double> JointEquations::chi2() const {
   // A sample pulls the fit towards itself; its residual's covariance is what that leaves of its
   // noise, I - A (A^T A)^-1 A^T.
   const Eigen::VectorXd left = z_white_ - A_ * solution_;
-  const Eigen::MatrixXd pull = L_.triangularView<Eigen::Lower>().solve(A_.transpose());
+  const Eigen::MatrixXd pull = solve_lower(L_, A_.transpose());
   std::vector<double> all;
   for (Eigen::Index row = 0; row < A_.rows(); row += kRows) {
     const auto of_pose = pull.middleCols<kRows>(row);
     const PoseWeight covariance = PoseWeight::Identity() - of_pose.transpose() * of_pose;
     const PoseRows residual = left.segment<kRows>(row);
-    all.push_back(residual.dot(covariance.ldlt().solve(residual)));
+    all.push_back(residual.dot(solve_symmetric(covariance, residual).col(0)));
   }
   return all;
 }

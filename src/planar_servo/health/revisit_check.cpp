@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "planar_servo/core/decompositions.h"
 #include "planar_servo/core/statistics.h"
@@ -81,8 +82,8 @@ struct Whitened {
       }
     }
     const Eigen::MatrixXd L = *lower_factor(covariance);
-    L.triangularView<Eigen::Lower>().solveInPlace(J);
-    L.triangularView<Eigen::Lower>().solveInPlace(d);
+    J = solve_lower(L, std::move(J));
+    d = solve_lower(L, d);
   }
 
   Eigen::MatrixXd J;

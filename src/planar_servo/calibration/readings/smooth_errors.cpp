@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "planar_servo/core/decompositions.h"
 #include "planar_servo/core/units.h"
@@ -102,11 +103,10 @@ Eigen::MatrixXd SmoothErrors::factor(const ErrorTuning& tuning, const Outliers& 
 SmoothFit SmoothErrors::fit(const ErrorTuning& tuning, const Outliers& outliers,
                             const std::optional<StepShape>& step) const {
   const Eigen::MatrixXd L = factor(tuning, outliers);
-  Eigen::MatrixXd F = fixed_, X(size(), step ? 4 : 2);
+  Eigen::MatrixXd F = solve_lower(L, fixed_), X(size(), step ? 4 : 2);
   X.leftCols<2>() = errors_;
   if (step) X.rightCols<2>() = shape(*step);
-  L.triangularView<Eigen::Lower>().solveInPlace(F);
-  L.triangularView<Eigen::Lower>().solveInPlace(X);
+  X = solve_lower(L, std::move(X));
   take_out(F, X);
   SmoothFit fit;
   fit.tuning = tuning;
@@ -162,9 +162,7 @@ SmoothFit SmoothErrors::tuned(const ErrorTuning& guess, const Outliers& outliers
 SmoothRemainders SmoothErrors::remainders(const ErrorTuning& tuning, const Outliers& outliers,
                                           const std::optional<StepShape>& step) const {
   const Eigen::MatrixXd L = factor(tuning, outliers);
-  Eigen::MatrixXd F = fixed_, W = Eigen::MatrixXd::Identity(size(), size());
-  L.triangularView<Eigen::Lower>().solveInPlace(F);
-  L.triangularView<Eigen::Lower>().solveInPlace(W);
+  Eigen::MatrixXd F = solve_lower(L, fixed_), W = inverse_of_lower(L);
   take_out(F, W);
   SmoothRemainders left;
   left.precision = W.transpose() * W;

@@ -248,8 +248,7 @@ Eigen::MatrixXd SparseBasis::at_each(const Eigen::Matrix2Xd& positions) const {
 
 Eigen::MatrixX2d SparseBasis::plain_weights(const Eigen::MatrixX2d& weights) const {
   Eigen::MatrixX2d plain = weights;
-  auto of_gaussians = plain.topRows(centers.cols());
-  factor.transpose().triangularView<Eigen::Upper>().solveInPlace(of_gaussians);
+  plain.topRows(centers.cols()) = solve_lower_transposed(factor, weights.topRows(centers.cols()));
   return plain;
 }
 
@@ -297,9 +296,7 @@ std::optional<RidgeFit> solve_ridge(const SparseStatistics& statistics, Eigen::I
   RidgeFit fit;
   fit.factor = std::move(*factor);
   const Eigen::MatrixXd inverse = inverse_of_lower(fit.factor);
-  fit.weights = statistics.projected;
-  fit.factor.triangularView<Eigen::Lower>().solveInPlace(fit.weights);
-  fit.factor.triangularView<Eigen::Lower>().adjoint().solveInPlace(fit.weights);
+  fit.weights = solve_lower_transposed(fit.factor, solve_lower(fit.factor, statistics.projected));
 
   const Eigen::MatrixX2d& w = fit.weights;
   const Eigen::MatrixX2d gram_w = statistics.gram.selfadjointView<Eigen::Lower>() * w;

@@ -85,8 +85,7 @@ std::optional<Told> told_by(const Eigen::MatrixXd& A, const Eigen::VectorXd& z,
     H.diagonal() += prior.cwiseAbs2().cwiseInverse();
     const auto L = lower_factor(H);
     if (!L) return std::nullopt;
-    const Eigen::MatrixXd inverse =
-        L->triangularView<Eigen::Lower>().solve(Eigen::MatrixXd::Identity(kUnknowns, kUnknowns));
+    const Eigen::MatrixXd inverse = inverse_of_lower(*L);
     told.variance = inverse.colwise().squaredNorm();
     told.mean = inverse.transpose() * (inverse * (weighed.transpose() * z));
     const Eigen::VectorXd left = z - A * told.mean, far = left.cwiseAbs();
