@@ -1,6 +1,9 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
 #include <opencv2/core.hpp>
 
 #include "planar_servo/calibration/board.h"
@@ -32,41 +35,65 @@ struct Ink {
   double paper{200.0};
 };
 
-/// Picture of a dot board: every pixel the mean over 6 x 6 rays, so exact to a fraction of a grey
-/// level at the dots' rims; the lens is linear within a pixel. Dot `missing` (row by row) is left
-/// out.
+/// Where rays of a camera meet a board of dots.
+class BoardRays {
+ public:
+  BoardRays(const Board& board, const Pose& X_CG, int missing)
+      : board_(board), X_GC_(X_CG.inverse()), missing_(missing) {}
+
+  /// Returns where a normalised point of the image lies on the board.
+  Eigen::Vector2d meet(const Eigen::Vector2d& xy) const {
+    const Eigen::Vector3d ray_G = X_GC_.linear() * xy.homogeneous();
+    const Eigen::Vector3d& eye = X_GC_.translation();
+    return eye.head<2>() - eye.z() / ray_G.z() * ray_G.head<2>();
+  }
+
+  /// Returns how far a place lies from the centre of the dot that is nearest; for the dot that is
+  /// missing infinity.
+  double to_dot(const Eigen::Vector2d& p_G) const {
+    const double column = std::clamp(std::round(p_G.x() / board_.pitch), 0.0, board_.columns - 1.0);
+    const double row = std::clamp(std::round(p_G.y() / board_.pitch), 0.0, board_.rows - 1.0);
+    if (static_cast<int>(row) * board_.columns + static_cast<int>(column) == missing_)
+      return std::numeric_limits<double>::infinity();
+    return std::hypot(p_G.x() - column * board_.pitch, p_G.y() - row * board_.pitch);
+  }
+
+ private:
+  const Board& board_;
+  Pose X_GC_;
+  int missing_;
+};
+
+/// Picture of a dot board: every pixel at a rim the mean over 6 x 6 rays, so exact to a fraction of
+/// a grey level; the lens is linear within a pixel. Dot `missing` (row by row) is left out.
 inline cv::Mat picture_of_dots(const CameraModel& camera, const Board& board, double dot_diameter,
                                const Pose& X_CG, const Ink& ink = {}, int missing = -1) {
   constexpr int kSubdivision = 6;
-  const Pose X_GC = X_CG.inverse();
-  const auto covered = [&](const Eigen::Vector2d& xy) {
-    const Eigen::Vector3d ray_G = X_GC.linear() * xy.homogeneous();
-    const Eigen::Vector3d& eye = X_GC.translation();
-    const double x = eye.x() - eye.z() * ray_G.x() / ray_G.z();
-    const double y = eye.y() - eye.z() * ray_G.y() / ray_G.z();
-    const double column = std::round(x / board.pitch);
-    const double row = std::round(y / board.pitch);
-    if (column < 0 || row < 0 || column >= board.columns || row >= board.rows) return false;
-    if (static_cast<int>(row) * board.columns + static_cast<int>(column) == missing) return false;
-    return std::hypot(x - column * board.pitch, y - row * board.pitch) < 0.5 * dot_diameter;
+  const BoardRays rays(board, X_CG, missing);
+  const auto part_of_pixel = [&](int u, int v) {
+    Eigen::Matrix2d d_xy_d_uv;
+    const Eigen::Vector2d middle = ray(camera, {u, v}, &d_xy_d_uv).value().head<2>();
+    const auto meet = [&](double a, double b) {
+      return rays.meet(middle + d_xy_d_uv * Eigen::Vector2d(a, b));
+    };
+    const Eigen::Vector2d p_G = meet(0.0, 0.0);
+    const double pixel = std::max((meet(0.5, 0.5) - p_G).norm(), (meet(0.5, -0.5) - p_G).norm());
+    const double inside = 0.5 * dot_diameter - rays.to_dot(p_G);
+    if (std::abs(inside) > 1.2 * pixel) return inside > 0.0 ? 1.0 : 0.0;
+    int hits = 0;
+    for (int a = 0; a < kSubdivision; ++a)
+      for (int b = 0; b < kSubdivision; ++b)
+        hits += rays.to_dot(meet((a + 0.5) / kSubdivision - 0.5, (b + 0.5) / kSubdivision - 0.5)) <
+                        0.5 * dot_diameter
+                    ? 1
+                    : 0;
+    return static_cast<double>(hits) / (kSubdivision * kSubdivision);
   };
   cv::Mat image(480, 640, CV_8UC1);
-  for (int v = 0; v < image.rows; ++v) {
-    for (int u = 0; u < image.cols; ++u) {
-      Eigen::Matrix2d d_xy_d_uv;
-      const Eigen::Vector3d middle = ray(camera, {u, v}, &d_xy_d_uv).value();
-      int hits = 0;
-      for (int a = 0; a < kSubdivision; ++a) {
-        for (int b = 0; b < kSubdivision; ++b) {
-          const Eigen::Vector2d at((a + 0.5) / kSubdivision - 0.5, (b + 0.5) / kSubdivision - 0.5);
-          hits += covered(middle.head<2>() + d_xy_d_uv * at) ? 1 : 0;
-        }
-      }
-      const double part = static_cast<double>(hits) / (kSubdivision * kSubdivision);
+  for (int v = 0; v < image.rows; ++v)
+    for (int u = 0; u < image.cols; ++u)
       image.at<std::uint8_t>(v, u) =
-          cv::saturate_cast<std::uint8_t>(ink.paper + part * (ink.dot - ink.paper));
-    }
-  }
+          cv::saturate_cast<std::uint8_t>(ink.paper + part_of_pixel(u, v) * (ink.dot - ink.paper));
   return image;
 }
 
