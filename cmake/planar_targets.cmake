@@ -34,15 +34,19 @@ add_library(planar_visp INTERFACE)
 target_include_directories(planar_visp SYSTEM INTERFACE ${VISP_INCLUDE_DIRS})
 target_link_libraries(planar_visp INTERFACE ${visp})
 
-# planar_precompiled(NAME LINKS packages HEADERS their headers ...): headers that many files include,
-# compiled once for the targets that planar_precompile() names. A file still includes what it uses.
+# planar_precompiled(NAME LINKS packages HEADERS their headers ... [LEVEL -O1]): headers that many files
+# include, compiled once for the targets that planar_precompile() names. A file still includes what it
+# uses. GCC takes the level of optimisation from the compiled headers: LEVEL is that of these targets in
+# a release, where it is not the usual one.
 function(planar_precompiled name)
-  cmake_parse_arguments(PCH "" "" "LINKS;HEADERS" ${ARGN})
+  cmake_parse_arguments(PCH "" "LEVEL" "LINKS;HEADERS" ${ARGN})
   set(source ${PROJECT_BINARY_DIR}/${name}.cpp)
   file(CONFIGURE OUTPUT ${source} CONTENT "")
   add_library(${name} OBJECT ${source})
   set_target_properties(${name} PROPERTIES CXX_STANDARD 17 CXX_EXTENSIONS OFF)
   target_link_libraries(${name} PRIVATE planar_options Eigen3::Eigen fmt::fmt ${PCH_LINKS})
+  set_property(GLOBAL PROPERTY PLANAR_LEVEL_${name} $<$<CONFIG:Release>:${PCH_LEVEL}>)
+  target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:${PCH_LEVEL}>)
   list(TRANSFORM PCH_HEADERS REPLACE "(.+)" "<\\1>")
   target_precompile_headers(${name} PRIVATE
     <algorithm> <array> <chrono> <cmath> <cstdint> <filesystem> <fstream> <functional> <limits>
@@ -53,15 +57,18 @@ endfunction()
 # planar_precompile(TARGET NAME): GCC takes the compiled headers only together with the macros that
 # they were compiled with, hence fmt's.
 function(planar_precompile target name)
+  get_property(level GLOBAL PROPERTY PLANAR_LEVEL_${name})
+  target_compile_options(${target} PRIVATE ${level})
   target_link_libraries(${target} PRIVATE fmt::fmt)
   target_precompile_headers(${target} REUSE_FROM ${name})
 endfunction()
 
 planar_precompiled(planar_plain_headers)
 planar_precompiled(planar_pixel_headers LINKS opencv_core HEADERS opencv2/core.hpp)
+# Programs and the rooms that write JSON are large and compute little: -O1 takes a third off.
 planar_precompiled(planar_program_headers
   LINKS CLI11::CLI11 nlohmann_json::nlohmann_json opencv_core
-  HEADERS CLI/App.hpp nlohmann/json.hpp opencv2/core.hpp)
+  HEADERS CLI/App.hpp nlohmann/json.hpp opencv2/core.hpp LEVEL -O1)
 
 # planar_room(NAME LINKS rooms and packages others may see [PRIVATE_LINKS hidden ones])
 # One library per room, of every source in its folder; without sources it is headers only. The link
