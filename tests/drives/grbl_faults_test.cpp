@@ -234,6 +234,20 @@ TEST_CASE("A board that falls silent runs no further than what it has queued") {
   bench.check_recovery(false);
 }
 
+TEST_CASE("A move asks whether to stop while the board is silent, too") {
+  BoardRobot bench;
+  int asked = 0;
+  const auto objection = [&]() -> std::optional<std::string> {
+    if (bench.board.shafts().x() < 400) return std::nullopt;
+    bench.board.be_silent(true);
+    ++asked;
+    return std::nullopt;
+  };
+  CHECK_THROWS_WITH(bench.robot.move_to(kFarAhead, objection),
+                    Contains("it does not answer within 1 s"));
+  CHECK(asked > 3);
+}
+
 TEST_CASE("A board that says everything but its status is out of touch") {
   BoardRobot bench;
   std::atomic<bool> chatting{true};

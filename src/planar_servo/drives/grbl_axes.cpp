@@ -28,6 +28,9 @@ using grbl::State;
 
 /// A board that says nothing for this long is out of touch. By then it has come to rest.
 constexpr double kAnswerPatience_s = 1.0;
+/// While axes move, a poll waits for an answer no longer than this, so that its caller can stop
+/// them.
+constexpr double kMovingPatience_s = 0.1;
 /// It is asked again after this time, because simulators continue to read only when more comes.
 constexpr double kAskPeriod_s = 0.05;
 /// A board that jogs answers a piece within some milliseconds. One that reads none for this long,
@@ -136,15 +139,18 @@ GrblAxes::~GrblAxes() {
 void GrblAxes::poll() {
   while (const auto line = board_.hear(0.0)) take(*line);
   if (searching_) return board_.tell(grbl::kAskStatus);  // Grbl answers when it has found them
-  if (!hear_report())
+  const double patience_s = may_move_ ? kMovingPatience_s : kAnswerPatience_s;
+  silent_s_ = hear_report(patience_s) ? 0.0 : silent_s_ + patience_s;
+  if (silent_s_ >= kAnswerPatience_s)
     throw WorkError(fmt::format("it does not answer within {:g} s", kAnswerPatience_s));
+  if (silent_s_ > 0.0) return;
   judge();
   feed();
 }
 
 /// Asks for the status and waits for the answer; returns false when none comes.
-bool GrblAxes::hear_report() {
-  const double deadline_s = clock_.now_s() + kAnswerPatience_s;
+bool GrblAxes::hear_report(double patience_s) {
+  const double deadline_s = clock_.now_s() + patience_s;
   do {
     board_.tell(grbl::kAskStatus);
     while (const auto line = board_.hear(kAskPeriod_s)) {
@@ -299,7 +305,8 @@ void GrblAxes::search_switches() {
 void GrblAxes::end_search() {
   searching_ = may_move_ = false;
   watch_.forget_way();
-  if (!hear_report() || !hear_report() || !watch_.knows_place() || !watch_.settled())
+  if (!hear_report(kAnswerPatience_s) || !hear_report(kAnswerPatience_s) || !watch_.knows_place() ||
+      !watch_.settled())
     return brake_for("it does not report the position of its switches");
   watch_.end_way();
   found_switches_ = true;

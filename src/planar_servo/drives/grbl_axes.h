@@ -110,7 +110,7 @@ class GrblAxes {
   const std::vector<std::string>& faults(std::size_t axis) const { return faults_.at(axis); }
 
  private:
-  bool hear_report();
+  bool hear_report(double patience_s);
   void take(const grbl::Line& line);
   void take_report(const grbl::Report& report);
   void judge();
@@ -139,6 +139,7 @@ class GrblAxes {
   bool unlocked_{false}, may_move_{false}, braking_{false};
   bool searching_{false}, found_switches_{false};
   bool stopped_seen_{false};  ///< by the last report
+  double silent_s_{0.0};      ///< in which polls have waited for a report in vain, up to now
   double sent_s_{0.0};        ///< when the last move was sent
   int unread_reports_{0};     ///< in a row, in which the board slows down and leaves a piece unread
   double unread_since_s_{0.0};
