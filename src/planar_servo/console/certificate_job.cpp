@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "planar_servo/certificate/certificate_report.h"
+#include "planar_servo/io/terminal.h"
 
 namespace planar {
 namespace {
@@ -54,6 +55,8 @@ CellJobs::Ending CertificateJob::certify(const CertificateRequest& request, Cell
   const auto at_page = std::make_shared<PageOperator>(board_, request.servo.stop, [] {});
   const auto seated = seat_.take(at_page);
   devices.tracker().ask_of(at_page);
+  const std::shared_ptr<void> given_back(
+      nullptr, [&](void*) { devices.tracker().ask_of(std::make_shared<Terminal>()); });
   const auto lend = [&](const CellSettings& /*cell*/) {
     return std::shared_ptr<CellDevices>(std::shared_ptr<void>(), &devices);
   };

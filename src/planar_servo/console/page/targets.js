@@ -1,6 +1,6 @@
 // The table of targets: written, run, resumed.
 
-import {attempt, order} from "./actions.js";
+import {attempt, order, setReady} from "./actions.js";
 import {byId, fixed, make, minuteOf, offerFile, put} from "./dom.js";
 import {showOnField} from "./field.js";
 import {ask} from "./link.js";
@@ -30,6 +30,7 @@ function showTargets() {
   byId("target-table").classList.toggle("no-phi", targets.every(({phi_deg}) => typeof phi_deg !== "number"));
   put("targets-count", countText());
   put("run", targets.length ? `Run ${targets.length}` : "Run");
+  setReady("run", targets.length > 0);
   showOnField(targets, results);
 }
 
