@@ -99,7 +99,8 @@ class Browser:
         return self._post(f"{self.session}/element", {"using": "css selector", "value": selector})
 
     def press(self, selector, x=0, y=0):
-        """Presses the mouse's button on an element, at a distance in pixels from its middle."""
+        """Presses the mouse's button on an element that is enabled, at a distance in pixels from its middle."""
+        self.wait(f"!document.querySelector({json.dumps(selector)})?.disabled")
         element = self._element(selector)
         self.run("arguments[0].scrollIntoView({block: 'center'})", element)
         self._act({"type": "pointerMove", "origin": element, "x": x, "y": y, "duration": 0},
