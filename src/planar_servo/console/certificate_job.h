@@ -12,8 +12,8 @@ namespace planar {
 class CertificateJob {
  public:
   /// All must outlive it.
-  CertificateJob(const KnownCell& cell, StateBoard& board, CellJobs& jobs, PageSeat& seat)
-      : cell_(cell), board_(board), jobs_(jobs), seat_(seat) {}
+  CertificateJob(StateBoard& board, CellJobs& jobs, PageSeat& seat)
+      : board_(board), jobs_(jobs), seat_(seat) {}
 
   /// Begins a certificate in the folder `name` beside the cell file, or continues the one that was
   /// broken off there, and returns the number of its job once its files are read. Throws as the
@@ -24,7 +24,6 @@ class CertificateJob {
   CellJobs::Ending certify(const CertificateRequest& request, CellDevices& devices,
                            const CellJobs::Begun& begun);
 
-  const KnownCell& cell_;
   StateBoard& board_;
   CellJobs& jobs_;
   PageSeat& seat_;

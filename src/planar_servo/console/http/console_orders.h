@@ -25,7 +25,7 @@ struct ConsoleJobs {
               std::function<void()> changed)
       : places(cell, board, worker),
         recording(cell, board, places, seat),
-        certificate(cell, board, places, seat),
+        certificate(board, places, seat),
         path(cell, places),
         steps(cell, board, places, std::move(changed)) {}
 
