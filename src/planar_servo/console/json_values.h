@@ -1,13 +1,29 @@
 #pragma once
 
+#include <fmt/format.h>
+
 #include <Eigen/Core>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <string>
 #include <vector>
 
+#include "planar_servo/core/error.h"
+#include "planar_servo/core/names.h"
 #include "planar_servo/core/units.h"
 
 namespace planar {
+
+/// Returns the value of an order's word. Throws InputError, which says whose word it is, for
+/// another one.
+template <typename Enum, std::size_t N>
+Enum value_in(const Named<Enum> (&table)[N], const std::string& word, const char* key) {
+  const auto value = value_named(table, word);
+  if (!value)
+    throw InputError({fmt::format("is '{}'", word),
+                      fmt::format("allowed are {}", fmt::join(names_of(table), ", ")), key});
+  return *value;
+}
 
 /// Returns a number to four decimal places; null when it is not finite.
 inline nlohmann::ordered_json json_number(double value) {

@@ -6,6 +6,7 @@
 #include <memory>
 #include <utility>
 
+#include "planar_servo/console/json_values.h"
 #include "planar_servo/record/recorder.h"
 #include "planar_servo/tables/recording_tables.h"
 
@@ -21,15 +22,6 @@ void require_file_name(const std::string& name, const char* where) {
     throw InputError({fmt::format("is '{}'", name),
                       fmt::format("take up to {} letters, digits, - . and _", kMostFileName),
                       where});
-}
-
-BadReading bad_reading_of(const std::string& word) {
-  const auto value = value_named(kBadReadings, word);
-  if (!value)
-    throw InputError({fmt::format("is '{}'", word),
-                      fmt::format("allowed are {}", fmt::join(names_of(kBadReadings), ", ")),
-                      "on_bad_reading"});
-  return *value;
 }
 
 RecordingState state_of(const RecordView& view) {
@@ -52,7 +44,7 @@ int RecordingJob::begin(const RecordingOrder& order) {
   wanted.cell = cell_.settings();
   wanted.plan = read_plan(cell_.folder() / order.plan, wanted.cell.tool_orientation);
   wanted.recording = cell_.folder() / order.out;
-  wanted.on_bad_reading = bad_reading_of(order.on_bad_reading);
+  wanted.on_bad_reading = value_in(kBadReadings, order.on_bad_reading, "on_bad_reading");
   if (!order.board.empty()) wanted.board = parse_board(order.board, BoardUse::kShape);
   const auto record_all = [this, wanted](CellDevices& devices, const CellJobs::Stop& stop,
                                          const CellJobs::Begun& begun) -> CellJobs::Ending {

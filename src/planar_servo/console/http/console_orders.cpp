@@ -4,6 +4,7 @@
 
 #include <sstream>
 
+#include "planar_servo/console/json_values.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/doctor/next_step.h"
 
@@ -33,15 +34,6 @@ int whole_or(const nlohmann::ordered_json& body, const char* key, int otherwise)
   const auto value = member_or<nlohmann::ordered_json>(body, key, otherwise);
   if (value.is_number_integer() && value == value.get<int>()) return value.get<int>();
   throw InputError({fmt::format("is {}", value.dump()), "a whole number is needed", key});
-}
-
-Guidance guidance_of(const std::string& word) {
-  const auto value = value_named(kGuidances, word);
-  if (!value)
-    throw InputError({fmt::format("is '{}'", word),
-                      fmt::format("allowed are {}", fmt::join(names_of(kGuidances), ", ")),
-                      "guided_by"});
-  return *value;
 }
 
 }  // namespace
@@ -141,7 +133,7 @@ ConsoleOrders::Json ConsoleOrders::follow(const Json& body, const std::string& c
   const std::string vision = name_in(kGuidances, Guidance::kVision);
   std::vector<Guidance> guidances;
   for (const auto& word : member_or<std::vector<std::string>>(body, "guided_by", {vision}))
-    guidances.push_back(guidance_of(word));
+    guidances.push_back(value_in(kGuidances, word, "guided_by"));
   require_floor(client);
   return {{"job", jobs_.path.begin(name, speeds_mm_s, guidances)}};
 }
