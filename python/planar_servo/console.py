@@ -21,7 +21,7 @@ import time
 import urllib.error
 import urllib.parse
 import urllib.request
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from typing import Any
 
 from ._errors import InputError, WorkError
@@ -118,7 +118,7 @@ class Console:
         return dict(self._json("/api/path", {"csv": csv}))
 
     def follow(
-        self, out: str, speeds_mm_s: Iterable[float] = (10.0,), guided_by: Iterable[str] = ("vision",)
+        self, out: str, speeds_mm_s: tuple[float, ...] = (10.0,), guided_by: tuple[str, ...] = ("vision",)
     ) -> Iterator[dict[str, Any]]:
         """Follows the path once at each speed by 'arm' and 'vision', as named, and yields how each pass went.
 
