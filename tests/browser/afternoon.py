@@ -3,8 +3,6 @@
 
 afternoon.py BIN_DIR CELL_FOLDER PICTURES  serves the virtual cell, forgets its calibration, and works it in headless
                                            Chromium; exit status 1 for a claim that does not hold. Keeps pictures.
-
-Its plan of 29 places calibrates coarsely: in some runs the guard doubts the lamps' distance at a target, which ends it.
 """
 import math
 import os
@@ -76,9 +74,7 @@ class Afternoon:
         self.console.wait_for(lambda state: state["opened"] > opened, 120)
         self.page.wait(f"!{NEXT}.startsWith('{step}: ') && {JOB}.includes('is done')", 20)
         claim(f"what is next is done: {step}", True, self.page.text("#next-text"))
-        # While the cell's files are read anew nobody answers at its port.
-        faults = [message for message in self.page.messages() if "net::ERR_" not in message]
-        claim("and the browser's console says nothing but that", not faults, "; ".join(faults))
+        check_messages(self.page)
 
     def plan(self):
         self.look("fresh")

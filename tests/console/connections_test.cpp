@@ -5,6 +5,9 @@
 #include <unistd.h>
 
 #include <catch2/catch.hpp>
+#include <chrono>
+#include <functional>
+#include <future>
 #include <string>
 #include <thread>
 #include <vector>
@@ -17,11 +20,12 @@ namespace {
 
 /// A server that answers "here", on a port of its own.
 struct Served {
-  ConsoleServer server;
-  int port;
+  ListeningPort listening{"127.0.0.1", 0};
+  int port{listening.number()};
+  ConsoleServer server{listening};
   std::thread answering;
 
-  Served() : port(server.open("127.0.0.1", 0)) {
+  Served() {
     server.Get("/",
                [](const auto&, auto& response) { response.set_content("here", "text/plain"); });
     server.Post("/",
@@ -52,9 +56,8 @@ struct Served {
 
 TEST_CASE("A port that another console has is refused by its number") {
   const Served first;
-  ConsoleServer second;
-  CHECK_THROWS_AS(second.open("127.0.0.1", first.port), InputError);
-  CHECK_THROWS_WITH(second.open("127.0.0.1", first.port),
+  CHECK_THROWS_AS(ListeningPort("127.0.0.1", first.port), InputError);
+  CHECK_THROWS_WITH(ListeningPort("127.0.0.1", first.port),
                     Catch::Contains(std::to_string(first.port)) && Catch::Contains("--port"));
 }
 
@@ -89,10 +92,32 @@ TEST_CASE("The server ends while clients wait") {
   }
 }
 
+TEST_CASE("Who comes between two servers of a port is answered by the second") {
+  const ListeningPort listening("127.0.0.1", 0);
+  const auto serve = [&](const char* text, const std::function<void()>& meanwhile) {
+    ConsoleServer server(listening);
+    server.Get("/", [&](const auto&, auto& response) { response.set_content(text, "text/plain"); });
+    std::thread answering([&] { server.answer(); });
+    meanwhile();
+    server.close();
+    answering.join();
+  };
+  const auto get = [&] { return httplib::Client("127.0.0.1", listening.number()).Get("/"); };
+  serve("first", [&] { CHECK(get()->body == "first"); });
+  auto between = std::async(std::launch::async, get);
+  CHECK(between.wait_for(std::chrono::milliseconds(100)) == std::future_status::timeout);
+  serve("second", [&] {
+    const auto answer = between.get();
+    REQUIRE(answer);
+    CHECK(answer->body == "second");
+  });
+}
+
 TEST_CASE("What is served by https is read by who trusts the certificate, and not in the clear") {
   const test::SelfSigned pair(1.0);
-  ConsoleServer server(std::make_shared<const Tls>(pair.certificate, pair.key));
-  const int port = server.open("127.0.0.1", 0);
+  const ListeningPort listening("127.0.0.1", 0);
+  const int port = listening.number();
+  ConsoleServer server(listening, std::make_shared<const Tls>(pair.certificate, pair.key));
   const std::string much(3 << 20, 'x');
   server.Get("/", [&](const auto&, auto& response) { response.set_content(much, "text/plain"); });
   std::thread answering([&] { server.answer(); });

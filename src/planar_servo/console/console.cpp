@@ -58,7 +58,9 @@ struct Console::Kept {
   std::filesystem::path cell_file;
   ConsoleListening listening;
   std::function<bool()> interrupted;
-  Tokens tokens{new_tokens()};
+  std::shared_ptr<const Tls> tls{tls_of(listening)};
+  ListeningPort port{listening.address, listening.port};
+  Gatekeeper gate{{port.number(), listening.address, tls}, new_tokens()};
   StateBoard board{CellNames(cell_file)};
 };
 
@@ -67,11 +69,7 @@ struct Console::Parts {
   explicit Parts(Kept& kept)
       : cell(kept.cell_file),
         lock(cell.settings().file),
-        tls(tls_of(kept.listening)),
-        server(tls),
-        gate({kept.listening.port = server.open(kept.listening.address, kept.listening.port),
-              kept.listening.address, tls},
-             kept.tokens),
+        server(kept.port, kept.tls),
         log(kept.board),
         worker(cell, kept.board, kept.interrupted),
         jobs(cell, kept.board, worker,
@@ -79,14 +77,12 @@ struct Console::Parts {
                worker.close();
                has_new_files = true;
              }),
-        api(gate, cell, kept.board, worker, jobs, server) {}
+        api(kept.gate, cell, kept.board, worker, jobs, server) {}
 
   std::atomic<bool> has_new_files{false};
   KnownCell cell;
   CellLock lock;
-  std::shared_ptr<const Tls> tls;
   ConsoleServer server;
-  Gatekeeper gate;
   LogLines log;
   CellWorker worker;
   ConsoleJobs jobs;
@@ -101,7 +97,7 @@ Console::Console(const std::filesystem::path& cell_file, const ConsoleListening&
 Console::~Console() = default;
 
 ConsoleAddresses Console::addresses() const {
-  const Gatekeeper& gate = parts_->gate;
+  const Gatekeeper& gate = kept_->gate;
   const std::string page = gate.address() + "/?token=";
   return {page + gate.tokens().operate, page + gate.tokens().read};
 }

@@ -65,6 +65,13 @@ double largest_without_strays(const std::vector<double>& values, double never_st
   return largest;
 }
 
+/// Returns by what the largest of so many values is multiplied, so that of normal values as few
+/// exceed half again as much as with 200: one in 17,000 instead of one in 200 with 22. Found by
+/// drawing; within 5 % from 10 values on.
+double few_places(std::size_t count) {
+  return std::max(1.0, 0.925 + 15.0 / static_cast<double>(count));
+}
+
 /// How far apart two places are for a check: a turn counts by the circle of the lamps.
 double apart(const SeenPlace& a, const SeenPlace& b) {
   const double turn = wrap_angle(a.seen.phi - b.seen.phi);
@@ -132,12 +139,13 @@ HealthRecord health_record_of(const std::vector<SeenPlace>& seen) {
     distances_m.push_back((look.seen.p - look.commanded.p).norm());
     turns.push_back(std::abs(wrap_angle(look.seen.phi - look.commanded.phi)));
   }
-  record.distance_m = largest_without_strays(distances_m, kNeverStray_m);
-  record.turn = largest_without_strays(turns, kNeverStrayTurn);
+  const double few = few_places(seen.size());
+  record.distance_m = few * largest_without_strays(distances_m, kNeverStray_m);
+  record.turn = few * largest_without_strays(turns, kNeverStrayTurn);
   record.separation_m = mean(separations);
-  for (const double value : separations)
-    record.separation_spread_m =
-        std::max(record.separation_spread_m, std::abs(value - record.separation_m));
+  const auto [nearest, farthest] = std::minmax_element(separations.begin(), separations.end());
+  record.separation_spread_m =
+      few * std::max(record.separation_m - *nearest, *farthest - record.separation_m);
   std::vector<LampLooks> looks;
   for (const SeenPlace& look : seen)
     if (look.looks) looks.push_back(*look.looks);

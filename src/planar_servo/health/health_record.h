@@ -40,7 +40,7 @@ struct HealthPlace {
 /// Holds what a cell was like at its calibration. It belongs to the calibration files made with it.
 struct HealthRecord {
   /// The mean distance between the lamps as seen, uncompensated, and the farthest that a place's
-  /// distance was from it.
+  /// distance was from it. These three largest values are widened where places are few.
   double separation_m{0.0};
   double separation_spread_m{0.0};
   /// The farthest that the end point was seen from where it was commanded, and the most that the

@@ -1,7 +1,6 @@
 #include "planar_servo/console/http/connections.h"
 
 #include <fcntl.h>
-#include <fmt/format.h>
 #include <netinet/tcp.h>
 #include <poll.h>
 #include <sys/socket.h>
@@ -9,12 +8,9 @@
 
 #include <algorithm>
 #include <array>
-#include <functional>
 #include <optional>
 #include <thread>
 #include <utility>
-
-#include "planar_servo/core/error.h"
 
 namespace planar {
 namespace {
@@ -27,7 +23,8 @@ constexpr std::size_t kMostConnections = 256;
 constexpr milliseconds kMaySay{100};
 /// A whole request must arrive, and a reader must take the next bytes, within this time.
 constexpr milliseconds kPatience{3000};
-constexpr int kBacklog = 1024;  // connections that wait to be accepted
+/// The end of answering is heeded within this time.
+constexpr milliseconds kHeed{20};
 constexpr std::size_t kMostBody = 1 << 20;
 constexpr char kLoopback[] = "127.0.0.1";
 
@@ -117,29 +114,6 @@ class SocketStream final : public httplib::Stream {
   std::size_t begin_{0}, end_{0};
 };
 
-/// Gives every connection a thread.
-class ConnectionThreads final : public httplib::TaskQueue {
- public:
-  explicit ConnectionThreads(Connections& connections) : connections_(connections) {}
-
-  void enqueue(std::function<void()> answer) override {
-    connections_.enter();
-    std::thread([this, answer = std::move(answer)] {
-      answer();
-      connections_.leave();
-    }).detach();
-  }
-  void shutdown() override { connections_.close_all(); }
-
- private:
-  Connections& connections_;
-};
-
-void reuse_address(socket_t socket) {
-  const int yes = 1;  // without SO_REUSEPORT, by which a second console could share the port
-  setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
-}
-
 }  // namespace
 
 void Connections::enter() {
@@ -190,45 +164,40 @@ void Connections::close_longest_waiting() {
   longest->closed = true;
 }
 
-ConsoleServer::ConsoleServer(std::shared_ptr<const Tls> tls) : tls_(std::move(tls)) {
-  new_task_queue = [this] { return new ConnectionThreads(connections_); };
-  set_socket_options(reuse_address);
+ConsoleServer::ConsoleServer(const ListeningPort& port, std::shared_ptr<const Tls> tls)
+    : port_(port), tls_(std::move(tls)) {
+  svr_sock_ = port.socket();  // httplib ends what it is writing once this is invalid
   set_payload_max_length(kMostBody);
 }
 
-int ConsoleServer::open(const std::string& address, int port) {
-  const int bound = port == 0 ? bind_to_any_port(address) : bind_to_port(address, port) ? port : -1;
-  if (bound < 0)
-    throw InputError({fmt::format("port {} of {} is taken or not allowed", port, address),
-                      "end the program that listens there, or name another one with --port"});
-  ::listen(svr_sock_,
-           kBacklog);  // httplib asks for 5, beyond which clients try again after a second
-  return bound;
-}
-
 void ConsoleServer::answer() {
-  listen_after_bind();
-  ended_ = true;
+  while (svr_sock_ != INVALID_SOCKET) {
+    const int socket = port_.accept(kHeed);
+    if (socket < 0) continue;
+    connections_.enter();
+    std::thread([this, socket] {
+      answer_and_close(socket);
+      connections_.leave();
+    }).detach();
+  }
+  connections_.close_all();
 }
 
 void ConsoleServer::close() {
-  while (!is_running() && !ended_) std::this_thread::sleep_for(milliseconds(1));
-  stop();
+  svr_sock_ = INVALID_SOCKET;
 }
 
-bool ConsoleServer::process_and_close_socket(socket_t socket) {
+void ConsoleServer::answer_and_close(int socket) {
   const int yes = 1;
   setsockopt(socket, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
   Connections::Entry& entry = connections_.add(socket);
   SocketStream stream(entry);
   constexpr bool kCloseAfterwards = true;
   bool closed = false;
-  const bool answered = (!tls_ || stream.encrypt(*tls_)) &&
-                        process_request(stream, kCloseAfterwards, closed, nullptr);
+  if (!tls_ || stream.encrypt(*tls_)) process_request(stream, kCloseAfterwards, closed, nullptr);
   stream.finish();
   connections_.remove(entry);
   ::close(socket);
-  return answered;
 }
 
 }  // namespace planar

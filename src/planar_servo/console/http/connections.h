@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "planar_servo/console/http/listening_port.h"
 #include "planar_servo/console/http/tls.h"
 
 namespace planar {
@@ -49,23 +50,21 @@ class Connections {
 /// An HTTP server that answers one request per connection.
 class ConsoleServer final : public httplib::Server {
  public:
-  /// Without `tls` nothing is encrypted.
-  explicit ConsoleServer(std::shared_ptr<const Tls> tls = nullptr);
+  /// Without `tls` nothing is encrypted. `port` must outlive the server.
+  explicit ConsoleServer(const ListeningPort& port, std::shared_ptr<const Tls> tls = nullptr);
 
-  /// Listens on this port of this computer's `address`, or on a free one for 0, and returns it.
-  /// Throws InputError when the port is taken or not allowed.
-  int open(const std::string& address, int port);
-  /// Answers until close() is called from another thread.
+  /// Answers those who come to the port until close() is called from another thread. Who comes
+  /// later waits at the port.
   void answer();
   /// Ends answer(), which runs in another thread or is about to, and what is being answered.
   void close();
 
  private:
-  bool process_and_close_socket(socket_t socket) override;
+  void answer_and_close(int socket);
 
+  const ListeningPort& port_;
   std::shared_ptr<const Tls> tls_;
   Connections connections_;
-  std::atomic<bool> ended_{false};
 };
 
 }  // namespace planar
