@@ -88,17 +88,17 @@ TEST_CASE("Before homing, and at a jog that needs it, the keys are named that le
   std::vector<std::string> announced;
   JogConsole console(cell, devices, folder / "t.csv", {},
                      [&](const std::string& sentence) { announced.push_back(sentence); });
-  CHECK(console.status()[0] == "off | press o (command enable)");
+  CHECK(console.status()[0] == "off | enable it (key o)");
   CHECK_THAT(console.execute("home").text, Contains("the drives are off"));
   const std::string to_do =
-      "joint 1, joint 2: press h (command home), which searches the home switches and moves the "
-      "arm; turn joint 3 to its mark at 10.000 deg by hand, then give the command mark 3 (key ':')";
+      "joint 1, joint 2: home the arm (key h), which searches the home switches and moves "
+      "it; turn joint 3 to its mark at 10.000 deg by hand, then give the command mark 3";
   CHECK(console.execute("enable").text == "the drives are on; still to be homed: " + to_do);
   const auto refused = console.execute("joint 1 1");
   CHECK_FALSE(refused.done);
   CHECK(refused.text == "drives do not know where they stand; " + to_do);
   CHECK(console.execute("teach a").text == refused.text);
-  CHECK_THAT(console.status()[0], Contains("not homed | joint 1, joint 2: press h"));
+  CHECK_THAT(console.status()[0], Contains("not homed | joint 1, joint 2: home the arm"));
   CHECK(console.execute("mark 3").done);
   CHECK(console.execute("home").text == "2 joints homed");
   REQUIRE(announced.size() == 2);

@@ -99,9 +99,8 @@ int CellJobs::run(const std::string& name, bool resume) {
         begun(0, goals.size());
         const fs::path table = wanted.out / "targets.csv";
         write_targets(table, goals);
-        double visited = 0.0;
         run_servo(run, goals, [&](std::size_t done, std::size_t all) {
-          show_progress(done, all, age_s() / ++visited * static_cast<double>(all - done));
+          show_progress(done, all);
           tell_result(result_answer(run.results().back()));
         });
         const ServoFigures figures = conclude_run(wanted, run, devices.camera().counts(), table);
@@ -173,7 +172,7 @@ int CellJobs::begin(Doing doing, const std::string& kind, const std::string& nam
 
 int CellJobs::begin_state(JobState job) {
   job.id = ++last_job_;
-  begun_s_ = clock_.now_s();
+  first_.reset();
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     results_.clear();
@@ -262,6 +261,14 @@ void CellJobs::show_progress(std::size_t done, std::size_t all, std::optional<do
     state.job->all = all;
     state.job->left_s = left_s;
   });
+}
+
+void CellJobs::show_progress(std::size_t done, std::size_t all) {
+  const double now_s = clock_.now_s();
+  if (!first_) first_ = {done, now_s};
+  if (done <= first_->done) return show_progress(done, all, {});
+  const double place_s = (now_s - first_->at_s) / static_cast<double>(done - first_->done);
+  show_progress(done, all, place_s * static_cast<double>(all - done));
 }
 
 void CellJobs::tell_result(nlohmann::ordered_json result) {

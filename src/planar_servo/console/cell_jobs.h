@@ -70,8 +70,8 @@ class CellJobs {
   void tell_result(nlohmann::ordered_json result);
   /// Shows how far the job has come.
   void show_progress(std::size_t done, std::size_t all, std::optional<double> left_s);
-  /// Returns the time since the job was begun, seconds.
-  double age_s() const { return clock_.now_s() - begun_s_; }
+  /// Shows the same with the time left, as the places since the first one took.
+  void show_progress(std::size_t done, std::size_t all);
   /// Shows what holds the cell; nothing for an empty reason.
   void hold(const std::string& reason);
 
@@ -92,8 +92,17 @@ class CellJobs {
   std::mutex mutex_;
   std::vector<TargetRow> loaded_;
   std::vector<nlohmann::ordered_json> results_;
-  int last_job_{0};      ///< of the worker's thread
-  double begun_s_{0.0};  ///< of the worker's thread
+  /// The first place that a job has done: how many there are then, and when. What is checked before
+  /// is not in its time.
+  struct FirstPlace {
+    std::size_t done;
+    double at_s;
+  };
+
+  // Of the worker's thread.
+  int last_job_{0};
+  std::optional<FirstPlace> first_{};
+
   static constexpr double kNever{-1e9};
   std::atomic<double> well_s_{kNever};  ///< when the cell was found well last
 };

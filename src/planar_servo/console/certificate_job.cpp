@@ -60,12 +60,11 @@ CellJobs::Ending CertificateJob::certify(const CertificateRequest& request, Cell
   const auto lend = [&](const CellSettings& /*cell*/) {
     return std::shared_ptr<CellDevices>(std::shared_ptr<void>(), &devices);
   };
-  double made = 0.0;
   bool is_begun = false;
   const Certificate certificate =
       certificate_of(run_certificate(request, lend, [&](std::size_t done, std::size_t all) {
         if (!std::exchange(is_begun, true)) return begun(done, all);
-        jobs_.show_progress(done, all, jobs_.age_s() / ++made * static_cast<double>(all - done));
+        jobs_.show_progress(done, all);
       }));
   if (!is_begun) begun(certificate.run.moves.size(), certificate.run.moves.size());
   write_certificate(certificate);

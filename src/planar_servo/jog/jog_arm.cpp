@@ -49,7 +49,7 @@ std::size_t JogArm::home(std::optional<int> joint) {
     const Eigen::Vector2d limits = cell_.transmission.limits_rad[i];
     announce_(fmt::format(
         "joint {} searches its home switch: its whole range takes {:.0f} s at full speed, after "
-        "{:.0f} s it is given up; a key stops it",
+        "{:.0f} s it is given up",
         searched + 1, MotorMove(limits[0], limits[1], cell_.transmission.drives[i]).duration_s(),
         PlanarRobot::kHomingTimeout_s));
     robot_.search_home(searched);
@@ -82,7 +82,7 @@ std::string JogArm::go_to(const TargetRow& target) {
   const TipPose pose{target.p_d, target.phi_d.value_or(cell_.tool_orientation)};
   const JointPlan plan = planner_.plan(pose, commanded());
   if (plan.refusal) throw InputError(*plan.refusal);
-  announce_(fmt::format("the arm moves to {}: about {:.0f} s; a key stops it", target.id,
+  announce_(fmt::format("the arm moves to {}: about {:.0f} s", target.id,
                         std::ceil(duration_s(plan.theta))));
   if (const auto obstacle = arrive(robot_, planner_, cell_.servo, plan.theta, guard())) {
     if (obstacle->refused) throw InputError(obstacle->reason);
@@ -110,7 +110,7 @@ void JogArm::require_ready() {
 }
 
 std::string JogArm::to_do() {
-  if (!enabled_) return "off | press o (command enable)";
+  if (!enabled_) return "off | enable it (key o)";
   const std::string unknown = how_to_home();
   return unknown.empty() ? unknown : "not homed | " + unknown;
 }
@@ -121,14 +121,14 @@ std::string JogArm::how_to_home() {
     if (const auto mark = robot_.home_mark(joint))
       ways.push_back(
           fmt::format("turn joint {0} to its mark at {1:.3f} deg by hand, then give the "
-                      "command mark {0} (key ':')",
+                      "command mark {0}",
                       joint + 1, *mark / kDegree));
     else
       to_search.push_back(fmt::format("joint {}", joint + 1));
   }
   if (!to_search.empty())
-    ways.insert(ways.begin(), fmt::format("{}: press h (command home), which searches the "
-                                          "home switches and moves the arm",
+    ways.insert(ways.begin(), fmt::format("{}: home the arm (key h), which searches the "
+                                          "home switches and moves it",
                                           fmt::join(to_search, ", ")));
   return fmt::format("{}", fmt::join(ways, "; "));
 }
