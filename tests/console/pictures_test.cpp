@@ -34,9 +34,29 @@ TEST_CASE("A region stands bright in the darkened picture before it") {
   Pictures pictures({640, 480});
   pictures.take(frame_of({0, 0, 640, 480}, 200));
   pictures.take(frame_of({320, 240, 160, 160}, 200));
+  CHECK(decoded(pictures.whole()).at<unsigned char>(320, 400) == Approx(200.0).margin(kJpegLevels));
+  pictures.take(frame_of({320, 240, 160, 160}, 200));
   const cv::Mat image = decoded(pictures.whole());
   CHECK(image.at<unsigned char>(320, 400) == Approx(200.0).margin(kJpegLevels));
   CHECK(image.at<unsigned char>(100, 100) == Approx(100.0).margin(kJpegLevels));
+}
+
+TEST_CASE("What is seen stands at its place in a picture of any scale") {
+  for (const cv::Size& sensor_px :
+       {cv::Size(5120, 5120), cv::Size(5472, 3648), cv::Size(4097, 3001)}) {
+    Frame frame = frame_of({{}, sensor_px}, 0);
+    frame.image(cv::Rect({}, sensor_px / 4)) = 200;
+    Pictures pictures(sensor_px);
+    pictures.take(frame);
+    const cv::Mat image = decoded(pictures.whole());
+    INFO(sensor_px);
+    CHECK(image.cols == Pictures::kMostWidth_px);
+    CHECK(cv::mean(image)[0] == Approx(200.0 / 16.0).epsilon(0.01));
+    CHECK(image.at<unsigned char>(image.rows / 4 - 8, image.cols / 4 - 8) ==
+          Approx(200.0).margin(kJpegLevels));
+    CHECK(image.at<unsigned char>(image.rows / 4 + 8, image.cols / 4 + 8) ==
+          Approx(0.0).margin(kJpegLevels));
+  }
 }
 
 TEST_CASE("A lamp at the sensor's edge is shown as far as it was seen") {

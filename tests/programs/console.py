@@ -289,9 +289,9 @@ def try_step(console):
     check(status == 200, answer)
 
     def is_open_anew():
-        with contextlib.suppress(OSError, http.client.HTTPException):
-            return console.state()["opened"] == before + 1
-        return False
+        status, state = console.ask("GET", "/api/state")  # answered at any time
+        check(status == 200, state)
+        return state["opened"] == before + 1
 
     eventually(is_open_anew, "the cell is not opened anew")
     state = console.state()

@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <array>
 #include <initializer_list>
+#include <mutex>
+#include <set>
 #include <stdexcept>
 
 #include "planar_servo/core/clock.h"
@@ -95,11 +97,24 @@ std::optional<Refusal> later_change(const std::filesystem::path& path, const std
       path};
 }
 
+namespace {
+
+/// Says once of a file what holds for it at every reading.
+void note_missing_checksum(const std::filesystem::path& path) {
+  static std::mutex mutex;
+  static std::set<std::filesystem::path> noted;
+  const std::lock_guard<std::mutex> lock(mutex);
+  if (noted.insert(path).second)
+    spdlog::info(fmt::format("{}: has no checksum; a change to it goes unnoticed", path.string()));
+}
+
+}  // namespace
+
 void require_unchanged(const std::filesystem::path& path, const std::string& text) {
   const std::string_view kind = kind_of_text(text);
   if (const auto change = later_change(path, text)) throw InputError(*change);
   if (!value_of(text, kChecksum) && (kind.empty() || has_checksum(kind)))
-    spdlog::info(fmt::format("{}: has no checksum; a change to it goes unnoticed", path.string()));
+    note_missing_checksum(path);
 }
 
 bool seal_by_hand(const std::filesystem::path& path) {

@@ -90,8 +90,8 @@ void GuidedBoard::begin(const PlanRow& row, Views& views) {
                                ? std::string()
                                : fmt::format(" ({} are there)", views.all - views.left);
   person_.say(fmt::format(
-      "{} of the board of {}{}: {}. Each is taken by itself, or at once on Enter; Ctrl-C leaves, "
-      "and the same command continues",
+      "{} of the board of {}{}: {}. Each is taken by itself, or at once on Enter; what is "
+      "there when you leave is kept, and the same command continues",
       more_views(row.plan, views.left), words_of(board_), done,
       row.plan == Plan::kLaidBoard
           ? "lay it flat on the plane of motion, and let it lie until it is taken"

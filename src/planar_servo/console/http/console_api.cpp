@@ -95,7 +95,8 @@ ConsoleApi::ConsoleApi(const Gatekeeper& gate, const KnownCell& cell, StateBoard
       worker_(worker),
       jobs_(jobs),
       orders_(board, worker, jobs),
-      server_(server) {
+      server_(server),
+      allowance_(kRequests_s) {
   server_.set_pre_routing_handler([this](const Request& request, Response& response) {
     return admit(request, response) ? httplib::Server::HandlerResponse::Unhandled
                                     : httplib::Server::HandlerResponse::Handled;

@@ -59,7 +59,7 @@ class ConsoleApi {
 
   std::mutex mutex_;
   SteadyClock clock_;
-  double allowance_{0.0};  ///< requests that may come at once
+  double allowance_;  ///< requests that may come at once
   double allowance_s_{0.0};
   std::atomic<int> streams_{0};
 };

@@ -20,6 +20,19 @@ std::shared_ptr<const std::string> jpeg_of(const cv::Mat& image) {
   return std::make_shared<const std::string>(bytes.begin(), bytes.end());
 }
 
+/// Returns the image in a size that is not larger. Halving is many times faster than any other
+/// ratio.
+cv::Mat shrunk(cv::Mat image, const cv::Size& size) {
+  while (image.cols >= 2 * size.width && image.rows >= 2 * size.height) {
+    cv::Mat half;
+    cv::resize(image, half, image.size() / 2, 0.0, 0.0, cv::INTER_AREA);
+    image = half;
+  }
+  cv::Mat fitted;
+  cv::resize(image, fitted, size, 0.0, 0.0, cv::INTER_AREA);
+  return fitted;
+}
+
 cv::Rect scaled(const cv::Rect& region_px, double scale) {
   const cv::Point corner(cvRound(region_px.x * scale), cvRound(region_px.y * scale));
   return {corner, cv::Size(std::max(1, cvRound(region_px.width * scale)),
@@ -53,16 +66,11 @@ Pictures::Shown Pictures::shown() const {
 cv::Mat Pictures::composed(const Shown& shown) const {
   const double scale = std::min(1.0, static_cast<double>(kMostWidth_px) / sensor_px_.width);
   const cv::Size size = scaled({{}, sensor_px_}, scale).size();
-  cv::Mat image;
-  if (shown.whole)
-    cv::resize(shown.whole->image, image, size, 0.0, 0.0, cv::INTER_AREA);
-  else
-    image = cv::Mat::zeros(size, CV_8UC1);
+  cv::Mat image = shown.whole ? shrunk(shown.whole->image, size) : cv::Mat::zeros(size, CV_8UC1);
   if (!shown.region) return image;
   image *= kOlderShare;
   const cv::Rect place = scaled(shown.region->region_px, scale) & cv::Rect({}, size);
-  if (!place.empty())
-    cv::resize(shown.region->image, image(place), place.size(), 0.0, 0.0, cv::INTER_AREA);
+  if (!place.empty()) shrunk(shown.region->image, place.size()).copyTo(image(place));
   return image;
 }
 
