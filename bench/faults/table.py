@@ -31,7 +31,12 @@ CAUSES = re.compile(
     r"mirrored|exchange|shifted by|frozen|was made with|was changed after|the unit", re.IGNORECASE)
 
 
+# What is said of a sound cell, too.
+SOUND = re.compile(r".*(checking the cell( again)?: |the cell is as it was at its calibration).*\n?")
+
+
 def verdict(fault, status, said):
+    said = SOUND.sub("", said)
     if re.search(fault.causes, said, re.IGNORECASE):
         return "named"
     if CAUSES.search(said):
@@ -41,7 +46,7 @@ def verdict(fault, status, said):
 
 def said_line(fault, said):
     """The line that names the cause, or else the first one."""
-    lines = said.splitlines()
+    lines = SOUND.sub("", said).splitlines()
     naming = [line for line in lines if re.search(fault.causes, line, re.IGNORECASE)]
     return (naming or lines or [""])[0].strip()
 
