@@ -141,9 +141,10 @@ void LearningLandings::learn(const SeenLanding& seen) {
 
 void LearningLandings::unlearn(const SeenLanding& seen) {
   if (learner_.lessons() == 0 || !explains(seen)) return;
-  spdlog::warn(
-      "the arm lands as the calibration found it, not as it was learned since; what was learned is "
-      "discarded");
+  if (!std::exchange(has_discarded_, true))
+    spdlog::warn(
+        "the arm lands as the calibration found it, not as it was learned since; what was learned "
+        "is discarded, as often as that happens");
   learner_ = ArmLearner(found(), unlearned(found(), learner_.learned().arm.form.posture));
 }
 

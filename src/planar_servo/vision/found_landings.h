@@ -90,6 +90,7 @@ class LearningLandings final : public FoundLandings {
 
   ArmLearner learner_;
   bool has_warned_{false};  ///< about looks beyond the caps
+  bool has_discarded_{false};
 };
 
 }  // namespace planar
