@@ -63,7 +63,7 @@ class Console:
         return dict(self._json("/api/place?" + urllib.parse.urlencode(query)))
 
     def picture(self) -> bytes:
-        """Returns the newest picture of the camera as JPEG, at most 1280 px wide."""
+        """Returns the newest picture of the camera as JPEG, at most 1280 px wide; empty before the first one."""
         with self._open("/api/picture.jpg") as answer:
             return bytes(answer.read())
 

@@ -113,6 +113,26 @@ TEST_CASE("Who comes between two servers of a port is answered by the second") {
   });
 }
 
+TEST_CASE("A request that takes long is answered, though the server ends meanwhile") {
+  const ListeningPort listening("127.0.0.1", 0);
+  std::promise<void> asked;
+  ConsoleServer server(listening);
+  server.Get("/", [&](const auto&, auto& response) {
+    asked.set_value();
+    std::this_thread::sleep_for(std::chrono::milliseconds(500));
+    response.set_content("late", "text/plain");
+  });
+  std::thread answering([&] { server.answer(); });
+  auto late = std::async(std::launch::async,
+                         [&] { return httplib::Client("127.0.0.1", listening.number()).Get("/"); });
+  asked.get_future().wait();
+  server.close();
+  answering.join();
+  const auto answer = late.get();
+  REQUIRE(answer);
+  CHECK(answer->body == "late");
+}
+
 TEST_CASE("What is served by https is read by who trusts the certificate, and not in the clear") {
   const test::SelfSigned pair(1.0);
   const ListeningPort listening("127.0.0.1", 0);

@@ -145,9 +145,12 @@ void Connections::remove(const Entry& entry) {
 
 void Connections::close_all() {
   std::unique_lock<std::mutex> lock(mutex_);
+  const auto begun = SteadyTime::now();
   left_.wait_for(lock, kMaySay, [&] { return served_ == 0; });  // the last answers go out
   while (served_ > 0) {
-    for (const Entry& entry : entries_) shutdown(entry.socket, SHUT_RDWR);
+    const bool patient = SteadyTime::now() - begun < kPatience;
+    for (const Entry& entry : entries_)
+      if (entry.waits || !patient) shutdown(entry.socket, SHUT_RDWR);
     left_.wait_for(lock, milliseconds(20));
   }
 }

@@ -35,7 +35,8 @@ class Connections {
   void leave();
   Entry& add(int socket);
   void remove(const Entry& entry);
-  /// Closes all and waits until all have left.
+  /// Closes those that wait for the other side, lets the others be answered for a while, and waits
+  /// until all have left.
   void close_all();
 
  private:

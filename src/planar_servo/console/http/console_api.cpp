@@ -19,6 +19,7 @@ namespace {
 
 constexpr double kRequests_s = 1000.0;  ///< as many may come at once, too
 constexpr int kMostStreams = 48;
+constexpr int kNoContent = 204;
 constexpr char kJson[] = "application/json";
 constexpr char kReports[] = "/reports/";
 constexpr char kReportPolicy[] =
@@ -70,7 +71,10 @@ double number_in(const httplib::Request& request, const char* key) {
 }
 
 void send_jpeg(httplib::Response& response, const Pictures::Jpeg& jpeg) {
-  if (!jpeg.bytes) return refuse(response, 404, {{"there is no picture yet", "ask again"}});
+  if (!jpeg.bytes) {
+    response.status = kNoContent;
+    return;
+  }
   response.set_header("X-Picture-Seq", std::to_string(jpeg.number));
   response.set_content(*jpeg.bytes, "image/jpeg");
 }
