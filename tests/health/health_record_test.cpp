@@ -43,6 +43,7 @@ TEST_CASE("A sound look hardly ever lies beyond half again of a record, however 
     constexpr int kRecords = 2000;
     for (int i = 0; i < kRecords; ++i) {
       std::vector<SeenPlace> seen;
+      seen.reserve(static_cast<std::size_t>(places));
       for (int k = 0; k < places; ++k)
         seen.push_back(place_at("p", {0.2, 0.1}, 0.0, separation(random)));
       const double limit_m = 1.5 * health_record_of(seen).separation_spread_m;
