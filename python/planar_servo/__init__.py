@@ -1,7 +1,7 @@
 """Vision of a planar arm: lamps, cameras, error maps, arms, files, and cells that move.
 
 Lengths are metres and angles radians unless a name says otherwise; files keep their units in their
-names. Pictures are uint8 arrays (rows, columns), whose memory is used as it is. See doc/python.md.
+names. Pictures are uint8 arrays (rows, columns), whose memory is used as it is. See doc/api.md.
 """
 
 from __future__ import annotations
