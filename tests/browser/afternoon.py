@@ -69,6 +69,9 @@ class Afternoon:
     def do_next(self, step):
         self.page.wait(f"{NEXT}.startsWith('{step}: ')", 20)
         opened = self.console.state()["opened"]
+        if step == "camera":
+            command = self.page.text("#next-command")
+            claim("the command of what is next names the board of the recording", f"--grid {BOARD}" in command, command)
         self.page.write("#step-board", BOARD)
         self.page.click("#step-form button")
         self.console.wait_for(lambda state: state["opened"] > opened, 120)

@@ -71,7 +71,7 @@ TEST_CASE("Reports are listed as they are served, without links and without what
 }
 
 TEST_CASE("The files of a cell that is not calibrated are missing, and what is next is said") {
-  const auto files = files_json(read_cell(test::paper_cell_file()));
+  const auto files = files_json(read_cell(test::paper_cell_file()), "circles:11x11:25mm");
   REQUIRE(files["files"].size() >= 4);
   for (const auto& file : files["files"]) CHECK(file["exists"] == false);
   CHECK(files["next"]["command"].get<std::string>().find("planar-plan --cell") == 0);

@@ -6,6 +6,7 @@ cp -r "$2/cell" .
 
 # A dialogue: the next line is sent only when the last one has been answered.
 mkfifo questions
+: >answers
 "$bin/planar-servo" --cell cell/cell.yaml --targets - --out run <questions >answers 2>err.txt &
 servo=$!
 exec 3>questions

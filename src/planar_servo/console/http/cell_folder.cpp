@@ -54,8 +54,8 @@ ordered_json next_json(const std::string& text, const std::string& command = "",
   return {{"text", text}, {"command", command}, {"is_calculated", is_calculated}};
 }
 
-ordered_json next_of(const CellSettings& cell) {
-  for (const WorkStep& step : work_steps(cell.file, kUsualBoard))
+ordered_json next_of(const CellSettings& cell, const std::string& board) {
+  for (const WorkStep& step : work_steps(cell.file, board))
     if (step.state == WorkStep::State::kNext)
       return next_json(step.name + ": " + step.what, step.command, step.is_calculated);
   return next_json("nothing is left to do");
@@ -97,7 +97,7 @@ ordered_json reports_json(const fs::path& folder) {
   return list;
 }
 
-ordered_json files_json(const CellSettings& cell) {
+ordered_json files_json(const CellSettings& cell, const std::string& board) {
   const bool with_map = fs::exists(cell.error_map);
   std::map<fs::path, Refusal> faults;
   auto list = ordered_json::array();
@@ -105,7 +105,7 @@ ordered_json files_json(const CellSettings& cell) {
   try {
     for (const StaleFile& stale : stale_files(cell, with_map))
       faults.emplace(stale.path, stale.refusal);
-    next = next_of(cell);
+    next = next_of(cell, board);
   } catch (const InputError& e) {
     next = next_json(e.what());
   }

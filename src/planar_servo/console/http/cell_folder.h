@@ -23,7 +23,7 @@ std::optional<ServedFile> served_file(const std::filesystem::path& folder, const
 nlohmann::ordered_json reports_json(const std::filesystem::path& folder);
 
 /// Returns the cell's calibration files with what made them and what is wrong with them, and what
-/// `planar next` says.
-nlohmann::ordered_json files_json(const CellSettings& cell);
+/// `planar next` says for this calibration board.
+nlohmann::ordered_json files_json(const CellSettings& cell, const std::string& board);
 
 }  // namespace planar

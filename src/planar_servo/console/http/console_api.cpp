@@ -269,8 +269,9 @@ ConsoleApi::Json ConsoleApi::place(const Request& request) {
   return cell_.place_json(p * kMillimetre, phi, arm ? arm->theta : cell_.settings().arm.home);
 }
 
-ConsoleApi::Json ConsoleApi::files(const Request& /*request*/) {
-  return files_json(cell_.settings());
+ConsoleApi::Json ConsoleApi::files(const Request& request) {
+  const std::string board = request.get_param_value("board");
+  return files_json(cell_.settings(), board.empty() ? kUsualBoard : board);
 }
 
 ConsoleApi::Json ConsoleApi::reports(const Request& /*request*/) {

@@ -1,6 +1,6 @@
 // The cell's files and what they were made from, what is next, its health, and the reports of earlier runs.
 
-import {order} from "./actions.js";
+import {attempt, order} from "./actions.js";
 import {byId, make, put, show} from "./dom.js";
 import {ask} from "./link.js";
 
@@ -14,7 +14,8 @@ function fileRow({role, path, exists, made, program, fault}) {
 }
 
 export async function loadCell() {
-  const [{files, next}, reports] = await Promise.all([ask("/api/files"), ask("/api/reports")]);
+  const board = encodeURIComponent(byId("step-board").value);
+  const [{files, next}, reports] = await Promise.all([ask(`/api/files?board=${board}`), ask("/api/reports")]);
   show("next", Boolean(next));
   put("next-text", next ? next.text : "");
   put("next-command", next && next.command ? next.command : "");
@@ -34,5 +35,6 @@ function doNext(event) {
 
 export function prepareCell() {
   byId("step-form").addEventListener("submit", doNext);
+  byId("step-board").addEventListener("change", () => attempt(loadCell));
   byId("check").addEventListener("click", () => order("/api/check"));
 }

@@ -40,7 +40,7 @@ async function heedFiles(count) {
 function heedJob(job) {
   if (!job || job.ended === null || job.id === endedJob) return;
   endedJob = job.id;
-  loadCell().catch(() => {});  // a console that reads its files anew is silent for a moment
+  attempt(loadCell);
 }
 
 function showState(state) {

@@ -60,7 +60,10 @@ export function prepareRecording() {
     event.preventDefault();
     answer(byId("reading").value.trim());
   });
-  byId("board").addEventListener("change", () => { byId("step-board").value = byId("board").value; });  // it is one board
+  byId("board").addEventListener("change", () => {  // it is one board
+    byId("step-board").value = byId("board").value;
+    byId("step-board").dispatchEvent(new Event("change"));
+  });
   byId("record-form").addEventListener("submit", event => {
     event.preventDefault();
     clearReadings();
