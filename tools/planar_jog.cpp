@@ -221,7 +221,7 @@ Outcome jog(const Options& options) {
   BottomLines bottom;
   JogConsole console(
       cell, *devices, options.teach, [&stop] { return interrupted() || stop.asked(); },
-      [&bottom](const std::string& sentence) { bottom.show(sentence); });
+      [&bottom](const std::string& sentence) { bottom.show(sentence + "\na key stops the arm"); });
   Session session(console, bottom);
   if (!RawTerminal::is_there()) {
     follow_lines(session);

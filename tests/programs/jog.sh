@@ -65,6 +65,7 @@ sleep 0.3
 printf ':go \t' >&3
 on_screen "go a  go b"
 printf 'ab\177\n' >&3
+on_screen "a key stops the arm"
 on_screen "moved to a, .* by the links"
 printf f >&3
 on_screen "another key ends this"

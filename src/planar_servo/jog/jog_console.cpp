@@ -95,8 +95,7 @@ JogConsole::JogConsole(const CellSettings& cell, CellDevices& devices, const fs:
     : cell_(cell),
       devices_(devices),
       announce_(announce ? std::move(announce) : [](const std::string&) {}),
-      arm_(cell, devices, stop,
-           [this](const std::string& text) { announce_(text + "; a key stops it"); }),
+      arm_(cell, devices, stop, announce_),
       lamps_({devices.camera().sensor_size_px(), cell.lamps.layout, vision_of(cell),
               cell.reference_lamps},
              cell.lamps.method, devices.camera(), cell.camera.follow_region_px) {
