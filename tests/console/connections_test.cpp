@@ -92,7 +92,7 @@ TEST_CASE("The server ends while clients wait") {
   }
 }
 
-TEST_CASE("Who comes between two servers of a port is answered by the second") {
+TEST_CASE("A client that connects between two servers of a port is answered by the second") {
   const ListeningPort listening("127.0.0.1", 0);
   const auto serve = [&](const char* text, const std::function<void()>& meanwhile) {
     ConsoleServer server(listening);

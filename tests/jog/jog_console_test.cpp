@@ -88,7 +88,7 @@ TEST_CASE("Before homing, and at a jog that needs it, the keys are named that le
   std::vector<std::string> announced;
   JogConsole console(cell, devices, folder / "t.csv", {},
                      [&](const std::string& sentence) { announced.push_back(sentence); });
-  CHECK(console.status()[0] == "off | enable it (key o)");
+  CHECK(console.status()[0] == "off | enable the drives (key o)");
   CHECK_THAT(console.execute("home").text, Contains("the drives are off"));
   const std::string to_do =
       "joint 1, joint 2: home the arm (key h), which searches the home switches and moves "

@@ -57,7 +57,7 @@ mkfifo keys
 script -qec "$bin/planar-jog --cell cell/cell.yaml --teach taught.csv" /dev/null <keys >screen.txt 2>&1 &
 jog=$!
 exec 3>keys
-on_screen "off | enable it"
+on_screen "off | enable the drives"
 printf o >&3
 on_screen "homed | joints .* deg | end point"
 printf ':joint 9 9\033' >&3 # left, not executed

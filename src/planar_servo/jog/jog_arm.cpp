@@ -110,7 +110,7 @@ void JogArm::require_ready() {
 }
 
 std::string JogArm::to_do() {
-  if (!enabled_) return "off | enable it (key o)";
+  if (!enabled_) return "off | enable the drives (key o)";
   const std::string unknown = how_to_home();
   return unknown.empty() ? unknown : "not homed | " + unknown;
 }

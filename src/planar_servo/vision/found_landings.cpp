@@ -144,7 +144,7 @@ void LearningLandings::unlearn(const SeenLanding& seen) {
   if (!std::exchange(has_discarded_, true))
     spdlog::warn(
         "the arm lands as the calibration found it, not as it was learned since; what was learned "
-        "is discarded, as often as that happens");
+        "is discarded, now and whenever that happens again");
   learner_ = ArmLearner(found(), unlearned(found(), learner_.learned().arm.form.posture));
 }
 

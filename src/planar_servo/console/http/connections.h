@@ -54,8 +54,8 @@ class ConsoleServer final : public httplib::Server {
   /// Without `tls` nothing is encrypted. `port` must outlive the server.
   explicit ConsoleServer(const ListeningPort& port, std::shared_ptr<const Tls> tls = nullptr);
 
-  /// Answers those who come to the port until close() is called from another thread. Who comes
-  /// later waits at the port.
+  /// Answers the port's clients until close() is called from another thread. Later clients wait at
+  /// the port.
   void answer();
   /// Ends answer(), which runs in another thread or is about to, and what is being answered.
   void close();
