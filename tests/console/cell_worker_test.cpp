@@ -41,7 +41,7 @@ struct Bench {
                               "max_speed_deg_s: 5, max_acceleration_deg_s2: 300"));
   }
 
-  double joint_1_deg() const { return board.state().arm->theta[0] / kDegree; }
+  double joint_1_deg() const { return board.state().arm->stand->theta[0] / kDegree; }
   bool rests() { return worker.wait_for_rest(kLongest_s); }
   void begin_move() {
     REQUIRE(worker.command("enable").done);

@@ -78,7 +78,7 @@ TEST_CASE("Nothing moves while a drive is off, faulty or lost") {
   CHECK(faulty.nothing_was_sent());
   ReadyBench lost;
   lost.drives[1].knows_position = false;
-  CHECK_THROWS_WITH(lost.robot.move_to(kSomewhere), "drive 2 has lost its position; home it first");
+  CHECK_THROWS_WITH(lost.robot.move_to(kSomewhere), "drive 2 does not know its position; home it first");
   CHECK(lost.nothing_was_sent());
 }
 
@@ -190,7 +190,7 @@ TEST_CASE("Drives that lost their position are homed only when somebody allows i
   CHECK(bench.robot.unhomed() == std::vector<int>{1});
   home_where_needed(bench.robot, answer(true));
   CHECK(bench.robot.unhomed().empty());
-  CHECK(asked == "drives that have lost their position: 2");
+  CHECK(asked == "drives that do not know their position: 2");
   asked.clear();
   home_where_needed(bench.robot, answer(false));
   CHECK(asked.empty());

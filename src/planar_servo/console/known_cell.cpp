@@ -52,6 +52,15 @@ ordered_json arrow_json(const Eigen::Vector2d& p, const ErrorPrediction& error) 
           {"sigma_mm", json_number(mm(error.sigma))}};
 }
 
+ArmStand stand_at(const JointPlanner& planner, const std::array<DriveStatus, 3>& drives) {
+  const Pulses pulses(drives[0].position_pulses, drives[1].position_pulses,
+                      drives[2].position_pulses);
+  const Joints theta = planner.transmission().joints_from_pulses(pulses);
+  const PlanarArm& arm = planner.arm();
+  const Eigen::Vector2d elbow(std::cos(theta[0]), arm.sense() * std::sin(theta[0]));
+  return {theta, arm.geometry().link_lengths_m[0] * elbow, arm.forward(theta)};
+}
+
 /// Says what is to be done with drives before the arm can move; empty when it can.
 std::string to_do(const CellSettings& cell, const std::array<DriveStatus, 3>& drives,
                   bool enabled) {
@@ -92,19 +101,11 @@ std::vector<Refusal> KnownCell::doubts() const {
 
 ArmState KnownCell::arm_at(const std::array<DriveStatus, 3>& drives, bool enabled) const {
   ArmState state;
-  Pulses pulses;
-  for (std::size_t i = 0; i < drives.size(); ++i)
-    pulses[static_cast<int>(i)] = drives[i].position_pulses;
-  state.theta = planner_.transmission().joints_from_pulses(pulses);
-  const PlanarArm& arm = planner_.arm();
-  state.tip = arm.forward(state.theta);
-  const double length_m = arm.geometry().link_lengths_m[0];
-  state.elbow_B =
-      length_m * Eigen::Vector2d(std::cos(state.theta[0]), arm.sense() * std::sin(state.theta[0]));
   state.enabled = enabled && std::all_of(drives.begin(), drives.end(),
                                          [](const auto& drive) { return drive.energized; });
-  state.homed = std::all_of(drives.begin(), drives.end(),
-                            [](const auto& drive) { return drive.position_certain; });
+  if (std::all_of(drives.begin(), drives.end(),
+                  [](const auto& drive) { return drive.position_certain; }))
+    state.stand = stand_at(planner_, drives);
   state.to_do = to_do(cell_, drives, state.enabled);
   return state;
 }

@@ -27,13 +27,17 @@ ordered_json or_null(const std::string& text) {
 }
 
 ordered_json arm_json(const ArmState& arm) {
-  return {{"enabled", arm.enabled},
-          {"homed", arm.homed},
-          {"joints_deg", json_numbers(arm.theta / kDegree)},
-          {"elbow_mm", json_mm(arm.elbow_B)},
-          {"tip_mm", json_mm(arm.tip.p)},
-          {"phi_deg", json_number(arm.tip.phi / kDegree)},
-          {"to_do", or_null(arm.to_do)}};
+  const auto& stand = arm.stand;
+  const auto if_known = [&](const auto& value) { return stand ? value(*stand) : ordered_json(); };
+  return {
+      {"enabled", arm.enabled},
+      {"homed", stand.has_value()},
+      {"joints_deg", if_known([](const ArmStand& at) { return json_numbers(at.theta / kDegree); })},
+      {"elbow_mm", if_known([](const ArmStand& at) { return json_mm(at.elbow_B); })},
+      {"tip_mm", if_known([](const ArmStand& at) { return json_mm(at.tip.p); })},
+      {"phi_deg",
+       if_known([](const ArmStand& at) { return ordered_json(json_number(at.tip.phi / kDegree)); })},
+      {"to_do", or_null(arm.to_do)}};
 }
 
 ordered_json lamps_json(const std::array<LampState, 2>& lamps) {

@@ -45,12 +45,17 @@ constexpr Named<Doing> kDoings[] = {{Doing::kIdle, "idle"},
                                     {Doing::kChecking, "checking"},
                                     {Doing::kCalculating, "calculating"}};
 
-/// The arm as its drives report it. Lengths in metres, angles in radians.
-struct ArmState {
-  bool enabled{false}, homed{false};
+/// Where an arm stands. Lengths in metres, angles in radians.
+struct ArmStand {
   Joints theta{0.0, 0.0, 0.0};
   Eigen::Vector2d elbow_B{0.0, 0.0};
   TipPose tip;
+};
+
+/// The arm as its drives report it.
+struct ArmState {
+  bool enabled{false};
+  std::optional<ArmStand> stand{};  ///< none before all drives know their position
   std::string to_do{};  ///< what is to be done before it can move; empty when it can
 };
 

@@ -58,6 +58,7 @@ std::size_t JogArm::home(std::optional<int> joint) {
 }
 
 void JogArm::turn(int joint, double angle) {
+  require_ready();
   const Transmission& transmission = planner_.transmission();
   Eigen::Vector3d motors = transmission.motors_from_joints(commanded());
   motors[joint] += angle;
@@ -68,6 +69,7 @@ void JogArm::step(const Eigen::Vector2d& step_B) {
   if (step_B.norm() > kMostStep)
     throw InputError({fmt::format("a step of {:.3f} mm is too long", mm(step_B.norm())),
                       fmt::format("at most {:.0f} mm at a time", mm(kMostStep))});
+  require_ready();
   const Joints near = commanded();
   const PlanarArm& arm = planner_.arm();
   TipPose tip = arm.forward(near);
@@ -92,7 +94,7 @@ std::string JogArm::go_to(const TargetRow& target) {
 }
 
 void JogArm::take_over() {
-  robot_.present_joints();
+  robot_.read_drives();
   const auto drives = drives_.status();
   enabled_ = std::all_of(drives.begin(), drives.end(),
                          [](const DriveStatus& drive) { return drive.energized; });
@@ -133,7 +135,9 @@ std::string JogArm::how_to_home() {
   return fmt::format("{}", fmt::join(ways, "; "));
 }
 
-std::string JogArm::where() const {
+std::string JogArm::where() {
+  if (const std::string unknown = how_to_home(); !unknown.empty())
+    return "nobody knows where the arm stands; " + unknown;
   const TipPose at = tip();
   return fmt::format("joints {} deg, end point {}, phi {} deg",
                      fixed(commanded() / kDegree, 3, " "), place_mm(at.p),
@@ -141,7 +145,6 @@ std::string JogArm::where() const {
 }
 
 void JogArm::move_to(const Joints& theta) {
-  require_ready();
   if (const auto forbidden = refusal(theta)) throw InputError(*forbidden);
   if (const auto objection = robot_.move_to(theta, guard()))
     throw WorkError(*objection + "; the arm has stopped at " + where());

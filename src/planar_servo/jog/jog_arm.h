@@ -54,11 +54,12 @@ class JogArm {
   std::string how_to_home();
 
   bool enabled() const { return enabled_; }
+  /// These throw DriveError while a drive does not know its position.
   Joints commanded() const { return robot_.commanded_joints(); }
-  const Pulses& pulses() const { return robot_.commanded_pulses(); }
   TipPose tip() const { return planner_.arm().forward(commanded()); }
-  /// Says where joints and end point are commanded to.
-  std::string where() const;
+  std::optional<Pulses> known_pulses() const { return robot_.known_pulses(); }
+  /// Says where joints and end point are commanded to, or what to do before that is known.
+  std::string where();
 
  private:
   void require_enabled() const;

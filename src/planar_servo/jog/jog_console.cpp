@@ -133,7 +133,6 @@ JogConsole::Answer JogConsole::execute(const std::string& line) {
 
 std::array<std::string, 2> JogConsole::status() {
   const std::string to_do = arm_.to_do();
-  const Joints theta = arm_.commanded();
   const bool known = to_do.empty();
   const auto seen_B = known ? seen() : std::nullopt;
   const CameraExposure camera = devices_.camera().exposure();
@@ -143,13 +142,13 @@ std::array<std::string, 2> JogConsole::status() {
     light += fmt::format(", peak {}, {:.1f} % sat.", exposure->peak_level,
                          100.0 * exposure->saturated_share);
   return {known ? fmt::format("homed | joints {} deg | end point {}",
-                              fixed(theta / kDegree, 2, " "), place_mm(arm_.tip().p))
+                              fixed(arm_.commanded() / kDegree, 2, " "), place_mm(arm_.tip().p))
                 : to_do,
           fmt::format("{} | {}", seen_B ? "seen " + place_mm(*seen_B) : "press l to look", light)};
 }
 
 std::optional<Eigen::Vector2d> JogConsole::seen() const {
-  if (!seen_ || seen_->pulses != arm_.pulses()) return std::nullopt;
+  if (!seen_ || arm_.known_pulses() != seen_->pulses) return std::nullopt;
   return seen_->p;
 }
 
@@ -232,6 +231,8 @@ std::string JogConsole::look(const Words& /*words*/) {
   announce_look(sensor_ ? cell_.servo.frames_per_measurement : 0);
   std::string text = read_exposure(lamps_.whole_frame().image).text();
   if (!sensor_) return text + "\nthe cell's vision is not calibrated yet";
+  if (const std::string unknown = arm_.how_to_home(); !unknown.empty())
+    return text + "\nthe tool is not measured: nobody knows where the arm stands; " + unknown;
   const TipMeasurement seen = measure();
   if (!seen.ok()) return text + "\nthe tool is not measured: " + seen.word;
   return text + fmt::format("\nend point seen at {} +- {:.4f} mm{}", place_mm(seen.tip.p),
@@ -303,7 +304,7 @@ void JogConsole::announce_look(int frames) {
 TipMeasurement JogConsole::measure() {
   devices_.clock().sleep_for_s(cell_.servo.settle_s);
   TipMeasurement seen = sensor_->measure(arm_.tip(), cell_.servo.frames_per_measurement);
-  if (seen.ok()) seen_ = Seen{seen.tip.p, arm_.pulses()};
+  if (seen.ok()) seen_ = Seen{seen.tip.p, *arm_.known_pulses()};
   return seen;
 }
 

@@ -56,6 +56,10 @@ std::string in_words(const std::vector<std::string>& faults) {
   return fmt::format("{}", fmt::join(faults, ", "));
 }
 
+[[noreturn]] void throw_unhomed(std::size_t joint) {
+  throw DriveError({fmt::format("drive {} does not know its position", joint + 1), "home it first"});
+}
+
 [[noreturn]] void throw_stopped() {
   throw StopRequested("the arm was stopped as asked");
 }
@@ -124,6 +128,26 @@ std::vector<int> PlanarRobot::unhomed() {
   return joints;
 }
 
+std::optional<Pulses> PlanarRobot::known_pulses() const {
+  const bool known = std::all_of(commanded_pulses_.begin(), commanded_pulses_.end(),
+                                 [](const auto& pulses) { return pulses.has_value(); });
+  return known ? std::optional(commanded_pulses()) : std::nullopt;
+}
+
+std::optional<Joints> PlanarRobot::known_joints() const {
+  const auto pulses = known_pulses();
+  return pulses ? std::optional(transmission_.joints_from_pulses(*pulses)) : std::nullopt;
+}
+
+Pulses PlanarRobot::commanded_pulses() const {
+  Pulses pulses;
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (!commanded_pulses_[i]) throw_unhomed(i);
+    pulses[static_cast<int>(i)] = *commanded_pulses_[i];
+  }
+  return pulses;
+}
+
 std::optional<double> PlanarRobot::home_mark(int joint) const {
   const MotorDrive& motor = motor_drive(joint);
   if (motor.home != HomeReference::kTaught) return std::nullopt;
@@ -183,7 +207,7 @@ std::optional<std::string> PlanarRobot::move_to(const Joints& theta, const Guard
     throw WorkError(
         Refusal{"the arm is under velocity control", "end that before it moves to a position"});
   const Pulses target = transmission_.pulses_from_joints(theta);
-  require_ready();
+  read_positions(require_ready());
   bool stops = false;
   std::optional<std::string> objection;
   const auto must_rest = [&] {
@@ -200,7 +224,7 @@ void PlanarRobot::travel(const Pulses& target, const std::function<bool()>& must
   const double timeout_s = kTimeoutFactor * longest_move_s(target) + kTimeoutMargin_s;
   try {
     drives_.set_targets({target[0], target[1], target[2]});
-    commanded_pulses_ = target;
+    for (std::size_t i = 0; i < 3; ++i) commanded_pulses_[i] = target[static_cast<int>(i)];
     bool rests = false;
     wait_for(timeout_s, [&](const auto& now) {
       if ((rests = must_rest())) return true;
@@ -218,6 +242,7 @@ void PlanarRobot::travel(const Pulses& target, const std::function<bool()>& must
 }
 
 void PlanarRobot::brake() {
+  const Pulses commanded = commanded_pulses();
   std::array<std::int32_t, 3> stop_pulses;
   double longest_s = 0.0;
   for (int i = 0; i < 3; ++i) {
@@ -225,7 +250,7 @@ void PlanarRobot::brake() {
         std::abs(transmission_.pulses_per_rad()[i]) * motor_drive(i).max_acceleration_rad_s2;
     const double speed = speed_pulses_s_[i];
     const double way = speed * std::abs(speed) / (2.0 * acceleration);
-    const double seen = seen_pulses_[i], target = commanded_pulses_[i];
+    const double seen = seen_pulses_[i], target = commanded[i];
     stop_pulses[static_cast<std::size_t>(i)] = static_cast<std::int32_t>(
         std::lround(std::clamp(seen + way, std::min(seen, target), std::max(seen, target))));
     longest_s = std::max(longest_s, std::abs(speed) / acceleration);
@@ -323,8 +348,7 @@ PlanarRobot::Status PlanarRobot::require_well() {
 PlanarRobot::Status PlanarRobot::require_ready() {
   Status status = require_well();
   for (std::size_t i = 0; i < 3; ++i)
-    if (!status[i].position_certain)
-      throw DriveError({fmt::format("drive {} has lost its position", i + 1), "home it first"});
+    if (!status[i].position_certain) throw_unhomed(i);
   note_speeds(status);
   return status;
 }
@@ -387,20 +411,23 @@ std::int32_t PlanarRobot::home_pulses(int joint) const {
 }
 
 double PlanarRobot::longest_move_s(const Pulses& target) const {
+  const Pulses from = commanded_pulses();
   double longest_s = 0.0;
   for (int i = 0; i < 3; ++i) {
     const MotorDrive& motor = motor_drive(i);
     const double pulses_per_rad = transmission_.pulses_per_rad()[i];
-    const MotorMove move(commanded_pulses_[i] / pulses_per_rad, target[i] / pulses_per_rad, motor);
+    const MotorMove move(from[i] / pulses_per_rad, target[i] / pulses_per_rad, motor);
     longest_s = std::max(longest_s, move.duration_s());
   }
   return longest_s;
 }
 
 void PlanarRobot::read_positions(const Status& status) {
-  for (int i = 0; i < 3; ++i)
-    if (status[static_cast<std::size_t>(i)].answers)
-      commanded_pulses_[i] = status[static_cast<std::size_t>(i)].position_pulses;
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (!status[i].answers) continue;
+    commanded_pulses_[i].reset();
+    if (status[i].position_certain) commanded_pulses_[i] = status[i].position_pulses;
+  }
 }
 
 }  // namespace planar

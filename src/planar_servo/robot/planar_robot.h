@@ -70,6 +70,8 @@ class PlanarRobot {
 
   /// Returns the joints whose drives do not know their position.
   std::vector<int> unhomed();
+  /// Asks the drives anew where they stand, for a robot whose drives another one has moved.
+  void read_drives() { read_positions(drives_.status()); }
 
   /// Moves a motor to its home switch and counts its position from there. Throws DriveError when it
   /// has no switch, does not find it or fails; all motors halt then.
@@ -89,9 +91,14 @@ class PlanarRobot {
   /// their position are unhomed() then.
   void recover(double patience_s);
 
-  /// Returns the joint angles of the pulses that were commanded last, which are whole numbers.
-  Joints commanded_joints() const { return transmission_.joints_from_pulses(commanded_pulses_); }
-  const Pulses& commanded_pulses() const { return commanded_pulses_; }
+  /// Returns the pulses that were commanded last, and their joint angles; nothing while a drive
+  /// counts from where nobody knows: from a reset or an abrupt stop until it is homed, taught or
+  /// set.
+  std::optional<Pulses> known_pulses() const;
+  std::optional<Joints> known_joints() const;
+  /// The same for what plans from there. Throws DriveError naming the drives to be homed.
+  Pulses commanded_pulses() const;
+  Joints commanded_joints() const { return transmission_.joints_from_pulses(commanded_pulses()); }
 
   /// Is asked every few milliseconds while the arm moves; returns why the arm must stop, if it
   /// must.
@@ -112,7 +119,8 @@ class PlanarRobot {
   /// DriveError naming the drives that could not be told.
   void halt();
 
-  /// Reads where the drives stand now, also while they turn.
+  /// Reads where the drives stand now, also while they turn. Throws DriveError when one does not
+  /// know.
   Joints present_joints();
 
   /// A velocity holds for this time; unless the next one comes before, the arm slows down to rest.
@@ -173,7 +181,7 @@ class PlanarRobot {
   DriveGroup& drives_;
   Clock& clock_;
   std::function<bool()> stop_;
-  Pulses commanded_pulses_{0, 0, 0};
+  std::array<std::optional<std::int32_t>, 3> commanded_pulses_;  ///< a motor's is empty while unknown
   VelocityMove turning_;  ///< the last one, under velocity control
   bool velocity_control_{false};
   Eigen::Vector3d seen_pulses_{0.0, 0.0, 0.0};  ///< at the last look, when, and how fast

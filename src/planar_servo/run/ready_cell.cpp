@@ -99,14 +99,15 @@ ReadyCell::ReadyCell(const ServoRequest& request, CellDevices& devices)
 
 void ReadyCell::switch_on() {
   robot_.energize();
-  if (examined_s_) begun_at_ = robot_.commanded_pulses();
-  sensor_.aim(robot_.arm().forward(robot_.commanded_joints()));
+  if (examined_s_) begun_at_ = robot_.known_pulses();
+  if (const auto theta = robot_.known_joints()) sensor_.aim(robot_.arm().forward(*theta));
 }
 
 std::optional<std::string> ReadyCell::examine_if_due() {
+  if (!robot_.known_joints()) home_where_needed(robot_, may_home_);
   if (!examined_s_) {
     if (const std::string unwell = examine(); !unwell.empty()) throw WorkError(unwell);
-    begun_at_ = robot_.commanded_pulses();
+    begun_at_ = robot_.known_pulses();
     return std::string();
   }
   if (!was_examined_s_ago(kExamineEvery_s)) return std::nullopt;
@@ -114,7 +115,7 @@ std::optional<std::string> ReadyCell::examine_if_due() {
 }
 
 bool ReadyCell::has_moved_on() const {
-  return begun_at_ && robot_.commanded_pulses() != *begun_at_;
+  return begun_at_ && robot_.known_pulses() != *begun_at_;
 }
 
 std::optional<std::string> ReadyCell::examine_at_end() {

@@ -71,7 +71,7 @@ class ReadyCell {
   /// Switches the drives on and moves the camera's region to the lamps.
   void switch_on();
 
-  /// Checks, before the first motion and every ten minutes after it, whether the cell still agrees
+  /// Homes where that is needed. Checks, before the first other motion and every ten minutes after it, whether the cell still agrees
   /// with its files and its calibration. Returns nothing when no check was due, an empty text when
   /// the cell is well, else what is not. Throws WorkError when it is not well at first.
   std::optional<std::string> examine_if_due();
@@ -124,7 +124,7 @@ class ReadyCell {
   bool check_health_;
   std::function<void(const std::vector<HealthFinding>&)> found_;
   std::optional<double> examined_s_;  ///< when the cell was last checked
-  std::optional<Pulses> begun_at_;    ///< where the arm stood after the first look
+  std::optional<std::optional<Pulses>> begun_at_;  ///< where the arm stood after the first look, if known
   VisionCalibration vision_;
   std::optional<HealthRecord> health_;
   GuardLimits limits_;

@@ -266,7 +266,7 @@ ConsoleApi::Json ConsoleApi::place(const Request& request) {
   std::optional<double> phi;
   if (request.has_param("phi_deg")) phi = number_in(request, "phi_deg") * kDegree;
   const auto arm = board_.state().arm;
-  return cell_.place_json(p * kMillimetre, phi, arm ? arm->theta : cell_.settings().arm.home);
+  return cell_.place_json(p * kMillimetre, phi, arm && arm->stand ? arm->stand->theta : cell_.settings().arm.home);
 }
 
 ConsoleApi::Json ConsoleApi::files(const Request& request) {

@@ -108,11 +108,10 @@ function showArrows() {
 function showArm() {
   const {arm, seen_mm: seen} = state, marks = [];
   if (trail.length > 1) marks.push(line(trail, {class: "trail"}));
-  if (arm) {
+  if (arm && arm.homed) {
     const {elbow_mm: elbow, tip_mm: tip, phi_deg: phi} = arm;
     const along = [Math.cos(phi * Math.PI / 180), Math.sin(phi * Math.PI / 180)];
-    const name = arm.homed ? "link" : "link unsure";
-    marks.push(line([[0, 0], elbow, tip], {class: `${name} under`}), line([[0, 0], elbow, tip], {class: name}),
+    marks.push(line([[0, 0], elbow, tip], {class: "link under"}), line([[0, 0], elbow, tip], {class: "link"}),
       line([tip, [tip[0] + along[0] * 22 * px, tip[1] + along[1] * 22 * px]], {class: "tool"}),
       draw("circle", {r: 7 * px, class: "base"}), draw("circle", {cx: elbow[0], cy: -elbow[1], r: 4 * px, class: "base"}),
       draw("circle", {cx: tip[0], cy: -tip[1], r: 4 * px, class: "tip"}));
@@ -149,7 +148,7 @@ export function showField(next) {
   const tip = arm && arm.homed ? arm.tip_mm : null, last = trail[trail.length - 1];
   if (tip && (!last || Math.hypot(tip[0] - last[0], tip[1] - last[1]) > px)) trail.push(tip);
   if (trail.length > TRAIL) trail.shift();
-  put("tip", tip ? `${placeText(tip)}  φ ${fixed(turned(arm.phi_deg), 2)}°` : "–");
+  put("tip", tip ? `${placeText(tip)}  φ ${fixed(turned(arm.phi_deg), 2)}°` : arm ? "unknown until homed" : "–");
   put("seen", placeText(seen));
   put("joints", tip ? `${arm.joints_deg.map(angle => fixed(angle, 3)).join("  ")}°` : "–");
   showArm();
